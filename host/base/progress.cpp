@@ -1,0 +1,76 @@
+#include "host/base/progress.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace pvg {
+namespace {
+
+constexpr double TERMINAL_PERIOD = 0.1, LINE_PERIOD = 10;  // least time between two prints [s]
+
+std::string time_text(double seconds) {
+  char text[32];
+  const long whole = std::lround(seconds);
+  if (whole < 60)
+    std::snprintf(text, sizeof text, "%ld s", whole);
+  else
+    std::snprintf(text, sizeof text, "%ld min %02ld s", whole / 60, whole % 60);
+  return text;
+}
+
+}  // namespace
+
+std::string progress_line(const std::string& label, const std::string& unit, std::size_t done, std::size_t total,
+                          double seconds, int bar_width) {
+  const double share = total ? double(done) / double(total) : 1;
+  std::string line = label + "  ";
+  if (bar_width > 0) {
+    const int full = int(share * bar_width);
+    line += "[" + std::string(std::size_t(full), '#') + std::string(std::size_t(bar_width - full), '-') + "]  ";
+  }
+  line += std::to_string(done) + "/" + std::to_string(total) + " " + unit;
+  // no rate before there is something to divide
+  if (done > 0 && seconds > 0) {
+    const double rate = double(done) / seconds;
+    char text[64];
+    std::snprintf(text, sizeof text, "  %.*f %s/s", rate < 10 ? 2 : 0, rate, unit.c_str());
+    line += text;
+    line += done < total ? "  " + time_text(double(total - done) / rate) + " left" : "  in " + time_text(seconds);
+  }
+  return line;
+}
+
+Progress::Progress(std::string label, std::string unit, std::size_t total)
+    : label_(std::move(label)),
+      unit_(std::move(unit)),
+      total_(total),
+      is_terminal_(isatty(STDERR_FILENO)),
+      start_(std::chrono::steady_clock::now()),
+      last_(start_ - std::chrono::hours(1)) {}
+
+Progress::~Progress() {
+  if (is_terminal_ && shown_ > 0) std::fputc('\n', stderr);
+}
+
+void Progress::show(std::size_t done, double seconds) {
+  const std::string line = progress_line(label_, unit_, done, total_, seconds, is_terminal_ ? 24 : 0);
+  // on a terminal over the line before; \x1b[K clears what a longer one left
+  std::fprintf(stderr, is_terminal_ ? "\r%s\x1b[K" : "%s\n", line.c_str());
+  std::fflush(stderr);
+  shown_ = done;
+}
+
+void Progress::advance_to(std::size_t done) {
+  const std::lock_guard lock(mutex_);
+  if (total_ == 0) return;
+  const auto now = std::chrono::steady_clock::now();
+  const std::chrono::duration<double> since = now - last_, all = now - start_;
+  if (done < total_ && since.count() < (is_terminal_ ? TERMINAL_PERIOD : LINE_PERIOD)) return;
+  last_ = now;
+  show(done, all.count());
+}
+
+}  // namespace pvg

@@ -1,0 +1,31 @@
+// A bar with rate and time left on a terminal, a plain line now and then elsewhere. Writes to stderr, so that stdout
+// stays for results.
+#pragma once
+#include <chrono>
+#include <mutex>
+#include <string>
+
+namespace pvg {
+
+class Progress {
+ public:
+  // unit: what is counted, such as "frames"; total 0: nothing is shown
+  Progress(std::string label, std::string unit, std::size_t total);
+  ~Progress();  // ends the line
+  Progress(const Progress&) = delete;
+  void advance_to(std::size_t done);  // from any thread
+
+ private:
+  void show(std::size_t done, double seconds);
+  std::string label_, unit_;
+  std::size_t total_, shown_ = 0;
+  bool is_terminal_;
+  std::chrono::steady_clock::time_point start_, last_;
+  std::mutex mutex_;
+};
+
+// One line of progress: "episode 0  [####----]  12/40 frames  3.1 frames/s  9 s left".
+std::string progress_line(const std::string& label, const std::string& unit, std::size_t done, std::size_t total,
+                          double seconds, int bar_width);
+
+}  // namespace pvg

@@ -1,0 +1,261 @@
+#include "host/device/choose_device.hpp"
+#include "host/device/impl.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+namespace pvg {
+namespace {
+
+std::string code_name(cl_int code) {
+  switch (code) {
+    case CL_DEVICE_NOT_FOUND:
+      return "CL_DEVICE_NOT_FOUND";
+    case CL_DEVICE_NOT_AVAILABLE:
+      return "CL_DEVICE_NOT_AVAILABLE";
+    case CL_MEM_OBJECT_ALLOCATION_FAILURE:
+      return "CL_MEM_OBJECT_ALLOCATION_FAILURE";
+    case CL_OUT_OF_RESOURCES:
+      return "CL_OUT_OF_RESOURCES";
+    case CL_OUT_OF_HOST_MEMORY:
+      return "CL_OUT_OF_HOST_MEMORY";
+    case CL_BUILD_PROGRAM_FAILURE:
+      return "CL_BUILD_PROGRAM_FAILURE";
+    case CL_INVALID_VALUE:
+      return "CL_INVALID_VALUE";
+    case CL_INVALID_BUFFER_SIZE:
+      return "CL_INVALID_BUFFER_SIZE";
+    case CL_INVALID_KERNEL_NAME:
+      return "CL_INVALID_KERNEL_NAME";
+    case CL_INVALID_ARG_SIZE:
+      return "CL_INVALID_ARG_SIZE";
+    case CL_INVALID_KERNEL_ARGS:
+      return "CL_INVALID_KERNEL_ARGS";
+    default:
+      return "OpenCL code " + std::to_string(code);
+  }
+}
+
+void require(cl_int code, const std::string& what) {
+  if (code != CL_SUCCESS) throw DeviceError(what + ": the OpenCL driver answered " + code_name(code));
+}
+
+template <class Id, class Query>
+std::string text_info(Id id, Query query, unsigned what) {
+  std::size_t bytes = 0;
+  if (query(id, what, 0, nullptr, &bytes) != CL_SUCCESS || bytes == 0) return "";
+  std::string text(bytes, '\0');
+  query(id, what, bytes, text.data(), nullptr);
+  while (!text.empty() && text.back() == '\0') text.pop_back();
+  return text;
+}
+
+template <class T>
+T number_info(cl_device_id id, unsigned what) {
+  T value{};
+  clGetDeviceInfo(id, what, sizeof value, &value, nullptr);
+  return value;
+}
+
+struct FoundDevice {
+  cl_device_id id;
+  DeviceInfo info;
+};
+
+std::vector<FoundDevice> find_devices() {
+  cl_uint n_platforms = 0;
+  if (clGetPlatformIDs(0, nullptr, &n_platforms) != CL_SUCCESS) return {};
+  std::vector<cl_platform_id> platforms(n_platforms);
+  clGetPlatformIDs(n_platforms, platforms.data(), nullptr);
+  std::vector<FoundDevice> found;
+  for (cl_platform_id platform : platforms) {
+    cl_uint n = 0;
+    if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &n) != CL_SUCCESS) continue;
+    std::vector<cl_device_id> ids(n);
+    clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, n, ids.data(), nullptr);
+    for (cl_device_id id : ids) {
+      DeviceInfo info;
+      info.index = found.size();
+      info.platform = text_info(platform, clGetPlatformInfo, CL_PLATFORM_NAME);
+      info.name = text_info(id, clGetDeviceInfo, CL_DEVICE_NAME);
+      info.driver = text_info(id, clGetDeviceInfo, CL_DRIVER_VERSION);
+      info.version = text_info(id, clGetDeviceInfo, CL_DEVICE_VERSION);
+      info.is_gpu = number_info<cl_device_type>(id, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_GPU;
+      info.has_fp64 = text_info(id, clGetDeviceInfo, CL_DEVICE_EXTENSIONS).find("cl_khr_fp64") != std::string::npos;
+      info.compute_units = number_info<cl_uint>(id, CL_DEVICE_MAX_COMPUTE_UNITS);
+      info.memory_bytes = number_info<cl_ulong>(id, CL_DEVICE_GLOBAL_MEM_SIZE);
+      found.push_back({id, info});
+    }
+  }
+  return found;
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+}  // namespace
+
+namespace {
+
+// the device that the text names; empty: the first GPU with double precision, else the first device
+const DeviceInfo& find_named(const std::vector<DeviceInfo>& devices, const std::string& which) {
+  if (which.empty()) {
+    for (const DeviceInfo& device : devices)
+      if (device.is_gpu && device.has_fp64) return device;
+    return devices.front();
+  }
+  const bool is_index = which.find_first_not_of("0123456789") == std::string::npos && which.size() < 6;
+  for (const DeviceInfo& device : devices)
+    if (is_index ? std::stoul(which) == device.index
+                 : (which == "gpu" && device.is_gpu) || (which == "cpu" && !device.is_gpu) ||
+                       lower(device.name + " " + device.platform).find(lower(which)) != std::string::npos)
+      return device;
+  throw UsageError("--device " + which + " fits none of the " + std::to_string(devices.size()) +
+                   " OpenCL devices; `phyvisgen devices` lists them");
+}
+
+}  // namespace
+
+const DeviceInfo& choose_device(const std::vector<DeviceInfo>& devices, const std::string& which) {
+  if (devices.empty())
+    throw UsageError(
+        "no OpenCL device was found: install a driver (pocl-opencl-icd for the CPU), then try `phyvisgen devices`");
+  const DeviceInfo& device = find_named(devices, which);
+  if (!device.has_fp64)
+    throw UsageError(
+        "device " + device.name +
+        " has no double precision (cl_khr_fp64), which the contact solver needs; choose another with --device");
+  return device;
+}
+
+std::vector<DeviceInfo> list_devices() {
+  std::vector<DeviceInfo> infos;
+  for (const FoundDevice& device : find_devices()) infos.push_back(device.info);
+  return infos;
+}
+
+Device::Device(const std::string& which) : impl_(std::make_unique<Impl>()) {
+  const std::vector<FoundDevice> devices = find_devices();
+  std::vector<DeviceInfo> infos;
+  for (const FoundDevice& found : devices) infos.push_back(found.info);
+  const FoundDevice& device = devices.at(choose_device(infos, which).index);
+  impl_->info = device.info;
+  impl_->id = device.id;
+  cl_int code = 0;
+  impl_->context = clCreateContext(nullptr, 1, &device.id, nullptr, nullptr, &code);
+  require(code, "open device " + device.info.name);
+  impl_->queue = clCreateCommandQueue(impl_->context, device.id, 0, &code);
+  require(code, "open a queue on device " + device.info.name);
+}
+Device::~Device() = default;
+Device::Device(Device&&) noexcept = default;
+const DeviceInfo& Device::info() const { return impl_->info; }
+void Device::finish() { require(clFinish(impl_->queue), "wait for the device"); }
+std::size_t Device::peak_bytes() const { return impl_->peak_bytes; }
+
+namespace detail {
+
+void throw_size_mismatch(const std::string& name, std::size_t has, std::size_t given) {
+  throw std::logic_error("buffer " + name + " has " + std::to_string(has) + " elements, was given " +
+                         std::to_string(given));
+}
+
+Memory::Memory(Device& device, std::size_t bytes, std::string name)
+    : device_(&device), bytes_(bytes), name_(std::move(name)) {
+  cl_int code = 0;
+  handle_ = clCreateBuffer(device.impl().context, CL_MEM_READ_WRITE, bytes, nullptr, &code);
+  require(code, "allocate " + name_ + ", " + std::to_string(bytes) + " bytes");
+  Device::Impl& impl = device.impl();
+  impl.live_bytes += bytes;
+  impl.peak_bytes = std::max(impl.peak_bytes, impl.live_bytes);
+}
+
+Memory::~Memory() {
+  if (!handle_) return;
+  clReleaseMemObject(static_cast<cl_mem>(handle_));
+  device_->impl().live_bytes -= bytes_;
+}
+
+Memory::Memory(Memory&& other) noexcept
+    : device_(other.device_),
+      handle_(std::exchange(other.handle_, nullptr)),
+      bytes_(other.bytes_),
+      name_(other.name_) {}
+
+Memory& Memory::operator=(Memory&& other) noexcept {
+  std::swap(device_, other.device_);
+  std::swap(handle_, other.handle_);
+  std::swap(bytes_, other.bytes_);
+  std::swap(name_, other.name_);
+  return *this;
+}
+
+void Memory::write(const void* from, std::size_t offset, std::size_t bytes) {
+  require(clEnqueueWriteBuffer(device_->impl().queue, static_cast<cl_mem>(handle_), CL_TRUE, offset, bytes, from, 0,
+                               nullptr, nullptr),
+          "write " + name_);
+}
+
+void Memory::read(void* to, std::size_t offset, std::size_t bytes) const {
+  require(clEnqueueReadBuffer(device_->impl().queue, static_cast<cl_mem>(handle_), CL_TRUE, offset, bytes, to, 0,
+                              nullptr, nullptr),
+          "read " + name_);
+}
+
+void Memory::fill_zero(std::size_t bytes) {
+  const cl_uchar zero = 0;
+  require(
+      clEnqueueFillBuffer(device_->impl().queue, static_cast<cl_mem>(handle_), &zero, 1, 0, bytes, 0, nullptr, nullptr),
+      "clear " + name_);
+}
+
+void Memory::copy_from(const Memory& other, std::size_t bytes) {
+  require(clEnqueueCopyBuffer(device_->impl().queue, static_cast<cl_mem>(other.handle_), static_cast<cl_mem>(handle_),
+                              0, 0, bytes, 0, nullptr, nullptr),
+          "copy " + other.name_ + " to " + name_);
+}
+
+}  // namespace detail
+
+Kernel::Kernel(Device& device, void* program, const std::string& name) : device_(&device), name_(name) {
+  cl_int code = 0;
+  handle_ = clCreateKernel(static_cast<cl_program>(program), name.c_str(), &code);
+  require(code, "make kernel " + name);
+  require(
+      clGetKernelInfo(static_cast<cl_kernel>(handle_), CL_KERNEL_NUM_ARGS, sizeof n_arguments_, &n_arguments_, nullptr),
+      "ask kernel " + name + " for its arguments");
+}
+Kernel::~Kernel() {
+  if (handle_) clReleaseKernel(static_cast<cl_kernel>(handle_));
+}
+Kernel::Kernel(Kernel&& other) noexcept
+    : device_(other.device_),
+      handle_(std::exchange(other.handle_, nullptr)),
+      name_(other.name_),
+      n_arguments_(other.n_arguments_) {}
+
+void Kernel::begin(std::size_t n_arguments) {
+  if (n_arguments != n_arguments_)
+    throw std::logic_error("kernel " + name_ + " takes " + std::to_string(n_arguments_) + " arguments, was given " +
+                           std::to_string(n_arguments));
+}
+void Kernel::set_memory(unsigned i, const detail::Memory& memory) {
+  require(clSetKernelArg(static_cast<cl_kernel>(handle_), i, sizeof(cl_mem), memory.handle()),
+          "give " + memory.name() + " to kernel " + name_ + " as argument " + std::to_string(i));
+}
+void Kernel::set_bytes(unsigned i, const void* value, std::size_t bytes) {
+  require(clSetKernelArg(static_cast<cl_kernel>(handle_), i, bytes, value),
+          "give a value to kernel " + name_ + " as argument " + std::to_string(i));
+}
+void Kernel::launch(std::size_t n) {
+  if (n == 0) return;
+  const std::size_t local = GROUP_SIZE, global = (n + local - 1) / local * local;
+  require(clEnqueueNDRangeKernel(device_->impl().queue, static_cast<cl_kernel>(handle_), 1, nullptr, &global, &local, 0,
+                                 nullptr, nullptr),
+          "run kernel " + name_);
+}
+
+}  // namespace pvg

@@ -1,0 +1,192 @@
+// The device: a context, an in-order queue, buffers that know their length, kernels that check what they are given.
+// This folder is the only place that sees the OpenCL headers; nobody outside says cl:: or cl_.
+// Every launch uses groups of 64 work-items and a padded global size, so no driver recompiles for a new size: a
+// kernel's first act is the bounds test.
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "host/base/error.hpp"
+
+namespace pvg {
+
+constexpr std::size_t GROUP_SIZE = 64;
+
+struct DeviceInfo {
+  std::size_t index = 0;  // over all platforms, in the order in which the loader lists them
+  std::string platform, name, driver, version;
+  bool is_gpu = false, has_fp64 = false;
+  unsigned compute_units = 0;
+  std::size_t memory_bytes = 0;
+};
+
+// All devices that the OpenCL loader knows; empty where there is none.
+std::vector<DeviceInfo> list_devices();
+
+class Device {
+ public:
+  // `which`: an index, a part of a name or platform, "cpu" or "gpu"; empty: the first GPU with double precision, else
+  // the first device. Throws a UsageError where nothing fits, or where the chosen one lacks double precision.
+  explicit Device(const std::string& which = "");
+  ~Device();
+  Device(Device&&) noexcept;
+  Device(const Device&) = delete;
+  const DeviceInfo& info() const;
+  void finish();                   // waits for everything that was started
+  std::size_t peak_bytes() const;  // largest sum of live buffers so far
+
+  struct Impl;
+  Impl& impl() { return *impl_; }
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+namespace detail {
+// Untyped device memory, one owner.
+class Memory {
+ public:
+  Memory(Device& device, std::size_t bytes, std::string name);
+  ~Memory();
+  Memory(Memory&& other) noexcept;
+  Memory& operator=(Memory&& other) noexcept;
+  void write(const void* from, std::size_t offset, std::size_t bytes);
+  void read(void* to, std::size_t offset, std::size_t bytes) const;
+  void fill_zero(std::size_t bytes);
+  void copy_from(const Memory& other, std::size_t bytes);
+  const void* handle() const { return &handle_; }
+  const std::string& name() const { return name_; }
+  Device& device() const { return *device_; }
+
+ private:
+  Device* device_ = nullptr;
+  void* handle_ = nullptr;
+  std::size_t bytes_ = 0;
+  std::string name_;
+};
+void throw_size_mismatch(const std::string& name, std::size_t has, std::size_t given);
+}  // namespace detail
+
+// n elements of T on the device, named for messages.
+template <class T>
+class Buffer {
+  static_assert(std::is_trivially_copyable_v<T>);
+
+ public:
+  Buffer(Device& device, std::size_t n, std::string name)
+      // OpenCL knows no empty buffer; ours holds one element that nobody reads
+      : memory_(device, (n ? n : 1) * sizeof(T), std::move(name)), n_(n), capacity_(n ? n : 1) {}
+  Buffer(Device& device, std::span<const T> values, std::string name) : Buffer(device, values.size(), std::move(name)) {
+    write(values);
+  }
+  Buffer(Device& device, const std::vector<T>& values, std::string name)
+      : Buffer(device, std::span<const T>(values), std::move(name)) {}
+
+  void write(std::span<const T> values) {
+    if (values.size() != n_) detail::throw_size_mismatch(memory_.name(), n_, values.size());
+    if (n_) memory_.write(values.data(), 0, n_ * sizeof(T));
+  }
+  void write(std::size_t first, std::span<const T> values) {
+    if (first + values.size() > n_) detail::throw_size_mismatch(memory_.name(), n_, first + values.size());
+    if (!values.empty()) memory_.write(values.data(), first * sizeof(T), values.size() * sizeof(T));
+  }
+  std::vector<T> read() const { return read(0, n_); }
+  std::vector<T> read(std::size_t first, std::size_t count) const {
+    std::vector<T> values(count);
+    read(first, std::span<T>(values));
+    return values;
+  }
+  void read(std::size_t first, std::span<T> values) const {
+    if (first + values.size() > n_) detail::throw_size_mismatch(memory_.name(), n_, first + values.size());
+    if (!values.empty()) memory_.read(values.data(), first * sizeof(T), values.size() * sizeof(T));
+  }
+  void zero() {
+    if (n_) memory_.fill_zero(n_ * sizeof(T));
+  }
+  void copy_from(const Buffer& other) {
+    if (other.n_ != n_) detail::throw_size_mismatch(memory_.name(), n_, other.n_);
+    if (n_) memory_.copy_from(other.memory_, n_ * sizeof(T));
+  }
+  // makes room for n elements; what was in it is lost where it has to grow. Never shrinks the memory.
+  void resize(std::size_t n) {
+    if (n > capacity_) {
+      const std::size_t grown = n + n / 2;
+      memory_ = detail::Memory(memory_.device(), grown * sizeof(T), memory_.name());
+      capacity_ = grown;
+    }
+    n_ = n;
+  }
+  std::size_t size() const { return n_; }
+  const std::string& name() const { return memory_.name(); }
+  const detail::Memory& memory() const { return memory_; }
+
+ private:
+  detail::Memory memory_;
+  std::size_t n_, capacity_;
+};
+
+// kernel(n, arguments...) starts n work-items (padded to whole groups). Arguments are buffers, numbers and shared
+// structs, as many as the kernel declares; anything else throws before it runs.
+class Kernel {
+ public:
+  Kernel(Device& device, void* program, const std::string& name);
+  ~Kernel();
+  Kernel(Kernel&& other) noexcept;
+  Kernel(const Kernel&) = delete;
+
+  template <class... A>
+  void operator()(std::size_t n, const A&... arguments) {
+    begin(sizeof...(A));
+    unsigned i = 0;
+    (set(i++, arguments), ...);
+    launch(n);
+  }
+  const std::string& name() const { return name_; }
+
+ private:
+  template <class T>
+  void set(unsigned i, const Buffer<T>& buffer) {
+    set_memory(i, buffer.memory());
+  }
+  template <class T>
+  requires std::is_trivially_copyable_v<T>
+  void set(unsigned i, const T& value) { set_bytes(i, &value, sizeof(T)); }
+  void begin(std::size_t n_arguments);
+  void set_memory(unsigned i, const detail::Memory& memory);
+  void set_bytes(unsigned i, const void* value, std::size_t bytes);
+  void launch(std::size_t n);
+
+  Device* device_;
+  void* handle_ = nullptr;
+  std::string name_;
+  unsigned n_arguments_ = 0;
+};
+
+// The kernels of one file; `file` is relative to kernels/, as in "energies/stitch_spring.cl". Its #include lines are
+// resolved here, so that the driver sees one text. `defines` as in "-DREAL_IS_DOUBLE".
+class Program {
+ public:
+  Program(Device& device, const std::string& file, const std::string& defines = "");
+  // Kernels from a text made at run time; `name` is for messages, #include lines are resolved as above.
+  static Program from_text(Device& device, const std::string& name, const std::string& text,
+                           const std::string& defines = "");
+  ~Program();
+  Program(Program&& other) noexcept;
+  Program(const Program&) = delete;
+  Kernel kernel(const std::string& name);
+
+ private:
+  Program() = default;
+  void build(const std::string& name, const std::string& text, const std::string& defines);
+  Device* device_ = nullptr;
+  void* handle_ = nullptr;
+};
+
+// Folder of the kernels: $PVG_KERNELS, else beside the installed program, else the source tree.
+std::string kernel_folder();
+
+}  // namespace pvg

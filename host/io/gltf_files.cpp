@@ -1,0 +1,154 @@
+// glTF 2.0 and GLB: positions, normals, texture coordinates and node transforms of all triangle meshes of the scene.
+#define TINYGLTF_IMPLEMENTATION
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#define TINYGLTF_NO_EXTERNAL_IMAGE
+#include <tiny_gltf.h>
+
+#include <Eigen/Geometry>
+#include <cstring>
+
+#include "host/base/error.hpp"
+#include "host/io/raw_mesh.hpp"
+
+namespace pvg {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Reader {
+  const tinygltf::Model& model;
+  const fs::path& file;
+  RawMesh mesh;
+  bool has_normals = true, has_uvs = true;
+
+  [[noreturn]] void fail(const std::string& what) const { throw UsageError(file.string() + ": " + what + "."); }
+
+  const tinygltf::Accessor& accessor(int i) const {
+    if (i < 0 || i >= int(model.accessors.size())) fail("an accessor is missing");
+    return model.accessors[i];
+  }
+
+  // First byte of element `at`, of `bytes` bytes; checked against the buffer.
+  const unsigned char* element(const tinygltf::Accessor& a, std::size_t at, std::size_t bytes) const {
+    if (a.bufferView < 0 || a.sparse.isSparse) fail("sparse accessors are not read; export without them");
+    const tinygltf::BufferView& view = model.bufferViews[a.bufferView];
+    const int stride = a.ByteStride(view);
+    const std::size_t begin = view.byteOffset + a.byteOffset + at * std::size_t(std::max(stride, 0));
+    const auto& data = model.buffers[view.buffer].data;
+    if (stride <= 0 || begin + bytes > data.size()) fail("an accessor reaches beyond its buffer");
+    return data.data() + begin;
+  }
+
+  // [count][n] floats
+  Eigen::Vector3d floats(const tinygltf::Accessor& a, std::size_t at, int n) const {
+    if (a.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT)
+      fail("compressed or integer vertex data is not read; export floats");
+    float v[3] = {};
+    std::memcpy(v, element(a, at, n * sizeof(float)), n * sizeof(float));
+    return {v[0], v[1], v[2]};
+  }
+
+  std::uint32_t index(const tinygltf::Accessor& a, std::size_t at) const {
+    switch (a.componentType) {
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+        return *element(a, at, 1);
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: {
+        std::uint16_t v;
+        std::memcpy(&v, element(a, at, 2), 2);
+        return v;
+      }
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: {
+        std::uint32_t v;
+        std::memcpy(&v, element(a, at, 4), 4);
+        return v;
+      }
+      default:
+        fail("indices have an unknown type");
+    }
+  }
+
+  void add(const tinygltf::Primitive& part, const Eigen::Affine3d& to_world) {
+    if (part.mode != TINYGLTF_MODE_TRIANGLES && part.mode != -1) return;
+    const auto attribute = [&](const char* name) {
+      const auto at = part.attributes.find(name);
+      return at == part.attributes.end() ? -1 : at->second;
+    };
+    const int positions = attribute("POSITION"), normals = attribute("NORMAL"), uvs = attribute("TEXCOORD_0");
+    if (positions < 0) fail("a mesh has no positions");
+    const auto first = std::uint32_t(mesh.points.size());
+    const std::size_t n = accessor(positions).count;
+    const Eigen::Matrix3d for_normals = to_world.linear().inverse().transpose();
+    has_normals &= normals >= 0;
+    has_uvs &= uvs >= 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      mesh.points.push_back(to_world * floats(accessor(positions), i, 3));
+      mesh.normals.push_back(normals < 0 ? Vec3(0, 0, 0)
+                                         : Vec3((for_normals * floats(accessor(normals), i, 3)).normalized()));
+      mesh.uvs.push_back(uvs < 0 ? Vec2f(0, 0) : Vec2f(floats(accessor(uvs), i, 2).head<2>().cast<float>()));
+    }
+    const std::size_t n_corners = part.indices < 0 ? n : accessor(part.indices).count;
+    const bool mirrors = to_world.linear().determinant() < 0;
+    for (std::size_t i = 0; i + 2 < n_corners; i += 3) {
+      Triangle t;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t v = part.indices < 0 ? std::uint32_t(i + k) : index(accessor(part.indices), i + k);
+        if (v >= n) fail("an index names a vertex that does not exist");
+        t[k] = first + v;
+      }
+      if (mirrors) std::swap(t[1], t[2]);
+      mesh.triangles.push_back(t);
+    }
+  }
+
+  void visit(int i, const Eigen::Affine3d& parent, int depth) {
+    if (i < 0 || i >= int(model.nodes.size()) || depth > 100) fail("its nodes do not form a tree");
+    const tinygltf::Node& node = model.nodes[i];
+    Eigen::Affine3d local = Eigen::Affine3d::Identity();
+    if (node.matrix.size() == 16) {
+      local.matrix() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());
+    } else {
+      if (node.translation.size() == 3) local.translate(Eigen::Vector3d(node.translation.data()));
+      if (node.rotation.size() == 4) local.rotate(Eigen::Quaterniond(Eigen::Vector4d(node.rotation.data())));
+      if (node.scale.size() == 3) local.scale(Eigen::Vector3d(node.scale.data()));
+    }
+    const Eigen::Affine3d to_world = parent * local;
+    if (node.mesh >= int(model.meshes.size())) fail("a node names a mesh that does not exist");
+    if (node.mesh >= 0) {
+      for (const tinygltf::Primitive& part : model.meshes[node.mesh].primitives) add(part, to_world);
+    }
+    for (const int child : node.children) visit(child, to_world, depth + 1);
+  }
+};
+
+// Pictures are read elsewhere; here they are passed over.
+bool ignore_image(tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int, void*) {
+  return true;
+}
+
+}  // namespace
+
+RawMesh read_gltf(const fs::path& file) {
+  tinygltf::TinyGLTF loader;
+  loader.SetImageLoader(ignore_image, nullptr);
+  tinygltf::Model model;
+  std::string error, warning;
+  const bool is_binary = file.extension() == ".glb" || file.extension() == ".GLB";
+  const bool is_read = is_binary ? loader.LoadBinaryFromFile(&model, &error, &warning, file.string())
+                                 : loader.LoadASCIIFromFile(&model, &error, &warning, file.string());
+  if (!is_read) {
+    while (!error.empty() && (error.back() == '\n' || error.back() == '.')) error.pop_back();
+    throw UsageError(file.string() + ": cannot be read as glTF: " + error + ".");
+  }
+  Reader reader{model, file, {}};
+  Eigen::Affine3d z_up = Eigen::Affine3d::Identity();
+  z_up.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  const int scene = model.defaultScene < 0 ? 0 : model.defaultScene;
+  if (scene >= int(model.scenes.size())) reader.fail("it has no scene");
+  for (const int node : model.scenes[scene].nodes) reader.visit(node, z_up, 0);
+  if (!reader.has_normals) reader.mesh.normals.clear();
+  if (!reader.has_uvs) reader.mesh.uvs.clear();
+  return std::move(reader.mesh);
+}
+
+}  // namespace pvg

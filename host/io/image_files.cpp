@@ -1,0 +1,47 @@
+#include "host/io/image_files.hpp"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/base/error.hpp"
+
+namespace pvg {
+
+std::uint8_t srgb8_from_linear(float linear) {
+  // negated, so that not-a-number is black
+  if (!(linear > 0)) return 0;
+  const float c = std::min(linear, 1.0f);
+  const float encoded = c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f;
+  return std::uint8_t(std::lround(255 * encoded));
+}
+
+Image8 encode_srgb8(std::span<const float> linear_rgb, int width, int height) {
+  Image8 image{width, height, std::vector<std::uint8_t>(linear_rgb.size())};
+  std::transform(linear_rgb.begin(), linear_rgb.end(), image.rgb.begin(), srgb8_from_linear);
+  return image;
+}
+
+void write_image(const std::filesystem::path& path, const Image8& image) {
+  const auto file = OIIO::ImageOutput::create(path.string());
+  if (!file) throw Failure(path.string() + ": pictures of this format cannot be written");
+  OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:ColorSpace", "sRGB");
+  if (!file->open(path.string(), spec) || !file->write_image(OIIO::TypeDesc::UINT8, image.rgb.data()) || !file->close())
+    throw Failure(path.string() + ": the picture could not be written: " + file->geterror());
+}
+
+Image8 read_image(const std::filesystem::path& path) {
+  const auto file = OIIO::ImageInput::open(path.string());
+  if (!file) throw Failure(path.string() + ": the picture could not be read: " + OIIO::geterror());
+  const OIIO::ImageSpec& spec = file->spec();
+  if (spec.nchannels < 3) throw Failure(path.string() + ": the picture has no three colours");
+  Image8 image{spec.width, spec.height,
+               std::vector<std::uint8_t>(std::size_t(spec.width) * std::size_t(spec.height) * 3)};
+  if (!file->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, image.rgb.data()))
+    throw Failure(path.string() + ": the picture could not be read: " + file->geterror());
+  return image;
+}
+
+}  // namespace pvg

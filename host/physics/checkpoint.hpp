@@ -1,0 +1,22 @@
+// Everything that the next step depends on beside the scene: a simulation made from the same scenes and restored from
+// this goes on with the same bits.
+#pragma once
+#include <vector>
+
+namespace pvg {
+
+// What time integration keeps of the past.  [n_nodes x 3]
+struct MotionHistory {
+  std::vector<double> velocity, position_before, velocity_before;  // [m/s], [m], [m/s]
+  double length_before = 0;                                        // of the step before [s]; 0: none
+};
+
+struct Checkpoint {
+  std::vector<double> position;  // of all nodes of all worlds [n_nodes x 3, m]
+  MotionHistory history;
+  std::vector<double> time;                         // [n_worlds, s]
+  std::vector<std::vector<double>> joint_position;  // [n_worlds][n_joints, rad or m] whole turns included
+  std::vector<std::vector<double>> targets;         // [n_worlds][n_driven, rad or m] of the last step
+};
+
+}  // namespace pvg

@@ -1,0 +1,79 @@
+// What can touch: the surfaces of all bodies of all worlds as points, edges and triangles over sites, and who may touch
+// whom. Everything is sorted by world: bodies by their world, primitives by the world of their body.
+#pragma once
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "contact/mesh.h"
+#include "host/geometry/mesh.hpp"
+
+namespace pvg {
+
+struct CollisionBody {
+  u32 world = 0;
+  bool collides_with_itself = false;  // soft bodies; a rigid one never does
+  bool is_fixed = false;              // two fixed bodies never collide
+  double offset = 0;                  // contact acts this far outside the surface [m]
+  double friction = 0.5;              // coefficient; a pair's is the geometric mean unless `pair_friction` says
+};
+
+struct BodyPairFriction {
+  u32 first = 0, second = 0;
+  double coefficient = 0.5;
+};
+
+struct CollisionMesh {
+  u32 n_worlds = 1;
+  std::vector<CollisionBody> bodies;
+  std::vector<CollisionPoint> points;
+  std::vector<CollisionEdge> edges;
+  std::vector<CollisionTriangle> triangles;
+
+  std::vector<BodyPairFriction> pair_friction;
+  std::vector<std::array<u32, 2>> noncolliding_bodies;      // jointed links and the like
+  std::vector<std::array<u32, 2>> disabled_point_triangle;  // indices into points, triangles
+  std::vector<std::array<u32, 2>> disabled_edge_edge;       // indices into edges, either order
+};
+
+// Appends the surface of one body: every point that a triangle uses, every edge once, every triangle, with areas of the
+// rest shape (a triangle gives a third of its area to each corner and to each edge). Call in the order of worlds.
+// site: of each point [n_points];  rest: [n_points, m]
+void add_surface(CollisionMesh& mesh, u32 body, std::span<const u32> site, std::span<const Vec3> rest,
+                 std::span<const Triangle> triangles);
+
+// Records every element pair of the two bodies that is closer than `distance` [m] at x as one that never touches, such
+// as a finger's surface where it is stitched to its mount. x: sites [n_sites, m]. Returns how many pairs were added.
+std::size_t disable_pairs_within(CollisionMesh& mesh, u32 first_body, u32 second_body, std::span<const Vec3> x,
+                                 double distance);
+
+// Coefficient of friction of each pair of bodies of each world, or -1 where the pair never touches.
+// Entry [worlds[w].first_pair + i * n_bodies + j] for the i-th and j-th body of world w; symmetric.
+struct BodyPairTable {
+  std::vector<u32> first;     // [n_worlds + 1] where each world's table begins
+  std::vector<u32> n_bodies;  // [n_worlds]
+  std::vector<u32> index;     // [n_bodies] of each body within its world
+  std::vector<double> friction;
+  double operator()(const CollisionMesh& mesh, u32 a, u32 b) const {
+    const u32 world = mesh.bodies[a].world;
+    return friction[first[world] + index[a] * n_bodies[world] + index[b]];
+  }
+};
+BodyPairTable make_body_pair_table(const CollisionMesh& mesh);
+
+// Throws std::logic_error where the mesh is not sorted by world or an index leaves its range.
+void check_collision_mesh(const CollisionMesh& mesh, std::size_t n_sites);
+
+// What makes a state unfit to start from: the first pair found of bodies that intersect (exact test on the linear
+// surfaces), or that are closer than their contact offsets allow.
+struct StartConflict {
+  u32 world = 0, first_body = 0, second_body = 0;
+  u32 first_site = 0, second_site = 0;  // a site of each element, for messages
+  bool intersects = false;              // false: closer than the offsets
+  double gap = 0;                       // distance minus offsets [m]; 0 where they intersect
+};
+// Exact test of all edges against all triangles that may touch. x: [n_sites, m]
+std::optional<StartConflict> find_surface_intersection(const CollisionMesh& mesh, std::span<const Vec3> x);
+
+}  // namespace pvg

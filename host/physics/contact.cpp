@@ -1,0 +1,190 @@
+#include "host/physics/contact.hpp"
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "contact/report.h"
+#include "host/physics/broad_phase.hpp"
+#include "host/physics/continuous_collision.hpp"
+#include "host/physics/scan.hpp"
+
+namespace pvg {
+namespace {
+
+using PairKey = std::array<u32, 5>;  // kind and sites
+template <class Row>
+PairKey key_of(const Row& row) {
+  return {row.kind, row.site[0], row.site[1], row.site[2], row.site[3]};
+}
+
+Vec3 vec3(const double* values) { return {values[0], values[1], values[2]}; }
+
+std::vector<double> flatten(std::span<const Vec3> x) {
+  std::vector<double> values;
+  for (const Vec3& point : x) values.insert(values.end(), {point[0], point[1], point[2]});
+  return values;
+}
+
+void check_settings(const CollisionMesh& mesh, std::span<const ContactSettings> settings) {
+  if (settings.size() != mesh.n_worlds) throw std::logic_error("contact settings are needed for each world");
+  for (const ContactSettings& s : settings)
+    if (!(s.activation_distance > 0) || !(s.stiffness > 0) || !(s.friction_velocity > 0))
+      throw UsageError("contact: activation distance, stiffness and friction velocity must be positive");
+}
+
+}  // namespace
+
+struct ContactSet::Impl {
+  Device& device;
+  CollisionMesh mesh;
+  BroadPhase broad_phase;
+  ContinuousCollision collision;
+  Program program, friction_program;
+  Kernel pair_gaps, fill_contacts, lag_friction, report_contacts, friction_force;
+  Scan scan;
+  WorldMinimum minimum;
+  WorldRows<Barrier> candidates, contacts;
+  WorldRows<Friction> friction;
+  Buffer<double> gaps;             // [n_candidates, m]
+  Buffer<u32> is_active, offsets;  // [n_candidates], [n_candidates + 1]
+  Buffer<u32> places;              // [n_worlds + 1] first candidate of each world
+  Buffer<ContactReport> reports;   // [n_contacts]
+  Buffer<double> forces;           // [n_friction x 3, N]
+
+  Impl(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings, std::span<const Vec3> x)
+      : device(device),
+        mesh(mesh),
+        broad_phase(device, mesh, settings, x),
+        collision(device),
+        program(device, "contact/contact.cl"),
+        friction_program(device, "energies/friction.cl"),
+        pair_gaps(program.kernel("pair_gaps")),
+        fill_contacts(program.kernel("fill_contacts")),
+        lag_friction(program.kernel("lag_friction")),
+        report_contacts(program.kernel("report_contacts")),
+        friction_force(friction_program.kernel("friction_force")),
+        scan(device),
+        minimum(device),
+        candidates{Buffer<Barrier>(device, 0, "candidates"), std::vector<u32>(mesh.n_worlds + 1, 0)},
+        contacts{Buffer<Barrier>(device, 0, "contacts"), std::vector<u32>(mesh.n_worlds + 1, 0)},
+        friction{Buffer<Friction>(device, 0, "friction"), std::vector<u32>(mesh.n_worlds + 1, 0)},
+        gaps(device, 0, "candidate_gaps"),
+        is_active(device, 0, "candidate_is_active"),
+        offsets(device, 0, "contact_offsets"),
+        places(device, 0, "first_candidate_of_world"),
+        reports(device, 0, "contact_reports"),
+        forces(device, 0, "friction_forces") {}
+
+  void measure_gaps(const Buffer<double>& x) {
+    gaps.resize(candidates.n());
+    is_active.resize(candidates.n());
+    pair_gaps(candidates.n(), candidates.n(), candidates.rows, x, gaps, is_active);
+  }
+
+  // what friction exerts on the first body of each row, by pair
+  std::map<PairKey, Vec3> friction_forces(const std::vector<Friction>& rows, const Buffer<double>& x,
+                                          const Buffer<double>& x0, double h) {
+    forces.resize(3 * rows.size());
+    friction_force(rows.size(), u32(rows.size()), friction.rows, x, x0, h, forces);
+    const std::vector<double> values = forces.read();
+    std::map<PairKey, Vec3> found;
+    for (std::size_t i = 0; i < rows.size(); ++i) found[key_of(rows[i])] = vec3(&values[3 * i]);
+    return found;
+  }
+};
+
+ContactSet::ContactSet(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
+                       std::span<const Vec3> x) {
+  check_settings(mesh, settings);
+  check_collision_mesh(mesh, x.size());
+  impl_ = std::make_unique<Impl>(device, mesh, settings, x);
+}
+ContactSet::~ContactSet() = default;
+ContactSet::ContactSet(ContactSet&&) noexcept = default;
+
+const WorldRows<Barrier>& ContactSet::candidates() const { return impl_->candidates; }
+const WorldRows<Barrier>& ContactSet::contacts() const { return impl_->contacts; }
+const WorldRows<Friction>& ContactSet::friction() const { return impl_->friction; }
+
+void ContactSet::find_candidates(const Buffer<double>& x0, const Buffer<double>& x1) {
+  impl_->broad_phase.find(x0, x1, impl_->candidates);
+}
+
+std::vector<double> ContactSet::largest_step(const Buffer<double>& x0, const Buffer<double>& x1) {
+  return impl_->collision.largest_step(impl_->candidates, x0, x1);
+}
+
+void ContactSet::find_contacts(const Buffer<double>& x) {
+  Impl& impl = *impl_;
+  impl.measure_gaps(x);
+  impl.scan(impl.candidates.n(), impl.is_active, impl.offsets);
+  impl.places.resize(impl.candidates.first.size());
+  impl.places.write(impl.candidates.first);
+  impl.contacts.first = impl.scan.read_at(impl.offsets, impl.places);
+  impl.contacts.rows.resize(impl.contacts.n());
+  impl.fill_contacts(impl.candidates.n(), impl.candidates.n(), impl.candidates.rows, impl.offsets, impl.contacts.rows);
+}
+
+void ContactSet::lag_friction(const Buffer<double>& x) {
+  Impl& impl = *impl_;
+  impl.friction.first = impl.contacts.first;
+  impl.friction.rows.resize(impl.contacts.n());
+  impl.lag_friction(impl.contacts.n(), impl.contacts.n(), impl.contacts.rows, impl.broad_phase.worlds(), x,
+                    impl.friction.rows);
+}
+
+void ContactSet::clear_friction() {
+  impl_->friction.first.assign(impl_->mesh.n_worlds + 1, 0);
+  impl_->friction.rows.resize(0);
+}
+
+std::vector<double> ContactSet::min_gap(const Buffer<double>& x) {
+  impl_->measure_gaps(x);
+  return impl_->minimum(impl_->candidates.first, impl_->gaps, INFINITY);
+}
+
+std::vector<std::vector<ContactForce>> ContactSet::forces(const Buffer<double>& x, const Buffer<double>& x0, double h) {
+  Impl& impl = *impl_;
+  const u32 n = impl.contacts.n();
+  impl.reports.resize(n);
+  impl.report_contacts(n, n, impl.contacts.rows, x, impl.reports);
+  const std::vector<ContactReport> reports = impl.reports.read();
+  const std::vector<Barrier> contacts = impl.contacts.rows.read();
+  const std::vector<Friction> friction = impl.friction.rows.read();
+  std::map<PairKey, Vec3> sliding = impl.friction_forces(friction, x, x0, h);
+  std::vector<std::vector<ContactForce>> worlds(impl.mesh.n_worlds);
+  for (u32 i = 0; i < n; ++i) {
+    ContactForce force;
+    force.kind = ContactForce::Kind(contacts[i].kind);
+    force.first = int(contacts[i].body[0]);
+    force.second = int(contacts[i].body[1]);
+    force.point = vec3(reports[i].point);
+    force.normal = vec3(reports[i].normal);
+    force.gap = reports[i].gap;
+    force.normal_force = reports[i].normal_force;
+    if (const auto found = sliding.find(key_of(contacts[i])); found != sliding.end())
+      force.friction_force = found->second;
+    worlds[contacts[i].world].push_back(force);
+  }
+  return worlds;
+}
+
+std::optional<StartConflict> ContactSet::find_start_conflict(std::span<const Vec3> x) {
+  Impl& impl = *impl_;
+  if (auto conflict = find_surface_intersection(impl.mesh, x)) return conflict;
+  const Buffer<double> on_device(impl.device, flatten(x), "start_sites");
+  find_candidates(on_device, on_device);
+  impl.measure_gaps(on_device);
+  const std::vector<double> gaps = impl.gaps.read();
+  for (std::size_t i = 0; i < gaps.size(); ++i)
+    if (!(gaps[i] > 0)) {
+      const Barrier row = impl.candidates.rows.read(i, 1).front();
+      const u32 second = row.kind == POINT_TRIANGLE ? row.site[1] : row.site[2];
+      return StartConflict{row.world, row.body[0], row.body[1], row.site[0], second, false, gaps[i]};
+    }
+  return std::nullopt;
+}
+
+}  // namespace pvg

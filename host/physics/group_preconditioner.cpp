@@ -1,0 +1,194 @@
+#include "host/physics/group_preconditioner.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pvg {
+namespace {
+
+constexpr u32 NO_BLOCK = ~0u;
+constexpr std::size_t N_NUMBERS_AT_ONCE = 1 << 16;  // half a megabyte
+
+// to += weight x the 3 x 3 block of a row-major element block
+void add(double* to, const double* from, std::size_t width, double weight) {
+  for (std::size_t r = 0; r < 3; ++r)
+    for (std::size_t c = 0; c < 3; ++c) to[3 * r + c] += weight * from[r * width + c];
+}
+
+}  // namespace
+
+// Calls found(row node, column node, row site slot, column site slot, weight) for every pair of nodes of one element
+// that lie in one group with row >= column.
+template <class Found>
+void GroupPreconditioner::for_each_block(std::span<const u32> element_sites, std::size_t stencil,
+                                         const Found& found) const {
+  for (std::size_t a = 0; a < stencil; ++a)
+    for (std::size_t b = 0; b < stencil; ++b) {
+      const Site &row_site = sites_[element_sites[a]], &column_site = sites_[element_sites[b]];
+      for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j) {
+          const double weight = row_site.weight[i] * column_site.weight[j];
+          if (weight == 0) continue;
+          const u32 row = row_site.node[i], column = column_site.node[j];
+          if (node_group_[row] == NO_GROUP || node_group_[row] != node_group_[column]) continue;
+          if (node_local_[row] >= node_local_[column]) found(row, column, a, b, weight);
+        }
+    }
+}
+
+GroupPreconditioner::GroupPreconditioner(std::span<const Site> sites, std::span<const u32> node_group,
+                                         std::size_t n_groups, std::span<Term* const> terms)
+    : sites_(sites.begin(), sites.end()),
+      node_group_(node_group.begin(), node_group.end()),
+      node_local_(node_group.size(), 0),
+      groups_(n_groups),
+      destinations_(terms.size()),
+      workers_(std::make_unique<Workers>()) {
+  for (u32 node = 0; node < node_group_.size(); ++node) {
+    if (node_group_[node] == NO_GROUP) continue;
+    Group& group = groups_[node_group_[node]];
+    node_local_[node] = u32(group.nodes.size());
+    group.nodes.push_back(node);
+  }
+  find_patterns(terms);
+  find_destinations(terms);
+}
+
+void GroupPreconditioner::find_patterns(std::span<Term* const> terms) {
+  std::vector<std::vector<std::vector<u32>>> rows(groups_.size());  // of each column of each group
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    rows[g].resize(groups_[g].nodes.size());
+    for (u32 column = 0; column < rows[g].size(); ++column) rows[g][column].push_back(column);
+  }
+  for (const Term* term : terms)
+    for (std::size_t e = 0; e < term->size(); ++e)
+      for_each_block(std::span(term->sites()).subspan(e * term->stencil(), term->stencil()), term->stencil(),
+                     [&](u32 row, u32 column, std::size_t, std::size_t, double) {
+                       rows[node_group_[row]][node_local_[column]].push_back(node_local_[row]);
+                     });
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    Group& group = groups_[g];
+    group.pattern.column_first.push_back(0);
+    for (std::vector<u32>& column : rows[g]) {
+      std::sort(column.begin(), column.end());
+      column.erase(std::unique(column.begin(), column.end()), column.end());
+      group.pattern.row.insert(group.pattern.row.end(), column.begin(), column.end());
+      group.pattern.column_first.push_back(u32(group.pattern.row.size()));
+    }
+    group.blocks.resize(9 * group.pattern.row.size());
+    group.local.resize(3 * group.nodes.size());
+    group.factor = std::make_unique<BlockCholesky>(group.pattern);
+  }
+}
+
+void GroupPreconditioner::find_destinations(std::span<Term* const> terms) {
+  for (std::size_t t = 0; t < terms.size(); ++t) {
+    const std::size_t stencil = terms[t]->stencil(), width = 3 * stencil;
+    for (std::size_t e = 0; e < terms[t]->size(); ++e)
+      for_each_block(
+          std::span(terms[t]->sites()).subspan(e * stencil, stencil), stencil,
+          [&](u32 row, u32 column, std::size_t a, std::size_t b, double weight) {
+            const u32 g = node_group_[row];
+            destinations_[t].push_back({u32(e * width * width + 3 * a * width + 3 * b), g,
+                                        find_block(groups_[g], node_local_[row], node_local_[column]), weight});
+          });
+  }
+}
+
+// NO_BLOCK where no element couples the two local nodes
+u32 GroupPreconditioner::find_block(const Group& group, u32 row, u32 column) {
+  const auto first = group.pattern.row.begin() + group.pattern.column_first[column];
+  const auto last = group.pattern.row.begin() + group.pattern.column_first[column + 1];
+  const auto found = std::lower_bound(first, last, row);
+  return found != last && *found == row ? u32(found - group.pattern.row.begin()) : NO_BLOCK;
+}
+
+// The blocks come in portions that stay in the processor's cache until they are added.
+void GroupPreconditioner::add_term(const Term& term, std::span<const Destination> destinations) {
+  const std::size_t width = 3 * term.stencil(), n_numbers = term.size() * width * width;
+  const std::size_t portion = std::max<std::size_t>(1, N_NUMBERS_AT_ONCE / (width * width)) * width * width;
+  auto to = destinations.begin();
+  for (std::size_t first = 0; first < n_numbers && to != destinations.end(); first += portion) {
+    const std::size_t last = std::min(first + portion, n_numbers);
+    element_blocks_.resize(std::max(element_blocks_.size(), last - first));
+    term.blocks().read(first, std::span(element_blocks_).first(last - first));
+    for (; to != destinations.end() && to->source < last; ++to)
+      if (groups_[to->group].is_active)
+        add(&groups_[to->group].blocks[9 * std::size_t(to->block)], &element_blocks_[to->source - first], width,
+            to->weight);
+  }
+}
+
+void GroupPreconditioner::add_contacts(const ElementBlocks& contacts) {
+  const std::size_t stencil = contacts.stencil, width = 3 * stencil;
+  for (std::size_t e = 0; e < contacts.sites.size() / stencil; ++e)
+    for_each_block(contacts.sites.subspan(e * stencil, stencil), stencil,
+                   [&](u32 row, u32 column, std::size_t a, std::size_t b, double weight) {
+                     Group& group = groups_[node_group_[row]];
+                     if (!group.is_active) return;
+                     const u32 block = find_block(group, node_local_[row], node_local_[column]);
+                     const double* from = &contacts.blocks[e * width * width + 3 * a * width + 3 * b];
+                     if (block != NO_BLOCK)
+                       add(&group.blocks[9 * std::size_t(block)], from, width, weight);
+                     else
+                       leave_out(group, node_local_[row], node_local_[column], from, width, std::abs(weight));
+                   });
+}
+
+// Self contact may couple nodes that no element couples. Such a block C is left to conjugate gradients; without it the
+// matrix might be indefinite, so its size goes to both diagonals: |C| (x^2 + y^2) - 2 x C y >= 0.
+void GroupPreconditioner::leave_out(Group& group, u32 row, u32 column, const double* from, std::size_t width,
+                                    double weight) {
+  double square = 0;
+  for (std::size_t r = 0; r < 3; ++r)
+    for (std::size_t c = 0; c < 3; ++c) square += from[r * width + c] * from[r * width + c];
+  for (const u32 node : {row, column})
+    for (int k = 0; k < 3; ++k)
+      group.blocks[9 * std::size_t(find_block(group, node, node)) + 4 * k] += weight * std::sqrt(square);
+}
+
+// Groups that are more than one thread's share use all threads themselves, one after the other; the others run side by
+// side.
+template <class Task>
+void GroupPreconditioner::for_each_active_group(const Task& task) const {
+  double total = 0;
+  for (const Group& group : groups_)
+    if (group.is_active) total += group.factor->cost();
+  std::vector<u32> small;
+  for (u32 g = 0; g < groups_.size(); ++g) {
+    if (!groups_[g].is_active) continue;
+    if (groups_[g].factor->cost() * double(workers_->n_threads()) > total)
+      task(g, workers_.get());
+    else
+      small.push_back(g);
+  }
+  workers_->run(small.size(), [&](std::size_t i) { task(small[i], nullptr); });
+}
+
+std::size_t GroupPreconditioner::factorize(std::span<Term* const> terms, std::span<const ElementBlocks> contacts,
+                                           std::span<const char> group_is_active) {
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    groups_[g].is_active = group_is_active[g];
+    if (groups_[g].is_active) std::fill(groups_[g].blocks.begin(), groups_[g].blocks.end(), 0.0);
+  }
+  for (std::size_t t = 0; t < terms.size(); ++t) add_term(*terms[t], destinations_[t]);
+  for (const ElementBlocks& list : contacts) add_contacts(list);
+  std::vector<char> is_positive(groups_.size(), true);
+  for_each_active_group(
+      [&](u32 g, Workers* workers) { is_positive[g] = groups_[g].factor->factorize(groups_[g].blocks, workers); });
+  return std::size_t(std::find(is_positive.begin(), is_positive.end(), false) - is_positive.begin());
+}
+
+void GroupPreconditioner::apply(std::span<const double> residual, std::span<double> preconditioned) const {
+  std::fill(preconditioned.begin(), preconditioned.end(), 0.0);
+  for_each_active_group([&](u32 g, Workers* workers) {
+    const Group& group = groups_[g];
+    for (std::size_t i = 0; i < group.nodes.size(); ++i)
+      std::copy_n(&residual[3 * std::size_t(group.nodes[i])], 3, &group.local[3 * i]);
+    group.factor->solve(group.local, workers);
+    for (std::size_t i = 0; i < group.nodes.size(); ++i)
+      std::copy_n(&group.local[3 * i], 3, &preconditioned[3 * std::size_t(group.nodes[i])]);
+  });
+}
+
+}  // namespace pvg

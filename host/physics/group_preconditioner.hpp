@@ -1,0 +1,76 @@
+// The preconditioner: one exact sparse factor per group of bodies that joints and stitches hold together (a robot with
+// its fingers is one group, a free body another), contact and friction within a group's own nodes included. What is
+// left to conjugate gradients is the coupling of groups through contact.
+#pragma once
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "host/base/workers.hpp"
+#include "host/physics/block_cholesky.hpp"
+#include "host/physics/term.hpp"
+#include "solve/site.h"
+
+namespace pvg {
+
+constexpr u32 NO_GROUP = ~0u;
+
+// Element blocks of one list of elements, on the host: site ids and the dense row-major blocks.
+struct ElementBlocks {
+  std::size_t stencil = 0;
+  std::span<const u32> sites;      // [n_elements x stencil]
+  std::span<const double> blocks;  // [n_elements x (3 stencil)^2, N/m]
+};
+
+class GroupPreconditioner {
+ public:
+  // node_group: group of each node, NO_GROUP for nodes that never move. `terms` are the elements whose pattern never
+  // changes; contacts must couple within a group only nodes that those already couple.
+  GroupPreconditioner(std::span<const Site> sites, std::span<const u32> node_group, std::size_t n_groups,
+                      std::span<Term* const> terms);
+
+  // Reads the terms' blocks, adds those of the contacts, factors the groups for which group_is_active.
+  // Returns the first group that is not positive definite, or n_groups().
+  std::size_t factorize(std::span<Term* const> terms, std::span<const ElementBlocks> contacts,
+                        std::span<const char> group_is_active);
+  // preconditioned = M^-1 residual;  [n_nodes x 3]; zero on nodes without group and in groups that are not active
+  void apply(std::span<const double> residual, std::span<double> preconditioned) const;
+  std::size_t n_groups() const { return groups_.size(); }
+  const std::vector<u32>& nodes(std::size_t group) const { return groups_[group].nodes; }
+
+ private:
+  struct Group {
+    std::vector<u32> nodes;      // local to global, ascending
+    BlockPattern pattern;        // of local nodes
+    std::vector<double> blocks;  // [n_blocks x 9]
+    std::unique_ptr<BlockCholesky> factor;
+    bool is_active = false;
+    mutable std::vector<double> local;  // of apply() [n_nodes x 3]
+  };
+  // adds weight x (3 x 3 block of a row-major element block) to a block of a group
+  struct Destination {
+    u32 source;  // index of the 3 x 3 block's first number in the term's blocks
+    u32 group;
+    u32 block;
+    double weight;
+  };
+  template <class Found>
+  void for_each_block(std::span<const u32> element_sites, std::size_t stencil, const Found& found) const;
+  void find_patterns(std::span<Term* const> terms);
+  void find_destinations(std::span<Term* const> terms);
+  static u32 find_block(const Group& group, u32 row, u32 column);
+  void add_term(const Term& term, std::span<const Destination> destinations);
+  void add_contacts(const ElementBlocks& contacts);
+  static void leave_out(Group& group, u32 row, u32 column, const double* from, std::size_t width, double weight);
+  template <class Task>
+  void for_each_active_group(const Task& task) const;
+
+  std::vector<Site> sites_;
+  std::vector<u32> node_group_, node_local_;
+  std::vector<Group> groups_;
+  std::vector<std::vector<Destination>> destinations_;  // per term, by element
+  std::vector<double> element_blocks_;                  // read from the device, some elements at a time
+  std::unique_ptr<Workers> workers_;
+};
+
+}  // namespace pvg

@@ -1,0 +1,174 @@
+#include "host/physics/joint.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace pvg {
+namespace {
+
+constexpr double ANCHOR_LEVER = 0.1;  // distance of the anchors from the joint's centre [m]
+
+// axis t, and n, b with t = n x b, in the joint frame
+Mat3 joint_triad(const Joint& joint) {
+  const Vec3 t = joint.axis.normalized();
+  const Vec3 n = t.unitOrthogonal();
+  Mat3 triad;
+  triad << n, t.cross(n), t;
+  return triad;
+}
+
+void add_anchor(System& system, std::size_t world, const Joint& joint, const Vec3& point) {
+  system.stitch_spring.rows.push_back({{add_point_site(system, world, joint.parent, joint.parent_frame * point),
+                                        add_point_site(system, world, joint.child, joint.child_frame * point)},
+                                       joint.stiffness});
+}
+
+void add_direction_lock(System& system, std::size_t world, const Joint& joint, const Vec3& direction) {
+  system.stitch_spring.rows.push_back(
+      {{add_direction_site(system, world, joint.parent, joint.parent_frame.linear() * direction),
+        add_direction_site(system, world, joint.child, joint.child_frame.linear() * direction)},
+       joint.stiffness * ANCHOR_LEVER * ANCHOR_LEVER});
+}
+
+// (c_j - c_i) . d_i under the law of a drive
+PrismaticDrive offset_row(System& system, std::size_t world, const Joint& joint, const Vec3& direction) {
+  PrismaticDrive row{};
+  row.site[0] = add_point_site(system, world, joint.parent, joint.parent_frame.translation());
+  row.site[1] = add_point_site(system, world, joint.child, joint.child_frame.translation());
+  row.site[2] = add_direction_site(system, world, joint.parent, joint.parent_frame.linear() * direction);
+  return row;
+}
+
+int add_revolute_drive(System& system, std::size_t world, const Joint& joint, const Mat3& triad) {
+  RevoluteDrive row{};
+  for (int k = 0; k < 2; ++k) {
+    row.site[k] = add_direction_site(system, world, joint.parent, joint.parent_frame.linear() * triad.col(k));
+    row.site[2 + k] = add_direction_site(system, world, joint.child, joint.child_frame.linear() * triad.col(k));
+  }
+  row.stiffness = joint.drive.stiffness;
+  row.damping = joint.drive.damping;
+  row.effort_limit = joint.drive.effort_limit;
+  system.revolute_drive.rows.push_back(row);
+  return int(system.revolute_drive.rows.size()) - 1;
+}
+
+int add_prismatic_drive(System& system, std::size_t world, const Joint& joint, const Mat3& triad) {
+  PrismaticDrive row = offset_row(system, world, joint, triad.col(2));
+  row.stiffness = joint.drive.stiffness;
+  row.damping = joint.drive.damping;
+  row.effort_limit = joint.drive.effort_limit;
+  system.prismatic_drive.rows.push_back(row);
+  return int(system.prismatic_drive.rows.size()) - 1;
+}
+
+void check_joint(const Scene& scene, const Joint& joint) {
+  const int n = int(scene.rigid_bodies.size());
+  if (joint.parent < 0 || joint.child < 0 || joint.parent >= n || joint.child >= n || joint.parent == joint.child)
+    throw UsageError("joint " + joint.name + " must join two different rigid bodies");
+  if (!(joint.axis.norm() > 0)) throw UsageError("joint " + joint.name + " has an axis of length zero");
+  if (!(joint.stiffness > 0) || joint.drive.stiffness < 0 || joint.drive.damping < 0)
+    throw UsageError("joint " + joint.name + ": stiffness must be positive, the drive's must not be negative");
+}
+
+}  // namespace
+
+void add_joints(System& system, std::size_t world) {
+  const Scene& scene = system.scenes[world];
+  system.revolute_row.emplace_back(scene.joints.size(), -1);
+  system.prismatic_row.emplace_back(scene.joints.size(), -1);
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const Joint& joint = scene.joints[j];
+    check_joint(scene, joint);
+    const Mat3 triad = joint_triad(joint);
+    switch (joint.type) {
+      case Joint::Type::spherical:
+        add_anchor(system, world, joint, Vec3::Zero());
+        break;
+      case Joint::Type::revolute:
+        for (const double side : {-1.0, 1.0}) add_anchor(system, world, joint, side * ANCHOR_LEVER * triad.col(2));
+        if (joint.drive.stiffness > 0 || joint.drive.damping > 0)
+          system.revolute_row[world][j] = add_revolute_drive(system, world, joint, triad);
+        break;
+      case Joint::Type::fixed:
+        for (const Vec3& corner : {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)})
+          add_anchor(system, world, joint, ANCHOR_LEVER * corner.normalized());
+        break;
+      case Joint::Type::prismatic:
+        for (int k = 0; k < 3; ++k) add_direction_lock(system, world, joint, triad.col(k));
+        for (int k = 0; k < 2; ++k) {
+          PrismaticDrive guide = offset_row(system, world, joint, triad.col(k));
+          guide.stiffness = joint.stiffness;
+          system.prismatic_drive.rows.push_back(guide);
+        }
+        if (joint.drive.stiffness > 0 || joint.drive.damping > 0)
+          system.prismatic_row[world][j] = add_prismatic_drive(system, world, joint, triad);
+        break;
+    }
+  }
+}
+
+double joint_coordinate(const Joint& joint, const AffineMap& parent, const AffineMap& child) {
+  const Mat3 triad = joint_triad(joint);
+  const Mat3 i = parent.leftCols<3>() * joint.parent_frame.linear() * triad;
+  const Mat3 j = child.leftCols<3>() * joint.child_frame.linear() * triad;
+  if (joint.type == Joint::Type::revolute)
+    return std::atan2(j.col(0).dot(i.col(1)) - j.col(1).dot(i.col(0)), i.col(0).dot(j.col(0)) + i.col(1).dot(j.col(1)));
+  if (joint.type == Joint::Type::prismatic) {
+    const auto centre = [](const AffineMap& map, const Pose& frame) -> Vec3 {
+      return map.leftCols<3>() * frame.translation() + map.col(3);
+    };
+    return (centre(child, joint.child_frame) - centre(parent, joint.parent_frame)).dot(i.col(2));
+  }
+  return 0;
+}
+
+double unwrap_angle(double angle, double near) {
+  const double turn = 2 * std::numbers::pi;
+  return angle + turn * std::round((near - angle) / turn);
+}
+
+double drive_effort(const Drive& drive, double start, double end, double target, double change, double feed_forward,
+                    double h) {
+  double effort = drive.stiffness * (target - end) + feed_forward;
+  if (drive.effort_limit > 0) effort = std::clamp(effort, -drive.effort_limit, drive.effort_limit);
+  return effort - drive.damping / h * ((end - start) - change);
+}
+
+std::vector<Carried> carried_bodies(const Scene& scene) {
+  std::vector<Carried> carried(scene.joints.size());
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    std::vector<int>& rigid = carried[j].rigid;
+    rigid.push_back(scene.joints[j].child);
+    for (std::size_t k = 0; k < rigid.size(); ++k)  // grows while it runs; each body enters once
+      for (const Joint& next : scene.joints)
+        if (next.parent == rigid[k] && std::find(rigid.begin(), rigid.end(), next.child) == rigid.end())
+          rigid.push_back(next.child);
+    for (const Stitch& stitch : scene.stitches)
+      if (stitch.soft >= 0 && std::find(rigid.begin(), rigid.end(), stitch.rigid) != rigid.end() &&
+          std::find(carried[j].soft.begin(), carried[j].soft.end(), stitch.soft) == carried[j].soft.end())
+        carried[j].soft.push_back(stitch.soft);
+  }
+  return carried;
+}
+
+double gravity_feed_forward(const Scene& scene, const Joint& joint, const Carried& carried, const SceneState& state,
+                            std::span<const std::vector<double>> soft_masses) {
+  const AffineMap& parent = state.rigid[joint.parent];
+  const Vec3 axis = (parent.leftCols<3>() * joint.parent_frame.linear() * joint.axis).normalized();
+  const Vec3 centre = parent.leftCols<3>() * joint.parent_frame.translation() + parent.col(3);
+  double weight_along = 0;
+  const auto add = [&](double mass, const Vec3& x) {
+    const Vec3 motion = joint.type == Joint::Type::revolute ? axis.cross(x - centre) : axis;
+    weight_along += mass * scene.gravity.dot(motion);
+  };
+  for (const int b : carried.rigid) {
+    const RigidBody& body = scene.rigid_bodies[b];
+    add(body.mass, state.rigid[b].leftCols<3>() * body.center_of_mass + state.rigid[b].col(3));
+  }
+  for (const int b : carried.soft)
+    for (std::size_t i = 0; i < soft_masses[b].size(); ++i) add(soft_masses[b][i], state.soft[b][i]);
+  return -weight_along;
+}
+
+}  // namespace pvg

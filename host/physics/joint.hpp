@@ -1,0 +1,37 @@
+// Joints between rigid bodies. The constraint itself is a set of stiff springs between sites of both bodies: one anchor
+// point for a spherical joint, two on the axis for a revolute one, four for a fixed one; a prismatic joint holds three
+// directions together and two perpendicular offsets at zero. Its coordinate is acted on by a drive.
+//   revolute:   q = angle about t from (n_i, b_i) to (n_j, b_j)        prismatic:  q = (c_j - c_i) . t_i
+// with i the parent, j the child, t the axis and n, b perpendicular to it.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "host/physics/system.hpp"
+#include "host/scene/state.hpp"
+
+namespace pvg {
+
+// Coordinate of a joint [rad, in (-pi, pi], or m]; 0 for fixed and spherical joints.
+double joint_coordinate(const Joint& joint, const AffineMap& parent, const AffineMap& child);
+
+// `angle` plus whole turns, so that it lies within half a turn of `near` [rad].
+double unwrap_angle(double angle, double near);
+
+// What a drive exerts along its coordinate at the end of a step [N m or N].
+// start, end: coordinate at both ends of the step; change: of the target over the step; h [s]
+double drive_effort(const Drive& drive, double start, double end, double target, double change, double feed_forward,
+                    double h);
+
+// What each joint carries: the bodies whose weight its drive feels.
+struct Carried {
+  std::vector<int> rigid, soft;
+};
+std::vector<Carried> carried_bodies(const Scene& scene);  // [n_joints]
+
+// Effort along the coordinate that holds the carried bodies against gravity, at this state [N m or N].
+// soft_masses: [n_soft_bodies][n_nodes, kg]
+double gravity_feed_forward(const Scene& scene, const Joint& joint, const Carried& carried, const SceneState& state,
+                            std::span<const std::vector<double>> soft_masses);
+
+}  // namespace pvg

@@ -1,0 +1,76 @@
+// The incremental potential of all worlds: the sum of its terms, their gradient gathered to the nodes, and the product
+// of the Hessian with a direction, which is never assembled.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "host/physics/contact.hpp"
+#include "host/physics/gather.hpp"
+#include "host/physics/group_preconditioner.hpp"
+#include "host/physics/system.hpp"
+#include "host/physics/term.hpp"
+#include "host/physics/world_reduce.hpp"
+
+namespace pvg {
+
+// Positions of all nodes and of the sites that they carry.
+struct Positions {
+  Positions(Device& device, std::size_t n_nodes, std::size_t n_sites, const std::string& name)
+      : node(device, 3 * n_nodes, name), site(device, 3 * n_sites, name + " sites") {}
+  Buffer<f64> node, site;  // [n_nodes x 3], [n_sites x 3]
+};
+
+class Potential {
+ public:
+  Potential(Device& device, const System& system);
+
+  void update_sites(Positions& positions);  // site from node
+
+  // This step's numbers. start: positions at its beginning; predicted: where inertia leads; h: its length [s];
+  // inertia_h: what stands for h in the inertia, which depends on the integrator [s]
+  void begin_step(const Positions& start, const Positions& predicted, double h, double inertia_h);
+  void set_drives(const std::vector<RevoluteDrive>& revolute, const std::vector<PrismaticDrive>& prismatic);
+  void set_friction(const WorldRows<Friction>& rows);
+
+  // Sum of all terms per world [J]; contact over `candidates`.
+  std::vector<double> energy(const Positions& x, const WorldRows<Barrier>& candidates);
+  // Gradient [n_nodes x 3, N] and Hessian blocks at x, with these active contacts.
+  void differentiate(const Positions& x, const WorldRows<Barrier>& contacts, Buffer<f64>& gradient);
+  // out = H direction;  [n_nodes x 3]
+  void product(const Buffer<f64>& direction, Buffer<f64>& out);
+  // factors the preconditioner at the blocks of the last differentiate(); names the body where that fails
+  void factorize(std::span<const char> world_is_active);
+  const GroupPreconditioner& preconditioner() const { return *preconditioner_; }
+
+ private:
+  void gather(Buffer<f64>& node);
+  void set_contacts(const WorldRows<Barrier>& contacts);
+  bool is_inertia(const Term& term) const { return &term == &point_inertia_ || &term == &affine_inertia_; }
+  const Buffer<f64>& origin(const Term& term) const;  // what a term is told as x0
+  double step_length(const Term& term) const { return is_inertia(term) ? inertia_h_ : h_; }
+
+  const System& system_;
+  Program nodes_program_;
+  Kernel nodes_to_sites_, gather_rows_;
+  Buffer<Site> sites_;
+  Buffer<u32> node_is_fixed_;
+
+  Term point_inertia_, affine_inertia_, neo_hookean_4_, neo_hookean_10_, orthogonality_, stitch_, revolute_, prismatic_;
+  Term membrane_, bending_;
+  Term barrier_, friction_;
+  std::vector<Term*> constant_;  // whose elements never change
+  std::vector<Term*> all_;
+
+  Gather constant_gather_, contact_gather_;
+  std::unique_ptr<GroupPreconditioner> preconditioner_;
+  Buffer<f64> rows_, element_energy_, world_energy_, direction_site_;
+  u32 n_constant_rows_ = 0;
+  WorldReduce reduce_;
+  std::vector<WorldChunks> term_chunks_;  // per constant term
+  WorldChunks candidate_chunks_, friction_chunks_;
+
+  const Positions *start_ = nullptr, *predicted_ = nullptr;
+  double h_ = 0, inertia_h_ = 0;
+};
+
+}  // namespace pvg

@@ -1,0 +1,87 @@
+// A Scene (or several, as worlds) turned into nodes, sites and the rows of every energy term: what the solver works on.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "energies/affine_orthogonality.h"
+#include "energies/cloth_membrane.h"
+#include "energies/inertia.h"
+#include "energies/prismatic_drive.h"
+#include "energies/revolute_drive.h"
+#include "energies/stable_neo_hookean_10.h"
+#include "energies/stable_neo_hookean_4.h"
+#include "energies/stitch_spring.h"
+#include "energies/triangle_bending.h"
+#include "host/physics/collision_mesh.hpp"
+#include "host/physics/group_preconditioner.hpp"
+#include "host/physics/world_reduce.hpp"
+#include "host/scene/scene.hpp"
+#include "host/scene/state.hpp"
+#include "solve/site.h"
+
+namespace pvg {
+
+// The elements of one term, sorted by world.
+template <class Params>
+struct Rows {
+  std::vector<Params> rows;
+  std::vector<u32> world_first = {0};  // [n_worlds + 1]
+  void end_world() { world_first.push_back(u32(rows.size())); }
+};
+
+// Nodes of each world: those of its soft bodies first, then of its cloths, then (p, a1, a2, a3) of each rigid body.
+struct System {
+  std::vector<Scene> scenes;  // [n_worlds]
+
+  // nodes
+  std::vector<double> x, v, gravity;               // [n_nodes x 3]  [m], [m/s], [m/s^2]
+  std::vector<u32> node_world, node_is_fixed;      // [n_nodes]
+  std::vector<u32> node_group;                     // connected by joints and stitches; NO_GROUP where fixed
+  std::vector<u32> group_world;                    // [n_groups]
+  std::vector<WorldRange> node_ranges;             // one per world
+  std::vector<std::vector<u32>> soft_first_node;   // [n_worlds][n_soft_bodies]
+  std::vector<std::vector<u32>> cloth_first_node;  // [n_worlds][n_cloths]
+  std::vector<std::vector<u32>> rigid_first_node;  // [n_worlds][n_rigid_bodies]
+
+  // sites: site i is node i for i < n_nodes, then points and directions of rigid bodies
+  std::vector<Site> sites;
+  std::vector<WorldRange> speed_ranges;  // sites whose motion decides on convergence: points of bodies
+
+  // terms
+  Rows<PointInertia> point_inertia;
+  Rows<AffineInertia> affine_inertia;
+  Rows<StableNeoHookean4> stable_neo_hookean_4;
+  Rows<StableNeoHookean10> stable_neo_hookean_10;
+  Rows<AffineOrthogonality> affine_orthogonality;
+  Rows<StitchSpring> stitch_spring;
+  Rows<ClothMembrane> cloth_membrane;
+  Rows<TriangleBending> triangle_bending;
+  Rows<RevoluteDrive> revolute_drive;
+  Rows<PrismaticDrive> prismatic_drive;
+  std::vector<std::vector<int>> revolute_row, prismatic_row;  // [n_worlds][n_joints] row of the joint's drive, -1: none
+
+  CollisionMesh collision;  // body ids: world after world, rigid bodies first, then soft ones, then cloths
+
+  std::size_t n_nodes() const { return node_world.size(); }
+  std::size_t n_worlds() const { return scenes.size(); }
+};
+
+// Throws a UsageError naming the body or joint where a scene cannot be simulated.
+System make_system(std::span<const Scene> worlds);
+
+// Bodies of a scene, counted rigid, then soft, then cloth.
+std::size_t n_bodies(const Scene& scene);
+const std::string& body_name(const Scene& scene, std::size_t body);
+
+// Site ids of points and directions of rigid bodies, appended to System::sites.
+u32 add_point_site(System& system, std::size_t world, int rigid, const Vec3& point);          // in the body's frame [m]
+u32 add_direction_site(System& system, std::size_t world, int rigid, const Vec3& direction);  // in the body's frame
+
+// joint.cpp: the rows of one world's joints
+void add_joints(System& system, std::size_t world);
+
+// Inertia about the body's origin as the 4 x 4 mass matrix of (p, a1, a2, a3); throws a UsageError naming the body
+// where no solid can have this inertia.
+Eigen::Matrix4d affine_mass_matrix(const RigidBody& body);
+
+}  // namespace pvg

@@ -1,0 +1,60 @@
+// One energy term of the incremental potential on the device: the launcher around kernels/energies/<term>.cl.
+// Elements are sorted by world; each has `stencil` sites and writes that many rows (see kernels/energies/assemble.cl).
+#pragma once
+#include <string>
+#include <vector>
+
+#include "host/device/device.hpp"
+#include "host/physics/world_reduce.hpp"
+
+namespace pvg {
+
+class Term {
+ public:
+  Term(Device& device, const std::string& name, std::size_t stencil);
+
+  // The elements, sorted by world. Params is the struct of the term; its first member is `u32 site[stencil]`.
+  // world_first: [n_worlds + 1] where each world's elements begin
+  template <class Params>
+  void set(const std::vector<Params>& params, std::vector<u32> world_first) {
+    static_assert(sizeof(Params) % 16 == 0);
+    set_bytes(params.data(), params.size(), sizeof(Params), std::move(world_first));
+  }
+  // New numbers for the same elements, such as this step's targets.
+  template <class Params>
+  void update(const std::vector<Params>& params) {
+    params_.write(std::span(reinterpret_cast<const unsigned char*>(params.data()), params.size() * sizeof(Params)));
+  }
+
+  // x, x0: site positions [n_sites x 3, m]; h [s]
+  void energy(const Buffer<f64>& x, const Buffer<f64>& x0, double h, Buffer<f64>& energy);  // [n_elements, J]
+  // the same over rows that lie on the device already, as contact candidates do
+  template <class Params>
+  void energy_over(const Buffer<Params>& params, std::size_t n, const Buffer<f64>& x, const Buffer<f64>& x0, double h,
+                   Buffer<f64>& energy) {
+    energy_(n, u32(n), params, x, x0, h, energy);
+  }
+  void gradient(const Buffer<f64>& x, const Buffer<f64>& x0, double h, Buffer<f64>& rows);  // [N]
+  void hessian(const Buffer<f64>& x, const Buffer<f64>& x0, double h);                      // kept in blocks()
+  void product(const Buffer<f64>& direction, Buffer<f64>& rows);                            // rows = H direction
+
+  std::size_t size() const { return n_; }
+  std::size_t stencil() const { return stencil_; }
+  const std::string& name() const { return name_; }
+  const std::vector<u32>& sites() const { return sites_; }              // [n_elements x stencil]
+  const std::vector<u32>& world_first() const { return world_first_; }  // [n_worlds + 1]
+  const Buffer<f64>& blocks() const { return blocks_; }                 // [n_elements x (3 stencil)^2, N/m]
+  u32 first_row = 0;                                                    // where its rows begin in the row buffer
+
+ private:
+  void set_bytes(const void* params, std::size_t n, std::size_t bytes, std::vector<u32> world_first);
+  std::string name_;
+  std::size_t stencil_, n_ = 0;
+  Program program_;
+  Kernel energy_, gradient_, hessian_, product_;
+  Buffer<unsigned char> params_;
+  Buffer<f64> blocks_;
+  std::vector<u32> sites_, world_first_;
+};
+
+}  // namespace pvg

@@ -1,0 +1,53 @@
+#include "host/physics/time_integration.hpp"
+
+namespace pvg {
+
+TimeIntegrator::TimeIntegrator(Device& device, const System& system)
+    : n_(u32(system.n_nodes())),
+      program_(device, "solve/nodes.cl"),
+      predict_(program_.kernel("predict")),
+      backward_difference_(program_.kernel("backward_difference")),
+      velocity_from_positions_(program_.kernel("velocity_from_positions")),
+      node_is_fixed_(device, system.node_is_fixed, "is_fixed"),
+      gravity_(device, system.gravity, "gravity"),
+      velocity_(device, system.v, "v"),
+      position_before_(device, system.x, "x before"),
+      velocity_before_(device, system.v, "v before"),
+      past_position_(device, system.x, "past x"),
+      past_velocity_(device, system.v, "past v") {}
+
+double TimeIntegrator::predict(const Buffer<f64>& x, double h, SolverSettings::Integrator integrator,
+                               Buffer<f64>& predicted) {
+  const bool is_second_order = integrator == SolverSettings::Integrator::bdf2 && length_before_ == h;
+  if (is_second_order) {
+    backward_difference_(n_, n_, x, position_before_, past_position_);
+    backward_difference_(n_, n_, velocity_, velocity_before_, past_velocity_);
+  } else {
+    past_position_.copy_from(x);
+    past_velocity_.copy_from(velocity_);
+  }
+  length_ = h;
+  inertia_length_ = is_second_order ? 2 * h / 3 : h;
+  predict_(n_, n_, past_position_, past_velocity_, gravity_, node_is_fixed_, inertia_length_, predicted);
+  return inertia_length_;
+}
+
+void TimeIntegrator::accept(const Buffer<f64>& start, const Buffer<f64>& end) {
+  position_before_.copy_from(start);
+  velocity_before_.copy_from(velocity_);
+  velocity_from_positions_(n_, n_, end, past_position_, inertia_length_, velocity_);
+  length_before_ = length_;
+}
+
+MotionHistory TimeIntegrator::history() const {
+  return {velocity_.read(), position_before_.read(), velocity_before_.read(), length_before_};
+}
+
+void TimeIntegrator::restore(const MotionHistory& history) {
+  velocity_.write(history.velocity);
+  position_before_.write(history.position_before);
+  velocity_before_.write(history.velocity_before);
+  length_before_ = history.length_before;
+}
+
+}  // namespace pvg

@@ -1,0 +1,37 @@
+// Time integration as a prediction and a difference: with past positions x* and velocities v*,
+//   x~ = x* + h' v* + h'^2 g,   E_inertia = |x - x~|^2_M / (2 h'^2),   v = (x - x*) / h'
+// implicit Euler:  x* = x_n,  v* = v_n,  h' = h
+// BDF2:            x* = (4 x_n - x_{n-1}) / 3,  v* = (4 v_n - v_{n-1}) / 3,  h' = 2 h / 3   (Curtiss & Hirschfelder
+// 1952) BDF2 needs a step of the same length before it: the first one, and those after a change of length, are implicit
+// Euler.
+#pragma once
+#include <vector>
+
+#include "host/physics/checkpoint.hpp"
+#include "host/physics/system.hpp"
+
+namespace pvg {
+
+class TimeIntegrator {
+ public:
+  TimeIntegrator(Device& device, const System& system);
+
+  // Where inertia and gravity lead from x in a step of length h [s]. Returns h'.
+  double predict(const Buffer<f64>& x, double h, SolverSettings::Integrator integrator, Buffer<f64>& predicted);
+  // After the step: the new velocities, from the positions at its start and end.
+  void accept(const Buffer<f64>& start, const Buffer<f64>& end);
+
+  const Buffer<f64>& velocity() const { return velocity_; }  // [n_nodes x 3, m/s]
+  MotionHistory history() const;
+  void restore(const MotionHistory& history);
+
+ private:
+  u32 n_;
+  Program program_;
+  Kernel predict_, backward_difference_, velocity_from_positions_;
+  Buffer<u32> node_is_fixed_;
+  Buffer<f64> gravity_, velocity_, position_before_, velocity_before_, past_position_, past_velocity_;
+  double length_before_ = 0, length_ = 0, inertia_length_ = 0;  // [s]
+};
+
+}  // namespace pvg

@@ -1,0 +1,17 @@
+// A Camera of the scene as the device's pinhole camera, and its pose in the world.
+#pragma once
+#include "host/scene/scene.hpp"
+#include "host/scene/state.hpp"
+#include "render/path.h"
+
+namespace pvg {
+
+// Refuses sizes and focal lengths that are not positive and distortion of other than 0, 4, 5 or 8 numbers.
+void check_camera(const Camera& camera);
+
+// camera to world; the axes of a body's map are made orthonormal, since an affine body may be strained a little
+Eigen::Matrix4d camera_to_world(const Camera& camera, const SceneState& state);
+
+PinholeCamera pinhole_camera(const Camera& camera, const Eigen::Matrix4d& to_world);
+
+}  // namespace pvg

@@ -1,0 +1,42 @@
+// All meshes of a scene in shared arrays: vertices, triangles, and one tree per mesh.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "host/geometry/bvh.hpp"
+#include "host/scene/scene.hpp"
+#include "render/path.h"
+
+namespace pvg {
+
+// where one mesh lies in the arrays
+struct MeshRange {
+  std::uint32_t first_vertex = 0, n_vertices = 0;
+  std::uint32_t first_triangle = 0, n_triangles = 0;
+  std::uint32_t first_block = 0, n_blocks = 0;
+  std::uint32_t first_node = 0;            // the root
+  std::vector<std::uint32_t> level_first;  // nodes of each level, from first_node on, then the number of nodes
+  bool has_normals = false;
+  Box box;  // in the mesh's frame
+};
+
+struct GeometryArrays {
+  std::vector<Vertex> vertices;
+  std::vector<std::uint32_t> triangles;  // [n x 3] vertices
+  std::vector<BvhNode> nodes;
+  std::vector<TriangleBlock> blocks;
+
+  // `name` is for messages. Refuses indices out of range, wrong lengths and numbers that are not finite.
+  MeshRange add(const VisualMesh& mesh, const std::string& name);
+};
+
+// rows of [A | p]: maps of one instance. `to_world` in double; throws a UsageError naming `name` where it is singular.
+Instance make_instance(const Eigen::Matrix<double, 3, 4>& to_world, const MeshRange& mesh, const std::string& name);
+
+// the mesh's box in the world
+Box world_box(const Instance& instance, const Box& box);
+
+// The tree over instances; its leaves are instances.
+std::vector<BvhNode> build_instance_tree(const std::vector<Box>& boxes);
+
+}  // namespace pvg

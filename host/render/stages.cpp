@@ -1,0 +1,122 @@
+#include "host/render/stages.hpp"
+
+#include <utility>
+
+namespace pvg {
+
+Film::Film(Device& device)
+    : sum(device, 0, "film"),
+      dropped(device, 0, "dropped"),
+      depth(device, 0, "depth"),
+      instance(device, 0, "instance"),
+      normal(device, 0, "normal") {}
+
+void Film::begin(std::size_t n_pixels) {
+  sum.resize(n_pixels);
+  dropped.resize(n_pixels);
+  depth.resize(n_pixels);
+  instance.resize(n_pixels);
+  normal.resize(3 * n_pixels);
+}
+
+std::string traversal_options(const Device& device) {
+#if defined(__x86_64__)
+  const DeviceInfo& info = device.info();
+  if (!info.is_gpu && info.platform == "Portable Computing Language" && __builtin_cpu_supports("avx"))
+    return "-DPVG_X86_AVX";
+#endif
+  return "";
+}
+
+Stages::Kernels::Kernels(Program generate_file, Program intersect_file, Program shade_file, Program shadow_file,
+                         Program compact_file, Program accumulate_file, Program ground_truth_file)
+    : generate(generate_file.kernel("generate")),
+      intersect(intersect_file.kernel("intersect")),
+      shade(shade_file.kernel("shade")),
+      shadow(shadow_file.kernel("shadow")),
+      count_alive(compact_file.kernel("count_alive")),
+      scan_counts(compact_file.kernel("scan_counts")),
+      fill_queue(compact_file.kernel("fill_queue")),
+      accumulate(accumulate_file.kernel("accumulate")),
+      ground_truth(ground_truth_file.kernel("ground_truth")) {}
+
+Stages::Stages(Device& device)
+    : kernels_(Program(device, "render/generate.cl"), Program(device, "render/intersect.cl", traversal_options(device)),
+               Program(device, "render/shade.cl", traversal_options(device)),
+               Program(device, "render/shadow.cl", traversal_options(device)), Program(device, "render/compact.cl"),
+               Program(device, "render/accumulate.cl"),
+               Program(device, "sensors/ground_truth.cl", traversal_options(device))),
+      origin_(device, 0, "origin"),
+      direction_(device, 0, "direction"),
+      throughput_(device, 0, "throughput"),
+      radiance_(device, 0, "radiance"),
+      hit_(device, 0, "hit"),
+      hit_instance_(device, 0, "hit_instance"),
+      shadow_origin_(device, 0, "shadow_origin"),
+      shadow_direction_(device, 0, "shadow_direction"),
+      shadow_light_(device, 0, "shadow_light"),
+      queue_(device, 0, "queue"),
+      next_queue_(device, 0, "next_queue"),
+      alive_(device, 0, "alive"),
+      counts_(device, 0, "counts"),
+      total_(device, 1, "total") {}
+
+std::uint64_t Stages::trace(const Launch& launch, const DeviceScene& scene, Film& film) {
+  std::size_t n = std::size_t(launch.n_pixels) * launch.n_samples;
+  std::uint64_t segments = 0;
+  generate(n, launch);
+  for (unsigned depth = 0; depth <= launch.max_depth && n > 0; ++depth) {
+    segments += n;
+    intersect(n, scene);
+    shade(n, launch, depth, scene);
+    if (launch.n_lights > 0) shadow(n, launch, scene);
+    n = compact(n);
+  }
+  kernels_.accumulate(launch.n_pixels, launch.n_pixels, launch, radiance_, film.sum, film.dropped);
+  return segments;
+}
+
+void Stages::find_ground_truth(const Launch& launch, const DeviceScene& scene, Film& film) {
+  generate(launch.n_pixels, launch);
+  intersect(launch.n_pixels, scene);
+  kernels_.ground_truth(launch.n_pixels, launch.n_pixels, launch, scene.instances, scene.triangles, scene.vertices,
+                        hit_, hit_instance_, direction_, throughput_, film.depth, film.instance, film.normal);
+}
+
+void Stages::generate(std::size_t n, const Launch& launch) {
+  for (Buffer<F32x4>* buffer :
+       {&origin_, &direction_, &throughput_, &radiance_, &hit_, &shadow_origin_, &shadow_direction_, &shadow_light_})
+    buffer->resize(n);
+  for (Buffer<std::uint32_t>* buffer : {&hit_instance_, &queue_, &next_queue_, &alive_}) buffer->resize(n);
+  kernels_.generate(n, std::uint32_t(n), launch, origin_, direction_, throughput_, radiance_, queue_);
+}
+
+void Stages::intersect(std::size_t n, const DeviceScene& scene) {
+  kernels_.intersect(n, std::uint32_t(n), queue_, scene.top, scene.nodes, scene.blocks, scene.instances, origin_,
+                     direction_, hit_, hit_instance_);
+}
+
+void Stages::shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene) {
+  kernels_.shade(n, std::uint32_t(n), launch, std::uint32_t(depth), queue_, scene.instances, scene.materials,
+                 scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices, scene.lights, hit_,
+                 hit_instance_, origin_, direction_, throughput_, radiance_, shadow_origin_, shadow_direction_,
+                 shadow_light_, alive_);
+}
+
+void Stages::shadow(std::size_t n, const Launch& launch, const DeviceScene& scene) {
+  kernels_.shadow(n, std::uint32_t(n), queue_, launch.transparent_shadows, scene.top, scene.nodes, scene.blocks,
+                  scene.instances, scene.materials, shadow_origin_, shadow_direction_, shadow_light_, radiance_);
+}
+
+std::size_t Stages::compact(std::size_t n) {
+  constexpr std::size_t PIECE = 64;  // as in compact.cl
+  const std::size_t n_pieces = (n + PIECE - 1) / PIECE;
+  counts_.resize(n_pieces);
+  kernels_.count_alive(n_pieces, std::uint32_t(n_pieces), std::uint32_t(n), alive_, counts_);
+  kernels_.scan_counts(1, std::uint32_t(n_pieces), counts_, total_);
+  kernels_.fill_queue(n_pieces, std::uint32_t(n_pieces), std::uint32_t(n), alive_, counts_, queue_, next_queue_);
+  std::swap(queue_, next_queue_);
+  return total_.read().front();
+}
+
+}  // namespace pvg

@@ -1,0 +1,74 @@
+// The stages of the wavefront on the device: programs, the arrays that paths travel in, and one function per use.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "host/device/device.hpp"
+#include "materials/material.h"
+#include "render/bvh.h"
+#include "render/path.h"
+
+namespace pvg {
+
+// What the stages read of the scene.
+struct DeviceScene {
+  Buffer<BvhNode> top, nodes;
+  Buffer<TriangleBlock> blocks;
+  Buffer<Instance> instances;
+  Buffer<std::uint32_t> triangles;  // [n x 3]
+  Buffer<Vertex> vertices;
+  Buffer<Material> materials;
+  Buffer<TextureInfo> textures;
+  Buffer<std::uint32_t> texels;  // RGBA bytes
+  Buffer<float> decode;          // [256]
+  Buffer<Light> lights;
+};
+
+// What a picture is gathered in  [height x width].
+struct Film {
+  explicit Film(Device& device);
+  void begin(std::size_t n_pixels);
+  Buffer<F32x4> sum;  // of radiance; last: samples in it
+  Buffer<std::uint32_t> dropped;
+  Buffer<float> depth;
+  Buffer<std::uint32_t> instance;
+  Buffer<float> normal;  // [n x 3]
+};
+
+// -DPVG_X86_AVX where PoCL compiles for an x86 CPU that has it, else nothing
+std::string traversal_options(const Device& device);
+
+class Stages {
+ public:
+  // at most so many paths under way at once; bounds the memory, about 150 bytes each
+  static constexpr std::size_t MAX_PATHS = std::size_t(1) << 17;
+
+  explicit Stages(Device& device);
+  // follows the launch's paths to their end and adds them to the film; the number of segments traced
+  std::uint64_t trace(const Launch& launch, const DeviceScene& scene, Film& film);
+  // one ray per pixel of the launch
+  void find_ground_truth(const Launch& launch, const DeviceScene& scene, Film& film);
+
+ private:
+  void generate(std::size_t n, const Launch& launch);
+  void intersect(std::size_t n, const DeviceScene& scene);
+  void shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene);
+  void shadow(std::size_t n, const Launch& launch, const DeviceScene& scene);
+  std::size_t compact(std::size_t n);  // live paths
+
+  struct Kernels {
+    Kernels(Program generate_file, Program intersect_file, Program shade_file, Program shadow_file,
+            Program compact_file, Program accumulate_file, Program ground_truth_file);
+    Kernel generate, intersect, shade, shadow, count_alive, scan_counts, fill_queue, accumulate, ground_truth;
+  };
+  Kernels kernels_;
+  // per slot
+  Buffer<F32x4> origin_, direction_, throughput_, radiance_, hit_;
+  Buffer<std::uint32_t> hit_instance_;
+  Buffer<F32x4> shadow_origin_, shadow_direction_, shadow_light_;
+  // per place in the queue
+  Buffer<std::uint32_t> queue_, next_queue_, alive_;
+  Buffer<std::uint32_t> counts_, total_;
+};
+
+}  // namespace pvg

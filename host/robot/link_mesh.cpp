@@ -1,0 +1,156 @@
+#include "host/robot/link_mesh.hpp"
+
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <array>
+#include <assimp/Importer.hpp>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "host/base/error.hpp"
+
+namespace pvg {
+namespace {
+
+Vec3f to_vector(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+
+MeshPart convert(const aiMesh& mesh, const aiMaterial* material, const Vec3f& scale, const std::string& where) {
+  MeshPart part;
+  const float turn = scale.prod() < 0 ? -1.0f : 1.0f;  // a mirrored mesh would be inside out
+  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+    part.mesh.points.push_back(to_vector(mesh.mVertices[i]).cwiseProduct(scale));
+    if (!part.mesh.points.back().allFinite())
+      throw UsageError(where + " has a vertex (number " + std::to_string(i) +
+                       ") that is not a finite number; repair the mesh");
+    if (mesh.HasNormals()) part.mesh.normals.push_back(to_vector(mesh.mNormals[i]).cwiseQuotient(scale).normalized());
+    if (mesh.HasTextureCoords(0))
+      part.mesh.uvs.emplace_back(mesh.mTextureCoords[0][i].x, 1 - mesh.mTextureCoords[0][i].y);
+  }
+  for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+    const unsigned* v = mesh.mFaces[i].mIndices;
+    if (turn > 0)
+      part.mesh.triangles.push_back({v[0], v[1], v[2]});
+    else
+      part.mesh.triangles.push_back({v[0], v[2], v[1]});
+  }
+  aiColor4D color;
+  if (material && aiGetMaterialColor(material, AI_MATKEY_COLOR_DIFFUSE, &color) == AI_SUCCESS)
+    part.color = {color.r, color.g, color.b};
+  return part;
+}
+
+// a flat polygon with points and normals of its own
+void add_polygon(VisualMesh& mesh, const std::vector<Vec3f>& corners, const std::vector<Vec3f>& normals) {
+  const auto start = std::uint32_t(mesh.points.size());
+  mesh.points.insert(mesh.points.end(), corners.begin(), corners.end());
+  mesh.normals.insert(mesh.normals.end(), normals.begin(), normals.end());
+  for (std::uint32_t k = 1; k + 1 < corners.size(); ++k) mesh.triangles.push_back({start, start + k, start + k + 1});
+}
+
+Vec3f circle(int i, int segments) {
+  const double angle = 2 * std::numbers::pi * (i % segments) / segments;
+  return Vec3f(float(std::cos(angle)), float(std::sin(angle)), 0);
+}
+
+}  // namespace
+
+std::vector<MeshPart> load_mesh_parts(const std::filesystem::path& file, const Vec3& scale, const std::string& owner) {
+  const std::string where = owner + ": mesh " + file.string();
+  if (!std::filesystem::is_regular_file(file))
+    throw UsageError(where + " does not exist; correct its path in the URDF");
+  if (!scale.allFinite() || scale.cwiseAbs().minCoeff() == 0)
+    throw UsageError(where + " is scaled by zero or by no finite number; correct scale in the URDF");
+  Assimp::Importer importer;
+  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // as other readers of URDF do
+  const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices |
+                                                              aiProcess_JoinIdenticalVertices | aiProcess_SortByPType);
+  if (!scene || scene->mNumMeshes == 0)
+    throw UsageError(where + " could not be read (" + importer.GetErrorString() +
+                     "); give an STL, OBJ, DAE or PLY file");
+  std::vector<MeshPart> parts;
+  for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
+    const aiMesh& mesh = *scene->mMeshes[i];
+    const aiMaterial* material =
+        mesh.mMaterialIndex < scene->mNumMaterials ? scene->mMaterials[mesh.mMaterialIndex] : nullptr;
+    parts.push_back(convert(mesh, material, scale.cast<float>(), where));
+  }
+  return parts;
+}
+
+VisualMesh box_mesh(const Vec3& size) {
+  VisualMesh mesh;
+  const Vec3f half = size.cast<float>() / 2;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const float side : {-1.0f, 1.0f}) {
+      const Vec3f n = side * Vec3f::Unit(axis), u = Vec3f::Unit((axis + 1) % 3), v = n.cross(u);
+      std::vector<Vec3f> corners;
+      for (const Vec3f& corner : {Vec3f(n - u - v), Vec3f(n + u - v), Vec3f(n + u + v), Vec3f(n - u + v)})
+        corners.push_back(corner.cwiseProduct(half));
+      add_polygon(mesh, corners, std::vector<Vec3f>(4, n));
+    }
+  return mesh;
+}
+
+VisualMesh cylinder_mesh(double radius, double length, int segments) {
+  VisualMesh mesh;
+  const Vec3f up(0, 0, float(length / 2));
+  std::vector<Vec3f> top, bottom;
+  for (int i = 0; i < segments; ++i) {
+    const Vec3f n0 = circle(i, segments), n1 = circle(i + 1, segments);
+    const Vec3f p0 = float(radius) * n0, p1 = float(radius) * n1;
+    add_polygon(mesh, {p0 - up, p1 - up, p1 + up, p0 + up}, {n0, n1, n1, n0});
+    top.push_back(p0 + up);
+    bottom.insert(bottom.begin(), p0 - up);
+  }
+  add_polygon(mesh, top, std::vector<Vec3f>(top.size(), Vec3f::UnitZ()));
+  add_polygon(mesh, bottom, std::vector<Vec3f>(bottom.size(), -Vec3f::UnitZ()));
+  return mesh;
+}
+
+VisualMesh sphere_mesh(double radius, int segments) {
+  VisualMesh mesh;
+  const int rings = segments / 2;
+  const auto normal = [&](int i, int k) {
+    if (k == 0 || k == rings) return Vec3f(0, 0, k == 0 ? -1 : 1);  // exactly one point at each pole
+    const double latitude = std::numbers::pi * (double(k) / rings - 0.5);
+    return Vec3f(float(std::cos(latitude)) * circle(i, segments) + Vec3f(0, 0, float(std::sin(latitude))));
+  };
+  for (int k = 0; k < rings; ++k)
+    for (int i = 0; i < segments; ++i) {
+      std::vector<Vec3f> normals = {normal(i, k), normal(i + 1, k), normal(i + 1, k + 1), normal(i, k + 1)};
+      if (k == 0) normals.erase(normals.begin() + 1);
+      if (k == rings - 1) normals.pop_back();
+      std::vector<Vec3f> corners = normals;
+      for (Vec3f& corner : corners) corner *= float(radius);
+      add_polygon(mesh, corners, normals);
+    }
+  return mesh;
+}
+
+VisualMesh moved(const VisualMesh& mesh, const Pose& pose) {
+  VisualMesh result = mesh;
+  for (Vec3f& p : result.points) p = (pose * p.cast<double>()).cast<float>();
+  for (Vec3f& n : result.normals) n = (pose.linear() * n.cast<double>()).cast<float>();
+  return result;
+}
+
+void add_to_collision(TriangleMesh& collision, const VisualMesh& mesh) {
+  std::map<std::array<float, 3>, std::uint32_t> known;  // of this mesh alone: two shapes that touch stay two
+  std::vector<std::uint32_t> index;
+  for (const Vec3f& p : mesh.points) {
+    const auto [entry, is_new] = known.try_emplace({p.x(), p.y(), p.z()}, std::uint32_t(collision.points.size()));
+    if (is_new) collision.points.push_back(p.cast<double>());
+    index.push_back(entry->second);
+  }
+  for (const Triangle& t : mesh.triangles) {
+    const Triangle c = {index[t[0]], index[t[1]], index[t[2]]};
+    const Vec3 &p = collision.points[c[0]], &q = collision.points[c[1]], &r = collision.points[c[2]];
+    if ((q - p).cross(r - p).norm() > 0) collision.triangles.push_back(c);
+  }
+}
+
+}  // namespace pvg

@@ -1,0 +1,42 @@
+// Motion elements -> the reference q_ref of every step. Each element is a path in the joint space: a straight line, or
+// the inverse kinematics along a straight line of the tool. It is run through from rest to rest by
+//   s(u) = 10 u^3 - 15 u^4 + 6 u^5,   u = t / duration,
+// with the shortest duration, a whole number of steps, that keeps every joint inside its limits of velocity (also the
+// position-dependent one), acceleration and jerk.
+#pragma once
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/robot/kinematics.hpp"
+#include "host/scene/motion.hpp"
+
+namespace pvg {
+
+struct MotionSetup {
+  Pose base = Pose::Identity();              // of the robot's base link, to world
+  int tool_link = -1;                        // link that carries the tool: the flange
+  Pose flange_to_tool = Pose::Identity();    // tool frame in that link's frame
+  VectorXd q_start = {};                     // [n_actuated, rad]
+  int n_gripper_joints = 0;                  // they follow the arm's joints in q_ref and all move alike
+  double gripper_start = 0;                  // their position [m]
+  double gripper_speed = 0.05;               // limit [m/s]
+  double gripper_acceleration = 0.5;         // limit [m/s^2]
+  std::map<std::string, Pose> objects = {};  // frames that elements refer to, to world, at the start
+  double time_step = 0.01;                   // h [s]
+  double rest = 0.1;                         // stand-still after every element [s]
+  double default_acceleration = 10;          // of joints whose URDF gives no limit [rad/s^2]
+  double default_jerk = 5000;                // likewise [rad/s^3]
+};
+
+struct JointTrajectory {
+  double time_step = 0;      // h [s]
+  Eigen::MatrixXd q;         // [n_steps, n_actuated + n_gripper_joints]: row k is reached at (k + 1) h
+  std::vector<int> element;  // [n_steps] which element of the list the step belongs to
+};
+
+// Throws a UsageError that names the element if a target cannot be reached or a straight line leaves the joint limits.
+JointTrajectory plan_motion(const RobotModel& model, const MotionSetup& setup, std::span<const MotionElement> elements);
+
+}  // namespace pvg

@@ -1,0 +1,283 @@
+#include "host/scene/build_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/base/error.hpp"
+#include "host/geometry/mass_properties.hpp"
+#include "host/io/mesh_files.hpp"
+#include "host/io/tetgen.hpp"
+#include "host/io/textures.hpp"
+#include "host/robot/add_robot.hpp"
+#include "host/scene/task_file.hpp"
+
+namespace pvg {
+namespace {
+
+// What the draw of numbers needs: a value in [0, 1) for each name.
+struct Draw {
+  std::uint64_t seed = 0, episode = 0;
+  bool takes_middle = false;  // 1/2 for all
+  std::vector<SampledValue>* record = nullptr;
+
+  double operator()(const std::string& name, const Range& range) const {
+    if (range.low == range.high) return range.low;
+    const double share = takes_middle ? 0.5 : uniform_number(seed, episode, name);
+    const double value = range.low + (range.high - range.low) * share;
+    record->push_back({name, value});
+    return value;
+  }
+};
+
+Pose draw_pose(const Draw& draw, const std::string& name, const SampledPose& sampled) {
+  using Eigen::AngleAxisd;
+  Pose pose = Pose::Identity();
+  const double x = draw(name + "/x", sampled.x), y = draw(name + "/y", sampled.y), z = draw(name + "/z", sampled.z);
+  pose.translation() = Vec3(x, y, z);
+  const double roll = draw(name + "/roll", sampled.roll), pitch = draw(name + "/pitch", sampled.pitch),
+               yaw = draw(name + "/yaw", sampled.yaw);
+  pose.linear() = (AngleAxisd(yaw, Vec3::UnitZ()) * AngleAxisd(pitch, Vec3::UnitY()) * AngleAxisd(roll, Vec3::UnitX()))
+                      .toRotationMatrix();
+  return pose;
+}
+
+int material_index(const Scene& scene, const std::string& name) {
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    if (scene.materials[i].name == name) return int(i);
+  }
+  throw UsageError("There is no material `" + name + "`; add it to `materials`.");
+}
+
+RigidBody rigid_body(const ObjectSection& object, const Pose& pose) {
+  RigidBody body;
+  body.name = object.name;
+  body.collision = read_closed_surface(object.mesh);
+  body.is_fixed = object.is_fixed;
+  body.friction = object.friction;
+  body.affine_modulus = object.affine_modulus;
+  body.pose = pose;
+  // a fixed body's mass moves nothing: that of water stands in for it
+  const double density = object.density > 0 ? object.density : 1000;
+  MassProperties properties = mass_properties(body.collision, density);
+  if (object.mass > 0) properties = mass_properties(body.collision, object.mass / properties.volume);
+  body.mass = properties.mass;
+  body.volume = properties.volume;
+  body.center_of_mass = properties.center;
+  body.inertia = properties.inertia;
+  return body;
+}
+
+void add_object(Scene& scene, const ObjectSection& object, const Draw& draw) {
+  const Pose pose = draw_pose(draw, object.name, object.pose);
+  int rigid = -1;
+  if (!object.mesh.empty()) {
+    rigid = int(scene.rigid_bodies.size());
+    scene.rigid_bodies.push_back(rigid_body(object, pose));
+  }
+  for (const VisualSection& section : object.visuals) {
+    Visual visual;
+    visual.name = object.name + "/" + section.mesh.stem().string();
+    visual.mesh = int(scene.visual_meshes.size());
+    visual.material = material_index(scene, section.material);
+    visual.rigid = rigid;
+    if (rigid < 0) visual.pose = pose;
+    visual.part = object.name;
+    scene.visual_meshes.push_back(read_visual_mesh(section.mesh, section.crease_angle));
+    scene.visuals.push_back(visual);
+  }
+}
+
+VectorXd home_configuration(const RobotModel& model, const RobotSection& robot) {
+  if (robot.home.size() != model.actuated.size()) {
+    throw UsageError("`robot.home` holds " + std::to_string(robot.home.size()) + " numbers, but " +
+                     robot.urdf.string() + " has " + std::to_string(model.actuated.size()) + " joints that move.");
+  }
+  return Eigen::Map<const VectorXd>(robot.home.data(), Eigen::Index(robot.home.size()));
+}
+
+// All links of the gripper against the body that carries it and the two before that: they cannot meet.
+void spare_wrist(Scene& scene, int flange_body, const AddedRobot& gripper) {
+  std::vector<int> wrist = {flange_body};
+  for (int step = 0; step < 2; ++step) {
+    for (const Joint& joint : scene.joints) {
+      if (joint.child == wrist.back()) {
+        wrist.push_back(joint.parent);
+        break;
+      }
+    }
+  }
+  for (const int link : gripper.body) {
+    for (const int body : wrist) scene.noncolliding_rigid_bodies.push_back({body, link});
+  }
+}
+
+// A stitch spring at each node inside the box.
+Stitch stitch_of(const SoftBody& soft, const FingerSection& finger, int soft_index, int rigid_index) {
+  Stitch stitch{soft_index, rigid_index, {}, finger.stitch_stiffness};
+  for (std::size_t i = 0; i < soft.mesh.points.size(); ++i) {
+    const Vec3& p = soft.mesh.points[i];
+    if ((p.array() >= finger.stitch_low.array()).all() && (p.array() <= finger.stitch_high.array()).all()) {
+      stitch.nodes.push_back(std::uint32_t(i));
+    }
+  }
+  if (stitch.nodes.size() < 3) {
+    throw UsageError("Finger `" + finger.name + "`: its stitch box holds " + std::to_string(stitch.nodes.size()) +
+                     " nodes, at least 3 are needed to hold it; move `stitch.low` and `stitch.high`.");
+  }
+  return stitch;
+}
+
+void add_finger(Scene& scene, const FingerSection& finger, const GripperSection& gripper, int carriage_body,
+                const Pose& carriage_in_body) {
+  SoftBody soft;
+  soft.name = finger.name;
+  const TetgenOptions options{finger.max_tetrahedron_volume, finger.radius_edge_ratio, finger.keeps_surface,
+                              finger.nodes_per_element};
+  soft.mesh = tetrahedralize(read_closed_surface(finger.mesh), options, finger.mesh.string());
+  soft.material = finger.material;
+  soft.friction = finger.friction;
+  soft.pose = scene.rigid_bodies[carriage_body].pose * carriage_in_body * finger.pose;
+  const int index = int(scene.soft_bodies.size());
+  scene.stitches.push_back(stitch_of(soft, finger, index, carriage_body));
+  scene.soft_bodies.push_back(std::move(soft));
+  Visual visual;
+  visual.name = finger.name;
+  visual.material = material_index(scene, gripper.finger_material);
+  visual.soft = index;
+  visual.subdivision_levels = gripper.subdivision_levels;
+  visual.part = "gripper";
+  scene.visuals.push_back(visual);
+}
+
+RobotOptions options_for(const Scene& scene) {
+  RobotOptions options;
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) options.materials[scene.materials[i].name] = int(i);
+  return options;
+}
+
+void add_gripper(TaskScene& built, const GripperSection& gripper, const AddedRobot& arm, int flange_link) {
+  Scene& scene = built.scene;
+  const RobotModel model = load_urdf(gripper.urdf);
+  RobotOptions options = options_for(scene);
+  options.prismatic_stiffness = gripper.drive_stiffness;
+  options.prismatic_damping = gripper.drive_damping;
+  options.part = "gripper";
+  const VectorXd open = VectorXd::Constant(Eigen::Index(model.actuated.size()), gripper.open);
+  if (model.link(gripper.base_link) != 0) {
+    throw UsageError(gripper.file.string() + ": `base_link` must be the root of the URDF, which is `" +
+                     model.links[0].name + "`.");
+  }
+  for (const std::string& name : gripper.joints) {
+    const bool is_known = std::any_of(model.actuated.begin(), model.actuated.end(),
+                                      [&](int joint) { return model.joints[joint].name == name; });
+    if (!is_known)
+      throw UsageError(gripper.file.string() + ": `joints` names `" + name + "`, which the URDF does not move.");
+  }
+  if (gripper.joints.size() != model.actuated.size()) {
+    throw UsageError(gripper.file.string() + ": `joints` must name all joints that move in " + gripper.urdf.string() +
+                     ".");
+  }
+  const Pose flange_in_body = arm.link_in_body[flange_link];
+  const AddedRobot added = attach_robot(scene, built.flange, flange_in_body * gripper.mount, model, open, options);
+  spare_wrist(scene, built.flange, added);
+  built.gripper_joints = added.joints;
+  built.gripper_base = added.body[0];
+  built.flange_to_tool = gripper.mount * gripper.tool_center;
+  for (const FingerSection& finger : gripper.fingers) {
+    const int carriage = model.link(finger.carriage);
+    add_finger(scene, finger, gripper, added.body[carriage], added.link_in_body[carriage]);
+  }
+}
+
+void add_background(Scene& scene, const BackgroundSection& background) {
+  if (background.mesh.empty()) return;
+  VisualMaterial material;
+  material.name = "background";
+  material.kind = VisualMaterial::Kind::shadow_receiver;
+  material.color = Vec3f::Ones();
+  material.texture = int(scene.textures.size());
+  material.shadow_strength = background.shadow_strength;
+  scene.textures.push_back(read_texture(background.texture));
+  Visual visual;
+  visual.name = visual.part = "background";
+  visual.mesh = int(scene.visual_meshes.size());
+  visual.material = int(scene.materials.size());
+  visual.pose = background.pose;
+  visual.casts_shadow_on_receivers = false;
+  scene.materials.push_back(material);
+  scene.visual_meshes.push_back(read_visual_mesh(background.mesh, 0));
+  if (scene.visual_meshes.back().uvs.empty()) {
+    throw UsageError(background.mesh.string() + ": the background has no texture coordinates; export it with them.");
+  }
+  scene.visuals.push_back(visual);
+}
+
+void add_cameras(TaskScene& built, const Task& task) {
+  for (const CameraSection& section : task.cameras) {
+    Camera camera;
+    camera.name = section.name;
+    camera.width = section.width;
+    camera.height = section.height;
+    camera.fx = camera.fy = section.height / 2.0 / std::tan(section.vertical_field_of_view / 2);
+    camera.cx = (section.width - 1) / 2.0;  // pixel (0, 0) is a pixel's centre
+    camera.cy = (section.height - 1) / 2.0;
+    camera.rigid = section.mount == "world" ? -1 : built.gripper_base;
+    camera.pose = section.pose;
+    camera.exposure = section.exposure;
+    built.scene.cameras.push_back(camera);
+  }
+}
+
+TaskScene build(const Task& task, Draw draw) {
+  TaskScene built;
+  draw.record = &built.sampled;
+  Scene& scene = built.scene;
+  scene.name = task.name;
+  scene.contact = task.contact;
+  scene.solver = task.solver;
+  scene.pair_friction = task.pair_friction;
+  scene.lights = task.lights;
+  scene.environment = task.environment;
+  scene.materials = task.materials;
+  for (const auto& file : task.textures) scene.textures.push_back(read_texture(file));
+  if (!task.robot.urdf.empty()) {
+    const RobotModel model = load_urdf(task.robot.urdf);
+    RobotOptions options = options_for(scene);
+    options.stiffness = task.robot.drive_stiffness;
+    options.damping = task.robot.drive_damping;
+    options.friction = task.robot.friction;
+    options.collision_links = task.robot.collision_links;
+    const AddedRobot arm = add_robot(scene, model, task.robot.base, home_configuration(model, task.robot), options);
+    const int flange_link = model.link(task.robot.flange);
+    built.arm_joints = arm.joints;
+    built.flange = arm.body[flange_link];
+    if (task.gripper) add_gripper(built, *task.gripper, arm, flange_link);
+  }
+  for (const ObjectSection& object : task.objects) add_object(scene, object, draw);
+  add_background(scene, task.background);
+  add_cameras(built, task);
+  return built;
+}
+
+}  // namespace
+
+double uniform_number(std::uint64_t seed, std::uint64_t episode, const std::string& name) {
+  // FNV-1a of the name, then the finaliser of SplitMix64 (Steele, Lea & Flood 2014) over one word after the other
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const unsigned char c : name) hash = (hash ^ c) * 0x100000001b3;
+  const auto mixed = [](std::uint64_t z) {
+    z += 0x9e3779b97f4a7c15;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+    return z ^ (z >> 31);
+  };
+  return double(mixed(mixed(mixed(seed) ^ episode) ^ hash) >> 11) * 0x1p-53;
+}
+
+TaskScene build_scene(const Task& task, std::uint64_t seed, std::uint64_t episode) {
+  return build(task, {seed, episode, false, nullptr});
+}
+
+TaskScene build_scene_at_middle(const Task& task) { return build(task, {0, 0, true, nullptr}); }
+
+}  // namespace pvg

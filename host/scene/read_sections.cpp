@@ -1,0 +1,212 @@
+#include "host/scene/read_sections.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace pvg {
+namespace {
+
+using Section = YamlSection;
+constexpr double PI = std::numbers::pi;
+
+// about the fixed axes x, y, z in this order
+Mat3 from_roll_pitch_yaw(const Vec3& angles) {
+  using Eigen::AngleAxisd;
+  return (AngleAxisd(angles.z(), Vec3::UnitZ()) * AngleAxisd(angles.y(), Vec3::UnitY()) *
+          AngleAxisd(angles.x(), Vec3::UnitX()))
+      .toRotationMatrix();
+}
+
+// An optical frame at `position` whose z axis meets `look_at`; `up` is upward in the picture.
+Pose read_camera_pose(Section& section) {
+  if (!section.has("look_at")) return read_pose(section);
+  const Vec3 position = section.vector("position", Unit::length, -REACH, REACH);
+  const Vec3 forward = section.vector("look_at", Unit::length, -REACH, REACH) - position;
+  const Vec3 up = section.vector("up", Unit::none, -1e6, 1e6, Vec3::UnitZ());
+  const Vec3 right = forward.cross(up);
+  if (!(right.norm() > 1e-9 * forward.norm() * up.norm()))
+    section.fail("look_at", "must not lie along `up` from `position`");
+  Pose pose = Pose::Identity();
+  pose.translation() = position;
+  pose.linear().col(0) = right.normalized();
+  pose.linear().col(2) = forward.normalized();
+  pose.linear().col(1) = pose.linear().col(2).cross(pose.linear().col(0));
+  return pose;
+}
+
+SampledPose read_sampled_pose(Section& object) {
+  SampledPose pose;
+  if (!object.has("pose")) return pose;
+  Section section = object.section("pose");
+  pose.x = section.range("x", Unit::length, -REACH, REACH, 0);
+  pose.y = section.range("y", Unit::length, -REACH, REACH, 0);
+  pose.z = section.range("z", Unit::length, -REACH, REACH, 0);
+  pose.roll = section.range("roll", Unit::angle, -2 * PI, 2 * PI, 0);
+  pose.pitch = section.range("pitch", Unit::angle, -2 * PI, 2 * PI, 0);
+  pose.yaw = section.range("yaw", Unit::angle, -2 * PI, 2 * PI, 0);
+  section.done();
+  return pose;
+}
+
+VisualMaterial read_material(Section& section, std::vector<std::filesystem::path>* textures) {
+  using Kind = VisualMaterial::Kind;
+  VisualMaterial material;
+  material.name = section.text("name");
+  material.kind = Kind(section.choice("kind", {"diffuse", "conductor", "dielectric", "emissive", "shadow_receiver"}));
+  material.color = read_color(section, "color", material.color, 1);
+  if (textures && section.has("texture")) {
+    material.texture = int(textures->size());
+    textures->push_back(section.file("texture"));
+  }
+  if (material.kind == Kind::conductor) material.roughness = float(section.number("roughness", Unit::none, 0, 1, 0.3));
+  if (material.kind == Kind::dielectric) {
+    material.index_of_refraction = float(section.number("index_of_refraction", Unit::none, 1, 4, 1.5));
+    material.absorption = read_color(section, "absorption", Vec3f::Zero(), 1e6, Unit::per_length);
+  }
+  if (material.kind == Kind::emissive)
+    material.emission = section.vector("emission", Unit::radiance, 0, 1e6).cast<float>();
+  if (material.kind == Kind::shadow_receiver) {
+    material.shadow_strength = float(section.number("shadow_strength", Unit::none, 0, 1, 1));
+  }
+  section.done();
+  return material;
+}
+
+}  // namespace
+
+void check_schema(Section& root) {
+  if (root.integer("schema", 0, 1000000) != 1) root.fail("schema", "must be 1, the only version this program reads");
+}
+
+Pose read_pose(Section& section) {
+  Pose pose = Pose::Identity();
+  pose.translation() = section.vector("position", Unit::length, -REACH, REACH, Vec3::Zero());
+  pose.linear() = from_roll_pitch_yaw(section.vector("rotation", Unit::angle, -2 * PI, 2 * PI, Vec3::Zero()));
+  return pose;
+}
+
+Pose read_pose(Section& parent, const std::string& key) {
+  if (!parent.has(key)) return Pose::Identity();
+  Section section = parent.section(key);
+  const Pose pose = read_pose(section);
+  section.done();
+  return pose;
+}
+
+Vec3f read_color(Section& section, const std::string& key, const Vec3f& otherwise, double high, Unit unit) {
+  return section.vector(key, unit, 0, high, otherwise.cast<double>()).cast<float>();
+}
+
+void add_materials(Section& root, std::vector<VisualMaterial>& materials,
+                   std::vector<std::filesystem::path>* textures) {
+  for (Section& section : root.sections("materials")) {
+    const VisualMaterial material = read_material(section, textures);
+    for (const VisualMaterial& other : materials) {
+      if (other.name == material.name) section.fail("name", "`" + material.name + "` is taken by a material above");
+    }
+    materials.push_back(material);
+  }
+}
+
+ObjectSection read_object(Section& section) {
+  ObjectSection object;
+  object.name = section.text("name");
+  if (section.has("mesh")) object.mesh = section.file("mesh");
+  for (Section& visual : section.sections("visuals")) {
+    object.visuals.push_back(
+        {visual.file("mesh"), visual.text("material"), visual.number("crease_angle", Unit::angle, 0, PI, 0.7)});
+    visual.done();
+  }
+  object.is_fixed = section.boolean("fixed", false);
+  if (section.has("density")) object.density = section.number("density", Unit::density, 1e-3, 1e5);
+  if (section.has("mass")) object.mass = section.number("mass", Unit::mass, 1e-6, 1e5);
+  const bool needs_mass = !object.is_fixed && !object.mesh.empty();
+  if (needs_mass && (object.density > 0) == (object.mass > 0)) {
+    section.fail("", "must have either `density` or `mass`, because it can move");
+  }
+  if (!needs_mass && (object.density > 0 || object.mass > 0))
+    section.fail("", "has a mass but cannot move: leave `density` and `mass` out");
+  if (object.mesh.empty() && object.visuals.empty())
+    section.fail("", "has neither `mesh` nor `visuals`: there is nothing to do with it");
+  object.friction = section.number("friction", Unit::none, 0, 10, object.friction);
+  object.affine_modulus = section.number("affine_modulus", Unit::pressure, 1e3, 1e12, object.affine_modulus);
+  object.pose = read_sampled_pose(section);
+  section.done();
+  return object;
+}
+
+ContactSettings read_contact(Section& root) {
+  ContactSettings contact;
+  if (!root.has("contact")) return contact;
+  Section section = root.section("contact");
+  contact.activation_distance =
+      section.number("activation_distance", Unit::length, 1e-6, 0.1, contact.activation_distance);
+  contact.stiffness = section.number("stiffness", Unit::pressure, 1, 1e12, contact.stiffness);
+  contact.friction_velocity = section.number("friction_velocity", Unit::speed, 1e-8, 1, contact.friction_velocity);
+  contact.friction_lag_passes = section.integer("friction_lag_passes", -1, 100, contact.friction_lag_passes);
+  if (contact.friction_lag_passes == 0)
+    section.fail("friction_lag_passes", "must be a number of passes, or -1: until the friction no longer changes");
+  section.done();
+  return contact;
+}
+
+SolverSettings read_solver(Section& root, double largest_time_step) {
+  SolverSettings solver;
+  solver.time_step = root.number("time_step", Unit::time, 1e-6, largest_time_step);
+  if (!root.has("solver")) return solver;
+  Section section = root.section("solver");
+  solver.velocity_tolerance = section.number("velocity_tolerance", Unit::speed, 1e-9, 1, solver.velocity_tolerance);
+  solver.integrator =
+      SolverSettings::Integrator(section.choice("integrator", {"implicit_euler", "bdf2"}, int(solver.integrator)));
+  solver.max_newton = section.integer("max_newton", 1, 10000, solver.max_newton);
+  solver.cg_tolerance = section.number("cg_tolerance", Unit::none, 1e-15, 0.5, solver.cg_tolerance);
+  solver.max_cg = section.integer("max_cg", 1, 1000000, solver.max_cg);
+  solver.max_step_halvings = section.integer("max_step_halvings", 0, 20, solver.max_step_halvings);
+  section.done();
+  return solver;
+}
+
+BackgroundSection read_background(Section section) {
+  BackgroundSection background;
+  background.mesh = section.file("mesh");
+  background.texture = section.file("texture");
+  background.pose = read_pose(section);
+  background.shadow_strength = float(section.number("shadow_strength", Unit::none, 0, 1, background.shadow_strength));
+  section.done();
+  return background;
+}
+
+RectangleLight read_light(Section& section) {
+  RectangleLight light;
+  light.name = section.text("name");
+  light.corner = section.vector("corner", Unit::length, -REACH, REACH);
+  light.edge_u = section.vector("edge_u", Unit::length, -REACH, REACH);
+  light.edge_v = section.vector("edge_v", Unit::length, -REACH, REACH);
+  if (!(light.edge_u.cross(light.edge_v).norm() > 0)) section.fail("edge_u", "and `edge_v` must span a rectangle");
+  if (std::abs(light.edge_u.dot(light.edge_v)) > 1e-6 * light.edge_u.norm() * light.edge_v.norm()) {
+    section.fail("edge_u", "and `edge_v` must be at right angles");
+  }
+  light.radiance = section.vector("radiance", Unit::radiance, 0, 1e6).cast<float>();
+  section.done();
+  return light;
+}
+
+CameraSection read_camera(Section& section) {
+  CameraSection camera;
+  camera.name = section.text("name");
+  const std::vector<std::string> mounts = {"world", "gripper_base"};
+  camera.mount = mounts[section.choice("mount", mounts, 0)];
+  // even numbers: video with half resolution in colour needs them
+  camera.width = section.integer("width", 16, 8192);
+  camera.height = section.integer("height", 16, 8192);
+  if (camera.width % 2 != 0) section.fail("width", "must be even, for the video");
+  if (camera.height % 2 != 0) section.fail("height", "must be even, for the video");
+  camera.vertical_field_of_view = section.number("vertical_field_of_view", Unit::angle, 0.01, 3.0);
+  camera.pose = read_camera_pose(section);
+  camera.exposure = float(section.number("exposure", Unit::none, 1e-6, 1e6, 1));
+  camera.records_gripper_mask = section.boolean("records_gripper_mask", false);
+  section.done();
+  return camera;
+}
+
+}  // namespace pvg

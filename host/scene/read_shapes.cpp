@@ -1,0 +1,121 @@
+#include "host/scene/read_shapes.hpp"
+
+#include <functional>
+
+#include "host/base/error.hpp"
+#include "host/geometry/primitive_shapes.hpp"
+#include "host/io/mesh_files.hpp"
+#include "host/io/tetgen.hpp"
+#include "host/scene/read_sections.hpp"
+
+namespace pvg {
+namespace {
+
+constexpr double SMALLEST = 1e-6;  // extent of a shape [m]
+constexpr int MOST_DIVISIONS = 512;
+
+std::array<int, 3> read_divisions(YamlSection& section, const std::array<int, 3>& otherwise) {
+  if (!section.has("divisions")) return otherwise;
+  const Vec3 given = section.vector("divisions", Unit::none, 1, MOST_DIVISIONS);
+  for (const double value : given)
+    if (value != std::floor(value)) section.fail("divisions", "must hold whole numbers");
+  return {int(given.x()), int(given.y()), int(given.z())};
+}
+
+int read_nodes_per_element(YamlSection& section) {
+  return section.choice("nodes_per_element", {"4", "10"}, 1) == 0 ? 4 : 10;
+}
+
+TriangleMesh read_box(YamlSection& section) {
+  const Vec3 size = section.vector("size", Unit::length, SMALLEST, 2 * REACH);
+  return box_surface(size, read_divisions(section, {1, 1, 1}));
+}
+
+TriangleMesh read_sphere(YamlSection& section) {
+  const double radius = section.number("radius", Unit::length, SMALLEST, REACH);
+  return sphere_surface(radius, section.integer("subdivisions", 0, 7, 3));
+}
+
+TriangleMesh read_cylinder(YamlSection& section) {
+  const double radius = section.number("radius", Unit::length, SMALLEST, REACH);
+  const double length = section.number("length", Unit::length, SMALLEST, 2 * REACH);
+  return cylinder_surface(radius, length, section.integer("sides", 3, 4096, 32));
+}
+
+TriangleMesh read_hexahedron(YamlSection& section) {
+  const std::vector<double> flat = section.numbers("corners", Unit::length, -REACH, REACH);
+  if (flat.size() != 24) section.fail("corners", "must hold the 24 coordinates of eight points");
+  std::array<Vec3, 8> corners;
+  for (int i = 0; i < 8; ++i) corners[i] = Eigen::Map<const Vec3>(&flat[3 * i]);
+  try {
+    return hexahedron_surface(corners);
+  } catch (const UsageError& e) {
+    section.fail("corners", std::string("are wrong: ") + e.what());
+  }
+}
+
+TriangleMesh read_square(YamlSection& section) {
+  return square_surface(section.number("size", Unit::length, SMALLEST, 2 * REACH));
+}
+
+TetMesh read_bar(YamlSection& section) {
+  const Vec3 size = section.vector("size", Unit::length, SMALLEST, 2 * REACH);
+  const std::array<int, 3> divisions = read_divisions(section, {1, 1, 1});
+  return box_solid(size, divisions, read_nodes_per_element(section));
+}
+
+TetMesh read_ball_octant(YamlSection& section) {
+  const double radius = section.number("radius", Unit::length, SMALLEST, REACH);
+  const int n = section.integer("divisions", 1, 128, 8);
+  const double grading = section.number("grading", Unit::none, 1, 4, 1);
+  return ball_octant_solid(radius, n, grading, read_nodes_per_element(section));
+}
+
+TetMesh read_filled(YamlSection& section) {
+  TetgenOptions options;
+  options.max_volume = section.number("max_tetrahedron_volume", Unit::volume, 0, 1e6, 0);
+  options.radius_edge_ratio = section.number("radius_edge_ratio", Unit::none, 1.1, 10, options.radius_edge_ratio);
+  options.keeps_surface = section.boolean("keeps_surface", options.keeps_surface);
+  options.nodes_per_element = read_nodes_per_element(section);
+  return tetrahedralize(read_surface_shape(section.section("surface"), false), options, section.path().string());
+}
+
+template <class Mesh>
+using Readers = std::vector<std::pair<std::string, std::function<Mesh(YamlSection&)>>>;
+
+// the one key of `shape` names the reader
+template <class Mesh>
+Mesh read_one(YamlSection& shape, const Readers<Mesh>& readers) {
+  std::string names;
+  for (const auto& [name, read] : readers) {
+    names += (names.empty() ? "" : ", ") + name;
+    if (!shape.has(name)) continue;
+    YamlSection section = shape.section(name);
+    Mesh mesh = read(section);
+    section.done();
+    shape.done();
+    return mesh;
+  }
+  shape.done();
+  shape.fail("", "must hold one of: " + names);
+}
+
+}  // namespace
+
+TriangleMesh read_surface_shape(YamlSection shape, bool may_be_open) {
+  if (shape.has("mesh")) {
+    const std::filesystem::path file = shape.file("mesh");
+    shape.done();
+    return may_be_open ? read_surface(file) : read_closed_surface(file);
+  }
+  Readers<TriangleMesh> readers = {
+      {"box", read_box}, {"sphere", read_sphere}, {"cylinder", read_cylinder}, {"hexahedron", read_hexahedron}};
+  if (may_be_open) readers.push_back({"square", read_square});
+  return read_one<TriangleMesh>(shape, readers);
+}
+
+TetMesh read_solid_shape(YamlSection shape) {
+  return read_one<TetMesh>(shape, {{"bar", read_bar}, {"ball_octant", read_ball_octant}, {"filled", read_filled}});
+}
+
+}  // namespace pvg

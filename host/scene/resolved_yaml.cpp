@@ -1,0 +1,250 @@
+// The configuration of an episode as text: what the files said, the defaults they left open, the numbers that were
+// drawn.
+#include <yaml-cpp/yaml.h>
+
+#include "host/scene/build_scene.hpp"
+
+namespace pvg {
+namespace {
+
+using YAML::BeginMap, YAML::BeginSeq, YAML::EndMap, YAML::EndSeq, YAML::Key, YAML::Value;
+
+struct Writer {
+  YAML::Emitter out;
+  std::filesystem::path folder;  // of the task file: paths are written relative to it
+
+  Writer(const std::filesystem::path& base) : folder(base) {
+    out.SetDoublePrecision(17);
+    out.SetFloatPrecision(9);
+  }
+
+  template <typename T>
+  void entry(const char* key, const T& value) {
+    out << Key << key << Value << value;
+  }
+  void path(const char* key, const std::filesystem::path& file) {
+    if (!file.empty()) entry(key, file.lexically_relative(folder).generic_string());
+  }
+  template <typename Vector>
+  void vector(const char* key, const Vector& v) {
+    out << Key << key << Value << YAML::Flow << BeginSeq;
+    for (Eigen::Index i = 0; i < v.size(); ++i) out << v[i];
+    out << EndSeq;
+  }
+  void range(const char* key, const Range& range) {
+    if (range.low == range.high) return entry(key, range.low);
+    out << Key << key << Value << YAML::Flow << BeginSeq << range.low << range.high << EndSeq;
+  }
+  void pose(const char* key, const Pose& pose) {
+    begin(key);
+    vector("position", Vec3(pose.translation()));
+    vector("quaternion", Eigen::Quaterniond(pose.linear()).coeffs());  // x, y, z, w
+    end();
+  }
+  void begin(const char* key) { out << Key << key << Value << BeginMap; }
+  void end() { out << EndMap; }
+  template <typename List, typename Write>
+  void list(const char* key, const List& list, Write write) {
+    out << Key << key << Value << BeginSeq;
+    for (const auto& item : list) {
+      out << BeginMap;
+      write(item);
+      out << EndMap;
+    }
+    out << EndSeq;
+  }
+};
+
+void write_robot(Writer& w, const RobotSection& robot) {
+  if (robot.urdf.empty()) return;
+  w.begin("robot");
+  w.path("urdf", robot.urdf);
+  w.pose("base", robot.base);
+  w.out << Key << "home" << Value << YAML::Flow << robot.home;
+  w.entry("flange", robot.flange);
+  w.begin("drive");
+  w.entry("stiffness", robot.drive_stiffness);
+  w.entry("damping", robot.drive_damping);
+  w.end();
+  w.entry("friction", robot.friction);
+  if (robot.collision_links) w.out << Key << "collision_links" << Value << YAML::Flow << *robot.collision_links;
+  w.end();
+}
+
+void write_finger(Writer& w, const FingerSection& finger) {
+  w.entry("name", finger.name);
+  w.path("mesh", finger.mesh);
+  w.begin("material");
+  w.entry("density", finger.material.density);
+  w.entry("youngs_modulus", finger.material.youngs_modulus);
+  w.entry("poisson_ratio", finger.material.poisson_ratio);
+  w.end();
+  w.entry("friction", finger.friction);
+  w.entry("carriage", finger.carriage);
+  w.pose("pose", finger.pose);
+  w.begin("stitch");
+  w.vector("low", finger.stitch_low);
+  w.vector("high", finger.stitch_high);
+  w.entry("stiffness", finger.stitch_stiffness);
+  w.end();
+  w.begin("tetgen");
+  w.entry("max_volume", finger.max_tetrahedron_volume);
+  w.entry("radius_edge_ratio", finger.radius_edge_ratio);
+  w.entry("keeps_surface", finger.keeps_surface);
+  w.entry("nodes_per_element", finger.nodes_per_element);
+  w.end();
+}
+
+void write_gripper(Writer& w, const std::optional<GripperSection>& gripper) {
+  if (!gripper) return;
+  w.begin("gripper");
+  w.path("file", gripper->file);
+  w.path("urdf", gripper->urdf);
+  w.entry("base_link", gripper->base_link);
+  w.pose("mount", gripper->mount);
+  w.pose("tool_center", gripper->tool_center);
+  w.out << Key << "joints" << Value << YAML::Flow << gripper->joints;
+  w.entry("open", gripper->open);
+  w.entry("closed", gripper->closed);
+  w.begin("drive");
+  w.entry("stiffness", gripper->drive_stiffness);
+  w.entry("damping", gripper->drive_damping);
+  w.end();
+  w.entry("finger_material", gripper->finger_material);
+  w.entry("subdivision_levels", gripper->subdivision_levels);
+  w.list("fingers", gripper->fingers, [&](const FingerSection& finger) { write_finger(w, finger); });
+  w.end();
+}
+
+void write_object(Writer& w, const ObjectSection& object) {
+  w.entry("name", object.name);
+  w.path("mesh", object.mesh);
+  w.list("visuals", object.visuals, [&](const VisualSection& visual) {
+    w.path("mesh", visual.mesh);
+    w.entry("material", visual.material);
+    w.entry("crease_angle", visual.crease_angle);
+  });
+  w.entry("fixed", object.is_fixed);
+  if (object.density > 0) w.entry("density", object.density);
+  if (object.mass > 0) w.entry("mass", object.mass);
+  w.entry("friction", object.friction);
+  w.entry("affine_modulus", object.affine_modulus);
+  w.begin("pose");
+  w.range("x", object.pose.x);
+  w.range("y", object.pose.y);
+  w.range("z", object.pose.z);
+  w.range("roll", object.pose.roll);
+  w.range("pitch", object.pose.pitch);
+  w.range("yaw", object.pose.yaw);
+  w.end();
+}
+
+void write_physics(Writer& w, const Task& task) {
+  w.list("pair_friction", task.pair_friction, [&](const PairFriction& pair) {
+    w.entry("first", pair.first);
+    w.entry("second", pair.second);
+    w.entry("coefficient", pair.coefficient);
+  });
+  w.begin("contact");
+  w.entry("activation_distance", task.contact.activation_distance);
+  w.entry("stiffness", task.contact.stiffness);
+  w.entry("friction_velocity", task.contact.friction_velocity);
+  w.entry("friction_lag_passes", task.contact.friction_lag_passes);
+  w.end();
+  w.begin("solver");
+  w.entry("velocity_tolerance", task.solver.velocity_tolerance);
+  w.entry("max_newton", task.solver.max_newton);
+  w.entry("cg_tolerance", task.solver.cg_tolerance);
+  w.entry("max_cg", task.solver.max_cg);
+  w.entry("max_step_halvings", task.solver.max_step_halvings);
+  w.end();
+}
+
+void write_motion(Writer& w, const Task& task) {
+  constexpr const char* NAMES[] = {"approach", "close", "lift", "carry", "lower", "open", "retreat", "wait"};
+  w.list("motion", task.motion, [&](const MotionElement& element) {
+    w.entry("do", NAMES[int(element.type)]);
+    w.entry("object", element.object);
+    w.pose("target", element.target);
+    w.entry("gripper", element.gripper);
+    w.entry("duration", element.duration);
+    w.entry("speed", element.speed);
+    w.entry("straight", element.is_straight);
+  });
+  w.begin("success");
+  w.entry("object", task.success.object);
+  w.entry("lifted", task.success.lifted);
+  w.entry("target", task.success.target);
+  w.vector("target_position", task.success.target_position);
+  w.entry("position_tolerance", task.success.position_tolerance);
+  w.entry("tilt_tolerance", task.success.tilt_tolerance);
+  w.entry("slip_tolerance", task.success.slip_tolerance);
+  w.end();
+}
+
+void write_looks(Writer& w, const Task& task) {
+  constexpr const char* KINDS[] = {"diffuse", "conductor", "dielectric", "emissive", "shadow_receiver"};
+  w.begin("background");
+  w.path("mesh", task.background.mesh);
+  w.path("texture", task.background.texture);
+  w.pose("pose", task.background.pose);
+  w.entry("shadow_strength", task.background.shadow_strength);
+  w.end();
+  w.list("materials", task.materials, [&](const VisualMaterial& material) {
+    w.entry("name", material.name);
+    w.entry("kind", KINDS[int(material.kind)]);
+    w.vector("color", material.color);
+    if (material.texture >= 0) w.path("texture", task.textures[material.texture]);
+    w.entry("roughness", material.roughness);
+    w.entry("index_of_refraction", material.index_of_refraction);
+    w.vector("absorption", material.absorption);
+    w.vector("emission", material.emission);
+    w.entry("shadow_strength", material.shadow_strength);
+  });
+  w.list("lights", task.lights, [&](const RectangleLight& light) {
+    w.entry("name", light.name);
+    w.vector("corner", light.corner);
+    w.vector("edge_u", light.edge_u);
+    w.vector("edge_v", light.edge_v);
+    w.vector("radiance", light.radiance);
+  });
+  w.vector("environment", task.environment);
+  w.list("cameras", task.cameras, [&](const CameraSection& camera) {
+    w.entry("name", camera.name);
+    w.entry("mount", camera.mount);
+    w.entry("width", camera.width);
+    w.entry("height", camera.height);
+    w.entry("vertical_field_of_view", camera.vertical_field_of_view);
+    w.pose("pose", camera.pose);
+    w.entry("exposure", camera.exposure);
+    w.entry("records_gripper_mask", camera.records_gripper_mask);
+  });
+  w.begin("render");
+  w.entry("frames_per_second", task.render.frames_per_second);
+  w.entry("samples", task.render.samples);
+  w.entry("max_depth", task.render.max_depth);
+  w.end();
+}
+
+}  // namespace
+
+std::string resolved_yaml(const Task& task, const TaskScene& built) {
+  Writer w(task.file.parent_path());
+  w.out << BeginMap;
+  w.entry("schema", 1);
+  w.entry("name", task.name);
+  w.entry("time_step", task.solver.time_step);
+  write_robot(w, task.robot);
+  write_gripper(w, task.gripper);
+  w.list("objects", task.objects, [&](const ObjectSection& object) { write_object(w, object); });
+  write_physics(w, task);
+  write_motion(w, task);
+  write_looks(w, task);
+  w.begin("drawn");
+  for (const SampledValue& drawn : built.sampled) w.entry(drawn.name.c_str(), drawn.value);
+  w.end();
+  w.out << EndMap;
+  return std::string(w.out.c_str()) + "\n";
+}
+
+}  // namespace pvg

@@ -1,0 +1,217 @@
+// What is simulated and seen, as plain structs: the meeting point of the loaders (above) and of physics and rendering
+// (beside). SI units, radians; z up; quaternions Hamilton. Indices refer to the vectors of the same Scene.
+#pragma once
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/geometry/mesh.hpp"
+
+namespace pvg {
+
+using Mat3 = Eigen::Matrix3d;
+using Pose = Eigen::Isometry3d;
+
+// ---- bodies -----------------------------------------------------------------------------------------------------
+
+// A rigid body, simulated as an affine body: x(X) = p + A X with A held close to a rotation.
+struct RigidBody {
+  std::string name;
+  TriangleMesh collision;                // in the body's frame; empty: the body does not collide
+  double mass = 0;                       // [kg]
+  Vec3 center_of_mass = Vec3::Zero();    // in the body's frame [m]
+  Mat3 inertia = Mat3::Zero();           // about the centre of mass, axes of the body's frame [kg m^2]
+  double volume = 0;                     // of the material [m^3]; scales the orthogonality energy
+  double affine_modulus = 1e9;           // kappa of kappa V |A A^T - I|^2  [Pa]
+  bool is_fixed = false;                 // never moves
+  double friction = 0.5;                 // coefficient; a pair's is the geometric mean unless Scene::pair_friction says
+  double contact_offset = 0;             // half thickness: contact acts this far outside the surface [m]
+  Pose pose = Pose::Identity();          // initial, body to world
+  Vec3 velocity = Vec3::Zero();          // of the frame's origin, world [m/s]
+  Vec3 angular_velocity = Vec3::Zero();  // world [rad/s]
+};
+
+struct SolidMaterial {
+  double density = 1000;         // [kg/m^3]
+  double youngs_modulus = 1e6;   // [Pa], as a tensile test of the simulated bar shows it
+  double poisson_ratio = 0.45;   // in [0, 0.5)
+};
+
+// A soft solid: stable neo-Hookean finite elements.
+struct SoftBody {
+  std::string name;
+  TetMesh mesh;                  // rest shape, in the body's frame
+  SolidMaterial material;
+  double friction = 0.5;
+  double contact_offset = 0;     // [m]
+  Pose pose = Pose::Identity();  // initial, body to world
+  Vec3 velocity = Vec3::Zero();  // [m/s]
+};
+
+struct ClothMaterial {
+  double area_density = 0.15;                    // [kg/m^2]
+  double thickness = 4e-4;                       // contact acts half of it to each side of the mesh [m]
+  double stretch_warp = 2e3, stretch_weft = 2e3;  // Young's modulus x thickness along the threads [N/m]
+  double shear = 50;                             // shear modulus x thickness [N/m]; Poisson's ratio is 0
+  double limit_strain = 0.05;                    // threads stiffen beyond it: modulus x (1 + 6 stiffening (e - limit))
+  double stiffening = 100;
+  double bending_warp = 1e-5, bending_weft = 1e-5;  // flexural rigidity against bending the threads [N m]
+};
+
+// A thin sheet that stretches little and bends easily. Collides with itself and with everything else, on both sides.
+struct Cloth {
+  std::string name;
+  TriangleMesh mesh;                         // rest shape, in the cloth's frame; open or closed
+  ClothMaterial material;
+  Vec3 warp_direction = Vec3::UnitX();       // in the cloth's frame, projected on each triangle; the weft crosses it
+  bool rest_is_flat = true;                  // false: the angles between the mesh's triangles are without moment
+  double friction = 0.5;
+  Pose pose = Pose::Identity();              // initial, body to world
+  Vec3 velocity = Vec3::Zero();              // [m/s]
+};
+
+// ---- what joins bodies ------------------------------------------------------------------------------------------
+
+// A drive acts on a joint's coordinate q as the potential  stiffness/2 (q - target)^2, its force cut at effort_limit,
+// plus  damping/2 (dq/dt - dtarget/dt)^2.
+struct Drive {
+  double stiffness = 0;           // [N m/rad] or [N/m]; 0: no drive
+  double damping = 0;             // [N m s/rad] or [N s/m]
+  double effort_limit = 0;        // [N m] or [N]; 0: none
+  bool compensates_gravity = true;  // feeds forward the torque that the weight of everything it carries asks for
+};
+
+struct Joint {
+  enum class Type { fixed, revolute, prismatic, spherical };
+  std::string name;
+  Type type = Type::fixed;
+  int parent = -1, child = -1;            // rigid bodies
+  Pose parent_frame = Pose::Identity();   // joint frame in the parent's frame, at q = 0 equal to the child's
+  Pose child_frame = Pose::Identity();    // joint frame in the child's frame
+  Vec3 axis = Vec3::UnitZ();              // in the joint frame, unit; q > 0 turns/moves the child along it
+  double lower = 0, upper = 0;            // [rad or m]; both 0: none
+  double velocity_limit = 0;              // [rad/s or m/s]; 0: none
+  double stiffness = 1e8;                 // of the constraint itself [N/m]
+  Drive drive;
+  double initial = 0;                     // q at the start [rad or m]
+};
+
+// Stitch springs: each node of the soft body or cloth is drawn to the point of the rigid body where it starts.
+// E = k/2 sum_i |x_i - xhat_i|^2
+struct Stitch {
+  int soft = -1, rigid = -1;          // bodies
+  std::vector<std::uint32_t> nodes;   // of the soft body or cloth
+  double stiffness = 1e5;             // k, of each spring [N/m]
+  int cloth = -1;                     // instead of soft, which is then -1
+  Vec3 direction = Vec3::Zero();      // in the rigid body's frame: acts along it alone, as rollers do; zero: all ways
+};
+
+// Coefficient of friction of one pair of bodies, by name.
+struct PairFriction {
+  std::string first, second;
+  double coefficient = 0.5;
+};
+
+struct ContactSettings {
+  double activation_distance = 1e-3;  // d_hat: contact acts below this gap [m]
+  double stiffness = 1e7;             // kappa: barrier pressure scale [Pa]
+  double friction_velocity = 1e-4;    // epsilon_v: sliding speed at which friction is fully developed [m/s]
+  int friction_lag_passes = 1;        // how often the lagged normal forces are renewed within a step; -1: until they
+                                      // no longer move a point by more than the solver's tolerance
+};
+
+struct SolverSettings {
+  enum class Integrator { implicit_euler, bdf2 };
+  double time_step = 0.02;            // h [s]
+  Integrator integrator = Integrator::implicit_euler;  // bdf2: second order; its first step is implicit Euler's
+  double velocity_tolerance = 1e-3;   // Newton stops when no point would move faster than this by the next correction [m/s]
+  int max_newton = 60;
+  double cg_tolerance = 1e-4;         // relative, in the norm of the preconditioner
+  int max_cg = 2000;
+  int max_step_halvings = 4;          // a failed step is retried as two of half the length, this often
+};
+
+// ---- what is seen -----------------------------------------------------------------------------------------------
+
+struct Texture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgba;     // sRGB, row 0 on top  [height x width x 4]
+};
+
+struct VisualMaterial {
+  enum class Kind { diffuse, conductor, dielectric, emissive, shadow_receiver };
+  std::string name;
+  Kind kind = Kind::diffuse;
+  Vec3f color = Vec3f::Constant(0.5f);     // linear Rec. 709: albedo, or reflectance at normal incidence of a conductor
+  int texture = -1;                        // multiplies color; -1: none
+  float roughness = 0.3f;                  // GGX alpha = roughness^2, of conductors
+  float index_of_refraction = 1.5f;        // of dielectrics
+  Vec3f absorption = Vec3f::Zero();        // of dielectrics, Beer-Lambert [1/m]
+  Vec3f emission = Vec3f::Zero();          // radiance of emissive surfaces [W/(sr m^2)]
+  float shadow_strength = 1;               // lambda_s of the shadow receiver, in [0, 1]
+};
+
+struct VisualMesh {
+  std::vector<Vec3f> points;               // [n, m]
+  std::vector<Vec3f> normals;              // [n] unit, or empty: flat shading
+  std::vector<Vec2f> uvs;                  // [n] or empty; v = 0 at the top row of the texture
+  std::vector<Triangle> triangles;
+};
+
+// One visible thing. It follows a rigid body, a soft body (its mesh is then the subdivided surface), or nothing.
+struct Visual {
+  std::string name;
+  int mesh = -1;                           // of Scene::visual_meshes; -1 for a soft body: made from its surface
+  int material = -1;
+  int rigid = -1, soft = -1;               // body it follows; both -1: stands still
+  Pose pose = Pose::Identity();            // mesh to body (or to world)
+  int subdivision_levels = 1;              // of a soft body's surface
+  std::string part;                        // label in the segmentation masks, such as "gripper"
+  bool casts_shadow_on_receivers = true;   // false for the captured background itself
+};
+
+// A rectangular area light, emitting on the side of cross(edge_u, edge_v).
+struct RectangleLight {
+  std::string name;
+  Vec3 corner, edge_u, edge_v;             // world [m]
+  Vec3f radiance;                          // linear Rec. 709 [W/(sr m^2)]
+};
+
+// A pinhole camera; the frame is optical (x right, y down, z forward). As in OpenCV, pixel (0, 0) is the centre of the
+// top left pixel.
+struct Camera {
+  std::string name;
+  int width = 320, height = 180;           // [pixels]
+  double fx = 0, fy = 0, cx = 0, cy = 0;   // [pixels]
+  std::vector<double> distortion;          // OpenCV k1 k2 p1 p2 k3 ..., empty: none
+  int rigid = -1;                          // body it is mounted on; -1: world
+  Pose pose = Pose::Identity();            // camera to body (or world)
+  float exposure = 1;                      // multiplies radiance
+};
+
+// ---- the scene --------------------------------------------------------------------------------------------------
+
+struct Scene {
+  std::string name;
+  Vec3 gravity = Vec3(0, 0, -9.81);        // [m/s^2]
+  std::vector<RigidBody> rigid_bodies;
+  std::vector<SoftBody> soft_bodies;
+  std::vector<Cloth> cloths;
+  std::vector<Joint> joints;               // those with a drive take a target each, in this order
+  std::vector<Stitch> stitches;
+  std::vector<PairFriction> pair_friction;
+  std::vector<std::array<int, 2>> noncolliding_rigid_bodies;  // besides jointed pairs, which never collide
+  ContactSettings contact;
+  SolverSettings solver;
+
+  std::vector<Texture> textures;
+  std::vector<VisualMaterial> materials;
+  std::vector<VisualMesh> visual_meshes;
+  std::vector<Visual> visuals;
+  std::vector<RectangleLight> lights;
+  Vec3f environment = Vec3f::Zero();       // radiance of every direction that no surface covers [W/(sr m^2)]
+  std::vector<Camera> cameras;
+};
+
+}  // namespace pvg

@@ -1,0 +1,143 @@
+// A task as its file says it: what is simulated, how its start is drawn by chance, how the robot moves, what counts as
+// success, how it is filmed. Plain structs in SI units and radians; files are absolute paths. Read by load_task
+// (task_file.hpp), turned into a Scene by build_scene (build_scene.hpp).
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/scene/motion.hpp"
+#include "host/scene/scene.hpp"
+
+namespace pvg {
+
+// A number drawn evenly from [low, high]; low == high: that number.
+struct Range {
+  double low = 0, high = 0;
+};
+
+// Where a body starts: position and roll, pitch, yaw (about the fixed axes x, y, z in this order).
+struct SampledPose {
+  Range x, y, z;           // [m]
+  Range roll, pitch, yaw;  // [rad]
+};
+
+struct RobotSection {
+  std::filesystem::path urdf;    // empty: no robot (scene files only)
+  Pose base = Pose::Identity();  // base link to world
+  std::vector<double> home;      // [n_joints, rad or m] start configuration
+  std::string flange;            // link that carries the gripper
+  double drive_stiffness = 1e5;  // of every joint's drive [N m/rad]
+  double drive_damping = 0;      // [N m s/rad]
+  double friction = 0.5;
+  std::optional<std::vector<std::string>> collision_links;  // links that collide; absent: all that have a shape for it
+};
+
+// What is seen of an object.
+struct VisualSection {
+  std::filesystem::path mesh;
+  std::string material;       // a name of Task::materials
+  double crease_angle = 0.7;  // edges sharper than this stay sharp [rad]
+};
+
+// A thing on the scene: the beaker, the scale, the table.
+struct ObjectSection {
+  std::string name;
+  std::filesystem::path mesh;          // closed surface for the simulation; empty: seen only
+  std::vector<VisualSection> visuals;  // empty: not seen
+  bool is_fixed = false;
+  double density = 0;  // [kg/m^3]; either this or mass, neither if fixed
+  double mass = 0;     // [kg]
+  double friction = 0.5;
+  double affine_modulus = 1e9;  // [Pa]
+  SampledPose pose;             // to world
+};
+
+// What the gripper's own file says (gripper.yaml): rigid parts from a URDF, soft fingers stitched to its carriages.
+struct FingerSection {
+  std::string name;
+  std::filesystem::path mesh;  // closed surface, in the finger's frame
+  SolidMaterial material;
+  double friction = 0.7;
+  std::string carriage;               // link of the URDF that carries it
+  Pose pose = Pose::Identity();       // finger to carriage
+  Vec3 stitch_low, stitch_high;       // box in the finger's frame; nodes inside are stitched [m]
+  double stitch_stiffness = 1e5;      // of each spring [N/m]
+  double max_tetrahedron_volume = 0;  // bound for TetGen [m^3]; 0: none
+  double radius_edge_ratio = 1.6;     // TetGen's -q
+  bool keeps_surface = true;          // TetGen's -Y: no vertices added on the surface
+  int nodes_per_element = 10;         // 4 or 10
+};
+
+struct GripperSection {
+  std::filesystem::path file, urdf;
+  std::string base_link;                // fixed to the robot's flange
+  Pose mount = Pose::Identity();        // gripper base to flange
+  Pose tool_center = Pose::Identity();  // tool frame in the gripper base: z along the fingers, y from finger to finger
+  std::vector<std::string> joints;      // the prismatic ones, one per finger
+  double open = 0, closed = 0;          // their position [m]
+  double drive_stiffness = 2e4;         // [N/m]
+  double drive_damping = 0;             // [N s/m]
+  std::vector<FingerSection> fingers;
+  std::string finger_material;            // visual, names of Task::materials
+  std::vector<VisualMaterial> materials;  // colour only, no textures
+  int subdivision_levels = 1;             // of the fingers' visual surface
+};
+
+// A camera; where it is mounted: "world" or "gripper_base" (the gripper's base link).
+struct CameraSection {
+  std::string name;
+  std::string mount = "world";
+  int width = 320, height = 180;        // [pixels]
+  double vertical_field_of_view = 0.8;  // [rad]
+  Pose pose = Pose::Identity();         // camera (optical frame) to mount
+  float exposure = 1;
+  bool records_gripper_mask = false;  // write which pixels see the gripper
+};
+
+struct BackgroundSection {
+  std::filesystem::path mesh, texture;  // mesh empty: no background
+  Pose pose = Pose::Identity();         // to world
+  float shadow_strength = 0.6f;         // lambda_s in [0, 1]
+};
+
+// The episode succeeded if all of these hold for the object.
+struct SuccessConditions {
+  std::string object;
+  double lifted = 0.10;                 // it was at least this far above its start at some time [m]
+  std::string target;                   // object that it must end up on
+  Vec3 target_position = Vec3::Zero();  // where its origin must end, in the target's frame [m]
+  double position_tolerance = 0.010;    // horizontally and vertically together [m]
+  double tilt_tolerance = 0.0873;       // angle between its z axis and the vertical [rad]
+  double slip_tolerance = 0.010;  // while carried it moves no further than this in the tool's frame: else dropped [m]
+};
+
+struct RenderSection {
+  double frames_per_second = 10;
+  int samples = 16;  // paths per pixel
+  int max_depth = 8;
+};
+
+struct Task {
+  std::filesystem::path file;
+  std::string name;
+  RobotSection robot;
+  std::optional<GripperSection> gripper;
+  std::vector<ObjectSection> objects;
+  std::vector<PairFriction> pair_friction;
+  ContactSettings contact;
+  SolverSettings solver;  // its time_step is the task's key `time_step`
+  BackgroundSection background;
+  std::vector<RectangleLight> lights;
+  Vec3f environment = Vec3f::Zero();  // radiance where nothing is [W/(sr m^2)]
+  std::vector<VisualMaterial> materials;
+  std::vector<std::filesystem::path> textures;  // VisualMaterial::texture refers to these
+  std::vector<CameraSection> cameras;
+  std::vector<MotionElement> motion;
+  SuccessConditions success;
+  RenderSection render;
+};
+
+}  // namespace pvg

@@ -1,0 +1,162 @@
+#include "host/scene/task_file.hpp"
+
+#include "host/scene/read_sections.hpp"
+
+namespace pvg {
+namespace {
+
+constexpr double PI = std::numbers::pi;
+constexpr double LARGEST_TIME_STEP = 0.02;  // of an episode [s]
+
+using Section = YamlSection;
+
+RobotSection read_robot(Section section) {
+  RobotSection robot;
+  robot.urdf = section.file("urdf");
+  robot.base = read_pose(section, "base");
+  robot.home = section.numbers("home", Unit::angle, -1e3, 1e3);
+  robot.flange = section.text("flange");
+  if (section.has("drive")) {
+    Section drive = section.section("drive");
+    robot.drive_stiffness = drive.number("stiffness", Unit::angular_stiffness, 1e-3, 1e9);
+    robot.drive_damping = drive.number("damping", Unit::angular_damping, 0, 1e6, 0);
+    drive.done();
+  }
+  robot.friction = section.number("friction", Unit::none, 0, 10, robot.friction);
+  if (section.has("collision_links")) robot.collision_links = section.texts("collision_links");
+  section.done();
+  return robot;
+}
+
+MotionElement read_motion(Section& section) {
+  using Type = MotionElement::Type;
+  MotionElement element;
+  element.type = Type(section.choice("do", {"approach", "close", "lift", "carry", "lower", "open", "retreat", "wait"}));
+  const bool is_grip = element.type == Type::close || element.type == Type::open;
+  if (is_grip) element.gripper = section.number("gripper", Unit::length, 0, 1);
+  if (is_grip || element.type == Type::wait) {
+    element.duration = section.number("duration", Unit::time, 0, 600);
+  } else {
+    element.object = section.text("object", "");
+    element.target = read_pose(section);
+    element.duration = section.number("duration", Unit::time, 0, 600, 0);
+    element.speed = section.number("speed", Unit::none, 1e-3, 1, element.speed);
+    element.is_straight = section.boolean("straight", true);
+  }
+  section.done();
+  return element;
+}
+
+SuccessConditions read_success(Section section) {
+  SuccessConditions success;
+  success.object = section.text("object");
+  success.lifted = section.number("lifted", Unit::length, 0, REACH, success.lifted);
+  success.target = section.text("target");
+  success.target_position = section.vector("target_position", Unit::length, -REACH, REACH);
+  success.position_tolerance = section.number("position_tolerance", Unit::length, 0, REACH, success.position_tolerance);
+  success.tilt_tolerance = section.number("tilt_tolerance", Unit::angle, 0, PI, success.tilt_tolerance);
+  success.slip_tolerance = section.number("slip_tolerance", Unit::length, 0, REACH, success.slip_tolerance);
+  section.done();
+  return success;
+}
+
+RenderSection read_render(Section& root) {
+  RenderSection render;
+  if (!root.has("render")) return render;
+  Section section = root.section("render");
+  render.frames_per_second = section.number("frames_per_second", Unit::frequency, 0.1, 1000, render.frames_per_second);
+  render.samples = section.integer("samples", 1, 65536, render.samples);
+  render.max_depth = section.integer("max_depth", 1, 64, render.max_depth);
+  section.done();
+  return render;
+}
+
+}  // namespace
+
+void check_names(const Section& root, const Task& task, const std::vector<std::string>& bodies) {
+  check_distinct(root, "objects", task.objects);
+  check_distinct(root, "cameras", task.cameras);
+  check_distinct(root, "lights", task.lights);
+  const auto need_object = [&](const std::string& key, const std::string& name) {
+    if (!find_named(task.objects, name))
+      root.fail(key, "names the object `" + name + "`, which `objects` does not hold");
+  };
+  const auto is_finger = [&](const std::string& name) {
+    return task.gripper && find_named(task.gripper->fingers, name);
+  };
+  for (const ObjectSection& object : task.objects) {
+    for (const VisualSection& visual : object.visuals) {
+      if (!find_named(task.materials, visual.material)) {
+        root.fail("objects", "holds `" + object.name + "` with the material `" + visual.material +
+                                 "`, which `materials` does not hold");
+      }
+    }
+  }
+  for (const MotionElement& element : task.motion) {
+    if (!element.object.empty()) need_object("motion", element.object);
+  }
+  for (const PairFriction& pair : task.pair_friction) {
+    for (const std::string& name : {pair.first, pair.second}) {
+      const bool is_body = std::find(bodies.begin(), bodies.end(), name) != bodies.end();
+      if (!is_body && !is_finger(name)) need_object("pair_friction", name);
+    }
+  }
+  for (const CameraSection& camera : task.cameras) {
+    if (camera.mount != "world" && !task.gripper)
+      root.fail("cameras", "mounts `" + camera.name + "` on a gripper, but there is none");
+  }
+  if (task.gripper && !find_named(task.materials, task.gripper->finger_material)) {
+    root.fail("gripper",
+              "wants the material `" + task.gripper->finger_material + "`, which neither it nor `materials` holds");
+  }
+}
+
+Task read_scene_sections(Section& root, double largest_time_step) {
+  Task task;
+  task.file = root.path();
+  check_schema(root);
+  task.name = root.text("name");
+  task.solver = read_solver(root, largest_time_step);
+  task.contact = read_contact(root);
+  if (root.has("robot")) task.robot = read_robot(root.section("robot"));
+  add_materials(root, task.materials, &task.textures);
+  if (root.has("gripper")) {
+    if (task.robot.urdf.empty()) root.fail("gripper", "needs a `robot` that carries it");
+    task.gripper = load_gripper(root.file("gripper"));
+    for (const VisualMaterial& material : task.gripper->materials) {  // the task's own win
+      if (!find_named(task.materials, material.name)) task.materials.push_back(material);
+    }
+  }
+  for (Section& section : root.sections("objects")) task.objects.push_back(read_object(section));
+  for (Section& section : root.sections("pair_friction")) {
+    task.pair_friction.push_back(
+        {section.text("first"), section.text("second"), section.number("coefficient", Unit::none, 0, 10)});
+    section.done();
+  }
+  if (root.has("background")) task.background = read_background(root.section("background"));
+  for (Section& section : root.sections("lights")) task.lights.push_back(read_light(section));
+  task.environment = read_color(root, "environment", Vec3f::Zero(), 1e6, Unit::radiance);
+  for (Section& section : root.sections("cameras")) task.cameras.push_back(read_camera(section));
+  task.render = read_render(root);
+  return task;
+}
+
+Task load_task(const std::filesystem::path& file) {
+  Section root = Section::load(file, "task file");
+  Task task = read_scene_sections(root, LARGEST_TIME_STEP);
+  if (task.robot.urdf.empty()) root.fail("", "lacks the key `robot`: a task needs one");
+  if (!task.gripper) root.fail("", "lacks the key `gripper`: a task needs one");
+  if (task.cameras.empty()) root.fail("", "lacks `cameras`: a task is filmed by at least one");
+  for (Section& section : root.sections("motion")) task.motion.push_back(read_motion(section));
+  if (task.motion.empty()) root.fail("", "lacks `motion`: a task has at least one motion element");
+  task.success = read_success(root.section("success"));
+  root.done();
+  check_names(root, task, {});
+  for (const std::string& name : {task.success.object, task.success.target}) {
+    if (!find_named(task.objects, name))
+      root.fail("success", "names the object `" + name + "`, which `objects` does not hold");
+  }
+  return task;
+}
+
+}  // namespace pvg

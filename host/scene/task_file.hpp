@@ -1,0 +1,12 @@
+// Reads task, scene and gripper files (YAML) into plain structs. Every number is checked for range and unit; unknown,
+// missing and doubled keys and missing files are UsageErrors that name file, line and key.
+#pragma once
+#include "host/scene/task.hpp"
+
+namespace pvg {
+
+Task load_task(const std::filesystem::path& file);
+
+GripperSection load_gripper(const std::filesystem::path& file);
+
+}  // namespace pvg

@@ -1,0 +1,308 @@
+// Broad phase: which point-triangle and edge-edge pairs may come within activation distance while the sites move
+// straight from x0 to x1. Boxes of the swept primitives, grown by half the activation distance and the body's offset,
+// are refitted bottom up; each query walks its tree from left to right, so the order of the pairs is fixed. Of two
+// boxes that meet, what is in them is measured halfway: farther apart than both can still move, it is no candidate.
+#include "contact/distance.cl"
+#include "contact/mesh.h"
+#include "contact/tree.h"
+#include "energies/barrier.h"
+#include "shared/mask.cl"
+#include "shared/real.h"
+
+typedef struct {
+  float3 low, high;
+} Box;
+
+static Box empty_box() {
+  const Box box = {(float3)(INFINITY), (float3)(-INFINITY)};
+  return box;
+}
+
+static Box box_of_site(const uint site, global const real* restrict x0, global const real* restrict x1, const Box box) {
+  const real3 a = vload3(site, x0), b = vload3(site, x1);
+  const Box grown = {fmin(box.low, convert_float3(fmin(a, b))), fmax(box.high, convert_float3(fmax(a, b)))};
+  return grown;
+}
+
+// rounding to float moved the box by less than 2^-24 of its coordinates; 2^-22 outward covers it and the margin's own
+static Box grow(const Box box, const real margin) {
+  const float m = (float)margin * 1.000001f;
+  const Box grown = {box.low - m - (fabs(box.low) + m) * 2.4e-7f, box.high + m + (fabs(box.high) + m) * 2.4e-7f};
+  return grown;
+}
+
+static Box box_of_point(const uint i, global const CollisionPoint* restrict points, global const real* restrict x0,
+                        global const real* restrict x1) {
+  return box_of_site(points[i].site, x0, x1, empty_box());
+}
+
+static Box box_of_edge(const uint i, global const CollisionEdge* restrict edges, global const real* restrict x0,
+                       global const real* restrict x1) {
+  return box_of_site(edges[i].site[1], x0, x1, box_of_site(edges[i].site[0], x0, x1, empty_box()));
+}
+
+static Box box_of_triangle(const uint i, global const CollisionTriangle* restrict triangles,
+                           global const real* restrict x0, global const real* restrict x1) {
+  Box box = empty_box();
+  for (int k = 0; k < 3; ++k) box = box_of_site(triangles[i].site[k], x0, x1, box);
+  return box;
+}
+
+static void store_box(const Box box, global TreeNode* node) {
+  vstore3(box.low, 0, node->low);
+  vstore3(-box.high, 0, node->minus_high);
+}
+
+// n = n_trees 2^log2_leaves
+kernel void refit_leaves(const uint n, const uint log2_leaves, global TreeNode* restrict nodes,
+                         global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
+                         global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
+                         global const real* restrict x0, global const real* restrict x1) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  const uint tree = i >> log2_leaves, n_leaves = 1u << log2_leaves;
+  global TreeNode* node = nodes + (size_t)tree * 2 * n_leaves + n_leaves + (i & (n_leaves - 1));
+  const uint primitive = node->primitive;
+  if (primitive == NOTHING) {
+    store_box(empty_box(), node);
+    return;
+  }
+  const bool is_edge = tree & 1u;
+  const Box box = is_edge ? box_of_edge(primitive, edges, x0, x1) : box_of_triangle(primitive, triangles, x0, x1);
+  const uint body = is_edge ? edges[primitive].body : triangles[primitive].body;
+  store_box(grow(box, 0.5 * worlds[tree >> 1].activation_distance + bodies[body].offset), node);
+}
+
+static void refit_node(global TreeNode* tree, const uint k) {
+  global const TreeNode *a = tree + 2 * k, *b = tree + 2 * k + 1;
+  vstore3(fmin(vload3(0, a->low), vload3(0, b->low)), 0, tree[k].low);
+  vstore3(fmin(vload3(0, a->minus_high), vload3(0, b->minus_high)), 0, tree[k].minus_high);
+}
+
+// the nodes of one level, 2^log2_nodes in each tree
+kernel void refit_level(const uint n, const uint log2_nodes, const uint log2_leaves, global TreeNode* restrict nodes) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  const uint n_nodes = 1u << log2_nodes;
+  refit_node(nodes + ((size_t)(i >> log2_nodes) * 2 << log2_leaves), n_nodes + (i & (n_nodes - 1)));
+}
+
+// the nodes below 2^log2_nodes of each tree: one work-item per tree
+kernel void refit_top(const uint n_trees, const uint log2_nodes, const uint log2_leaves,
+                      global TreeNode* restrict nodes) {
+  const uint tree = get_global_id(0);
+  if (tree >= n_trees) return;
+  for (uint k = (1u << log2_nodes) - 1; k >= 1; --k) refit_node(nodes + ((size_t)tree * 2 << log2_leaves), k);
+}
+
+// Everything that decides about one query.
+typedef struct {
+  float8 limit;  // of its box: high, -low, infinity twice
+  uint primitive, is_edge, slot;
+  uint site[2];                  // of the point (twice) or of the edge
+  real reach;                    // activation distance and its body's offset [m]
+  uint disabled, n_disabled;     // its run in `disabled`
+  global const real* may_touch;  // its body's row of the table of pairs
+} Search;
+
+// one comparison of the whole node with (high, -low); its last two words are no numbers and never exceed infinity
+static bool overlaps(const float8 limit, global const TreeNode* node) {
+  return !mask8(vload8(0, (global const float*)node) > limit);
+}
+
+// can anything below node k be a partner?
+static bool is_worth(const Search* search, global const TreeNode* tree, const uint k, const uint log2_leaves) {
+  global const TreeNode* node = tree + k;
+  if (!overlaps(search->limit, node)) return false;
+  if (node->body != MANY_BODIES && search->may_touch[node->body] < 0) return false;
+  // an edge pair is found once, by the edge that comes first: the last leaf below k must come later
+  const uint below = log2_leaves - (31 - clz(k));
+  return !search->is_edge || ((k + 1) << below) - 1 - (1u << log2_leaves) > search->slot;
+}
+
+// a pair that shares a site or that was recorded as never touching
+static bool is_excluded(const Search* search, global const u32* site, const uint other,
+                        global const u32* restrict disabled) {
+  const uint n_corners = search->is_edge ? 2 : 3;
+  for (uint k = 0; k < n_corners; ++k)
+    if (site[k] == search->site[0] || site[k] == search->site[1]) return true;
+  for (uint k = 0; k < search->n_disabled; ++k)
+    if (disabled[search->disabled + k] == other) return true;
+  return false;
+}
+
+// Can they come within `reach` [m]? From halfway each moves by half its way, less what all four sites do together.
+static bool comes_near(const Search* search, global const u32* site, const real reach, global const real* restrict x0,
+                       global const real* restrict x1) {
+  const uint n_first = search->is_edge ? 2 : 1;
+  real3 half_way[4], motion[4], mean = (real3)(0.0);
+  for (uint i = 0; i < 4; ++i) {
+    const uint s = i < n_first ? search->site[i] : site[i - n_first];
+    const real3 a = vload3(s, x0), b = vload3(s, x1);
+    half_way[i] = 0.5 * (a + b);
+    motion[i] = 0.5 * (b - a);
+    mean += 0.25 * motion[i];
+  }
+  real first = 0, second = 0;
+  for (uint i = 0; i < 4; ++i) {
+    const real length_of_way = length(motion[i] - mean);
+    if (i < n_first)
+      first = fmax(first, length_of_way);
+    else
+      second = fmax(second, length_of_way);
+  }
+  // the last factor covers rounding; written so that NaN stays
+  return !(pair_distance(search->is_edge, half_way).d > (reach + first + second) * 1.000001);
+}
+
+static bool may_pair(const Search* search, const uint other, global const CollisionEdge* restrict edges,
+                     global const CollisionTriangle* restrict triangles, global const CollisionBodyRow* restrict bodies,
+                     global const u32* restrict disabled, global const real* restrict x0,
+                     global const real* restrict x1) {
+  global const u32* site = search->is_edge ? edges[other].site : triangles[other].site;
+  const uint body = search->is_edge ? edges[other].body : triangles[other].body;
+  return !is_excluded(search, site, other, disabled) &&
+         comes_near(search, site, search->reach + bodies[body].offset, x0, x1);
+}
+
+// What a found pair becomes.
+static Barrier barrier_row(const uint is_edge, const uint first, const uint second,
+                           global const CollisionPoint* restrict points, global const CollisionEdge* restrict edges,
+                           global const CollisionTriangle* restrict triangles,
+                           global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
+                           global const real* restrict pair_friction) {
+  Barrier row;
+  if (is_edge) {
+    const CollisionEdge a = edges[first], b = edges[second];
+    row.site[0] = a.site[0], row.site[1] = a.site[1], row.site[2] = b.site[0], row.site[3] = b.site[1];
+    row.body[0] = a.body, row.body[1] = b.body;
+    row.area = fmin(a.area, b.area);
+    row.mollifier_threshold = 1e-3 * a.rest_length * a.rest_length * b.rest_length * b.rest_length;
+  } else {
+    const CollisionPoint a = points[first];
+    const CollisionTriangle b = triangles[second];
+    row.site[0] = a.site, row.site[1] = b.site[0], row.site[2] = b.site[1], row.site[3] = b.site[2];
+    row.body[0] = a.body, row.body[1] = b.body;
+    row.area = a.area;
+    row.mollifier_threshold = 0;
+  }
+  const CollisionBodyRow a = bodies[row.body[0]], b = bodies[row.body[1]];
+  const CollisionWorld world = worlds[a.world];
+  row.kind = is_edge ? EDGE_EDGE : POINT_TRIANGLE;
+  row.world = a.world;
+  row.stiffness = world.stiffness;
+  row.activation_distance = world.activation_distance;
+  row.offset = a.offset + b.offset;
+  row.friction = pair_friction[world.first_pair + a.index * world.n_bodies + b.index];
+  return row;
+}
+
+static Search make_search(const Query query, const uint q, global const CollisionPoint* restrict points,
+                          global const CollisionEdge* restrict edges, global const CollisionBodyRow* restrict bodies,
+                          global const CollisionWorld* restrict worlds, global const real* restrict pair_friction,
+                          global const u32* restrict disabled_first, global const real* restrict x0,
+                          global const real* restrict x1) {
+  Search search;
+  search.is_edge = (query.primitive & IS_EDGE) != 0;
+  search.primitive = query.primitive & ~IS_EDGE;
+  search.slot = query.slot;
+  const uint i = search.primitive;
+  const uint body = search.is_edge ? edges[i].body : points[i].body;
+  const CollisionWorld world = worlds[query.world];
+  search.site[0] = search.is_edge ? edges[i].site[0] : points[i].site;
+  search.site[1] = search.is_edge ? edges[i].site[1] : points[i].site;
+  const Box box = grow(search.is_edge ? box_of_edge(i, edges, x0, x1) : box_of_point(i, points, x0, x1),
+                       0.5 * world.activation_distance + bodies[body].offset);
+  search.limit = (float8)(box.high, -box.low, INFINITY, INFINITY);
+  search.reach = world.activation_distance + bodies[body].offset;
+  search.may_touch = pair_friction + world.first_pair + bodies[body].index * world.n_bodies;
+  search.disabled = disabled_first[q];
+  search.n_disabled = disabled_first[q + 1] - disabled_first[q];
+  return search;
+}
+
+// Walks to the next partner, from the left: the place of the walk is a stack of nodes still to be visited. Returns
+// NOTHING at the end.
+typedef struct {
+  uint stack[32];
+  int n;
+} Walk;
+
+static uint next_partner(const Search* search, Walk* walk, global const TreeNode* tree, const uint log2_leaves,
+                         global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
+                         global const CollisionBodyRow* restrict bodies, global const u32* restrict disabled,
+                         global const real* restrict x0, global const real* restrict x1) {
+  const uint n_leaves = 1u << log2_leaves;
+  // every turn takes one node off for good, and no node is put on twice
+  while (walk->n > 0) {
+    const uint k = walk->stack[--walk->n];
+    if (k >= n_leaves) {
+      const uint other = tree[k].primitive;
+      if (may_pair(search, other, edges, triangles, bodies, disabled, x0, x1)) return other;
+      continue;
+    }
+    if (is_worth(search, tree, 2 * k + 1, log2_leaves)) walk->stack[walk->n++] = 2 * k + 1;
+    if (is_worth(search, tree, 2 * k, log2_leaves)) walk->stack[walk->n++] = 2 * k;
+  }
+  return NOTHING;
+}
+
+static void begin_walk(Walk* walk, const Search* search, global const TreeNode* tree, const uint log2_leaves) {
+  walk->n = 0;
+  if (is_worth(search, tree, 1, log2_leaves)) walk->stack[walk->n++] = 1;
+}
+
+// n: queries.  counts: [n];  kept: [n x N_KEPT] the first partners
+kernel void count_pairs(const uint n, const uint log2_leaves, global const Query* restrict queries,
+                        global const TreeNode* restrict nodes, global const CollisionPoint* restrict points,
+                        global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
+                        global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
+                        global const real* restrict pair_friction, global const u32* restrict disabled_first,
+                        global const u32* restrict disabled, global const real* restrict x0,
+                        global const real* restrict x1, global u32* restrict counts, global u32* restrict kept) {
+  const uint q = get_global_id(0);
+  if (q >= n) return;
+  const Query query = queries[q];
+  const Search search = make_search(query, q, points, edges, bodies, worlds, pair_friction, disabled_first, x0, x1);
+  global const TreeNode* tree = nodes + ((size_t)(2 * query.world + search.is_edge) * 2 << log2_leaves);
+  Walk walk;
+  begin_walk(&walk, &search, tree, log2_leaves);
+  uint count = 0, other;
+  while ((other = next_partner(&search, &walk, tree, log2_leaves, edges, triangles, bodies, disabled, x0, x1)) !=
+         NOTHING) {
+    if (count < N_KEPT) kept[q * N_KEPT + count] = other;
+    ++count;
+  }
+  counts[q] = count;
+}
+
+// offsets: [n + 1] where each query's rows begin
+kernel void fill_pairs(const uint n, const uint log2_leaves, global const Query* restrict queries,
+                       global const TreeNode* restrict nodes, global const CollisionPoint* restrict points,
+                       global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
+                       global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
+                       global const real* restrict pair_friction, global const u32* restrict disabled_first,
+                       global const u32* restrict disabled, global const real* restrict x0,
+                       global const real* restrict x1, global const u32* restrict offsets,
+                       global const u32* restrict kept, global Barrier* restrict rows) {
+  const uint q = get_global_id(0);
+  if (q >= n) return;
+  const uint first = offsets[q], count = offsets[q + 1] - first;
+  if (count == 0) return;
+  const Query query = queries[q];
+  const uint is_edge = (query.primitive & IS_EDGE) != 0, primitive = query.primitive & ~IS_EDGE;
+  if (count <= N_KEPT) {
+    for (uint k = 0; k < count; ++k)
+      rows[first + k] = barrier_row(is_edge, primitive, kept[q * N_KEPT + k], points, edges, triangles, bodies, worlds,
+                                    pair_friction);
+    return;
+  }
+  const Search search = make_search(query, q, points, edges, bodies, worlds, pair_friction, disabled_first, x0, x1);
+  global const TreeNode* tree = nodes + ((size_t)(2 * query.world + is_edge) * 2 << log2_leaves);
+  Walk walk;
+  begin_walk(&walk, &search, tree, log2_leaves);
+  for (uint k = 0; k < count; ++k)
+    rows[first + k] = barrier_row(
+        is_edge, primitive, next_partner(&search, &walk, tree, log2_leaves, edges, triangles, bodies, disabled, x0, x1),
+        points, edges, triangles, bodies, worlds, pair_friction);
+}

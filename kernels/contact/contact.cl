@@ -1,0 +1,102 @@
+// From candidates to contacts: gaps, what is active, lagged friction rows, reports; the smallest of a number per world.
+#include "contact/mesh.h"
+#include "contact/report.h"
+#include "energies/barrier_law.cl"
+#include "energies/friction.h"
+#define N_LANES 64u  // partial minima per world
+
+static void load_sites(global const Barrier* row, global const real* restrict x, real3* xe) {
+  for (int i = 0; i < 4; ++i) xe[i] = vload3(row->site[i], x);
+}
+
+// gap: [n, m];  is_active: [n] 1 where the gap is below the activation distance
+kernel void pair_gaps(const uint n, global const Barrier* restrict pairs, global const real* restrict x,
+                      global real* restrict gap, global u32* restrict is_active) {
+  const uint e = get_global_id(0);
+  if (e >= n) return;
+  real3 xe[4];
+  load_sites(pairs + e, x, xe);
+  gap[e] = pair_distance(pairs[e].kind, xe).d - pairs[e].offset;
+  // NaN is active, so that it shows
+  is_active[e] = !(gap[e] >= pairs[e].activation_distance);
+}
+
+// contacts: the active pairs, in order; offsets: [n + 1]
+kernel void fill_contacts(const uint n, global const Barrier* restrict pairs, global const u32* restrict offsets,
+                          global Barrier* restrict contacts) {
+  const uint e = get_global_id(0);
+  if (e >= n) return;
+  if (offsets[e + 1] > offsets[e]) contacts[offsets[e]] = pairs[e];
+}
+
+// lambda = kappa w m |b'|  [N]
+static real normal_force(const Barrier* p, const real3* x, const real d) {
+  return p->stiffness * p->area * pair_mollifier(p, x).value * -barrier_slope(d - p->offset, p->activation_distance);
+}
+
+// rows: [n] of energies/friction.cl
+kernel void lag_friction(const uint n, global const Barrier* restrict contacts,
+                         global const CollisionWorld* restrict worlds, global const real* restrict x,
+                         global Friction* restrict rows) {
+  const uint e = get_global_id(0);
+  if (e >= n) return;
+  const Barrier p = contacts[e];
+  real3 xe[4];
+  load_sites(contacts + e, x, xe);
+  const Distance distance = pair_distance(p.kind, xe);
+  Friction row;
+  for (int i = 0; i < 4; ++i) {
+    row.site[i] = p.site[i];
+    row.coefficient[i] = distance.c[i];
+  }
+  row.kind = p.kind;
+  row.body[0] = p.body[0];
+  row.body[1] = p.body[1];
+  row.world = p.world;
+  vstore3(distance.n, 0, row.normal);
+  row.normal_force = normal_force(&p, xe, distance.d);
+  row.friction = p.friction;
+  row.friction_velocity = worlds[p.world].friction_velocity;
+  vstore3((real3)(0.0), 0, row.anchor);
+  row.unused = 0;
+  rows[e] = row;
+}
+
+kernel void report_contacts(const uint n, global const Barrier* restrict contacts, global const real* restrict x,
+                            global ContactReport* restrict reports) {
+  const uint e = get_global_id(0);
+  if (e >= n) return;
+  const Barrier p = contacts[e];
+  real3 xe[4];
+  load_sites(contacts + e, x, xe);
+  const Distance distance = pair_distance(p.kind, xe);
+  // both closest points: the sum of |c_i| x_i counts each once
+  real3 point = (real3)(0.0);
+  for (int i = 0; i < 4; ++i) point += 0.5 * fabs(distance.c[i]) * xe[i];
+  ContactReport report;
+  vstore3(point, 0, report.point);
+  vstore3(distance.n, 0, report.normal);
+  report.gap = distance.d - p.offset;
+  report.normal_force = normal_force(&p, xe, distance.d);
+  reports[e] = report;
+}
+
+// The smallest value of each world, in two steps: lane k of a world takes every N_LANES-th of its values, then one
+// work-item per world takes the lanes. first: [n_worlds + 1]; partial: [n_worlds x N_LANES]; none: where there are none
+kernel void min_of_lanes(const uint n, global const u32* restrict first, global const real* restrict values,
+                         const real none, global real* restrict partial) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  const uint world = i / N_LANES, end = first[world + 1];
+  real least = none;
+  for (uint k = first[world] + i % N_LANES; k < end; k += N_LANES) least = values[k] < least ? values[k] : least;
+  partial[i] = least;
+}
+
+kernel void min_of_worlds(const uint n, global const real* restrict partial, global real* restrict least) {
+  const uint world = get_global_id(0);
+  if (world >= n) return;
+  real found = partial[world * N_LANES];
+  for (uint k = 1; k < N_LANES; ++k) found = fmin(found, partial[world * N_LANES + k]);
+  least[world] = found;
+}

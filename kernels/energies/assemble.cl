@@ -1,0 +1,87 @@
+// Makes the kernels of one energy term from its functions; one work-item per element. A term acts on sites (points or
+// directions carried by a few nodes), so it is written once for every kind of body.
+//   in:  TERM, PARAMS (whose first member is `u32 site[STENCIL]`), STENCIL, and the functions
+//          real TERM_energy  (PARAMS p, const real3* x, const real3* x0, real h)                       [J]
+//          void TERM_gradient(PARAMS p, const real3* x, const real3* x0, real h, real3* g)             [N]
+//          void TERM_hessian (PARAMS p, const real3* x, const real3* x0, real h, real* H)              [N/m]
+//        x: site positions now, x0: at the start of the step [STENCIL, m], h: time step [s];
+//        H: row-major (3 STENCIL)^2, positive semi-definite
+//   out: kernels TERM_energy_all, TERM_gradient_all, TERM_hessian_all, TERM_product_all
+// Rows: each element writes STENCIL rows of its own, gathered to the nodes later in a fixed order (solve/gather.cl).
+#include "shared/real.h"
+#define JOIN_(a, b) a##b
+#define JOIN(a, b) JOIN_(a, b)
+
+// x, x0: sites [n_sites x 3, m];  energy: [n, J]
+kernel void JOIN(TERM, _energy_all)(const uint n, global const PARAMS* restrict params, global const real* restrict x,
+                                    global const real* restrict x0, const real h, global real* restrict energy) {
+  const uint e = get_global_id(0);
+  if (e >= n) return;
+  const PARAMS p = params[e];
+  real3 xe[STENCIL], x0e[STENCIL];
+  for (int s = 0; s < STENCIL; ++s) {
+    xe[s] = vload3(p.site[s], x);
+    x0e[s] = vload3(p.site[s], x0);
+  }
+  energy[e] = JOIN(TERM, _energy)(p, xe, x0e, h);
+}
+
+// rows: [n x STENCIL x 3, N], from row first_row on
+kernel void JOIN(TERM, _gradient_all)(const uint n, global const PARAMS* restrict params, global const real* restrict x,
+                                      global const real* restrict x0, const real h, const uint first_row,
+                                      global real* restrict rows) {
+  const uint e = get_global_id(0);
+  if (e >= n) return;
+  const PARAMS p = params[e];
+  real3 xe[STENCIL], x0e[STENCIL], g[STENCIL];
+  for (int s = 0; s < STENCIL; ++s) {
+    xe[s] = vload3(p.site[s], x);
+    x0e[s] = vload3(p.site[s], x0);
+  }
+  JOIN(TERM, _gradient)(p, xe, x0e, h, g);
+  for (int s = 0; s < STENCIL; ++s) vstore3(g[s], first_row + e * STENCIL + s, rows);
+}
+
+// blocks: [n x (3 STENCIL)^2, N/m], row-major per element
+kernel void JOIN(TERM, _hessian_all)(const uint n, global const PARAMS* restrict params, global const real* restrict x,
+                                     global const real* restrict x0, const real h, global real* restrict blocks) {
+  const uint e = get_global_id(0);
+  if (e >= n) return;
+  const PARAMS p = params[e];
+  real3 xe[STENCIL], x0e[STENCIL];
+  for (int s = 0; s < STENCIL; ++s) {
+    xe[s] = vload3(p.site[s], x);
+    x0e[s] = vload3(p.site[s], x0);
+  }
+  real H[9 * STENCIL * STENCIL];
+  JOIN(TERM, _hessian)(p, xe, x0e, h, H);
+  global real* out = blocks + (size_t)e * 9 * STENCIL * STENCIL;
+  for (int k = 0; k < 9 * STENCIL * STENCIL; ++k) out[k] = H[k];
+}
+
+// rows = H d per element;  d: sites [n_sites x 3, m]
+kernel void JOIN(TERM, _product_all)(const uint n, global const PARAMS* restrict params,
+                                     global const real* restrict blocks, global const real* restrict d,
+                                     const uint first_row, global real* restrict rows) {
+  const uint e = get_global_id(0);
+  if (e >= n) return;
+  real de[3 * STENCIL];
+  for (int s = 0; s < STENCIL; ++s) {
+    const real3 v = vload3(params[e].site[s], d);
+    de[3 * s] = v.x;
+    de[3 * s + 1] = v.y;
+    de[3 * s + 2] = v.z;
+  }
+  global const real* H = blocks + (size_t)e * 9 * STENCIL * STENCIL;
+  global real* out = rows + (size_t)(first_row + e * STENCIL) * 3;
+  for (int i = 0; i < 3 * STENCIL; ++i) {
+    real sum = 0;
+    for (int j = 0; j < 3 * STENCIL; ++j) sum += H[i * 3 * STENCIL + j] * de[j];
+    out[i] = sum;
+  }
+}
+#undef TERM
+#undef PARAMS
+#undef STENCIL
+#undef JOIN
+#undef JOIN_

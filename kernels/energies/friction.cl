@@ -1,0 +1,68 @@
+// Smoothed Coulomb friction of a lagged contact: E = mu lambda f0(|u|)      [J]
+//   u = (I - n n^T) sum_i c_i (x_i - x0_i) + e        sliding within the step, plus the anchor's part [m]
+//   f0(y) = -y^3 / (3 eps^2) + y^2 / eps + eps / 3    for y < eps = epsilon_v h, else y   [m]
+// Li et al. 2020, "Incremental Potential Contact". c, n, lambda are lagged, so the Hessian is exact and positive
+// semi-definite. Stencil: 4 sites.
+#include "energies/friction.h"
+#include "shared/real.h"
+
+// u [m]
+static real3 friction_sliding(const Friction* p, const real3* x, const real3* x0) {
+  const real3 n = vload3(0, p->normal);
+  real3 u = (real3)(0.0);
+  for (int i = 0; i < 4; ++i) u += p->coefficient[i] * (x[i] - x0[i]);
+  return u - dot(u, n) * n + vload3(0, p->anchor);
+}
+
+// f0'(y) / y [1/m], finite at y = 0
+static real friction_slope_over_sliding(const real y, const real eps) { return y < eps ? (2 - y / eps) / eps : 1 / y; }
+
+real friction_energy(const Friction p, const real3* x, const real3* x0, const real h) {
+  const real y = length(friction_sliding(&p, x, x0)), eps = p.friction_velocity * h;
+  return p.friction * p.normal_force * (y < eps ? y * y * (1 - y / (3 * eps)) / eps + eps / 3 : y);
+}
+
+void friction_gradient(const Friction p, const real3* x, const real3* x0, const real h, real3* g) {
+  const real3 n = vload3(0, p.normal), u = friction_sliding(&p, x, x0);
+  const real3 tangential = u - dot(u, n) * n;
+  const real scale = p.friction * p.normal_force * friction_slope_over_sliding(length(u), p.friction_velocity * h);
+  for (int i = 0; i < 4; ++i) g[i] = scale * p.coefficient[i] * tangential;
+}
+
+void friction_hessian(const Friction p, const real3* x, const real3* x0, const real h, real* H) {
+  const real3 n3 = vload3(0, p.normal), u3 = friction_sliding(&p, x, x0);
+  const real3 tangential = u3 - dot(u3, n3) * n3;
+  const real y = length(u3), eps = p.friction_velocity * h, force = p.friction * p.normal_force;
+  const real across = force * friction_slope_over_sliding(y, eps);
+  // along u the slope of f0 is less by y d(f0'/y)/dy = -y/eps^2 or -1/y: times u u^T / y^2; at y = 0 there is no
+  // direction
+  const real less = y > 0 ? force * (y < eps ? 1 / (eps * eps * y) : 1 / (y * y * y)) : 0;
+  const real n[3] = {n3.x, n3.y, n3.z}, u[3] = {tangential.x, tangential.y, tangential.z};
+  for (int i = 0; i < 12; ++i)
+    for (int j = 0; j < 12; ++j) {
+      const int a = i % 3, b = j % 3;
+      const real projector = (a == b ? 1 : 0) - n[a] * n[b];
+      H[12 * i + j] = p.coefficient[i / 3] * p.coefficient[j / 3] * (across * projector - less * u[a] * u[b]);
+    }
+}
+
+#define TERM friction
+#define PARAMS Friction
+#define STENCIL 4
+#include "energies/assemble.cl"
+
+// What the second body exerts on the first by friction. force: [n x 3, N]
+kernel void friction_force(const uint n, global const Friction* restrict params, global const real* restrict x,
+                           global const real* restrict x0, const real h, global real* restrict force) {
+  const uint e = get_global_id(0);
+  if (e >= n) return;
+  const Friction p = params[e];
+  real3 xe[4], x0e[4], g[4];
+  for (int s = 0; s < 4; ++s) {
+    xe[s] = vload3(p.site[s], x);
+    x0e[s] = vload3(p.site[s], x0);
+  }
+  friction_gradient(p, xe, x0e, h, g);
+  // the first primitive: a point, or the first two sites
+  vstore3(p.kind == 0u ? -g[0] : -(g[0] + g[1]), e, force);
+}

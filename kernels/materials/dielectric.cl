@@ -1,0 +1,31 @@
+// Clear dielectric, smooth: reflects the Fresnel share R of unpolarised light, refracts the rest by Snell's law. One of
+// the two is chosen with probability R, so the weight is 1. What is carried is radiance / n^2, which refraction leaves
+// unchanged. Absorption along the way inside (Beer and Lambert) is applied where the segment ends.
+#ifndef PVG_MATERIALS_DIELECTRIC_CL
+#define PVG_MATERIALS_DIELECTRIC_CL
+#include "materials/frame.cl"
+
+// share that is reflected; cosine: of the incident direction, >= 0; eta: index behind / index in front of the interface
+inline float fresnel_dielectric(const float cosine, const float eta) {
+  const float sin2 = (1.0f - cosine * cosine) / (eta * eta);
+  if (sin2 >= 1.0f) return 1.0f;  // total reflection
+  const float cos_t = sqrt(1.0f - sin2);
+  const float s = (cosine - eta * cos_t) / (cosine + eta * cos_t);
+  const float p = (eta * cosine - cos_t) / (eta * cosine + cos_t);
+  return 0.5f * (s * s + p * p);
+}
+
+// z: the normal on the side of wo. direction.z < 0: refracted
+inline MaterialSample dielectric_sample(const float eta, const float3 wo, const float u) {
+  MaterialSample s;
+  s.weight = 1.0f;
+  s.pdf = 0.0f;
+  if (u < fresnel_dielectric(wo.z, eta)) {
+    s.direction = (float3)(-wo.x, -wo.y, wo.z);
+    return s;
+  }
+  const float sin2 = (wo.x * wo.x + wo.y * wo.y) / (eta * eta);
+  s.direction = (float3)(-wo.x / eta, -wo.y / eta, -sqrt(max(0.0f, 1.0f - sin2)));
+  return s;
+}
+#endif

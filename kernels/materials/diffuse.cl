@@ -1,0 +1,33 @@
+// Diffuse (Lambert) reflection: f = albedo / pi [1/sr], sampled by the cosine: a uniform disc lifted to the hemisphere
+// (Malley's method; concentric map of Shirley and Chiu 1997). Directions point away from the surface, z is the normal.
+#ifndef PVG_MATERIALS_DIFFUSE_CL
+#define PVG_MATERIALS_DIFFUSE_CL
+#include "materials/frame.cl"
+
+// f cos [1/sr]
+inline float3 diffuse_eval(const float3 albedo, const float3 wo, const float3 wi) {
+  return wo.z > 0 && wi.z > 0 ? albedo * (wi.z * M_1_PI_F) : (float3)(0.0f);
+}
+
+inline float diffuse_pdf(const float3 wo, const float3 wi) { return wo.z > 0 && wi.z > 0 ? wi.z * M_1_PI_F : 0.0f; }
+
+inline float2 uniform_disc(const float2 u) {
+  const float a = 2 * u.x - 1, b = 2 * u.y - 1;
+  if (a == 0 && b == 0) return (float2)(0.0f);
+  const bool is_wide = fabs(a) > fabs(b);
+  const float r = is_wide ? a : b;
+  const float phi = is_wide ? M_PI_4_F * (b / a) : M_PI_2_F - M_PI_4_F * (a / b);
+  return (float2)(r * cos(phi), r * sin(phi));
+}
+
+inline MaterialSample diffuse_sample(const float3 albedo, const float3 wo, const float2 u) {
+  const float2 disc = uniform_disc(u);
+  // never exactly in the surface, so that the density stays positive
+  const float z = sqrt(max(1e-8f, 1.0f - dot(disc, disc)));
+  MaterialSample s;
+  s.direction = (float3)(disc.x, disc.y, z);
+  s.pdf = diffuse_pdf(wo, s.direction);
+  s.weight = wo.z > 0 ? albedo : (float3)(0.0f);
+  return s;
+}
+#endif

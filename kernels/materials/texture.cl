@@ -1,0 +1,26 @@
+// Textures: 8-bit sRGB texels of all textures in one buffer, filtered linearly in linear colour, repeated. By hand,
+// because image samplers of CPU drivers take twice as long. decode: sRGB byte to linear (IEC 61966-2-1) [256].
+#ifndef PVG_MATERIALS_TEXTURE_CL
+#define PVG_MATERIALS_TEXTURE_CL
+#include "materials/material.h"
+
+inline float3 texel(global const uchar4* texels, constant float* decode, const uint i) {
+  const uchar4 c = texels[i];
+  return (float3)(decode[c.x], decode[c.y], decode[c.z]);
+}
+
+// uv: (0, 0) is the outer corner of the first texel of the top row
+inline float3 texture_color(const TextureInfo info, global const uchar4* texels, constant float* decode,
+                            const float2 uv) {
+  const float x = (uv.x - floor(uv.x)) * (float)info.width - 0.5f, y = (uv.y - floor(uv.y)) * (float)info.height - 0.5f;
+  const float x_floor = floor(x), y_floor = floor(y);
+  const float a = x - x_floor, b = y - y_floor;
+  const uint x0 = x_floor < 0 ? info.width - 1 : min((uint)x_floor, info.width - 1);
+  const uint y0 = y_floor < 0 ? info.height - 1 : min((uint)y_floor, info.height - 1);
+  const uint x1 = x0 + 1 == info.width ? 0 : x0 + 1, y1 = y0 + 1 == info.height ? 0 : y0 + 1;
+  const uint row0 = info.first + y0 * info.width, row1 = info.first + y1 * info.width;
+  const float3 top = mix(texel(texels, decode, row0 + x0), texel(texels, decode, row0 + x1), a);
+  const float3 bottom = mix(texel(texels, decode, row1 + x0), texel(texels, decode, row1 + x1), a);
+  return mix(top, bottom, b);
+}
+#endif

@@ -1,0 +1,32 @@
+// Stage 1: starts the paths of a batch, one per sample, at the camera. A pixel's samples are spread over its square
+// (box filter). Neighbouring slots are samples of one pixel, then pixels of one 8 x 8 tile.
+#include "render/path.h"
+#include "render/tiles.cl"
+#include "sensors/pinhole.cl"
+#include "shared/rng.cl"
+
+// origin: [n, m], w: density of the last direction;  direction: [n], w: stack of the glasses that the path is inside
+// of; throughput: [n], w: path flags;  radiance: [n];  queue: [n] live slots
+kernel void generate(const uint n, const Launch launch, global float4* restrict origin,
+                     global float4* restrict direction, global float4* restrict throughput,
+                     global float4* restrict radiance, global uint* restrict queue) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  const PinholeCamera c = launch.camera;
+  const uint sample = i % launch.n_samples;
+  const uint2 pixel = tile_pixel(launch.first_pixel + i / launch.n_samples, c.width, c.height);
+  float2 at = (float2)((float)pixel.x, (float)pixel.y);
+  if (!launch.is_center)
+    at += sample_2d(hash_combine(launch.key, pixel.y * c.width + pixel.x), sample, 0) - (float2)(0.5f, 0.5f);
+  float3 local_direction;
+  const bool is_seen = pixel_direction(c, at, &local_direction);
+  if (!is_seen) local_direction = (float3)(0, 0, 1);
+  float3 d = camera_vector(c, local_direction);
+  // ground truth keeps z = 1, so that t is the depth
+  if (!launch.is_center) d = normalize(d);
+  origin[i] = (float4)(c.to_world[3], c.to_world[7], c.to_world[11], 0);
+  direction[i] = (float4)(d, as_float(0u));
+  throughput[i] = (float4)((float3)(is_seen ? 1.0f : 0.0f), as_float(0u));
+  radiance[i] = (float4)(0.0f);
+  queue[i] = i;
+}

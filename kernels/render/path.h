@@ -1,0 +1,97 @@
+// What travels between the stages of the path tracer and what they read: vertices, instances, lights, the camera and
+// the launch. Lengths in metres, world frame unless said otherwise.
+#ifndef PVG_RENDER_PATH_H
+#define PVG_RENDER_PATH_H
+#include "shared/types.h"
+
+// who is stopped by an instance
+#define MASK_SURFACES 1u   // shadow rays of ordinary surfaces
+#define MASK_RECEIVERS 2u  // shadow rays of shadow receivers: inserted objects only
+
+#define INSTANCE_NORMALS 1u  // the mesh has vertex normals
+#define INSTANCE_CLEAR 2u    // clear glass: shadow rays may pass
+
+// path flags
+#define PATH_SCATTERED 1u  // has met a surface that scatters (diffuse or rough)
+#define PATH_DIFFUSE 2u    // the last such surface was diffuse
+#define PATH_REFRACTED 4u  // has passed through glass since
+
+// what a shadow ray is for
+#define SHADOW_NONE 0u
+#define SHADOW_SURFACE 1u        // blocked by glass
+#define SHADOW_SURFACE_GLASS 2u  // attenuated by glass
+#define SHADOW_RECEIVER 3u
+
+#define NO_TRIANGLE 0xffffffffu
+
+SHARED_BEGIN
+typedef struct {
+  f32 v[4];
+} F32x4;
+SHARED_SIZE(F32x4, 16);
+
+typedef struct {
+  f32 point[3];   // in the mesh's frame [m]
+  f32 normal[3];  // unit, or 0
+  f32 uv[2];
+} Vertex;
+SHARED_SIZE(Vertex, 32);
+
+typedef struct {
+  f32 to_object[12];  // rows of [A | p]: world to mesh
+  f32 to_world[12];   // mesh to world
+  u32 root;           // node of its mesh
+  u32 material;
+  u32 visual;  // 1 + index of the Visual; 0: a light
+  u32 mask;    // MASK_...
+  i32 light;   // index, or -1
+  u32 flags;   // INSTANCE_...
+  u32 unused[2];
+} Instance;
+SHARED_SIZE(Instance, 128);
+
+// a rectangle that shines on the side of its normal
+typedef struct {
+  f32 corner[3];
+  f32 area;  // [m^2]
+  f32 edge_u[3];
+  f32 probability;  // of being chosen: its share of the power
+  f32 edge_v[3];
+  f32 cumulative;  // sum of the probabilities up to and with this light
+  f32 normal[3];   // unit
+  f32 unused0;
+  f32 radiance[3];  // [W/(sr m^2)]
+  f32 unused1;
+} Light;
+SHARED_SIZE(Light, 80);
+
+// OpenCV's pinhole camera
+typedef struct {
+  f32 fx, fy, cx, cy;  // [pixels]
+  f32 k[6];            // radial k1 k2 k3, then the denominator's k4 k5 k6
+  f32 p[2];            // tangential
+  f32 to_world[12];    // rows of [R | origin]
+  u32 width, height;   // [pixels]
+  u32 is_distorted;
+  u32 unused;
+} PinholeCamera;
+SHARED_SIZE(PinholeCamera, 112);
+
+// one batch: all samples of the pixels first_pixel .. in tile order
+typedef struct {
+  PinholeCamera camera;
+  u32 first_pixel, n_pixels;
+  u32 n_samples;
+  u32 key;        // of seed, frame and camera
+  u32 is_center;  // 1: one ray through the middle of each pixel
+  u32 n_lights;
+  u32 max_depth;
+  u32 transparent_shadows;  // 1: shadow rays of diffuse surfaces and receivers pass clear glass, attenuated
+  f32 receiver_scale;       // 1 / exposure: a receiver's texture is what the camera recorded
+  u32 unused[3];
+  f32 environment[3];  // radiance of what no surface covers
+  f32 unused1;
+} Launch;
+SHARED_SIZE(Launch, 176);
+SHARED_END
+#endif

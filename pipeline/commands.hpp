@@ -1,0 +1,55 @@
+// The program's commands as functions of their options; main.cpp reads the options from the command line. They return
+// when they are done and report everything else by exceptions (host/base/error.hpp).
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "pipeline/episode.hpp"
+
+namespace pvg {
+
+struct DevicesOptions {
+  bool as_json = false;
+};
+
+// phyvisgen devices: what OpenCL finds on this machine.
+void run_devices(const DevicesOptions& options);
+
+struct GenerateOptions {
+  std::string task, folder;  // task file, folder of the set
+  std::uint64_t n_episodes = 1, seed = 0;
+  std::string shard = "0/1";  // i/n: every n-th episode, from the i-th on
+  std::string device;         // as for Device; empty: the best
+  PictureOverrides pictures;
+  std::size_t frames_under_way = 3;  // bound of the stage graph
+  bool no_render = false;            // states only
+  bool keep_failed = false;          // keep the record of failed episodes
+  bool as_json = false, is_verbose = false;
+  bool shows_graph = false;  // print the graph and nothing else
+};
+
+// phyvisgen generate: episodes of a task, simulated, rendered and recorded into a folder.
+void run_generate(const GenerateOptions& options);
+
+struct SimulateOptions {
+  std::string scene, file;  // scene file, states file
+  double duration = -1;     // [s]; negative: what the scene says
+  std::string device;
+  bool as_json = false, is_verbose = false;
+};
+
+// phyvisgen simulate: a scene file to states.h5.
+void run_simulate(const SimulateOptions& options);
+
+struct ValidateOptions {
+  std::vector<std::string> cases;  // names; empty: all
+  std::string scenes, plots;       // folders; empty: data/validation, no plots
+  std::string device;
+  bool is_quick = false, as_json = false;
+  bool lists = false;  // print the names of the cases and nothing else
+};
+
+// phyvisgen validate: the validation cases. A Failure if a number that must hold does not.
+void run_validate(const ValidateOptions& options);
+
+}  // namespace pvg

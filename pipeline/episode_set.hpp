@@ -1,0 +1,50 @@
+// A folder of episodes: which are done, which failed and why. Several processes may fill one folder: everything is
+// read off the folder itself, set.json is only its summary.
+//   DIR/episode_000000/          done
+//   DIR/failed/episode_000001/   failed: summary.json with the reason, and with --keep-failed the record
+//   DIR/set.json
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace pvg {
+
+struct FailedEpisode {
+  std::uint64_t episode = 0;
+  std::string reason;
+};
+
+struct SetStatus {
+  std::vector<std::uint64_t> done;    // ascending
+  std::vector<FailedEpisode> failed;  // ascending
+};
+
+struct EpisodeSet {
+  std::filesystem::path folder;
+  std::string task;
+  std::uint64_t seed = 0;
+  std::uint64_t n_asked = 0;
+  std::string configuration;  // a fingerprint of everything but the seed that decides what an episode looks like
+  std::vector<std::pair<std::string, std::string>> versions;
+};
+
+std::filesystem::path episode_folder(const std::filesystem::path& set, std::uint64_t episode);
+std::filesystem::path failed_folder(const std::filesystem::path& set, std::uint64_t episode);
+
+// A UsageError where the folder already holds episodes of another task, seed or configuration. n_asked becomes the
+// larger of what was asked before and now.
+void join_set(EpisodeSet& set);
+
+bool is_done(const EpisodeSet& set, std::uint64_t episode);
+SetStatus read_status(const std::filesystem::path& folder);
+void write_set(const EpisodeSet& set);
+
+// For --json: the set and its status.
+std::string status_json(const EpisodeSet& set);
+
+// 64 bits of FNV-1a as text.
+std::string fingerprint(const std::string& text);
+
+}  // namespace pvg

@@ -1,0 +1,121 @@
+// phyvisgen: the command line. Every error is one sentence on stderr.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "host/base/error.hpp"
+#include "pipeline/commands.hpp"
+
+namespace {
+
+// exit codes; 75 is EX_TEMPFAIL of sysexits.h, which batch systems read as "queue me again"
+constexpr int DONE = 0, FAILED = 1, WRONG_USE = 2, TRY_AGAIN = 75;
+
+int report(const char* message, int code) {
+  std::fprintf(stderr, "phyvisgen: %s\n", message);
+  return code;
+}
+
+void add_devices(CLI::App& program, pvg::DevicesOptions& o) {
+  CLI::App* command = program.add_subcommand("devices", "List the OpenCL devices that --device can name");
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer("Example:\n  phyvisgen devices --json");
+}
+
+void add_generate(CLI::App& program, pvg::GenerateOptions& o) {
+  CLI::App* command = program.add_subcommand("generate", "Simulate, render and record episodes of a task");
+  command->add_option("TASK", o.task, "Task file (YAML)");
+  command->add_option("-n,--episodes", o.n_episodes, "How many episodes the set has")->capture_default_str();
+  command->add_option("--seed", o.seed, "Seed of the set; an episode depends on it and on its number alone")
+      ->capture_default_str();
+  command->add_option("--shard", o.shard, "i/n: make every n-th episode, from the i-th on")->capture_default_str();
+  command->add_option("-o,--output", o.folder, "Folder of the set; finished episodes in it are skipped");
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_option("--width", o.pictures.width, "Width of all pictures [pixels]")->check(CLI::Range(2, 16384));
+  command->add_option("--height", o.pictures.height, "Height of all pictures [pixels]")->check(CLI::Range(2, 16384));
+  command->add_option("--samples", o.pictures.samples, "Paths per pixel")->check(CLI::Range(1, 1 << 20));
+  command->add_option("--fps", o.pictures.frames_per_second, "Frames per second of motion")->check(CLI::PositiveNumber);
+  command->add_option("--frames-under-way", o.frames_under_way, "Frames in the stage graph at once")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->add_flag("--no-render", o.no_render, "Simulate and record states only");
+  command->add_flag("--keep-failed", o.keep_failed, "Keep the record of failed episodes in DIR/failed");
+  command->add_flag("--graph", o.shows_graph, "Print the graph of the stages (mermaid) and end");
+  command->add_flag("--json", o.as_json, "Print the state of the set as JSON at the end");
+  command->add_flag("-v,--verbose", o.is_verbose, "Explain: meshes, solver, time per stage");
+  command->footer(
+      "Exit codes: 0 done, 1 failed, 2 wrong use, 75 stopped before the end: call again to continue.\n"
+      "Example:\n  phyvisgen generate data/tasks/weigh_beaker.yaml --episodes 10 --seed 1 -o out/beaker -v");
+}
+
+void add_simulate(CLI::App& program, pvg::SimulateOptions& o) {
+  CLI::App* command = program.add_subcommand("simulate", "Simulate a scene file and record its states");
+  command->add_option("SCENE", o.scene, "Scene file (YAML)");
+  command->add_option("-o,--output", o.file, "States file (HDF5) to write");
+  command->add_option("--duration", o.duration, "Simulated time [s]; else what the scene says")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_flag("--json", o.as_json, "Print solver statistics as JSON at the end");
+  command->add_flag("-v,--verbose", o.is_verbose, "Tell of every step: iterations, contacts, smallest gap");
+  command->footer("Example:\n  phyvisgen simulate data/validation/pendulum.yaml -o pendulum.h5");
+}
+
+void add_validate(CLI::App& program, pvg::ValidateOptions& o) {
+  CLI::App* command =
+      program.add_subcommand("validate", "Run the validation cases and print measured against expected");
+  command->add_option("--case", o.cases, "Only this case; may stand several times")->allow_extra_args(false);
+  command->add_option("--plots", o.plots, "Folder for the curves (SVG)");
+  command->add_option("--scenes", o.scenes, "Folder of the cases' scene files");
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_flag("--quick", o.is_quick, "Only what is done within 3 minutes");
+  command->add_flag("--list", o.lists, "Print the names of the cases and end");
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer(
+      "Exit codes: 0 all that must hold does, 1 something does not, 2 wrong use.\n"
+      "Example:\n  phyvisgen validate --case slope --plots out/plots");
+}
+
+int run(int argc, char** argv) {
+  CLI::App program("Robot-learning data: soft-gripper manipulation, simulated with contact and path traced",
+                   "phyvisgen");
+  program.set_version_flag("--version", PVG_VERSION);
+  program.require_subcommand(1);
+  pvg::DevicesOptions devices;
+  pvg::GenerateOptions generate;
+  add_devices(program, devices);
+  add_generate(program, generate);
+  pvg::SimulateOptions simulate;
+  pvg::ValidateOptions validate;
+  add_simulate(program, simulate);
+  add_validate(program, validate);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    program.exit(help);
+    return DONE;
+  } catch (const CLI::ParseError& error) {
+    return report((std::string(error.what()) + " (--help shows how)").c_str(), WRONG_USE);
+  }
+  if (program.got_subcommand("devices")) pvg::run_devices(devices);
+  if (program.got_subcommand("generate")) pvg::run_generate(generate);
+  if (program.got_subcommand("simulate")) pvg::run_simulate(simulate);
+  if (program.got_subcommand("validate")) pvg::run_validate(validate);
+  return DONE;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const pvg::UsageError& error) {
+    return report(error.what(), WRONG_USE);
+  } catch (const pvg::TryAgain& error) {
+    return report(error.what(), TRY_AGAIN);
+  } catch (const std::bad_alloc&) {
+    return report("the memory of this machine is used up", FAILED);
+  } catch (const std::exception& error) {
+    return report(error.what(), FAILED);
+  }
+}

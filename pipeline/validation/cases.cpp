@@ -1,0 +1,29 @@
+#include "pipeline/validation/cases.hpp"
+
+namespace pvg {
+
+const std::vector<ValidationCase>& validation_cases() {
+  static const std::vector<ValidationCase> CASES = {
+      {"free_fall", "a box falls: the integrator's own parabola", validate_free_fall, true},
+      {"oscillator", "a mass on a drive's spring: the integrator's own damping", validate_oscillator, true},
+      {"pendulum", "a cube on a hinge: its period", validate_pendulum, true},
+      {"spin", "a box turning freely, about one axis and tumbling", validate_spin, true},
+      {"momentum", "bodies collide in empty space", validate_momentum, true},
+      {"weight", "a resting body's contact force", validate_weight, true},
+      {"slope", "a cube on a slope of tan 0.5 just above, at and below the critical friction", validate_slope, true},
+      {"ramp", "eight cubes of different friction on a ramp of 30 degrees", validate_ramp, true},
+      {"stopping", "cubes slide to a stop from 2 m/s", validate_stopping, true},
+      {"joint_signs", "each joint type turns and moves the way its axis says", validate_joint_signs, true},
+      {"drive", "a drive's deflection under a load", validate_drive, true},
+      {"tensile", "a bar on rollers, pulled", validate_tensile, true},
+      {"rib", "a thin rib, one layer of elements, bent", validate_rib, true},
+      {"elastica", "a beam bent far by a load at its tip", validate_elastica, false},
+      {"cantilever", "a beam bent far by its own weight", validate_cantilever, false},
+      {"stack", "ten boxes on each other, the heaviest on top", validate_stack, false},
+      {"arch", "a round arch of 25 blocks", validate_arch, false},
+      {"card_house", "seven cards", validate_card_house, false},
+  };
+  return CASES;
+}
+
+}  // namespace pvg

@@ -1,0 +1,35 @@
+// The functions of the validation cases, by theme.
+#pragma once
+#include "pipeline/validation/validation.hpp"
+
+namespace pvg {
+
+// friction.cpp
+void validate_slope(Validation& v);
+void validate_ramp(Validation& v);
+void validate_stopping(Validation& v);
+void validate_weight(Validation& v);
+
+// dynamics.cpp
+void validate_free_fall(Validation& v);
+void validate_oscillator(Validation& v);
+void validate_pendulum(Validation& v);
+void validate_spin(Validation& v);
+void validate_momentum(Validation& v);
+
+// elasticity.cpp
+void validate_tensile(Validation& v);
+void validate_rib(Validation& v);
+void validate_elastica(Validation& v);
+void validate_cantilever(Validation& v);
+
+// structures.cpp
+void validate_stack(Validation& v);
+void validate_arch(Validation& v);
+void validate_card_house(Validation& v);
+
+// joints.cpp
+void validate_joint_signs(Validation& v);
+void validate_drive(Validation& v);
+
+}  // namespace pvg

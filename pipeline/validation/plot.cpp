@@ -1,0 +1,118 @@
+#include "pipeline/validation/plot.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pvg {
+namespace {
+
+constexpr double WIDTH = 720, HEIGHT = 450, LEFT = 90, RIGHT = 20, TOP = 40, BOTTOM = 60;  // [pixels]
+constexpr const char* COLORS[] = {"#1f5fa8", "#c0392b", "#2e8b57", "#8e44ad", "#b9770e", "#117a8b", "#555555"};
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
+  return out;
+}
+
+// One axis: values to pixels.
+struct Axis {
+  bool is_logarithmic = false;
+  double low = std::numeric_limits<double>::infinity(), high = -low;  // of the shown (logarithmic) values
+  double begin = 0, end = 1;                                          // pixels
+
+  bool can_show(double value) const { return std::isfinite(value) && (!is_logarithmic || value > 0); }
+  double shown(double value) const { return is_logarithmic ? std::log10(value) : value; }
+  void include(double value) {
+    low = std::min(low, shown(value));
+    high = std::max(high, shown(value));
+  }
+  void widen() {
+    if (!(low <= high)) low = 0, high = 1;
+    const double margin = high > low ? 0.05 * (high - low) : std::max(0.05 * std::abs(low), 1e-12);
+    low -= margin;
+    high += margin;
+  }
+  double pixel(double value) const { return begin + (shown(value) - low) / (high - low) * (end - begin); }
+
+  std::vector<double> ticks() const {  // round values: 1, 2 or 5 times a power of ten apart
+    const double rough = (high - low) / 6, power = std::pow(10, std::floor(std::log10(rough)));
+    const double ratio = rough / power;
+    double distance = power * (ratio < 1.5 ? 1 : ratio < 3.5 ? 2 : ratio < 7.5 ? 5 : 10);
+    if (is_logarithmic) distance = std::max(1.0, std::round(distance));
+    std::vector<double> values;
+    for (double t = std::ceil(low / distance) * distance; t <= high; t += distance)
+      values.push_back(is_logarithmic ? std::pow(10, t) : std::abs(t) < 1e-9 * distance ? 0 : t);
+    return values;
+  }
+};
+
+std::string text_at(double x, double y, const std::string& anchor, const std::string& text, const std::string& more) {
+  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\"{}>{}</text>\n", x, y, anchor, more,
+                     escaped(text));
+}
+
+std::string frame_of(const Plot& plot, const Axis& x, const Axis& y) {
+  std::string out;
+  for (const double value : x.ticks()) {
+    const double at = x.pixel(value);
+    out +=
+        fmt::format("<line x1=\"{0:.1f}\" y1=\"{1}\" x2=\"{0:.1f}\" y2=\"{2}\" stroke=\"#ddd\"/>\n", at, TOP, y.begin);
+    out += text_at(at, y.begin + 18, "middle", fmt::format("{:.6g}", value), "");
+  }
+  for (const double value : y.ticks()) {
+    const double at = y.pixel(value);
+    out +=
+        fmt::format("<line x1=\"{1}\" y1=\"{0:.1f}\" x2=\"{2}\" y2=\"{0:.1f}\" stroke=\"#ddd\"/>\n", at, LEFT, x.end);
+    out += text_at(LEFT - 6, at + 4, "end", fmt::format("{:.6g}", value), "");
+  }
+  out += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#333\"/>\n", LEFT, TOP,
+                     x.end - LEFT, y.begin - TOP);
+  out += text_at(WIDTH / 2, 24, "middle", plot.title, " font-size=\"15\"");
+  out += text_at((LEFT + x.end) / 2, HEIGHT - 16, "middle", plot.x_label, "");
+  const double middle = (TOP + y.begin) / 2;
+  return out + text_at(20, middle, "middle", plot.y_label, fmt::format(" transform=\"rotate(-90 20 {})\"", middle));
+}
+
+std::string curve_of(const Curve& curve, std::size_t number, const Axis& x, const Axis& y) {
+  const char* color = COLORS[number % std::size(COLORS)];
+  const std::string dash = curve.is_reference ? " stroke-dasharray=\"6 4\"" : "";
+  std::string points;
+  for (std::size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i)
+    if (x.can_show(curve.x[i]) && y.can_show(curve.y[i]))
+      points += fmt::format("{:.2f},{:.2f} ", x.pixel(curve.x[i]), y.pixel(curve.y[i]));
+  std::string out = fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\"{}/>\n",
+                                points, color, dash);
+  const double at = TOP + 16 + 16 * double(number);
+  out += fmt::format("<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\" stroke=\"{}\" stroke-width=\"2\"{}/>\n", LEFT + 10,
+                     at - 4, LEFT + 34, at - 4, color, dash);
+  return out + text_at(LEFT + 40, at, "start", curve.label, "");
+}
+
+}  // namespace
+
+std::string svg_of(const Plot& plot) {
+  Axis x{plot.x_is_logarithmic}, y{plot.y_is_logarithmic};
+  x.begin = LEFT, x.end = WIDTH - RIGHT;
+  y.begin = HEIGHT - BOTTOM, y.end = TOP;  // upward
+  for (const Curve& curve : plot.curves)
+    for (std::size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i)
+      if (x.can_show(curve.x[i]) && y.can_show(curve.y[i])) {
+        x.include(curve.x[i]);
+        y.include(curve.y[i]);
+      }
+  x.widen();
+  y.widen();
+  std::string out = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
+      "font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
+      WIDTH, HEIGHT);
+  out += frame_of(plot, x, y);
+  for (std::size_t i = 0; i < plot.curves.size(); ++i) out += curve_of(plot.curves[i], i, x, y);
+  return out + "</svg>\n";
+}
+
+}  // namespace pvg

@@ -1,0 +1,10 @@
+#!/bin/sh
+# Installs, builds and runs all tests. Arguments go to ctest, such as -R Graph.
+set -eu
+cd "$(dirname "$0")/.."
+scripts/install.sh
+scripts/build.sh -DPVG_TESTS=ON
+echo "test: ctest"
+cd build
+# two at a time: PoCL spreads each kernel over the cores anyway
+ctest --output-on-failure -j 2 "$@"

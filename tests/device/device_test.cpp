@@ -1,0 +1,60 @@
+// The device layer: buffers keep what they are given, launches check their arguments, failures say what was done.
+#include "host/device/device.hpp"
+
+#include <gtest/gtest.h>
+
+namespace pvg {
+namespace {
+
+const char* const doubling = "kernel void twice(const uint n, global const double* x, global double* y) {\n"
+                             "  const uint i = get_global_id(0); if (i >= n) return; y[i] = 2 * x[i]; }\n";
+
+TEST(Device, KernelReachesEveryElementForAwkwardSizes) {
+  Device device;
+  Program program = Program::from_text(device, "twice", doubling);
+  Kernel twice = program.kernel("twice");
+  for (const std::size_t n : {0, 1, 3, 257, 1000}) {
+    std::vector<double> values(n);
+    for (std::size_t i = 0; i < n; ++i) values[i] = double(i) + 0.25;
+    Buffer<double> x(device, values, "x"), y(device, n, "y");
+    twice(n, unsigned(n), x, y);
+    const std::vector<double> doubled = y.read();
+    for (std::size_t i = 0; i < n; ++i) ASSERT_EQ(doubled[i], 2 * values[i]);
+  }
+}
+
+TEST(Device, WrongNumberOfArgumentsNamesTheKernel) {
+  Device device;
+  Program program = Program::from_text(device, "twice", doubling);
+  Kernel twice = program.kernel("twice");
+  Buffer<double> x(device, 1, "x");
+  try {
+    twice(1, 1u, x);
+    FAIL() << "a missing argument was accepted";
+  } catch (const std::logic_error& e) {
+    EXPECT_NE(std::string(e.what()).find("twice takes 3 arguments, was given 2"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Device, BrokenKernelNamesFileAndLine) {
+  Device device;
+  try {
+    Program::from_text(device, "broken.cl", "kernel void f() {\n  nonsense;\n}\n");
+    FAIL() << "nonsense was built";
+  } catch (const DeviceError& e) {
+    EXPECT_NE(std::string(e.what()).find("broken.cl"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find(":2:"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Device, UnknownDeviceIsAUsageError) { EXPECT_THROW(Device("no such device"), UsageError); }
+
+TEST(Device, BufferRefusesAWrongLength) {
+  Device device;
+  Buffer<double> x(device, 3, "x");
+  EXPECT_THROW(x.write(std::vector<double>(4)), std::logic_error);
+  EXPECT_THROW(x.read(2, 2), std::logic_error);
+}
+
+}  // namespace
+}  // namespace pvg

@@ -1,0 +1,108 @@
+// Primitive shapes: closed, facing outward, with the volumes that geometry gives them.
+#include "host/geometry/primitive_shapes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "host/base/error.hpp"
+#include "host/geometry/mass_properties.hpp"
+#include "host/geometry/tet_mesh.hpp"
+
+namespace pvg {
+namespace {
+
+double volume_of(const TetMesh& mesh) {
+  const std::vector<double> volumes = element_volumes(mesh);
+  for (const double volume : volumes) EXPECT_GT(volume, 0);
+  return std::accumulate(volumes.begin(), volumes.end(), 0.0);
+}
+
+// each directed edge once, its opposite once
+void expect_closed(const std::vector<Triangle>& triangles) {
+  std::map<std::pair<unsigned, unsigned>, int> count;
+  for (const Triangle& t : triangles)
+    for (int i = 0; i < 3; ++i) ++count[{t[i], t[(i + 1) % 3]}];
+  for (const auto& [edge, n] : count) {
+    EXPECT_EQ(n, 1);
+    EXPECT_EQ((count[{edge.second, edge.first}]), 1);
+  }
+}
+
+TEST(PrimitiveShapes, ABoxHasItsVolumeAndInertia) {
+  const TriangleMesh box = box_surface(Vec3(0.1, 0.2, 0.3), {2, 3, 1});
+  expect_closed(box.triangles);
+  EXPECT_EQ(box.triangles.size(), 2u * 2 * (2 * 3 + 2 * 1 + 3 * 1));
+  const MassProperties properties = mass_properties(box, 1000);
+  EXPECT_NEAR(properties.mass, 6, 1e-12);
+  EXPECT_NEAR(properties.center.norm(), 0, 1e-15);
+  EXPECT_NEAR(properties.inertia(0, 0), 6 * (0.04 + 0.09) / 12, 1e-12);
+}
+
+TEST(PrimitiveShapes, ASphereApproachesItsVolumeFromInside) {
+  const double exact = 4 * std::numbers::pi / 3 * 0.001;
+  double last_error = 1;
+  for (int subdivisions = 0; subdivisions < 4; ++subdivisions) {
+    const TriangleMesh sphere = sphere_surface(0.1, subdivisions);
+    expect_closed(sphere.triangles);
+    EXPECT_EQ(sphere.triangles.size(), 20u << (2 * subdivisions));
+    for (const Vec3& point : sphere.points) EXPECT_NEAR(point.norm(), 0.1, 1e-15);
+    const double error = 1 - mass_properties(sphere, 1).volume / exact;
+    EXPECT_GT(error, 0);
+    EXPECT_LT(error, last_error / 2);
+    last_error = error;
+  }
+}
+
+TEST(PrimitiveShapes, ACylinderIsAPrismOfItsSides) {
+  const int n = 12;
+  const TriangleMesh cylinder = cylinder_surface(0.05, 0.2, n);
+  expect_closed(cylinder.triangles);
+  EXPECT_NEAR(mass_properties(cylinder, 1).volume, 0.2 * n / 2 * 0.0025 * std::sin(2 * std::numbers::pi / n), 1e-15);
+}
+
+TEST(PrimitiveShapes, AHexahedronIsCheckedForItsSide) {
+  std::array<Vec3, 8> corners = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0),
+                                 Vec3(0, 0, 2), Vec3(1, 0, 2), Vec3(1, 1, 2), Vec3(0, 1, 2)};
+  const TriangleMesh mesh = hexahedron_surface(corners);
+  expect_closed(mesh.triangles);
+  EXPECT_NEAR(mass_properties(mesh, 1).volume, 2, 1e-15);
+  for (int i = 0; i < 4; ++i) std::swap(corners[i], corners[i + 4]);
+  EXPECT_THROW(hexahedron_surface(corners), UsageError);
+}
+
+TEST(PrimitiveShapes, ASquareFacesUp) {
+  const TriangleMesh square = square_surface(2);
+  for (const auto& [a, b, c] : square.triangles) {
+    const Vec3 normal = (square.points[b] - square.points[a]).cross(square.points[c] - square.points[a]);
+    EXPECT_NEAR((normal - Vec3(0, 0, 4)).norm(), 0, 1e-15);
+  }
+}
+
+TEST(PrimitiveShapes, SolidsFillTheirVolume) {
+  for (const int nodes : {4, 10}) {
+    const TetMesh box = box_solid(Vec3(0.1, 0.2, 0.3), {1, 2, 3}, nodes);
+    EXPECT_EQ(box.nodes_per_element, nodes);
+    EXPECT_EQ(box.n_elements(), 36u);
+    EXPECT_NEAR(volume_of(box), 0.006, 1e-15);
+    expect_closed(box.surface);
+  }
+}
+
+TEST(PrimitiveShapes, AnOctantOfABallIsRoundOutsideAndFlatInside) {
+  const double exact = std::numbers::pi / 6 * 0.001;
+  for (const double grading : {1.0, 2.0}) {
+    const TetMesh octant = ball_octant_solid(0.1, 8, grading, 4);
+    expect_closed(octant.surface);
+    EXPECT_NEAR(volume_of(octant), exact, (grading > 1 ? 0.04 : 0.02) * exact);
+    for (const Vec3& point : octant.points) {
+      EXPECT_GE(point.minCoeff(), 0);
+      EXPECT_LE(point.norm(), 0.1 + 1e-15);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pvg

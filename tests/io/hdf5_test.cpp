@@ -1,0 +1,100 @@
+// HDF5: what is written comes back, series grow by rows, equal contents are equal bytes, errors name file and object.
+#include "host/io/hdf5.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <functional>
+#include <iterator>
+
+namespace pvg::hdf5 {
+namespace {
+
+std::filesystem::path scratch(const std::string& name) {
+  return std::filesystem::temp_directory_path() / ("pvg_hdf5_" + std::to_string(getpid()) + "_" + name);
+}
+
+std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void write_example(const std::filesystem::path& path) {
+  File file = File::create(path);
+  file.write<double>("/mesh/beaker/rest", {2, 3}, std::vector<double>{1, 2, 3, 4, 5, 6});
+  file.write<std::int64_t>("/mesh/beaker/body", {}, std::vector<std::int64_t>{-7});
+  file.write<std::uint32_t>("/none", {0, 3}, std::vector<std::uint32_t>{});
+  file.make_group("/camera");
+  Series<double> x(file, "/x", {2});
+  x.append(std::vector<double>{0.5, 1.5});
+  x.append(std::vector<double>{2.5, 3.5, 4.5, 5.5});
+  Series<double> empty_rows(file, "/empty_rows", {0, 3});
+  for (int i = 0; i < 4; ++i) empty_rows.append(std::vector<double>{});
+  Series<std::uint8_t> mask(file, "/mask", {4, 4}, true);
+  for (int i = 0; i < 5; ++i) mask.append(std::vector<std::uint8_t>(16, std::uint8_t(i)));
+  file.attribute("/", "task", std::string("weigh_beaker"));
+  file.attribute("/", "seed", std::uint64_t(18446744073709551615u));
+  file.attribute("/", "h", 0.01);
+  file.attribute("/", "configuration", std::string(100000, 'y'));
+  file.attribute("/x", "names", std::vector<std::string>{"a", "", "finger_joint"});
+}
+
+TEST(Hdf5, WhatIsWrittenComesBack) {
+  const auto path = scratch("back.h5");
+  write_example(path);
+  {
+    const File file = File::open(path);
+    EXPECT_EQ(file.shape("/mesh/beaker/rest"), (Shape{2, 3}));
+    EXPECT_EQ(file.read<double>("/mesh/beaker/rest").values, (std::vector<double>{1, 2, 3, 4, 5, 6}));
+    EXPECT_EQ(file.read<std::int64_t>("/mesh/beaker/body").values, std::vector<std::int64_t>{-7});
+    EXPECT_EQ(file.shape("/none"), (Shape{0, 3}));
+    EXPECT_EQ(file.read<double>("/x").values, (std::vector<double>{0.5, 1.5, 2.5, 3.5, 4.5, 5.5}));
+    EXPECT_EQ(file.shape("/x"), (Shape{3, 2}));
+    EXPECT_EQ(file.shape("/empty_rows"), (Shape{4, 0, 3}));
+    EXPECT_EQ(file.read<std::uint8_t>("/mask").values[4 * 16 + 3], 4);
+    EXPECT_EQ(file.text_attribute("/", "task"), "weigh_beaker");
+    EXPECT_EQ(file.number_attribute("/", "h"), 0.01);
+    EXPECT_EQ(file.text_attribute("/", "configuration"), std::string(100000, 'y'));
+    EXPECT_EQ(file.texts_attribute("/x", "names"), (std::vector<std::string>{"a", "", "finger_joint"}));
+    EXPECT_TRUE(file.has("/mesh/beaker/rest"));
+    EXPECT_FALSE(file.has("/mesh/cup/rest"));
+    EXPECT_EQ(file.children("/"), (std::vector<std::string>{"camera", "empty_rows", "mask", "mesh", "none", "x"}));
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(Hdf5, EqualContentsAreEqualBytesEvenASecondLater) {
+  const auto first = scratch("first.h5"), second = scratch("second.h5");
+  write_example(first);
+  usleep(1100000);  // the times that objects would carry count seconds
+  write_example(second);
+  EXPECT_TRUE(bytes_of(first) == bytes_of(second));
+  std::filesystem::remove(first);
+  std::filesystem::remove(second);
+}
+
+TEST(Hdf5, ErrorsNameFileAndObject) {
+  const auto path = scratch("errors.h5");
+  File file = File::create(path);
+  Series<double> x(file, "/x", {3});
+  for (const auto& wrong : {std::function<void()>([&] {
+                              x.append(std::vector<double>{1, 2});
+                            }),
+                            std::function<void()>([&] {
+                              file.write<double>("/x", {2}, std::vector<double>{1, 2, 3});
+                            })})
+    try {
+      wrong();
+      ADD_FAILURE() << "nothing was thrown";
+    } catch (const Failure& error) {
+      EXPECT_NE(std::string(error.what()).find("errors.h5"), std::string::npos);
+      EXPECT_NE(std::string(error.what()).find("/x"), std::string::npos);
+    }
+  EXPECT_THROW(File::open("/no/such/file.h5"), UsageError);
+  EXPECT_THROW(File::create("/no/such/folder/file.h5"), Failure);
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace pvg::hdf5

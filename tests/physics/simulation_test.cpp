@@ -1,0 +1,211 @@
+// The simulator as a whole on tiny scenes whose answer is known by hand.
+#include "host/physics/simulation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace pvg {
+namespace {
+
+// a box with corners at +-half, 12 triangles facing outward
+TriangleMesh box_mesh(const Vec3& half) {
+  TriangleMesh mesh;
+  for (int i = 0; i < 8; ++i)
+    mesh.points.push_back(Vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1).cwiseProduct(half));
+  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return mesh;
+}
+
+RigidBody box(const std::string& name, const Vec3& half, double density, const Vec3& at) {
+  RigidBody body;
+  body.name = name;
+  body.collision = box_mesh(half);
+  body.volume = 8 * half.prod();
+  body.mass = density * body.volume;
+  const Vec3 square = half.cwiseProduct(half);
+  body.inertia =
+      body.mass / 3 * Vec3(square.y() + square.z(), square.x() + square.z(), square.x() + square.y()).asDiagonal();
+  body.pose.translation() = at;
+  return body;
+}
+
+Scene falling_box() {
+  Scene scene;
+  scene.name = "falling box";
+  scene.solver.time_step = 0.01;
+  scene.solver.velocity_tolerance = 1e-6;
+  scene.rigid_bodies = {box("cube", Vec3::Constant(0.05), 1000, Vec3(0, 0, 1))};
+  return scene;
+}
+
+TEST(Simulation, FreeFallFollowsImplicitEulerExactly) {
+  Device device;
+  Simulation simulation(device, falling_box());
+  const int n = 20;
+  for (int i = 0; i < n; ++i) simulation.step(std::vector<double>{});
+  // x_n = -g h^2 n (n + 1) / 2
+  EXPECT_NEAR(simulation.state().rigid[0](2, 3) - 1, -9.81 * 1e-4 * n * (n + 1) / 2, 1e-9);
+  EXPECT_NEAR(simulation.state().time, n * 0.01, 1e-12);
+}
+
+TEST(Simulation, ABoxRestsOnTheFloorWithItsWeight) {
+  Device device;
+  Scene scene = falling_box();
+  scene.rigid_bodies[0].pose.translation().z() = 0.0505;
+  RigidBody floor = box("floor", Vec3(0.5, 0.5, 0.05), 1000, Vec3(0, 0, -0.05));
+  floor.is_fixed = true;
+  scene.rigid_bodies.push_back(floor);
+  Simulation simulation(device, scene);
+  for (int i = 0; i < 60; ++i) simulation.step(std::vector<double>{});
+  double weight = 0;
+  for (const ContactForce& contact : simulation.state().contacts) {
+    weight += contact.normal_force * std::abs(contact.normal.z());
+    EXPECT_GT(contact.gap, 0);
+  }
+  EXPECT_NEAR(weight, 9.81, 1e-3 * 9.81);
+  EXPECT_GT(simulation.state().rigid[0](2, 3), 0.05);
+}
+
+// a rod of length 0.4 m hanging from a revolute joint about y at its end
+Scene pendulum(double angle, Drive drive) {
+  Scene scene;
+  scene.name = "pendulum";
+  scene.solver.time_step = 0.005;
+  scene.solver.velocity_tolerance = 1e-6;
+  RigidBody base = box("base", Vec3::Constant(0.01), 1000, Vec3(0, 0, 1));
+  base.is_fixed = true;
+  RigidBody rod = box("rod", Vec3(0.01, 0.01, 0.2), 1000, Vec3::Zero());
+  const Mat3 turn = Eigen::AngleAxisd(angle, Vec3::UnitY()).toRotationMatrix();
+  rod.pose.linear() = turn;
+  rod.pose.translation() = Vec3(0, 0, 1) + turn * Vec3(0, 0, -0.2);
+  scene.rigid_bodies = {base, rod};
+  Joint joint;
+  joint.name = "hinge";
+  joint.type = Joint::Type::revolute;
+  joint.parent = 0;
+  joint.child = 1;
+  joint.child_frame.translation() = Vec3(0, 0, 0.2);
+  joint.axis = Vec3::UnitY();
+  joint.drive = drive;
+  joint.initial = angle;
+  scene.joints = {joint};
+  return scene;
+}
+
+TEST(Simulation, PendulumSwingsWithItsPeriod) {
+  Device device;
+  Simulation simulation(device, pendulum(0.05, {}));
+  // T = 2 pi sqrt(I / (m g l)) with I about the hinge = m (0.4^2 + 0.02^2) / 12 + m 0.2^2
+  const double period = 2 * M_PI * std::sqrt(((0.16 + 0.0004) / 12 + 0.04) / (9.81 * 0.2));
+  double last = 0.05, crossing = 0;
+  for (int i = 1; crossing == 0 && i < 400; ++i) {
+    simulation.step(std::vector<double>{});
+    const double q = simulation.state().joint_position[0];
+    if (last > 0 && q <= 0) crossing = 0.005 * (i - 1 + last / (last - q));
+    last = q;
+  }
+  EXPECT_NEAR(crossing, period / 4, 0.02 * period / 4);
+}
+
+TEST(Simulation, DriveHoldsTheRodWithTheTorqueOfItsWeight) {
+  Device device;
+  Drive drive;
+  drive.stiffness = 100;
+  drive.damping = 1;
+  drive.compensates_gravity = false;
+  const double target = 0.5, mass = 1000 * 0.02 * 0.02 * 0.4;
+  Simulation simulation(device, pendulum(target, drive));
+  for (int i = 0; i < 300; ++i) simulation.step(std::vector<double>{target});
+  const double q = simulation.state().joint_position[0];
+  const double weight_torque = mass * 9.81 * 0.2 * std::sin(q);  // pulls the rod back to q = 0
+  EXPECT_NEAR(simulation.state().joint_effort[0], weight_torque, 1e-3 * weight_torque);
+  EXPECT_NEAR(target - q, weight_torque / 100, 1e-3 * weight_torque / 100);
+}
+
+TEST(Simulation, GravityFeedForwardLeavesNoSag) {
+  Device device;
+  Drive drive;
+  drive.stiffness = 100;
+  drive.damping = 1;
+  Simulation simulation(device, pendulum(0.5, drive));
+  for (int i = 0; i < 100; ++i) simulation.step(std::vector<double>{0.5});
+  EXPECT_NEAR(simulation.state().joint_position[0], 0.5, 1e-6);
+}
+
+TEST(Simulation, AWorldsBitsDoNotDependOnItsCompanions) {
+  Device device;
+  Scene falling = falling_box();
+  falling.solver.time_step = 0.005;
+  const std::vector<Scene> both = {falling, pendulum(0.3, {})};
+  Simulation together(device, both), alone(device, both[1]);
+  const std::vector<std::vector<double>> targets(2);
+  for (int i = 0; i < 10; ++i) {
+    together.step(targets);
+    alone.step(targets[1]);
+  }
+  EXPECT_EQ(together.state(1).rigid[1], alone.state().rigid[1]);
+}
+
+TEST(Simulation, Bdf2FallsAsTheParabolaAfterItsFirstStep) {
+  Device device;
+  Scene scene = falling_box();
+  scene.solver.integrator = SolverSettings::Integrator::bdf2;
+  Simulation simulation(device, scene);
+  // the recurrence by hand: one step of implicit Euler, then v_n = (3 x_n - 4 x_{n-1} + x_{n-2}) / (2 h), the same for
+  // g
+  const double h = 0.01, g = -9.81;
+  std::vector<double> x = {0, h * h * g}, v = {0, h * g};
+  for (int n = 2; n <= 20; ++n) {
+    const double past_x = (4 * x[n - 1] - x[n - 2]) / 3, past_v = (4 * v[n - 1] - v[n - 2]) / 3;
+    v.push_back(past_v + 2 * h / 3 * g);
+    x.push_back(past_x + 2 * h / 3 * v[n]);
+  }
+  for (int n = 1; n <= 20; ++n) {
+    simulation.step(std::vector<double>{});
+    ASSERT_NEAR(simulation.state().rigid[0](2, 3) - 1, x[n], 1e-9) << n;
+  }
+}
+
+TEST(Simulation, ACheckpointGoesOnWithTheSameBits) {
+  Device device;
+  Drive drive;
+  drive.stiffness = 20;
+  for (const auto integrator : {SolverSettings::Integrator::implicit_euler, SolverSettings::Integrator::bdf2}) {
+    Scene scene = pendulum(0.4, drive);
+    scene.solver.integrator = integrator;
+    scene.rigid_bodies.push_back(box("cube", Vec3::Constant(0.02), 1000, Vec3(0.05, 0, 0.58)));
+    RigidBody floor = box("floor", Vec3(0.5, 0.5, 0.05), 1000, Vec3(0, 0, 0.5));
+    floor.is_fixed = true;
+    scene.rigid_bodies.push_back(floor);
+    Simulation through(device, scene), resumed(device, scene);
+    const auto target = [](int i) { return std::vector<double>{0.4 * std::cos(0.3 * i)}; };
+    Checkpoint middle;
+    for (int i = 0; i < 24; ++i) {
+      through.step(target(i));
+      if (i == 11) middle = through.checkpoint();
+    }
+    resumed.restore(middle);
+    for (int i = 12; i < 24; ++i) resumed.step(target(i));
+    for (int b = 0; b < 3; ++b) EXPECT_EQ(through.state().rigid[b], resumed.state().rigid[b]);
+    EXPECT_EQ(through.state().joint_effort, resumed.state().joint_effort);
+    EXPECT_EQ(through.state().time, resumed.state().time);
+  }
+}
+
+TEST(Simulation, IntersectingBodiesAreRefusedByName) {
+  Device device;
+  Scene scene = falling_box();
+  scene.rigid_bodies.push_back(box("intruder", Vec3::Constant(0.05), 1000, Vec3(0.05, 0.02, 1.03)));
+  try {
+    Simulation simulation(device, scene);
+    FAIL() << "an intersection was accepted";
+  } catch (const UsageError& e) {
+    EXPECT_NE(std::string(e.what()).find("cube"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("intruder"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace pvg

@@ -1,0 +1,90 @@
+// Random numbers and the order of pixels: strata, bounds, independence of keys, and a bijection.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "host/device/device.hpp"
+#include "tests/render/test_scene.hpp"
+
+namespace pvg {
+namespace {
+
+const char* const text = R"(
+#include "render/tiles.cl"
+#include "shared/rng.cl"
+kernel void draw(const uint n, const uint n_samples, global float* xy) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  const uint set = i / n_samples;
+  vstore2(sample_2d(hash_u32(set / 8), i % n_samples, set % 8), i, xy);
+}
+kernel void order(const uint n, const uint width, const uint height, global uint* place) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  const uint2 pixel = tile_pixel(i, width, height);
+  place[i] = pixel.x < width && pixel.y < height ? pixel.y * width + pixel.x : 0xffffffff;
+})";
+
+std::vector<float> draw(unsigned n_sets, unsigned n_samples) {
+  Device device;
+  const unsigned n = n_sets * n_samples;
+  Buffer<float> xy(device, 2 * n, "xy");
+  Program::from_text(device, "random", text).kernel("draw")(n, n, n_samples, xy);
+  return xy.read();
+}
+
+TEST(Random, SixteenSamplesFillSixteenStrataInEachDirectionAndBoth) {
+  const unsigned n_sets = test::is_simulated() ? 16 : 512;
+  const std::vector<float> xy = draw(n_sets, 16);
+  for (unsigned set = 0; set < n_sets; ++set) {
+    unsigned columns = 0, rows = 0, cells = 0;
+    for (unsigned i = 16 * set; i < 16 * set + 16; ++i) {
+      const float x = xy[2 * i], y = xy[2 * i + 1];
+      ASSERT_TRUE(x >= 0 && x < 1 && y >= 0 && y < 1);
+      columns |= 1u << int(16 * x);
+      rows |= 1u << int(16 * y);
+      cells |= 1u << (4 * int(4 * x) + int(4 * y));
+    }
+    ASSERT_EQ(columns, 0xffffu);
+    ASSERT_EQ(rows, 0xffffu);
+    ASSERT_EQ(cells, 0xffffu);
+  }
+}
+
+// first samples of many sets: uniform, and x, y and neighbouring dimensions are not correlated
+using ManySets = test::ManyPaths;
+
+TEST_F(ManySets, AreIndependent) {
+  const unsigned n = 1 << 15;
+  const std::vector<float> xy = draw(n, 1);
+  double sum = 0, squares = 0, product = 0, next = 0;
+  for (unsigned i = 0; i + 1 < n; ++i) {
+    const double x = xy[2 * i] - 0.5, y = xy[2 * i + 1] - 0.5;
+    sum += x;
+    squares += x * x;
+    product += x * y;
+    next += x * (xy[2 * i + 2] - 0.5);
+  }
+  const double sigma = std::sqrt(double(n)) / 12;  // of a sum of n products of two uniform numbers
+  EXPECT_NEAR(sum, 0, 4 * std::sqrt(n / 12.0));
+  EXPECT_NEAR(squares / n, 1 / 12.0, 4 * std::sqrt(1 / 180.0 / n));
+  EXPECT_NEAR(product, 0, 4 * sigma);
+  EXPECT_NEAR(next, 0, 4 * sigma);
+}
+
+TEST(Tiles, EveryPixelComesOnce) {
+  Device device;
+  Kernel order = Program::from_text(device, "random", text).kernel("order");
+  for (const auto& [width, height] : {std::pair{1u, 1u}, {8u, 8u}, {320u, 180u}, {13u, 7u}, {7u, 13u}, {257u, 3u}}) {
+    Buffer<unsigned> place(device, width * height, "place");
+    order(width * height, width * height, width, height, place);
+    const std::vector<unsigned> places = place.read();
+    const std::set<unsigned> distinct(places.begin(), places.end());
+    EXPECT_EQ(distinct.size(), width * height);
+    EXPECT_EQ(*distinct.rbegin(), width * height - 1);
+  }
+}
+
+}  // namespace
+}  // namespace pvg
