@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 
 #include "host/physics/tree_order.hpp"
 
@@ -30,6 +31,14 @@ std::vector<CollisionWorld> world_rows(std::span<const ContactSettings> settings
     rows.push_back({table.first[w], table.n_bodies[w], settings[w].activation_distance, settings[w].stiffness,
                     settings[w].friction_velocity});
   return rows;
+}
+
+// [n_sites x 3, m]; NaN where no surface said
+std::vector<double> rest_of_sites(const CollisionMesh& mesh, std::size_t n_sites) {
+  std::vector<double> rest(3 * n_sites, std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < std::min(n_sites, mesh.rest.size()); ++i)
+    for (int k = 0; k < 3; ++k) rest[3 * i + k] = mesh.rest[i][k];
+  return rest;
 }
 
 // how many leaves the largest tree needs, as a power of two
@@ -129,6 +138,7 @@ BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<cons
       triangles_(device, mesh.triangles, "collision_triangles"),
       bodies_(device, 0, "collision_bodies"),
       worlds_(device, 0, "collision_worlds"),
+      rest_(device, 0, "rest_sites"),
       pair_friction_(device, 0, "pair_friction"),
       nodes_(device, 0, "tree_nodes"),
       queries_(device, 0, "queries"),
@@ -152,6 +162,7 @@ BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<cons
   const BodyPairTable table = make_body_pair_table(mesh);
   upload(bodies_, body_rows(mesh, table));
   upload(worlds_, world_rows(settings, table));
+  upload(rest_, rest_of_sites(mesh, x.size()));
   upload(pair_friction_, table.friction);
   const Trees trees = make_trees(mesh, x, table, log2_leaves_);
   upload(nodes_, trees.nodes);
@@ -179,13 +190,13 @@ void BroadPhase::refit(const Buffer<double>& x0, const Buffer<double>& x1) {
 void BroadPhase::find(const Buffer<double>& x0, const Buffer<double>& x1, WorldRows<Barrier>& pairs) {
   refit(x0, x1);
   const std::size_t n = queries_.size();
-  count_pairs_(n, u32(n), log2_leaves_, queries_, nodes_, points_, edges_, triangles_, bodies_, worlds_, pair_friction_,
-               disabled_first_, disabled_, x0, x1, counts_, kept_);
+  count_pairs_(n, u32(n), log2_leaves_, queries_, nodes_, points_, edges_, triangles_, bodies_, worlds_, rest_,
+               pair_friction_, disabled_first_, disabled_, x0, x1, counts_, kept_);
   scan_(n, counts_, offsets_);
   pairs.first = scan_.read_at(offsets_, first_query_of_world_);
   pairs.rows.resize(pairs.n());
-  fill_pairs_(n, u32(n), log2_leaves_, queries_, nodes_, points_, edges_, triangles_, bodies_, worlds_, pair_friction_,
-              disabled_first_, disabled_, x0, x1, offsets_, kept_, pairs.rows);
+  fill_pairs_(n, u32(n), log2_leaves_, queries_, nodes_, points_, edges_, triangles_, bodies_, worlds_, rest_,
+              pair_friction_, disabled_first_, disabled_, x0, x1, offsets_, kept_, pairs.rows);
 }
 
 }  // namespace pvg

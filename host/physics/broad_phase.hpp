@@ -33,6 +33,7 @@ class BroadPhase {
   Buffer<CollisionTriangle> triangles_;
   Buffer<CollisionBodyRow> bodies_;
   Buffer<CollisionWorld> worlds_;
+  Buffer<double> rest_;           // [n_sites x 3, m] in the rest shape of their body
   Buffer<double> pair_friction_;  // coefficient of each pair of bodies, or -1 where they never touch
   Buffer<TreeNode> nodes_;
   Buffer<Query> queries_;                  // by world: points, then edges in the order of their leaves

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -64,8 +65,13 @@ void add_surface(CollisionMesh& mesh, u32 body, std::span<const u32> site, std::
     }
     mesh.triangles.push_back({{site[t[0]], site[t[1]], site[t[2]]}, body});
   }
-  for (std::size_t i = 0; i < site.size(); ++i)
-    if (is_used[i]) mesh.points.push_back({site[i], body, point_area[i]});
+  for (std::size_t i = 0; i < site.size(); ++i) {
+    if (!is_used[i]) continue;
+    mesh.points.push_back({site[i], body, point_area[i]});
+    if (mesh.rest.size() <= site[i])
+      mesh.rest.resize(site[i] + 1, Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+    mesh.rest[site[i]] = rest[i];
+  }
   for (const auto& [edge, area] : edge_area)
     mesh.edges.push_back({{site[edge[0]], site[edge[1]]}, body, 0, area, (rest[edge[0]] - rest[edge[1]]).norm()});
 }

@@ -2,6 +2,8 @@
 // straight from x0 to x1. Boxes of the swept primitives, grown by half the activation distance and the body's offset,
 // are refitted bottom up; each query walks its tree from left to right, so the order of the pairs is fixed. Of two
 // boxes that meet, what is in them is measured halfway: farther apart than both can still move, it is no candidate.
+// Parts of one body that lie close together at rest do not push each other there: such a pair is activated at half the
+// gap that it has in the rest shape, however coarse or fine the mesh, and its offset is at most half its distance.
 #include "contact/distance.cl"
 #include "contact/mesh.h"
 #include "contact/tree.h"
@@ -101,7 +103,9 @@ typedef struct {
   uint primitive, is_edge, slot;
   uint site[2];                  // of the point (twice) or of the edge
   real reach;                    // activation distance and its body's offset [m]
+  real activation_distance;      // of its world [m]
   uint disabled, n_disabled;     // its run in `disabled`
+  uint body;
   global const real* may_touch;  // its body's row of the table of pairs
 } Search;
 
@@ -155,14 +159,39 @@ static bool comes_near(const Search* search, global const u32* site, const real 
   return !(pair_distance(search->is_edge, half_way).d > (reach + first + second) * 1.000001);
 }
 
+// How far from each other two primitives act.
+typedef struct {
+  real activation_distance, offset;  // [m]
+} Reach;
+
+// of two primitives of one body; site: of the pair, rest: of all sites in their bodies' rest shapes [n_sites x 3, m],
+// NaN where there is none
+static Reach reach_at_rest(const uint is_edge, const uint* site, const real activation_distance, const real offset,
+                           global const real* restrict rest) {
+  real3 x[4];
+  for (int i = 0; i < 4; ++i) x[i] = vload3(site[i], rest);
+  const real distance = pair_distance(is_edge, x).d;
+  Reach reach;
+  reach.offset = fmin(offset, 0.5 * distance);
+  reach.activation_distance = fmin(activation_distance, 0.5 * (distance - reach.offset));
+  return reach;
+}
+
 static bool may_pair(const Search* search, const uint other, global const CollisionEdge* restrict edges,
                      global const CollisionTriangle* restrict triangles, global const CollisionBodyRow* restrict bodies,
-                     global const u32* restrict disabled, global const real* restrict x0,
-                     global const real* restrict x1) {
+                     global const real* restrict rest, global const u32* restrict disabled,
+                     global const real* restrict x0, global const real* restrict x1) {
   global const u32* site = search->is_edge ? edges[other].site : triangles[other].site;
   const uint body = search->is_edge ? edges[other].body : triangles[other].body;
-  return !is_excluded(search, site, other, disabled) &&
-         comes_near(search, site, search->reach + bodies[body].offset, x0, x1);
+  if (is_excluded(search, site, other, disabled)) return false;
+  const real widest = search->reach + bodies[body].offset;
+  if (!comes_near(search, site, widest, x0, x1)) return false;
+  if (body != search->body) return true;
+  const uint pair[4] = {search->site[0], search->is_edge ? search->site[1] : site[0],
+                        search->is_edge ? site[0] : site[1], search->is_edge ? site[1] : site[2]};
+  const Reach reach = reach_at_rest(search->is_edge, pair, search->activation_distance,
+                                    widest - search->activation_distance, rest);
+  return comes_near(search, site, reach.activation_distance + reach.offset, x0, x1);
 }
 
 // What a found pair becomes.
@@ -170,7 +199,7 @@ static Barrier barrier_row(const uint is_edge, const uint first, const uint seco
                            global const CollisionPoint* restrict points, global const CollisionEdge* restrict edges,
                            global const CollisionTriangle* restrict triangles,
                            global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
-                           global const real* restrict pair_friction) {
+                           global const real* restrict rest, global const real* restrict pair_friction) {
   Barrier row;
   if (is_edge) {
     const CollisionEdge a = edges[first], b = edges[second];
@@ -193,6 +222,11 @@ static Barrier barrier_row(const uint is_edge, const uint first, const uint seco
   row.stiffness = world.stiffness;
   row.activation_distance = world.activation_distance;
   row.offset = a.offset + b.offset;
+  if (row.body[0] == row.body[1]) {
+    const Reach reach = reach_at_rest(is_edge, row.site, row.activation_distance, row.offset, rest);
+    row.activation_distance = reach.activation_distance;
+    row.offset = reach.offset;
+  }
   row.friction = pair_friction[world.first_pair + a.index * world.n_bodies + b.index];
   return row;
 }
@@ -214,6 +248,8 @@ static Search make_search(const Query query, const uint q, global const Collisio
   const Box box = grow(search.is_edge ? box_of_edge(i, edges, x0, x1) : box_of_point(i, points, x0, x1),
                        0.5 * world.activation_distance + bodies[body].offset);
   search.limit = (float8)(box.high, -box.low, INFINITY, INFINITY);
+  search.body = body;
+  search.activation_distance = world.activation_distance;
   search.reach = world.activation_distance + bodies[body].offset;
   search.may_touch = pair_friction + world.first_pair + bodies[body].index * world.n_bodies;
   search.disabled = disabled_first[q];
@@ -230,15 +266,16 @@ typedef struct {
 
 static uint next_partner(const Search* search, Walk* walk, global const TreeNode* tree, const uint log2_leaves,
                          global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
-                         global const CollisionBodyRow* restrict bodies, global const u32* restrict disabled,
-                         global const real* restrict x0, global const real* restrict x1) {
+                         global const CollisionBodyRow* restrict bodies, global const real* restrict rest,
+                         global const u32* restrict disabled, global const real* restrict x0,
+                         global const real* restrict x1) {
   const uint n_leaves = 1u << log2_leaves;
   // every turn takes one node off for good, and no node is put on twice
   while (walk->n > 0) {
     const uint k = walk->stack[--walk->n];
     if (k >= n_leaves) {
       const uint other = tree[k].primitive;
-      if (may_pair(search, other, edges, triangles, bodies, disabled, x0, x1)) return other;
+      if (may_pair(search, other, edges, triangles, bodies, rest, disabled, x0, x1)) return other;
       continue;
     }
     if (is_worth(search, tree, 2 * k + 1, log2_leaves)) walk->stack[walk->n++] = 2 * k + 1;
@@ -257,8 +294,8 @@ kernel void count_pairs(const uint n, const uint log2_leaves, global const Query
                         global const TreeNode* restrict nodes, global const CollisionPoint* restrict points,
                         global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
                         global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
-                        global const real* restrict pair_friction, global const u32* restrict disabled_first,
-                        global const u32* restrict disabled, global const real* restrict x0,
+                        global const real* restrict rest, global const real* restrict pair_friction,
+                        global const u32* restrict disabled_first, global const u32* restrict disabled, global const real* restrict x0,
                         global const real* restrict x1, global u32* restrict counts, global u32* restrict kept) {
   const uint q = get_global_id(0);
   if (q >= n) return;
@@ -268,7 +305,7 @@ kernel void count_pairs(const uint n, const uint log2_leaves, global const Query
   Walk walk;
   begin_walk(&walk, &search, tree, log2_leaves);
   uint count = 0, other;
-  while ((other = next_partner(&search, &walk, tree, log2_leaves, edges, triangles, bodies, disabled, x0, x1)) !=
+  while ((other = next_partner(&search, &walk, tree, log2_leaves, edges, triangles, bodies, rest, disabled, x0, x1)) !=
          NOTHING) {
     if (count < N_KEPT) kept[q * N_KEPT + count] = other;
     ++count;
@@ -281,8 +318,8 @@ kernel void fill_pairs(const uint n, const uint log2_leaves, global const Query*
                        global const TreeNode* restrict nodes, global const CollisionPoint* restrict points,
                        global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
                        global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
-                       global const real* restrict pair_friction, global const u32* restrict disabled_first,
-                       global const u32* restrict disabled, global const real* restrict x0,
+                       global const real* restrict rest, global const real* restrict pair_friction,
+                       global const u32* restrict disabled_first, global const u32* restrict disabled, global const real* restrict x0,
                        global const real* restrict x1, global const u32* restrict offsets,
                        global const u32* restrict kept, global Barrier* restrict rows) {
   const uint q = get_global_id(0);
@@ -294,7 +331,7 @@ kernel void fill_pairs(const uint n, const uint log2_leaves, global const Query*
   if (count <= N_KEPT) {
     for (uint k = 0; k < count; ++k)
       rows[first + k] = barrier_row(is_edge, primitive, kept[q * N_KEPT + k], points, edges, triangles, bodies, worlds,
-                                    pair_friction);
+                                    rest, pair_friction);
     return;
   }
   const Search search = make_search(query, q, points, edges, bodies, worlds, pair_friction, disabled_first, x0, x1);
@@ -303,6 +340,6 @@ kernel void fill_pairs(const uint n, const uint log2_leaves, global const Query*
   begin_walk(&walk, &search, tree, log2_leaves);
   for (uint k = 0; k < count; ++k)
     rows[first + k] = barrier_row(
-        is_edge, primitive, next_partner(&search, &walk, tree, log2_leaves, edges, triangles, bodies, disabled, x0, x1),
-        points, edges, triangles, bodies, worlds, pair_friction);
+        is_edge, primitive, next_partner(&search, &walk, tree, log2_leaves, edges, triangles, bodies, rest, disabled, x0, x1),
+        points, edges, triangles, bodies, worlds, rest, pair_friction);
 }

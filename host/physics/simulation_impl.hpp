@@ -1,0 +1,63 @@
+// What a simulation keeps. Its work is in three files: simulation.cpp (set-up and interface), simulation_step.cpp (one
+// step: Newton's method on the incremental potential) and simulation_state.cpp (what goes in and what is read out).
+#pragma once
+#include <utility>
+
+#include "host/physics/conjugate_gradients.hpp"
+#include "host/physics/joint.hpp"
+#include "host/physics/potential.hpp"
+#include "host/physics/simulation.hpp"
+#include "host/physics/time_integration.hpp"
+
+namespace pvg {
+
+struct Simulation::Impl {
+  Impl(Device& device, std::span<const Scene> worlds);
+
+  // one step of length h toward `targets`, from `previous` targets; throws StepFailure with x, v as they were before
+  void advance(double h, const std::vector<std::vector<double>>& previous,
+               const std::vector<std::vector<double>>& targets);
+  // the same, halving where it fails
+  void advance_or_halve(double h, const std::vector<std::vector<double>>& previous,
+                        const std::vector<std::vector<double>>& targets, int halvings_left);
+
+  void refuse_start_conflicts();
+  void set_drives(const std::vector<std::vector<double>>& previous, const std::vector<std::vector<double>>& targets);
+  void move_to_first_guess(double h);
+  void move(const std::vector<double>& length);  // trial = x + length dx, per world
+  // Newton; true where the first correction was within the tolerance already
+  bool minimize(double h);
+  std::vector<double> find_direction();  // dx, and the largest speed of a point per world, times h [m]
+  void line_search(const std::vector<double>& certified);
+  void read_state(double h);
+  void read_joints(double h);
+
+  double h() const { return system.scenes[0].solver.time_step; }
+  const SolverSettings& solver() const { return system.scenes[0].solver; }
+
+  Device& device;
+  System system;
+  Potential potential;
+  Program nodes_program;
+  Kernel move_along;
+  Buffer<u32> node_world;
+  Buffer<f64> dx, gradient, step, largest;
+  TimeIntegrator integrator;
+  Positions x, start, predicted, trial;
+  ContactSet contacts;
+  ConjugateGradients cg;
+  WorldReduce reduce;
+  WorldChunks speed_chunks;
+  Positions direction;
+
+  std::vector<std::vector<Carried>> carried;                  // [n_worlds][n_joints]
+  std::vector<std::vector<std::vector<double>>> soft_masses;  // [n_worlds][n_soft][n_nodes, kg]
+  std::vector<std::vector<double>> feed_forward;              // [n_worlds][n_joints], of this step
+  std::vector<std::vector<double>> target, target_change;     // [n_worlds][n_joints]
+  std::vector<std::vector<double>> last_targets;              // as given to step
+  std::vector<char> is_active;                                // worlds that have not converged in this step
+  std::vector<WorldState> states;
+  std::vector<StepReport> reports;
+};
+
+}  // namespace pvg

@@ -1,0 +1,89 @@
+#include "host/physics/simulation_impl.hpp"
+
+namespace pvg {
+
+void Simulation::Impl::set_drives(const std::vector<std::vector<double>>& previous,
+                                  const std::vector<std::vector<double>>& targets) {
+  for (std::size_t w = 0; w < system.n_worlds(); ++w) {
+    const Scene& scene = system.scenes[w];
+    std::size_t driven = 0;
+    for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+      const Joint& joint = scene.joints[j];
+      if (!(joint.drive.stiffness > 0 || joint.drive.damping > 0)) continue;
+      target[w][j] = targets[w][driven];
+      target_change[w][j] = targets[w][driven] - previous[w][driven];
+      ++driven;
+      feed_forward[w][j] = joint.drive.compensates_gravity
+                               ? gravity_feed_forward(scene, joint, carried[w][j], states[w], soft_masses[w])
+                               : 0;
+      const auto fill = [&](auto& row) {
+        row.target = target[w][j];
+        row.target_change = target_change[w][j];
+        row.feed_forward = feed_forward[w][j];
+      };
+      if (const int row = system.revolute_row[w][j]; row >= 0) {
+        fill(system.revolute_drive.rows[row]);
+        system.revolute_drive.rows[row].angle0 = states[w].joint_position[j];
+      }
+      if (const int row = system.prismatic_row[w][j]; row >= 0) fill(system.prismatic_drive.rows[row]);
+    }
+  }
+  potential.set_drives(system.revolute_drive.rows, system.prismatic_drive.rows);
+}
+void Simulation::Impl::read_joints(double h) {
+  for (std::size_t w = 0; w < system.n_worlds(); ++w) {
+    WorldState& state = states[w];
+    for (std::size_t j = 0; j < system.scenes[w].joints.size(); ++j) {
+      const Joint& joint = system.scenes[w].joints[j];
+      double q = joint_coordinate(joint, state.rigid[joint.parent], state.rigid[joint.child]);
+      if (joint.type == Joint::Type::revolute) q = unwrap_angle(q, state.joint_position[j]);
+      if (h > 0 && (joint.drive.stiffness > 0 || joint.drive.damping > 0))
+        state.joint_effort[j] = drive_effort(joint.drive, state.joint_position[j], q, target[w][j], target_change[w][j],
+                                             feed_forward[w][j], h);
+      state.joint_position[j] = q;
+    }
+  }
+}
+
+void Simulation::Impl::read_state(double h) {
+  const std::vector<double> nodes = x.node.read();
+  for (std::size_t w = 0; w < system.n_worlds(); ++w) {
+    WorldState& state = states[w];
+    const Scene& scene = system.scenes[w];
+    state.time += h;
+    state.rigid.resize(scene.rigid_bodies.size());
+    for (std::size_t b = 0; b < state.rigid.size(); ++b) {
+      const double* node = &nodes[3 * system.rigid_first_node[w][b]];
+      for (int k = 0; k < 4; ++k) state.rigid[b].col((k + 3) % 4) = Eigen::Map<const Vec3>(node + 3 * k);
+    }
+    state.soft.resize(scene.soft_bodies.size());
+    for (std::size_t b = 0; b < state.soft.size(); ++b) {
+      state.soft[b].resize(scene.soft_bodies[b].mesh.points.size());
+      for (std::size_t i = 0; i < state.soft[b].size(); ++i)
+        state.soft[b][i] = Eigen::Map<const Vec3>(&nodes[3 * (system.soft_first_node[w][b] + i)]);
+    }
+    state.cloth.resize(scene.cloths.size());
+    for (std::size_t b = 0; b < state.cloth.size(); ++b) {
+      state.cloth[b].resize(scene.cloths[b].mesh.points.size());
+      for (std::size_t i = 0; i < state.cloth[b].size(); ++i)
+        state.cloth[b][i] = Eigen::Map<const Vec3>(&nodes[3 * (system.cloth_first_node[w][b] + i)]);
+    }
+  }
+  read_joints(h);
+  if (h == 0) return;
+  contacts.find_contacts(x.site);
+  std::vector<std::vector<ContactForce>> forces = contacts.forces(x.site, start.site, h);
+  const std::vector<double> gap = contacts.min_gap(x.site);
+  u32 first_body = 0;
+  for (std::size_t w = 0; w < system.n_worlds(); ++w) {
+    for (ContactForce& force : forces[w]) {
+      force.first -= int(first_body);
+      force.second -= int(first_body);
+    }
+    states[w].contacts = std::move(forces[w]);
+    reports[w].contacts = int(states[w].contacts.size());
+    reports[w].min_gap = gap[w];
+    first_body += u32(n_bodies(system.scenes[w]));
+  }
+}
+}  // namespace pvg

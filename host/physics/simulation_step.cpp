@@ -1,0 +1,151 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host/physics/extrapolation.hpp"
+#include "host/physics/simulation_impl.hpp"
+
+namespace pvg {
+namespace {
+
+constexpr int MAX_LINE_SEARCH = 40;  // halvings of one Newton step
+constexpr int MAX_LAG_PASSES = 50;   // renewals of the lagged normal forces, where they are to converge
+
+}  // namespace
+
+// From the start of the step to where the velocities lead, as far as no contact is in the way.
+void Simulation::Impl::move_to_first_guess(double h) {
+  dx.write(extrapolated_motion(system, x.node.read(), integrator.velocity().read(), h));
+  move(std::vector<double>(is_active.size(), 1.0));
+  contacts.find_candidates(x.site, trial.site);
+  std::vector<double> certified = contacts.largest_step(x.site, trial.site);
+  // a guess that ends just short of touching would start Newton where the barrier is steepest
+  for (double& length : certified)
+    if (length < 1) length *= 0.5;
+  move(certified);
+  std::swap(x, trial);
+}
+
+// trial = x + length dx, per world
+void Simulation::Impl::move(const std::vector<double>& length) {
+  step.write(length);
+  const u32 n = u32(system.n_nodes());
+  move_along(n, n, node_world, step, x.node, dx, trial.node);
+  potential.update_sites(trial);
+}
+
+std::vector<double> Simulation::Impl::find_direction() {
+  contacts.find_contacts(x.site);
+  potential.differentiate(x, contacts.contacts(), gradient);
+  potential.factorize(is_active);
+  const CgReport report =
+      cg.solve([&](const Buffer<f64>& p, Buffer<f64>& out) { potential.product(p, out); }, potential.preconditioner(),
+               gradient, is_active, solver().cg_tolerance, solver().max_cg, dx);
+  for (std::size_t w = 0; w < reports.size(); ++w) {
+    reports[w].cg += report.iterations[w];
+    reports[w].newton += is_active[w];
+    if (is_active[w] && !report.has_converged[w])
+      throw StepFailure("conjugate gradients did not converge within " + std::to_string(solver().max_cg) +
+                        " iterations in scene " + system.scenes[w].name);
+  }
+  direction.node.copy_from(dx);
+  potential.update_sites(direction);
+  reduce.largest_length(speed_chunks, direction.site, largest);
+  return largest.read();
+}
+
+// Halves each world's step until its energy does not rise. Contact was certified by `certified`, so no pair touches.
+void Simulation::Impl::line_search(const std::vector<double>& certified) {
+  const std::vector<double> before = potential.energy(x, contacts.candidates());
+  std::vector<double> length = certified;
+  for (int halving = 0; halving < MAX_LINE_SEARCH; ++halving) {
+    move(length);
+    const std::vector<double> after = potential.energy(trial, contacts.candidates());
+    bool all_fell = true;
+    for (std::size_t w = 0; w < length.size(); ++w) {
+      // a rise within rounding counts as none
+      const bool fell = after[w] <= before[w] + 1e-12 * std::abs(before[w]);
+      if (fell) continue;
+      all_fell = false;
+      length[w] /= 2;
+    }
+    if (all_fell) {
+      std::swap(x, trial);
+      return;
+    }
+  }
+  for (std::size_t w = 0; w < length.size(); ++w)
+    if (length[w] < certified[w] * std::ldexp(1.0, 1 - MAX_LINE_SEARCH))
+      throw StepFailure("the line search found no decrease of the energy in scene " + system.scenes[w].name);
+}
+
+bool Simulation::Impl::minimize(double h) {
+  std::fill(is_active.begin(), is_active.end(), true);
+  contacts.find_candidates(x.site, x.site);
+  for (int iteration = 0; iteration < solver().max_newton; ++iteration) {
+    const std::vector<double> largest_move = find_direction();
+    move(std::vector<double>(is_active.size(), 1.0));
+    contacts.find_candidates(x.site, trial.site);
+    const std::vector<double> certified = contacts.largest_step(x.site, trial.site);
+    line_search(certified);
+    for (std::size_t w = 0; w < is_active.size(); ++w) {
+      if (!is_active[w]) continue;
+      reports[w].residual = largest_move[w] / h;
+      if (!std::isfinite(largest_move[w]))
+        throw StepFailure("a position of scene " + system.scenes[w].name + " is not finite");
+      if (reports[w].residual <= system.scenes[w].solver.velocity_tolerance) is_active[w] = false;
+    }
+    if (std::none_of(is_active.begin(), is_active.end(), [](char a) { return a; })) return iteration == 0;
+  }
+  for (std::size_t w = 0; w < is_active.size(); ++w)
+    if (is_active[w])
+      throw StepFailure("Newton's method did not converge within " + std::to_string(solver().max_newton) +
+                        " iterations in scene " + system.scenes[w].name + ": the last correction moved a point at " +
+                        std::to_string(reports[w].residual) + " m/s");
+  return false;
+}
+
+void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>& previous,
+                               const std::vector<std::vector<double>>& targets) {
+  start.node.copy_from(x.node);
+  potential.update_sites(start);
+  const double inertia_h = integrator.predict(start.node, h, solver().integrator, predicted.node);
+  potential.update_sites(predicted);
+  potential.begin_step(start, predicted, h, inertia_h);
+  set_drives(previous, targets);
+  try {
+    const int wanted = system.scenes[0].contact.friction_lag_passes;
+    for (int pass = 0; pass < (wanted < 0 ? MAX_LAG_PASSES : std::max(1, wanted)); ++pass) {
+      contacts.find_candidates(x.site, x.site);
+      contacts.find_contacts(x.site);
+      contacts.lag_friction(x.site);
+      potential.set_friction(contacts.friction());
+      if (pass == 0) move_to_first_guess(h);
+      const bool was_there = minimize(h);
+      if (wanted < 0 && pass > 0 && was_there) break;
+    }
+  } catch (const StepFailure&) {
+    x.node.copy_from(start.node);
+    potential.update_sites(x);
+    throw;
+  }
+  integrator.accept(start.node, x.node);
+  read_state(h);
+}
+
+void Simulation::Impl::advance_or_halve(double h, const std::vector<std::vector<double>>& previous,
+                                        const std::vector<std::vector<double>>& targets, int halvings_left) {
+  try {
+    advance(h, previous, targets);
+  } catch (const StepFailure& failure) {
+    if (halvings_left == 0)
+      throw StepFailure(std::string(failure.what()) + ", at " + std::to_string(states[0].time) + " s");
+    for (StepReport& report : reports) ++report.retries;
+    std::vector<std::vector<double>> middle = targets;
+    for (std::size_t w = 0; w < middle.size(); ++w)
+      for (std::size_t j = 0; j < middle[w].size(); ++j) middle[w][j] = 0.5 * (previous[w][j] + targets[w][j]);
+    advance_or_halve(h / 2, previous, middle, halvings_left - 1);
+    advance_or_halve(h / 2, middle, targets, halvings_left - 1);
+  }
+}
+}  // namespace pvg
