@@ -104,16 +104,28 @@ struct Corners {
   u32 body;
 };
 
-// Their gap beyond the offsets at time t of the motion [m].
-double gap(const Soup& soup, const Corners<1>& p, const Corners<3>& q, double t) {
-  const auto at = [&](u32 site) -> Vec3 { return (1 - t) * soup.x0[site] + t * soup.x1[site]; };
-  return point_triangle_distance(at(p.site[0]), at(q.site[0]), at(q.site[1]), at(q.site[2])) -
-         soup.mesh.bodies[p.body].offset - soup.mesh.bodies[q.body].offset;
+template <class At>
+double distance(const At& at, const Corners<1>& p, const Corners<3>& q) {
+  return point_triangle_distance(at(p.site[0]), at(q.site[0]), at(q.site[1]), at(q.site[2]));
 }
-double gap(const Soup& soup, const Corners<2>& p, const Corners<2>& q, double t) {
-  const auto at = [&](u32 site) -> Vec3 { return (1 - t) * soup.x0[site] + t * soup.x1[site]; };
-  return edge_edge_distance(at(p.site[0]), at(p.site[1]), at(q.site[0]), at(q.site[1])) -
-         soup.mesh.bodies[p.body].offset - soup.mesh.bodies[q.body].offset;
+template <class At>
+double distance(const At& at, const Corners<2>& p, const Corners<2>& q) {
+  return edge_edge_distance(at(p.site[0]), at(p.site[1]), at(q.site[0]), at(q.site[1]));
+}
+
+// What is left of their distance at time t of the motion before they act on each other [m]: within one body, whose rest
+// shape is x0 here, from half the gap at rest on, with an offset of at most half the distance at rest.
+template <std::size_t N, std::size_t M>
+double inactive_gap(const Soup& soup, const Corners<N>& p, const Corners<M>& q, double t) {
+  const auto moved = [&](u32 site) -> Vec3 { return (1 - t) * soup.x0[site] + t * soup.x1[site]; };
+  const auto at_rest = [&](u32 site) -> Vec3 { return soup.x0[site]; };
+  double offset = soup.mesh.bodies[p.body].offset + soup.mesh.bodies[q.body].offset, activation = ACTIVATION;
+  if (p.body == q.body) {
+    const double rest = distance(at_rest, p, q);
+    offset = std::min(offset, rest / 2);
+    activation = std::min(activation, (rest - offset) / 2);
+  }
+  return distance(moved, p, q) - offset - activation;
 }
 
 // the longest way of a corner [m]
@@ -129,9 +141,9 @@ double way(const Soup& soup, const Corners<N>& corners) {
 enum class Which { must, may };
 template <std::size_t N, std::size_t M>
 bool comes_near(const Soup& soup, const Corners<N>& p, const Corners<M>& q, Which which) {
-  if (which == Which::may) return gap(soup, p, q, 0.5) < ACTIVATION + way(soup, p) + way(soup, q);
+  if (which == Which::may) return inactive_gap(soup, p, q, 0.5) < way(soup, p) + way(soup, q);
   for (int i = 0; i <= 16; ++i)
-    if (gap(soup, p, q, i / 16.0) < ACTIVATION - 1e-12) return true;
+    if (inactive_gap(soup, p, q, i / 16.0) < -1e-12) return true;
   return false;
 }
 
@@ -251,9 +263,12 @@ TEST(BroadPhase, RowsCarryAreaOffsetFrictionAndMollifier) {
   const CollisionMesh& mesh = soup.mesh;
   for (const Barrier& row : find(device, soup).rows.read()) {
     const u32 a = row.body[0], b = row.body[1];
-    ASSERT_NEAR(row.offset, mesh.bodies[a].offset + mesh.bodies[b].offset, 1e-18);
+    // the test of all pairs proves where parts of one body act
+    if (a != b) {
+      ASSERT_NEAR(row.offset, mesh.bodies[a].offset + mesh.bodies[b].offset, 1e-18);
+      ASSERT_EQ(row.activation_distance, ACTIVATION);
+    }
     ASSERT_NEAR(row.friction, std::sqrt(0.1 * (a + 1) * 0.1 * (b + 1)), 1e-15);
-    ASSERT_EQ(row.activation_distance, ACTIVATION);
     const auto edge = [&](u32 p, u32 q) {
       return *std::find_if(mesh.edges.begin(), mesh.edges.end(),
                            [&](const CollisionEdge& e) { return e.site[0] == p && e.site[1] == q; });

@@ -81,6 +81,45 @@ TEST(ContactSet, CubeOnTheTableTouchesWithItsLowerFace) {
   EXPECT_NEAR(trial.contact.min_gap(x)[0], 5e-4, 1e-15);
 }
 
+// A soft strip of two layers of triangles, 0.4 mm apart and with sides of 0.6 mm: closer than the activation distance
+// of 1 mm everywhere. `squeeze` brings the layers together.
+Bodies thin_soft_block(double squeeze) {
+  Bodies bodies;
+  add_box(bodies, {.collides_with_itself = true}, Vec3::Zero(), Vec3(6e-4, 6e-4, 4e-4));
+  for (Vec3& p : bodies.x) p[2] *= 1 - squeeze;
+  return bodies;
+}
+
+TEST(ContactSet, BodyAtRestDoesNotPushItselfApartHoweverSmall) {
+  for (const double offset : {0.0, 1e-3}) {
+    Bodies bodies = thin_soft_block(0);
+    bodies.mesh.bodies[0].offset = offset;
+    Trial trial(bodies);
+    const Buffer<double> x = trial.upload(bodies.x);
+    trial.contact.find_candidates(x, x);
+    trial.contact.find_contacts(x);
+    EXPECT_EQ(trial.contact.contacts().n(), 0u);
+    EXPECT_FALSE(trial.contact.find_start_conflict(bodies.x).has_value());
+  }
+}
+
+TEST(ContactSet, BodySqueezedBelowHalfItsRestGapPushesBack) {
+  Trial trial(thin_soft_block(0));
+  const std::vector<Vec3> squeezed = thin_soft_block(0.6).x, flat_block = thin_soft_block(1.1).x;
+  const Buffer<double> x = trial.upload(squeezed);
+  trial.contact.find_candidates(x, x);
+  trial.contact.find_contacts(x);
+  ASSERT_GT(trial.contact.contacts().n(), 0u);
+  double widest = 0;
+  for (const Barrier& row : trial.contact.contacts().rows.read()) widest = std::max(widest, row.activation_distance);
+  EXPECT_NEAR(widest, 2e-4, 1e-12);  // half of the 0.4 mm between the layers
+  // and it cannot be pushed through itself
+  const Buffer<double> through = trial.upload(flat_block);
+  const Buffer<double> rest = trial.upload(trial.bodies.x);
+  trial.contact.find_candidates(rest, through);
+  EXPECT_LT(trial.contact.largest_step(rest, through)[0], 1 / 1.1);
+}
+
 TEST(ContactSet, FarBodiesHaveNoCandidatesAndMayGoAnywhere) {
   Trial trial(cube_on_table(0.1));
   const Buffer<double> x0 = trial.upload(trial.bodies.x);
