@@ -19,6 +19,7 @@ const std::vector<ValidationCase>& validation_cases() {
       {"rib", "a thin rib, one layer of elements, bent", validate_rib, true},
       {"elastica", "a beam bent far by a load at its tip", validate_elastica, false},
       {"cantilever", "a beam bent far by its own weight", validate_cantilever, false},
+      {"finger", "a fin-ray finger pressed on its pad: its mesh against a finer one", validate_finger, false},
       {"stack", "ten boxes on each other, the heaviest on top", validate_stack, false},
       {"arch", "a round arch of 25 blocks", validate_arch, false},
       {"card_house", "seven cards", validate_card_house, false},

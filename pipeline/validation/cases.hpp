@@ -23,6 +23,9 @@ void validate_rib(Validation& v);
 void validate_elastica(Validation& v);
 void validate_cantilever(Validation& v);
 
+// finger.cpp
+void validate_finger(Validation& v);
+
 // structures.cpp
 void validate_stack(Validation& v);
 void validate_arch(Validation& v);

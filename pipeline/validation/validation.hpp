@@ -33,6 +33,7 @@ class Validation {
       : device(device), is_quick(is_quick), scenes_(std::move(scenes)), stop_(stop) {}
 
   SceneRun load(const std::string& scene) const;  // data/validation/<scene>.yaml
+  std::filesystem::path data_file(const std::string& path) const { return scenes_ / ".." / path; }  // data/<path>
 
   // Runs to its end. observe: called after each step; false ends the run. Throws TryAgain once a stop is asked for.
   using Observe = std::function<bool(const WorldState&, const StepReport&)>;
