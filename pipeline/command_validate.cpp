@@ -79,6 +79,7 @@ std::vector<ValidationRow> run_case(const ValidationCase& each, Validation& vali
     std::fprintf(stderr, "phyvisgen: case %s: %s\n", each.name.c_str(), failure.what());
     validation.check_true("runs to its end", false, failure.what());
   }
+  validation.add_step_rows();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   for (ValidationRow& row : validation.rows) {
     row.case_name = each.name;

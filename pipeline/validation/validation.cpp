@@ -10,12 +10,28 @@ SceneRun Validation::load(const std::string& scene) const { return load_scene_ru
 
 void Validation::run(const SceneRun& run, const Observe& observe) const {
   Simulation simulation(device, run.scene);
+  const StepCheck check(run.scene);
   const std::size_t n = run.n_steps();
   for (std::size_t step = 1; step <= n; ++step) {
-    if (stop_) throw TryAgain("stopped before all cases were done");
+    stop_if_asked();
     const StepReport report = simulation.step(run.targets_at(double(step) * run.scene.solver.time_step));
+    check.look(simulation.state(), report, counts);
     if (!observe(simulation.state(), report)) return;
   }
+}
+
+void Validation::stop_if_asked() const {
+  if (stop_) throw TryAgain("stopped before all cases were done");
+}
+
+void Validation::add_step_rows() {
+  const std::string steps = std::to_string(counts.steps) + " steps";
+  const std::string first = counts.first_fault.empty() ? "" : "; first: " + counts.first_fault;
+  if (counts.has_contact)
+    check("intersections", "steps", 0, counts.intersecting, 0, "exact test at each of " + steps + first);
+  if (counts.has_solids) check("inverted tetrahedra", "1", 0, counts.inverted, 0, "at each of " + steps + first);
+  if (counts.steps > 0) check("steps not converged", "steps", 0, counts.unconverged, 0, "of " + steps + first);
+  counts = {};
 }
 
 void Validation::check(const std::string& quantity, const std::string& unit, double expected, double measured,

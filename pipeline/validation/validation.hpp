@@ -11,6 +11,7 @@
 #include "host/physics/simulation.hpp"
 #include "host/scene/scene_file.hpp"
 #include "pipeline/validation/plot.hpp"
+#include "pipeline/validation/step_check.hpp"
 
 namespace pvg {
 
@@ -35,7 +36,8 @@ class Validation {
   SceneRun load(const std::string& scene) const;  // data/validation/<scene>.yaml
   std::filesystem::path data_file(const std::string& path) const { return scenes_ / ".." / path; }  // data/<path>
 
-  // Runs to its end. observe: called after each step; false ends the run. Throws TryAgain once a stop is asked for.
+  // Runs to its end. observe: called after each step; false ends the run. Every step is looked at as StepCheck does.
+  // Throws TryAgain once a stop is asked for.
   using Observe = std::function<bool(const WorldState&, const StepReport&)>;
   void run(const SceneRun& scene, const Observe& observe) const;
 
@@ -52,10 +54,15 @@ class Validation {
               const std::string& source);
   void plot(Plot plot) { plots.push_back(std::move(plot)); }
 
+  // The rows of what all steps since the last call must have kept; the command asks for them after each case.
+  void add_step_rows();
+  void stop_if_asked() const;  // throws TryAgain; for cases that run a Simulation of their own
+
   Device& device;
   const bool is_quick;  // only what is done in seconds
   std::vector<ValidationRow> rows;
   std::vector<Plot> plots;
+  mutable StepCounts counts;  // of all runs of the case
 
  private:
   std::filesystem::path scenes_;
