@@ -38,8 +38,8 @@ std::vector<ValidationCase> chosen_cases(const ValidateOptions& options) {
   return chosen;
 }
 
-void print_list() {
-  for (const ValidationCase& each : validation_cases())
+void print_list(const std::vector<ValidationCase>& cases) {
+  for (const ValidationCase& each : cases)
     std::printf("%-18s %s%s\n", each.name.c_str(), each.what.c_str(), each.is_quick ? "" : " (not with --quick)");
 }
 
@@ -91,8 +91,8 @@ std::vector<ValidationRow> run_case(const ValidationCase& each, Validation& vali
 }  // namespace
 
 void run_validate(const ValidateOptions& options) {
-  if (options.lists) return print_list();
   const std::vector<ValidationCase> cases = chosen_cases(options);
+  if (options.lists) return print_list(cases);
   const std::atomic<bool>& stop = stop_on_signals();
   if (!options.plots.empty()) make_writable_folder(options.plots);
   Device device(options.device);

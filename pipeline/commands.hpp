@@ -46,7 +46,7 @@ struct ValidateOptions {
   std::string scenes, plots;       // folders; empty: data/validation, no plots
   std::string device;
   bool is_quick = false, as_json = false;
-  bool lists = false;  // print the names of the cases and nothing else
+  bool lists = false;  // print the names of the chosen cases and nothing else
 };
 
 // phyvisgen validate: the validation cases. A Failure if a number that must hold does not.

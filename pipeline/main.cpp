@@ -69,7 +69,7 @@ void add_validate(CLI::App& program, pvg::ValidateOptions& o) {
   command->add_option("--scenes", o.scenes, "Folder of the cases' scene files");
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
   command->add_flag("--quick", o.is_quick, "Only what is done within 3 minutes");
-  command->add_flag("--list", o.lists, "Print the names of the cases and end");
+  command->add_flag("--list", o.lists, "Print the names of the chosen cases and end");
   command->add_flag("--json", o.as_json, "Print JSON");
   command->footer(
       "Exit codes: 0 all that must hold does, 1 something does not, 2 wrong use.\n"
