@@ -21,7 +21,7 @@ std::vector<u32> first_of_world(const CollisionMesh& mesh, const std::vector<Pri
 std::vector<CollisionBodyRow> body_rows(const CollisionMesh& mesh, const BodyPairTable& table) {
   std::vector<CollisionBodyRow> rows;
   for (std::size_t i = 0; i < mesh.bodies.size(); ++i)
-    rows.push_back({mesh.bodies[i].world, table.index[i], mesh.bodies[i].offset});
+    rows.push_back({mesh.bodies[i].world, table.index[i], mesh.bodies[i].offset, mesh.bodies[i].is_half_space, {}});
   return rows;
 }
 

@@ -8,7 +8,7 @@ namespace pvg {
 // What time integration keeps of the past.  [n_nodes x 3]
 struct MotionHistory {
   std::vector<double> velocity, position_before, velocity_before;  // [m/s], [m], [m/s]
-  double length_before = 0;                                        // of the step before [s]; 0: none
+  std::vector<double> length_before;                               // [n_worlds] of the step before [s]; 0: none
 };
 
 struct Checkpoint {

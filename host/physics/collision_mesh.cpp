@@ -198,7 +198,8 @@ std::optional<StartConflict> find_surface_intersection(const CollisionMesh& mesh
     const WorldSurface surface = surface_of_world(mesh, world);
     const auto is_excluded = [&](u32 edge, u32 triangle) {
       const u32 e = surface.first_edge + edge, t = surface.first_triangle + triangle;
-      return table(mesh, mesh.edges[e].body, mesh.triangles[t].body) < 0 || disabled.contains({e, t});
+      const u32 body = mesh.triangles[t].body;
+      return mesh.bodies[body].is_half_space || table(mesh, mesh.edges[e].body, body) < 0 || disabled.contains({e, t});
     };
     if (const auto pair = find_intersection(x, surface.edges, surface.triangles, is_excluded)) {
       const CollisionEdge& edge = mesh.edges[surface.first_edge + pair->edge];

@@ -14,9 +14,10 @@ namespace pvg {
 struct CollisionBody {
   u32 world = 0;
   bool collides_with_itself = false;  // soft bodies; a rigid one never does
-  bool is_fixed = false;              // two fixed bodies never collide
+  bool is_fixed = false;              // or moves as told: two of these never collide
   double offset = 0;                  // contact acts this far outside the surface [m]
   double friction = 0.5;              // coefficient; a pair's is the geometric mean unless `pair_friction` says
+  bool is_half_space = false;         // its one triangle stands for the whole plane and what is below it
 };
 
 struct BodyPairFriction {

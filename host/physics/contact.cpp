@@ -181,8 +181,9 @@ std::optional<StartConflict> ContactSet::find_start_conflict(std::span<const Vec
   for (std::size_t i = 0; i < gaps.size(); ++i)
     if (!(gaps[i] > 0)) {
       const Barrier row = impl.candidates.rows.read(i, 1).front();
-      const u32 second = row.kind == POINT_TRIANGLE ? row.site[1] : row.site[2];
-      return StartConflict{row.world, row.body[0], row.body[1], row.site[0], second, false, gaps[i]};
+      const u32 second = row.kind == EDGE_EDGE ? row.site[2] : row.site[1];
+      const bool is_below = row.kind == POINT_PLANE && !(gaps[i] > -row.offset);
+      return StartConflict{row.world, row.body[0], row.body[1], row.site[0], second, is_below, gaps[i]};
     }
   return std::nullopt;
 }

@@ -40,26 +40,60 @@ PrismaticDrive offset_row(System& system, std::size_t world, const Joint& joint,
   return row;
 }
 
-int add_revolute_drive(System& system, std::size_t world, const Joint& joint, const Mat3& triad) {
-  RevoluteDrive row{};
+// directions n and b of parent and child
+void set_revolute_sites(System& system, std::size_t world, const Joint& joint, const Mat3& triad, u32 site[4]) {
   for (int k = 0; k < 2; ++k) {
-    row.site[k] = add_direction_site(system, world, joint.parent, joint.parent_frame.linear() * triad.col(k));
-    row.site[2 + k] = add_direction_site(system, world, joint.child, joint.child_frame.linear() * triad.col(k));
+    site[k] = add_direction_site(system, world, joint.parent, joint.parent_frame.linear() * triad.col(k));
+    site[2 + k] = add_direction_site(system, world, joint.child, joint.child_frame.linear() * triad.col(k));
   }
-  row.stiffness = joint.drive.stiffness;
-  row.damping = joint.drive.damping;
-  row.effort_limit = joint.drive.effort_limit;
-  system.revolute_drive.rows.push_back(row);
-  return int(system.revolute_drive.rows.size()) - 1;
 }
 
-int add_prismatic_drive(System& system, std::size_t world, const Joint& joint, const Mat3& triad) {
-  PrismaticDrive row = offset_row(system, world, joint, triad.col(2));
-  row.stiffness = joint.drive.stiffness;
-  row.damping = joint.drive.damping;
-  row.effort_limit = joint.drive.effort_limit;
-  system.prismatic_drive.rows.push_back(row);
-  return int(system.prismatic_drive.rows.size()) - 1;
+// a drive's row, without the numbers of a step; it also holds the joint's own damping
+int add_drive(System& system, std::size_t world, const Joint& joint, const Mat3& triad) {
+  const auto add = [&](auto& rows, auto row) {
+    row.damping = joint.damping;
+    row.effort_limit = joint.drive.effort_limit;
+    rows.push_back(row);
+    return int(rows.size()) - 1;
+  };
+  if (joint.type == Joint::Type::prismatic)
+    return add(system.prismatic_drive.rows, offset_row(system, world, joint, triad.col(2)));
+  RevoluteDrive row{};
+  set_revolute_sites(system, world, joint, triad, row.site);
+  return add(system.revolute_drive.rows, row);
+}
+
+double stop_stiffness(const Joint& joint) {
+  if (joint.limit_stiffness > 0) return joint.limit_stiffness;
+  return joint.type == Joint::Type::prismatic ? 1e6 : 1e5;
+}
+
+bool has_limits(const Joint& joint) { return joint.lower != 0 || joint.upper != 0; }
+
+int add_limit(System& system, std::size_t world, const Joint& joint, const Mat3& triad) {
+  const auto add = [&](auto& rows, auto row) {
+    row.stiffness = stop_stiffness(joint);
+    row.lower = joint.lower;
+    row.upper = joint.upper;
+    rows.push_back(row);
+    return int(rows.size()) - 1;
+  };
+  if (joint.type == Joint::Type::prismatic) {
+    PrismaticLimit row{};
+    std::copy_n(offset_row(system, world, joint, triad.col(2)).site, 3, row.site);
+    return add(system.prismatic_limit.rows, row);
+  }
+  RevoluteLimit row{};
+  set_revolute_sites(system, world, joint, triad, row.site);
+  return add(system.revolute_limit.rows, row);
+}
+
+// what acts along the coordinate of a revolute or prismatic joint
+JointRows add_coordinate_rows(System& system, std::size_t world, const Joint& joint, const Mat3& triad) {
+  JointRows rows;
+  if (is_driven(joint) || joint.damping > 0) rows.drive = add_drive(system, world, joint, triad);
+  if (has_limits(joint)) rows.limit = add_limit(system, world, joint, triad);
+  return rows;
 }
 
 void check_joint(const Scene& scene, const Joint& joint) {
@@ -67,16 +101,16 @@ void check_joint(const Scene& scene, const Joint& joint) {
   if (joint.parent < 0 || joint.child < 0 || joint.parent >= n || joint.child >= n || joint.parent == joint.child)
     throw UsageError("joint " + joint.name + " must join two different rigid bodies");
   if (!(joint.axis.norm() > 0)) throw UsageError("joint " + joint.name + " has an axis of length zero");
-  if (!(joint.stiffness > 0) || joint.drive.stiffness < 0 || joint.drive.damping < 0)
-    throw UsageError("joint " + joint.name + ": stiffness must be positive, the drive's must not be negative");
+  if (!(joint.stiffness > 0) || joint.drive.stiffness < 0 || joint.drive.damping < 0 || joint.damping < 0)
+    throw UsageError("joint " + joint.name + ": stiffness must be positive, the drive's and damping not negative");
+  if (joint.lower > joint.upper) throw UsageError("joint " + joint.name + ": its lower limit is above the upper one");
 }
 
 }  // namespace
 
 void add_joints(System& system, std::size_t world) {
   const Scene& scene = system.scenes[world];
-  system.revolute_row.emplace_back(scene.joints.size(), -1);
-  system.prismatic_row.emplace_back(scene.joints.size(), -1);
+  system.joint_rows.emplace_back(scene.joints.size());
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const Joint& joint = scene.joints[j];
     check_joint(scene, joint);
@@ -87,8 +121,7 @@ void add_joints(System& system, std::size_t world) {
         break;
       case Joint::Type::revolute:
         for (const double side : {-1.0, 1.0}) add_anchor(system, world, joint, side * ANCHOR_LEVER * triad.col(2));
-        if (joint.drive.stiffness > 0 || joint.drive.damping > 0)
-          system.revolute_row[world][j] = add_revolute_drive(system, world, joint, triad);
+        system.joint_rows[world][j] = add_coordinate_rows(system, world, joint, triad);
         break;
       case Joint::Type::fixed:
         for (const Vec3& corner : {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)})
@@ -101,8 +134,7 @@ void add_joints(System& system, std::size_t world) {
           guide.stiffness = joint.stiffness;
           system.prismatic_drive.rows.push_back(guide);
         }
-        if (joint.drive.stiffness > 0 || joint.drive.damping > 0)
-          system.prismatic_row[world][j] = add_prismatic_drive(system, world, joint, triad);
+        system.joint_rows[world][j] = add_coordinate_rows(system, world, joint, triad);
         break;
     }
   }
@@ -128,11 +160,28 @@ double unwrap_angle(double angle, double near) {
   return angle + turn * std::round((near - angle) / turn);
 }
 
-double drive_effort(const Drive& drive, double start, double end, double target, double change, double feed_forward,
-                    double h) {
-  double effort = drive.stiffness * (target - end) + feed_forward;
-  if (drive.effort_limit > 0) effort = std::clamp(effort, -drive.effort_limit, drive.effort_limit);
-  return effort - drive.damping / h * ((end - start) - change);
+StepDrive drive_over_step(const Drive& drive, double start, double target, double change, double weight, double h) {
+  const double per_length = drive.damping / h;
+  switch (drive.mode) {
+    case Drive::Mode::velocity:
+      return {per_length, start + h * target, weight};
+    case Drive::Mode::torque:
+      return {0, 0, weight + target};
+    default: {
+      const double stiffness = drive.stiffness + per_length;
+      return {stiffness, target + per_length / stiffness * (start + change - target), weight};
+    }
+  }
+}
+
+double drive_effort(const StepDrive& drive, double effort_limit, double q) {
+  const double effort = drive.feed_forward + drive.stiffness * (drive.target - q);
+  return effort_limit > 0 ? std::clamp(effort, -effort_limit, effort_limit) : effort;
+}
+
+double stop_effort(const Joint& joint, double q) {
+  if (!has_limits(joint)) return 0;
+  return -stop_stiffness(joint) * (std::max(q - joint.upper, 0.0) + std::min(q - joint.lower, 0.0));
 }
 
 std::vector<Carried> carried_bodies(const Scene& scene) {

@@ -18,10 +18,22 @@ double joint_coordinate(const Joint& joint, const AffineMap& parent, const Affin
 // `angle` plus whole turns, so that it lies within half a turn of `near` [rad].
 double unwrap_angle(double angle, double near);
 
-// What a drive exerts along its coordinate at the end of a step [N m or N].
-// start, end: coordinate at both ends of the step; change: of the target over the step; h [s]
-double drive_effort(const Drive& drive, double start, double end, double target, double change, double feed_forward,
-                    double h);
+// A drive over one step as one spring along its coordinate: effort = cut(feed_forward + stiffness (target - q)), for
+// the effort of a damping c is, with implicit differences, a spring c / h to where the coordinate should come to.
+struct StepDrive {
+  double stiffness = 0;     // [N m/rad or N/m]
+  double target = 0;        // [rad or m]
+  double feed_forward = 0;  // [N m or N]
+};
+// start: coordinate at the start of the step; target: as given, change: of it over the step; weight: effort that holds
+// what is carried; h [s]
+StepDrive drive_over_step(const Drive& drive, double start, double target, double change, double weight, double h);
+
+// What a drive exerts along its coordinate q at the end of a step [N m or N].
+double drive_effort(const StepDrive& drive, double effort_limit, double q);
+
+// What the stops of a joint exert along its coordinate q [N m or N].
+double stop_effort(const Joint& joint, double q);
 
 // What each joint carries: the bodies whose weight its drive feels.
 struct Carried {

@@ -28,13 +28,14 @@ Potential::Potential(Device& device, const System& system)
       stitch_(device, "stitch_spring", 2),
       revolute_(device, "revolute_drive", 4),
       prismatic_(device, "prismatic_drive", 3),
+      revolute_limit_(device, "revolute_limit", 4),
+      prismatic_limit_(device, "prismatic_limit", 3),
       membrane_(device, "cloth_membrane", 3),
       bending_(device, "triangle_bending", 6),
       barrier_(device, "barrier", 4),
       friction_(device, "friction", 4),
-      constant_{&point_inertia_, &affine_inertia_, &neo_hookean_4_, &neo_hookean_10_,
-                &orthogonality_, &stitch_,         &revolute_,      &prismatic_,
-                &membrane_,      &bending_},
+      constant_{&point_inertia_, &affine_inertia_, &neo_hookean_4_,  &neo_hookean_10_,  &orthogonality_, &stitch_,
+                &revolute_,      &prismatic_,      &revolute_limit_, &prismatic_limit_, &membrane_,      &bending_},
       all_(constant_),
       constant_gather_(device, system.sites, system.n_nodes()),
       contact_gather_(device, system.sites, system.n_nodes()),
@@ -56,6 +57,8 @@ Potential::Potential(Device& device, const System& system)
   set(stitch_, system.stitch_spring);
   set(revolute_, system.revolute_drive);
   set(prismatic_, system.prismatic_drive);
+  set(revolute_limit_, system.revolute_limit);
+  set(prismatic_limit_, system.prismatic_limit);
   set(membrane_, system.cloth_membrane);
   set(bending_, system.triangle_bending);
 
@@ -87,9 +90,10 @@ void Potential::begin_step(const Positions& start, const Positions& predicted, d
   inertia_h_ = inertia_h;
 }
 
-void Potential::set_drives(const std::vector<RevoluteDrive>& revolute, const std::vector<PrismaticDrive>& prismatic) {
-  revolute_.update(revolute);
-  prismatic_.update(prismatic);
+void Potential::update_joints(const System& system) {
+  revolute_.update(system.revolute_drive.rows);
+  prismatic_.update(system.prismatic_drive.rows);
+  revolute_limit_.update(system.revolute_limit.rows);
 }
 
 void Potential::set_friction(const WorldRows<Friction>& rows) {
@@ -156,16 +160,14 @@ void Potential::product(const Buffer<f64>& direction, Buffer<f64>& out) {
   gather(out);
 }
 
-void Potential::factorize(std::span<const char> world_is_active) {
+std::optional<std::size_t> Potential::factorize(std::span<const char> world_is_active) {
   std::vector<char> group_is_active;
   for (const u32 world : system_.group_world) group_is_active.push_back(world_is_active[world]);
   const std::vector<double> barrier = barrier_.blocks().read(), friction = friction_.blocks().read();
   const ElementBlocks contacts[] = {{4, barrier_.sites(), barrier}, {4, friction_.sites(), friction}};
   const std::size_t failed = preconditioner_->factorize(constant_, contacts, group_is_active);
-  if (failed == preconditioner_->n_groups()) return;
-  const u32 world = system_.group_world[failed];
-  throw StepFailure("the stiffness matrix of a group of bodies in world " + std::to_string(world) +
-                    " is not positive definite: a position or a force is not finite");
+  if (failed == preconditioner_->n_groups()) return std::nullopt;
+  return failed;
 }
 
 }  // namespace pvg

@@ -2,6 +2,7 @@
 // of the Hessian with a direction, which is never assembled.
 #pragma once
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "host/physics/contact.hpp"
@@ -29,7 +30,7 @@ class Potential {
   // This step's numbers. start: positions at its beginning; predicted: where inertia leads; h: its length [s];
   // inertia_h: what stands for h in the inertia, which depends on the integrator [s]
   void begin_step(const Positions& start, const Positions& predicted, double h, double inertia_h);
-  void set_drives(const std::vector<RevoluteDrive>& revolute, const std::vector<PrismaticDrive>& prismatic);
+  void update_joints(const System& system);  // this step's numbers of drives and stops
   void set_friction(const WorldRows<Friction>& rows);
 
   // Sum of all terms per world [J]; contact over `candidates`.
@@ -38,8 +39,9 @@ class Potential {
   void differentiate(const Positions& x, const WorldRows<Barrier>& contacts, Buffer<f64>& gradient);
   // out = H direction;  [n_nodes x 3]
   void product(const Buffer<f64>& direction, Buffer<f64>& out);
-  // factors the preconditioner at the blocks of the last differentiate(); names the body where that fails
-  void factorize(std::span<const char> world_is_active);
+  // Factors the preconditioner at the blocks of the last differentiate(). Returns the first group of bodies whose
+  // matrix is not positive definite, or nothing.
+  std::optional<std::size_t> factorize(std::span<const char> world_is_active);
   const GroupPreconditioner& preconditioner() const { return *preconditioner_; }
 
  private:
@@ -56,6 +58,7 @@ class Potential {
   Buffer<u32> node_is_fixed_;
 
   Term point_inertia_, affine_inertia_, neo_hookean_4_, neo_hookean_10_, orthogonality_, stitch_, revolute_, prismatic_;
+  Term revolute_limit_, prismatic_limit_;
   Term membrane_, bending_;
   Term barrier_, friction_;
   std::vector<Term*> constant_;  // whose elements never change

@@ -1,6 +1,8 @@
 #include "host/physics/simulation.hpp"
 
 #include "host/geometry/tet_mesh.hpp"
+#include "host/physics/prescribed_motion.hpp"
+#include "host/physics/separate_bodies.hpp"
 #include "host/physics/simulation_impl.hpp"
 
 namespace pvg {
@@ -18,6 +20,13 @@ std::vector<Vec3> to_points(const std::vector<double>& values) {
   return points;
 }
 
+std::vector<Scene> separated(std::span<const Scene> worlds) {
+  std::vector<Scene> scenes(worlds.begin(), worlds.end());
+  for (Scene& scene : scenes)
+    if (scene.separates_start) separate_bodies(scene);
+  return scenes;
+}
+
 std::string body_name(const System& system, u32 body) {
   for (const Scene& scene : system.scenes) {
     if (body < n_bodies(scene)) return body_name(scene, body);
@@ -29,7 +38,7 @@ std::string body_name(const System& system, u32 body) {
 }  // namespace
 Simulation::Impl::Impl(Device& device_, std::span<const Scene> worlds)
     : device(device_),
-      system(make_system(worlds)),
+      system(make_system(separated(worlds))),
       potential(device, system),
       nodes_program(device, "solve/nodes.cl"),
       move_along(nodes_program.kernel("move_along")),
@@ -52,7 +61,10 @@ Simulation::Impl::Impl(Device& device_, std::span<const Scene> worlds)
       reduce(device, worlds.size()),
       speed_chunks(device, worlds.size()),
       direction(device, system.n_nodes(), system.sites.size(), "direction") {
+  has_prescribed = has_prescribed_bodies(system);
   speed_chunks.set(system.speed_ranges);
+  is_well.assign(worlds.size(), true);
+  is_active = is_well;
   const std::size_t n = worlds.size();
   states.resize(n);
   reports.resize(n);
@@ -65,16 +77,16 @@ Simulation::Impl::Impl(Device& device_, std::span<const Scene> worlds)
     for (const SoftBody& body : scene.soft_bodies)
       soft_masses[w].push_back(node_masses(body.mesh, body.material.density));
     const std::size_t n_joints = scene.joints.size();
-    feed_forward.emplace_back(n_joints, 0);
-    target.emplace_back(n_joints, 0);
-    target_change.emplace_back(n_joints, 0);
+    drives.emplace_back(n_joints);
     states[w].joint_position.resize(n_joints);
     states[w].joint_effort.resize(n_joints);
+    states[w].joint_stop_effort.resize(n_joints);
+    states[w].joint_damping_effort.resize(n_joints);
     last_targets.emplace_back();
     for (std::size_t j = 0; j < n_joints; ++j) {
       states[w].joint_position[j] = scene.joints[j].initial;
-      if (scene.joints[j].drive.stiffness > 0 || scene.joints[j].drive.damping > 0)
-        last_targets[w].push_back(scene.joints[j].initial);
+      if (is_driven(scene.joints[j]))
+        last_targets[w].push_back(scene.joints[j].drive.mode == Drive::Mode::position ? scene.joints[j].initial : 0);
     }
   }
   start.node.copy_from(x.node);
@@ -106,11 +118,21 @@ std::vector<StepReport> Simulation::step(std::span<const std::vector<double>> ta
     if (targets[w].size() != impl.last_targets[w].size())
       throw UsageError("scene " + impl.system.scenes[w].name + " has " + std::to_string(impl.last_targets[w].size()) +
                        " driven joints, was given " + std::to_string(targets[w].size()) + " targets");
-  impl.is_active.assign(n_worlds(), true);
   impl.reports.assign(n_worlds(), StepReport{});
   const std::vector<std::vector<double>> wanted(targets.begin(), targets.end());
-  impl.advance_or_halve(impl.h(), impl.last_targets, wanted, impl.solver().max_step_halvings);
-  impl.last_targets = wanted;
+  const std::vector<char> failed = impl.advance_or_halve(
+      impl.h(), impl.last_targets, wanted, std::vector<char>(n_worlds(), true), impl.solver().max_step_halvings);
+  std::vector<StepEvent> last_events;
+  std::string message;
+  for (std::size_t w = 0; w < n_worlds(); ++w) {
+    if (!failed[w]) {
+      impl.last_targets[w] = wanted[w];
+      continue;
+    }
+    last_events.push_back(impl.reports[w].events.back());
+    message += (message.empty() ? "" : "; ") + describe(last_events.back(), impl.system.scenes[w].name);
+  }
+  if (!last_events.empty()) throw StepFailure(message, last_events);
   return impl.reports;
 }
 
@@ -125,7 +147,12 @@ Checkpoint Simulation::checkpoint() const {
 
 void Simulation::restore(const Checkpoint& checkpoint) {
   Impl& impl = *impl_;
-  bool fits = checkpoint.position.size() == impl.x.node.size() && checkpoint.time.size() == n_worlds();
+  const MotionHistory& history = checkpoint.history;
+  bool fits = checkpoint.time.size() == n_worlds() && checkpoint.joint_position.size() == n_worlds() &&
+              checkpoint.targets.size() == n_worlds() && history.length_before.size() == n_worlds();
+  for (const std::vector<double>* nodes :
+       {&checkpoint.position, &history.velocity, &history.position_before, &history.velocity_before})
+    fits = fits && nodes->size() == impl.x.node.size();
   for (std::size_t w = 0; fits && w < n_worlds(); ++w)
     fits = checkpoint.joint_position[w].size() == impl.system.scenes[w].joints.size() &&
            checkpoint.targets[w].size() == impl.last_targets[w].size();
@@ -138,6 +165,7 @@ void Simulation::restore(const Checkpoint& checkpoint) {
     impl.states[w].time = checkpoint.time[w];
     impl.states[w].joint_position = checkpoint.joint_position[w];
     impl.states[w].contacts.clear();
+    impl.is_well[w] = true;
   }
   impl.read_state(0);
 }

@@ -1,6 +1,7 @@
 // What a simulation keeps. Its work is in three files: simulation.cpp (set-up and interface), simulation_step.cpp (one
 // step: Newton's method on the incremental potential) and simulation_state.cpp (what goes in and what is read out).
 #pragma once
+#include <optional>
 #include <utility>
 
 #include "host/physics/conjugate_gradients.hpp"
@@ -14,15 +15,27 @@ namespace pvg {
 struct Simulation::Impl {
   Impl(Device& device, std::span<const Scene> worlds);
 
-  // one step of length h toward `targets`, from `previous` targets; throws StepFailure with x, v as they were before
+  // One step of length h of these worlds toward `targets`, from `previous` targets. Those that are not well after it
+  // have x and v as they were before. goes_on: of all of them, as the integrator says.
   void advance(double h, const std::vector<std::vector<double>>& previous,
-               const std::vector<std::vector<double>>& targets);
-  // the same, halving where it fails
-  void advance_or_halve(double h, const std::vector<std::vector<double>>& previous,
-                        const std::vector<std::vector<double>>& targets, int halvings_left);
+               const std::vector<std::vector<double>>& targets, const std::vector<char>& worlds, bool goes_on);
+  // The same, halving where it fails, each such world by itself. Returns which worlds failed for good.
+  std::vector<char> advance_or_halve(double h, const std::vector<std::vector<double>>& previous,
+                                     const std::vector<std::vector<double>>& targets, const std::vector<char>& worlds,
+                                     int halvings_left);
+
+  // simulation_events.cpp: ends the attempt of one world and puts it back to where it began
+  void give_up(std::size_t world, StepEvent::Kind kind, u32 node, const std::string& detail);
+  void give_up(StepEvent event);
+  void give_up_inverted();
+  std::optional<u32> first_not_finite(const Buffer<f64>& values, std::size_t world) const;  // node; [n_nodes x 3]
+  u32 fastest_node(std::size_t world) const;                                                // by dx
 
   void refuse_start_conflicts();
-  void set_drives(const std::vector<std::vector<double>>& previous, const std::vector<std::vector<double>>& targets);
+  void set_joints(double h, const std::vector<std::vector<double>>& previous,
+                  const std::vector<std::vector<double>>& targets);
+  void prescribe(double h);                          // where prescribed bodies are to be, into `predicted`
+  void aim_prescribed(std::vector<double>& motion);  // of prescribed nodes: all the way there
   void move_to_first_guess(double h);
   void move(const std::vector<double>& length);  // trial = x + length dx, per world
   // Newton; true where the first correction was within the tolerance already
@@ -52,12 +65,14 @@ struct Simulation::Impl {
 
   std::vector<std::vector<Carried>> carried;                  // [n_worlds][n_joints]
   std::vector<std::vector<std::vector<double>>> soft_masses;  // [n_worlds][n_soft][n_nodes, kg]
-  std::vector<std::vector<double>> feed_forward;              // [n_worlds][n_joints], of this step
-  std::vector<std::vector<double>> target, target_change;     // [n_worlds][n_joints]
+  std::vector<std::vector<StepDrive>> drives;                 // [n_worlds][n_joints], of this step
   std::vector<std::vector<double>> last_targets;              // as given to step
+  std::vector<char> is_well;                                  // worlds of this attempt that have not failed
+  double length = 0;                                          // of this attempt [s]
   std::vector<char> is_active;                                // worlds that have not converged in this step
   std::vector<WorldState> states;
   std::vector<StepReport> reports;
+  bool has_prescribed;  // bodies
 };
 
 }  // namespace pvg

@@ -1,45 +1,56 @@
+#include "host/physics/body_forces.hpp"
 #include "host/physics/simulation_impl.hpp"
 
 namespace pvg {
 
-void Simulation::Impl::set_drives(const std::vector<std::vector<double>>& previous,
+// What drives and stops need to know of this step, which begins at states[w].
+void Simulation::Impl::set_joints(double h, const std::vector<std::vector<double>>& previous,
                                   const std::vector<std::vector<double>>& targets) {
   for (std::size_t w = 0; w < system.n_worlds(); ++w) {
     const Scene& scene = system.scenes[w];
     std::size_t driven = 0;
     for (std::size_t j = 0; j < scene.joints.size(); ++j) {
       const Joint& joint = scene.joints[j];
-      if (!(joint.drive.stiffness > 0 || joint.drive.damping > 0)) continue;
-      target[w][j] = targets[w][driven];
-      target_change[w][j] = targets[w][driven] - previous[w][driven];
-      ++driven;
-      feed_forward[w][j] = joint.drive.compensates_gravity
-                               ? gravity_feed_forward(scene, joint, carried[w][j], states[w], soft_masses[w])
-                               : 0;
-      const auto fill = [&](auto& row) {
-        row.target = target[w][j];
-        row.target_change = target_change[w][j];
-        row.feed_forward = feed_forward[w][j];
-      };
-      if (const int row = system.revolute_row[w][j]; row >= 0) {
-        fill(system.revolute_drive.rows[row]);
-        system.revolute_drive.rows[row].angle0 = states[w].joint_position[j];
+      const double start = states[w].joint_position[j];
+      if (is_driven(joint)) {
+        const double weight = joint.drive.compensates_gravity
+                                  ? gravity_feed_forward(scene, joint, carried[w][j], states[w], soft_masses[w])
+                                  : 0;
+        drives[w][j] = drive_over_step(joint.drive, start, targets[w][driven], targets[w][driven] - previous[w][driven],
+                                       weight, h);
+        ++driven;
       }
-      if (const int row = system.prismatic_row[w][j]; row >= 0) fill(system.prismatic_drive.rows[row]);
+      const auto fill = [&](auto& row) {
+        row.stiffness = drives[w][j].stiffness;
+        row.target = drives[w][j].target;
+        row.feed_forward = drives[w][j].feed_forward;
+      };
+      const JointRows& row = system.joint_rows[w][j];
+      const bool turns = joint.type == Joint::Type::revolute;
+      if (row.drive >= 0 && turns) {
+        fill(system.revolute_drive.rows[row.drive]);
+        system.revolute_drive.rows[row.drive].angle0 = start;
+      }
+      if (row.drive >= 0 && !turns) fill(system.prismatic_drive.rows[row.drive]);
+      if (row.limit >= 0 && turns) system.revolute_limit.rows[row.limit].angle0 = start;
     }
   }
-  potential.set_drives(system.revolute_drive.rows, system.prismatic_drive.rows);
+  potential.update_joints(system);
 }
+
 void Simulation::Impl::read_joints(double h) {
   for (std::size_t w = 0; w < system.n_worlds(); ++w) {
+    if (!is_well[w]) continue;
     WorldState& state = states[w];
     for (std::size_t j = 0; j < system.scenes[w].joints.size(); ++j) {
       const Joint& joint = system.scenes[w].joints[j];
       double q = joint_coordinate(joint, state.rigid[joint.parent], state.rigid[joint.child]);
       if (joint.type == Joint::Type::revolute) q = unwrap_angle(q, state.joint_position[j]);
-      if (h > 0 && (joint.drive.stiffness > 0 || joint.drive.damping > 0))
-        state.joint_effort[j] = drive_effort(joint.drive, state.joint_position[j], q, target[w][j], target_change[w][j],
-                                             feed_forward[w][j], h);
+      if (h > 0) {
+        state.joint_effort[j] = is_driven(joint) ? drive_effort(drives[w][j], joint.drive.effort_limit, q) : 0;
+        state.joint_stop_effort[j] = stop_effort(joint, q);
+        state.joint_damping_effort[j] = -joint.damping * (q - state.joint_position[j]) / h;
+      }
       state.joint_position[j] = q;
     }
   }
@@ -48,6 +59,7 @@ void Simulation::Impl::read_joints(double h) {
 void Simulation::Impl::read_state(double h) {
   const std::vector<double> nodes = x.node.read();
   for (std::size_t w = 0; w < system.n_worlds(); ++w) {
+    if (!is_well[w]) continue;
     WorldState& state = states[w];
     const Scene& scene = system.scenes[w];
     state.time += h;
@@ -75,15 +87,16 @@ void Simulation::Impl::read_state(double h) {
   std::vector<std::vector<ContactForce>> forces = contacts.forces(x.site, start.site, h);
   const std::vector<double> gap = contacts.min_gap(x.site);
   u32 first_body = 0;
-  for (std::size_t w = 0; w < system.n_worlds(); ++w) {
+  for (std::size_t w = 0; w < system.n_worlds(); first_body += u32(n_bodies(system.scenes[w])), ++w) {
+    if (!is_well[w]) continue;
     for (ContactForce& force : forces[w]) {
       force.first -= int(first_body);
       force.second -= int(first_body);
     }
     states[w].contacts = std::move(forces[w]);
+    sum_forces(system.scenes[w], states[w]);
     reports[w].contacts = int(states[w].contacts.size());
     reports[w].min_gap = gap[w];
-    first_body += u32(n_bodies(system.scenes[w]));
   }
 }
 }  // namespace pvg

@@ -15,10 +15,16 @@ constexpr int MAX_LAG_PASSES = 50;   // renewals of the lagged normal forces, wh
 
 // From the start of the step to where the velocities lead, as far as no contact is in the way.
 void Simulation::Impl::move_to_first_guess(double h) {
-  dx.write(extrapolated_motion(system, x.node.read(), integrator.velocity().read(), h));
-  move(std::vector<double>(is_active.size(), 1.0));
+  std::vector<double> motion = extrapolated_motion(system, x.node.read(), integrator.velocity().read(), h);
+  aim_prescribed(motion);
+  dx.write(motion);
+  for (std::size_t w = 0; w < is_well.size(); ++w)
+    if (const auto node = first_not_finite(dx, w); node && is_well[w])
+      give_up(w, StepEvent::Kind::not_finite, *node, "its velocity is not a number");
+  move(std::vector<double>(is_well.begin(), is_well.end()));
   contacts.find_candidates(x.site, trial.site);
   std::vector<double> certified = contacts.largest_step(x.site, trial.site);
+  for (std::size_t w = 0; w < is_well.size(); ++w) certified[w] *= is_well[w];
   // a guess that ends just short of touching would start Newton where the barrier is steepest
   for (double& length : certified)
     if (length < 1) length *= 0.5;
@@ -37,21 +43,31 @@ void Simulation::Impl::move(const std::vector<double>& length) {
 std::vector<double> Simulation::Impl::find_direction() {
   contacts.find_contacts(x.site);
   potential.differentiate(x, contacts.contacts(), gradient);
-  potential.factorize(is_active);
+  while (const auto group = potential.factorize(is_active))
+    give_up(system.group_world[*group], StepEvent::Kind::not_finite, potential.preconditioner().nodes(*group).front(),
+            "the stiffness of what it belongs to is not positive definite");
   const CgReport report =
       cg.solve([&](const Buffer<f64>& p, Buffer<f64>& out) { potential.product(p, out); }, potential.preconditioner(),
                gradient, is_active, solver().cg_tolerance, solver().max_cg, dx);
   for (std::size_t w = 0; w < reports.size(); ++w) {
     reports[w].cg += report.iterations[w];
     reports[w].newton += is_active[w];
-    if (is_active[w] && !report.has_converged[w])
-      throw StepFailure("conjugate gradients did not converge within " + std::to_string(solver().max_cg) +
-                        " iterations in scene " + system.scenes[w].name);
+    if (!is_active[w] || report.has_converged[w]) continue;
+    if (const auto node = first_not_finite(gradient, w))
+      give_up(w, StepEvent::Kind::not_finite, *node, "the force on it is not a number");
+    else
+      give_up(w, StepEvent::Kind::stalled, fastest_node(w),
+              "conjugate gradients did not converge within " + std::to_string(solver().max_cg) + " iterations");
   }
   direction.node.copy_from(dx);
   potential.update_sites(direction);
   reduce.largest_length(speed_chunks, direction.site, largest);
-  return largest.read();
+  const std::vector<double> largest_move = largest.read();
+  for (std::size_t w = 0; w < reports.size(); ++w)
+    if (is_active[w] && !std::isfinite(largest_move[w]))
+      give_up(w, StepEvent::Kind::not_finite, first_not_finite(dx, w).value_or(system.node_ranges[w].begin),
+              "its correction is not a number");
+  return largest_move;
 }
 
 // Halves each world's step until its energy does not rise. Contact was certified by `certified`, so no pair touches.
@@ -64,23 +80,26 @@ void Simulation::Impl::line_search(const std::vector<double>& certified) {
     bool all_fell = true;
     for (std::size_t w = 0; w < length.size(); ++w) {
       // a rise within rounding counts as none
-      const bool fell = after[w] <= before[w] + 1e-12 * std::abs(before[w]);
+      const bool fell = !is_active[w] || after[w] <= before[w] + 1e-12 * std::abs(before[w]);
       if (fell) continue;
       all_fell = false;
       length[w] /= 2;
+      if (halving + 1 < MAX_LINE_SEARCH) continue;
+      give_up(w, StepEvent::Kind::exhausted_line_search, fastest_node(w),
+              "no decrease of the energy was found along it");
+      length[w] = 0;
     }
     if (all_fell) {
       std::swap(x, trial);
       return;
     }
   }
-  for (std::size_t w = 0; w < length.size(); ++w)
-    if (length[w] < certified[w] * std::ldexp(1.0, 1 - MAX_LINE_SEARCH))
-      throw StepFailure("the line search found no decrease of the energy in scene " + system.scenes[w].name);
+  move(length);
+  std::swap(x, trial);
 }
 
 bool Simulation::Impl::minimize(double h) {
-  std::fill(is_active.begin(), is_active.end(), true);
+  is_active = is_well;
   contacts.find_candidates(x.site, x.site);
   for (int iteration = 0; iteration < solver().max_newton; ++iteration) {
     const std::vector<double> largest_move = find_direction();
@@ -91,61 +110,68 @@ bool Simulation::Impl::minimize(double h) {
     for (std::size_t w = 0; w < is_active.size(); ++w) {
       if (!is_active[w]) continue;
       reports[w].residual = largest_move[w] / h;
-      if (!std::isfinite(largest_move[w]))
-        throw StepFailure("a position of scene " + system.scenes[w].name + " is not finite");
       if (reports[w].residual <= system.scenes[w].solver.velocity_tolerance) is_active[w] = false;
     }
     if (std::none_of(is_active.begin(), is_active.end(), [](char a) { return a; })) return iteration == 0;
   }
   for (std::size_t w = 0; w < is_active.size(); ++w)
     if (is_active[w])
-      throw StepFailure("Newton's method did not converge within " + std::to_string(solver().max_newton) +
-                        " iterations in scene " + system.scenes[w].name + ": the last correction moved a point at " +
-                        std::to_string(reports[w].residual) + " m/s");
+      give_up(w, StepEvent::Kind::stalled, fastest_node(w),
+              "Newton's method did not converge within " + std::to_string(solver().max_newton) +
+                  " iterations, the last correction moved a point at " + std::to_string(reports[w].residual) + " m/s");
   return false;
 }
 
 void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>& previous,
-                               const std::vector<std::vector<double>>& targets) {
+                               const std::vector<std::vector<double>>& targets, const std::vector<char>& worlds,
+                               bool goes_on) {
+  is_well = worlds;
+  length = h;
   start.node.copy_from(x.node);
   potential.update_sites(start);
-  const double inertia_h = integrator.predict(start.node, h, solver().integrator, predicted.node);
+  const double inertia_h = integrator.predict(start.node, h, solver().integrator, goes_on, predicted.node);
+  prescribe(h);
   potential.update_sites(predicted);
   potential.begin_step(start, predicted, h, inertia_h);
-  set_drives(previous, targets);
-  try {
-    const int wanted = system.scenes[0].contact.friction_lag_passes;
-    for (int pass = 0; pass < (wanted < 0 ? MAX_LAG_PASSES : std::max(1, wanted)); ++pass) {
-      contacts.find_candidates(x.site, x.site);
-      contacts.find_contacts(x.site);
-      contacts.lag_friction(x.site);
-      potential.set_friction(contacts.friction());
-      if (pass == 0) move_to_first_guess(h);
-      const bool was_there = minimize(h);
-      if (wanted < 0 && pass > 0 && was_there) break;
-    }
-  } catch (const StepFailure&) {
-    x.node.copy_from(start.node);
-    potential.update_sites(x);
-    throw;
+  set_joints(h, previous, targets);
+  const int wanted = system.scenes[0].contact.friction_lag_passes;
+  for (int pass = 0; pass < (wanted < 0 ? MAX_LAG_PASSES : std::max(1, wanted)); ++pass) {
+    contacts.find_candidates(x.site, x.site);
+    contacts.find_contacts(x.site);
+    contacts.lag_friction(x.site);
+    potential.set_friction(contacts.friction());
+    if (pass == 0) move_to_first_guess(h);
+    const bool was_there = minimize(h);
+    if (wanted < 0 && pass > 0 && was_there) break;
   }
-  integrator.accept(start.node, x.node);
+  give_up_inverted();
+  integrator.accept(start.node, x.node, is_well);
   read_state(h);
 }
 
-void Simulation::Impl::advance_or_halve(double h, const std::vector<std::vector<double>>& previous,
-                                        const std::vector<std::vector<double>>& targets, int halvings_left) {
-  try {
-    advance(h, previous, targets);
-  } catch (const StepFailure& failure) {
-    if (halvings_left == 0)
-      throw StepFailure(std::string(failure.what()) + ", at " + std::to_string(states[0].time) + " s");
-    for (StepReport& report : reports) ++report.retries;
-    std::vector<std::vector<double>> middle = targets;
-    for (std::size_t w = 0; w < middle.size(); ++w)
-      for (std::size_t j = 0; j < middle[w].size(); ++j) middle[w][j] = 0.5 * (previous[w][j] + targets[w][j]);
-    advance_or_halve(h / 2, previous, middle, halvings_left - 1);
-    advance_or_halve(h / 2, middle, targets, halvings_left - 1);
+std::vector<char> Simulation::Impl::advance_or_halve(double h, const std::vector<std::vector<double>>& previous,
+                                                     const std::vector<std::vector<double>>& targets,
+                                                     const std::vector<char>& worlds, int halvings_left) {
+  std::vector<char> parts[2], failed(worlds.size(), false);
+  for (const bool goes_on : {false, true})
+    for (std::size_t w = 0; w < worlds.size(); ++w)
+      parts[goes_on].push_back(worlds[w] && integrator.goes_on(w, h) == goes_on);
+  for (const bool goes_on : {false, true}) {
+    const std::vector<char>& part = parts[goes_on];
+    if (std::none_of(part.begin(), part.end(), [](char is_in) { return is_in; })) continue;
+    advance(h, previous, targets, part, goes_on);
+    for (std::size_t w = 0; w < part.size(); ++w) failed[w] |= part[w] && !is_well[w];
   }
+  for (std::size_t w = 0; halvings_left > 0 && w < worlds.size(); ++w) {
+    if (!failed[w]) continue;
+    ++reports[w].retries;
+    std::vector<std::vector<double>> middle = targets;
+    for (std::size_t j = 0; j < middle[w].size(); ++j) middle[w][j] = 0.5 * (previous[w][j] + targets[w][j]);
+    std::vector<char> alone(worlds.size(), false);
+    alone[w] = true;
+    failed[w] = advance_or_halve(h / 2, previous, middle, alone, halvings_left - 1)[w] ||
+                advance_or_halve(h / 2, middle, targets, alone, halvings_left - 1)[w];
+  }
+  return failed;
 }
 }  // namespace pvg

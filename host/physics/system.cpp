@@ -5,6 +5,7 @@
 
 #include "host/geometry/tet_mesh.hpp"
 #include "host/physics/cloth.hpp"
+#include "host/physics/prescribed_motion.hpp"
 
 namespace pvg {
 namespace {
@@ -166,10 +167,11 @@ void add_rigid_terms(System& system, std::size_t world) {
     if (body.is_fixed) continue;
     const u32 first = system.rigid_first_node[world][b];
     AffineInertia inertia{{first, first + 1, first + 2, first + 3}, {}};
-    const Eigen::Matrix4d mass = affine_mass_matrix(body);
+    const Eigen::Matrix4d mass = body.is_prescribed ? prescribed_mass_matrix(body) : affine_mass_matrix(body);
     for (int i = 0, k = 0; i < 4; ++i)
       for (int j = i; j < 4; ++j) inertia.mass[k++] = mass(i, j);
     system.affine_inertia.rows.push_back(inertia);
+    if (body.is_prescribed) continue;  // where it is to be is a rotation already
     if (!(body.volume > 0) || !(body.affine_modulus > 0))
       throw UsageError("rigid body " + body.name + " needs a positive volume and affine modulus");
     system.affine_orthogonality.rows.push_back(
@@ -213,7 +215,8 @@ void add_collision_bodies(System& system, std::size_t world) {
   CollisionMesh& mesh = system.collision;
   const u32 first_body = u32(mesh.bodies.size()), n_rigid = u32(scene.rigid_bodies.size());
   for (const RigidBody& body : scene.rigid_bodies)
-    mesh.bodies.push_back({u32(world), false, body.is_fixed, body.contact_offset, body.friction});
+    mesh.bodies.push_back({u32(world), false, body.is_fixed || body.is_prescribed, body.contact_offset, body.friction,
+                           body.is_half_space});
   for (const SoftBody& body : scene.soft_bodies)
     mesh.bodies.push_back({u32(world), true, false, body.contact_offset, body.friction});
   for (const Cloth& cloth : scene.cloths)
@@ -222,6 +225,12 @@ void add_collision_bodies(System& system, std::size_t world) {
     const RigidBody& body = scene.rigid_bodies[b];
     std::vector<u32> site;
     const u32 first_site = u32(system.sites.size());
+    if (body.is_half_space) {  // three points of its plane, counterclockwise seen from outside
+      for (const Vec3& point : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)})
+        site.push_back(add_point_site(system, world, int(b), point));
+      mesh.triangles.push_back({{site[0], site[1], site[2]}, first_body + b});
+      continue;
+    }
     for (const Vec3& point : body.collision.points) site.push_back(add_point_site(system, world, int(b), point));
     add_surface(mesh, first_body + b, site, body.collision.points, body.collision.triangles);
     if (!body.is_fixed) system.speed_ranges.push_back({u32(world), first_site, u32(system.sites.size())});
@@ -270,9 +279,8 @@ void disable_stitched_pairs(System& system) {
   u32 first_body = 0;
   for (const Scene& scene : system.scenes) {
     for (const Stitch& stitch : scene.stitches)
-      disable_pairs_within(system.collision, first_body + stitch.rigid,
-                           first_body + u32(stitched_body(scene, stitch)), x,
-                           2 * scene.contact.activation_distance);
+      disable_pairs_within(system.collision, first_body + stitch.rigid, first_body + u32(stitched_body(scene, stitch)),
+                           x, 2 * scene.contact.activation_distance);
     first_body += u32(n_bodies(scene));
   }
 }
@@ -347,6 +355,8 @@ System make_system(std::span<const Scene> worlds) {
     system.triangle_bending.end_world();
     system.revolute_drive.end_world();
     system.prismatic_drive.end_world();
+    system.revolute_limit.end_world();
+    system.prismatic_limit.end_world();
   }
   disable_stitched_pairs(system);
   check_collision_mesh(system.collision, system.sites.size());

@@ -7,7 +7,9 @@
 #include "energies/cloth_membrane.h"
 #include "energies/inertia.h"
 #include "energies/prismatic_drive.h"
+#include "energies/prismatic_limit.h"
 #include "energies/revolute_drive.h"
+#include "energies/revolute_limit.h"
 #include "energies/stable_neo_hookean_10.h"
 #include "energies/stable_neo_hookean_4.h"
 #include "energies/stitch_spring.h"
@@ -27,6 +29,11 @@ struct Rows {
   std::vector<Params> rows;
   std::vector<u32> world_first = {0};  // [n_worlds + 1]
   void end_world() { world_first.push_back(u32(rows.size())); }
+};
+
+// Where what acts along a joint's coordinate stands in the rows of its type; -1: nowhere.
+struct JointRows {
+  int drive = -1, limit = -1;
 };
 
 // Nodes of each world: those of its soft bodies first, then of its cloths, then (p, a1, a2, a3) of each rigid body.
@@ -58,7 +65,9 @@ struct System {
   Rows<TriangleBending> triangle_bending;
   Rows<RevoluteDrive> revolute_drive;
   Rows<PrismaticDrive> prismatic_drive;
-  std::vector<std::vector<int>> revolute_row, prismatic_row;  // [n_worlds][n_joints] row of the joint's drive, -1: none
+  Rows<RevoluteLimit> revolute_limit;
+  Rows<PrismaticLimit> prismatic_limit;
+  std::vector<std::vector<JointRows>> joint_rows;  // [n_worlds][n_joints]
 
   CollisionMesh collision;  // body ids: world after world, rigid bodies first, then soft ones, then cloths
 

@@ -14,11 +14,13 @@ TimeIntegrator::TimeIntegrator(Device& device, const System& system)
       position_before_(device, system.x, "x before"),
       velocity_before_(device, system.v, "v before"),
       past_position_(device, system.x, "past x"),
-      past_velocity_(device, system.v, "past v") {}
+      past_velocity_(device, system.v, "past v"),
+      node_ranges_(system.node_ranges),
+      length_before_(system.n_worlds(), 0) {}
 
-double TimeIntegrator::predict(const Buffer<f64>& x, double h, SolverSettings::Integrator integrator,
+double TimeIntegrator::predict(const Buffer<f64>& x, double h, SolverSettings::Integrator integrator, bool goes_on,
                                Buffer<f64>& predicted) {
-  const bool is_second_order = integrator == SolverSettings::Integrator::bdf2 && length_before_ == h;
+  const bool is_second_order = integrator == SolverSettings::Integrator::bdf2 && goes_on;
   if (is_second_order) {
     backward_difference_(n_, n_, x, position_before_, past_position_);
     backward_difference_(n_, n_, velocity_, velocity_before_, past_velocity_);
@@ -32,11 +34,24 @@ double TimeIntegrator::predict(const Buffer<f64>& x, double h, SolverSettings::I
   return inertia_length_;
 }
 
-void TimeIntegrator::accept(const Buffer<f64>& start, const Buffer<f64>& end) {
+void TimeIntegrator::accept(const Buffer<f64>& start, const Buffer<f64>& end, std::span<const char> stepped) {
+  // worlds that did not step keep what they had
+  struct Kept {
+    Buffer<f64>* buffer;
+    std::size_t first;
+    std::vector<double> values;
+  };
+  std::vector<Kept> kept;
+  for (const WorldRange& range : node_ranges_)
+    if (!stepped[range.world])
+      for (Buffer<f64>* buffer : {&position_before_, &velocity_before_, &velocity_})
+        kept.push_back({buffer, 3 * range.begin, buffer->read(3 * range.begin, 3 * (range.end - range.begin))});
   position_before_.copy_from(start);
   velocity_before_.copy_from(velocity_);
   velocity_from_positions_(n_, n_, end, past_position_, inertia_length_, velocity_);
-  length_before_ = length_;
+  for (const Kept& k : kept) k.buffer->write(k.first, k.values);
+  for (std::size_t w = 0; w < length_before_.size(); ++w)
+    if (stepped[w]) length_before_[w] = length_;
 }
 
 MotionHistory TimeIntegrator::history() const {

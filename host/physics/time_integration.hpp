@@ -5,6 +5,7 @@
 // 1952) BDF2 needs a step of the same length before it: the first one, and those after a change of length, are implicit
 // Euler.
 #pragma once
+#include <span>
 #include <vector>
 
 #include "host/physics/checkpoint.hpp"
@@ -16,10 +17,13 @@ class TimeIntegrator {
  public:
   TimeIntegrator(Device& device, const System& system);
 
-  // Where inertia and gravity lead from x in a step of length h [s]. Returns h'.
-  double predict(const Buffer<f64>& x, double h, SolverSettings::Integrator integrator, Buffer<f64>& predicted);
-  // After the step: the new velocities, from the positions at its start and end.
-  void accept(const Buffer<f64>& start, const Buffer<f64>& end);
+  // Has the world had a step of this length just before?
+  bool goes_on(std::size_t world, double h) const { return length_before_[world] == h; }
+  // Where inertia and gravity lead from x in a step of length h [s]. Returns h'. goes_on: of all worlds that step
+  double predict(const Buffer<f64>& x, double h, SolverSettings::Integrator integrator, bool goes_on,
+                 Buffer<f64>& predicted);
+  // After the step of the worlds for which `stepped`: their new velocities, from the positions at its start and end.
+  void accept(const Buffer<f64>& start, const Buffer<f64>& end, std::span<const char> stepped);
 
   const Buffer<f64>& velocity() const { return velocity_; }  // [n_nodes x 3, m/s]
   MotionHistory history() const;
@@ -31,7 +35,9 @@ class TimeIntegrator {
   Kernel predict_, backward_difference_, velocity_from_positions_;
   Buffer<u32> node_is_fixed_;
   Buffer<f64> gravity_, velocity_, position_before_, velocity_before_, past_position_, past_velocity_;
-  double length_before_ = 0, length_ = 0, inertia_length_ = 0;  // [s]
+  std::vector<WorldRange> node_ranges_;
+  std::vector<double> length_before_;       // [n_worlds, s]
+  double length_ = 0, inertia_length_ = 0;  // [s]
 };
 
 }  // namespace pvg

@@ -15,6 +15,11 @@ using Pose = Eigen::Isometry3d;
 
 // ---- bodies -----------------------------------------------------------------------------------------------------
 
+struct PathPoint {
+  double time = 0;                // [s]
+  Pose pose = Pose::Identity();   // body to world
+};
+
 // A rigid body, simulated as an affine body: x(X) = p + A X with A held close to a rotation.
 struct RigidBody {
   std::string name;
@@ -25,6 +30,9 @@ struct RigidBody {
   double volume = 0;                     // of the material [m^3]; scales the orthogonality energy
   double affine_modulus = 1e9;           // kappa of kappa V |A A^T - I|^2  [Pa]
   bool is_fixed = false;                 // never moves
+  bool is_half_space = false;            // everything below z = 0 of its frame, without end; fixed, without a mesh
+  bool is_prescribed = false;            // moves as told: along `path`, or at `velocity` and `angular_velocity`
+  std::vector<PathPoint> path;           // ascending times; straight lines between, at rest before and after
   double friction = 0.5;                 // coefficient; a pair's is the geometric mean unless Scene::pair_friction says
   double contact_offset = 0;             // half thickness: contact acts this far outside the surface [m]
   Pose pose = Pose::Identity();          // initial, body to world
@@ -73,10 +81,13 @@ struct Cloth {
 
 // ---- what joins bodies ------------------------------------------------------------------------------------------
 
-// A drive acts on a joint's coordinate q as the potential  stiffness/2 (q - target)^2, its force cut at effort_limit,
-// plus  damping/2 (dq/dt - dtarget/dt)^2.
+// A drive acts on a joint's coordinate q with the effort
+//   position: stiffness (target - q) + damping (dtarget/dt - dq/dt)   velocity: damping (target - dq/dt)   torque: target
+// plus what compensates gravity; the sum is cut at effort_limit.
 struct Drive {
-  double stiffness = 0;           // [N m/rad] or [N/m]; 0: no drive
+  enum class Mode { position, velocity, torque };
+  Mode mode = Mode::position;
+  double stiffness = 0;           // [N m/rad] or [N/m]
   double damping = 0;             // [N m s/rad] or [N s/m]
   double effort_limit = 0;        // [N m] or [N]; 0: none
   bool compensates_gravity = true;  // feeds forward the torque that the weight of everything it carries asks for
@@ -90,12 +101,18 @@ struct Joint {
   Pose parent_frame = Pose::Identity();   // joint frame in the parent's frame, at q = 0 equal to the child's
   Pose child_frame = Pose::Identity();    // joint frame in the child's frame
   Vec3 axis = Vec3::UnitZ();              // in the joint frame, unit; q > 0 turns/moves the child along it
-  double lower = 0, upper = 0;            // [rad or m]; both 0: none
+  double lower = 0, upper = 0;            // stops [rad or m]; both 0: none
+  double limit_stiffness = 0;             // of the stops [N m/rad or N/m]; 0: 1e5 N m/rad, 1e6 N/m
+  double damping = 0;                     // of the joint itself, drive or not [N m s/rad or N s/m]
   double velocity_limit = 0;              // [rad/s or m/s]; 0: none
   double stiffness = 1e8;                 // of the constraint itself [N/m]
   Drive drive;
   double initial = 0;                     // q at the start [rad or m]
 };
+
+inline bool is_driven(const Joint& joint) {
+  return joint.drive.mode == Drive::Mode::torque || joint.drive.stiffness > 0 || joint.drive.damping > 0;
+}
 
 // Stitch springs: each node of the soft body or cloth is drawn to the point of the rigid body where it starts.
 // E = k/2 sum_i |x_i - xhat_i|^2
@@ -204,6 +221,7 @@ struct Scene {
   std::vector<std::array<int, 2>> noncolliding_rigid_bodies;  // besides jointed pairs, which never collide
   ContactSettings contact;
   SolverSettings solver;
+  bool separates_start = false;            // free bodies that intersect at the start are moved apart
 
   std::vector<Texture> textures;
   std::vector<VisualMaterial> materials;

@@ -2,6 +2,7 @@
 // the largest certified part of a straight motion that keeps a pair farther apart than its offset.
 // From a place with distance d > xi two things are known, and the farther one is gone:
 //   - no point of the pair comes closer than by its speed: eta (d - xi) / (max |v_first| + max |v_second|) is safe;
+//     (of a plane the points given, which do not move);
 //   - the plane across the closest points separates the pair as long as no corner reaches it, which for straight motion
 //     is a linear equation per corner pair; for sliding motion this is the whole way in one go.
 // Each turn leaves (1 - eta) of the gap; it ends where the gap would fall below (1 - eta) of the first one.
@@ -12,7 +13,7 @@
 
 // how far the motion may go, at most, until the corners' gap along n falls to `least`; 0 where it is there already
 static real plane_step(const uint kind, const real3* x, const real3* v, const real3 n, const real least) {
-  const int n_first = kind == POINT_TRIANGLE ? 1 : 2;
+  const int n_first = kind == EDGE_EDGE ? 2 : 1;
   real step = INFINITY;
   for (int a = 0; a < n_first; ++a)
     for (int b = n_first; b < 4; ++b) {
@@ -36,8 +37,8 @@ static real certified_step(const uint kind, const real3* x, real3* v, const real
     v[i] -= mean;
     speed[i] = length(v[i]);
   }
-  const real closing = kind == POINT_TRIANGLE ? speed[0] + fmax(fmax(speed[1], speed[2]), speed[3])
-                                              : fmax(speed[0], speed[1]) + fmax(speed[2], speed[3]);
+  const real closing = kind == EDGE_EDGE ? fmax(speed[0], speed[1]) + fmax(speed[2], speed[3])
+                                         : speed[0] + fmax(fmax(speed[1], speed[2]), speed[3]);
   Distance now = pair_distance(kind, x);
   real gap = now.d - offset;
   // written so that NaN stops everything

@@ -70,8 +70,13 @@ kernel void refit_leaves(const uint n, const uint log2_leaves, global TreeNode* 
     return;
   }
   const bool is_edge = tree & 1u;
-  const Box box = is_edge ? box_of_edge(primitive, edges, x0, x1) : box_of_triangle(primitive, triangles, x0, x1);
   const uint body = is_edge ? edges[primitive].body : triangles[primitive].body;
+  if (!is_edge && bodies[body].is_half_space) {
+    const Box everything = {(float3)(-INFINITY), (float3)(INFINITY)};
+    store_box(everything, node);
+    return;
+  }
+  const Box box = is_edge ? box_of_edge(primitive, edges, x0, x1) : box_of_triangle(primitive, triangles, x0, x1);
   store_box(grow(box, 0.5 * worlds[tree >> 1].activation_distance + bodies[body].offset), node);
 }
 
@@ -135,9 +140,14 @@ static bool is_excluded(const Search* search, global const u32* site, const uint
   return false;
 }
 
+// a point against a triangle of this body
+static uint kind_of_triangle(global const CollisionBodyRow* body) {
+  return body->is_half_space ? POINT_PLANE : POINT_TRIANGLE;
+}
+
 // Can they come within `reach` [m]? From halfway each moves by half its way, less what all four sites do together.
-static bool comes_near(const Search* search, global const u32* site, const real reach, global const real* restrict x0,
-                       global const real* restrict x1) {
+static bool comes_near(const Search* search, const uint kind, global const u32* site, const real reach,
+                       global const real* restrict x0, global const real* restrict x1) {
   const uint n_first = search->is_edge ? 2 : 1;
   real3 half_way[4], motion[4], mean = (real3)(0.0);
   for (uint i = 0; i < 4; ++i) {
@@ -156,7 +166,7 @@ static bool comes_near(const Search* search, global const u32* site, const real 
       second = fmax(second, length_of_way);
   }
   // the last factor covers rounding; written so that NaN stays
-  return !(pair_distance(search->is_edge, half_way).d > (reach + first + second) * 1.000001);
+  return !(pair_distance(kind, half_way).d > (reach + first + second) * 1.000001);
 }
 
 // How far from each other two primitives act.
@@ -185,13 +195,14 @@ static bool may_pair(const Search* search, const uint other, global const Collis
   const uint body = search->is_edge ? edges[other].body : triangles[other].body;
   if (is_excluded(search, site, other, disabled)) return false;
   const real widest = search->reach + bodies[body].offset;
-  if (!comes_near(search, site, widest, x0, x1)) return false;
+  const uint kind = search->is_edge ? EDGE_EDGE : kind_of_triangle(bodies + body);
+  if (!comes_near(search, kind, site, widest, x0, x1)) return false;
   if (body != search->body) return true;
   const uint pair[4] = {search->site[0], search->is_edge ? search->site[1] : site[0],
                         search->is_edge ? site[0] : site[1], search->is_edge ? site[1] : site[2]};
   const Reach reach = reach_at_rest(search->is_edge, pair, search->activation_distance,
                                     widest - search->activation_distance, rest);
-  return comes_near(search, site, reach.activation_distance + reach.offset, x0, x1);
+  return comes_near(search, kind, site, reach.activation_distance + reach.offset, x0, x1);
 }
 
 // What a found pair becomes.
@@ -217,7 +228,7 @@ static Barrier barrier_row(const uint is_edge, const uint first, const uint seco
   }
   const CollisionBodyRow a = bodies[row.body[0]], b = bodies[row.body[1]];
   const CollisionWorld world = worlds[a.world];
-  row.kind = is_edge ? EDGE_EDGE : POINT_TRIANGLE;
+  row.kind = is_edge ? EDGE_EDGE : kind_of_triangle(bodies + row.body[1]);
   row.world = a.world;
   row.stiffness = world.stiffness;
   row.activation_distance = world.activation_distance;

@@ -73,6 +73,7 @@ kernel void report_contacts(const uint n, global const Barrier* restrict contact
   // both closest points: the sum of |c_i| x_i counts each once
   real3 point = (real3)(0.0);
   for (int i = 0; i < 4; ++i) point += 0.5 * fabs(distance.c[i]) * xe[i];
+  if (p.kind == POINT_PLANE) point = xe[0] - 0.5 * distance.d * distance.n;
   ContactReport report;
   vstore3(point, 0, report.point);
   vstore3(distance.n, 0, report.normal);

@@ -1,4 +1,4 @@
-// Distance between a point and a triangle, and between two edges, with the closest points.
+// Distance between a point and a triangle, two edges, a point and a plane, with the closest points.
 // Every kind of closest pair (point-point, point-edge, point-triangle, edge-edge) is tried and the nearest taken, so
 // that a wrong decision on a degenerate triangle or parallel edges can cost accuracy of the parameters, never of the
 // distance. Result: d = |sum_i c_i x_i|, n = (sum_i c_i x_i) / d;  by the envelope theorem grad_i d = c_i n.
@@ -102,9 +102,19 @@ static Distance edge_edge_distance(const real3* x) {
   return best;
 }
 
-// kind: POINT_TRIANGLE (0) or EDGE_EDGE (1)
+// x: point, three points of a plane, counterclockwise seen from outside. d is negative below the plane.
+// c = (1, -b0, -b1, -b2) with barycentric coordinates that may be of any size
+static Distance point_plane_distance(const real3* x) {
+  const real3 e1 = x[2] - x[1], e2 = x[3] - x[1], r = x[0] - x[1], area = cross(e1, e2);
+  const real aa = dot(area, area), b1 = dot(cross(r, e2), area) / aa, b2 = dot(cross(e1, r), area) / aa;
+  const real3 n = normalize(area);
+  const Distance distance = {{1, b1 + b2 - 1, -b1, -b2}, n, dot(n, r), 1};
+  return distance;
+}
+
+// kind: POINT_TRIANGLE (0), EDGE_EDGE (1) or POINT_PLANE (2)
 static Distance pair_distance(const uint kind, const real3* x) {
-  return kind == 0u ? point_triangle_distance(x) : edge_edge_distance(x);
+  return kind == 0u ? point_triangle_distance(x) : kind == 1u ? edge_edge_distance(x) : point_plane_distance(x);
 }
 
 #endif

@@ -29,8 +29,10 @@ typedef struct {
   u32 world;
   u32 index;   // within its world, row and column of the world's table of pairs
   f64 offset;  // contact acts this far outside the surface [m]
+  u32 is_half_space;
+  u32 unused[3];
 } CollisionBodyRow;
-SHARED_SIZE(CollisionBodyRow, 16);
+SHARED_SIZE(CollisionBodyRow, 32);
 
 typedef struct {
   u32 first_pair;  // where the world's table of body pairs begins; n_bodies^2 entries

@@ -4,10 +4,11 @@
 #include "shared/types.h"
 #define POINT_TRIANGLE 0u
 #define EDGE_EDGE 1u
+#define POINT_PLANE 2u  // of a half-space
 SHARED_BEGIN
 typedef struct {
-  u32 site[4];  // point, triangle corners;  or ends of the first edge, ends of the second
-  u32 kind;     // POINT_TRIANGLE or EDGE_EDGE
+  u32 site[4];  // point, triangle corners or three points of a plane;  or ends of both edges
+  u32 kind;     // POINT_TRIANGLE, EDGE_EDGE or POINT_PLANE
   u32 body[2];  // that the first and the second primitive belong to, over all worlds
   u32 world;
   f64 area;                 // w [m^2]

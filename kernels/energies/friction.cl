@@ -64,5 +64,5 @@ kernel void friction_force(const uint n, global const Friction* restrict params,
   }
   friction_gradient(p, xe, x0e, h, g);
   // the first primitive: a point, or the first two sites
-  vstore3(p.kind == 0u ? -g[0] : -(g[0] + g[1]), e, force);
+  vstore3(p.kind == 1u ? -(g[0] + g[1]) : -g[0], e, force);
 }

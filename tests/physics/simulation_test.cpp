@@ -5,38 +5,17 @@
 
 #include <cmath>
 
+#include "tests/physics/small_scenes.hpp"
+
 namespace pvg {
 namespace {
-
-// a box with corners at +-half, 12 triangles facing outward
-TriangleMesh box_mesh(const Vec3& half) {
-  TriangleMesh mesh;
-  for (int i = 0; i < 8; ++i)
-    mesh.points.push_back(Vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1).cwiseProduct(half));
-  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  return mesh;
-}
-
-RigidBody box(const std::string& name, const Vec3& half, double density, const Vec3& at) {
-  RigidBody body;
-  body.name = name;
-  body.collision = box_mesh(half);
-  body.volume = 8 * half.prod();
-  body.mass = density * body.volume;
-  const Vec3 square = half.cwiseProduct(half);
-  body.inertia =
-      body.mass / 3 * Vec3(square.y() + square.z(), square.x() + square.z(), square.x() + square.y()).asDiagonal();
-  body.pose.translation() = at;
-  return body;
-}
 
 Scene falling_box() {
   Scene scene;
   scene.name = "falling box";
   scene.solver.time_step = 0.01;
   scene.solver.velocity_tolerance = 1e-6;
-  scene.rigid_bodies = {box("cube", Vec3::Constant(0.05), 1000, Vec3(0, 0, 1))};
+  scene.rigid_bodies = {box_body("cube", Vec3::Constant(0.05), 1000, Vec3(0, 0, 1))};
   return scene;
 }
 
@@ -54,7 +33,7 @@ TEST(Simulation, ABoxRestsOnTheFloorWithItsWeight) {
   Device device;
   Scene scene = falling_box();
   scene.rigid_bodies[0].pose.translation().z() = 0.0505;
-  RigidBody floor = box("floor", Vec3(0.5, 0.5, 0.05), 1000, Vec3(0, 0, -0.05));
+  RigidBody floor = box_body("floor", Vec3(0.5, 0.5, 0.05), 1000, Vec3(0, 0, -0.05));
   floor.is_fixed = true;
   scene.rigid_bodies.push_back(floor);
   Simulation simulation(device, scene);
@@ -68,29 +47,13 @@ TEST(Simulation, ABoxRestsOnTheFloorWithItsWeight) {
   EXPECT_GT(simulation.state().rigid[0](2, 3), 0.05);
 }
 
-// a rod of length 0.4 m hanging from a revolute joint about y at its end
 Scene pendulum(double angle, Drive drive) {
-  Scene scene;
-  scene.name = "pendulum";
+  Joint joint;
+  joint.drive = drive;
+  Scene scene = rod_on_hinge(angle, joint);
+  scene.solver = SolverSettings{};
   scene.solver.time_step = 0.005;
   scene.solver.velocity_tolerance = 1e-6;
-  RigidBody base = box("base", Vec3::Constant(0.01), 1000, Vec3(0, 0, 1));
-  base.is_fixed = true;
-  RigidBody rod = box("rod", Vec3(0.01, 0.01, 0.2), 1000, Vec3::Zero());
-  const Mat3 turn = Eigen::AngleAxisd(angle, Vec3::UnitY()).toRotationMatrix();
-  rod.pose.linear() = turn;
-  rod.pose.translation() = Vec3(0, 0, 1) + turn * Vec3(0, 0, -0.2);
-  scene.rigid_bodies = {base, rod};
-  Joint joint;
-  joint.name = "hinge";
-  joint.type = Joint::Type::revolute;
-  joint.parent = 0;
-  joint.child = 1;
-  joint.child_frame.translation() = Vec3(0, 0, 0.2);
-  joint.axis = Vec3::UnitY();
-  joint.drive = drive;
-  joint.initial = angle;
-  scene.joints = {joint};
   return scene;
 }
 
@@ -175,8 +138,8 @@ TEST(Simulation, ACheckpointGoesOnWithTheSameBits) {
   for (const auto integrator : {SolverSettings::Integrator::implicit_euler, SolverSettings::Integrator::bdf2}) {
     Scene scene = pendulum(0.4, drive);
     scene.solver.integrator = integrator;
-    scene.rigid_bodies.push_back(box("cube", Vec3::Constant(0.02), 1000, Vec3(0.05, 0, 0.58)));
-    RigidBody floor = box("floor", Vec3(0.5, 0.5, 0.05), 1000, Vec3(0, 0, 0.5));
+    scene.rigid_bodies.push_back(box_body("cube", Vec3::Constant(0.02), 1000, Vec3(0.05, 0, 0.58)));
+    RigidBody floor = box_body("floor", Vec3(0.5, 0.5, 0.05), 1000, Vec3(0, 0, 0.5));
     floor.is_fixed = true;
     scene.rigid_bodies.push_back(floor);
     Simulation through(device, scene), resumed(device, scene);
@@ -197,7 +160,7 @@ TEST(Simulation, ACheckpointGoesOnWithTheSameBits) {
 TEST(Simulation, IntersectingBodiesAreRefusedByName) {
   Device device;
   Scene scene = falling_box();
-  scene.rigid_bodies.push_back(box("intruder", Vec3::Constant(0.05), 1000, Vec3(0.05, 0.02, 1.03)));
+  scene.rigid_bodies.push_back(box_body("intruder", Vec3::Constant(0.05), 1000, Vec3(0.05, 0.02, 1.03)));
   try {
     Simulation simulation(device, scene);
     FAIL() << "an intersection was accepted";
