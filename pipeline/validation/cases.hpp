@@ -23,6 +23,9 @@ void validate_rib(Validation& v);
 void validate_elastica(Validation& v);
 void validate_cantilever(Validation& v);
 
+// contact_law.cpp
+void validate_contact_law(Validation& v);
+
 // finger.cpp
 void validate_finger(Validation& v);
 
