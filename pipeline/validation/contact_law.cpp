@@ -35,23 +35,23 @@ void validate_contact_law(Validation& v) {
     const double factor = pressure / law(gap, run.scene.contact);
     least = least == 0 ? factor : std::min(least, factor);
     most = std::max(most, factor);
-    of_box.x.push_back(1e3 * gap);
+    of_box.x.push_back(1e3 * (run.scene.contact.activation_distance - gap));
     of_box.y.push_back(pressure);
   }
-  for (double share = 0.02; share < 0.999; share += 0.01) {
-    const double gap = share * run.scene.contact.activation_distance;
-    of_law.x.push_back(1e3 * gap);
+  for (double share = 3e-4; share < 0.98; share *= 1.2) {
+    const double gap = (1 - share) * run.scene.contact.activation_distance;
+    of_law.x.push_back(1e3 * (run.scene.contact.activation_distance - gap));
     of_law.y.push_back(law(gap, run.scene.contact));
   }
   v.report("pressure over kappa |b'(g)|, 10 Pa to 1 MPa: least", "1", 1, least, "barrier_law.cl");
   v.report("pressure over kappa |b'(g)|, 10 Pa to 1 MPa: most", "1", 1, most, "barrier_law.cl");
-  v.plot({"contact_law",
-          "Contact pressure by gap, at the default contact settings",
-          "gap [mm]",
-          "pressure [Pa]",
-          {of_law, of_box},
-          false,
-          true});
+  Plot plot{"contact_law",
+            "Contact pressure at the default contact settings",
+            "activation distance minus gap [mm]",
+            "pressure [Pa]",
+            {of_law, of_box}};
+  plot.x_is_logarithmic = plot.y_is_logarithmic = true;
+  v.plot(std::move(plot));
 }
 
 }  // namespace pvg
