@@ -37,7 +37,8 @@ void GroupPreconditioner::for_each_block(std::span<const u32> element_sites, std
 }
 
 GroupPreconditioner::GroupPreconditioner(std::span<const Site> sites, std::span<const u32> node_group,
-                                         std::size_t n_groups, std::span<Term* const> terms)
+                                         std::size_t n_groups, std::span<Term* const> terms,
+                                         std::span<const std::array<u32, 2>> coupled)
     : sites_(sites.begin(), sites.end()),
       node_group_(node_group.begin(), node_group.end()),
       node_local_(node_group.size(), 0),
@@ -50,11 +51,11 @@ GroupPreconditioner::GroupPreconditioner(std::span<const Site> sites, std::span<
     node_local_[node] = u32(group.nodes.size());
     group.nodes.push_back(node);
   }
-  find_patterns(terms);
+  find_patterns(terms, coupled);
   find_destinations(terms);
 }
 
-void GroupPreconditioner::find_patterns(std::span<Term* const> terms) {
+void GroupPreconditioner::find_patterns(std::span<Term* const> terms, std::span<const std::array<u32, 2>> coupled) {
   std::vector<std::vector<std::vector<u32>>> rows(groups_.size());  // of each column of each group
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     rows[g].resize(groups_[g].nodes.size());
@@ -66,6 +67,8 @@ void GroupPreconditioner::find_patterns(std::span<Term* const> terms) {
                      [&](u32 row, u32 column, std::size_t, std::size_t, double) {
                        rows[node_group_[row]][node_local_[column]].push_back(node_local_[row]);
                      });
+  for (const auto& [a, b] : coupled)
+    rows[node_group_[a]][std::min(node_local_[a], node_local_[b])].push_back(std::max(node_local_[a], node_local_[b]));
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     Group& group = groups_[g];
     group.pattern.column_first.push_back(0);

@@ -1,7 +1,8 @@
 // The preconditioner: one exact sparse factor per group of bodies that joints and stitches hold together (a robot with
-// its fingers is one group, a free body another), contact and friction within a group's own nodes included. What is
-// left to conjugate gradients is the coupling of groups through contact.
+// its fingers is one group; the bodies that stand alone are another, if they are few), contact and friction within a
+// group's own nodes included. What is left to conjugate gradients is the coupling of groups through contact.
 #pragma once
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
@@ -25,9 +26,9 @@ struct ElementBlocks {
 class GroupPreconditioner {
  public:
   // node_group: group of each node, NO_GROUP for nodes that never move. `terms` are the elements whose pattern never
-  // changes; contacts must couple within a group only nodes that those already couple.
+  // changes; coupled: further pairs of nodes of one group that contacts may couple and that the factor then includes.
   GroupPreconditioner(std::span<const Site> sites, std::span<const u32> node_group, std::size_t n_groups,
-                      std::span<Term* const> terms);
+                      std::span<Term* const> terms, std::span<const std::array<u32, 2>> coupled = {});
 
   // Reads the terms' blocks, adds those of the contacts, factors the groups for which group_is_active.
   // Returns the first group that is not positive definite, or n_groups().
@@ -56,7 +57,7 @@ class GroupPreconditioner {
   };
   template <class Found>
   void for_each_block(std::span<const u32> element_sites, std::size_t stencil, const Found& found) const;
-  void find_patterns(std::span<Term* const> terms);
+  void find_patterns(std::span<Term* const> terms, std::span<const std::array<u32, 2>> coupled);
   void find_destinations(std::span<Term* const> terms);
   static u32 find_block(const Group& group, u32 row, u32 column);
   void add_term(const Term& term, std::span<const Destination> destinations);

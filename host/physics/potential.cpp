@@ -75,8 +75,8 @@ Potential::Potential(Device& device, const System& system)
   constant_gather_.set(blocks);
   element_energy_.resize(most_elements);
   rows_.resize(3 * n_constant_rows_);
-  preconditioner_ =
-      std::make_unique<GroupPreconditioner>(system.sites, system.node_group, system.group_world.size(), constant_);
+  preconditioner_ = std::make_unique<GroupPreconditioner>(system.sites, system.node_group, system.group_world.size(),
+                                                          constant_, system.contact_couplings);
 }
 
 void Potential::update_sites(Positions& positions) {

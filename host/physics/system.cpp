@@ -10,7 +10,8 @@
 namespace pvg {
 namespace {
 
-constexpr u32 UNUSED_NODE = 0;  // its weight is 0
+constexpr u32 UNUSED_NODE = 0;                // its weight is 0
+constexpr std::size_t MOST_LONE_BODIES = 32;  // that one dense factor of 12 unknowns each still pays for
 
 // ---- nodes ------------------------------------------------------------------------------------------------------
 
@@ -57,7 +58,17 @@ std::size_t stitched_body(const Scene& scene, const Stitch& stitch) {
   return stitch.soft >= 0 ? n_rigid + stitch.soft : n_rigid + scene.soft_bodies.size() + stitch.cloth;
 }
 
-// ---- groups: bodies connected by joints and stitches -------------------------------------------------------------
+// ---- groups: bodies connected by joints and stitches, and rigid ones that stand alone ----------------------------
+
+// Every node of every body with every node of every other, as contacts couple them in a stack.
+void couple_by_contact(System& system, std::size_t world, const std::vector<std::size_t>& bodies) {
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      for (u32 a = 0; a < 4; ++a)
+        for (u32 b = 0; b < 4; ++b)
+          system.contact_couplings.push_back(
+              {system.rigid_first_node[world][bodies[i]] + a, system.rigid_first_node[world][bodies[j]] + b});
+}
 
 void add_groups(System& system, std::size_t world) {
   const Scene& scene = system.scenes[world];
@@ -74,6 +85,14 @@ void add_groups(System& system, std::size_t world) {
   };
   for (const Joint& joint : scene.joints) join(joint.parent, joint.child);
   for (const Stitch& stitch : scene.stitches) join(stitch.rigid, stitched_body(scene, stitch));
+  std::vector<std::size_t> n_joined(n, 0), lone;
+  for (std::size_t i = 0; i < n; ++i) ++n_joined[find(i)];
+  for (std::size_t i = 0; i < n_rigid; ++i)
+    if (!scene.rigid_bodies[i].is_fixed && n_joined[find(i)] == 1) lone.push_back(i);
+  if (lone.size() <= MOST_LONE_BODIES) {
+    for (const std::size_t body : lone) join(body, lone[0]);
+    couple_by_contact(system, world, lone);
+  }
 
   std::vector<u32> group_of_root(n, NO_GROUP);
   const auto group = [&](std::size_t body) {

@@ -41,14 +41,15 @@ struct System {
   std::vector<Scene> scenes;  // [n_worlds]
 
   // nodes
-  std::vector<double> x, v, gravity;               // [n_nodes x 3]  [m], [m/s], [m/s^2]
-  std::vector<u32> node_world, node_is_fixed;      // [n_nodes]
-  std::vector<u32> node_group;                     // connected by joints and stitches; NO_GROUP where fixed
-  std::vector<u32> group_world;                    // [n_groups]
-  std::vector<WorldRange> node_ranges;             // one per world
-  std::vector<std::vector<u32>> soft_first_node;   // [n_worlds][n_soft_bodies]
-  std::vector<std::vector<u32>> cloth_first_node;  // [n_worlds][n_cloths]
-  std::vector<std::vector<u32>> rigid_first_node;  // [n_worlds][n_rigid_bodies]
+  std::vector<double> x, v, gravity;                  // [n_nodes x 3]  [m], [m/s], [m/s^2]
+  std::vector<u32> node_world, node_is_fixed;         // [n_nodes]
+  std::vector<u32> node_group;                        // factored together; NO_GROUP where fixed
+  std::vector<u32> group_world;                       // [n_groups]
+  std::vector<std::array<u32, 2>> contact_couplings;  // nodes of one group that nothing but contact couples
+  std::vector<WorldRange> node_ranges;                // one per world
+  std::vector<std::vector<u32>> soft_first_node;      // [n_worlds][n_soft_bodies]
+  std::vector<std::vector<u32>> cloth_first_node;     // [n_worlds][n_cloths]
+  std::vector<std::vector<u32>> rigid_first_node;     // [n_worlds][n_rigid_bodies]
 
   // sites: site i is node i for i < n_nodes, then points and directions of rigid bodies
   std::vector<Site> sites;
