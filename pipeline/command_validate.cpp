@@ -24,6 +24,11 @@ fs::path scenes_folder(const ValidateOptions& options) {
   return fs::exists(installed, ignored) ? installed : fs::path(PVG_DATA_SOURCE_FOLDER) / "validation";
 }
 
+fs::path recordings_folder(const ValidateOptions& options) {
+  if (!options.recordings.empty()) return options.recordings;
+  return fs::path(PVG_DATA_SOURCE_FOLDER).parent_path().parent_path() / "shared/realdata";
+}
+
 std::vector<ValidationCase> chosen_cases(const ValidateOptions& options) {
   std::vector<ValidationCase> chosen;
   std::string names;
@@ -72,6 +77,7 @@ nlohmann::ordered_json json_of(const ValidationRow& row) {
 std::vector<ValidationRow> run_case(const ValidationCase& each, Validation& validation) {
   validation.rows.clear();
   validation.plots.clear();
+  validation.skipped.clear();
   const auto start = std::chrono::steady_clock::now();
   try {
     each.run(validation);
@@ -79,6 +85,8 @@ std::vector<ValidationRow> run_case(const ValidationCase& each, Validation& vali
     std::fprintf(stderr, "phyvisgen: case %s: %s\n", each.name.c_str(), failure.what());
     validation.check_true("runs to its end", false, failure.what());
   }
+  if (!validation.skipped.empty())
+    std::fprintf(stderr, "phyvisgen: case %s is left out: %s\n", each.name.c_str(), validation.skipped.c_str());
   validation.add_step_rows();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   for (ValidationRow& row : validation.rows) {
@@ -97,6 +105,8 @@ void run_validate(const ValidateOptions& options) {
   if (!options.plots.empty()) make_writable_folder(options.plots);
   Device device(options.device);
   Validation validation(device, scenes_folder(options), options.is_quick, stop);
+  validation.recordings = recordings_folder(options);
+  validation.uses_all_recordings = options.uses_all_recordings;
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   std::size_t n_must = 0, n_failed = 0;
   if (!options.as_json)

@@ -44,8 +44,10 @@ void run_simulate(const SimulateOptions& options);
 struct ValidateOptions {
   std::vector<std::string> cases;  // names; empty: all
   std::string scenes, plots;       // folders; empty: data/validation, no plots
+  std::string recordings;          // folder of measured data; empty: ../shared/realdata beside the source tree
   std::string device;
   bool is_quick = false, as_json = false;
+  bool uses_all_recordings = false;
   bool lists = false;  // print the names of the chosen cases and nothing else
 };
 

@@ -67,6 +67,8 @@ void add_validate(CLI::App& program, pvg::ValidateOptions& o) {
   command->add_option("--case", o.cases, "Only this case; may stand several times")->allow_extra_args(false);
   command->add_option("--plots", o.plots, "Folder for the curves (SVG)");
   command->add_option("--scenes", o.scenes, "Folder of the cases' scene files");
+  command->add_option("--recordings", o.recordings, "Folder of the measured data; without it those cases are left out");
+  command->add_flag("--all-recordings", o.uses_all_recordings, "Every recording of those cases, not a number of them");
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
   command->add_flag("--quick", o.is_quick, "Only what is done within 3 minutes");
   command->add_flag("--list", o.lists, "Print the names of the chosen cases and end");

@@ -24,6 +24,14 @@ const std::vector<ValidationCase>& validation_cases() {
       {"stack", "ten boxes on each other, the heaviest on top", validate_stack, false},
       {"arch", "a round arch of 25 blocks", validate_arch, false},
       {"card_house", "seven cards", validate_card_house, false},
+      {"hertz", "an elastic sphere squeezed between two planes", validate_hertz, false},
+      {"squeeze_out", "soft blocks pressed through a slot", validate_squeeze_out, false},
+      {"knives", "a soft mat falls on blades", validate_knives, false},
+      {"slots", "keys fall through tight slots", validate_slots, false},
+      {"twist", "a soft mat twisted by four turns", validate_twist, false},
+      {"touching", "aligned and degenerate touching", validate_touching, false},
+      {"silicone_beam", "measured: a silicone beam under its weight and a load", validate_silicone_beam, false},
+      {"cube_toss", "measured: tosses of a cube", validate_cube_toss, false},
   };
   return CASES;
 }

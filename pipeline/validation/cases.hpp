@@ -34,6 +34,18 @@ void validate_stack(Validation& v);
 void validate_arch(Validation& v);
 void validate_card_house(Validation& v);
 
+// contact.cpp
+void validate_hertz(Validation& v);
+void validate_squeeze_out(Validation& v);
+void validate_knives(Validation& v);
+void validate_slots(Validation& v);
+void validate_twist(Validation& v);
+void validate_touching(Validation& v);
+
+// measured.cpp
+void validate_cube_toss(Validation& v);
+void validate_silicone_beam(Validation& v);
+
 // joints.cpp
 void validate_joint_signs(Validation& v);
 void validate_drive(Validation& v);

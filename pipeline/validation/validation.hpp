@@ -54,6 +54,9 @@ class Validation {
               const std::string& source);
   void plot(Plot plot) { plots.push_back(std::move(plot)); }
 
+  // A case whose data are absent has no rows, and says why.
+  void skip(const std::string& reason) { skipped = reason; }
+
   // The rows of what all steps since the last call must have kept; the command asks for them after each case.
   void add_step_rows();
   void stop_if_asked() const;  // throws TryAgain; for cases that run a Simulation of their own
@@ -62,7 +65,10 @@ class Validation {
   const bool is_quick;  // only what is done in seconds
   std::vector<ValidationRow> rows;
   std::vector<Plot> plots;
-  mutable StepCounts counts;  // of all runs of the case
+  mutable StepCounts counts;         // of all runs of the case
+  std::string skipped;               // why the case was; empty: it was not
+  std::filesystem::path recordings;  // folder of measured data
+  bool uses_all_recordings = false;  // not only as many as are done in a minute
 
  private:
   std::filesystem::path scenes_;
