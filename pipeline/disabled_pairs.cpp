@@ -11,6 +11,9 @@ namespace {
 int vertex_of(const System& system, int body, u32 site) {
   const Scene& scene = system.scenes.front();
   const int n_rigid = int(scene.rigid_bodies.size());
+  const int n_soft = int(scene.soft_bodies.size());
+  if (body >= n_rigid + n_soft)
+    return int(site - system.cloth_first_node.front()[std::size_t(body - n_rigid - n_soft)]);
   if (body >= n_rigid) return int(site - system.soft_first_node.front()[std::size_t(body - n_rigid)]);
   // a point of a rigid body has its coordinates as weights of the three axes
   const double* weight = system.sites[site].weight;

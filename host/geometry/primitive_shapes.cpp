@@ -130,6 +130,43 @@ TriangleMesh square_surface(double size) {
   return {{{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}}, {{0, 1, 2}, {0, 2, 3}}};
 }
 
+TriangleMesh sheet_surface(const std::array<double, 2>& size, const std::array<int, 2>& n) {
+  TriangleMesh mesh;
+  for (int j = 0; j <= n[1]; ++j)
+    for (int i = 0; i <= n[0]; ++i)
+      mesh.points.emplace_back(size[0] * (double(i) / n[0] - 0.5), size[1] * (double(j) / n[1] - 0.5), 0);
+  const Index row = Index(n[0] + 1);
+  for (Index j = 0; j < Index(n[1]); ++j)
+    for (Index i = 0; i < Index(n[0]); ++i) {
+      const Index a = i + row * j;
+      mesh.triangles.push_back({a, a + 1, a + 1 + row});
+      mesh.triangles.push_back({a, a + 1 + row, a + row});
+    }
+  return mesh;
+}
+
+TriangleMesh disc_surface(double radius, int rings) {
+  TriangleMesh mesh{{Vec3::Zero()}, {}};
+  const auto point = [](int ring, int i) {
+    return ring == 0 ? Index(0) : Index(3 * ring * (ring - 1) + 1 + i % (6 * ring));
+  };
+  for (int ring = 1; ring <= rings; ++ring)
+    for (int i = 0; i < 6 * ring; ++i) {
+      const double angle = 2 * std::numbers::pi * i / (6 * ring), r = radius * ring / rings;
+      mesh.points.emplace_back(r * std::cos(angle), r * std::sin(angle), 0);
+    }
+  // each sextant is a row of triangles between two circles
+  for (int ring = 1; ring <= rings; ++ring)
+    for (int sextant = 0; sextant < 6; ++sextant)
+      for (int i = 0; i < ring; ++i) {
+        const int outer = sextant * ring + i, inner = sextant * (ring - 1) + i;
+        mesh.triangles.push_back({point(ring - 1, inner), point(ring, outer), point(ring, outer + 1)});
+        if (i + 1 < ring)
+          mesh.triangles.push_back({point(ring - 1, inner), point(ring, outer + 1), point(ring - 1, inner + 1)});
+      }
+  return mesh;
+}
+
 TetMesh box_solid(const Vec3& size, const std::array<int, 3>& n, int nodes_per_element) {
   TetMesh mesh;
   for (int k = 0; k <= n[2]; ++k)

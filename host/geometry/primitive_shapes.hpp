@@ -27,6 +27,13 @@ TriangleMesh hexahedron_surface(const std::array<Vec3, 8>& corners);
 // In the plane z = 0, facing +z.
 TriangleMesh square_surface(double size);
 
+// The same, size[0] along x and size[1] along y in divisions[0] x divisions[1] cells, all cut along the same diagonal:
+// every triangle equals every other.
+TriangleMesh sheet_surface(const std::array<double, 2>& size, const std::array<int, 2>& divisions);
+
+// The same, round: 6 k points on circle k of `rings`, evenly spaced; triangles near to equilateral.
+TriangleMesh disc_surface(double radius, int rings);
+
 // ---- solids -----------------------------------------------------------------------------------------------------
 
 // divisions[axis] equal cells along each axis, six tetrahedra per cell that share its diagonal (Kuhn 1960).

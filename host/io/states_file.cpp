@@ -83,6 +83,10 @@ struct StatesFile::Impl {
       soft.push_back((stitched[i] ? "/X_gripper/" : "/X_deform/") + body.name);
       add<double>(soft.back(), {body.mesh.points.size(), 3});
     }
+    for (const Cloth& cloth : scene.cloths) {
+      cloths.push_back("/X_deform/" + cloth.name);
+      add<double>(cloths.back(), {cloth.mesh.points.size(), 3});
+    }
     for (const char* name : {"/contact/gap", "/contact/normal_force"}) add<double>(name, {});
     for (const char* name : {"/contact/points", "/contact/normal", "/contact/friction_force"}) add<double>(name, {3});
     for (const char* name : {"/solver/residual", "/solver/min_gap"}) add<double>(name, {});
@@ -143,7 +147,7 @@ struct StatesFile::Impl {
   std::map<std::string, Series<double>> numbers;
   std::map<std::string, Series<std::int64_t>> integers;
   std::vector<std::size_t> driven, links, rigids;  // of Scene::joints, of Scene::rigid_bodies
-  std::vector<std::string> soft;                   // data set of each soft body
+  std::vector<std::string> soft, cloths;           // data set of each
   std::vector<Camera> cameras;
   std::int64_t n_contacts = 0;
 };
@@ -179,6 +183,11 @@ void write_meshes(hdf5::File& file, const Scene& scene) {
     const SoftBody& body = scene.soft_bodies[i];
     write_mesh(file, body.name, std::int64_t(scene.rigid_bodies.size() + i), body.mesh.points, body.mesh.surface,
                body.mesh.elements, std::uint64_t(body.mesh.nodes_per_element));
+  }
+  const std::size_t first_cloth = scene.rigid_bodies.size() + scene.soft_bodies.size();
+  for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
+    const TriangleMesh& mesh = scene.cloths[i].mesh;
+    write_mesh(file, scene.cloths[i].name, std::int64_t(first_cloth + i), mesh.points, mesh.triangles, {}, 4);
   }
 }
 
@@ -223,12 +232,14 @@ StatesFile::StatesFile(const std::filesystem::path& path, const Scene& scene, co
     row[impl_->rigids[i]] = std::int64_t(i);
   }
   for (const RigidBody& body : scene.rigid_bodies) names.push_back(body.name);
-  for (std::size_t i = 0; i < scene.soft_bodies.size(); ++i) {
-    names.push_back(scene.soft_bodies[i].name);
+  const auto add_deformable = [&](const std::string& name, const std::string& data_set) {
+    names.push_back(name);
     source.push_back(std::int64_t(data_sets.size()));
     row.push_back(0);
-    data_sets.push_back(impl_->soft[i]);
-  }
+    data_sets.push_back(data_set);
+  };
+  for (std::size_t i = 0; i < scene.soft_bodies.size(); ++i) add_deformable(scene.soft_bodies[i].name, impl_->soft[i]);
+  for (std::size_t i = 0; i < scene.cloths.size(); ++i) add_deformable(scene.cloths[i].name, impl_->cloths[i]);
   file.write<std::int64_t>("/bodies/source", {source.size()}, source);
   file.write<std::int64_t>("/bodies/row", {row.size()}, row);
   std::vector<std::int64_t> is_fixed(source.size(), 0), noncolliding;
@@ -261,6 +272,7 @@ void StatesFile::append_step(const WorldState& state, const StepReport& report, 
   to.put("/T_link", T_link);
   to.put("/T_rigid", T_rigid);
   for (std::size_t i = 0; i < to.soft.size(); ++i) to.put(to.soft[i], flat(state.soft.at(i)));
+  for (std::size_t i = 0; i < to.cloths.size(); ++i) to.put(to.cloths[i], flat(state.cloth.at(i)));
   to.put_contacts(state);
   to.put<std::int64_t>("/solver/newton", {report.newton});
   to.put<std::int64_t>("/solver/cg", {report.cg});

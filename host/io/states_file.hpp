@@ -3,10 +3,10 @@
 // same (task, seed, episode) gives the same bytes.
 //
 //   /time [T, s]  /frame_step [F]  /q /a /torque [T, J]  /T_link [T, L, 3, 4]  /T_rigid [T, R, 3, 4]
-//   /X_gripper/<name> /X_deform/<name> [T, V, 3, m]      soft bodies stitched to a rigid one; free ones
+//   /X_gripper/<name> /X_deform/<name> [T, V, 3, m]      soft bodies stitched to a rigid one; free ones and cloths
 //   /bodies/{source, row, is_fixed}     of every body: the data set its state is in and the row there
 //   /bodies/noncolliding [n, 2]         pairs of bodies that never touch: jointed links and those the scene names
-//   /mesh/<name>/{rest [V, 3, m], elements [n, 4 or 10], triangles [n, 3], body}
+//   /mesh/<name>/{rest [V, 3, m], elements [n, 4 or 10] (of a cloth: none), triangles [n, 3], body}
 //   /contact/{offset [T + 1], points [C, 3, m], kind, bodies [C, 2], normal [C, 3], gap [C, m], normal_force [C, N],
 //             friction_force [C, 3, N]}     kind 0: point-triangle, 1: edge-edge; forces act on the first body
 //   /contact_disabled [n, 9]   kind, two bodies, three vertices of each (-1: fewer)
@@ -38,7 +38,7 @@ struct EpisodeHeader {
 // Element pairs that may not touch by construction.
 struct DisabledPair {
   ContactForce::Kind kind = ContactForce::Kind::point_triangle;
-  int first = -1, second = -1;                    // bodies: rigid ones first, then soft ones at n_rigid + i
+  int first = -1, second = -1;                    // bodies: rigid ones first, then soft ones, then cloths
   std::array<int, 3> first_vertices{-1, -1, -1};  // of the body's mesh
   std::array<int, 3> second_vertices{-1, -1, -1};
 };

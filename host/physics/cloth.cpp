@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <string>
 
@@ -97,32 +96,36 @@ double fold_angle(const Vec3& from, const Vec3& to, const Vec3& own_apex, const 
 
 }  // namespace
 
-void check_cloth(const Cloth& cloth, double activation_distance) {
+void check_cloth(const Cloth& cloth) {
   const ClothMaterial& m = cloth.material;
   const std::string name = "cloth " + cloth.name;
   if (!(m.area_density > 0) || !(m.thickness >= 0))
     throw UsageError(name + ": its area density must be positive and its thickness not negative");
   if (!(m.stretch_warp > 0) || !(m.stretch_weft > 0) || !(m.shear > 0))
     throw UsageError(name + ": its stretch and shear stiffnesses must be positive");
+  if (!(m.poisson_ratio >= 0 && m.poisson_ratio < 1))
+    throw UsageError(name + ": its Poisson's ratio must lie in [0, 1)");
   if (!(m.bending_warp >= 0) || !(m.bending_weft >= 0) || !(m.limit_strain >= 0) || !(m.stiffening >= 0))
     throw UsageError(name + ": its bending rigidities, limit strain and stiffening must not be negative");
-  double smallest_height = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < cloth.mesh.triangles.size(); ++i) {
     const Triangle& t = cloth.mesh.triangles[i];
     double longest = 0;
     for (int k = 0; k < 3; ++k)
       longest = std::max(longest, (cloth.mesh.points[t[k]] - cloth.mesh.points[t[(k + 1) % 3]]).norm());
-    const double height = normal(cloth, t).norm() / longest;
-    if (!(height > 1e-9 * longest))
+    if (!(normal(cloth, t).norm() > 1e-9 * longest * longest))
       throw UsageError(name + ": triangle " + std::to_string(i) + " has no area; mesh the cloth again");
-    smallest_height = std::min(smallest_height, height);
   }
-  // neighbouring triangles would push each other apart in the flat cloth
-  if (!(smallest_height > m.thickness + activation_distance))
-    throw UsageError(
-        name + ": its smallest triangle is " + std::to_string(1e3 * smallest_height) +
-        " mm high, which must be more than its thickness and the contact's activation distance together (" +
-        std::to_string(1e3 * (m.thickness + activation_distance)) + " mm); mesh it coarser or make these smaller");
+}
+
+std::vector<char> cloth_is_pinned(const Cloth& cloth) {
+  std::vector<char> is_pinned(cloth.mesh.points.size(), false);
+  for (const std::uint32_t point : cloth.pinned) {
+    if (point >= is_pinned.size())
+      throw UsageError("cloth " + cloth.name + ": point " + std::to_string(point) +
+                       " is to be pinned, but its mesh has only " + std::to_string(is_pinned.size()));
+    is_pinned[point] = true;
+  }
+  return is_pinned;
 }
 
 std::vector<double> cloth_node_masses(const Cloth& cloth) {
@@ -148,8 +151,10 @@ std::vector<ClothMembrane> cloth_membrane_elements(const Cloth& cloth, u32 first
     for (int k = 0; k < 3; ++k) element.site[k] = first_node + t[k];
     for (int k = 0; k < 4; ++k) element.rest_inverse[k] = inverse(k / 2, k % 2);
     element.area = shape.determinant() / 2;
-    element.stretch_warp = m.stretch_warp;
-    element.stretch_weft = m.stretch_weft;
+    const double contraction = 1 - m.poisson_ratio * m.poisson_ratio;  // what is stretched pulls across, too
+    element.stretch_warp = m.stretch_warp / contraction;
+    element.stretch_weft = m.stretch_weft / contraction;
+    element.coupling = m.poisson_ratio * std::sqrt(m.stretch_warp * m.stretch_weft) / contraction;
     element.shear = m.shear;
     element.limit_strain = m.limit_strain;
     element.stiffening = m.stiffening;

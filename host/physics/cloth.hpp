@@ -8,9 +8,12 @@
 
 namespace pvg {
 
-// Throws a UsageError naming the cloth: material out of range, triangles without area or finer than contact allows at
-// this activation distance [m], edges with more than two triangles or with triangles that run opposite ways.
-void check_cloth(const Cloth& cloth, double activation_distance);
+// Throws a UsageError naming the cloth: material out of range, triangles without area, edges with more than two
+// triangles or with triangles that run opposite ways.
+void check_cloth(const Cloth& cloth);
+
+// Which points never move. [n_points]
+std::vector<char> cloth_is_pinned(const Cloth& cloth);
 
 // A third of each triangle's mass to each corner. [n_points, kg]
 std::vector<double> cloth_node_masses(const Cloth& cloth);

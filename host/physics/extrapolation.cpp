@@ -70,6 +70,8 @@ std::vector<double> extrapolated_motion(const System& system, const std::vector<
                        Eigen::Map<Eigen::Matrix3Xd>(&motion[3 * first], 3, 4));
     }
   }
+  for (std::size_t i = 0; i < motion.size(); ++i)
+    if (system.node_is_fixed[i / 3]) motion[i] = 0;  // pinned points of a cloth that moves
   return motion;
 }
 

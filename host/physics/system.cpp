@@ -35,8 +35,9 @@ void add_nodes(System& system, std::size_t world) {
   }
   for (const Cloth& cloth : scene.cloths) {
     system.cloth_first_node[world].push_back(u32(system.n_nodes()));
-    for (const Vec3& point : cloth.mesh.points)
-      add_node(system, world, cloth.pose * point, cloth.velocity, scene.gravity, false);
+    const std::vector<char> is_pinned = cloth_is_pinned(cloth);
+    for (std::size_t i = 0; i < is_pinned.size(); ++i)
+      add_node(system, world, cloth.pose * cloth.mesh.points[i], cloth.velocity, scene.gravity, is_pinned[i]);
   }
   for (const RigidBody& body : scene.rigid_bodies) {
     system.rigid_first_node[world].push_back(u32(system.n_nodes()));
@@ -106,8 +107,8 @@ void add_groups(System& system, std::size_t world) {
   for (std::size_t i = 0; i < scene.soft_bodies.size(); ++i)
     system.node_group.insert(system.node_group.end(), scene.soft_bodies[i].mesh.points.size(), group(n_rigid + i));
   for (std::size_t i = 0; i < scene.cloths.size(); ++i)
-    system.node_group.insert(system.node_group.end(), scene.cloths[i].mesh.points.size(),
-                             group(n_rigid + scene.soft_bodies.size() + i));
+    for (const char is_pinned : cloth_is_pinned(scene.cloths[i]))
+      system.node_group.push_back(is_pinned ? NO_GROUP : group(n_rigid + scene.soft_bodies.size() + i));
   for (std::size_t i = 0; i < n_rigid; ++i)
     system.node_group.insert(system.node_group.end(), 4, scene.rigid_bodies[i].is_fixed ? NO_GROUP : group(i));
 }
@@ -167,7 +168,7 @@ void add_cloth_terms(System& system, std::size_t world) {
   const Scene& scene = system.scenes[world];
   for (std::size_t b = 0; b < scene.cloths.size(); ++b) {
     const Cloth& cloth = scene.cloths[b];
-    check_cloth(cloth, scene.contact.activation_distance);
+    check_cloth(cloth);
     const u32 first = system.cloth_first_node[world][b];
     const std::vector<double> masses = cloth_node_masses(cloth);
     for (std::size_t i = 0; i < masses.size(); ++i)

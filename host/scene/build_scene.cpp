@@ -87,6 +87,18 @@ void add_object(Scene& scene, const ObjectSection& object, const Draw& draw) {
   }
 }
 
+void add_cloth(Scene& scene, const ClothSection& section, const Draw& draw) {
+  scene.cloths.push_back(section.cloth);
+  scene.cloths.back().pose = draw_pose(draw, section.cloth.name, section.pose);
+  if (section.look.empty()) return;
+  Visual visual;
+  visual.name = visual.part = section.cloth.name;
+  visual.material = material_index(scene, section.look);
+  visual.cloth = int(scene.cloths.size()) - 1;
+  visual.subdivision_levels = section.subdivision_levels;
+  scene.visuals.push_back(visual);
+}
+
 VectorXd home_configuration(const RobotModel& model, const RobotSection& robot) {
   if (robot.home.size() != model.actuated.size()) {
     throw UsageError("`robot.home` holds " + std::to_string(robot.home.size()) + " numbers, but " +
@@ -254,6 +266,7 @@ TaskScene build(const Task& task, Draw draw) {
     if (task.gripper) add_gripper(built, *task.gripper, arm, flange_link);
   }
   for (const ObjectSection& object : task.objects) add_object(scene, object, draw);
+  for (const ClothSection& section : task.cloths) add_cloth(scene, section, draw);
   add_background(scene, task.background);
   add_cameras(built, task);
   return built;

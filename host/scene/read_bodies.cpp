@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/geometry/mass_properties.hpp"
+#include "host/scene/read_cloth.hpp"
 #include "host/scene/read_sections.hpp"
 #include "host/scene/read_shapes.hpp"
 
@@ -25,6 +26,13 @@ int index_of(Section& section, const std::string& key, const std::vector<Body>& 
   for (std::size_t i = 0; i < bodies.size(); ++i)
     if (bodies[i].name == name) return int(i);
   section.fail(key, "names `" + name + "`, which is no " + kind + " of `bodies`");
+}
+
+int index_of_cloth(Section& section, const std::vector<ClothSection>& cloths) {
+  const std::string name = section.text("cloth");
+  for (std::size_t i = 0; i < cloths.size(); ++i)
+    if (cloths[i].cloth.name == name) return int(i);
+  section.fail("cloth", "names `" + name + "`, which `cloths` does not hold");
 }
 
 void set_mass(Section& section, RigidBody& body) {
@@ -171,19 +179,20 @@ void read_joint(Section& section, SceneFile& file) {
 void read_stitch(Section& section, SceneFile& file) {
   Scene& scene = file.added;
   Stitch stitch;
-  stitch.soft = index_of(section, "soft", scene.soft_bodies, "soft body");
+  if (section.has("soft") == section.has("cloth"))
+    section.fail("", "must name either a `soft` body or a `cloth`, which is held");
+  if (section.has("soft"))
+    stitch.soft = index_of(section, "soft", scene.soft_bodies, "soft body");
+  else
+    stitch.cloth = index_of_cloth(section, file.task.cloths);
   stitch.rigid = index_of(section, "rigid", scene.rigid_bodies, "rigid or static body");
-  const Vec3 low = section.vector("low", Unit::length, -2 * REACH, 2 * REACH);
-  const Vec3 high = section.vector("high", Unit::length, -2 * REACH, 2 * REACH);
   stitch.stiffness = section.number("stiffness", Unit::stiffness, 1e-3, 1e13, stitch.stiffness);
   stitch.direction = section.vector("direction", Unit::none, -1e6, 1e6, Vec3::Zero());
   if (section.has("direction") && !(stitch.direction.norm() > 1e-9))
     section.fail("direction", "must not have the length zero; leave it out to hold all directions");
-  const std::vector<Vec3>& points = scene.soft_bodies[stitch.soft].mesh.points;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if ((points[i].array() >= low.array()).all() && (points[i].array() <= high.array()).all())
-      stitch.nodes.push_back(std::uint32_t(i));
-  if (stitch.nodes.empty()) section.fail("low", "and `high` hold no node of the soft body (in its own frame)");
+  stitch.nodes = stitch.soft >= 0
+                     ? read_points_within(section, scene.soft_bodies[stitch.soft].mesh.points, "soft body")
+                     : read_points_within(section, file.task.cloths[stitch.cloth].cloth.mesh.points, "cloth");
   section.done();
   scene.stitches.push_back(stitch);
 }

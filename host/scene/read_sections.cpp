@@ -34,20 +34,6 @@ Pose read_camera_pose(Section& section) {
   return pose;
 }
 
-SampledPose read_sampled_pose(Section& object) {
-  SampledPose pose;
-  if (!object.has("pose")) return pose;
-  Section section = object.section("pose");
-  pose.x = section.range("x", Unit::length, -REACH, REACH, 0);
-  pose.y = section.range("y", Unit::length, -REACH, REACH, 0);
-  pose.z = section.range("z", Unit::length, -REACH, REACH, 0);
-  pose.roll = section.range("roll", Unit::angle, -2 * PI, 2 * PI, 0);
-  pose.pitch = section.range("pitch", Unit::angle, -2 * PI, 2 * PI, 0);
-  pose.yaw = section.range("yaw", Unit::angle, -2 * PI, 2 * PI, 0);
-  section.done();
-  return pose;
-}
-
 VisualMaterial read_material(Section& section, std::vector<std::filesystem::path>* textures) {
   using Kind = VisualMaterial::Kind;
   VisualMaterial material;
@@ -73,6 +59,20 @@ VisualMaterial read_material(Section& section, std::vector<std::filesystem::path
 }
 
 }  // namespace
+
+SampledPose read_sampled_pose(Section& parent) {
+  SampledPose pose;
+  if (!parent.has("pose")) return pose;
+  Section section = parent.section("pose");
+  pose.x = section.range("x", Unit::length, -REACH, REACH, 0);
+  pose.y = section.range("y", Unit::length, -REACH, REACH, 0);
+  pose.z = section.range("z", Unit::length, -REACH, REACH, 0);
+  pose.roll = section.range("roll", Unit::angle, -2 * PI, 2 * PI, 0);
+  pose.pitch = section.range("pitch", Unit::angle, -2 * PI, 2 * PI, 0);
+  pose.yaw = section.range("yaw", Unit::angle, -2 * PI, 2 * PI, 0);
+  section.done();
+  return pose;
+}
 
 void check_schema(Section& root) {
   if (root.integer("schema", 0, 1000000) != 1) root.fail("schema", "must be 1, the only version this program reads");

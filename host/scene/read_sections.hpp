@@ -22,6 +22,7 @@ Pose read_pose(YamlSection& parent, const std::string& key);
 void add_materials(YamlSection& root, std::vector<VisualMaterial>& materials,
                    std::vector<std::filesystem::path>* textures);
 
+SampledPose read_sampled_pose(YamlSection& section);  // `pose` of this section, numbers or ranges
 ObjectSection read_object(YamlSection& section);
 ContactSettings read_contact(YamlSection& root);
 SolverSettings read_solver(YamlSection& root, double largest_time_step);

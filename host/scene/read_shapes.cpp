@@ -58,6 +58,20 @@ TriangleMesh read_square(YamlSection& section) {
   return square_surface(section.number("size", Unit::length, SMALLEST, 2 * REACH));
 }
 
+TriangleMesh read_sheet(YamlSection& section) {
+  const std::vector<double> size = section.numbers("size", Unit::length, SMALLEST, 2 * REACH);
+  const std::vector<double> divisions = section.numbers("divisions", Unit::none, 1, MOST_DIVISIONS);
+  if (size.size() != 2) section.fail("size", "must hold two lengths");
+  if (divisions.size() != 2 || divisions[0] != std::floor(divisions[0]) || divisions[1] != std::floor(divisions[1]))
+    section.fail("divisions", "must hold two whole numbers");
+  return sheet_surface({size[0], size[1]}, {int(divisions[0]), int(divisions[1])});
+}
+
+TriangleMesh read_disc(YamlSection& section) {
+  const double radius = section.number("radius", Unit::length, SMALLEST, REACH);
+  return disc_surface(radius, section.integer("rings", 1, MOST_DIVISIONS));
+}
+
 TetMesh read_bar(YamlSection& section) {
   const Vec3 size = section.vector("size", Unit::length, SMALLEST, 2 * REACH);
   const std::array<int, 3> divisions = read_divisions(section, {1, 1, 1});
@@ -112,6 +126,15 @@ TriangleMesh read_surface_shape(YamlSection shape, bool may_be_open) {
       {"box", read_box}, {"sphere", read_sphere}, {"cylinder", read_cylinder}, {"hexahedron", read_hexahedron}};
   if (may_be_open) readers.push_back({"square", read_square});
   return read_one<TriangleMesh>(shape, readers);
+}
+
+TriangleMesh read_sheet_shape(YamlSection shape) {
+  if (shape.has("mesh")) {
+    const std::filesystem::path file = shape.file("mesh");
+    shape.done();
+    return read_surface(file);
+  }
+  return read_one<TriangleMesh>(shape, {{"sheet", read_sheet}, {"disc", read_disc}});
 }
 
 TetMesh read_solid_shape(YamlSection shape) {

@@ -8,5 +8,6 @@ namespace pvg {
 // may_be_open: a body that never moves needs no inside
 TriangleMesh read_surface_shape(YamlSection section, bool may_be_open);
 TetMesh read_solid_shape(YamlSection section);
+TriangleMesh read_sheet_shape(YamlSection section);  // of a cloth: open or closed
 
 }  // namespace pvg

@@ -116,6 +116,17 @@ void write_gripper(Writer& w, const std::optional<GripperSection>& gripper) {
   w.end();
 }
 
+void write_sampled_pose(Writer& w, const SampledPose& pose) {
+  w.begin("pose");
+  w.range("x", pose.x);
+  w.range("y", pose.y);
+  w.range("z", pose.z);
+  w.range("roll", pose.roll);
+  w.range("pitch", pose.pitch);
+  w.range("yaw", pose.yaw);
+  w.end();
+}
+
 void write_object(Writer& w, const ObjectSection& object) {
   w.entry("name", object.name);
   w.path("mesh", object.mesh);
@@ -129,14 +140,36 @@ void write_object(Writer& w, const ObjectSection& object) {
   if (object.mass > 0) w.entry("mass", object.mass);
   w.entry("friction", object.friction);
   w.entry("affine_modulus", object.affine_modulus);
-  w.begin("pose");
-  w.range("x", object.pose.x);
-  w.range("y", object.pose.y);
-  w.range("z", object.pose.z);
-  w.range("roll", object.pose.roll);
-  w.range("pitch", object.pose.pitch);
-  w.range("yaw", object.pose.yaw);
+  write_sampled_pose(w, object.pose);
+}
+
+void write_cloth(Writer& w, const ClothSection& section) {
+  const Cloth& cloth = section.cloth;
+  const ClothMaterial& m = cloth.material;
+  w.entry("name", cloth.name);
+  w.path("mesh", section.mesh);
+  w.entry("points", cloth.mesh.points.size());
+  w.entry("triangles", cloth.mesh.triangles.size());
+  w.begin("material");
+  w.entry("area_density", m.area_density);
+  w.entry("thickness", m.thickness);
+  w.entry("stretch_warp", m.stretch_warp);
+  w.entry("stretch_weft", m.stretch_weft);
+  w.entry("shear", m.shear);
+  w.entry("poisson_ratio", m.poisson_ratio);
+  w.entry("limit_strain", m.limit_strain);
+  w.entry("stiffening", m.stiffening);
+  w.entry("bending_warp", m.bending_warp);
+  w.entry("bending_weft", m.bending_weft);
   w.end();
+  w.entry("rest_angles", cloth.rest_is_flat ? "flat" : "mesh");
+  w.vector("warp", cloth.warp_direction);
+  w.out << Key << "pinned_points" << Value << YAML::Flow << cloth.pinned;
+  w.entry("friction", cloth.friction);
+  w.vector("velocity", cloth.velocity);
+  write_sampled_pose(w, section.pose);
+  w.entry("look", section.look);
+  w.entry("subdivision_levels", section.subdivision_levels);
 }
 
 void write_physics(Writer& w, const Task& task) {
@@ -237,6 +270,7 @@ std::string resolved_yaml(const Task& task, const TaskScene& built) {
   write_robot(w, task.robot);
   write_gripper(w, task.gripper);
   w.list("objects", task.objects, [&](const ObjectSection& object) { write_object(w, object); });
+  w.list("cloths", task.cloths, [&](const ClothSection& cloth) { write_cloth(w, cloth); });
   write_physics(w, task);
   write_motion(w, task);
   write_looks(w, task);

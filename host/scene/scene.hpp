@@ -61,7 +61,8 @@ struct ClothMaterial {
   double area_density = 0.15;                    // [kg/m^2]
   double thickness = 4e-4;                       // contact acts half of it to each side of the mesh [m]
   double stretch_warp = 2e3, stretch_weft = 2e3;  // Young's modulus x thickness along the threads [N/m]
-  double shear = 50;                             // shear modulus x thickness [N/m]; Poisson's ratio is 0
+  double shear = 50;                             // shear modulus x thickness [N/m]
+  double poisson_ratio = 0;                      // in the plane, sqrt(nu_warp_weft nu_weft_warp), in [0, 1)
   double limit_strain = 0.05;                    // threads stiffen beyond it: modulus x (1 + 6 stiffening (e - limit))
   double stiffening = 100;
   double bending_warp = 1e-5, bending_weft = 1e-5;  // flexural rigidity against bending the threads [N m]
@@ -74,6 +75,7 @@ struct Cloth {
   ClothMaterial material;
   Vec3 warp_direction = Vec3::UnitX();       // in the cloth's frame, projected on each triangle; the weft crosses it
   bool rest_is_flat = true;                  // false: the angles between the mesh's triangles are without moment
+  std::vector<std::uint32_t> pinned;         // points of the mesh that never move
   double friction = 0.5;
   Pose pose = Pose::Identity();              // initial, body to world
   Vec3 velocity = Vec3::Zero();              // [m/s]
@@ -176,14 +178,14 @@ struct VisualMesh {
   std::vector<Triangle> triangles;
 };
 
-// One visible thing. It follows a rigid body, a soft body (its mesh is then the subdivided surface), or nothing.
+// One visible thing. It follows a rigid body, a soft body or cloth (its mesh is then the subdivided surface), or nothing.
 struct Visual {
   std::string name;
-  int mesh = -1;                           // of Scene::visual_meshes; -1 for a soft body: made from its surface
+  int mesh = -1;                           // of Scene::visual_meshes; -1 for a soft body or cloth: made from its surface
   int material = -1;
-  int rigid = -1, soft = -1;               // body it follows; both -1: stands still
+  int rigid = -1, soft = -1, cloth = -1;   // body it follows; all -1: stands still
   Pose pose = Pose::Identity();            // mesh to body (or to world)
-  int subdivision_levels = 1;              // of a soft body's surface
+  int subdivision_levels = 1;              // of a soft body's or cloth's surface
   std::string part;                        // label in the segmentation masks, such as "gripper"
   bool casts_shadow_on_receivers = true;   // false for the captured background itself
 };

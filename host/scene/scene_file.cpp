@@ -30,7 +30,7 @@ void append(Scene& scene, const Scene& added) {
   }
   for (Stitch stitch : added.stitches) {
     stitch.rigid += first_rigid;
-    stitch.soft += first_soft;
+    if (stitch.soft >= 0) stitch.soft += first_soft;
     scene.stitches.push_back(stitch);
   }
 }

@@ -12,11 +12,12 @@
 //        drive: {stiffness: 100, damping: 1, target: 30 deg}}
 //   stitches:
 //     - {soft: bar, rigid: floor, low: [-1, -1, -1], high: [-0.049, 1, 1], stiffness: 1e6}
+//     - {cloth: towel, rigid: floor, low: [..], high: [..], stiffness: 1e5}
 //   pair_friction:
 //     - {first: cube, second: floor, coefficient: 0.3}
 //
 // Shapes of rigid and static bodies: mesh (a file), box, sphere, cylinder, hexahedron, square (static only); of soft
-// ones: bar, ball_octant, or a closed one, which tetgen fills (`solid`).
+// ones: bar, ball_octant, or a closed one, which tetgen fills (`solid`). Cloths: read_cloth.hpp.
 #pragma once
 #include <filesystem>
 #include <vector>

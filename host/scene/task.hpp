@@ -103,6 +103,15 @@ struct BackgroundSection {
   float shadow_strength = 0.6f;         // lambda_s in [0, 1]
 };
 
+// A cloth: as simulated, its pose still to be drawn, and how it is seen.
+struct ClothSection {
+  Cloth cloth;
+  std::filesystem::path mesh;  // empty: a plain shape
+  SampledPose pose;            // to world
+  std::string look;            // a name of Task::materials; empty: not seen
+  int subdivision_levels = 1;  // of its visual surface
+};
+
 // The episode succeeded if all of these hold for the object.
 struct SuccessConditions {
   std::string object;
@@ -126,6 +135,7 @@ struct Task {
   RobotSection robot;
   std::optional<GripperSection> gripper;
   std::vector<ObjectSection> objects;
+  std::vector<ClothSection> cloths;
   std::vector<PairFriction> pair_friction;
   ContactSettings contact;
   SolverSettings solver;  // its time_step is the task's key `time_step`

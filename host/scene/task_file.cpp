@@ -1,5 +1,6 @@
 #include "host/scene/task_file.hpp"
 
+#include "host/scene/read_cloth.hpp"
 #include "host/scene/read_sections.hpp"
 
 namespace pvg {
@@ -75,6 +76,15 @@ RenderSection read_render(Section& root) {
 
 void check_names(const Section& root, const Task& task, const std::vector<std::string>& bodies) {
   check_distinct(root, "objects", task.objects);
+  for (const ClothSection& section : task.cloths) {
+    const std::string& name = section.cloth.name;
+    const auto is_same = [&](const ClothSection& other) { return other.cloth.name == name; };
+    if (std::count_if(task.cloths.begin(), task.cloths.end(), is_same) > 1 || find_named(task.objects, name) ||
+        std::find(bodies.begin(), bodies.end(), name) != bodies.end())
+      root.fail("cloths", "holds the name `" + name + "`, which another body has, too");
+    if (!section.look.empty() && !find_named(task.materials, section.look))
+      root.fail("cloths", "holds `" + name + "` with the look `" + section.look + "`, which `materials` does not hold");
+  }
   check_distinct(root, "cameras", task.cameras);
   check_distinct(root, "lights", task.lights);
   const auto need_object = [&](const std::string& key, const std::string& name) {
@@ -83,6 +93,10 @@ void check_names(const Section& root, const Task& task, const std::vector<std::s
   };
   const auto is_finger = [&](const std::string& name) {
     return task.gripper && find_named(task.gripper->fingers, name);
+  };
+  const auto is_cloth = [&](const std::string& name) {
+    return std::any_of(task.cloths.begin(), task.cloths.end(),
+                       [&](const ClothSection& section) { return section.cloth.name == name; });
   };
   for (const ObjectSection& object : task.objects) {
     for (const VisualSection& visual : object.visuals) {
@@ -98,7 +112,7 @@ void check_names(const Section& root, const Task& task, const std::vector<std::s
   for (const PairFriction& pair : task.pair_friction) {
     for (const std::string& name : {pair.first, pair.second}) {
       const bool is_body = std::find(bodies.begin(), bodies.end(), name) != bodies.end();
-      if (!is_body && !is_finger(name)) need_object("pair_friction", name);
+      if (!is_body && !is_finger(name) && !is_cloth(name)) need_object("pair_friction", name);
     }
   }
   for (const CameraSection& camera : task.cameras) {
@@ -128,6 +142,7 @@ Task read_scene_sections(Section& root, double largest_time_step) {
     }
   }
   for (Section& section : root.sections("objects")) task.objects.push_back(read_object(section));
+  for (Section& section : root.sections("cloths")) task.cloths.push_back(read_cloth(section));
   for (Section& section : root.sections("pair_friction")) {
     task.pair_friction.push_back(
         {section.text("first"), section.text("second"), section.number("coefficient", Unit::none, 0, 10)});

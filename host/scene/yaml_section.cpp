@@ -33,6 +33,7 @@ const std::vector<NamedUnit>& units_of(Unit unit) {
       {Unit::torque, {{"N m", 1}, {"mN m", 1e-3}}},
       {Unit::pressure, {{"Pa", 1}, {"kPa", 1e3}, {"MPa", 1e6}, {"GPa", 1e9}}},
       {Unit::density, {{"kg/m^3", 1}, {"g/cm^3", 1e3}}},
+      {Unit::area_density, {{"kg/m^2", 1}, {"g/m^2", 1e-3}}},
       {Unit::volume, {{"m^3", 1}, {"cm^3", 1e-6}, {"mm^3", 1e-9}}},
       {Unit::stiffness, {{"N/m", 1}, {"N/mm", 1e3}, {"kN/m", 1e3}}},
       {Unit::angular_stiffness, {{"N m/rad", 1}, {"N m/deg", 1 / DEGREE}}},

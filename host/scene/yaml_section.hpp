@@ -29,6 +29,7 @@ enum class Unit {
   torque,             // N m
   pressure,           // Pa
   density,            // kg/m^3
+  area_density,       // kg/m^2
   volume,             // m^3
   stiffness,          // N/m
   angular_stiffness,  // N m/rad

@@ -1,13 +1,15 @@
 // Woven membrane, one triangle. F = [f_u, f_v] = dx/dX, columns along warp and weft, constant in the triangle:
-//   E = A (k_u phi(|f_u| - 1) + k_v phi(|f_v| - 1) + k_s/2 (f_u . f_v)^2),   phi(e) = e^2/2 + S max(e - e_l, 0)^3  [J]
+//   E = A (k_u phi(e_u) + k_v phi(e_v) + k_p e_u e_v + k_s/2 (f_u . f_v)^2)                                      [J]
+//   e = |f| - 1,   phi(e) = e^2/2 + S max(e - e_l, 0)^3
 // Fibres as springs and the angle between them: after Baraff and Witkin 1998, "Large Steps in Cloth Simulation", with a
 // cubic term that lets the modulus grow as 1 + 6 S (e - e_l) beyond the strain e_l.
-// Small strains: an orthotropic sheet with E t = k_u along the warp and k_v along the weft, G t = k_s, and Poisson's
-// ratio 0 in these directions. k_u = k_v = 2 k_s is isotropic. On the bias (45 degrees)
+// Small strains: an orthotropic sheet. With nu = k_p / sqrt(k_u k_v) it has E t = k_u (1 - nu^2) along the warp,
+// k_v (1 - nu^2) along the weft, and G t = k_s. k_u = k_v = k with 2 k_s = k - k_p is isotropic, and nu is then Poisson's
+// ratio. Without k_p, on the bias (45 degrees)
 //   1 / (E t) = (1/k_u + 1/k_v + 1/k_s) / 4.
 // Fibres resist compression as much as tension; cloth escapes that by buckling.
-// Hessian: the nearest positive semi-definite one of each of the three energies, by their eigenvalues: Kim 2020, "A
-// Finite Element Formulation of Baraff-Witkin Cloth".
+// Hessian: the nearest positive semi-definite one of the fibres' energy and of the shear's, by their eigenvalues: Kim
+// 2020, "A Finite Element Formulation of Baraff-Witkin Cloth".
 #include "energies/cloth_membrane.h"
 #include "energies/isotropic.cl"
 
@@ -41,20 +43,26 @@ real fibre_curvature(const ClothMembrane p, const real strain) {
   return 1 + 6 * p.stiffening * fmax(strain - p.limit_strain, (real)0);
 }
 
-// force of one fibre direction: d phi(|f| - 1) / df
-real3 fibre_gradient(const ClothMembrane p, const real3 f) {
-  const real s = length(f);
-  return f * (fibre_slope(p, s - 1) / fmax(s, (real)SHORTEST_FIBRE));
+// Both fibre directions: strains and tensions (force per length of the other direction).
+typedef struct {
+  real strain[2], tension[2];
+} Fibres;
+
+Fibres fibres_at(const ClothMembrane p, const real3 f[2]) {
+  Fibres at;
+  for (int i = 0; i < 2; ++i) at.strain[i] = length(f[i]) - 1;
+  at.tension[0] = p.stretch_warp * fibre_slope(p, at.strain[0]) + p.coupling * at.strain[1];
+  at.tension[1] = p.stretch_weft * fibre_slope(p, at.strain[1]) + p.coupling * at.strain[0];
+  return at;
 }
 
-// d2 phi / df2: phi'' along the fibre, phi' / |f| across, where that is positive
-Mat3 fibre_hessian(const ClothMembrane p, const real3 f) {
-  const real s = length(f);
-  const real3 n = s > SHORTEST_FIBRE ? f / s : (real3)(0, 0, 0);
-  const real across = s > 1 ? fibre_slope(p, s - 1) / s : 0;
-  return mat3_plus(mat3_scaled(mat3_outer(n, n), fibre_curvature(p, s - 1) - across),
-                   mat3_scaled(mat3_identity(), across));
+// d2 / df2 of one fibre direction alone: `along` it, and tension / |f| across where that is positive
+Mat3 fibre_hessian(const real3 n, const real strain, const real along, const real tension) {
+  const real across = fmax(tension, (real)0) / fmax(strain + 1, (real)SHORTEST_FIBRE);
+  return mat3_plus(mat3_scaled(mat3_outer(n, n), along - across), mat3_scaled(mat3_identity(), across));
 }
+
+real3 fibre_direction(const real3 f) { return f / fmax(length(f), (real)SHORTEST_FIBRE); }
 
 // Adds the nearest positive matrix to d2 (I^2/2), I = f_u . f_v. With g = (f_v, f_u) and T the swap of both halves it
 // is g g^T + I T: one positive eigenvalue in the plane of g and T g, and +-I on what is left of (a, +-a).
@@ -81,9 +89,9 @@ real cloth_membrane_energy(const ClothMembrane p, const real3* x, const real3* x
   real3 f[2];
   cloth_membrane_gradients(p, b);
   cloth_membrane_fibres(x, b, f);
-  const real shear = dot(f[0], f[1]);
-  return p.area * (p.stretch_warp * fibre_energy(p, length(f[0]) - 1) +
-                   p.stretch_weft * fibre_energy(p, length(f[1]) - 1) + 0.5 * p.shear * shear * shear);
+  const real shear = dot(f[0], f[1]), warp = length(f[0]) - 1, weft = length(f[1]) - 1;
+  return p.area * (p.stretch_warp * fibre_energy(p, warp) + p.stretch_weft * fibre_energy(p, weft) +
+                   p.coupling * warp * weft + 0.5 * p.shear * shear * shear);
 }
 
 void cloth_membrane_gradient(const ClothMembrane p, const real3* x, const real3* x0, const real h, real3* g) {
@@ -92,8 +100,9 @@ void cloth_membrane_gradient(const ClothMembrane p, const real3* x, const real3*
   cloth_membrane_gradients(p, b);
   cloth_membrane_fibres(x, b, f);
   const real shear = p.shear * dot(f[0], f[1]);
-  const real3 warp = p.stretch_warp * fibre_gradient(p, f[0]) + shear * f[1];
-  const real3 weft = p.stretch_weft * fibre_gradient(p, f[1]) + shear * f[0];
+  const Fibres at = fibres_at(p, f);
+  const real3 warp = at.tension[0] * fibre_direction(f[0]) + shear * f[1];
+  const real3 weft = at.tension[1] * fibre_direction(f[1]) + shear * f[0];
   for (int a = 0; a < 3; ++a) g[a] = p.area * (b[a].x * warp + b[a].y * weft);
 }
 
@@ -102,9 +111,11 @@ void cloth_membrane_hessian(const ClothMembrane p, const real3* x, const real3* 
   real3 f[2];
   cloth_membrane_gradients(p, b);
   cloth_membrane_fibres(x, b, f);
-  Mat3 uu = mat3_scaled(fibre_hessian(p, f[0]), p.stretch_warp);
-  Mat3 vv = mat3_scaled(fibre_hessian(p, f[1]), p.stretch_weft);
-  Mat3 uv = mat3_scaled(mat3_identity(), 0);
+  const Fibres at = fibres_at(p, f);
+  const real3 n[2] = {fibre_direction(f[0]), fibre_direction(f[1])};
+  Mat3 uu = fibre_hessian(n[0], at.strain[0], p.stretch_warp * fibre_curvature(p, at.strain[0]), at.tension[0]);
+  Mat3 vv = fibre_hessian(n[1], at.strain[1], p.stretch_weft * fibre_curvature(p, at.strain[1]), at.tension[1]);
+  Mat3 uv = mat3_scaled(mat3_outer(n[0], n[1]), p.coupling);
   shear_add_hessian(p.shear, f, &uu, &uv, &vv);
   const Mat3 vu = mat3_transposed(uv);
   for (int a = 0; a < 3; ++a)

@@ -8,11 +8,13 @@ typedef struct {
   u32 unused;
   f64 rest_inverse[4];             // Dm^-1, row-major, Dm = [X1-X0, X2-X0] in (warp, weft) coordinates at rest [1/m]
   f64 area;                        // at rest [m^2]
-  f64 stretch_warp, stretch_weft;  // Young's modulus x thickness along each fibre direction [N/m]
+  f64 stretch_warp, stretch_weft;  // k_u, k_v: along each fibre direction where the other keeps its length [N/m]
+  f64 coupling;                    // k_p: of both directions, k_p^2 < k_u k_v [N/m]
   f64 shear;                       // shear modulus x thickness [N/m]
   f64 limit_strain;                // beyond it fibres stiffen, >= 0
   f64 stiffening;                  // of the cubic term, >= 0
+  f64 padding;
 } ClothMembrane;
-SHARED_SIZE(ClothMembrane, 96);
+SHARED_SIZE(ClothMembrane, 112);
 SHARED_END
 #endif

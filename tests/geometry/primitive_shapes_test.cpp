@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -78,6 +80,32 @@ TEST(PrimitiveShapes, ASquareFacesUp) {
   for (const auto& [a, b, c] : square.triangles) {
     const Vec3 normal = (square.points[b] - square.points[a]).cross(square.points[c] - square.points[a]);
     EXPECT_NEAR((normal - Vec3(0, 0, 4)).norm(), 0, 1e-15);
+  }
+}
+
+// area, every triangle facing up, and Euler's count of a disc: points - edges + triangles = 1
+void expect_sheet(const TriangleMesh& mesh, double area) {
+  double sum = 0;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 normal = (mesh.points[t[1]] - mesh.points[t[0]]).cross(mesh.points[t[2]] - mesh.points[t[0]]);
+    EXPECT_GT(normal.z(), 0);
+    sum += normal.norm() / 2;
+    for (int k = 0; k < 3; ++k) edges.insert(std::minmax(t[k], t[(k + 1) % 3]));
+  }
+  EXPECT_NEAR(sum, area, 1e-12 * area);
+  EXPECT_EQ(mesh.points.size() + mesh.triangles.size(), edges.size() + 1);
+}
+
+TEST(PrimitiveShapes, SheetsAndDiscsAreFlatAndFaceUp) {
+  const TriangleMesh sheet = sheet_surface({0.3, 0.2}, {5, 3});
+  expect_sheet(sheet, 0.06);
+  EXPECT_TRUE(sheet.points.front().isApprox(Vec3(-0.15, -0.1, 0)));
+  for (const int rings : {1, 4}) {
+    const TriangleMesh disc = disc_surface(0.1, rings);
+    EXPECT_EQ(disc.points.size(), std::size_t(3 * rings * (rings + 1) + 1));
+    // a polygon of 6 n corners
+    expect_sheet(disc, 3 * rings * 0.01 * std::sin(std::numbers::pi / (3 * rings)));
   }
 }
 

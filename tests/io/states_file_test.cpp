@@ -39,6 +39,10 @@ Scene example_scene() {
     body.mesh.surface = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
     scene.soft_bodies.push_back(body);
   }
+  Cloth towel;
+  towel.name = "towel";
+  towel.mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  scene.cloths.push_back(towel);
   scene.stitches.push_back({0, 2, {0}, 1e5});
   for (const double stiffness : {1e5, 0.0, 2e4}) {
     Joint joint;
@@ -73,6 +77,7 @@ WorldState example_state(double t) {
     state.rigid.push_back(map);
   }
   for (int i = 0; i < 2; ++i) state.soft.push_back({Vec3(t, i, 0), Vec3(1, 2, 3), Vec3(4, 5, 6), Vec3(7, 8, 9)});
+  state.cloth.push_back({Vec3(0, 0, t), Vec3(1, 0, t), Vec3(0, 1, 2 * t)});
   state.joint_position = {0.1 + t, 0, 0.3 + t};
   state.joint_effort = {1 + t, 0, 3 + t};
   // step k has k contacts
@@ -125,6 +130,9 @@ TEST(StatesFile, HasTheLayoutThatReadersRelyOn) {
                                                                  {"/T_rigid", {4, 1, 3, 4}},
                                                                  {"/X_gripper/finger", {4, 4, 3}},
                                                                  {"/X_deform/sponge", {4, 4, 3}},
+                                                                 {"/X_deform/towel", {4, 3, 3}},
+                                                                 {"/mesh/towel/triangles", {1, 3}},
+                                                                 {"/mesh/towel/elements", {0, 4}},
                                                                  {"/mesh/beaker/rest", {4, 3}},
                                                                  {"/mesh/beaker/elements", {0, 4}},
                                                                  {"/mesh/beaker/triangles", {4, 3}},

@@ -1,5 +1,5 @@
-// Woven membrane:  E = A (k_u phi(|f_u| - 1) + k_v phi(|f_v| - 1) + k_s/2 (f_u . f_v)^2),
-//   phi(e) = e^2/2 + S max(e - e_l, 0)^3
+// Woven membrane:  E = A (k_u phi(e_u) + k_v phi(e_v) + k_p e_u e_v + k_s/2 (f_u . f_v)^2),
+//   e = |f| - 1,  phi(e) = e^2/2 + S max(e - e_l, 0)^3
 #include "energies/cloth_membrane.h"
 #include "tests/physics/energy_check.hpp"
 
@@ -14,10 +14,11 @@ double phi(const ClothMembrane& p, double e) {
   return e * e / 2 + p.stiffening * std::pow(std::max(e - p.limit_strain, 0.0), 3);
 }
 
-// the three energies per area: warp, weft, shear
+// the two energies per area: of the fibres, of their angle
 double part(const ClothMembrane& p, int which, const Deformation& F) {
-  if (which == 2) return p.shear / 2 * std::pow(F.col(0).dot(F.col(1)), 2);
-  return (which == 0 ? p.stretch_warp : p.stretch_weft) * phi(p, F.col(which).norm() - 1);
+  if (which == 1) return p.shear / 2 * std::pow(F.col(0).dot(F.col(1)), 2);
+  const double warp = F.col(0).norm() - 1, weft = F.col(1).norm() - 1;
+  return p.stretch_warp * phi(p, warp) + p.stretch_weft * phi(p, weft) + p.coupling * warp * weft;
 }
 
 Deformation deformation(const ClothMembrane& p, const Vec3* x) {
@@ -28,7 +29,7 @@ Deformation deformation(const ClothMembrane& p, const Vec3* x) {
 
 double energy(const ClothMembrane& p, const Vec3* x, const Vec3*, double) {
   const Deformation F = deformation(p, x);
-  return p.area * (part(p, 0, F) + part(p, 1, F) + part(p, 2, F));
+  return p.area * (part(p, 0, F) + part(p, 1, F));
 }
 
 using Element = EnergyElement<ClothMembrane>;
@@ -46,6 +47,7 @@ Element rest_element(Random& random) {
   e.params.area = sides.determinant() / 2;
   e.params.stretch_warp = random.number(500, 5000);
   e.params.stretch_weft = random.number(500, 5000);
+  e.params.coupling = random.number(0, 0.9) * std::sqrt(e.params.stretch_warp * e.params.stretch_weft);
   e.params.shear = random.number(20, 1000);
   e.params.limit_strain = 0.03;
   e.params.stiffening = 100;
@@ -99,7 +101,7 @@ TEST_F(ClothMembraneTest, HessianIsExactWhereItIsPositive) {
   check.expect_exact_hessian(list, 2e-6);
 }
 
-// against a numerical projection of numerical second derivatives of each of the three energies
+// against a numerical projection of numerical second derivatives of each of the two energies
 TEST_F(ClothMembraneTest, HessianIsMadeOfTheNearestPositiveOnes) {
   const auto list = elements(60, 0.4);
   const std::vector<EnergyResult> results = check.evaluate(list);
@@ -108,7 +110,7 @@ TEST_F(ClothMembraneTest, HessianIsMadeOfTheNearestPositiveOnes) {
     const ClothMembrane& p = list[e].params;
     const Deformation F = deformation(p, list[e].x.data());
     MatrixXd sum = MatrixXd::Zero(6, 6);
-    for (int which = 0; which < 3; ++which) {
+    for (int which = 0; which < 2; ++which) {
       const double step = 1e-4;
       MatrixXd second(6, 6);
       for (int i = 0; i < 6; ++i)
@@ -186,10 +188,11 @@ Tensile tensile_test(EnergyCheck<ClothMembrane>& check, Element e, double angle)
   return {1 / strain(0), -strain(1) / strain(0)};
 }
 
-TEST_F(ClothMembraneTest, TensileTestsShowTheGivenModuliAndNoPoissonEffectAlongTheFibres) {
+TEST_F(ClothMembraneTest, WithoutCouplingTensileTestsShowTheGivenModuliAndNoPoissonEffectAlongTheFibres) {
   Random random(8);
   for (int i = 0; i < 5; ++i) {
-    const Element e = rest_element(random);
+    Element e = rest_element(random);
+    e.params.coupling = 0;
     const double u = e.params.stretch_warp, v = e.params.stretch_weft, s = e.params.shear;
     const Tensile warp = tensile_test(check, e, 0), weft = tensile_test(check, e, M_PI / 2);
     EXPECT_NEAR(warp.modulus, u, 1e-4 * u);
@@ -202,12 +205,19 @@ TEST_F(ClothMembraneTest, TensileTestsShowTheGivenModuliAndNoPoissonEffectAlongT
   }
 }
 
-TEST_F(ClothMembraneTest, IsIsotropicWhereShearIsHalfTheStretch) {
+// E t = 1000 N/m and nu = 0, 0.3: k = E t / (1 - nu^2), k_p = nu k, k_s = E t / (2 (1 + nu))
+TEST_F(ClothMembraneTest, IsIsotropicWhereShearIsHalfOfStretchLessCoupling) {
   Random random(9);
   Element e = rest_element(random);
-  e.params.stretch_warp = e.params.stretch_weft = 1000;
-  e.params.shear = 500;
-  for (const double angle : {0.3, 0.7, 1.1}) EXPECT_NEAR(tensile_test(check, e, angle).modulus, 1000, 0.1);
+  for (const double nu : {0.0, 0.3}) {
+    e.params.stretch_warp = e.params.stretch_weft = 1000 / (1 - nu * nu);
+    e.params.coupling = nu * e.params.stretch_warp;
+    e.params.shear = 500 / (1 + nu);
+    for (const double angle : {0.0, 0.3, 0.7, 1.1}) {
+      EXPECT_NEAR(tensile_test(check, e, angle).modulus, 1000, 0.1);
+      EXPECT_NEAR(tensile_test(check, e, angle).poisson_ratio, nu, 1e-4);
+    }
+  }
 }
 
 // 1 m x 1 m of rest area stretched along the warp by 5 % with limit 3 % and S = 100:
@@ -215,6 +225,7 @@ TEST_F(ClothMembraneTest, IsIsotropicWhereShearIsHalfTheStretch) {
 TEST_F(ClothMembraneTest, FibresStiffenBeyondTheLimit) {
   Random random(10);
   Element e = rest_element(random);
+  e.params.coupling = 0;
   for (Vec3& x : e.x) x(0) *= 1.05;
   const EnergyResult r = check.evaluate({e})[0];
   EXPECT_NEAR(r.energy, 0.00205 * e.params.stretch_warp * e.params.area, 1e-12);

@@ -145,6 +145,8 @@ bool has_intersection(const Scene& scene, const SceneState& state) {
       x.push_back(state.rigid[b].leftCols<3>() * point + state.rigid[b].col(3));
     add(x, scene.rigid_bodies[b].collision.triangles, false);
   }
+  for (std::size_t b = 0; b < scene.soft_bodies.size(); ++b)
+    add(state.soft[b], scene.soft_bodies[b].mesh.surface, true);
   for (std::size_t b = 0; b < scene.cloths.size(); ++b) add(state.cloth[b], scene.cloths[b].mesh.triangles, true);
   return find_intersection(points, triangles, group, collides_with_itself).has_value();
 }
@@ -229,6 +231,108 @@ TEST(Cloth, AStripThatFallsOnEndPilesUpOnItselfAndKeepsItsThickness) {
   EXPECT_LT(highest, 0.1);
 }
 
+// thicker than its triangles are high: neighbours must not push each other apart, far parts must
+TEST(Cloth, AThickSheetOfFineTrianglesStaysFlatAloneAndFarApartOnAnother) {
+  Device device;
+  Scene scene;
+  scene.name = "thick sheets";
+  scene.solver.time_step = 0.01;
+  Cloth lower = cloth_sheet(ClothGrid::irregular, 6, 6, 0.004);
+  lower.material.thickness = 0.006;
+  Cloth upper = lower;
+  upper.name = "upper";
+  upper.pose.translation() = Vec3(0.0011, 0.0007, 0.0075);
+  for (std::uint32_t i = 0; i < lower.mesh.points.size(); ++i) lower.pinned.push_back(i);
+  scene.cloths = {lower, upper};
+  Simulation simulation(device, scene);
+  StepReport report;
+  for (int i = 0; i < 40; ++i) report = simulation.step(std::vector<double>{});
+  double lowest = 1, highest = 0, moved = 0;
+  for (std::size_t i = 0; i < lower.mesh.points.size(); ++i) {
+    const Vec3 &x = simulation.state().cloth[1][i], x0 = lower.mesh.points[i];
+    lowest = std::min(lowest, x.z());
+    highest = std::max(highest, x.z());
+    moved = std::max(moved, (x - x0 - upper.pose.translation()).head<2>().norm());
+    EXPECT_EQ(simulation.state().cloth[0][i], x0);  // pinned
+  }
+  EXPECT_GT(lowest, 0.006);    // half the thickness of each
+  EXPECT_LT(highest, 0.0071);  // within the activation distance of 1 mm
+  EXPECT_LT(moved, 1e-4);
+}
+
+TEST(Cloth, ATowelUnderLoadStretchesLittleBeyondTheLimit) {
+  Device device;
+  Scene scene;
+  scene.name = "loaded towel";
+  scene.solver.time_step = 0.1;
+  scene.solver.velocity_tolerance = 1e-6;
+  scene.contact.activation_distance = 1e-4;
+  Cloth towel = cloth_sheet(ClothGrid::right, 10, 2, 0.01);
+  towel.material.stretch_warp = towel.material.stretch_weft = 100;
+  towel.material.area_density = 40;  // as if a load were sewn all over it
+  towel.pose.linear() = Eigen::AngleAxisd(M_PI / 2, Vec3::UnitY()).toRotationMatrix();  // x runs down
+  towel.pinned = nodes_where(towel, [](const Vec3& x) { return x.x() < 1e-9; });
+  scene.cloths = {towel};
+  Simulation simulation(device, scene);
+  settle(simulation, 0.1, 1e-5, 200);
+  double length = 0;
+  for (const std::uint32_t i : nodes_where(towel, [](const Vec3& x) { return x.x() > 0.1 - 1e-9; }))
+    length -= simulation.state().cloth[0][i].z() / 3;
+  // tension q(s) = rho g (L - s) = k (e + 3 S (e - 0.05)^2), solved for e and summed over the length
+  double expected = 0;
+  const int n = 10;  // cells: the load of the last half cell hangs at its end
+  for (int i = 0; i < n; ++i) {
+    const double tension = 40 * 9.81 * 0.01 * (n - i - 0.5) / 100;
+    const double b = 1 - 300 * 0.05 * 2, c = 300 * 0.05 * 0.05 - tension;  // 300 e^2 + b e + c = 0
+    const double strain = tension < 0.05 ? tension : (-b + std::sqrt(b * b - 1200 * c)) / 600;
+    expected += 0.01 * strain;
+  }
+  for (const std::uint32_t i : towel.pinned)
+    EXPECT_EQ(simulation.state().cloth[0][i], towel.pose * towel.mesh.points[i]);
+  EXPECT_NEAR(length - 0.1, expected, 0.01 * expected);
+  EXPECT_LT(expected, 0.012);  // 20 % without stiffening
+}
+
+// ---- against solids -----------------------------------------------------------------------------------------------
+
+TEST(Cloth, CarriesASoftBlockAndARigidOneWithoutIntersection) {
+  Device device;
+  Scene scene;
+  scene.name = "blocks on a sheet";
+  scene.solver.time_step = 0.02;
+  scene.solver.velocity_tolerance = 2e-3;
+  scene.contact.stiffness = 1e5;
+  Cloth sheet = cloth_sheet(ClothGrid::alternating, 10, 10, 0.02);
+  sheet.pinned = nodes_where(
+      sheet, [](const Vec3& x) { return std::min(x.x(), x.y()) < 1e-9 || std::max(x.x(), x.y()) > 0.2 - 1e-9; });
+  scene.cloths = {sheet};
+  SoftBody soft;
+  soft.name = "soft";
+  soft.mesh = box_solid(Vec3(0.03, 0.03, 0.03), {2, 2, 2}, 4);
+  soft.material = {200, 2e4, 0.3};
+  soft.pose.translation() = Vec3(0.06, 0.1, 0.0165);
+  scene.soft_bodies = {soft};
+  RigidBody rigid = fixed_body("rigid", box_surface(Vec3(0.03, 0.03, 0.03)));
+  rigid.is_fixed = false;
+  rigid.mass = 0.0054;
+  rigid.volume = 2.7e-5;
+  rigid.inertia = Mat3::Identity() * 0.0054 * 0.0009 / 6;
+  rigid.pose.translation() = Vec3(0.14, 0.1, 0.0165);
+  scene.rigid_bodies = {rigid};
+  Simulation simulation(device, scene);
+  double force = 0;
+  const int n_steps = 40;
+  for (int i = 0; i < n_steps; ++i) {
+    ASSERT_GT(simulation.step(std::vector<double>{}).min_gap, 0) << "step " << i;
+    ASSERT_FALSE(has_intersection(scene, simulation.state())) << "step " << i;
+  }
+  for (const ContactForce& contact : simulation.state().contacts)  // body 0 rigid, 1 soft, 2 cloth; on the first
+    if (contact.first != contact.second)
+      force += (contact.first == 2 ? 1 : -1) * (contact.normal_force * contact.normal + contact.friction_force).z();
+  const double weight = 2 * 0.0054 * 9.81;
+  EXPECT_NEAR(-force, weight, 0.1 * weight);  // still swaying a little
+}
+
 // ---- bad input ----------------------------------------------------------------------------------------------------
 
 TEST(Cloth, WhatCannotBeSimulatedIsNamed) {
@@ -248,8 +352,11 @@ TEST(Cloth, WhatCannotBeSimulatedIsNamed) {
   scene.cloths[0].material.area_density = 0;
   EXPECT_NE(message(scene).find("cloth sheet: its area density"), std::string::npos);
   scene = good;
-  scene.contact.activation_distance = 0.02;
-  EXPECT_NE(message(scene).find("activation distance"), std::string::npos);
+  scene.cloths[0].material.poisson_ratio = 1;
+  EXPECT_NE(message(scene).find("Poisson's ratio"), std::string::npos);
+  scene = good;
+  scene.cloths[0].pinned = {9};
+  EXPECT_NE(message(scene).find("point 9 is to be pinned"), std::string::npos);
   scene = good;
   std::swap(scene.cloths[0].mesh.triangles[0][0], scene.cloths[0].mesh.triangles[0][1]);
   EXPECT_NE(message(scene).find("opposite ways"), std::string::npos);

@@ -32,6 +32,16 @@ stitches:
   - {soft: bar, rigid: floor, low: [-0.051, -1, -1], high: [-0.049, 1, 1], stiffness: 1 kN/m, direction: [0, 0, 1]}
 pair_friction:
   - {first: floor, second: bar, coefficient: 0.3}
+  - {first: towel, second: floor, coefficient: 0.6}
+cloths:
+  - name: towel
+    shape: {sheet: {size: [0.3, 0.2], divisions: [6, 4]}}
+    material: {area_density: 300 g/m^2, thickness: 2 mm, stretch_warp: 3000, stretch_weft: 12 N/mm, poisson_ratio: 0.25, bending: 2e-5}
+    pinned:
+      - {low: [-0.2, -1, -1], high: [-0.14, 1, 1]}
+      - {low: [-0.2, 0.09, -1], high: [1, 1, 1]}
+    pose: {x: [0.4, 0.6], z: 0.3, yaw: 90 deg}
+  - {name: sheet, shape: {disc: {radius: 0.1, rings: 3}}, material: {density: 1000, youngs_modulus: 2 MPa, thickness: 1 mm}, rest_angles: mesh, warp: [0, 1, 0]}
 )";
 
 struct SceneFiles : testing::Test {
@@ -79,6 +89,37 @@ TEST_F(SceneFiles, HoldBodiesJointsAndStitches) {
   EXPECT_EQ(load_scene(path).joints.size(), 1u);
 }
 
+TEST_F(SceneFiles, HoldCloths) {
+  const SceneRun run = load(SCENE);
+  ASSERT_EQ(run.scene.cloths.size(), 2u);
+  const Cloth &towel = run.scene.cloths[0], &sheet = run.scene.cloths[1];
+  EXPECT_EQ(towel.mesh.points.size(), 35u);
+  EXPECT_EQ(towel.mesh.triangles.size(), 48u);
+  EXPECT_EQ(towel.pinned.size(), 5u + 6u);  // a column and a row that share a point
+  EXPECT_NEAR(towel.material.area_density, 0.3, 1e-15);
+  EXPECT_EQ(towel.material.stretch_weft, 12000);
+  EXPECT_NEAR(towel.material.shear, 6000 / 2.5, 1e-9);  // sqrt(3000 x 12000) / (2 (1 + nu))
+  EXPECT_EQ(towel.material.limit_strain, 0.05);
+  EXPECT_TRUE(towel.rest_is_flat);
+  EXPECT_TRUE((towel.pose * Vec3(0.1, 0, 0)).isApprox(Vec3(0.5, 0.1, 0.3)));
+  EXPECT_NEAR(sheet.material.area_density, 1, 1e-15);     // rho t
+  EXPECT_NEAR(sheet.material.stretch_warp, 2000, 1e-12);  // E t
+  EXPECT_NEAR(sheet.material.bending_weft, 2e6 * 1e-9 / 12, 1e-18);
+  EXPECT_FALSE(sheet.rest_is_flat);
+  EXPECT_EQ(sheet.warp_direction, Vec3::UnitY());
+  EXPECT_EQ(run.scene.pair_friction.at(1).first, "towel");
+}
+
+TEST_F(SceneFiles, StitchCloths) {
+  const std::string stitch = "{soft: bar, rigid: floor, low: [-0.051, -1, -1], high: [-0.049,";
+  std::string text = SCENE;
+  text.replace(text.find(stitch), stitch.size(), "{cloth: towel, rigid: floor, low: [0.09, 0.04, -1], high: [0.2,");
+  const Stitch held = load(text).scene.stitches.at(0);
+  EXPECT_EQ(held.cloth, 0);
+  EXPECT_EQ(held.soft, -1);
+  EXPECT_EQ(held.nodes, (std::vector<std::uint32_t>{26, 27, 33, 34}));
+}
+
 TEST_F(SceneFiles, AJointsFramesMeetAtItsStart) {
   const Joint joint = load(SCENE).scene.joints.at(0);
   EXPECT_EQ(joint.axis, Vec3::UnitX());
@@ -107,6 +148,16 @@ TEST_F(SceneFiles, MistakesAreNamed) {
   expect_refused("low: [-0.051,", "low: [-0.0495,", 14, "`stitches[0].low`");
   expect_refused("second: bar", "second: beam", 16, "beam");
   expect_refused("gravity:", "gravitation:", 5, "`gravitation`");
+  expect_refused("soft: bar, rigid", "soft: bar, cloth: towel, rigid", 14, "`soft` body or a `cloth`");
+  expect_refused("divisions: [6, 4]", "divisions: [6, 4.5]", 20, "`cloths[0].shape.sheet.divisions`");
+  expect_refused("300 g/m^2", "300 g", 21, "`cloths[0].material.area_density`");
+  expect_refused("300 g/m^2", "300 g/m^2, density: 150", 21, "`area_density` or");
+  expect_refused("stretch_warp: 3000, ", "", 21, "`cloths[0].material.stretch_warp`");
+  expect_refused("stretch_warp: 3000", "stretch: 3000", 21, "`cloths[0].material.stretch`");
+  expect_refused(", bending: 2e-5", "", 21, "`bending`");
+  expect_refused("high: [-0.14, 1, 1]", "high: [-0.16, 1, 1]", 23, "`cloths[0].pinned[0].low`");
+  expect_refused("name: sheet", "name: towel", 19, "`towel`");
+  expect_refused("rest_angles: mesh", "rest_angles: round", 26, "`cloths[1].rest_angles`");
 }
 
 }  // namespace
