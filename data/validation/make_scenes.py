@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the scene files of many bodies whose poses follow from a formula: ramp, stack, arch, card_house."""
+"""Writes the scene files whose numbers follow from a formula: ramp, stack, arch, card_house, and those of cloth."""
 import math
 import pathlib
 
@@ -101,5 +101,64 @@ def card_house():
     return text + pair("top", 0, top + gap + thick)
 
 
-for scene in (ramp, stack, arch, card_house):
+def heavy_cantilever_cloth():
+    length, cells = 0.1, 40
+    cell = length / (cells - 0.5)
+    return f"""# A strip of cloth of 100 x 10 mm, held level at one end, bends under its own weight. Its first cells are pinned: the
+# clamp takes effect in their middle, 100 mm from the other end. The case sets the areal density.
+schema: 1
+name: heavy_cantilever_cloth
+time_step: 100 ms
+duration: 10 s
+gravity: [0, 0, -9.81]
+contact: {{activation_distance: 0.02 mm}}
+solver: {{velocity_tolerance: 1e-6, cg_tolerance: 1e-6}}
+cloths:
+  - name: strip
+    shape: {{sheet: {{size: {numbers((cells * cell, 0.01))}, divisions: [{cells}, 4]}}}}
+    material: {{area_density: 0.1, thickness: 0, stretch: 1e5, bending: 1e-3}}
+    pinned:
+      - {{low: [-1, -1, -1], high: [{-cells * cell / 2 + 1.01 * cell:.6g}, 1, 1]}}
+"""
+
+
+def drape():
+    inner, outer, rings, n = 0.09, 0.15, 10, 72
+    step = (outer - inner) / (rings - 0.5)
+    lines = ["# A round fabric without what lies on the plate, written by make_scenes.py"]
+    for ring in range(rings + 1):
+        radius = inner + (ring - 0.5) * step
+        for i in range(n):
+            angle = 2 * math.pi * (i + 0.5 * (ring % 2)) / n
+            # the free points stand some 10 um higher, unevenly, for the folds to begin with
+            z = 0 if ring < 2 else 1e-5 * (1.1 + math.sin(12.9898 * i + 78.233 * ring))
+            lines.append("v %.9g %.9g %.9g" % (radius * math.cos(angle), radius * math.sin(angle), z))
+    for ring in range(rings):
+        for i in range(n):
+            a, b = 1 + ring * n + i, 1 + ring * n + (i + 1) % n
+            c, d = a + n, b + n
+            lines += (["f %d %d %d" % (a, c, b), "f %d %d %d" % (b, c, d)] if ring % 2 == 0 else
+                      ["f %d %d %d" % (a, d, b), "f %d %d %d" % (a, c, d)])
+    (FOLDER / "drape.obj").write_text("\n".join(lines) + "\n")
+    return """# A round fabric of 300 mm between plates of 180 mm (Cusick's test). What lies between the plates is left out but for two
+# circles of points, which are pinned: the clamp takes effect half way between them. The case sets areal density and
+# bending rigidity. The shear stiffness is that of woven fabrics, 0.5 to 1 gf/cm per degree.
+schema: 1
+name: drape
+time_step: 40 ms
+duration: 4 s
+gravity: [0, 0, -9.81]
+contact: {activation_distance: 0.5 mm, stiffness: 10 kPa}
+solver: {velocity_tolerance: 1 mm/s}
+cloths:
+  - name: fabric
+    shape: {mesh: drape.obj}
+    material: {area_density: 0.15, thickness: 0.3 mm, stretch: 1000, shear: 40, bending: 1e-5}
+    friction: 0.3
+    pinned:
+      - {low: [-1, -1, -1], high: [1, 1, 0]}
+"""
+
+
+for scene in (ramp, stack, arch, card_house, heavy_cantilever_cloth, drape):
     (FOLDER / f"{scene.__name__}.yaml").write_text(scene())

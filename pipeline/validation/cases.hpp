@@ -4,6 +4,9 @@
 
 namespace pvg {
 
+// 0.5 as "0.5", 10 as "10.0"
+std::string short_number(double value);  // elasticity.cpp
+
 // friction.cpp
 void validate_slope(Validation& v);
 void validate_ramp(Validation& v);
@@ -21,7 +24,11 @@ void validate_momentum(Validation& v);
 void validate_tensile(Validation& v);
 void validate_rib(Validation& v);
 void validate_elastica(Validation& v);
-void validate_cantilever(Validation& v);
+void validate_heavy_cantilever(Validation& v);
+
+// cloth.cpp
+void validate_heavy_cantilever_cloth(Validation& v);
+void validate_drape(Validation& v);
 
 // contact_law.cpp
 void validate_contact_law(Validation& v);

@@ -50,12 +50,6 @@ void set_divisions(SceneRun& run, const Vec3& size, const std::array<int, 3>& di
   }
 }
 
-std::string short_number(double value) {
-  std::string text = std::to_string(value);
-  text.erase(text.find_last_not_of('0') + 1);
-  return text.ends_with('.') ? text + "0" : text;
-}
-
 // Displacement of the tip over the length, and how far it comes back, of beams of 100 mm that bend far.
 struct Bent {
   double drop = 0, shortening = 0;
@@ -69,6 +63,12 @@ Bent bent(const Validation& v, const SceneRun& run) {
 constexpr double BENDING_STIFFNESS = 1e7 * 0.00125 * 0.00125 * 0.00125 * 0.00125 / 12;  // E I of those [N m^2]
 
 }  // namespace
+
+std::string short_number(double value) {
+  std::string text = std::to_string(value);
+  text.erase(text.find_last_not_of('0') + 1);
+  return text.ends_with('.') ? text + "0" : text;
+}
 
 void validate_tensile(Validation& v) {
   for (const double nu : {0.3, 0.45, 0.49, 0.499}) {
@@ -137,16 +137,17 @@ void validate_elastica(Validation& v) {
   v.plot(std::move(plot));
 }
 
-void validate_cantilever(Validation& v) {
+void validate_heavy_cantilever(Validation& v) {
   // w L^3 / (E I) and y / L, by quadrature
   const std::pair<double, double> rows[] = {{0.5, .06231}, {1, .12347},  {2, .23851},
                                             {5, .49591},   {10, .70020}, {20, .82988}};
-  Plot plot{"cantilever", "Cantilever under its own weight", "w L^3 / (E I)", "drop / L", std::vector<Curve>(2)};
+  Plot plot{"heavy_cantilever", "Cantilever under its own weight", "w L^3 / (E I)", "drop / L",
+            std::vector<Curve>(2)};
   plot.curves[0].label = "simulated";
   plot.curves[1].label = "expected";
   plot.curves[1].is_reference = true;
   for (const auto& [gamma, drop] : rows) {
-    SceneRun run = v.load("cantilever");
+    SceneRun run = v.load("heavy_cantilever");
     run.scene.soft_bodies[0].material.density = gamma * BENDING_STIFFNESS / (0.00125 * 0.00125 * 9.81 * 1e-3);
     const double measured = bent(v, run).drop;
     v.check_relative("Gamma " + short_number(gamma) + ": drop", "L", drop, measured, 0.02, "heavy elastica");
