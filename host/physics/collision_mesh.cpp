@@ -14,8 +14,16 @@
 namespace pvg {
 namespace {
 
+constexpr double FLAT = 1e-6;  // largest angle between two triangles of one plane [rad]
+
 double triangle_area(std::span<const Vec3> rest, const Triangle& t) {
   return 0.5 * (rest[t[1]] - rest[t[0]]).cross(rest[t[2]] - rest[t[0]]).norm();
+}
+
+// unit, in the plane of an edge and a corner: from the edge to the corner
+Vec3 away_from_edge(std::span<const Vec3> rest, const Edge& edge, std::uint32_t corner) {
+  const Vec3 along = (rest[edge[1]] - rest[edge[0]]).normalized(), to_corner = rest[corner] - rest[edge[0]];
+  return (to_corner - to_corner.dot(along) * along).normalized();
 }
 
 using BodyKey = std::array<u32, 2>;
@@ -54,14 +62,20 @@ void check_primitives(const CollisionMesh& mesh, const std::vector<Primitive>& p
 void add_surface(CollisionMesh& mesh, u32 body, std::span<const u32> site, std::span<const Vec3> rest,
                  std::span<const Triangle> triangles) {
   std::vector<double> point_area(site.size(), 0);
-  std::map<Edge, double> edge_area;  // sorted: the order of edges depends on nothing else
+  struct Side {
+    double area = 0;
+    std::vector<Vec3> away;  // from the edge, of each of its triangles
+  };
+  std::map<Edge, Side> sides;  // sorted: the order of edges depends on nothing else
   std::vector<bool> is_used(site.size(), false);
   for (const Triangle& t : triangles) {
     const double third = triangle_area(rest, t) / 3;
     for (int k = 0; k < 3; ++k) {
       is_used[t[k]] = true;
       point_area[t[k]] += third;
-      edge_area[ordered(t[k], t[(k + 1) % 3])] += third;
+      Side& side = sides[ordered(t[k], t[(k + 1) % 3])];
+      side.area += third;
+      side.away.push_back(away_from_edge(rest, {t[k], t[(k + 1) % 3]}, t[(k + 2) % 3]));
     }
     mesh.triangles.push_back({{site[t[0]], site[t[1]], site[t[2]]}, body});
   }
@@ -72,8 +86,12 @@ void add_surface(CollisionMesh& mesh, u32 body, std::span<const u32> site, std::
       mesh.rest.resize(site[i] + 1, Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
     mesh.rest[site[i]] = rest[i];
   }
-  for (const auto& [edge, area] : edge_area)
-    mesh.edges.push_back({{site[edge[0]], site[edge[1]]}, body, 0, area, (rest[edge[0]] - rest[edge[1]]).norm()});
+  const bool stays_plane = !mesh.bodies.at(body).collides_with_itself;
+  for (const auto& [edge, side] : sides) {
+    const bool is_flat = stays_plane && side.away.size() == 2 && (side.away[0] + side.away[1]).norm() <= FLAT;
+    const double length = (rest[edge[0]] - rest[edge[1]]).norm();
+    mesh.edges.push_back({{site[edge[0]], site[edge[1]]}, body, is_flat, side.area, length});
+  }
 }
 
 std::size_t disable_pairs_within(CollisionMesh& mesh, u32 first_body, u32 second_body, std::span<const Vec3> x,

@@ -41,6 +41,13 @@ struct CollisionMesh {
   std::vector<std::array<u32, 2>> disabled_edge_edge;       // indices into edges, either order
 };
 
+// An edge between two triangles of one plane, of a body that does not deform, is flat: it exerts no force on other
+// edges, but may not cross them either. Its normals are those of the plane only where the closest points lie inside
+// both edges; beside a plane face's diagonal they would tilt. Nothing is missed: where the closest points of two
+// surfaces lie inside a flat edge and another edge, their difference is normal to the plane, and so the other edge runs
+// parallel to it. On the way along that edge at the same distance comes an end of it, whose distance from the plane's
+// triangle counts, or an edge that bounds the plane, which is not flat.
+//
 // Appends the surface of one body: every point that a triangle uses, every edge once, every triangle, with areas of the
 // rest shape (a triangle gives a third of its area to each corner and to each edge). Call in the order of worlds.
 // site: of each point [n_points];  rest: [n_points, m]

@@ -216,7 +216,7 @@ static Barrier barrier_row(const uint is_edge, const uint first, const uint seco
     const CollisionEdge a = edges[first], b = edges[second];
     row.site[0] = a.site[0], row.site[1] = a.site[1], row.site[2] = b.site[0], row.site[3] = b.site[1];
     row.body[0] = a.body, row.body[1] = b.body;
-    row.area = fmin(a.area, b.area);
+    row.area = a.is_flat || b.is_flat ? 0 : fmin(a.area, b.area);
     row.mollifier_threshold = 1e-3 * a.rest_length * a.rest_length * b.rest_length * b.rest_length;
   } else {
     const CollisionPoint a = points[first];

@@ -17,8 +17,8 @@ kernel void pair_gaps(const uint n, global const Barrier* restrict pairs, global
   real3 xe[4];
   load_sites(pairs + e, x, xe);
   gap[e] = pair_distance(pairs[e].kind, xe).d - pairs[e].offset;
-  // NaN is active, so that it shows
-  is_active[e] = !(gap[e] >= pairs[e].activation_distance);
+  // NaN is active, so that it shows; a pair without area exerts no force
+  is_active[e] = !(gap[e] >= pairs[e].activation_distance) && pairs[e].area > 0;
 }
 
 // contacts: the active pairs, in order; offsets: [n + 1]

@@ -13,7 +13,7 @@ SHARED_SIZE(CollisionPoint, 16);
 typedef struct {
   u32 site[2];
   u32 body;
-  u32 unused;
+  u32 is_flat;      // inside a plane face of a body that stays plane: guards against crossing, exerts no force
   f64 area;         // share of the rest surface that this edge stands for [m^2]
   f64 rest_length;  // [m]
 } CollisionEdge;

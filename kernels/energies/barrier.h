@@ -11,7 +11,7 @@ typedef struct {
   u32 kind;     // POINT_TRIANGLE, EDGE_EDGE or POINT_PLANE
   u32 body[2];  // that the first and the second primitive belong to, over all worlds
   u32 world;
-  f64 area;                 // w [m^2]
+  f64 area;                 // w [m^2]; 0: the pair may not cross, but exerts no force
   f64 stiffness;            // kappa [Pa]
   f64 activation_distance;  // d_hat [m]: acts where 0 < d - offset < d_hat
   f64 offset;               // sum of both bodies' contact offsets [m]

@@ -198,6 +198,65 @@ TEST(ContactSet, FrictionPullsAgainstTheSlidingWithTheLaggedForce) {
   EXPECT_EQ(trial.contact.friction().n(), 0u);
 }
 
+u32 n_flat(const CollisionMesh& mesh) {
+  u32 n = 0;
+  for (const CollisionEdge& edge : mesh.edges) n += edge.is_flat;
+  return n;
+}
+
+TEST(CollisionMesh, OnlyTheDiagonalsOfARigidBoxAreFlat) {
+  Bodies rigid, soft;
+  add_box(rigid, {}, Vec3::Zero(), Vec3(0.1, 0.2, 0.3));
+  add_box(soft, {.collides_with_itself = true}, Vec3::Zero(), Vec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(rigid.mesh.edges.size(), 18u);
+  EXPECT_EQ(n_flat(rigid.mesh), 6u);
+  for (const CollisionEdge& edge : rigid.mesh.edges)
+    EXPECT_EQ(edge.is_flat != 0, ((rigid.x[edge.site[0]] - rigid.x[edge.site[1]]).array() != 0).count() == 2);
+  EXPECT_EQ(n_flat(soft.mesh), 0u);
+}
+
+// an edge of the cube ends 0.2 mm beside the diagonal of the table, which would push it aside
+TEST(ContactSet, EdgesBesideTheDiagonalOfATableAreNotPushedAside) {
+  Bodies bodies;
+  add_box(bodies, {.is_fixed = true}, Vec3(-0.5, -0.5, -0.1), Vec3(1, 1, 0.1));
+  add_box(bodies, {}, Vec3(0.0002 * std::sqrt(2), -0.1, 5e-4), Vec3(0.1, 0.1, 0.1));
+  Trial trial(bodies);
+  const Buffer<double> x = trial.upload(bodies.x);
+  trial.contact.find_candidates(x, x);
+  trial.contact.find_contacts(x);
+  const std::vector<Barrier> rows = trial.contact.candidates().rows.read();
+  EXPECT_TRUE(std::any_of(rows.begin(), rows.end(), [](const Barrier& row) { return row.area == 0; }));
+  const std::vector<ContactForce> forces = trial.contact.forces(x, x, 0.01)[0];
+  EXPECT_FALSE(forces.empty());
+  for (const ContactForce& force : forces) {
+    EXPECT_GT(force.normal_force, 0);
+    EXPECT_EQ(force.kind, ContactForce::Kind::point_triangle);  // inside the table's face its corners carry it
+  }
+}
+
+// the diagonals of two faces, one above the other
+TEST(ContactSet, FlatEdgesMayNotCross) {
+  Bodies bodies;
+  add_box(bodies, {}, Vec3(-0.5, -0.5, -0.1), Vec3(1, 1, 0.1));
+  add_box(bodies, {}, Vec3(-0.2, -0.2, 1e-3), Vec3(0.4, 0.4, 0.1));
+  Trial trial(bodies);
+  const Buffer<double> x0 = trial.upload(bodies.x);
+  std::vector<Vec3> through = bodies.x;
+  for (std::size_t i = 8; i < 16; ++i) through[i] -= Vec3(0, 0, 0.01);
+  const Buffer<double> x1 = trial.upload(through);
+  trial.contact.find_candidates(x0, x1);
+  Program program(trial.device, "contact/accd.cl");
+  Kernel steps_kernel = program.kernel("accd_steps");
+  const u32 n = trial.contact.candidates().n();
+  Buffer<double> steps(trial.device, n, "steps");
+  steps_kernel(n, n, trial.contact.candidates().rows, x0, x1, steps);
+  const std::vector<double> step = steps.read();
+  const std::vector<Barrier> rows = trial.contact.candidates().rows.read();
+  int n_stopped = 0;
+  for (u32 i = 0; i < n; ++i) n_stopped += rows[i].area == 0 && step[i] < 0.1;
+  EXPECT_GT(n_stopped, 0);
+}
+
 template <class Row>
 std::vector<Row> of_world(const WorldRows<Row>& rows, u32 world, u32 first_site, u32 first_body) {
   std::vector<Row> found = rows.rows.read(rows.first[world], rows.first[world + 1] - rows.first[world]);
