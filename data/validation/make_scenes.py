@@ -31,7 +31,7 @@ CONTACT = "activation_distance: 1 mm, stiffness: 10 MPa"
 def ramp():
     angle, away = math.radians(30), 0.050995
     text = head(["Eight cubes with a side of 0.1 m and coefficients k / 7 on a ramp of 30 degrees: 0.577 is critical."],
-                "ramp", "10 ms", "1 s", CONTACT + ", friction_velocity: 1e-5, friction_lag_passes: -1",
+                "ramp", "10 ms", "1 s", CONTACT + ", friction_velocity: 1e-5",
                 "velocity_tolerance: 1e-6")
     text += body("ramp", "{square: {size: 20}}", (0, 0, 0), (0, angle, 0), "", "static")
     for k in range(8):

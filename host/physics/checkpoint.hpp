@@ -3,6 +3,8 @@
 #pragma once
 #include <vector>
 
+#include "host/physics/friction_anchors.hpp"
+
 namespace pvg {
 
 // What time integration keeps of the past.  [n_nodes x 3]
@@ -14,9 +16,10 @@ struct MotionHistory {
 struct Checkpoint {
   std::vector<double> position;  // of all nodes of all worlds [n_nodes x 3, m]
   MotionHistory history;
-  std::vector<double> time;                         // [n_worlds, s]
-  std::vector<std::vector<double>> joint_position;  // [n_worlds][n_joints, rad or m] whole turns included
-  std::vector<std::vector<double>> targets;         // [n_worlds][n_driven, rad or m] of the last step
+  std::vector<std::vector<FrictionAnchor>> anchors;  // [n_worlds] of their contacts
+  std::vector<double> time;                          // [n_worlds, s]
+  std::vector<std::vector<double>> joint_position;   // [n_worlds][n_joints, rad or m] whole turns included
+  std::vector<std::vector<double>> targets;          // [n_worlds][n_driven, rad or m] of the last step
 };
 
 }  // namespace pvg

@@ -1,6 +1,5 @@
 #include "host/physics/contact.hpp"
 
-#include <array>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -13,10 +12,9 @@
 namespace pvg {
 namespace {
 
-using PairKey = std::array<u32, 5>;  // kind and sites
 template <class Row>
-PairKey key_of(const Row& row) {
-  return {row.kind, row.site[0], row.site[1], row.site[2], row.site[3]};
+std::span<Row> of_world(std::vector<Row>& rows, const std::vector<u32>& first, u32 world) {
+  return std::span(rows).subspan(first[world], first[world + 1] - first[world]);
 }
 
 Vec3 vec3(const double* values) { return {values[0], values[1], values[2]}; }
@@ -42,16 +40,17 @@ struct ContactSet::Impl {
   BroadPhase broad_phase;
   ContinuousCollision collision;
   Program program, friction_program;
-  Kernel pair_gaps, fill_contacts, lag_friction, report_contacts, friction_force;
+  Kernel pair_gaps, fill_contacts, lag_friction, report_contacts, friction_force, friction_strain;
   Scan scan;
   WorldMinimum minimum;
   WorldRows<Barrier> candidates, contacts;
   WorldRows<Friction> friction;
-  Buffer<double> gaps;             // [n_candidates, m]
-  Buffer<u32> is_active, offsets;  // [n_candidates], [n_candidates + 1]
-  Buffer<u32> places;              // [n_worlds + 1] first candidate of each world
-  Buffer<ContactReport> reports;   // [n_contacts]
-  Buffer<double> forces;           // [n_friction x 3, N]
+  Buffer<double> gaps;                               // [n_candidates, m]
+  Buffer<u32> is_active, offsets;                    // [n_candidates], [n_candidates + 1]
+  Buffer<u32> places;                                // [n_worlds + 1] first candidate of each world
+  Buffer<ContactReport> reports;                     // [n_contacts]
+  Buffer<double> forces, strains;                    // [n_friction x 3, N], [n_friction x 3]
+  std::vector<std::vector<FrictionAnchor>> anchors;  // [n_worlds], each sorted by pair
 
   Impl(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings, std::span<const Vec3> x)
       : device(device),
@@ -65,6 +64,7 @@ struct ContactSet::Impl {
         lag_friction(program.kernel("lag_friction")),
         report_contacts(program.kernel("report_contacts")),
         friction_force(friction_program.kernel("friction_force")),
+        friction_strain(friction_program.kernel("friction_strain")),
         scan(device),
         minimum(device),
         candidates{Buffer<Barrier>(device, 0, "candidates"), std::vector<u32>(mesh.n_worlds + 1, 0)},
@@ -75,7 +75,9 @@ struct ContactSet::Impl {
         offsets(device, 0, "contact_offsets"),
         places(device, 0, "first_candidate_of_world"),
         reports(device, 0, "contact_reports"),
-        forces(device, 0, "friction_forces") {}
+        forces(device, 0, "friction_forces"),
+        strains(device, 0, "friction_strains"),
+        anchors(mesh.n_worlds) {}
 
   void measure_gaps(const Buffer<double>& x) {
     gaps.resize(candidates.n());
@@ -90,7 +92,7 @@ struct ContactSet::Impl {
     friction_force(rows.size(), u32(rows.size()), friction.rows, x, x0, h, forces);
     const std::vector<double> values = forces.read();
     std::map<PairKey, Vec3> found;
-    for (std::size_t i = 0; i < rows.size(); ++i) found[key_of(rows[i])] = vec3(&values[3 * i]);
+    for (std::size_t i = 0; i < rows.size(); ++i) found[pair_key(rows[i])] = vec3(&values[3 * i]);
     return found;
   }
 };
@@ -127,13 +129,34 @@ void ContactSet::find_contacts(const Buffer<double>& x) {
   impl.fill_contacts(impl.candidates.n(), impl.candidates.n(), impl.candidates.rows, impl.offsets, impl.contacts.rows);
 }
 
-void ContactSet::lag_friction(const Buffer<double>& x) {
+void ContactSet::lag_friction(const Buffer<double>& x, double h) {
   Impl& impl = *impl_;
   impl.friction.first = impl.contacts.first;
   impl.friction.rows.resize(impl.contacts.n());
   impl.lag_friction(impl.contacts.n(), impl.contacts.n(), impl.contacts.rows, impl.broad_phase.worlds(), x,
                     impl.friction.rows);
+  std::vector<Friction> rows = impl.friction.rows.read();
+  for (u32 world = 0; world < impl.mesh.n_worlds; ++world)
+    attach_anchors(impl.anchors[world], h, of_world(rows, impl.friction.first, world));
+  impl.friction.rows.write(rows);
 }
+
+void ContactSet::renew_anchors(const Buffer<double>& x, const Buffer<double>& x0, double h,
+                               std::span<const char> worlds) {
+  Impl& impl = *impl_;
+  const u32 n = impl.friction.n();
+  impl.strains.resize(3 * n);
+  impl.friction_strain(n, n, impl.friction.rows, x, x0, h, impl.strains);
+  std::vector<Friction> rows = impl.friction.rows.read();
+  const std::vector<double> strains = impl.strains.read();
+  for (u32 world = 0; world < impl.mesh.n_worlds; ++world)
+    if (worlds[world])
+      impl.anchors[world] = anchors_of(of_world(rows, impl.friction.first, world),
+                                       std::span(strains).subspan(3 * impl.friction.first[world]));
+}
+
+const std::vector<std::vector<FrictionAnchor>>& ContactSet::anchors() const { return impl_->anchors; }
+void ContactSet::restore_anchors(const std::vector<std::vector<FrictionAnchor>>& anchors) { impl_->anchors = anchors; }
 
 void ContactSet::clear_friction() {
   impl_->friction.first.assign(impl_->mesh.n_worlds + 1, 0);
@@ -164,7 +187,7 @@ std::vector<std::vector<ContactForce>> ContactSet::forces(const Buffer<double>& 
     force.normal = vec3(reports[i].normal);
     force.gap = reports[i].gap;
     force.normal_force = reports[i].normal_force;
-    if (const auto found = sliding.find(key_of(contacts[i])); found != sliding.end())
+    if (const auto found = sliding.find(pair_key(contacts[i])); found != sliding.end())
       force.friction_force = found->second;
     worlds[contacts[i].world].push_back(force);
   }

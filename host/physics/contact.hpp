@@ -15,6 +15,7 @@
 #include "energies/friction.h"
 #include "host/device/device.hpp"
 #include "host/physics/collision_mesh.hpp"
+#include "host/physics/friction_anchors.hpp"
 #include "host/physics/simulation.hpp"
 #include "host/physics/world_rows.hpp"
 #include "host/scene/scene.hpp"
@@ -45,10 +46,16 @@ class ContactSet {
   void find_contacts(const Buffer<double>& x);
   const WorldRows<Barrier>& contacts() const;
 
-  // Friction rows from the contacts of the last find_contacts, with normal forces at x (the same x).
-  void lag_friction(const Buffer<double>& x);
+  // Friction rows from the contacts of the last find_contacts, with normal forces at x (the same x) and anchors for a
+  // step of length h [s].
+  void lag_friction(const Buffer<double>& x, double h);
   void clear_friction();  // no friction rows
   const WorldRows<Friction>& friction() const;
+
+  // What the contacts of these worlds, as in the present friction rows, remember of a step of length h from x0 to x.
+  void renew_anchors(const Buffer<double>& x, const Buffer<double>& x0, double h, std::span<const char> worlds);
+  const std::vector<std::vector<FrictionAnchor>>& anchors() const;  // [n_worlds]
+  void restore_anchors(const std::vector<std::vector<FrictionAnchor>>& anchors);
 
   // Smallest gap (distance minus offsets) over the candidates of each world at x [m]; infinite without candidates.
   std::vector<double> min_gap(const Buffer<double>& x);

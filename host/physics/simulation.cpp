@@ -64,7 +64,7 @@ Simulation::Impl::Impl(Device& device_, std::span<const Scene> worlds)
   has_prescribed = has_prescribed_bodies(system);
   speed_chunks.set(system.speed_ranges);
   is_well.assign(worlds.size(), true);
-  is_active = is_well;
+  is_active = is_unsettled = is_well;
   const std::size_t n = worlds.size();
   states.resize(n);
   reports.resize(n);
@@ -137,7 +137,8 @@ std::vector<StepReport> Simulation::step(std::span<const std::vector<double>> ta
 }
 
 Checkpoint Simulation::checkpoint() const {
-  Checkpoint checkpoint{impl_->x.node.read(), impl_->integrator.history(), {}, {}, impl_->last_targets};
+  Checkpoint checkpoint{impl_->x.node.read(), impl_->integrator.history(), impl_->contacts.anchors(), {}, {},
+                        impl_->last_targets};
   for (const WorldState& state : impl_->states) {
     checkpoint.time.push_back(state.time);
     checkpoint.joint_position.push_back(state.joint_position);
@@ -149,7 +150,8 @@ void Simulation::restore(const Checkpoint& checkpoint) {
   Impl& impl = *impl_;
   const MotionHistory& history = checkpoint.history;
   bool fits = checkpoint.time.size() == n_worlds() && checkpoint.joint_position.size() == n_worlds() &&
-              checkpoint.targets.size() == n_worlds() && history.length_before.size() == n_worlds();
+              checkpoint.targets.size() == n_worlds() && checkpoint.anchors.size() == n_worlds() &&
+              history.length_before.size() == n_worlds();
   for (const std::vector<double>* nodes :
        {&checkpoint.position, &history.velocity, &history.position_before, &history.velocity_before})
     fits = fits && nodes->size() == impl.x.node.size();
@@ -160,6 +162,7 @@ void Simulation::restore(const Checkpoint& checkpoint) {
   impl.x.node.write(checkpoint.position);
   impl.potential.update_sites(impl.x);
   impl.integrator.restore(checkpoint.history);
+  impl.contacts.restore_anchors(checkpoint.anchors);
   impl.last_targets = checkpoint.targets;
   for (std::size_t w = 0; w < n_worlds(); ++w) {
     impl.states[w].time = checkpoint.time[w];

@@ -38,8 +38,9 @@ struct Simulation::Impl {
   void aim_prescribed(std::vector<double>& motion);  // of prescribed nodes: all the way there
   void move_to_first_guess(double h);
   void move(const std::vector<double>& length);  // trial = x + length dx, per world
-  // Newton; true where the first correction was within the tolerance already
-  bool minimize(double h);
+  void find_minimum(double h);
+  void lag_friction(double h);
+  void minimize(double h, bool may_be_settled, double enough);
   std::vector<double> find_direction();  // dx, and the largest speed of a point per world, times h [m]
   void line_search(const std::vector<double>& certified);
   void read_state(double h);
@@ -69,7 +70,8 @@ struct Simulation::Impl {
   std::vector<std::vector<double>> last_targets;              // as given to step
   std::vector<char> is_well;                                  // worlds of this attempt that have not failed
   double length = 0;                                          // of this attempt [s]
-  std::vector<char> is_active;                                // worlds that have not converged in this step
+  std::vector<char> is_unsettled;                             // of these, worlds whose lagged friction still changes
+  std::vector<char> is_active;                                // of these, worlds that Newton's method still moves
   std::vector<WorldState> states;
   std::vector<StepReport> reports;
   bool has_prescribed;  // bodies

@@ -9,7 +9,12 @@ namespace pvg {
 namespace {
 
 constexpr int MAX_LINE_SEARCH = 40;  // halvings of one Newton step
-constexpr int MAX_LAG_PASSES = 50;   // renewals of the lagged normal forces, where they are to converge
+constexpr int MAX_LAG_PASSES = 50;   // evaluations of the lagged friction, where it is to settle
+constexpr double ENOUGH = 0.1;       // of its first correction ends a pass there: what is lagged is not exact before
+
+bool any(const std::vector<char>& worlds) {
+  return std::any_of(worlds.begin(), worlds.end(), [](char is_in) { return is_in; });
+}
 
 }  // namespace
 
@@ -98,28 +103,68 @@ void Simulation::Impl::line_search(const std::vector<double>& certified) {
   std::swap(x, trial);
 }
 
-bool Simulation::Impl::minimize(double h) {
-  is_active = is_well;
-  contacts.find_candidates(x.site, x.site);
-  for (int iteration = 0; iteration < solver().max_newton; ++iteration) {
+// Newton's method at the friction as it is lagged. A world is done where its correction is within the tolerance, or has
+// fallen to `enough` of its first one.
+void Simulation::Impl::minimize(double h, bool may_be_settled, double enough) {
+  is_active = is_unsettled;
+  std::vector<double> stop(is_active.size());  // [m/s]
+  for (int iteration = 0; iteration < solver().max_newton && any(is_active); ++iteration) {
     const std::vector<double> largest_move = find_direction();
-    move(std::vector<double>(is_active.size(), 1.0));
-    contacts.find_candidates(x.site, trial.site);
-    const std::vector<double> certified = contacts.largest_step(x.site, trial.site);
-    line_search(certified);
     for (std::size_t w = 0; w < is_active.size(); ++w) {
       if (!is_active[w]) continue;
       reports[w].residual = largest_move[w] / h;
-      if (reports[w].residual <= system.scenes[w].solver.velocity_tolerance) is_active[w] = false;
+      if (iteration > 0) continue;
+      const double tolerance = system.scenes[w].solver.velocity_tolerance;
+      stop[w] = std::max(tolerance, enough * reports[w].residual);
+      if (may_be_settled && reports[w].residual <= tolerance) is_active[w] = is_unsettled[w] = false;
     }
-    if (std::none_of(is_active.begin(), is_active.end(), [](char a) { return a; })) return iteration == 0;
+    if (!any(is_active)) return;
+    move(std::vector<double>(is_active.begin(), is_active.end()));
+    contacts.find_candidates(x.site, trial.site);
+    std::vector<double> certified = contacts.largest_step(x.site, trial.site);
+    for (std::size_t w = 0; w < is_active.size(); ++w) certified[w] *= is_active[w];
+    line_search(certified);
+    for (std::size_t w = 0; w < is_active.size(); ++w)
+      if (reports[w].residual <= stop[w]) is_active[w] = false;
   }
   for (std::size_t w = 0; w < is_active.size(); ++w)
     if (is_active[w])
       give_up(w, StepEvent::Kind::stalled, fastest_node(w),
               "Newton's method did not converge within " + std::to_string(solver().max_newton) +
                   " iterations, the last correction moved a point at " + std::to_string(reports[w].residual) + " m/s");
-  return false;
+}
+
+// Contacts at x and their friction: normal forces and tangents as they are here, for a step of length h. A world that
+// had no friction and has none now is settled.
+void Simulation::Impl::lag_friction(double h) {
+  const std::vector<u32> before = contacts.friction().first;
+  contacts.find_contacts(x.site);
+  contacts.lag_friction(x.site, h);
+  potential.set_friction(contacts.friction());
+  const std::vector<u32>& now = contacts.friction().first;
+  for (std::size_t w = 0; w < is_unsettled.size(); ++w)
+    if (before[w] == before[w + 1] && now[w] == now[w + 1]) is_unsettled[w] = false;
+}
+
+// The minimum of the incremental potential, from x on. Renews the lagged friction, as often as is wanted or until it is
+// settled: until at renewed friction the first correction is within the tolerance. Such a correction is not made, so
+// that a world ends where its friction was evaluated.
+void Simulation::Impl::find_minimum(double h) {
+  const int wanted = system.scenes[0].contact.friction_lag_passes;
+  contacts.find_candidates(x.site, x.site);
+  lag_friction(h);
+  is_unsettled = is_well;
+  move_to_first_guess(h);
+  minimize(h, false, wanted < 0 ? ENOUGH : 0);
+  for (int pass = 1; pass < (wanted < 0 ? MAX_LAG_PASSES : wanted) && any(is_unsettled); ++pass) {
+    lag_friction(h);
+    minimize(h, wanted < 0, wanted < 0 ? ENOUGH : 0);
+  }
+  for (std::size_t w = 0; wanted < 0 && w < is_unsettled.size(); ++w)
+    if (is_unsettled[w])
+      give_up(w, StepEvent::Kind::stalled, fastest_node(w),
+              "friction did not settle within " + std::to_string(MAX_LAG_PASSES) +
+                  " passes, the last one began with a point moving at " + std::to_string(reports[w].residual) + " m/s");
 }
 
 void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>& previous,
@@ -134,18 +179,10 @@ void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>&
   potential.update_sites(predicted);
   potential.begin_step(start, predicted, h, inertia_h);
   set_joints(h, previous, targets);
-  const int wanted = system.scenes[0].contact.friction_lag_passes;
-  for (int pass = 0; pass < (wanted < 0 ? MAX_LAG_PASSES : std::max(1, wanted)); ++pass) {
-    contacts.find_candidates(x.site, x.site);
-    contacts.find_contacts(x.site);
-    contacts.lag_friction(x.site);
-    potential.set_friction(contacts.friction());
-    if (pass == 0) move_to_first_guess(h);
-    const bool was_there = minimize(h);
-    if (wanted < 0 && pass > 0 && was_there) break;
-  }
+  find_minimum(h);
   give_up_inverted();
   integrator.accept(start.node, x.node, is_well);
+  contacts.renew_anchors(x.site, start.site, h, is_well);
   read_state(h);
 }
 
@@ -158,7 +195,7 @@ std::vector<char> Simulation::Impl::advance_or_halve(double h, const std::vector
       parts[goes_on].push_back(worlds[w] && integrator.goes_on(w, h) == goes_on);
   for (const bool goes_on : {false, true}) {
     const std::vector<char>& part = parts[goes_on];
-    if (std::none_of(part.begin(), part.end(), [](char is_in) { return is_in; })) continue;
+    if (!any(part)) continue;
     advance(h, previous, targets, part, goes_on);
     for (std::size_t w = 0; w < part.size(); ++w) failed[w] |= part[w] && !is_well[w];
   }

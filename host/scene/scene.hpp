@@ -136,8 +136,8 @@ struct ContactSettings {
   double activation_distance = 1e-3;  // d_hat: contact acts below this gap [m]
   double stiffness = 1e7;             // kappa: barrier pressure scale [Pa]
   double friction_velocity = 1e-4;    // epsilon_v: sliding speed at which friction is fully developed [m/s]
-  int friction_lag_passes = 1;        // how often the lagged normal forces are renewed within a step; -1: until they
-                                      // no longer move a point by more than the solver's tolerance
+  int friction_lag_passes = -1;       // how often lagged normal forces and tangents are renewed within a step; -1: until
+                                      // they no longer move a point by more than the solver's tolerance
 };
 
 struct SolverSettings {

@@ -2,7 +2,8 @@
 //   u = (I - n n^T) sum_i c_i (x_i - x0_i) + e        sliding within the step, plus the anchor's part [m]
 //   f0(y) = -y^3 / (3 eps^2) + y^2 / eps + eps / 3    for y < eps = epsilon_v h, else y   [m]
 // Li et al. 2020, "Incremental Potential Contact". c, n, lambda are lagged, so the Hessian is exact and positive
-// semi-definite. Stencil: 4 sites.
+// semi-definite. e is what a sticking contact carries from step to step (host/physics/friction_anchors.hpp).
+// Stencil: 4 sites.
 #include "energies/friction.h"
 #include "shared/real.h"
 
@@ -65,4 +66,19 @@ kernel void friction_force(const uint n, global const Friction* restrict params,
   friction_gradient(p, xe, x0e, h, g);
   // the first primitive: a point, or the first two sites
   vstore3(p.kind == 1u ? -(g[0] + g[1]) : -g[0], e, force);
+}
+
+// u / eps cut to length 1: how far each contact is strained at the end of a step. strain: [n x 3]
+kernel void friction_strain(const uint n, global const Friction* restrict params, global const real* restrict x,
+                            global const real* restrict x0, const real h, global real* restrict strain) {
+  const uint e = get_global_id(0);
+  if (e >= n) return;
+  const Friction p = params[e];
+  real3 xe[4], x0e[4];
+  for (int s = 0; s < 4; ++s) {
+    xe[s] = vload3(p.site[s], x);
+    x0e[s] = vload3(p.site[s], x0);
+  }
+  const real3 u = friction_sliding(&p, xe, x0e) / (p.friction_velocity * h);
+  vstore3(u / fmax(1.0, length(u)), e, strain);
 }
