@@ -11,6 +11,7 @@ const std::vector<ValidationCase>& validation_cases() {
       {"momentum", "bodies collide in empty space", validate_momentum, true},
       {"weight", "a resting body's contact force", validate_weight, true},
       {"contact_law", "pressure of a box on a floor by the gap between them", validate_contact_law, true},
+      {"grasp", "a cube between soft pads just above and below the critical friction", validate_grasp, false},
       {"slope", "a cube on a slope of tan 0.5 just above, at and below the critical friction", validate_slope, true},
       {"ramp", "eight cubes of different friction on a ramp of 30 degrees", validate_ramp, true},
       {"stopping", "cubes slide to a stop from 2 m/s", validate_stopping, true},

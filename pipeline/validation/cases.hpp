@@ -12,6 +12,7 @@ void validate_slope(Validation& v);
 void validate_ramp(Validation& v);
 void validate_stopping(Validation& v);
 void validate_weight(Validation& v);
+void validate_grasp(Validation& v);
 
 // dynamics.cpp
 void validate_free_fall(Validation& v);

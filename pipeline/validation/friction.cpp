@@ -119,6 +119,45 @@ void validate_stopping(Validation& v) {
   v.plot(std::move(plot));
 }
 
+namespace {
+
+// Height of the grasped cube over time, until it has fallen by `enough` below its start [m]
+Curve height_in_grasp(const Validation& v, double coefficient, double enough) {
+  SceneRun run = v.load("grasp");
+  for (PairFriction& pair : run.scene.pair_friction) pair.coefficient = coefficient;
+  const int cube = rigid_index(run.scene, "cube");
+  Curve height{"mu = " + std::to_string(coefficient).substr(0, 5), {}, {}};
+  v.run(run, [&](const WorldState& state, const StepReport&) {
+    height.x.push_back(state.time);
+    height.y.push_back(position(state, cube).z());
+    return height.y.back() > -enough;
+  });
+  return height;
+}
+
+// how far the cube sinks from `first` on to the end [m]
+double sinking(const Curve& height, double first) {
+  const auto from = std::lower_bound(height.x.begin(), height.x.end(), first) - height.x.begin();
+  return height.y.at(std::size_t(from)) - height.y.back();
+}
+
+}  // namespace
+
+void validate_grasp(Validation& v) {
+  constexpr double WEIGHT = 0.1 * G, SQUEEZE = 1, HELD_FROM = 1.5;  // [N], [N], [s]
+  const double critical = WEIGHT / (2 * SQUEEZE);
+  Plot plot{"grasp", "Cube between soft pads", "time [s]", "height [m]", {}};
+  for (const double coefficient : {0.8, 1.1 * critical}) {
+    plot.curves.push_back(height_in_grasp(v, coefficient, 0.02));
+    const Curve& height = plot.curves.back();
+    v.check_at_most(height.label + ": slip in 6 s", "m", std::abs(sinking(height, HELD_FROM)), 5e-5, "is held");
+  }
+  plot.curves.push_back(height_in_grasp(v, 0.9 * critical, 0.02));
+  v.check_true(plot.curves.back().label + ": falls by more than 20 mm", plot.curves.back().y.back() < -0.02,
+               "weight / (2 normal force) is more");
+  v.plot(std::move(plot));
+}
+
 void validate_weight(Validation& v) {
   const SceneRun run = v.load("weight");
   WorldState last;
