@@ -54,7 +54,7 @@ std::vector<bool> is_stitched(const Scene& scene) {
 std::vector<std::size_t> driven_joints(const Scene& scene) {
   std::vector<std::size_t> driven;
   for (std::size_t i = 0; i < scene.joints.size(); ++i)
-    if (scene.joints[i].drive.stiffness > 0) driven.push_back(i);
+    if (is_driven(scene.joints[i])) driven.push_back(i);
   return driven;
 }
 
@@ -87,6 +87,14 @@ struct StatesFile::Impl {
       cloths.push_back("/X_deform/" + cloth.name);
       add<double>(cloths.back(), {cloth.mesh.points.size(), 3});
     }
+    for (const char* name : {"/joint/position", "/joint/drive", "/joint/stop", "/joint/damping"})
+      add<double>(name, {scene.joints.size()});
+    const std::size_t n_bodies = scene.rigid_bodies.size() + scene.soft_bodies.size() + scene.cloths.size();
+    for (const char* name : {"/force/net", "/force/torque"}) add<double>(name, {n_bodies, 3});
+    for (const char* name : {"/pair_force/normal", "/pair_force/friction"}) add<double>(name, {3});
+    add<std::int64_t>("/pair_force/bodies", {2});
+    add<std::int64_t>("/pair_force/offset", {});
+    put<std::int64_t>("/pair_force/offset", {0});
     for (const char* name : {"/contact/gap", "/contact/normal_force"}) add<double>(name, {});
     for (const char* name : {"/contact/points", "/contact/normal", "/contact/friction_force"}) add<double>(name, {3});
     for (const char* name : {"/solver/residual", "/solver/min_gap"}) add<double>(name, {});
@@ -142,6 +150,32 @@ struct StatesFile::Impl {
     put<std::int64_t>("/contact/offset", {n_contacts});
   }
 
+  void put_forces(const WorldState& state) {
+    const auto append = [](std::vector<double>& to, const Vec3& v) { to.insert(to.end(), v.data(), v.data() + 3); };
+    std::vector<double> net, torque, normal, friction;
+    std::vector<std::int64_t> bodies;
+    for (const BodyForce& force : state.body_force) {
+      append(net, force.force);
+      append(torque, force.torque);
+    }
+    for (const PairForce& pair : state.pair_force) {
+      append(normal, pair.normal);
+      append(friction, pair.friction);
+      bodies.insert(bodies.end(), {pair.first, pair.second});
+    }
+    n_pairs += std::int64_t(state.pair_force.size());
+    put("/force/net", net);
+    put("/force/torque", torque);
+    put("/pair_force/normal", normal);
+    put("/pair_force/friction", friction);
+    put("/pair_force/bodies", bodies);
+    put<std::int64_t>("/pair_force/offset", {n_pairs});
+    put("/joint/position", state.joint_position);
+    put("/joint/drive", state.joint_effort);
+    put("/joint/stop", state.joint_stop_effort);
+    put("/joint/damping", state.joint_damping_effort);
+  }
+
   // the series must be closed before their file
   hdf5::File file;
   std::map<std::string, Series<double>> numbers;
@@ -149,7 +183,7 @@ struct StatesFile::Impl {
   std::vector<std::size_t> driven, links, rigids;  // of Scene::joints, of Scene::rigid_bodies
   std::vector<std::string> soft, cloths;           // data set of each
   std::vector<Camera> cameras;
-  std::int64_t n_contacts = 0;
+  std::int64_t n_contacts = 0, n_pairs = 0;
 };
 
 namespace {
@@ -220,6 +254,9 @@ StatesFile::StatesFile(const std::filesystem::path& path, const Scene& scene, co
   std::vector<std::string> joints;
   for (const std::size_t i : impl_->driven) joints.push_back(scene.joints[i].name);
   for (const char* name : {"/q", "/a", "/torque"}) file.attribute(name, "names", joints);
+  std::vector<std::string> all_joints;
+  for (const Joint& joint : scene.joints) all_joints.push_back(joint.name);
+  file.attribute("/joint", "names", all_joints);
   file.attribute("/T_link", "names", names_of(scene, impl_->links));
   file.attribute("/T_rigid", "names", names_of(scene, impl_->rigids));
 
@@ -247,6 +284,13 @@ StatesFile::StatesFile(const std::filesystem::path& path, const Scene& scene, co
   for (const Joint& joint : scene.joints) noncolliding.insert(noncolliding.end(), {joint.parent, joint.child});
   for (const auto& [first, second] : scene.noncolliding_rigid_bodies)
     noncolliding.insert(noncolliding.end(), {first, second});
+  const auto goes_its_way = [&](std::size_t i) {
+    return scene.rigid_bodies[i].is_fixed || scene.rigid_bodies[i].is_prescribed;
+  };
+  for (std::size_t i = 0; i < scene.rigid_bodies.size(); ++i)
+    for (std::size_t j = i + 1; j < scene.rigid_bodies.size(); ++j)
+      if (goes_its_way(i) && goes_its_way(j) && !(is_fixed[i] && is_fixed[j]))
+        noncolliding.insert(noncolliding.end(), {std::int64_t(i), std::int64_t(j)});
   file.write<std::int64_t>("/bodies/is_fixed", {is_fixed.size()}, is_fixed);
   file.write<std::int64_t>("/bodies/noncolliding", {noncolliding.size() / 2, 2}, noncolliding);
   file.attribute("/bodies", "names", names);
@@ -274,6 +318,7 @@ void StatesFile::append_step(const WorldState& state, const StepReport& report, 
   for (std::size_t i = 0; i < to.soft.size(); ++i) to.put(to.soft[i], flat(state.soft.at(i)));
   for (std::size_t i = 0; i < to.cloths.size(); ++i) to.put(to.cloths[i], flat(state.cloth.at(i)));
   to.put_contacts(state);
+  to.put_forces(state);
   to.put<std::int64_t>("/solver/newton", {report.newton});
   to.put<std::int64_t>("/solver/cg", {report.cg});
   to.put<std::int64_t>("/solver/contacts", {report.contacts});

@@ -8,8 +8,12 @@
 //   /bodies/noncolliding [n, 2]         pairs of bodies that never touch: jointed links and those the scene names
 //   /mesh/<name>/{rest [V, 3, m], elements [n, 4 or 10] (of a cloth: none), triangles [n, 3], body}
 //   /contact/{offset [T + 1], points [C, 3, m], kind, bodies [C, 2], normal [C, 3], gap [C, m], normal_force [C, N],
-//             friction_force [C, 3, N]}     kind 0: point-triangle, 1: edge-edge; forces act on the first body
+//             friction_force [C, 3, N]}     kind 0: point-triangle, 1: edge-edge, 2: point-plane; forces act
+//                                            on the first body
 //   /contact_disabled [n, 9]   kind, two bodies, three vertices of each (-1: fewer)
+//   /joint/{position, drive, stop, damping} [T, J of all joints]   coordinate [rad or m] and efforts along it [N m or
+//   N] /force/{net [T, B, 3, N], torque [T, B, 3, N m]}   of all contacts on each body, in the order of /bodies
+//   /pair_force/{offset [T + 1], bodies [P, 2], normal [P, 3, N], friction [P, 3, N]}   on the first body of each pair
 //   /solver/{newton, cg, contacts, retries, residual [m/s], min_gap [m]} [T]
 //   /camera/<name>/{K [F, 3, 3], distortion, T_world_camera [F, 4, 4]}
 #pragma once

@@ -207,10 +207,25 @@ std::set<std::array<u32, 2>> disabled_edge_triangle(const CollisionMesh& mesh) {
   return disabled;
 }
 
+// the first point that lies on or below the plane of a half-space that it may touch
+std::optional<StartConflict> find_point_below(const CollisionMesh& mesh, const BodyPairTable& table,
+                                              std::span<const Vec3> x) {
+  for (const CollisionTriangle& plane : mesh.triangles) {
+    if (!mesh.bodies[plane.body].is_half_space) continue;
+    const u32 world = mesh.bodies[plane.body].world;
+    for (const CollisionPoint& point : mesh.points)
+      if (mesh.bodies[point.body].world == world && table(mesh, point.body, plane.body) >= 0 &&
+          orientation_sign(x[plane.site[0]], x[plane.site[1]], x[plane.site[2]], x[point.site]) <= 0)
+        return StartConflict{world, point.body, plane.body, point.site, plane.site[0], true, 0};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<StartConflict> find_surface_intersection(const CollisionMesh& mesh, std::span<const Vec3> x) {
   const BodyPairTable table = make_body_pair_table(mesh);
+  if (const auto below = find_point_below(mesh, table, x)) return below;
   const std::set<std::array<u32, 2>> disabled = disabled_edge_triangle(mesh);
   for (u32 world = 0; world < mesh.n_worlds; ++world) {
     const WorldSurface surface = surface_of_world(mesh, world);

@@ -84,7 +84,7 @@ struct StartConflict {
   bool intersects = false;              // false: closer than the offsets
   double gap = 0;                       // distance minus offsets [m]; 0 where they intersect
 };
-// Exact test of all edges against all triangles that may touch. x: [n_sites, m]
+// Exact test of all edges against all triangles, of all points against all half-spaces that may touch. x: [n_sites, m]
 std::optional<StartConflict> find_surface_intersection(const CollisionMesh& mesh, std::span<const Vec3> x);
 
 }  // namespace pvg

@@ -140,9 +140,9 @@ Stitch stitch_of(const SoftBody& soft, const FingerSection& finger, int soft_ind
 }
 
 void add_finger(Scene& scene, const FingerSection& finger, const GripperSection& gripper, int carriage_body,
-                const Pose& carriage_in_body) {
+                const Pose& carriage_in_body, const std::string& prefix) {
   SoftBody soft;
-  soft.name = finger.name;
+  soft.name = prefix + finger.name;
   const TetgenOptions options{finger.max_tetrahedron_volume, finger.radius_edge_ratio, finger.keeps_surface,
                               finger.nodes_per_element};
   soft.mesh = tetrahedralize(read_closed_surface(finger.mesh), options, finger.mesh.string());
@@ -153,7 +153,7 @@ void add_finger(Scene& scene, const FingerSection& finger, const GripperSection&
   scene.stitches.push_back(stitch_of(soft, finger, index, carriage_body));
   scene.soft_bodies.push_back(std::move(soft));
   Visual visual;
-  visual.name = finger.name;
+  visual.name = prefix + finger.name;
   visual.material = material_index(scene, gripper.finger_material);
   visual.soft = index;
   visual.subdivision_levels = gripper.subdivision_levels;
@@ -167,10 +167,12 @@ RobotOptions options_for(const Scene& scene) {
   return options;
 }
 
-void add_gripper(TaskScene& built, const GripperSection& gripper, const AddedRobot& arm, int flange_link) {
+void add_gripper(TaskScene& built, const GripperSection& gripper, const AddedRobot& arm, int flange_link,
+                 const std::string& prefix) {
   Scene& scene = built.scene;
   const RobotModel model = load_urdf(gripper.urdf);
   RobotOptions options = options_for(scene);
+  options.prefix = prefix;
   options.prismatic_stiffness = gripper.drive_stiffness;
   options.prismatic_damping = gripper.drive_damping;
   options.part = "gripper";
@@ -197,8 +199,24 @@ void add_gripper(TaskScene& built, const GripperSection& gripper, const AddedRob
   built.flange_to_tool = gripper.mount * gripper.tool_center;
   for (const FingerSection& finger : gripper.fingers) {
     const int carriage = model.link(finger.carriage);
-    add_finger(scene, finger, gripper, added.body[carriage], added.link_in_body[carriage]);
+    add_finger(scene, finger, gripper, added.body[carriage], added.link_in_body[carriage], prefix);
   }
+}
+
+void add_arm(TaskScene& built, const RobotSection& robot, const std::optional<GripperSection>& gripper,
+             const std::string& prefix) {
+  const RobotModel model = load_urdf(robot.urdf);
+  RobotOptions options = options_for(built.scene);
+  options.prefix = prefix;
+  options.stiffness = robot.drive_stiffness;
+  options.damping = robot.drive_damping;
+  options.friction = robot.friction;
+  options.collision_links = robot.collision_links;
+  const AddedRobot arm = add_robot(built.scene, model, robot.base, home_configuration(model, robot), options);
+  const int flange_link = model.link(robot.flange);
+  built.arm_joints = arm.joints;
+  built.flange = arm.body[flange_link];
+  if (gripper) add_gripper(built, *gripper, arm, flange_link, prefix);
 }
 
 void add_background(Scene& scene, const BackgroundSection& background) {
@@ -252,18 +270,13 @@ TaskScene build(const Task& task, Draw draw) {
   scene.environment = task.environment;
   scene.materials = task.materials;
   for (const auto& file : task.textures) scene.textures.push_back(read_texture(file));
-  if (!task.robot.urdf.empty()) {
-    const RobotModel model = load_urdf(task.robot.urdf);
-    RobotOptions options = options_for(scene);
-    options.stiffness = task.robot.drive_stiffness;
-    options.damping = task.robot.drive_damping;
-    options.friction = task.robot.friction;
-    options.collision_links = task.robot.collision_links;
-    const AddedRobot arm = add_robot(scene, model, task.robot.base, home_configuration(model, task.robot), options);
-    const int flange_link = model.link(task.robot.flange);
-    built.arm_joints = arm.joints;
-    built.flange = arm.body[flange_link];
-    if (task.gripper) add_gripper(built, *task.gripper, arm, flange_link);
+  if (!task.robot.urdf.empty()) add_arm(built, task.robot, task.gripper, "");
+  for (const RobotCell& cell : task.more_robots) {
+    TaskScene more;
+    std::swap(more.scene, scene);
+    add_arm(more, cell.robot, cell.gripper, cell.name + "/");
+    std::swap(more.scene, scene);
+    built.more_robots.push_back({more.arm_joints, more.gripper_joints});
   }
   for (const ObjectSection& object : task.objects) add_object(scene, object, draw);
   for (const ClothSection& section : task.cloths) add_cloth(scene, section, draw);

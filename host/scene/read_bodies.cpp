@@ -18,7 +18,7 @@ constexpr double MOST_TURNS = 1e4;        // [rad/s]
 constexpr double LARGEST_ANGLE = 1e3;     // of a joint, counted in turns [rad]
 constexpr double START_TOLERANCE = 1e-6;  // joint frames of parent and child agree at the start within this [m, rad]
 
-enum Kind { RIGID, SOFT, STATIC };
+enum Kind { RIGID, SOFT, STATIC, MOVING, HALF_SPACE };
 
 template <class Body>
 int index_of(Section& section, const std::string& key, const std::vector<Body>& bodies, const std::string& kind) {
@@ -72,6 +72,43 @@ RigidBody read_rigid(Section& section, const std::string& name, bool is_fixed) {
   return body;
 }
 
+// A body that goes its way whatever it meets: along `path`, or at constant velocities.
+RigidBody read_moving(Section& section, const std::string& name) {
+  RigidBody body = read_rigid(section, name, true);
+  body.is_fixed = false;
+  body.is_prescribed = true;
+  if (!section.has("path")) {
+    body.velocity = section.vector("velocity", Unit::speed, -FASTEST, FASTEST, Vec3::Zero());
+    body.angular_velocity =
+        section.vector("angular_velocity", Unit::angular_speed, -MOST_TURNS, MOST_TURNS, Vec3::Zero());
+    return body;
+  }
+  if (section.has("pose")) section.fail("pose", "must not stand beside `path`, which says where the body starts");
+  for (Section& point : section.sections("path")) {
+    body.path.push_back({point.number("time", Unit::time, 0, 1e6), read_pose(point)});
+    if (body.path.size() == 1 ? body.path[0].time != 0 : !(body.path.back().time > body.path.end()[-2].time))
+      point.fail("time", "must be 0 at the first point of a path and ascend from there");
+    point.done();
+  }
+  if (body.path.empty()) section.fail("path", "must hold at least one point");
+  body.pose = body.path[0].pose;
+  return body;
+}
+
+RigidBody read_half_space(Section& section, const std::string& name) {
+  RigidBody body;
+  body.name = name;
+  body.is_fixed = body.is_half_space = true;
+  set_mass(section, body);
+  const Vec3 normal = section.vector("normal", Unit::none, -1e6, 1e6, Vec3::UnitZ());
+  if (!(normal.norm() > 1e-9)) section.fail("normal", "must not have the length zero");
+  body.pose.linear() = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), normal).toRotationMatrix();
+  body.pose.translation() = section.vector("point", Unit::length, -REACH, REACH, Vec3::Zero());
+  body.friction = section.number("friction", Unit::none, 0, 10, body.friction);
+  body.contact_offset = section.number("contact_offset", Unit::length, 0, 1, 0);
+  return body;
+}
+
 SoftBody read_soft(Section& section, const std::string& name) {
   SoftBody body;
   body.name = name;
@@ -108,20 +145,44 @@ TargetTable read_targets(Section& drive, Unit unit, double largest, double initi
   return table;
 }
 
+TargetTable read_drive_targets(Section& drive, const Joint& joint) {
+  const bool turns = joint.type == Joint::Type::revolute;
+  switch (joint.drive.mode) {
+    case Drive::Mode::velocity:
+      return read_targets(drive, turns ? Unit::angular_speed : Unit::speed, turns ? MOST_TURNS : FASTEST, 0);
+    case Drive::Mode::torque:
+      return read_targets(drive, turns ? Unit::torque : Unit::force, 1e12, 0);
+    default:
+      return read_targets(drive, turns ? Unit::angle : Unit::length, turns ? LARGEST_ANGLE : REACH, joint.initial);
+  }
+}
+
 void read_drive(Section drive, Joint& joint, SceneFile& file) {
   const bool turns = joint.type == Joint::Type::revolute;
   if (!turns && joint.type != Joint::Type::prismatic)
     drive.fail("", "is of no use: only revolute and prismatic joints have a coordinate to drive");
   Drive& d = joint.drive;
-  d.stiffness = drive.number("stiffness", turns ? Unit::angular_stiffness : Unit::stiffness, 0, 1e12, 0);
-  d.damping = drive.number("damping", turns ? Unit::angular_damping : Unit::damping, 0, 1e12, 0);
+  d.mode = Drive::Mode(drive.choice("mode", {"position", "velocity", "torque"}, 0));
+  if (d.mode == Drive::Mode::position)
+    d.stiffness = drive.number("stiffness", turns ? Unit::angular_stiffness : Unit::stiffness, 0, 1e12, 0);
+  if (d.mode != Drive::Mode::torque)
+    d.damping = drive.number("damping", turns ? Unit::angular_damping : Unit::damping, 0, 1e12, 0);
   d.effort_limit = drive.number("effort_limit", turns ? Unit::torque : Unit::force, 0, 1e12, 0);
   d.compensates_gravity = drive.boolean("compensates_gravity", false);
-  if (!(d.stiffness > 0 || d.damping > 0)) drive.fail("", "needs a `stiffness` or a `damping` above 0");
-  const TargetTable table =
-      read_targets(drive, turns ? Unit::angle : Unit::length, turns ? LARGEST_ANGLE : REACH, joint.initial);
+  if (!is_driven(joint)) drive.fail("", "needs a `damping` above 0, or in the mode `position` a `stiffness`");
+  file.targets.push_back(read_drive_targets(drive, joint));
   drive.done();
-  file.targets.push_back(table);
+}
+
+void read_limits(Section& section, Unit unit, double largest, Joint& joint) {
+  const std::vector<double> limits = section.numbers("limits", unit, -largest, largest);
+  if (limits.size() != 2 || !(limits[0] < limits[1])) section.fail("limits", "must be [lowest, highest]");
+  joint.lower = limits[0];
+  joint.upper = limits[1];
+  if (joint.initial < joint.lower || joint.initial > joint.upper)
+    section.fail("limits", "do not hold the joint's `initial` position");
+  const Unit stiffness = joint.type == Joint::Type::revolute ? Unit::angular_stiffness : Unit::stiffness;
+  joint.limit_stiffness = section.number("limit_stiffness", stiffness, 1e-3, 1e12, 0);
 }
 
 }  // namespace
@@ -129,11 +190,15 @@ void read_drive(Section drive, Joint& joint, SceneFile& file) {
 void read_body(Section& section, SceneFile& file) {
   Scene& scene = file.added;
   const std::string name = section.text("name");
-  const std::size_t kind = section.choice("kind", {"rigid", "soft", "static"});
+  const std::size_t kind = section.choice("kind", {"rigid", "soft", "static", "moving", "half_space"});
   const bool is_taken = find_named(scene.rigid_bodies, name) || find_named(scene.soft_bodies, name) ||
                         find_named(file.task.objects, name);
   if (is_taken) section.fail("name", "`" + name + "` is taken by a body above");
-  if (kind == SOFT)
+  if (kind == MOVING)
+    scene.rigid_bodies.push_back(read_moving(section, name));
+  else if (kind == HALF_SPACE)
+    scene.rigid_bodies.push_back(read_half_space(section, name));
+  else if (kind == SOFT)
     scene.soft_bodies.push_back(read_soft(section, name));
   else
     scene.rigid_bodies.push_back(read_rigid(section, name, kind == STATIC));
@@ -158,9 +223,8 @@ void read_joint(Section& section, SceneFile& file) {
     if (!(joint.axis.norm() > 1e-9)) section.fail("axis", "must not have the length zero");
     joint.axis.normalize();
     joint.initial = section.number("initial", unit, -largest, largest, 0);
-    joint.lower = section.number("lower", unit, -largest, largest, 0);
-    joint.upper = section.number("upper", unit, -largest, largest, 0);
-    if (joint.lower > joint.upper) section.fail("lower", "must not be above `upper`");
+    if (section.has("limits")) read_limits(section, unit, largest, joint);
+    joint.damping = section.number("damping", turns ? Unit::angular_damping : Unit::damping, 0, 1e12, 0);
   }
   joint.parent_frame = read_pose(section, "parent_frame");
   const Pose in_world = scene.rigid_bodies[joint.parent].pose * joint.parent_frame * motion_of(joint, joint.initial);

@@ -23,6 +23,9 @@ void add_materials(YamlSection& root, std::vector<VisualMaterial>& materials,
                    std::vector<std::filesystem::path>* textures);
 
 SampledPose read_sampled_pose(YamlSection& section);  // `pose` of this section, numbers or ranges
+// task_file.cpp; the gripper's materials become the task's
+RobotSection read_robot(YamlSection section);
+GripperSection read_gripper(YamlSection& section, Task& task);
 ObjectSection read_object(YamlSection& section);
 ContactSettings read_contact(YamlSection& root);
 SolverSettings read_solver(YamlSection& root, double largest_time_step);

@@ -15,8 +15,6 @@ namespace {
 
 constexpr double LARGEST_TIME_STEP = 1;  // scenes that only look for rest may take large ones [s]
 
-bool has_drive(const Joint& joint) { return joint.drive.stiffness > 0 || joint.drive.damping > 0; }
-
 // `added` behind what the scene has, its indices moved by it
 void append(Scene& scene, const Scene& added) {
   const int first_rigid = int(scene.rigid_bodies.size()), first_soft = int(scene.soft_bodies.size());
@@ -35,6 +33,49 @@ void append(Scene& scene, const Scene& added) {
   }
 }
 
+void read_cell(YamlSection& section, SceneFile& file) {
+  RobotCell cell;
+  cell.name = section.text("name");
+  if (find_named(file.task.more_robots, cell.name))
+    section.fail("name", "`" + cell.name + "` is taken by a robot above");
+  cell.robot = read_robot(section.section("robot"));
+  if (section.has("gripper")) cell.gripper = read_gripper(section, file.task);
+  RobotPath path;
+  for (YamlSection& point : section.sections("path")) {
+    path.time.push_back(point.number("time", Unit::time, 0, 1e6));
+    if (path.time.size() > 1 && !(path.time.back() > path.time.end()[-2])) point.fail("time", "must ascend");
+    path.joints.push_back(point.numbers("joints", Unit::angle, -1e3, 1e3));
+    if (path.joints.back().size() != cell.robot.home.size())
+      point.fail("joints", "must hold as many numbers as the robot's `home`");
+    if (cell.gripper) path.gripper.push_back(point.number("gripper", Unit::length, 0, 1, cell.gripper->open));
+    point.done();
+  }
+  section.done();
+  file.task.more_robots.push_back(std::move(cell));
+  file.paths.push_back(std::move(path));
+}
+
+// Of all driven joints of the robots: their paths, or where they start.
+std::vector<TargetTable> robot_targets(const TaskScene& built, const std::vector<RobotPath>& paths) {
+  const std::vector<Joint>& joints = built.scene.joints;
+  std::vector<TargetTable> of_joint;
+  for (const Joint& joint : joints) of_joint.push_back({{0}, {joint.initial}});
+  for (std::size_t r = 0; r < paths.size(); ++r) {
+    if (paths[r].time.empty()) continue;
+    const RobotJoints& robot = built.more_robots[r];
+    for (std::size_t k = 0; k < robot.arm.size(); ++k) {
+      TargetTable& table = of_joint[std::size_t(robot.arm[k])];
+      table = {paths[r].time, {}};
+      for (const std::vector<double>& point : paths[r].joints) table.value.push_back(point[k]);
+    }
+    for (const int joint : robot.gripper) of_joint[std::size_t(joint)] = {paths[r].time, paths[r].gripper};
+  }
+  std::vector<TargetTable> targets;
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    if (is_driven(joints[j])) targets.push_back(of_joint[j]);
+  return targets;
+}
+
 }  // namespace
 
 double TargetTable::at(double t) const {
@@ -50,6 +91,8 @@ SceneFile load_scene_file(const std::filesystem::path& path) {
   SceneFile file;
   file.task = read_scene_sections(root, LARGEST_TIME_STEP);
   file.added.gravity = root.vector("gravity", Unit::acceleration, -1e6, 1e6, file.added.gravity);
+  file.added.separates_start = root.boolean("separate", false);
+  for (YamlSection& section : root.sections("robots")) read_cell(section, file);
   file.duration = root.number("duration", Unit::time, 0, 1e5, 1);
   for (YamlSection& section : root.sections("bodies")) read_body(section, file);
   for (YamlSection& section : root.sections("joints")) read_joint(section, file);
@@ -73,11 +116,12 @@ std::vector<double> SceneRun::targets_at(double time) const {
 SceneRun load_scene_run(const std::filesystem::path& path) {
   const SceneFile file = load_scene_file(path);
   SceneRun run;
-  run.scene = build_scene_at_middle(file.task).scene;
-  for (const Joint& joint : run.scene.joints)
-    if (has_drive(joint)) run.targets.push_back({{0}, {joint.initial}});
+  const TaskScene built = build_scene_at_middle(file.task);
+  run.scene = built.scene;
+  run.targets = robot_targets(built, file.paths);
   append(run.scene, file.added);
   run.scene.gravity = file.added.gravity;
+  run.scene.separates_start = file.added.separates_start;
   run.targets.insert(run.targets.end(), file.targets.begin(), file.targets.end());
   run.duration = file.duration;
   std::ifstream in(path, std::ios::binary);

@@ -16,6 +16,13 @@
 //   pair_friction:
 //     - {first: cube, second: floor, coefficient: 0.3}
 //
+// A body of kind `moving` goes its way whatever it meets (path: [{time: 0, position: .., rotation: ..}, ..], or
+// velocity and angular_velocity); one of kind `half_space` fills everything below the plane of its `point` and
+// `normal`. A drive's mode is position, velocity or torque; its target may be a list over `target_times`. `separate:
+// true` moves free bodies apart that intersect at the start.
+//   robots:
+//     - {name: left, robot: {.. as in tasks ..}, gripper: FILE, path: [{time: 1 s, joints: [..], gripper: 40 mm}, ..]}
+//
 // Shapes of rigid and static bodies: mesh (a file), box, sphere, cylinder, hexahedron, square (static only); of soft
 // ones: bar, ball_octant, or a closed one, which tetgen fills (`solid`). Cloths: read_cloth.hpp.
 #pragma once
@@ -33,11 +40,19 @@ struct TargetTable {
   double at(double t) const;
 };
 
+// Where one of `robots` is told to be: straight lines in joint space between these points; empty: at home.
+struct RobotPath {
+  std::vector<double> time;                 // ascending [s]
+  std::vector<std::vector<double>> joints;  // [n_points][n_arm, rad or m]
+  std::vector<double> gripper;              // [n_points, m]
+};
+
 // What a scene file says.
 struct SceneFile {
   Task task;                         // the sections that tasks have too; its solver, contact and pair_friction hold
   Scene added;                       // only gravity, bodies, joints and stitches; indices among themselves
   std::vector<TargetTable> targets;  // [n_driven joints of `added`]
+  std::vector<RobotPath> paths;      // of Task::more_robots
   double duration = 0;               // [s]
 };
 

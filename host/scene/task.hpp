@@ -129,11 +129,19 @@ struct RenderSection {
   int max_depth = 8;
 };
 
+// A robot with a gripper beside the one of a task (scene files only). Its name stands before those of its parts.
+struct RobotCell {
+  std::string name;  // such as "left"; bodies and joints are then left/fr3_link1 ...
+  RobotSection robot;
+  std::optional<GripperSection> gripper;
+};
+
 struct Task {
   std::filesystem::path file;
   std::string name;
   RobotSection robot;
   std::optional<GripperSection> gripper;
+  std::vector<RobotCell> more_robots;
   std::vector<ObjectSection> objects;
   std::vector<ClothSection> cloths;
   std::vector<PairFriction> pair_friction;

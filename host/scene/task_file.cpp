@@ -11,24 +11,6 @@ constexpr double LARGEST_TIME_STEP = 0.02;  // of an episode [s]
 
 using Section = YamlSection;
 
-RobotSection read_robot(Section section) {
-  RobotSection robot;
-  robot.urdf = section.file("urdf");
-  robot.base = read_pose(section, "base");
-  robot.home = section.numbers("home", Unit::angle, -1e3, 1e3);
-  robot.flange = section.text("flange");
-  if (section.has("drive")) {
-    Section drive = section.section("drive");
-    robot.drive_stiffness = drive.number("stiffness", Unit::angular_stiffness, 1e-3, 1e9);
-    robot.drive_damping = drive.number("damping", Unit::angular_damping, 0, 1e6, 0);
-    drive.done();
-  }
-  robot.friction = section.number("friction", Unit::none, 0, 10, robot.friction);
-  if (section.has("collision_links")) robot.collision_links = section.texts("collision_links");
-  section.done();
-  return robot;
-}
-
 MotionElement read_motion(Section& section) {
   using Type = MotionElement::Type;
   MotionElement element;
@@ -74,6 +56,24 @@ RenderSection read_render(Section& root) {
 
 }  // namespace
 
+RobotSection read_robot(Section section) {
+  RobotSection robot;
+  robot.urdf = section.file("urdf");
+  robot.base = read_pose(section, "base");
+  robot.home = section.numbers("home", Unit::angle, -1e3, 1e3);
+  robot.flange = section.text("flange");
+  if (section.has("drive")) {
+    Section drive = section.section("drive");
+    robot.drive_stiffness = drive.number("stiffness", Unit::angular_stiffness, 1e-3, 1e9);
+    robot.drive_damping = drive.number("damping", Unit::angular_damping, 0, 1e6, 0);
+    drive.done();
+  }
+  robot.friction = section.number("friction", Unit::none, 0, 10, robot.friction);
+  if (section.has("collision_links")) robot.collision_links = section.texts("collision_links");
+  section.done();
+  return robot;
+}
+
 void check_names(const Section& root, const Task& task, const std::vector<std::string>& bodies) {
   check_distinct(root, "objects", task.objects);
   for (const ClothSection& section : task.cloths) {
@@ -92,6 +92,10 @@ void check_names(const Section& root, const Task& task, const std::vector<std::s
       root.fail(key, "names the object `" + name + "`, which `objects` does not hold");
   };
   const auto is_finger = [&](const std::string& name) {
+    for (const RobotCell& cell : task.more_robots)
+      if (cell.gripper)
+        for (const FingerSection& finger : cell.gripper->fingers)
+          if (name == cell.name + "/" + finger.name) return true;
     return task.gripper && find_named(task.gripper->fingers, name);
   };
   const auto is_cloth = [&](const std::string& name) {
@@ -125,6 +129,14 @@ void check_names(const Section& root, const Task& task, const std::vector<std::s
   }
 }
 
+GripperSection read_gripper(Section& section, Task& task) {
+  GripperSection gripper = load_gripper(section.file("gripper"));
+  for (const VisualMaterial& material : gripper.materials) {  // the task's own win
+    if (!find_named(task.materials, material.name)) task.materials.push_back(material);
+  }
+  return gripper;
+}
+
 Task read_scene_sections(Section& root, double largest_time_step) {
   Task task;
   task.file = root.path();
@@ -136,10 +148,7 @@ Task read_scene_sections(Section& root, double largest_time_step) {
   add_materials(root, task.materials, &task.textures);
   if (root.has("gripper")) {
     if (task.robot.urdf.empty()) root.fail("gripper", "needs a `robot` that carries it");
-    task.gripper = load_gripper(root.file("gripper"));
-    for (const VisualMaterial& material : task.gripper->materials) {  // the task's own win
-      if (!find_named(task.materials, material.name)) task.materials.push_back(material);
-    }
+    task.gripper = read_gripper(root, task);
   }
   for (Section& section : root.sections("objects")) task.objects.push_back(read_object(section));
   for (Section& section : root.sections("cloths")) task.cloths.push_back(read_cloth(section));

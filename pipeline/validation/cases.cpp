@@ -17,6 +17,7 @@ const std::vector<ValidationCase>& validation_cases() {
       {"stopping", "cubes slide to a stop from 2 m/s", validate_stopping, true},
       {"joint_signs", "each joint type turns and moves the way its axis says", validate_joint_signs, true},
       {"drive", "a drive's deflection under a load", validate_drive, true},
+      {"four_bar", "a closed loop of four hinges", validate_four_bar, true},
       {"tensile", "a bar on rollers, pulled", validate_tensile, true},
       {"rib", "a thin rib, one layer of elements, bent", validate_rib, true},
       {"elastica", "a beam bent far by a load at its tip", validate_elastica, false},

@@ -57,5 +57,6 @@ void validate_silicone_beam(Validation& v);
 // joints.cpp
 void validate_joint_signs(Validation& v);
 void validate_drive(Validation& v);
+void validate_four_bar(Validation& v);
 
 }  // namespace pvg

@@ -83,4 +83,22 @@ void validate_drive(Validation& v) {
   v.check_relative("prismatic: deflection", "m", -weight / 1000, last.joint_position[1], 1e-3, "force / stiffness");
 }
 
+// The rocker's angle of a four-bar linkage: its end lies where circles about the crank's end and the rocker's hinge
+// meet.
+void validate_four_bar(Validation& v) {
+  const SceneRun run = v.load("four_bar");
+  const WorldState last = end_of(v, run);
+  const double crank = 0.1, coupler = 0.25, rocker = 0.2, ground = 0.3, start = 1;
+  const auto rocker_angle = [&](double t) {
+    const Eigen::Vector2d from(crank * std::cos(t), crank * std::sin(t)), to = Eigen::Vector2d(ground, 0) - from;
+    const double along = (to.squaredNorm() + coupler * coupler - rocker * rocker) / (2 * to.norm());
+    const double across = std::sqrt(coupler * coupler - along * along);
+    const Eigen::Vector2d end = from + (along * to + across * Eigen::Vector2d(-to.y(), to.x())) / to.norm();
+    return std::atan2(end.y(), end.x() - ground);
+  };
+  v.check("angle of the crank", "rad", 0.5, last.joint_position[0], 1e-4, "the drive's target");
+  v.check("angle that the rocker turned by", "rad", rocker_angle(start + last.joint_position[0]) - rocker_angle(start),
+          last.joint_position[3], 1e-6, "two circles that meet");
+}
+
 }  // namespace pvg

@@ -80,6 +80,11 @@ WorldState example_state(double t) {
   state.cloth.push_back({Vec3(0, 0, t), Vec3(1, 0, t), Vec3(0, 1, 2 * t)});
   state.joint_position = {0.1 + t, 0, 0.3 + t};
   state.joint_effort = {1 + t, 0, 3 + t};
+  state.joint_stop_effort = {0, -7 - t, 0};
+  state.joint_damping_effort = {0, 0, -0.5};
+  state.body_force.resize(5);
+  state.body_force[3] = {Vec3(1, 2, 3 + t), Vec3(0, 0.5, t)};
+  if (t > 0.005) state.pair_force = {{1, 3, Vec3(0, 0, 2.5), Vec3(t, 0, 0)}};
   // step k has k contacts
   for (int i = 0; i < int(t * 100 + 0.5); ++i) {
     ContactForce contact;
@@ -145,6 +150,11 @@ TEST(StatesFile, HasTheLayoutThatReadersRelyOn) {
                                                                  {"/contact/normal_force", {6}},
                                                                  {"/contact/friction_force", {6, 3}},
                                                                  {"/contact_disabled", {1, 9}},
+                                                                 {"/joint/stop", {4, 3}},
+                                                                 {"/force/net", {4, 5, 3}},
+                                                                 {"/force/torque", {4, 5, 3}},
+                                                                 {"/pair_force/offset", {5}},
+                                                                 {"/pair_force/normal", {3, 3}},
                                                                  {"/camera/fixed/K", {2, 3, 3}},
                                                                  {"/camera/fixed/distortion", {0}},
                                                                  {"/camera/fixed/T_world_camera", {2, 4, 4}}};
@@ -158,6 +168,9 @@ TEST(StatesFile, HasTheLayoutThatReadersRelyOn) {
     EXPECT_EQ(file.read<std::int64_t>("/frame_step").values, (std::vector<std::int64_t>{1, 3}));
     EXPECT_EQ(file.read<std::int64_t>("/contact/offset").values, (std::vector<std::int64_t>{0, 0, 1, 3, 6}));
     EXPECT_EQ(file.read<double>("/q").values[3], 0.3 + 0.01);
+    EXPECT_EQ(file.read<double>("/force/net").values[3 * 3 + 2], 3);
+    EXPECT_EQ(file.read<double>("/joint/stop").values[3 + 1], -7 - 0.01);
+    EXPECT_EQ(file.read<std::int64_t>("/pair_force/bodies").values, (std::vector<std::int64_t>{1, 3, 1, 3, 1, 3}));
     EXPECT_EQ(file.read<double>("/camera/fixed/K").values,
               (std::vector<double>{300, 0, 160, 0, 301, 90, 0, 0, 1, 300, 0, 160, 0, 301, 90, 0, 0, 1}));
   }

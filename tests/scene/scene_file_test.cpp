@@ -53,7 +53,10 @@ struct SceneFiles : testing::Test {
     return load_scene_run(path);
   }
   void expect_refused(const std::string& from, const std::string& to, int line, const std::string& key) {
-    std::string text = SCENE;
+    expect_refused_in(SCENE, from, to, line, key);
+  }
+  void expect_refused_in(std::string text, const std::string& from, const std::string& to, int line,
+                         const std::string& key) {
     const std::size_t at = text.find(from);
     ASSERT_NE(at, std::string::npos) << from;
     text.replace(at, from.size(), to);
@@ -132,6 +135,43 @@ TEST_F(SceneFiles, TargetsFollowStraightLines) {
   for (const auto& [time, value] : expected) EXPECT_NEAR(run.targets_at(time).at(0), value, 1e-15) << time;
 }
 
+const char* const MOVED = R"(schema: 1
+name: moved
+time_step: 10 ms
+separate: true
+bodies:
+  - {name: ground, kind: half_space, point: [0, 0, 0.1], normal: [0, 0, 2], friction: 0.2}
+  - {name: lift, kind: moving, shape: {square: {size: 1}}, path: [{time: 0, position: [0, 0, 1]}, {time: 2 s, position: [0, 0, 3], rotation: [0, 0, 90 deg]}]}
+  - {name: belt, kind: moving, shape: {box: {size: [1, 1, 0.1]}}, pose: {position: [5, 0, 1]}, velocity: [0.5, 0, 0]}
+  - {name: cart, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, density: 1000, pose: {position: [9, 0, 1]}}
+joints:
+  - {name: rail, type: prismatic, parent: ground, child: cart, parent_frame: {position: [9, 0, 0.9]}, axis: [1, 0, 0], limits: [-0.5, 50 cm], limit_stiffness: 1e5, damping: 3, drive: {mode: velocity, damping: 40, effort_limit: 12 N, target_times: [0, 1 s], target: [0, 0.2]}}
+)";
+
+TEST_F(SceneFiles, HoldMovingBodiesHalfSpacesLimitsAndDriveModes) {
+  const SceneRun run = load(MOVED);
+  const Scene& scene = run.scene;
+  EXPECT_TRUE(scene.separates_start);
+  EXPECT_TRUE(scene.rigid_bodies[0].is_half_space && scene.rigid_bodies[0].is_fixed);
+  EXPECT_EQ(scene.rigid_bodies[0].pose.translation().z(), 0.1);
+  EXPECT_NEAR((scene.rigid_bodies[0].pose.linear().col(2) - Vec3::UnitZ()).norm(), 0, 1e-15);
+  const RigidBody &lift = scene.rigid_bodies[1], &belt = scene.rigid_bodies[2];
+  EXPECT_TRUE(lift.is_prescribed && !lift.is_fixed);
+  EXPECT_EQ(lift.pose.translation().z(), 1);
+  ASSERT_EQ(lift.path.size(), 2u);
+  EXPECT_EQ(lift.path[1].time, 2);
+  EXPECT_NEAR(lift.path[1].pose.linear()(1, 0), 1, 1e-15);
+  EXPECT_EQ(belt.velocity.x(), 0.5);
+  const Joint& rail = scene.joints.at(0);
+  EXPECT_EQ(rail.lower, -0.5);
+  EXPECT_EQ(rail.upper, 0.5);
+  EXPECT_EQ(rail.limit_stiffness, 1e5);
+  EXPECT_EQ(rail.damping, 3);
+  EXPECT_EQ(rail.drive.mode, Drive::Mode::velocity);
+  EXPECT_EQ(rail.drive.effort_limit, 12);
+  EXPECT_NEAR(run.targets_at(0.5).at(0), 0.1, 1e-15);
+}
+
 TEST_F(SceneFiles, MistakesAreNamed) {
   expect_refused("kind: static", "kind: liquid", 7, "`bodies[0].kind`");
   expect_refused("size: 4", "size: -4", 7, "`bodies[0].shape.square.size`");
@@ -158,6 +198,13 @@ TEST_F(SceneFiles, MistakesAreNamed) {
   expect_refused("high: [-0.14, 1, 1]", "high: [-0.16, 1, 1]", 23, "`cloths[0].pinned[0].low`");
   expect_refused("name: sheet", "name: towel", 19, "`towel`");
   expect_refused("rest_angles: mesh", "rest_angles: round", 26, "`cloths[1].rest_angles`");
+  expect_refused_in(MOVED, "normal: [0, 0, 2]", "normal: [0, 0, 0]", 6, "`bodies[0].normal`");
+  expect_refused_in(MOVED, "{time: 0, pos", "{time: 1, pos", 7, "`bodies[1].path[0].time`");
+  expect_refused_in(MOVED, "path: [", "pose: {position: [0, 0, 2]}, path: [", 7, "`bodies[1].pose`");
+  expect_refused_in(MOVED, "limits: [-0.5, 50 cm]", "limits: [0.1, 0.5]", 11, "`joints[0].limits`");
+  expect_refused_in(MOVED, "limits: [-0.5, 50 cm]", "limits: [0.5]", 11, "`joints[0].limits`");
+  expect_refused_in(MOVED, "mode: velocity", "mode: speed", 11, "`joints[0].drive.mode`");
+  expect_refused_in(MOVED, "mode: velocity", "mode: velocity, stiffness: 5", 11, "stiffness");
 }
 
 }  // namespace
