@@ -1,14 +1,18 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.hpp"
 #include "host/base/progress.hpp"
+#include "host/io/checkpoint_file.hpp"
 #include "host/io/states_file.hpp"
+#include "host/physics/separate_bodies.hpp"
 #include "host/scene/scene_file.hpp"
 #include "pipeline/commands.hpp"
 #include "pipeline/disabled_pairs.hpp"
@@ -66,38 +70,86 @@ void explain(const StepReport& report, double time) {
                report.retries > 0 ? (", " + std::to_string(report.retries) + " retries").c_str() : "");
 }
 
+fs::path partial_of(const fs::path& file) {
+  return file.parent_path() / ("." + file.filename().string() + ".partial-" + std::to_string(getpid()));
+}
+
+void separate(Scene& scene) {
+  if (!scene.separates_start) return;
+  for (const Separation& moved : separate_bodies(scene))
+    std::fprintf(stderr, "phyvisgen: %s was moved by (%.6g, %.6g, %.6g) m, apart from what it started in\n",
+                 moved.body.c_str(), moved.by.x(), moved.by.y(), moved.by.z());
+}
+
+// Number of steps done already.
+std::size_t resume(Simulation& simulation, const SceneRun& run, const std::string& file) {
+  if (file.empty()) return 0;
+  const SavedCheckpoint saved = read_checkpoint(file);
+  if (saved.scene != run.configuration)
+    throw UsageError(file + " was made from another text of the scene; resume with the scene file as it was");
+  simulation.restore(saved.checkpoint);
+  return std::size_t(std::llround(simulation.state().time / run.scene.solver.time_step));
+}
+
+// Steps `first` + 1 to `last`, each on record; throws StepFailure with what was done on record.
+void run_steps(const SimulateOptions& options, const SceneRun& run, Simulation& simulation, std::size_t first,
+               std::size_t last, const std::function<void()>& save, StatesFile& states, Totals& totals) {
+  const std::atomic<bool>& stop = stop_on_signals();
+  const double h = run.scene.solver.time_step;
+  const std::size_t every = options.checkpoint_every > 0
+                                ? std::max<std::size_t>(1, std::size_t(std::llround(options.checkpoint_every / h)))
+                                : 0;
+  Progress progress(run.scene.name, "steps", last);
+  for (std::size_t step = first + 1; step <= last; ++step) {
+    if (stop)
+      throw TryAgain("stopped after " + std::to_string(totals.steps) + " of " + std::to_string(last - first) +
+                     " steps; no file was written");
+    const std::vector<double> targets = run.targets_at(double(step) * h);
+    const StepReport report = simulation.step(targets);
+    states.append_step(simulation.state(), report, targets);
+    totals.add(report);
+    if (every > 0 && step % every == 0) save();
+    progress.advance_to(step);
+    if (options.is_verbose) explain(report, simulation.state().time);
+    for (const StepEvent& event : report.events)
+      if (options.is_verbose) std::fprintf(stderr, "  retried: %s\n", describe(event, run.scene.name).c_str());
+  }
+}
+
 }  // namespace
 
 void run_simulate(const SimulateOptions& options) {
   if (options.scene.empty())
     throw UsageError("simulate needs a scene file; `phyvisgen simulate --help` shows an example");
   if (options.file.empty()) throw UsageError("simulate needs an output file: -o FILE.h5");
-  const std::atomic<bool>& stop = stop_on_signals();
+  stop_on_signals();
   SceneRun run = load_scene_run(options.scene);
   if (options.duration >= 0) run.duration = options.duration;
   const std::size_t n = run.n_steps();
   if (n == 0)
     throw UsageError(options.scene + ": the duration is shorter than half a time step; there is nothing to do");
+  separate(run.scene);
   Device device(options.device);
   Simulation simulation(device, run.scene);
+  const std::size_t first = resume(simulation, run, options.resume);
+  if (first >= n)
+    throw UsageError(options.resume + " was made at " + std::to_string(simulation.state().time) +
+                     " s, at which the run ends; give a longer --duration");
 
-  const fs::path file = fs::absolute(options.file),
-                 partial =
-                     file.parent_path() / ("." + file.filename().string() + ".partial-" + std::to_string(getpid()));
+  const fs::path file = fs::absolute(options.file), partial = partial_of(file),
+                 saved = file.string() + ".checkpoint.h5";
+  const auto save = [&] { write_checkpoint(saved, {simulation.checkpoint(), run.configuration}); };
   Totals totals;
   try {
     StatesFile states(partial, run.scene, header_of(run, device), disabled_pairs(run.scene));
-    Progress progress(run.scene.name, "steps", n);
-    for (std::size_t step = 1; step <= n; ++step) {
-      if (stop)
-        throw TryAgain("stopped after " + std::to_string(totals.steps) + " of " + std::to_string(n) +
-                       " steps; no file was written");
-      const std::vector<double> targets = run.targets_at(double(step) * run.scene.solver.time_step);
-      const StepReport report = simulation.step(targets);
-      states.append_step(simulation.state(), report, targets);
-      totals.add(report);
-      progress.advance_to(step);
-      if (options.is_verbose) explain(report, simulation.state().time);
+    try {
+      run_steps(options, run, simulation, first, n, save, states, totals);
+    } catch (const StepFailure& failure) {
+      states.close();
+      fs::rename(partial, file);
+      save();
+      throw Failure(std::string(failure.what()) + "; " + file.string() + " holds the " + std::to_string(totals.steps) +
+                    " steps before it, " + saved.string() + " the last state");
     }
     states.close();
   } catch (...) {

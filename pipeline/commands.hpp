@@ -32,13 +32,16 @@ struct GenerateOptions {
 void run_generate(const GenerateOptions& options);
 
 struct SimulateOptions {
-  std::string scene, file;  // scene file, states file
-  double duration = -1;     // [s]; negative: what the scene says
+  std::string scene, file;      // scene file, states file
+  double duration = -1;         // [s]; negative: what the scene says
+  std::string resume;           // checkpoint to go on from; empty: from the start
+  double checkpoint_every = 0;  // simulated time between checkpoints [s]; 0: none
   std::string device;
   bool as_json = false, is_verbose = false;
 };
 
-// phyvisgen simulate: a scene file to states.h5.
+// phyvisgen simulate: a scene file to states.h5. Checkpoints are written to FILE.checkpoint.h5, each over the one
+// before; after a step that failed, FILE holds what there is and the checkpoint the last state that was well.
 void run_simulate(const SimulateOptions& options);
 
 struct ValidateOptions {

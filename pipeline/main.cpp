@@ -55,6 +55,12 @@ void add_simulate(CLI::App& program, pvg::SimulateOptions& o) {
   command->add_option("-o,--output", o.file, "States file (HDF5) to write");
   command->add_option("--duration", o.duration, "Simulated time [s]; else what the scene says")
       ->check(CLI::NonNegativeNumber);
+  command->add_option("--resume", o.resume,
+                      "Checkpoint (HDF5) of the same scene to go on from; FILE holds what follows");
+  command
+      ->add_option("--checkpoint-every", o.checkpoint_every,
+                   "Simulated time [s] after which FILE.checkpoint.h5 is renewed; else only after a failure")
+      ->check(CLI::PositiveNumber);
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
   command->add_flag("--json", o.as_json, "Print solver statistics as JSON at the end");
   command->add_flag("-v,--verbose", o.is_verbose, "Tell of every step: iterations, contacts, smallest gap");

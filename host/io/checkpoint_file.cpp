@@ -1,0 +1,88 @@
+#include "host/io/checkpoint_file.hpp"
+
+#include <unistd.h>
+
+#include "host/io/hdf5.hpp"
+
+namespace pvg {
+namespace {
+
+constexpr std::int64_t SCHEMA = 1;
+
+// Every field of a checkpoint, once: what is written is what is read. A new field is a line here.
+template <class Checkpoint, class Visit>
+void for_each_field(Checkpoint& checkpoint, const Visit& visit) {
+  visit("/position", checkpoint.position);
+  visit("/history/velocity", checkpoint.history.velocity);
+  visit("/history/position_before", checkpoint.history.position_before);
+  visit("/history/velocity_before", checkpoint.history.velocity_before);
+  visit("/history/length_before", checkpoint.history.length_before);
+  visit("/time", checkpoint.time);
+  visit("/joint_position", checkpoint.joint_position);
+  visit("/targets", checkpoint.targets);
+}
+
+struct Writer {
+  hdf5::File& file;
+  void operator()(const std::string& name, const std::vector<double>& values) const {
+    file.write<double>(name, {values.size()}, values);
+  }
+  // one after the other, with where each begins
+  void operator()(const std::string& name, const std::vector<std::vector<double>>& lists) const {
+    std::vector<double> values;
+    std::vector<std::int64_t> offset = {0};
+    for (const std::vector<double>& list : lists) {
+      values.insert(values.end(), list.begin(), list.end());
+      offset.push_back(std::int64_t(values.size()));
+    }
+    file.write<double>(name + "/values", {values.size()}, values);
+    file.write<std::int64_t>(name + "/offset", {offset.size()}, offset);
+  }
+};
+
+struct Reader {
+  const hdf5::File& file;
+  void operator()(const std::string& name, std::vector<double>& values) const {
+    values = file.read<double>(name).values;
+  }
+  void operator()(const std::string& name, std::vector<std::vector<double>>& lists) const {
+    const std::vector<double> values = file.read<double>(name + "/values").values;
+    const std::vector<std::int64_t> offset = file.read<std::int64_t>(name + "/offset").values;
+    for (std::size_t i = 0; i + 1 < offset.size(); ++i) {
+      if (offset[i] < 0 || offset[i] > offset[i + 1] || std::size_t(offset[i + 1]) > values.size())
+        throw Failure("the lists of " + name + " do not fit its values");
+      lists.emplace_back(values.begin() + offset[i], values.begin() + offset[i + 1]);
+    }
+  }
+};
+
+}  // namespace
+
+void write_checkpoint(const std::filesystem::path& path, const SavedCheckpoint& saved) {
+  const std::filesystem::path absolute = std::filesystem::absolute(path);
+  const std::filesystem::path partial =
+      absolute.parent_path() / ("." + absolute.filename().string() + ".partial-" + std::to_string(getpid()));
+  hdf5::File file = hdf5::File::create(partial);
+  for_each_field(saved.checkpoint, Writer{file});
+  file.attribute("/", "schema", SCHEMA);
+  file.attribute("/", "scene", saved.scene);
+  file.close();
+  std::filesystem::rename(partial, absolute);
+}
+
+SavedCheckpoint read_checkpoint(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) throw UsageError(path.string() + ": there is no such checkpoint");
+  try {
+    const hdf5::File file = hdf5::File::open(path);
+    if (file.number_attribute("/", "schema") != double(SCHEMA))
+      throw Failure("its schema is not " + std::to_string(SCHEMA));
+    SavedCheckpoint saved;
+    for_each_field(saved.checkpoint, Reader{file});
+    saved.scene = file.text_attribute("/", "scene");
+    return saved;
+  } catch (const Failure& failure) {
+    throw UsageError(path.string() + " is no checkpoint that can be resumed: " + failure.what());
+  }
+}
+
+}  // namespace pvg
