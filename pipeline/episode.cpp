@@ -198,6 +198,8 @@ std::vector<MeshSize> mesh_sizes(const Scene& scene) {
   std::vector<MeshSize> sizes;
   for (const SoftBody& body : scene.soft_bodies)
     sizes.push_back({body.name, body.mesh.points.size(), body.mesh.n_elements(), body.mesh.surface.size()});
+  for (const Cloth& cloth : scene.cloths)
+    sizes.push_back({cloth.name, cloth.mesh.points.size(), 0, cloth.mesh.triangles.size()});
   for (const RigidBody& body : scene.rigid_bodies)
     if (!body.collision.triangles.empty())
       sizes.push_back({body.name, body.collision.points.size(), 0, body.collision.triangles.size()});

@@ -70,11 +70,11 @@ void SuccessMonitor::measure_deformation(const WorldState& state) {
 }
 
 void SuccessMonitor::start_patches(const WorldState& state) {
-  const int n_rigid = int(scene_.rigid_bodies.size());
+  const int n_rigid = int(scene_.rigid_bodies.size()), n_soft = int(scene_.soft_bodies.size());
   patches_.clear();
   for (const ContactForce& contact : state.contacts) {
     const int other = contact.first == object_ ? contact.second : contact.second == object_ ? contact.first : -1;
-    if (other < n_rigid) continue;
+    if (other < n_rigid || other >= n_rigid + n_soft) continue;  // a rigid body or a cloth
     const std::size_t soft = std::size_t(other - n_rigid);
     std::size_t nearest = 0;
     for (std::size_t n = 1; n < state.soft[soft].size(); ++n)
@@ -125,8 +125,8 @@ void SuccessMonitor::observe(const WorldState& state, Phase phase) {
   measured_.position_error = (origin - goal).norm();
   const int n_rigid = int(scene_.rigid_bodies.size());
   measured_.is_held = std::any_of(state.contacts.begin(), state.contacts.end(), [&](const ContactForce& contact) {
-    return (contact.first == object_ && contact.second >= n_rigid) ||
-           (contact.second == object_ && contact.first >= n_rigid);
+    const int other = contact.first == object_ ? contact.second : contact.second == object_ ? contact.first : -1;
+    return other >= n_rigid && other < n_rigid + int(scene_.soft_bodies.size());
   });
 }
 

@@ -34,6 +34,10 @@ SceneState initial_state(const Scene& scene) {
     state.soft.emplace_back();
     for (const Vec3& point : body.mesh.points) state.soft.back().push_back(body.pose * point);
   }
+  for (const Cloth& cloth : scene.cloths) {
+    state.cloth.emplace_back();
+    for (const Vec3& point : cloth.mesh.points) state.cloth.back().push_back(cloth.pose * point);
+  }
   return state;
 }
 
@@ -113,14 +117,22 @@ Renderer::Impl::Shown Renderer::Impl::add_visual(const Visual& visual, GeometryA
   check_index(visual.material, scene.materials.size(), visual.name, "material");
   check_index(visual.rigid, scene.rigid_bodies.size(), visual.name, "rigid body");
   check_index(visual.soft, scene.soft_bodies.size(), visual.name, "soft body");
+  check_index(visual.cloth, scene.cloths.size(), visual.name, "cloth");
   check_index(visual.mesh, scene.visual_meshes.size(), visual.name, "mesh");
   Shown entry;
   entry.name = visual.name;
-  if (visual.soft >= 0) {
+  if (visual.soft >= 0 || visual.cloth >= 0) {
     if (visual.mesh >= 0)
-      throw UsageError("visual " + visual.name + ": a soft body is shown by its own surface; leave its mesh out");
+      throw UsageError("visual " + visual.name +
+                       ": a soft body or cloth is shown by its own surface; leave its mesh out");
     entry.soft = int(soft_visuals.size());
-    soft_visuals.emplace_back(device, scene.soft_bodies[visual.soft], visual);
+    if (visual.soft >= 0) {
+      const SoftBody& body = scene.soft_bodies[visual.soft];
+      soft_visuals.emplace_back(device, body.name, body.mesh.points, body.mesh.surface, visual);
+    } else {
+      const Cloth& cloth = scene.cloths[visual.cloth];
+      soft_visuals.emplace_back(device, cloth.name, cloth.mesh.points, cloth.mesh.triangles, visual);
+    }
     entry.mesh = geometry.add(soft_visuals.back().mesh(), visual.name);
     return entry;
   }
@@ -139,7 +151,7 @@ void Renderer::Impl::add_lights(GeometryArrays& geometry) {
 }
 
 Eigen::Matrix<double, 3, 4> Renderer::Impl::visual_pose(const Visual& visual, const SceneState& state) const {
-  if (visual.soft >= 0) return Pose::Identity().matrix().topRows<3>();
+  if (visual.soft >= 0 || visual.cloth >= 0) return Pose::Identity().matrix().topRows<3>();
   if (visual.rigid < 0) return visual.pose.matrix().topRows<3>();
   Eigen::Matrix4d body = Eigen::Matrix4d::Identity();
   body.topRows<3>() = state.rigid[visual.rigid];
@@ -208,17 +220,22 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 void Renderer::set_state(const SceneState& state) {
   Impl& r = *impl_;
   const Scene& scene = r.scene;
-  if (state.rigid.size() != scene.rigid_bodies.size() || state.soft.size() != scene.soft_bodies.size())
+  if (state.rigid.size() != scene.rigid_bodies.size() || state.soft.size() != scene.soft_bodies.size() ||
+      state.cloth.size() != scene.cloths.size())
     throw UsageError("the state has " + std::to_string(state.rigid.size()) + " rigid and " +
-                     std::to_string(state.soft.size()) + " soft bodies, the scene to be rendered " +
-                     std::to_string(scene.rigid_bodies.size()) + " and " + std::to_string(scene.soft_bodies.size()));
+                     std::to_string(state.soft.size()) + " soft bodies and " + std::to_string(state.cloth.size()) +
+                     " cloths, the scene to be rendered " + std::to_string(scene.rigid_bodies.size()) + ", " +
+                     std::to_string(scene.soft_bodies.size()) + " and " + std::to_string(scene.cloths.size()));
   const std::size_t n_visuals = scene.visuals.size();
   for (std::size_t i = 0; i < r.shown.size(); ++i) {
     const Impl::Shown& shown = r.shown[i];
     r.instances[i] = i < n_visuals ? r.visual_instance(i, state) : r.light_instance(i - n_visuals);
     Box box = shown.mesh.box;
-    if (shown.soft >= 0)
-      box = r.soft_visuals[shown.soft].follow(state.soft[scene.visuals[i].soft], shown.mesh, *r.on_device);
+    if (shown.soft >= 0) {
+      const Visual& visual = scene.visuals[i];
+      const std::vector<Vec3>& nodes = visual.soft >= 0 ? state.soft[visual.soft] : state.cloth[visual.cloth];
+      box = r.soft_visuals[shown.soft].follow(nodes, shown.mesh, *r.on_device);
+    }
     r.boxes[i] = world_box(r.instances[i], box);
   }
   const std::vector<BvhNode> top = build_instance_tree(r.boxes);

@@ -9,24 +9,24 @@ namespace {
 constexpr double CREASE_ANGLE = 0.7;
 constexpr int MAX_LEVELS = 4;  // each level has four times the triangles
 
-Subdivision subdivide(const SoftBody& body, const Visual& visual) {
+Subdivision subdivide(const std::string& body, const std::vector<Vec3>& points, const std::vector<Triangle>& surface,
+                      const Visual& visual) {
   if (visual.subdivision_levels < 0 || visual.subdivision_levels > MAX_LEVELS)
     throw UsageError("visual " + visual.name + ": subdivision_levels is " + std::to_string(visual.subdivision_levels) +
                      "; 0 to " + std::to_string(MAX_LEVELS));
-  if (body.mesh.surface.empty())
-    throw UsageError("visual " + visual.name + ": soft body " + body.name + " has no surface");
-  return subdivide_loop(body.mesh.points.size(), body.mesh.surface, visual.subdivision_levels,
-                        sharp_edges(body.mesh.points, body.mesh.surface, CREASE_ANGLE));
+  if (surface.empty()) throw UsageError("visual " + visual.name + ": soft body " + body + " has no surface");
+  return subdivide_loop(points.size(), surface, visual.subdivision_levels, sharp_edges(points, surface, CREASE_ANGLE));
 }
 
 }  // namespace
 
-SoftVisual::SoftVisual(Device& device, const SoftBody& body, const Visual& visual)
-    : SoftVisual(device, body, subdivide(body, visual)) {}
+SoftVisual::SoftVisual(Device& device, const std::string& body, const std::vector<Vec3>& points,
+                       const std::vector<Triangle>& surface, const Visual& visual)
+    : SoftVisual(device, points, subdivide(body, points, surface, visual)) {}
 
-SoftVisual::SoftVisual(Device& device, const SoftBody& body, const Subdivision& subdivision)
+SoftVisual::SoftVisual(Device& device, const std::vector<Vec3>& points, const Subdivision& subdivision)
     : dual_mesh_(device, subdivision), refit_(device) {
-  for (const Vec3& point : multiply(subdivision.weights, body.mesh.points)) mesh_.points.push_back(point.cast<float>());
+  for (const Vec3& point : multiply(subdivision.weights, points)) mesh_.points.push_back(point.cast<float>());
   mesh_.normals.assign(mesh_.points.size(), Vec3f::UnitZ());  // the device computes them with every move
   mesh_.triangles = subdivision.triangles;
 }

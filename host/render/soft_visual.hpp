@@ -1,5 +1,5 @@
-// The visual mesh of a soft body: its surface by Loop subdivision, moved with its nodes, its tree refitted; on the
-// device.
+// The visual mesh of a soft body or cloth: its surface by Loop subdivision, moved with its nodes, its tree refitted; on
+// the device.
 #pragma once
 #include <vector>
 
@@ -11,15 +11,17 @@ namespace pvg {
 
 class SoftVisual {
  public:
-  SoftVisual(Device& device, const SoftBody& body, const Visual& visual);
+  // points, surface: at rest, in the frame of the body of this name
+  SoftVisual(Device& device, const std::string& body, const std::vector<Vec3>& points,
+             const std::vector<Triangle>& surface, const Visual& visual);
   // rest shape in the body's frame, to be added to the scene's geometry
   const VisualMesh& mesh() const { return mesh_; }
-  // nodes: of the soft body, world [m]. Moves the vertices, refits the tree; the box of what is seen is the return
+  // nodes: of the body, world [m]. Moves the vertices, refits the tree; the box of what is seen is the return
   // value.
   Box follow(const std::vector<Vec3>& nodes, const MeshRange& range, DeviceScene& scene);
 
  private:
-  SoftVisual(Device& device, const SoftBody& body, const Subdivision& subdivision);
+  SoftVisual(Device& device, const std::vector<Vec3>& points, const Subdivision& subdivision);
   VisualMesh mesh_;
   DualMesh dual_mesh_;
   Refit refit_;

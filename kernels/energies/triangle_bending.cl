@@ -10,6 +10,8 @@
 // moved by up to 0.3 of an edge 7 to 17 % near equilateral triangles and up to 2.1 times on right ones; on right ones
 // cut along both diagonals in turn 1.5 times on the bias. A sheet in equilibrium finds a cheaper shape near it. One
 // spring per hinge (Grinspun et al. 2003, "Discrete Shells") costs up to three times even on equal right triangles.
+// In equilibrium: strips of irregular triangles (0.2 of an edge) sag 2.5 % too little under their weight, a clamped
+// annulus of 10 rings of nearly equilateral ones 1.1 %, one of 20 rings 0.4 %.
 // K is made in host/physics/cloth.cpp.
 //
 // Hessian: Gauss-Newton, sum_ij K_ij grad theta_i grad theta_j^T; what it leaves out vanishes at rest.
