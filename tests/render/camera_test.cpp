@@ -246,6 +246,43 @@ TEST_F(Picture, VisualsFollowTheirBodies) {
   EXPECT_NEAR(renderer.camera_pose(1)(2, 3), 3.5, 1e-12);
 }
 
+// a sheet that hangs in an evenly bright world sends back its albedo on both sides
+TEST_F(Picture, AClothFollowsItsPointsAndHasTwoSides) {
+  Scene scene;
+  Cloth cloth;
+  cloth.name = "sheet";
+  cloth.mesh = {{{-0.2, -0.2, 0}, {0.2, -0.2, 0}, {0.2, 0.2, 0}, {-0.2, 0.2, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+  cloth.pose.translation() = Vec3(5, 0, 0);
+  scene.cloths = {cloth};
+  scene.materials = {material(Kind::diffuse, Vec3f::Constant(0.5f))};
+  Visual visual;
+  visual.name = "sheet";
+  visual.cloth = visual.material = 0;
+  visual.subdivision_levels = 2;
+  scene.visuals.push_back(visual);
+  scene.environment = Vec3f::Ones();
+  look_at(scene, {0, 0, 3}, {0, 0, 0}, 101, 101, 100);
+  look_at(scene, {0, 0, -3}, {0, 0, 0}, 101, 101, 100);
+  Device device;
+  RenderSettings settings;
+  settings.samples = 16;
+  Renderer renderer(device, scene, settings);
+  constexpr std::size_t MIDDLE = 101 * 50 + 50;
+  EXPECT_EQ(renderer.render(0, 0).instance[MIDDLE], 0u);
+  SceneState state;
+  state.cloth = {cloth.mesh.points};
+  for (Vec3& x : state.cloth[0]) x.z() += 0.5;
+  renderer.set_state(state);
+  for (const int side : {0, 1}) {
+    const RenderedFrame frame = renderer.render(side, 0);
+    EXPECT_EQ(frame.instance[MIDDLE], 1u);
+    EXPECT_NEAR(frame.depth[MIDDLE], side == 0 ? 2.5 : 3.5, 1e-5);
+    EXPECT_NEAR(frame.rgb[3 * MIDDLE], 0.5, 1e-3);
+  }
+  state.cloth.clear();
+  EXPECT_THROW(renderer.set_state(state), UsageError);
+}
+
 TEST(Render, RefusesWhatCannotBeShown) {
   Device device;
   const auto message = [&](const Scene& scene) -> std::string {
