@@ -146,7 +146,7 @@ void validate_drape(Validation& v) {
                  draped = shadow_area(rest.x, cloth.mesh.triangles, PLATE_RADIUS);
     const std::string name = fabric.name;
     v.check(name + ": drape coefficient", "%", (fabric.low + fabric.high) / 2, 100 * (draped - plate) / (flat - plate),
-            (fabric.high - fabric.low) / 2, "range of such fabrics, Cusick's test (BS 5058)");
+            (fabric.high - fabric.low) / 2, "range of such fabrics (BS 5058); weight: Penava 2014, B: Matsudaira 2015");
     v.report(name + ": speed at the end", "m/s", 0, rest.largest_move / run.scene.solver.time_step, "at rest");
     v.report(name + ": folds", "1", 7, count_folds(rest.x, RIM_POINTS), "5 to 8 are usual");
     Curve curve{name, {}, {}};

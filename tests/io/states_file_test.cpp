@@ -82,7 +82,7 @@ WorldState example_state(double t) {
   state.joint_effort = {1 + t, 0, 3 + t};
   state.joint_stop_effort = {0, -7 - t, 0};
   state.joint_damping_effort = {0, 0, -0.5};
-  state.body_force.resize(5);
+  state.body_force.resize(6);
   state.body_force[3] = {Vec3(1, 2, 3 + t), Vec3(0, 0.5, t)};
   if (t > 0.005) state.pair_force = {{1, 3, Vec3(0, 0, 2.5), Vec3(t, 0, 0)}};
   // step k has k contacts
@@ -151,8 +151,8 @@ TEST(StatesFile, HasTheLayoutThatReadersRelyOn) {
                                                                  {"/contact/friction_force", {6, 3}},
                                                                  {"/contact_disabled", {1, 9}},
                                                                  {"/joint/stop", {4, 3}},
-                                                                 {"/force/net", {4, 5, 3}},
-                                                                 {"/force/torque", {4, 5, 3}},
+                                                                 {"/force/net", {4, 6, 3}},
+                                                                 {"/force/torque", {4, 6, 3}},
                                                                  {"/pair_force/offset", {5}},
                                                                  {"/pair_force/normal", {3, 3}},
                                                                  {"/camera/fixed/K", {2, 3, 3}},
