@@ -161,10 +161,10 @@ TEST(Simulation, BodiesThatStandOnEachOtherAreSolvedInOneIteration) {
   // the factor holds what contact couples: conjugate gradients find nothing left to do
   Device device;
   Scene scene;
-  scene.rigid_bodies.push_back(box("floor", Vec3(0.5, 0.5, 0.05), 1000, Vec3(0, 0, -0.05)));
+  scene.rigid_bodies.push_back(box_body("floor", Vec3(0.5, 0.5, 0.05), 1000, Vec3(0, 0, -0.05)));
   scene.rigid_bodies[0].is_fixed = true;
   for (int i = 0; i < 4; ++i)
-    scene.rigid_bodies.push_back(box("box", Vec3::Constant(0.05), 1000, Vec3(0, 0, 0.0509 + 0.1009 * i)));
+    scene.rigid_bodies.push_back(box_body("box", Vec3::Constant(0.05), 1000, Vec3(0, 0, 0.0509 + 0.1009 * i)));
   Simulation simulation(device, scene);
   int newton = 0, cg = 0, contacts = 0;
   for (int i = 0; i < 10; ++i) {
