@@ -163,7 +163,7 @@ TEST(Cloth, ASquareFallsOverASphereAndComesToRestWithoutIntersection) {
   scene.cloths = {cloth};
   scene.rigid_bodies = {fixed_body("sphere", sphere_surface(0.04, 2))};
   Simulation simulation(device, scene);
-  const int n_steps = 50;
+  const int n_steps = 60;
   std::vector<Vec3> before;
   for (int i = 0; i < n_steps; ++i) {
     before = simulation.state().cloth[0];
