@@ -9,6 +9,30 @@ namespace {
 
 constexpr std::int64_t SCHEMA = 1;
 
+// An anchor as numbers: kind and sites of its pair, strain.
+constexpr std::size_t ANCHOR_LENGTH = 8;
+constexpr std::size_t PAIR_LENGTH = std::tuple_size_v<PairKey>;
+
+std::vector<double> to_numbers(const std::vector<FrictionAnchor>& anchors) {
+  std::vector<double> numbers;
+  for (const FrictionAnchor& anchor : anchors) {
+    numbers.insert(numbers.end(), anchor.pair.begin(), anchor.pair.end());
+    numbers.insert(numbers.end(), anchor.strain.begin(), anchor.strain.end());
+  }
+  return numbers;
+}
+
+std::vector<FrictionAnchor> to_anchors(const std::vector<double>& numbers) {
+  if (numbers.size() % ANCHOR_LENGTH != 0) throw Failure("its anchors are not whole");
+  std::vector<FrictionAnchor> anchors(numbers.size() / ANCHOR_LENGTH);
+  for (std::size_t i = 0; i < anchors.size(); ++i) {
+    const double* number = &numbers[i * ANCHOR_LENGTH];
+    for (std::size_t k = 0; k < PAIR_LENGTH; ++k) anchors[i].pair[k] = u32(number[k]);
+    anchors[i].strain = Eigen::Map<const Vec3>(number + PAIR_LENGTH);
+  }
+  return anchors;
+}
+
 // Every field of a checkpoint, once: what is written is what is read. A new field is a line here.
 template <class Checkpoint, class Visit>
 void for_each_field(Checkpoint& checkpoint, const Visit& visit) {
@@ -17,6 +41,7 @@ void for_each_field(Checkpoint& checkpoint, const Visit& visit) {
   visit("/history/position_before", checkpoint.history.position_before);
   visit("/history/velocity_before", checkpoint.history.velocity_before);
   visit("/history/length_before", checkpoint.history.length_before);
+  visit("/anchors", checkpoint.anchors);
   visit("/time", checkpoint.time);
   visit("/joint_position", checkpoint.joint_position);
   visit("/targets", checkpoint.targets);
@@ -38,6 +63,11 @@ struct Writer {
     file.write<double>(name + "/values", {values.size()}, values);
     file.write<std::int64_t>(name + "/offset", {offset.size()}, offset);
   }
+  void operator()(const std::string& name, const std::vector<std::vector<FrictionAnchor>>& worlds) const {
+    std::vector<std::vector<double>> lists;
+    for (const std::vector<FrictionAnchor>& anchors : worlds) lists.push_back(to_numbers(anchors));
+    (*this)(name, lists);
+  }
 };
 
 struct Reader {
@@ -53,6 +83,11 @@ struct Reader {
         throw Failure("the lists of " + name + " do not fit its values");
       lists.emplace_back(values.begin() + offset[i], values.begin() + offset[i + 1]);
     }
+  }
+  void operator()(const std::string& name, std::vector<std::vector<FrictionAnchor>>& worlds) const {
+    std::vector<std::vector<double>> lists;
+    (*this)(name, lists);
+    for (const std::vector<double>& numbers : lists) worlds.push_back(to_anchors(numbers));
   }
 };
 

@@ -22,6 +22,7 @@ TEST(CheckpointFile, ComesBackWithEveryBit) {
   Checkpoint& c = saved.checkpoint;
   c.position = {0.1, 1.0 / 3, -0.0, 5e-324, 1e308, 3};
   c.history = {{1, 2, 3, 4, 5, 6.7}, {7, 8, 9, 1, 2, 3}, {0.1, 0.2, 0.3, 0.4, 0.5, 0.6}, {0.01, 0}};
+  c.anchors = {{{{0, 4294967295, 2, 7, 9}, Vec3(1.0 / 3, -0.5, 5e-324)}, {{1, 5, 6, 7, 8}, Vec3(0, 0.1, 0.7)}}, {}};
   c.time = {0.25, 0.1 + 0.2};
   c.joint_position = {{1, 2}, {}};
   c.targets = {{}, {3, 4, 5}};
@@ -35,6 +36,13 @@ TEST(CheckpointFile, ComesBackWithEveryBit) {
   EXPECT_EQ(read.checkpoint.history.position_before, c.history.position_before);
   EXPECT_EQ(read.checkpoint.history.velocity_before, c.history.velocity_before);
   EXPECT_EQ(read.checkpoint.history.length_before, c.history.length_before);
+  ASSERT_EQ(read.checkpoint.anchors.size(), 2u);
+  ASSERT_EQ(read.checkpoint.anchors[0].size(), 2u);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(read.checkpoint.anchors[0][i].pair, c.anchors[0][i].pair);
+    EXPECT_EQ(read.checkpoint.anchors[0][i].strain, c.anchors[0][i].strain);
+  }
+  EXPECT_TRUE(read.checkpoint.anchors[1].empty());
   EXPECT_EQ(read.checkpoint.time, c.time);
   EXPECT_EQ(read.checkpoint.joint_position, c.joint_position);
   EXPECT_EQ(read.checkpoint.targets, c.targets);
