@@ -104,7 +104,7 @@ void Simulation::Impl::line_search(const std::vector<double>& certified) {
 }
 
 // Newton's method at the friction as it is lagged. A world is done where its correction is within the tolerance, or has
-// fallen to `enough` of its first one.
+// fallen to `enough` of its first one while friction is lagged.
 void Simulation::Impl::minimize(double h, bool may_be_settled, double enough) {
   is_active = is_unsettled;
   std::vector<double> stop(is_active.size());  // [m/s]
@@ -115,7 +115,9 @@ void Simulation::Impl::minimize(double h, bool may_be_settled, double enough) {
       reports[w].residual = largest_move[w] / h;
       if (iteration > 0) continue;
       const double tolerance = system.scenes[w].solver.velocity_tolerance;
-      stop[w] = std::max(tolerance, enough * reports[w].residual);
+      const std::vector<u32>& first = contacts.friction().first;
+      const bool has_friction = first[w + 1] > first[w];  // else there is no further pass that would go on
+      stop[w] = has_friction ? std::max(tolerance, enough * reports[w].residual) : tolerance;
       if (may_be_settled && reports[w].residual <= tolerance) is_active[w] = is_unsettled[w] = false;
     }
     if (!any(is_active)) return;
