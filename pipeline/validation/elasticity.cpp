@@ -71,6 +71,8 @@ std::string short_number(double value) {
 }
 
 void validate_tensile(Validation& v) {
+  Plot plot{"tensile", "Bar on rollers, strain 0.05 %", "Poisson's ratio given", "measured / given", {}};
+  plot.curves = {{"Young's modulus", {}, {}}, {"Poisson's ratio", {}, {}}, {"exact", {}, {}, true}};
   for (const double nu : {0.3, 0.45, 0.49, 0.499}) {
     SceneRun run = v.load("tensile");
     run.scene.soft_bodies[0].material.poisson_ratio = nu;
@@ -79,9 +81,13 @@ void validate_tensile(Validation& v) {
     const double width = mean_move(run.scene, last, 1, 0.01).y() - mean_move(run.scene, last, 1, -0.01).y();
     const double strain = length / 0.1;
     const std::string name = "nu " + short_number(nu);
-    v.check_relative(name + ": Young's modulus", "Pa", 1e6, last.joint_effort[0] / 0.0004 / strain, 0.01, "given");
-    v.check(name + ": Poisson's ratio", "1", nu, -width / 0.02 / strain, 0.01, "given");
+    const double modulus = last.joint_effort[0] / 0.0004 / strain, ratio = -width / 0.02 / strain;
+    v.check_relative(name + ": Young's modulus", "Pa", 1e6, modulus, 0.01, "given");
+    v.check(name + ": Poisson's ratio", "1", nu, ratio, 0.01, "given");
+    const double shown[] = {modulus / 1e6, ratio / nu, 1};
+    for (int i = 0; i < 3; ++i) plot.curves[i].x.push_back(nu), plot.curves[i].y.push_back(shown[i]);
   }
+  v.plot(std::move(plot));
 }
 
 void validate_rib(Validation& v) {
@@ -141,8 +147,7 @@ void validate_heavy_cantilever(Validation& v) {
   // w L^3 / (E I) and y / L, by quadrature
   const std::pair<double, double> rows[] = {{0.5, .06231}, {1, .12347},  {2, .23851},
                                             {5, .49591},   {10, .70020}, {20, .82988}};
-  Plot plot{"heavy_cantilever", "Cantilever under its own weight", "w L^3 / (E I)", "drop / L",
-            std::vector<Curve>(2)};
+  Plot plot{"heavy_cantilever", "Cantilever under its own weight", "w L^3 / (E I)", "drop / L", std::vector<Curve>(2)};
   plot.curves[0].label = "simulated";
   plot.curves[1].label = "expected";
   plot.curves[1].is_reference = true;

@@ -127,6 +127,15 @@ TEST_F(Validate, ACaseThatDoesNotExistIsNamedBesideThoseThatDo) {
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1);
 }
 
+TEST_F(Validate, ACaseWhoseRecordingsAreAbsentIsLeftOutAndSaysSo) {
+  const Outcome outcome =
+      run("validate --json --case cube_toss --case silicone_beam --recordings " + (folder.path / "nowhere").string());
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_TRUE(outcome.json().at("cases").empty());
+  for (const char* word : {"cube_toss is left out", "silicone_beam is left out", "nowhere"})
+    EXPECT_NE(outcome.err.find(word), std::string::npos) << outcome.err;
+}
+
 TEST_F(Validate, ThePlotIsADrawingWithAllOfItsCurvesAndLabelledAxes) {
   const fs::path plots = folder.path / "plots";
   ASSERT_EQ(run("validate --case oscillator --plots " + plots.string()).code, 0);
