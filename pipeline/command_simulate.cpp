@@ -10,6 +10,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/progress.hpp"
+#include "host/io/animation_file.hpp"
 #include "host/io/checkpoint_file.hpp"
 #include "host/io/states_file.hpp"
 #include "host/physics/separate_bodies.hpp"
@@ -93,12 +94,15 @@ std::size_t resume(Simulation& simulation, const SceneRun& run, const std::strin
 
 // Steps `first` + 1 to `last`, each on record; throws StepFailure with what was done on record.
 void run_steps(const SimulateOptions& options, const SceneRun& run, Simulation& simulation, std::size_t first,
-               std::size_t last, const std::function<void()>& save, StatesFile& states, Totals& totals) {
+               std::size_t last, const std::function<void()>& save, StatesFile& states, AnimationFile& animation,
+               Totals& totals) {
   const std::atomic<bool>& stop = stop_on_signals();
   const double h = run.scene.solver.time_step;
   const std::size_t every = options.checkpoint_every > 0
                                 ? std::max<std::size_t>(1, std::size_t(std::llround(options.checkpoint_every / h)))
                                 : 0;
+  const std::size_t per_picture =
+      std::max<std::size_t>(1, std::size_t(std::llround(1 / (h * options.pictures_per_second))));
   Progress progress(run.scene.name, "steps", last);
   for (std::size_t step = first + 1; step <= last; ++step) {
     if (stop)
@@ -108,6 +112,7 @@ void run_steps(const SimulateOptions& options, const SceneRun& run, Simulation& 
     const StepReport report = simulation.step(targets);
     states.append_step(simulation.state(), report, targets);
     totals.add(report);
+    if (!options.animation.empty() && (step - first) % per_picture == 0) animation.append(simulation.state());
     if (every > 0 && step % every == 0) save();
     progress.advance_to(step);
     if (options.is_verbose) explain(report, simulation.state().time);
@@ -140,14 +145,17 @@ void run_simulate(const SimulateOptions& options) {
                  saved = file.string() + ".checkpoint.h5";
   const auto save = [&] { write_checkpoint(saved, {simulation.checkpoint(), run.configuration}); };
   Totals totals;
+  AnimationFile animation(run.scene);
+  animation.append(simulation.state());
   try {
     StatesFile states(partial, run.scene, header_of(run, device), disabled_pairs(run.scene));
     try {
-      run_steps(options, run, simulation, first, n, save, states, totals);
+      run_steps(options, run, simulation, first, n, save, states, animation, totals);
     } catch (const StepFailure& failure) {
       states.close();
       fs::rename(partial, file);
       save();
+      if (!options.animation.empty()) animation.write(options.animation);
       throw Failure(std::string(failure.what()) + "; " + file.string() + " holds the " + std::to_string(totals.steps) +
                     " steps before it, " + saved.string() + " the last state");
     }
@@ -158,6 +166,7 @@ void run_simulate(const SimulateOptions& options) {
     throw;
   }
   fs::rename(partial, file);
+  if (!options.animation.empty()) animation.write(options.animation);
   if (options.as_json)
     print_json(options, run, totals);
   else

@@ -32,10 +32,12 @@ struct GenerateOptions {
 void run_generate(const GenerateOptions& options);
 
 struct SimulateOptions {
-  std::string scene, file;      // scene file, states file
-  double duration = -1;         // [s]; negative: what the scene says
-  std::string resume;           // checkpoint to go on from; empty: from the start
-  double checkpoint_every = 0;  // simulated time between checkpoints [s]; 0: none
+  std::string scene, file;          // scene file, states file
+  double duration = -1;             // [s]; negative: what the scene says
+  std::string resume;               // checkpoint to go on from; empty: from the start
+  double checkpoint_every = 0;      // simulated time between checkpoints [s]; 0: none
+  std::string animation;            // binary glTF to write as well; empty: none
+  double pictures_per_second = 25;  // of the animation
   std::string device;
   bool as_json = false, is_verbose = false;
 };

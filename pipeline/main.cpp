@@ -61,10 +61,15 @@ void add_simulate(CLI::App& program, pvg::SimulateOptions& o) {
       ->add_option("--checkpoint-every", o.checkpoint_every,
                    "Simulated time [s] after which FILE.checkpoint.h5 is renewed; else only after a failure")
       ->check(CLI::PositiveNumber);
+  command->add_option("--animation", o.animation, "Animated binary glTF (.glb) to write as well, for any glTF viewer");
+  command->add_option("--pictures-per-second", o.pictures_per_second, "Of the animation; 25 unless given")
+      ->check(CLI::Range(0.01, 1000.0));
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
   command->add_flag("--json", o.as_json, "Print solver statistics as JSON at the end");
   command->add_flag("-v,--verbose", o.is_verbose, "Tell of every step: iterations, contacts, smallest gap");
-  command->footer("Example:\n  phyvisgen simulate data/validation/pendulum.yaml -o pendulum.h5");
+  command->footer(
+      "Examples:\n  phyvisgen simulate data/validation/pendulum.yaml -o pendulum.h5\n"
+      "  phyvisgen simulate data/validation/drape.yaml -o drape.h5 --animation drape.glb");
 }
 
 void add_validate(CLI::App& program, pvg::ValidateOptions& o) {
