@@ -69,7 +69,9 @@ void add_simulate(CLI::App& program, pvg::SimulateOptions& o) {
   command->add_flag("-v,--verbose", o.is_verbose, "Tell of every step: iterations, contacts, smallest gap");
   command->footer(
       "Examples:\n  phyvisgen simulate data/validation/pendulum.yaml -o pendulum.h5\n"
-      "  phyvisgen simulate data/validation/drape.yaml -o drape.h5 --animation drape.glb");
+      "  phyvisgen simulate data/validation/drape.yaml -o drape.h5 --animation drape.glb\n"
+      "  phyvisgen simulate data/scenes/two_arms.yaml -o arms.h5 --duration 0.5 --checkpoint-every 0.1\n"
+      "  phyvisgen simulate data/scenes/two_arms.yaml -o rest.h5 --resume arms.h5.checkpoint.h5");
 }
 
 void add_validate(CLI::App& program, pvg::ValidateOptions& o) {
@@ -86,7 +88,8 @@ void add_validate(CLI::App& program, pvg::ValidateOptions& o) {
   command->add_flag("--json", o.as_json, "Print JSON");
   command->footer(
       "Exit codes: 0 all that must hold does, 1 something does not, 2 wrong use.\n"
-      "Example:\n  phyvisgen validate --case slope --plots out/plots");
+      "Examples:\n  phyvisgen validate --case slope --plots out/plots\n"
+      "  phyvisgen validate --case cube_toss --recordings ../shared/realdata --all-recordings");
 }
 
 int run(int argc, char** argv) {

@@ -8,11 +8,7 @@
 #include <cstring>
 
 #include "host/base/error.hpp"
-
-#define TINYGLTF_NO_STB_IMAGE
-#define TINYGLTF_NO_STB_IMAGE_WRITE
-#define TINYGLTF_NO_EXTERNAL_IMAGE
-#include <tiny_gltf.h>
+#include "host/io/tinygltf.hpp"
 
 namespace pvg {
 namespace {

@@ -1,9 +1,6 @@
 // glTF 2.0 and GLB: positions, normals, texture coordinates and node transforms of all triangle meshes of the scene.
 #define TINYGLTF_IMPLEMENTATION
-#define TINYGLTF_NO_STB_IMAGE
-#define TINYGLTF_NO_STB_IMAGE_WRITE
-#define TINYGLTF_NO_EXTERNAL_IMAGE
-#include <tiny_gltf.h>
+#include "host/io/tinygltf.hpp"
 
 #include <Eigen/Geometry>
 #include <cstring>

@@ -5,15 +5,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#define TINYGLTF_NO_STB_IMAGE
-#define TINYGLTF_NO_STB_IMAGE_WRITE
-#define TINYGLTF_NO_EXTERNAL_IMAGE
-#include <tiny_gltf.h>
-
 #include <cstring>
 
 #include "host/base/error.hpp"
 #include "host/geometry/primitive_shapes.hpp"
+#include "host/io/tinygltf.hpp"
 
 namespace pvg {
 namespace {
