@@ -59,4 +59,15 @@ struct ValidateOptions {
 // phyvisgen validate: the validation cases. A Failure if a number that must hold does not.
 void run_validate(const ValidateOptions& options);
 
+struct BenchPhysicsOptions {
+  std::vector<std::string> scenes;  // names; empty: all
+  std::string device;
+  std::size_t repeats = 3;
+  bool as_json = false;
+  bool lists = false;  // print the names and nothing else
+};
+
+// phyvisgen bench physics: what a step costs on named scenes.
+void run_bench_physics(const BenchPhysicsOptions& options);
+
 }  // namespace pvg

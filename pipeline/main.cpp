@@ -92,6 +92,18 @@ void add_validate(CLI::App& program, pvg::ValidateOptions& o) {
       "  phyvisgen validate --case cube_toss --recordings ../shared/realdata --all-recordings");
 }
 
+void add_bench_physics(CLI::App& bench, pvg::BenchPhysicsOptions& o) {
+  CLI::App* command = bench.add_subcommand("physics", "Time the simulator on named scenes");
+  command->add_option("--scene", o.scenes, "Only this scene; may stand several times")->allow_extra_args(false);
+  command->add_option("--repeats", o.repeats, "Runs of each scene; the median is printed")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_flag("--list", o.lists, "Print the names of the scenes and end");
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer("Example:\n  phyvisgen bench physics --scene mat_twist --scene towel --repeats 1");
+}
+
 int run(int argc, char** argv) {
   CLI::App program("Robot-learning data: soft-gripper manipulation, simulated with contact and path traced",
                    "phyvisgen");
@@ -105,6 +117,10 @@ int run(int argc, char** argv) {
   pvg::ValidateOptions validate;
   add_simulate(program, simulate);
   add_validate(program, validate);
+  CLI::App* bench = program.add_subcommand("bench", "Measure speed and memory");
+  bench->require_subcommand(1);
+  pvg::BenchPhysicsOptions bench_physics;
+  add_bench_physics(*bench, bench_physics);
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& help) {
@@ -117,6 +133,7 @@ int run(int argc, char** argv) {
   if (program.got_subcommand("generate")) pvg::run_generate(generate);
   if (program.got_subcommand("simulate")) pvg::run_simulate(simulate);
   if (program.got_subcommand("validate")) pvg::run_validate(validate);
+  if (bench->got_subcommand("physics")) pvg::run_bench_physics(bench_physics);
   return DONE;
 }
 

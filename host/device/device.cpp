@@ -155,6 +155,7 @@ Device::Device(Device&&) noexcept = default;
 const DeviceInfo& Device::info() const { return impl_->info; }
 void Device::finish() { require(clFinish(impl_->queue), "wait for the device"); }
 std::size_t Device::peak_bytes() const { return impl_->peak_bytes; }
+std::size_t Device::transferred_bytes() const { return impl_->transferred_bytes; }
 
 namespace detail {
 
@@ -197,12 +198,14 @@ void Memory::write(const void* from, std::size_t offset, std::size_t bytes) {
   require(clEnqueueWriteBuffer(device_->impl().queue, static_cast<cl_mem>(handle_), CL_TRUE, offset, bytes, from, 0,
                                nullptr, nullptr),
           "write " + name_);
+  device_->impl().transferred_bytes += bytes;
 }
 
 void Memory::read(void* to, std::size_t offset, std::size_t bytes) const {
   require(clEnqueueReadBuffer(device_->impl().queue, static_cast<cl_mem>(handle_), CL_TRUE, offset, bytes, to, 0,
                               nullptr, nullptr),
           "read " + name_);
+  device_->impl().transferred_bytes += bytes;
 }
 
 void Memory::fill_zero(std::size_t bytes) {

@@ -36,8 +36,9 @@ class Device {
   Device(Device&&) noexcept;
   Device(const Device&) = delete;
   const DeviceInfo& info() const;
-  void finish();                   // waits for everything that was started
-  std::size_t peak_bytes() const;  // largest sum of live buffers so far
+  void finish();                          // waits for everything that was started
+  std::size_t peak_bytes() const;         // largest sum of live buffers so far
+  std::size_t transferred_bytes() const;  // read and written by the host so far
 
   struct Impl;
   Impl& impl() { return *impl_; }

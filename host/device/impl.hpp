@@ -13,7 +13,7 @@ struct Device::Impl {
   cl_device_id id = nullptr;
   cl_context context = nullptr;
   cl_command_queue queue = nullptr;
-  std::size_t live_bytes = 0, peak_bytes = 0;
+  std::size_t live_bytes = 0, peak_bytes = 0, transferred_bytes = 0;
   ~Impl() {
     if (queue) clReleaseCommandQueue(queue);
     if (context) clReleaseContext(context);

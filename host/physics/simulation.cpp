@@ -38,6 +38,7 @@ std::string body_name(const System& system, u32 body) {
 }  // namespace
 Simulation::Impl::Impl(Device& device_, std::span<const Scene> worlds)
     : device(device_),
+      clock(device_),
       system(make_system(separated(worlds))),
       potential(device, system),
       nodes_program(device, "solve/nodes.cl"),
@@ -172,6 +173,12 @@ void Simulation::restore(const Checkpoint& checkpoint) {
   }
   impl.read_state(0);
 }
+
+void Simulation::measure_phases() {
+  impl_->clock.is_on = true;
+  impl_->clock.seconds = {};
+}
+const PhaseSeconds& Simulation::phase_seconds() const { return impl_->clock.seconds; }
 
 std::size_t Simulation::n_worlds() const { return impl_->system.n_worlds(); }
 const WorldState& Simulation::state(std::size_t world) const { return impl_->states[world]; }

@@ -9,6 +9,7 @@
 
 #include "host/device/device.hpp"
 #include "host/physics/checkpoint.hpp"
+#include "host/physics/phase_clock.hpp"
 #include "host/scene/scene.hpp"
 #include "host/scene/state.hpp"
 
@@ -97,6 +98,10 @@ class Simulation {
 
   std::size_t n_worlds() const;
   const WorldState& state(std::size_t world = 0) const;
+
+  // Counts the time of each phase from now on; this costs some time itself.
+  void measure_phases();
+  const PhaseSeconds& phase_seconds() const;
 
   struct Impl;
 

@@ -6,6 +6,7 @@
 
 #include "host/physics/conjugate_gradients.hpp"
 #include "host/physics/joint.hpp"
+#include "host/physics/phase_clock.hpp"
 #include "host/physics/potential.hpp"
 #include "host/physics/simulation.hpp"
 #include "host/physics/time_integration.hpp"
@@ -41,6 +42,10 @@ struct Simulation::Impl {
   void find_minimum(double h);
   void lag_friction(double h);
   void minimize(double h, bool may_be_settled, double enough);
+  std::vector<double> certify();
+  void find_contacts();
+  void factorize();
+  CgReport solve();
   std::vector<double> find_direction();  // dx, and the largest speed of a point per world, times h [m]
   void line_search(const std::vector<double>& certified);
   void read_state(double h);
@@ -50,6 +55,7 @@ struct Simulation::Impl {
   const SolverSettings& solver() const { return system.scenes[0].solver; }
 
   Device& device;
+  PhaseClock clock;
   System system;
   Potential potential;
   Program nodes_program;

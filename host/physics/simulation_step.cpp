@@ -27,8 +27,7 @@ void Simulation::Impl::move_to_first_guess(double h) {
     if (const auto node = first_not_finite(dx, w); node && is_well[w])
       give_up(w, StepEvent::Kind::not_finite, *node, "its velocity is not a number");
   move(std::vector<double>(is_well.begin(), is_well.end()));
-  contacts.find_candidates(x.site, trial.site);
-  std::vector<double> certified = contacts.largest_step(x.site, trial.site);
+  std::vector<double> certified = certify();
   for (std::size_t w = 0; w < is_well.size(); ++w) certified[w] *= is_well[w];
   // a guess that ends just short of touching would start Newton where the barrier is steepest
   for (double& length : certified)
@@ -45,15 +44,42 @@ void Simulation::Impl::move(const std::vector<double>& length) {
   potential.update_sites(trial);
 }
 
-std::vector<double> Simulation::Impl::find_direction() {
+// How much of the motion from x to trial is free of contact, per world.
+std::vector<double> Simulation::Impl::certify() {
+  {
+    const auto timed = clock.time(SolverPhase::broad_phase);
+    contacts.find_candidates(x.site, trial.site);
+  }
+  const auto timed = clock.time(SolverPhase::continuous_collision);
+  return contacts.largest_step(x.site, trial.site);
+}
+
+void Simulation::Impl::find_contacts() {
+  const auto timed = clock.time(SolverPhase::narrow_phase);
   contacts.find_contacts(x.site);
-  potential.differentiate(x, contacts.contacts(), gradient);
+}
+
+void Simulation::Impl::factorize() {
+  const auto timed = clock.time(SolverPhase::preconditioner);
   while (const auto group = potential.factorize(is_active))
     give_up(system.group_world[*group], StepEvent::Kind::not_finite, potential.preconditioner().nodes(*group).front(),
             "the stiffness of what it belongs to is not positive definite");
-  const CgReport report =
-      cg.solve([&](const Buffer<f64>& p, Buffer<f64>& out) { potential.product(p, out); }, potential.preconditioner(),
-               gradient, is_active, solver().cg_tolerance, solver().max_cg, dx);
+}
+
+CgReport Simulation::Impl::solve() {
+  const auto timed = clock.time(SolverPhase::solve);
+  return cg.solve([&](const Buffer<f64>& p, Buffer<f64>& out) { potential.product(p, out); },
+                  potential.preconditioner(), gradient, is_active, solver().cg_tolerance, solver().max_cg, dx);
+}
+
+std::vector<double> Simulation::Impl::find_direction() {
+  find_contacts();
+  {
+    const auto timed = clock.time(SolverPhase::assembly);
+    potential.differentiate(x, contacts.contacts(), gradient);
+  }
+  factorize();
+  const CgReport report = solve();
   for (std::size_t w = 0; w < reports.size(); ++w) {
     reports[w].cg += report.iterations[w];
     reports[w].newton += is_active[w];
@@ -77,6 +103,7 @@ std::vector<double> Simulation::Impl::find_direction() {
 
 // Halves each world's step until its energy does not rise. Contact was certified by `certified`, so no pair touches.
 void Simulation::Impl::line_search(const std::vector<double>& certified) {
+  const auto timed = clock.time(SolverPhase::line_search);
   const std::vector<double> before = potential.energy(x, contacts.candidates());
   std::vector<double> length = certified;
   for (int halving = 0; halving < MAX_LINE_SEARCH; ++halving) {
@@ -122,8 +149,7 @@ void Simulation::Impl::minimize(double h, bool may_be_settled, double enough) {
     }
     if (!any(is_active)) return;
     move(std::vector<double>(is_active.begin(), is_active.end()));
-    contacts.find_candidates(x.site, trial.site);
-    std::vector<double> certified = contacts.largest_step(x.site, trial.site);
+    std::vector<double> certified = certify();
     for (std::size_t w = 0; w < is_active.size(); ++w) certified[w] *= is_active[w];
     line_search(certified);
     for (std::size_t w = 0; w < is_active.size(); ++w)
@@ -140,9 +166,12 @@ void Simulation::Impl::minimize(double h, bool may_be_settled, double enough) {
 // had no friction and has none now is settled.
 void Simulation::Impl::lag_friction(double h) {
   const std::vector<u32> before = contacts.friction().first;
-  contacts.find_contacts(x.site);
-  contacts.lag_friction(x.site, h);
-  potential.set_friction(contacts.friction());
+  find_contacts();
+  {
+    const auto timed = clock.time(SolverPhase::narrow_phase);
+    contacts.lag_friction(x.site, h);
+    potential.set_friction(contacts.friction());
+  }
   const std::vector<u32>& now = contacts.friction().first;
   for (std::size_t w = 0; w < is_unsettled.size(); ++w)
     if (before[w] == before[w + 1] && now[w] == now[w + 1]) is_unsettled[w] = false;
@@ -153,7 +182,10 @@ void Simulation::Impl::lag_friction(double h) {
 // that a world ends where its friction was evaluated.
 void Simulation::Impl::find_minimum(double h) {
   const int wanted = system.scenes[0].contact.friction_lag_passes;
-  contacts.find_candidates(x.site, x.site);
+  {
+    const auto timed = clock.time(SolverPhase::broad_phase);
+    contacts.find_candidates(x.site, x.site);
+  }
   lag_friction(h);
   is_unsettled = is_well;
   move_to_first_guess(h);

@@ -1,0 +1,58 @@
+// Where a step's time goes. Off unless asked for: every phase then ends with waiting for the device.
+#pragma once
+#include <array>
+#include <chrono>
+
+#include "host/device/device.hpp"
+
+namespace pvg {
+
+enum class SolverPhase {
+  broad_phase,
+  narrow_phase,
+  assembly,
+  preconditioner,
+  solve,
+  continuous_collision,
+  line_search
+};
+constexpr std::size_t N_PHASES = 7;
+constexpr std::array<const char*, N_PHASES> PHASE_NAMES = {
+    "broad_phase", "narrow_phase", "assembly", "preconditioner", "solve", "continuous_collision", "line_search"};
+
+using PhaseSeconds = std::array<double, N_PHASES>;  // [s]
+
+class PhaseClock {
+ public:
+  explicit PhaseClock(Device& device) : device_(device) {}
+
+  // Counts from its making to its end.
+  class Scope {
+   public:
+    Scope(PhaseClock& clock, SolverPhase phase) : clock_(clock), phase_(phase) {
+      if (clock_.is_on) clock_.device_.finish();
+      start_ = std::chrono::steady_clock::now();
+    }
+    ~Scope() {
+      if (!clock_.is_on) return;
+      clock_.device_.finish();
+      clock_.seconds[std::size_t(phase_)] +=
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+    Scope(const Scope&) = delete;
+
+   private:
+    PhaseClock& clock_;
+    SolverPhase phase_;
+    std::chrono::steady_clock::time_point start_;
+  };
+  Scope time(SolverPhase phase) { return Scope(*this, phase); }
+
+  bool is_on = false;
+  PhaseSeconds seconds{};  // since it was switched on
+
+ private:
+  Device& device_;
+};
+
+}  // namespace pvg

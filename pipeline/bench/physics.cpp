@@ -1,0 +1,152 @@
+#include "pipeline/bench/physics.hpp"
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <numeric>
+
+#include "host/physics/simulation.hpp"
+#include "host/scene/build_scene.hpp"
+#include "host/scene/scene_file.hpp"
+#include "host/scene/task_file.hpp"
+#include "pipeline/motion_plan.hpp"
+
+namespace pvg {
+namespace {
+
+constexpr std::size_t N_WARM_UP = 2;  // steps; kernels are compiled in them
+
+// A scene and what its drives are told at each step.
+struct Run {
+  Scene scene;
+  std::vector<std::vector<double>> targets;  // [n_steps][n_driven]
+};
+
+Run load_run(const PhysicsBenchmark& benchmark, const std::filesystem::path& data) {
+  Run run;
+  const std::filesystem::path file = data / benchmark.file;
+  if (benchmark.file.starts_with("tasks/")) {
+    const Task task = load_task(file);
+    const TaskScene built = build_scene_at_middle(task);
+    run.scene = built.scene;
+    run.targets = plan_episode(task, built).targets;
+  } else {
+    const SceneRun scene = load_scene_run(file);
+    run.scene = scene.scene;
+    for (std::size_t step = 1; step <= scene.n_steps(); ++step)
+      run.targets.push_back(scene.targets_at(double(step) * scene.scene.solver.time_step));
+  }
+  if (benchmark.duration > 0)
+    run.targets.resize(
+        std::min(run.targets.size(), std::size_t(benchmark.duration / run.scene.solver.time_step + 0.5)));
+  return run;
+}
+
+// Peak resident memory since it was last reset [bytes]; 0 where the system does not tell.
+std::size_t peak_resident_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (word == "VmHWM:") {
+      std::size_t kilobytes = 0;
+      status >> kilobytes;
+      return kilobytes * 1024;
+    }
+  return 0;
+}
+
+void reset_peak_resident_bytes() {
+  malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+struct Repeat {
+  double seconds = 0;
+  long long newton = 0, cg = 0, contacts = 0;
+  PhaseSeconds phases{};
+  std::size_t transferred = 0;
+};
+
+Repeat repeat(Device& device, const Run& run, std::size_t n_worlds, const std::atomic<bool>& stop) {
+  const std::vector<Scene> scenes(n_worlds, run.scene);
+  Simulation simulation(device, scenes);
+  const auto step = [&](std::size_t i) {
+    const std::vector<std::vector<double>> targets(n_worlds, run.targets[i]);
+    return simulation.step(targets);
+  };
+  const Checkpoint start = simulation.checkpoint();
+  for (std::size_t i = 0; i < std::min(N_WARM_UP, run.targets.size()); ++i) step(i);
+  simulation.restore(start);
+  simulation.measure_phases();
+  Repeat result;
+  const std::size_t transferred = device.transferred_bytes();
+  const auto begin = std::chrono::steady_clock::now();
+  for (std::size_t i = 0; i < run.targets.size(); ++i) {
+    if (stop) throw TryAgain("stopped; nothing was measured");
+    for (const StepReport& report : step(i)) {
+      result.newton += report.newton;
+      result.cg += report.cg;
+      result.contacts += report.contacts;
+    }
+  }
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  result.transferred = device.transferred_bytes() - transferred;
+  result.phases = simulation.phase_seconds();
+  return result;
+}
+
+}  // namespace
+
+std::vector<PhysicsBenchmark> physics_benchmarks() {
+  return {
+      {"mat_twist", "bench/mat_twist.yaml", 1, 0, "a mat of 3,200 points twisted, 73 steps of 40 ms"},
+      {"sphere_on_mat", "bench/sphere_on_mat.yaml", 1, 0, "a soft ball falls on a soft mat"},
+      {"towel", "bench/towel.yaml", 1, 0, "a towel of 961 points is lifted by a corner and folded"},
+      {"weigh_beaker", "tasks/weigh_beaker.yaml", 1, 0, "the task Weigh Beaker without pictures"},
+      {"two_arms_towel", "bench/two_arms_towel.yaml", 1, 0, "two arms, two soft grippers, a large towel"},
+      {"small_grasp", "bench/small_grasp.yaml", 1, 0, "two pads grasp a cube"},
+      {"small_grasp_64", "bench/small_grasp.yaml", 64, 0, "the same 64 times in one solve"},
+      {"block_1k", "bench/block_1k.yaml", 1, 0, "a block of 1,080 tetrahedra is pressed on a table"},
+      {"block_4k", "bench/block_4k.yaml", 1, 0, "3,888 tetrahedra"},
+      {"block_16k", "bench/block_16k.yaml", 1, 0, "16,464 tetrahedra"},
+      {"block_64k", "bench/block_64k.yaml", 1, 0, "63,888 tetrahedra"},
+  };
+}
+
+PhysicsFigures run_physics_benchmark(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
+                                     const std::string& device_name, std::size_t repeats,
+                                     const std::atomic<bool>& stop) {
+  reset_peak_resident_bytes();
+  const std::size_t before = peak_resident_bytes();
+  const Run run = load_run(benchmark, data);
+  Device device(device_name);
+  std::vector<Repeat> results;
+  for (std::size_t i = 0; i < repeats; ++i) results.push_back(repeat(device, run, benchmark.n_worlds, stop));
+  std::sort(results.begin(), results.end(), [](const Repeat& a, const Repeat& b) { return a.seconds < b.seconds; });
+  const Repeat& median = results[results.size() / 2];
+  const double n_steps = double(run.targets.size());
+
+  PhysicsFigures figures;
+  figures.name = benchmark.name;
+  for (const SoftBody& body : run.scene.soft_bodies) {
+    figures.vertices += body.mesh.points.size();
+    figures.tetrahedra += body.mesh.n_elements();
+  }
+  for (const Cloth& cloth : run.scene.cloths) figures.vertices += cloth.mesh.points.size();
+  figures.worlds = benchmark.n_worlds;
+  figures.steps = run.targets.size();
+  figures.time_step = run.scene.solver.time_step;
+  figures.seconds_per_step = median.seconds / n_steps;
+  figures.newton_per_step = double(median.newton) / n_steps / double(benchmark.n_worlds);
+  figures.cg_per_newton = double(median.cg) / double(std::max(1LL, median.newton));
+  figures.contacts = double(median.contacts) / n_steps;
+  for (std::size_t phase = 0; phase < N_PHASES; ++phase) figures.phases[phase] = median.phases[phase] / n_steps;
+  figures.other = figures.seconds_per_step - std::accumulate(figures.phases.begin(), figures.phases.end(), 0.0);
+  figures.bytes_moved = double(median.transferred) / n_steps;
+  figures.peak_bytes = peak_resident_bytes() - before;
+  figures.device_bytes = device.peak_bytes();
+  return figures;
+}
+
+}  // namespace pvg

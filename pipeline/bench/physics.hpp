@@ -1,0 +1,42 @@
+// Benchmarks of the simulator on named scenes: what a step costs and where its time goes.
+#pragma once
+#include <atomic>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/device/device.hpp"
+#include "host/physics/phase_clock.hpp"
+
+namespace pvg {
+
+struct PhysicsBenchmark {
+  std::string name;
+  std::string file;          // relative to data/
+  std::size_t n_worlds = 1;  // copies of the scene in one solve
+  double duration = 0;       // of motion [s]; 0: all that the file says
+  std::string what;
+};
+
+struct PhysicsFigures {
+  std::string name;
+  std::size_t vertices = 0, tetrahedra = 0, worlds = 1, steps = 0;  // of one world
+  double time_step = 0;                                             // [s]
+  double seconds_per_step = 0;                                      // all worlds together; median over the repeats
+  double newton_per_step = 0, cg_per_newton = 0;                    // means over steps and worlds
+  double contacts = 0;                                              // mean over steps, all worlds
+  PhaseSeconds phases{};                                            // per step [s]
+  double other = 0;                                                 // the rest of a step [s]
+  double bytes_moved = 0;                                           // between host and device, per step
+  std::size_t peak_bytes = 0;                                       // of the process, above what it had before
+  std::size_t device_bytes = 0;                                     // of its buffers
+};
+
+std::vector<PhysicsBenchmark> physics_benchmarks();
+
+// Runs one benchmark `repeats` times after a warm-up of two steps. data: the folder that holds bench/ and tasks/.
+// Throws TryAgain where `stop` asks for it.
+PhysicsFigures run_physics_benchmark(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
+                                     const std::string& device, std::size_t repeats, const std::atomic<bool>& stop);
+
+}  // namespace pvg
