@@ -175,9 +175,9 @@ BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<cons
   kept_.resize(trees.queries.size() * N_KEPT);
 }
 
-void BroadPhase::refit(const Buffer<double>& x0, const Buffer<double>& x1) {
+void BroadPhase::refit(const Buffer<double>& x0, const Buffer<double>& x1, double margin) {
   const std::size_t n_leaves = std::size_t(n_trees_) << log2_leaves_;
-  refit_leaves_(n_leaves, u32(n_leaves), log2_leaves_, nodes_, edges_, triangles_, bodies_, worlds_, x0, x1);
+  refit_leaves_(n_leaves, u32(n_leaves), log2_leaves_, nodes_, edges_, triangles_, bodies_, worlds_, margin, x0, x1);
   u32 level = log2_leaves_;
   while (level > LOG2_TOP) {
     --level;
@@ -187,16 +187,16 @@ void BroadPhase::refit(const Buffer<double>& x0, const Buffer<double>& x1) {
   refit_top_(n_trees_, n_trees_, level, log2_leaves_, nodes_);
 }
 
-void BroadPhase::find(const Buffer<double>& x0, const Buffer<double>& x1, WorldRows<Barrier>& pairs) {
-  refit(x0, x1);
+void BroadPhase::find(const Buffer<double>& x0, const Buffer<double>& x1, double margin, WorldRows<Barrier>& pairs) {
+  refit(x0, x1, margin);
   const std::size_t n = queries_.size();
   count_pairs_(n, u32(n), log2_leaves_, queries_, nodes_, points_, edges_, triangles_, bodies_, worlds_, rest_,
-               pair_friction_, disabled_first_, disabled_, x0, x1, counts_, kept_);
+               pair_friction_, disabled_first_, disabled_, margin, x0, x1, counts_, kept_);
   scan_(n, counts_, offsets_);
   pairs.first = scan_.read_at(offsets_, first_query_of_world_);
   pairs.rows.resize(pairs.n());
   fill_pairs_(n, u32(n), log2_leaves_, queries_, nodes_, points_, edges_, triangles_, bodies_, worlds_, rest_,
-              pair_friction_, disabled_first_, disabled_, x0, x1, offsets_, kept_, pairs.rows);
+              pair_friction_, disabled_first_, disabled_, margin, x0, x1, offsets_, kept_, pairs.rows);
 }
 
 }  // namespace pvg

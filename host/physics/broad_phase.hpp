@@ -19,13 +19,13 @@ class BroadPhase {
   // The trees' order comes from x: [n_sites, m]. Bodies stay together in it, so it stays good while they move.
   BroadPhase(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
              std::span<const Vec3> x);
-  // Pairs that may come within activation distance while the sites move straight from x0 to x1 [n_sites x 3, m]:
-  // by world, in it first point-triangle, then edge-edge pairs.
-  void find(const Buffer<double>& x0, const Buffer<double>& x1, WorldRows<Barrier>& pairs);
+  // Pairs that may come within activation distance and `margin` [m] while the sites move straight from x0 to x1
+  // [n_sites x 3, m]: by world, in it first point-triangle, then edge-edge pairs.
+  void find(const Buffer<double>& x0, const Buffer<double>& x1, double margin, WorldRows<Barrier>& pairs);
   const Buffer<CollisionWorld>& worlds() const { return worlds_; }
 
  private:
-  void refit(const Buffer<double>& x0, const Buffer<double>& x1);
+  void refit(const Buffer<double>& x0, const Buffer<double>& x1, double margin);
 
   u32 n_trees_, log2_leaves_;
   Buffer<CollisionPoint> points_;

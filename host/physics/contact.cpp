@@ -17,6 +17,16 @@ std::span<Row> of_world(std::vector<Row>& rows, const std::vector<u32>& first, u
   return std::span(rows).subspan(first[world], first[world + 1] - first[world]);
 }
 
+// How much farther than the activation distance is looked for candidates, as a part of it. They serve as long as no
+// site has moved by half of that: mostly for the whole step after its first guess.
+constexpr double MARGIN = 0.5;
+
+double margin_of(std::span<const ContactSettings> settings) {
+  double least = INFINITY;
+  for (const ContactSettings& s : settings) least = std::min(least, s.activation_distance);
+  return MARGIN * least;
+}
+
 Vec3 vec3(const double* values) { return {values[0], values[1], values[2]}; }
 
 std::vector<double> flatten(std::span<const Vec3> x) {
@@ -40,11 +50,13 @@ struct ContactSet::Impl {
   BroadPhase broad_phase;
   ContinuousCollision collision;
   Program program, friction_program;
-  Kernel pair_gaps, fill_contacts, lag_friction, report_contacts, friction_force, friction_strain;
+  Kernel pair_gaps, site_deviations, fill_contacts, lag_friction, report_contacts, friction_force, friction_strain;
   Scan scan;
   WorldMinimum minimum;
   WorldRows<Barrier> candidates, contacts;
   WorldRows<Friction> friction;
+  double margin;                                     // how much farther candidates were looked for [m]
+  Buffer<double> reference, deviations;              // where all sites were then [n_sites x 3, m], [n_sites]
   Buffer<double> gaps;                               // [n_candidates, m]
   Buffer<u32> is_active, offsets;                    // [n_candidates], [n_candidates + 1]
   Buffer<u32> places;                                // [n_worlds + 1] first candidate of each world
@@ -60,6 +72,7 @@ struct ContactSet::Impl {
         program(device, "contact/contact.cl"),
         friction_program(device, "energies/friction.cl"),
         pair_gaps(program.kernel("pair_gaps")),
+        site_deviations(program.kernel("site_deviations")),
         fill_contacts(program.kernel("fill_contacts")),
         lag_friction(program.kernel("lag_friction")),
         report_contacts(program.kernel("report_contacts")),
@@ -70,6 +83,9 @@ struct ContactSet::Impl {
         candidates{Buffer<Barrier>(device, 0, "candidates"), std::vector<u32>(mesh.n_worlds + 1, 0)},
         contacts{Buffer<Barrier>(device, 0, "contacts"), std::vector<u32>(mesh.n_worlds + 1, 0)},
         friction{Buffer<Friction>(device, 0, "friction"), std::vector<u32>(mesh.n_worlds + 1, 0)},
+        margin(margin_of(settings)),
+        reference(device, 0, "reference_sites"),
+        deviations(device, 0, "site_deviations"),
         gaps(device, 0, "candidate_gaps"),
         is_active(device, 0, "candidate_is_active"),
         offsets(device, 0, "contact_offsets"),
@@ -78,6 +94,16 @@ struct ContactSet::Impl {
         forces(device, 0, "friction_forces"),
         strains(device, 0, "friction_strains"),
         anchors(mesh.n_worlds) {}
+
+  // Do the candidates hold every pair that comes near on the straight way from x0 to x1? With no site farther from the
+  // end of the motion they were looked for than half the margin, no pair is closer than there by more than the margin.
+  bool serves(const Buffer<double>& x0, const Buffer<double>& x1) {
+    if (reference.size() != x0.size() || x0.size() == 0) return false;
+    const u32 n = u32(x0.size() / 3);
+    deviations.resize(n);
+    site_deviations(n, n, reference, x0, x1, deviations);
+    return -minimum({0, n}, deviations, 0)[0] <= 0.499999 * margin;
+  }
 
   void measure_gaps(const Buffer<double>& x) {
     gaps.resize(candidates.n());
@@ -111,7 +137,11 @@ const WorldRows<Barrier>& ContactSet::contacts() const { return impl_->contacts;
 const WorldRows<Friction>& ContactSet::friction() const { return impl_->friction; }
 
 void ContactSet::find_candidates(const Buffer<double>& x0, const Buffer<double>& x1) {
-  impl_->broad_phase.find(x0, x1, impl_->candidates);
+  Impl& impl = *impl_;
+  if (impl.serves(x0, x1)) return;
+  impl.broad_phase.find(x0, x1, impl.margin, impl.candidates);
+  impl.reference.resize(x1.size());
+  impl.reference.copy_from(x1);
 }
 
 std::vector<double> ContactSet::largest_step(const Buffer<double>& x0, const Buffer<double>& x1) {

@@ -3,8 +3,10 @@
 // the solver over the parameter buffers that are kept here.
 //
 // In one Newton iteration:  find_contacts(x) -> gradient, Hessian over contacts();  solve for the direction;
-//   find_candidates(x, x + p);  step = largest_step(x, x + p);  line search with the barrier energy over candidates();
-//   at the new x, which lies on that path:  find_contacts(x).  Before the first: find_candidates(x, x).
+//   find_candidates(x, x + p);  step = largest_step(x, x + p);  line search, at each trial:  find_contacts(trial), the
+//   barrier energy over contacts().  Before the first: find_candidates(x, x), find_contacts(x).
+// Candidates are kept as long as they serve, so they may be more than are asked for; what is made of them does not
+// change.
 #pragma once
 #include <memory>
 #include <optional>
@@ -33,7 +35,7 @@ class ContactSet {
 
   // All x below: sites on the device [n_sites x 3, m].
 
-  // Every pair that may come within activation distance while the sites move straight from x0 to x1.
+  // At least every pair that may come within activation distance while the sites move straight from x0 to x1.
   void find_candidates(const Buffer<double>& x0, const Buffer<double>& x1);
   const WorldRows<Barrier>& candidates() const;
 
@@ -57,7 +59,7 @@ class ContactSet {
   const std::vector<std::vector<FrictionAnchor>>& anchors() const;  // [n_worlds]
   void restore_anchors(const std::vector<std::vector<FrictionAnchor>>& anchors);
 
-  // Smallest gap (distance minus offsets) over the candidates of each world at x [m]; infinite without candidates.
+  // Smallest gap (distance minus offsets) of each world at x [m]; infinite where none is below its activation distance.
   std::vector<double> min_gap(const Buffer<double>& x);
 
   // Contacts at x with their forces, of one world each; friction from the present friction rows, x0: sites at the start

@@ -6,9 +6,6 @@
 namespace pvg {
 namespace {
 
-constexpr u32 NO_BLOCK = ~0u;
-constexpr std::size_t N_NUMBERS_AT_ONCE = 1 << 16;  // half a megabyte
-
 // to += weight x the 3 x 3 block of a row-major element block
 void add(double* to, const double* from, std::size_t width, double weight) {
   for (std::size_t r = 0; r < 3; ++r)
@@ -36,14 +33,14 @@ void GroupPreconditioner::for_each_block(std::span<const u32> element_sites, std
     }
 }
 
-GroupPreconditioner::GroupPreconditioner(std::span<const Site> sites, std::span<const u32> node_group,
-                                         std::size_t n_groups, std::span<Term* const> terms,
+GroupPreconditioner::GroupPreconditioner(const MatrixPattern& matrix, std::span<const Site> sites,
+                                         std::span<const u32> node_group, std::size_t n_groups,
                                          std::span<const std::array<u32, 2>> coupled)
     : sites_(sites.begin(), sites.end()),
       node_group_(node_group.begin(), node_group.end()),
       node_local_(node_group.size(), 0),
       groups_(n_groups),
-      destinations_(terms.size()),
+      values_(9 * matrix.n_blocks()),
       workers_(std::make_unique<Workers>()) {
   for (u32 node = 0; node < node_group_.size(); ++node) {
     if (node_group_[node] == NO_GROUP) continue;
@@ -51,50 +48,33 @@ GroupPreconditioner::GroupPreconditioner(std::span<const Site> sites, std::span<
     node_local_[node] = u32(group.nodes.size());
     group.nodes.push_back(node);
   }
-  find_patterns(terms, coupled);
-  find_destinations(terms);
+  find_patterns(matrix, coupled);
 }
 
-void GroupPreconditioner::find_patterns(std::span<Term* const> terms, std::span<const std::array<u32, 2>> coupled) {
-  std::vector<std::vector<std::vector<u32>>> rows(groups_.size());  // of each column of each group
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    rows[g].resize(groups_[g].nodes.size());
-    for (u32 column = 0; column < rows[g].size(); ++column) rows[g][column].push_back(column);
-  }
-  for (const Term* term : terms)
-    for (std::size_t e = 0; e < term->size(); ++e)
-      for_each_block(std::span(term->sites()).subspan(e * term->stencil(), term->stencil()), term->stencil(),
-                     [&](u32 row, u32 column, std::size_t, std::size_t, double) {
-                       rows[node_group_[row]][node_local_[column]].push_back(node_local_[row]);
-                     });
-  for (const auto& [a, b] : coupled)
-    rows[node_group_[a]][std::min(node_local_[a], node_local_[b])].push_back(std::max(node_local_[a], node_local_[b]));
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
+void GroupPreconditioner::find_patterns(const MatrixPattern& matrix, std::span<const std::array<u32, 2>> coupled) {
+  std::vector<std::vector<u32>> coupled_rows(node_group_.size());  // of each column
+  for (const auto& [a, b] : coupled) coupled_rows[std::min(a, b)].push_back(std::max(a, b));
+  std::vector<u32> rows;  // of one column, global
+  for (u32 g = 0; g < groups_.size(); ++g) {
     Group& group = groups_[g];
     group.pattern.column_first.push_back(0);
-    for (std::vector<u32>& column : rows[g]) {
-      std::sort(column.begin(), column.end());
-      column.erase(std::unique(column.begin(), column.end()), column.end());
-      group.pattern.row.insert(group.pattern.row.end(), column.begin(), column.end());
+    for (const u32 column : group.nodes) {
+      // the matrix is symmetric: rows of its column stand in its row
+      rows.assign(1, column);
+      for (u32 k = matrix.first[column]; k < matrix.first[column + 1]; ++k) rows.push_back(matrix.column[k]);
+      rows.insert(rows.end(), coupled_rows[column].begin(), coupled_rows[column].end());
+      std::sort(rows.begin(), rows.end());
+      rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+      for (const u32 row : rows) {
+        if (row < column || node_group_[row] != g) continue;
+        group.pattern.row.push_back(node_local_[row]);
+        group.source.push_back(matrix.find(row, column));
+      }
       group.pattern.column_first.push_back(u32(group.pattern.row.size()));
     }
     group.blocks.resize(9 * group.pattern.row.size());
     group.local.resize(3 * group.nodes.size());
     group.factor = std::make_unique<BlockCholesky>(group.pattern);
-  }
-}
-
-void GroupPreconditioner::find_destinations(std::span<Term* const> terms) {
-  for (std::size_t t = 0; t < terms.size(); ++t) {
-    const std::size_t stencil = terms[t]->stencil(), width = 3 * stencil;
-    for (std::size_t e = 0; e < terms[t]->size(); ++e)
-      for_each_block(
-          std::span(terms[t]->sites()).subspan(e * stencil, stencil), stencil,
-          [&](u32 row, u32 column, std::size_t a, std::size_t b, double weight) {
-            const u32 g = node_group_[row];
-            destinations_[t].push_back({u32(e * width * width + 3 * a * width + 3 * b), g,
-                                        find_block(groups_[g], node_local_[row], node_local_[column]), weight});
-          });
   }
 }
 
@@ -104,22 +84,6 @@ u32 GroupPreconditioner::find_block(const Group& group, u32 row, u32 column) {
   const auto last = group.pattern.row.begin() + group.pattern.column_first[column + 1];
   const auto found = std::lower_bound(first, last, row);
   return found != last && *found == row ? u32(found - group.pattern.row.begin()) : NO_BLOCK;
-}
-
-// The blocks come in portions that stay in the processor's cache until they are added.
-void GroupPreconditioner::add_term(const Term& term, std::span<const Destination> destinations) {
-  const std::size_t width = 3 * term.stencil(), n_numbers = term.size() * width * width;
-  const std::size_t portion = std::max<std::size_t>(1, N_NUMBERS_AT_ONCE / (width * width)) * width * width;
-  auto to = destinations.begin();
-  for (std::size_t first = 0; first < n_numbers && to != destinations.end(); first += portion) {
-    const std::size_t last = std::min(first + portion, n_numbers);
-    element_blocks_.resize(std::max(element_blocks_.size(), last - first));
-    term.blocks().read(first, std::span(element_blocks_).first(last - first));
-    for (; to != destinations.end() && to->source < last; ++to)
-      if (groups_[to->group].is_active)
-        add(&groups_[to->group].blocks[9 * std::size_t(to->block)], &element_blocks_[to->source - first], width,
-            to->weight);
-  }
 }
 
 void GroupPreconditioner::add_contacts(const ElementBlocks& contacts) {
@@ -168,13 +132,18 @@ void GroupPreconditioner::for_each_active_group(const Task& task) const {
   workers_->run(small.size(), [&](std::size_t i) { task(small[i], nullptr); });
 }
 
-std::size_t GroupPreconditioner::factorize(std::span<Term* const> terms, std::span<const ElementBlocks> contacts,
+std::size_t GroupPreconditioner::factorize(const BlockMatrix& matrix, std::span<const ElementBlocks> contacts,
                                            std::span<const char> group_is_active) {
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    groups_[g].is_active = group_is_active[g];
-    if (groups_[g].is_active) std::fill(groups_[g].blocks.begin(), groups_[g].blocks.end(), 0.0);
-  }
-  for (std::size_t t = 0; t < terms.size(); ++t) add_term(*terms[t], destinations_[t]);
+  matrix.blocks().read(0, values_);
+  for (std::size_t g = 0; g < groups_.size(); ++g) groups_[g].is_active = group_is_active[g];
+  for_each_active_group([&](u32 g, Workers*) {
+    Group& group = groups_[g];
+    for (std::size_t block = 0; block < group.source.size(); ++block)
+      if (group.source[block] == NO_BLOCK)
+        std::fill_n(&group.blocks[9 * block], 9, 0.0);
+      else
+        std::copy_n(&values_[9 * std::size_t(group.source[block])], 9, &group.blocks[9 * block]);
+  });
   for (const ElementBlocks& list : contacts) add_contacts(list);
   std::vector<char> is_positive(groups_.size(), true);
   for_each_active_group(

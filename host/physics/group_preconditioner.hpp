@@ -9,7 +9,7 @@
 
 #include "host/base/workers.hpp"
 #include "host/physics/block_cholesky.hpp"
-#include "host/physics/term.hpp"
+#include "host/physics/block_matrix.hpp"
 #include "solve/site.h"
 
 namespace pvg {
@@ -25,14 +25,14 @@ struct ElementBlocks {
 
 class GroupPreconditioner {
  public:
-  // node_group: group of each node, NO_GROUP for nodes that never move. `terms` are the elements whose pattern never
-  // changes; coupled: further pairs of nodes of one group that contacts may couple and that the factor then includes.
-  GroupPreconditioner(std::span<const Site> sites, std::span<const u32> node_group, std::size_t n_groups,
-                      std::span<Term* const> terms, std::span<const std::array<u32, 2>> coupled = {});
+  // matrix: pattern of what never changes. node_group: group of each node, NO_GROUP for nodes that never move; coupled:
+  // further pairs of nodes of one group that contacts may couple and that the factor then includes.
+  GroupPreconditioner(const MatrixPattern& matrix, std::span<const Site> sites, std::span<const u32> node_group,
+                      std::size_t n_groups, std::span<const std::array<u32, 2>> coupled = {});
 
-  // Reads the terms' blocks, adds those of the contacts, factors the groups for which group_is_active.
+  // Reads the matrix, adds the blocks of the contacts, factors the groups for which group_is_active.
   // Returns the first group that is not positive definite, or n_groups().
-  std::size_t factorize(std::span<Term* const> terms, std::span<const ElementBlocks> contacts,
+  std::size_t factorize(const BlockMatrix& matrix, std::span<const ElementBlocks> contacts,
                         std::span<const char> group_is_active);
   // preconditioned = M^-1 residual;  [n_nodes x 3]; zero on nodes without group and in groups that are not active
   void apply(std::span<const double> residual, std::span<double> preconditioned) const;
@@ -43,24 +43,16 @@ class GroupPreconditioner {
   struct Group {
     std::vector<u32> nodes;      // local to global, ascending
     BlockPattern pattern;        // of local nodes
+    std::vector<u32> source;     // [n_blocks] of each block in the matrix; NO_BLOCK: contact only
     std::vector<double> blocks;  // [n_blocks x 9]
     std::unique_ptr<BlockCholesky> factor;
     bool is_active = false;
     mutable std::vector<double> local;  // of apply() [n_nodes x 3]
   };
-  // adds weight x (3 x 3 block of a row-major element block) to a block of a group
-  struct Destination {
-    u32 source;  // index of the 3 x 3 block's first number in the term's blocks
-    u32 group;
-    u32 block;
-    double weight;
-  };
   template <class Found>
   void for_each_block(std::span<const u32> element_sites, std::size_t stencil, const Found& found) const;
-  void find_patterns(std::span<Term* const> terms, std::span<const std::array<u32, 2>> coupled);
-  void find_destinations(std::span<Term* const> terms);
+  void find_patterns(const MatrixPattern& matrix, std::span<const std::array<u32, 2>> coupled);
   static u32 find_block(const Group& group, u32 row, u32 column);
-  void add_term(const Term& term, std::span<const Destination> destinations);
   void add_contacts(const ElementBlocks& contacts);
   static void leave_out(Group& group, u32 row, u32 column, const double* from, std::size_t width, double weight);
   template <class Task>
@@ -69,8 +61,7 @@ class GroupPreconditioner {
   std::vector<Site> sites_;
   std::vector<u32> node_group_, node_local_;
   std::vector<Group> groups_;
-  std::vector<std::vector<Destination>> destinations_;  // per term, by element
-  std::vector<double> element_blocks_;                  // read from the device, some elements at a time
+  std::vector<double> values_;  // of the matrix, read from the device
   std::unique_ptr<Workers> workers_;
 };
 

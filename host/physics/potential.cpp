@@ -5,10 +5,11 @@
 namespace pvg {
 namespace {
 
-std::vector<WorldRange> ranges(const std::vector<u32>& first) {
-  std::vector<WorldRange> ranges;
-  for (u32 w = 0; w + 1 < first.size(); ++w) ranges.push_back({w, first[w], first[w + 1]});
-  return ranges;
+// appends the runs of each world in a list of elements, the first of which has the number `offset`
+void append_ranges(const std::vector<u32>& world_first, u32 offset, std::vector<WorldRange>& ranges) {
+  for (u32 w = 0; w + 1 < world_first.size(); ++w)
+    if (world_first[w] < world_first[w + 1])
+      ranges.push_back({w, offset + world_first[w], offset + world_first[w + 1]});
 }
 
 }  // namespace
@@ -44,8 +45,7 @@ Potential::Potential(Device& device, const System& system)
       world_energy_(device, system.n_worlds(), "world energy"),
       direction_site_(device, 3 * system.sites.size(), "direction sites"),
       reduce_(device, system.n_worlds()),
-      candidate_chunks_(device, system.n_worlds()),
-      friction_chunks_(device, system.n_worlds()) {
+      energy_chunks_(device, system.n_worlds()) {
   all_.push_back(&barrier_);
   all_.push_back(&friction_);
   const auto set = [](Term& term, const auto& rows) { term.set(rows.rows, rows.world_first); };
@@ -63,20 +63,19 @@ Potential::Potential(Device& device, const System& system)
   set(bending_, system.triangle_bending);
 
   std::vector<RowBlock> blocks;
-  std::size_t most_elements = 0;
+  first_energy_.push_back(0);
   for (Term* term : constant_) {
     term->first_row = n_constant_rows_;
     n_constant_rows_ += u32(term->size() * term->stencil());
     blocks.push_back({term->sites(), term->first_row});
-    term_chunks_.emplace_back(device, system.n_worlds());
-    term_chunks_.back().set(ranges(term->world_first()));
-    most_elements = std::max(most_elements, term->size());
+    append_ranges(term->world_first(), first_energy_.back(), energy_ranges_);
+    first_energy_.push_back(u32(first_energy_.back() + term->size()));
   }
   constant_gather_.set(blocks);
-  element_energy_.resize(most_elements);
   rows_.resize(3 * n_constant_rows_);
-  preconditioner_ = std::make_unique<GroupPreconditioner>(system.sites, system.node_group, system.group_world.size(),
-                                                          constant_, system.contact_couplings);
+  matrix_ = std::make_unique<BlockMatrix>(device, system.sites, system.node_is_fixed, constant_);
+  preconditioner_ = std::make_unique<GroupPreconditioner>(matrix_->pattern(), system.sites, system.node_group,
+                                                          system.group_world.size(), system.contact_couplings);
 }
 
 void Potential::update_sites(Positions& positions) {
@@ -98,36 +97,25 @@ void Potential::update_joints(const System& system) {
 
 void Potential::set_friction(const WorldRows<Friction>& rows) {
   friction_.set(rows.rows.read(0, rows.n()), rows.first);
-  friction_chunks_.set(ranges(rows.first));
 }
 
 const Buffer<f64>& Potential::origin(const Term& term) const {
   return is_inertia(term) ? predicted_->site : start_->site;
 }
 
-std::vector<double> Potential::energy(const Positions& x, const WorldRows<Barrier>& candidates) {
-  std::vector<double> total(system_.n_worlds(), 0);
-  const auto add = [&](const WorldChunks& chunks) {
-    reduce_.sum(chunks, element_energy_, world_energy_);
-    const std::vector<double> part = world_energy_.read();
-    for (std::size_t w = 0; w < total.size(); ++w) total[w] += part[w];
-  };
-  element_energy_.resize(std::max<std::size_t>({element_energy_.size(), candidates.n(), friction_.size()}));
-  for (std::size_t t = 0; t < constant_.size(); ++t) {
-    if (constant_[t]->size() == 0) continue;
-    constant_[t]->energy(x.site, origin(*constant_[t]), step_length(*constant_[t]), element_energy_);
-    add(term_chunks_[t]);
-  }
-  if (friction_.size() > 0) {
-    friction_.energy(x.site, start_->site, h_, element_energy_);
-    add(friction_chunks_);
-  }
-  if (candidates.n() > 0) {
-    candidate_chunks_.set(ranges(candidates.first));
-    barrier_.energy_over(candidates.rows, candidates.n(), x.site, start_->site, h_, element_energy_);
-    add(candidate_chunks_);
-  }
-  return total;
+std::vector<double> Potential::energy(const Positions& x, const WorldRows<Barrier>& contacts) {
+  const u32 first_friction = first_energy_.back(), first_barrier = u32(first_friction + friction_.size());
+  element_energy_.resize(first_barrier + contacts.n());
+  for (std::size_t t = 0; t < constant_.size(); ++t)
+    constant_[t]->energy(x.site, origin(*constant_[t]), step_length(*constant_[t]), first_energy_[t], element_energy_);
+  friction_.energy(x.site, start_->site, h_, first_friction, element_energy_);
+  barrier_.energy_over(contacts.rows, contacts.n(), x.site, start_->site, h_, first_barrier, element_energy_);
+  std::vector<WorldRange> ranges = energy_ranges_;
+  append_ranges(friction_.world_first(), first_friction, ranges);
+  append_ranges(contacts.first, first_barrier, ranges);
+  energy_chunks_.set(ranges);
+  reduce_.sum(energy_chunks_, element_energy_, world_energy_);
+  return world_energy_.read();
 }
 
 void Potential::set_contacts(const WorldRows<Barrier>& contacts) {
@@ -140,8 +128,7 @@ void Potential::set_contacts(const WorldRows<Barrier>& contacts) {
   contact_gather_.set(blocks);
 }
 
-void Potential::gather(Buffer<f64>& node) {
-  constant_gather_.apply(gather_rows_, node_is_fixed_, rows_, false, node);
+void Potential::gather_contacts(Buffer<f64>& node) {
   if (barrier_.size() + friction_.size() > 0) contact_gather_.apply(gather_rows_, node_is_fixed_, rows_, true, node);
 }
 
@@ -151,13 +138,17 @@ void Potential::differentiate(const Positions& x, const WorldRows<Barrier>& cont
     term->gradient(x.site, origin(*term), step_length(*term), rows_);
     term->hessian(x.site, origin(*term), step_length(*term));
   }
-  gather(gradient);
+  matrix_->assemble(constant_);
+  constant_gather_.apply(gather_rows_, node_is_fixed_, rows_, false, gradient);
+  gather_contacts(gradient);
 }
 
 void Potential::product(const Buffer<f64>& direction, Buffer<f64>& out) {
+  matrix_->multiply(direction, out);
+  if (barrier_.size() + friction_.size() == 0) return;
   nodes_to_sites_(system_.sites.size(), u32(system_.sites.size()), sites_, direction, direction_site_);
-  for (Term* term : all_) term->product(direction_site_, rows_);
-  gather(out);
+  for (Term* term : {&barrier_, &friction_}) term->product(direction_site_, rows_);
+  gather_contacts(out);
 }
 
 std::optional<std::size_t> Potential::factorize(std::span<const char> world_is_active) {
@@ -165,7 +156,7 @@ std::optional<std::size_t> Potential::factorize(std::span<const char> world_is_a
   for (const u32 world : system_.group_world) group_is_active.push_back(world_is_active[world]);
   const std::vector<double> barrier = barrier_.blocks().read(), friction = friction_.blocks().read();
   const ElementBlocks contacts[] = {{4, barrier_.sites(), barrier}, {4, friction_.sites(), friction}};
-  const std::size_t failed = preconditioner_->factorize(constant_, contacts, group_is_active);
+  const std::size_t failed = preconditioner_->factorize(*matrix_, contacts, group_is_active);
   if (failed == preconditioner_->n_groups()) return std::nullopt;
   return failed;
 }

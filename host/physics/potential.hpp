@@ -1,5 +1,6 @@
 // The incremental potential of all worlds: the sum of its terms, their gradient gathered to the nodes, and the product
-// of the Hessian with a direction, which is never assembled.
+// of the Hessian with a direction. What never changes its elements is assembled into a sparse matrix, contact and
+// friction are not.
 #pragma once
 #include <memory>
 #include <optional>
@@ -33,8 +34,8 @@ class Potential {
   void update_joints(const System& system);  // this step's numbers of drives and stops
   void set_friction(const WorldRows<Friction>& rows);
 
-  // Sum of all terms per world [J]; contact over `candidates`.
-  std::vector<double> energy(const Positions& x, const WorldRows<Barrier>& candidates);
+  // Sum of all terms per world [J], with these active contacts.
+  std::vector<double> energy(const Positions& x, const WorldRows<Barrier>& contacts);
   // Gradient [n_nodes x 3, N] and Hessian blocks at x, with these active contacts.
   void differentiate(const Positions& x, const WorldRows<Barrier>& contacts, Buffer<f64>& gradient);
   // out = H direction;  [n_nodes x 3]
@@ -45,7 +46,7 @@ class Potential {
   const GroupPreconditioner& preconditioner() const { return *preconditioner_; }
 
  private:
-  void gather(Buffer<f64>& node);
+  void gather_contacts(Buffer<f64>& node);  // adds
   void set_contacts(const WorldRows<Barrier>& contacts);
   bool is_inertia(const Term& term) const { return &term == &point_inertia_ || &term == &affine_inertia_; }
   const Buffer<f64>& origin(const Term& term) const;  // what a term is told as x0
@@ -65,12 +66,14 @@ class Potential {
   std::vector<Term*> all_;
 
   Gather constant_gather_, contact_gather_;
+  std::unique_ptr<BlockMatrix> matrix_;
   std::unique_ptr<GroupPreconditioner> preconditioner_;
   Buffer<f64> rows_, element_energy_, world_energy_, direction_site_;
   u32 n_constant_rows_ = 0;
   WorldReduce reduce_;
-  std::vector<WorldChunks> term_chunks_;  // per constant term
-  WorldChunks candidate_chunks_, friction_chunks_;
+  std::vector<u32> first_energy_;          // of each constant term in element_energy_, and where they end
+  std::vector<WorldRange> energy_ranges_;  // of the constant terms
+  WorldChunks energy_chunks_;              // of all terms
 
   const Positions *start_ = nullptr, *predicted_ = nullptr;
   double h_ = 0, inertia_h_ = 0;

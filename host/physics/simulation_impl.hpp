@@ -48,6 +48,7 @@ struct Simulation::Impl {
   CgReport solve();
   std::vector<double> find_direction();  // dx, and the largest speed of a point per world, times h [m]
   void line_search(const std::vector<double>& certified);
+  std::vector<double> energy_at(const std::vector<double>& length);
   void read_state(double h);
   void read_joints(double h);
 
@@ -80,7 +81,8 @@ struct Simulation::Impl {
   std::vector<char> is_active;                                // of these, worlds that Newton's method still moves
   std::vector<WorldState> states;
   std::vector<StepReport> reports;
-  bool has_prescribed;  // bodies
+  std::vector<double> energy;  // at x, per world [J]
+  bool has_prescribed;         // bodies
 };
 
 }  // namespace pvg

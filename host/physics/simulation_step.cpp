@@ -73,7 +73,6 @@ CgReport Simulation::Impl::solve() {
 }
 
 std::vector<double> Simulation::Impl::find_direction() {
-  find_contacts();
   {
     const auto timed = clock.time(SolverPhase::assembly);
     potential.differentiate(x, contacts.contacts(), gradient);
@@ -101,14 +100,20 @@ std::vector<double> Simulation::Impl::find_direction() {
   return largest_move;
 }
 
+// Moves to trial = x + length dx and finds its contacts. Returns its energy per world [J].
+std::vector<double> Simulation::Impl::energy_at(const std::vector<double>& length) {
+  move(length);
+  contacts.find_contacts(trial.site);
+  return potential.energy(trial, contacts.contacts());
+}
+
 // Halves each world's step until its energy does not rise. Contact was certified by `certified`, so no pair touches.
 void Simulation::Impl::line_search(const std::vector<double>& certified) {
   const auto timed = clock.time(SolverPhase::line_search);
-  const std::vector<double> before = potential.energy(x, contacts.candidates());
+  const std::vector<double> before = energy;
   std::vector<double> length = certified;
   for (int halving = 0; halving < MAX_LINE_SEARCH; ++halving) {
-    move(length);
-    const std::vector<double> after = potential.energy(trial, contacts.candidates());
+    const std::vector<double> after = energy_at(length);
     bool all_fell = true;
     for (std::size_t w = 0; w < length.size(); ++w) {
       // a rise within rounding counts as none
@@ -122,11 +127,12 @@ void Simulation::Impl::line_search(const std::vector<double>& certified) {
       length[w] = 0;
     }
     if (all_fell) {
+      energy = after;
       std::swap(x, trial);
       return;
     }
   }
-  move(length);
+  energy = energy_at(length);
   std::swap(x, trial);
 }
 
@@ -134,6 +140,8 @@ void Simulation::Impl::line_search(const std::vector<double>& certified) {
 // fallen to `enough` of its first one while friction is lagged.
 void Simulation::Impl::minimize(double h, bool may_be_settled, double enough) {
   is_active = is_unsettled;
+  find_contacts();
+  energy = potential.energy(x, contacts.contacts());
   std::vector<double> stop(is_active.size());  // [m/s]
   for (int iteration = 0; iteration < solver().max_newton && any(is_active); ++iteration) {
     const std::vector<double> largest_move = find_direction();

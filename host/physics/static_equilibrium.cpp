@@ -46,7 +46,7 @@ class Balance {
 
   double energy(const Eigen::VectorXd& x) {
     write(x);
-    term_.energy(x_, x_, 1, energy_);
+    term_.energy(x_, x_, 1, 0, energy_);
     double sum = 0;
     for (const double e : energy_.read()) sum += e;
     for (std::size_t i = 0; i < problem_.force.size(); ++i) sum -= problem_.force[i].dot(x.segment<3>(3 * i));

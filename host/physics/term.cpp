@@ -26,8 +26,8 @@ void Term::set_bytes(const void* params, std::size_t n, std::size_t bytes, std::
   for (std::size_t e = 0; e < n; ++e) std::memcpy(&sites_[e * stencil_], first + e * bytes, stencil_ * sizeof(u32));
 }
 
-void Term::energy(const Buffer<f64>& x, const Buffer<f64>& x0, double h, Buffer<f64>& energy) {
-  energy_(n_, u32(n_), params_, x, x0, h, energy);
+void Term::energy(const Buffer<f64>& x, const Buffer<f64>& x0, double h, std::size_t first, Buffer<f64>& energy) {
+  energy_(n_, u32(n_), params_, x, x0, h, u32(first), energy);
 }
 void Term::gradient(const Buffer<f64>& x, const Buffer<f64>& x0, double h, Buffer<f64>& rows) {
   gradient_(n_, u32(n_), params_, x, x0, h, first_row, rows);

@@ -27,12 +27,13 @@ class Term {
   }
 
   // x, x0: site positions [n_sites x 3, m]; h [s]
-  void energy(const Buffer<f64>& x, const Buffer<f64>& x0, double h, Buffer<f64>& energy);  // [n_elements, J]
-  // the same over rows that lie on the device already, as contact candidates do
+  // the elements' energies [n_elements, J], from number `first` on
+  void energy(const Buffer<f64>& x, const Buffer<f64>& x0, double h, std::size_t first, Buffer<f64>& energy);
+  // the same over n other rows that lie on the device already, as contacts do
   template <class Params>
   void energy_over(const Buffer<Params>& params, std::size_t n, const Buffer<f64>& x, const Buffer<f64>& x0, double h,
-                   Buffer<f64>& energy) {
-    energy_(n, u32(n), params, x, x0, h, energy);
+                   std::size_t first, Buffer<f64>& energy) {
+    energy_(n, u32(n), params, x, x0, h, u32(first), energy);
   }
   void gradient(const Buffer<f64>& x, const Buffer<f64>& x0, double h, Buffer<f64>& rows);  // [N]
   void hessian(const Buffer<f64>& x, const Buffer<f64>& x0, double h);                      // kept in blocks()

@@ -59,7 +59,7 @@ static void store_box(const Box box, global TreeNode* node) {
 kernel void refit_leaves(const uint n, const uint log2_leaves, global TreeNode* restrict nodes,
                          global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
                          global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
-                         global const real* restrict x0, global const real* restrict x1) {
+                         const real margin, global const real* restrict x0, global const real* restrict x1) {
   const uint i = get_global_id(0);
   if (i >= n) return;
   const uint tree = i >> log2_leaves, n_leaves = 1u << log2_leaves;
@@ -77,7 +77,7 @@ kernel void refit_leaves(const uint n, const uint log2_leaves, global TreeNode* 
     return;
   }
   const Box box = is_edge ? box_of_edge(primitive, edges, x0, x1) : box_of_triangle(primitive, triangles, x0, x1);
-  store_box(grow(box, 0.5 * worlds[tree >> 1].activation_distance + bodies[body].offset), node);
+  store_box(grow(box, 0.5 * (worlds[tree >> 1].activation_distance + margin) + bodies[body].offset), node);
 }
 
 static void refit_node(global TreeNode* tree, const uint k) {
@@ -107,8 +107,9 @@ typedef struct {
   float8 limit;  // of its box: high, -low, infinity twice
   uint primitive, is_edge, slot;
   uint site[2];                  // of the point (twice) or of the edge
-  real reach;                    // activation distance and its body's offset [m]
+  real reach;                    // activation distance, margin and its body's offset [m]
   real activation_distance;      // of its world [m]
+  real margin;                   // how much farther is looked [m]
   uint disabled, n_disabled;     // its run in `disabled`
   uint body;
   global const real* may_touch;  // its body's row of the table of pairs
@@ -201,8 +202,8 @@ static bool may_pair(const Search* search, const uint other, global const Collis
   const uint pair[4] = {search->site[0], search->is_edge ? search->site[1] : site[0],
                         search->is_edge ? site[0] : site[1], search->is_edge ? site[1] : site[2]};
   const Reach reach = reach_at_rest(search->is_edge, pair, search->activation_distance,
-                                    widest - search->activation_distance, rest);
-  return comes_near(search, kind, site, reach.activation_distance + reach.offset, x0, x1);
+                                    widest - search->activation_distance - search->margin, rest);
+  return comes_near(search, kind, site, reach.activation_distance + reach.offset + search->margin, x0, x1);
 }
 
 // What a found pair becomes.
@@ -245,8 +246,8 @@ static Barrier barrier_row(const uint is_edge, const uint first, const uint seco
 static Search make_search(const Query query, const uint q, global const CollisionPoint* restrict points,
                           global const CollisionEdge* restrict edges, global const CollisionBodyRow* restrict bodies,
                           global const CollisionWorld* restrict worlds, global const real* restrict pair_friction,
-                          global const u32* restrict disabled_first, global const real* restrict x0,
-                          global const real* restrict x1) {
+                          global const u32* restrict disabled_first, const real margin,
+                          global const real* restrict x0, global const real* restrict x1) {
   Search search;
   search.is_edge = (query.primitive & IS_EDGE) != 0;
   search.primitive = query.primitive & ~IS_EDGE;
@@ -257,11 +258,12 @@ static Search make_search(const Query query, const uint q, global const Collisio
   search.site[0] = search.is_edge ? edges[i].site[0] : points[i].site;
   search.site[1] = search.is_edge ? edges[i].site[1] : points[i].site;
   const Box box = grow(search.is_edge ? box_of_edge(i, edges, x0, x1) : box_of_point(i, points, x0, x1),
-                       0.5 * world.activation_distance + bodies[body].offset);
+                       0.5 * (world.activation_distance + margin) + bodies[body].offset);
   search.limit = (float8)(box.high, -box.low, INFINITY, INFINITY);
   search.body = body;
   search.activation_distance = world.activation_distance;
-  search.reach = world.activation_distance + bodies[body].offset;
+  search.margin = margin;
+  search.reach = world.activation_distance + margin + bodies[body].offset;
   search.may_touch = pair_friction + world.first_pair + bodies[body].index * world.n_bodies;
   search.disabled = disabled_first[q];
   search.n_disabled = disabled_first[q + 1] - disabled_first[q];
@@ -306,12 +308,12 @@ kernel void count_pairs(const uint n, const uint log2_leaves, global const Query
                         global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
                         global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
                         global const real* restrict rest, global const real* restrict pair_friction,
-                        global const u32* restrict disabled_first, global const u32* restrict disabled, global const real* restrict x0,
-                        global const real* restrict x1, global u32* restrict counts, global u32* restrict kept) {
+                        global const u32* restrict disabled_first, global const u32* restrict disabled, const real margin,
+                        global const real* restrict x0, global const real* restrict x1, global u32* restrict counts, global u32* restrict kept) {
   const uint q = get_global_id(0);
   if (q >= n) return;
   const Query query = queries[q];
-  const Search search = make_search(query, q, points, edges, bodies, worlds, pair_friction, disabled_first, x0, x1);
+  const Search search = make_search(query, q, points, edges, bodies, worlds, pair_friction, disabled_first, margin, x0, x1);
   global const TreeNode* tree = nodes + ((size_t)(2 * query.world + search.is_edge) * 2 << log2_leaves);
   Walk walk;
   begin_walk(&walk, &search, tree, log2_leaves);
@@ -330,8 +332,9 @@ kernel void fill_pairs(const uint n, const uint log2_leaves, global const Query*
                        global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
                        global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
                        global const real* restrict rest, global const real* restrict pair_friction,
-                       global const u32* restrict disabled_first, global const u32* restrict disabled, global const real* restrict x0,
-                       global const real* restrict x1, global const u32* restrict offsets,
+                       global const u32* restrict disabled_first, global const u32* restrict disabled, const real margin,
+                       global const real* restrict x0, global const real* restrict x1,
+                       global const u32* restrict offsets,
                        global const u32* restrict kept, global Barrier* restrict rows) {
   const uint q = get_global_id(0);
   if (q >= n) return;
@@ -345,7 +348,7 @@ kernel void fill_pairs(const uint n, const uint log2_leaves, global const Query*
                                     rest, pair_friction);
     return;
   }
-  const Search search = make_search(query, q, points, edges, bodies, worlds, pair_friction, disabled_first, x0, x1);
+  const Search search = make_search(query, q, points, edges, bodies, worlds, pair_friction, disabled_first, margin, x0, x1);
   global const TreeNode* tree = nodes + ((size_t)(2 * query.world + is_edge) * 2 << log2_leaves);
   Walk walk;
   begin_walk(&walk, &search, tree, log2_leaves);

@@ -9,16 +9,27 @@ static void load_sites(global const Barrier* row, global const real* restrict x,
   for (int i = 0; i < 4; ++i) xe[i] = vload3(row->site[i], x);
 }
 
-// gap: [n, m];  is_active: [n] 1 where the gap is below the activation distance
+// gap: [n, m], infinite where it is not below the activation distance;  is_active: [n] 1 where it exerts a force
 kernel void pair_gaps(const uint n, global const Barrier* restrict pairs, global const real* restrict x,
                       global real* restrict gap, global u32* restrict is_active) {
   const uint e = get_global_id(0);
   if (e >= n) return;
   real3 xe[4];
   load_sites(pairs + e, x, xe);
-  gap[e] = pair_distance(pairs[e].kind, xe).d - pairs[e].offset;
-  // NaN is active, so that it shows; a pair without area exerts no force
-  is_active[e] = !(gap[e] >= pairs[e].activation_distance) && pairs[e].area > 0;
+  const real g = pair_distance(pairs[e].kind, xe).d - pairs[e].offset;
+  const bool is_near = !(g >= pairs[e].activation_distance);  // so that NaN shows
+  gap[e] = is_near ? g : INFINITY;
+  is_active[e] = is_near && pairs[e].area > 0;
+}
+
+// minus the larger of the distances of each site from where it was, [n, m]; minus infinity where it is not a number
+kernel void site_deviations(const uint n, global const real* restrict reference, global const real* restrict x0,
+                            global const real* restrict x1, global real* restrict minus_distance) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  const real3 r = vload3(i, reference);
+  const real a = length(vload3(i, x0) - r), b = length(vload3(i, x1) - r);
+  minus_distance[i] = a <= INFINITY && b <= INFINITY ? -fmax(a, b) : -INFINITY;
 }
 
 // contacts: the active pairs, in order; offsets: [n + 1]

@@ -12,9 +12,10 @@
 #define JOIN_(a, b) a##b
 #define JOIN(a, b) JOIN_(a, b)
 
-// x, x0: sites [n_sites x 3, m];  energy: [n, J]
+// x, x0: sites [n_sites x 3, m];  energy: [n, J], from number `first` on
 kernel void JOIN(TERM, _energy_all)(const uint n, global const PARAMS* restrict params, global const real* restrict x,
-                                    global const real* restrict x0, const real h, global real* restrict energy) {
+                                    global const real* restrict x0, const real h, const uint first,
+                                    global real* restrict energy) {
   const uint e = get_global_id(0);
   if (e >= n) return;
   const PARAMS p = params[e];
@@ -23,7 +24,7 @@ kernel void JOIN(TERM, _energy_all)(const uint n, global const PARAMS* restrict 
     xe[s] = vload3(p.site[s], x);
     x0e[s] = vload3(p.site[s], x0);
   }
-  energy[e] = JOIN(TERM, _energy)(p, xe, x0e, h);
+  energy[first + e] = JOIN(TERM, _energy)(p, xe, x0e, h);
 }
 
 // rows: [n x STENCIL x 3, N], from row first_row on

@@ -92,9 +92,9 @@ WorldRows<Barrier> find(Device& device, const Soup& soup) {
   const std::vector<ContactSettings> settings(soup.mesh.n_worlds, {.activation_distance = ACTIVATION});
   BroadPhase broad_phase(device, soup.mesh, settings, soup.x0);
   WorldRows<Barrier> pairs{Buffer<Barrier>(device, 0, "pairs"), {}};
-  broad_phase.find(upload(device, soup.x0), upload(device, soup.x1), pairs);
+  broad_phase.find(upload(device, soup.x0), upload(device, soup.x1), 0, pairs);
   // once more: growing buffers must not matter
-  broad_phase.find(upload(device, soup.x0), upload(device, soup.x1), pairs);
+  broad_phase.find(upload(device, soup.x0), upload(device, soup.x1), 0, pairs);
   return pairs;
 }
 

@@ -159,7 +159,7 @@ TEST(ContactSet, NormalForcesAreTheSlopeOfTheEnergy) {
     const u32 n = trial.contact.candidates().n();
     const Buffer<double> moved = trial.upload(cube_moved(trial.bodies.x, Vec3(0, 0, z)));
     Buffer<double> energies(trial.device, n, "energies");
-    energy_kernel(n, n, trial.contact.candidates().rows, moved, moved, 0.01, energies);
+    energy_kernel(n, n, trial.contact.candidates().rows, moved, moved, 0.01, 0u, energies);
     double sum = 0;
     for (const double e : energies.read()) sum += e;
     return sum;

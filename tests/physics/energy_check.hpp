@@ -57,7 +57,7 @@ class EnergyCheck {
     const std::size_t n = elements.size();
     Buffer<double> energy(device_, n, "energy"), rows(device_, (n + 1) * SIZE, "rows");
     Buffer<double> blocks(device_, with_hessian ? n * SIZE * SIZE : 0, "blocks");
-    energy_(n, u32(n), on_device.params, on_device.x, on_device.x0, H, energy);
+    energy_(n, u32(n), on_device.params, on_device.x, on_device.x0, H, 0u, energy);
     gradient_(n, u32(n), on_device.params, on_device.x, on_device.x0, H, u32(STENCIL), rows);
     if (with_hessian) hessian_(n, u32(n), on_device.params, on_device.x, on_device.x0, H, blocks);
     const std::vector<double> energies = energy.read(), all_rows = rows.read(), all_blocks = blocks.read();

@@ -45,11 +45,13 @@ struct Chain {
     Buffer<f64> x(device, std::vector<double>(3 * n, 0.0), "x");
     for (Term* term : {&mass, &inner, &outer}) term->hessian(x, x, 1.0);
     Term* const constant[] = {&mass, &inner};
-    preconditioner = std::make_unique<GroupPreconditioner>(make_sites(n), group, group.back() + 1, constant);
+    BlockMatrix matrix(device, make_sites(n), std::vector<u32>(n, 0), constant);
+    matrix.assemble(constant);
+    preconditioner = std::make_unique<GroupPreconditioner>(matrix.pattern(), make_sites(n), group, group.back() + 1);
     const std::vector<double> blocks_across = outer.blocks().read();
     const ElementBlocks contacts[] = {{2, outer.sites(), blocks_across}};
     const std::vector<char> active(group.back() + 1, true);
-    EXPECT_EQ(preconditioner->factorize(constant, contacts, active), preconditioner->n_groups());
+    EXPECT_EQ(preconditioner->factorize(matrix, contacts, active), preconditioner->n_groups());
   }
   static std::vector<Site> make_sites(u32 n) {
     std::vector<Site> sites;
