@@ -7,7 +7,7 @@
 namespace pvg {
 namespace {
 
-constexpr std::int64_t SCHEMA = 1;
+constexpr std::int64_t SCHEMA = 2;
 
 // An anchor as numbers: kind and sites of its pair, strain.
 constexpr std::size_t ANCHOR_LENGTH = 8;
@@ -45,6 +45,7 @@ void for_each_field(Checkpoint& checkpoint, const Visit& visit) {
   visit("/time", checkpoint.time);
   visit("/joint_position", checkpoint.joint_position);
   visit("/targets", checkpoint.targets);
+  visit("/couplings", checkpoint.couplings);
 }
 
 struct Writer {

@@ -125,12 +125,23 @@ Disabled disabled_of_queries(const CollisionMesh& mesh, const std::vector<Query>
   return disabled;
 }
 
+// the table with the other pairs marked as never touching
+BodyPairTable table_of(const CollisionMesh& mesh, PairsOf which) {
+  BodyPairTable table = make_body_pair_table(mesh);
+  if (which == PairsOf::all_bodies) return table;
+  for (std::size_t w = 0; w < table.n_bodies.size(); ++w)
+    for (u32 a = 0; a < table.n_bodies[w]; ++a)
+      for (u32 b = 0; b < table.n_bodies[w]; ++b)
+        if ((a == b) != (which == PairsOf::one_body)) table.friction[table.first[w] + a * table.n_bodies[w] + b] = -1;
+  return table;
+}
+
 constexpr u32 LOG2_TOP = 5;  // the levels above 2^5 nodes are refitted by one work-item per tree
 
 }  // namespace
 
 BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
-                       std::span<const Vec3> x)
+                       std::span<const Vec3> x, PairsOf which)
     : n_trees_(2 * mesh.n_worlds),
       log2_leaves_(find_log2_leaves(mesh)),
       points_(device, mesh.points, "collision_points"),
@@ -159,7 +170,7 @@ BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<cons
     buffer.resize(values.size());
     buffer.write(values);
   };
-  const BodyPairTable table = make_body_pair_table(mesh);
+  const BodyPairTable table = table_of(mesh, which);
   upload(bodies_, body_rows(mesh, table));
   upload(worlds_, world_rows(settings, table));
   upload(rest_, rest_of_sites(mesh, x.size()));

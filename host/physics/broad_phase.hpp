@@ -14,11 +14,13 @@
 
 namespace pvg {
 
+enum class PairsOf { all_bodies, one_body, two_bodies };
+
 class BroadPhase {
  public:
   // The trees' order comes from x: [n_sites, m]. Bodies stay together in it, so it stays good while they move.
   BroadPhase(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
-             std::span<const Vec3> x);
+             std::span<const Vec3> x, PairsOf which = PairsOf::all_bodies);
   // Pairs that may come within activation distance and `margin` [m] while the sites move straight from x0 to x1
   // [n_sites x 3, m]: by world, in it first point-triangle, then edge-edge pairs.
   void find(const Buffer<double>& x0, const Buffer<double>& x1, double margin, WorldRows<Barrier>& pairs);

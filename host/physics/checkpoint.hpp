@@ -20,6 +20,7 @@ struct Checkpoint {
   std::vector<double> time;                          // [n_worlds, s]
   std::vector<std::vector<double>> joint_position;   // [n_worlds][n_joints, rad or m] whole turns included
   std::vector<std::vector<double>> targets;          // [n_worlds][n_driven, rad or m] of the last step
+  std::vector<std::vector<double>> couplings;        // [n_worlds][n_pairs x 2] nodes, as the preconditioner holds them
 };
 
 }  // namespace pvg

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "contact/report.h"
-#include "host/physics/broad_phase.hpp"
+#include "host/physics/candidates.hpp"
 #include "host/physics/continuous_collision.hpp"
 #include "host/physics/scan.hpp"
 
@@ -17,14 +17,12 @@ std::span<Row> of_world(std::vector<Row>& rows, const std::vector<u32>& first, u
   return std::span(rows).subspan(first[world], first[world + 1] - first[world]);
 }
 
-// How much farther than the activation distance is looked for candidates, as a part of it. They serve as long as no
-// site has moved by half of that: mostly for the whole step after its first guess.
-constexpr double MARGIN = 0.5;
-
-double margin_of(std::span<const ContactSettings> settings) {
+// How much farther than the activation distance candidates are looked for [m]: half of it, or as far as several last
+// corrections of Newton's method lead. They then mostly serve for the whole step after its first guess.
+double margin_of(std::span<const ContactSettings> settings, double correction) {
   double least = INFINITY;
   for (const ContactSettings& s : settings) least = std::min(least, s.activation_distance);
-  return MARGIN * least;
+  return std::max(0.5 * least, 4 * correction);
 }
 
 Vec3 vec3(const double* values) { return {values[0], values[1], values[2]}; }
@@ -47,16 +45,14 @@ void check_settings(const CollisionMesh& mesh, std::span<const ContactSettings> 
 struct ContactSet::Impl {
   Device& device;
   CollisionMesh mesh;
-  BroadPhase broad_phase;
+  Candidates candidates;
   ContinuousCollision collision;
   Program program, friction_program;
-  Kernel pair_gaps, site_deviations, fill_contacts, lag_friction, report_contacts, friction_force, friction_strain;
+  Kernel pair_gaps, fill_contacts, lag_friction, report_contacts, friction_force, friction_strain;
   Scan scan;
   WorldMinimum minimum;
-  WorldRows<Barrier> candidates, contacts;
+  WorldRows<Barrier> contacts;
   WorldRows<Friction> friction;
-  double margin;                                     // how much farther candidates were looked for [m]
-  Buffer<double> reference, deviations;              // where all sites were then [n_sites x 3, m], [n_sites]
   Buffer<double> gaps;                               // [n_candidates, m]
   Buffer<u32> is_active, offsets;                    // [n_candidates], [n_candidates + 1]
   Buffer<u32> places;                                // [n_worlds + 1] first candidate of each world
@@ -64,15 +60,15 @@ struct ContactSet::Impl {
   Buffer<double> forces, strains;                    // [n_friction x 3, N], [n_friction x 3]
   std::vector<std::vector<FrictionAnchor>> anchors;  // [n_worlds], each sorted by pair
 
-  Impl(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings, std::span<const Vec3> x)
+  Impl(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings, std::span<const Vec3> x,
+       double correction)
       : device(device),
         mesh(mesh),
-        broad_phase(device, mesh, settings, x),
+        candidates(device, mesh, settings, x, margin_of(settings, correction)),
         collision(device),
         program(device, "contact/contact.cl"),
         friction_program(device, "energies/friction.cl"),
         pair_gaps(program.kernel("pair_gaps")),
-        site_deviations(program.kernel("site_deviations")),
         fill_contacts(program.kernel("fill_contacts")),
         lag_friction(program.kernel("lag_friction")),
         report_contacts(program.kernel("report_contacts")),
@@ -80,12 +76,8 @@ struct ContactSet::Impl {
         friction_strain(friction_program.kernel("friction_strain")),
         scan(device),
         minimum(device),
-        candidates{Buffer<Barrier>(device, 0, "candidates"), std::vector<u32>(mesh.n_worlds + 1, 0)},
         contacts{Buffer<Barrier>(device, 0, "contacts"), std::vector<u32>(mesh.n_worlds + 1, 0)},
         friction{Buffer<Friction>(device, 0, "friction"), std::vector<u32>(mesh.n_worlds + 1, 0)},
-        margin(margin_of(settings)),
-        reference(device, 0, "reference_sites"),
-        deviations(device, 0, "site_deviations"),
         gaps(device, 0, "candidate_gaps"),
         is_active(device, 0, "candidate_is_active"),
         offsets(device, 0, "contact_offsets"),
@@ -95,20 +87,11 @@ struct ContactSet::Impl {
         strains(device, 0, "friction_strains"),
         anchors(mesh.n_worlds) {}
 
-  // Do the candidates hold every pair that comes near on the straight way from x0 to x1? With no site farther from the
-  // end of the motion they were looked for than half the margin, no pair is closer than there by more than the margin.
-  bool serves(const Buffer<double>& x0, const Buffer<double>& x1) {
-    if (reference.size() != x0.size() || x0.size() == 0) return false;
-    const u32 n = u32(x0.size() / 3);
-    deviations.resize(n);
-    site_deviations(n, n, reference, x0, x1, deviations);
-    return -minimum({0, n}, deviations, 0)[0] <= 0.499999 * margin;
-  }
-
   void measure_gaps(const Buffer<double>& x) {
-    gaps.resize(candidates.n());
-    is_active.resize(candidates.n());
-    pair_gaps(candidates.n(), candidates.n(), candidates.rows, x, gaps, is_active);
+    const WorldRows<Barrier>& pairs = candidates.rows();
+    gaps.resize(pairs.n());
+    is_active.resize(pairs.n());
+    pair_gaps(pairs.n(), pairs.n(), pairs.rows, x, gaps, is_active);
   }
 
   // what friction exerts on the first body of each row, by pair
@@ -124,46 +107,41 @@ struct ContactSet::Impl {
 };
 
 ContactSet::ContactSet(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
-                       std::span<const Vec3> x) {
+                       std::span<const Vec3> x, double correction) {
   check_settings(mesh, settings);
   check_collision_mesh(mesh, x.size());
-  impl_ = std::make_unique<Impl>(device, mesh, settings, x);
+  impl_ = std::make_unique<Impl>(device, mesh, settings, x, correction);
 }
 ContactSet::~ContactSet() = default;
 ContactSet::ContactSet(ContactSet&&) noexcept = default;
 
-const WorldRows<Barrier>& ContactSet::candidates() const { return impl_->candidates; }
+const WorldRows<Barrier>& ContactSet::candidates() const { return impl_->candidates.rows(); }
 const WorldRows<Barrier>& ContactSet::contacts() const { return impl_->contacts; }
 const WorldRows<Friction>& ContactSet::friction() const { return impl_->friction; }
 
-void ContactSet::find_candidates(const Buffer<double>& x0, const Buffer<double>& x1) {
-  Impl& impl = *impl_;
-  if (impl.serves(x0, x1)) return;
-  impl.broad_phase.find(x0, x1, impl.margin, impl.candidates);
-  impl.reference.resize(x1.size());
-  impl.reference.copy_from(x1);
-}
+void ContactSet::find_candidates(const Buffer<double>& x0, const Buffer<double>& x1) { impl_->candidates.find(x0, x1); }
 
 std::vector<double> ContactSet::largest_step(const Buffer<double>& x0, const Buffer<double>& x1) {
-  return impl_->collision.largest_step(impl_->candidates, x0, x1);
+  return impl_->collision.largest_step(impl_->candidates.rows(), x0, x1);
 }
 
 void ContactSet::find_contacts(const Buffer<double>& x) {
   Impl& impl = *impl_;
   impl.measure_gaps(x);
-  impl.scan(impl.candidates.n(), impl.is_active, impl.offsets);
-  impl.places.resize(impl.candidates.first.size());
-  impl.places.write(impl.candidates.first);
+  const WorldRows<Barrier>& candidates = impl.candidates.rows();
+  impl.scan(candidates.n(), impl.is_active, impl.offsets);
+  impl.places.resize(candidates.first.size());
+  impl.places.write(candidates.first);
   impl.contacts.first = impl.scan.read_at(impl.offsets, impl.places);
   impl.contacts.rows.resize(impl.contacts.n());
-  impl.fill_contacts(impl.candidates.n(), impl.candidates.n(), impl.candidates.rows, impl.offsets, impl.contacts.rows);
+  impl.fill_contacts(candidates.n(), candidates.n(), candidates.rows, impl.offsets, impl.contacts.rows);
 }
 
 void ContactSet::lag_friction(const Buffer<double>& x, double h) {
   Impl& impl = *impl_;
   impl.friction.first = impl.contacts.first;
   impl.friction.rows.resize(impl.contacts.n());
-  impl.lag_friction(impl.contacts.n(), impl.contacts.n(), impl.contacts.rows, impl.broad_phase.worlds(), x,
+  impl.lag_friction(impl.contacts.n(), impl.contacts.n(), impl.contacts.rows, impl.candidates.worlds(), x,
                     impl.friction.rows);
   std::vector<Friction> rows = impl.friction.rows.read();
   for (u32 world = 0; world < impl.mesh.n_worlds; ++world)
@@ -195,7 +173,7 @@ void ContactSet::clear_friction() {
 
 std::vector<double> ContactSet::min_gap(const Buffer<double>& x) {
   impl_->measure_gaps(x);
-  return impl_->minimum(impl_->candidates.first, impl_->gaps, INFINITY);
+  return impl_->minimum(impl_->candidates.rows().first, impl_->gaps, INFINITY);
 }
 
 std::vector<std::vector<ContactForce>> ContactSet::forces(const Buffer<double>& x, const Buffer<double>& x0, double h) {
@@ -233,7 +211,7 @@ std::optional<StartConflict> ContactSet::find_start_conflict(std::span<const Vec
   const std::vector<double> gaps = impl.gaps.read();
   for (std::size_t i = 0; i < gaps.size(); ++i)
     if (!(gaps[i] > 0)) {
-      const Barrier row = impl.candidates.rows.read(i, 1).front();
+      const Barrier row = impl.candidates.rows().rows.read(i, 1).front();
       const u32 second = row.kind == EDGE_EDGE ? row.site[2] : row.site[1];
       const bool is_below = row.kind == POINT_PLANE && !(gaps[i] > -row.offset);
       return StartConflict{row.world, row.body[0], row.body[1], row.site[0], second, is_below, gaps[i]};

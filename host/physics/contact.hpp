@@ -27,9 +27,10 @@ namespace pvg {
 class ContactSet {
  public:
   // settings: of each world. x: sites at the start [n_sites, m]; the order of the search trees comes from it, so two
-  // sets made from the same arguments give the same bits ever after.
+  // sets made from the same arguments give the same bits ever after. correction: how far the solver's last corrections
+  // move a site [m]; candidates are then looked for far enough to serve for several.
   ContactSet(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
-             std::span<const Vec3> x);
+             std::span<const Vec3> x, double correction = 0);
   ~ContactSet();
   ContactSet(ContactSet&&) noexcept;
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numeric>
 
 namespace pvg {
 namespace {
@@ -34,48 +36,115 @@ void GroupPreconditioner::for_each_block(std::span<const u32> element_sites, std
 }
 
 GroupPreconditioner::GroupPreconditioner(const MatrixPattern& matrix, std::span<const Site> sites,
-                                         std::span<const u32> node_group, std::size_t n_groups,
-                                         std::span<const std::array<u32, 2>> coupled)
-    : sites_(sites.begin(), sites.end()),
+                                         std::span<const u32> node_group, std::span<const u32> group_world,
+                                         std::span<const NodePair> coupled)
+    : matrix_(matrix),
+      sites_(sites.begin(), sites.end()),
+      lone_group_(node_group.begin(), node_group.end()),
+      group_world_(group_world.begin(), group_world.end()),
+      lone_nodes_(group_world.size()),
+      always_coupled_(coupled.begin(), coupled.end()),
       node_group_(node_group.begin(), node_group.end()),
       node_local_(node_group.size(), 0),
-      groups_(n_groups),
       values_(9 * matrix.n_blocks()),
       workers_(std::make_unique<Workers>()) {
-  for (u32 node = 0; node < node_group_.size(); ++node) {
-    if (node_group_[node] == NO_GROUP) continue;
-    Group& group = groups_[node_group_[node]];
-    node_local_[node] = u32(group.nodes.size());
-    group.nodes.push_back(node);
-  }
-  find_patterns(matrix, coupled);
+  for (u32 node = 0; node < lone_group_.size(); ++node)
+    if (lone_group_[node] != NO_GROUP) lone_nodes_[lone_group_[node]].push_back(node);
+  couple({});
 }
 
-void GroupPreconditioner::find_patterns(const MatrixPattern& matrix, std::span<const std::array<u32, 2>> coupled) {
-  std::vector<std::vector<u32>> coupled_rows(node_group_.size());  // of each column
-  for (const auto& [a, b] : coupled) coupled_rows[std::min(a, b)].push_back(std::max(a, b));
-  std::vector<u32> rows;  // of one column, global
-  for (u32 g = 0; g < groups_.size(); ++g) {
-    Group& group = groups_[g];
-    group.pattern.column_first.push_back(0);
-    for (const u32 column : group.nodes) {
-      // the matrix is symmetric: rows of its column stand in its row
-      rows.assign(1, column);
-      for (u32 k = matrix.first[column]; k < matrix.first[column + 1]; ++k) rows.push_back(matrix.column[k]);
-      rows.insert(rows.end(), coupled_rows[column].begin(), coupled_rows[column].end());
-      std::sort(rows.begin(), rows.end());
-      rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-      for (const u32 row : rows) {
-        if (row < column || node_group_[row] != g) continue;
-        group.pattern.row.push_back(node_local_[row]);
-        group.source.push_back(matrix.find(row, column));
-      }
-      group.pattern.column_first.push_back(u32(group.pattern.row.size()));
-    }
-    group.blocks.resize(9 * group.pattern.row.size());
-    group.local.resize(3 * group.nodes.size());
-    group.factor = std::make_unique<BlockCholesky>(group.pattern);
+// The sets of groups that pairs hold together, ascending, in the order of their first.
+std::vector<std::vector<u32>> GroupPreconditioner::join(std::span<const NodePair> pairs) const {
+  std::vector<u32> root(group_world_.size());
+  std::iota(root.begin(), root.end(), 0u);
+  const auto find = [&](u32 group) {
+    while (root[group] != group) group = root[group] = root[root[group]];
+    return group;
+  };
+  for (const auto& [a, b] : pairs) {
+    const u32 first = find(lone_group_[a]), second = find(lone_group_[b]);
+    root[std::max(first, second)] = std::min(first, second);
   }
+  std::vector<std::vector<u32>> sets;
+  std::vector<u32> set_of(root.size());
+  for (u32 group = 0; group < root.size(); ++group) {
+    const u32 first = find(group);
+    if (first == group) {
+      set_of[group] = u32(sets.size());
+      sets.emplace_back();
+    }
+    sets[set_of[first]].push_back(group);
+  }
+  return sets;
+}
+
+void GroupPreconditioner::couple(std::span<const NodePair> pairs) {
+  std::vector<NodePair> all(pairs.begin(), pairs.end());
+  all.insert(all.end(), always_coupled_.begin(), always_coupled_.end());
+  for (NodePair& pair : all) std::sort(pair.begin(), pair.end());
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+
+  std::vector<Group> now;
+  for (std::vector<u32>& joined : join(all)) {
+    Group& group = now.emplace_back();
+    group.world = group_world_[joined.front()];
+    for (const u32 lone : joined)
+      for (const u32 node : lone_nodes_[lone]) node_group_[node] = u32(now.size() - 1);
+    group.joined = std::move(joined);
+  }
+  for (const NodePair& pair : all) now[node_group_[pair[0]]].pairs.push_back(pair);
+
+  std::map<std::vector<u32>, Group*> before;
+  for (Group& group : groups_) before[group.joined] = &group;
+  for (Group& group : now)
+    if (const auto found = before.find(group.joined); found != before.end() && found->second->pairs == group.pairs)
+      group = std::move(*found->second);
+  groups_ = std::move(now);
+  for (Group& group : groups_) {
+    if (group.nodes.empty()) {
+      for (const u32 lone : group.joined)
+        group.nodes.insert(group.nodes.end(), lone_nodes_[lone].begin(), lone_nodes_[lone].end());
+      std::sort(group.nodes.begin(), group.nodes.end());
+    }
+    for (u32 i = 0; i < group.nodes.size(); ++i) node_local_[group.nodes[i]] = i;
+  }
+  std::vector<u32> changed;
+  for (u32 g = 0; g < groups_.size(); ++g)
+    if (!groups_[g].factor) changed.push_back(g);
+  workers_->run(changed.size(), [&](std::size_t i) { find_pattern(groups_[changed[i]]); });
+}
+
+void GroupPreconditioner::find_pattern(Group& group) const {
+  std::vector<std::vector<u32>> coupled_rows(group.nodes.size());  // of each column
+  for (const auto& [a, b] : group.pairs) coupled_rows[node_local_[a]].push_back(b);
+  const u32 g = node_group_[group.nodes.front()];
+  std::vector<u32> rows;  // of one column, global
+  group.pattern.column_first.push_back(0);
+  for (const u32 column : group.nodes) {
+    // the matrix is symmetric: rows of its column stand in its row
+    rows.assign(1, column);
+    for (u32 k = matrix_.first[column]; k < matrix_.first[column + 1]; ++k) rows.push_back(matrix_.column[k]);
+    const std::vector<u32>& coupled = coupled_rows[node_local_[column]];
+    rows.insert(rows.end(), coupled.begin(), coupled.end());
+    std::sort(rows.begin(), rows.end());
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    for (const u32 row : rows) {
+      if (row < column || node_group_[row] != g) continue;
+      group.pattern.row.push_back(node_local_[row]);
+      group.source.push_back(matrix_.find(row, column));
+    }
+    group.pattern.column_first.push_back(u32(group.pattern.row.size()));
+  }
+  group.blocks.resize(9 * group.pattern.row.size());
+  group.local.resize(3 * group.nodes.size());
+  group.factor = std::make_unique<BlockCholesky>(group.pattern);
+}
+
+std::size_t GroupPreconditioner::n_numbers() const {
+  std::size_t n = 0;
+  for (const Group& group : groups_) n += group.factor->n_numbers();
+  return n;
 }
 
 // NO_BLOCK where no element couples the two local nodes
@@ -102,7 +171,7 @@ void GroupPreconditioner::add_contacts(const ElementBlocks& contacts) {
                    });
 }
 
-// Self contact may couple nodes that no element couples. Such a block C is left to conjugate gradients; without it the
+// Contact may couple nodes that nothing else couples. Such a block C is left to conjugate gradients; without it the
 // matrix might be indefinite, so its size goes to both diagonals: |C| (x^2 + y^2) - 2 x C y >= 0.
 void GroupPreconditioner::leave_out(Group& group, u32 row, u32 column, const double* from, std::size_t width,
                                     double weight) {
@@ -132,10 +201,10 @@ void GroupPreconditioner::for_each_active_group(const Task& task) const {
   workers_->run(small.size(), [&](std::size_t i) { task(small[i], nullptr); });
 }
 
-std::size_t GroupPreconditioner::factorize(const BlockMatrix& matrix, std::span<const ElementBlocks> contacts,
-                                           std::span<const char> group_is_active) {
+std::optional<u32> GroupPreconditioner::factorize(const BlockMatrix& matrix, std::span<const ElementBlocks> contacts,
+                                                  std::span<const char> world_is_active) {
   matrix.blocks().read(0, values_);
-  for (std::size_t g = 0; g < groups_.size(); ++g) groups_[g].is_active = group_is_active[g];
+  for (Group& group : groups_) group.is_active = world_is_active[group.world];
   for_each_active_group([&](u32 g, Workers*) {
     Group& group = groups_[g];
     for (std::size_t block = 0; block < group.source.size(); ++block)
@@ -148,7 +217,9 @@ std::size_t GroupPreconditioner::factorize(const BlockMatrix& matrix, std::span<
   std::vector<char> is_positive(groups_.size(), true);
   for_each_active_group(
       [&](u32 g, Workers* workers) { is_positive[g] = groups_[g].factor->factorize(groups_[g].blocks, workers); });
-  return std::size_t(std::find(is_positive.begin(), is_positive.end(), false) - is_positive.begin());
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+    if (!is_positive[g]) return groups_[g].nodes.front();
+  return std::nullopt;
 }
 
 void GroupPreconditioner::apply(std::span<const double> residual, std::span<double> preconditioned) const {

@@ -1,9 +1,11 @@
 // The preconditioner: one exact sparse factor per group of bodies that joints and stitches hold together (a robot with
 // its fingers is one group; the bodies that stand alone are another, if they are few), contact and friction within a
-// group's own nodes included. What is left to conjugate gradients is the coupling of groups through contact.
+// group's own nodes included. What is left to conjugate gradients is the coupling of groups, and of distant parts of
+// one body, through contact; or that is taken into the factor too, where it is told of the pairs of nodes.
 #pragma once
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,6 +17,7 @@
 namespace pvg {
 
 constexpr u32 NO_GROUP = ~0u;
+using NodePair = std::array<u32, 2>;
 
 // Element blocks of one list of elements, on the host: site ids and the dense row-major blocks.
 struct ElementBlocks {
@@ -25,22 +28,29 @@ struct ElementBlocks {
 
 class GroupPreconditioner {
  public:
-  // matrix: pattern of what never changes. node_group: group of each node, NO_GROUP for nodes that never move; coupled:
-  // further pairs of nodes of one group that contacts may couple and that the factor then includes.
+  // matrix: pattern of what never changes, which must outlive this. node_group: group of each node, NO_GROUP for nodes
+  // that never move; group_world: of each group; coupled: pairs of nodes that contacts may couple at any time.
   GroupPreconditioner(const MatrixPattern& matrix, std::span<const Site> sites, std::span<const u32> node_group,
-                      std::size_t n_groups, std::span<const std::array<u32, 2>> coupled = {});
+                      std::span<const u32> group_world, std::span<const NodePair> coupled = {});
 
-  // Reads the matrix, adds the blocks of the contacts, factors the groups for which group_is_active.
-  // Returns the first group that is not positive definite, or n_groups().
-  std::size_t factorize(const BlockMatrix& matrix, std::span<const ElementBlocks> contacts,
-                        std::span<const char> group_is_active);
+  // Takes further pairs of nodes into the factors, until the next call; groups that they join share one factor. Groups
+  // that are as they were keep theirs.
+  void couple(std::span<const NodePair> pairs);
+
+  // Reads the matrix, adds the blocks of the contacts, factors the groups of these worlds. Returns a node of the first
+  // group that is not positive definite, or nothing.
+  std::optional<u32> factorize(const BlockMatrix& matrix, std::span<const ElementBlocks> contacts,
+                               std::span<const char> world_is_active);
   // preconditioned = M^-1 residual;  [n_nodes x 3]; zero on nodes without group and in groups that are not active
   void apply(std::span<const double> residual, std::span<double> preconditioned) const;
   std::size_t n_groups() const { return groups_.size(); }
-  const std::vector<u32>& nodes(std::size_t group) const { return groups_[group].nodes; }
+  std::size_t n_numbers() const;  // stored in all factors
 
  private:
   struct Group {
+    std::vector<u32> joined;      // groups as they are without contact
+    std::vector<NodePair> pairs;  // of nodes that are coupled besides the matrix
+    u32 world = 0;
     std::vector<u32> nodes;      // local to global, ascending
     BlockPattern pattern;        // of local nodes
     std::vector<u32> source;     // [n_blocks] of each block in the matrix; NO_BLOCK: contact only
@@ -51,15 +61,20 @@ class GroupPreconditioner {
   };
   template <class Found>
   void for_each_block(std::span<const u32> element_sites, std::size_t stencil, const Found& found) const;
-  void find_patterns(const MatrixPattern& matrix, std::span<const std::array<u32, 2>> coupled);
+  std::vector<std::vector<u32>> join(std::span<const NodePair> pairs) const;
+  void find_pattern(Group& group) const;
   static u32 find_block(const Group& group, u32 row, u32 column);
   void add_contacts(const ElementBlocks& contacts);
   static void leave_out(Group& group, u32 row, u32 column, const double* from, std::size_t width, double weight);
   template <class Task>
   void for_each_active_group(const Task& task) const;
 
+  const MatrixPattern& matrix_;
   std::vector<Site> sites_;
-  std::vector<u32> node_group_, node_local_;
+  std::vector<u32> lone_group_, group_world_;  // of each node, without contact; of each of these groups
+  std::vector<std::vector<u32>> lone_nodes_;   // of each of these groups
+  std::vector<NodePair> always_coupled_;
+  std::vector<u32> node_group_, node_local_;  // as they are joined now
   std::vector<Group> groups_;
   std::vector<double> values_;  // of the matrix, read from the device
   std::unique_ptr<Workers> workers_;

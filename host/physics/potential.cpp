@@ -75,7 +75,8 @@ Potential::Potential(Device& device, const System& system)
   rows_.resize(3 * n_constant_rows_);
   matrix_ = std::make_unique<BlockMatrix>(device, system.sites, system.node_is_fixed, constant_);
   preconditioner_ = std::make_unique<GroupPreconditioner>(matrix_->pattern(), system.sites, system.node_group,
-                                                          system.group_world.size(), system.contact_couplings);
+                                                          system.group_world, system.contact_couplings);
+  couplings_.resize(system.n_worlds());
 }
 
 void Potential::update_sites(Positions& positions) {
@@ -151,14 +152,46 @@ void Potential::product(const Buffer<f64>& direction, Buffer<f64>& out) {
   gather_contacts(out);
 }
 
-std::optional<std::size_t> Potential::factorize(std::span<const char> world_is_active) {
-  std::vector<char> group_is_active;
-  for (const u32 world : system_.group_world) group_is_active.push_back(world_is_active[world]);
+std::optional<u32> Potential::factorize(std::span<const char> world_is_active) {
   const std::vector<double> barrier = barrier_.blocks().read(), friction = friction_.blocks().read();
   const ElementBlocks contacts[] = {{4, barrier_.sites(), barrier}, {4, friction_.sites(), friction}};
-  const std::size_t failed = preconditioner_->factorize(*matrix_, contacts, group_is_active);
-  if (failed == preconditioner_->n_groups()) return std::nullopt;
-  return failed;
+  return preconditioner_->factorize(*matrix_, contacts, world_is_active);
+}
+
+void Potential::couple_contacts(std::span<const char> worlds) {
+  for (std::size_t w = 0; w < worlds.size(); ++w) {
+    if (!worlds[w]) continue;
+    std::vector<NodePair> pairs;
+    for (const Term* term : {&barrier_, &friction_})
+      for (u32 e = term->world_first()[w]; e < term->world_first()[w + 1]; ++e)
+        append_coupled(std::span(term->sites()).subspan(4 * std::size_t(e), 4), pairs);
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    couplings_[w] = std::move(pairs);
+  }
+  restore_couplings(std::vector<std::vector<NodePair>>(couplings_));
+}
+
+// The pairs of moving nodes that carry these sites, without those that the matrix couples already.
+void Potential::append_coupled(std::span<const u32> sites, std::vector<NodePair>& pairs) const {
+  std::vector<u32> nodes;
+  for (const u32 site : sites)
+    for (int k = 0; k < 4; ++k)
+      if (const u32 node = system_.sites[site].node[k];
+          system_.sites[site].weight[k] != 0 && system_.node_group[node] != NO_GROUP)
+        nodes.push_back(node);
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    for (std::size_t j = i + 1; j < nodes.size(); ++j)
+      if (matrix_->pattern().find(nodes[i], nodes[j]) == NO_BLOCK) pairs.push_back({nodes[i], nodes[j]});
+}
+
+void Potential::restore_couplings(const std::vector<std::vector<NodePair>>& couplings) {
+  couplings_ = couplings;
+  std::vector<NodePair> all;
+  for (const std::vector<NodePair>& pairs : couplings_) all.insert(all.end(), pairs.begin(), pairs.end());
+  preconditioner_->couple(all);
 }
 
 }  // namespace pvg

@@ -40,14 +40,20 @@ class Potential {
   void differentiate(const Positions& x, const WorldRows<Barrier>& contacts, Buffer<f64>& gradient);
   // out = H direction;  [n_nodes x 3]
   void product(const Buffer<f64>& direction, Buffer<f64>& out);
-  // Factors the preconditioner at the blocks of the last differentiate(). Returns the first group of bodies whose
-  // matrix is not positive definite, or nothing.
-  std::optional<std::size_t> factorize(std::span<const char> world_is_active);
+  // Factors the preconditioner at the blocks of the last differentiate(). Returns a node of the first group of bodies
+  // whose matrix is not positive definite, or nothing.
+  std::optional<u32> factorize(std::span<const char> world_is_active);
+  // From now on the factors of these worlds hold the pairs of nodes that the contacts of the last differentiate()
+  // couple.
+  void couple_contacts(std::span<const char> worlds);
+  const std::vector<std::vector<NodePair>>& couplings() const { return couplings_; }  // [n_worlds], sorted
+  void restore_couplings(const std::vector<std::vector<NodePair>>& couplings);
   const GroupPreconditioner& preconditioner() const { return *preconditioner_; }
 
  private:
   void gather_contacts(Buffer<f64>& node);  // adds
   void set_contacts(const WorldRows<Barrier>& contacts);
+  void append_coupled(std::span<const u32> sites, std::vector<NodePair>& pairs) const;
   bool is_inertia(const Term& term) const { return &term == &point_inertia_ || &term == &affine_inertia_; }
   const Buffer<f64>& origin(const Term& term) const;  // what a term is told as x0
   double step_length(const Term& term) const { return is_inertia(term) ? inertia_h_ : h_; }
@@ -68,6 +74,7 @@ class Potential {
   Gather constant_gather_, contact_gather_;
   std::unique_ptr<BlockMatrix> matrix_;
   std::unique_ptr<GroupPreconditioner> preconditioner_;
+  std::vector<std::vector<NodePair>> couplings_;
   Buffer<f64> rows_, element_energy_, world_energy_, direction_site_;
   u32 n_constant_rows_ = 0;
   WorldReduce reduce_;

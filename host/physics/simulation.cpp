@@ -35,6 +35,26 @@ std::string body_name(const System& system, u32 body) {
   return "?";
 }
 
+std::vector<std::vector<NodePair>> node_pairs(const std::vector<std::vector<double>>& worlds, std::size_t n_nodes) {
+  std::vector<std::vector<NodePair>> pairs(worlds.size());
+  for (std::size_t w = 0; w < worlds.size(); ++w)
+    for (std::size_t i = 0; i + 1 < worlds[w].size(); i += 2) {
+      const double a = worlds[w][i], b = worlds[w][i + 1];
+      if (!(a >= 0) || !(b >= 0) || !(a < double(n_nodes)) || !(b < double(n_nodes)))
+        throw UsageError("the checkpoint couples nodes that the scene does not have");
+      pairs[w].push_back({u32(a), u32(b)});
+    }
+  return pairs;
+}
+
+// with which Newton's method may end [m]
+double largest_correction(const System& system) {
+  double largest = 0;
+  for (const Scene& scene : system.scenes)
+    largest = std::max(largest, scene.solver.velocity_tolerance * scene.solver.time_step);
+  return largest;
+}
+
 }  // namespace
 Simulation::Impl::Impl(Device& device_, std::span<const Scene> worlds)
     : device(device_),
@@ -56,7 +76,8 @@ Simulation::Impl::Impl(Device& device_, std::span<const Scene> worlds)
       contacts([&] {
         x.node.write(system.x);
         potential.update_sites(x);
-        return ContactSet(device, system.collision, contact_settings(system), to_points(x.site.read()));
+        return ContactSet(device, system.collision, contact_settings(system), to_points(x.site.read()),
+                          largest_correction(system));
       }()),
       cg(device, system.node_world, worlds.size(), system.node_ranges),
       reduce(device, worlds.size()),
@@ -138,8 +159,13 @@ std::vector<StepReport> Simulation::step(std::span<const std::vector<double>> ta
 }
 
 Checkpoint Simulation::checkpoint() const {
-  Checkpoint checkpoint{impl_->x.node.read(), impl_->integrator.history(), impl_->contacts.anchors(), {}, {},
-                        impl_->last_targets};
+  Checkpoint checkpoint{
+      impl_->x.node.read(), impl_->integrator.history(), impl_->contacts.anchors(), {}, {}, impl_->last_targets, {}};
+  for (const std::vector<NodePair>& pairs : impl_->potential.couplings()) {
+    checkpoint.couplings.emplace_back();
+    for (const auto& [a, b] : pairs)
+      checkpoint.couplings.back().insert(checkpoint.couplings.back().end(), {double(a), double(b)});
+  }
   for (const WorldState& state : impl_->states) {
     checkpoint.time.push_back(state.time);
     checkpoint.joint_position.push_back(state.joint_position);
@@ -152,7 +178,7 @@ void Simulation::restore(const Checkpoint& checkpoint) {
   const MotionHistory& history = checkpoint.history;
   bool fits = checkpoint.time.size() == n_worlds() && checkpoint.joint_position.size() == n_worlds() &&
               checkpoint.targets.size() == n_worlds() && checkpoint.anchors.size() == n_worlds() &&
-              history.length_before.size() == n_worlds();
+              checkpoint.couplings.size() == n_worlds() && history.length_before.size() == n_worlds();
   for (const std::vector<double>* nodes :
        {&checkpoint.position, &history.velocity, &history.position_before, &history.velocity_before})
     fits = fits && nodes->size() == impl.x.node.size();
@@ -165,6 +191,7 @@ void Simulation::restore(const Checkpoint& checkpoint) {
   impl.integrator.restore(checkpoint.history);
   impl.contacts.restore_anchors(checkpoint.anchors);
   impl.last_targets = checkpoint.targets;
+  impl.potential.restore_couplings(node_pairs(checkpoint.couplings, impl.system.n_nodes()));
   for (std::size_t w = 0; w < n_worlds(); ++w) {
     impl.states[w].time = checkpoint.time[w];
     impl.states[w].joint_position = checkpoint.joint_position[w];

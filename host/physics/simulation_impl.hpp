@@ -46,6 +46,7 @@ struct Simulation::Impl {
   void find_contacts();
   void factorize();
   CgReport solve();
+  void couple_contacts(const CgReport& report);
   std::vector<double> find_direction();  // dx, and the largest speed of a point per world, times h [m]
   void line_search(const std::vector<double>& certified);
   std::vector<double> energy_at(const std::vector<double>& length);

@@ -10,7 +10,8 @@ namespace {
 
 constexpr int MAX_LINE_SEARCH = 40;  // halvings of one Newton step
 constexpr int MAX_LAG_PASSES = 50;   // evaluations of the lagged friction, where it is to settle
-constexpr double ENOUGH = 0.1;       // of its first correction ends a pass there: what is lagged is not exact before
+constexpr int MANY_CG = 12;     // iterations take longer than to take the contacts into the preconditioner's factor
+constexpr double ENOUGH = 0.1;  // of its first correction ends a pass there: what is lagged is not exact before
 
 bool any(const std::vector<char>& worlds) {
   return std::any_of(worlds.begin(), worlds.end(), [](char is_in) { return is_in; });
@@ -61,9 +62,18 @@ void Simulation::Impl::find_contacts() {
 
 void Simulation::Impl::factorize() {
   const auto timed = clock.time(SolverPhase::preconditioner);
-  while (const auto group = potential.factorize(is_active))
-    give_up(system.group_world[*group], StepEvent::Kind::not_finite, potential.preconditioner().nodes(*group).front(),
+  while (const auto node = potential.factorize(is_active))
+    give_up(system.node_world[*node], StepEvent::Kind::not_finite, *node,
             "the stiffness of what it belongs to is not positive definite");
+}
+
+// Where conjugate gradients took long, contact is what the preconditioner lacks.
+void Simulation::Impl::couple_contacts(const CgReport& report) {
+  std::vector<char> took_long(is_active.size(), false);
+  for (std::size_t w = 0; w < took_long.size(); ++w) took_long[w] = is_active[w] && report.iterations[w] > MANY_CG;
+  if (!any(took_long)) return;
+  const auto timed = clock.time(SolverPhase::preconditioner);
+  potential.couple_contacts(took_long);
 }
 
 CgReport Simulation::Impl::solve() {
@@ -79,6 +89,7 @@ std::vector<double> Simulation::Impl::find_direction() {
   }
   factorize();
   const CgReport report = solve();
+  couple_contacts(report);
   for (std::size_t w = 0; w < reports.size(); ++w) {
     reports[w].cg += report.iterations[w];
     reports[w].newton += is_active[w];

@@ -22,14 +22,14 @@ kernel void pair_gaps(const uint n, global const Barrier* restrict pairs, global
   is_active[e] = is_near && pairs[e].area > 0;
 }
 
-// minus the larger of the distances of each site from where it was, [n, m]; minus infinity where it is not a number
-kernel void site_deviations(const uint n, global const real* restrict reference, global const real* restrict x0,
-                            global const real* restrict x1, global real* restrict minus_distance) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  const real3 r = vload3(i, reference);
-  const real a = length(vload3(i, x0) - r), b = length(vload3(i, x1) - r);
-  minus_distance[i] = a <= INFINITY && b <= INFINITY ? -fmax(a, b) : -INFINITY;
+// to[place[world] + its number within its world]: rows of one list among those of others
+// first: [n_worlds + 1] of the list;  place: [n_worlds]
+kernel void place_rows(const uint n, global const Barrier* restrict rows, global const u32* restrict first,
+                       global const u32* restrict place, global Barrier* restrict to) {
+  const uint e = get_global_id(0);
+  if (e >= n) return;
+  const uint world = rows[e].world;
+  to[place[world] + e - first[world]] = rows[e];
 }
 
 // contacts: the active pairs, in order; offsets: [n + 1]

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <fstream>
 #include <numeric>
 
@@ -62,7 +63,7 @@ void reset_peak_resident_bytes() {
 }
 
 struct Repeat {
-  double seconds = 0;
+  double seconds = 0, cpu_seconds = 0;
   long long newton = 0, cg = 0, contacts = 0;
   PhaseSeconds phases{};
   std::size_t transferred = 0;
@@ -81,6 +82,7 @@ Repeat repeat(Device& device, const Run& run, std::size_t n_worlds, const std::a
   simulation.measure_phases();
   Repeat result;
   const std::size_t transferred = device.transferred_bytes();
+  const std::clock_t cpu_begin = std::clock();
   const auto begin = std::chrono::steady_clock::now();
   for (std::size_t i = 0; i < run.targets.size(); ++i) {
     if (stop) throw TryAgain("stopped; nothing was measured");
@@ -91,6 +93,7 @@ Repeat repeat(Device& device, const Run& run, std::size_t n_worlds, const std::a
     }
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  result.cpu_seconds = double(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
   result.transferred = device.transferred_bytes() - transferred;
   result.phases = simulation.phase_seconds();
   return result;
@@ -138,6 +141,7 @@ PhysicsFigures run_physics_benchmark(const PhysicsBenchmark& benchmark, const st
   figures.steps = run.targets.size();
   figures.time_step = run.scene.solver.time_step;
   figures.seconds_per_step = median.seconds / n_steps;
+  figures.cpu_seconds_per_step = median.cpu_seconds / n_steps;
   figures.newton_per_step = double(median.newton) / n_steps / double(benchmark.n_worlds);
   figures.cg_per_newton = double(median.cg) / double(std::max(1LL, median.newton));
   figures.contacts = double(median.contacts) / n_steps;

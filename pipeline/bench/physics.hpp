@@ -23,6 +23,7 @@ struct PhysicsFigures {
   std::size_t vertices = 0, tetrahedra = 0, worlds = 1, steps = 0;  // of one world
   double time_step = 0;                                             // [s]
   double seconds_per_step = 0;                                      // all worlds together; median over the repeats
+  double cpu_seconds_per_step = 0;                                  // of all threads; the same run
   double newton_per_step = 0, cg_per_newton = 0;                    // means over steps and worlds
   double contacts = 0;                                              // mean over steps, all worlds
   PhaseSeconds phases{};                                            // per step [s]

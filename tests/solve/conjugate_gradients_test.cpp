@@ -15,7 +15,7 @@ namespace {
 
 // n nodes of 1 kg in a row, springs of stiffness k between neighbours; groups of `group_length` nodes
 struct Chain {
-  Chain(Device& device, u32 n, u32 group_length, double k)
+  Chain(Device& device, u32 n, u32 group_length, double k, bool couples = false)
       : nodes(device, "solve/nodes.cl"),
         to_sites(nodes.kernel("nodes_to_sites")),
         gather_rows(nodes.kernel("gather_rows")),
@@ -45,13 +45,18 @@ struct Chain {
     Buffer<f64> x(device, std::vector<double>(3 * n, 0.0), "x");
     for (Term* term : {&mass, &inner, &outer}) term->hessian(x, x, 1.0);
     Term* const constant[] = {&mass, &inner};
-    BlockMatrix matrix(device, make_sites(n), std::vector<u32>(n, 0), constant);
-    matrix.assemble(constant);
-    preconditioner = std::make_unique<GroupPreconditioner>(matrix.pattern(), make_sites(n), group, group.back() + 1);
+    matrix = std::make_unique<BlockMatrix>(device, make_sites(n), std::vector<u32>(n, 0), constant);
+    matrix->assemble(constant);
+    preconditioner = std::make_unique<GroupPreconditioner>(matrix->pattern(), make_sites(n), group,
+                                                           std::vector<u32>(group.back() + 1, 0));
     const std::vector<double> blocks_across = outer.blocks().read();
     const ElementBlocks contacts[] = {{2, outer.sites(), blocks_across}};
-    const std::vector<char> active(group.back() + 1, true);
-    EXPECT_EQ(preconditioner->factorize(matrix, contacts, active), preconditioner->n_groups());
+    if (couples) {
+      std::vector<NodePair> pairs;
+      for (std::size_t e = 0; e < across.size(); ++e) pairs.push_back({outer.sites()[2 * e], outer.sites()[2 * e + 1]});
+      preconditioner->couple(pairs);
+    }
+    EXPECT_EQ(preconditioner->factorize(*matrix, contacts, std::vector<char>(1, true)), std::nullopt);
   }
   static std::vector<Site> make_sites(u32 n) {
     std::vector<Site> sites;
@@ -69,6 +74,7 @@ struct Chain {
   Buffer<f64> rows;
   Buffer<u32> is_fixed;
   Gather gather;
+  std::unique_ptr<BlockMatrix> matrix;
   std::unique_ptr<GroupPreconditioner> preconditioner;
   u32 n;
 };
@@ -114,6 +120,21 @@ TEST(ConjugateGradients, OneGroupIsSolvedInOneIteration) {
   EXPECT_TRUE(report.has_converged[0]);
   EXPECT_EQ(report.iterations[0], 1);
   for (const double value : dx.read()) EXPECT_NEAR(value, -1.0, 1e-9);  // a uniform force moves 1 kg masses by -g
+}
+
+// Pairs of nodes that the preconditioner is told of join their groups into one exact factor.
+TEST(ConjugateGradients, CoupledGroupsAreSolvedInOneIteration) {
+  Device device;
+  Chain chain(device, 257, 40, 1e4, true);
+  EXPECT_EQ(chain.preconditioner->n_groups(), 1u);
+  Buffer<f64> gradient(device, std::vector<double>(3 * 257, 1.0), "gradient"), dx(device, 3 * 257, "dx");
+  ConjugateGradients cg(device, std::vector<u32>(257, 0), 1, {{0, 0, 257}});
+  const CgReport report = cg.solve([&](const Buffer<f64>& p, Buffer<f64>& out) { chain.product(p, out); },
+                                   *chain.preconditioner, gradient, {true}, 1e-8, 10, dx);
+  EXPECT_TRUE(report.has_converged[0]);
+  EXPECT_EQ(report.iterations[0], 1);
+  chain.preconditioner->couple({});
+  EXPECT_EQ(chain.preconditioner->n_groups(), 7u);
 }
 
 TEST(ConjugateGradients, WorldsThatAreNotActiveStay) {
