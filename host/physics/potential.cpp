@@ -152,13 +152,14 @@ void Potential::product(const Buffer<f64>& direction, Buffer<f64>& out) {
   gather_contacts(out);
 }
 
-std::optional<u32> Potential::factorize(std::span<const char> world_is_active) {
+std::optional<u32> Potential::factorize(std::span<const char> world_is_active, std::span<const char> renewed) {
   const std::vector<double> barrier = barrier_.blocks().read(), friction = friction_.blocks().read();
   const ElementBlocks contacts[] = {{4, barrier_.sites(), barrier}, {4, friction_.sites(), friction}};
-  return preconditioner_->factorize(*matrix_, contacts, world_is_active);
+  return preconditioner_->factorize(*matrix_, contacts, world_is_active, renewed);
 }
 
 void Potential::couple_contacts(std::span<const char> worlds) {
+  bool is_changed = false;
   for (std::size_t w = 0; w < worlds.size(); ++w) {
     if (!worlds[w]) continue;
     std::vector<NodePair> pairs;
@@ -167,9 +168,11 @@ void Potential::couple_contacts(std::span<const char> worlds) {
         append_coupled(std::span(term->sites()).subspan(4 * std::size_t(e), 4), pairs);
     std::sort(pairs.begin(), pairs.end());
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    if (std::includes(couplings_[w].begin(), couplings_[w].end(), pairs.begin(), pairs.end())) continue;
     couplings_[w] = std::move(pairs);
+    is_changed = true;
   }
-  restore_couplings(std::vector<std::vector<NodePair>>(couplings_));
+  if (is_changed) restore_couplings(std::vector<std::vector<NodePair>>(couplings_));
 }
 
 // The pairs of moving nodes that carry these sites, without those that the matrix couples already.

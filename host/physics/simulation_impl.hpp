@@ -47,6 +47,7 @@ struct Simulation::Impl {
   void factorize();
   CgReport solve();
   void couple_contacts(const CgReport& report);
+  void renew_couplings();
   std::vector<double> find_direction();  // dx, and the largest speed of a point per world, times h [m]
   void line_search(const std::vector<double>& certified);
   std::vector<double> energy_at(const std::vector<double>& length);
@@ -82,8 +83,10 @@ struct Simulation::Impl {
   std::vector<char> is_active;                                // of these, worlds that Newton's method still moves
   std::vector<WorldState> states;
   std::vector<StepReport> reports;
-  std::vector<double> energy;  // at x, per world [J]
-  bool has_prescribed;         // bodies
+  bool begins_step = true;         // no direction was found yet
+  std::vector<char> needs_factor;  // of these, worlds whose preconditioner is to be factored again
+  std::vector<double> energy;      // at x, per world [J]
+  bool has_prescribed;             // bodies
 };
 
 }  // namespace pvg

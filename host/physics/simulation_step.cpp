@@ -62,18 +62,26 @@ void Simulation::Impl::find_contacts() {
 
 void Simulation::Impl::factorize() {
   const auto timed = clock.time(SolverPhase::preconditioner);
-  while (const auto node = potential.factorize(is_active))
+  while (const auto node = potential.factorize(is_active, needs_factor))
     give_up(system.node_world[*node], StepEvent::Kind::not_finite, *node,
             "the stiffness of what it belongs to is not positive definite");
 }
 
-// Where conjugate gradients took long, contact is what the preconditioner lacks.
+// Takes contacts into the preconditioner's factor: where conjugate gradients took long they are what it lacks, and a
+// world where they once did begins every step with them.
 void Simulation::Impl::couple_contacts(const CgReport& report) {
   std::vector<char> took_long(is_active.size(), false);
   for (std::size_t w = 0; w < took_long.size(); ++w) took_long[w] = is_active[w] && report.iterations[w] > MANY_CG;
-  if (!any(took_long)) return;
   const auto timed = clock.time(SolverPhase::preconditioner);
   potential.couple_contacts(took_long);
+}
+
+void Simulation::Impl::renew_couplings() {
+  std::vector<char> once_took_long(is_active.size(), false);
+  for (std::size_t w = 0; w < once_took_long.size(); ++w)
+    once_took_long[w] = is_active[w] && !potential.couplings()[w].empty();
+  const auto timed = clock.time(SolverPhase::preconditioner);
+  potential.couple_contacts(once_took_long);
 }
 
 CgReport Simulation::Impl::solve() {
@@ -87,9 +95,12 @@ std::vector<double> Simulation::Impl::find_direction() {
     const auto timed = clock.time(SolverPhase::assembly);
     potential.differentiate(x, contacts.contacts(), gradient);
   }
+  if (std::exchange(begins_step, false)) renew_couplings();
   factorize();
   const CgReport report = solve();
   couple_contacts(report);
+  for (std::size_t w = 0; w < is_active.size(); ++w)
+    if (is_active[w]) needs_factor[w] = report.iterations[w] > potential.preconditioner().iterations_worth_keeping(w);
   for (std::size_t w = 0; w < reports.size(); ++w) {
     reports[w].cg += report.iterations[w];
     reports[w].newton += is_active[w];
@@ -224,6 +235,8 @@ void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>&
                                const std::vector<std::vector<double>>& targets, const std::vector<char>& worlds,
                                bool goes_on) {
   is_well = worlds;
+  begins_step = true;
+  needs_factor = worlds;  // so that a step depends on nothing but where it begins
   length = h;
   start.node.copy_from(x.node);
   potential.update_sites(start);
