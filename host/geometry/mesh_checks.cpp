@@ -142,11 +142,15 @@ TriangleMesh weld_points(const TriangleMesh& mesh, double tolerance) {
   using Cell = std::array<std::int64_t, 3>;
   std::map<Cell, std::vector<std::uint32_t>> cells;
   std::vector<std::uint32_t> first(mesh.points.size());
+  Vec3 low = Vec3::Constant(INFINITY);  // cells are counted from here: no more of them than the size has tolerances
+  for (const Vec3& p : mesh.points)
+    if (p.allFinite()) low = low.cwiseMin(p);
   for (std::uint32_t i = 0; i < mesh.points.size(); ++i) {
     first[i] = i;
     const Vec3& p = mesh.points[i];
     if (!p.allFinite()) continue;  // left for the check to name
-    const Cell at = {std::llround(p.x() / tolerance), std::llround(p.y() / tolerance), std::llround(p.z() / tolerance)};
+    const Vec3 counted = (p - low) / tolerance;
+    const Cell at = {std::llround(counted.x()), std::llround(counted.y()), std::llround(counted.z())};
     for (int k = 0; k < 27 && first[i] == i; ++k) {
       const auto near = cells.find({at[0] + k % 3 - 1, at[1] + k / 3 % 3 - 1, at[2] + k / 9 - 1});
       if (near == cells.end()) continue;

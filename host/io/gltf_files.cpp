@@ -18,6 +18,7 @@ struct Reader {
   const fs::path& file;
   RawMesh mesh;
   bool has_normals = true, has_uvs = true;
+  std::vector<bool> is_visited = std::vector<bool>(model.nodes.size(), false);
 
   [[noreturn]] void fail(const std::string& what) const { throw UsageError(file.string() + ": " + what + "."); }
 
@@ -29,12 +30,17 @@ struct Reader {
   // First byte of element `at`, of `bytes` bytes; checked against the buffer.
   const unsigned char* element(const tinygltf::Accessor& a, std::size_t at, std::size_t bytes) const {
     if (a.bufferView < 0 || a.sparse.isSparse) fail("sparse accessors are not read; export without them");
+    if (a.bufferView >= int(model.bufferViews.size())) fail("an accessor names a buffer view that does not exist");
     const tinygltf::BufferView& view = model.bufferViews[a.bufferView];
-    const int stride = a.ByteStride(view);
-    const std::size_t begin = view.byteOffset + a.byteOffset + at * std::size_t(std::max(stride, 0));
+    if (view.buffer < 0 || view.buffer >= int(model.buffers.size())) fail("a buffer view names no buffer of the file");
     const auto& data = model.buffers[view.buffer].data;
-    if (stride <= 0 || begin + bytes > data.size()) fail("an accessor reaches beyond its buffer");
-    return data.data() + begin;
+    const int stride = a.ByteStride(view);
+    // each summand alone first: their sum could run over
+    const auto is_within = [&](std::size_t offset) { return offset <= data.size(); };
+    if (stride <= 0 || !is_within(view.byteOffset) || !is_within(a.byteOffset) || !is_within(at) ||
+        !is_within(view.byteOffset + a.byteOffset + at * std::size_t(stride) + bytes))
+      fail("an accessor reaches beyond its buffer");
+    return data.data() + view.byteOffset + a.byteOffset + at * std::size_t(stride);
   }
 
   // [count][n] floats
@@ -99,7 +105,9 @@ struct Reader {
   }
 
   void visit(int i, const Eigen::Affine3d& parent, int depth) {
-    if (i < 0 || i >= int(model.nodes.size()) || depth > 100) fail("its nodes do not form a tree");
+    // a node with two parents could stand for two to the power of the depth
+    if (i < 0 || i >= int(model.nodes.size()) || depth > 100 || is_visited[i]) fail("its nodes do not form a tree");
+    is_visited[i] = true;
     const tinygltf::Node& node = model.nodes[i];
     Eigen::Affine3d local = Eigen::Affine3d::Identity();
     if (node.matrix.size() == 16) {

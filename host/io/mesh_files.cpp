@@ -5,18 +5,20 @@
 #include <assimp/scene.h>
 #include <algorithm>
 #include <assimp/Importer.hpp>
-#include <cctype>
 #include <map>
 #include <tuple>
 
 #include "host/base/error.hpp"
 #include "host/geometry/mesh_checks.hpp"
+#include "host/io/assimp_reader.hpp"
 #include "host/io/raw_mesh.hpp"
+#include "host/io/xml_depth.hpp"
 
 namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
+constexpr double FARTHEST = 1e9;  // coordinate of a vertex [m]: squares and products of lengths stay in bounds
 
 // What has been joined so far, and whether every part had normals and texture coordinates.
 struct Joined {
@@ -46,6 +48,9 @@ void append(const aiMesh& part, const aiMatrix4x4& to_root, Joined& out, const f
     if (face.mNumIndices < 3) continue;  // points and lines have no surface
     if (face.mNumIndices > 3)
       throw UsageError(file.string() + ": a polygon could not be split into triangles; split it.");
+    for (unsigned k = 0; k < 3; ++k)
+      if (face.mIndices[k] >= part.mNumVertices)
+        throw UsageError(file.string() + ": a triangle names a vertex that does not exist; export the mesh again.");
     Triangle t = {first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]};
     if (mirrors) std::swap(t[1], t[2]);
     out.mesh.triangles.push_back(t);
@@ -59,19 +64,13 @@ void append_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& pa
   for (unsigned i = 0; i < node.mNumChildren; ++i) append_node(scene, *node.mChildren[i], to_root, out, file);
 }
 
-std::string suffix(const fs::path& file) {
-  std::string s = file.extension().string();
-  std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return std::tolower(c); });
-  return s;
-}
-
 RawMesh read_any(const fs::path& file) {
   if (!fs::is_regular_file(file)) throw UsageError(file.string() + ": there is no such mesh file.");
-  const std::string kind = suffix(file);
+  const std::string kind = ending_of(file);
   RawMesh mesh;
   if (kind == ".gltf" || kind == ".glb") {
     mesh = read_gltf(file);
-  } else if (kind == ".obj" || kind == ".stl" || kind == ".ply" || kind == ".dae") {
+  } else if (is_read_by_assimp(file)) {
     mesh = read_with_assimp(file);
   } else {
     throw UsageError(file.string() + ": meshes are read from .obj, .stl, .ply, .dae, .gltf and .glb files.");
@@ -85,6 +84,8 @@ void check_finite(const RawMesh& mesh, const fs::path& file) {
     if (!mesh.points[i].allFinite()) {
       throw UsageError(file.string() + ": a vertex is not a finite position (NaN or infinite); export the mesh again.");
     }
+    if (mesh.points[i].cwiseAbs().maxCoeff() > FARTHEST)
+      throw UsageError(file.string() + ": a vertex is more than a million kilometres away; export the mesh again.");
   }
 }
 
@@ -166,7 +167,9 @@ VisualMesh unified(const RawMesh& mesh, const std::vector<Vec3>& normals) {
 }  // namespace
 
 RawMesh read_with_assimp(const fs::path& file) {
+  if (ending_of(file) == ".dae") check_xml_depth(file);
   Assimp::Importer importer;
+  keep_one_reader(importer, file);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // else z-up files are turned to y up
   const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
   if (!scene || !scene->mRootNode)

@@ -75,9 +75,11 @@ Drive drive_of(const RobotJoint& joint, const RobotOptions& options) {
 }
 
 void check_names(const RobotModel& model, const RobotOptions& options) {
-  for (const auto& [name, drive] : options.drives)
+  for (const auto& [driven, drive] : options.drives) {
+    const std::string& name = driven;
     if (std::none_of(model.joints.begin(), model.joints.end(), [&](auto& j) { return j.name == name; }))
       throw UsageError("robot '" + model.name + "' has no joint '" + name + "' to drive; correct the name");
+  }
   if (options.collision_links)
     for (const std::string& name : *options.collision_links)
       if (model.links[model.link(name)].collision.triangles.empty())

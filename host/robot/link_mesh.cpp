@@ -4,6 +4,7 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
 #include <cmath>
@@ -11,6 +12,8 @@
 #include <numbers>
 
 #include "host/base/error.hpp"
+#include "host/io/assimp_reader.hpp"
+#include "host/io/xml_depth.hpp"
 
 namespace pvg {
 namespace {
@@ -31,6 +34,9 @@ MeshPart convert(const aiMesh& mesh, const aiMaterial* material, const Vec3f& sc
   }
   for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
     const unsigned* v = mesh.mFaces[i].mIndices;
+    if (mesh.mFaces[i].mNumIndices != 3 || std::max({v[0], v[1], v[2]}) >= mesh.mNumVertices)
+      throw UsageError(where + " has a face (number " + std::to_string(i) +
+                       ") that is no triangle of its vertices; repair the mesh");
     if (turn > 0)
       part.mesh.triangles.push_back({v[0], v[1], v[2]});
     else
@@ -63,7 +69,11 @@ std::vector<MeshPart> load_mesh_parts(const std::filesystem::path& file, const V
     throw UsageError(where + " does not exist; correct its path in the URDF");
   if (!scale.allFinite() || scale.cwiseAbs().minCoeff() == 0)
     throw UsageError(where + " is scaled by zero or by no finite number; correct scale in the URDF");
+  if (!is_read_by_assimp(file))
+    throw UsageError(where + " is of no format that is read here; give an STL, OBJ, DAE or PLY file");
+  if (ending_of(file) == ".dae") check_xml_depth(file);
   Assimp::Importer importer;
+  keep_one_reader(importer, file);
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // as other readers of URDF do
   const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices |

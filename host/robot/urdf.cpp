@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "host/base/error.hpp"
+#include "host/io/xml_depth.hpp"
 #include "host/robot/link_mesh.hpp"
 #include "host/robot/robot.hpp"
 
@@ -286,6 +287,7 @@ int RobotModel::link(const std::string& link_name) const {
 
 RobotModel load_urdf(const fs::path& file) {
   const std::string text = read_text(file);
+  check_xml_depth(text, file.string());
   TiXmlDocument document;
   document.Parse(text.c_str());
   if (document.Error())
@@ -295,7 +297,12 @@ RobotModel load_urdf(const fs::path& file) {
   if (!robot) throw UsageError(file.string() + " has no <robot>; give a URDF file");
   check_xml(*robot, file.string());
   const CollectLog log;
-  const urdf::ModelInterfaceSharedPtr parsed = urdf::parseURDF(text);
+  urdf::ModelInterfaceSharedPtr parsed;
+  try {
+    parsed = urdf::parseURDF(text);
+  } catch (const std::exception& error) {  // of a number that it cannot read
+    throw UsageError(file.string() + " was refused by the URDF parser (" + error.what() + "); correct it");
+  }
   if (!parsed) throw UsageError(file.string() + " was refused by the URDF parser (" + log.first() + "); correct it");
 
   RobotModel model;

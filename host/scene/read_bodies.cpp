@@ -12,7 +12,6 @@ namespace pvg {
 namespace {
 
 using Section = YamlSection;
-constexpr double PI = std::numbers::pi;
 constexpr double FASTEST = 1e3;           // [m/s]
 constexpr double MOST_TURNS = 1e4;        // [rad/s]
 constexpr double LARGEST_ANGLE = 1e3;     // of a joint, counted in turns [rad]

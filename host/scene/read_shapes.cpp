@@ -1,6 +1,8 @@
 #include "host/scene/read_shapes.hpp"
 
+#include <cstdint>
 #include <functional>
+#include <string>
 
 #include "host/base/error.hpp"
 #include "host/geometry/primitive_shapes.hpp"
@@ -13,6 +15,7 @@ namespace {
 
 constexpr double SMALLEST = 1e-6;  // extent of a shape [m]
 constexpr int MOST_DIVISIONS = 512;
+constexpr double MOST_TETRAHEDRA = 1e6;  // of one body
 
 std::array<int, 3> read_divisions(YamlSection& section, const std::array<int, 3>& otherwise) {
   if (!section.has("divisions")) return otherwise;
@@ -72,15 +75,24 @@ TriangleMesh read_disc(YamlSection& section) {
   return disc_surface(radius, section.integer("rings", 1, MOST_DIVISIONS));
 }
 
+// six tetrahedra per cell
+void check_size(YamlSection& section, const std::array<int, 3>& divisions) {
+  const double n = 6.0 * divisions[0] * divisions[1] * divisions[2];
+  if (n > MOST_TETRAHEDRA)
+    section.fail("divisions", "make " + std::to_string(std::int64_t(n)) + " tetrahedra; at most a million are read");
+}
+
 TetMesh read_bar(YamlSection& section) {
   const Vec3 size = section.vector("size", Unit::length, SMALLEST, 2 * REACH);
   const std::array<int, 3> divisions = read_divisions(section, {1, 1, 1});
+  check_size(section, divisions);
   return box_solid(size, divisions, read_nodes_per_element(section));
 }
 
 TetMesh read_ball_octant(YamlSection& section) {
   const double radius = section.number("radius", Unit::length, SMALLEST, REACH);
   const int n = section.integer("divisions", 1, 128, 8);
+  check_size(section, {n, n, n});
   const double grading = section.number("grading", Unit::none, 1, 4, 1);
   return ball_octant_solid(radius, n, grading, read_nodes_per_element(section));
 }

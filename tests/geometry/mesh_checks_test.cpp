@@ -130,5 +130,14 @@ TEST(MeshChecks, ComponentsAreNumberedInOrder) {
   for (std::size_t i = 0; i < of.size(); ++i) EXPECT_EQ(of[i], i < 12 ? 0 : 1);
 }
 
+TEST(MeshChecks, WeldingDoesNotMindHowFarAwayAMeshIs) {
+  // in tolerances from the origin these places are no 64-bit numbers
+  const Vec3 far(1e12, 0, 0);
+  TriangleMesh mesh{{far, far + Vec3(1, 0, 0), far + Vec3(0, 1, 0), far, far + Vec3(0, 0, 1)}, {{0, 1, 2}, {3, 4, 1}}};
+  const TriangleMesh welded = weld_points(mesh, 1e-9);
+  EXPECT_EQ(welded.points.size(), 4u);
+  EXPECT_EQ(welded.triangles.size(), 2u);
+}
+
 }  // namespace
 }  // namespace pvg

@@ -117,6 +117,56 @@ TEST(MeshFiles, BrokenFilesAreNamed) {
   expect("lost.gltf", gltf_json("lost.bin", false), {"lost.gltf", "lost.bin"});
   folder.write("short.bin", gltf_buffer(1).substr(0, 60));
   expect("short.gltf", gltf_json("short.bin", false), {"short.gltf"});
+  expect("far.obj", "v 0 0 0\nv 1e30 0 0\nv 0 2 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
+         {"far.obj", "a million kilometres away"});
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST(MeshFiles, GltfReferencesThatLeadNowhereAreNamed) {
+  const TestFolder folder;
+  folder.write("a.bin", gltf_buffer(1));
+  const auto expect = [&](const std::string& from, const std::string& to, const char* what) {
+    const auto file = folder.write("a.gltf", replaced(gltf_json("a.bin", false), from, to));
+    expect_error<UsageError>([&] { read_closed_surface(file); }, {"a.gltf", what});
+  };
+  expect(R"("bufferView":0)", R"("bufferView":7)", "buffer view that does not exist");
+  expect(R"({"buffer":0,"byteOffset":48)", R"({"buffer":7,"byteOffset":48)", "");
+  expect(R"("byteOffset":48)", R"("byteOffset":18446744073709551600)", "");
+  expect(R"("count":4)", R"("count":4000000000)", "beyond its buffer");
+  expect(R"("mesh":0)", R"("mesh":7)", "mesh that does not exist");
+  expect(R"("nodes":[0])", R"("nodes":[7])", "do not form a tree");
+  expect(R"("indices":1)", R"("indices":7)", "accessor");
+}
+
+TEST(MeshFiles, AGltfNodeWithTwoParentsIsRefused) {
+  // a ladder of 60 rungs, each with the next one twice: 2^60 nodes if it were followed
+  std::string nodes = R"("nodes":[)";
+  for (int i = 1; i <= 60; ++i) nodes += "{\"children\":[" + std::to_string(i) + "," + std::to_string(i) + "]},";
+  const TestFolder folder;
+  folder.write("a.bin", gltf_buffer(1));
+  const auto file = folder.write("a.gltf", replaced(gltf_json("a.bin", false), R"("nodes":[{)", nodes + "{"));
+  expect_error<UsageError>([&] { read_closed_surface(file); }, {"a.gltf", "do not form a tree"});
+}
+
+TEST(MeshFiles, AFileIsReadAsWhatItsEndingSaysAlone) {
+  const TestFolder folder;
+  for (const char* name : {"a.stl", "a.obj", "a.dae"}) {
+    const auto file = folder.write(name, PLY);
+    expect_error<UsageError>([&] { read_closed_surface(file); }, {name});
+  }
+}
+
+TEST(MeshFiles, DeeplyNestedXmlIsRefused) {
+  std::string nodes;
+  for (int i = 0; i < 200000; ++i) nodes += "<node>";
+  const TestFolder folder;
+  const auto file = folder.write("deep.dae", replaced(DAE, "<node>", nodes));
+  expect_error<UsageError>([&] { read_closed_surface(file); }, {"deep.dae", "thousand elements"});
 }
 
 TEST(MeshFiles, CreaseStaysSharpAndRoundIsSmoothed) {

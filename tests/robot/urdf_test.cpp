@@ -234,5 +234,20 @@ TEST(Urdf, WhatIsNoUrdfIsRefused) {
   expect_refusal(two_links(inertial, limit, "floating"), {"joint 'hinge'", "'floating'"});
 }
 
+TEST(Urdf, AMeshOfAnotherFormatIsRefused) {
+  const TestFolder folder;
+  folder.write("a.glb", "glTF");
+  const std::string message = refusal(folder.write(
+      "arm.urdf", two_links(inertial + "<visual><geometry><mesh filename='a.glb'/></geometry></visual>", limit)));
+  EXPECT_NE(message.find("a.glb is of no format that is read here; give an STL, OBJ, DAE or PLY"), std::string::npos)
+      << message;
+}
+
+TEST(Urdf, DeeplyNestedElementsAreRefused) {
+  std::string deep = "<robot name='r'>";
+  for (int i = 0; i < 200000; ++i) deep += "<a>";
+  expect_refusal(deep, {"thousand elements"});
+}
+
 }  // namespace
 }  // namespace pvg

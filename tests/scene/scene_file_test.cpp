@@ -177,6 +177,9 @@ TEST_F(SceneFiles, MistakesAreNamed) {
   expect_refused("size: 4", "size: -4", 7, "`bodies[0].shape.square.size`");
   expect_refused("{box: {size: [0.1, 0.1, 0.1]}}", "{square: {size: 1}}", 8, "`bodies[1].shape.square`");
   expect_refused("density: 1000, ", "", 8, "`density` or `mass`");
+  expect_refused("divisions: [10, 1, 1]", "divisions: [512, 512, 512]", 10, "at most a million");
+  expect_refused("{bar: {size: [0.1, 0.01, 0.01], divisions: [10, 1, 1],", "{ball_octant: {radius: 1, divisions: 128,",
+                 10, "at most a million");
   expect_refused("90 deg/s", "90 deg", 8, "`bodies[1].angular_velocity`");
   expect_refused("name: ball", "name: cube", 9, "`cube` is taken");
   expect_refused("poisson_ratio: 0.45", "poisson_ratio: 0.5", 10, "poisson_ratio");

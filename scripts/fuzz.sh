@@ -1,0 +1,36 @@
+#!/bin/sh
+# Fuzzes the loaders of scenes, tasks, robots and meshes with libFuzzer and the sanitizers, one after the other.
+# Arguments: seconds per loader (default 60), then loaders (default all), such as scene_file or mesh_obj. What is found lies
+# in build-fuzz/found; the inputs that led somewhere new stay in build-fuzz/corpus, so a later run goes on from there.
+set -eu
+cd "$(dirname "$0")/.."
+seconds="${1:-60}"
+[ $# -gt 0 ] && shift
+loaders="${*:-scene_file task_file urdf mesh_obj mesh_ply mesh_stl mesh_dae mesh_gltf mesh_glb}"
+scripts/install.sh
+for package in clang-14 libclang-rt-14-dev; do
+  dpkg -s "$package" 2>/dev/null | grep -q '^Status: install ok installed' && continue
+  if [ "$(id -u)" = 0 ]; then as_root=""; else as_root="sudo"; fi
+  echo "install: apt-get installs $package"
+  $as_root apt-get install -y -qq --no-install-recommends "$package" >/dev/null
+done
+mkdir -p build-fuzz/found
+echo "fuzz: building, log in build-fuzz/build.log"
+targets=""
+for loader in $loaders; do targets="$targets fuzz_$loader"; done
+{ CC=clang-14 CXX=clang++-14 cmake -S . -B build-fuzz -G Ninja -DPVG_FUZZ=ON -DPVG_TESTS=OFF &&
+  ninja -C build-fuzz $targets; } >build-fuzz/build.log 2>&1 || { tail -40 build-fuzz/build.log >&2; exit 1; }
+for loader in $loaders; do
+  mkdir -p "build-fuzz/corpus/$loader"
+  echo "fuzz: $loader for $seconds s"
+  # no search for leaks: what assimp forgets in a refused file is gone with the process
+  ASAN_OPTIONS=detect_leaks=0 "build-fuzz/bin/fuzz_$loader" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -max_len=8192 -detect_leaks=0 \
+    -print_final_stats=1 -artifact_prefix="build-fuzz/found/$loader-" "build-fuzz/corpus/$loader" \
+    "tests/fuzz/seeds/$loader" >"build-fuzz/$loader.log" 2>&1 || {
+    grep -aE 'ERROR|SUMMARY|terminate|what\(\)|Test unit' "build-fuzz/$loader.log" >&2
+    echo "fuzz: $loader: found something, see build-fuzz/$loader.log" >&2
+    exit 1
+  }
+  grep -aE 'number_of_executed_units|peak_rss_mb' "build-fuzz/$loader.log"
+done
+echo "fuzz: nothing found"
