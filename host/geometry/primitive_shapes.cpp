@@ -38,6 +38,25 @@ TetMesh finished(TetMesh mesh, int nodes_per_element) {
   return nodes_per_element == 10 ? make_quadratic(mesh) : mesh;
 }
 
+// Facets with corners on a sphere lie below it, a triangle with edges a, b, c by (a^2 + b^2 + c^2) / (24 R) on the
+// mean. Moves each point of the sphere out by the mean of this around it: then the facets lie on the sphere on the
+// mean.
+void raise_facets(TetMesh& mesh, double radius) {
+  const auto is_on_sphere = [&](Index i) { return std::abs(mesh.points[i].norm() - radius) < 1e-9 * radius; };
+  std::vector<double> depth(mesh.points.size(), 0), area(mesh.points.size(), 0);
+  for (const auto& [i, j, k] : boundary_triangles(mesh)) {
+    if (!is_on_sphere(i) || !is_on_sphere(j) || !is_on_sphere(k)) continue;
+    const Vec3 a = mesh.points[j] - mesh.points[i], b = mesh.points[k] - mesh.points[j], c = -a - b;
+    const double weight = a.cross(b).norm();
+    for (const Index corner : {i, j, k}) {
+      depth[corner] += weight * (a.squaredNorm() + b.squaredNorm() + c.squaredNorm()) / (24 * radius);
+      area[corner] += weight;
+    }
+  }
+  for (std::size_t i = 0; i < area.size(); ++i)
+    if (area[i] > 0) mesh.points[i] *= 1 + depth[i] / (area[i] * radius);
+}
+
 // without the points that no triangle names
 TriangleMesh compact(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles) {
   TriangleMesh mesh;
@@ -194,6 +213,8 @@ TetMesh ball_octant_solid(double radius, int n, double grading, int nodes_per_el
         mesh.points.push_back(largest > 0 ? Vec3(radius * largest * direction.normalized()) : Vec3::Zero().eval());
       }
   mesh.elements = kuhn_elements({n, n, n});
+  mesh.nodes_per_element = 4;
+  raise_facets(mesh, radius);
   return finished(std::move(mesh), nodes_per_element);
 }
 

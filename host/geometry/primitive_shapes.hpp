@@ -41,7 +41,7 @@ TetMesh box_solid(const Vec3& size, const std::array<int, 3>& divisions, int nod
 
 // The part x, y, z >= 0 of a ball around the origin, for problems that are symmetric about all three planes: a grid of
 // n x n x n cells, mapped so that the planes max(x, y, z) = const become spheres. grading: exponent of the spacing; 1:
-// even, larger: cells crowd around the pole on z.
+// even, larger: cells crowd around the pole on z. The flat facets lie on the sphere on the mean, their corners outside.
 TetMesh ball_octant_solid(double radius, int n, double grading, int nodes_per_element);
 
 }  // namespace pvg
