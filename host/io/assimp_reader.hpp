@@ -13,7 +13,7 @@ std::string ending_of(const std::filesystem::path& file);
 // Of .obj, .stl, .ply and .dae files.
 bool is_read_by_assimp(const std::filesystem::path& file);
 
-// Leaves the reader of the file's ending.
-void keep_one_reader(Assimp::Importer& importer, const std::filesystem::path& file);
+// Looks at what assimp would believe without looking, throws UsageErrors, and leaves the reader of the file's ending.
+void prepare_reader(Assimp::Importer& importer, const std::filesystem::path& file);
 
 }  // namespace pvg

@@ -12,7 +12,6 @@
 #include "host/geometry/mesh_checks.hpp"
 #include "host/io/assimp_reader.hpp"
 #include "host/io/raw_mesh.hpp"
-#include "host/io/xml_depth.hpp"
 
 namespace pvg {
 namespace {
@@ -167,9 +166,8 @@ VisualMesh unified(const RawMesh& mesh, const std::vector<Vec3>& normals) {
 }  // namespace
 
 RawMesh read_with_assimp(const fs::path& file) {
-  if (ending_of(file) == ".dae") check_xml_depth(file);
   Assimp::Importer importer;
-  keep_one_reader(importer, file);
+  prepare_reader(importer, file);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // else z-up files are turned to y up
   const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
   if (!scene || !scene->mRootNode)

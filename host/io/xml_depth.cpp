@@ -1,8 +1,6 @@
 #include "host/io/xml_depth.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 #include "host/base/error.hpp"
 
@@ -24,11 +22,6 @@ void check_xml_depth(const std::string& text, const std::string& name) {
     else if (c == '<' && next != '!' && next != '?' && ++depth > DEEPEST)
       throw UsageError(name + ": more than a thousand elements lie in each other; this is no sound XML file.");
   }
-}
-
-void check_xml_depth(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  check_xml_depth(std::string{std::istreambuf_iterator<char>(in), {}}, file.string());
 }
 
 }  // namespace pvg

@@ -13,7 +13,6 @@
 
 #include "host/base/error.hpp"
 #include "host/io/assimp_reader.hpp"
-#include "host/io/xml_depth.hpp"
 
 namespace pvg {
 namespace {
@@ -71,9 +70,8 @@ std::vector<MeshPart> load_mesh_parts(const std::filesystem::path& file, const V
     throw UsageError(where + " is scaled by zero or by no finite number; correct scale in the URDF");
   if (!is_read_by_assimp(file))
     throw UsageError(where + " is of no format that is read here; give an STL, OBJ, DAE or PLY file");
-  if (ending_of(file) == ".dae") check_xml_depth(file);
   Assimp::Importer importer;
-  keep_one_reader(importer, file);
+  prepare_reader(importer, file);
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // as other readers of URDF do
   const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices |

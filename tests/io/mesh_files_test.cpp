@@ -153,6 +153,35 @@ TEST(MeshFiles, AGltfNodeWithTwoParentsIsRefused) {
   expect_error<UsageError>([&] { read_closed_surface(file); }, {"a.gltf", "do not form a tree"});
 }
 
+TEST(MeshFiles, PlyHeadersThatAnnounceNonsenseAreNamed) {
+  const TestFolder folder;
+  const auto expect = [&](const std::string& from, const std::string& to, const char* what) {
+    const auto file = folder.write("a.ply", replaced(PLY, from, to));
+    expect_error<UsageError>([&] { read_closed_surface(file); }, {"a.ply", what});
+  };
+  expect("element vertex 4", "element vertex", ":3:");  // read without end, once
+  expect("element vertex 4", "element vertex 4000000000", ":3:");
+  expect("element vertex 4", "element vertex -1", ":3:");
+  expect("property float z", "property real z", ":6:");
+  expect("ascii", "text", ":2:");
+  expect("ply\n", "play\n", ":1:");
+  expect("end_header", "the_end", ":9:");
+}
+
+TEST(MeshFiles, ColladaListsThatHoldNoNumbersAreNamed) {
+  const TestFolder folder;
+  const auto expect = [&](const std::string& from, const std::string& to, const char* what) {
+    const auto file = folder.write("a.dae", replaced(DAE, from, to));
+    expect_error<UsageError>([&] { read_closed_surface(file); }, {"a.dae", what});
+  };
+  expect("<p>0 2 1", "<p>0 2 1 x", "<p> holds what is no number");  // read without end, once
+  expect("0 0 0 1000", "0 0 0 ?1000", "<float_array>");
+  expect("count=\"12\"", "count=\"12000000000\"", "<float_array>");
+  expect("count=\"12\"", "count=\"-12\"", "<float_array>");
+  expect("stride=\"3\"", "stride=\"4000000000\"", "<accessor>");
+  expect("offset=\"0\"", "offset=\"9999999\"", "<input>");
+}
+
 TEST(MeshFiles, AFileIsReadAsWhatItsEndingSaysAlone) {
   const TestFolder folder;
   for (const char* name : {"a.stl", "a.obj", "a.dae"}) {
