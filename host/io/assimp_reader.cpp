@@ -4,9 +4,6 @@
 #include <algorithm>
 #include <cctype>
 
-#include "host/io/collada_text.hpp"
-#include "host/io/ply_header.hpp"
-
 namespace pvg {
 
 std::string ending_of(const std::filesystem::path& file) {
@@ -20,9 +17,11 @@ bool is_read_by_assimp(const std::filesystem::path& file) {
   return ending == ".obj" || ending == ".stl" || ending == ".ply" || ending == ".dae";
 }
 
-void prepare_reader(Assimp::Importer& importer, const std::filesystem::path& file) {
-  if (ending_of(file) == ".dae") check_collada_text(file);
-  if (ending_of(file) == ".ply") check_ply_header(file);
+std::uintmax_t memory_to_read(const std::filesystem::path& file) {
+  return (std::uintmax_t(512) << 20) + 64 * std::filesystem::file_size(file);
+}
+
+void keep_one_reader(Assimp::Importer& importer, const std::filesystem::path& file) {
   Assimp::BaseImporter* const wanted = importer.GetImporter(ending_of(file).c_str());
   for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
     Assimp::BaseImporter* const reader = importer.GetImporter(i);

@@ -11,6 +11,7 @@
 #include "host/base/error.hpp"
 #include "host/geometry/mesh_checks.hpp"
 #include "host/io/assimp_reader.hpp"
+#include "host/io/child_process.hpp"
 #include "host/io/raw_mesh.hpp"
 
 namespace pvg {
@@ -163,11 +164,9 @@ VisualMesh unified(const RawMesh& mesh, const std::vector<Vec3>& normals) {
   return out;
 }
 
-}  // namespace
-
-RawMesh read_with_assimp(const fs::path& file) {
+RawMesh import(const fs::path& file) {
   Assimp::Importer importer;
-  prepare_reader(importer, file);
+  keep_one_reader(importer, file);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // else z-up files are turned to y up
   const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
   if (!scene || !scene->mRootNode)
@@ -177,6 +176,23 @@ RawMesh read_with_assimp(const fs::path& file) {
   if (!joined.has_normals) joined.mesh.normals.clear();
   if (!joined.has_uvs) joined.mesh.uvs.clear();
   return std::move(joined.mesh);
+}
+
+}  // namespace
+
+RawMesh read_with_assimp(const fs::path& file) {
+  // assimp crashes on some damaged files, reads others without end
+  const std::string bytes = in_child_process(file.string(), memory_to_read(file), [&] {
+    const RawMesh mesh = import(file);
+    std::string packed;
+    pack(packed, mesh.points), pack(packed, mesh.normals), pack(packed, mesh.uvs), pack(packed, mesh.triangles);
+    return packed;
+  });
+  RawMesh mesh;
+  std::size_t at = 0;
+  unpack(bytes, at, mesh.points), unpack(bytes, at, mesh.normals), unpack(bytes, at, mesh.uvs);
+  unpack(bytes, at, mesh.triangles);
+  return mesh;
 }
 
 TriangleMesh read_surface(const fs::path& file) {

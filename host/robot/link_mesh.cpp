@@ -13,6 +13,7 @@
 
 #include "host/base/error.hpp"
 #include "host/io/assimp_reader.hpp"
+#include "host/io/child_process.hpp"
 
 namespace pvg {
 namespace {
@@ -60,18 +61,9 @@ Vec3f circle(int i, int segments) {
   return Vec3f(float(std::cos(angle)), float(std::sin(angle)), 0);
 }
 
-}  // namespace
-
-std::vector<MeshPart> load_mesh_parts(const std::filesystem::path& file, const Vec3& scale, const std::string& owner) {
-  const std::string where = owner + ": mesh " + file.string();
-  if (!std::filesystem::is_regular_file(file))
-    throw UsageError(where + " does not exist; correct its path in the URDF");
-  if (!scale.allFinite() || scale.cwiseAbs().minCoeff() == 0)
-    throw UsageError(where + " is scaled by zero or by no finite number; correct scale in the URDF");
-  if (!is_read_by_assimp(file))
-    throw UsageError(where + " is of no format that is read here; give an STL, OBJ, DAE or PLY file");
+std::vector<MeshPart> import(const std::filesystem::path& file, const Vec3& scale, const std::string& where) {
   Assimp::Importer importer;
-  prepare_reader(importer, file);
+  keep_one_reader(importer, file);
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // as other readers of URDF do
   const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices |
@@ -85,6 +77,40 @@ std::vector<MeshPart> load_mesh_parts(const std::filesystem::path& file, const V
     const aiMaterial* material =
         mesh.mMaterialIndex < scene->mNumMaterials ? scene->mMaterials[mesh.mMaterialIndex] : nullptr;
     parts.push_back(convert(mesh, material, scale.cast<float>(), where));
+  }
+  return parts;
+}
+
+}  // namespace
+
+std::vector<MeshPart> load_mesh_parts(const std::filesystem::path& file, const Vec3& scale, const std::string& owner) {
+  const std::string where = owner + ": mesh " + file.string();
+  if (!std::filesystem::is_regular_file(file))
+    throw UsageError(where + " does not exist; correct its path in the URDF");
+  if (!scale.allFinite() || scale.cwiseAbs().minCoeff() == 0)
+    throw UsageError(where + " is scaled by zero or by no finite number; correct scale in the URDF");
+  if (!is_read_by_assimp(file))
+    throw UsageError(where + " is of no format that is read here; give an STL, OBJ, DAE or PLY file");
+  // assimp crashes on some damaged files, reads others without end
+  const std::string bytes = in_child_process(where, memory_to_read(file), [&] {
+    const std::vector<MeshPart> parts = import(file, scale, where);
+    std::string packed;
+    pack(packed, std::vector<std::size_t>{parts.size()});
+    for (const auto& [mesh, color] : parts) {
+      pack(packed, mesh.points), pack(packed, mesh.normals), pack(packed, mesh.uvs), pack(packed, mesh.triangles);
+      pack(packed, std::vector<Vec3f>{color});
+    }
+    return packed;
+  });
+  std::size_t at = 0;
+  std::vector<std::size_t> n;
+  unpack(bytes, at, n);
+  std::vector<MeshPart> parts(n.at(0));
+  std::vector<Vec3f> color;
+  for (MeshPart& part : parts) {
+    unpack(bytes, at, part.mesh.points), unpack(bytes, at, part.mesh.normals), unpack(bytes, at, part.mesh.uvs);
+    unpack(bytes, at, part.mesh.triangles), unpack(bytes, at, color);
+    part.color = color.at(0);
   }
   return parts;
 }

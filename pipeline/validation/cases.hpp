@@ -7,6 +7,11 @@ namespace pvg {
 // 0.5 as "0.5", 10 as "10.0"
 std::string short_number(double value);  // elasticity.cpp
 
+// The scene's first soft body as a bar in other cells; stitched is what lies in the box that the stitched nodes
+// spanned.
+void set_divisions(SceneRun& run, const Vec3& size, const std::array<int, 3>& divisions,
+                   int nodes_per_element);  // elasticity.cpp
+
 // friction.cpp
 void validate_slope(Validation& v);
 void validate_ramp(Validation& v);

@@ -37,19 +37,6 @@ Vec3 mean_move(const Scene& scene, const WorldState& state, int axis, double val
   return sum / n;
 }
 
-// the same bar in other cells; what is stitched follows from the old stitches' first node: one end, here
-void set_divisions(SceneRun& run, const Vec3& size, const std::array<int, 3>& divisions, int nodes_per_element) {
-  TetMesh& mesh = run.scene.soft_bodies[0].mesh;
-  const TetMesh old = mesh;
-  mesh = box_solid(size, divisions, nodes_per_element);
-  for (Stitch& stitch : run.scene.stitches) {
-    const double end = old.points[stitch.nodes.at(0)].x();
-    stitch.nodes.clear();
-    for (std::size_t i = 0; i < mesh.points.size(); ++i)
-      if (std::abs(mesh.points[i].x() - end) < 1e-7) stitch.nodes.push_back(std::uint32_t(i));
-  }
-}
-
 // Displacement of the tip over the length, and how far it comes back, of beams of 100 mm that bend far.
 struct Bent {
   double drop = 0, shortening = 0;
@@ -62,12 +49,39 @@ Bent bent(const Validation& v, const SceneRun& run) {
 
 constexpr double BENDING_STIFFNESS = 1e7 * 0.00125 * 0.00125 * 0.00125 * 0.00125 / 12;  // E I of those [N m^2]
 
+// alpha = P L^2 / (E I)
+void set_load(SceneRun& run, double alpha) {
+  RigidBody& weight = run.scene.rigid_bodies[rigid_index(run.scene, "weight")];
+  const double mass = alpha * BENDING_STIFFNESS / 0.01 / 9.81;
+  weight.inertia *= mass / weight.mass;
+  weight.mass = mass;
+}
+
 }  // namespace
 
 std::string short_number(double value) {
   std::string text = std::to_string(value);
   text.erase(text.find_last_not_of('0') + 1);
   return text.ends_with('.') ? text + "0" : text;
+}
+
+void set_divisions(SceneRun& run, const Vec3& size, const std::array<int, 3>& divisions, int nodes_per_element) {
+  TetMesh& mesh = run.scene.soft_bodies[0].mesh;
+  const TetMesh old = mesh;
+  mesh = box_solid(size, divisions, nodes_per_element);
+  for (Stitch& stitch : run.scene.stitches) {
+    Vec3 low = old.points[stitch.nodes.at(0)], high = low;
+    for (const std::uint32_t node : stitch.nodes) {
+      low = low.cwiseMin(old.points[node]);
+      high = high.cwiseMax(old.points[node]);
+    }
+    stitch.nodes.clear();
+    for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+      const Vec3& p = mesh.points[i];
+      if ((p.array() > low.array() - 1e-7).all() && (p.array() < high.array() + 1e-7).all())
+        stitch.nodes.push_back(std::uint32_t(i));
+    }
+  }
 }
 
 void validate_tensile(Validation& v) {
@@ -117,6 +131,32 @@ void validate_rib(Validation& v) {
   v.plot(std::move(plot));
 }
 
+namespace {
+
+// What one load, alpha = 5, does to coarser meshes and a finer one.
+void validate_elastica_meshes(Validation& v, double expected, double with_60_cells) {
+  Curve error{"simulated", {}, {}}, wanted{"1 %", {}, {}, true};
+  for (const int cells : {10, 20, 40}) {
+    SceneRun run = v.load("elastica");
+    set_divisions(run, Vec3(0.1, 0.00125, 0.00125), {cells, 1, 1}, 10);
+    set_load(run, 5);
+    const double drop = bent(v, run).drop;
+    v.report("alpha 5, " + std::to_string(cells) + " cells: drop", "L", expected, drop, "elastica");
+    error.x.push_back(cells), error.y.push_back(100 * std::abs(drop / expected - 1));
+  }
+  error.x.push_back(60), error.y.push_back(100 * std::abs(with_60_cells / expected - 1));
+  wanted.x = {10, 60}, wanted.y = {1, 1};
+  v.plot({"elastica_convergence",
+          "Elastica, P L^2 / (E I) = 5: convergence",
+          "cells along the beam",
+          "error of the tip's drop [%]",
+          {error, wanted},
+          true,
+          true});
+}
+
+}  // namespace
+
 void validate_elastica(Validation& v) {
   struct Row {
     double alpha, drop, shortening;
@@ -129,10 +169,7 @@ void validate_elastica(Validation& v) {
   for (int i = 0; i < 4; ++i) plot.curves[i].label = labels[i], plot.curves[i].is_reference = i % 2 == 1;
   for (const auto& [alpha, drop, shortening] : rows) {
     SceneRun run = v.load("elastica");
-    RigidBody& weight = run.scene.rigid_bodies[rigid_index(run.scene, "weight")];
-    const double mass = alpha * BENDING_STIFFNESS / 0.01 / 9.81;
-    weight.inertia *= mass / weight.mass;
-    weight.mass = mass;
+    set_load(run, alpha);
     const Bent result = bent(v, run);
     const std::string name = "alpha " + short_number(alpha);
     v.check_relative(name + ": drop", "L", drop, result.drop, 0.01, "elastica");
@@ -140,6 +177,7 @@ void validate_elastica(Validation& v) {
     const double values[] = {result.drop, drop, result.shortening, shortening};
     for (int i = 0; i < 4; ++i) plot.curves[i].x.push_back(alpha), plot.curves[i].y.push_back(values[i]);
   }
+  validate_elastica_meshes(v, .71379, plot.curves[0].y[5]);
   v.plot(std::move(plot));
 }
 

@@ -153,33 +153,16 @@ TEST(MeshFiles, AGltfNodeWithTwoParentsIsRefused) {
   expect_error<UsageError>([&] { read_closed_surface(file); }, {"a.gltf", "do not form a tree"});
 }
 
-TEST(MeshFiles, PlyHeadersThatAnnounceNonsenseAreNamed) {
+TEST(MeshFiles, WhatAssimpCrashesOnIsRefused) {
+  // found by fuzzing: assertions, bad memory, numbers without end
   const TestFolder folder;
-  const auto expect = [&](const std::string& from, const std::string& to, const char* what) {
-    const auto file = folder.write("a.ply", replaced(PLY, from, to));
-    expect_error<UsageError>([&] { read_closed_surface(file); }, {"a.ply", what});
+  const auto expect = [&](const std::string& name, const std::string& content) {
+    const auto file = folder.write(name, content);
+    expect_error<UsageError>([&] { read_closed_surface(file); }, {name.c_str()});
   };
-  expect("element vertex 4", "element vertex", ":3:");  // read without end, once
-  expect("element vertex 4", "element vertex 4000000000", ":3:");
-  expect("element vertex 4", "element vertex -1", ":3:");
-  expect("property float z", "property real z", ":6:");
-  expect("ascii", "text", ":2:");
-  expect("ply\n", "play\n", ":1:");
-  expect("end_header", "the_end", ":9:");
-}
-
-TEST(MeshFiles, ColladaListsThatHoldNoNumbersAreNamed) {
-  const TestFolder folder;
-  const auto expect = [&](const std::string& from, const std::string& to, const char* what) {
-    const auto file = folder.write("a.dae", replaced(DAE, from, to));
-    expect_error<UsageError>([&] { read_closed_surface(file); }, {"a.dae", what});
-  };
-  expect("<p>0 2 1", "<p>0 2 1 x", "<p> holds what is no number");  // read without end, once
-  expect("0 0 0 1000", "0 0 0 ?1000", "<float_array>");
-  expect("count=\"12\"", "count=\"12000000000\"", "<float_array>");
-  expect("count=\"12\"", "count=\"-12\"", "<float_array>");
-  expect("stride=\"3\"", "stride=\"4000000000\"", "<accessor>");
-  expect("offset=\"0\"", "offset=\"9999999\"", "<input>");
+  expect("a.ply", replaced(PLY, "0 2 0\n", std::string("0 \0002 0\n", 7)));
+  expect("a.dae", replaced(DAE, "count=\"12\"", "coUnt=\"6\""));
+  expect("b.dae", replaced(DAE, "<p>0 2 1", "<p>0 2 1\xff"));
 }
 
 TEST(MeshFiles, AFileIsReadAsWhatItsEndingSaysAlone) {
@@ -195,7 +178,7 @@ TEST(MeshFiles, DeeplyNestedXmlIsRefused) {
   for (int i = 0; i < 200000; ++i) nodes += "<node>";
   const TestFolder folder;
   const auto file = folder.write("deep.dae", replaced(DAE, "<node>", nodes));
-  expect_error<UsageError>([&] { read_closed_surface(file); }, {"deep.dae", "thousand elements"});
+  expect_error<UsageError>([&] { read_closed_surface(file); }, {"deep.dae"});
 }
 
 TEST(MeshFiles, CreaseStaysSharpAndRoundIsSmoothed) {
