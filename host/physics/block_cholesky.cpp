@@ -39,8 +39,9 @@ void BlockCholesky::lay_out_panels() {
       panel.last_row = panel.first_row + round_up(panel.n_rows, 4);
       panel.stride = column_stride(panel.last_row);
       if (has_memory) {
-        panel.values = panels_[0].values + n_panel;
-        fronts_[s].x = x_[0].values + n_x;
+        // counted over all lines, which follow each other without gaps
+        panel.values = reinterpret_cast<double*>(panels_.data()) + n_panel;
+        fronts_[s].x = reinterpret_cast<double*>(x_.data()) + n_x;
       }
       n_panel += std::size_t(panel.stride) * panel.n_pivots;
       n_x += panel.stride;
