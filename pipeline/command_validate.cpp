@@ -7,6 +7,7 @@
 #include "host/base/error.hpp"
 #include "host/io/atomic_files.hpp"
 #include "pipeline/commands.hpp"
+#include "pipeline/data_folder.hpp"
 #include "pipeline/stop_signal.hpp"
 #include "pipeline/validation/validation.hpp"
 
@@ -17,11 +18,7 @@ namespace fs = std::filesystem;
 
 // data/validation, of the installation or of the source tree
 fs::path scenes_folder(const ValidateOptions& options) {
-  if (!options.scenes.empty()) return options.scenes;
-  std::error_code ignored;
-  const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
-  const fs::path installed = program.parent_path().parent_path() / "share/phyvisgen/data/validation";
-  return fs::exists(installed, ignored) ? installed : fs::path(PVG_DATA_SOURCE_FOLDER) / "validation";
+  return options.scenes.empty() ? data_folder() / "validation" : fs::path(options.scenes);
 }
 
 fs::path recordings_folder(const ValidateOptions& options) {

@@ -70,4 +70,14 @@ struct BenchPhysicsOptions {
 // phyvisgen bench physics: what a step costs on named scenes.
 void run_bench_physics(const BenchPhysicsOptions& options);
 
+struct BenchRenderOptions {
+  std::vector<std::string> scenes;  // names; empty: all
+  std::string device;
+  int repeats = 5;
+  bool as_json = false;
+};
+
+// phyvisgen bench render: rays, trees and frames, measured.
+void run_bench_render(const BenchRenderOptions& options);
+
 }  // namespace pvg

@@ -104,6 +104,17 @@ void add_bench_physics(CLI::App& bench, pvg::BenchPhysicsOptions& o) {
   command->footer("Example:\n  phyvisgen bench physics --scene mat_twist --scene towel --repeats 1");
 }
 
+void add_bench_render(CLI::App& bench, pvg::BenchRenderOptions& o) {
+  CLI::App* command = bench.add_subcommand("render", "Rays per second, trees, frames; beside Embree where built in");
+  command->add_option("--scene", o.scenes, "Only this one; may stand several times")->allow_extra_args(false);
+  command->add_option("--repeats", o.repeats, "Measured so often after a warm-up; medians are shown")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer("Example:\n  phyvisgen bench render --scene rays_100k --json");
+}
+
 int run(int argc, char** argv) {
   CLI::App program("Robot-learning data: soft-gripper manipulation, simulated with contact and path traced",
                    "phyvisgen");
@@ -121,6 +132,8 @@ int run(int argc, char** argv) {
   bench->require_subcommand(1);
   pvg::BenchPhysicsOptions bench_physics;
   add_bench_physics(*bench, bench_physics);
+  pvg::BenchRenderOptions bench_render;
+  add_bench_render(*bench, bench_render);
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& help) {
@@ -134,6 +147,7 @@ int run(int argc, char** argv) {
   if (program.got_subcommand("simulate")) pvg::run_simulate(simulate);
   if (program.got_subcommand("validate")) pvg::run_validate(validate);
   if (bench->got_subcommand("physics")) pvg::run_bench_physics(bench_physics);
+  if (bench->got_subcommand("render")) pvg::run_bench_render(bench_render);
   return DONE;
 }
 

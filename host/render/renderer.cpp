@@ -102,12 +102,15 @@ Renderer::Impl::Impl(Device& device_, const Scene& scene_, const RenderSettings&
   instances.resize(shown.size());
   boxes.resize(shown.size());
   on_device = std::make_unique<DeviceScene>(DeviceScene{
-      Buffer<BvhNode>(device, 0, "top"), Buffer<BvhNode>(device, geometry.nodes, "nodes"),
-      Buffer<TriangleBlock>(device, geometry.blocks, "blocks"), Buffer<Instance>(device, shown.size(), "instances"),
+      {Buffer<BvhNode>(device, 0, "top"), Buffer<BvhNode>(device, geometry.nodes, "nodes"),
+       Buffer<TriangleBlock>(device, geometry.blocks, "blocks"), Buffer<Instance>(device, shown.size(), "instances")},
       Buffer<std::uint32_t>(device, geometry.triangles, "triangles"),
-      Buffer<Vertex>(device, geometry.vertices, "vertices"), Buffer<Material>(device, look.materials, "materials"),
-      Buffer<TextureInfo>(device, look.textures, "textures"), Buffer<std::uint32_t>(device, look.texels, "texels"),
-      Buffer<float>(device, look.decode, "decode"), Buffer<Light>(device, look.lights, "lights")});
+      Buffer<Vertex>(device, geometry.vertices, "vertices"),
+      Buffer<Material>(device, look.materials, "materials"),
+      Buffer<TextureInfo>(device, look.textures, "textures"),
+      Buffer<std::uint32_t>(device, look.texels, "texels"),
+      Buffer<float>(device, look.decode, "decode"),
+      Buffer<Light>(device, look.lights, "lights")});
   scene.visual_meshes.clear();
   scene.textures.clear();
 }
@@ -239,9 +242,9 @@ void Renderer::set_state(const SceneState& state) {
     r.boxes[i] = world_box(r.instances[i], box);
   }
   const std::vector<BvhNode> top = build_instance_tree(r.boxes);
-  r.on_device->top.resize(top.size());
-  r.on_device->top.write(top);
-  r.on_device->instances.write(r.instances);
+  r.on_device->trees.top.resize(top.size());
+  r.on_device->trees.top.write(top);
+  r.on_device->trees.instances.write(r.instances);
   r.camera_poses.clear();
   for (const Camera& camera : scene.cameras) r.camera_poses.push_back(camera_to_world(camera, state));
 }

@@ -33,7 +33,7 @@ SoftVisual::SoftVisual(Device& device, const std::vector<Vec3>& points, const Su
 
 Box SoftVisual::follow(const std::vector<Vec3>& nodes, const MeshRange& range, DeviceScene& scene) {
   dual_mesh_.follow(nodes, scene.vertices, range.first_vertex);
-  refit_(range, scene.triangles, scene.vertices, scene.blocks, scene.nodes);
+  refit_(range, scene.triangles, scene.vertices, scene.trees.blocks, scene.trees.nodes);
   Box box;
   for (const Vec3& node : nodes) box.add(node.cast<float>());
   return box;

@@ -19,21 +19,10 @@ void Film::begin(std::size_t n_pixels) {
   normal.resize(3 * n_pixels);
 }
 
-std::string traversal_options(const Device& device) {
-#if defined(__x86_64__)
-  const DeviceInfo& info = device.info();
-  if (!info.is_gpu && info.platform == "Portable Computing Language" && __builtin_cpu_supports("avx"))
-    return "-DPVG_X86_AVX";
-#endif
-  return "";
-}
-
-Stages::Kernels::Kernels(Program generate_file, Program intersect_file, Program shade_file, Program shadow_file,
-                         Program compact_file, Program accumulate_file, Program ground_truth_file)
+Stages::Kernels::Kernels(Program generate_file, Program shade_file, Program compact_file, Program accumulate_file,
+                         Program ground_truth_file)
     : generate(generate_file.kernel("generate")),
-      intersect(intersect_file.kernel("intersect")),
       shade(shade_file.kernel("shade")),
-      shadow(shadow_file.kernel("shadow")),
       count_alive(compact_file.kernel("count_alive")),
       scan_counts(compact_file.kernel("scan_counts")),
       fill_queue(compact_file.kernel("fill_queue")),
@@ -41,11 +30,10 @@ Stages::Kernels::Kernels(Program generate_file, Program intersect_file, Program 
       ground_truth(ground_truth_file.kernel("ground_truth")) {}
 
 Stages::Stages(Device& device)
-    : kernels_(Program(device, "render/generate.cl"), Program(device, "render/intersect.cl", traversal_options(device)),
-               Program(device, "render/shade.cl", traversal_options(device)),
-               Program(device, "render/shadow.cl", traversal_options(device)), Program(device, "render/compact.cl"),
-               Program(device, "render/accumulate.cl"),
+    : kernels_(Program(device, "render/generate.cl"), Program(device, "render/shade.cl", traversal_options(device)),
+               Program(device, "render/compact.cl"), Program(device, "render/accumulate.cl"),
                Program(device, "sensors/ground_truth.cl", traversal_options(device))),
+      traversal_(device),
       origin_(device, 0, "origin"),
       direction_(device, 0, "direction"),
       throughput_(device, 0, "throughput"),
@@ -79,8 +67,9 @@ std::uint64_t Stages::trace(const Launch& launch, const DeviceScene& scene, Film
 void Stages::find_ground_truth(const Launch& launch, const DeviceScene& scene, Film& film) {
   generate(launch.n_pixels, launch);
   intersect(launch.n_pixels, scene);
-  kernels_.ground_truth(launch.n_pixels, launch.n_pixels, launch, scene.instances, scene.triangles, scene.vertices,
-                        hit_, hit_instance_, direction_, throughput_, film.depth, film.instance, film.normal);
+  kernels_.ground_truth(launch.n_pixels, launch.n_pixels, launch, scene.trees.instances, scene.triangles,
+                        scene.vertices, hit_, hit_instance_, direction_, throughput_, film.depth, film.instance,
+                        film.normal);
 }
 
 void Stages::generate(std::size_t n, const Launch& launch) {
@@ -92,20 +81,19 @@ void Stages::generate(std::size_t n, const Launch& launch) {
 }
 
 void Stages::intersect(std::size_t n, const DeviceScene& scene) {
-  kernels_.intersect(n, std::uint32_t(n), queue_, scene.top, scene.nodes, scene.blocks, scene.instances, origin_,
-                     direction_, hit_, hit_instance_);
+  traversal_.find_closest(n, queue_, scene.trees, origin_, direction_, hit_, hit_instance_);
 }
 
 void Stages::shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene) {
-  kernels_.shade(n, std::uint32_t(n), launch, std::uint32_t(depth), queue_, scene.instances, scene.materials,
+  kernels_.shade(n, std::uint32_t(n), launch, std::uint32_t(depth), queue_, scene.trees.instances, scene.materials,
                  scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices, scene.lights, hit_,
                  hit_instance_, origin_, direction_, throughput_, radiance_, shadow_origin_, shadow_direction_,
                  shadow_light_, alive_);
 }
 
 void Stages::shadow(std::size_t n, const Launch& launch, const DeviceScene& scene) {
-  kernels_.shadow(n, std::uint32_t(n), queue_, launch.transparent_shadows, scene.top, scene.nodes, scene.blocks,
-                  scene.instances, scene.materials, shadow_origin_, shadow_direction_, shadow_light_, radiance_);
+  traversal_.add_light(n, queue_, launch.transparent_shadows, scene.trees, scene.materials, shadow_origin_,
+                       shadow_direction_, shadow_light_, radiance_);
 }
 
 std::size_t Stages::compact(std::size_t n) {

@@ -1,20 +1,14 @@
 // The stages of the wavefront on the device: programs, the arrays that paths travel in, and one function per use.
 #pragma once
-#include <string>
 #include <vector>
 
-#include "host/device/device.hpp"
-#include "materials/material.h"
-#include "render/bvh.h"
-#include "render/path.h"
+#include "host/render/traversal.hpp"
 
 namespace pvg {
 
 // What the stages read of the scene.
 struct DeviceScene {
-  Buffer<BvhNode> top, nodes;
-  Buffer<TriangleBlock> blocks;
-  Buffer<Instance> instances;
+  DeviceTrees trees;
   Buffer<std::uint32_t> triangles;  // [n x 3]
   Buffer<Vertex> vertices;
   Buffer<Material> materials;
@@ -35,9 +29,6 @@ struct Film {
   Buffer<float> normal;  // [n x 3]
 };
 
-// -DPVG_X86_AVX where PoCL compiles for an x86 CPU that has it, else nothing
-std::string traversal_options(const Device& device);
-
 class Stages {
  public:
   // at most so many paths under way at once; bounds the memory, about 150 bytes each
@@ -57,11 +48,12 @@ class Stages {
   std::size_t compact(std::size_t n);  // live paths
 
   struct Kernels {
-    Kernels(Program generate_file, Program intersect_file, Program shade_file, Program shadow_file,
-            Program compact_file, Program accumulate_file, Program ground_truth_file);
-    Kernel generate, intersect, shade, shadow, count_alive, scan_counts, fill_queue, accumulate, ground_truth;
+    Kernels(Program generate_file, Program shade_file, Program compact_file, Program accumulate_file,
+            Program ground_truth_file);
+    Kernel generate, shade, count_alive, scan_counts, fill_queue, accumulate, ground_truth;
   };
   Kernels kernels_;
+  Traversal traversal_;
   // per slot
   Buffer<F32x4> origin_, direction_, throughput_, radiance_, hit_;
   Buffer<std::uint32_t> hit_instance_;

@@ -1,0 +1,33 @@
+#include "host/render/traversal.hpp"
+
+namespace pvg {
+
+std::string traversal_options(const Device& device) {
+#if defined(__x86_64__)
+  const DeviceInfo& info = device.info();
+  if (!info.is_gpu && info.platform == "Portable Computing Language" && __builtin_cpu_supports("avx"))
+    return "-DPVG_X86_AVX";
+#endif
+  return "";
+}
+
+Traversal::Traversal(Device& device)
+    : intersect_(Program(device, "render/intersect.cl", traversal_options(device)).kernel("intersect")),
+      shadow_(Program(device, "render/shadow.cl", traversal_options(device)).kernel("shadow")) {}
+
+void Traversal::find_closest(std::size_t n, const Buffer<std::uint32_t>& queue, const DeviceTrees& trees,
+                             const Buffer<F32x4>& origin, const Buffer<F32x4>& direction, Buffer<F32x4>& hit,
+                             Buffer<std::uint32_t>& hit_instance) {
+  intersect_(n, std::uint32_t(n), queue, trees.top, trees.nodes, trees.blocks, trees.instances, origin, direction, hit,
+             hit_instance);
+}
+
+void Traversal::add_light(std::size_t n, const Buffer<std::uint32_t>& queue, bool transparent_shadows,
+                          const DeviceTrees& trees, const Buffer<Material>& materials,
+                          const Buffer<F32x4>& shadow_origin, const Buffer<F32x4>& shadow_direction,
+                          const Buffer<F32x4>& shadow_light, Buffer<F32x4>& radiance) {
+  shadow_(n, std::uint32_t(n), queue, std::uint32_t(transparent_shadows), trees.top, trees.nodes, trees.blocks,
+          trees.instances, materials, shadow_origin, shadow_direction, shadow_light, radiance);
+}
+
+}  // namespace pvg
