@@ -2,20 +2,61 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
+#include <cstring>
 #include <string>
 
 #include "host/base/error.hpp"
+#include "host/base/workers.hpp"
 
 namespace pvg {
 namespace {
 
-constexpr int N_BINS = 16;
-constexpr int MEDIAN_DEPTH = 40;  // deeper than this the halves are made equal, so that the depth stays bounded
+using Vec4f = Eigen::Array4f;
+
+constexpr int N_BINS = 16, N_BINS_SMALL = 8;
+constexpr std::uint32_t SMALL = 96;  // nodes with fewer boxes have fewer bins
+constexpr std::uint32_t FEW = 8;     // nodes with no more boxes try every split
+constexpr unsigned PAIR = 2;         // two triangles stay together: most are halves of a quadrilateral
+constexpr int MEDIAN_DEPTH = 40;     // deeper than this the halves are made equal, so that the depth stays bounded
+constexpr float NODE_COST = 1, LEAF_COST = 2;  // time of a node's and of a leaf's test, measured on a CPU
+
+// A box and its index, which move together while they are sorted. Four numbers in one register; the last one of lo
+// carries the index above the bits of 1.0, because denormal numbers are slow.
+struct Item {
+  Vec4f lo, hi;
+  Item() = default;
+  Item(const Box& box, std::uint32_t index) {
+    float bits;
+    index += ONE;
+    std::memcpy(&bits, &index, sizeof bits);
+    lo << box.lo.array(), bits;
+    hi << box.hi.array(), 0;
+  }
+  static constexpr std::uint32_t ONE = 0x3f800000u;
+  std::uint32_t index() const {
+    std::uint32_t i;
+    std::memcpy(&i, &lo.w(), sizeof i);
+    return i - ONE;
+  }
+  Vec4f middle() const { return lo + hi; }  // twice the centre
+};
+
+struct Box4 {
+  Vec4f lo = Vec4f::Constant(1e30f), hi = Vec4f::Constant(-1e30f);
+  void add(const Vec4f& a, const Vec4f& b) {
+    lo = lo.min(a);
+    hi = hi.max(b);
+  }
+  void add(const Box4& b) { add(b.lo, b.hi); }
+  float half_area() const {
+    const Vec4f d = (hi - lo).max(0.0f);
+    return d.x() * d.y() + d.y() * d.z() + d.z() * d.x();
+  }
+};
 
 struct BinaryNode {
-  Box box;
-  int left = -1, right = -1;  // -1: a leaf
+  Box4 box;
+  int left = -1, right = -1;  // greater than the node's own index; -1: a leaf
   std::uint32_t first = 0, count = 0;
 };
 
@@ -25,106 +66,273 @@ struct Split {
   float cost = 1e30f;
 };
 
-struct Builder {
-  std::span<const Box> boxes;
-  unsigned max_leaf;
-  std::vector<std::uint32_t> order;
-  std::vector<BinaryNode> nodes;
+// cost of a side: surface times its number of leaves
+float side_cost(const Box4& box, std::uint32_t count, unsigned max_leaf) {
+  return count == 0 ? 0.0f : box.half_area() * float((count + max_leaf - 1) / max_leaf);
+}
 
-  int bin_of(std::uint32_t box, int axis, const Box& centers) const {
-    const float extent = centers.hi[axis] - centers.lo[axis];
-    const int bin = int((boxes[box].center()[axis] - centers.lo[axis]) / extent * N_BINS);
-    return std::clamp(bin, 0, N_BINS - 1);
+struct Bins {
+  explicit Bins(int n_bins) {
+    for (auto& axis : box) std::fill_n(axis.begin(), n_bins, Box4{});
+    for (auto& axis : count) std::fill_n(axis.begin(), n_bins, 0u);
+  }
+  std::array<std::array<Box4, N_BINS>, 3> box;
+  std::array<std::array<std::uint32_t, N_BINS>, 3> count;
+};
+
+class Builder {
+ public:
+  Builder(std::span<const Box> boxes, unsigned max_leaf)
+      : max_leaf_(max_leaf), piece_size_(std::uint32_t(std::max<std::size_t>(1024, boxes.size() / 16))) {
+    items_.reserve(boxes.size());
+    for (std::uint32_t i = 0; i < boxes.size(); ++i) items_.emplace_back(boxes[i], i);
   }
 
-  // cost of a side: surface times its number of leaves
-  float side_cost(const Box& box, std::uint32_t count) const {
-    return count == 0 ? 0.0f : box.half_area() * float((count + max_leaf - 1) / max_leaf);
+  std::vector<BinaryNode> build() {
+    std::vector<BinaryNode> nodes;
+    std::vector<Piece> pieces;
+    build(0, std::uint32_t(items_.size()), 0, nodes, &pieces);
+    if (pieces.empty()) return nodes;
+    Workers workers;
+    workers.run(pieces.size(), [&](std::size_t i) {
+      build(pieces[i].first, pieces[i].count, pieces[i].depth, pieces[i].nodes, nullptr);
+    });
+    for (const Piece& piece : pieces) append(piece, nodes);
+    return nodes;
   }
+  const std::vector<Item>& items() const { return items_; }
 
-  void try_axis(const BinaryNode& node, int axis, const Box& centers, Split& best) const {
-    std::array<Box, N_BINS> bin_boxes{};
-    std::array<std::uint32_t, N_BINS> counts{};
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const int bin = bin_of(order[i], axis, centers);
-      bin_boxes[bin].add(boxes[order[i]]);
-      ++counts[bin];
+ private:
+  struct Piece {  // a subtree that stands at nodes[at]
+    int at;
+    std::uint32_t first, count;
+    int depth;
+    std::vector<BinaryNode> nodes;
+  };
+
+  static void append(const Piece& piece, std::vector<BinaryNode>& nodes) {
+    const int shift = int(nodes.size()) - 1;  // the piece's root takes the place that waits for it
+    for (std::size_t i = 0; i < piece.nodes.size(); ++i) {
+      BinaryNode node = piece.nodes[i];
+      if (node.left >= 0) {
+        node.left += shift;
+        node.right += shift;
+      }
+      if (i == 0)
+        nodes[piece.at] = node;
+      else
+        nodes.push_back(node);
     }
+  }
+
+  // bin = (middle - lo) * scale, within the bins
+  static Eigen::Array4i bins_of(const Item& item, const Vec4f& lo, const Vec4f& scale, int n_bins) {
+    return ((item.middle() - lo) * scale).max(0.0f).min(float(n_bins - 1)).cast<int>();
+  }
+  static int bin_of(const Item& item, int axis, float lo, float scale, int n_bins) {
+    return int(std::min(std::max((item.lo[axis] + item.hi[axis] - lo) * scale, 0.0f), float(n_bins - 1)));
+  }
+
+  void try_axis(const Bins& bins, int axis, int n_bins, std::uint32_t count, Split& best) const {
     std::array<float, N_BINS> right_cost{};
-    Box right;
+    Box4 right;
     std::uint32_t n_right = 0;
-    for (int bin = N_BINS - 1; bin > 0; --bin) {
-      right.add(bin_boxes[bin]);
-      n_right += counts[bin];
-      right_cost[bin] = side_cost(right, n_right);
+    for (int bin = n_bins - 1; bin > 0; --bin) {
+      right.add(bins.box[axis][bin]);
+      n_right += bins.count[axis][bin];
+      right_cost[bin] = side_cost(right, n_right, max_leaf_);
     }
-    Box left;
+    Box4 left;
     std::uint32_t n_left = 0;
-    for (int bin = 1; bin < N_BINS; ++bin) {
-      left.add(bin_boxes[bin - 1]);
-      n_left += counts[bin - 1];
-      const float cost = side_cost(left, n_left) + right_cost[bin];
-      if (n_left > 0 && n_left < node.count && cost < best.cost) best = {axis, bin, cost};
+    for (int bin = 1; bin < n_bins; ++bin) {
+      left.add(bins.box[axis][bin - 1]);
+      n_left += bins.count[axis][bin - 1];
+      const float cost = side_cost(left, n_left, max_leaf_) + right_cost[bin];
+      if (n_left > 0 && n_left < count && cost < best.cost) best = {axis, bin, cost};
     }
   }
 
-  // how many of the node's boxes go left
-  std::uint32_t divide(const BinaryNode& node, int depth) {
-    Box centers;
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) centers.add(boxes[order[i]].center());
+  // Few boxes: every place on every axis is tried. How many go left.
+  std::uint32_t divide_few(const BinaryNode& node) {
+    const std::uint32_t n = node.count;
+    Item* items = items_.data() + node.first;
+    std::array<std::array<std::uint8_t, FEW>, 3> order;
+    Split best;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::array<float, FEW> middle;
+      for (std::uint32_t i = 0; i < n; ++i) {
+        const float m = items[i].middle()[axis];
+        std::uint32_t j = i;
+        for (; j > 0 && middle[j - 1] > m; --j) {
+          middle[j] = middle[j - 1];
+          order[axis][j] = order[axis][j - 1];
+        }
+        middle[j] = m;
+        order[axis][j] = std::uint8_t(i);
+      }
+      std::array<float, FEW> right_cost;
+      Box4 right, left;
+      for (std::uint32_t i = n - 1; i > 0; --i) {
+        right.add(items[order[axis][i]].lo, items[order[axis][i]].hi);
+        right_cost[i] = side_cost(right, n - i, max_leaf_);
+      }
+      for (std::uint32_t i = 1; i < n; ++i) {
+        left.add(items[order[axis][i - 1]].lo, items[order[axis][i - 1]].hi);
+        const float cost = side_cost(left, i, max_leaf_) + right_cost[i];
+        if (cost < best.cost) best = {axis, int(i), cost};
+      }
+    }
+    if (best.axis < 0) return n / 2;  // boxes beyond all numbers
+    std::array<Item, FEW> sorted;
+    for (std::uint32_t i = 0; i < n; ++i) sorted[i] = items[order[best.axis][i]];
+    std::copy_n(sorted.begin(), n, items);
+    return std::uint32_t(best.bin);
+  }
+
+  // how many of the node's boxes go left; middles: box of twice their centres
+  std::uint32_t divide(const BinaryNode& node, const Box4& middles, int depth) {
+    if (node.count <= FEW) return divide_few(node);
+    const auto begin = items_.begin() + node.first, end = begin + node.count;
+    const int n_bins = node.count < SMALL ? N_BINS_SMALL : N_BINS;
+    const Vec4f extent = middles.hi - middles.lo;
+    const Vec4f scale = (extent > 0).select(float(n_bins) / extent, 0.0f);
     Split split;
-    if (depth < MEDIAN_DEPTH)
+    if (depth < MEDIAN_DEPTH) {
+      Bins bins(n_bins);
+      for (auto item = begin; item != end; ++item) {
+        const Eigen::Array4i at = bins_of(*item, middles.lo, scale, n_bins);
+        for (int axis = 0; axis < 3; ++axis) {
+          bins.box[axis][at[axis]].add(item->lo, item->hi);
+          ++bins.count[axis][at[axis]];
+        }
+      }
       for (int axis = 0; axis < 3; ++axis)
-        if (centers.hi[axis] > centers.lo[axis]) try_axis(node, axis, centers, split);
-    const auto begin = order.begin() + node.first, end = begin + node.count;
+        if (extent[axis] > 0) try_axis(bins, axis, n_bins, node.count, split);
+    }
     if (split.axis >= 0) {
-      const auto middle = std::stable_partition(
-          begin, end, [&](std::uint32_t box) { return bin_of(box, split.axis, centers) < split.bin; });
-      return std::uint32_t(middle - begin);
+      const float lo = middles.lo[split.axis], axis_scale = scale[split.axis];
+      const auto goes_left = [&](const Item& item) {
+        return bin_of(item, split.axis, lo, axis_scale, n_bins) < split.bin;
+      };
+      return std::uint32_t(std::partition(begin, end, goes_left) - begin);
     }
     int axis = 0;
-    (centers.hi - centers.lo).maxCoeff(&axis);
-    std::sort(begin, end, [&](std::uint32_t a, std::uint32_t b) {
-      const float x = boxes[a].center()[axis], y = boxes[b].center()[axis];
-      return x != y ? x < y : a < b;
+    extent.head<3>().maxCoeff(&axis);
+    std::nth_element(begin, begin + node.count / 2, end, [&](const Item& a, const Item& b) {
+      const float x = a.middle()[axis], y = b.middle()[axis];
+      return x != y ? x < y : a.index() < b.index();
     });
     return node.count / 2;
   }
 
-  int build(std::uint32_t first, std::uint32_t count, int depth) {
+  // pieces: where smaller subtrees are left to be built; null: nothing is left
+  int build(std::uint32_t first, std::uint32_t count, int depth, std::vector<BinaryNode>& nodes,
+            std::vector<Piece>* pieces) {
+    const int at = int(nodes.size());
+    nodes.emplace_back();
+    if (pieces && count <= piece_size_ && depth > 0) {
+      pieces->push_back({at, first, count, depth, {}});
+      return at;
+    }
     BinaryNode node;
     node.first = first;
     node.count = count;
-    for (std::uint32_t i = first; i < first + count; ++i) node.box.add(boxes[order[i]]);
-    if (count > max_leaf) {
-      const std::uint32_t n_left = divide(node, depth);
-      node.left = build(first, n_left, depth + 1);
-      node.right = build(first + n_left, count - n_left, depth + 1);
+    Box4 middles;
+    for (std::uint32_t i = first; i < first + count; ++i) {
+      const Vec4f middle = items_[i].middle();
+      node.box.add(items_[i].lo, items_[i].hi);
+      middles.add(middle, middle);
     }
-    nodes.push_back(node);
-    return int(nodes.size()) - 1;
+    if (count > std::min(max_leaf_, PAIR)) {
+      const std::uint32_t n_left = divide(node, middles, depth);
+      node.left = build(first, n_left, depth + 1, nodes, pieces);
+      node.right = build(first + n_left, count - n_left, depth + 1, nodes, pieces);
+    }
+    nodes[at] = node;
+    return at;
   }
+
+  unsigned max_leaf_;
+  std::uint32_t piece_size_;  // subtrees with no more boxes are built by one thread
+  std::vector<Item> items_;
 };
 
-// the up to eight binary nodes that stand below `root` in the wide tree
-std::vector<int> open_children(const std::vector<BinaryNode>& nodes, int root) {
-  std::vector<int> children = {root};
-  while (children.size() < BVH_WIDTH) {
-    int widest = -1;
-    for (int k = 0; k < int(children.size()); ++k) {
-      const BinaryNode& child = nodes[children[k]];
-      if (child.left >= 0 && (widest < 0 || child.box.half_area() > nodes[children[widest]].box.half_area()))
-        widest = k;
+// Which binary nodes stand side by side in a wide node, and which become leaves: the choice of least total cost
+// (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs"). cost(n, j):
+// of subtree n as at most j trees,
+//   cost(n, 1) = min(NODE_COST A + shared(n, 8), LEAF_COST A if it is small enough)
+//   cost(n, j) = min(cost(n, j - 1), shared(n, j)),   shared(n, j) = min over k of cost(left, k) + cost(right, j - k)
+class Widening {
+ public:
+  Widening(const std::vector<BinaryNode>& nodes, unsigned max_leaf) : nodes_(nodes), choices_(nodes.size()) {
+    std::vector<std::array<float, BVH_WIDTH + 1>> cost(nodes.size());
+    for (std::size_t i = nodes.size(); i-- > 0;) {
+      const float area = nodes[i].box.half_area();
+      if (nodes[i].left < 0) {
+        cost[i].fill(LEAF_COST * area);
+        choices_[i][1] = LEAF;
+        continue;
+      }
+      share(cost, int(i));
+      cost[i][1] = NODE_COST * area + cost[i][BVH_WIDTH];
+      if (nodes[i].count <= max_leaf && LEAF_COST * area <= cost[i][1]) {
+        cost[i][1] = LEAF_COST * area;
+        choices_[i][1] = LEAF;
+      }
+      for (int j = 2; j < BVH_WIDTH; ++j)  // eight are the node's own children and stay
+        if (cost[i][j - 1] <= cost[i][j]) {
+          cost[i][j] = cost[i][j - 1];
+          choices_[i][j] = FEWER;
+        }
     }
-    if (widest < 0) break;
-    const BinaryNode& opened = nodes[children[widest]];
-    children[widest] = opened.left;
-    children.push_back(opened.right);
   }
-  return children;
-}
 
-void set_slot(BvhNode& node, int k, const Box& box, int child) {
+  bool is_leaf(int node) const { return choices_[node][1] == LEAF; }
+
+  // the up to eight binary nodes below `root` in the wide tree
+  std::vector<int> children(int root) const {
+    std::vector<int> found;
+    if (is_leaf(root))
+      found.push_back(root);
+    else
+      collect_sides(root, BVH_WIDTH, found);
+    return found;
+  }
+
+ private:
+  static constexpr std::uint8_t FEWER = 0, LEAF = 1;  // [j > 1] one tree fewer is as good; [1] it is a leaf
+
+  void share(std::vector<std::array<float, BVH_WIDTH + 1>>& cost, int i) {
+    for (int j = BVH_WIDTH; j > 1; --j) {
+      cost[i][j] = 1e30f;
+      for (int k = 1; k < j; ++k) {
+        const float sum = cost[nodes_[i].left][k] + cost[nodes_[i].right][j - k];
+        if (sum < cost[i][j]) {
+          cost[i][j] = sum;
+          choices_[i][j] = std::uint8_t(k);
+        }
+      }
+    }
+  }
+
+  void collect(int node, int n_trees, std::vector<int>& found) const {
+    while (n_trees > 1 && choices_[node][n_trees] == FEWER) --n_trees;
+    if (n_trees == 1)
+      found.push_back(node);
+    else
+      collect_sides(node, n_trees, found);
+  }
+  void collect_sides(int node, int n_trees, std::vector<int>& found) const {
+    const int n_left = std::max<int>(1, choices_[node][n_trees]);
+    collect(nodes_[node].left, n_left, found);
+    collect(nodes_[node].right, n_trees - n_left, found);
+  }
+
+  const std::vector<BinaryNode>& nodes_;
+  std::vector<std::array<std::uint8_t, BVH_WIDTH + 1>> choices_;  // [j] trees of the left child
+};
+
+void set_slot(BvhNode& node, int k, const Box4& box, int child) {
   node.lo_x[k] = box.lo.x();
   node.hi_x[k] = box.hi.x();
   node.lo_y[k] = box.lo.y();
@@ -136,7 +344,7 @@ void set_slot(BvhNode& node, int k, const Box& box, int child) {
 
 BvhNode empty_node() {
   BvhNode node{};
-  for (int k = 0; k < BVH_WIDTH; ++k) set_slot(node, k, Box{}, BVH_EMPTY);
+  for (int k = 0; k < BVH_WIDTH; ++k) set_slot(node, k, Box4{}, BVH_EMPTY);
   return node;
 }
 
@@ -152,8 +360,9 @@ int stack_need(const Bvh& bvh, int i) {
   return std::max(n_children, n_children - 1 + deepest);
 }
 
-void collapse(const Builder& builder, int binary_root, Bvh& bvh) {
-  std::vector<int> level = {binary_root};  // binary nodes, one per wide node of the level
+void widen(const std::vector<BinaryNode>& nodes, unsigned max_leaf, Bvh& bvh) {
+  const Widening widening(nodes, max_leaf);
+  std::vector<int> level = {0};  // binary nodes, one per wide node of the level
   bvh.nodes = {empty_node()};
   bvh.level_first = {0};
   while (!level.empty()) {
@@ -161,10 +370,10 @@ void collapse(const Builder& builder, int binary_root, Bvh& bvh) {
     std::vector<int> next;
     bvh.level_first.push_back(std::uint32_t(bvh.nodes.size()));
     for (std::size_t i = 0; i < level.size(); ++i) {
-      const std::vector<int> children = open_children(builder.nodes, level[i]);
+      const std::vector<int> children = widening.children(level[i]);
       for (int k = 0; k < int(children.size()); ++k) {
-        const BinaryNode& child = builder.nodes[children[k]];
-        if (child.left < 0) {
+        const BinaryNode& child = nodes[children[k]];
+        if (widening.is_leaf(children[k])) {
           set_slot(bvh.nodes[first + i], k, child.box, ~int(bvh.leaves.size()));
           bvh.leaves.push_back({child.first, child.count});
         } else {
@@ -187,11 +396,9 @@ Bvh build_bvh(std::span<const Box> boxes, unsigned max_leaf) {
     bvh.level_first = {0, 1};
     return bvh;
   }
-  Builder builder{boxes, max_leaf, std::vector<std::uint32_t>(boxes.size()), {}};
-  std::iota(builder.order.begin(), builder.order.end(), 0u);
-  const int root = builder.build(0, std::uint32_t(boxes.size()), 0);
-  collapse(builder, root, bvh);
-  bvh.order = std::move(builder.order);
+  Builder builder(boxes, max_leaf);
+  widen(builder.build(), max_leaf, bvh);
+  for (const Item& item : builder.items()) bvh.order.push_back(item.index());
   bvh.stack_need = stack_need(bvh, 0);
   if (bvh.stack_need > BVH_STACK)
     throw Failure("the bounding volume hierarchy of a mesh with " + std::to_string(boxes.size()) + " triangles needs " +

@@ -1,5 +1,6 @@
-// Bounding volume hierarchies with eight boxes per node, built on the host: a binary tree by the binned surface area
-// heuristic (Wald 2007), collapsed by opening the largest child until eight stand side by side.
+// Bounding volume hierarchies with eight boxes per node, built on the host by several threads: a binary tree by the
+// binned surface area heuristic (Wald 2007), then widened at the least cost (Ylitie, Karras, Laine 2017). The same tree
+// for any number of threads.
 #pragma once
 #include <cstdint>
 #include <span>
