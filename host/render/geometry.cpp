@@ -92,6 +92,7 @@ Instance make_instance(const Eigen::Matrix<double, 3, 4>& to_world, const MeshRa
   instance.root = mesh.first_node;
   instance.light = -1;
   instance.flags = mesh.has_normals ? INSTANCE_NORMALS : 0u;
+  if (to_world == Eigen::Matrix<double, 3, 4>::Identity()) instance.flags |= INSTANCE_UNMOVED;
   return instance;
 }
 

@@ -10,6 +10,7 @@
 
 #define INSTANCE_NORMALS 1u  // the mesh has vertex normals
 #define INSTANCE_CLEAR 2u    // clear glass: shadow rays may pass
+#define INSTANCE_UNMOVED 4u  // the mesh's frame is the world's
 
 // path flags
 #define PATH_SCATTERED 1u  // has met a surface that scatters (diffuse or rough)

@@ -20,8 +20,14 @@ kernel void shadow(const uint n, global const uint* restrict queue, const uint t
   const Trees trees = {top, nodes, blocks, instances};
   const int passes_glass = kind == SHADOW_SURFACE_GLASS || (kind == SHADOW_RECEIVER && transparent_shadows);
   const uint mask = kind == SHADOW_RECEIVER ? MASK_RECEIVERS : MASK_SURFACES;
-  const Transmittance T =
-      transmittance(trees, materials, from.xyz, shadow_direction[slot].xyz, BEFORE_LIGHT, mask, passes_glass);
+  const float3 direction = shadow_direction[slot].xyz;
+  if (!passes_glass) {
+    if (any_hit(trees, from.xyz, direction, BEFORE_LIGHT, mask)) return;
+    const float4 light = shadow_light[slot];
+    radiance[slot] += (float4)(light.xyz * light.w, 0);
+    return;
+  }
+  const Transmittance T = transmittance(trees, materials, from.xyz, direction, BEFORE_LIGHT, mask);
   const float4 light = shadow_light[slot];
   // behind glass the light sample stands alone, see shade.cl
   radiance[slot] += (float4)(light.xyz * T.value * (T.has_crossed ? 1.0f : light.w), 0);

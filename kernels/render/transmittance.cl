@@ -21,11 +21,11 @@ inline float3 block_corner(global const float4* block, const uint corner, const 
 }
 
 // the glass of one block; direction_length turns t into metres. r in the mesh's frame, but t is the same in every frame
-inline void cross_glass(global const float4* block, const BoxRay r, const float t_max, const Material material,
-                        const float direction_length, Transmittance* T) {
-  float4 t, u, v;
+inline void cross_block(global const float4* block, const LeafRay r, const float3 direction, const float t_max,
+                        const Material material, const float direction_length, Transmittance* T) {
+  float4 t;
   int4 is_front;
-  uint hits = block_hits(block, r, t_max, true, &t, &u, &v, &is_front);
+  uint hits = block_crossings(block, r, t_max, &t, &is_front);
   float ts[4];
   int front[4];
   vstore4(t, 0, ts);
@@ -35,7 +35,7 @@ inline void cross_glass(global const float4* block, const BoxRay r, const float 
     const float3 p = block_corner(block, 0, k);
     const float3 normal = normalize(cross(block_corner(block, 1, k) - p, block_corner(block, 2, k) - p));
     // rigid instances: angles in the mesh's frame are those of the world
-    const float cosine = fabs(dot(normal, normalize(r.direction)));
+    const float cosine = fabs(dot(normal, normalize(direction)));
     const float R = fresnel_dielectric(cosine, material.ior);
     T->value *= sqrt((1.0f - R) / (1.0f + R));
     const float way = (front[k] ? -ts[k] : ts[k]) * direction_length;
@@ -44,64 +44,54 @@ inline void cross_glass(global const float4* block, const BoxRay r, const float 
   }
 }
 
-// false: an opaque triangle was met
-inline bool transmit_mesh(const Trees trees, const BoxRay r, const int root, const float t_max, const int is_clear,
-                          const Material material, const float direction_length, Transmittance* T) {
+// all crossings of the glass of one mesh
+TREE_FUNCTION void cross_mesh(const Trees trees, const BoxRay* box, const LeafRay leaf, const float3 direction,
+                              const int root, const float t_max, const Material material, const float direction_length,
+                              Transmittance* T) {
+  const BoxRay r = *box;
   int stack[BVH_STACK];
   int size = 0, current = root;
   for (;;) {
-    if (current >= 0) {
-      global const float8* node = trees.nodes + (size_t)current * 8;
-      global const int* child = (global const int*)(node + 6);
-      float8 entry;
-      for (uint hits = node_hits(node, r, t_max, &entry); hits; hits &= hits - 1)
-        stack[size++] = child[lowest_bit(hits)];
-    } else {
-      global const float4* block = trees.blocks + (size_t)(~current) * 10;
-      if (is_clear) {
-        cross_glass(block, r, t_max, material, direction_length, T);
-      } else {
-        float4 t, u, v;
-        int4 is_front;
-        if (block_hits(block, r, t_max, false, &t, &u, &v, &is_front)) return false;
-      }
-    }
-    if (size == 0) return true;
+    while (current >= 0)
+      if (!descend_any(trees.nodes + (size_t)current * 8, r, t_max, stack, &size, &current)) break;
+    if (current < 0)
+      cross_block(trees.blocks + (size_t)(~current) * 10, leaf, direction, t_max, material, direction_length, T);
+    if (size == 0) return;
     current = stack[--size];
   }
 }
 
-// from the origin to t_max = just short of the light. mask: MASK_...; passes_glass: clear glass attenuates, else it
-// stops
-inline Transmittance transmittance(const Trees trees, global const Material* materials, const float3 origin,
-                                   const float3 direction, const float t_max, const uint mask, const int passes_glass) {
+// one instance on the way of the light, true: it lets it pass. origin, direction: of the world
+ALWAYS_INLINE bool pass_instance(const Trees trees, global const Material* materials, global const Instance* instance,
+                                 const BoxRay* world, const float3 origin, const float3 direction, const float t_max,
+                                 Transmittance* T) {
+  const bool is_moved = !(instance->flags & INSTANCE_UNMOVED);
+  const float3 o = is_moved ? affine_point(instance->to_object, origin) : origin;
+  const float3 d = is_moved ? affine_vector(instance->to_object, direction) : direction;
+  const BoxRay box = is_moved ? make_box_ray(o, d) : *world;
+  const LeafRay leaf = make_leaf_ray(o, d);
+  if (!(instance->flags & INSTANCE_CLEAR)) return !any_in_mesh(trees, &box, leaf, (int)instance->root, t_max);
+  cross_mesh(trees, &box, leaf, d, (int)instance->root, t_max, materials[instance->material], length(direction), T);
+  return true;
+}
+
+// from the origin to t_max = just short of the light, clear glass attenuates; mask: MASK_...
+TREE_FUNCTION Transmittance transmittance(const Trees trees, global const Material* materials, const float3 origin,
+                                          const float3 direction, const float t_max, const uint mask) {
   Transmittance T;
   T.value = 1.0f;
   T.optical = 0.0f;
   T.has_crossed = 0;
-  const BoxRay world = make_ray(origin, direction);
-  const float direction_length = length(direction);
+  const BoxRay world = make_box_ray(origin, direction);
   int stack[BVH_STACK];
   int size = 0, current = 0;
   for (;;) {
-    if (current >= 0) {
-      global const float8* node = trees.top + (size_t)current * 8;
-      global const int* child = (global const int*)(node + 6);
-      float8 entry;
-      for (uint hits = node_hits(node, world, t_max, &entry); hits; hits &= hits - 1)
-        stack[size++] = child[lowest_bit(hits)];
-    } else {
-      global const Instance* instance = trees.instances + (~current);
-      if (instance->mask & mask) {
-        const BoxRay r =
-            make_ray(affine_point(instance->to_object, origin), affine_vector(instance->to_object, direction));
-        const int is_clear = passes_glass && (instance->flags & INSTANCE_CLEAR);
-        if (!transmit_mesh(trees, r, (int)instance->root, t_max, is_clear, materials[instance->material],
-                           direction_length, &T)) {
-          T.value = 0.0f;
-          return T;
-        }
-      }
+    while (current >= 0)
+      if (!descend_any(trees.top + (size_t)current * 8, world, t_max, stack, &size, &current)) break;
+    if (current < 0 && (trees.instances[~current].mask & mask) &&
+        !pass_instance(trees, materials, trees.instances + (~current), &world, origin, direction, t_max, &T)) {
+      T.value = 0.0f;
+      return T;
     }
     if (size == 0) break;
     current = stack[--size];

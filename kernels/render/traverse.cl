@@ -8,6 +8,15 @@
 #include "render/path.h"
 #include "shared/mask.cl"
 
+#define ALWAYS_INLINE inline __attribute__((always_inline))
+// A function with a stack of visits. PoCL keeps the arrays of a kernel's body behind pointers; in a function of its own
+// they lie at fixed places of the frame
+#ifdef PVG_X86_AVX
+#define TREE_FUNCTION __attribute__((noinline))
+#else
+#define TREE_FUNCTION inline
+#endif
+
 // where the trees lie in memory
 typedef struct {
   global const float8* top;     // nodes over instances, each 8 x float8
@@ -23,40 +32,52 @@ typedef struct {
   uint instance;
 } Hit;
 
+// what a node's test takes: t of a box's plane at b is b scale + shift
 typedef struct {
-  float3 origin, direction, inverse;
-  int near_x, near_y, near_z;  // rows of a node
-  int kx, ky, kz;              // z: the largest component of the direction; x, y: so that the three are right-handed
-  float3 shift, shear;         // origin in that order; shear.z = 1 / direction z
+  float3 near_scale, near_shift, far_scale, far_shift;
+  uint near_x, near_y, near_z;  // near planes in a node, the far ones beside them [bytes]
 } BoxRay;
 
-inline float safe_inverse(const float x) { return 1.0f / (fabs(x) > 1e-20f ? x : (x < 0 ? -1e-20f : 1e-20f)); }
+// what a leaf's test takes; z is the largest component of the direction, x and y follow right-handed
+typedef struct {
+  float3 shift, shear;  // origin in that order; direction x and y in units of z, and 1 / direction z
+  uint kx, ky, kz;      // rows of a corner in a block [bytes]
+} LeafRay;
 
-inline BoxRay make_ray(const float3 origin, const float3 direction) {
+// Planes are met at t = (b - o) / d = b scale + shift, one instruction each. The near ones are moved to the ray's
+// origin and the far ones away from it by more than the rounding of that: 5 ulp of t and 2.5 ulp of o / d.
+#define T_SLACK 6e-7f
+#define SHIFT_SLACK 3e-7f
+
+ALWAYS_INLINE BoxRay make_box_ray(const float3 origin, const float3 direction) {
   BoxRay r;
-  r.origin = origin;
-  r.direction = direction;
-  r.inverse = (float3)(safe_inverse(direction.x), safe_inverse(direction.y), safe_inverse(direction.z));
-  r.near_x = r.inverse.x < 0 ? 1 : 0;
-  r.near_y = r.inverse.y < 0 ? 3 : 2;
-  r.near_z = r.inverse.z < 0 ? 5 : 4;
+  // a component of 0 meets no plane; one next to it does, very far away
+  const float3 inverse = 1.0f / copysign(max(fabs(direction), (float3)(1e-20f)), direction);
+  const float3 shift = -origin * inverse, slack = SHIFT_SLACK * fabs(shift);
+  r.near_scale = (1.0f - T_SLACK) * inverse;
+  r.near_shift = (1.0f - T_SLACK) * shift - slack;
+  r.far_scale = (1.0f + T_SLACK) * inverse;
+  r.far_shift = (1.0f + T_SLACK) * shift + slack;
+  r.near_x = as_uint(inverse.x) >> 31 << 5;
+  r.near_y = (as_uint(inverse.y) >> 31 << 5) + 64;
+  r.near_z = (as_uint(inverse.z) >> 31 << 5) + 128;
+  return r;
+}
+
+// without branches, as directions have no order
+ALWAYS_INLINE LeafRay make_leaf_ray(const float3 origin, const float3 direction) {
+  LeafRay r;
   const float3 size = fabs(direction);
-  if (size.z >= size.x && size.z >= size.y) {
-    r.kz = 2;
-    r.shift = origin;
-    r.shear = direction;
-  } else if (size.x >= size.y) {
-    r.kz = 0;
-    r.shift = origin.yzx;
-    r.shear = direction.yzx;
-  } else {
-    r.kz = 1;
-    r.shift = origin.zxy;
-    r.shear = direction.zxy;
-  }
-  r.kx = r.kz == 2 ? 0 : r.kz + 1;
-  r.ky = r.kx == 2 ? 0 : r.kx + 1;
-  r.shear = (float3)(r.shear.x, r.shear.y, 1.0f) / r.shear.z;
+  const uint z = size.z >= max(size.x, size.y) ? 2 : (size.x >= size.y ? 0 : 1);
+  const uint x = z == 2 ? 0 : z + 1, y = x == 2 ? 0 : x + 1;
+  float o[4], d[4];
+  vstore4((float4)(origin, 0), 0, o);
+  vstore4((float4)(direction, 0), 0, d);
+  r.shift = (float3)(o[x], o[y], o[z]);
+  r.shear = (float3)(d[x], d[y], 1.0f) / d[z];
+  r.kx = 16 * x;
+  r.ky = 16 * y;
+  r.kz = 16 * z;
   return r;
 }
 
@@ -69,18 +90,21 @@ inline float3 affine_vector(global const float* m, const float3 x) {
                   m[8] * x.x + m[9] * x.y + m[10] * x.z);
 }
 
+ALWAYS_INLINE float8 plane(global const float8* node, const uint offset) {
+  return *(global const float8*)((global const char*)node + offset);
+}
+
 // bit k: box k of the node is met within (0, t_max); entry: where
-inline uint node_hits(global const float8* node, const BoxRay r, const float t_max, float8* entry) {
-  const float8 nx = (node[r.near_x] - r.origin.x) * r.inverse.x, fx = (node[r.near_x ^ 1] - r.origin.x) * r.inverse.x;
-  const float8 ny = (node[r.near_y] - r.origin.y) * r.inverse.y, fy = (node[r.near_y ^ 1] - r.origin.y) * r.inverse.y;
-  const float8 nz = (node[r.near_z] - r.origin.z) * r.inverse.z, fz = (node[r.near_z ^ 1] - r.origin.z) * r.inverse.z;
+ALWAYS_INLINE uint node_hits(global const float8* node, const BoxRay r, const float t_max, float8* entry) {
+  const float8 nx = plane(node, r.near_x) * r.near_scale.x + r.near_shift.x;
+  const float8 ny = plane(node, r.near_y) * r.near_scale.y + r.near_shift.y;
+  const float8 nz = plane(node, r.near_z) * r.near_scale.z + r.near_shift.z;
+  const float8 fx = plane(node, r.near_x ^ 32) * r.far_scale.x + r.far_shift.x;
+  const float8 fy = plane(node, r.near_y ^ 32) * r.far_scale.y + r.far_shift.y;
+  const float8 fz = plane(node, r.near_z ^ 32) * r.far_scale.z + r.far_shift.z;
   // ternaries, not max(): they become one instruction each
-  float8 t0 = nx > ny ? nx : ny;
-  t0 = t0 > nz ? t0 : nz;
-  t0 = t0 > 0.0f ? t0 : 0.0f;
-  float8 t1 = fx < fy ? fx : fy;
-  t1 = (t1 < fz ? t1 : fz) * 1.0000006f;
-  t1 = t1 < t_max ? t1 : t_max;
+  const float8 n = nx > ny ? nx : ny, m = nz > 0.0f ? nz : 0.0f, t0 = n > m ? n : m;
+  const float8 f = fx < fy ? fx : fy, g = fz < t_max ? fz : t_max, t1 = f < g ? f : g;
   *entry = t0;
   return mask8(t0 <= t1);
 }
@@ -90,58 +114,143 @@ inline int4 owns_edge(const float4 px, const float4 py, const float4 qx, const f
   return (qy > py) | ((qy == py) & (qx > px));
 }
 
-// Bit k: triangle k of the block is met within (0, t_max); t, u, v of each; is_front: met against its normal. The ray
-// becomes the z axis by a shear, then the signs of three areas decide. Two triangles compute the area of their common
-// edge from the same products, so no ray slips through between them (Woop, Benthin, Wald 2013). Both have a hit on it,
-// or with counts_once only its owner.
-inline uint block_hits(global const float4* b, const BoxRay r, const float t_max, const bool counts_once, float4* t,
-                       float4* u, float4* v, int4* is_front) {
+// Four triangles seen along the ray, which becomes the z axis by a shear: corners a, b, c and the areas opposite to
+// them.
+typedef struct {
+  float4 ax, ay, az, bx, by, bz, cx, cy, cz;
+  float4 area_a, area_b, area_c;
+} Sheared;
+
+ALWAYS_INLINE float4 row(global const float4* corner, const uint offset) {
+  return *(global const float4*)((global const char*)corner + offset);
+}
+
+// Bits k: the ray passes through triangle k, forward or backward. The signs of three areas decide. Two triangles
+// compute the area of their common edge from the same products, so no ray slips through between them (Woop, Benthin,
+// Wald 2013); both have a hit on it.
+ALWAYS_INLINE int4 shear_block(global const float4* b, const LeafRay r, Sheared* s) {
+  s->az = row(b, r.kz) - r.shift.z;
+  s->bz = row(b + 3, r.kz) - r.shift.z;
+  s->cz = row(b + 6, r.kz) - r.shift.z;
+  s->ax = row(b, r.kx) - r.shift.x - r.shear.x * s->az;
+  s->ay = row(b, r.ky) - r.shift.y - r.shear.y * s->az;
+  s->bx = row(b + 3, r.kx) - r.shift.x - r.shear.x * s->bz;
+  s->by = row(b + 3, r.ky) - r.shift.y - r.shear.y * s->bz;
+  s->cx = row(b + 6, r.kx) - r.shift.x - r.shear.x * s->cz;
+  s->cy = row(b + 6, r.ky) - r.shift.y - r.shear.y * s->cz;
+  {
+    // a product of its own for each, or an edge's two areas would round differently
 #pragma OPENCL FP_CONTRACT OFF
-  const float4 az = b[r.kz] - r.shift.z, bz = b[3 + r.kz] - r.shift.z, cz = b[6 + r.kz] - r.shift.z;
-  const float4 ax = b[r.kx] - r.shift.x - r.shear.x * az, ay = b[r.ky] - r.shift.y - r.shear.y * az;
-  const float4 bx = b[3 + r.kx] - r.shift.x - r.shear.x * bz, by = b[3 + r.ky] - r.shift.y - r.shear.y * bz;
-  const float4 cx = b[6 + r.kx] - r.shift.x - r.shear.x * cz, cy = b[6 + r.ky] - r.shift.y - r.shear.y * cz;
-  const float4 area_a = cx * by - cy * bx, area_b = ax * cy - ay * cx, area_c = bx * ay - by * ax;
-  const float4 det = area_a + area_b + area_c;
-  int4 inside = ((area_a >= 0.0f) & (area_b >= 0.0f) & (area_c >= 0.0f)) |
-                ((area_a <= 0.0f) & (area_b <= 0.0f) & (area_c <= 0.0f));
-  if (!mask4(inside)) return 0;
-  const int4 edge_a = area_a == 0.0f, edge_b = area_b == 0.0f, edge_c = area_c == 0.0f;
-  if (counts_once && mask4(inside & (edge_a | edge_b | edge_c))) {
-    inside &= ~(edge_a & ~owns_edge(bx, by, cx, cy)) & ~(edge_b & ~owns_edge(cx, cy, ax, ay)) &
-              ~(edge_c & ~owns_edge(ax, ay, bx, by));
+    s->area_a = s->cx * s->by - s->cy * s->bx;
+    s->area_b = s->ax * s->cy - s->ay * s->cx;
+    s->area_c = s->bx * s->ay - s->by * s->ax;
   }
-  const float4 inverse = 1.0f / det;  // of a degenerate triangle not finite: t then fails its test
-  *t = (area_a * az + area_b * bz + area_c * cz) * r.shear.z * inverse;
-  *u = area_b * inverse;
-  *v = area_c * inverse;
+  // all of one sign; ternaries become one instruction each
+  const float4 ab_low = s->area_a < s->area_b ? s->area_a : s->area_b, low = ab_low < s->area_c ? ab_low : s->area_c;
+  const float4 ab_high = s->area_a > s->area_b ? s->area_a : s->area_b, high = ab_high > s->area_c ? ab_high : s->area_c;
+  return (low >= 0.0f) | (high <= 0.0f);
+}
+
+// bit k: triangle k of the block is met within (0, t_max); t, u, v of each
+ALWAYS_INLINE uint block_hits(global const float4* b, const LeafRay r, const float t_max, float4* t, float4* u, float4* v) {
+  Sheared s;
+  const int4 inside = shear_block(b, r, &s);
+  if (!mask4(inside)) return 0;
+  // of a degenerate triangle not finite: t then fails its test
+  const float4 inverse = 1.0f / (s.area_a + s.area_b + s.area_c);
+  *t = (s.area_a * s.az + s.area_b * s.bz + s.area_c * s.cz) * r.shear.z * inverse;
+  *u = s.area_b * inverse;
+  *v = s.area_c * inverse;
+  return mask4(inside & (*t > 0.0f) & (*t < t_max));
+}
+
+// The same where a common edge must count once, for its owner alone; is_front: met against its normal.
+inline uint block_crossings(global const float4* b, const LeafRay r, const float t_max, float4* t, int4* is_front) {
+  Sheared s;
+  int4 inside = shear_block(b, r, &s);
+  if (!mask4(inside)) return 0;
+  inside &= ~((s.area_a == 0.0f) & ~owns_edge(s.bx, s.by, s.cx, s.cy)) &
+            ~((s.area_b == 0.0f) & ~owns_edge(s.cx, s.cy, s.ax, s.ay)) &
+            ~((s.area_c == 0.0f) & ~owns_edge(s.ax, s.ay, s.bx, s.by));
+  const float4 det = s.area_a + s.area_b + s.area_c;
+  *t = (s.area_a * s.az + s.area_b * s.bz + s.area_c * s.cz) * r.shear.z / det;
   *is_front = det > 0.0f;
   return mask4(inside & (*t > 0.0f) & (*t < t_max));
 }
 
-// children onto the stack, the nearest on top
-inline int push_sorted(uint hits, global const int* child, const float8 entry, int* stack, float* stack_t, int size) {
-  float t[8];
-  vstore8(entry, 0, t);
-  const int base = size;
-  for (; hits; hits &= hits - 1) {
-    const uint k = lowest_bit(hits);
-    int j = size++;
-    while (j > base && stack_t[j - 1] < t[k]) {
-      stack_t[j] = stack_t[j - 1];
-      stack[j] = stack[j - 1];
-      --j;
-    }
-    stack_t[j] = t[k];
-    stack[j] = child[k];
+// What is yet to visit: where it begins above, a child below, so that the order of the numbers is the order of the
+// visits (t >= 0).
+typedef ulong Visit;
+inline Visit make_visit(const float t, const int child) { return ((ulong)as_uint(t) << 32) | (uint)child; }
+
+// the children that are met: the nearest becomes *current, the others go onto the stack, the nearest on top; false:
+// none is met. One to three, the usual, are sorted without branches
+ALWAYS_INLINE bool descend(global const float8* node, const BoxRay r, const float t_max, Visit* stack, int* size,
+                    int* current) {
+  float8 entry;
+  uint hits = node_hits(node, r, t_max, &entry);
+  if (!hits) return false;
+  global const int* child = (global const int*)(node + 6);
+  uint k = lowest_bit(hits);
+  hits &= hits - 1;
+  if (!hits) {
+    *current = child[k];
+    return true;
   }
-  return size;
+  float t[8] __attribute__((aligned(32)));
+  vstore8(entry, 0, t);
+  Visit a = make_visit(t[k], child[k]);
+  k = lowest_bit(hits);
+  hits &= hits - 1;
+  const Visit b = make_visit(t[k], child[k]);
+  Visit far = a > b ? a : b;
+  a = a > b ? b : a;
+  if (!hits) {
+    stack[(*size)++] = far;
+    *current = (int)(uint)a;
+    return true;
+  }
+  k = lowest_bit(hits);
+  hits &= hits - 1;
+  const Visit c = make_visit(t[k], child[k]);
+  Visit middle = far > c ? c : far;
+  far = far > c ? far : c;
+  const Visit near = a > middle ? middle : a;
+  middle = a > middle ? a : middle;
+  const int base = *size;
+  stack[base] = far;
+  stack[base + 1] = middle;
+  *size += 2;
+  if (!hits) {
+    *current = (int)(uint)near;
+    return true;
+  }
+  stack[(*size)++] = near;
+  for (; hits; hits &= hits - 1) {
+    k = lowest_bit(hits);
+    const Visit visit = make_visit(t[k], child[k]);
+    int j = (*size)++;
+    for (; j > base && stack[j - 1] < visit; --j) stack[j] = stack[j - 1];
+    stack[j] = visit;
+  }
+  *current = (int)(uint)stack[--(*size)];
+  return true;
 }
 
-inline void closest_in_block(global const float4* block, const BoxRay r, const uint instance, Hit* hit) {
+// the next visit that begins before t_max; false: none is left
+ALWAYS_INLINE bool next_visit(const Visit* stack, const float t_max, int* size, int* current) {
+  while (*size > 0) {
+    const Visit visit = stack[--(*size)];
+    if (as_float((uint)(visit >> 32)) >= t_max) continue;
+    *current = (int)(uint)visit;
+    return true;
+  }
+  return false;
+}
+
+ALWAYS_INLINE void closest_in_block(global const float4* block, const LeafRay r, const uint instance, Hit* hit) {
   float4 t, u, v;
-  int4 is_front;
-  uint hits = block_hits(block, r, hit->t, false, &t, &u, &v, &is_front);
+  uint hits = block_hits(block, r, hit->t, &t, &u, &v);
   if (!hits) return;
   float ts[4], us[4], vs[4];
   vstore4(t, 0, ts);
@@ -158,57 +267,101 @@ inline void closest_in_block(global const float4* block, const BoxRay r, const u
   }
 }
 
-// closest hit in one mesh; r in the mesh's frame
-inline void closest_in_mesh(const Trees trees, const BoxRay r, const uint instance, const int root, Hit* hit) {
-  int stack[BVH_STACK];
-  float stack_t[BVH_STACK];
+// closest hit in one mesh; the rays are in the mesh's frame
+TREE_FUNCTION void closest_in_mesh(const Trees trees, const BoxRay* box, const LeafRay leaf, const uint instance,
+                                   const int root, Hit* hit) {
+  const BoxRay r = *box;
+  Hit nearest = *hit;
+  Visit stack[BVH_STACK];
   int size = 0, current = root;
-  for (;;) {
-    if (current >= 0) {
-      global const float8* node = trees.nodes + (size_t)current * 8;
-      float8 entry;
-      const uint hits = node_hits(node, r, hit->t, &entry);
-      global const int* child = (global const int*)(node + 6);
-      if (hits && !(hits & (hits - 1))) {
-        current = child[lowest_bit(hits)];
-        continue;
-      }
-      size = push_sorted(hits, child, entry, stack, stack_t, size);
-    } else {
-      closest_in_block(trees.blocks + (size_t)(~current) * 10, r, instance, hit);
-    }
-    do {
-      if (size == 0) return;
-      --size;
-    } while (stack_t[size] >= hit->t);
-    current = stack[size];
-  }
+  do {
+    while (current >= 0)
+      if (!descend(trees.nodes + (size_t)current * 8, r, nearest.t, stack, &size, &current)) break;
+    if (current < 0) closest_in_block(trees.blocks + (size_t)(~current) * 10, leaf, instance, &nearest);
+  } while (next_visit(stack, nearest.t, &size, &current));
+  *hit = nearest;
 }
 
 // closest hit of the scene; hit->t on entry is the largest allowed
-inline void closest_hit(const Trees trees, const float3 origin, const float3 direction, Hit* hit) {
-  const BoxRay world = make_ray(origin, direction);
+ALWAYS_INLINE void closest_hit(const Trees trees, const float3 origin, const float3 direction, Hit* hit) {
+  const BoxRay world = make_box_ray(origin, direction);
+  Visit stack[BVH_STACK];
+  int size = 0, current = 0;
+  do {
+    while (current >= 0)
+      if (!descend(trees.top + (size_t)current * 8, world, hit->t, stack, &size, &current)) break;
+    if (current >= 0) continue;
+    const uint i = (uint)(~current);
+    global const Instance* instance = trees.instances + i;
+    if (instance->flags & INSTANCE_UNMOVED) {
+      closest_in_mesh(trees, &world, make_leaf_ray(origin, direction), i, (int)instance->root, hit);
+    } else {
+      const float3 o = affine_point(instance->to_object, origin), d = affine_vector(instance->to_object, direction);
+      const BoxRay moved = make_box_ray(o, d);
+      closest_in_mesh(trees, &moved, make_leaf_ray(o, d), i, (int)instance->root, hit);
+    }
+  } while (next_visit(stack, hit->t, &size, &current));
+}
+
+// bits k: triangle k of the block is met within (0, t_max); t = numerator / det without the division
+ALWAYS_INLINE uint block_any(global const float4* b, const LeafRay r, const float t_max) {
+  Sheared s;
+  const int4 inside = shear_block(b, r, &s);
+  if (!mask4(inside)) return 0;
+  const float4 det = s.area_a + s.area_b + s.area_c;
+  const int4 sign = as_int4(det) & (int4)(0x80000000);
+  const float4 t = as_float4(as_int4((s.area_a * s.az + s.area_b * s.bz + s.area_c * s.cz) * r.shear.z) ^ sign);
+  return mask4(inside & (t > 0.0f) & (t < t_max * fabs(det)));
+}
+
+// one of the children that are met becomes *current, the others go onto the stack, in no order; false: none is met
+ALWAYS_INLINE bool descend_any(global const float8* node, const BoxRay r, const float t_max, int* stack, int* size,
+                               int* current) {
+  float8 entry;
+  uint hits = node_hits(node, r, t_max, &entry);
+  if (!hits) return false;
+  global const int* child = (global const int*)(node + 6);
+  *current = child[lowest_bit(hits)];
+  for (hits &= hits - 1; hits; hits &= hits - 1) stack[(*size)++] = child[lowest_bit(hits)];
+  return true;
+}
+
+// is a triangle of the mesh met within (0, t_max)? The rays are in the mesh's frame
+TREE_FUNCTION bool any_in_mesh(const Trees trees, const BoxRay* box, const LeafRay leaf, const int root,
+                               const float t_max) {
+  const BoxRay r = *box;
   int stack[BVH_STACK];
-  float stack_t[BVH_STACK];
+  int size = 0, current = root;
+  for (;;) {
+    while (current >= 0)
+      if (!descend_any(trees.nodes + (size_t)current * 8, r, t_max, stack, &size, &current)) break;
+    if (current < 0 && block_any(trees.blocks + (size_t)(~current) * 10, leaf, t_max)) return true;
+    if (size == 0) return false;
+    current = stack[--size];
+  }
+}
+
+// the same of all instances that the mask names (MASK_...)
+ALWAYS_INLINE bool any_hit(const Trees trees, const float3 origin, const float3 direction, const float t_max,
+                           const uint mask) {
+  const BoxRay world = make_box_ray(origin, direction);
+  int stack[BVH_STACK];
   int size = 0, current = 0;
   for (;;) {
-    if (current >= 0) {
-      global const float8* node = trees.top + (size_t)current * 8;
-      float8 entry;
-      const uint hits = node_hits(node, world, hit->t, &entry);
-      size = push_sorted(hits, (global const int*)(node + 6), entry, stack, stack_t, size);
-    } else {
-      const uint i = (uint)(~current);
-      global const Instance* instance = trees.instances + i;
-      const BoxRay r =
-          make_ray(affine_point(instance->to_object, origin), affine_vector(instance->to_object, direction));
-      closest_in_mesh(trees, r, i, (int)instance->root, hit);
+    while (current >= 0)
+      if (!descend_any(trees.top + (size_t)current * 8, world, t_max, stack, &size, &current)) break;
+    if (current < 0 && (trees.instances[~current].mask & mask)) {
+      global const Instance* instance = trees.instances + (~current);
+      if (instance->flags & INSTANCE_UNMOVED) {
+        if (any_in_mesh(trees, &world, make_leaf_ray(origin, direction), (int)instance->root, t_max)) return true;
+      } else {
+        const float3 o = affine_point(instance->to_object, origin), d = affine_vector(instance->to_object, direction);
+        const BoxRay moved = make_box_ray(o, d);
+        if (any_in_mesh(trees, &moved, make_leaf_ray(o, d), (int)instance->root, t_max)) return true;
+      }
     }
-    do {
-      if (size == 0) return;
-      --size;
-    } while (stack_t[size] >= hit->t);
-    current = stack[size];
+    if (size == 0) return false;
+    current = stack[--size];
   }
 }
 #endif

@@ -27,6 +27,12 @@ inline uint mask4(const int4 is_true) {
 }
 
 // index of the lowest set bit, m != 0
-inline uint lowest_bit(const uint m) { return 31u - clz(m & (0u - m)); }
+inline uint lowest_bit(const uint m) {
+#ifdef PVG_X86_AVX
+  return (uint)__builtin_ctz(m);
+#else
+  return 31u - clz(m & (0u - m));
+#endif
+}
 
 #endif

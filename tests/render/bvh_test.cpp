@@ -20,7 +20,7 @@ const char* const brute_force = R"(
 kernel void find(const uint n, const uint n_instances, global const uint* n_blocks, global const uint* first_block,
                  global const float8* top, global const float8* nodes, global const float4* blocks,
                  global const Instance* instances, global const Material* materials, global const float4* origin,
-                 global const float4* direction, global float4* by_tree, global float4* by_loop, global uint* any) {
+                 global const float4* direction, global float4* by_tree, global float4* by_loop, global uint* any, global float* through) {
   const uint i = get_global_id(0);
   if (i >= n) return;
   const Trees trees = {top, nodes, blocks, instances};
@@ -28,12 +28,13 @@ kernel void find(const uint n, const uint n_instances, global const uint* n_bloc
   Hit a = {INFINITY, 0, 0, NO_TRIANGLE, 0}, b = a;
   closest_hit(trees, o, d, &a);
   for (uint k = 0; k < n_instances; ++k) {
-    const BoxRay r = make_ray(affine_point(instances[k].to_object, o), affine_vector(instances[k].to_object, d));
+    const LeafRay r = make_leaf_ray(affine_point(instances[k].to_object, o), affine_vector(instances[k].to_object, d));
     for (uint j = 0; j < n_blocks[k]; ++j) closest_in_block(blocks + (first_block[k] + j) * 10, r, k, &b);
   }
   by_tree[i] = (float4)(a.t, a.u, a.v, as_float(a.triangle + (a.instance << 24)));
   by_loop[i] = (float4)(b.t, b.u, b.v, as_float(b.triangle + (b.instance << 24)));
-  any[i] = transmittance(trees, materials, o, d, 1.0f, 1, 0).value.x == 0;
+  any[i] = any_hit(trees, o, d, 1.0f, 1);
+  through[i] = transmittance(trees, materials, o, d, 1.0f, 1).value.x;
 })";
 
 struct World {
@@ -98,14 +99,16 @@ int expect_equal(Device& device, World& world, const Buffer<BvhNode>& nodes, con
   Kernel find = Program::from_text(device, "find", brute_force, options).kernel("find");
   Buffer<F32x4> by_tree(device, n, "by_tree"), by_loop(device, n, "by_loop");
   Buffer<std::uint32_t> any(device, n, "any");
+  Buffer<float> through(device, n, "through");
   find(n, std::uint32_t(n), std::uint32_t(world.instances.size()), Buffer<std::uint32_t>(device, n_blocks, "n_blocks"),
        Buffer<std::uint32_t>(device, first_block, "first_block"),
        Buffer<BvhNode>(device, build_instance_tree(world.boxes), "top"), nodes, blocks,
        Buffer<Instance>(device, world.instances, "instances"), Buffer<Material>(device, 1, "materials"),
        Buffer<F32x4>(device, rays.origin, "origin"), Buffer<F32x4>(device, rays.direction, "direction"), by_tree,
-       by_loop, any);
+       by_loop, any, through);
   const std::vector<F32x4> a = by_tree.read(), b = by_loop.read();
   const std::vector<std::uint32_t> is_shadowed = any.read();
+  const std::vector<float> arrives = through.read();
   int n_hits = 0, n_wrong = 0;
   for (std::size_t i = 0; i < n; ++i) {
     n_hits += std::isfinite(b[i].v[0]);
@@ -113,7 +116,7 @@ int expect_equal(Device& device, World& world, const Buffer<BvhNode>& nodes, con
     const float t = b[i].v[0];
     n_wrong += !(a[i].v[0] == t || std::abs(a[i].v[0] - t) <= tolerance * t);
     if (std::abs(t - 1) <= tolerance) continue;
-    n_wrong += (is_shadowed[i] != 0) != (t < 1.0f);
+    n_wrong += (is_shadowed[i] != 0) != (t < 1.0f) || (arrives[i] == 0) != (t < 1.0f);
   }
   EXPECT_EQ(n_wrong, 0) << "of " << n << " rays, options " << options;
   return n_hits;
