@@ -4,20 +4,11 @@
 #include "host/base/error.hpp"
 #include "pipeline/bench/physics.hpp"
 #include "pipeline/commands.hpp"
+#include "pipeline/data_folder.hpp"
 #include "pipeline/stop_signal.hpp"
 
 namespace pvg {
 namespace {
-
-namespace fs = std::filesystem;
-
-// data, of the installation or of the source tree
-fs::path data_folder() {
-  std::error_code ignored;
-  const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
-  const fs::path installed = program.parent_path().parent_path() / "share/phyvisgen/data";
-  return fs::exists(installed / "bench", ignored) ? installed : fs::path(PVG_DATA_SOURCE_FOLDER);
-}
 
 std::vector<PhysicsBenchmark> chosen(const std::vector<std::string>& names) {
   if (names.empty()) return physics_benchmarks();

@@ -229,16 +229,14 @@ void bench_rays(const BenchRenderOptions& options, std::size_t n, RenderFigures&
 // a mesh of 100k triangles that moves: its tree refitted on the device, and made anew and sent there
 void bench_trees(const BenchRenderOptions& options, RenderFigures& figures) {
   Device device(options.device);
-  VisualMesh mesh = bench_room(100000);
+  const VisualMesh mesh = bench_room(100000);
   GeometryArrays geometry;
-  const MeshRange range = geometry.add(mesh, "bench");
+  MeshRange range = geometry.add(mesh, "bench", true);
   Buffer<BvhNode> nodes(device, geometry.nodes, "nodes");
   Buffer<TriangleBlock> blocks(device, geometry.blocks, "blocks");
   const Buffer<std::uint32_t> triangles(device, geometry.triangles, "triangles");
   for (Vertex& vertex : geometry.vertices) vertex.point[2] += 0.1f * std::sin(vertex.point[0]);
   const Buffer<Vertex> vertices(device, geometry.vertices, "vertices");
-  for (std::size_t i = 0; i < mesh.points.size(); ++i)
-    mesh.points[i] = Eigen::Map<const Vec3f>(geometry.vertices[i].point);
   Refit refit(device);
   figures.tree_triangles = mesh.triangles.size();
   figures.refit = measure(options.repeats, [&] {
@@ -246,12 +244,7 @@ void bench_trees(const BenchRenderOptions& options, RenderFigures& figures) {
     device.finish();
   });
   figures.rebuild = measure(options.repeats, [&] {
-    const Bvh bvh = build_bvh(triangle_boxes(mesh.points, mesh.triangles), 4);
-    const std::vector<TriangleBlock> packed = pack_blocks(bvh, mesh.points, mesh.triangles, 0);
-    nodes.resize(bvh.nodes.size());
-    nodes.write(bvh.nodes);
-    blocks.resize(packed.size());
-    blocks.write(packed);
+    rebuild(range, mesh.triangles, vertices, blocks, nodes);
     device.finish();
   });
 }

@@ -18,7 +18,6 @@ constexpr std::uint32_t SMALL = 96;  // nodes with fewer boxes have fewer bins
 constexpr std::uint32_t FEW = 8;     // nodes with no more boxes try every split
 constexpr unsigned PAIR = 2;         // two triangles stay together: most are halves of a quadrilateral
 constexpr int MEDIAN_DEPTH = 40;     // deeper than this the halves are made equal, so that the depth stays bounded
-constexpr float NODE_COST = 1, LEAF_COST = 2;  // time of a node's and of a leaf's test, measured on a CPU
 
 // A box and its index, which move together while they are sorted. Four numbers in one register; the last one of lo
 // carries the index above the bits of 1.0, because denormal numbers are slow.
@@ -260,7 +259,7 @@ class Builder {
 // Which binary nodes stand side by side in a wide node, and which become leaves: the choice of least total cost
 // (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs"). cost(n, j):
 // of subtree n as at most j trees,
-//   cost(n, 1) = min(NODE_COST A + shared(n, 8), LEAF_COST A if it is small enough)
+//   cost(n, 1) = min(BVH_NODE_COST A + shared(n, 8), BVH_LEAF_COST A if it is small enough)
 //   cost(n, j) = min(cost(n, j - 1), shared(n, j)),   shared(n, j) = min over k of cost(left, k) + cost(right, j - k)
 class Widening {
  public:
@@ -269,14 +268,14 @@ class Widening {
     for (std::size_t i = nodes.size(); i-- > 0;) {
       const float area = nodes[i].box.half_area();
       if (nodes[i].left < 0) {
-        cost[i].fill(LEAF_COST * area);
+        cost[i].fill(BVH_LEAF_COST * area);
         choices_[i][1] = LEAF;
         continue;
       }
       share(cost, int(i));
-      cost[i][1] = NODE_COST * area + cost[i][BVH_WIDTH];
-      if (nodes[i].count <= max_leaf && LEAF_COST * area <= cost[i][1]) {
-        cost[i][1] = LEAF_COST * area;
+      cost[i][1] = BVH_NODE_COST * area + cost[i][BVH_WIDTH];
+      if (nodes[i].count <= max_leaf && BVH_LEAF_COST * area <= cost[i][1]) {
+        cost[i][1] = BVH_LEAF_COST * area;
         choices_[i][1] = LEAF;
       }
       for (int j = 2; j < BVH_WIDTH; ++j)  // eight are the node's own children and stay

@@ -8,6 +8,8 @@
 namespace pvg {
 namespace {
 
+constexpr unsigned TRIANGLES_PER_BLOCK = 4;
+
 void check(const VisualMesh& mesh, const std::string& name) {
   const std::string where = "visual mesh " + name + ": ";
   if (mesh.points.empty() || mesh.triangles.empty())
@@ -44,7 +46,19 @@ Vertex make_vertex(const VisualMesh& mesh, std::size_t i) {
 
 }  // namespace
 
-MeshRange GeometryArrays::add(const VisualMesh& mesh, const std::string& name) {
+PackedTree pack_tree(const MeshRange& range, std::span<const Vec3f> points, std::span<const Triangle> triangles) {
+  Bvh bvh = build_bvh(triangle_boxes(points, triangles), TRIANGLES_PER_BLOCK);
+  PackedTree tree;
+  tree.blocks = pack_blocks(bvh, points, triangles, range.first_triangle);
+  tree.level_first = std::move(bvh.level_first);
+  tree.nodes = std::move(bvh.nodes);
+  for (BvhNode& node : tree.nodes)
+    for (int& child : node.child)
+      if (child != BVH_EMPTY) child = child >= 0 ? child + int(range.first_node) : ~(~child + int(range.first_block));
+  return tree;
+}
+
+MeshRange GeometryArrays::add(const VisualMesh& mesh, const std::string& name, bool deforms) {
   check(mesh, name);
   MeshRange range;
   range.first_vertex = std::uint32_t(vertices.size());
@@ -61,18 +75,17 @@ MeshRange GeometryArrays::add(const VisualMesh& mesh, const std::string& name) {
   for (const Triangle& triangle : mesh.triangles)
     for (const std::uint32_t corner : triangle) triangles.push_back(range.first_vertex + corner);
 
-  const Bvh bvh = build_bvh(triangle_boxes(mesh.points, mesh.triangles), 4);
-  range.level_first = bvh.level_first;
-  for (BvhNode node : bvh.nodes) {
-    for (int& child : node.child) {
-      if (child == BVH_EMPTY) continue;
-      child = child >= 0 ? child + int(range.first_node) : ~(~child + int(range.first_block));
-    }
-    nodes.push_back(node);
+  const PackedTree tree = pack_tree(range, mesh.points, mesh.triangles);
+  range.level_first = tree.level_first;
+  range.n_blocks = std::uint32_t(tree.blocks.size());
+  nodes.insert(nodes.end(), tree.nodes.begin(), tree.nodes.end());
+  blocks.insert(blocks.end(), tree.blocks.begin(), tree.blocks.end());
+  if (deforms) {
+    nodes.resize(nodes.size() + tree.nodes.size() / 4 + 8);
+    blocks.resize(blocks.size() + tree.blocks.size() / 4 + 8);
   }
-  const std::vector<TriangleBlock> packed = pack_blocks(bvh, mesh.points, mesh.triangles, range.first_triangle);
-  blocks.insert(blocks.end(), packed.begin(), packed.end());
-  range.n_blocks = std::uint32_t(packed.size());
+  range.node_room = std::uint32_t(nodes.size()) - range.first_node;
+  range.block_room = std::uint32_t(blocks.size()) - range.first_block;
   return range;
 }
 

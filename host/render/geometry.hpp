@@ -13,8 +13,8 @@ namespace pvg {
 struct MeshRange {
   std::uint32_t first_vertex = 0, n_vertices = 0;
   std::uint32_t first_triangle = 0, n_triangles = 0;
-  std::uint32_t first_block = 0, n_blocks = 0;
-  std::uint32_t first_node = 0;            // the root
+  std::uint32_t first_block = 0, n_blocks = 0, block_room = 0;  // room: places kept for it, at least those in use
+  std::uint32_t first_node = 0, node_room = 0;                  // first: the root
   std::vector<std::uint32_t> level_first;  // nodes of each level, from first_node on, then the number of nodes
   bool has_normals = false;
   Box box;  // in the mesh's frame
@@ -26,9 +26,19 @@ struct GeometryArrays {
   std::vector<BvhNode> nodes;
   std::vector<TriangleBlock> blocks;
 
-  // `name` is for messages. Refuses indices out of range, wrong lengths and numbers that are not finite.
-  MeshRange add(const VisualMesh& mesh, const std::string& name);
+  // `name` is for messages. Refuses indices out of range, wrong lengths and numbers that are not finite. A mesh that
+  // deforms gets room for the trees that it may need later.
+  MeshRange add(const VisualMesh& mesh, const std::string& name, bool deforms = false);
 };
+
+// A tree as it lies in the shared arrays.
+struct PackedTree {
+  std::vector<BvhNode> nodes;         // from MeshRange::first_node on
+  std::vector<TriangleBlock> blocks;  // from MeshRange::first_block on
+  std::vector<std::uint32_t> level_first;
+};
+// Triangles name points of the mesh; in the tree they count from range.first_triangle.
+PackedTree pack_tree(const MeshRange& range, std::span<const Vec3f> points, std::span<const Triangle> triangles);
 
 // rows of [A | p]: maps of one instance. `to_world` in double; throws a UsageError naming `name` where it is singular.
 Instance make_instance(const Eigen::Matrix<double, 3, 4>& to_world, const MeshRange& mesh, const std::string& name);

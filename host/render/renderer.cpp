@@ -136,7 +136,7 @@ Renderer::Impl::Shown Renderer::Impl::add_visual(const Visual& visual, GeometryA
       const Cloth& cloth = scene.cloths[visual.cloth];
       soft_visuals.emplace_back(device, cloth.name, cloth.mesh.points, cloth.mesh.triangles, visual);
     }
-    entry.mesh = geometry.add(soft_visuals.back().mesh(), visual.name);
+    entry.mesh = geometry.add(soft_visuals.back().mesh(), visual.name, true);
     return entry;
   }
   if (visual.mesh < 0) throw UsageError("visual " + visual.name + ": it has no mesh");
@@ -231,7 +231,7 @@ void Renderer::set_state(const SceneState& state) {
                      std::to_string(scene.soft_bodies.size()) + " and " + std::to_string(scene.cloths.size()));
   const std::size_t n_visuals = scene.visuals.size();
   for (std::size_t i = 0; i < r.shown.size(); ++i) {
-    const Impl::Shown& shown = r.shown[i];
+    Impl::Shown& shown = r.shown[i];
     r.instances[i] = i < n_visuals ? r.visual_instance(i, state) : r.light_instance(i - n_visuals);
     Box box = shown.mesh.box;
     if (shown.soft >= 0) {

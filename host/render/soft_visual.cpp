@@ -7,6 +7,8 @@ namespace {
 
 // edges sharper than this stay sharp when the surface is subdivided: a finger's ribs keep their shape [rad]
 constexpr double CREASE_ANGLE = 0.7;
+// a tree that costs so much more than when it was built is built anew
+constexpr float BAD_COST = 1.4f;
 constexpr int MAX_LEVELS = 4;  // each level has four times the triangles
 
 Subdivision subdivide(const std::string& body, const std::vector<Vec3>& points, const std::vector<Triangle>& surface,
@@ -31,9 +33,17 @@ SoftVisual::SoftVisual(Device& device, const std::vector<Vec3>& points, const Su
   mesh_.triangles = subdivision.triangles;
 }
 
-Box SoftVisual::follow(const std::vector<Vec3>& nodes, const MeshRange& range, DeviceScene& scene) {
+Box SoftVisual::follow(const std::vector<Vec3>& nodes, MeshRange& range, DeviceScene& scene) {
   dual_mesh_.follow(nodes, scene.vertices, range.first_vertex);
-  refit_(range, scene.triangles, scene.vertices, scene.trees.blocks, scene.trees.nodes);
+  Buffer<TriangleBlock>& blocks = scene.trees.blocks;
+  refit_(range, scene.triangles, scene.vertices, blocks, scene.trees.nodes);
+  const float cost = refit_.cost(range, scene.trees.nodes);
+  if (cost_when_built_ == 0) {
+    cost_when_built_ = cost;
+  } else if (cost > BAD_COST * cost_when_built_) {
+    const bool is_new = rebuild(range, mesh_.triangles, scene.vertices, blocks, scene.trees.nodes);
+    cost_when_built_ = is_new ? refit_.cost(range, scene.trees.nodes) : cost;
+  }
   Box box;
   for (const Vec3& node : nodes) box.add(node.cast<float>());
   return box;

@@ -73,3 +73,19 @@ kernel void refit_nodes(const uint n, const uint first, global const TriangleBlo
     node->hi_z[k] = hi[2];
   }
 }
+
+// What rays pay for the children of each node, by the surface area heuristic  [n, m^2]
+kernel void node_costs(const uint n, const uint first, global const BvhNode* restrict nodes,
+                       global float* restrict costs) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  global const BvhNode* node = nodes + first + i;
+  float sum = 0;
+  for (int k = 0; k < BVH_WIDTH; ++k) {
+    const int child = node->child[k];
+    if (child == BVH_EMPTY) continue;
+    const float x = node->hi_x[k] - node->lo_x[k], y = node->hi_y[k] - node->lo_y[k], z = node->hi_z[k] - node->lo_z[k];
+    sum += (child < 0 ? BVH_LEAF_COST : BVH_NODE_COST) * (x * y + y * z + z * x);
+  }
+  costs[i] = sum;
+}

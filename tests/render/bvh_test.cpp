@@ -42,8 +42,8 @@ struct World {
   std::vector<MeshRange> ranges;
   std::vector<Instance> instances;
   std::vector<Box> boxes;
-  void add(const VisualMesh& mesh, const Eigen::Matrix<double, 3, 4>& pose) {
-    ranges.push_back(geometry.add(mesh, "test"));
+  void add(const VisualMesh& mesh, const Eigen::Matrix<double, 3, 4>& pose, bool deforms = false) {
+    ranges.push_back(geometry.add(mesh, "test", deforms));
     instances.push_back(make_instance(pose, ranges.back(), "test"));
     instances.back().mask = MASK_SURFACES;
     boxes.push_back(world_box(instances.back(), ranges.back().box));
@@ -217,6 +217,55 @@ TEST(Bvh, RefittedTreeOfADeformedMeshMissesNothing) {
   const TriangleBlock block = blocks.read()[world.ranges[1].first_block];
   const std::uint32_t corner = world.geometry.triangles[3 * block.triangle[0]];
   EXPECT_EQ(block.corner[0][0][0], moved[corner].point[0]);
+}
+
+// points are thrown about, so that the old tree's boxes all overlap
+TEST(Bvh, RebuiltTreeOfAScrambledMeshMissesNothingAndCostsLess) {
+  const unsigned n = test::is_simulated() ? 16 : 4000;
+  World world;
+  world.add(soup(37, 5, 0.2f), pose(0, Vec3(2, 0, 0)));  // so that its ranges do not start at 0
+  const VisualMesh mesh = soup(600, 6, 0.05f);
+  world.add(mesh, pose(0, Vec3::Zero()), true);
+  world.add(soup(20, 8, 0.1f), pose(0, Vec3(-2, 0, 0)));  // what stands behind it stays
+  std::vector<Vertex> moved = world.geometry.vertices;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> u(-1, 1);
+  Box box;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Vec3f shift(u(random), u(random), u(random));
+    for (int corner = 0; corner < 3; ++corner) {
+      float* p = moved[world.ranges[1].first_vertex + 3 * i + corner].point;
+      for (int c = 0; c < 3; ++c) p[c] += shift[c];
+      box.add(Vec3f(p[0], p[1], p[2]));
+    }
+  }
+  world.boxes[1] = box;
+  Device device;
+  Buffer<BvhNode> nodes(device, world.geometry.nodes, "nodes");
+  Buffer<TriangleBlock> blocks(device, world.geometry.blocks, "blocks");
+  const Buffer<std::uint32_t> triangles(device, world.geometry.triangles, "triangles");
+  const Buffer<Vertex> vertices(device, moved, "vertices");
+  Refit refit(device);
+  const float cost_before = refit.cost(world.ranges[1], nodes);
+  refit(world.ranges[1], triangles, vertices, blocks, nodes);
+  const float cost_refitted = refit.cost(world.ranges[1], nodes);
+  EXPECT_GT(cost_refitted, 2 * cost_before);
+  ASSERT_TRUE(rebuild(world.ranges[1], mesh.triangles, vertices, blocks, nodes));
+  EXPECT_LT(refit.cost(world.ranges[1], nodes), 0.5f * cost_refitted);
+  EXPECT_GT(expect_equal(device, world, nodes, blocks, random_rays(n, 2.0f), ""), int(n / 64));
+}
+
+TEST(Bvh, RebuildWithoutRoomLeavesTheTree) {
+  World world;
+  const VisualMesh mesh = soup(600, 6, 0.05f);
+  world.add(mesh, pose(0, Vec3::Zero()));
+  world.ranges[0].block_room = 1;
+  Device device;
+  Buffer<BvhNode> nodes(device, world.geometry.nodes, "nodes");
+  Buffer<TriangleBlock> blocks(device, world.geometry.blocks, "blocks");
+  EXPECT_FALSE(rebuild(world.ranges[0], mesh.triangles, Buffer<Vertex>(device, world.geometry.vertices, "vertices"),
+                       blocks, nodes));
+  EXPECT_EQ(nodes.read()[0].child[0], world.geometry.nodes[0].child[0]);
 }
 
 // rays from inside a closed surface through its very edges and corners
