@@ -46,6 +46,23 @@ struct SimulateOptions {
 // before; after a step that failed, FILE holds what there is and the checkpoint the last state that was well.
 void run_simulate(const SimulateOptions& options);
 
+struct RenderOptions {
+  std::string scene, states;         // scene or task file, states file; empty: the start
+  std::string output;                // folder, or FILE.png, .exr, .mp4; may be empty where a glTF is written
+  std::string gltf;                  // .glb to write as well: the scene as the first frame shows it
+  std::vector<std::string> cameras;  // names; empty: all
+  std::string frames;                // A:B; empty: all
+  double frames_per_second = 0;      // of states without pictures, and of videos; 0: what the file says
+  int width = 0, height = 0;         // [pixels]; 0: what the file says
+  int samples = 0, max_depth = 0;    // 0: what the file says
+  std::uint64_t seed = 0;
+  std::string device;
+  bool is_verbose = false;
+};
+
+// phyvisgen render: pictures of a scene, or of a recorded motion.
+void run_render(const RenderOptions& options);
+
 struct ValidateOptions {
   std::vector<std::string> cases;  // names; empty: all
   std::string scenes, plots;       // folders; empty: data/validation, no plots

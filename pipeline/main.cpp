@@ -74,6 +74,33 @@ void add_simulate(CLI::App& program, pvg::SimulateOptions& o) {
       "  phyvisgen simulate data/scenes/two_arms.yaml -o rest.h5 --resume arms.h5.checkpoint.h5");
 }
 
+void add_render(CLI::App& program, pvg::RenderOptions& o) {
+  CLI::App* command =
+      program.add_subcommand("render", "Picture a scene, or a motion that simulate or generate recorded");
+  command->add_option("SCENE", o.scene, "Scene or task file (YAML)");
+  command->add_option("--states", o.states, "States file (HDF5) of that scene or task; else the start is shown");
+  command->add_option("-o,--output", o.output,
+                      "FILE.png, .jpg or .exr (linear), FILE.mp4, or a folder for one picture per camera and frame");
+  command->add_option("--frames", o.frames, "A:B, the frames A to B - 1; or one frame");
+  command->add_option("--camera", o.cameras, "Only this camera; may stand several times")->allow_extra_args(false);
+  command->add_option("--samples", o.samples, "Paths per pixel; else what the file says")->check(CLI::Range(1, 65536));
+  command->add_option("--max-depth", o.max_depth, "Bounces; else what the file says")->check(CLI::Range(1, 1000));
+  command->add_option("--width", o.width, "Of all pictures [pixels]; the field of view stays")
+      ->check(CLI::Range(2, 16384));
+  command->add_option("--height", o.height, "Of all pictures [pixels]")->check(CLI::Range(2, 16384));
+  command->add_option("--fps", o.frames_per_second, "Pictures per second of motion")->check(CLI::Range(0.01, 1000.0));
+  command->add_option("--seed", o.seed, "Of the pictures' noise");
+  command->add_option("--export", o.gltf,
+                      "Write the first frame's scene as binary glTF (.glb), for Blender and others");
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_flag("-v,--verbose", o.is_verbose, "Tell of every picture: rays, time, dropped samples");
+  command->footer(
+      "Examples:\n  phyvisgen render data/scenes/beaker_on_scale.yaml -o beaker.png --samples 64\n"
+      "  phyvisgen render data/validation/drape.yaml --states drape.h5 -o drape.mp4 --fps 25\n"
+      "  phyvisgen render data/tasks/weigh_beaker.yaml --states out/beaker/episode_000000/states.h5 --camera wrist \\\n"
+      "      --frames 10:12 -o wrist");
+}
+
 void add_validate(CLI::App& program, pvg::ValidateOptions& o) {
   CLI::App* command =
       program.add_subcommand("validate", "Run the validation cases and print measured against expected");
@@ -125,8 +152,10 @@ int run(int argc, char** argv) {
   add_devices(program, devices);
   add_generate(program, generate);
   pvg::SimulateOptions simulate;
+  pvg::RenderOptions render;
   pvg::ValidateOptions validate;
   add_simulate(program, simulate);
+  add_render(program, render);
   add_validate(program, validate);
   CLI::App* bench = program.add_subcommand("bench", "Measure speed and memory");
   bench->require_subcommand(1);
@@ -145,6 +174,7 @@ int run(int argc, char** argv) {
   if (program.got_subcommand("devices")) pvg::run_devices(devices);
   if (program.got_subcommand("generate")) pvg::run_generate(generate);
   if (program.got_subcommand("simulate")) pvg::run_simulate(simulate);
+  if (program.got_subcommand("render")) pvg::run_render(render);
   if (program.got_subcommand("validate")) pvg::run_validate(validate);
   if (bench->got_subcommand("physics")) pvg::run_bench_physics(bench_physics);
   if (bench->got_subcommand("render")) pvg::run_bench_render(bench_render);

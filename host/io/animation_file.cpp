@@ -1,14 +1,10 @@
 #include "host/io/animation_file.hpp"
 
-#include <unistd.h>
-
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
-#include "host/base/error.hpp"
-#include "host/io/tinygltf.hpp"
+#include "host/io/gltf_writer.hpp"
 
 namespace pvg {
 namespace {
@@ -16,52 +12,10 @@ namespace {
 namespace fs = std::filesystem;
 using Floats = std::vector<float>;
 
-// glTF's model with one buffer, filled from front to back.
-struct Writer {
-  tinygltf::Model model;
+struct Writer : GltfWriter {
+  using GltfWriter::GltfWriter;
   tinygltf::Animation animation;
   int times = -1;  // accessor of the pictures' times
-
-  template <class T>
-  int add(const std::vector<T>& values, int component, int type, std::size_t per_element, int target = 0) {
-    std::vector<unsigned char>& data = model.buffers[0].data;
-    tinygltf::BufferView view;
-    view.buffer = 0;
-    view.byteOffset = data.size();
-    view.byteLength = values.size() * sizeof(T);
-    view.target = target;
-    data.resize(data.size() + view.byteLength);
-    std::memcpy(data.data() + view.byteOffset, values.data(), view.byteLength);
-    model.bufferViews.push_back(view);
-    tinygltf::Accessor accessor;
-    accessor.bufferView = int(model.bufferViews.size()) - 1;
-    accessor.componentType = component;
-    accessor.type = type;
-    accessor.count = values.size() / per_element;
-    model.accessors.push_back(accessor);
-    return int(model.accessors.size()) - 1;
-  }
-
-  int add_scalars(const Floats& values) {
-    const int accessor = add(values, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_SCALAR, 1);
-    if (values.empty()) return accessor;
-    model.accessors[accessor].minValues = {*std::min_element(values.begin(), values.end())};
-    model.accessors[accessor].maxValues = {*std::max_element(values.begin(), values.end())};
-    return accessor;
-  }
-
-  // with the bounds that the format asks for
-  int add_vectors(const Floats& values, int target = 0) {
-    const int accessor = add(values, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 3, target);
-    std::vector<double> low(3, INFINITY), high(3, -INFINITY);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      low[i % 3] = std::min(low[i % 3], double(values[i]));
-      high[i % 3] = std::max(high[i % 3], double(values[i]));
-    }
-    model.accessors[accessor].minValues = low;
-    model.accessors[accessor].maxValues = high;
-    return accessor;
-  }
 
   int add_material() {
     // hues a golden angle apart, so that neighbours in the list differ
@@ -78,12 +32,9 @@ struct Writer {
   // a node under the root that shows these triangles; targets: accessors of displacements
   int add_body(const std::string& name, const Floats& points, const std::vector<Triangle>& triangles,
                const std::vector<int>& targets) {
-    std::vector<std::uint32_t> indices;
-    for (const Triangle& t : triangles) indices.insert(indices.end(), t.begin(), t.end());
     tinygltf::Primitive primitive;
     primitive.attributes["POSITION"] = add_vectors(points, TINYGLTF_TARGET_ARRAY_BUFFER);
-    primitive.indices = add(indices, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, 1,
-                            TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+    primitive.indices = add_triangles(triangles);
     primitive.material = add_material();
     primitive.mode = TINYGLTF_MODE_TRIANGLES;
     for (const int target : targets) primitive.targets.push_back({{"POSITION", target}});
@@ -95,9 +46,7 @@ struct Writer {
     tinygltf::Node node;
     node.name = name;
     node.mesh = int(model.meshes.size()) - 1;
-    model.nodes.push_back(node);
-    model.nodes[0].children.push_back(int(model.nodes.size()) - 1);
-    return int(model.nodes.size()) - 1;
+    return add_node(node);
   }
 
   void animate(int node, const std::string& path, int values) {
@@ -173,17 +122,8 @@ void add_deforming(Writer& writer, const std::string& name, const std::vector<Tr
   writer.animate(node, "weights", writer.add_scalars(weights));
 }
 
-tinygltf::Model model_of(const Scene& scene, const std::vector<SceneState>& states) {
-  Writer writer;
-  writer.model.asset.version = "2.0";
-  writer.model.buffers.emplace_back();
-  tinygltf::Node root;
-  root.name = scene.name;
-  root.rotation = {-std::sqrt(0.5), 0, 0, std::sqrt(0.5)};  // z up to y up
-  writer.model.nodes.push_back(root);
-  writer.model.scenes.emplace_back();
-  writer.model.scenes[0].nodes = {0};
-  writer.model.defaultScene = 0;
+Writer writer_of(const Scene& scene, const std::vector<SceneState>& states) {
+  Writer writer(scene.name);
   Floats times;
   for (const SceneState& state : states) times.push_back(float(state.time));
   writer.times = writer.add_scalars(times);
@@ -200,25 +140,11 @@ tinygltf::Model model_of(const Scene& scene, const std::vector<SceneState>& stat
     add_deforming(writer, scene.cloths[b].name, scene.cloths[b].mesh.triangles,
                   through_time([b](const SceneState& s) -> const std::vector<Vec3>& { return s.cloth[b]; }));
   if (!writer.animation.channels.empty()) writer.model.animations.push_back(writer.animation);
-  return writer.model;
+  return writer;
 }
 
 }  // namespace
 
-void AnimationFile::write(const fs::path& file) const {
-  tinygltf::Model model = model_of(scene_, states_);
-  const fs::path partial = fs::absolute(file).parent_path() /
-                           ("." + file.filename().string() + ".partial-" + std::to_string(getpid()) + ".glb");
-  tinygltf::TinyGLTF writer;
-  std::error_code ignored, failed;
-  // the writer says that all is well where there is no folder or no room, so the file itself is asked
-  const std::size_t n_bytes = model.buffers[0].data.size();
-  const bool said_yes = writer.WriteGltfSceneToFile(&model, partial.string(), false, true, false, true);
-  const bool is_whole = said_yes && fs::exists(partial, ignored) && fs::file_size(partial, ignored) > n_bytes;
-  if (is_whole) fs::rename(partial, file, failed);
-  if (is_whole && !failed) return;
-  fs::remove(partial, ignored);
-  throw Failure(file.string() + " cannot be written; see that its folder exists and has room");
-}
+void AnimationFile::write(const fs::path& file) const { writer_of(scene_, states_).write(file); }
 
 }  // namespace pvg

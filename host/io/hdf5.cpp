@@ -240,6 +240,21 @@ void File::read_raw(const std::string& object, Type type, void* values) const {
   if (H5Dread(dataset.id(), in_memory(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) fail("read", object);
 }
 
+void File::read_row_raw(const std::string& object, std::uint64_t row, Type type, void* values) const {
+  Shape count = shape(object), start(count.size(), 0);
+  if (count.empty() || row >= count[0]) fail("find row " + std::to_string(row) + " of", object);
+  count[0] = 1;
+  start[0] = row;
+  if (n_values(count) == 0) return;
+  const Handle dataset = own<H5Dclose>(H5Dopen2(handle_.id(), object.c_str(), H5P_DEFAULT));
+  const Handle in_file = own<H5Sclose>(H5Dget_space(dataset.id()));
+  const Handle in_memory_space = dataspace(count);
+  if (H5Sselect_hyperslab(in_file.id(), H5S_SELECT_SET, reinterpret_cast<const hsize_t*>(start.data()), nullptr,
+                          reinterpret_cast<const hsize_t*>(count.data()), nullptr) < 0 ||
+      H5Dread(dataset.id(), in_memory(type), in_memory_space.id(), in_file.id(), H5P_DEFAULT, values) < 0)
+    fail("read", object);
+}
+
 std::vector<std::string> File::texts_attribute(const std::string& object, const std::string& name) const {
   const Handle owner = open_object(object);
   const Handle attribute = own<H5Aclose>(H5Aopen(owner.id(), name.c_str(), H5P_DEFAULT));
@@ -268,6 +283,15 @@ double File::number_attribute(const std::string& object, const std::string& name
   const Handle attribute = own<H5Aclose>(H5Aopen(owner.id(), name.c_str(), H5P_DEFAULT));
   double number = 0;
   if (attribute.id() < 0 || H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, &number) < 0)
+    fail("read the attribute " + name + " of", object);
+  return number;
+}
+
+std::uint64_t File::unsigned_attribute(const std::string& object, const std::string& name) const {
+  const Handle owner = open_object(object);
+  const Handle attribute = own<H5Aclose>(H5Aopen(owner.id(), name.c_str(), H5P_DEFAULT));
+  std::uint64_t number = 0;
+  if (attribute.id() < 0 || H5Aread(attribute.id(), H5T_NATIVE_UINT64, &number) < 0)
     fail("read the attribute " + name + " of", object);
   return number;
 }

@@ -116,9 +116,19 @@ class File {
     read_raw(object, type_of<T>(), array.values.data());
     return array;
   }
+  // one row of [n, ...]
+  template <class T>
+  std::vector<T> read_row(const std::string& object, std::uint64_t row) const {
+    Shape shape = this->shape(object);
+    if (!shape.empty()) shape[0] = 1;
+    std::vector<T> values(n_values(shape));
+    read_row_raw(object, row, type_of<T>(), values.data());
+    return values;
+  }
   Shape shape(const std::string& object) const;
   std::string text_attribute(const std::string& object, const std::string& name) const;
   double number_attribute(const std::string& object, const std::string& name) const;
+  std::uint64_t unsigned_attribute(const std::string& object, const std::string& name) const;
   std::vector<std::string> texts_attribute(const std::string& object, const std::string& name) const;
 
  private:
@@ -126,6 +136,7 @@ class File {
   void make_parent(const std::string& object);
   void write_raw(const std::string& object, const Shape& shape, Type type, const void* values, std::size_t n);
   void read_raw(const std::string& object, Type type, void* values) const;
+  void read_row_raw(const std::string& object, std::uint64_t row, Type type, void* values) const;
   Handle open_object(const std::string& object) const;
   [[noreturn]] void fail(const std::string& what, const std::string& object) const;
   std::filesystem::path path_;

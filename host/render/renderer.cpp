@@ -27,20 +27,6 @@ std::uint32_t picture_key(std::uint64_t seed, std::uint32_t frame, std::uint32_t
   return key;
 }
 
-SceneState initial_state(const Scene& scene) {
-  SceneState state;
-  for (const RigidBody& body : scene.rigid_bodies) state.rigid.push_back(body.pose.matrix().topRows<3>());
-  for (const SoftBody& body : scene.soft_bodies) {
-    state.soft.emplace_back();
-    for (const Vec3& point : body.mesh.points) state.soft.back().push_back(body.pose * point);
-  }
-  for (const Cloth& cloth : scene.cloths) {
-    state.cloth.emplace_back();
-    for (const Vec3& point : cloth.mesh.points) state.cloth.back().push_back(cloth.pose * point);
-  }
-  return state;
-}
-
 void check_index(int index, std::size_t n, const std::string& visual, const char* what) {
   if (index >= int(n)) throw UsageError("visual " + visual + ": its " + what + " does not exist");
 }
@@ -54,6 +40,20 @@ VisualMesh unit_square() {
 }
 
 }  // namespace
+
+SceneState initial_state(const Scene& scene) {
+  SceneState state;
+  for (const RigidBody& body : scene.rigid_bodies) state.rigid.push_back(body.pose.matrix().topRows<3>());
+  for (const SoftBody& body : scene.soft_bodies) {
+    state.soft.emplace_back();
+    for (const Vec3& point : body.mesh.points) state.soft.back().push_back(body.pose * point);
+  }
+  for (const Cloth& cloth : scene.cloths) {
+    state.cloth.emplace_back();
+    for (const Vec3& point : cloth.mesh.points) state.cloth.back().push_back(cloth.pose * point);
+  }
+  return state;
+}
 
 struct Renderer::Impl {
   struct Shown {  // a Visual or a light, one instance each

@@ -31,6 +31,9 @@ struct RenderedFrame {
   std::uint64_t rays = 0;             // path segments traced, shadow rays not counted
 };
 
+// where everything is before anything moves
+SceneState initial_state(const Scene& scene);
+
 class Renderer {
  public:
   Renderer(Device& device, const Scene& scene, const RenderSettings& settings);

@@ -11,8 +11,10 @@ constexpr double CREASE_ANGLE = 0.7;
 constexpr float BAD_COST = 1.4f;
 constexpr int MAX_LEVELS = 4;  // each level has four times the triangles
 
-Subdivision subdivide(const std::string& body, const std::vector<Vec3>& points, const std::vector<Triangle>& surface,
-                      const Visual& visual) {
+}  // namespace
+
+Subdivision visual_subdivision(const std::string& body, const std::vector<Vec3>& points,
+                               const std::vector<Triangle>& surface, const Visual& visual) {
   if (visual.subdivision_levels < 0 || visual.subdivision_levels > MAX_LEVELS)
     throw UsageError("visual " + visual.name + ": subdivision_levels is " + std::to_string(visual.subdivision_levels) +
                      "; 0 to " + std::to_string(MAX_LEVELS));
@@ -20,11 +22,9 @@ Subdivision subdivide(const std::string& body, const std::vector<Vec3>& points, 
   return subdivide_loop(points.size(), surface, visual.subdivision_levels, sharp_edges(points, surface, CREASE_ANGLE));
 }
 
-}  // namespace
-
 SoftVisual::SoftVisual(Device& device, const std::string& body, const std::vector<Vec3>& points,
                        const std::vector<Triangle>& surface, const Visual& visual)
-    : SoftVisual(device, points, subdivide(body, points, surface, visual)) {}
+    : SoftVisual(device, points, visual_subdivision(body, points, surface, visual)) {}
 
 SoftVisual::SoftVisual(Device& device, const std::vector<Vec3>& points, const Subdivision& subdivision)
     : dual_mesh_(device, subdivision), refit_(device) {

@@ -9,6 +9,10 @@
 
 namespace pvg {
 
+// The visual's surface as weights of the body's points. points, surface: of the body of this name, at rest.
+Subdivision visual_subdivision(const std::string& body, const std::vector<Vec3>& points,
+                               const std::vector<Triangle>& surface, const Visual& visual);
+
 class SoftVisual {
  public:
   // points, surface: at rest, in the frame of the body of this name

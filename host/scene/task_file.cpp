@@ -165,6 +165,8 @@ Task read_scene_sections(Section& root, double largest_time_step) {
   return task;
 }
 
+bool is_task_file(const std::filesystem::path& file) { return Section::load(file, "scene file").has("motion"); }
+
 Task load_task(const std::filesystem::path& file) {
   Section root = Section::load(file, "task file");
   Task task = read_scene_sections(root, LARGEST_TIME_STEP);

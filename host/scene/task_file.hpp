@@ -7,6 +7,9 @@ namespace pvg {
 
 Task load_task(const std::filesystem::path& file);
 
+// A YAML file with a `motion` is a task; others are scenes.
+bool is_task_file(const std::filesystem::path& file);
+
 GripperSection load_gripper(const std::filesystem::path& file);
 
 }  // namespace pvg

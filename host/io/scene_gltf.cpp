@@ -1,0 +1,215 @@
+#include "host/io/scene_gltf.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "host/io/gltf_writer.hpp"
+#include "host/io/image_files.hpp"
+#include "host/render/camera.hpp"
+#include "host/render/soft_visual.hpp"
+
+namespace pvg {
+namespace {
+
+using Floats = GltfWriter::Floats;
+using Value = tinygltf::Value;
+using Kind = VisualMaterial::Kind;
+
+std::vector<double> doubles(const Vec3f& v) { return {v.x(), v.y(), v.z()}; }
+
+Value value_of(const Vec3f& v) {
+  return Value(Value::Array{Value(double(v.x())), Value(double(v.y())), Value(double(v.z()))});
+}
+
+std::vector<double> matrix_of(const Eigen::Matrix4d& m) { return {m.data(), m.data() + 16}; }  // by columns, as in glTF
+
+class SceneWriter {
+ public:
+  SceneWriter(const Scene& scene, const SceneState& state) : scene_(scene), state_(state), out_(scene.name) {}
+
+  GltfWriter& write() {
+    texture_.assign(scene_.textures.size(), -1);
+    for (const VisualMaterial& material : scene_.materials) add_material(material);
+    mesh_.assign(scene_.visual_meshes.size(), {});
+    for (const Visual& visual : scene_.visuals) add_visual(visual);
+    for (const RectangleLight& light : scene_.lights) add_light(light);
+    for (const Camera& camera : scene_.cameras) add_camera(camera);
+    return out_;
+  }
+
+ private:
+  void use(const std::string& extension) {
+    auto& used = out_.model.extensionsUsed;
+    if (std::find(used.begin(), used.end(), extension) == used.end()) used.push_back(extension);
+  }
+  void extend(tinygltf::Material& material, const std::string& extension, Value::Object fields) {
+    use(extension);
+    material.extensions[extension] = Value(std::move(fields));
+  }
+
+  int texture(int i) {
+    int& index = texture_.at(std::size_t(i));
+    if (index >= 0) return index;
+    const std::vector<std::uint8_t> png = encode_png(scene_.textures[std::size_t(i)]);
+    tinygltf::Image image;
+    image.mimeType = "image/png";
+    image.bufferView = out_.add_bytes(png.data(), png.size());
+    out_.model.images.push_back(image);
+    tinygltf::Texture entry;
+    entry.source = int(out_.model.images.size()) - 1;
+    out_.model.textures.push_back(entry);
+    return index = int(out_.model.textures.size()) - 1;
+  }
+
+  void add_material(const VisualMaterial& from) {
+    tinygltf::Material to;
+    to.name = from.name;
+    tinygltf::PbrMetallicRoughness& pbr = to.pbrMetallicRoughness;
+    pbr.baseColorFactor = {from.color.x(), from.color.y(), from.color.z(), 1};
+    pbr.metallicFactor = from.kind == Kind::conductor ? 1 : 0;
+    pbr.roughnessFactor = from.kind == Kind::conductor ? from.roughness : from.kind == Kind::dielectric ? 0 : 1;
+    if (from.texture >= 0 && from.kind != Kind::emissive) pbr.baseColorTexture.index = texture(from.texture);
+    if (from.kind == Kind::diffuse) extend(to, "KHR_materials_specular", {{"specularFactor", Value(0.0)}});
+    if (from.kind == Kind::shadow_receiver) extend(to, "KHR_materials_unlit", {});
+    if (from.kind == Kind::dielectric) add_glass(from, to);
+    if (from.kind == Kind::emissive) add_emission(from.emission, to);
+    if (from.kind == Kind::emissive && from.texture >= 0) to.emissiveTexture.index = texture(from.texture);
+    to.doubleSided = from.kind != Kind::dielectric;
+    out_.model.materials.push_back(to);
+  }
+
+  void add_glass(const VisualMaterial& from, tinygltf::Material& to) {
+    to.pbrMetallicRoughness.baseColorFactor = {1, 1, 1, 1};
+    extend(to, "KHR_materials_transmission", {{"transmissionFactor", Value(1.0)}});
+    extend(to, "KHR_materials_ior", {{"ior", Value(double(from.index_of_refraction))}});
+    Value::Object volume = {{"thicknessFactor", Value(1.0)}};
+    const float strongest = from.absorption.maxCoeff();
+    if (strongest > 0) {
+      // exp(-sigma d) at the depth d where the strongest channel has fallen to 1/e
+      volume["attenuationDistance"] = Value(1.0 / double(strongest));
+      volume["attenuationColor"] = value_of((-from.absorption / strongest).array().exp().matrix());
+    }
+    extend(to, "KHR_materials_volume", volume);
+  }
+
+  void add_emission(const Vec3f& radiance, tinygltf::Material& to) {
+    const float strength = std::max(1.0f, radiance.maxCoeff());
+    to.emissiveFactor = doubles(radiance / strength);
+    to.pbrMetallicRoughness.baseColorFactor = {0, 0, 0, 1};
+    if (strength > 1) extend(to, "KHR_materials_emissive_strength", {{"emissiveStrength", Value(double(strength))}});
+  }
+
+  tinygltf::Primitive primitive_of(const VisualMesh& mesh) {
+    Floats points, normals, uvs;
+    for (const Vec3f& p : mesh.points) points.insert(points.end(), p.data(), p.data() + 3);
+    for (const Vec3f& n : mesh.normals) normals.insert(normals.end(), n.data(), n.data() + 3);
+    for (const Vec2f& uv : mesh.uvs) uvs.insert(uvs.end(), uv.data(), uv.data() + 2);
+    tinygltf::Primitive primitive;
+    primitive.mode = TINYGLTF_MODE_TRIANGLES;
+    primitive.attributes["POSITION"] = out_.add_vectors(points, TINYGLTF_TARGET_ARRAY_BUFFER);
+    if (!normals.empty()) primitive.attributes["NORMAL"] = out_.add_vectors(normals, TINYGLTF_TARGET_ARRAY_BUFFER);
+    if (!uvs.empty())
+      primitive.attributes["TEXCOORD_0"] =
+          out_.add(uvs, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, 2, TINYGLTF_TARGET_ARRAY_BUFFER);
+    primitive.indices = out_.add_triangles(mesh.triangles);
+    return primitive;
+  }
+
+  void add_primitive(const std::string& name, tinygltf::Primitive primitive, int material,
+                     const Eigen::Matrix4d& pose) {
+    primitive.material = material;
+    tinygltf::Mesh mesh;
+    mesh.name = name;
+    mesh.primitives.push_back(primitive);
+    out_.model.meshes.push_back(mesh);
+    tinygltf::Node node;
+    node.name = name;
+    node.mesh = int(out_.model.meshes.size()) - 1;
+    node.matrix = matrix_of(pose);
+    out_.add_node(node);
+  }
+
+  void add_visual(const Visual& visual) {
+    Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
+    if (visual.soft >= 0) {
+      const SoftBody& body = scene_.soft_bodies[std::size_t(visual.soft)];
+      return add_primitive(visual.name,
+                           primitive_of(deformed(body.name, body.mesh.points, body.mesh.surface,
+                                                 state_.soft[std::size_t(visual.soft)], visual)),
+                           visual.material, pose);
+    }
+    if (visual.cloth >= 0) {
+      const Cloth& cloth = scene_.cloths[std::size_t(visual.cloth)];
+      return add_primitive(visual.name,
+                           primitive_of(deformed(cloth.name, cloth.mesh.points, cloth.mesh.triangles,
+                                                 state_.cloth[std::size_t(visual.cloth)], visual)),
+                           visual.material, pose);
+    }
+    // meshes that several visuals show stand once in the file
+    tinygltf::Primitive& shared = mesh_.at(std::size_t(visual.mesh));
+    if (shared.attributes.empty()) shared = primitive_of(scene_.visual_meshes[std::size_t(visual.mesh)]);
+    if (visual.rigid >= 0) pose.topRows<3>() = state_.rigid[std::size_t(visual.rigid)];
+    add_primitive(visual.name, shared, visual.material, pose * visual.pose.matrix());
+  }
+
+  VisualMesh deformed(const std::string& body, const std::vector<Vec3>& rest, const std::vector<Triangle>& surface,
+                      const std::vector<Vec3>& nodes, const Visual& visual) const {
+    const Subdivision fine = visual_subdivision(body, rest, surface, visual);
+    VisualMesh mesh;
+    mesh.triangles = fine.triangles;
+    for (const Vec3& p : multiply(fine.weights, nodes)) mesh.points.push_back(p.cast<float>());
+    mesh.normals.assign(mesh.points.size(), Vec3f::Zero());
+    for (const Triangle& t : mesh.triangles) {
+      const Vec3f n = (mesh.points[t[1]] - mesh.points[t[0]]).cross(mesh.points[t[2]] - mesh.points[t[0]]);
+      for (const std::uint32_t corner : t) mesh.normals[corner] += n;
+    }
+    // a vertex of no triangle has none; any will do
+    for (Vec3f& n : mesh.normals) n = n.norm() > 0 ? Vec3f(n.normalized()) : Vec3f::UnitZ();
+    return mesh;
+  }
+
+  void add_light(const RectangleLight& light) {
+    tinygltf::Material material;
+    material.name = light.name;
+    add_emission(light.radiance, material);
+    out_.model.materials.push_back(material);
+    VisualMesh mesh;
+    for (const Vec3& p : {light.corner, Vec3(light.corner + light.edge_u),
+                          Vec3(light.corner + light.edge_u + light.edge_v), Vec3(light.corner + light.edge_v)})
+      mesh.points.push_back(p.cast<float>());
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    add_primitive(light.name, primitive_of(mesh), int(out_.model.materials.size()) - 1, Eigen::Matrix4d::Identity());
+  }
+
+  void add_camera(const Camera& from) {
+    tinygltf::Camera camera;
+    camera.name = from.name;
+    camera.type = "perspective";
+    camera.perspective.yfov = 2 * std::atan(from.height / 2.0 / from.fy);
+    camera.perspective.aspectRatio = double(from.width) / from.height;
+    camera.perspective.znear = 1e-3;
+    camera.perspective.zfar = 1e3;
+    out_.model.cameras.push_back(camera);
+    tinygltf::Node node;
+    node.name = from.name;
+    node.camera = int(out_.model.cameras.size()) - 1;
+    // glTF's cameras look along -z with y up
+    const Eigen::Vector4d flip(1, -1, -1, 1);
+    node.matrix = matrix_of(camera_to_world(from, state_) * flip.asDiagonal());
+    out_.add_node(node);
+  }
+
+  const Scene& scene_;
+  const SceneState& state_;
+  GltfWriter out_;
+  std::vector<int> texture_;               // [Scene::textures] index in the file, -1: not written yet
+  std::vector<tinygltf::Primitive> mesh_;  // [Scene::visual_meshes] likewise
+};
+
+}  // namespace
+
+void write_scene_gltf(const std::filesystem::path& file, const Scene& scene, const SceneState& state) {
+  SceneWriter(scene, state).write().write(file);
+}
+
+}  // namespace pvg
