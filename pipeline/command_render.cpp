@@ -5,12 +5,15 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "host/base/error.hpp"
 #include "host/base/progress.hpp"
 #include "host/io/atomic_files.hpp"
 #include "host/io/image_files.hpp"
+#include "host/io/lut_file.hpp"
 #include "host/io/scene_gltf.hpp"
+#include "host/io/truth_file.hpp"
 #include "host/io/video.hpp"
 #include "host/render/renderer.hpp"
 #include "host/scene/task_file.hpp"
@@ -146,6 +149,8 @@ RenderSettings settings_of(const RenderOptions& options, const ShownScene& shown
   settings.samples = options.samples ? options.samples : shown.render.samples;
   settings.max_depth = options.max_depth ? options.max_depth : shown.render.max_depth;
   settings.seed = options.seed ? options.seed : shown.seed;
+  settings.sees_through_glass = options.sees_through_glass;
+  settings.denoises = options.denoises;
   return settings;
 }
 
@@ -159,30 +164,73 @@ void tell_of(const RenderedFrame& frame, const std::string& camera, std::size_t 
                  number, frame.dropped_samples);
 }
 
+// The ground truth of one camera: beside the pictures, complete or not at all.
+class Truth {
+ public:
+  Truth(const fs::path& folder, const Scene& scene, const Camera& camera)
+      : file_(folder / (camera.name + "_truth.h5")),
+        partial_(folder / ("." + camera.name + ".partial-" + std::to_string(getpid()) + ".h5")),
+        writer_(partial_, scene, camera) {}
+  ~Truth() {
+    std::error_code ignored;
+    fs::remove(partial_, ignored);
+  }
+  TruthFile& writer() { return writer_; }
+  void finish() {
+    writer_.close();
+    fs::rename(partial_, file_);
+  }
+
+ private:
+  fs::path file_, partial_;
+  TruthFile writer_;
+};
+
+void add_truth(Truth& truth, const RenderedFrame& picture, int camera, const Frames& frames, std::size_t frame,
+               Renderer& renderer) {
+  FlowFrame forward, backward;
+  if (frame + 1 < frames.size()) forward = renderer.flow(frames.state(frame + 1));
+  if (frame > 0) backward = renderer.flow(frames.state(frame - 1));
+  truth.writer().append(picture, forward, backward, frames.state(frame), renderer.camera_pose(camera));
+}
+
 void render_frames(const RenderOptions& options, const ShownScene& shown, const Frames& frames, FrameRange range,
                    double rate) {
   const std::vector<int> cameras = chosen_cameras(shown.scene, options.cameras);
   Pictures pictures(options, rate);
   pictures.check(cameras.size(), range.end - range.begin);
+  std::optional<Lut> lut;
+  const fs::path lut_file = options.lut.empty() ? shown.render.lut : fs::path(options.lut);
+  if (!lut_file.empty()) lut = read_lut(lut_file);
+  const fs::path output(options.output),
+      folder = target_of(output) == Target::folder ? output : fs::absolute(output).parent_path();
   const std::atomic<bool>& stop = stop_on_signals();
   Device device(options.device);
   Renderer renderer(device, shown.scene, settings_of(options, shown));
+  std::vector<std::unique_ptr<Truth>> truths;
+  for (const int camera : cameras)
+    if (options.writes_ground_truth)
+      truths.push_back(std::make_unique<Truth>(folder, shown.scene, shown.scene.cameras[std::size_t(camera)]));
   Progress progress(shown.scene.name, "pictures", cameras.size() * (range.end - range.begin));
   std::size_t done = 0;
   for (std::size_t frame = range.begin; frame < range.end; ++frame) {
     renderer.set_state(frames.state(frame));
-    for (const int camera : cameras) {
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
       if (stop) throw TryAgain("stopped after " + std::to_string(done) + " pictures; those are complete");
       const auto start = std::chrono::steady_clock::now();
-      const RenderedFrame picture = renderer.render(camera, std::uint32_t(frame));
+      RenderedFrame picture = renderer.render(
+          cameras[i], std::uint32_t(frame), [&](double time) { return frames.at(time); }, frames.state(frame).time);
       const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      const std::string& name = shown.scene.cameras[std::size_t(camera)].name;
+      const std::string& name = shown.scene.cameras[std::size_t(cameras[i])].name;
       tell_of(picture, name, frame, seconds, options.is_verbose);
+      if (lut) apply_lut(*lut, picture.rgb);
       pictures.add(picture, name, frame);
+      if (!truths.empty()) add_truth(*truths[i], picture, cameras[i], frames, frame, renderer);
       progress.advance_to(++done);
     }
   }
   pictures.finish();
+  for (const auto& truth : truths) truth->finish();
 }
 
 }  // namespace

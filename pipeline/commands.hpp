@@ -56,12 +56,25 @@ struct RenderOptions {
   int width = 0, height = 0;         // [pixels]; 0: what the file says
   int samples = 0, max_depth = 0;    // 0: what the file says
   std::uint64_t seed = 0;
+  std::string lut;                   // .csv of calibrate lut; empty: what the file says
+  bool writes_ground_truth = false;  // CAMERA_truth.h5 beside the pictures
+  bool sees_through_glass = false;   // ground truth: of what is behind glass
+  bool denoises = false;
   std::string device;
   bool is_verbose = false;
 };
 
 // phyvisgen render: pictures of a scene, or of a recorded motion.
 void run_render(const RenderOptions& options);
+
+struct CalibrateLutOptions {
+  std::string rendered, real;  // folders of pictures, paired by name
+  std::string output;          // .csv
+  bool as_json = false;
+};
+
+// phyvisgen calibrate lut: a lookup table from rendered to recorded pictures.
+void run_calibrate_lut(const CalibrateLutOptions& options);
 
 struct ValidateOptions {
   std::vector<std::string> cases;  // names; empty: all

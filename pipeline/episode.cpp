@@ -5,8 +5,11 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "host/io/lut_file.hpp"
 #include "host/physics/simulation.hpp"
+#include "host/render/motion.hpp"
 #include "host/render/renderer.hpp"
 #include "pipeline/disabled_pairs.hpp"
 #include "pipeline/motion_plan.hpp"
@@ -23,6 +26,7 @@ using PhysicsState = std::unique_ptr<Simulation>;
 struct RenderState {
   std::unique_ptr<Renderer> renderer;  // nothing: no pictures
   std::vector<bool> records_mask;      // [n_cameras]
+  std::optional<Lut> lut;              // of the task
 };
 
 struct JudgeState {
@@ -56,7 +60,7 @@ const Field<JudgeState> verdict           ("verdict",    "1",                 "-
 const Field<RecordState> recording        ("recording",  "1",                 "-",         true);
 const Field<std::vector<Target>> targets  ("targets",    "steps x n_driven",  "rad or m");
 const Field<std::vector<StepRecord>> steps("steps",      "steps",             "SI");
-const Field<SceneState> shown             ("shown",      "n_node x 3",        "m");
+const Field<std::vector<SceneState>> shown("shown",      "steps x n_node x 3", "m");
 const Field<Pictures> pictures            ("pictures",   "n_camera x h x w",  "W/(sr m^2)");
 const Field<FramePictures> images         ("images",     "n_camera x h x w",  "sRGB");
 // clang-format on
@@ -98,15 +102,21 @@ void simulate(const Access& access) {
   }
 }
 
-void map(const Access& access) { access.write(shown) = access.read(steps).back().state; }
+void map(const Access& access) {
+  for (const StepRecord& step : access.read(steps)) access.write(shown).push_back(step.state);
+}
 
 void render(const Access& access) {
   const RenderState& state = access.read(renderer);
   if (!state.renderer) return;
-  state.renderer->set_state(access.read(shown));
+  const std::vector<SceneState>& motion_shown = access.read(shown);
+  state.renderer->set_state(motion_shown.back());
   for (int camera = 0; camera < int(state.records_mask.size()); ++camera) {
     access.stop_here_if_asked();
-    RenderedFrame frame = state.renderer->render(camera, std::uint32_t(access.frame()));
+    RenderedFrame frame = state.renderer->render(
+        camera, std::uint32_t(access.frame()), [&](double time) { return state_at(motion_shown, time); },
+        motion_shown.back().time);
+    if (state.lut) apply_lut(*state.lut, frame.rgb);
     if (!state.records_mask[std::size_t(camera)]) frame.instance.clear();
     access.write(pictures).frames.push_back(std::move(frame));
     access.write(pictures).T_world_camera.push_back(state.renderer->camera_pose(camera));
@@ -259,6 +269,7 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Dev
   const std::size_t n_frames = whole.targets.size() / whole.steps_per_frame;
   RenderState& render_state = store.state(renderer);
   render_state.records_mask = masks_asked(task, scene);
+  if (!task.render.lut.empty()) render_state.lut = read_lut(task.render.lut);
   if (settings.renders) {
     RenderSettings pictures_settings;
     pictures_settings.samples = task.render.samples;

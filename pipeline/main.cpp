@@ -90,6 +90,11 @@ void add_render(CLI::App& program, pvg::RenderOptions& o) {
   command->add_option("--height", o.height, "Of all pictures [pixels]")->check(CLI::Range(2, 16384));
   command->add_option("--fps", o.frames_per_second, "Pictures per second of motion")->check(CLI::Range(0.01, 1000.0));
   command->add_option("--seed", o.seed, "Of the pictures' noise");
+  command->add_option("--lut", o.lut, "Lookup table of `calibrate lut` (.csv); else what the file says");
+  command->add_flag("--denoise", o.denoises, "Filter the noise of few samples, for previews");
+  command->add_flag("--ground-truth", o.writes_ground_truth,
+                    "Write CAMERA_truth.h5 as well: depth, normals, instances, parts, flow, boxes, poses");
+  command->add_flag("--through-glass", o.sees_through_glass, "Ground truth of what is behind glass, not of the glass");
   command->add_option("--export", o.gltf,
                       "Write the first frame's scene as binary glTF (.glb), for Blender and others");
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
@@ -99,6 +104,18 @@ void add_render(CLI::App& program, pvg::RenderOptions& o) {
       "  phyvisgen render data/validation/drape.yaml --states drape.h5 -o drape.mp4 --fps 25\n"
       "  phyvisgen render data/tasks/weigh_beaker.yaml --states out/beaker/episode_000000/states.h5 --camera wrist \\\n"
       "      --frames 10:12 -o wrist");
+}
+
+void add_calibrate_lut(CLI::App& calibrate, pvg::CalibrateLutOptions& o) {
+  CLI::App* command =
+      calibrate.add_subcommand("lut", "A lookup table per channel from rendered to recorded colours of the same views");
+  command->add_option("--render", o.rendered, "Folder of rendered pictures (PNG, JPEG)");
+  command->add_option("--real", o.real, "Folder of the real ones; pairs have the same name");
+  command->add_option("-o,--output", o.output, "Table to write (.csv)");
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer(
+      "A quarter of the pictures, or of the blocks of fewer than four, is held out to judge the table by.\n"
+      "Example:\n  phyvisgen calibrate lut --render out/front --real photos -o lut.csv");
 }
 
 void add_validate(CLI::App& program, pvg::ValidateOptions& o) {
@@ -156,6 +173,10 @@ int run(int argc, char** argv) {
   pvg::ValidateOptions validate;
   add_simulate(program, simulate);
   add_render(program, render);
+  CLI::App* calibrate = program.add_subcommand("calibrate", "Fit the renderer to a real camera");
+  calibrate->require_subcommand(1);
+  pvg::CalibrateLutOptions calibrate_lut;
+  add_calibrate_lut(*calibrate, calibrate_lut);
   add_validate(program, validate);
   CLI::App* bench = program.add_subcommand("bench", "Measure speed and memory");
   bench->require_subcommand(1);
@@ -175,6 +196,7 @@ int run(int argc, char** argv) {
   if (program.got_subcommand("generate")) pvg::run_generate(generate);
   if (program.got_subcommand("simulate")) pvg::run_simulate(simulate);
   if (program.got_subcommand("render")) pvg::run_render(render);
+  if (calibrate->got_subcommand("lut")) pvg::run_calibrate_lut(calibrate_lut);
   if (program.got_subcommand("validate")) pvg::run_validate(validate);
   if (bench->got_subcommand("physics")) pvg::run_bench_physics(bench_physics);
   if (bench->got_subcommand("render")) pvg::run_bench_render(bench_render);

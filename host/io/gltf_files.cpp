@@ -1,23 +1,35 @@
-// glTF 2.0 and GLB: positions, normals, texture coordinates and node transforms of all triangle meshes of the scene.
+// glTF 2.0 and GLB: triangle meshes of the scene with their node transforms, materials and textures.
 #define TINYGLTF_IMPLEMENTATION
 #include "host/io/tinygltf.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <map>
 
 #include "host/base/error.hpp"
+#include "host/io/gltf_scene.hpp"
 #include "host/io/raw_mesh.hpp"
+#include "host/io/textures.hpp"
 
 namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
 
+// One primitive of one node.
+struct Part {
+  std::string name;
+  int material = -1;
+  RawMesh mesh;
+  std::vector<Vec3f> colors;  // [n] linear, or empty
+};
+
 struct Reader {
   const tinygltf::Model& model;
   const fs::path& file;
-  RawMesh mesh;
-  bool has_normals = true, has_uvs = true;
+  std::vector<Part> parts;
   std::vector<bool> is_visited = std::vector<bool>(model.nodes.size(), false);
 
   [[noreturn]] void fail(const std::string& what) const { throw UsageError(file.string() + ": " + what + "."); }
@@ -71,24 +83,46 @@ struct Reader {
     }
   }
 
-  void add(const tinygltf::Primitive& part, const Eigen::Affine3d& to_world) {
+  // of floats, or of whole numbers that stand for 0 to 1
+  Vec3f color(const tinygltf::Accessor& a, std::size_t at) const {
+    if (a.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT) return floats(a, at, 3).cast<float>();
+    Vec3f c;
+    if (a.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) {
+      const unsigned char* v = element(a, at, 3);
+      for (int k = 0; k < 3; ++k) c[k] = float(v[k]) / 255.0f;
+    } else if (a.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) {
+      std::uint16_t v[3];
+      std::memcpy(v, element(a, at, sizeof v), sizeof v);
+      for (int k = 0; k < 3; ++k) c[k] = float(v[k]) / 65535.0f;
+    } else {
+      fail("vertex colours have an unknown type");
+    }
+    return c;
+  }
+
+  void add(const tinygltf::Primitive& part, const std::string& name, const Eigen::Affine3d& to_world) {
     if (part.mode != TINYGLTF_MODE_TRIANGLES && part.mode != -1) return;
     const auto attribute = [&](const char* name) {
       const auto at = part.attributes.find(name);
       return at == part.attributes.end() ? -1 : at->second;
     };
-    const int positions = attribute("POSITION"), normals = attribute("NORMAL"), uvs = attribute("TEXCOORD_0");
+    const int positions = attribute("POSITION"), normals = attribute("NORMAL"), uvs = attribute("TEXCOORD_0"),
+              colors = attribute("COLOR_0");
     if (positions < 0) fail("a mesh has no positions");
-    const auto first = std::uint32_t(mesh.points.size());
+    Part& added = parts.emplace_back();
+    added.name = name;
+    added.material = part.material;
+    RawMesh& mesh = added.mesh;
     const std::size_t n = accessor(positions).count;
     const Eigen::Matrix3d for_normals = to_world.linear().inverse().transpose();
-    has_normals &= normals >= 0;
-    has_uvs &= uvs >= 0;
+    for (const int other : {normals, uvs, colors})
+      if (other >= 0 && accessor(other).count < n)
+        fail("a mesh has fewer normals, coordinates or colours than positions");
     for (std::size_t i = 0; i < n; ++i) {
       mesh.points.push_back(to_world * floats(accessor(positions), i, 3));
-      mesh.normals.push_back(normals < 0 ? Vec3(0, 0, 0)
-                                         : Vec3((for_normals * floats(accessor(normals), i, 3)).normalized()));
-      mesh.uvs.push_back(uvs < 0 ? Vec2f(0, 0) : Vec2f(floats(accessor(uvs), i, 2).head<2>().cast<float>()));
+      if (normals >= 0) mesh.normals.push_back((for_normals * floats(accessor(normals), i, 3)).normalized());
+      if (uvs >= 0) mesh.uvs.push_back(floats(accessor(uvs), i, 2).head<2>().cast<float>());
+      if (colors >= 0) added.colors.push_back(color(accessor(colors), i));
     }
     const std::size_t n_corners = part.indices < 0 ? n : accessor(part.indices).count;
     const bool mirrors = to_world.linear().determinant() < 0;
@@ -97,7 +131,7 @@ struct Reader {
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t v = part.indices < 0 ? std::uint32_t(i + k) : index(accessor(part.indices), i + k);
         if (v >= n) fail("an index names a vertex that does not exist");
-        t[k] = first + v;
+        t[k] = v;
       }
       if (mirrors) std::swap(t[1], t[2]);
       mesh.triangles.push_back(t);
@@ -120,40 +154,171 @@ struct Reader {
     const Eigen::Affine3d to_world = parent * local;
     if (node.mesh >= int(model.meshes.size())) fail("a node names a mesh that does not exist");
     if (node.mesh >= 0) {
-      for (const tinygltf::Primitive& part : model.meshes[node.mesh].primitives) add(part, to_world);
+      const std::string& name = node.name.empty() ? model.meshes[node.mesh].name : node.name;
+      for (const tinygltf::Primitive& part : model.meshes[node.mesh].primitives) add(part, name, to_world);
     }
     for (const int child : node.children) visit(child, to_world, depth + 1);
   }
 };
 
-// Pictures are read elsewhere; here they are passed over.
-bool ignore_image(tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int, void*) {
+// Pictures stay packed; textures.cpp unpacks them.
+bool keep_bytes(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes, int n,
+                void*) {
+  image->image.assign(bytes, bytes + n);
   return true;
 }
 
-}  // namespace
-
-RawMesh read_gltf(const fs::path& file) {
+tinygltf::Model load(const fs::path& file) {
   tinygltf::TinyGLTF loader;
-  loader.SetImageLoader(ignore_image, nullptr);
+  loader.SetImageLoader(keep_bytes, nullptr);
   tinygltf::Model model;
   std::string error, warning;
   const bool is_binary = file.extension() == ".glb" || file.extension() == ".GLB";
   const bool is_read = is_binary ? loader.LoadBinaryFromFile(&model, &error, &warning, file.string())
                                  : loader.LoadASCIIFromFile(&model, &error, &warning, file.string());
-  if (!is_read) {
-    while (!error.empty() && (error.back() == '\n' || error.back() == '.')) error.pop_back();
-    throw UsageError(file.string() + ": cannot be read as glTF: " + error + ".");
-  }
+  if (is_read) return model;
+  for (char& c : error)
+    if (c == '\n') c = ' ';
+  while (!error.empty() && (error.back() == ' ' || error.back() == '.')) error.pop_back();
+  throw UsageError(file.string() + ": cannot be read as glTF: " + error + ".");
+}
+
+std::vector<Part> read_parts(const tinygltf::Model& model, const fs::path& file) {
   Reader reader{model, file, {}};
   Eigen::Affine3d z_up = Eigen::Affine3d::Identity();
   z_up.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   const int scene = model.defaultScene < 0 ? 0 : model.defaultScene;
   if (scene >= int(model.scenes.size())) reader.fail("it has no scene");
   for (const int node : model.scenes[scene].nodes) reader.visit(node, z_up, 0);
-  if (!reader.has_normals) reader.mesh.normals.clear();
-  if (!reader.has_uvs) reader.mesh.uvs.clear();
-  return std::move(reader.mesh);
+  return std::move(reader.parts);
+}
+
+// The materials of a file and the textures that they use, each unpacked once per use as colours or values.
+class MaterialReader {
+ public:
+  MaterialReader(const tinygltf::Model& model, const fs::path& file, GltfScene& scene)
+      : model_(model), file_(file), scene_(scene) {}
+
+  VisualMaterial read(const tinygltf::Material& from) {
+    const tinygltf::PbrMetallicRoughness& pbr = from.pbrMetallicRoughness;
+    VisualMaterial to;
+    to.name = from.name;
+    to.kind = VisualMaterial::Kind::metallic_roughness;
+    for (int c = 0; c < 3; ++c) to.color[c] = float(pbr.baseColorFactor[std::size_t(c)]);
+    to.texture = texture(pbr.baseColorTexture.index, pbr.baseColorTexture.texCoord, false);
+    to.metallic = float(pbr.metallicFactor);
+    to.roughness = float(pbr.roughnessFactor);
+    to.metallic_roughness_texture =
+        texture(pbr.metallicRoughnessTexture.index, pbr.metallicRoughnessTexture.texCoord, true);
+    to.normal_texture = texture(from.normalTexture.index, from.normalTexture.texCoord, true);
+    to.normal_scale = float(from.normalTexture.scale);
+    for (int c = 0; c < 3; ++c) to.emission[c] = float(from.emissiveFactor[std::size_t(c)]);
+    to.emission *= float(number(from, "KHR_materials_emissive_strength", "emissiveStrength", 1));
+    to.emission_texture = texture(from.emissiveTexture.index, from.emissiveTexture.texCoord, false);
+    to.transmission = float(number(from, "KHR_materials_transmission", "transmissionFactor", 0));
+    to.index_of_refraction = float(number(from, "KHR_materials_ior", "ior", 1.5));
+    to.is_thin = !(number(from, "KHR_materials_volume", "thicknessFactor", 0) > 0);
+    const double depth = number(from, "KHR_materials_volume", "attenuationDistance", 0);
+    if (depth > 0 && !to.is_thin)
+      for (int c = 0; c < 3; ++c)
+        to.absorption[c] =
+            float(-std::log(std::max(1e-6, component(from, "KHR_materials_volume", "attenuationColor", c))) / depth);
+    // a captured surface keeps its look; a surface without a coat is plain
+    if (from.extensions.count("KHR_materials_unlit")) to.kind = VisualMaterial::Kind::shadow_receiver;
+    if (to.metallic == 0 && to.transmission == 0 && to.emission.isZero() &&
+        number(from, "KHR_materials_specular", "specularFactor", 1) == 0)
+      to.kind = VisualMaterial::Kind::diffuse;
+    return to;
+  }
+
+ private:
+  const tinygltf::Value* find(const tinygltf::Material& from, const std::string& extension, const std::string& key) {
+    const auto at = from.extensions.find(extension);
+    return at != from.extensions.end() && at->second.Has(key) ? &at->second.Get(key) : nullptr;
+  }
+  double number(const tinygltf::Material& from, const std::string& extension, const std::string& key,
+                double otherwise) {
+    const tinygltf::Value* value = find(from, extension, key);
+    return value ? value->GetNumberAsDouble() : otherwise;
+  }
+  double component(const tinygltf::Material& from, const std::string& extension, const std::string& key, int c) {
+    const tinygltf::Value* value = find(from, extension, key);
+    return value && value->ArrayLen() == 3 ? value->Get(c).GetNumberAsDouble() : 1;
+  }
+
+  // index in scene_.textures, -1: none
+  int texture(int index, int coordinates, bool is_linear) {
+    if (index < 0) return -1;
+    if (coordinates != 0) throw UsageError(file_.string() + ": a texture uses a second set of coordinates; bake it.");
+    if (index >= int(model_.textures.size()) || model_.textures[std::size_t(index)].source < 0 ||
+        model_.textures[std::size_t(index)].source >= int(model_.images.size()))
+      throw UsageError(file_.string() + ": a material names a texture that does not exist.");
+    const int source = model_.textures[std::size_t(index)].source;
+    const auto [at, is_new] = known_.insert({{source, is_linear}, int(scene_.textures.size())});
+    if (is_new) {
+      const tinygltf::Image& image = model_.images[std::size_t(source)];
+      scene_.textures.push_back(unpack_texture(
+          image.image, file_.string() + ", picture " + (image.name.empty() ? std::to_string(source) : image.name)));
+    }
+    return at->second;
+  }
+
+  const tinygltf::Model& model_;
+  const fs::path& file_;
+  GltfScene& scene_;
+  std::map<std::pair<int, bool>, int> known_;  // picture, as values -> texture
+};
+
+}  // namespace
+
+RawMesh read_gltf(const fs::path& file) {
+  RawMesh joined;
+  bool has_normals = true, has_uvs = true;
+  for (const Part& part : read_parts(load(file), file)) {
+    const RawMesh& mesh = part.mesh;
+    const std::uint32_t first = std::uint32_t(joined.points.size());
+    has_normals &= !mesh.normals.empty();
+    has_uvs &= !mesh.uvs.empty();
+    joined.points.insert(joined.points.end(), mesh.points.begin(), mesh.points.end());
+    joined.normals.insert(joined.normals.end(), mesh.normals.begin(), mesh.normals.end());
+    joined.uvs.insert(joined.uvs.end(), mesh.uvs.begin(), mesh.uvs.end());
+    for (const Triangle& t : mesh.triangles) joined.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  if (!has_normals) joined.normals.clear();
+  if (!has_uvs) joined.uvs.clear();
+  return joined;
+}
+
+GltfScene read_gltf_scene(const fs::path& file) {
+  const tinygltf::Model model = load(file);
+  GltfScene scene;
+  MaterialReader reader(model, file, scene);
+  for (const tinygltf::Material& material : model.materials) scene.materials.push_back(reader.read(material));
+  int plain = -1;  // what parts without a material get
+  for (const Part& part : read_parts(model, file)) {
+    if (part.mesh.triangles.empty()) continue;
+    GltfPart& added = scene.parts.emplace_back();
+    added.name = part.name;
+    added.material = part.material;
+    if (part.material >= int(model.materials.size()))
+      throw UsageError(file.string() + ": a mesh names a material that does not exist.");
+    if (part.material < 0) {
+      if (plain < 0) {
+        plain = int(scene.materials.size());
+        scene.materials.push_back(reader.read({}));
+      }
+      added.material = plain;
+    }
+    for (const Vec3& p : part.mesh.points) added.mesh.points.push_back(p.cast<float>());
+    for (const Vec3& n : part.mesh.normals) added.mesh.normals.push_back(n.cast<float>());
+    for (Vec3f& n : added.mesh.normals)
+      if (!n.allFinite()) n = Vec3f::Zero();  // one of no length: the true normal is taken
+    added.mesh.uvs = part.mesh.uvs;
+    added.mesh.colors = part.colors;
+    added.mesh.triangles = part.mesh.triangles;
+  }
+  if (scene.parts.empty()) throw UsageError(file.string() + ": it holds no triangles.");
+  return scene;
 }
 
 }  // namespace pvg

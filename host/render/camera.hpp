@@ -1,4 +1,4 @@
-// A Camera of the scene as the device's pinhole camera, and its pose in the world.
+// A Camera of the scene as the device's, and its pose in the world.
 #pragma once
 #include "host/scene/scene.hpp"
 #include "host/scene/state.hpp"
@@ -6,7 +6,7 @@
 
 namespace pvg {
 
-// Refuses sizes and focal lengths that are not positive and distortion of other than 0, 4, 5 or 8 numbers.
+// Refuses what no camera can have, naming it.
 void check_camera(const Camera& camera);
 
 // camera to world; the axes of a body's map are made orthonormal, since an affine body may be strained a little

@@ -17,11 +17,14 @@ struct MeshRange {
   std::uint32_t first_node = 0, node_room = 0;                  // first: the root
   std::vector<std::uint32_t> level_first;  // nodes of each level, from first_node on, then the number of nodes
   bool has_normals = false;
-  Box box;  // in the mesh's frame
+  bool has_colors = false;
+  std::int32_t first_color = 0;  // colour of vertex i: first_color + i
+  Box box;                       // in the mesh's frame
 };
 
 struct GeometryArrays {
   std::vector<Vertex> vertices;
+  std::vector<float> colors;             // [n x 3] of meshes that have them
   std::vector<std::uint32_t> triangles;  // [n x 3] vertices
   std::vector<BvhNode> nodes;
   std::vector<TriangleBlock> blocks;

@@ -1,6 +1,5 @@
 #include "host/render/look.hpp"
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <cstring>
 
@@ -15,73 +14,110 @@ void copy(const Vec3f& from, f32 (&to)[3]) {
 
 bool is_nonnegative(const Vec3f& v) { return v.allFinite() && v.minCoeff() >= 0; }
 
-Material make_material(const VisualMaterial& material, std::size_t n_textures) {
+float roughness_to_alpha(float roughness) { return roughness * roughness; }
+
+void check(const VisualMaterial& material, std::size_t n_textures) {
   const std::string where = "material " + material.name + ": ";
   const bool is_reflectance = material.kind != VisualMaterial::Kind::emissive;
+  const auto is_share = [](float x) { return x >= 0 && x <= 1; };
   if (!is_nonnegative(material.color) || (is_reflectance && material.color.maxCoeff() > 1))
     throw UsageError(where + "color must be in [0, 1]");
+  if (!is_nonnegative(material.sheen) || material.sheen.maxCoeff() > 1)
+    throw UsageError(where + "sheen must be in [0, 1]");
   if (!is_nonnegative(material.absorption)) throw UsageError(where + "absorption must not be negative [1/m]");
   if (!is_nonnegative(material.emission)) throw UsageError(where + "emission must not be negative [W/(sr m^2)]");
-  if (!(material.roughness >= 0 && material.roughness <= 1)) throw UsageError(where + "roughness must be in [0, 1]");
+  if (!is_share(material.roughness)) throw UsageError(where + "roughness must be in [0, 1]");
+  if (!is_share(material.metallic)) throw UsageError(where + "metallic must be in [0, 1]");
+  if (!is_share(material.transmission)) throw UsageError(where + "transmission must be in [0, 1]");
+  if (!(material.sheen_roughness >= 0.5f && material.sheen_roughness <= 1))
+    throw UsageError(where + "sheen_roughness must be in [0.5, 1]");
   if (!(material.index_of_refraction >= 1 && material.index_of_refraction <= 4))
     throw UsageError(where + "index_of_refraction must be in [1, 4]");
-  if (!(material.shadow_strength >= 0 && material.shadow_strength <= 1))
-    throw UsageError(where + "shadow_strength must be in [0, 1]");
-  if (material.texture >= int(n_textures)) throw UsageError(where + "its texture does not exist");
+  if (!is_share(material.shadow_strength)) throw UsageError(where + "shadow_strength must be in [0, 1]");
+  if (!(material.normal_scale >= 0 && material.normal_scale <= 100))
+    throw UsageError(where + "normal_scale must be in [0, 100]");
+  if (material.priority < 0 || material.priority > 1000) throw UsageError(where + "priority must be in [0, 1000]");
+  for (const int texture :
+       {material.texture, material.metallic_roughness_texture, material.normal_texture, material.emission_texture})
+    if (texture >= int(n_textures)) throw UsageError(where + "its texture does not exist");
+}
+
+std::uint32_t device_kind(const VisualMaterial& material) {
+  using Kind = VisualMaterial::Kind;
+  const bool is_clear = roughness_to_alpha(material.roughness) < MIRROR_ALPHA;
+  if (material.kind == Kind::dielectric && !is_clear)
+    return material.is_thin ? MATERIAL_METALLIC_ROUGHNESS : MATERIAL_ROUGH_DIELECTRIC;
+  // all of it clear glass: straight shadows can pass it
+  const bool is_glass = material.kind == Kind::metallic_roughness && material.transmission == 1 &&
+                        material.metallic == 0 && is_clear && material.texture < 0 &&
+                        material.metallic_roughness_texture < 0 && material.emission.isZero();
+  return is_glass ? MATERIAL_DIELECTRIC : std::uint32_t(material.kind);
+}
+
+bool transmits(const VisualMaterial& material) {
+  return material.kind == VisualMaterial::Kind::dielectric ||
+         (material.kind == VisualMaterial::Kind::metallic_roughness && material.transmission > 0);
+}
+
+bool has_inside(const VisualMaterial& material) { return transmits(material) && !material.is_thin; }
+
+Material make_material(const VisualMaterial& material, std::size_t n_textures) {
+  check(material, n_textures);
   Material m{};
-  m.kind = std::uint32_t(material.kind);
+  m.kind = device_kind(material);
   m.texture = material.texture;
-  m.alpha = material.roughness * material.roughness;
+  m.metallic_roughness_texture = material.metallic_roughness_texture;
+  m.normal_texture = material.normal_texture;
+  m.emission_texture = material.emission_texture;
+  m.normal_scale = material.normal_scale;
+  m.alpha = roughness_to_alpha(material.roughness);
+  if (m.kind == MATERIAL_METALLIC_ROUGHNESS) m.alpha = std::max(m.alpha, MIRROR_ALPHA);
   m.ior = material.index_of_refraction;
   m.shadow_strength = material.shadow_strength;
+  const bool is_dielectric = material.kind == VisualMaterial::Kind::dielectric;
+  m.metallic = is_dielectric ? 0 : material.metallic;
+  m.transmission = is_dielectric ? 1 : material.transmission;
+  m.sheen_roughness = material.sheen_roughness;
+  m.priority = std::uint32_t(material.priority);
+  m.flags = has_inside(material) ? MATERIAL_HAS_INSIDE : 0u;
+  if (transmits(material) && material.is_thin) m.flags |= MATERIAL_THIN;
+  if (shines(material)) m.flags |= MATERIAL_EMITS;
   copy(material.color, m.color);
   copy(material.absorption, m.absorption);
   copy(material.emission, m.emission);
+  copy(material.sheen, m.sheen);
   return m;
 }
 
+// textures whose bytes are values: those of roughness and normals
+std::vector<bool> linear_textures(const Scene& scene) {
+  std::vector<bool> is_linear(scene.textures.size(), false);
+  for (const VisualMaterial& material : scene.materials)
+    for (const int texture : {material.metallic_roughness_texture, material.normal_texture})
+      if (texture >= 0) is_linear.at(std::size_t(texture)) = true;
+  for (const VisualMaterial& material : scene.materials)
+    for (const int texture : {material.texture, material.emission_texture})
+      if (texture >= 0 && is_linear[std::size_t(texture)])
+        throw UsageError("material " + material.name +
+                         ": one of its colour textures is used for roughness or normals, too; give each its own");
+  return is_linear;
+}
+
 void add_textures(const Scene& scene, Look& look) {
+  const std::vector<bool> is_linear = linear_textures(scene);
   for (const Texture& texture : scene.textures) {
     if (texture.width < 1 || texture.height < 1 ||
         texture.rgba.size() != std::size_t(texture.width) * texture.height * 4)
       throw UsageError("texture " + std::to_string(look.textures.size()) + " has " +
                        std::to_string(texture.rgba.size()) + " bytes for " + std::to_string(texture.width) + " x " +
                        std::to_string(texture.height) + " RGBA texels");
-    look.textures.push_back(
-        {std::uint32_t(look.texels.size()), std::uint32_t(texture.width), std::uint32_t(texture.height), 0});
+    if (look.texels.size() + texture.rgba.size() / 4 > 0xffffffffu)
+      throw UsageError("the textures have more than 4 billion texels together; scale them down");
+    look.textures.push_back({std::uint32_t(look.texels.size()), std::uint32_t(texture.width),
+                             std::uint32_t(texture.height), is_linear[look.textures.size()]});
     const std::size_t first = look.texels.size();
     look.texels.resize(first + texture.rgba.size() / 4);
     std::memcpy(look.texels.data() + first, texture.rgba.data(), texture.rgba.size());
-  }
-}
-
-void add_lights(const Scene& scene, Look& look) {
-  double total = 0;
-  std::vector<double> powers;
-  for (const RectangleLight& light : scene.lights) {
-    const double area = light.edge_u.cross(light.edge_v).norm();
-    if (!(area > 0) || !light.corner.allFinite()) throw UsageError("light " + light.name + ": its edges span no area");
-    if (!is_nonnegative(light.radiance) || light.radiance.maxCoeff() <= 0)
-      throw UsageError("light " + light.name + ": radiance must be positive");
-    const Vec3f& L = light.radiance;
-    powers.push_back(area * (0.2126 * L.x() + 0.7152 * L.y() + 0.0722 * L.z()));  // luminance, Rec. 709
-    total += powers.back();
-  }
-  double sum = 0;
-  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-    const RectangleLight& light = scene.lights[i];
-    const Vec3 normal = light.edge_u.cross(light.edge_v);
-    sum += powers[i];
-    Light l{};
-    copy(light.corner.cast<float>(), l.corner);
-    copy(light.edge_u.cast<float>(), l.edge_u);
-    copy(light.edge_v.cast<float>(), l.edge_v);
-    copy(normal.normalized().cast<float>(), l.normal);
-    copy(light.radiance, l.radiance);
-    l.area = float(normal.norm());
-    l.probability = float(powers[i] / total);
-    l.cumulative = float(sum / total);
-    look.lights.push_back(l);
   }
 }
 
@@ -92,17 +128,33 @@ Look make_look(const Scene& scene) {
   look.material_of.resize(scene.materials.size());
   for (const bool is_glass : {true, false}) {
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-      if ((scene.materials[i].kind == VisualMaterial::Kind::dielectric) != is_glass) continue;
+      if (has_inside(scene.materials[i]) != is_glass) continue;
       look.material_of[i] = std::uint32_t(look.materials.size());
       look.materials.push_back(make_material(scene.materials[i], scene.textures.size()));
     }
     if (is_glass && look.materials.size() > 255)
-      throw UsageError("the scene has more than 255 dielectric materials; let visuals share them");
+      throw UsageError("the scene has more than 255 materials that light enters; let visuals share them");
   }
   add_textures(scene, look);
-  add_lights(scene, look);
   for (int byte = 0; byte < 256; ++byte) look.decode.push_back(srgb_to_linear(float(byte) / 255.0f));
+  for (int byte = 0; byte < 256; ++byte) look.decode.push_back(float(byte) / 255.0f);
   return look;
+}
+
+bool shines(const VisualMaterial& material) {
+  using Kind = VisualMaterial::Kind;
+  return (material.kind == Kind::emissive || material.kind == Kind::metallic_roughness) &&
+         material.emission.maxCoeff() > 0;
+}
+
+Vec3f mean_emission(const Scene& scene, const VisualMaterial& material) {
+  const int texture = material.kind == VisualMaterial::Kind::emissive ? material.texture : material.emission_texture;
+  if (texture < 0) return material.emission;
+  const std::vector<std::uint8_t>& rgba = scene.textures.at(std::size_t(texture)).rgba;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i + 3 < rgba.size(); i += 4)
+    for (int c = 0; c < 3; ++c) sum[c] += srgb_to_linear(float(rgba[i + std::size_t(c)]) / 255.0f);
+  return material.emission.cwiseProduct((sum * (4.0 / double(rgba.size()))).cast<float>());
 }
 
 float srgb_to_linear(float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); }

@@ -1,24 +1,27 @@
-// Materials, textures and lights of a scene as the device reads them.
+// Materials and textures of a scene as the device reads them.
 #pragma once
 #include <vector>
 
 #include "host/scene/scene.hpp"
 #include "materials/material.h"
-#include "render/path.h"
 
 namespace pvg {
 
 struct Look {
-  std::vector<Material> materials;         // glass first, see kernels/render/media.cl
+  std::vector<Material> materials;         // those with an inside first, see kernels/render/media.cl
   std::vector<std::uint32_t> material_of;  // [Scene::materials] its place in `materials`
   std::vector<TextureInfo> textures;
   std::vector<std::uint32_t> texels;  // RGBA bytes
-  std::vector<float> decode;          // sRGB byte to linear [256]
-  std::vector<Light> lights;
+  std::vector<float> decode;          // byte to linear: as sRGB, as a value [512]
 };
 
 // Refuses colours and coefficients out of their range and textures of the wrong length, naming them.
 Look make_look(const Scene& scene);
+
+// its surface is a light
+bool shines(const VisualMaterial& material);
+// over its texture [W/(sr m^2)]
+Vec3f mean_emission(const Scene& scene, const VisualMaterial& material);
 
 // sRGB to linear, both in [0, 1] (IEC 61966-2-1)
 float srgb_to_linear(float c);

@@ -43,4 +43,13 @@ SceneState interpolate(const SceneState& a, const SceneState& b, double share) {
   return state;
 }
 
+SceneState state_at(std::span<const SceneState> states, double time) {
+  std::size_t after = 0;
+  while (after < states.size() && states[after].time <= time) ++after;
+  if (after == 0) return states.front();
+  if (after == states.size()) return states.back();
+  const SceneState &a = states[after - 1], &b = states[after];
+  return interpolate(a, b, (time - a.time) / (b.time - a.time));
+}
+
 }  // namespace pvg

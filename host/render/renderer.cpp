@@ -1,18 +1,17 @@
 // A picture: every visual is moved to its body, the tree over instances rebuilt, then batches of paths run through the
 // stages (stages.cpp) into the film.
-#include "host/render/renderer.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "host/render/camera.hpp"
-#include "host/render/geometry.hpp"
-#include "host/render/look.hpp"
-#include "host/render/soft_visual.hpp"
-#include "host/render/stages.hpp"
+#include "host/render/renderer_impl.hpp"
+#include "host/render/sensor.hpp"
 
 namespace pvg {
 namespace {
+
+constexpr int MOST_INSTANTS = 16;        // of a moving picture
+constexpr std::uint32_t STRIP_ROWS = 8;  // a tile's, tiles.cl: rows that a rolling shutter reads together
 
 // as hash_u32 in kernels/shared/rng.cl
 std::uint32_t hash_u32(std::uint32_t x) {
@@ -27,179 +26,85 @@ std::uint32_t picture_key(std::uint64_t seed, std::uint32_t frame, std::uint32_t
   return key;
 }
 
-void check_index(int index, std::size_t n, const std::string& visual, const char* what) {
-  if (index >= int(n)) throw UsageError("visual " + visual + ": its " + what + " does not exist");
-}
-
-// the unit square, which a light's edges carry to its place
-VisualMesh unit_square() {
-  VisualMesh mesh;
-  mesh.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  return mesh;
-}
-
 }  // namespace
 
-SceneState initial_state(const Scene& scene) {
-  SceneState state;
-  for (const RigidBody& body : scene.rigid_bodies) state.rigid.push_back(body.pose.matrix().topRows<3>());
-  for (const SoftBody& body : scene.soft_bodies) {
-    state.soft.emplace_back();
-    for (const Vec3& point : body.mesh.points) state.soft.back().push_back(body.pose * point);
-  }
-  for (const Cloth& cloth : scene.cloths) {
-    state.cloth.emplace_back();
-    for (const Vec3& point : cloth.mesh.points) state.cloth.back().push_back(cloth.pose * point);
-  }
-  return state;
-}
-
-struct Renderer::Impl {
-  struct Shown {  // a Visual or a light, one instance each
-    std::string name;
-    MeshRange mesh;
-    int soft = -1;  // index into soft_visuals
-  };
-
-  Impl(Device& device_, const Scene& scene_, const RenderSettings& settings_);
-  Shown add_visual(const Visual& visual, GeometryArrays& geometry);
-  void add_lights(GeometryArrays& geometry);
-  Eigen::Matrix<double, 3, 4> visual_pose(const Visual& visual, const SceneState& state) const;
-  Instance visual_instance(std::size_t visual, const SceneState& state) const;
-  Instance light_instance(std::size_t light) const;
-  Launch begin_launch(int camera, std::uint32_t frame) const;
-  RenderedFrame read_film(int camera) const;
-
-  Device& device;
-  Scene scene;  // without its geometry
-  RenderSettings settings;
-  std::vector<Shown> shown;
-  std::vector<MeshRange> meshes;  // [Scene::visual_meshes], filled when first used
-  std::vector<bool> mesh_is_packed;
-  std::vector<SoftVisual> soft_visuals;
-  std::vector<Instance> instances;
-  std::vector<Box> boxes;
-  std::vector<Eigen::Matrix4d> camera_poses;
-  Look look;
-  std::unique_ptr<DeviceScene> on_device;
-  Stages stages;
-  Film film;
-};
-
-Renderer::Impl::Impl(Device& device_, const Scene& scene_, const RenderSettings& settings_)
-    : device(device_), scene(scene_), settings(settings_), look(make_look(scene_)), stages(device_), film(device_) {
-  if (settings.samples < 1 || settings.samples > 1 << 16)
-    throw UsageError("samples is " + std::to_string(settings.samples) + "; 1 to 65536 paths per pixel");
-  if (settings.max_depth < 0 || settings.max_depth > 1000)
-    throw UsageError("max_depth is " + std::to_string(settings.max_depth) + "; 0 to 1000 bounces");
-  for (const Camera& camera : scene.cameras) check_camera(camera);
-  GeometryArrays geometry;
-  meshes.resize(scene.visual_meshes.size());
-  mesh_is_packed.resize(scene.visual_meshes.size());
-  for (const Visual& visual : scene.visuals) shown.push_back(add_visual(visual, geometry));
-  if (!scene.lights.empty()) add_lights(geometry);
-  instances.resize(shown.size());
-  boxes.resize(shown.size());
-  on_device = std::make_unique<DeviceScene>(DeviceScene{
-      {Buffer<BvhNode>(device, 0, "top"), Buffer<BvhNode>(device, geometry.nodes, "nodes"),
-       Buffer<TriangleBlock>(device, geometry.blocks, "blocks"), Buffer<Instance>(device, shown.size(), "instances")},
-      Buffer<std::uint32_t>(device, geometry.triangles, "triangles"),
-      Buffer<Vertex>(device, geometry.vertices, "vertices"),
-      Buffer<Material>(device, look.materials, "materials"),
-      Buffer<TextureInfo>(device, look.textures, "textures"),
-      Buffer<std::uint32_t>(device, look.texels, "texels"),
-      Buffer<float>(device, look.decode, "decode"),
-      Buffer<Light>(device, look.lights, "lights")});
-  scene.visual_meshes.clear();
-  scene.textures.clear();
-}
-
-Renderer::Impl::Shown Renderer::Impl::add_visual(const Visual& visual, GeometryArrays& geometry) {
-  if (visual.material < 0) throw UsageError("visual " + visual.name + ": it has no material");
-  check_index(visual.material, scene.materials.size(), visual.name, "material");
-  check_index(visual.rigid, scene.rigid_bodies.size(), visual.name, "rigid body");
-  check_index(visual.soft, scene.soft_bodies.size(), visual.name, "soft body");
-  check_index(visual.cloth, scene.cloths.size(), visual.name, "cloth");
-  check_index(visual.mesh, scene.visual_meshes.size(), visual.name, "mesh");
-  Shown entry;
-  entry.name = visual.name;
-  if (visual.soft >= 0 || visual.cloth >= 0) {
-    if (visual.mesh >= 0)
-      throw UsageError("visual " + visual.name +
-                       ": a soft body or cloth is shown by its own surface; leave its mesh out");
-    entry.soft = int(soft_visuals.size());
-    if (visual.soft >= 0) {
-      const SoftBody& body = scene.soft_bodies[visual.soft];
-      soft_visuals.emplace_back(device, body.name, body.mesh.points, body.mesh.surface, visual);
-    } else {
-      const Cloth& cloth = scene.cloths[visual.cloth];
-      soft_visuals.emplace_back(device, cloth.name, cloth.mesh.points, cloth.mesh.triangles, visual);
-    }
-    entry.mesh = geometry.add(soft_visuals.back().mesh(), visual.name, true);
-    return entry;
-  }
-  if (visual.mesh < 0) throw UsageError("visual " + visual.name + ": it has no mesh");
-  if (!mesh_is_packed[visual.mesh]) {
-    meshes[visual.mesh] = geometry.add(scene.visual_meshes[visual.mesh], visual.name);
-    mesh_is_packed[visual.mesh] = true;
-  }
-  entry.mesh = meshes[visual.mesh];
-  return entry;
-}
-
-void Renderer::Impl::add_lights(GeometryArrays& geometry) {
-  const MeshRange square = geometry.add(unit_square(), "light");
-  for (const RectangleLight& light : scene.lights) shown.push_back({light.name, square, -1});
-}
-
-Eigen::Matrix<double, 3, 4> Renderer::Impl::visual_pose(const Visual& visual, const SceneState& state) const {
-  if (visual.soft >= 0 || visual.cloth >= 0) return Pose::Identity().matrix().topRows<3>();
-  if (visual.rigid < 0) return visual.pose.matrix().topRows<3>();
-  Eigen::Matrix4d body = Eigen::Matrix4d::Identity();
-  body.topRows<3>() = state.rigid[visual.rigid];
-  return (body * visual.pose.matrix()).topRows<3>();
-}
-
-Instance Renderer::Impl::visual_instance(std::size_t i, const SceneState& state) const {
-  const Visual& visual = scene.visuals[i];
-  Instance instance = make_instance(visual_pose(visual, state), shown[i].mesh, visual.name);
-  instance.material = look.material_of[visual.material];
-  instance.visual = std::uint32_t(i + 1);
-  instance.mask = MASK_SURFACES | (visual.casts_shadow_on_receivers ? MASK_RECEIVERS : 0u);
-  if (scene.materials[visual.material].kind == VisualMaterial::Kind::dielectric) instance.flags |= INSTANCE_CLEAR;
-  return instance;
-}
-
-Instance Renderer::Impl::light_instance(std::size_t i) const {
-  const RectangleLight& light = scene.lights[i];
-  Eigen::Matrix<double, 3, 4> to_world;
-  to_world << light.edge_u, light.edge_v, light.edge_u.cross(light.edge_v).normalized(), light.corner;
-  Instance instance = make_instance(to_world, shown[scene.visuals.size() + i].mesh, light.name);
-  instance.light = int(i);
-  instance.mask = MASK_SURFACES;
-  return instance;
-}
-
-Launch Renderer::Impl::begin_launch(int camera, std::uint32_t frame) const {
+Launch Renderer::Impl::begin_launch(int camera, std::uint32_t frame) {
   const Camera& seen_by = scene.cameras[camera];
   Launch launch{};
   launch.camera = pinhole_camera(seen_by, camera_poses[camera]);
   launch.key = picture_key(settings.seed, frame, std::uint32_t(camera));
-  launch.n_lights = std::uint32_t(look.lights.size());
+  launch.n_lights = std::uint32_t(lights.lights.size());
   launch.max_depth = std::uint32_t(settings.max_depth);
   launch.transparent_shadows = settings.transparent_shadows;
   launch.receiver_scale = 1.0f / seen_by.exposure;
   for (int c = 0; c < 3; ++c) launch.environment[c] = scene.environment[c];
+  launch.environment_light = lights.environment;
+  launch.environment_turn = float(scene.environment_map.turn);
+  launch.environment_width = std::uint32_t(scene.environment_map.width);
+  launch.environment_height = std::uint32_t(scene.environment_map.height);
+  if (has_insides) launch.media = stages.find_camera_media(launch, *on_device);
   return launch;
 }
 
-RenderedFrame Renderer::Impl::read_film(int camera) const {
+std::uint64_t Renderer::Impl::add_samples(Launch launch, std::uint32_t first, std::uint32_t last, int first_sample,
+                                          int n_samples) {
+  std::uint64_t rays = 0;
+  // more samples than a batch can hold go one part after the other
+  const int at_once = int(std::min<std::size_t>(std::size_t(n_samples), Stages::MAX_PATHS));
+  for (int sample = 0; sample < n_samples; sample += at_once) {
+    launch.first_sample = std::uint32_t(first_sample + sample);
+    launch.n_samples = std::uint32_t(std::min(at_once, n_samples - sample));
+    const std::uint32_t batch = std::uint32_t(std::max<std::size_t>(1, Stages::MAX_PATHS / launch.n_samples));
+    for (launch.first_pixel = first; launch.first_pixel < last; launch.first_pixel += batch) {
+      launch.n_pixels = std::min(batch, last - launch.first_pixel);
+      rays += stages.trace(launch, *on_device, film);
+    }
+  }
+  return rays;
+}
+
+// Samples are shared out among instants of the exposure, one at random in each of equal parts of it; strips of rows
+// have their own. After it everything stands where it is at `time`.
+std::uint64_t Renderer::Impl::add_moving_samples(int camera, std::uint32_t frame,
+                                                 const std::function<SceneState(double)>& at, double time) {
+  const Camera& seen_by = scene.cameras[camera];
+  const std::uint32_t width = std::uint32_t(seen_by.width), height = std::uint32_t(seen_by.height);
+  const std::uint32_t strip_rows = seen_by.row_time > 0 ? STRIP_ROWS : height;
+  const int n_instants = seen_by.exposure_time > 0 ? std::min(settings.samples, MOST_INSTANTS) : 1;
+  std::uint64_t rays = 0;
+  for (std::uint32_t row = 0; row < height; row += strip_rows) {
+    const std::uint32_t end = std::min(height, row + strip_rows);
+    const double middle = 0.5 * (row + end - 1);
+    const double closes = time - (seen_by.row_time > 0 ? (height - 1 - middle) * seen_by.row_time : 0);
+    for (int k = 0; k < n_instants; ++k) {
+      const std::uint32_t key = picture_key(settings.seed ^ (std::uint64_t(row) << 32), frame, std::uint32_t(k));
+      const double within = (k + double(key) * 0x1p-32) / n_instants;
+      move_to(at(closes - seen_by.exposure_time * (1 - within)));
+      const int first = settings.samples * k / n_instants, last = settings.samples * (k + 1) / n_instants;
+      rays += add_samples(begin_launch(camera, frame), row * width, end * width, first, last - first);
+    }
+  }
+  move_to(at(time));
+  return rays;
+}
+
+void Renderer::Impl::find_ground_truth(Launch launch) {
+  launch.is_center = 1;
+  launch.n_samples = 1;
+  const std::uint32_t n_pixels = launch.camera.width * launch.camera.height;
+  for (launch.first_pixel = 0; launch.first_pixel < n_pixels; launch.first_pixel += Stages::MAX_PATHS) {
+    launch.n_pixels = std::min(std::uint32_t(Stages::MAX_PATHS), n_pixels - launch.first_pixel);
+    stages.find_ground_truth(launch, settings.sees_through_glass, *on_device, film);
+  }
+}
+
+RenderedFrame Renderer::Impl::read_film(int camera, std::uint32_t frame) const {
   const Camera& seen_by = scene.cameras[camera];
   RenderedFrame picture;
   picture.width = seen_by.width;
   picture.height = seen_by.height;
   picture.depth = film.depth.read();
+  picture.distance = film.distance.read();
   picture.instance = film.instance.read();
   picture.normal = film.normal.read();
   const std::vector<F32x4> sums = film.sum.read();
@@ -210,7 +115,23 @@ RenderedFrame Renderer::Impl::read_film(int camera) const {
     for (int c = 0; c < 3; ++c) picture.rgb[3 * i + c] = sums[i].v[c] * scale;
   }
   for (const std::uint32_t dropped : film.dropped.read()) picture.dropped_samples += dropped;
+  expose_sensor(seen_by, picture_key(settings.seed, frame, std::uint32_t(camera)), picture.rgb);
   return picture;
+}
+
+RenderedFrame Renderer::Impl::finish(const Launch& launch, int camera, std::uint32_t frame, std::uint64_t rays) {
+  find_ground_truth(launch);
+  last_camera = camera;
+  if (denoiser) (*denoiser)(launch.camera.width, launch.camera.height, film);
+  RenderedFrame picture = read_film(camera, frame);
+  picture.rays = rays;
+  return picture;
+}
+
+void Renderer::Impl::check_camera_index(int camera) const {
+  if (camera < 0 || camera >= int(scene.cameras.size()))
+    throw UsageError("the scene has " + std::to_string(scene.cameras.size()) + " cameras, number " +
+                     std::to_string(camera) + " was asked for");
 }
 
 Renderer::Renderer(Device& device, const Scene& scene, const RenderSettings& settings)
@@ -220,62 +141,46 @@ Renderer::Renderer(Device& device, const Scene& scene, const RenderSettings& set
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 
-void Renderer::set_state(const SceneState& state) {
-  Impl& r = *impl_;
-  const Scene& scene = r.scene;
-  if (state.rigid.size() != scene.rigid_bodies.size() || state.soft.size() != scene.soft_bodies.size() ||
-      state.cloth.size() != scene.cloths.size())
-    throw UsageError("the state has " + std::to_string(state.rigid.size()) + " rigid and " +
-                     std::to_string(state.soft.size()) + " soft bodies and " + std::to_string(state.cloth.size()) +
-                     " cloths, the scene to be rendered " + std::to_string(scene.rigid_bodies.size()) + ", " +
-                     std::to_string(scene.soft_bodies.size()) + " and " + std::to_string(scene.cloths.size()));
-  const std::size_t n_visuals = scene.visuals.size();
-  for (std::size_t i = 0; i < r.shown.size(); ++i) {
-    Impl::Shown& shown = r.shown[i];
-    r.instances[i] = i < n_visuals ? r.visual_instance(i, state) : r.light_instance(i - n_visuals);
-    Box box = shown.mesh.box;
-    if (shown.soft >= 0) {
-      const Visual& visual = scene.visuals[i];
-      const std::vector<Vec3>& nodes = visual.soft >= 0 ? state.soft[visual.soft] : state.cloth[visual.cloth];
-      box = r.soft_visuals[shown.soft].follow(nodes, shown.mesh, *r.on_device);
-    }
-    r.boxes[i] = world_box(r.instances[i], box);
-  }
-  const std::vector<BvhNode> top = build_instance_tree(r.boxes);
-  r.on_device->trees.top.resize(top.size());
-  r.on_device->trees.top.write(top);
-  r.on_device->trees.instances.write(r.instances);
-  r.camera_poses.clear();
-  for (const Camera& camera : scene.cameras) r.camera_poses.push_back(camera_to_world(camera, state));
-}
+void Renderer::set_state(const SceneState& state) { impl_->move_to(state); }
 
 RenderedFrame Renderer::render(int camera, std::uint32_t frame) {
   Impl& r = *impl_;
-  if (camera < 0 || camera >= int(r.scene.cameras.size()))
-    throw UsageError("the scene has " + std::to_string(r.scene.cameras.size()) + " cameras, number " +
-                     std::to_string(camera) + " was asked for");
-  std::uint64_t rays = 0;
-  Launch launch = r.begin_launch(camera, frame);
-  const std::uint32_t n_pixels = launch.camera.width * launch.camera.height;
+  r.check_camera_index(camera);
+  const Camera& seen_by = r.scene.cameras[std::size_t(camera)];
+  const std::uint32_t n_pixels = std::uint32_t(seen_by.width) * std::uint32_t(seen_by.height);
   r.film.begin(n_pixels);
+  const Launch launch = r.begin_launch(camera, frame);
+  const std::uint64_t rays = r.add_samples(launch, 0, n_pixels, 0, r.settings.samples);
+  return r.finish(launch, camera, frame, rays);
+}
 
-  launch.n_samples = std::uint32_t(r.settings.samples);
-  launch.n_pixels = std::uint32_t(std::max<std::size_t>(1, Stages::MAX_PATHS / launch.n_samples));
-  const std::uint32_t batch = launch.n_pixels;
-  for (launch.first_pixel = 0; launch.first_pixel < n_pixels; launch.first_pixel += batch) {
-    launch.n_pixels = std::min(batch, n_pixels - launch.first_pixel);
-    rays += r.stages.trace(launch, *r.on_device, r.film);
+RenderedFrame Renderer::render(int camera, std::uint32_t frame, const std::function<SceneState(double)>& at,
+                               double time) {
+  Impl& r = *impl_;
+  r.check_camera_index(camera);
+  const Camera& seen_by = r.scene.cameras[std::size_t(camera)];
+  if (seen_by.exposure_time == 0 && seen_by.row_time == 0) {
+    if (r.state.time != time) r.move_to(at(time));
+    return render(camera, frame);
   }
-  launch.is_center = 1;
-  launch.n_samples = 1;
-  for (launch.first_pixel = 0; launch.first_pixel < n_pixels; launch.first_pixel += Stages::MAX_PATHS) {
-    launch.n_pixels = std::min(std::uint32_t(Stages::MAX_PATHS), n_pixels - launch.first_pixel);
-    r.stages.find_ground_truth(launch, *r.on_device, r.film);
-  }
+  r.film.begin(std::size_t(seen_by.width) * std::size_t(seen_by.height));
+  const std::uint64_t rays = r.add_moving_samples(camera, frame, at, time);
+  return r.finish(r.begin_launch(camera, frame), camera, frame, rays);
+}
 
-  RenderedFrame picture = r.read_film(camera);
-  picture.rays = rays;
-  return picture;
+FlowFrame Renderer::flow(const SceneState& other) {
+  Impl& r = *impl_;
+  if (r.last_camera < 0) throw std::logic_error("flow is asked for before a picture was made");
+  const SceneState here = r.state;
+  const Launch from = r.begin_launch(r.last_camera, 0);
+  r.move_to(other);
+  const std::size_t n = r.film.seen.size();
+  Buffer<float> flow(r.device, 2 * n, "flow");
+  Buffer<std::uint8_t> state(r.device, n, "state");
+  r.stages.find_flow(from, r.begin_launch(r.last_camera, 0), *r.on_device, r.film, flow, state);
+  FlowFrame result{flow.read(), state.read()};
+  r.move_to(here);
+  return result;
 }
 
 Eigen::Matrix4d Renderer::camera_pose(int camera) const { return impl_->camera_poses.at(std::size_t(camera)); }

@@ -1,6 +1,7 @@
 // The path tracer: a Scene's visuals, lights and cameras on a device, one picture per call.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,17 +19,26 @@ struct RenderSettings {
   // clear glass between a light and a diffuse surface or shadow receiver attenuates the shadow ray, which goes straight
   // through, and refracted light of that light is left out; false: glass blocks shadow rays, all refracted paths count
   bool transparent_shadows = true;
+  bool denoises = false;            // an edge-avoiding filter over the picture, for previews
+  bool sees_through_glass = false;  // depth, normals, instances and flow: of what is behind glass
 };
 
 struct RenderedFrame {
   int width = 0, height = 0;
-  std::vector<float> rgb;    // linear Rec. 709, exposure applied  [height x width x 3]
-  std::vector<float> depth;  // z in the camera's frame at the pixel's centre, lights included, infinite where
-                             // nothing is hit [m]
+  std::vector<float> rgb;       // linear Rec. 709, exposure applied  [height x width x 3]
+  std::vector<float> depth;     // z in the camera's frame at the pixel's centre, lights included, infinite where
+                                // nothing is hit [m]
+  std::vector<float> distance;  // from the camera, likewise [m]
   std::vector<std::uint32_t> instance;  // 1 + index of the Visual at the pixel's centre, 0: nothing or a light  [h x w]
   std::vector<float> normal;  // of the surface at the pixel's centre, unit, world, toward the camera, or 0  [h x w x 3]
   std::uint32_t dropped_samples = 0;  // samples that were not finite and were left out
   std::uint64_t rays = 0;             // path segments traced, shadow rays not counted
+};
+
+// Where the points of a picture's pixel centres are in another picture of the same camera.
+struct FlowFrame {
+  std::vector<float> flow;          // [height x width x 2, pixels] right and down; 0 where nothing can be said
+  std::vector<std::uint8_t> state;  // [height x width] 0: seen there, 1: hidden by something, 2: outside the picture
 };
 
 // where everything is before anything moves
@@ -42,8 +52,14 @@ class Renderer {
 
   // Moves every visual and camera to where its body is; refits what deforms.
   void set_state(const SceneState& state);
-  // `frame` enters the random numbers: the same seed, frame and camera give the same bits.
+  // `frame` enters the random numbers: the same seed, frame and camera give the same bits. A camera with an exposure
+  // time or a rolling shutter sees everything stand still.
   RenderedFrame render(int camera, std::uint32_t frame);
+  // The same of a motion: `at` says where everything is at a time [s], the picture's is `time`, at which the shutter
+  // closes (of a rolling one the last row's). Ground truth is that of `time`.
+  RenderedFrame render(int camera, std::uint32_t frame, const std::function<SceneState(double)>& at, double time);
+  // of the picture made last, to the same camera's picture of another state
+  FlowFrame flow(const SceneState& other);
   // camera to world as of the last set_state, for the record
   Eigen::Matrix4d camera_pose(int camera) const;
 

@@ -6,33 +6,50 @@ namespace pvg {
 
 Film::Film(Device& device)
     : sum(device, 0, "film"),
+      squares(device, 0, "squares"),
       dropped(device, 0, "dropped"),
       depth(device, 0, "depth"),
+      distance(device, 0, "distance"),
       instance(device, 0, "instance"),
-      normal(device, 0, "normal") {}
+      normal(device, 0, "normal"),
+      place(device, 0, "place"),
+      albedo(device, 0, "albedo"),
+      seen(device, 0, "seen") {}
 
 void Film::begin(std::size_t n_pixels) {
   sum.resize(n_pixels);
+  squares.resize(n_pixels);
   dropped.resize(n_pixels);
+  sum.zero();
+  squares.zero();
+  place.resize(n_pixels);
+  albedo.resize(3 * n_pixels);
+  dropped.zero();
   depth.resize(n_pixels);
+  distance.resize(n_pixels);
+  seen.resize(n_pixels);
   instance.resize(n_pixels);
   normal.resize(3 * n_pixels);
 }
 
 Stages::Kernels::Kernels(Program generate_file, Program shade_file, Program compact_file, Program accumulate_file,
-                         Program ground_truth_file)
+                         Program ground_truth_file, Program flow_file, Program camera_media_file)
     : generate(generate_file.kernel("generate")),
       shade(shade_file.kernel("shade")),
       count_alive(compact_file.kernel("count_alive")),
       scan_counts(compact_file.kernel("scan_counts")),
       fill_queue(compact_file.kernel("fill_queue")),
       accumulate(accumulate_file.kernel("accumulate")),
-      ground_truth(ground_truth_file.kernel("ground_truth")) {}
+      ground_truth(ground_truth_file.kernel("ground_truth")),
+      flow(flow_file.kernel("flow")),
+      camera_media(camera_media_file.kernel("camera_media")) {}
 
 Stages::Stages(Device& device)
     : kernels_(Program(device, "render/generate.cl"), Program(device, "render/shade.cl", traversal_options(device)),
                Program(device, "render/compact.cl"), Program(device, "render/accumulate.cl"),
-               Program(device, "sensors/ground_truth.cl", traversal_options(device))),
+               Program(device, "sensors/ground_truth.cl", traversal_options(device)),
+               Program(device, "sensors/flow.cl", traversal_options(device)),
+               Program(device, "render/camera_media.cl", traversal_options(device))),
       traversal_(device),
       origin_(device, 0, "origin"),
       direction_(device, 0, "direction"),
@@ -47,7 +64,8 @@ Stages::Stages(Device& device)
       next_queue_(device, 0, "next_queue"),
       alive_(device, 0, "alive"),
       counts_(device, 0, "counts"),
-      total_(device, 1, "total") {}
+      total_(device, 1, "total"),
+      media_(device, 1, "media") {}
 
 std::uint64_t Stages::trace(const Launch& launch, const DeviceScene& scene, Film& film) {
   std::size_t n = std::size_t(launch.n_pixels) * launch.n_samples;
@@ -60,16 +78,31 @@ std::uint64_t Stages::trace(const Launch& launch, const DeviceScene& scene, Film
     if (launch.n_lights > 0) shadow(n, launch, scene);
     n = compact(n);
   }
-  kernels_.accumulate(launch.n_pixels, launch.n_pixels, launch, radiance_, film.sum, film.dropped);
+  kernels_.accumulate(launch.n_pixels, launch.n_pixels, launch, radiance_, film.sum, film.squares,
+                      film.dropped);
   return segments;
 }
 
-void Stages::find_ground_truth(const Launch& launch, const DeviceScene& scene, Film& film) {
+void Stages::find_ground_truth(const Launch& launch, bool sees_through_glass, const DeviceScene& scene, Film& film) {
   generate(launch.n_pixels, launch);
-  intersect(launch.n_pixels, scene);
-  kernels_.ground_truth(launch.n_pixels, launch.n_pixels, launch, scene.trees.instances, scene.triangles,
-                        scene.vertices, hit_, hit_instance_, direction_, throughput_, film.depth, film.instance,
-                        film.normal);
+  kernels_.ground_truth(launch.n_pixels, launch.n_pixels, launch, std::uint32_t(sees_through_glass), scene.trees.top,
+                        scene.trees.nodes, scene.trees.blocks, scene.trees.instances, scene.materials, scene.triangles,
+                        scene.vertices, scene.textures, scene.texels, scene.decode, scene.colors, origin_, direction_,
+                        throughput_, film.depth, film.distance, film.instance, film.normal, film.seen, film.place,
+                        film.albedo);
+}
+
+void Stages::find_flow(const Launch& from, const Launch& to, const DeviceScene& scene, const Film& film,
+                       Buffer<float>& flow, Buffer<std::uint8_t>& state) {
+  const std::uint32_t n = std::uint32_t(film.seen.size());
+  kernels_.flow(n, n, from, to, scene.trees.top, scene.trees.nodes, scene.trees.blocks, scene.trees.instances,
+                scene.triangles, scene.vertices, film.seen, flow, state);
+}
+
+std::uint32_t Stages::find_camera_media(const Launch& launch, const DeviceScene& scene) {
+  kernels_.camera_media(1, launch, scene.trees.top, scene.trees.nodes, scene.trees.blocks, scene.trees.instances,
+                        scene.materials, scene.triangles, scene.vertices, media_);
+  return media_.read().front();
 }
 
 void Stages::generate(std::size_t n, const Launch& launch) {
@@ -86,9 +119,9 @@ void Stages::intersect(std::size_t n, const DeviceScene& scene) {
 
 void Stages::shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene) {
   kernels_.shade(n, std::uint32_t(n), launch, std::uint32_t(depth), queue_, scene.trees.instances, scene.materials,
-                 scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices, scene.lights, hit_,
-                 hit_instance_, origin_, direction_, throughput_, radiance_, shadow_origin_, shadow_direction_,
-                 shadow_light_, alive_);
+                 scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices, scene.colors,
+                 scene.lights, scene.environment, scene.cells, hit_, hit_instance_, origin_, direction_, throughput_,
+                 radiance_, shadow_origin_, shadow_direction_, shadow_light_, alive_);
 }
 
 void Stages::shadow(std::size_t n, const Launch& launch, const DeviceScene& scene) {

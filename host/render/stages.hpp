@@ -14,19 +14,26 @@ struct DeviceScene {
   Buffer<Material> materials;
   Buffer<TextureInfo> textures;
   Buffer<std::uint32_t> texels;  // RGBA bytes
-  Buffer<float> decode;          // [256]
+  Buffer<float> decode;          // [512]
+  Buffer<float> colors;          // [n x 3]
   Buffer<Light> lights;
+  Buffer<float> environment;  // [height x width x 3]
+  Buffer<EnvironmentCell> cells;
 };
 
 // What a picture is gathered in  [height x width].
 struct Film {
   explicit Film(Device& device);
-  void begin(std::size_t n_pixels);
-  Buffer<F32x4> sum;  // of radiance; last: samples in it
+  void begin(std::size_t n_pixels);  // empties it
+  Buffer<F32x4> sum;                 // of radiance; last: samples in it
+  Buffer<float> squares;  // of luminance
   Buffer<std::uint32_t> dropped;
-  Buffer<float> depth;
+  Buffer<float> depth, distance;
   Buffer<std::uint32_t> instance;
   Buffer<float> normal;  // [n x 3]
+  Buffer<F32x4> place;   // the point at the middle, last: its distance [m]
+  Buffer<float> albedo;  // [n x 3], of the surface there
+  Buffer<F32x4> seen;    // the hit at the middle: u, v, triangle, instance
 };
 
 class Stages {
@@ -38,7 +45,12 @@ class Stages {
   // follows the launch's paths to their end and adds them to the film; the number of segments traced
   std::uint64_t trace(const Launch& launch, const DeviceScene& scene, Film& film);
   // one ray per pixel of the launch
-  void find_ground_truth(const Launch& launch, const DeviceScene& scene, Film& film);
+  void find_ground_truth(const Launch& launch, bool sees_through_glass, const DeviceScene& scene, Film& film);
+  // where the points of the film's last ground truth are in the picture `to`, whose scene this is
+  void find_flow(const Launch& from, const Launch& to, const DeviceScene& scene, const Film& film, Buffer<float>& flow,
+                 Buffer<std::uint8_t>& state);
+  // the solids that the launch's camera is inside of, see kernels/render/media.cl
+  std::uint32_t find_camera_media(const Launch& launch, const DeviceScene& scene);
 
  private:
   void generate(std::size_t n, const Launch& launch);
@@ -49,8 +61,8 @@ class Stages {
 
   struct Kernels {
     Kernels(Program generate_file, Program shade_file, Program compact_file, Program accumulate_file,
-            Program ground_truth_file);
-    Kernel generate, shade, count_alive, scan_counts, fill_queue, accumulate, ground_truth;
+            Program ground_truth_file, Program flow_file, Program camera_media_file);
+    Kernel generate, shade, count_alive, scan_counts, fill_queue, accumulate, ground_truth, flow, camera_media;
   };
   Kernels kernels_;
   Traversal traversal_;
@@ -61,6 +73,7 @@ class Stages {
   // per place in the queue
   Buffer<std::uint32_t> queue_, next_queue_, alive_;
   Buffer<std::uint32_t> counts_, total_;
+  Buffer<std::uint32_t> media_;  // one number
 };
 
 }  // namespace pvg

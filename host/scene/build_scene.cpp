@@ -5,6 +5,7 @@
 
 #include "host/base/error.hpp"
 #include "host/geometry/mass_properties.hpp"
+#include "host/io/gltf_scene.hpp"
 #include "host/io/mesh_files.hpp"
 #include "host/io/tetgen.hpp"
 #include "host/io/textures.hpp"
@@ -67,6 +68,30 @@ RigidBody rigid_body(const ObjectSection& object, const Pose& pose) {
   return body;
 }
 
+// the parts of a glTF file, each with the file's own material
+void add_gltf(Scene& scene, const std::filesystem::path& file, const Visual& visual) {
+  GltfScene gltf = read_gltf_scene(file);
+  const int first_texture = int(scene.textures.size()), first_material = int(scene.materials.size());
+  for (Texture& texture : gltf.textures) scene.textures.push_back(std::move(texture));
+  for (VisualMaterial& material : gltf.materials) {
+    material.name = file.filename().string() + "/" + material.name;
+    for (int* index : {&material.texture, &material.metallic_roughness_texture, &material.normal_texture,
+                       &material.emission_texture})
+      if (*index >= 0) *index += first_texture;
+    scene.materials.push_back(std::move(material));
+  }
+  for (GltfPart& part : gltf.parts) {
+    Visual added = visual;
+    added.name += "/" + part.name;
+    added.mesh = int(scene.visual_meshes.size());
+    added.material = first_material + part.material;
+    added.casts_shadow_on_receivers =
+        scene.materials[std::size_t(added.material)].kind != VisualMaterial::Kind::shadow_receiver;
+    scene.visual_meshes.push_back(std::move(part.mesh));
+    scene.visuals.push_back(added);
+  }
+}
+
 void add_object(Scene& scene, const ObjectSection& object, const Draw& draw) {
   const Pose pose = draw_pose(draw, object.name, object.pose);
   int rigid = -1;
@@ -77,11 +102,15 @@ void add_object(Scene& scene, const ObjectSection& object, const Draw& draw) {
   for (const VisualSection& section : object.visuals) {
     Visual visual;
     visual.name = object.name + "/" + section.mesh.stem().string();
-    visual.mesh = int(scene.visual_meshes.size());
-    visual.material = material_index(scene, section.material);
     visual.rigid = rigid;
     if (rigid < 0) visual.pose = pose;
     visual.part = object.name;
+    if (section.material.empty()) {
+      add_gltf(scene, section.mesh, visual);
+      continue;
+    }
+    visual.mesh = int(scene.visual_meshes.size());
+    visual.material = material_index(scene, section.material);
     scene.visual_meshes.push_back(read_visual_mesh(section.mesh, section.crease_angle));
     scene.visuals.push_back(visual);
   }
@@ -244,13 +273,19 @@ void add_background(Scene& scene, const BackgroundSection& background) {
 
 void add_cameras(TaskScene& built, const Task& task) {
   for (const CameraSection& section : task.cameras) {
-    Camera camera;
+    Camera camera = section.optics;
     camera.name = section.name;
     camera.width = section.width;
     camera.height = section.height;
     camera.fx = camera.fy = section.height / 2.0 / std::tan(section.vertical_field_of_view / 2);
     camera.cx = (section.width - 1) / 2.0;  // pixel (0, 0) is a pixel's centre
     camera.cy = (section.height - 1) / 2.0;
+    if (!section.intrinsics.empty()) {
+      camera.fx = section.intrinsics[0] * section.height;
+      camera.fy = section.intrinsics[1] * section.height;
+      camera.cx = section.intrinsics[2] * section.width - 0.5;
+      camera.cy = section.intrinsics[3] * section.height - 0.5;
+    }
     camera.rigid = section.mount == "world" ? -1 : built.gripper_base;
     camera.pose = section.pose;
     camera.exposure = section.exposure;
@@ -267,7 +302,10 @@ TaskScene build(const Task& task, Draw draw) {
   scene.solver = task.solver;
   scene.pair_friction = task.pair_friction;
   scene.lights = task.lights;
+  scene.sphere_lights = task.sphere_lights;
   scene.environment = task.environment;
+  if (!task.environment_map.empty()) scene.environment_map = read_environment(task.environment_map);
+  scene.environment_map.turn = task.environment_turn;
   scene.materials = task.materials;
   for (const auto& file : task.textures) scene.textures.push_back(read_texture(file));
   if (!task.robot.urdf.empty()) add_arm(built, task.robot, task.gripper, "");

@@ -34,28 +34,97 @@ Pose read_camera_pose(Section& section) {
   return pose;
 }
 
+float share(Section& section, const std::string& key, double otherwise) {
+  return float(section.number(key, Unit::none, 0, 1, otherwise));
+}
+
+// what light that enters a solid or sheet meets
+void read_inside(Section& section, VisualMaterial& material) {
+  material.index_of_refraction = float(section.number("index_of_refraction", Unit::none, 1, 4, 1.5));
+  material.absorption = read_color(section, "absorption", Vec3f::Zero(), 1e6, Unit::per_length);
+  material.is_thin = section.boolean("thin", false);
+  material.priority = section.integer("priority", 0, 1000, 0);
+  if (material.is_thin && !material.absorption.isZero())
+    section.fail("absorption", "is of no use: a thin sheet has no inside; tint it with `color`");
+}
+
 VisualMaterial read_material(Section& section, std::vector<std::filesystem::path>* textures) {
   using Kind = VisualMaterial::Kind;
   VisualMaterial material;
+  const auto read_texture_file = [&](const std::string& key, int& index) {
+    if (!textures || !section.has(key)) return;
+    index = int(textures->size());
+    textures->push_back(section.file(key));
+  };
   material.name = section.text("name");
-  material.kind = Kind(section.choice("kind", {"diffuse", "conductor", "dielectric", "emissive", "shadow_receiver"}));
-  material.color = read_color(section, "color", material.color, 1);
-  if (textures && section.has("texture")) {
-    material.texture = int(textures->size());
-    textures->push_back(section.file("texture"));
-  }
-  if (material.kind == Kind::conductor) material.roughness = float(section.number("roughness", Unit::none, 0, 1, 0.3));
-  if (material.kind == Kind::dielectric) {
-    material.index_of_refraction = float(section.number("index_of_refraction", Unit::none, 1, 4, 1.5));
-    material.absorption = read_color(section, "absorption", Vec3f::Zero(), 1e6, Unit::per_length);
+  material.kind = Kind(section.choice(
+      "kind", {"diffuse", "conductor", "dielectric", "emissive", "shadow_receiver", "metallic_roughness", "cloth"}));
+  const bool is_glass = material.kind == Kind::dielectric;
+  material.color = read_color(section, "color", is_glass ? Vec3f::Ones() : material.color, 1);
+  read_texture_file("texture", material.texture);
+  read_texture_file("normal_texture", material.normal_texture);
+  if (material.normal_texture >= 0)
+    material.normal_scale = float(section.number("normal_scale", Unit::none, 0, 100, 1));
+  if (material.kind == Kind::conductor) material.roughness = share(section, "roughness", 0.3);
+  if (is_glass) {
+    material.roughness = share(section, "roughness", 0);
+    read_inside(section, material);
   }
   if (material.kind == Kind::emissive)
     material.emission = section.vector("emission", Unit::radiance, 0, 1e6).cast<float>();
-  if (material.kind == Kind::shadow_receiver) {
-    material.shadow_strength = float(section.number("shadow_strength", Unit::none, 0, 1, 1));
+  if (material.kind == Kind::shadow_receiver) material.shadow_strength = share(section, "shadow_strength", 1);
+  if (material.kind == Kind::metallic_roughness) {
+    material.roughness = share(section, "roughness", 1);
+    material.metallic = share(section, "metallic", 0);
+    material.transmission = share(section, "transmission", 0);
+    material.emission = read_color(section, "emission", Vec3f::Zero(), 1e6, Unit::radiance);
+    read_texture_file("metallic_roughness_texture", material.metallic_roughness_texture);
+    read_texture_file("emission_texture", material.emission_texture);
+    read_inside(section, material);
+  }
+  if (material.kind == Kind::cloth) {
+    material.sheen = read_color(section, "sheen", Vec3f::Constant(0.3f), 1);
+    material.sheen_roughness = float(section.number("sheen_roughness", Unit::none, 0.5, 1, material.sheen_roughness));
   }
   section.done();
   return material;
+}
+
+// `intrinsics` or `vertical_field_of_view`, in units of the picture's size
+void read_intrinsics(Section& section, CameraSection& camera) {
+  if (!section.has("intrinsics")) {
+    camera.vertical_field_of_view = section.number("vertical_field_of_view", Unit::angle, 0.01, 3.0);
+    return;
+  }
+  if (section.has("vertical_field_of_view"))
+    section.fail("intrinsics", "and `vertical_field_of_view` exclude each other");
+  const std::vector<double> k = section.numbers("intrinsics", Unit::none, -1e7, 1e7);
+  if (k.size() != 4) section.fail("intrinsics", "must be [fx, fy, cx, cy] in pixels");
+  if (!(k[0] > 1e-3 && k[1] > 1e-3)) section.fail("intrinsics", "must have focal lengths fx and fy above 0");
+  camera.intrinsics = {k[0] / camera.height, k[1] / camera.height, (k[2] + 0.5) / camera.width,
+                       (k[3] + 0.5) / camera.height};
+}
+
+// what a real camera adds
+void read_optics(Section& section, Camera& optics) {
+  optics.model = Camera::Model(section.choice("model", {"pinhole", "fisheye"}, 0));
+  const bool is_fisheye = optics.model == Camera::Model::fisheye;
+  if (section.has("distortion")) optics.distortion = section.numbers("distortion", Unit::none, -1e4, 1e4);
+  const std::size_t n = optics.distortion.size();
+  if (is_fisheye ? n != 0 && n != 4 : n != 0 && n != 4 && n != 5 && n != 8)
+    section.fail("distortion", is_fisheye ? "must be OpenCV's k1 k2 k3 k4 of a fisheye"
+                                          : "must be OpenCV's 4, 5 or 8 numbers k1 k2 p1 p2 k3 k4 k5 k6");
+  optics.lens_radius = section.number("lens_radius", Unit::length, 0, 1, 0);
+  if (is_fisheye && optics.lens_radius > 0) section.fail("lens_radius", "is not for a fisheye: all is sharp there");
+  if (optics.lens_radius > 0) optics.focus_distance = section.number("focus_distance", Unit::length, 1e-4, 1e5);
+  optics.exposure_time = section.number("exposure_time", Unit::time, 0, 100, 0);
+  optics.row_time = section.number("row_time", Unit::time, 0, 1, 0);
+  if (section.has("vignetting")) optics.vignetting = section.numbers("vignetting", Unit::none, -10, 10);
+  if (optics.vignetting.size() > 3) section.fail("vignetting", "must be up to three numbers v1 v2 v3");
+  optics.full_well = section.number("full_well", Unit::none, 0, 1e9, 0);
+  optics.read_noise = section.number("read_noise", Unit::none, 0, 1e6, 0);
+  if (optics.read_noise > 0 && optics.full_well == 0)
+    section.fail("read_noise", "is in electrons and needs `full_well`, their number at value 1");
 }
 
 }  // namespace
@@ -113,8 +182,10 @@ ObjectSection read_object(Section& section) {
   object.name = section.text("name");
   if (section.has("mesh")) object.mesh = section.file("mesh");
   for (Section& visual : section.sections("visuals")) {
-    object.visuals.push_back(
-        {visual.file("mesh"), visual.text("material"), visual.number("crease_angle", Unit::angle, 0, PI, 0.7)});
+    const std::filesystem::path mesh = visual.file("mesh");
+    const bool has_own = mesh.extension() == ".glb" || mesh.extension() == ".gltf";
+    const std::string material = has_own ? visual.text("material", "") : visual.text("material");
+    object.visuals.push_back({mesh, material, visual.number("crease_angle", Unit::angle, 0, PI, 0.7)});
     visual.done();
   }
   object.is_fixed = section.boolean("fixed", false);
@@ -176,9 +247,20 @@ BackgroundSection read_background(Section section) {
   return background;
 }
 
-RectangleLight read_light(Section& section) {
+void read_light(Section& section, Task& task) {
+  const std::string name = section.text("name");
+  if (section.choice("kind", {"rectangle", "sphere"}, 0) == 1) {
+    SphereLight light;
+    light.name = name;
+    light.center = section.vector("center", Unit::length, -REACH, REACH);
+    light.radius = section.number("radius", Unit::length, 1e-6, REACH);
+    light.radiance = section.vector("radiance", Unit::radiance, 0, 1e6).cast<float>();
+    section.done();
+    task.sphere_lights.push_back(light);
+    return;
+  }
   RectangleLight light;
-  light.name = section.text("name");
+  light.name = name;
   light.corner = section.vector("corner", Unit::length, -REACH, REACH);
   light.edge_u = section.vector("edge_u", Unit::length, -REACH, REACH);
   light.edge_v = section.vector("edge_v", Unit::length, -REACH, REACH);
@@ -188,7 +270,7 @@ RectangleLight read_light(Section& section) {
   }
   light.radiance = section.vector("radiance", Unit::radiance, 0, 1e6).cast<float>();
   section.done();
-  return light;
+  task.lights.push_back(light);
 }
 
 CameraSection read_camera(Section& section) {
@@ -201,7 +283,8 @@ CameraSection read_camera(Section& section) {
   camera.height = section.integer("height", 16, 8192);
   if (camera.width % 2 != 0) section.fail("width", "must be even, for the video");
   if (camera.height % 2 != 0) section.fail("height", "must be even, for the video");
-  camera.vertical_field_of_view = section.number("vertical_field_of_view", Unit::angle, 0.01, 3.0);
+  read_intrinsics(section, camera);
+  read_optics(section, camera.optics);
   camera.pose = read_camera_pose(section);
   camera.exposure = float(section.number("exposure", Unit::none, 1e-6, 1e6, 1));
   camera.records_gripper_mask = section.boolean("records_gripper_mask", false);

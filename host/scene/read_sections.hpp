@@ -30,7 +30,7 @@ ObjectSection read_object(YamlSection& section);
 ContactSettings read_contact(YamlSection& root);
 SolverSettings read_solver(YamlSection& root, double largest_time_step);
 BackgroundSection read_background(YamlSection section);
-RectangleLight read_light(YamlSection& section);
+void read_light(YamlSection& section, Task& task);
 CameraSection read_camera(YamlSection& section);
 Vec3f read_color(YamlSection& section, const std::string& key, const Vec3f& otherwise, double high,
                  Unit unit = Unit::none);

@@ -216,7 +216,8 @@ void write_motion(Writer& w, const Task& task) {
 }
 
 void write_looks(Writer& w, const Task& task) {
-  constexpr const char* KINDS[] = {"diffuse", "conductor", "dielectric", "emissive", "shadow_receiver"};
+  constexpr const char* KINDS[] = {"diffuse",         "conductor",          "dielectric", "emissive",
+                                   "shadow_receiver", "metallic_roughness", "cloth"};
   w.begin("background");
   w.path("mesh", task.background.mesh);
   w.path("texture", task.background.texture);
@@ -233,6 +234,19 @@ void write_looks(Writer& w, const Task& task) {
     w.vector("absorption", material.absorption);
     w.vector("emission", material.emission);
     w.entry("shadow_strength", material.shadow_strength);
+    const auto texture = [&](const char* key, int index) {
+      if (index >= 0) w.path(key, task.textures[std::size_t(index)]);
+    };
+    texture("metallic_roughness_texture", material.metallic_roughness_texture);
+    texture("normal_texture", material.normal_texture);
+    texture("emission_texture", material.emission_texture);
+    w.entry("normal_scale", material.normal_scale);
+    w.entry("metallic", material.metallic);
+    w.entry("transmission", material.transmission);
+    w.entry("thin", material.is_thin);
+    w.entry("priority", material.priority);
+    w.vector("sheen", material.sheen);
+    w.entry("sheen_roughness", material.sheen_roughness);
   });
   w.list("lights", task.lights, [&](const RectangleLight& light) {
     w.entry("name", light.name);
@@ -241,13 +255,33 @@ void write_looks(Writer& w, const Task& task) {
     w.vector("edge_v", light.edge_v);
     w.vector("radiance", light.radiance);
   });
+  w.list("sphere_lights", task.sphere_lights, [&](const SphereLight& light) {
+    w.entry("name", light.name);
+    w.vector("center", light.center);
+    w.entry("radius", light.radius);
+    w.vector("radiance", light.radiance);
+  });
   w.vector("environment", task.environment);
+  w.path("environment_map", task.environment_map);
+  w.entry("environment_turn", task.environment_turn);
   w.list("cameras", task.cameras, [&](const CameraSection& camera) {
     w.entry("name", camera.name);
     w.entry("mount", camera.mount);
     w.entry("width", camera.width);
     w.entry("height", camera.height);
-    w.entry("vertical_field_of_view", camera.vertical_field_of_view);
+    if (camera.intrinsics.empty())
+      w.entry("vertical_field_of_view", camera.vertical_field_of_view);
+    else
+      w.out << Key << "intrinsics_per_size" << Value << YAML::Flow << camera.intrinsics;
+    w.entry("model", camera.optics.model == Camera::Model::fisheye ? "fisheye" : "pinhole");
+    w.out << Key << "distortion" << Value << YAML::Flow << camera.optics.distortion;
+    w.entry("lens_radius", camera.optics.lens_radius);
+    w.entry("focus_distance", camera.optics.focus_distance);
+    w.entry("exposure_time", camera.optics.exposure_time);
+    w.entry("row_time", camera.optics.row_time);
+    w.out << Key << "vignetting" << Value << YAML::Flow << camera.optics.vignetting;
+    w.entry("full_well", camera.optics.full_well);
+    w.entry("read_noise", camera.optics.read_noise);
     w.pose("pose", camera.pose);
     w.entry("exposure", camera.exposure);
     w.entry("records_gripper_mask", camera.records_gripper_mask);
@@ -256,6 +290,7 @@ void write_looks(Writer& w, const Task& task) {
   w.entry("frames_per_second", task.render.frames_per_second);
   w.entry("samples", task.render.samples);
   w.entry("max_depth", task.render.max_depth);
+  w.path("lut", task.render.lut);
   w.end();
 }
 

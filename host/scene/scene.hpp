@@ -158,23 +158,34 @@ struct Texture {
   std::vector<std::uint8_t> rgba;     // sRGB, row 0 on top  [height x width x 4]
 };
 
+// docs/rendering.md says what each kind is. Indices of textures are -1: none.
 struct VisualMaterial {
-  enum class Kind { diffuse, conductor, dielectric, emissive, shadow_receiver };
+  enum class Kind { diffuse, conductor, dielectric, emissive, shadow_receiver, metallic_roughness, cloth };
   std::string name;
   Kind kind = Kind::diffuse;
-  Vec3f color = Vec3f::Constant(0.5f);     // linear Rec. 709: albedo, or reflectance at normal incidence of a conductor
-  int texture = -1;                        // multiplies color; -1: none
-  float roughness = 0.3f;                  // GGX alpha = roughness^2, of conductors
-  float index_of_refraction = 1.5f;        // of dielectrics
-  Vec3f absorption = Vec3f::Zero();        // of dielectrics, Beer-Lambert [1/m]
-  Vec3f emission = Vec3f::Zero();          // radiance of emissive surfaces [W/(sr m^2)]
-  float shadow_strength = 1;               // lambda_s of the shadow receiver, in [0, 1]
+  Vec3f color = Vec3f::Constant(0.5f);   // linear Rec. 709: albedo, reflectance at normal incidence of a conductor, or
+                                         // tint of what passes a dielectric's surface
+  int texture = -1;                      // multiplies color, of emissive ones emission
+  float roughness = 0.3f;                // GGX alpha = roughness^2; of a dielectric 0 is clear
+  float index_of_refraction = 1.5f;      // of dielectrics and the coat of metallic_roughness
+  Vec3f absorption = Vec3f::Zero();      // inside, Beer-Lambert [1/m]
+  Vec3f emission = Vec3f::Zero();        // radiance of emissive and metallic_roughness surfaces [W/(sr m^2)]
+  float shadow_strength = 1;             // lambda_s of the shadow receiver, in [0, 1]
+  float metallic = 0, transmission = 0;  // of metallic_roughness, in [0, 1]
+  bool is_thin = false;                  // a sheet without inside, of what transmits
+  int priority = 0;                      // of overlapping solids that transmit the highest is there
+  int metallic_roughness_texture = -1;   // plain values: green multiplies roughness, blue metallic
+  int normal_texture = -1, emission_texture = -1;  // plain values; sRGB
+  float normal_scale = 1;
+  Vec3f sheen = Vec3f::Zero();   // of cloth: reflectance scale of its fibres
+  float sheen_roughness = 0.7f;  // in [0.5, 1]
 };
 
 struct VisualMesh {
-  std::vector<Vec3f> points;               // [n, m]
-  std::vector<Vec3f> normals;              // [n] unit, or empty: flat shading
-  std::vector<Vec2f> uvs;                  // [n] or empty; v = 0 at the top row of the texture
+  std::vector<Vec3f> points;   // [n, m]
+  std::vector<Vec3f> normals;  // [n] unit, or empty: flat shading
+  std::vector<Vec2f> uvs;      // [n] or empty; v = 0 at the top row of the texture
+  std::vector<Vec3f> colors;   // [n] linear Rec. 709, multiply the material's colour; or empty
   std::vector<Triangle> triangles;
 };
 
@@ -197,16 +208,41 @@ struct RectangleLight {
   Vec3f radiance;                          // linear Rec. 709 [W/(sr m^2)]
 };
 
-// A pinhole camera; the frame is optical (x right, y down, z forward). As in OpenCV, pixel (0, 0) is the centre of the
-// top left pixel.
-struct Camera {
+// A ball that shines.
+struct SphereLight {
   std::string name;
-  int width = 320, height = 180;           // [pixels]
-  double fx = 0, fy = 0, cx = 0, cy = 0;   // [pixels]
-  std::vector<double> distortion;          // OpenCV k1 k2 p1 p2 k3 ..., empty: none
-  int rigid = -1;                          // body it is mounted on; -1: world
-  Pose pose = Pose::Identity();            // camera to body (or world)
-  float exposure = 1;                      // multiplies radiance
+  Vec3 center = Vec3::Zero();  // world [m]
+  double radius = 0;           // [m]
+  Vec3f radiance;              // linear Rec. 709 [W/(sr m^2)]
+};
+
+// What is seen where no surface is, as a picture: longitude along its width, z up at the top, +x in the middle, +y to
+// the left. Empty: the same everywhere.
+struct EnvironmentMap {
+  int width = 0, height = 0;
+  std::vector<float> rgb;  // linear, multiplied by Scene::environment  [height x width x 3]
+  double turn = 0;         // about z, counter-clockwise seen from above [rad]
+};
+
+// A camera; the frame is optical (x right, y down, z forward). As in OpenCV, pixel (0, 0) is the centre of the top left
+// pixel. What a real camera adds is off by default.
+struct Camera {
+  enum class Model { pinhole, fisheye };
+  std::string name;
+  int width = 320, height = 180;          // [pixels]
+  double fx = 0, fy = 0, cx = 0, cy = 0;  // [pixels]
+  Model model = Model::pinhole;
+  std::vector<double> distortion;  // OpenCV k1 k2 p1 p2 k3 ..., of a fisheye k1 k2 k3 k4; empty: none
+  int rigid = -1;                  // body it is mounted on; -1: world
+  Pose pose = Pose::Identity();    // camera to body (or world)
+  float exposure = 1;              // multiplies radiance
+  double lens_radius = 0;          // of the aperture [m]; 0: everything is sharp
+  double focus_distance = 1;       // along the optical axis [m]
+  double exposure_time = 0;        // the shutter is open so long before the picture's time [s]
+  double row_time = 0;             // rolling shutter: a row is read so long after the one above [s]
+  std::vector<double> vignetting;  // v1 v2 v3 of 1 + v1 r^2 + v2 r^4 + v3 r^6, r = 1 at the farthest corner
+  double full_well = 0;            // electrons at value 1, whose number has shot noise; 0: none
+  double read_noise = 0;           // one sigma [electrons]
 };
 
 // ---- the scene --------------------------------------------------------------------------------------------------
@@ -230,7 +266,9 @@ struct Scene {
   std::vector<VisualMesh> visual_meshes;
   std::vector<Visual> visuals;
   std::vector<RectangleLight> lights;
+  std::vector<SphereLight> sphere_lights;
   Vec3f environment = Vec3f::Zero();       // radiance of every direction that no surface covers [W/(sr m^2)]
+  EnvironmentMap environment_map;
   std::vector<Camera> cameras;
 };
 

@@ -92,7 +92,10 @@ struct CameraSection {
   std::string mount = "world";
   int width = 320, height = 180;        // [pixels]
   double vertical_field_of_view = 0.8;  // [rad]
-  Pose pose = Pose::Identity();         // camera (optical frame) to mount
+  // instead of the field of view: fx / height, fy / height, (cx + 1/2) / width, (cy + 1/2) / height; empty: not
+  std::vector<double> intrinsics;
+  Camera optics;                 // model, distortion and what a real camera adds; its other fields do not count
+  Pose pose = Pose::Identity();  // camera (optical frame) to mount
   float exposure = 1;
   bool records_gripper_mask = false;  // write which pixels see the gripper
 };
@@ -127,6 +130,7 @@ struct RenderSection {
   double frames_per_second = 10;
   int samples = 16;  // paths per pixel
   int max_depth = 8;
+  std::filesystem::path lut;  // applied to the pictures; empty: none
 };
 
 // A robot with a gripper beside the one of a task (scene files only). Its name stands before those of its parts.
@@ -149,7 +153,10 @@ struct Task {
   SolverSettings solver;  // its time_step is the task's key `time_step`
   BackgroundSection background;
   std::vector<RectangleLight> lights;
-  Vec3f environment = Vec3f::Zero();  // radiance where nothing is [W/(sr m^2)]
+  std::vector<SphereLight> sphere_lights;
+  Vec3f environment = Vec3f::Zero();      // radiance where nothing is, or scale of its picture [W/(sr m^2)]
+  std::filesystem::path environment_map;  // equirectangular picture; empty: the same everywhere
+  double environment_turn = 0;            // [rad]
   std::vector<VisualMaterial> materials;
   std::vector<std::filesystem::path> textures;  // VisualMaterial::texture refers to these
   std::vector<CameraSection> cameras;

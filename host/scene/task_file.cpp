@@ -50,6 +50,7 @@ RenderSection read_render(Section& root) {
   render.frames_per_second = section.number("frames_per_second", Unit::frequency, 0.1, 1000, render.frames_per_second);
   render.samples = section.integer("samples", 1, 65536, render.samples);
   render.max_depth = section.integer("max_depth", 1, 64, render.max_depth);
+  if (section.has("lut")) render.lut = section.file("lut");
   section.done();
   return render;
 }
@@ -87,6 +88,7 @@ void check_names(const Section& root, const Task& task, const std::vector<std::s
   }
   check_distinct(root, "cameras", task.cameras);
   check_distinct(root, "lights", task.lights);
+  check_distinct(root, "lights", task.sphere_lights);
   const auto need_object = [&](const std::string& key, const std::string& name) {
     if (!find_named(task.objects, name))
       root.fail(key, "names the object `" + name + "`, which `objects` does not hold");
@@ -104,7 +106,7 @@ void check_names(const Section& root, const Task& task, const std::vector<std::s
   };
   for (const ObjectSection& object : task.objects) {
     for (const VisualSection& visual : object.visuals) {
-      if (!find_named(task.materials, visual.material)) {
+      if (!visual.material.empty() && !find_named(task.materials, visual.material)) {
         root.fail("objects", "holds `" + object.name + "` with the material `" + visual.material +
                                  "`, which `materials` does not hold");
       }
@@ -158,8 +160,15 @@ Task read_scene_sections(Section& root, double largest_time_step) {
     section.done();
   }
   if (root.has("background")) task.background = read_background(root.section("background"));
-  for (Section& section : root.sections("lights")) task.lights.push_back(read_light(section));
-  task.environment = read_color(root, "environment", Vec3f::Zero(), 1e6, Unit::radiance);
+  for (Section& section : root.sections("lights")) read_light(section, task);
+  if (root.has("environment_map")) {
+    Section section = root.section("environment_map");
+    task.environment_map = section.file("file");
+    task.environment_turn = section.number("turn", Unit::angle, -2 * PI, 2 * PI, 0);
+    section.done();
+  }
+  const Vec3f sky = task.environment_map.empty() ? Vec3f::Zero() : Vec3f::Ones();
+  task.environment = read_color(root, "environment", sky, 1e6, Unit::radiance);
   for (Section& section : root.sections("cameras")) task.cameras.push_back(read_camera(section));
   task.render = read_render(root);
   return task;

@@ -1,6 +1,8 @@
 // Clear dielectric, smooth: reflects the Fresnel share R of unpolarised light, refracts the rest by Snell's law. One of
 // the two is chosen with probability R, so the weight is 1. What is carried is radiance / n^2, which refraction leaves
 // unchanged. Absorption along the way inside (Beer and Lambert) is applied where the segment ends.
+// A thin sheet has no inside: with all reflections between its faces it reflects 2 R / (1 + R) and lets the rest
+// through, tinted and straight on.
 #ifndef PVG_MATERIALS_DIELECTRIC_CL
 #define PVG_MATERIALS_DIELECTRIC_CL
 #include "materials/frame.cl"
@@ -15,8 +17,23 @@ inline float fresnel_dielectric(const float cosine, const float eta) {
   return 0.5f * (s * s + p * p);
 }
 
-// z: the normal on the side of wo. direction.z < 0: refracted
-inline MaterialSample dielectric_sample(const float eta, const float3 wo, const float u) {
+// of both faces of a thin sheet together
+inline float fresnel_sheet(const float cosine, const float eta) {
+  const float R = fresnel_dielectric(cosine, eta);
+  return 2.0f * R / (1.0f + R);
+}
+
+inline MaterialSample sheet_sample(const float3 tint, const float eta, const float3 wo, const float u) {
+  MaterialSample s;
+  s.pdf = 0.0f;
+  const bool reflects = u < fresnel_sheet(wo.z, eta);
+  s.weight = reflects ? (float3)(1.0f) : tint;
+  s.direction = reflects ? (float3)(-wo.x, -wo.y, wo.z) : -wo;
+  return s;
+}
+
+// z: the normal on the side of wo. direction.z < 0: refracted, and tinted
+inline MaterialSample dielectric_sample(const float3 tint, const float eta, const float3 wo, const float u) {
   MaterialSample s;
   s.weight = 1.0f;
   s.pdf = 0.0f;
@@ -24,6 +41,7 @@ inline MaterialSample dielectric_sample(const float eta, const float3 wo, const 
     s.direction = (float3)(-wo.x, -wo.y, wo.z);
     return s;
   }
+  s.weight = tint;
   const float sin2 = (wo.x * wo.x + wo.y * wo.y) / (eta * eta);
   s.direction = (float3)(-wo.x / eta, -wo.y / eta, -sqrt(max(0.0f, 1.0f - sin2)));
   return s;

@@ -1,37 +1,80 @@
-// A material on the device. Kinds are those of VisualMaterial::Kind, in the same order, and the rectangle lights.
+// A material on the device. Kinds are those of VisualMaterial::Kind, in the same order, then those that the host makes
+// of them.
 #ifndef PVG_MATERIALS_MATERIAL_H
 #define PVG_MATERIALS_MATERIAL_H
 #include "shared/types.h"
 
 #define MATERIAL_DIFFUSE 0u
 #define MATERIAL_CONDUCTOR 1u
-#define MATERIAL_DIELECTRIC 2u
+#define MATERIAL_DIELECTRIC 2u  // smooth
 #define MATERIAL_EMISSIVE 3u
 #define MATERIAL_SHADOW_RECEIVER 4u
+#define MATERIAL_METALLIC_ROUGHNESS 5u
+#define MATERIAL_CLOTH 6u
+#define MATERIAL_ROUGH_DIELECTRIC 7u
 
-// below this GGX alpha a conductor is a mirror
+// below this GGX alpha a conductor is a mirror and a dielectric is clear
 #define MIRROR_ALPHA 1e-3f
+
+// flags
+#define MATERIAL_THIN 1u        // a sheet without inside: what passes goes straight on
+#define MATERIAL_HAS_INSIDE 2u  // paths enter it: a solid that transmits
+#define MATERIAL_EMITS 4u       // its triangles are among the lights
 
 SHARED_BEGIN
 typedef struct {
   u32 kind;             // MATERIAL_...
-  i32 texture;          // multiplies color and emission; -1: none
+  i32 texture;          // multiplies color, of emissive ones emission; -1: none
   f32 alpha;            // GGX width, roughness^2
   f32 ior;              // index of refraction
-  f32 color[3];         // linear Rec. 709: albedo, or reflectance at normal incidence
+  f32 color[3];         // linear Rec. 709: albedo, reflectance at normal incidence, or tint of what passes
   f32 shadow_strength;  // lambda_s
   f32 absorption[3];    // [1/m]
-  f32 unused0;
-  f32 emission[3];  // [W/(sr m^2)]
-  f32 unused1;
+  f32 metallic;         // 0: dielectric, 1: metal
+  f32 emission[3];      // [W/(sr m^2)]
+  f32 transmission;     // share of the light below the surface that passes instead of being scattered back
+  f32 sheen[3];         // reflectance scale of the fibres
+  f32 sheen_roughness;
+  i32 metallic_roughness_texture;  // green: multiplies roughness, blue: metallic; -1: none
+  i32 normal_texture, emission_texture;
+  f32 normal_scale;
+  u32 flags;     // MATERIAL_...
+  u32 priority;  // of overlapping solids the highest is there
+  u32 unused[2];
 } Material;
-SHARED_SIZE(Material, 64);
+SHARED_SIZE(Material, 112);
 
 typedef struct {
   u32 first;  // of its texels
   u32 width, height;
-  u32 unused;
+  u32 is_linear;  // 1: bytes are values, not colours
 } TextureInfo;
 SHARED_SIZE(TextureInfo, 16);
 SHARED_END
+
+#ifdef __OPENCL_C_VERSION__
+// a material at one point of a surface, its textures looked up
+typedef struct {
+  uint kind, flags;
+  float3 color;
+  float alpha, metallic, transmission;
+  float eta;  // index of refraction behind / in front of the surface
+  float3 sheen;
+  float sheen_roughness;
+} PointMaterial;
+
+inline PointMaterial point_material(const Material m, const float eta) {
+  PointMaterial p;
+  p.kind = m.kind;
+  p.flags = m.flags;
+  p.color = vload3(0, m.color);
+  p.alpha = m.alpha;
+  p.metallic = m.metallic;
+  p.transmission = m.transmission;
+  p.eta = eta;
+  p.sheen = vload3(0, m.sheen);
+  p.sheen_roughness = m.sheen_roughness;
+  return p;
+}
+#endif
 #endif

@@ -1,5 +1,6 @@
-// Textures: 8-bit sRGB texels of all textures in one buffer, filtered linearly in linear colour, repeated. By hand,
-// because image samplers of CPU drivers take twice as long. decode: sRGB byte to linear (IEC 61966-2-1) [256].
+// Textures: 8-bit texels of all textures in one buffer, sRGB colours or plain values, filtered linearly in linear
+// colour, repeated. By hand, because image samplers of CPU drivers take twice as long. decode: byte to linear [512],
+// first sRGB's (IEC 61966-2-1), then i / 255.
 #ifndef PVG_MATERIALS_TEXTURE_CL
 #define PVG_MATERIALS_TEXTURE_CL
 #include "materials/material.h"
@@ -10,8 +11,9 @@ inline float3 texel(global const uchar4* texels, constant float* decode, const u
 }
 
 // uv: (0, 0) is the outer corner of the first texel of the top row
-inline float3 texture_color(const TextureInfo info, global const uchar4* texels, constant float* decode,
+inline float3 texture_color(const TextureInfo info, global const uchar4* texels, constant float* decode_bytes,
                             const float2 uv) {
+  constant float* decode = decode_bytes + (info.is_linear ? 256 : 0);
   const float x = (uv.x - floor(uv.x)) * (float)info.width - 0.5f, y = (uv.y - floor(uv.y)) * (float)info.height - 0.5f;
   const float x_floor = floor(x), y_floor = floor(y);
   const float a = x - x_floor, b = y - y_floor;

@@ -1,8 +1,9 @@
 // Stage 1: starts the paths of a batch, one per sample, at the camera. A pixel's samples are spread over its square
-// (box filter). Neighbouring slots are samples of one pixel, then pixels of one 8 x 8 tile.
+// (box filter), and over the lens, which throws every point of the plane in focus to one point of the picture. Neighbouring slots are samples of one pixel, then pixels of one 8 x 8 tile.
 #include "render/path.h"
 #include "render/tiles.cl"
-#include "sensors/pinhole.cl"
+#include "materials/diffuse.cl"
+#include "sensors/camera.cl"
 #include "shared/rng.cl"
 
 // origin: [n, m], w: density of the last direction;  direction: [n], w: stack of the glasses that the path is inside
@@ -13,19 +14,21 @@ kernel void generate(const uint n, const Launch launch, global float4* restrict 
   const uint i = get_global_id(0);
   if (i >= n) return;
   const PinholeCamera c = launch.camera;
-  const uint sample = i % launch.n_samples;
+  const uint sample = launch.first_sample + i % launch.n_samples;
   const uint2 pixel = tile_pixel(launch.first_pixel + i / launch.n_samples, c.width, c.height);
+  const uint key = hash_combine(launch.key, pixel.y * c.width + pixel.x);
   float2 at = (float2)((float)pixel.x, (float)pixel.y);
-  if (!launch.is_center)
-    at += sample_2d(hash_combine(launch.key, pixel.y * c.width + pixel.x), sample, 0) - (float2)(0.5f, 0.5f);
-  float3 local_direction;
-  const bool is_seen = pixel_direction(c, at, &local_direction);
-  if (!is_seen) local_direction = (float3)(0, 0, 1);
-  float3 d = camera_vector(c, local_direction);
-  // ground truth keeps z = 1, so that t is the depth
-  if (!launch.is_center) d = normalize(d);
-  origin[i] = (float4)(c.to_world[3], c.to_world[7], c.to_world[11], 0);
-  direction[i] = (float4)(d, as_float(0u));
+  if (!launch.is_center) at += sample_2d(key, sample, 0) - (float2)(0.5f, 0.5f);
+  float3 d = (float3)(0, 0, 1), from = (float3)(0.0f);
+  const bool is_seen = pixel_direction(c, at, &d);
+  if (c.lens_radius > 0 && !launch.is_center) {
+    const float2 lens = c.lens_radius * uniform_disc(sample_2d(key, sample, 1));
+    from = (float3)(lens, 0);
+    d = d * (c.focus_distance / d.z) - from;
+  }
+  from = camera_vector(c, from) + (float3)(c.to_world[3], c.to_world[7], c.to_world[11]);
+  origin[i] = (float4)(from, 0);
+  direction[i] = (float4)(normalize(camera_vector(c, d)), as_float(launch.media));
   throughput[i] = (float4)((float3)(is_seen ? 1.0f : 0.0f), as_float(0u));
   radiance[i] = (float4)(0.0f);
   queue[i] = i;

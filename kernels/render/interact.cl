@@ -5,7 +5,7 @@
 #include "materials/list.cl"
 #include "render/lights.cl"
 #include "render/media.cl"
-#include "render/surface.cl"
+#include "shared/rng.cl"
 
 // what one shadow ray is to bring; kind SHADOW_NONE: no ray
 typedef struct {
@@ -23,22 +23,61 @@ typedef struct {
   bool is_alive;
 } Path;
 
-// radiance of a light that a path met
-inline void meet_light(const Launch launch, global const Light* light, const Surface s, const float t, Path* path) {
-  path->is_alive = false;
-  if (dot(s.face, path->direction) >= 0) return;
+// the random numbers of one bounce, drawn where they are needed
+typedef struct {
+  uint key, sample, dimension;
+} Chance;
+inline float2 light_point(const Chance c) { return sample_2d(c.key, c.sample, c.dimension); }
+inline float2 light_choice(const Chance c) { return sample_2d(c.key, c.sample, c.dimension + 1); }
+inline float2 material_point(const Chance c) { return sample_2d(c.key, c.sample, c.dimension + 2); }
+inline float material_choice(const Chance c) { return sample_1d(c.key, c.sample, c.dimension + 3); }
+inline float roulette_number(const Chance c) { return sample_1d(c.key, c.sample, c.dimension + 4); }
+
+// light that a path met; pdf: with which a light sample of the last surface would have found it, 0: never
+inline void meet_emission(const Launch launch, const float3 radiance, const float pdf, Path* path) {
   float weight = 1.0f;
   if (path->flags & PATH_SCATTERED) {
     if (path->pdf > 0)
-      weight = mis_weight(path->pdf, light_pdf(light, path->direction * t));
-    else if (launch.transparent_shadows && (path->flags & PATH_DIFFUSE) && (path->flags & PATH_REFRACTED))
+      weight = mis_weight(path->pdf, pdf);
+    else if (pdf > 0 && launch.transparent_shadows && (path->flags & PATH_DIFFUSE) && (path->flags & PATH_REFRACTED))
       weight = 0.0f;
   }
-  path->radiance += path->throughput * vload3(0, light->radiance) * weight;
+  path->radiance += path->throughput * radiance * weight;
 }
 
-inline void meet_receiver(const Launch launch, const Material m, const float3 color, const Surface s,
-                          global const Light* lights, const float2 u, Path* path, ShadowRay* shadow) {
+inline void meet_environment(const Launch launch, const Shading scene, Path* path) {
+  path->is_alive = false;
+  const float pdf = launch.environment_light < 0 ? 0.0f
+                                                 : scene.lights[launch.environment_light].probability *
+                                                       environment_pdf(launch, scene.cells, path->direction);
+  meet_emission(launch, environment_radiance(launch, scene.environment, path->direction), pdf, path);
+}
+
+// a rectangle or sphere
+inline void meet_light(const Launch launch, global const Light* light, const Surface s, const float t, Path* path) {
+  path->is_alive = false;
+  if (dot(s.face, path->direction) >= 0) return;
+  const float pdf =
+      light->kind == LIGHT_SPHERE ? sphere_pdf(light, path->origin) : rectangle_pdf(light, path->direction * t);
+  meet_emission(launch, vload3(0, light->radiance), pdf, path);
+}
+
+// a mesh that shines, on both sides
+inline void meet_shining(const Launch launch, const Shading scene, global const Instance* instance, const Material m,
+                         const uint triangle, const Surface s, const float t, Path* path) {
+  float pdf = 0.0f;
+  if (instance->light >= 0) {
+    float3 p[3];
+    world_triangle(scene, instance, triangle, p);
+    const float area = 0.5f * length(cross(p[1] - p[0], p[2] - p[0]));
+    const uint light = (uint)instance->light + triangle - instance->first_triangle;
+    pdf = area_pdf(scene.lights[light].probability, area, fabs(dot(s.face, path->direction)), t * t);
+  }
+  meet_emission(launch, emitted(scene, m, s.uv), pdf, path);
+}
+
+inline void meet_receiver(const Launch launch, const Shading scene, const Material m, const float3 color,
+                          const Surface s, const Chance chance, Path* path, ShadowRay* shadow) {
   path->is_alive = false;
   const float3 shown = path->throughput * color * launch.receiver_scale;
   path->radiance += shown * (1.0f - m.shadow_strength);
@@ -46,13 +85,13 @@ inline void meet_receiver(const Launch launch, const Material m, const float3 co
   if (m.shadow_strength == 0) return;
   if (launch.n_lights > 0) {
     const float3 normal = dot(s.face, path->direction) < 0 ? s.face : -s.face;
-    const LightSample sample = sample_light(lights, launch.n_lights, u);
-    const float3 origin = leave_surface(s.point, normal), to_light = sample.point - origin;
+    const float3 origin = leave_surface(s.point, normal);
+    const LightSample sample = sample_light(launch, scene, origin, light_choice(chance), light_point(chance));
     // a light that cannot shine here casts no shadow here
-    if (dot(normal, to_light) > 0 && light_pdf(lights + sample.index, to_light) > 0) {
+    if (dot(normal, sample.to_light) > 0 && sample.pdf > 0) {
       shadow->kind = SHADOW_RECEIVER;
       shadow->origin = origin;
-      shadow->direction = to_light;
+      shadow->direction = sample.to_light;
       shadow->light = shaded;
       shadow->weight = 1.0f;
       return;
@@ -62,65 +101,68 @@ inline void meet_receiver(const Launch launch, const Material m, const float3 co
 }
 
 // one light sample, weighted against the material's own sampling
-inline void light_surface(const Launch launch, const Material m, const float3 color, const Surface s,
-                          const float3 normal, const Frame frame, const float3 wo, global const Light* lights,
-                          const float2 u, const Path* path, ShadowRay* shadow) {
+inline void light_surface(const Launch launch, const Shading scene, const PointMaterial m, const Surface s,
+                          const float3 face, const Frame frame, const float3 wo, const Chance chance, const Path* path,
+                          ShadowRay* shadow) {
   if (launch.n_lights == 0 || !material_scatters(m)) return;
-  const LightSample sample = sample_light(lights, launch.n_lights, u);
-  const float3 origin = leave_surface(s.point, normal), to_light = sample.point - origin;
-  const float pdf = light_pdf(lights + sample.index, to_light);
-  if (!(pdf > 0) || dot(normal, to_light) <= 0) return;
-  const float3 wi = to_local(frame, normalize(to_light));
-  const float3 f = material_eval(m, color, wo, wi);
+  const LightSample sample = sample_light(launch, scene, s.point, light_choice(chance), light_point(chance));
+  const float side = dot(face, sample.to_light);
+  if (!(sample.pdf > 0) || side == 0 || (side < 0 && !material_transmits(m))) return;
+  const float3 wi = to_local(frame, normalize(sample.to_light));
+  if (wi.z * side <= 0) return;  // an interpolated normal would let light through the surface
+  const float3 f = material_eval(m, wo, wi);
   if (f.x + f.y + f.z <= 0) return;
-  shadow->kind = m.kind == MATERIAL_DIFFUSE && launch.transparent_shadows ? SHADOW_SURFACE_GLASS : SHADOW_SURFACE;
-  shadow->origin = origin;
-  shadow->direction = to_light;
-  shadow->light = path->throughput * f * vload3(0, lights[sample.index].radiance) / pdf;
-  shadow->weight = mis_weight(pdf, material_pdf(m, wo, wi));
+  shadow->kind = material_is_matte(m) && launch.transparent_shadows ? SHADOW_SURFACE_GLASS : SHADOW_SURFACE;
+  shadow->origin = leave_surface(s.point, side > 0 ? face : -face);
+  shadow->direction = sample.to_light - (shadow->origin - s.point);
+  shadow->light = path->throughput * f * sample.radiance / sample.pdf;
+  shadow->weight = mis_weight(sample.pdf, material_pdf(m, wo, wi));
 }
 
-// reflection and refraction at glass
-inline void pass_glass(const uint material, global const Material* materials, const Surface s, const float u,
-                       Path* path) {
-  const bool enters = dot(s.face, path->direction) < 0;
-  const float3 face = enters ? s.face : -s.face;
-  float3 normal = enters ? s.shading : -s.shading;
-  if (dot(normal, path->direction) >= 0) normal = face;  // a shading normal that looks away cannot be used
-  const uint inner = enters ? media_enter(path->media, material) : media_leave(path->media, material);
-  const float outside = enters ? media_ior(path->media, materials) : materials[material].ior;
-  const float eta = media_ior(inner, materials) / outside;
+// The solid behind this surface is not there, see media.cl: the path goes straight on, as if through clear glass.
+inline void pass_hidden(const Boundary boundary, const Surface s, const float3 face, Path* path) {
+  path->origin = leave_surface(s.point, -face);
+  path->pdf = 0.0f;
+  path->flags |= PATH_REFRACTED;
+  path->media = boundary.inner;
+}
+
+// reflection and refraction at clear glass, solid or thin; normal and face look to the path
+inline void pass_glass(const PointMaterial m, const Boundary boundary, const Surface s, const float3 face,
+                       const float3 normal, const float choice, Path* path) {
   Frame frame = make_frame(normal);
-  MaterialSample sample = dielectric_sample(eta, to_local(frame, -path->direction), u);
+  MaterialSample sample = material_sample(m, to_local(frame, -path->direction), (float2)(0.0f), choice);
   const bool is_refracted = sample.direction.z < 0;
   float3 direction = to_world(frame, sample.direction);
   if ((dot(direction, face) < 0) != is_refracted) {
     // the bent direction is on the wrong side of the true surface: once more with the true normal, same choice
     frame = make_frame(face);
-    const float3 wo = to_local(frame, -path->direction);
-    sample = dielectric_sample(eta, wo, is_refracted ? 1.0f : 0.0f);
+    sample = material_sample(m, to_local(frame, -path->direction), (float2)(0.0f), is_refracted ? 1.0f : 0.0f);
     direction = to_world(frame, sample.direction);
   }
   const bool passes = dot(direction, face) < 0;  // not so at total reflection
   path->origin = leave_surface(s.point, passes ? -face : face);
   path->direction = normalize(direction);
+  path->throughput *= sample.weight;
   path->pdf = 0.0f;
   if (!passes) return;
   path->flags |= PATH_REFRACTED;
-  path->media = inner;
+  if (m.flags & MATERIAL_HAS_INSIDE) path->media = boundary.inner;
 }
 
-inline void scatter(const Material m, const float3 color, const Surface s, const float3 normal, const Frame frame,
-                    const float3 wo, const float2 u, Path* path) {
-  const MaterialSample sample = material_sample(m, color, 1.0f, wo, u);
+inline void scatter(const PointMaterial m, const Boundary boundary, const Surface s, const float3 face,
+                    const Frame frame, const float3 wo, const Chance chance, Path* path) {
+  const MaterialSample sample = material_sample(m, wo, material_point(chance), material_choice(chance));
   const float3 direction = to_world(frame, sample.direction);
+  const bool passes = sample.direction.z < 0;
   path->throughput *= sample.weight;
-  path->is_alive = dot(direction, normal) > 0;  // else an interpolated normal sent it into the surface
-  path->origin = leave_surface(s.point, normal);
+  path->is_alive = (dot(direction, face) < 0) == passes;  // else an interpolated normal sent it through the surface
+  path->origin = leave_surface(s.point, passes ? -face : face);
   path->direction = normalize(direction);
   path->pdf = sample.pdf;
+  if (passes && (m.flags & MATERIAL_HAS_INSIDE)) path->media = boundary.inner;
   if (!material_scatters(m)) return;
-  path->flags = PATH_SCATTERED | (m.kind == MATERIAL_DIFFUSE ? PATH_DIFFUSE : 0u);
+  path->flags = PATH_SCATTERED | (material_is_matte(m) ? PATH_DIFFUSE : 0u);
 }
 
 // paths that carry little end early, the others carry more for them

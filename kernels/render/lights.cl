@@ -1,31 +1,138 @@
-// Samples of the rectangular lights: a light by its share of the power, a point on it uniformly.
-//   density over directions = probability / area * distance^2 / cos  [1/sr]
+// Samples of the lights: one of all by its share of the power (alias table, Vose 1991: the cost does not grow with
+// their number), then a point on it. Densities over directions [1/sr], the choice included:
+//   rectangle, triangle of a shining mesh   probability / area * distance^2 / cos
+//   sphere                                  probability / (2 pi (1 - cos_max)), evenly in the cone that it fills
+//   environment                             probability * that of environment.cl
 #ifndef PVG_RENDER_LIGHTS_CL
 #define PVG_RENDER_LIGHTS_CL
-#include "render/path.h"
+#include "materials/frame.cl"
+#include "materials/texture.cl"
+#include "render/environment.cl"
+#include "render/surface.cl"
+
+// what shading reads of the scene
+typedef struct {
+  global const Instance* instances;
+  global const Material* materials;
+  global const TextureInfo* textures;
+  global const uchar4* texels;
+  constant float* decode;
+  global const uint* triangles;
+  global const Vertex* vertices;
+  global const float* colors;
+  global const Light* lights;
+  global const float* environment;
+  global const EnvironmentCell* cells;
+} Shading;
 
 typedef struct {
-  uint index;
-  float3 point;  // [m]
+  float3 to_light;  // from the lit point [m]
+  float3 radiance;
+  float pdf;  // 0: nothing shines here
 } LightSample;
 
-inline LightSample sample_light(global const Light* lights, const uint n_lights, const float2 u) {
-  uint i = 0;
-  while (i + 1 < n_lights && u.x >= lights[i].cumulative) ++i;
-  global const Light* light = lights + i;
-  // what is left of the number that chose the light is again uniform
-  const float a = clamp((u.x - (light->cumulative - light->probability)) / light->probability, 0.0f, 0x1.fffffep-1f);
+// beyond everything, where the environment is [m]
+#define FAR_AWAY 1e5f
+// the sphere that rays hit is made of triangles: shadow rays end a little outside
+#define SPHERE_SHELL 1.005f
+
+inline float3 emitted(const Shading scene, const Material m, const float2 uv) {
+  const float3 emission = vload3(0, m.emission);
+  const int texture = m.kind == MATERIAL_EMISSIVE ? m.texture : m.emission_texture;
+  return texture < 0 ? emission
+                     : emission * texture_color(scene.textures[texture], scene.texels, scene.decode, uv);
+}
+
+// corners of a mesh's triangle in the world
+inline void world_triangle(const Shading scene, global const Instance* instance, const uint triangle, float3 p[3]) {
+  const uint3 corner = vload3(triangle, scene.triangles);
+  p[0] = affine_point(instance->to_world, vload3(0, scene.vertices[corner.x].point));
+  p[1] = affine_point(instance->to_world, vload3(0, scene.vertices[corner.y].point));
+  p[2] = affine_point(instance->to_world, vload3(0, scene.vertices[corner.z].point));
+}
+
+inline float area_pdf(const float probability, const float area, const float cosine, const float distance2) {
+  return cosine > 0 && area > 0 ? probability * distance2 / (area * cosine) : 0.0f;
+}
+
+// 1 - cosine of half the angle that a sphere fills, seen from squared distance d2; exact where it is small
+inline float cone_height(const float radius, const float d2) {
+  const float sin2 = radius * radius / d2;
+  return sin2 / (1.0f + sqrt(max(0.0f, 1.0f - sin2)));
+}
+
+inline float sphere_pdf(global const Light* light, const float3 origin) {
+  const float3 d = vload3(0, light->corner) - origin;
+  const float d2 = dot(d, d);
+  return d2 > light->area * light->area
+             ? light->probability / (2.0f * M_PI_F * cone_height(light->area, d2))
+             : 0.0f;  // inside there is no light
+}
+
+inline LightSample sample_sphere(global const Light* light, const float3 origin, const float2 u) {
   LightSample s;
-  s.index = i;
-  s.point = vload3(0, light->corner) + a * vload3(0, light->edge_u) + u.y * vload3(0, light->edge_v);
+  const float3 center = vload3(0, light->corner) - origin;
+  const float d2 = dot(center, center), radius = light->area;
+  s.pdf = sphere_pdf(light, origin);
+  s.radiance = vload3(0, light->radiance);
+  const float z = 1.0f - u.x * cone_height(radius, d2), r = sqrt(max(0.0f, 1.0f - z * z)), phi = 2.0f * M_PI_F * u.y;
+  const float3 direction = to_world(make_frame(center * rsqrt(d2)), (float3)(r * cos(phi), r * sin(phi), z));
+  // up to the shell around the triangles
+  const float along = dot(direction, center), shell = SPHERE_SHELL * radius;
+  const float half_chord2 = shell * shell - (d2 - along * along);
+  s.to_light = direction * max(0.0f, along - sqrt(max(0.0f, half_chord2)));
+  // so close that the shell is around the point: nothing can be between
+  if (dot(s.to_light, s.to_light) == 0) s.to_light = direction * (1e-3f * radius);
   return s;
 }
 
-// to_light: from the lit point to the point on the light [m]; 0: the light shines the other way
-inline float light_pdf(global const Light* light, const float3 to_light) {
-  const float distance2 = dot(to_light, to_light);
-  const float cosine = -dot(vload3(0, light->normal), to_light) * rsqrt(distance2);
-  return cosine > 0 ? light->probability * distance2 / (light->area * cosine) : 0.0f;
+inline LightSample sample_triangle(const Shading scene, global const Light* light, const float3 origin, const float2 u) {
+  LightSample s;
+  global const Instance* instance = scene.instances + light->instance;
+  float3 p[3];
+  world_triangle(scene, instance, light->triangle, p);
+  const float root = sqrt(u.x), b = root * u.y, a = 1.0f - root;  // evenly over the triangle; weight of p[1] is the rest
+  s.to_light = a * p[0] + (1.0f - a - b) * p[1] + b * p[2] - origin;
+  const float3 normal = cross(p[1] - p[0], p[2] - p[0]);
+  const float twice_area = length(normal), d2 = dot(s.to_light, s.to_light);
+  const float cosine = twice_area > 0 ? fabs(dot(normal, s.to_light)) * rsqrt(d2) / twice_area : 0.0f;
+  s.pdf = area_pdf(light->probability, 0.5f * twice_area, cosine, d2);
+  const uint3 corner = vload3(light->triangle, scene.triangles);
+  const float2 uv = a * vload2(0, scene.vertices[corner.x].uv) + (1.0f - a - b) * vload2(0, scene.vertices[corner.y].uv) +
+                    b * vload2(0, scene.vertices[corner.z].uv);
+  s.radiance = emitted(scene, scene.materials[instance->material], uv);
+  return s;
+}
+
+inline float rectangle_pdf(global const Light* light, const float3 to_light) {
+  const float d2 = dot(to_light, to_light);
+  return area_pdf(light->probability, light->area, -dot(vload3(0, light->normal), to_light) * rsqrt(d2), d2);
+}
+
+// choice: of the light and by its alias; u: of the point
+inline LightSample sample_light(const Launch launch, const Shading scene, const float3 origin, const float2 choice,
+                                const float2 u) {
+  uint i = min((uint)(choice.x * (float)launch.n_lights), launch.n_lights - 1);
+  const float keep = scene.lights[i].keep;
+  const bool keeps = choice.y < keep;
+  // what is left of the number is again uniform
+  const float rest = clamp(keeps ? choice.y / keep : (choice.y - keep) / (1.0f - keep), 0.0f, 0x1.fffffep-1f);
+  if (!keeps) i = scene.lights[i].other;
+  global const Light* light = scene.lights + i;
+  if (light->kind == LIGHT_SPHERE) return sample_sphere(light, origin, u);
+  if (light->kind == LIGHT_TRIANGLE) return sample_triangle(scene, light, origin, u);
+  LightSample s;
+  if (light->kind == LIGHT_ENVIRONMENT) {
+    const float3 d = environment_sample(launch, scene.cells, u, rest);
+    s.to_light = FAR_AWAY * d;
+    s.radiance = environment_radiance(launch, scene.environment, d);
+    s.pdf = light->probability * environment_pdf(launch, scene.cells, d);
+    return s;
+  }
+  s.to_light = vload3(0, light->corner) + u.x * vload3(0, light->edge_u) + u.y * vload3(0, light->edge_v) - origin;
+  s.radiance = vload3(0, light->radiance);
+  s.pdf = rectangle_pdf(light, s.to_light);
+  return s;
 }
 
 // power heuristic of multiple importance sampling (Veach 1997)

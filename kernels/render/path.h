@@ -11,10 +11,11 @@
 #define INSTANCE_NORMALS 1u  // the mesh has vertex normals
 #define INSTANCE_CLEAR 2u    // clear glass: shadow rays may pass
 #define INSTANCE_UNMOVED 4u  // the mesh's frame is the world's
+#define INSTANCE_COLORS 8u   // the mesh has vertex colours
 
 // path flags
 #define PATH_SCATTERED 1u  // has met a surface that scatters (diffuse or rough)
-#define PATH_DIFFUSE 2u    // the last such surface was diffuse
+#define PATH_DIFFUSE 2u    // the last such surface was matte (materials/list.cl)
 #define PATH_REFRACTED 4u  // has passed through glass since
 
 // what a shadow ray is for
@@ -45,38 +46,65 @@ typedef struct {
   u32 material;
   u32 visual;  // 1 + index of the Visual; 0: a light
   u32 mask;    // MASK_...
-  i32 light;   // index, or -1
+  i32 light;   // index of its first triangle's light, or of the light that it is; -1: none
   u32 flags;   // INSTANCE_...
-  u32 unused[2];
+  u32 first_triangle;  // of its mesh
+  i32 first_color;     // colour of vertex i: first_color + i
 } Instance;
 SHARED_SIZE(Instance, 128);
 
-// a rectangle that shines on the side of its normal
+#define LIGHT_RECTANGLE 0u
+#define LIGHT_SPHERE 1u
+#define LIGHT_TRIANGLE 2u
+#define LIGHT_ENVIRONMENT 3u
+
+// one light to be chosen; a rectangle shines on the side of its normal, a sphere outward, a triangle on both sides
 typedef struct {
-  f32 corner[3];
-  f32 area;  // [m^2]
-  f32 edge_u[3];
-  f32 probability;  // of being chosen: its share of the power
+  u32 kind;          // LIGHT_...
+  f32 probability;   // of being chosen: its share of the power
+  f32 keep;          // alias table: chosen with this probability where its place is drawn,
+  u32 other;         // else this one is
+  f32 corner[3];     // of a rectangle; centre of a sphere [m]
+  f32 area;          // of a rectangle [m^2]; radius of a sphere [m]
+  f32 edge_u[3];     // of a rectangle
+  u32 instance;      // of a triangle
   f32 edge_v[3];
-  f32 cumulative;  // sum of the probabilities up to and with this light
-  f32 normal[3];   // unit
+  u32 triangle;      // index into the triangles of all meshes
+  f32 normal[3];     // of a rectangle, unit
   f32 unused0;
-  f32 radiance[3];  // [W/(sr m^2)]
+  f32 radiance[3];   // of rectangles and spheres [W/(sr m^2)]
   f32 unused1;
 } Light;
-SHARED_SIZE(Light, 80);
+SHARED_SIZE(Light, 96);
 
-// OpenCV's pinhole camera
+// importance of the environment's directions
+#define ENVIRONMENT_COLUMNS 256u
+#define ENVIRONMENT_ROWS 128u
+typedef struct {
+  f32 keep;  // alias table, as in Light
+  u32 other;
+  f32 density;  // over directions [1/sr]
+  f32 unused;
+} EnvironmentCell;
+SHARED_SIZE(EnvironmentCell, 16);
+
+#define CAMERA_PINHOLE 0u
+#define CAMERA_FISHEYE 1u
+
+// OpenCV's pinhole or fisheye camera, with a thin lens
 typedef struct {
   f32 fx, fy, cx, cy;  // [pixels]
-  f32 k[6];            // radial k1 k2 k3, then the denominator's k4 k5 k6
+  f32 k[6];            // radial k1 k2 k3, then the denominator's k4 k5 k6; of a fisheye k1 k2 k3 k4
   f32 p[2];            // tangential
   f32 to_world[12];    // rows of [R | origin]
   u32 width, height;   // [pixels]
   u32 is_distorted;
-  u32 unused;
+  u32 model;            // CAMERA_...
+  f32 lens_radius;      // [m]; 0: everything is sharp
+  f32 focus_distance;   // along the optical axis [m]
+  u32 unused[2];
 } PinholeCamera;
-SHARED_SIZE(PinholeCamera, 112);
+SHARED_SIZE(PinholeCamera, 128);
 
 // one batch: all samples of the pixels first_pixel .. in tile order
 typedef struct {
@@ -89,10 +117,14 @@ typedef struct {
   u32 max_depth;
   u32 transparent_shadows;  // 1: shadow rays of diffuse surfaces and receivers pass clear glass, attenuated
   f32 receiver_scale;       // 1 / exposure: a receiver's texture is what the camera recorded
-  u32 unused[3];
-  f32 environment[3];  // radiance of what no surface covers
-  f32 unused1;
+  u32 first_sample;         // number of the batch's first sample of each pixel
+  u32 media;                // the solids that the camera is inside of, see media.cl
+  i32 environment_light;    // its index among the lights, or -1
+  f32 environment[3];       // radiance of what no surface covers, or scale of its picture
+  f32 environment_turn;     // about z [rad]
+  u32 environment_width, environment_height;  // [texels]; 0: the same everywhere
+  u32 unused[2];
 } Launch;
-SHARED_SIZE(Launch, 176);
+SHARED_SIZE(Launch, 208);
 SHARED_END
 #endif

@@ -1,15 +1,13 @@
 // Stage 3: what happens where a path hit. Adds what the surface itself shines, sends one shadow ray toward a light, and
 // continues the path by a sample of the material.
 //   light that a path meets: weighted against the light samples of the last scattering surface (power heuristic)
-//   glass between a diffuse surface and a light: shadow rays pass straight through, attenuated (transmittance.cl), and
-//     the refracted paths to that light are left out, so that no light is counted twice. Rough conductors keep the
+//   clear glass between a matte surface and a light: shadow rays pass straight through, attenuated (transmittance.cl), and
+//     the refracted paths to that light are left out, so that no light is counted twice. Other surfaces keep the
 //     refracted paths and their shadow rays stop at glass. Launch::transparent_shadows = 0: glass stops all shadow rays
 //     and every refracted path counts
 //   shadow receiver: C = C_tex (1 - lambda_s (1 - V)), and the path ends; V from one light sample per path
-#include "materials/texture.cl"
 #include "render/interact.cl"
 #include "render/tiles.cl"
-#include "shared/rng.cl"
 
 inline Path load_path(const uint slot, global const float4* origin, global const float4* direction,
                       global const float4* throughput) {
@@ -26,63 +24,89 @@ inline Path load_path(const uint slot, global const float4* origin, global const
   return path;
 }
 
-// what shading reads of the scene
-typedef struct {
-  global const Instance* instances;
-  global const Material* materials;
-  global const TextureInfo* textures;
-  global const uchar4* texels;
-  constant float* decode;
-  global const uint* triangles;
-  global const Vertex* vertices;
-  global const Light* lights;
-} Shading;
+inline Chance draw_chance(const Launch launch, const uint slot, const uint depth) {
+  const uint sample = launch.first_sample + slot % launch.n_samples;
+  const uint2 pixel =
+      tile_pixel(launch.first_pixel + slot / launch.n_samples, launch.camera.width, launch.camera.height);
+  const uint key = hash_combine(launch.key, pixel.y * launch.camera.width + pixel.x);
+  const Chance chance = {key, sample, 2 + 5 * depth};  // 0 and 1: generate.cl
+  return chance;
+}
 
-// a diffuse or conducting surface: light sample, then the path goes on
-inline void meet_scatterer(const Launch launch, const Shading scene, const Material m, const float3 color,
-                           const Surface s, const uint key, const uint sample, const uint dimension, Path* path,
-                           ShadowRay* shadow) {
-  const float3 face = dot(s.face, path->direction) < 0 ? s.face : -s.face;
+inline float3 texture_at(const Shading scene, const int texture, const float2 uv) {
+  return texture < 0 ? (float3)(1.0f)
+                     : texture_color(scene.textures[texture], scene.texels, scene.decode, uv);
+}
+
+inline PointMaterial material_at(const Shading scene, const Material m, const float3 color, const float2 uv,
+                                 const float eta) {
+  PointMaterial p = point_material(m, eta);
+  p.color = color;
+  if (m.metallic_roughness_texture >= 0) {
+    const float3 t = texture_at(scene, m.metallic_roughness_texture, uv);
+    p.alpha = max(MIRROR_ALPHA, p.alpha * t.y * t.y);
+    p.metallic *= t.z;
+  }
+  return p;
+}
+
+// glass or a surface that scatters: light sample, then the path goes on. triangle: index into those of all meshes
+inline void meet_surface(const Launch launch, const Shading scene, global const Instance* instance,
+                         const uint triangle, const Material m, const float3 color, const Surface s,
+                         const Chance chance, Path* path, ShadowRay* shadow) {
+  const bool enters = dot(s.face, path->direction) < 0;
+  const float3 face = enters ? s.face : -s.face;
+  Boundary boundary = {m.ior, path->media, false};
+  if (m.flags & MATERIAL_HAS_INSIDE)
+    boundary = boundary_of(path->media, instance->material, scene.materials, enters);
+  if (boundary.is_hidden) {
+    pass_hidden(boundary, s, face, path);
+    return;
+  }
   float3 normal = dot(s.shading, face) > 0 ? s.shading : -s.shading;
+  if (m.normal_texture >= 0) {
+    const float3 bend = 2.0f * texture_at(scene, m.normal_texture, s.uv) - 1.0f;
+    // on the back of a surface the map's directions along it stay
+    normal = bent_normal(instance, scene.triangles, scene.vertices, triangle, normal,
+                         (float3)(bend.xy * m.normal_scale, bend.z));
+  }
   if (dot(normal, path->direction) >= 0) normal = face;  // a shading normal that looks away cannot be used
+  const PointMaterial p = material_at(scene, m, color, s.uv, boundary.eta);
+  if (p.kind == MATERIAL_DIELECTRIC) {
+    pass_glass(p, boundary, s, face, normal, material_choice(chance), path);
+    return;
+  }
   const Frame frame = make_frame(normal);
   const float3 wo = to_local(frame, -path->direction);
-  light_surface(launch, m, color, s, face, frame, wo, scene.lights, sample_2d(key, sample, dimension), path, shadow);
-  scatter(m, color, s, face, frame, wo, sample_2d(key, sample, dimension + 1), path);
+  light_surface(launch, scene, p, s, face, frame, wo, chance, path, shadow);
+  scatter(p, boundary, s, face, frame, wo, chance, path);
 }
 
 // hit: t, u, v, triangle
-inline void meet_surface(const Launch launch, const Shading scene, const uint slot, const uint depth, const float4 hit,
-                         const uint hit_instance, Path* path, ShadowRay* shadow) {
+inline void meet(const Launch launch, const Shading scene, const uint slot, const uint depth, const float4 hit,
+                 const uint hit_instance, Path* path, ShadowRay* shadow) {
   global const Instance* instance = scene.instances + hit_instance;
-  const Surface s = surface_at(instance, scene.triangles, scene.vertices, as_uint(hit.w), hit.y, hit.z);
+  const uint triangle = as_uint(hit.w);
+  const Surface s = surface_at(instance, scene.triangles, scene.vertices, triangle, hit.y, hit.z);
   path->throughput *= media_transmission(path->media, scene.materials, hit.x + ray_offset(s.point));
-  if (instance->light >= 0) {
+  if (instance->visual == 0) {
     meet_light(launch, scene.lights + instance->light, s, hit.x, path);
     return;
   }
   const Material m = scene.materials[instance->material];
-  const float3 texture =
-      m.texture >= 0 ? texture_color(scene.textures[m.texture], scene.texels, scene.decode, s.uv) : (float3)(1.0f);
-  const float3 color = vload3(0, m.color) * texture;
-  const uint sample = slot % launch.n_samples;
-  const uint2 pixel =
-      tile_pixel(launch.first_pixel + slot / launch.n_samples, launch.camera.width, launch.camera.height);
-  const uint key = hash_combine(launch.key, pixel.y * launch.camera.width + pixel.x);
-  const uint dimension = 1 + 3 * depth;
-  if (m.kind == MATERIAL_EMISSIVE) {
-    path->radiance = path->throughput * vload3(0, m.emission) * texture;
-    path->is_alive = false;
-  } else if (m.kind == MATERIAL_SHADOW_RECEIVER) {
-    meet_receiver(launch, m, color, s, scene.lights, sample_2d(key, sample, dimension), path, shadow);
-  } else if (depth >= launch.max_depth) {
+  if (m.flags & MATERIAL_EMITS) meet_shining(launch, scene, instance, m, triangle, s, hit.x, path);
+  float3 color = vload3(0, m.color);
+  if (m.kind != MATERIAL_EMISSIVE) color *= texture_at(scene, m.texture, s.uv);
+  if (instance->flags & INSTANCE_COLORS)
+    color *= vertex_color(instance, scene.triangles, scene.colors, triangle, hit.y, hit.z);
+  const Chance chance = draw_chance(launch, slot, depth);
+  if (m.kind == MATERIAL_SHADOW_RECEIVER) {
+    meet_receiver(launch, scene, m, color, s, chance, path, shadow);
+  } else if (m.kind == MATERIAL_EMISSIVE || depth >= launch.max_depth) {
     path->is_alive = false;
   } else {
-    if (m.kind == MATERIAL_DIELECTRIC)
-      pass_glass(instance->material, scene.materials, s, sample_2d(key, sample, dimension + 1).x, path);
-    else
-      meet_scatterer(launch, scene, m, color, s, key, sample, dimension, path, shadow);
-    roulette(depth, sample_1d(key, sample, dimension + 2), path);
+    meet_surface(launch, scene, instance, triangle, m, color, s, chance, path, shadow);
+    roulette(depth, roulette_number(chance), path);
   }
 }
 
@@ -92,7 +116,9 @@ kernel void shade(const uint n, const Launch launch, const uint depth, global co
                   global const Instance* restrict instances, global const Material* restrict materials,
                   global const TextureInfo* restrict textures, global const uchar4* restrict texels,
                   constant float* restrict decode, global const uint* restrict triangles,
-                  global const Vertex* restrict vertices, global const Light* restrict lights,
+                  global const Vertex* restrict vertices, global const float* restrict colors,
+                  global const Light* restrict lights, global const float* restrict environment,
+                  global const EnvironmentCell* restrict cells,
                   global const float4* restrict hit, global const uint* restrict hit_instance,
                   global float4* restrict origin, global float4* restrict direction, global float4* restrict throughput,
                   global float4* restrict radiance, global float4* restrict shadow_origin,
@@ -103,13 +129,12 @@ kernel void shade(const uint n, const Launch launch, const uint depth, global co
   const uint slot = queue[i];
   Path path = load_path(slot, origin, direction, throughput);
   ShadowRay shadow = {0.0f, 0.0f, 0.0f, 0.0f, SHADOW_NONE};
-  if (as_uint(hit[slot].w) == NO_TRIANGLE) {
-    path.radiance = path.throughput * vload3(0, launch.environment);
-    path.is_alive = false;
-  } else {
-    const Shading scene = {instances, materials, textures, texels, decode, triangles, vertices, lights};
-    meet_surface(launch, scene, slot, depth, hit[slot], hit_instance[slot], &path, &shadow);
-  }
+  const Shading scene = {instances, materials, textures, texels,      decode, triangles,
+                         vertices,  colors,    lights,   environment, cells};
+  if (as_uint(hit[slot].w) == NO_TRIANGLE)
+    meet_environment(launch, scene, &path);
+  else
+    meet(launch, scene, slot, depth, hit[slot], hit_instance[slot], &path, &shadow);
   radiance[slot] += (float4)(path.radiance, 0);
   alive[i] = path.is_alive ? 1u : 0u;
   if (path.is_alive) {

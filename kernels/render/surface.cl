@@ -40,6 +40,33 @@ inline Surface surface_at(global const Instance* instance, global const uint* tr
   return s;
 }
 
+// colour of the vertices between them
+inline float3 vertex_color(global const Instance* instance, global const uint* triangles, global const float* colors,
+                           const uint triangle, const float u, const float v) {
+  const uint3 corner = vload3(triangle, triangles) + (uint3)((uint)instance->first_color);
+  return (1.0f - u - v) * vload3(corner.x, colors) + u * vload3(corner.y, colors) + v * vload3(corner.z, colors);
+}
+
+// The shading normal bent by a normal map; bend: x along growing u, y along falling v, z out. Where the texture
+// coordinates have no direction it stays.
+inline float3 bent_normal(global const Instance* instance, global const uint* triangles, global const Vertex* vertices,
+                          const uint triangle, const float3 normal, const float3 bend) {
+  const uint3 corner = vload3(triangle, triangles);
+  const float3 p = vload3(0, vertices[corner.x].point);
+  const float3 e = affine_vector(instance->to_world, vload3(0, vertices[corner.y].point) - p);
+  const float3 f = affine_vector(instance->to_world, vload3(0, vertices[corner.z].point) - p);
+  const float2 a = vload2(0, vertices[corner.y].uv) - vload2(0, vertices[corner.x].uv);
+  const float2 b = vload2(0, vertices[corner.z].uv) - vload2(0, vertices[corner.x].uv);
+  const float area = a.x * b.y - b.x * a.y;
+  if (fabs(area) < 1e-20f) return normal;
+  float3 along_u = (b.y * e - a.y * f) / area, along_v = (a.x * f - b.x * e) / area;
+  along_u -= normal * dot(normal, along_u);
+  along_v -= normal * dot(normal, along_v);
+  if (!(dot(along_u, along_u) > 0) || !(dot(along_v, along_v) > 0)) return normal;
+  const float3 bent = bend.x * normalize(along_u) - bend.y * normalize(along_v) + bend.z * normal;
+  return dot(bent, bent) > 1e-12f ? normalize(bent) : normal;
+}
+
 // how far a new ray starts off its surface: more than the rounding of the point and of the change of frames (half a
 // micrometre at 1 m), much less than a wall of glass or a contact gap
 inline float ray_offset(const float3 point) {

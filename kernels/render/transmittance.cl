@@ -22,7 +22,7 @@ inline float3 block_corner(global const float4* block, const uint corner, const 
 
 // the glass of one block; direction_length turns t into metres. r in the mesh's frame, but t is the same in every frame
 inline void cross_block(global const float4* block, const LeafRay r, const float3 direction, const float t_max,
-                        const Material material, const float direction_length, Transmittance* T) {
+                        global const Material* material, const float direction_length, Transmittance* T) {
   float4 t;
   int4 is_front;
   uint hits = block_crossings(block, r, t_max, &t, &is_front);
@@ -36,18 +36,20 @@ inline void cross_block(global const float4* block, const LeafRay r, const float
     const float3 normal = normalize(cross(block_corner(block, 1, k) - p, block_corner(block, 2, k) - p));
     // rigid instances: angles in the mesh's frame are those of the world
     const float cosine = fabs(dot(normal, normalize(direction)));
-    const float R = fresnel_dielectric(cosine, material.ior);
-    T->value *= sqrt((1.0f - R) / (1.0f + R));
-    const float way = (front[k] ? -ts[k] : ts[k]) * direction_length;
-    T->optical += vload3(0, material.absorption) * way;
+    const float R = fresnel_dielectric(cosine, material->ior), passes = (1.0f - R) / (1.0f + R);
     T->has_crossed = 1;
+    // a thin sheet is both interfaces at once
+    T->value *= vload3(0, material->color) * (material->flags & MATERIAL_THIN ? passes : sqrt(passes));
+    if (material->flags & MATERIAL_THIN) continue;
+    const float way = (front[k] ? -ts[k] : ts[k]) * direction_length;
+    T->optical += vload3(0, material->absorption) * way;
   }
 }
 
 // all crossings of the glass of one mesh
 TREE_FUNCTION void cross_mesh(const Trees trees, const BoxRay* box, const LeafRay leaf, const float3 direction,
-                              const int root, const float t_max, const Material material, const float direction_length,
-                              Transmittance* T) {
+                              const int root, const float t_max, global const Material* material,
+                              const float direction_length, Transmittance* T) {
   const BoxRay r = *box;
   int stack[BVH_STACK];
   int size = 0, current = root;
@@ -71,7 +73,7 @@ ALWAYS_INLINE bool pass_instance(const Trees trees, global const Material* mater
   const BoxRay box = is_moved ? make_box_ray(o, d) : *world;
   const LeafRay leaf = make_leaf_ray(o, d);
   if (!(instance->flags & INSTANCE_CLEAR)) return !any_in_mesh(trees, &box, leaf, (int)instance->root, t_max);
-  cross_mesh(trees, &box, leaf, d, (int)instance->root, t_max, materials[instance->material], length(direction), T);
+  cross_mesh(trees, &box, leaf, d, (int)instance->root, t_max, materials + instance->material, length(direction), T);
   return true;
 }
 

@@ -1,30 +1,95 @@
-// What is exactly at the middle of each pixel: depth along the optical axis, instance and normal. Glass is a surface
-// like any other; no mixing at edges.
+// What is exactly at the middle of each pixel: depth along the optical axis, distance, instance and normal, with no
+// mixing at edges. Glass is a surface like any other, or is looked through, straight on.
+#include "materials/material.h"
+#include "materials/texture.cl"
 #include "render/surface.cl"
 #include "render/tiles.cl"
 
-// hit, hit_instance: [n_pixels] of rays with z = 1 in the camera's frame;  throughput: 0 where the camera sees nothing;
-// depth: [height x width, m], infinite: nothing;  instance: [height x width] 1 + index of the Visual, 0: none or a
-// light; normal: [height x width x 3] unit, world, toward the camera, or 0
-kernel void ground_truth(const uint n_pixels, const Launch launch, global const Instance* restrict instances,
-                         global const uint* restrict triangles, global const Vertex* restrict vertices,
-                         global const float4* restrict hit, global const uint* restrict hit_instance,
+#define MOST_LAYERS 64
+
+// a surface that is looked through where glass is
+inline bool is_glass(global const Instance* instance, global const Material* materials) {
+  if (instance->visual == 0) return false;
+  global const Material* m = materials + instance->material;
+  return m->kind == MATERIAL_DIELECTRIC || m->kind == MATERIAL_ROUGH_DIELECTRIC || m->transmission > 0.5f;
+}
+
+// the first surface along the ray; the return value is its distance [m]. direction: unit
+inline float seen_surface(const Trees trees, global const Material* materials, global const uint* triangles,
+                          global const Vertex* vertices, const uint sees_through_glass, const float3 from,
+                          const float3 direction, Hit* hit, Surface* surface) {
+  float3 origin = from;
+  for (int layer = 0; layer < MOST_LAYERS; ++layer) {
+    const Hit nothing = {INFINITY, 0, 0, NO_TRIANGLE, 0};
+    *hit = nothing;
+    closest_hit(trees, origin, direction, hit);
+    if (hit->triangle == NO_TRIANGLE) break;
+    *surface = surface_at(trees.instances + hit->instance, triangles, vertices, hit->triangle, hit->u, hit->v);
+    if (!sees_through_glass || !is_glass(trees.instances + hit->instance, materials))
+      return dot(surface->point - from, direction);
+    origin = leave_surface(surface->point, dot(surface->face, direction) > 0 ? surface->face : -surface->face);
+  }
+  hit->triangle = NO_TRIANGLE;
+  return INFINITY;
+}
+
+// the colour that a surface gives to light that it scatters; 1 where it has none of its own
+inline float3 surface_color(global const Instance* instance, const Material m, const Hit hit, const float2 uv,
+                            global const TextureInfo* textures, global const uchar4* texels, constant float* decode,
+                            global const uint* triangles, global const float* colors) {
+  const bool has_color = m.kind == MATERIAL_DIFFUSE || m.kind == MATERIAL_SHADOW_RECEIVER || m.kind == MATERIAL_CLOTH ||
+                         (m.kind == MATERIAL_METALLIC_ROUGHNESS && m.transmission < 0.5f);
+  if (!has_color) return (float3)(1.0f);
+  float3 color = vload3(0, m.color);
+  if (m.texture >= 0) color *= texture_color(textures[m.texture], texels, decode, uv);
+  if (instance->flags & INSTANCE_COLORS)
+    color *= vertex_color(instance, triangles, colors, hit.triangle, hit.u, hit.v);
+  return max(color, (float3)(0.01f));
+}
+
+// origin, direction: [n_pixels] of rays through the middles;  throughput: 0 where the camera sees nothing;  depth,
+// distance: [height x width, m], infinite: nothing;  instance: [height x width] 1 + index of the Visual, 0: none or a
+// light; normal: [height x width x 3] unit, world, toward the camera, or 0;  seen: [height x width] place of the hit: u,
+// v, triangle, instance;  place: [height x width, m] the point, world, w: distance;  albedo: [height x width x 3]
+kernel void ground_truth(const uint n_pixels, const Launch launch, const uint sees_through_glass,
+                         global const float8* restrict top, global const float8* restrict nodes,
+                         global const float4* restrict blocks, global const Instance* restrict instances,
+                         global const Material* restrict materials, global const uint* restrict triangles,
+                         global const Vertex* restrict vertices, global const TextureInfo* restrict textures,
+                         global const uchar4* restrict texels, constant float* restrict decode,
+                         global const float* restrict colors, global const float4* restrict origin,
                          global const float4* restrict direction, global const float4* restrict throughput,
-                         global float* restrict depth, global uint* restrict instance, global float* restrict normal) {
+                         global float* restrict depth, global float* restrict distance, global uint* restrict instance,
+                         global float* restrict normal, global float4* restrict seen, global float4* restrict place,
+                         global float* restrict albedo) {
   const uint i = get_global_id(0);
   if (i >= n_pixels) return;
-  const uint2 pixel = tile_pixel(launch.first_pixel + i, launch.camera.width, launch.camera.height);
-  const uint at = pixel.y * launch.camera.width + pixel.x;
-  const float4 h = hit[i];
-  if (as_uint(h.w) == NO_TRIANGLE || throughput[i].x == 0) {
-    depth[at] = INFINITY;
-    instance[at] = 0;
-    vstore3((float3)(0.0f), at, normal);
-    return;
-  }
-  global const Instance* seen = instances + hit_instance[i];
-  const Surface s = surface_at(seen, triangles, vertices, as_uint(h.w), h.y, h.z);
-  depth[at] = h.x;
-  instance[at] = seen->visual;
-  vstore3(dot(s.shading, direction[i].xyz) < 0 ? s.shading : -s.shading, at, normal);
+  const PinholeCamera c = launch.camera;
+  const uint2 pixel = tile_pixel(launch.first_pixel + i, c.width, c.height);
+  const uint at = pixel.y * c.width + pixel.x;
+  depth[at] = INFINITY;
+  distance[at] = INFINITY;
+  instance[at] = 0;
+  vstore3((float3)(0.0f), at, normal);
+  seen[at] = (float4)(0, 0, as_float(NO_TRIANGLE), 0);
+  place[at] = (float4)(0.0f);
+  vstore3((float3)(1.0f), at, albedo);
+  if (throughput[i].x == 0) return;
+  const Trees trees = {top, nodes, blocks, instances};
+  const float3 d = direction[i].xyz;
+  Hit hit;
+  Surface s;
+  const float t =
+      seen_surface(trees, materials, triangles, vertices, sees_through_glass, origin[i].xyz, d, &hit, &s);
+  if (hit.triangle == NO_TRIANGLE) return;
+  distance[at] = t;
+  depth[at] = t * (c.to_world[2] * d.x + c.to_world[6] * d.y + c.to_world[10] * d.z);
+  instance[at] = instances[hit.instance].visual;
+  vstore3(dot(s.shading, d) < 0 ? s.shading : -s.shading, at, normal);
+  seen[at] = (float4)(hit.u, hit.v, as_float(hit.triangle), as_float(hit.instance));
+  place[at] = (float4)(s.point, t);
+  global const Instance* shown = instances + hit.instance;
+  if (shown->visual != 0)
+    vstore3(surface_color(shown, materials[shown->material], hit, s.uv, textures, texels, decode, triangles, colors), at,
+            albedo);
 }

@@ -36,18 +36,4 @@ inline bool undistort(const PinholeCamera c, const float2 seen, float2* point) {
   return dot(residual, residual) <= UNDISTORT_TOLERANCE * UNDISTORT_TOLERANCE;
 }
 
-// direction with z = 1 in the camera's frame, so that t along it is the depth; false: nothing is seen there
-inline bool pixel_direction(const PinholeCamera c, const float2 pixel, float3* direction) {
-  const float2 seen = (float2)((pixel.x - c.cx) / c.fx, (pixel.y - c.cy) / c.fy);
-  float2 q = seen;
-  if (c.is_distorted && !undistort(c, seen, &q)) return false;
-  *direction = (float3)(q.x, q.y, 1.0f);
-  return true;
-}
-
-inline float3 camera_vector(const PinholeCamera c, const float3 v) {
-  return (float3)(c.to_world[0] * v.x + c.to_world[1] * v.y + c.to_world[2] * v.z,
-                  c.to_world[4] * v.x + c.to_world[5] * v.y + c.to_world[6] * v.z,
-                  c.to_world[8] * v.x + c.to_world[9] * v.y + c.to_world[10] * v.z);
-}
 #endif

@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 #include "host/base/error.hpp"
+#include "host/io/gltf_scene.hpp"
 #include "host/io/mesh_files.hpp"
+#include "host/io/textures.hpp"
 #include "host/io/tinygltf.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -107,6 +111,62 @@ TEST(SceneGltf, HoldsMaterialsLightsAndCamerasAsTheFormatSaysThem) {
   EXPECT_TRUE(has({10, 1, 2}));
   EXPECT_TRUE(has({1, 1, 5}));  // of the lamp
   EXPECT_FALSE(has({1, 0, 2}));
+}
+
+TEST(SceneGltf, IsReadBackWithItsMaterialsAndTextures) {
+  const TestFolder folder;
+  SceneState state;
+  state.rigid = {AffineMap::Zero()};
+  state.rigid[0].leftCols<3>() = Eigen::Matrix3d::Identity();
+  Scene scene = example_scene();
+  VisualMaterial captured;
+  captured.name = "captured";
+  captured.kind = Kind::shadow_receiver;
+  scene.materials.push_back(captured);
+  scene.visuals[0].material = 3;
+  write_scene_gltf(folder.path / "a.glb", scene, state);
+  const GltfScene read = read_gltf_scene(folder.path / "a.glb");
+  ASSERT_EQ(read.parts.size(), 4u);  // three visuals and the lamp
+  ASSERT_EQ(read.materials.size(), 5u);
+  EXPECT_EQ(read.materials[0].kind, Kind::diffuse);
+  ASSERT_EQ(read.materials[0].texture, 0);
+  EXPECT_EQ(read.textures[0].rgba, scene.textures[0].rgba);
+  const VisualMaterial& glass = read.materials[1];
+  EXPECT_EQ(glass.kind, Kind::metallic_roughness);
+  EXPECT_EQ(glass.transmission, 1);
+  EXPECT_FALSE(glass.is_thin);
+  EXPECT_NEAR(glass.index_of_refraction, 1.47, 1e-5);
+  EXPECT_LT((glass.absorption - Vec3f(6, 3, 0)).norm(), 1e-3);
+  EXPECT_LT((read.materials[2].emission - Vec3f(2, 4, 8)).norm(), 1e-4);
+  EXPECT_EQ(read.materials[3].kind, Kind::shadow_receiver);
+  EXPECT_EQ(read.parts[1].name, "visual 1");
+  EXPECT_EQ(read.parts[1].material, 1);
+  EXPECT_LT((read.parts[1].mesh.points[1] - Vec3f(1, 0, 1)).norm(), 1e-5);
+  EXPECT_EQ(read.parts[0].mesh.uvs[1], Vec2f(1, 0));
+}
+
+TEST(SceneGltf, VertexColoursOfBytesAreReadAndHugePicturesRefused) {
+  const TestFolder folder;
+  // one triangle: 9 floats, then 3 colours of 4 bytes
+  std::string bytes(48, '\0');
+  const float points[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  std::memcpy(bytes.data(), points, sizeof points);
+  const unsigned char colors[12] = {255, 0, 0, 255, 0, 255, 0, 255, 51, 51, 51, 255};
+  std::memcpy(bytes.data() + 36, colors, sizeof colors);
+  folder.write("a.bin", bytes);
+  folder.write("a.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "COLOR_0": 1}}]}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+                  {"bufferView": 1, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC4"}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 12}],
+    "buffers": [{"uri": "a.bin", "byteLength": 48}]})");
+  const GltfScene read = read_gltf_scene(folder.path / "a.gltf");
+  ASSERT_EQ(read.parts.size(), 1u);
+  EXPECT_EQ(read.parts[0].mesh.colors[1], Vec3f(0, 1, 0));
+  EXPECT_NEAR(read.parts[0].mesh.colors[2].x(), 0.2, 1e-6);
+  EXPECT_EQ(read.materials.size(), 1u);  // a plain one for what has none
+  EXPECT_THROW(unpack_texture({1, 2, 3}, "noise"), UsageError);
+  EXPECT_THROW(unpack_texture({}, "nothing"), UsageError);
 }
 
 TEST(SceneGltf, NamesTheFileThatCannotBeWritten) {

@@ -92,6 +92,107 @@ TEST_F(Render, ARecordedMotionGivesOnePicturePerCameraAndFrameThatShowIt) {
   EXPECT_EQ(frames.at(-1).rigid[0](2, 3), reader.state(0).rigid[0](2, 3));
 }
 
+TEST_F(Render, GroundTruthIsWrittenBesideThePictures) {
+  folder.write("falling.yaml", falling);
+  ASSERT_EQ(run("simulate falling.yaml -o falling.h5"), 0) << message;
+  ASSERT_EQ(run("render falling.yaml --states falling.h5 --fps 50 --camera a --samples 1 --ground-truth -o out"), 0)
+      << message;
+  const hdf5::File truth = hdf5::File::open(folder.path / "out/a_truth.h5");
+  ASSERT_EQ(truth.shape("/depth"), (hdf5::Shape{5, 32, 32}));
+  EXPECT_EQ(truth.texts_attribute("/instance", "names"), (std::vector<std::string>{"nothing", "cube"}));
+  const auto depth = truth.read<float>("/depth").values;
+  const auto instance = truth.read<std::uint16_t>("/instance").values;
+  const auto flow = truth.read<float>("/flow_forward").values, back = truth.read<float>("/flow_backward").values;
+  const auto state = truth.read<std::uint8_t>("/flow_forward_state").values;
+  const auto box = truth.read<std::int32_t>("/box").values;
+  const auto pose = truth.read<double>("/pose").values;
+  const std::size_t middle = 16 * 32 + 16, n = 32 * 32;
+  EXPECT_EQ(instance[middle], 1);
+  EXPECT_NEAR(depth[middle], 0.95, 1e-4);  // the cube's front
+  const double focal = 16 / std::tan(M_PI / 12);
+  // it falls: downward in the picture, by focal / depth pixels per metre
+  const double fallen = pose[11] - pose[12 + 11];
+  EXPECT_GT(fallen, 1e-4);
+  EXPECT_NEAR(flow[2 * middle + 1], focal * fallen / 0.95, 1e-3);
+  EXPECT_NEAR(back[2 * (n + middle) + 1], -focal * fallen / 0.95, 1e-3);
+  EXPECT_EQ(state[middle], 0);
+  EXPECT_EQ(state[4 * n + middle], 2);  // there is no picture after the last
+  // the front is 0.1 m wide: focal 0.05 / 0.95 pixels to both sides of 15.5
+  EXPECT_EQ(box[0], int(std::ceil(15.5 - focal * 0.05 / 0.95)));
+  EXPECT_EQ(box[2], int(std::floor(15.5 + focal * 0.05 / 0.95)));
+}
+
+TEST_F(Render, ATableFoundByCalibrateIsAppliedByRender) {
+  folder.write("falling.yaml", std::string(falling) + R"(
+materials: [{name: plain, kind: metallic_roughness, color: [0.2, 0.5, 0.8], roughness: 0.6}]
+objects: [{name: slope, visuals: [{mesh: slope.obj, material: plain}]}]
+lights: [{name: ball, kind: sphere, center: [0.3, -0.6, 1.4], radius: 5 cm, radiance: [60, 60, 60]}]
+)");
+  folder.write("slope.obj", "v -2 0.3 0\nv 2 0.3 0\nv 2 0.5 3\nv -2 0.5 3\nf 1 2 3\nf 1 3 4\n");
+  ASSERT_EQ(run("render falling.yaml --samples 64 --width 96 --height 96 -o rendered"), 0) << message;
+  fs::create_directories(folder.path / "real");
+  // the real camera has a gamma of its own
+  for (const char* camera : {"a", "b"}) {
+    const std::string name = std::string(camera) + "_000000.png";
+    Image8 image = read_image(folder.path / "rendered" / name);
+    for (std::uint8_t& byte : image.rgb) byte = std::uint8_t(std::lround(255 * std::pow(byte / 255.0, 1.2)));
+    write_image(folder.path / "real" / name, image);
+  }
+  ASSERT_EQ(run("calibrate lut --render rendered --real real -o lut.csv"), 0) << message;
+  ASSERT_EQ(run("render falling.yaml --samples 64 --width 96 --height 96 --lut lut.csv -o mapped"), 0) << message;
+  const Image8 real = read_image(folder.path / "real/a_000000.png"),
+               mapped = read_image(folder.path / "mapped/a_000000.png"),
+               rendered = read_image(folder.path / "rendered/a_000000.png");
+  double before = 0, after = 0;
+  for (std::size_t i = 0; i < real.rgb.size(); ++i) {
+    before += std::abs(int(real.rgb[i]) - rendered.rgb[i]);
+    after += std::abs(int(real.rgb[i]) - mapped.rgb[i]);
+  }
+  EXPECT_GT(before / double(real.rgb.size()), 8);
+  EXPECT_LT(after, 0.15 * before);
+  EXPECT_EQ(run("calibrate lut --render rendered --real none -o lut.csv"), 2);
+  fs::create_directories(folder.path / "empty");
+  EXPECT_EQ(run("calibrate lut --render rendered --real empty -o lut.csv"), 2);
+  EXPECT_NE(message.find("name"), std::string::npos) << message;
+  folder.write("bad.csv", "input,red,green,blue\n0,0,0,2\n");
+  EXPECT_EQ(run("render falling.yaml --camera a --lut bad.csv -o x.png"), 2);
+  EXPECT_NE(message.find("bad.csv:2"), std::string::npos) << message;
+}
+
+TEST_F(Render, WrongKeysOfLooksNameFileLineAndKey) {
+  const std::vector<std::array<std::string, 2>> cases = {
+      {"materials: [{name: m, kind: diffuse, roughness: 0.5}]", "roughness"},
+      {"materials: [{name: m, kind: dielectric, thin: true, absorption: [1, 1, 1]}]", "absorption"},
+      {"materials: [{name: m, kind: cloth, sheen_roughness: 0.1}]", "sheen_roughness"},
+      {"materials: [{name: m, kind: metallic_roughness, metallic: 2}]", "metallic"},
+      {"materials: [{name: m, kind: diffuse, texture: none.png}]", "none.png"},
+      {"lights: [{name: l, kind: sphere, center: [0, 0, 1], radiance: [1, 1, 1]}]", "radius"},
+      {"environment_map: {file: none.hdr}", "none.hdr"},
+      {"objects: [{name: o, visuals: [{mesh: broken.gltf}]}]", "broken.gltf"},
+      {"objects: [{name: o, visuals: [{mesh: missing.gltf}]}]", "missing.gltf"}};
+  folder.write("broken.gltf", "{\"asset\": {\"version\": \"2.0\"}, \"scenes\": [{\"nodes\": [3]}]}");
+  folder.write("missing.gltf",
+               R"({"asset": {"version": "2.0"}, "buffers": [{"uri": "gone.bin", "byteLength": 12}], "scenes": [{}]})");
+  for (const auto& [lines, names] : cases) {
+    folder.write("scene.yaml", "schema: 1\nname: s\ntime_step: 10 ms\n" + lines + "\n");
+    EXPECT_EQ(run("render scene.yaml -o x.png"), 2) << lines;
+    EXPECT_NE(message.find(names), std::string::npos) << lines << ": " << message;
+  }
+  const std::string camera = "cameras: [{name: c, width: 32, height: 32, position: [0, -1, 0], look_at: [0, 0, 0], ";
+  for (const auto& [keys, names] : std::vector<std::array<std::string, 2>>{
+           {"vertical_field_of_view: 30 deg, intrinsics: [1, 1, 1, 1]", "intrinsics"},
+           {"intrinsics: [0, 20, 16, 16]", "intrinsics"},
+           {"intrinsics: [20, 20, 16]", "intrinsics"},
+           {"vertical_field_of_view: 30 deg, distortion: [1, 2, 3]", "distortion"},
+           {"vertical_field_of_view: 30 deg, model: fisheye, lens_radius: 1 cm", "lens_radius"},
+           {"vertical_field_of_view: 30 deg, read_noise: 3", "read_noise"}}) {
+    folder.write("scene.yaml", "schema: 1\nname: s\ntime_step: 10 ms\n" + camera + keys + "}]\n");
+    EXPECT_EQ(run("render scene.yaml -o x.png"), 2) << keys;
+    EXPECT_NE(message.find("scene.yaml:4"), std::string::npos) << message;
+    EXPECT_NE(message.find(names), std::string::npos) << keys << ": " << message;
+  }
+}
+
 TEST_F(Render, WrongUseIsOneSentence) {
   folder.write("falling.yaml", falling);
   folder.write("other.yaml", R"({schema: 1, name: other, time_step: 10 ms, duration: 20 ms,

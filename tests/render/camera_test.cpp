@@ -17,7 +17,7 @@ using Kind = VisualMaterial::Kind;
 using Picture = ManyPaths;
 
 const char* const text = R"(
-#include "sensors/pinhole.cl"
+#include "sensors/camera.cl"
 kernel void unproject(const uint n, const PinholeCamera c, global const float* pixel, global float* ray) {
   const uint i = get_global_id(0);
   if (i >= n) return;

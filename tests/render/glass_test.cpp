@@ -85,5 +85,119 @@ TEST_F(Glass, BallOfTheSameGlassInsideABlockIsInvisible) {
   EXPECT_LT(without.value, 0.7);
 }
 
+// water (1.33) that reaches a little into glass (1.5) of higher priority: one interface from glass to water, no gap of
+// air and no water in the glass. Seen from above through both in a furnace, only absorption takes light away.
+TEST_F(Glass, WaterThatOverlapsItsBeakerLeavesNoGap) {
+  const double n_glass = 1.5, n_water = 1.33;
+  Scene scene;
+  scene.environment = Vec3f::Zero();
+  VisualMaterial glass = material(Kind::dielectric), water = material(Kind::dielectric);
+  glass.index_of_refraction = float(n_glass);
+  glass.priority = 1;
+  water.index_of_refraction = float(n_water);
+  water.absorption = {0, 20, 60};
+  add(scene, box({-1, -1, 0}, {1, 1, 0.01f}), glass);
+  add(scene, box({-1.1f, -1.1f, 0.008f}, {1.1f, 1.1f, 0.05f}), water);  // 2 mm inside the glass, 40 mm above it
+  VisualMaterial lamp = material(Kind::emissive);
+  lamp.emission = Vec3f::Ones();
+  add(scene, quad({-1, -1, -1}, {2, 0, 0}, {0, 2, 0}), lamp);
+  look_at(scene, {0, 0, 1}, {0, 0, 0}, 64, 64, 3000);
+  const RenderedFrame frame = picture(scene, 256, false, 64);
+  const auto R = [](double a, double b) { return (a - b) * (a - b) / ((a + b) * (a + b)); };
+  for (int c = 0; c < 3; ++c) {
+    const double a = std::exp(-0.04 * (c == 0 ? 0 : c == 1 ? 20 : 60));
+    // layers from above: air-water, 40 mm of water, water-glass, glass-air; light goes to and fro between all of them
+    struct Layer {
+      double T_down, T_up, R_above, R_below;
+    };
+    const auto join = [](const Layer& p, const Layer& q, double way) {
+      const double loop = 1 / (1 - p.R_below * q.R_above * way * way);
+      return Layer{p.T_down * q.T_down * way * loop, p.T_up * q.T_up * way * loop,
+                   p.R_above + p.T_down * p.T_up * q.R_above * way * way * loop,
+                   q.R_below + q.T_down * q.T_up * p.R_below * way * way * loop};
+    };
+    const auto face = [&](double x, double y) { return Layer{1 - R(x, y), 1 - R(x, y), R(x, y), R(x, y)}; };
+    const Layer all = join(join(face(1, n_water), face(n_water, n_glass), a), face(n_glass, 1), 1);
+    const Mean T = mean(frame, c);
+    EXPECT_LT(T.sigma, 2e-3);
+    EXPECT_NEAR(T.value, all.T_up, 4 * T.sigma + 1e-4) << "channel " << c;
+  }
+}
+
+// a camera in the middle of a ball of glass sees what is around it through 5 cm of glass, once, but for reflections
+TEST_F(Glass, CameraInsideGlassSeesThroughIt) {
+  Scene scene;
+  scene.environment = Vec3f::Ones();
+  VisualMaterial glass = material(Kind::dielectric);
+  glass.absorption = {0, 10, 30};
+  add(scene, sphere(0.05f, 96), glass);
+  look_at(scene, {0, 0, 0}, {0, 1, 0}, 16, 16, 200);
+  const RenderedFrame frame = picture(scene, 256);
+  const double R = 0.04;
+  for (int c = 0; c < 3; ++c) {
+    const double a = std::exp(-0.05 * (c == 0 ? 0 : c == 1 ? 10 : 30));
+    const Mean L = mean(frame, c);
+    // what is reflected comes back through the centre, twice as far
+    EXPECT_NEAR(L.value, (1 - R) * a / (1 - R * a * a), 4 * L.sigma + 2e-3);
+  }
+}
+
+TEST_F(Glass, ThinSheetPassesItsTintStraightOn) {
+  Scene scene;
+  VisualMaterial sheet = material(Kind::dielectric, {1, 0.5f, 0.25f});
+  sheet.is_thin = true;
+  add(scene, quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), sheet);
+  VisualMaterial lamp = material(Kind::emissive);
+  lamp.emission = Vec3f::Ones();
+  add(scene, quad({-1, -1, -1}, {2, 0, 0}, {0, 2, 0}), lamp);
+  look_at(scene, {0, 0, 1}, {0, 0, 0}, 64, 64, 3000);
+  const RenderedFrame frame = picture(scene, 64);
+  const double T = 1 - 2 * 0.04 / 1.04;
+  for (int c = 0; c < 3; ++c) {
+    const Mean measured = mean(frame, c);
+    EXPECT_NEAR(measured.value, T * std::pow(0.5, c), 4 * measured.sigma + 1e-4);
+  }
+}
+
+// the rougher a ball of glass, the more is lost between facets, but nothing is made
+TEST_F(Glass, RoughGlassMakesNoLight) {
+  double last = 1;
+  for (const float roughness : {0.1f, 0.4f, 0.7f}) {
+    Scene scene;
+    scene.environment = Vec3f::Ones();
+    VisualMaterial glass = material(Kind::dielectric);
+    glass.roughness = roughness;
+    add(scene, sphere(1, 48), glass);
+    look_at(scene, {0, -3, 0.4}, {0, 0, 0}, 24, 24, 27);
+    const Mean L = mean(picture(scene, 64, true, 64));
+    EXPECT_LE(L.value, last + 4 * L.sigma);
+    EXPECT_GT(L.value, 0.6);
+    last = L.value;
+  }
+  EXPECT_LT(last, 0.99);
+}
+
+// lit by a lamp: light samples through the surface and those of the material agree with the material's own alone, which
+// an even sky of the same light asks for
+TEST_F(Glass, FrostedPaneLitByALightAgreesWithAShiningSky) {
+  Scene scene[2];
+  for (int k = 0; k < 2; ++k) {
+    VisualMaterial glass = material(Kind::dielectric);
+    glass.roughness = 0.6f;
+    add(scene[k], box({-0.5f, -0.5f, 0}, {0.5f, 0.5f, 0.01f}), glass);
+    look_at(scene[k], {0, -0.4, 1}, {0, 0, 0}, 24, 24, 300);
+  }
+  // a lamp so large and near that it is all of the lower half space, but for 1 in 10 000
+  add_light(scene[0], {-50, -50, -0.5}, {100, 0, 0}, {0, 100, 0}, Vec3f::Ones());
+  EnvironmentMap& map = scene[1].environment_map;
+  map.width = 4;
+  map.height = 512;
+  for (int i = 0; i < 512 * 4 * 3; ++i) map.rgb.push_back(i >= 256 * 4 * 3 ? 1.0f : 0.0f);
+  scene[1].environment = Vec3f::Ones();
+  const Mean lamp = mean(picture(scene[0], 128)), sky = mean(picture(scene[1], 128));
+  EXPECT_GT(sky.value, 0.3);
+  EXPECT_NEAR(lamp.value, sky.value, 0.01 * sky.value + 4 * std::hypot(lamp.sigma, sky.sigma));
+}
+
 }  // namespace
 }  // namespace pvg::test

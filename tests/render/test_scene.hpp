@@ -67,6 +67,7 @@ inline VisualMaterial material(VisualMaterial::Kind kind, const Vec3f& color = V
   m.name = "test";
   m.kind = kind;
   m.color = color;
+  if (kind == VisualMaterial::Kind::dielectric) m.roughness = 0;  // clear
   return m;
 }
 

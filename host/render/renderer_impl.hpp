@@ -1,0 +1,65 @@
+// What a renderer holds. Internal to host/render.
+#pragma once
+#include <optional>
+
+#include "host/render/denoiser.hpp"
+#include "host/render/geometry.hpp"
+#include "host/render/lights.hpp"
+#include "host/render/look.hpp"
+#include "host/render/renderer.hpp"
+#include "host/render/soft_visual.hpp"
+#include "host/render/stages.hpp"
+
+namespace pvg {
+
+struct Renderer::Impl {
+  struct Shown {  // a Visual or a light, one instance each: visuals, rectangle lights, sphere lights
+    std::string name;
+    MeshRange mesh;
+    int soft = -1;            // index into soft_visuals
+    std::int32_t light = -1;  // of a shining visual: its first triangle's
+  };
+
+  // renderer_scene.cpp
+  Impl(Device& device_, const Scene& scene_, const RenderSettings& settings_);
+  Shown add_visual(const Visual& visual, GeometryArrays& geometry);
+  void add_lights(GeometryArrays& geometry);
+  std::vector<ShiningMesh> shining_meshes() const;
+  Eigen::Matrix<double, 3, 4> visual_pose(const Visual& visual, const SceneState& state) const;
+  Instance visual_instance(std::size_t visual, const SceneState& state) const;
+  Instance light_instance(std::size_t light) const;  // rectangles, then spheres
+  void move_to(const SceneState& state);
+
+  // renderer.cpp
+  Launch begin_launch(int camera, std::uint32_t frame);
+  // samples first_sample .. of the pixels first .. last - 1, in the order of tiles.cl, into the film
+  std::uint64_t add_samples(Launch launch, std::uint32_t first, std::uint32_t last, int first_sample, int n_samples);
+  std::uint64_t add_moving_samples(int camera, std::uint32_t frame, const std::function<SceneState(double)>& at,
+                                   double time);
+  void find_ground_truth(Launch launch);
+  RenderedFrame finish(const Launch& launch, int camera, std::uint32_t frame, std::uint64_t rays);
+  RenderedFrame read_film(int camera, std::uint32_t frame) const;
+  void check_camera_index(int camera) const;
+
+  Device& device;
+  Scene scene;  // without its geometry and textures
+  RenderSettings settings;
+  std::vector<Shown> shown;
+  std::vector<MeshRange> meshes;  // [Scene::visual_meshes], filled when first used
+  std::vector<bool> mesh_is_packed;
+  std::vector<SoftVisual> soft_visuals;
+  std::vector<Instance> instances;
+  std::vector<Box> boxes;
+  std::vector<Eigen::Matrix4d> camera_poses;
+  SceneState state;  // that everything stands in
+  Look look;
+  LightList lights;
+  bool has_insides = false;  // of materials that a camera could be inside of
+  std::unique_ptr<DeviceScene> on_device;
+  Stages stages;
+  Film film;
+  std::optional<Denoiser> denoiser;
+  int last_camera = -1;  // whose ground truth the film holds
+};
+
+}  // namespace pvg

@@ -1,0 +1,198 @@
+// What a renderer makes of a scene, and how it moves: geometry, instances, lights.
+#include <algorithm>
+
+#include "host/render/camera.hpp"
+#include "host/render/renderer_impl.hpp"
+
+namespace pvg {
+namespace {
+
+void check_index(int index, std::size_t n, const std::string& visual, const char* what) {
+  if (index >= int(n)) throw UsageError("visual " + visual + ": its " + what + " does not exist");
+}
+
+}  // namespace
+
+SceneState initial_state(const Scene& scene) {
+  SceneState state;
+  for (const RigidBody& body : scene.rigid_bodies) state.rigid.push_back(body.pose.matrix().topRows<3>());
+  for (const SoftBody& body : scene.soft_bodies) {
+    state.soft.emplace_back();
+    for (const Vec3& point : body.mesh.points) state.soft.back().push_back(body.pose * point);
+  }
+  for (const Cloth& cloth : scene.cloths) {
+    state.cloth.emplace_back();
+    for (const Vec3& point : cloth.mesh.points) state.cloth.back().push_back(cloth.pose * point);
+  }
+  return state;
+}
+
+Renderer::Impl::Impl(Device& device_, const Scene& scene_, const RenderSettings& settings_)
+    : device(device_), scene(scene_), settings(settings_), look(make_look(scene_)), stages(device_), film(device_) {
+  if (settings.samples < 1 || settings.samples > 1 << 16)
+    throw UsageError("samples is " + std::to_string(settings.samples) + "; 1 to 65536 paths per pixel");
+  if (settings.max_depth < 0 || settings.max_depth > 1000)
+    throw UsageError("max_depth is " + std::to_string(settings.max_depth) + "; 0 to 1000 bounces");
+  for (const Camera& camera : scene.cameras) check_camera(camera);
+  if (settings.denoises) denoiser.emplace(device);
+  GeometryArrays geometry;
+  meshes.resize(scene.visual_meshes.size());
+  mesh_is_packed.resize(scene.visual_meshes.size());
+  for (const Visual& visual : scene.visuals) shown.push_back(add_visual(visual, geometry));
+  add_lights(geometry);
+  lights = make_lights(scene, shining_meshes());
+  std::size_t n_shining = 0;
+  for (std::size_t i = 0; i < scene.visuals.size(); ++i)
+    if (shines(scene.materials[scene.visuals[i].material])) shown[i].light = lights.first_of_mesh[n_shining++];
+  for (const Material& material : look.materials) has_insides |= (material.flags & MATERIAL_HAS_INSIDE) != 0;
+  instances.resize(shown.size());
+  boxes.resize(shown.size());
+  on_device = std::make_unique<DeviceScene>(DeviceScene{
+      {Buffer<BvhNode>(device, 0, "top"), Buffer<BvhNode>(device, geometry.nodes, "nodes"),
+       Buffer<TriangleBlock>(device, geometry.blocks, "blocks"), Buffer<Instance>(device, shown.size(), "instances")},
+      Buffer<std::uint32_t>(device, geometry.triangles, "triangles"),
+      Buffer<Vertex>(device, geometry.vertices, "vertices"),
+      Buffer<Material>(device, look.materials, "materials"),
+      Buffer<TextureInfo>(device, look.textures, "textures"),
+      Buffer<std::uint32_t>(device, look.texels, "texels"),
+      Buffer<float>(device, look.decode, "decode"),
+      Buffer<float>(device, geometry.colors, "colors"),
+      Buffer<Light>(device, lights.lights, "lights"),
+      Buffer<float>(device, scene.environment_map.rgb, "environment"),
+      Buffer<EnvironmentCell>(device, environment_cells(scene.environment_map), "cells")});
+  scene.visual_meshes.clear();
+  scene.textures.clear();
+  scene.environment_map.rgb.clear();
+}
+
+Renderer::Impl::Shown Renderer::Impl::add_visual(const Visual& visual, GeometryArrays& geometry) {
+  if (visual.material < 0) throw UsageError("visual " + visual.name + ": it has no material");
+  check_index(visual.material, scene.materials.size(), visual.name, "material");
+  check_index(visual.rigid, scene.rigid_bodies.size(), visual.name, "rigid body");
+  check_index(visual.soft, scene.soft_bodies.size(), visual.name, "soft body");
+  check_index(visual.cloth, scene.cloths.size(), visual.name, "cloth");
+  check_index(visual.mesh, scene.visual_meshes.size(), visual.name, "mesh");
+  Shown entry;
+  entry.name = visual.name;
+  if (visual.soft >= 0 || visual.cloth >= 0) {
+    if (visual.mesh >= 0)
+      throw UsageError("visual " + visual.name +
+                       ": a soft body or cloth is shown by its own surface; leave its mesh out");
+    entry.soft = int(soft_visuals.size());
+    if (visual.soft >= 0) {
+      const SoftBody& body = scene.soft_bodies[visual.soft];
+      soft_visuals.emplace_back(device, body.name, body.mesh.points, body.mesh.surface, visual);
+    } else {
+      const Cloth& cloth = scene.cloths[visual.cloth];
+      soft_visuals.emplace_back(device, cloth.name, cloth.mesh.points, cloth.mesh.triangles, visual);
+    }
+    entry.mesh = geometry.add(soft_visuals.back().mesh(), visual.name, true);
+    return entry;
+  }
+  if (visual.mesh < 0) throw UsageError("visual " + visual.name + ": it has no mesh");
+  if (!mesh_is_packed[visual.mesh]) {
+    meshes[visual.mesh] = geometry.add(scene.visual_meshes[visual.mesh], visual.name);
+    mesh_is_packed[visual.mesh] = true;
+  }
+  entry.mesh = meshes[visual.mesh];
+  return entry;
+}
+
+void Renderer::Impl::add_lights(GeometryArrays& geometry) {
+  if (!scene.lights.empty()) {
+    const MeshRange square = geometry.add(light_square(), "light");
+    for (const RectangleLight& light : scene.lights) shown.push_back({light.name, square});
+  }
+  if (scene.sphere_lights.empty()) return;
+  const MeshRange sphere = geometry.add(light_sphere(), "light");
+  for (const SphereLight& light : scene.sphere_lights) shown.push_back({light.name, sphere});
+}
+
+std::vector<ShiningMesh> Renderer::Impl::shining_meshes() const {
+  std::vector<ShiningMesh> meshes_that_shine;
+  const SceneState start = initial_state(scene);
+  for (std::size_t i = 0; i < scene.visuals.size(); ++i) {
+    const Visual& visual = scene.visuals[i];
+    const VisualMaterial& material = scene.materials[visual.material];
+    if (!shines(material)) continue;
+    ShiningMesh mesh;
+    mesh.instance = std::uint32_t(i);
+    mesh.first_triangle = shown[i].mesh.first_triangle;
+    mesh.emission = mean_emission(scene, material);
+    const VisualMesh& surface =
+        shown[i].soft >= 0 ? soft_visuals[shown[i].soft].mesh() : scene.visual_meshes[visual.mesh];
+    const Eigen::Matrix3d A = visual_pose(visual, start).leftCols<3>();
+    for (const Triangle& t : surface.triangles) {
+      const Vec3 p = surface.points[t[0]].cast<double>();
+      const Vec3 e = A * (surface.points[t[1]].cast<double>() - p), f = A * (surface.points[t[2]].cast<double>() - p);
+      mesh.areas.push_back(e.cross(f).norm() / 2);
+    }
+    meshes_that_shine.push_back(std::move(mesh));
+  }
+  return meshes_that_shine;
+}
+
+Eigen::Matrix<double, 3, 4> Renderer::Impl::visual_pose(const Visual& visual, const SceneState& state) const {
+  if (visual.soft >= 0 || visual.cloth >= 0) return Pose::Identity().matrix().topRows<3>();
+  if (visual.rigid < 0) return visual.pose.matrix().topRows<3>();
+  Eigen::Matrix4d body = Eigen::Matrix4d::Identity();
+  body.topRows<3>() = state.rigid[visual.rigid];
+  return (body * visual.pose.matrix()).topRows<3>();
+}
+
+Instance Renderer::Impl::visual_instance(std::size_t i, const SceneState& state) const {
+  const Visual& visual = scene.visuals[i];
+  Instance instance = make_instance(visual_pose(visual, state), shown[i].mesh, visual.name);
+  instance.material = look.material_of[visual.material];
+  instance.visual = std::uint32_t(i + 1);
+  instance.mask = MASK_SURFACES | (visual.casts_shadow_on_receivers ? MASK_RECEIVERS : 0u);
+  instance.light = shown[i].light;
+  if (look.materials[instance.material].kind == MATERIAL_DIELECTRIC) instance.flags |= INSTANCE_CLEAR;
+  return instance;
+}
+
+Instance Renderer::Impl::light_instance(std::size_t i) const {
+  Eigen::Matrix<double, 3, 4> to_world;
+  if (i < scene.lights.size()) {
+    const RectangleLight& light = scene.lights[i];
+    to_world << light.edge_u, light.edge_v, light.edge_u.cross(light.edge_v).normalized(), light.corner;
+  } else {
+    const SphereLight& light = scene.sphere_lights[i - scene.lights.size()];
+    to_world << light.radius * Eigen::Matrix3d::Identity(), light.center;
+  }
+  const Shown& entry = shown[scene.visuals.size() + i];
+  Instance instance = make_instance(to_world, entry.mesh, entry.name);
+  instance.light = std::int32_t(i);
+  instance.mask = MASK_SURFACES;
+  return instance;
+}
+
+void Renderer::Impl::move_to(const SceneState& target) {
+  if (target.rigid.size() != scene.rigid_bodies.size() || target.soft.size() != scene.soft_bodies.size() ||
+      target.cloth.size() != scene.cloths.size())
+    throw UsageError("the state has " + std::to_string(target.rigid.size()) + " rigid and " +
+                     std::to_string(target.soft.size()) + " soft bodies and " + std::to_string(target.cloth.size()) +
+                     " cloths, the scene to be rendered " + std::to_string(scene.rigid_bodies.size()) + ", " +
+                     std::to_string(scene.soft_bodies.size()) + " and " + std::to_string(scene.cloths.size()));
+  const std::size_t n_visuals = scene.visuals.size();
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    Shown& entry = shown[i];
+    instances[i] = i < n_visuals ? visual_instance(i, target) : light_instance(i - n_visuals);
+    Box box = entry.mesh.box;
+    if (entry.soft >= 0) {
+      const Visual& visual = scene.visuals[i];
+      const std::vector<Vec3>& nodes = visual.soft >= 0 ? target.soft[visual.soft] : target.cloth[visual.cloth];
+      box = soft_visuals[entry.soft].follow(nodes, entry.mesh, *on_device);
+    }
+    boxes[i] = world_box(instances[i], box);
+  }
+  const std::vector<BvhNode> top = build_instance_tree(boxes);
+  on_device->trees.top.resize(top.size());
+  on_device->trees.top.write(top);
+  on_device->trees.instances.write(instances);
+  camera_poses.clear();
+  for (const Camera& camera : scene.cameras) camera_poses.push_back(camera_to_world(camera, target));
+  state = target;
+}
+
+}  // namespace pvg
