@@ -6,6 +6,8 @@
 //     refracted paths and their shadow rays stop at glass. Launch::transparent_shadows = 0: glass stops all shadow rays
 //     and every refracted path counts
 //   shadow receiver: C = C_tex (1 - lambda_s (1 - V)), and the path ends; V from one light sample per path
+#include "shared/inline_all.h"
+
 #include "render/interact.cl"
 #include "render/tiles.cl"
 
