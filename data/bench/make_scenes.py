@@ -13,7 +13,7 @@ name: {name}
 time_step: 10 ms
 duration: 0.1 s
 gravity: [0, 0, -9.81]
-contact: {{activation_distance: 0.5 mm, stiffness: 1 MPa, friction_lag_passes: 1}}
+contact: {{activation_distance: 0.5 mm, stiffness: 1 MPa, friction_lag_passes: 1, friction_velocity: 1 mm/s}}
 solver: {{velocity_tolerance: 1 mm/s}}
 bodies:
   - {{name: table, kind: half_space, point: [0, 0, 0], normal: [0, 0, 1], friction: 0.5}}
