@@ -155,20 +155,29 @@ u32 GroupPreconditioner::find_block(const Group& group, u32 row, u32 column) {
   return found != last && *found == row ? u32(found - group.pattern.row.begin()) : NO_BLOCK;
 }
 
-void GroupPreconditioner::add_contacts(const ElementBlocks& contacts) {
-  const std::size_t stencil = contacts.stencil, width = 3 * stencil;
-  for (std::size_t e = 0; e < contacts.sites.size() / stencil; ++e)
-    for_each_block(contacts.sites.subspan(e * stencil, stencil), stencil,
+// The contacts of one world touch that world's groups only, so worlds go side by side.
+void GroupPreconditioner::add_contacts(const Term& contacts) {
+  const std::vector<double> blocks = contacts.blocks().read();
+  const std::size_t stencil = contacts.stencil(), width = 3 * stencil;
+  const std::span<const u32> sites = contacts.sites();
+  const auto add_contact = [&](std::size_t e) {
+    for_each_block(sites.subspan(e * stencil, stencil), stencil,
                    [&](u32 row, u32 column, std::size_t a, std::size_t b, double weight) {
                      Group& group = groups_[node_group_[row]];
                      if (!group.is_renewed) return;
                      const u32 block = find_block(group, node_local_[row], node_local_[column]);
-                     const double* from = &contacts.blocks[e * width * width + 3 * a * width + 3 * b];
+                     const double* from = &blocks[e * width * width + 3 * a * width + 3 * b];
                      if (block != NO_BLOCK)
                        add(&group.blocks[9 * std::size_t(block)], from, width, weight);
                      else
                        leave_out(group, node_local_[row], node_local_[column], from, width, std::abs(weight));
                    });
+  };
+  const std::vector<u32>& first = contacts.world_first();
+  if (first.empty()) return;
+  workers_->run(first.size() - 1, [&](std::size_t world) {
+    for (std::size_t e = first[world]; e < first[world + 1]; ++e) add_contact(e);
+  });
 }
 
 // Contact may couple nodes that nothing else couples. Such a block C is left to conjugate gradients; without it the
@@ -201,7 +210,7 @@ void GroupPreconditioner::for_each_group(bool Group::*is_in, const Task& task) c
   workers_->run(small.size(), [&](std::size_t i) { task(small[i], nullptr); });
 }
 
-std::optional<u32> GroupPreconditioner::factorize(const BlockMatrix& matrix, std::span<const ElementBlocks> contacts,
+std::optional<u32> GroupPreconditioner::factorize(const BlockMatrix& matrix, std::span<const Term* const> contacts,
                                                   std::span<const char> world_is_active,
                                                   std::span<const char> renewed) {
   bool is_any_renewed = false;
@@ -220,7 +229,7 @@ std::optional<u32> GroupPreconditioner::factorize(const BlockMatrix& matrix, std
       else
         std::copy_n(&values_[9 * std::size_t(group.source[block])], 9, &group.blocks[9 * block]);
   });
-  for (const ElementBlocks& list : contacts) add_contacts(list);
+  for (const Term* term : contacts) add_contacts(*term);
   for_each_group(&Group::is_renewed, [&](u32 g, Workers* workers) {
     groups_[g].is_factored = groups_[g].factor->factorize(groups_[g].blocks, workers);
   });

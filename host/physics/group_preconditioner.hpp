@@ -19,13 +19,6 @@ namespace pvg {
 constexpr u32 NO_GROUP = ~0u;
 using NodePair = std::array<u32, 2>;
 
-// Element blocks of one list of elements, on the host: site ids and the dense row-major blocks.
-struct ElementBlocks {
-  std::size_t stencil = 0;
-  std::span<const u32> sites;      // [n_elements x stencil]
-  std::span<const double> blocks;  // [n_elements x (3 stencil)^2, N/m]
-};
-
 class GroupPreconditioner {
  public:
   // matrix: pattern of what never changes, which must outlive this. node_group: group of each node, NO_GROUP for nodes
@@ -37,10 +30,10 @@ class GroupPreconditioner {
   // that are as they were keep theirs.
   void couple(std::span<const NodePair> pairs);
 
-  // Reads the matrix, adds the blocks of the contacts, factors the groups of the worlds in `renewed`; the other active
-  // ones keep the factor that they have, if they have one. Returns a node of the first group that is not positive
-  // definite, or nothing.
-  std::optional<u32> factorize(const BlockMatrix& matrix, std::span<const ElementBlocks> contacts,
+  // Reads the matrix, adds the present blocks of the contacts, factors the groups of the worlds in `renewed`; the other
+  // active ones keep the factor that they have, if they have one. Returns a node of the first group that is not
+  // positive definite, or nothing.
+  std::optional<u32> factorize(const BlockMatrix& matrix, std::span<const Term* const> contacts,
                                std::span<const char> world_is_active, std::span<const char> renewed);
   // With so many iterations of conjugate gradients at most, an old factor of this world is better kept than renewed.
   int iterations_worth_keeping(std::size_t world) const;
@@ -67,7 +60,7 @@ class GroupPreconditioner {
   std::vector<std::vector<u32>> join(std::span<const NodePair> pairs) const;
   void find_pattern(Group& group) const;
   static u32 find_block(const Group& group, u32 row, u32 column);
-  void add_contacts(const ElementBlocks& contacts);
+  void add_contacts(const Term& contacts);
   static void leave_out(Group& group, u32 row, u32 column, const double* from, std::size_t width, double weight);
   template <class Task>
   void for_each_group(bool Group::*is_in, const Task& task) const;

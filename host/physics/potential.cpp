@@ -153,8 +153,7 @@ void Potential::product(const Buffer<f64>& direction, Buffer<f64>& out) {
 }
 
 std::optional<u32> Potential::factorize(std::span<const char> world_is_active, std::span<const char> renewed) {
-  const std::vector<double> barrier = barrier_.blocks().read(), friction = friction_.blocks().read();
-  const ElementBlocks contacts[] = {{4, barrier_.sites(), barrier}, {4, friction_.sites(), friction}};
+  const Term* const contacts[] = {&barrier_, &friction_};
   return preconditioner_->factorize(*matrix_, contacts, world_is_active, renewed);
 }
 

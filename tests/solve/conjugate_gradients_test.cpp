@@ -49,8 +49,7 @@ struct Chain {
     matrix->assemble(constant);
     preconditioner = std::make_unique<GroupPreconditioner>(matrix->pattern(), make_sites(n), group,
                                                            std::vector<u32>(group.back() + 1, 0));
-    const std::vector<double> blocks_across = outer.blocks().read();
-    const ElementBlocks contacts[] = {{2, outer.sites(), blocks_across}};
+    const Term* const contacts[] = {&outer};
     if (couples) {
       std::vector<NodePair> pairs;
       for (std::size_t e = 0; e < across.size(); ++e) pairs.push_back({outer.sites()[2 * e], outer.sites()[2 * e + 1]});
