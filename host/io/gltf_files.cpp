@@ -204,7 +204,9 @@ class MaterialReader {
     VisualMaterial to;
     to.name = from.name;
     to.kind = VisualMaterial::Kind::metallic_roughness;
-    for (int c = 0; c < 3; ++c) to.color[c] = float(pbr.baseColorFactor[std::size_t(c)]);
+    to.color = Vec3f::Ones();
+    for (std::size_t c = 0; c < 3 && c < pbr.baseColorFactor.size(); ++c)
+      to.color[Eigen::Index(c)] = float(pbr.baseColorFactor[c]);
     to.texture = texture(pbr.baseColorTexture.index, pbr.baseColorTexture.texCoord, false);
     to.metallic = float(pbr.metallicFactor);
     to.roughness = float(pbr.roughnessFactor);
@@ -212,7 +214,8 @@ class MaterialReader {
         texture(pbr.metallicRoughnessTexture.index, pbr.metallicRoughnessTexture.texCoord, true);
     to.normal_texture = texture(from.normalTexture.index, from.normalTexture.texCoord, true);
     to.normal_scale = float(from.normalTexture.scale);
-    for (int c = 0; c < 3; ++c) to.emission[c] = float(from.emissiveFactor[std::size_t(c)]);
+    for (std::size_t c = 0; c < 3 && c < from.emissiveFactor.size(); ++c)
+      to.emission[Eigen::Index(c)] = float(from.emissiveFactor[c]);
     to.emission *= float(number(from, "KHR_materials_emissive_strength", "emissiveStrength", 1));
     to.emission_texture = texture(from.emissiveTexture.index, from.emissiveTexture.texCoord, false);
     to.transmission = float(number(from, "KHR_materials_transmission", "transmissionFactor", 0));

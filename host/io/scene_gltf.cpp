@@ -6,6 +6,7 @@
 #include "host/io/gltf_writer.hpp"
 #include "host/io/image_files.hpp"
 #include "host/render/camera.hpp"
+#include "host/render/lights.hpp"
 #include "host/render/soft_visual.hpp"
 
 namespace pvg {
@@ -32,7 +33,7 @@ class SceneWriter {
     for (const VisualMaterial& material : scene_.materials) add_material(material);
     mesh_.assign(scene_.visual_meshes.size(), {});
     for (const Visual& visual : scene_.visuals) add_visual(visual);
-    for (const RectangleLight& light : scene_.lights) add_light(light);
+    add_lights();
     for (const Camera& camera : scene_.cameras) add_camera(camera);
     return out_;
   }
@@ -64,24 +65,38 @@ class SceneWriter {
   void add_material(const VisualMaterial& from) {
     tinygltf::Material to;
     to.name = from.name;
+    const bool is_glass = from.kind == Kind::dielectric, is_coated = from.kind == Kind::metallic_roughness;
     tinygltf::PbrMetallicRoughness& pbr = to.pbrMetallicRoughness;
     pbr.baseColorFactor = {from.color.x(), from.color.y(), from.color.z(), 1};
-    pbr.metallicFactor = from.kind == Kind::conductor ? 1 : 0;
-    pbr.roughnessFactor = from.kind == Kind::conductor ? from.roughness : from.kind == Kind::dielectric ? 0 : 1;
+    pbr.metallicFactor = from.kind == Kind::conductor ? 1 : is_coated ? from.metallic : 0;
+    pbr.roughnessFactor = from.kind == Kind::conductor || is_glass || is_coated ? from.roughness : 1;
     if (from.texture >= 0 && from.kind != Kind::emissive) pbr.baseColorTexture.index = texture(from.texture);
+    if (from.metallic_roughness_texture >= 0)
+      pbr.metallicRoughnessTexture.index = texture(from.metallic_roughness_texture);
+    if (from.normal_texture >= 0) {
+      to.normalTexture.index = texture(from.normal_texture);
+      to.normalTexture.scale = from.normal_scale;
+    }
     if (from.kind == Kind::diffuse) extend(to, "KHR_materials_specular", {{"specularFactor", Value(0.0)}});
     if (from.kind == Kind::shadow_receiver) extend(to, "KHR_materials_unlit", {});
-    if (from.kind == Kind::dielectric) add_glass(from, to);
-    if (from.kind == Kind::emissive) add_emission(from.emission, to);
-    if (from.kind == Kind::emissive && from.texture >= 0) to.emissiveTexture.index = texture(from.texture);
-    to.doubleSided = from.kind != Kind::dielectric;
+    if (from.kind == Kind::cloth)
+      extend(
+          to, "KHR_materials_sheen",
+          {{"sheenColorFactor", value_of(from.sheen)}, {"sheenRoughnessFactor", Value(double(from.sheen_roughness))}});
+    if (is_glass || is_coated) add_inside(from, is_glass ? 1 : from.transmission, to);
+    if (from.kind == Kind::emissive || is_coated) add_emission(from.emission, to);
+    if (from.kind == Kind::emissive) pbr.baseColorFactor = {0, 0, 0, 1};
+    const int shining = from.kind == Kind::emissive ? from.texture : from.emission_texture;
+    if (shining >= 0) to.emissiveTexture.index = texture(shining);
+    to.doubleSided = !is_glass;
     out_.model.materials.push_back(to);
   }
 
-  void add_glass(const VisualMaterial& from, tinygltf::Material& to) {
-    to.pbrMetallicRoughness.baseColorFactor = {1, 1, 1, 1};
-    extend(to, "KHR_materials_transmission", {{"transmissionFactor", Value(1.0)}});
+  void add_inside(const VisualMaterial& from, double transmission, tinygltf::Material& to) {
     extend(to, "KHR_materials_ior", {{"ior", Value(double(from.index_of_refraction))}});
+    if (transmission == 0) return;
+    extend(to, "KHR_materials_transmission", {{"transmissionFactor", Value(transmission)}});
+    if (from.is_thin) return;
     Value::Object volume = {{"thicknessFactor", Value(1.0)}};
     const float strongest = from.absorption.maxCoeff();
     if (strongest > 0) {
@@ -95,12 +110,12 @@ class SceneWriter {
   void add_emission(const Vec3f& radiance, tinygltf::Material& to) {
     const float strength = std::max(1.0f, radiance.maxCoeff());
     to.emissiveFactor = doubles(radiance / strength);
-    to.pbrMetallicRoughness.baseColorFactor = {0, 0, 0, 1};
     if (strength > 1) extend(to, "KHR_materials_emissive_strength", {{"emissiveStrength", Value(double(strength))}});
   }
 
   tinygltf::Primitive primitive_of(const VisualMesh& mesh) {
-    Floats points, normals, uvs;
+    Floats points, normals, uvs, colors;
+    for (const Vec3f& c : mesh.colors) colors.insert(colors.end(), c.data(), c.data() + 3);
     for (const Vec3f& p : mesh.points) points.insert(points.end(), p.data(), p.data() + 3);
     for (const Vec3f& n : mesh.normals) normals.insert(normals.end(), n.data(), n.data() + 3);
     for (const Vec2f& uv : mesh.uvs) uvs.insert(uvs.end(), uv.data(), uv.data() + 2);
@@ -111,6 +126,7 @@ class SceneWriter {
     if (!uvs.empty())
       primitive.attributes["TEXCOORD_0"] =
           out_.add(uvs, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, 2, TINYGLTF_TARGET_ARRAY_BUFFER);
+    if (!colors.empty()) primitive.attributes["COLOR_0"] = out_.add_vectors(colors, TINYGLTF_TARGET_ARRAY_BUFFER);
     primitive.indices = out_.add_triangles(mesh.triangles);
     return primitive;
   }
@@ -168,17 +184,27 @@ class SceneWriter {
     return mesh;
   }
 
-  void add_light(const RectangleLight& light) {
+  void add_light(const std::string& name, const Vec3f& radiance, const VisualMesh& mesh, const Eigen::Matrix4d& pose) {
     tinygltf::Material material;
-    material.name = light.name;
-    add_emission(light.radiance, material);
+    material.name = name;
+    material.pbrMetallicRoughness.baseColorFactor = {0, 0, 0, 1};
+    add_emission(radiance, material);
     out_.model.materials.push_back(material);
-    VisualMesh mesh;
-    for (const Vec3& p : {light.corner, Vec3(light.corner + light.edge_u),
-                          Vec3(light.corner + light.edge_u + light.edge_v), Vec3(light.corner + light.edge_v)})
-      mesh.points.push_back(p.cast<float>());
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-    add_primitive(light.name, primitive_of(mesh), int(out_.model.materials.size()) - 1, Eigen::Matrix4d::Identity());
+    add_primitive(name, primitive_of(mesh), int(out_.model.materials.size()) - 1, pose);
+  }
+
+  void add_lights() {
+    for (const RectangleLight& light : scene_.lights) {
+      Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
+      pose.topRows<3>() << light.edge_u, light.edge_v, light.edge_u.cross(light.edge_v).normalized(), light.corner;
+      add_light(light.name, light.radiance, light_square(), pose);
+    }
+    for (const SphereLight& light : scene_.sphere_lights) {
+      Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
+      pose.topLeftCorner<3, 3>() *= light.radius;
+      pose.topRightCorner<3, 1>() = light.center;
+      add_light(light.name, light.radiance, light_sphere(), pose);
+    }
   }
 
   void add_camera(const Camera& from) {

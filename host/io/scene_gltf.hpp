@@ -1,7 +1,7 @@
 // A scene at one instant as a binary glTF (.glb), for Blender and other programs: visuals with their materials and
-// textures, rectangle lights as emissive surfaces, cameras. Materials that glTF's metallic-roughness model lacks use
-// the extensions KHR_materials_transmission, _ior, _volume, _emissive_strength, _specular and _unlit (shadow
-// receivers). What glTF cannot say is left out: lens distortion, even skies, and that receivers take shadows.
+// textures, lights as emissive surfaces, cameras. Materials that glTF's metallic-roughness model lacks use
+// the extensions KHR_materials_transmission, _ior, _volume, _emissive_strength, _specular, _sheen and _unlit
+// (shadow receivers). What glTF cannot say is left out: lens distortion, even skies, and that receivers take shadows.
 #pragma once
 #include <filesystem>
 

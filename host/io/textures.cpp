@@ -12,6 +12,13 @@ namespace {
 
 constexpr int LARGEST_SIDE = 16384;  // [pixels]
 
+// colours are not to be multiplied with alpha
+OIIO::ImageSpec colors_as_stored() {
+  OIIO::ImageSpec settings;
+  settings.attribute("oiio:UnassociatedAlpha", 1);
+  return settings;
+}
+
 void check_size(const OIIO::ImageSpec& spec, const std::string& name) {
   if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1) throw UsageError(name + ": the picture is empty.");
   if (spec.width > LARGEST_SIDE || spec.height > LARGEST_SIDE)
@@ -21,7 +28,8 @@ void check_size(const OIIO::ImageSpec& spec, const std::string& name) {
 
 std::unique_ptr<OIIO::ImageInput> open_picture(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file)) throw UsageError(file.string() + ": there is no such texture file.");
-  auto input = OIIO::ImageInput::open(file.string());
+  const OIIO::ImageSpec as_stored = colors_as_stored();
+  auto input = OIIO::ImageInput::open(file.string(), &as_stored);
   if (!input) throw UsageError(file.string() + ": cannot be read as a picture: " + OIIO::geterror() + ".");
   const OIIO::ImageSpec& spec = input->spec();
   check_size(spec, file.string());
@@ -74,7 +82,10 @@ Texture unpack_texture(const std::vector<unsigned char>& bytes, const std::strin
   OIIO::Filesystem::IOMemReader memory(bytes.data(), bytes.size());
   // the format is known by its first bytes: PNG begins with 0x89
   const std::string as = bytes[0] == 0x89 ? "texture.png" : "texture.jpg";
-  const auto input = OIIO::ImageInput::open(as, nullptr, &memory);
+  OIIO::ImageSpec as_stored = colors_as_stored();
+  OIIO::Filesystem::IOProxy* from = &memory;
+  as_stored.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &from);
+  const auto input = OIIO::ImageInput::open(as, &as_stored);
   if (!input) throw UsageError(name + ": cannot be read as a PNG or JPEG picture: " + OIIO::geterror() + ".");
   check_size(input->spec(), name);
   return read_pixels(*input, name);

@@ -1,11 +1,12 @@
 // Edge-avoiding filter for previews: an a-trous wavelet (Dammertz et al. 2010) over the light without the surface's own
 // colour, each pixel's weight falling with the difference of normal, plane and light, the latter in units of its own
-// noise (as in Schied et al. 2017). Pixels at the border of two things are left as they are: they are mixtures.
+// noise (as in Schied et al. 2017). Pixels at the border of two things or colours are left as they are: they are mixtures.
 #include "render/path.h"
 
 #define NORMAL_POWER 64.0f
 #define PLANE_DISTANCE 0.01f  // of a neighbour off this pixel's plane, as a share of the distance to the camera
 #define NOISE_WIDTH 3.0f      // standard deviations
+#define COLOR_EDGE 0.1f       // difference of two neighbours' colours, as a share
 
 inline float luminance(const float3 c) { return dot(c, (float3)(0.2126f, 0.7152f, 0.0722f)); }
 
@@ -26,13 +27,16 @@ kernel void denoise_begin(const uint n_pixels, global const float4* restrict fil
   light[i] = (float4)(mean / a, max(0.0f, squares[i] / n - L * L) / ((n - 1.0f) * scale * scale));
 }
 
-// the variance is noisy itself: means over 3 x 3 pixels of the same thing.  is_border: another thing is among them
+// the variance is noisy itself: means over 3 x 3 pixels of the same thing.  is_border: another thing or colour is
+// among them
 kernel void denoise_variance(const uint n_pixels, const uint width, const uint height,
-                             global const uint* restrict instance, global const float4* restrict from,
+                             global const uint* restrict instance, global const float* restrict albedo,
+                             global const float4* restrict from,
                              global float4* restrict to, global uint* restrict is_border) {
   const uint i = get_global_id(0);
   if (i >= n_pixels) return;
   const int x = (int)(i % width), y = (int)(i / width);
+  const float own_color = luminance(vload3(i, albedo));
   float sum = 0, n = 0;
   uint border = 0;
   for (int dy = -1; dy <= 1; ++dy)
@@ -44,6 +48,8 @@ kernel void denoise_variance(const uint n_pixels, const uint width, const uint h
         border = 1;
         continue;
       }
+      const float color = luminance(vload3(k, albedo));
+      if (fabs(color - own_color) > COLOR_EDGE * max(color, own_color)) border = 1;
       sum += from[k].w;
       n += 1.0f;
     }

@@ -186,8 +186,12 @@ TEST(Render, SamplesThatAreNotFiniteAreLeftOutAndCounted) {
           {{1, 2, 3, 0}}, {{nan, 0, 0, 0}}, {{3, 4, 5, 0}}, {{0, inf, 0, 0}}, {{1, 1, -inf, 0}}, {{0, 0, nan, 0}}},
       "radiance");
   Buffer<F32x4> film(device, 2, "film");
+  Buffer<float> squares(device, 2, "squares");
   Buffer<std::uint32_t> dropped(device, 2, "dropped");
-  accumulate(2, 2u, launch, radiance, film, dropped);
+  film.zero();
+  squares.zero();
+  dropped.zero();
+  accumulate(2, 2u, launch, radiance, film, squares, dropped);
   const std::vector<F32x4> sums = film.read();
   EXPECT_EQ(std::vector<float>(sums[0].v, sums[0].v + 4), (std::vector<float>{4, 6, 8, 2}));
   EXPECT_EQ(std::vector<float>(sums[1].v, sums[1].v + 4), (std::vector<float>{0, 0, 0, 0}));
