@@ -153,11 +153,19 @@ Device::Device(const std::string& which) : impl_(std::make_unique<Impl>()) {
 Device::~Device() = default;
 Device::Device(Device&&) noexcept = default;
 const DeviceInfo& Device::info() const { return impl_->info; }
-void Device::finish() { require(clFinish(impl_->queue), "wait for the device"); }
+void Device::finish() {
+  const std::size_t staged = impl_->staged_so_far();
+  require(clFinish(impl_->queue), "wait for the device");
+  impl_->forget_staged(staged);
+}
 std::size_t Device::peak_bytes() const { return impl_->peak_bytes; }
 std::size_t Device::transferred_bytes() const { return impl_->transferred_bytes; }
 
 namespace detail {
+namespace {
+constexpr std::size_t LARGEST_STAGED = 1 << 16;  // bytes; copying more takes longer than waiting
+constexpr std::size_t MOST_STAGED = 256;         // writes
+}  // namespace
 
 void throw_size_mismatch(const std::string& name, std::size_t has, std::size_t given) {
   throw std::logic_error("buffer " + name + " has " + std::to_string(has) + " elements, was given " +
@@ -195,17 +203,32 @@ Memory& Memory::operator=(Memory&& other) noexcept {
 }
 
 void Memory::write(const void* from, std::size_t offset, std::size_t bytes) {
-  require(clEnqueueWriteBuffer(device_->impl().queue, static_cast<cl_mem>(handle_), CL_TRUE, offset, bytes, from, 0,
-                               nullptr, nullptr),
-          "write " + name_);
-  device_->impl().transferred_bytes += bytes;
+  Device::Impl& impl = device_->impl();
+  impl.transferred_bytes += bytes;
+  const auto enqueue = [&](const void* source, cl_bool waits) {
+    require(clEnqueueWriteBuffer(impl.queue, static_cast<cl_mem>(handle_), waits, offset, bytes, source, 0, nullptr,
+                                 nullptr),
+            "write " + name_);
+  };
+  if (bytes > LARGEST_STAGED) return enqueue(from, CL_TRUE);
+  {
+    const std::lock_guard lock(impl.staging);
+    const auto* first = static_cast<const unsigned char*>(from);
+    impl.staged.push_back({impl.n_staged++, {first, first + bytes}});
+    enqueue(impl.staged.back().bytes.data(), CL_FALSE);
+    if (impl.staged.size() < MOST_STAGED) return;
+  }
+  device_->finish();
 }
 
 void Memory::read(void* to, std::size_t offset, std::size_t bytes) const {
-  require(clEnqueueReadBuffer(device_->impl().queue, static_cast<cl_mem>(handle_), CL_TRUE, offset, bytes, to, 0,
-                              nullptr, nullptr),
-          "read " + name_);
-  device_->impl().transferred_bytes += bytes;
+  Device::Impl& impl = device_->impl();
+  impl.transferred_bytes += bytes;
+  const std::size_t staged = impl.staged_so_far();
+  require(
+      clEnqueueReadBuffer(impl.queue, static_cast<cl_mem>(handle_), CL_TRUE, offset, bytes, to, 0, nullptr, nullptr),
+      "read " + name_);
+  impl.forget_staged(staged);
 }
 
 void Memory::fill_zero(std::size_t bytes) {

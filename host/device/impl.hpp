@@ -3,6 +3,9 @@
 #define CL_TARGET_OPENCL_VERSION 120
 #define CL_USE_DEPRECATED_OPENCL_1_2_APIS
 #include <CL/cl.h>
+#include <deque>
+#include <mutex>
+#include <vector>
 
 #include "host/device/device.hpp"
 
@@ -14,8 +17,27 @@ struct Device::Impl {
   cl_context context = nullptr;
   cl_command_queue queue = nullptr;
   std::size_t live_bytes = 0, peak_bytes = 0, transferred_bytes = 0;
+
+  // Small writes do not wait for what was started before them: their bytes are kept here until something that came
+  // later in the queue has ended.
+  struct Staged {
+    std::size_t number;
+    std::vector<unsigned char> bytes;
+  };
+  std::mutex staging;  // of what follows, and of the order in the queue
+  std::deque<Staged> staged;
+  std::size_t n_staged = 0;
+
+  std::size_t staged_so_far() {
+    const std::lock_guard lock(staging);
+    return n_staged;
+  }
+  void forget_staged(std::size_t before) {
+    const std::lock_guard lock(staging);
+    while (!staged.empty() && staged.front().number < before) staged.pop_front();
+  }
   ~Impl() {
-    if (queue) clReleaseCommandQueue(queue);
+    if (queue) clFinish(queue), clReleaseCommandQueue(queue);
     if (context) clReleaseContext(context);
   }
 };

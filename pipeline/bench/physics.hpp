@@ -26,8 +26,8 @@ struct PhysicsFigures {
   double cpu_seconds_per_step = 0;                                  // of all threads; the same run
   double newton_per_step = 0, cg_per_newton = 0;                    // means over steps and worlds
   double contacts = 0;                                              // mean over steps, all worlds
-  PhaseSeconds phases{};                                            // per step [s]
-  double other = 0;                                                 // the rest of a step [s]
+  PhaseSeconds phases{};                                            // per step, of a further run [s]
+  double other = 0;                                                 // the rest of a step in that run [s]
   double bytes_moved = 0;                                           // between host and device, per step
   std::size_t peak_bytes = 0;                                       // of the process, above what it had before
   std::size_t device_bytes = 0;                                     // of its buffers
