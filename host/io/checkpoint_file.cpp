@@ -7,7 +7,7 @@
 namespace pvg {
 namespace {
 
-constexpr std::int64_t SCHEMA = 2;
+constexpr std::int64_t SCHEMA = 3;
 
 // An anchor as numbers: kind and sites of its pair, strain.
 constexpr std::size_t ANCHOR_LENGTH = 8;
@@ -46,6 +46,9 @@ void for_each_field(Checkpoint& checkpoint, const Visit& visit) {
   visit("/joint_position", checkpoint.joint_position);
   visit("/targets", checkpoint.targets);
   visit("/couplings", checkpoint.couplings);
+  visit("/past_targets", checkpoint.past_targets);
+  visit("/pressing", checkpoint.pressing);
+  visit("/flowed", checkpoint.flowed);
 }
 
 struct Writer {

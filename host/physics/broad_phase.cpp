@@ -151,6 +151,7 @@ BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<cons
       worlds_(device, 0, "collision_worlds"),
       rest_(device, 0, "rest_sites"),
       pair_friction_(device, 0, "pair_friction"),
+      pair_adhesion_(device, 0, "pair_adhesion"),
       nodes_(device, 0, "tree_nodes"),
       queries_(device, 0, "queries"),
       disabled_first_(device, 0, "disabled_first"),
@@ -175,6 +176,7 @@ BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<cons
   upload(worlds_, world_rows(settings, table));
   upload(rest_, rest_of_sites(mesh, x.size()));
   upload(pair_friction_, table.friction);
+  upload(pair_adhesion_, table.adhesion);
   const Trees trees = make_trees(mesh, x, table, log2_leaves_);
   upload(nodes_, trees.nodes);
   upload(queries_, trees.queries);
@@ -207,7 +209,7 @@ void BroadPhase::find(const Buffer<double>& x0, const Buffer<double>& x1, double
   pairs.first = scan_.read_at(offsets_, first_query_of_world_);
   pairs.rows.resize(pairs.n());
   fill_pairs_(n, u32(n), log2_leaves_, queries_, nodes_, points_, edges_, triangles_, bodies_, worlds_, rest_,
-              pair_friction_, disabled_first_, disabled_, margin, x0, x1, offsets_, kept_, pairs.rows);
+              pair_friction_, pair_adhesion_, disabled_first_, disabled_, margin, x0, x1, offsets_, kept_, pairs.rows);
 }
 
 }  // namespace pvg

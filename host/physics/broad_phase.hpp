@@ -37,6 +37,7 @@ class BroadPhase {
   Buffer<CollisionWorld> worlds_;
   Buffer<double> rest_;           // [n_sites x 3, m] in the rest shape of their body
   Buffer<double> pair_friction_;  // coefficient of each pair of bodies, or -1 where they never touch
+  Buffer<double> pair_adhesion_;  // of each pair of bodies [J/m^2]
   Buffer<TreeNode> nodes_;
   Buffer<Query> queries_;                  // by world: points, then edges in the order of their leaves
   Buffer<u32> disabled_first_, disabled_;  // [n_queries + 1], partners that a query must not find

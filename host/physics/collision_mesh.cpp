@@ -130,6 +130,8 @@ BodyPairTable make_body_pair_table(const CollisionMesh& mesh) {
   }
   std::map<BodyKey, double> given;
   for (const BodyPairFriction& pair : mesh.pair_friction) given[ordered(pair.first, pair.second)] = pair.coefficient;
+  std::map<BodyKey, double> adhesion;
+  for (const ContactEffect& effect : mesh.effects) adhesion[ordered(effect.first, effect.second)] += effect.adhesion;
   std::set<BodyKey> never;
   for (const auto& [a, b] : mesh.noncolliding_bodies) never.insert(ordered(a, b));
   for (u32 world = 0; world < mesh.n_worlds; ++world)
@@ -140,6 +142,8 @@ BodyPairTable make_body_pair_table(const CollisionMesh& mesh) {
         const bool may_touch =
             (i != j || a.collides_with_itself) && !(a.is_fixed && b.is_fixed) && !never.contains(ordered(i, j));
         const double mean = i == j ? a.friction : std::sqrt(a.friction * b.friction);
+        const auto sticks = adhesion.find(ordered(i, j));
+        table.adhesion.push_back(sticks == adhesion.end() ? 0 : sticks->second);
         table.friction.push_back(!may_touch ? -1 : found != given.end() ? found->second : mean);
       }
   return table;

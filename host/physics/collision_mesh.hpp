@@ -25,6 +25,18 @@ struct BodyPairFriction {
   double coefficient = 0.5;
 };
 
+// Effects on the contact of a pair of bodies (host/scene/effect.hpp has their laws).
+struct ContactEffect {
+  u32 first = 0, second = 0;
+  double adhesion = 0;         // [J/m^2]
+  double dissipation = 0;      // of the approach [s/m]
+  double slip_change = 0;      // of the coefficient of friction, fully developed far above slip_velocity
+  double slip_velocity = 0.1;  // [m/s]
+  double across_change = 0;    // of the coefficient across `direction`
+  u32 direction_site = 0;      // the x axis of a rigid first body
+  bool has_direction = false;  // else the direction is the world's x
+};
+
 struct CollisionMesh {
   u32 n_worlds = 1;
   std::vector<CollisionBody> bodies;
@@ -36,6 +48,7 @@ struct CollisionMesh {
   std::vector<Vec3> rest;
 
   std::vector<BodyPairFriction> pair_friction;
+  std::vector<ContactEffect> effects;
   std::vector<std::array<u32, 2>> noncolliding_bodies;      // jointed links and the like
   std::vector<std::array<u32, 2>> disabled_point_triangle;  // indices into points, triangles
   std::vector<std::array<u32, 2>> disabled_edge_edge;       // indices into edges, either order
@@ -66,6 +79,7 @@ struct BodyPairTable {
   std::vector<u32> n_bodies;  // [n_worlds]
   std::vector<u32> index;     // [n_bodies] of each body within its world
   std::vector<double> friction;
+  std::vector<double> adhesion;  // [J/m^2], likewise
   double operator()(const CollisionMesh& mesh, u32 a, u32 b) const {
     const u32 world = mesh.bodies[a].world;
     return friction[first[world] + index[a] * n_bodies[world] + index[b]];

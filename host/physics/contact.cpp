@@ -1,5 +1,6 @@
 #include "host/physics/contact.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -8,6 +9,7 @@
 #include "host/physics/candidates.hpp"
 #include "host/physics/continuous_collision.hpp"
 #include "host/physics/scan.hpp"
+#include "host/physics/slip_effects.hpp"
 
 namespace pvg {
 namespace {
@@ -137,7 +139,7 @@ void ContactSet::find_contacts(const Buffer<double>& x) {
   impl.fill_contacts(candidates.n(), candidates.n(), candidates.rows, impl.offsets, impl.contacts.rows);
 }
 
-void ContactSet::lag_friction(const Buffer<double>& x, double h) {
+void ContactSet::lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0, const Buffer<double>& x1) {
   Impl& impl = *impl_;
   impl.friction.first = impl.contacts.first;
   impl.friction.rows.resize(impl.contacts.n());
@@ -146,6 +148,8 @@ void ContactSet::lag_friction(const Buffer<double>& x, double h) {
   std::vector<Friction> rows = impl.friction.rows.read();
   for (u32 world = 0; world < impl.mesh.n_worlds; ++world)
     attach_anchors(impl.anchors[world], h, of_world(rows, impl.friction.first, world));
+  if (!rows.empty() && std::any_of(impl.mesh.effects.begin(), impl.mesh.effects.end(), changes_friction))
+    apply_slip_effects(impl.mesh.effects, x0.read(), x1.read(), h, rows);
   impl.friction.rows.write(rows);
 }
 

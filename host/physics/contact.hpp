@@ -50,8 +50,8 @@ class ContactSet {
   const WorldRows<Barrier>& contacts() const;
 
   // Friction rows from the contacts of the last find_contacts, with normal forces at x (the same x) and anchors for a
-  // step of length h [s].
-  void lag_friction(const Buffer<double>& x, double h);
+  // step of length h [s]. x0, x1: sites at its start and where they are thought to come; effects on friction go by it.
+  void lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0, const Buffer<double>& x1);
   void clear_friction();  // no friction rows
   const WorldRows<Friction>& friction() const;
 

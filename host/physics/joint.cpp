@@ -88,11 +88,47 @@ int add_limit(System& system, std::size_t world, const Joint& joint, const Mat3&
   return add(system.revolute_limit.rows, row);
 }
 
+// the row of an effect on a joint, without its numbers
+template <class Row>
+int fill_effect(Rows<Row>& rows, Row row, const Effect& effect) {
+  const auto value = [&](const char* name) { return parameter_of(effect, name); };
+  row.velocity = row.stribeck_velocity = 1;
+  if (effect.name == "joint_viscous_friction") row.damping = value("damping");
+  if (effect.name == "joint_spring") {
+    row.stiffness = value("stiffness");
+    row.preload = value("preload");
+  }
+  if (effect.name == "joint_coulomb_friction" || effect.name == "joint_stribeck_friction") {
+    row.coulomb = value("effort");
+    row.velocity = value("velocity");
+  }
+  if (effect.name == "joint_stribeck_friction") {
+    row.extra = value("extra");
+    row.stribeck_velocity = value("stribeck_velocity");
+  }
+  rows.rows.push_back(row);
+  return int(rows.rows.size()) - 1;
+}
+
+int add_effect(System& system, std::size_t world, const Joint& joint, const Mat3& triad, const Effect& effect) {
+  if (joint.type == Joint::Type::prismatic) {
+    PrismaticEffect row{};
+    std::copy_n(offset_row(system, world, joint, triad.col(2)).site, 3, row.site);
+    return fill_effect(system.prismatic_effect, row, effect);
+  }
+  RevoluteEffect row{};
+  set_revolute_sites(system, world, joint, triad, row.site);
+  return fill_effect(system.revolute_effect, row, effect);
+}
+
 // what acts along the coordinate of a revolute or prismatic joint
 JointRows add_coordinate_rows(System& system, std::size_t world, const Joint& joint, const Mat3& triad) {
   JointRows rows;
   if (is_driven(joint) || joint.damping > 0) rows.drive = add_drive(system, world, joint, triad);
   if (has_limits(joint)) rows.limit = add_limit(system, world, joint, triad);
+  for (const Effect& effect : system.scenes[world].effects)
+    if (effect.target == joint.name && effect_kind(effect.name).target == EffectTarget::joint)
+      rows.effects.push_back(add_effect(system, world, joint, triad, effect));
   return rows;
 }
 
@@ -161,21 +197,27 @@ double unwrap_angle(double angle, double near) {
 }
 
 StepDrive drive_over_step(const Drive& drive, double start, double target, double change, double weight, double h) {
-  const double per_length = drive.damping / h;
+  const double per_length = drive.damping / h, gain = drive.gain;
   switch (drive.mode) {
     case Drive::Mode::velocity:
-      return {per_length, start + h * target, weight};
+      return {gain * per_length, start + h * target, gain * weight};
     case Drive::Mode::torque:
-      return {0, 0, weight + target};
+      return {0, 0, gain * (weight + target)};
     default: {
+      if (drive.play > 0)
+        return {gain * drive.stiffness, target, gain * weight, drive.play, gain * drive.damping, change};
       const double stiffness = drive.stiffness + per_length;
-      return {stiffness, target + per_length / stiffness * (start + change - target), weight};
+      return {gain * stiffness, target + per_length / stiffness * (start + change - target), gain * weight};
     }
   }
 }
 
 double drive_effort(const StepDrive& drive, double effort_limit, double q) {
-  const double effort = drive.feed_forward + drive.stiffness * (drive.target - q);
+  double effort = drive.feed_forward;
+  if (drive.stiffness > 0) {
+    const double error = drive.target + drive.feed_forward / drive.stiffness - q;
+    effort = drive.stiffness * (error - std::clamp(error, -drive.play / 2, drive.play / 2));
+  }
   return effort_limit > 0 ? std::clamp(effort, -effort_limit, effort_limit) : effort;
 }
 

@@ -24,6 +24,9 @@ struct StepDrive {
   double stiffness = 0;     // [N m/rad or N/m]
   double target = 0;        // [rad or m]
   double feed_forward = 0;  // [N m or N]
+  double play = 0;          // within which it does not act [rad or m]
+  double damping = 0;       // of a loose drive: beside its play, never cut [N m s/rad or N s/m]
+  double change = 0;        // of the target over the step, which damping follows [rad or m]
 };
 // start: coordinate at the start of the step; target: as given, change: of it over the step; weight: effort that holds
 // what is carried; h [s]

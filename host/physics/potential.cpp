@@ -1,6 +1,8 @@
 #include "host/physics/potential.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstring>
 
 namespace pvg {
 namespace {
@@ -31,12 +33,26 @@ Potential::Potential(Device& device, const System& system)
       prismatic_(device, "prismatic_drive", 3),
       revolute_limit_(device, "revolute_limit", 4),
       prismatic_limit_(device, "prismatic_limit", 3),
+      revolute_effect_(device, "revolute_effect", 4),
+      prismatic_effect_(device, "prismatic_effect", 3),
+      drag_(device, "drag", 1),
+      spin_(device, "spin", 3),
+      strain_effect_4_(device, "strain_effect_4", 4),
+      strain_effect_10_(device, "strain_effect_10", 10),
       membrane_(device, "cloth_membrane", 3),
       bending_(device, "triangle_bending", 6),
       barrier_(device, "barrier", 4),
       friction_(device, "friction", 4),
-      constant_{&point_inertia_, &affine_inertia_, &neo_hookean_4_,  &neo_hookean_10_,  &orthogonality_, &stitch_,
-                &revolute_,      &prismatic_,      &revolute_limit_, &prismatic_limit_, &membrane_,      &bending_},
+      flow_program_(device, "energies/plastic_flow.cl"),
+      flow_4_(flow_program_.kernel("plastic_flow_4")),
+      flow_10_(flow_program_.kernel("plastic_flow_10")),
+      flows_4_(device, system.plastic_flow_4, "plastic_flow_4"),
+      flows_10_(device, system.plastic_flow_10, "plastic_flow_10"),
+      world_steps_(device, system.n_worlds(), "world steps"),
+      constant_{&point_inertia_,    &affine_inertia_,   &neo_hookean_4_, &neo_hookean_10_, &orthogonality_,
+                &stitch_,           &revolute_,         &prismatic_,     &revolute_limit_, &prismatic_limit_,
+                &revolute_effect_,  &prismatic_effect_, &drag_,          &spin_,           &strain_effect_4_,
+                &strain_effect_10_, &membrane_,         &bending_},
       all_(constant_),
       constant_gather_(device, system.sites, system.n_nodes()),
       contact_gather_(device, system.sites, system.n_nodes()),
@@ -59,6 +75,12 @@ Potential::Potential(Device& device, const System& system)
   set(prismatic_, system.prismatic_drive);
   set(revolute_limit_, system.revolute_limit);
   set(prismatic_limit_, system.prismatic_limit);
+  set(revolute_effect_, system.revolute_effect);
+  set(prismatic_effect_, system.prismatic_effect);
+  set(drag_, system.drag);
+  set(spin_, system.spin);
+  set(strain_effect_4_, system.strain_effect_4);
+  set(strain_effect_10_, system.strain_effect_10);
   set(membrane_, system.cloth_membrane);
   set(bending_, system.triangle_bending);
 
@@ -94,6 +116,55 @@ void Potential::update_joints(const System& system) {
   revolute_.update(system.revolute_drive.rows);
   prismatic_.update(system.prismatic_drive.rows);
   revolute_limit_.update(system.revolute_limit.rows);
+  revolute_effect_.update(system.revolute_effect.rows);
+}
+
+void Potential::update_spin(const System& system) { spin_.update(system.spin.rows); }
+
+void Potential::flow(const Positions& x, double h, std::span<const char> worlds) {
+  if (flows_4_.size() + flows_10_.size() == 0) return;
+  world_steps_.write(std::vector<u32>(worlds.begin(), worlds.end()));
+  const auto run = [&](Kernel& kernel, const Buffer<PlasticFlow>& flows, Term& term) {
+    kernel(flows.size(), u32(flows.size()), flows, term.params(), world_steps_, x.site, h);
+  };
+  run(flow_4_, flows_4_, neo_hookean_4_);
+  run(flow_10_, flows_10_, neo_hookean_10_);
+}
+
+namespace {
+
+// Carries rest_inverse between the elements that flow and a list of numbers, from number `at` on; either way.
+template <class Element, class Carry>
+void for_each_flow(Term& term, const std::vector<PlasticFlow>& flows, std::size_t& at, const Carry& carry) {
+  for (const PlasticFlow& flow : flows) {
+    const std::size_t place = flow.element * sizeof(Element) + offsetof(Element, rest_inverse);
+    carry(term.params(), place, at);
+    at += 9;
+  }
+}
+
+}  // namespace
+
+std::vector<double> Potential::flowed() {
+  std::vector<double> values(9 * (flows_4_.size() + flows_10_.size()));
+  const auto read = [&](Buffer<unsigned char>& params, std::size_t place, std::size_t at) {
+    const std::vector<unsigned char> bytes = params.read(place, 9 * sizeof(double));
+    std::memcpy(&values[at], bytes.data(), bytes.size());
+  };
+  std::size_t at = 0;
+  for_each_flow<StableNeoHookean4>(neo_hookean_4_, system_.plastic_flow_4, at, read);
+  for_each_flow<StableNeoHookean10>(neo_hookean_10_, system_.plastic_flow_10, at, read);
+  return values;
+}
+
+void Potential::restore_flowed(const std::vector<double>& values) {
+  const auto write = [&](Buffer<unsigned char>& params, std::size_t place, std::size_t at) {
+    const auto* first = reinterpret_cast<const unsigned char*>(&values[at]);
+    params.write(place, std::vector<unsigned char>(first, first + 9 * sizeof(double)));
+  };
+  std::size_t at = 0;
+  for_each_flow<StableNeoHookean4>(neo_hookean_4_, system_.plastic_flow_4, at, write);
+  for_each_flow<StableNeoHookean10>(neo_hookean_10_, system_.plastic_flow_10, at, write);
 }
 
 void Potential::set_friction(const WorldRows<Friction>& rows) {

@@ -32,7 +32,14 @@ class Potential {
   // inertia_h: what stands for h in the inertia, which depends on the integrator [s]
   void begin_step(const Positions& start, const Positions& predicted, double h, double inertia_h);
   void update_joints(const System& system);  // this step's numbers of drives and stops
+  void update_spin(const System& system);    // this step's torques of rolling resistance
   void set_friction(const WorldRows<Friction>& rows);
+
+  // Lets the rest shapes of solids that yield or creep follow a step of length h [s] that ended at x, in these worlds.
+  void flow(const Positions& x, double h, std::span<const char> worlds);
+  // These rest shapes: rest_inverse of the elements of System::plastic_flow_4, then _10  [n x 9, 1/m]
+  std::vector<double> flowed();
+  void restore_flowed(const std::vector<double>& rest_inverse);
 
   // Sum of all terms per world [J], with these active contacts.
   std::vector<double> energy(const Positions& x, const WorldRows<Barrier>& contacts);
@@ -66,8 +73,13 @@ class Potential {
 
   Term point_inertia_, affine_inertia_, neo_hookean_4_, neo_hookean_10_, orthogonality_, stitch_, revolute_, prismatic_;
   Term revolute_limit_, prismatic_limit_;
+  Term revolute_effect_, prismatic_effect_, drag_, spin_, strain_effect_4_, strain_effect_10_;
   Term membrane_, bending_;
   Term barrier_, friction_;
+  Program flow_program_;
+  Kernel flow_4_, flow_10_;
+  Buffer<PlasticFlow> flows_4_, flows_10_;
+  Buffer<u32> world_steps_;
   std::vector<Term*> constant_;  // whose elements never change
   std::vector<Term*> all_;
 

@@ -59,7 +59,8 @@ double largest_correction(const System& system) {
 Simulation::Impl::Impl(Device& device_, std::span<const Scene> worlds)
     : device(device_),
       clock(device_),
-      system(make_system(separated(worlds))),
+      nominal(separated(worlds)),
+      system(make_system(nominal)),
       potential(device, system),
       nodes_program(device, "solve/nodes.cl"),
       move_along(nodes_program.kernel("move_along")),
@@ -89,6 +90,7 @@ Simulation::Impl::Impl(Device& device_, std::span<const Scene> worlds)
   is_active = is_unsettled = is_well;
   const std::size_t n = worlds.size();
   states.resize(n);
+  pressing.resize(system.rolling_resistance.size());
   reports.resize(n);
   for (std::size_t w = 0; w < n; ++w) {
     const Scene& scene = system.scenes[w];
@@ -96,7 +98,7 @@ Simulation::Impl::Impl(Device& device_, std::span<const Scene> worlds)
       throw UsageError("worlds that are simulated together must have the same time step");
     carried.push_back(carried_bodies(scene));
     soft_masses.emplace_back();
-    for (const SoftBody& body : scene.soft_bodies)
+    for (const SoftBody& body : nominal[w].soft_bodies)
       soft_masses[w].push_back(node_masses(body.mesh, body.material.density));
     const std::size_t n_joints = scene.joints.size();
     drives.emplace_back(n_joints);
@@ -110,6 +112,7 @@ Simulation::Impl::Impl(Device& device_, std::span<const Scene> worlds)
       if (is_driven(scene.joints[j]))
         last_targets[w].push_back(scene.joints[j].drive.mode == Drive::Mode::position ? scene.joints[j].initial : 0);
     }
+    actuators.emplace_back(scene, last_targets[w]);
   }
   start.node.copy_from(x.node);
   potential.update_sites(start);
@@ -141,7 +144,9 @@ std::vector<StepReport> Simulation::step(std::span<const std::vector<double>> ta
       throw UsageError("scene " + impl.system.scenes[w].name + " has " + std::to_string(impl.last_targets[w].size()) +
                        " driven joints, was given " + std::to_string(targets[w].size()) + " targets");
   impl.reports.assign(n_worlds(), StepReport{});
-  const std::vector<std::vector<double>> wanted(targets.begin(), targets.end());
+  std::vector<std::vector<double>> wanted;
+  for (std::size_t w = 0; w < n_worlds(); ++w)
+    wanted.push_back(impl.actuators[w].command(targets[w], impl.last_targets[w]));
   const std::vector<char> failed = impl.advance_or_halve(
       impl.h(), impl.last_targets, wanted, std::vector<char>(n_worlds(), true), impl.solver().max_step_halvings);
   std::vector<StepEvent> last_events;
@@ -149,6 +154,7 @@ std::vector<StepReport> Simulation::step(std::span<const std::vector<double>> ta
   for (std::size_t w = 0; w < n_worlds(); ++w) {
     if (!failed[w]) {
       impl.last_targets[w] = wanted[w];
+      impl.actuators[w].accept(targets[w]);
       continue;
     }
     last_events.push_back(impl.reports[w].events.back());
@@ -160,7 +166,9 @@ std::vector<StepReport> Simulation::step(std::span<const std::vector<double>> ta
 
 Checkpoint Simulation::checkpoint() const {
   Checkpoint checkpoint{
-      impl_->x.node.read(), impl_->integrator.history(), impl_->contacts.anchors(), {}, {}, impl_->last_targets, {}};
+      impl_->x.node.read(), impl_->integrator.history(), impl_->contacts.anchors(), {}, {}, impl_->last_targets, {}, {},
+      impl_->pressing,      impl_->potential.flowed()};
+  for (const Actuators& actuators : impl_->actuators) checkpoint.past_targets.push_back(actuators.past());
   for (const std::vector<NodePair>& pairs : impl_->potential.couplings()) {
     checkpoint.couplings.emplace_back();
     for (const auto& [a, b] : pairs)
@@ -178,19 +186,24 @@ void Simulation::restore(const Checkpoint& checkpoint) {
   const MotionHistory& history = checkpoint.history;
   bool fits = checkpoint.time.size() == n_worlds() && checkpoint.joint_position.size() == n_worlds() &&
               checkpoint.targets.size() == n_worlds() && checkpoint.anchors.size() == n_worlds() &&
-              checkpoint.couplings.size() == n_worlds() && history.length_before.size() == n_worlds();
+              checkpoint.couplings.size() == n_worlds() && checkpoint.past_targets.size() == n_worlds() &&
+              checkpoint.pressing.size() == impl.pressing.size() &&
+              checkpoint.flowed.size() == impl.potential.flowed().size() && history.length_before.size() == n_worlds();
   for (const std::vector<double>* nodes :
        {&checkpoint.position, &history.velocity, &history.position_before, &history.velocity_before})
     fits = fits && nodes->size() == impl.x.node.size();
   for (std::size_t w = 0; fits && w < n_worlds(); ++w)
     fits = checkpoint.joint_position[w].size() == impl.system.scenes[w].joints.size() &&
-           checkpoint.targets[w].size() == impl.last_targets[w].size();
+           checkpoint.targets[w].size() == impl.last_targets[w].size() &&
+           impl.actuators[w].restore(checkpoint.past_targets[w]);
   if (!fits) throw UsageError("the checkpoint was made from another scene; resume with the scene that it came from");
   impl.x.node.write(checkpoint.position);
   impl.potential.update_sites(impl.x);
   impl.integrator.restore(checkpoint.history);
   impl.contacts.restore_anchors(checkpoint.anchors);
   impl.last_targets = checkpoint.targets;
+  impl.pressing = checkpoint.pressing;
+  impl.potential.restore_flowed(checkpoint.flowed);
   impl.potential.restore_couplings(node_pairs(checkpoint.couplings, impl.system.n_nodes()));
   for (std::size_t w = 0; w < n_worlds(); ++w) {
     impl.states[w].time = checkpoint.time[w];

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "host/physics/actuator.hpp"
 #include "host/physics/conjugate_gradients.hpp"
 #include "host/physics/joint.hpp"
 #include "host/physics/phase_clock.hpp"
@@ -40,7 +41,7 @@ struct Simulation::Impl {
   void move_to_first_guess(double h);
   void move(const std::vector<double>& length);  // trial = x + length dx, per world
   void find_minimum(double h);
-  void lag_friction(double h);
+  void lag_friction(double h, const Positions& foreseen);
   void minimize(double h, bool may_be_settled, double enough);
   std::vector<double> certify();
   void find_contacts();
@@ -53,12 +54,14 @@ struct Simulation::Impl {
   std::vector<double> energy_at(const std::vector<double>& length);
   void read_state(double h);
   void read_joints(double h);
+  void read_pressing();
 
   double h() const { return system.scenes[0].solver.time_step; }
   const SolverSettings& solver() const { return system.scenes[0].solver; }
 
   Device& device;
   PhaseClock clock;
+  std::vector<Scene> nominal;  // [n_worlds] as given, without effects: what drives know of what they carry
   System system;
   Potential potential;
   Program nodes_program;
@@ -76,7 +79,9 @@ struct Simulation::Impl {
   std::vector<std::vector<Carried>> carried;                  // [n_worlds][n_joints]
   std::vector<std::vector<std::vector<double>>> soft_masses;  // [n_worlds][n_soft][n_nodes, kg]
   std::vector<std::vector<StepDrive>> drives;                 // [n_worlds][n_joints], of this step
-  std::vector<std::vector<double>> last_targets;              // as given to step
+  std::vector<double> pressing;                               // [n_rolling_resistances] last normal force [N]
+  std::vector<Actuators> actuators;                           // [n_worlds]
+  std::vector<std::vector<double>> last_targets;              // that the drives obeyed
   std::vector<char> is_well;                                  // worlds of this attempt that have not failed
   double length = 0;                                          // of this attempt [s]
   std::vector<char> is_unsettled;                             // of these, worlds whose lagged friction still changes

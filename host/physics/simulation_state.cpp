@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "host/physics/body_forces.hpp"
 #include "host/physics/simulation_impl.hpp"
 
@@ -14,7 +16,7 @@ void Simulation::Impl::set_joints(double h, const std::vector<std::vector<double
       const double start = states[w].joint_position[j];
       if (is_driven(joint)) {
         const double weight = joint.drive.compensates_gravity
-                                  ? gravity_feed_forward(scene, joint, carried[w][j], states[w], soft_masses[w])
+                                  ? gravity_feed_forward(nominal[w], joint, carried[w][j], states[w], soft_masses[w])
                                   : 0;
         drives[w][j] = drive_over_step(joint.drive, start, targets[w][driven], targets[w][driven] - previous[w][driven],
                                        weight, h);
@@ -24,6 +26,9 @@ void Simulation::Impl::set_joints(double h, const std::vector<std::vector<double
         row.stiffness = drives[w][j].stiffness;
         row.target = drives[w][j].target;
         row.feed_forward = drives[w][j].feed_forward;
+        row.play = drives[w][j].play;
+        row.damping = joint.damping + drives[w][j].damping;
+        row.target_change = row.damping > 0 ? drives[w][j].change * drives[w][j].damping / row.damping : 0;
       };
       const JointRows& row = system.joint_rows[w][j];
       const bool turns = joint.type == Joint::Type::revolute;
@@ -33,9 +38,28 @@ void Simulation::Impl::set_joints(double h, const std::vector<std::vector<double
       }
       if (row.drive >= 0 && !turns) fill(system.prismatic_drive.rows[row.drive]);
       if (row.limit >= 0 && turns) system.revolute_limit.rows[row.limit].angle0 = start;
+      for (const int effect : row.effects)
+        if (turns) system.revolute_effect.rows[effect].angle0 = start;
     }
   }
   potential.update_joints(system);
+  for (std::size_t i = 0; i < pressing.size(); ++i) {
+    const RollingResistance& rolling = system.rolling_resistance[i];
+    system.spin.rows[rolling.spin].torque = rolling.arm * pressing[i];
+  }
+  if (!pressing.empty()) potential.update_spin(system);
+}
+
+// The normal forces that rolling resistance goes by in the next step.
+void Simulation::Impl::read_pressing() {
+  for (std::size_t i = 0; i < pressing.size(); ++i) {
+    const RollingResistance& rolling = system.rolling_resistance[i];
+    if (!is_well[rolling.world]) continue;
+    pressing[i] = 0;
+    for (const PairForce& pair : states[rolling.world].pair_force)
+      if (std::minmax(pair.first, pair.second) == std::minmax(rolling.first, rolling.second))
+        pressing[i] = pair.normal.norm();
+  }
 }
 
 void Simulation::Impl::read_joints(double h) {
@@ -98,5 +122,6 @@ void Simulation::Impl::read_state(double h) {
     reports[w].contacts = int(states[w].contacts.size());
     reports[w].min_gap = gap[w];
   }
+  read_pressing();
 }
 }  // namespace pvg

@@ -194,12 +194,12 @@ void Simulation::Impl::minimize(double h, bool may_be_settled, double enough) {
 
 // Contacts at x and their friction: normal forces and tangents as they are here, for a step of length h. A world that
 // had no friction and has none now is settled.
-void Simulation::Impl::lag_friction(double h) {
+void Simulation::Impl::lag_friction(double h, const Positions& foreseen) {
   const std::vector<u32> before = contacts.friction().first;
   find_contacts();
   {
     const auto timed = clock.time(SolverPhase::narrow_phase);
-    contacts.lag_friction(x.site, h);
+    contacts.lag_friction(x.site, h, start.site, foreseen.site);
     potential.set_friction(contacts.friction());
   }
   const std::vector<u32>& now = contacts.friction().first;
@@ -216,12 +216,12 @@ void Simulation::Impl::find_minimum(double h) {
     const auto timed = clock.time(SolverPhase::broad_phase);
     contacts.find_candidates(x.site, x.site);
   }
-  lag_friction(h);
+  lag_friction(h, predicted);
   is_unsettled = is_well;
   move_to_first_guess(h);
   minimize(h, false, wanted < 0 ? ENOUGH : 0);
   for (int pass = 1; pass < (wanted < 0 ? MAX_LAG_PASSES : wanted) && any(is_unsettled); ++pass) {
-    lag_friction(h);
+    lag_friction(h, x);
     minimize(h, wanted < 0, wanted < 0 ? ENOUGH : 0);
   }
   for (std::size_t w = 0; wanted < 0 && w < is_unsettled.size(); ++w)
@@ -249,6 +249,7 @@ void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>&
   give_up_inverted();
   integrator.accept(start.node, x.node, is_well);
   contacts.renew_anchors(x.site, start.site, h, is_well);
+  potential.flow(x, h, is_well);
   read_state(h);
 }
 

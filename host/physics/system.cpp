@@ -5,6 +5,7 @@
 
 #include "host/geometry/tet_mesh.hpp"
 #include "host/physics/cloth.hpp"
+#include "host/physics/effects.hpp"
 #include "host/physics/prescribed_motion.hpp"
 
 namespace pvg {
@@ -346,7 +347,7 @@ Eigen::Matrix4d affine_mass_matrix(const RigidBody& body) {
 
 System make_system(std::span<const Scene> worlds) {
   System system;
-  system.scenes.assign(worlds.begin(), worlds.end());
+  for (const Scene& world : worlds) system.scenes.push_back(with_effects(world));
   const std::size_t n = worlds.size();
   system.soft_first_node.resize(n);
   system.cloth_first_node.resize(n);
@@ -364,7 +365,9 @@ System make_system(std::span<const Scene> worlds) {
     add_rigid_terms(system, w);
     add_stitches(system, w);
     add_joints(system, w);
+    add_body_effects(system, w);
     add_collision_bodies(system, w);
+    add_contact_effects(system, w);
     system.point_inertia.end_world();
     system.affine_inertia.end_world();
     system.stable_neo_hookean_4.end_world();
@@ -377,6 +380,12 @@ System make_system(std::span<const Scene> worlds) {
     system.prismatic_drive.end_world();
     system.revolute_limit.end_world();
     system.prismatic_limit.end_world();
+    system.revolute_effect.end_world();
+    system.prismatic_effect.end_world();
+    system.drag.end_world();
+    system.spin.end_world();
+    system.strain_effect_4.end_world();
+    system.strain_effect_10.end_world();
   }
   disable_stitched_pairs(system);
   check_collision_mesh(system.collision, system.sites.size());

@@ -5,14 +5,21 @@
 
 #include "energies/affine_orthogonality.h"
 #include "energies/cloth_membrane.h"
+#include "energies/drag.h"
 #include "energies/inertia.h"
+#include "energies/plastic_flow.h"
 #include "energies/prismatic_drive.h"
+#include "energies/prismatic_effect.h"
 #include "energies/prismatic_limit.h"
 #include "energies/revolute_drive.h"
+#include "energies/revolute_effect.h"
 #include "energies/revolute_limit.h"
+#include "energies/spin.h"
 #include "energies/stable_neo_hookean_10.h"
 #include "energies/stable_neo_hookean_4.h"
 #include "energies/stitch_spring.h"
+#include "energies/strain_effect_10.h"
+#include "energies/strain_effect_4.h"
 #include "energies/triangle_bending.h"
 #include "host/physics/collision_mesh.hpp"
 #include "host/physics/group_preconditioner.hpp"
@@ -34,6 +41,15 @@ struct Rows {
 // Where what acts along a joint's coordinate stands in the rows of its type; -1: nowhere.
 struct JointRows {
   int drive = -1, limit = -1;
+  std::vector<int> effects;
+};
+
+// The torque of a row of `spin` follows the normal force between two bodies of its world.
+struct RollingResistance {
+  u32 spin = 0;
+  std::size_t world = 0;
+  int first = -1, second = -1;  // bodies
+  double arm = 0;               // [m]
 };
 
 // Nodes of each world: those of its soft bodies first, then of its cloths, then (p, a1, a2, a3) of each rigid body.
@@ -68,6 +84,14 @@ struct System {
   Rows<PrismaticDrive> prismatic_drive;
   Rows<RevoluteLimit> revolute_limit;
   Rows<PrismaticLimit> prismatic_limit;
+  Rows<RevoluteEffect> revolute_effect;
+  Rows<PrismaticEffect> prismatic_effect;
+  Rows<Drag> drag;
+  Rows<Spin> spin;
+  Rows<StrainEffect4> strain_effect_4;
+  Rows<StrainEffect10> strain_effect_10;
+  std::vector<PlasticFlow> plastic_flow_4, plastic_flow_10;  // of elements of stable_neo_hookean_4 and _10
+  std::vector<RollingResistance> rolling_resistance;
   std::vector<std::vector<JointRows>> joint_rows;  // [n_worlds][n_joints]
 
   CollisionMesh collision;  // body ids: world after world, rigid bodies first, then soft ones, then cloths

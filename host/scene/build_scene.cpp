@@ -301,6 +301,7 @@ TaskScene build(const Task& task, Draw draw) {
   scene.contact = task.contact;
   scene.solver = task.solver;
   scene.pair_friction = task.pair_friction;
+  scene.effects = task.effects;
   scene.lights = task.lights;
   scene.sphere_lights = task.sphere_lights;
   scene.environment = task.environment;

@@ -24,6 +24,7 @@ void add_materials(YamlSection& root, std::vector<VisualMaterial>& materials,
 
 SampledPose read_sampled_pose(YamlSection& section);  // `pose` of this section, numbers or ranges
 // task_file.cpp; the gripper's materials become the task's
+Effect read_effect(YamlSection& section);  // read_effect.cpp
 RobotSection read_robot(YamlSection section);
 GripperSection read_gripper(YamlSection& section, Task& task);
 ObjectSection read_object(YamlSection& section);

@@ -178,6 +178,12 @@ void write_physics(Writer& w, const Task& task) {
     w.entry("second", pair.second);
     w.entry("coefficient", pair.coefficient);
   });
+  w.list("effects", task.effects, [&](const Effect& effect) {
+    w.entry("effect", effect.name);
+    w.entry("target", effect.target);
+    const std::vector<EffectParameter>& parameters = effect_kind(effect.name).parameters;
+    for (std::size_t i = 0; i < parameters.size(); ++i) w.entry(parameters[i].name.c_str(), effect.parameters[i]);
+  });
   w.begin("contact");
   w.entry("activation_distance", task.contact.activation_distance);
   w.entry("stiffness", task.contact.stiffness);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/geometry/mesh.hpp"
+#include "host/scene/effect.hpp"
 
 namespace pvg {
 
@@ -93,6 +94,11 @@ struct Drive {
   double damping = 0;             // [N m s/rad] or [N s/m]
   double effort_limit = 0;        // [N m] or [N]; 0: none
   bool compensates_gravity = true;  // feeds forward the torque that the weight of everything it carries asks for
+  // what a real drive may add, as the effects backlash, actuator_gain, actuator_lag and actuator_delay say
+  double play = 0;                // total, within which it does not act [rad or m]
+  double gain = 1;                // of the effort before it is cut
+  double time_constant = 0;       // of its lag behind the targets [s]
+  double delay = 0;               // of its targets [s]
 };
 
 struct Joint {
@@ -257,6 +263,7 @@ struct Scene {
   std::vector<Stitch> stitches;
   std::vector<PairFriction> pair_friction;
   std::vector<std::array<int, 2>> noncolliding_rigid_bodies;  // besides jointed pairs, which never collide
+  std::vector<Effect> effects;             // what else acts, by name
   ContactSettings contact;
   SolverSettings solver;
   bool separates_start = false;            // free bodies that intersect at the start are moved apart

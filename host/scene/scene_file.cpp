@@ -122,6 +122,11 @@ SceneRun load_scene_run(const std::filesystem::path& path) {
   append(run.scene, file.added);
   run.scene.gravity = file.added.gravity;
   run.scene.separates_start = file.added.separates_start;
+  try {
+    check_effects(run.scene);
+  } catch (const UsageError& error) {
+    throw UsageError(path.string() + ": " + error.what());
+  }
   run.targets.insert(run.targets.end(), file.targets.begin(), file.targets.end());
   run.duration = file.duration;
   std::ifstream in(path, std::ios::binary);

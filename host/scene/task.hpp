@@ -149,6 +149,7 @@ struct Task {
   std::vector<ObjectSection> objects;
   std::vector<ClothSection> cloths;
   std::vector<PairFriction> pair_friction;
+  std::vector<Effect> effects;
   ContactSettings contact;
   SolverSettings solver;  // its time_step is the task's key `time_step`
   BackgroundSection background;

@@ -159,6 +159,7 @@ Task read_scene_sections(Section& root, double largest_time_step) {
         {section.text("first"), section.text("second"), section.number("coefficient", Unit::none, 0, 10)});
     section.done();
   }
+  for (Section& section : root.sections("effects")) task.effects.push_back(read_effect(section));
   if (root.has("background")) task.background = read_background(root.section("background"));
   for (Section& section : root.sections("lights")) read_light(section, task);
   if (root.has("environment_map")) {

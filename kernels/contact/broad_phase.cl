@@ -211,7 +211,8 @@ static Barrier barrier_row(const uint is_edge, const uint first, const uint seco
                            global const CollisionPoint* restrict points, global const CollisionEdge* restrict edges,
                            global const CollisionTriangle* restrict triangles,
                            global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
-                           global const real* restrict rest, global const real* restrict pair_friction) {
+                           global const real* restrict rest, global const real* restrict pair_friction,
+                           global const real* restrict pair_adhesion) {
   Barrier row;
   if (is_edge) {
     const CollisionEdge a = edges[first], b = edges[second];
@@ -239,7 +240,10 @@ static Barrier barrier_row(const uint is_edge, const uint first, const uint seco
     row.activation_distance = reach.activation_distance;
     row.offset = reach.offset;
   }
-  row.friction = pair_friction[world.first_pair + a.index * world.n_bodies + b.index];
+  const uint of_pair = world.first_pair + a.index * world.n_bodies + b.index;
+  row.friction = pair_friction[of_pair];
+  row.adhesion = pair_adhesion[of_pair];
+  row.unused = 0;
   return row;
 }
 
@@ -331,7 +335,7 @@ kernel void fill_pairs(const uint n, const uint log2_leaves, global const Query*
                        global const TreeNode* restrict nodes, global const CollisionPoint* restrict points,
                        global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
                        global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
-                       global const real* restrict rest, global const real* restrict pair_friction,
+                       global const real* restrict rest, global const real* restrict pair_friction, global const real* restrict pair_adhesion,
                        global const u32* restrict disabled_first, global const u32* restrict disabled, const real margin,
                        global const real* restrict x0, global const real* restrict x1,
                        global const u32* restrict offsets,
@@ -345,7 +349,7 @@ kernel void fill_pairs(const uint n, const uint log2_leaves, global const Query*
   if (count <= N_KEPT) {
     for (uint k = 0; k < count; ++k)
       rows[first + k] = barrier_row(is_edge, primitive, kept[q * N_KEPT + k], points, edges, triangles, bodies, worlds,
-                                    rest, pair_friction);
+                                    rest, pair_friction, pair_adhesion);
     return;
   }
   const Search search = make_search(query, q, points, edges, bodies, worlds, pair_friction, disabled_first, margin, x0, x1);
@@ -355,5 +359,5 @@ kernel void fill_pairs(const uint n, const uint log2_leaves, global const Query*
   for (uint k = 0; k < count; ++k)
     rows[first + k] = barrier_row(
         is_edge, primitive, next_partner(&search, &walk, tree, log2_leaves, edges, triangles, bodies, rest, disabled, x0, x1),
-        points, edges, triangles, bodies, worlds, rest, pair_friction);
+        points, edges, triangles, bodies, worlds, rest, pair_friction, pair_adhesion);
 }

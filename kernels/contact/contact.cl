@@ -1,6 +1,7 @@
 // From candidates to contacts: gaps, what is active, lagged friction rows, reports; the smallest of a number per world.
 #include "contact/mesh.h"
 #include "contact/report.h"
+#include "energies/adhesion_law.cl"
 #include "energies/barrier_law.cl"
 #include "energies/friction.h"
 #define N_LANES 64u  // partial minima per world
@@ -69,7 +70,7 @@ kernel void lag_friction(const uint n, global const Barrier* restrict contacts,
   row.friction = p.friction;
   row.friction_velocity = worlds[p.world].friction_velocity;
   vstore3((real3)(0.0), 0, row.anchor);
-  row.unused = 0;
+  row.dissipation = 0;
   rows[e] = row;
 }
 
@@ -90,6 +91,9 @@ kernel void report_contacts(const uint n, global const Barrier* restrict contact
   vstore3(distance.n, 0, report.normal);
   report.gap = distance.d - p.offset;
   report.normal_force = normal_force(&p, xe, distance.d);
+  if (p.adhesion > 0)
+    report.normal_force -=
+        p.adhesion * p.area * pair_mollifier(&p, xe).value * adhesion_slope(report.gap, p.activation_distance);
   reports[e] = report;
 }
 

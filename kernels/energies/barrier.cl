@@ -1,9 +1,25 @@
-// Contact barrier of a pair: E = kappa w m(c) b(d - offset)      [J]
-// kappa [Pa], w area of the pair [m^2], b and m in barrier_law.cl, d the distance. Stencil: 4 sites.
-// Hessian: Gauss-Newton, b' hess d is dropped; projected where the mollifier acts.
+// Contact barrier of a pair: E = w m(c) (kappa b(d - offset) + gamma a(d - offset))      [J]
+// kappa [Pa], gamma [J/m^2], w area of the pair [m^2], b and m in barrier_law.cl, a in adhesion_law.cl, d the distance.
+// Stencil: 4 sites. Hessian: Gauss-Newton, the term of hess d is dropped; projected where the mollifier acts, and no
+// less than 0 where adhesion curves downward.
+#include "energies/adhesion_law.cl"
 #include "energies/barrier_law.cl"
 #define EIGEN_N 9
 #include "shared/symmetric_eigen.cl"
+
+// kappa b + gamma a and its derivatives [J/m^2, J/m^3, J/m^4]
+static real contact_value(const Barrier* p, const real gap) {
+  const real b = p->stiffness * barrier_value(gap, p->activation_distance);
+  return p->adhesion > 0 ? b + p->adhesion * adhesion_value(gap, p->activation_distance) : b;
+}
+static real contact_slope(const Barrier* p, const real gap) {
+  const real b = p->stiffness * barrier_slope(gap, p->activation_distance);
+  return p->adhesion > 0 ? b + p->adhesion * adhesion_slope(gap, p->activation_distance) : b;
+}
+static real contact_curvature(const Barrier* p, const real gap) {
+  const real b = p->stiffness * barrier_curvature(gap, p->activation_distance);
+  return p->adhesion > 0 ? fmax(b + p->adhesion * adhesion_curvature(gap, p->activation_distance), 0) : b;
+}
 
 // c = |e0 x e1|^2 by the edges e0 = x1 - x0, e1 = x3 - x2 [m^3]
 static void parallelism_gradient(const real3 e0, const real3 e1, real3* g0, real3* g1) {
@@ -16,20 +32,19 @@ real barrier_energy(const Barrier p, const real3* x, const real3* x0, const real
   if (gap >= p.activation_distance) return 0;
   // penetration costs without end, even where the mollifier vanishes
   if (!(gap > 0)) return INFINITY;
-  return p.stiffness * p.area * pair_mollifier(&p, x).value * barrier_value(gap, p.activation_distance);
+  return p.area * pair_mollifier(&p, x).value * contact_value(&p, gap);
 }
 
 void barrier_gradient(const Barrier p, const real3* x, const real3* x0, const real h, real3* g) {
   const Distance distance = pair_distance(p.kind, x);
   const real gap = distance.d - p.offset;
   const Mollifier m = pair_mollifier(&p, x);
-  const real scale = p.stiffness * p.area;
-  const real force = scale * m.value * barrier_slope(gap, p.activation_distance);
+  const real force = p.area * m.value * contact_slope(&p, gap);
   for (int i = 0; i < 4; ++i) g[i] = force * distance.c[i] * distance.n;
   if (m.slope == 0) return;
   real3 g0, g1;
   parallelism_gradient(x[1] - x[0], x[3] - x[2], &g0, &g1);
-  const real turn = scale * m.slope * barrier_value(gap, p.activation_distance);
+  const real turn = p.area * m.slope * contact_value(&p, gap);
   g[0] -= turn * g0;
   g[1] += turn * g0;
   g[2] -= turn * g1;
@@ -68,12 +83,10 @@ static void mollified_hessian(const Barrier* p, const real3* x, const Distance* 
   const real3 n = distance->n;
   const real grad_d[9] = {n.x, n.y, n.z, s * n.x, s * n.y, s * n.z, -t * n.x, -t * n.y, -t * n.z};
   const real grad_c[9] = {0, 0, 0, g0.x, g0.y, g0.z, g1.x, g1.y, g1.z};
-  const real b = barrier_value(gap, p->activation_distance);
-  const real slope = barrier_slope(gap, p->activation_distance);
-  const real scale = p->stiffness * p->area;
+  const real b = contact_value(p, gap), slope = contact_slope(p, gap), scale = p->area;
   real Y[81];
   for (int k = 0; k < 81; ++k) Y[k] = 0;
-  add_outer(Y, scale * m.value * barrier_curvature(gap, p->activation_distance), grad_d, grad_d);
+  add_outer(Y, scale * m.value * contact_curvature(p, gap), grad_d, grad_d);
   add_outer(Y, scale * m.slope * slope, grad_d, grad_c);
   add_outer(Y, scale * m.slope * slope, grad_c, grad_d);
   add_outer(Y, scale * m.curvature * b, grad_c, grad_c);
@@ -99,7 +112,7 @@ void barrier_hessian(const Barrier p, const real3* x, const real3* x0, const rea
     mollified_hessian(&p, x, &distance, gap, m, H);
     return;
   }
-  const real k = p.stiffness * p.area * m.value * barrier_curvature(gap, p.activation_distance);
+  const real k = p.area * m.value * contact_curvature(&p, gap);
   const real n[3] = {distance.n.x, distance.n.y, distance.n.z};
   for (int i = 0; i < 12; ++i)
     for (int j = 0; j < 12; ++j) H[12 * i + j] = k * (distance.c[i / 3] * n[i % 3]) * (distance.c[j / 3] * n[j % 3]);

@@ -18,7 +18,9 @@ typedef struct {
   f64 mollifier_threshold;  // of |e0 x e1|^2, 1e-3 |e0|^2 |e1|^2 of the rest lengths [m^4]; 0 for a point and a
                             // triangle
   f64 friction;             // coefficient of the pair of bodies
+  f64 adhesion;             // gamma of the pair of bodies [J/m^2]
+  f64 unused;
 } Barrier;
-SHARED_SIZE(Barrier, 80);
+SHARED_SIZE(Barrier, 96);
 SHARED_END
 #endif

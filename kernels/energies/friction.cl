@@ -1,11 +1,12 @@
-// Smoothed Coulomb friction of a lagged contact: E = mu lambda f0(|u|)      [J]
+// Smoothed Coulomb friction of a lagged contact: E = mu lambda f0(|u|) + chi lambda s^2 / (2 h)      [J]
 //   u = (I - n n^T) sum_i c_i (x_i - x0_i) + e        sliding within the step, plus the anchor's part [m]
-//   f0(y) = -y^3 / (3 eps^2) + y^2 / eps + eps / 3    for y < eps = epsilon_v h, else y   [m]
-// Li et al. 2020, "Incremental Potential Contact". c, n, lambda are lagged, so the Hessian is exact and positive
-// semi-definite. e is what a sticking contact carries from step to step (host/physics/friction_anchors.hpp).
-// Stencil: 4 sites.
+//   f0: smooth_coulomb.cl, eps = epsilon_v h
+//   s = n . sum_i c_i (x_i - x0_i)                    parting within the step [m]: N = lambda (1 - chi s / h)
+// Li et al. 2020, "Incremental Potential Contact"; the damping of the approach is that of Hunt and Crossley 1975. c, n,
+// lambda are lagged, so the Hessian is exact and positive semi-definite. e is what a sticking contact carries from step
+// to step (host/physics/friction_anchors.hpp). Stencil: 4 sites.
 #include "energies/friction.h"
-#include "shared/real.h"
+#include "energies/smooth_coulomb.cl"
 
 // u [m]
 static real3 friction_sliding(const Friction* p, const real3* x, const real3* x0) {
@@ -15,35 +16,44 @@ static real3 friction_sliding(const Friction* p, const real3* x, const real3* x0
   return u - dot(u, n) * n + vload3(0, p->anchor);
 }
 
-// f0'(y) / y [1/m], finite at y = 0
-static real friction_slope_over_sliding(const real y, const real eps) { return y < eps ? (2 - y / eps) / eps : 1 / y; }
+// s [m]
+static real friction_parting(const Friction* p, const real3* x, const real3* x0) {
+  real3 u = (real3)(0.0);
+  for (int i = 0; i < 4; ++i) u += p->coefficient[i] * (x[i] - x0[i]);
+  return dot(u, vload3(0, p->normal));
+}
+
+// chi lambda / h [N/m]
+static real friction_dissipation(const Friction* p, const real h) { return p->dissipation * p->normal_force / h; }
 
 real friction_energy(const Friction p, const real3* x, const real3* x0, const real h) {
+  const real s = p.dissipation > 0 ? friction_parting(&p, x, x0) : 0;
   const real y = length(friction_sliding(&p, x, x0)), eps = p.friction_velocity * h;
-  return p.friction * p.normal_force * (y < eps ? y * y * (1 - y / (3 * eps)) / eps + eps / 3 : y);
+  return p.friction * p.normal_force * smooth_coulomb(y, eps) + 0.5 * friction_dissipation(&p, h) * s * s;
 }
 
 void friction_gradient(const Friction p, const real3* x, const real3* x0, const real h, real3* g) {
   const real3 n = vload3(0, p.normal), u = friction_sliding(&p, x, x0);
   const real3 tangential = u - dot(u, n) * n;
-  const real scale = p.friction * p.normal_force * friction_slope_over_sliding(length(u), p.friction_velocity * h);
-  for (int i = 0; i < 4; ++i) g[i] = scale * p.coefficient[i] * tangential;
+  const real scale = p.friction * p.normal_force * smooth_coulomb_slope_over(length(u), p.friction_velocity * h);
+  const real along = p.dissipation > 0 ? friction_dissipation(&p, h) * friction_parting(&p, x, x0) : 0;
+  for (int i = 0; i < 4; ++i) g[i] = p.coefficient[i] * (scale * tangential + along * n);
 }
 
 void friction_hessian(const Friction p, const real3* x, const real3* x0, const real h, real* H) {
   const real3 n3 = vload3(0, p.normal), u3 = friction_sliding(&p, x, x0);
   const real3 tangential = u3 - dot(u3, n3) * n3;
   const real y = length(u3), eps = p.friction_velocity * h, force = p.friction * p.normal_force;
-  const real across = force * friction_slope_over_sliding(y, eps);
-  // along u the slope of f0 is less by y d(f0'/y)/dy = -y/eps^2 or -1/y: times u u^T / y^2; at y = 0 there is no
-  // direction
-  const real less = y > 0 ? force * (y < eps ? 1 / (eps * eps * y) : 1 / (y * y * y)) : 0;
+  const real across = force * smooth_coulomb_slope_over(y, eps);
+  const real less = force * smooth_coulomb_less_along(y, eps);
+  const real along = friction_dissipation(&p, h);
   const real n[3] = {n3.x, n3.y, n3.z}, u[3] = {tangential.x, tangential.y, tangential.z};
   for (int i = 0; i < 12; ++i)
     for (int j = 0; j < 12; ++j) {
       const int a = i % 3, b = j % 3;
       const real projector = (a == b ? 1 : 0) - n[a] * n[b];
-      H[12 * i + j] = p.coefficient[i / 3] * p.coefficient[j / 3] * (across * projector - less * u[a] * u[b]);
+      H[12 * i + j] =
+          p.coefficient[i / 3] * p.coefficient[j / 3] * (across * projector - less * u[a] * u[b] + along * n[a] * n[b]);
     }
 }
 

@@ -14,7 +14,7 @@ typedef struct {
   f64 friction;           // mu
   f64 friction_velocity;  // epsilon_v: slower sliding counts as sticking [m/s]
   f64 anchor[3];          // e: sliding carried over from earlier steps [m]
-  f64 unused;
+  f64 dissipation;        // chi: of the approach along the normal [s/m]
 } Friction;
 SHARED_SIZE(Friction, 144);
 SHARED_END

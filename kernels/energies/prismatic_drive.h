@@ -12,7 +12,9 @@ typedef struct {
   f64 target_change;  // over the step [m]
   f64 effort_limit;   // [N]; 0: none
   f64 feed_forward;   // force added to that of the stiffness before it is cut [N]
+  f64 play;           // within which a loose drive does not act [m]
+  f64 unused_;
 } PrismaticDrive;
-SHARED_SIZE(PrismaticDrive, 64);
+SHARED_SIZE(PrismaticDrive, 80);
 SHARED_END
 #endif

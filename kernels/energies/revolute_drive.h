@@ -12,7 +12,7 @@ typedef struct {
   f64 effort_limit;   // [N m]; 0: none
   f64 feed_forward;   // torque added to that of the stiffness before it is cut [N m]
   f64 angle0;         // q at the start of the step, whole turns included [rad]
-  f64 unused;
+  f64 play;           // within which a loose drive does not act [rad]
 } RevoluteDrive;
 SHARED_SIZE(RevoluteDrive, 80);
 SHARED_END

@@ -130,7 +130,7 @@ TEST(ContactSet, FarBodiesHaveNoCandidatesAndMayGoAnywhere) {
   trial.contact.find_contacts(x0);
   EXPECT_EQ(trial.contact.contacts().n(), 0u);
   EXPECT_TRUE(std::isinf(trial.contact.min_gap(x0)[0]));
-  trial.contact.lag_friction(x0, 0.01);
+  trial.contact.lag_friction(x0, 0.01, x0, x0);
   EXPECT_EQ(trial.contact.friction().n(), 0u);
   EXPECT_TRUE(trial.contact.forces(x0, x0, 0.01)[0].empty());
 }
@@ -185,7 +185,7 @@ TEST(ContactSet, FrictionPullsAgainstTheSlidingWithTheLaggedForce) {
   const Buffer<double> x = trial.upload(cube_moved(trial.bodies.x, Vec3(3e-4, 0, 0)));
   trial.contact.find_candidates(x0, x);
   trial.contact.find_contacts(x0);
-  trial.contact.lag_friction(x0, 0.01);
+  trial.contact.lag_friction(x0, 0.01, x0, x0);
   double lagged = 0;
   for (const Friction& row : trial.contact.friction().rows.read()) lagged += row.normal_force;
   trial.contact.find_contacts(x);
@@ -288,7 +288,7 @@ TEST(ContactSet, AWorldInCompanyGivesTheBitsOfTheWorldAlone) {
     trial.contact.find_candidates(x0, x1);
     const std::vector<double> step = trial.contact.largest_step(x0, x1);
     trial.contact.find_contacts(x0);
-    trial.contact.lag_friction(x0, 0.01);
+    trial.contact.lag_friction(x0, 0.01, x0, x0);
     return step;
   };
   const double expected = run(alone, fall(one.x, 0))[0];

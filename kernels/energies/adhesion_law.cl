@@ -1,0 +1,24 @@
+// Attraction of two surfaces, beside the barrier: gamma a(g) per area, g the gap, within the activation distance d:
+//   a(g) = -(1 - s)^2 (1 + 2 s),  s = g / d       so that parting them costs gamma, at most at 1.5 gamma / d per area
+#ifndef PVG_ENERGIES_ADHESION_LAW_CL
+#define PVG_ENERGIES_ADHESION_LAW_CL
+#include "shared/real.h"
+
+static real adhesion_value(const real g, const real d) {
+  const real s = g / d;
+  return s < 1 ? -(1 - s) * (1 - s) * (1 + 2 * s) : 0;
+}
+
+// a' [1/m], >= 0
+static real adhesion_slope(const real g, const real d) {
+  const real s = g / d;
+  return s < 1 ? 6 * s * (1 - s) / d : 0;
+}
+
+// a'' [1/m^2], negative in the outer half
+static real adhesion_curvature(const real g, const real d) {
+  const real s = g / d;
+  return s < 1 ? 6 * (1 - 2 * s) / (d * d) : 0;
+}
+
+#endif
