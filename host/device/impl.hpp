@@ -4,7 +4,9 @@
 #define CL_USE_DEPRECATED_OPENCL_1_2_APIS
 #include <CL/cl.h>
 #include <deque>
+#include <map>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "host/device/device.hpp"
@@ -36,8 +38,13 @@ struct Device::Impl {
     const std::lock_guard lock(staging);
     while (!staged.empty() && staged.front().number < before) staged.pop_front();
   }
+  // Programs that were built on this device, by options and text: who asks for the same again shares it.
+  std::mutex building;
+  std::map<std::string, cl_program> built;
+
   ~Impl() {
     if (queue) clFinish(queue), clReleaseCommandQueue(queue);
+    for (const auto& [text, program] : built) clReleaseProgram(program);
     if (context) clReleaseContext(context);
   }
 };

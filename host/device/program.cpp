@@ -63,14 +63,25 @@ void Program::build(const std::string& name, const std::string& text, const std:
   std::ostringstream expanded;
   expand(name, text, expanded);
   const std::string source = expanded.str();
+  const std::string options = "-cl-std=CL1.2 " + defines;
+  Device::Impl& impl = device_->impl();
+  const std::lock_guard lock(impl.building);
+  if (const auto known = impl.built.find(options + "\n" + source); known != impl.built.end()) {
+    handle_ = known->second;
+    clRetainProgram(known->second);
+    return;
+  }
   const char* pointer = source.c_str();
   cl_int code = 0;
-  handle_ = clCreateProgramWithSource(device_->impl().context, 1, &pointer, nullptr, &code);
+  handle_ = clCreateProgramWithSource(impl.context, 1, &pointer, nullptr, &code);
   if (code != CL_SUCCESS) throw DeviceError("kernel file " + name + " could not be given to the driver");
-  const std::string options = "-cl-std=CL1.2 " + defines;
-  const cl_device_id id = device_->impl().id;
+  const cl_device_id id = impl.id;
   code = clBuildProgram(static_cast<cl_program>(handle_), 1, &id, options.c_str(), nullptr, nullptr);
-  if (code == CL_SUCCESS) return;
+  if (code == CL_SUCCESS) {
+    impl.built.emplace(options + "\n" + source, static_cast<cl_program>(handle_));
+    clRetainProgram(static_cast<cl_program>(handle_));
+    return;
+  }
   std::size_t bytes = 0;
   clGetProgramBuildInfo(static_cast<cl_program>(handle_), id, CL_PROGRAM_BUILD_LOG, 0, nullptr, &bytes);
   std::string log(bytes, '\0');
