@@ -43,7 +43,8 @@ kernel void fill_contacts(const uint n, global const Barrier* restrict pairs, gl
 
 // lambda = kappa w m |b'|  [N]
 static real normal_force(const Barrier* p, const real3* x, const real d) {
-  return p->stiffness * p->area * pair_mollifier(p, x).value * -barrier_slope(d - p->offset, p->activation_distance);
+  return p->stiffness * p->area * pair_mollifier(p, x).value *
+         -barrier_slope(d - p->offset, barrier_range(p->adhesion, p->activation_distance));
 }
 
 // rows: [n] of energies/friction.cl

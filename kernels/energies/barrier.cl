@@ -9,15 +9,15 @@
 
 // kappa b + gamma a and its derivatives [J/m^2, J/m^3, J/m^4]
 static real contact_value(const Barrier* p, const real gap) {
-  const real b = p->stiffness * barrier_value(gap, p->activation_distance);
+  const real b = p->stiffness * barrier_value(gap, barrier_range(p->adhesion, p->activation_distance));
   return p->adhesion > 0 ? b + p->adhesion * adhesion_value(gap, p->activation_distance) : b;
 }
 static real contact_slope(const Barrier* p, const real gap) {
-  const real b = p->stiffness * barrier_slope(gap, p->activation_distance);
+  const real b = p->stiffness * barrier_slope(gap, barrier_range(p->adhesion, p->activation_distance));
   return p->adhesion > 0 ? b + p->adhesion * adhesion_slope(gap, p->activation_distance) : b;
 }
 static real contact_curvature(const Barrier* p, const real gap) {
-  const real b = p->stiffness * barrier_curvature(gap, p->activation_distance);
+  const real b = p->stiffness * barrier_curvature(gap, barrier_range(p->adhesion, p->activation_distance));
   return p->adhesion > 0 ? fmax(b + p->adhesion * adhesion_curvature(gap, p->activation_distance), 0) : b;
 }
 

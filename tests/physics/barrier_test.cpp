@@ -26,7 +26,9 @@ double mollifier(const Barrier& p, const Vec3* x) {
 double energy(const Barrier& p, const Vec3* x, const Vec3*, double) {
   const double g = distance(p, x) - p.offset, far = p.activation_distance;
   if (g >= far) return 0;
-  return p.stiffness * p.area * mollifier(p, x) * -(g - far) * (g - far) * std::log(g / far) / far;
+  const double range = p.adhesion > 0 ? far / 2 : far, s = g / far;
+  const double barrier = g < range ? -(g - range) * (g - range) * std::log(g / range) / range : 0;
+  return p.area * mollifier(p, x) * (p.stiffness * barrier - p.adhesion * (1 - s) * (1 - s) * (1 + 2 * s));
 }
 
 Barrier parameters(u32 kind, Random& random) {
@@ -128,6 +130,18 @@ TEST(Barrier, EnergyAndGradientAgreeWithTheEnergyInDouble) {
   for (const Which which : {Which::point_triangle, Which::edge_edge, Which::parallel}) {
     check.expect_energy(elements(which, 1000));
     check.expect_gradient(elements(which, 1000), 1e-5);
+  }
+}
+
+TEST(Barrier, AttractsWithAdhesion) {
+  EnergyCheck<Barrier> check = make_check();
+  for (const Which which : {Which::point_triangle, Which::edge_edge, Which::parallel}) {
+    std::vector<Element> all = elements(which, 1000);
+    Random random(7);
+    for (Element& e : all) e.params.adhesion = random.number(10, 1e4);
+    check.expect_energy(all);
+    check.expect_gradient(all, 1e-5);
+    check.expect_symmetric_positive_hessian(all);
   }
 }
 

@@ -172,6 +172,35 @@ TEST_F(SceneFiles, HoldMovingBodiesHalfSpacesLimitsAndDriveModes) {
   EXPECT_NEAR(run.targets_at(0.5).at(0), 0.1, 1e-15);
 }
 
+const char* const EFFECTS = R"(effects:
+  - {effect: linear_drag, target: cube, drag: 0.5 N s/m}
+  - {effect: joint_coulomb_friction, target: slider, effort: 2}
+  - {effect: adhesion, target: bar/floor, energy: 0.1}
+)";
+
+TEST_F(SceneFiles, HoldEffects) {
+  const std::vector<Effect> effects = load(std::string(SCENE) + EFFECTS).scene.effects;
+  ASSERT_EQ(effects.size(), 3u);
+  EXPECT_EQ(effects[0].name, "linear_drag");
+  EXPECT_EQ(effects[0].parameters, std::vector<double>{0.5});
+  EXPECT_EQ(effects[1].parameters, (std::vector<double>{2, 1e-3}));  // the second is what is usual
+  EXPECT_EQ(effects[2].target, "bar/floor");
+}
+
+TEST_F(SceneFiles, MistakesInEffectsAreNamed) {
+  const std::string text = std::string(SCENE) + EFFECTS;
+  expect_refused_in(text, "effect: linear_drag", "effect: drag", 28, "effects[0].effect");
+  expect_refused_in(text, "drag: 0.5 N s/m", "drag: 0.5 N", 28, "effects[0].drag");
+  expect_refused_in(text, "drag: 0.5 N s/m", "drag: -1", 28, "effects[0].drag");
+  expect_refused_in(text, "effort: 2", "torque: 2", 29, "effects[1].effort");
+  try {
+    load(std::string(SCENE) + "effects: [{effect: spin_drag, target: bar, drag: 1}]\n");
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_NE(std::string(error.what()).find("spin_drag: its target must be a rigid body"), std::string::npos);
+  }
+}
+
 TEST_F(SceneFiles, MistakesAreNamed) {
   expect_refused("kind: static", "kind: liquid", 7, "`bodies[0].kind`");
   expect_refused("size: 4", "size: -4", 7, "`bodies[0].shape.square.size`");
