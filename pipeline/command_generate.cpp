@@ -125,6 +125,7 @@ void run_generate(const GenerateOptions& options) {
     throw UsageError("generate needs a task file; `phyvisgen generate --help` shows an example");
   if (options.folder.empty()) throw UsageError("generate needs an output folder: -o DIR");
   const Shard shard = parse_shard(options.shard);
+  stop_within(7);
   const std::atomic<bool>& stop = stop_on_signals();
   Task task = load_task(options.task);
   apply(options.pictures, task);
@@ -139,6 +140,10 @@ void run_generate(const GenerateOptions& options) {
   for (std::uint64_t episode = shard.index; episode < options.n_episodes; episode += shard.count) {
     if (is_done(set, episode)) {
       ++n_skipped;
+      continue;
+    }
+    if (const auto known = failure_of(set.folder, episode); known && !options.retries_failed) {
+      reasons.push_back("episode " + std::to_string(episode) + " failed: " + *known);
       continue;
     }
     if (stop) throw TryAgain("stopped; the episodes that were finished stay, the same command continues");

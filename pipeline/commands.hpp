@@ -24,12 +24,31 @@ struct GenerateOptions {
   std::size_t frames_under_way = 3;  // bound of the stage graph
   bool no_render = false;            // states only
   bool keep_failed = false;          // keep the record of failed episodes
+  bool retries_failed = false;       // make failed episodes again
   bool as_json = false, is_verbose = false;
   bool shows_graph = false;  // print the graph and nothing else
 };
 
 // phyvisgen generate: episodes of a task, simulated, rendered and recorded into a folder.
 void run_generate(const GenerateOptions& options);
+
+struct StatusOptions {
+  std::string folder;  // of a set
+  bool as_json = false;
+};
+
+// phyvisgen status: what of a set is done, failed and why, missing; reads files only.
+void run_status(const StatusOptions& options);
+
+struct MergeOptions {
+  std::vector<std::string> folders;  // parts of one set
+  std::string output;                // may be one of them
+  bool removes = false;              // the parts, once they are merged
+};
+
+// phyvisgen merge: parts of one set into one folder. A UsageError where they are of different origin. What is there
+// already stays, so that it can be called again.
+void run_merge(const MergeOptions& options);
 
 struct SimulateOptions {
   std::string scene, file;          // scene file, states file

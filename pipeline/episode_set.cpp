@@ -80,9 +80,33 @@ void join_set(EpisodeSet& set) {
   set.n_asked = std::max(set.n_asked, old->value("episodes", std::uint64_t(0)));
 }
 
+EpisodeSet read_set(const fs::path& folder) {
+  const fs::path path = folder / "set.json";
+  const std::optional<Json> json = read_json(path);
+  if (!json) throw UsageError(path.string() + " does not exist; name a folder that generate has filled");
+  EpisodeSet set;
+  set.folder = folder;
+  try {
+    set.task = json->at("task");
+    set.seed = json->at("seed");
+    set.n_asked = json->at("episodes");
+    set.configuration = json->at("configuration");
+    for (const auto& [name, version] : json->at("versions").items()) set.versions.emplace_back(name, version);
+  } catch (const Json::exception&) {
+    throw UsageError(path.string() + " is no set.json of generate: a key is missing or has the wrong type");
+  }
+  return set;
+}
+
 // an episode's folder appears only when it is complete
 bool is_done(const EpisodeSet& set, std::uint64_t episode) {
   return fs::exists(episode_folder(set.folder, episode) / "summary.json");
+}
+
+std::optional<std::string> failure_of(const fs::path& folder, std::uint64_t episode) {
+  const std::optional<Json> summary = read_json(failed_folder(folder, episode) / "summary.json");
+  if (!summary) return std::nullopt;
+  return summary->value("reason", "unknown");
 }
 
 SetStatus read_status(const fs::path& folder) {
@@ -91,8 +115,7 @@ SetStatus read_status(const fs::path& folder) {
     if (fs::exists(episode_folder(folder, episode) / "summary.json")) status.done.push_back(episode);
   for (const std::uint64_t episode : episodes_in(folder / "failed")) {
     if (std::binary_search(status.done.begin(), status.done.end(), episode)) continue;
-    const std::optional<Json> summary = read_json(failed_folder(folder, episode) / "summary.json");
-    if (summary) status.failed.push_back({episode, summary->value("reason", "unknown")});
+    if (const auto reason = failure_of(folder, episode)) status.failed.push_back({episode, *reason});
   }
   return status;
 }
@@ -106,6 +129,23 @@ Json to_json(const std::vector<FailedEpisode>& episodes) {
 }
 }  // namespace
 
+std::vector<std::uint64_t> missing(const EpisodeSet& set, const SetStatus& status) {
+  std::vector<bool> is_there(set.n_asked, false);
+  for (const std::uint64_t episode : status.done)
+    if (episode < set.n_asked) is_there[episode] = true;
+  for (const FailedEpisode& failed : status.failed)
+    if (failed.episode < set.n_asked) is_there[failed.episode] = true;
+  std::vector<std::uint64_t> episodes;
+  for (std::uint64_t episode = 0; episode < set.n_asked; ++episode)
+    if (!is_there[episode]) episodes.push_back(episode);
+  return episodes;
+}
+
+double success_rate(const SetStatus& status) {
+  const std::size_t n = status.done.size() + status.failed.size();
+  return n ? double(status.done.size()) / double(n) : 0;
+}
+
 std::string status_json(const EpisodeSet& set) {
   const SetStatus status = read_status(set.folder);
   const Json json = {{"schema", 1},
@@ -114,7 +154,9 @@ std::string status_json(const EpisodeSet& set) {
                      {"seed", set.seed},
                      {"episodes", set.n_asked},
                      {"done", status.done},
-                     {"failed", to_json(status.failed)}};
+                     {"failed", to_json(status.failed)},
+                     {"missing", missing(set, status)},
+                     {"success_rate", success_rate(status)}};
   return json.dump(2) + "\n";
 }
 

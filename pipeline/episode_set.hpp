@@ -6,6 +6,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,9 +38,19 @@ std::filesystem::path failed_folder(const std::filesystem::path& set, std::uint6
 // larger of what was asked before and now.
 void join_set(EpisodeSet& set);
 
+// What set.json says; a UsageError where there is none.
+EpisodeSet read_set(const std::filesystem::path& folder);
+
 bool is_done(const EpisodeSet& set, std::uint64_t episode);
+// The reason if the episode was made and failed: it would fail again.
+std::optional<std::string> failure_of(const std::filesystem::path& set, std::uint64_t episode);
 SetStatus read_status(const std::filesystem::path& folder);
 void write_set(const EpisodeSet& set);
+
+// Episodes that were asked for and neither done nor failed, ascending; share of the made ones that succeeded (0 of
+// none).
+std::vector<std::uint64_t> missing(const EpisodeSet& set, const SetStatus& status);
+double success_rate(const SetStatus& status);
 
 // For --json: the set and its status.
 std::string status_json(const EpisodeSet& set);

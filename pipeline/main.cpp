@@ -41,12 +41,29 @@ void add_generate(CLI::App& program, pvg::GenerateOptions& o) {
       ->capture_default_str();
   command->add_flag("--no-render", o.no_render, "Simulate and record states only");
   command->add_flag("--keep-failed", o.keep_failed, "Keep the record of failed episodes in DIR/failed");
+  command->add_flag("--retry-failed", o.retries_failed,
+                    "Make episodes again that failed before; they fail again unless the program has changed");
   command->add_flag("--graph", o.shows_graph, "Print the graph of the stages (mermaid) and end");
   command->add_flag("--json", o.as_json, "Print the state of the set as JSON at the end");
   command->add_flag("-v,--verbose", o.is_verbose, "Explain: meshes, solver, time per stage");
   command->footer(
       "Exit codes: 0 done, 1 failed, 2 wrong use, 75 stopped before the end: call again to continue.\n"
       "Example:\n  phyvisgen generate data/tasks/weigh_beaker.yaml --episodes 10 --seed 1 -o out/beaker -v");
+}
+
+void add_status(CLI::App& program, pvg::StatusOptions& o) {
+  CLI::App* command = program.add_subcommand("status", "What of an episode set is done, failed and missing");
+  command->add_option("DIR", o.folder, "Folder of the set");
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer("Example:\n  phyvisgen status out/beaker");
+}
+
+void add_merge(CLI::App& program, pvg::MergeOptions& o) {
+  CLI::App* command = program.add_subcommand("merge", "Put the parts of one episode set into one folder");
+  command->add_option("DIR", o.folders, "Folders that generate has filled, of the same task, seed and options");
+  command->add_option("-o,--output", o.output, "Folder of the whole set; episodes that are there already stay");
+  command->add_flag("--remove", o.removes, "Remove the given folders once they are merged");
+  command->footer("Example:\n  phyvisgen merge out/shards/* -o out/beaker");
 }
 
 void add_simulate(CLI::App& program, pvg::SimulateOptions& o) {
@@ -168,6 +185,10 @@ int run(int argc, char** argv) {
   pvg::GenerateOptions generate;
   add_devices(program, devices);
   add_generate(program, generate);
+  pvg::StatusOptions status;
+  pvg::MergeOptions merge;
+  add_status(program, status);
+  add_merge(program, merge);
   pvg::SimulateOptions simulate;
   pvg::RenderOptions render;
   pvg::ValidateOptions validate;
@@ -194,6 +215,8 @@ int run(int argc, char** argv) {
   }
   if (program.got_subcommand("devices")) pvg::run_devices(devices);
   if (program.got_subcommand("generate")) pvg::run_generate(generate);
+  if (program.got_subcommand("status")) pvg::run_status(status);
+  if (program.got_subcommand("merge")) pvg::run_merge(merge);
   if (program.got_subcommand("simulate")) pvg::run_simulate(simulate);
   if (program.got_subcommand("render")) pvg::run_render(render);
   if (calibrate->got_subcommand("lut")) pvg::run_calibrate_lut(calibrate_lut);

@@ -8,4 +8,8 @@ namespace pvg {
 // Installs the handlers; the flag turns true once one of the signals arrives.
 const std::atomic<bool>& stop_on_signals();
 
+// To be called once, before stop_on_signals: what is still under way so long after a signal [s] ends with the process
+// (exit code 75), and the folders in the making go. Batch systems and container platforms kill after 10 s and more.
+void stop_within(double most_seconds);
+
 }  // namespace pvg

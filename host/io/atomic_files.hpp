@@ -7,8 +7,8 @@ namespace pvg {
 
 void write_text_atomically(const std::filesystem::path& path, const std::string& text);
 
-// A folder in the making: PARENT/.NAME.partial-PID until finish() makes it PARENT/NAME, replacing what stood there.
-// Without finish() it is removed with all that is in it.
+// A folder in the making: PARENT/.NAME.partial-PID.HOST until finish() makes it PARENT/NAME, replacing what stood
+// there. Without finish() it is removed with all that is in it.
 class PartialFolder {
  public:
   explicit PartialFolder(const std::filesystem::path& target);
@@ -21,7 +21,10 @@ class PartialFolder {
   std::filesystem::path target_, path_;
 };
 
-// Removes the partial folders in `parent` whose process is gone; returns how many.
+// Removes what this process has in the making, from any thread, before it ends without further ado.
+void remove_unfinished_folders();
+
+// Removes the partial folders in `parent` whose process, of this machine, is gone; returns how many.
 std::size_t remove_leftovers(const std::filesystem::path& parent);
 
 // Makes a folder and those above it, and proves that it can be written to; UsageError otherwise.

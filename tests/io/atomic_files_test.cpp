@@ -56,16 +56,31 @@ TEST_F(AtomicFiles, AFinishedFolderReplacesTheOldOne) {
   EXPECT_TRUE(fs::exists(root / "episode_000000" / "new"));
 }
 
-TEST_F(AtomicFiles, LeftoversOfEndedProcessesGoAndThoseOfLiveOnesStay) {
+TEST_F(AtomicFiles, LeftoversOfEndedProcessesGoAndThoseOfLiveOnesAndOfOtherMachinesStay) {
   const pid_t child = fork();
   if (child == 0) _exit(0);
   waitpid(child, nullptr, 0);
-  fs::create_directory(root / (".episode_000000.partial-" + std::to_string(child)));
-  fs::create_directory(root / (".episode_000001.partial-" + std::to_string(getppid())));
+  char host[256] = "";
+  gethostname(host, sizeof host - 1);
+  const std::string gone = std::to_string(child), alive = std::to_string(getppid());
+  fs::create_directory(root / (".episode_000000.partial-" + gone + "." + host));
+  fs::create_directory(root / (".episode_000001.partial-" + alive + "." + host));
+  fs::create_directory(root / (".episode_000003.partial-" + gone + ".elsewhere-" + host));
   fs::create_directory(root / "episode_000002");
   fs::create_directory(root / ".mine.partial-x");
   EXPECT_EQ(remove_leftovers(root), 1u);
-  EXPECT_EQ(n_entries(root), 3u);
+  EXPECT_EQ(n_entries(root), 4u);
+  EXPECT_FALSE(fs::exists(root / (".episode_000000.partial-" + gone + "." + host)));
+}
+
+TEST_F(AtomicFiles, WhatIsInTheMakingCanBeRemovedFromOutside) {
+  fs::create_directory(root / "episode_000001");
+  PartialFolder folder(root / "episode_000000");
+  fs::create_directory(folder.path() / "inner");
+  write(folder.path() / "inner" / "a", "1");
+  remove_unfinished_folders();
+  EXPECT_FALSE(fs::exists(folder.path()));
+  EXPECT_TRUE(fs::exists(root / "episode_000001"));
 }
 
 TEST_F(AtomicFiles, TextIsReplacedWholeAndNothingElseIsLeft) {
