@@ -50,6 +50,16 @@ struct MergeOptions {
 // already stays, so that it can be called again.
 void run_merge(const MergeOptions& options);
 
+struct PackOptions {
+  std::string folder, output;        // of a set, of the data set
+  std::string format = "lerobot";    // lerobot, lerobot2, act, robomimic, zarr
+  std::string instruction;           // what the robot is told to do; empty: the task's name in words
+  std::vector<std::string> cameras;  // names; empty: all
+};
+
+// phyvisgen pack: the finished episodes of a set as a data set that imitation learning loads.
+void run_pack(const PackOptions& options);
+
 struct SimulateOptions {
   std::string scene, file;          // scene file, states file
   double duration = -1;             // [s]; negative: what the scene says

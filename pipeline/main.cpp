@@ -66,6 +66,18 @@ void add_merge(CLI::App& program, pvg::MergeOptions& o) {
   command->footer("Example:\n  phyvisgen merge out/shards/* -o out/beaker");
 }
 
+void add_pack(CLI::App& program, pvg::PackOptions& o) {
+  CLI::App* command = program.add_subcommand("pack", "Make a data set for imitation learning of an episode set");
+  command->add_option("DIR", o.folder, "Folder of the set; its finished episodes are packed");
+  command->add_option("--format", o.format, "lerobot (3.0), lerobot2 (2.1), act, robomimic or zarr (UMI)")
+      ->check(CLI::IsMember({"lerobot", "lerobot2", "act", "robomimic", "zarr"}))
+      ->capture_default_str();
+  command->add_option("-o,--output", o.output, "Folder to make");
+  command->add_option("--camera", o.cameras, "Only this camera; may stand several times")->allow_extra_args(false);
+  command->add_option("--instruction", o.instruction, "What the robot is told to do; else the task's name in words");
+  command->footer("Example:\n  phyvisgen pack out/beaker --format lerobot -o out/beaker_lerobot");
+}
+
 void add_simulate(CLI::App& program, pvg::SimulateOptions& o) {
   CLI::App* command = program.add_subcommand("simulate", "Simulate a scene file and record its states");
   command->add_option("SCENE", o.scene, "Scene file (YAML)");
@@ -189,6 +201,8 @@ int run(int argc, char** argv) {
   pvg::MergeOptions merge;
   add_status(program, status);
   add_merge(program, merge);
+  pvg::PackOptions pack;
+  add_pack(program, pack);
   pvg::SimulateOptions simulate;
   pvg::RenderOptions render;
   pvg::ValidateOptions validate;
@@ -217,6 +231,7 @@ int run(int argc, char** argv) {
   if (program.got_subcommand("generate")) pvg::run_generate(generate);
   if (program.got_subcommand("status")) pvg::run_status(status);
   if (program.got_subcommand("merge")) pvg::run_merge(merge);
+  if (program.got_subcommand("pack")) pvg::run_pack(pack);
   if (program.got_subcommand("simulate")) pvg::run_simulate(simulate);
   if (program.got_subcommand("render")) pvg::run_render(render);
   if (calibrate->got_subcommand("lut")) pvg::run_calibrate_lut(calibrate_lut);

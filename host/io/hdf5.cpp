@@ -178,14 +178,35 @@ void File::attribute(const std::string& object, const std::string& name, const s
     fail("write the attribute " + name + " of", object);
 }
 
-void File::attribute(const std::string& object, const std::string& name, const std::vector<std::string>& texts) {
+namespace {
+// texts of one length, side by side
+struct PackedTexts {
+  explicit PackedTexts(const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) longest = std::max(longest, text.size());
+    bytes.assign(longest * std::max<std::size_t>(texts.size(), 1), '\0');
+    for (std::size_t i = 0; i < texts.size(); ++i) texts[i].copy(bytes.data() + i * longest, longest);
+  }
   std::size_t longest = 1;
-  for (const std::string& text : texts) longest = std::max(longest, text.size());
-  std::string packed(longest * std::max<std::size_t>(texts.size(), 1), '\0');
-  for (std::size_t i = 0; i < texts.size(); ++i) texts[i].copy(packed.data() + i * longest, longest);
-  const Handle type = text_type(longest);
-  if (!write_attribute(open_object(object), name, type.id(), type.id(), {texts.size()}, packed.data()))
+  std::string bytes;
+};
+}  // namespace
+
+void File::attribute(const std::string& object, const std::string& name, const std::vector<std::string>& texts) {
+  const PackedTexts packed(texts);
+  const Handle type = text_type(packed.longest);
+  if (!write_attribute(open_object(object), name, type.id(), type.id(), {texts.size()}, packed.bytes.data()))
     fail("write the attribute " + name + " of", object);
+}
+
+void File::write_texts(const std::string& object, const std::vector<std::string>& texts) {
+  const PackedTexts packed(texts);
+  const Handle type = text_type(packed.longest), space = dataspace({texts.size()}), properties = dataset_properties();
+  make_parent(object);
+  const Handle dataset = own<H5Dclose>(
+      H5Dcreate2(handle_.id(), object.c_str(), type.id(), space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT));
+  if (dataset.id() < 0) fail("create", object);
+  if (!texts.empty() && H5Dwrite(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, packed.bytes.data()) < 0)
+    fail("write", object);
 }
 
 void File::attribute(const std::string& object, const std::string& name, std::int64_t number) {

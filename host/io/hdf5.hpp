@@ -99,6 +99,7 @@ class File {
   void write(const std::string& object, const Shape& shape, const std::vector<T>& values) {
     write(object, shape, std::span<const T>(values));
   }
+  void write_texts(const std::string& object, const std::vector<std::string>& texts);
   void make_group(const std::string& object);
   // of an object that exists; "/" is the file itself
   void attribute(const std::string& object, const std::string& name, const std::string& text);

@@ -1,0 +1,78 @@
+// An episode as data sets for imitation learning hold it: one row per picture. Every format is written from this.
+//
+//   row f       picture f, the end of the simulation step s(f) = /frame_step [f], at the time f / frames_per_second
+//   state       of the joints at the end of step s(f), which is what picture f shows
+//   action      the absolute target applied in step s(f + 1): where the robot is told to be when the next picture is
+//               taken. In the last row the target of the last step: stand still.
+//
+// The joints of one gripper are one column, its width: the sum of their positions, which is how far the fingers are
+// apart.
+#pragma once
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace pvg {
+
+using Rows = std::vector<std::vector<double>>;  // [n_frames][width]
+
+struct PackedCamera {
+  std::string name;
+  int width = 0, height = 0;  // [pixels]
+  std::filesystem::path video;
+  Rows K;               // [n_frames][9]
+  Rows T_world_camera;  // [n_frames][16] optical frame, row by row
+  bool moves = false;   // mounted on a robot
+};
+
+// The tool frame of a gripper: z along the fingers, y from finger to finger.
+struct PackedTool {
+  std::string name;                   // of the gripper's base
+  std::vector<Eigen::Matrix4d> pose;  // to world  [n_frames]
+  std::vector<double> width;          // [n_frames, m]
+  std::vector<double> width_action;   // [n_frames, m]
+};
+
+struct PackedObject {
+  std::string name;
+  std::vector<Eigen::Matrix4d> pose;  // affine, to world  [n_frames]
+};
+
+struct PackedEpisode {
+  std::uint64_t number = 0;
+  std::string task, robot;  // names
+  double frames_per_second = 0;
+  std::vector<std::string> columns;  // names of the joints and widths, without slashes
+  std::vector<bool> is_width;        // [n_columns] a gripper's
+  Rows state, velocity, action;      // [n_frames][n_columns, rad or m, per s]
+  std::vector<PackedTool> tools;
+  std::vector<PackedObject> objects;
+  std::vector<PackedCamera> cameras;
+  std::size_t n_frames() const { return state.size(); }
+};
+
+// folder: a finished episode. Cameras: these names, or all where there are none. A UsageError where it has no pictures
+// or lacks a camera.
+PackedEpisode read_packed_episode(const std::filesystem::path& folder, const std::vector<std::string>& cameras);
+
+// A Failure where a video holds another number of pictures than its episode.
+void demand_frames(const PackedCamera& camera, std::size_t n_frames, std::size_t n_pictures);
+
+// What is known of all episodes before the first is written.
+struct PackedSet {
+  std::size_t n_episodes = 0, n_frames = 0, most_frames = 0;
+  std::vector<double> least_action, most_action;  // [n_columns]
+};
+// Episodes of one set share columns, cameras and rate; a UsageError otherwise.
+void add(PackedSet& set, const PackedEpisode& first, const PackedEpisode& episode);
+
+// A format: a folder that is filled episode by episode.
+struct DataSetWriter {
+  virtual ~DataSetWriter() = default;
+  virtual void add(const PackedEpisode& episode) = 0;
+  virtual void finish() = 0;
+};
+
+}  // namespace pvg

@@ -1,0 +1,19 @@
+#!/bin/sh
+# Makes the virtual environment .venv-NAME with the given packages of PyPI; nothing happens where it has them already.
+# Arguments: NAME PACKAGE...
+set -eu
+cd "$(dirname "$0")/.."
+name="$1"
+shift
+wanted="$*"
+if [ -e ".venv-$name/packages" ] && [ "$(cat ".venv-$name/packages")" = "$wanted" ]; then exit 0; fi
+# Debian's own Python, whose version is known
+python=/usr/bin/python3
+if ! "$python" -c 'import ensurepip' 2>/dev/null; then
+  if [ "$(id -u)" = 0 ]; then as_root=""; else as_root="sudo"; fi
+  $as_root apt-get install -y -qq --no-install-recommends python3-venv >/dev/null
+fi
+echo "install: .venv-$name gets $wanted"
+"$python" -m venv ".venv-$name"
+".venv-$name/bin/pip" install --quiet --disable-pip-version-check "$@"
+echo "$wanted" >".venv-$name/packages"
