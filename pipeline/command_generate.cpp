@@ -20,6 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* STOPPED = "stopped; the episodes that were finished stay, the same command continues";
+
 struct Shard {
   std::uint64_t index = 0, count = 1;
 };
@@ -146,12 +148,17 @@ void run_generate(const GenerateOptions& options) {
       reasons.push_back("episode " + std::to_string(episode) + " failed: " + *known);
       continue;
     }
-    if (stop) throw TryAgain("stopped; the episodes that were finished stay, the same command continues");
+    if (stop) throw TryAgain(STOPPED);
     std::string reason;
-    if (make_episode(options, task, set, episode, physics, rendering, stop, reason))
-      ++n_made;
-    else
-      reasons.push_back(reason);
+    try {
+      if (make_episode(options, task, set, episode, physics, rendering, stop, reason))
+        ++n_made;
+      else
+        reasons.push_back(reason);
+    } catch (const std::exception&) {
+      if (!stop) throw;
+      throw TryAgain(STOPPED);  // whatever went wrong after a stop, such as that its folder is gone, is of the stop
+    }
   }
   write_set(set);
   if (options.as_json)

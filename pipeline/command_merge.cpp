@@ -20,18 +20,20 @@ bool are_equal(const fs::path& first, const fs::path& second) {
   return std::equal(Bytes(a), Bytes(), Bytes(b), Bytes());
 }
 
-void demand_same_origin(const EpisodeSet& first, const EpisodeSet& other) {
+void demand_same_origin(const EpisodeSet& first, const EpisodeSet& other, bool mixes_devices) {
   const auto demand = [&](bool is_same, const std::string& what) {
     if (!is_same)
-      throw UsageError(other.folder.string() + " and " + first.folder.string() + " hold episodes of different " + what +
-                       "; only parts of one set can be merged");
+      throw UsageError(other.folder.string() + " and " + first.folder.string() +
+                       " are not parts of one set, which alone can be merged: they hold episodes of different " + what);
   };
   demand(other.task == first.task, "tasks (" + other.task + " and " + first.task + ")");
   demand(other.seed == first.seed, "seeds (" + std::to_string(other.seed) + " and " + std::to_string(first.seed) + ")");
   demand(other.configuration == first.configuration, "configurations (the task file or an option differs)");
   for (const auto& version : other.versions)
-    demand(std::find(first.versions.begin(), first.versions.end(), version) != first.versions.end(),
-           "versions (" + version.first + " " + version.second + ")");
+    if (!mixes_devices || !version.first.starts_with("opencl_"))
+      demand(std::find(first.versions.begin(), first.versions.end(), version) != first.versions.end(),
+             "versions (" + version.first + " " + version.second + ")" +
+                 (version.first.starts_with("opencl_") ? "; with --mixed-devices they are merged all the same" : ""));
 }
 
 // The same file by another name where the file system can, a copy elsewhere.
@@ -83,7 +85,7 @@ void run_merge(const MergeOptions& options) {
   std::vector<EpisodeSet> parts;
   for (const std::string& folder : options.folders) parts.push_back(read_set(folder));
   if (fs::exists(fs::path(options.output) / "set.json")) parts.push_back(read_set(options.output));
-  for (const EpisodeSet& part : parts) demand_same_origin(parts.front(), part);
+  for (const EpisodeSet& part : parts) demand_same_origin(parts.front(), part, options.mixes_devices);
   EpisodeSet whole = parts.front();
   whole.folder = options.output;
   for (const EpisodeSet& part : parts) whole.n_asked = std::max(whole.n_asked, part.n_asked);

@@ -44,6 +44,7 @@ struct MergeOptions {
   std::vector<std::string> folders;  // parts of one set
   std::string output;                // may be one of them
   bool removes = false;              // the parts, once they are merged
+  bool mixes_devices = false;        // parts of several devices or drivers: an episode's bits depend on who made it
 };
 
 // phyvisgen merge: parts of one set into one folder. A UsageError where they are of different origin. What is there
@@ -59,6 +60,25 @@ struct PackOptions {
 
 // phyvisgen pack: the finished episodes of a set as a data set that imitation learning loads.
 void run_pack(const PackOptions& options);
+
+struct SubmitOptions {
+  std::string task, folder;  // task file, folder of the set
+  std::uint64_t n_episodes = 1, n_shards = 1, seed = 0;
+  std::uint64_t n_at_once = 0;                                // shards that run at a time; 0: all
+  std::vector<std::string> generate_options, sbatch_options;  // for generate; lines for Slurm, such as --partition=gpu
+  bool runs = false;                                          // submit, not only write
+};
+
+// phyvisgen submit: a Slurm array job that makes the set in shards and a job that merges them, in DIR/jobs.
+void run_submit(const SubmitOptions& options);
+
+struct ViewOptions {
+  std::string folder, output;    // of a set or of an episode, HTML file
+  std::uint64_t n_episodes = 6;  // of a set, shown with videos and motion; all others stand in the table
+};
+
+// phyvisgen view: one HTML page that needs nothing else, of a set or of an episode.
+void run_view(const ViewOptions& options);
 
 struct SimulateOptions {
   std::string scene, file;          // scene file, states file

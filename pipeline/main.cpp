@@ -62,6 +62,8 @@ void add_merge(CLI::App& program, pvg::MergeOptions& o) {
   CLI::App* command = program.add_subcommand("merge", "Put the parts of one episode set into one folder");
   command->add_option("DIR", o.folders, "Folders that generate has filled, of the same task, seed and options");
   command->add_option("-o,--output", o.output, "Folder of the whole set; episodes that are there already stay");
+  command->add_flag("--mixed-devices", o.mixes_devices,
+                    "Merge parts that were made on different devices, too; same bits are not promised across devices");
   command->add_flag("--remove", o.removes, "Remove the given folders once they are merged");
   command->footer("Example:\n  phyvisgen merge out/shards/* -o out/beaker");
 }
@@ -76,6 +78,41 @@ void add_pack(CLI::App& program, pvg::PackOptions& o) {
   command->add_option("--camera", o.cameras, "Only this camera; may stand several times")->allow_extra_args(false);
   command->add_option("--instruction", o.instruction, "What the robot is told to do; else the task's name in words");
   command->footer("Example:\n  phyvisgen pack out/beaker --format lerobot -o out/beaker_lerobot");
+}
+
+void add_submit(CLI::App& program, pvg::SubmitOptions& o) {
+  CLI::App* command =
+      program.add_subcommand("submit", "Make an episode set on a Slurm cluster: array job and merge job");
+  command->add_option("TASK", o.task, "Task file (YAML)");
+  command->add_option("-n,--episodes", o.n_episodes, "How many episodes the set has")->check(CLI::PositiveNumber);
+  command->add_option("--shards", o.n_shards, "Into how many jobs it is split")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--at-once", o.n_at_once, "How many of them run at a time; else all");
+  command->add_option("--seed", o.seed, "Seed of the set")->capture_default_str();
+  command->add_option("-o,--output", o.folder,
+                      "Folder of the set, which all nodes see; scripts and logs lie in its jobs");
+  command
+      ->add_option("--sbatch", o.sbatch_options, "A line for Slurm, such as --partition=gpu; may stand several times")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--generate", o.generate_options,
+                   "An option for generate, such as --samples=64; may stand several times")
+      ->allow_extra_args(false);
+  command->add_flag("--run", o.runs, "Submit the jobs; else they are only written");
+  command->footer(
+      "Example:\n  phyvisgen submit data/tasks/weigh_beaker.yaml -n 10000 --shards 100 --sbatch=--gres=gpu:1 \\\n"
+      "      --sbatch=--time=12:00:00 -o /shared/beaker --run");
+}
+
+void add_view(CLI::App& program, pvg::ViewOptions& o) {
+  CLI::App* command = program.add_subcommand("view", "One HTML page of an episode or a set: videos, curves, 3D");
+  command->add_option("DIR", o.folder, "Folder of a set or of an episode");
+  command->add_option("-o,--output", o.output, "Page to write (.html); it needs no other file");
+  command->add_option("-n,--episodes", o.n_episodes, "So many episodes of a set with videos and 3D")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  command->footer("Example:\n  phyvisgen view out/beaker -o beaker.html");
 }
 
 void add_simulate(CLI::App& program, pvg::SimulateOptions& o) {
@@ -203,6 +240,10 @@ int run(int argc, char** argv) {
   add_merge(program, merge);
   pvg::PackOptions pack;
   add_pack(program, pack);
+  pvg::SubmitOptions submit;
+  add_submit(program, submit);
+  pvg::ViewOptions view;
+  add_view(program, view);
   pvg::SimulateOptions simulate;
   pvg::RenderOptions render;
   pvg::ValidateOptions validate;
@@ -232,6 +273,8 @@ int run(int argc, char** argv) {
   if (program.got_subcommand("status")) pvg::run_status(status);
   if (program.got_subcommand("merge")) pvg::run_merge(merge);
   if (program.got_subcommand("pack")) pvg::run_pack(pack);
+  if (program.got_subcommand("submit")) pvg::run_submit(submit);
+  if (program.got_subcommand("view")) pvg::run_view(view);
   if (program.got_subcommand("simulate")) pvg::run_simulate(simulate);
   if (program.got_subcommand("render")) pvg::run_render(render);
   if (calibrate->got_subcommand("lut")) pvg::run_calibrate_lut(calibrate_lut);

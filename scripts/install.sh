@@ -12,6 +12,8 @@ PACKAGES="$PACKAGES libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev liburdfdom-
   libcli11-dev libfmt-dev libhdf5-dev libarchive-dev libopenimageio-dev libtinygltf-dev"
 # programs that are called: tetrahedra, videos
 PACKAGES="$PACKAGES tetgen ffmpeg"
+# three.js, which goes into the pages of `phyvisgen view`
+PACKAGES="$PACKAGES libjs-three"
 # tests; OpenSubdiv is the oracle of our own subdivision
 PACKAGES="$PACKAGES libgtest-dev libosd-dev"
 
