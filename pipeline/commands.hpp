@@ -138,6 +138,20 @@ struct ValidateOptions {
 // phyvisgen validate: the validation cases. A Failure if a number that must hold does not.
 void run_validate(const ValidateOptions& options);
 
+struct DiagnoseOptions {
+  std::string recording, folder;  // folder of recording.yaml, folder of the report
+  std::string device;
+  int max_effects = 2;         // named together
+  bool only_checks = false;    // say what is wrong with the recording and end
+  bool lists_effects = false;  // print the names of all candidates and end
+  std::string suite;           // folder of cases instead of a recording
+  int n_jobs = 1;              // cases at once
+  bool as_json = false;
+};
+
+// phyvisgen diagnose: where a recording and its scene disagree, and what is missing.
+void run_diagnose(const DiagnoseOptions& options);
+
 struct BenchPhysicsOptions {
   std::vector<std::string> scenes;  // names; empty: all
   std::string device;

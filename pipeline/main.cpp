@@ -202,6 +202,28 @@ void add_validate(CLI::App& program, pvg::ValidateOptions& o) {
       "  phyvisgen validate --case cube_toss --recordings ../shared/realdata --all-recordings");
 }
 
+void add_diagnose(CLI::App& program, pvg::DiagnoseOptions& o) {
+  CLI::App* command = program.add_subcommand(
+      "diagnose", "Find where a recording and its scene disagree, and name the effect that is missing");
+  command->add_option("RECORDING", o.recording, "Folder with recording.yaml, or that file");
+  command->add_option("-o,--output", o.folder, "Folder for report.html, report.json and scene_amended.yaml");
+  command->add_option("--max-effects", o.max_effects, "Effects that may be named together")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
+  command->add_flag("--check", o.only_checks, "Say what is wrong with the recording and end");
+  command->add_flag("--list-effects", o.lists_effects, "Print all that can be named and end");
+  command->add_option("--suite", o.suite, "Folder of hidden-effect cases: diagnose all, print the table of scores");
+  command->add_option("--jobs", o.n_jobs, "Cases of the suite at once")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer(
+      "Examples:\n  phyvisgen diagnose recordings/pendulum -o out/pendulum\n"
+      "  phyvisgen diagnose recordings/pendulum --check\n  phyvisgen diagnose --list-effects --json\n"
+      "  phyvisgen diagnose --suite data/hidden -o out/hidden --jobs 2");
+}
+
 void add_bench_physics(CLI::App& bench, pvg::BenchPhysicsOptions& o) {
   CLI::App* command = bench.add_subcommand("physics", "Time the simulator on named scenes");
   command->add_option("--scene", o.scenes, "Only this scene; may stand several times")->allow_extra_args(false);
@@ -254,6 +276,8 @@ int run(int argc, char** argv) {
   pvg::CalibrateLutOptions calibrate_lut;
   add_calibrate_lut(*calibrate, calibrate_lut);
   add_validate(program, validate);
+  pvg::DiagnoseOptions diagnose;
+  add_diagnose(program, diagnose);
   CLI::App* bench = program.add_subcommand("bench", "Measure speed and memory");
   bench->require_subcommand(1);
   pvg::BenchPhysicsOptions bench_physics;
@@ -279,6 +303,7 @@ int run(int argc, char** argv) {
   if (program.got_subcommand("render")) pvg::run_render(render);
   if (calibrate->got_subcommand("lut")) pvg::run_calibrate_lut(calibrate_lut);
   if (program.got_subcommand("validate")) pvg::run_validate(validate);
+  if (program.got_subcommand("diagnose")) pvg::run_diagnose(diagnose);
   if (bench->got_subcommand("physics")) pvg::run_bench_physics(bench_physics);
   if (bench->got_subcommand("render")) pvg::run_bench_render(bench_render);
   return DONE;

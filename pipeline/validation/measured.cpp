@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/io/table.hpp"
 #include "pipeline/validation/cases.hpp"
-#include "pipeline/validation/recording.hpp"
 
 namespace pvg {
 namespace {
@@ -32,7 +32,7 @@ struct Toss {
   Vec3 velocity, angular_velocity;  // at the first frame, world [m/s], [rad/s]
 };
 
-std::vector<Toss> tosses_of(const Recording& r) {
+std::vector<Toss> tosses_of(const MeasuredTable& r) {
   std::vector<Toss> tosses;
   for (std::size_t i = 0; i < r.n_rows; ++i) {
     Pose pose = Pose::Identity();
@@ -104,7 +104,7 @@ std::vector<TossError> simulate_tosses(Validation& v, const SceneRun& run, const
 double measured_deflection(const std::vector<std::filesystem::path>& files) {
   std::vector<double> deflections;
   for (const auto& file : files) {
-    const Recording r = read_recording(file);
+    const MeasuredTable r = read_table(file);
     // mean of a marker's height over the time that it is held, and once it has come to rest
     const auto fall = [&](const std::string& marker) {
       const std::vector<double>&t = r["t"], &x = r[marker + "_x"];
@@ -146,7 +146,7 @@ double simulated_deflection(Validation& v, double mass, int n) {
 void validate_cube_toss(Validation& v) {
   const std::filesystem::path file = v.recordings / "cube_toss/tosses.csv";
   if (!std::filesystem::exists(file)) return v.skip(file.string() + " is not there");
-  const std::vector<Toss> all = tosses_of(read_recording(file));
+  const std::vector<Toss> all = tosses_of(read_table(file));
   const std::vector<Toss> tosses = tosses_to_report(all, v.uses_all_recordings ? all.size() : MOST_TOSSES);
   const std::vector<TossError> errors = simulate_tosses(v, v.load("cube_toss"), tosses);
   std::vector<double> position, rotation;
@@ -164,7 +164,7 @@ void validate_cube_toss(Validation& v) {
 
 void validate_silicone_beam(Validation& v) {
   const std::filesystem::path folder = v.recordings / "dragonskin_beam";
-  const auto unloaded = recordings_in(folder, "beam_gravity"), loaded = recordings_in(folder, "beam_load52");
+  const auto unloaded = tables_in(folder, "beam_gravity"), loaded = tables_in(folder, "beam_load52");
   if (unloaded.empty() || loaded.empty()) return v.skip(folder.string() + " holds no recordings");
   // coarser meshes first: what is left of the error is the model's
   for (const int n : {2, 3, 4}) {

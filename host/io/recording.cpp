@@ -1,0 +1,150 @@
+#include "host/io/recording.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "host/base/error.hpp"
+#include "host/scene/read_sections.hpp"
+#include "host/scene/yaml_section.hpp"
+
+namespace pvg {
+namespace {
+
+using Kind = RecordedChannel::Kind;
+const std::vector<std::string> KINDS = {"position", "rate", "torque", "orientation", "marker", "force"};
+
+RecordedRun read_run(YamlSection& section) {
+  RecordedRun run;
+  run.name = section.text("file");
+  run.is_held_out = section.choice("role", {"fit", "held_out"}) == 1;
+  try {
+    run.table = read_table(section.file("file"));
+  } catch (const Failure& failure) {
+    throw UsageError(failure.what());
+  }
+  section.done();
+  const std::string file = run.table.file.string();
+  if (!run.table.has("t")) throw UsageError(file + " has no column `t`, the time in seconds; name its first column so");
+  const std::vector<double>& t = run.table["t"];
+  if (t.size() < 8) throw UsageError(file + " holds " + std::to_string(t.size()) + " rows; a run needs at least 8");
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (!std::isfinite(t[i])) throw UsageError(file + ": the time of row " + std::to_string(i + 1) + " is missing");
+    if (i > 0 && !(t[i] > t[i - 1]))
+      throw UsageError(file + ": the time of row " + std::to_string(i + 1) + " does not come after the one before");
+  }
+  return run;
+}
+
+std::vector<std::string> read_columns(YamlSection& section) {
+  if (section.has("column") == section.has("columns"))
+    section.fail("", "must have either `column`, one name, or `columns`, a list of names");
+  return section.has("column") ? std::vector<std::string>{section.text("column")} : section.texts("columns");
+}
+
+RecordedInput read_input(YamlSection& section) {
+  RecordedInput input{read_columns(section), section.text("target"), section.text("unit", "")};
+  section.done();
+  return input;
+}
+
+// one sigma, or unknown
+double read_noise(YamlSection& section) {
+  const std::string text = section.text("noise", "unknown");
+  if (text == "unknown") return -1;
+  double value = 0;
+  const char* end = text.data() + text.size();
+  if (std::from_chars(text.data(), end, value).ptr != end || !(value > 0) || !std::isfinite(value))
+    section.fail("noise", "must be one sigma in the channel's unit, above 0, or `unknown`");
+  return value;
+}
+
+RecordedChannel read_channel(YamlSection& section) {
+  RecordedChannel channel;
+  const std::vector<std::string> more = {"velocity", "effort", "mask", "video"};
+  std::vector<std::string> names = KINDS;
+  names.insert(names.end(), more.begin(), more.end());
+  std::size_t kind = section.choice("kind", names);
+  if (kind == 6) kind = std::size_t(Kind::rate);
+  if (kind == 7) kind = std::size_t(Kind::torque);
+  if (kind > 7) section.fail("kind", "`" + names[kind] + "` is not compared yet; give joints, bodies or markers");
+  channel.kind = Kind(kind);
+  channel.columns = read_columns(section);
+  channel.joint = section.text("joint", "");
+  channel.body = section.text("body", "");
+  if (channel.joint.empty() == channel.body.empty()) section.fail("", "must name either a `joint` or a `body`");
+  channel.unit = section.text("unit", "");
+  if (section.has("point")) channel.point = section.vector("point", Unit::length, -REACH, REACH);
+  if (section.has("vertex")) channel.vertex = section.integer("vertex", 0, 100000000);
+  if (section.has("axis")) {
+    channel.axis = section.vector("axis", Unit::none, -1e6, 1e6);
+    if (!(channel.axis->norm() > 1e-9)) section.fail("axis", "must not have the length zero");
+    channel.axis->normalize();
+  }
+  channel.noise = read_noise(section);
+  const bool is_point = channel.kind == Kind::marker;
+  if (is_point && channel.point.has_value() == (channel.vertex >= 0))
+    section.fail("", "is a marker and needs either `point`, its rest position in the body's frame, or `vertex`");
+  if (!is_point && (channel.point || channel.vertex >= 0))
+    section.fail("", "has a `point` or `vertex`, which only the kind `marker` has");
+  const bool is_of_joint = !channel.joint.empty();
+  if (is_of_joint && channel.kind != Kind::position && channel.kind != Kind::rate && channel.kind != Kind::torque)
+    section.fail("kind", "of a joint must be position, rate or torque");
+  if (!is_of_joint && (channel.kind == Kind::rate || channel.kind == Kind::torque))
+    section.fail("kind", "of a body must be position, orientation, marker or force");
+  const std::size_t n = is_of_joint || channel.axis ? 1 : channel.kind == Kind::orientation ? 4 : 3;
+  if (channel.columns.size() != n)
+    section.fail(section.has("column") ? "column" : "columns",
+                 "must name " + std::to_string(n) + (n == 1 ? " column" : " columns") +
+                     (n == 3 ? "; one is enough where `axis` gives its direction" : ""));
+  section.done();
+  return channel;
+}
+
+void read_initial(YamlSection& root, Recording& recording) {
+  if (!root.has("initial")) return;
+  const YAML::Node node = YAML::LoadFile(recording.file.string())["initial"];
+  if (!node.IsMap()) {
+    recording.initial = Recording::Initial(root.choice("initial", {"first_sample", "fitted"}));
+    return;
+  }
+  recording.initial = Recording::Initial::given;
+  YamlSection section = root.section("initial");
+  for (const auto& entry : node) {
+    const std::string key = entry.first.Scalar();
+    recording.given[key] = section.number(key, Unit::none, -1e6, 1e6);
+  }
+  section.done();
+}
+
+}  // namespace
+
+const char* kind_name(RecordedChannel::Kind kind) { return KINDS[std::size_t(kind)].c_str(); }
+
+Recording load_recording(const std::filesystem::path& path) {
+  Recording recording;
+  recording.file = std::filesystem::is_directory(path) ? path / "recording.yaml" : path;
+  YamlSection root = YamlSection::load(recording.file, "recording");
+  check_schema(root);
+  recording.scene = root.file("scene");
+  for (YamlSection& section : root.sections("runs")) recording.runs.push_back(read_run(section));
+  for (YamlSection& section : root.sections("inputs")) recording.inputs.push_back(read_input(section));
+  for (YamlSection& section : root.sections("channels")) recording.channels.push_back(read_channel(section));
+  read_initial(root, recording);
+  root.done();
+  if (recording.runs.empty()) root.fail("runs", "holds no run: there is nothing to compare with");
+  if (recording.channels.empty()) root.fail("channels", "holds no channel: nothing was measured");
+  for (const RecordedRun& run : recording.runs) {
+    const auto check = [&](const std::vector<std::string>& columns, const std::string& key) {
+      for (const std::string& column : columns)
+        if (!run.table.has(column))
+          root.fail(key, "names the column `" + column + "`, which " + run.table.file.string() + " does not have");
+    };
+    for (const RecordedInput& input : recording.inputs) check(input.columns, "inputs");
+    for (const RecordedChannel& channel : recording.channels) check(channel.columns, "channels");
+  }
+  return recording;
+}
+
+}  // namespace pvg

@@ -1,0 +1,66 @@
+// A recording: what was commanded and measured in some runs of an experiment, and the scene that claims to explain it.
+// recording.yaml, schema 1; docs/discovery.md says how to write one:
+//
+//   scene: scene.yaml
+//   runs:
+//     - {file: run_00.csv, role: fit}                 # or held_out; CSV whose column t is the time [s], or HDF5
+//   inputs:
+//     - {column: cmd, target: joint/shoulder/position, unit: rad}       # or /velocity, /torque
+//     - {columns: [x, y, z], target: body/hand/position, unit: m}      # of a body of kind `moving`
+//   channels:
+//     - {column: q, kind: position, joint: shoulder, unit: rad, noise: 0.001}
+//     - {columns: [x, y, z], kind: position, body: cube, unit: m, noise: unknown}
+//     - {column: height, kind: position, body: ball, axis: [0, 0, 1], unit: m}
+//     - {columns: [qx, qy, qz, qw], kind: orientation, body: cube}
+//     - {columns: [mx, my, mz], kind: marker, body: beam, point: [0, 0, 0.1], unit: m}      # or vertex: 120
+//   initial: first_sample            # or fitted, or a mapping such as {joint/shoulder/position: 0.1}
+#pragma once
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/io/table.hpp"
+#include "host/scene/scene.hpp"
+
+namespace pvg {
+
+struct RecordedRun {
+  std::string name;  // as the recording names the file
+  bool is_held_out = false;
+  MeasuredTable table;
+};
+
+// What was commanded: columns, and what of the scene they are fed to.
+struct RecordedInput {
+  std::vector<std::string> columns;
+  std::string target, unit;  // joint/NAME/position, ...; empty unit: SI
+};
+
+struct RecordedChannel {
+  enum class Kind { position, rate, torque, orientation, marker, force };
+  Kind kind = Kind::position;
+  std::vector<std::string> columns;
+  std::string joint, body, unit;
+  std::optional<Vec3> point;  // of a marker, rest position in the body's frame [m]
+  int vertex = -1;            // of a marker instead
+  std::optional<Vec3> axis;   // of a position or marker with one column: its part along this direction
+  double noise = -1;          // one sigma, in `unit`; negative: unknown
+};
+const char* kind_name(RecordedChannel::Kind kind);
+
+struct Recording {
+  enum class Initial { first_sample, fitted, given };
+  std::filesystem::path file, scene;
+  std::vector<RecordedRun> runs;
+  std::vector<RecordedInput> inputs;
+  std::vector<RecordedChannel> channels;
+  Initial initial = Initial::first_sample;
+  std::map<std::string, double> given;  // "joint/NAME/position", "joint/NAME/velocity" -> SI
+};
+
+// `path`: the folder or its recording.yaml. Throws a UsageError that names file, line and key.
+Recording load_recording(const std::filesystem::path& path);
+
+}  // namespace pvg

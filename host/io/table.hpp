@@ -1,0 +1,27 @@
+// Measured data as tables of numbers: CSV with a header, or HDF5 with one array per column. An empty cell, or `nan`, is
+// a gap and reads as NaN.
+#pragma once
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace pvg {
+
+struct MeasuredTable {
+  std::map<std::string, std::vector<double>> columns;  // by the header's names [n_rows each]
+  std::size_t n_rows = 0;
+  std::filesystem::path file;
+  bool has(const std::string& name) const { return columns.contains(name); }
+  // Throws a Failure that names the file where the column is missing.
+  const std::vector<double>& operator[](const std::string& name) const;
+};
+
+// .h5 and .hdf5 are HDF5, whose arrays at the top are the columns. Throws a Failure naming file and line where a row is
+// not as long as the header or a cell holds something else than a number.
+MeasuredTable read_table(const std::filesystem::path& file);
+
+// The files of a folder whose names begin with `prefix` and end with .csv, in the order of their names.
+std::vector<std::filesystem::path> tables_in(const std::filesystem::path& folder, const std::string& prefix);
+
+}  // namespace pvg

@@ -1,0 +1,190 @@
+#include "pipeline/diagnose/decide.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+namespace pvg::diagnose {
+namespace {
+
+using Eigen::MatrixXd, Eigen::VectorXd;
+constexpr double CUT = 4;  // residuals count at most so many scales
+constexpr std::size_t MOST_GROUPS = 8;
+
+// windows -> groups that are left out together
+std::vector<std::size_t> groups_of(const FitData& data) {
+  std::map<int, std::size_t> runs;
+  for (const Window& window : data.windows) runs.emplace(window.run, runs.size());
+  std::vector<std::size_t> group;
+  const std::size_t n = data.windows.size();
+  for (std::size_t w = 0; w < n; ++w)
+    group.push_back(runs.size() >= 3 ? runs.at(data.windows[w].run) % MOST_GROUPS : w * std::min(n, MOST_GROUPS) / n);
+  return group;
+}
+
+// Residuals of each window by the fit that has not seen its group.
+std::vector<VectorXd> left_out(const FitData& data, const Fit& fit, const std::vector<std::size_t>& group) {
+  const std::size_t n_groups = 1 + *std::max_element(group.begin(), group.end());
+  if (fit.model.x.size() == 0 || n_groups < 2) return fit.residual;
+  const Reduced reduced = reduce(data, fit);
+  std::vector<VectorXd> residual = fit.residual;
+  for (std::size_t k = 0; k < n_groups; ++k) {
+    MatrixXd a = 1e-12 * MatrixXd::Identity(fit.model.x.size(), fit.model.x.size());
+    VectorXd g = VectorXd::Zero(fit.model.x.size());
+    for (std::size_t w = 0; w < group.size(); ++w)
+      if (group[w] != k) a += reduced.a[w], g += reduced.g[w];
+    // where the others do not tell a parameter it stays where it is
+    a.diagonal().array() += 1e-6 * reduced.sum_a().diagonal().array();
+    VectorXd dx = -a.ldlt().solve(g);
+    for (Eigen::Index i = 0; i < dx.size(); ++i) {
+      const Parameter& p = *fit.model.parameters()[std::size_t(i)];
+      dx[i] = std::clamp(fit.model.x[i] + dx[i], p.low, p.high) - fit.model.x[i];
+    }
+    for (std::size_t w = 0; w < group.size(); ++w) {
+      if (group[w] != k) continue;
+      residual[w] += fit.slope[w] * dx;
+      const VectorXd start = best_start(data, fit, w, dx);
+      if (start.size() > 0) residual[w] += data.of_start[w] * start;
+    }
+  }
+  return residual;
+}
+
+struct GroupErrors {
+  std::vector<double> sum, n;  // per group: of squares, cut
+  double mean() const {
+    double s = 0, m = 0;
+    for (std::size_t k = 0; k < sum.size(); ++k) s += sum[k], m += n[k];
+    return m > 0 ? s / m : 0;
+  }
+};
+
+GroupErrors errors_of(const std::vector<VectorXd>& residual, const std::vector<std::size_t>& group, double cut) {
+  GroupErrors errors;
+  const std::size_t n = 1 + *std::max_element(group.begin(), group.end());
+  errors.sum.assign(n, 0);
+  errors.n.assign(n, 0);
+  for (std::size_t w = 0; w < group.size(); ++w) {
+    errors.sum[group[w]] += residual[w].array().square().min(cut * cut).sum();
+    errors.n[group[w]] += double(residual[w].size());
+  }
+  return errors;
+}
+
+// standard error of mean(a) - mean(b): from the groups' scatter where there are enough, at least what noise of scale s
+// makes of two predictions that differ
+double sigma_of_difference(const GroupErrors& a, const GroupErrors& b, const std::vector<VectorXd>& ra,
+                           const std::vector<VectorXd>& rb, double s) {
+  double n = 0, apart = 0;
+  for (std::size_t w = 0; w < ra.size(); ++w) {
+    n += double(ra[w].size());
+    apart += (ra[w] - rb[w]).squaredNorm();
+  }
+  const double noise = 2 * s * std::sqrt(apart) / std::max(n, 1.0);
+  const std::size_t k = a.sum.size();
+  if (k < 3) return noise;
+  const double mean = a.mean() - b.mean();
+  double scatter = 0;
+  for (std::size_t i = 0; i < k; ++i) {
+    const double share = a.n[i] / n * double(k);
+    const double d = a.n[i] > 0 ? share * ((a.sum[i] - b.sum[i]) / a.n[i] - mean) : 0;
+    scatter += d * d;
+  }
+  return std::max(noise, std::sqrt(scatter / double(k * (k - 1))));
+}
+
+bool excludes_off(const Fit& fit, std::size_t n_base) {
+  const std::vector<const Parameter*> parameters = fit.model.parameters();
+  bool any = false;
+  for (std::size_t i = n_base; i < parameters.size(); ++i) {
+    const double away = std::abs(fit.model.x[Eigen::Index(i)] - parameters[i]->off);
+    any = any || away > 2 * std::sqrt(std::max(fit.covariance(Eigen::Index(i), Eigen::Index(i)), 0.0));
+  }
+  return any;
+}
+
+// A parameter that ended at a bound other than "off" is no measurement of it.
+bool is_at_bound(const Fit& fit, std::size_t n_base) {
+  const std::vector<const Parameter*> parameters = fit.model.parameters();
+  for (std::size_t i = n_base; i < parameters.size(); ++i) {
+    const Parameter& p = *parameters[i];
+    const double x = fit.model.x[Eigen::Index(i)], near = 1e-6 * (p.high - p.low);
+    if ((x < p.low + near && std::abs(p.low - p.off) > near) || (x > p.high - near && std::abs(p.high - p.off) > near))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fits) {
+  Decision decision;
+  const std::vector<std::size_t> group = groups_of(data);
+  double scale = base.scale;
+  for (const Fit& fit : fits)
+    if (fit.is_well) scale = std::min(scale, fit.scale);
+  const std::vector<VectorXd> base_residual = left_out(data, base, group);
+  const double cut = CUT * std::max(scale, base.scale);
+  const GroupErrors base_errors = errors_of(base_residual, group, cut);
+  decision.base_error = std::sqrt(base_errors.mean());
+  double n_data = 0;
+  for (const VectorXd& r : base.residual) n_data += double(r.size());
+  std::vector<GroupErrors> errors;
+  std::vector<std::vector<VectorXd>> residuals;
+  struct Entry {
+    Judged judged;
+    GroupErrors errors;
+    std::vector<VectorXd> residual;
+  };
+  std::vector<Entry> entries;
+  for (const Fit& fit : fits) {
+    if (!fit.is_well) continue;
+    Entry entry{{&fit}, {}, left_out(data, fit, group)};
+    entry.errors = errors_of(entry.residual, group, cut);
+    Judged& judged = entry.judged;
+    judged.error = std::sqrt(entry.errors.mean());
+    judged.better_by = base_errors.mean() - entry.errors.mean();
+    judged.better_sigma = sigma_of_difference(base_errors, entry.errors, base_residual, entry.residual, scale);
+    double prior = 0;
+    for (const Candidate* part : fit.model.parts) prior += part->prior;
+    judged.evidence = -robust_cost(fit.residual, scale) / (scale * scale) -
+                      0.5 * double(fit.model.x.size()) * std::log(n_data) + prior;
+    judged.excludes_off = excludes_off(fit, std::size_t(base.model.x.size()));
+    judged.passes = judged.excludes_off && !is_at_bound(fit, std::size_t(base.model.x.size())) &&
+                    judged.better_by > 2 * judged.better_sigma;
+    entries.push_back(std::move(entry));
+  }
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const Entry& a, const Entry& b) { return a.judged.error < b.judged.error; });
+  const double best_evidence = std::accumulate(entries.begin(), entries.end(), -1e300, [](double most, const Entry& e) {
+    return std::max(most, e.judged.evidence);
+  });
+  double sum = 0;
+  for (Entry& e : entries) sum += e.judged.probability = std::exp(e.judged.evidence - best_evidence);
+  for (Entry& e : entries) e.judged.probability /= sum;
+  // the simplest within one standard error of the best that passes
+  int best = -1;
+  for (std::size_t i = 0; i < entries.size() && best < 0; ++i)
+    if (entries[i].judged.passes) best = int(i);
+  decision.chosen = best;
+  const auto is_as_good = [&](const Entry& a, const Entry& than, double n_sigma) {
+    const double sigma = sigma_of_difference(a.errors, than.errors, a.residual, than.residual, scale);
+    return a.errors.mean() - than.errors.mean() <= n_sigma * sigma;
+  };
+  for (std::size_t i = 0; best >= 0 && i < entries.size(); ++i) {
+    const Judged &now = entries[std::size_t(decision.chosen)].judged, &other = entries[i].judged;
+    if (!other.passes || !is_as_good(entries[i], entries[std::size_t(best)], 1)) continue;
+    const Eigen::Index p = other.fit->model.x.size(), q = now.fit->model.x.size();
+    if (p < q || (p == q && other.evidence > now.evidence)) decision.chosen = int(i);
+  }
+  if (decision.chosen >= 0)
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      if (entries[i].judged.passes && is_as_good(entries[i], entries[std::size_t(decision.chosen)], 2))
+        decision.inseparable.push_back(i);
+  if (decision.inseparable.size() < 2) decision.inseparable.clear();
+  for (Entry& e : entries) decision.ranking.push_back(e.judged);
+  return decision;
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,67 @@
+// The workflow from a recording to a diagnosis: measure the noise, simulate, find where, screen, fit, decide, write.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pipeline/diagnose/decide.hpp"
+#include "pipeline/diagnose/localise.hpp"
+
+namespace pvg::diagnose {
+
+struct Settings {
+  int max_effects = 2;
+  std::size_t n_fitted = 8;       // candidates that are fitted, of those screened
+  double simulated_seconds = 12;  // of all windows of one evaluation, about
+};
+
+enum class Verdict { effect, retune, measurement, none, agrees };
+const char* verdict_name(Verdict verdict);
+
+// A parameter of a named effect with its interval of two standard deviations.
+struct NamedParameter {
+  std::string name, unit;
+  double value = 0, low = 0, high = 0;
+};
+struct NamedEffect {
+  const Candidate* candidate = nullptr;
+  std::vector<NamedParameter> parameters;
+};
+
+struct RankedModel {
+  std::vector<const Candidate*> parts;
+  double error = 0;  // left out, in units of noise
+  double evidence = 0, probability = 0;
+  std::vector<double> values;
+};
+
+// Measured and simulated, of one channel's component over one window.
+struct Curve {
+  std::string run, channel, unit;
+  bool is_held_out = false;
+  std::vector<double> t, measured, before, after;  // [s], [unit]
+};
+
+struct Diagnosis {
+  Verdict verdict = Verdict::agrees;
+  std::string sentence, next_experiment;
+  std::vector<NamedEffect> effects;
+  std::vector<RankedModel> ranking;
+  std::vector<std::vector<std::string>> inseparable;
+  std::vector<Cell> where;
+  std::vector<std::string> notes;                           // what the reader should know: noise, step, windows
+  double before = 0, after = 0, floor = 0, gap_closed = 0;  // held-out error [unit]
+  double fit_before = 0, fit_after = 0;                     // of the fitting runs, left out [noise]
+  std::string unit;
+  std::vector<Curve> curves;
+  double seconds = 0;
+  std::size_t simulations = 0;
+  Scene used;                                          // the base scene with the solver as chosen
+  std::shared_ptr<std::vector<Candidate>> candidates;  // owns what the pointers above point to
+};
+
+// folder: of the stages' files; empty: none are written.
+Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, const std::filesystem::path& folder);
+
+}  // namespace pvg::diagnose

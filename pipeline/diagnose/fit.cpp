@@ -1,0 +1,336 @@
+#include "pipeline/diagnose/fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pvg::diagnose {
+namespace {
+
+using Eigen::MatrixXd, Eigen::VectorXd;
+constexpr double FREEDOM = 4;          // degrees of, of Student's distribution
+constexpr double SMALL_CHANGE = 1e-3;  // of the cost, relative: the fit has converged
+
+VectorXd weights_of(const VectorXd& r, double s) {
+  return (1.0 / (1.0 + r.array().square() / (FREEDOM * s * s))).matrix() * ((FREEDOM + 1) / FREEDOM);
+}
+
+double start_cost(const std::vector<VectorXd>& delta) {
+  double sum = 0;
+  for (const VectorXd& d : delta) sum += 0.5 * d.squaredNorm();
+  return sum;
+}
+
+VectorXd clamped(const Model& model, VectorXd x) {
+  const std::vector<const Parameter*> parameters = model.parameters();
+  for (Eigen::Index i = 0; i < x.size(); ++i)
+    x[i] = std::clamp(x[i], parameters[std::size_t(i)]->low, parameters[std::size_t(i)]->high);
+  return x;
+}
+
+// the system of one window's start
+struct StartSystem {
+  MatrixXd weighted;             // W U
+  Eigen::LDLT<MatrixXd> factor;  // of U^T W U + 1
+};
+
+StartSystem start_system(const FitData& data, const Fit& fit, std::size_t w) {
+  const MatrixXd& u = data.of_start[w];
+  StartSystem system;
+  system.weighted = weights_of(fit.residual[w], fit.scale).asDiagonal() * u;
+  const MatrixXd a = u.transpose() * system.weighted + MatrixXd::Identity(u.cols(), u.cols());
+  system.factor.compute(a);
+  return system;
+}
+
+// sandwich: scores gathered by window, so that residuals that hang together within a window do not count as many; at
+// least what independent noise gives
+MatrixXd covariance_of(const FitData& data, const Fit& fit) {
+  const Reduced reduced = reduce(data, fit);
+  const Eigen::Index p = fit.model.x.size();
+  const MatrixXd inverse =
+      (reduced.sum_a() + 1e-12 * MatrixXd::Identity(p, p)).completeOrthogonalDecomposition().pseudoInverse();
+  MatrixXd scores = MatrixXd::Zero(p, p);
+  const VectorXd mean = reduced.sum_g() / double(reduced.g.size());
+  for (const VectorXd& g : reduced.g) scores += (g - mean) * (g - mean).transpose();
+  const double n = double(reduced.g.size());
+  const MatrixXd noise = inverse * fit.scale * fit.scale;
+  if (n < 3) return noise;
+  const MatrixXd sandwich = inverse * scores * inverse * (n / (n - 1));
+  MatrixXd both = noise;
+  for (Eigen::Index i = 0; i < p; ++i) both(i, i) = std::max(noise(i, i), sandwich(i, i));
+  return both;
+}
+
+}  // namespace
+
+std::vector<const Parameter*> Model::parameters() const {
+  std::vector<const Parameter*> all;
+  for (const Candidate* part : parts)
+    for (const Parameter& p : part->parameters) all.push_back(&p);
+  return all;
+}
+
+Variant variant_of(const Variant& base, const Model& model) {
+  Variant variant = base;
+  std::size_t first = 0;
+  for (const Candidate* part : model.parts) {
+    part->apply(variant, std::span<const double>(model.x.data() + first, part->parameters.size()));
+    first += part->parameters.size();
+  }
+  return variant;
+}
+
+double robust_scale(const std::vector<VectorXd>& residual) {
+  std::vector<double> all;
+  for (const VectorXd& r : residual)
+    for (const double value : r)
+      if (std::isfinite(value)) all.push_back(std::abs(value));
+  if (all.empty()) return 1;
+  std::nth_element(all.begin(), all.begin() + std::ptrdiff_t(all.size() / 2), all.end());
+  return std::max(1.0, 1.4826 * all[all.size() / 2]);
+}
+
+double robust_cost(const std::vector<VectorXd>& residual, double s) {
+  double sum = 0;
+  for (const VectorXd& r : residual)
+    sum += 0.5 * (FREEDOM + 1) * s * s * (1.0 + r.array().square() / (FREEDOM * s * s)).log().sum();
+  return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+}
+
+double rms(const std::vector<VectorXd>& residual) {
+  double sum = 0, n = 0;
+  for (const VectorXd& r : residual) {
+    sum += r.squaredNorm();
+    n += double(r.size());
+  }
+  return n > 0 ? std::sqrt(sum / n) : 0;
+}
+
+MatrixXd Reduced::sum_a() const {
+  MatrixXd sum = MatrixXd::Zero(a[0].rows(), a[0].cols());
+  for (const MatrixXd& one : a) sum += one;
+  return sum;
+}
+VectorXd Reduced::sum_g() const {
+  VectorXd sum = VectorXd::Zero(g[0].size());
+  for (const VectorXd& one : g) sum += one;
+  return sum;
+}
+
+Reduced reduce(const FitData& data, const Fit& fit) {
+  Reduced reduced;
+  for (std::size_t w = 0; w < data.windows.size(); ++w) {
+    const MatrixXd& j = fit.slope[w];
+    const StartSystem start = start_system(data, fit, w);
+    const MatrixXd wj = weights_of(fit.residual[w], fit.scale).asDiagonal() * j;
+    const MatrixXd cross = start.weighted.transpose() * j;
+    MatrixXd a = j.transpose() * wj;
+    VectorXd g = wj.transpose() * fit.residual[w];
+    if (cross.rows() > 0) {
+      a -= cross.transpose() * start.factor.solve(cross);
+      g -= cross.transpose() * start.factor.solve(start.weighted.transpose() * fit.residual[w] + fit.delta[w]);
+    }
+    reduced.a.push_back(a);
+    reduced.g.push_back(g);
+  }
+  return reduced;
+}
+
+VectorXd best_start(const FitData& data, const Fit& fit, std::size_t w, const VectorXd& dx) {
+  if (data.of_start[w].cols() == 0) return VectorXd();
+  const StartSystem start = start_system(data, fit, w);
+  VectorXd r = fit.residual[w];
+  if (dx.size() > 0) r += fit.slope[w] * dx;
+  return -start.factor.solve(start.weighted.transpose() * r + fit.delta[w]);
+}
+
+std::vector<std::vector<Prediction>> Fitter::evaluate(const FitData& data, const std::vector<Model>& models,
+                                                      const std::vector<std::vector<VectorXd>>& delta,
+                                                      bool wants_phases) {
+  std::vector<Variant> variants;
+  for (const Model& model : models) variants.push_back(variant_of(base_, model));
+  std::vector<Job> jobs;
+  for (std::size_t m = 0; m < models.size(); ++m)
+    for (std::size_t w = 0; w < data.windows.size(); ++w) {
+      Job job{&variants[m], &data.windows[w], data.windows[w].initial, wants_phases};
+      if (!delta.empty())
+        for (std::size_t k = 0; k < job.window->unknowns.size(); ++k)
+          move(job.initial, job.window->unknowns[k], delta[m][w][Eigen::Index(k)] * job.window->unknowns[k].sigma);
+      jobs.push_back(std::move(job));
+    }
+  std::vector<Prediction> flat = predictor_.predict(jobs);
+  std::vector<std::vector<Prediction>> out(models.size());
+  for (std::size_t i = 0; i < flat.size(); ++i) out[i / data.windows.size()].push_back(std::move(flat[i]));
+  return out;
+}
+
+FitData Fitter::prepare(std::vector<Window> windows, const Model& at) {
+  FitData data{std::move(windows), {}};
+  const Variant variant = variant_of(base_, at);
+  std::vector<Job> jobs;
+  for (const Window& window : data.windows) {
+    jobs.push_back({&variant, &window, window.initial, false});
+    for (const Unknown& unknown : window.unknowns) {
+      jobs.push_back(jobs.back());
+      jobs.back().initial = window.initial;
+      // a step of which the answer is seen, yet small
+      move(jobs.back().initial, unknown, 0.05 * unknown.sigma);
+    }
+  }
+  const std::vector<Prediction> found = predictor_.predict(jobs);
+  std::vector<Window> well;
+  std::size_t at_job = 0;
+  for (const Window& window : data.windows) {
+    const Prediction& here = found[at_job++];
+    MatrixXd u(Eigen::Index(window.data.size()), Eigen::Index(window.unknowns.size()));
+    bool is_well = here.is_well;
+    for (std::size_t k = 0; k < window.unknowns.size(); ++k, ++at_job) {
+      is_well = is_well && found[at_job].is_well;
+      u.col(Eigen::Index(k)) = (found[at_job].residual - here.residual) / 0.05;
+    }
+    if (!is_well) continue;
+    well.push_back(window);
+    data.of_start.push_back(std::move(u));
+  }
+  data.windows = std::move(well);
+  return data;
+}
+
+void Fitter::differentiate(const FitData& data, std::vector<Fit>& fits, const std::vector<char>& active) {
+  std::vector<Model> moved;
+  std::vector<std::vector<VectorXd>> delta;
+  std::vector<double> step;
+  for (std::size_t m = 0; m < fits.size(); ++m) {
+    if (!active[m]) continue;
+    const std::vector<const Parameter*> parameters = fits[m].model.parameters();
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      const Parameter& p = *parameters[i];
+      const double x = fits[m].model.x[Eigen::Index(i)];
+      double by = 0.03 * std::max(std::abs(x - p.off), fits[m].model.scale[Eigen::Index(i)]);
+      if (x + by > p.high) by = -by;
+      moved.push_back(fits[m].model);
+      moved.back().x[Eigen::Index(i)] += by;
+      delta.push_back(fits[m].delta);
+      step.push_back(by);
+    }
+  }
+  const std::vector<std::vector<Prediction>> found = evaluate(data, moved, delta);
+  std::size_t at = 0;
+  for (std::size_t m = 0; m < fits.size(); ++m) {
+    if (!active[m]) continue;
+    fits[m].slope.assign(data.windows.size(), {});
+    for (std::size_t w = 0; w < data.windows.size(); ++w)
+      fits[m].slope[w].resize(fits[m].residual[w].size(), fits[m].model.x.size());
+    for (Eigen::Index i = 0; i < fits[m].model.x.size(); ++i, ++at)
+      for (std::size_t w = 0; w < data.windows.size(); ++w) {
+        fits[m].slope[w].col(i) = (found[at][w].residual - fits[m].residual[w]) / step[at];
+        if (!fits[m].slope[w].col(i).allFinite()) fits[m].slope[w].col(i).setZero();
+      }
+  }
+}
+
+// One Gauss-Newton step of one fit under several dampings, as trials.
+void Fitter::add_trials(const FitData& data, const Fit& fit, std::size_t owner, bool only_starts,
+                        Trials& trials) const {
+  MatrixXd a;
+  VectorXd g;
+  if (fit.model.x.size() > 0 && !only_starts) {
+    const Reduced reduced = reduce(data, fit);
+    a = reduced.sum_a();
+    g = reduced.sum_g();
+  }
+  for (const double damping : a.size() > 0 ? std::vector<double>{1e-6, 1.0, 30.0} : std::vector<double>{0}) {
+    Model model = fit.model;
+    VectorXd dx;
+    if (a.size() > 0) {
+      MatrixXd damped = a;
+      damped.diagonal() += damping * a.diagonal() + VectorXd::Constant(a.rows(), 1e-12 * a.trace());
+      dx = -damped.ldlt().solve(g);
+      if (!dx.allFinite()) continue;
+      model.x = clamped(model, fit.model.x + dx);
+      dx = model.x - fit.model.x;
+    }
+    std::vector<VectorXd> delta = fit.delta;
+    for (std::size_t w = 0; w < delta.size(); ++w)
+      if (delta[w].size() > 0) delta[w] += best_start(data, fit, w, dx);
+    trials.models.push_back(std::move(model));
+    trials.delta.push_back(std::move(delta));
+    trials.owner.push_back(owner);
+  }
+}
+
+// Takes the best trial of each fit that is better than where it is; which got better.
+std::vector<char> Fitter::take_best(const FitData& data, const Trials& trials, std::vector<Fit>& fits) {
+  std::vector<std::vector<Prediction>> found = evaluate(data, trials.models, trials.delta);
+  std::vector<char> is_better(fits.size(), false);
+  for (std::size_t t = 0; t < found.size(); ++t) {
+    Fit& fit = fits[trials.owner[t]];
+    std::vector<VectorXd> residual;
+    bool is_well = true;
+    for (Prediction& p : found[t]) {
+      is_well = is_well && p.is_well;
+      residual.push_back(std::move(p.residual));
+    }
+    if (!is_well) continue;
+    const double cost = robust_cost(residual, fit.scale) + start_cost(trials.delta[t]);
+    if (!(cost < fit.cost)) continue;
+    fit.cost = cost;
+    fit.model = trials.models[t];
+    fit.delta = trials.delta[t];
+    fit.residual = std::move(residual);
+    is_better[trials.owner[t]] = true;
+  }
+  return is_better;
+}
+
+std::vector<Fit> Fitter::fit(const FitData& data, std::vector<Model> models, int n_steps) {
+  std::vector<Fit> fits(models.size());
+  std::vector<char> active(models.size(), true),
+      stale(models.size(), true);  // stale: its slopes are not of where it is
+  std::vector<VectorXd> zeros;
+  for (const Window& window : data.windows) zeros.push_back(VectorXd::Zero(Eigen::Index(window.unknowns.size())));
+  std::vector<std::vector<Prediction>> found = evaluate(data, models, std::vector(models.size(), zeros));
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    fits[m].model = std::move(models[m]);
+    fits[m].delta = zeros;
+    fits[m].is_well = true;
+    for (Prediction& p : found[m]) {
+      fits[m].is_well = fits[m].is_well && p.is_well;
+      fits[m].residual.push_back(std::move(p.residual));
+    }
+    active[m] = stale[m] = fits[m].is_well;
+  }
+  const bool only_starts = n_steps == 0;
+  for (int step = 0; step < std::max(n_steps, 1); ++step) {
+    if (!only_starts) differentiate(data, fits, active);
+    Trials trials;
+    std::vector<double> before(fits.size());
+    for (std::size_t m = 0; m < fits.size(); ++m) {
+      if (!active[m]) continue;
+      stale[m] = only_starts;
+      fits[m].scale = robust_scale(fits[m].residual);
+      before[m] = fits[m].cost = robust_cost(fits[m].residual, fits[m].scale) + start_cost(fits[m].delta);
+      add_trials(data, fits[m], m, only_starts, trials);
+    }
+    if (trials.models.empty()) break;
+    const std::vector<char> is_better = take_best(data, trials, fits);
+    for (std::size_t m = 0; m < fits.size(); ++m) {
+      if (!active[m]) continue;
+      stale[m] = stale[m] || is_better[m];
+      active[m] = is_better[m] && before[m] - fits[m].cost > SMALL_CHANGE * before[m];
+    }
+    if (tell) tell("step " + std::to_string(step + 1) + " of " + std::to_string(n_steps));
+  }
+  if (only_starts) return fits;
+  differentiate(data, fits, stale);
+  for (Fit& fit : fits) {
+    if (!fit.is_well) continue;
+    fit.scale = robust_scale(fit.residual);
+    fit.cost = robust_cost(fit.residual, fit.scale) + start_cost(fit.delta);
+    fit.covariance = covariance_of(data, fit);
+  }
+  return fits;
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,86 @@
+// Models fitted to windows by Gauss-Newton steps with damping, all models side by side. What is minimised is Student's
+// log-likelihood (4 degrees of freedom) of the residuals, so that single bad samples do not decide, plus what is known
+// of the windows' starts:
+//   C = sum_i 5/2 s^2 log(1 + r_i^2 / (4 s^2)) + sum_w sum_k delta_wk^2 / (2 sigma_wk^2)
+// with r the residuals in units of noise, s their scale, at least 1, and delta_w the errors of the start of window w,
+// which the linear system leaves to each window.
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "pipeline/diagnose/candidate.hpp"
+
+namespace pvg::diagnose {
+
+// Candidates together, and the values of all their parameters one after the other.
+struct Model {
+  std::vector<const Candidate*> parts;
+  Eigen::VectorXd x;
+  Eigen::VectorXd scale;  // changes worth trying
+  std::vector<const Parameter*> parameters() const;
+};
+
+// The base variant changed by a model.
+Variant variant_of(const Variant& base, const Model& model);
+
+// Windows, and how the residuals answer to what is not known of their starts: d r / d delta, in units of its sigma.
+struct FitData {
+  std::vector<Window> windows;
+  std::vector<Eigen::MatrixXd> of_start;  // [n_windows][n_data x n_unknowns]
+};
+
+struct Fit {
+  Model model;
+  std::vector<Eigen::VectorXd> delta;     // [n_windows][n_unknowns] in units of their sigma
+  std::vector<Eigen::VectorXd> residual;  // [n_windows][n_data]
+  std::vector<Eigen::MatrixXd> slope;     // [n_windows][n_data x n_parameters] d r / d x
+  Eigen::MatrixXd covariance;             // of x
+  double cost = 0, scale = 1;             // C; s
+  bool is_well = false;                   // simulated to the end of every window
+};
+
+class Fitter {
+ public:
+  Fitter(Predictor& predictor, const Variant& base) : predictor_(predictor), base_(base) {}
+
+  // The windows' answers to their starts, at a model.
+  FitData prepare(std::vector<Window> windows, const Model& at);
+  // Each model from where it is, starts fitted too. n_steps 0: only the starts, by one linear step, are fitted.
+  std::vector<Fit> fit(const FitData& data, std::vector<Model> models, int n_steps);
+  // Residuals at given models; delta as in Fit, empty: zeros.
+  std::vector<std::vector<Prediction>> evaluate(const FitData& data, const std::vector<Model>& models,
+                                                const std::vector<std::vector<Eigen::VectorXd>>& delta,
+                                                bool wants_phases = false);
+  std::function<void(const std::string&)> tell;  // progress, may be empty
+
+ private:
+  struct Trials {
+    std::vector<Model> models;
+    std::vector<std::vector<Eigen::VectorXd>> delta;
+    std::vector<std::size_t> owner;  // number of the fit
+  };
+  void differentiate(const FitData& data, std::vector<Fit>& fits, const std::vector<char>& active);
+  void add_trials(const FitData& data, const Fit& fit, std::size_t owner, bool only_starts, Trials& trials) const;
+  std::vector<char> take_best(const FitData& data, const Trials& trials, std::vector<Fit>& fits);
+  Predictor& predictor_;
+  const Variant& base_;
+};
+
+// 1.48 times the median of |r|, at least 1.
+double robust_scale(const std::vector<Eigen::VectorXd>& residual);
+double robust_cost(const std::vector<Eigen::VectorXd>& residual, double scale);
+// Root of the mean square of all residuals.
+double rms(const std::vector<Eigen::VectorXd>& residual);
+
+// The normal equations of one fit with the windows' starts eliminated. parts: per window.
+struct Reduced {
+  std::vector<Eigen::MatrixXd> a;  // [n_windows][p x p]
+  std::vector<Eigen::VectorXd> g;  // [n_windows][p]
+  Eigen::MatrixXd sum_a() const;
+  Eigen::VectorXd sum_g() const;
+};
+Reduced reduce(const FitData& data, const Fit& fit);
+// The change of a window's start that fits best when the parameters change by dx.
+Eigen::VectorXd best_start(const FitData& data, const Fit& fit, std::size_t window, const Eigen::VectorXd& dx);
+
+}  // namespace pvg::diagnose

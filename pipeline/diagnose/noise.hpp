@@ -1,0 +1,15 @@
+// Stage 1, the measurement first: the noise of each channel, where the recording does not say it.
+#pragma once
+#include "pipeline/diagnose/problem.hpp"
+
+namespace pvg::diagnose {
+
+// One standard deviation of white noise on samples of a smooth motion, from third differences of even samples: those of
+// noise alone have the variance 20 sigma^2. The median over the differences leaves impacts out. At least the step of a
+// quantised sensor divided by sqrt(12). NaN: too few samples.
+double noise_of(const std::vector<double>& values, std::size_t width);
+
+// Fills in the sigma of channels whose noise is unknown.
+void measure_noise(Problem& problem);
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,149 @@
+#include "pipeline/diagnose/rollout.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/physics/simulation.hpp"
+#include "pipeline/diagnose/sensor.hpp"
+#include "pipeline/stop_signal.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+constexpr std::size_t MOST_WORLDS = 256;   // of one solve
+constexpr std::size_t MOST_NODES = 20000;  // likewise
+constexpr double MARGIN = 0.06;            // beyond a window's end, for clocks that are late [s]
+
+std::size_t n_nodes(const Scene& scene) {
+  std::size_t n = 4 * scene.rigid_bodies.size();
+  for (const SoftBody& body : scene.soft_bodies) n += body.mesh.points.size();
+  for (const Cloth& cloth : scene.cloths) n += cloth.mesh.points.size();
+  return n;
+}
+
+Scene world_of(const Problem& problem, const Job& job) {
+  Scene scene = job.variant->scene;
+  start_at(problem, job.initial, scene);
+  scene.separates_start = true;  // a measured start may cut a little into what the body rests on
+  const Run& run = problem.runs[std::size_t(job.window->run)];
+  for (const PrescribedPath& prescribed : run.prescribed) {
+    RigidBody& body = scene.rigid_bodies[std::size_t(prescribed.rigid)];
+    body.path.clear();
+    for (const PathPoint& point : prescribed.path) {
+      const double time = point.time - job.window->start;
+      if (time <= 0) body.path.clear();  // the last one before the start becomes the first
+      body.path.push_back({std::max(time, 0.0), point.pose});
+    }
+    if (!body.path.empty()) body.pose = body.path.front().pose;
+  }
+  return scene;
+}
+
+// What the drives are told in the step that ends at `time` of the run's clock. A torque acts over the whole step, so
+// its value in the middle stands for it.
+std::vector<double> targets_of(const Scene& scene, const Run& run, double time, double h) {
+  std::vector<double> targets;
+  std::size_t driven = 0;
+  for (const Joint& joint : scene.joints) {
+    if (!is_driven(joint)) continue;
+    targets.push_back(run.targets[driven++].at(joint.drive.mode == Drive::Mode::torque ? time - h / 2 : time));
+  }
+  return targets;
+}
+
+std::size_t steps_of(const Window& window, double h) {
+  return std::size_t(std::ceil((window.end - window.start + MARGIN) / h)) + 1;
+}
+
+}  // namespace
+
+const char* phase_name(Phase phase) {
+  constexpr const char* NAMES[] = {"free", "driven", "impact", "stick", "slide", "roll", "rest"};
+  return NAMES[int(phase)];
+}
+
+std::vector<Prediction> Predictor::predict(std::span<const Job> jobs) {
+  std::vector<Prediction> out(jobs.size());
+  std::vector<std::size_t> order(jobs.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  const double h = jobs.empty() ? 1 : jobs[0].variant->scene.solver.time_step;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return steps_of(*jobs[a].window, h) > steps_of(*jobs[b].window, h);
+  });
+  const std::size_t per_batch =
+      std::clamp<std::size_t>(MOST_NODES / std::max<std::size_t>(1, n_nodes(problem_.scene.scene)), 1, MOST_WORLDS);
+  for (std::size_t i = 0; i < order.size(); i += per_batch)
+    predict_batch(jobs, std::span(order).subspan(i, std::min(per_batch, order.size() - i)), out);
+  return out;
+}
+
+void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::size_t> which,
+                              std::vector<Prediction>& out) {
+  std::vector<Scene> worlds;
+  std::vector<SensorTrace> traces;
+  std::size_t n_steps = 0;
+  for (const std::size_t i : which) {
+    worlds.push_back(world_of(problem_, jobs[i]));
+    traces.emplace_back(problem_, jobs[i]);
+    n_steps = std::max(n_steps, steps_of(*jobs[i].window, worlds[0].solver.time_step));
+  }
+  const double h = worlds[0].solver.time_step;
+  std::unique_ptr<Simulation> made;
+  try {
+    made = std::make_unique<Simulation>(device_, worlds);
+  } catch (const UsageError& refused) {  // a start that cannot be: the others go on without it
+    const std::size_t n = which.size();
+    if (n > 1) {
+      predict_batch(jobs, which.subspan(0, n / 2), out);
+      predict_batch(jobs, which.subspan(n / 2), out);
+      return;
+    }
+    Prediction& none = out[which[0]];
+    none.residual = Eigen::VectorXd::Constant(Eigen::Index(jobs[which[0]].window->data.size()), std::nan(""));
+    none.phase.assign(jobs[which[0]].wants_phases ? jobs[which[0]].window->data.size() : 0, Phase::free);
+    none.is_well = false;
+    return;
+  }
+  Simulation& simulation = *made;
+  const auto targets_at = [&](std::size_t step) {
+    std::vector<std::vector<double>> targets;
+    for (std::size_t w = 0; w < which.size(); ++w) {
+      const Window& window = *jobs[which[w]].window;
+      targets.push_back(
+          targets_of(worlds[w], problem_.runs[std::size_t(window.run)], window.start + double(step) * h, h));
+    }
+    return targets;
+  };
+  Checkpoint begin = simulation.checkpoint();
+  begin.targets = targets_at(0);  // so that no drive sees its reference jump in the first step
+  simulation.restore(begin);
+  std::vector<char> is_well(which.size(), true);
+  const auto look = [&](std::size_t step) {
+    for (std::size_t w = 0; w < which.size(); ++w)
+      if (is_well[w] && step <= steps_of(*jobs[which[w]].window, h)) traces[w].add(worlds[w], simulation.state(w));
+  };
+  look(0);
+  for (std::size_t step = 1; step <= n_steps; ++step) {
+    if (stop_on_signals()) throw TryAgain("stopped; what the finished stages found is kept, call again to continue");
+    try {
+      simulation.step(targets_at(step));
+    } catch (const StepFailure& failure) {
+      for (const StepEvent& event : failure.events) is_well[event.world] = false;
+      if (std::none_of(is_well.begin(), is_well.end(), [](char well) { return well; })) break;
+    }
+    look(step);
+  }
+  for (std::size_t w = 0; w < which.size(); ++w) {
+    Prediction& prediction = out[which[w]];
+    prediction.residual = traces[w].residual();
+    prediction.is_well = is_well[w] && prediction.residual.allFinite();
+    if (jobs[which[w]].wants_phases) {
+      prediction.phase = traces[w].phases();
+      prediction.touching = traces[w].touching();
+    }
+    world_seconds_ += double(steps_of(*jobs[which[w]].window, h)) * h;
+  }
+  n_simulations_ += which.size();
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,182 @@
+#include "pipeline/diagnose/screen.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace pvg::diagnose {
+namespace {
+
+using Eigen::MatrixXd, Eigen::VectorXd;
+constexpr double LEAST_ANSWER = 1e-3;              // rms in units of noise at the largest change tried: not seen
+const std::vector<double> RATIOS = {0.03, 1, 30};  // of the changes tried first to a parameter's scale
+
+struct Trial {
+  const Candidate* candidate;
+  std::size_t parameter;
+  double step;
+};
+
+Model with(const Model& base, const Candidate& candidate) {
+  Model model = base;
+  model.parts.push_back(&candidate);
+  const Eigen::Index first = model.x.size(), n = Eigen::Index(candidate.parameters.size());
+  model.x.conservativeResize(first + n);
+  model.scale.conservativeResize(first + n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    model.x[first + i] = candidate.parameters[std::size_t(i)].off;
+    model.scale[first + i] = candidate.parameters[std::size_t(i)].scale;
+  }
+  return model;
+}
+
+// inside the bounds, away from them where that can be
+double allowed(const Parameter& p, double step) {
+  if (p.off + step > p.high) step = p.off - step >= p.low ? -step : p.high - p.off;
+  return std::clamp(p.off + step, p.low, p.high) - p.off;
+}
+
+// A number that only shapes an effect does nothing while the strengths are off: the first strength is on meanwhile.
+std::vector<std::vector<VectorXd>> answers(Fitter& fitter, const FitData& data, const Fit& base,
+                                           const std::vector<Trial>& trials) {
+  std::vector<Model> models;
+  for (const Trial& trial : trials) {
+    Model model = with(base.model, *trial.candidate);
+    model.x[base.model.x.size() + Eigen::Index(trial.parameter)] += trial.step;
+    models.push_back(std::move(model));
+  }
+  const auto found = fitter.evaluate(data, models, std::vector(models.size(), base.delta));
+  std::vector<std::vector<VectorXd>> out(trials.size());
+  for (std::size_t t = 0; t < trials.size(); ++t)
+    for (std::size_t w = 0; w < data.windows.size(); ++w) {
+      VectorXd change = found[t][w].residual - base.residual[w];
+      if (!found[t][w].is_well) change.setConstant(std::nan(""));
+      out[t].push_back(std::move(change));
+    }
+  return out;
+}
+
+double size_of(const std::vector<VectorXd>& answer) {
+  const double size = rms(answer);
+  return std::isfinite(size) ? size : -1;
+}
+
+FitData some_windows(const FitData& data, std::size_t most, Fit& base) {
+  FitData some;
+  Fit fit;
+  fit.model = base.model;
+  const std::size_t n = std::min(most, data.windows.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t w = i * data.windows.size() / n;
+    some.windows.push_back(data.windows[w]);
+    some.of_start.push_back(data.of_start[w]);
+    fit.delta.push_back(base.delta[w]);
+    fit.residual.push_back(base.residual[w]);
+  }
+  base = std::move(fit);
+  return some;
+}
+
+// A change for each parameter that the sensors see about as well as the misfit itself.
+std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& base,
+                                const std::vector<const Candidate*>& candidates) {
+  std::vector<Trial> trials;
+  for (const Candidate* candidate : candidates)
+    for (std::size_t i = 0; i < candidate->parameters.size(); ++i)
+      for (const double ratio : RATIOS) {
+        const Parameter& p = candidate->parameters[i];
+        trials.push_back({candidate, i, allowed(p, ratio * p.scale)});
+      }
+  Fit few = base;
+  const FitData some = some_windows(data, 6, few);
+  const std::vector<std::vector<VectorXd>> found = answers(fitter, some, few, trials);
+  const double wanted = std::clamp(rms(base.residual), 2.0, 30.0);
+  std::vector<Trial> chosen;
+  for (std::size_t t = 0; t < trials.size(); t += RATIOS.size()) {
+    double best = 1e300;
+    Trial trial = trials[t];
+    for (std::size_t k = 0; k < RATIOS.size(); ++k) {
+      const double size = size_of(found[t + k]);
+      if (size < LEAST_ANSWER) continue;
+      const double apart = std::abs(std::log(size / wanted));
+      if (apart >= best) continue;
+      best = apart;
+      const Parameter& p = trial.candidate->parameters[trial.parameter];
+      trial.step = allowed(p, trials[t + k].step * std::clamp(wanted / size, 0.03, 30.0));
+    }
+    if (best == 1e300) trial.step = 0;
+    chosen.push_back(trial);
+  }
+  return chosen;
+}
+
+}  // namespace
+
+std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& base,
+                             const std::vector<const Candidate*>& candidates) {
+  std::vector<Trial> trials = choose_steps(fitter, data, base, candidates);
+  std::erase_if(trials, [](const Trial& t) { return t.step == 0; });
+  const std::vector<std::vector<VectorXd>> found = answers(fitter, data, base, trials);
+  double n_data = 0;
+  for (const VectorXd& r : base.residual) n_data += double(r.size());
+  std::vector<Screened> screened;
+  for (std::size_t first = 0; first < trials.size();) {
+    std::size_t last = first;
+    while (last < trials.size() && trials[last].candidate == trials[first].candidate) ++last;
+    Screened one{trials[first].candidate, with(base.model, *trials[first].candidate), 0, 0};
+    Fit fit = base;
+    const Eigen::Index n_base = base.model.x.size();
+    std::vector<std::size_t> seen;  // trials whose answer is there
+    for (std::size_t t = first; t < last; ++t)
+      if (size_of(found[t]) > LEAST_ANSWER) seen.push_back(t);
+    fit.slope.assign(data.windows.size(), {});
+    for (std::size_t w = 0; w < data.windows.size(); ++w) {
+      fit.slope[w].resize(base.residual[w].size(), n_base + Eigen::Index(seen.size()));
+      for (Eigen::Index i = 0; i < n_base; ++i) fit.slope[w].col(i) = base.slope[w].col(i) * base.model.scale[i];
+      for (std::size_t i = 0; i < seen.size(); ++i) fit.slope[w].col(n_base + Eigen::Index(i)) = found[seen[i]][w];
+    }
+    fit.model.x = VectorXd::Zero(n_base + Eigen::Index(seen.size()));
+    first = last;
+    if (seen.empty()) continue;
+    const Reduced reduced = reduce(data, fit);
+    MatrixXd a = reduced.sum_a();
+    a.diagonal().array() += 1e-9 * a.trace();
+    const VectorXd g = reduced.sum_g();
+    VectorXd dx = -a.ldlt().solve(g);  // in units of the steps
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const Trial& trial = trials[seen[i]];
+      const Parameter& p = trial.candidate->parameters[trial.parameter];
+      double& d = dx[n_base + Eigen::Index(i)];
+      d = std::clamp(d, -20.0, 20.0);
+      d = (std::clamp(p.off + d * trial.step, p.low, p.high) - p.off) / trial.step;
+      one.model.x[n_base + Eigen::Index(trial.parameter)] = p.off + d * trial.step;
+      one.model.scale[n_base + Eigen::Index(trial.parameter)] = std::abs(trial.step);
+      one.answer = std::max(one.answer, size_of(found[seen[i]]));
+    }
+    for (Eigen::Index i = 0; i < n_base; ++i) dx[i] = std::clamp(dx[i], -1.0, 1.0);
+    one.model.x.head(n_base) += (dx.head(n_base).array() * base.model.scale.head(n_base).array()).matrix();
+    const std::vector<const Parameter*> bounds = base.model.parameters();
+    for (Eigen::Index i = 0; i < n_base; ++i)
+      one.model.x[i] = std::clamp(one.model.x[i], bounds[std::size_t(i)]->low, bounds[std::size_t(i)]->high);
+    one.gain = -(g.dot(dx) + 0.5 * dx.dot(a * dx)) - 0.5 * double(one.candidate->parameters.size()) * std::log(n_data);
+    if (one.gain > 0) screened.push_back(std::move(one));
+  }
+  std::stable_sort(screened.begin(), screened.end(),
+                   [](const Screened& a, const Screened& b) { return a.gain > b.gain; });
+  return screened;
+}
+
+std::vector<Screened> shortlist(const std::vector<Screened>& screened, std::size_t most) {
+  std::vector<Screened> list;
+  std::map<Family, int> n_of;
+  for (std::size_t i = 0; i < screened.size(); ++i) {
+    int& n = n_of[screened[i].candidate->family];
+    if (i < most || n < 2) {
+      list.push_back(screened[i]);
+      ++n;
+    }
+  }
+  return list;
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,26 @@
+// Stage 4: which candidates could explain the residual at all. Each one is switched on by a change that the sensors can
+// see, as worlds of one solve; the answer of the residuals is its signature, and the best sum of a candidate's
+// signatures, with every window's start free, tells how much of the misfit it could take away.
+#pragma once
+#include <vector>
+
+#include "pipeline/diagnose/fit.hpp"
+
+namespace pvg::diagnose {
+
+struct Screened {
+  const Candidate* candidate = nullptr;
+  Model model;        // the base model with the candidate at its linear optimum
+  double gain = 0;    // by which C would fall, less (number of parameters) / 2 log(number of data)
+  double answer = 0;  // rms of the residuals' answer to the change tried [noise]; 0: the data do not see it
+};
+
+// base: the fit of what is there already (perhaps nothing). Best first; candidates that fail or do nothing are left
+// out.
+std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& base,
+                             const std::vector<const Candidate*>& candidates);
+
+// The best ones to fit: `most` of them, yet always the best two of each family.
+std::vector<Screened> shortlist(const std::vector<Screened>& screened, std::size_t most);
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,35 @@
+// What the sensors of one window see of its simulation: the channels' values step by step, and from them the residuals
+// at the times of the samples.
+#pragma once
+#include <set>
+#include <string>
+#include <vector>
+
+#include "host/physics/simulation.hpp"
+#include "pipeline/diagnose/rollout.hpp"
+
+namespace pvg::diagnose {
+
+class SensorTrace {
+ public:
+  SensorTrace(const Problem& problem, const Job& job);
+  void add(const Scene& world, const WorldState& state);  // at the next step's end, the start first
+  Eigen::VectorXd residual() const;
+  std::vector<Phase> phases() const;
+  std::vector<std::string> touching() const { return {touching_.begin(), touching_.end()}; }
+
+ private:
+  std::vector<double> value_at(std::size_t channel, double time) const;  // [width], empty: not simulated so far
+  double time_of(std::size_t channel, std::size_t sample) const;         // in the simulation [s]
+  Phase phase_of(const Scene& world, const WorldState& state, const Channel& channel) const;
+
+  const Problem* problem_;
+  const Job* job_;
+  double h_;
+  std::vector<std::vector<double>> values_;  // [n_channels][n_steps x width]
+  std::vector<std::vector<Phase>> phase_;    // [n_channels][n_steps]
+  std::set<std::string> touching_;
+  std::vector<AffineMap> before_;  // rigid bodies one step before
+};
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,14 @@
+// The step and the integrator of the workflow's own simulations: the scene's, unless their error shows beside the
+// noise.
+#pragma once
+#include <string>
+
+#include "pipeline/diagnose/rollout.hpp"
+
+namespace pvg::diagnose {
+
+// Sets the solver of `base` and says what it did. An error of the integration that the sensors can see would be taken
+// for an effect (implicit Euler damps), so predictions are compared with those of finer steps and of second order.
+std::string choose_time_step(Predictor& predictor, const Problem& problem, Variant& base);
+
+}  // namespace pvg::diagnose

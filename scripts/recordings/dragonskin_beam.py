@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+"""A clamped silicone beam, held and let go, as two recordings: under its own weight, and with 52 g at its tip.
+
+    scripts/recordings/dragonskin_beam.py FOLDER_OF_CSV OUT
+
+The files' beam lies along z and falls along -x; here it lies along x and falls along -z. Each run begins where the tip
+begins to fall; where a marker sits then is taken as its place on the straight beam. The first repeat is fitted, the
+second held out.
+"""
+import pathlib
+import sys
+
+from recording_files import read_rows, write_recording, write_run
+
+STARTS_TO_FALL = 3e-4  # of a tip marker, from where it was held [m]
+LENGTH, BASE = 0.1, -0.0215  # of the beam, and where the base's markers lie along it in the files [m]
+
+SCENE = """schema: 1
+name: silicone_beam
+time_step: 10 ms
+duration: 3 s
+solver: {{velocity_tolerance: 1e-5}}
+bodies:
+  - {{name: wall, kind: static, shape: {{box: {{size: [0.01, 0.01, 0.01]}}}}, collides: false}}
+{weight}  - name: beam
+    kind: soft
+    shape: {{bar: {{size: [0.1, 0.03, 0.03], divisions: [6, 2, 2], nodes_per_element: 10}}}}
+    material: {{density: 1070, youngs_modulus: 263824, poisson_ratio: 0.49}}
+stitches:
+  - {{soft: beam, rigid: wall, low: [-0.0501, -1, -1], high: [-0.0499, 1, 1], stiffness: 1e6}}
+{hung}"""
+WEIGHT = "  - {name: weight, kind: rigid, shape: {box: {size: [0.01, 0.01, 0.01]}}, mass: 0.052, pose: {position: [0.05, 0, 0]}, collides: false}\n"
+HUNG = "  - {soft: beam, rigid: weight, low: [0.0499, -1, -1], high: [0.0501, 1, 1], stiffness: 1e5}\n"
+
+
+def turned(row, marker, centre):
+    """A marker's place in the beam's frame: its middle is the origin, x along it, z up."""
+    x, y, z = (float(row[f"{marker}_{axis}"]) for axis in "xyz")
+    return [z - centre[2], -(y - centre[1]), x - centre[0]]
+
+
+def main():
+    source, out = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+    for load in ("gravity", "load52"):
+        runs, points = [], None
+        for file in sorted(source.glob(f"beam_{load}_*.csv")):
+            rows = read_rows(file)
+            # the files' zero lies at the beam's clamp, in the corner of its section
+            centre = [sum(float(rows[0][f"Base-{i}_{axis}"]) for i in (1, 2, 3)) / 3 for axis in "xyz"]
+            centre[2] = LENGTH / 2 + centre[2] - BASE - 0.0215
+            held = [turned(rows[0], f"Tip-{i}", centre) for i in (1, 2, 3)]
+            first = next(k for k, row in enumerate(rows)
+                         if any(abs(turned(row, f"Tip-{i + 1}", centre)[2] - held[i][2]) > STARTS_TO_FALL for i in range(3)))
+            start = max(first - 1, 0)
+            points = points or held
+            samples = []
+            for row in rows[start:start + 300]:
+                sample = [float(row["t"]) - float(rows[start]["t"])]
+                for i in range(3):
+                    now = turned(row, f"Tip-{i + 1}", centre)
+                    sample += [points[i][k] + now[k] - held[i][k] for k in range(3)]
+                samples.append(sample)
+            header = ["t"] + [f"tip{i}_{axis}" for i in (1, 2, 3) for axis in "xyz"]
+            write_run(out / load, file.stem + ".csv", header, samples)
+            runs.append((file.stem + ".csv", "held_out" if file.stem.endswith("_b") else "fit"))
+        channels = [f"{{columns: [tip{i}_x, tip{i}_y, tip{i}_z], kind: marker, body: beam, "
+                    f"point: [{', '.join(f'{value:.5f}' for value in points[i - 1])}], unit: m, noise: 0.0001}}" for i in (1, 2, 3)]
+        loaded = load != "gravity"
+        write_recording(out / load, SCENE.format(weight=WEIGHT if loaded else "", hung=HUNG if loaded else ""), runs, channels)
+
+
+if __name__ == "__main__":
+    main()
