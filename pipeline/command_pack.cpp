@@ -1,7 +1,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <functional>
 
 #include "host/base/progress.hpp"
 #include "host/io/act_files.hpp"

@@ -84,9 +84,10 @@ void run_submit(const SubmitOptions& options) {
   if (!options.runs) {
     std::printf(
         "%s: generate.sbatch and merge.sbatch are written; submit them by\n"
-        "  merge_after=$(sbatch --parsable %s/generate.sbatch)\n"
-        "  sbatch --dependency=afterany:$merge_after %s/merge.sbatch\n",
-        jobs.c_str(), jobs.c_str(), jobs.c_str());
+        "  generate=$(sbatch --parsable %s)\n"
+        "  sbatch --dependency=afterany:$generate %s\n",
+        jobs.c_str(), quoted((jobs / "generate.sbatch").string()).c_str(),
+        quoted((jobs / "merge.sbatch").string()).c_str());
     return;
   }
   const fs::path sbatch = find_program("sbatch", "slurm-client");

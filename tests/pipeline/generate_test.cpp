@@ -82,6 +82,16 @@ TEST_F(Generate, FinishedEpisodesAreLeftAlone) {
   EXPECT_NE(text_of("stdout").find("\"done\": [\n    0\n  ]"), std::string::npos) << text_of("stdout");
 }
 
+TEST_F(Generate, WhatFailedBeforeIsCountedAndNotMadeAgain) {
+  put("failed/episode_000000/summary.json", R"({"reason": "the beaker fell"})");
+  const std::string command = std::string(PVG_PROGRAM) + " generate " PVG_DATA_FOLDER "/tasks/weigh_beaker.yaml -o " +
+                              out.string() + " -n 1 >/dev/null 2>" + (out / "stderr").string();
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_NE(text_of("stderr").find("episode 0 failed: the beaker fell"), std::string::npos) << text_of("stderr");
+  EXPECT_FALSE(fs::exists(out / "episode_000000"));
+}
+
 TEST_F(Generate, TheStatusIsReadOffTheFolder) {
   put("episode_000002/summary.json", "{}");
   put("episode_000000/summary.json", "{}");

@@ -40,6 +40,7 @@ TEST_F(Submit, TheScriptsNameEverythingAndAreShellScripts) {
   const std::string generate = script("generate.sbatch"), merge = script("merge.sbatch");
   expect_in(generate, "#SBATCH --array=0-3%2\n");
   expect_in(generate, "#SBATCH --requeue\n");
+  expect_in(generate, "#SBATCH --output=\"" + (root.path / "a set/jobs/shard_%a.log").string() + "\"\n");
   expect_in(generate, "#SBATCH --gres=gpu:1\n#SBATCH --time=10\n");
   expect_in(generate, "-n 10 --seed 6 --shard \"$SLURM_ARRAY_TASK_ID/4\"");
   expect_in(generate, R"( '--samples=64' 'it'\''s' &)");
