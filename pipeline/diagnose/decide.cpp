@@ -72,26 +72,31 @@ GroupErrors errors_of(const std::vector<VectorXd>& residual, const std::vector<s
   return errors;
 }
 
-// standard error of mean(a) - mean(b): from the groups' scatter where there are enough, at least what noise of scale s
-// makes of two predictions that differ
-double sigma_of_difference(const GroupErrors& a, const GroupErrors& b, const std::vector<VectorXd>& ra,
-                           const std::vector<VectorXd>& rb, double s) {
+// How much larger a's errors are than b's. relative: mean over the groups of (a - b) / max(a, b), so that a run with
+// large errors does not count for all, and its standard error from the groups' scatter. noise: the standard error of
+// mean(a) - mean(b) that noise of scale s makes of two predictions that differ.
+struct Difference {
+  double absolute = 0, noise = 0, relative = 0, relative_sigma = 0;
+  bool is_more_than(double n_sigma) const { return absolute > n_sigma * noise && relative > n_sigma * relative_sigma; }
+};
+
+Difference difference(const GroupErrors& a, const GroupErrors& b, const std::vector<VectorXd>& ra,
+                      const std::vector<VectorXd>& rb, double s) {
   double n = 0, apart = 0;
   for (std::size_t w = 0; w < ra.size(); ++w) {
     n += double(ra[w].size());
     apart += (ra[w] - rb[w]).squaredNorm();
   }
-  const double noise = 2 * s * std::sqrt(apart) / std::max(n, 1.0);
-  const std::size_t k = a.sum.size();
-  if (k < 3) return noise;
-  const double mean = a.mean() - b.mean();
-  double scatter = 0;
-  for (std::size_t i = 0; i < k; ++i) {
-    const double share = a.n[i] / n * double(k);
-    const double d = a.n[i] > 0 ? share * ((a.sum[i] - b.sum[i]) / a.n[i] - mean) : 0;
-    scatter += d * d;
-  }
-  return std::max(noise, std::sqrt(scatter / double(k * (k - 1))));
+  Difference d;
+  d.absolute = a.mean() - b.mean();
+  d.noise = 2 * s * std::sqrt(apart) / std::max(n, 1.0);
+  std::vector<double> of;
+  for (std::size_t k = 0; k < a.sum.size(); ++k)
+    if (a.n[k] > 0) of.push_back((a.sum[k] - b.sum[k]) / std::max({a.sum[k], b.sum[k], 1e-300}));
+  for (const double x : of) d.relative += x / double(of.size());
+  for (const double x : of) d.relative_sigma += (x - d.relative) * (x - d.relative);
+  if (of.size() > 1) d.relative_sigma = std::sqrt(d.relative_sigma / double(of.size() * (of.size() - 1)));
+  return d;
 }
 
 bool excludes_off(const Fit& fit, std::size_t n_base) {
@@ -145,14 +150,15 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
     Judged& judged = entry.judged;
     judged.error = std::sqrt(entry.errors.mean());
     judged.better_by = base_errors.mean() - entry.errors.mean();
-    judged.better_sigma = sigma_of_difference(base_errors, entry.errors, base_residual, entry.residual, scale);
+    const Difference better = difference(base_errors, entry.errors, base_residual, entry.residual, scale);
+    judged.better_sigma = better.noise;
     double prior = 0;
     for (const Candidate* part : fit.model.parts) prior += part->prior;
     judged.evidence = -robust_cost(fit.residual, scale) / (scale * scale) -
                       0.5 * double(fit.model.x.size()) * std::log(n_data) + prior;
     judged.excludes_off = excludes_off(fit, std::size_t(base.model.x.size()));
-    judged.passes = judged.excludes_off && !is_at_bound(fit, std::size_t(base.model.x.size())) &&
-                    judged.better_by > 2 * judged.better_sigma;
+    judged.passes =
+        judged.excludes_off && !is_at_bound(fit, std::size_t(base.model.x.size())) && better.is_more_than(2);
     entries.push_back(std::move(entry));
   }
   std::stable_sort(entries.begin(), entries.end(),
@@ -169,8 +175,7 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
     if (entries[i].judged.passes) best = int(i);
   decision.chosen = best;
   const auto is_as_good = [&](const Entry& a, const Entry& than, double n_sigma) {
-    const double sigma = sigma_of_difference(a.errors, than.errors, a.residual, than.residual, scale);
-    return a.errors.mean() - than.errors.mean() <= n_sigma * sigma;
+    return !difference(a.errors, than.errors, a.residual, than.residual, scale).is_more_than(n_sigma);
   };
   for (std::size_t i = 0; best >= 0 && i < entries.size(); ++i) {
     const Judged &now = entries[std::size_t(decision.chosen)].judged, &other = entries[i].judged;

@@ -14,7 +14,7 @@ struct Judged {
   const Fit* fit = nullptr;
   double error = 0;         // left-out: root of the mean square of residuals cut at 4 scales [noise]
   double better_by = 0;     // mean square of the base's left-out error less this one's
-  double better_sigma = 0;  // its standard error
+  double better_sigma = 0;  // its standard error by noise alone
   double evidence = 0;      // log, relative: -C/s^2 - p/2 log n + prior
   double probability = 0;
   bool excludes_off = false;

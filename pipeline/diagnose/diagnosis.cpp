@@ -123,8 +123,8 @@ std::vector<std::string> find_where(Workflow& flow, const FitData& data, const F
   }
   flow.out.where = localise(flow.problem, near.windows, fit.residual, phases);
   // contacts of later times show in whole windows only
-  for (const Prediction& p : flow.fitter.evaluate(data, {empty_model()}, {base.delta}, true)[0])
-    touching.insert(p.touching.begin(), p.touching.end());
+  found = flow.fitter.evaluate(data, {empty_model()}, {base.delta}, true);
+  for (const Prediction& p : found[0]) touching.insert(p.touching.begin(), p.touching.end());
   return {touching.begin(), touching.end()};
 }
 
@@ -183,7 +183,7 @@ Round run_round(Workflow& flow, const FitData& data, const Fit& base, int number
     else
       round.fits.push_back(fits[order[i]]);
   if (!again.empty())
-    for (Fit& fit : flow.fitter.fit(data, again, 5)) round.fits.push_back(std::move(fit));
+    for (Fit& fit : flow.fitter.fit(data, again, 3)) round.fits.push_back(std::move(fit));
   round.decision = decide(data, base, round.fits);
   return round;
 }
@@ -236,25 +236,22 @@ std::vector<Curve> curves_of(const Problem& problem, const FitData& data, const 
   return curves;
 }
 
-HeldOut judge_held_out(Workflow& flow, double length, const Model& model, bool in_noise, bool held_out) {
+HeldOut judge_held_out(Workflow& flow, double length, const Model& model, bool in_noise) {
   HeldOut result;
   const Model nothing = empty_model();
   std::vector<Window> windows =
-      make_windows(flow.problem, held_out, length, most_windows(flow.problem, flow.settings, length));
+      make_windows(flow.problem, true, length, most_windows(flow.problem, flow.settings, length));
   if (windows.empty()) return result;
   const FitData data = flow.fitter.prepare(std::move(windows), nothing);
   if (data.windows.empty()) return result;
-  const Fit before = flow.fitter.fit(data, {nothing}, 0).front();
-  const FitData answers = flow.fitter.prepare(data.windows, model);
-  if (answers.windows.size() != data.windows.size()) return result;
-  const Fit after = flow.fitter.fit(answers, {model}, 0).front();
-  if (!before.is_well || !after.is_well) return result;
-  result.before = error_in(flow.problem, data, before.residual, in_noise);
-  result.after = error_in(flow.problem, data, after.residual, in_noise);
+  const std::vector<Fit> fits = flow.fitter.fit(data, {nothing, model}, 0);
+  if (!fits[0].is_well || !fits[1].is_well) return result;
+  result.before = error_in(flow.problem, data, fits[0].residual, in_noise);
+  result.after = error_in(flow.problem, data, fits[1].residual, in_noise);
   std::vector<VectorXd> ones;
   for (const Window& window : data.windows) ones.push_back(VectorXd::Ones(Eigen::Index(window.data.size())));
   result.floor = error_in(flow.problem, data, ones, in_noise);
-  result.curves = curves_of(flow.problem, data, before, after, held_out ? 8 : 4);
+  result.curves = curves_of(flow.problem, data, fits[0], fits[1], 8);
   return result;
 }
 
@@ -308,7 +305,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
   flow.tell(1, 0,
             "noise of " + std::to_string(problem.channels.size()) + " channels, " +
                 std::to_string(problem.runs.size()) + " runs");
-  out.notes.push_back(choose_time_step(flow.predictor, problem, flow.base));
+  out.notes.push_back(choose_time_step(flow.fitter, flow.predictor, problem, flow.base));
   out.used = flow.base.scene;
   double length = 0;
   Fit base;
@@ -332,18 +329,18 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
   out.unit = in_noise ? "noise" : *units.begin();
   out.candidates = std::make_shared<std::vector<Candidate>>(make_candidates(problem, touching));
   out.fit_before = out.fit_after = rms(base.residual);
-  const auto finish = [&](const Model& model) {
+  const auto finish = [&](const Fit& named) {
     const bool any_held_out =
         std::any_of(problem.runs.begin(), problem.runs.end(), [](const Run& r) { return r.is_held_out; });
-    HeldOut judged = judge_held_out(flow, length, model, in_noise, true);
+    HeldOut judged = judge_held_out(flow, length, named.model, in_noise);
     if (any_held_out && judged.floor == 0) out.notes.push_back("the held-out runs could not be simulated to their end");
     out.before = judged.before;
     out.after = judged.after;
     out.floor = judged.floor;
     out.gap_closed = closed(out.before, out.after, out.floor);
     out.curves = std::move(judged.curves);
-    HeldOut fitted = judge_held_out(flow, length, model, in_noise, false);
-    out.curves.insert(out.curves.end(), fitted.curves.begin(), fitted.curves.end());
+    const std::vector<Curve> fitted = curves_of(problem, data, base, named, 4);
+    out.curves.insert(out.curves.end(), fitted.begin(), fitted.end());
     return judged.floor > 0;
   };
   const auto done = [&] {
@@ -353,7 +350,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
   };
   if (agrees(problem, data, base)) {
     out.verdict = Verdict::agrees;
-    finish(empty_model());
+    finish(base);
     return done();
   }
   flow.tell(3, 0.12,
@@ -393,7 +390,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
                     " times the noise: looking for another effect");
   }
   flow.tell(6, 0.93, "judging on the held-out runs");
-  const bool is_judged = finish(named.model);
+  const bool is_judged = finish(named);
   out.effects = named_of(named);
   if (out.effects.empty() || !is_judged || out.gap_closed < LEAST_GAP_CLOSED || out.after >= out.before)
     out.verdict = Verdict::none;

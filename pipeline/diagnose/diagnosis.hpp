@@ -12,7 +12,7 @@ namespace pvg::diagnose {
 
 struct Settings {
   int max_effects = 2;
-  std::size_t n_fitted = 8;       // candidates that are fitted, of those screened
+  std::size_t n_fitted = 7;       // candidates that are fitted, of those screened
   double simulated_seconds = 12;  // of all windows of one evaluation, about
 };
 

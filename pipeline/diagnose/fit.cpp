@@ -11,6 +11,8 @@ using Eigen::MatrixXd, Eigen::VectorXd;
 constexpr double FREEDOM = 4;          // degrees of, of Student's distribution
 constexpr double SMALL_CHANGE = 1e-3;  // of the cost, relative: the fit has converged
 
+constexpr double MOST_CORRECTION = 5;  // rms in units of noise; more is no small error of the integration
+
 VectorXd weights_of(const VectorXd& r, double s) {
   return (1.0 / (1.0 + r.array().square() / (FREEDOM * s * s))).matrix() * ((FREEDOM + 1) / FREEDOM);
 }
@@ -79,6 +81,19 @@ Variant variant_of(const Variant& base, const Model& model) {
     first += part->parameters.size();
   }
   return variant;
+}
+
+VectorXd beside_starts(const MatrixXd& u, const VectorXd& change) {
+  if (u.cols() == 0) return change;
+  const MatrixXd a = u.transpose() * u + MatrixXd::Identity(u.cols(), u.cols());
+  return change - u * a.ldlt().solve(u.transpose() * change);
+}
+
+Variant refined(const Variant& variant) {
+  Variant fine = variant;
+  fine.scene.solver.time_step /= 2;
+  fine.scene.solver.integrator = SolverSettings::Integrator::bdf2;
+  return fine;
 }
 
 double robust_scale(const std::vector<VectorXd>& residual) {
@@ -179,9 +194,14 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at) {
     }
   }
   const std::vector<Prediction> found = predictor_.predict(jobs);
+  const Variant fine = refined(variant);
+  std::vector<Job> fine_jobs;
+  for (const Window& window : data.windows) fine_jobs.push_back({&fine, &window, window.initial, false});
+  const std::vector<Prediction> finer = predictor_.predict(fine_jobs);
   std::vector<Window> well;
-  std::size_t at_job = 0;
+  std::size_t at_job = 0, at_window = 0;
   for (const Window& window : data.windows) {
+    const Prediction& better = finer[at_window++];
     const Prediction& here = found[at_job++];
     MatrixXd u(Eigen::Index(window.data.size()), Eigen::Index(window.unknowns.size()));
     bool is_well = here.is_well;
@@ -191,6 +211,12 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at) {
     }
     if (!is_well) continue;
     well.push_back(window);
+    if (better.is_well) {
+      // Richardson: an error of second order is 4/3 of what half the step changes
+      const double order = base_.scene.solver.integrator == SolverSettings::Integrator::bdf2 ? 4.0 / 3 : 1;
+      const VectorXd change = order * (better.residual - here.residual), left = beside_starts(u, change);
+      if (left.norm() < MOST_CORRECTION * std::sqrt(double(left.size()))) well.back().correction = left;
+    }
     data.of_start.push_back(std::move(u));
   }
   data.windows = std::move(well);

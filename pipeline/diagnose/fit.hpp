@@ -43,7 +43,8 @@ class Fitter {
  public:
   Fitter(Predictor& predictor, const Variant& base) : predictor_(predictor), base_(base) {}
 
-  // The windows' answers to their starts, at a model.
+  // The windows' answers to their starts, at a model, and what steps of half the length would change there: added
+  // to all residuals from then on. Windows that cannot be simulated to their end are left out.
   FitData prepare(std::vector<Window> windows, const Model& at);
   // Each model from where it is, starts fitted too. n_steps 0: only the starts, by one linear step, are fitted.
   std::vector<Fit> fit(const FitData& data, std::vector<Model> models, int n_steps);
@@ -65,6 +66,12 @@ class Fitter {
   Predictor& predictor_;
   const Variant& base_;
 };
+
+// What is left of `change` when each window's start may move.
+Eigen::VectorXd beside_starts(const Eigen::MatrixXd& of_start, const Eigen::VectorXd& change);
+
+// The variant with steps of half the length, of second order.
+Variant refined(const Variant& variant);
 
 // 1.48 times the median of |r|, at least 1.
 double robust_scale(const std::vector<Eigen::VectorXd>& residual);

@@ -153,6 +153,9 @@ void add_physical(const Problem& problem, const std::vector<std::string>& touchi
       if (kind.name == "spin_drag" && is_carried(scene, target)) continue;  // that is its joint's viscous friction
       if (kind.name == "backlash" && !holds_position(scene, target)) continue;
       out.push_back(candidate_of(scene, kind, target));
+      // where two explain alike, a carried body is braked by its joint, and a number that is there is wrong
+      const bool brakes = kind.name == "linear_drag" || kind.name == "mass_proportional_damping";
+      if ((brakes && is_carried(scene, target)) || kind.name == "payload_mass") out.back().prior = -0.5;
     }
 }
 

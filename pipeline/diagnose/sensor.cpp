@@ -166,6 +166,7 @@ Eigen::VectorXd SensorTrace::residual() const {
     }
     residual[Eigen::Index(i)] = turn[datum.component] / channel.sigma;
   }
+  if (window.correction.size() > 0) residual += window.correction;
   return residual;
 }
 

@@ -3,12 +3,13 @@
 #pragma once
 #include <string>
 
-#include "pipeline/diagnose/rollout.hpp"
+#include "pipeline/diagnose/fit.hpp"
 
 namespace pvg::diagnose {
 
 // Sets the solver of `base` and says what it did. An error of the integration that the sensors can see would be taken
-// for an effect (implicit Euler damps), so predictions are compared with those of finer steps and of second order.
-std::string choose_time_step(Predictor& predictor, const Problem& problem, Variant& base);
+// for an effect (implicit Euler damps), so predictions are compared with those of finer steps and of second order. An
+// error of a few times the noise is allowed: Fitter::prepare corrects it.
+std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem& problem, Variant& base);
 
 }  // namespace pvg::diagnose

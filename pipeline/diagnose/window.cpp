@@ -178,7 +178,7 @@ Start start_of(const Problem& problem, const Run& run, double t0) {
 Window make_window(const Problem& problem, int number, double begin, double end) {
   const Run& run = problem.runs[std::size_t(number)];
   Start start = start_of(problem, run, begin);
-  Window window{number, begin, end, std::move(start.state), std::move(start.unknowns), {}};
+  Window window{number, begin, end, std::move(start.state), std::move(start.unknowns), {}, {}};
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Channel& channel = problem.channels[c];
     for (std::size_t i = 0; i < run.t.size(); ++i) {

@@ -37,6 +37,8 @@ struct Window {
   InitialState initial;
   std::vector<Unknown> unknowns;
   std::vector<Datum> data;
+  // what finer steps would add to the residuals [n_data, noise]; empty: nothing
+  Eigen::VectorXd correction;
 };
 
 // Windows of about `length` [s] (0: whole runs) over the runs of one role, at most `most` of them, evenly chosen.

@@ -17,7 +17,7 @@ import numpy as np
 
 import models
 
-RATE, JITTER, DROPOUTS = 100.0, 2e-4, 0.01  # samples per second, of their times [s], share of samples that are missing
+RATE, JITTER, DROPOUTS = 100.0, 3e-5, 0.01  # samples per second, of their times [s], share of samples that are missing
 STRENGTHS = (3, 10, 30)
 
 PENDULUM = """schema: 1

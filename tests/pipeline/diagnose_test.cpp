@@ -1,0 +1,114 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "host/base/error.hpp"
+#include "host/geometry/primitive_shapes.hpp"
+#include "pipeline/diagnose/embedded_point.hpp"
+#include "pipeline/diagnose/localise.hpp"
+#include "pipeline/diagnose/noise.hpp"
+#include "pipeline/diagnose/window.hpp"
+#include "tests/expect_error.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+TEST(Noise, ThirdDifferencesOfANoisyParabolaTellItsSigma) {
+  std::mt19937 engine(1);
+  std::normal_distribution<double> noise(0, 0.003);
+  std::vector<double> values;
+  for (int i = 0; i < 3000; ++i) values.push_back(2 - 0.1 * i + 1e-3 * i * i + noise(engine));
+  EXPECT_NEAR(noise_of(values, 1), 0.003, 0.0003);
+}
+
+TEST(Noise, ACoarseSensorIsNoBetterThanItsDigits) {
+  std::vector<double> values;
+  for (int i = 0; i < 200; ++i) values.push_back(0.01 * std::round(0.13 * i));
+  EXPECT_GE(noise_of(values, 1), 0.01 / std::sqrt(12.0) * 0.999);
+}
+
+TEST(Localise, TailsOfChiSquaredAreThoseOfTables) {
+  EXPECT_NEAR(chi_squared_tail(18.307, 10), 0.05, 0.001);
+  EXPECT_NEAR(chi_squared_tail(124.342, 100), 0.05, 0.001);
+  EXPECT_NEAR(chi_squared_tail(23.209, 10), 0.01, 0.0005);
+}
+
+TEST(EmbeddedPoint, WeightsReproduceThePointEvenOutside) {
+  const TetMesh bar = box_solid(Vec3(0.2, 0.1, 0.1), {3, 2, 2}, 10);
+  for (const Vec3& point : {Vec3(0.03, -0.02, 0.04), Vec3(0.12, 0.06, 0)}) {
+    Vec3 sum = Vec3::Zero();
+    for (const auto& [node, weight] : embed(bar, point)) sum += weight * bar.points[node];
+    EXPECT_LT((sum - point).norm(), 1e-12);
+  }
+}
+
+// scene of a hinge and a rail on it, one run of the hinge
+std::filesystem::path chain(const TestFolder& folder, const std::string& channel) {
+  folder.write("scene.yaml", R"(schema: 1
+name: chain
+time_step: 5 ms
+bodies:
+  - {name: base, kind: static, shape: {box: {size: [0.1, 0.1, 0.1]}}, collides: false}
+  - {name: arm, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 1, pose: {position: [0.3, 0, 0]}, collides: false}
+  - {name: cart, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 1, pose: {position: [0.5, 0.1, 0]}, collides: false}
+joints:
+  - {name: hinge, type: revolute, parent: base, child: arm, axis: [0, 0, 1]}
+  - {name: rail, type: prismatic, parent: arm, child: cart, axis: [1, 0, 0], parent_frame: {position: [0.1, 0, 0]}}
+)");
+  std::string run = "t,q,p,r\n";
+  for (int i = 0; i < 20; ++i)
+    run += std::to_string(0.01 * i) + "," + std::to_string(0.2 + 0.03 * i) + "," + std::to_string(0.002 * i) + ",1\n";
+  folder.write("a.csv", run);
+  folder.write("recording.yaml",
+               "schema: 1\nscene: scene.yaml\nruns:\n  - {file: a.csv, role: fit}\nchannels:\n" + channel);
+  return folder.path;
+}
+
+const std::string BOTH =
+    "  - {column: q, kind: position, joint: hinge, unit: rad, noise: 0.001}\n"
+    "  - {column: p, kind: position, joint: rail, unit: m, noise: 0.001}\n";
+
+TEST(Window, BodiesOfAChainStartWithTheVelocitiesOfTheirCoordinates) {
+  const TestFolder folder;
+  const Problem problem = make_problem(chain(folder, BOTH));
+  EXPECT_TRUE(problem.can_restart);
+  InitialState state = make_windows(problem, false, 0, 1).at(0).initial;
+  EXPECT_NEAR(state.position[0], 0.2, 1e-6);
+  EXPECT_NEAR(state.rate[0], 3, 1e-4);
+  EXPECT_NEAR(state.rate[1], 0.2, 1e-4);
+  Scene now = problem.scene.scene, later = problem.scene.scene;
+  start_at(problem, state, now);
+  const double dt = 1e-6;
+  state.position[0] += dt * state.rate[0];
+  state.position[1] += dt * state.rate[1];
+  start_at(problem, state, later);
+  for (const std::size_t b : {1, 2}) {
+    const Vec3 moved = later.rigid_bodies[b].pose.translation() - now.rigid_bodies[b].pose.translation();
+    EXPECT_LT((moved / dt - now.rigid_bodies[b].velocity).norm(), 1e-5);
+    EXPECT_LT((now.rigid_bodies[b].angular_velocity - Vec3(0, 0, 3)).norm(), 1e-3);
+  }
+}
+
+TEST(Problem, ARecordingThatDoesNotFitItsSceneIsRefusedInOneSentence) {
+  const TestFolder folder;
+  const auto refused = [&](const std::string& channel, std::vector<std::string> words) {
+    expect_error<UsageError>([&] { make_problem(chain(folder, channel)); }, words);
+  };
+  refused("  - {columns: [q, p, r], kind: position, body: crate, unit: m}\n", {"`crate`", "does not have", "cart"});
+  refused("  - {column: q, kind: position, joint: elbow, unit: rad}\n", {"`elbow`", "does not have"});
+  refused("  - {column: q, kind: position, joint: hinge, unit: mm}\n", {"unit", "`mm`", "deg"});
+  refused("  - {column: r, kind: position, joint: hinge, unit: rad}\n", {"constant"});
+  refused("  - {columns: [q, p, r], kind: position, body: base, unit: m}\n", {"nothing is measured that can move"});
+}
+
+TEST(Problem, WithoutAHeldOutRunTheReaderIsToldThatNothingWillBeNamed) {
+  const TestFolder folder;
+  const std::vector<std::string> sentences = warnings(make_problem(chain(folder, BOTH)));
+  ASSERT_FALSE(sentences.empty());
+  EXPECT_NE(sentences[0].find("no run is held out"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pvg::diagnose
