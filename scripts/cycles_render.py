@@ -10,6 +10,7 @@ import json
 import os
 import struct
 import sys
+import time
 
 import bpy
 import numpy
@@ -130,12 +131,16 @@ scene.render.image_settings.file_format = "OPEN_EXR"
 scene.render.image_settings.color_depth = "32"
 theirs = os.path.join(folder, "cycles.exr")
 scene.render.filepath = theirs
+wall, cpu = time.perf_counter(), time.process_time()
 bpy.ops.render.render(write_still=True)
+wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
 
 theirs_picture = picture(theirs)
 means = [(float(ours_picture[:, :, c].mean()), float(theirs_picture[:, :, c].mean())) for c in range(3)]
 result = {
     "samples": int(samples),
+    "cycles_seconds": wall,
+    "cycles_cpu_seconds": cpu,
     "mean_ours": [m[0] for m in means],
     "mean_cycles": [m[1] for m in means],
     "mean_difference_percent": [100 * (m[0] - m[1]) / m[1] for m in means],
