@@ -1,11 +1,13 @@
 #include "pipeline/stop_signal.hpp"
 
-#include <semaphore.h>
+#include <pthread.h>
 #include <signal.h>
 #include <unistd.h>
 
-#include <cerrno>
+#include <cmath>
 #include <cstdio>
+#include <limits>
+#include <mutex>
 #include <thread>
 
 #include "host/io/atomic_files.hpp"
@@ -15,25 +17,40 @@ namespace {
 
 constexpr int TRY_AGAIN = 75;  // exit code, as main gives it
 
-// a signal handler can reach nothing but a global
 std::atomic<bool> stop = false;
-static_assert(std::atomic<bool>::is_always_lock_free);
-sem_t was_asked;
-[[maybe_unused]] const int is_made = sem_init(&was_asked, 0, 0);
+std::atomic<double> most_seconds_to_stop = std::numeric_limits<double>::infinity();
 
-void ask_to_stop(int) {
-  const int old = errno;
-  stop = true;
-  sem_post(&was_asked);
-  errno = old;
+sigset_t stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&signals, number);
+  return signals;
 }
 
-// A launch on the device cannot be taken back: who waits for a long one does not come to look at the flag.
-void end_late(double most_seconds) {
-  while (sem_wait(&was_asked) != 0) {
+// Waits for a signal so long [s]; its number, or less than 1.
+int wait_for(const sigset_t& signals, double seconds) {
+  if (!std::isfinite(seconds)) return sigwaitinfo(&signals, nullptr);
+  timespec time{};
+  time.tv_sec = std::time_t(seconds);
+  time.tv_nsec = long((seconds - std::floor(seconds)) * 1e9);
+  return sigtimedwait(&signals, nullptr, &time);
+}
+
+// The one thread that hears of the signals: all others have them blocked. A handler would not do, for LLVM puts its own
+// in its place when OpenCL's driver compiles a kernel, and that of SIGUSR1 forgets ours.
+void listen() {
+  const sigset_t signals = stop_signals();
+  while (wait_for(signals, std::numeric_limits<double>::infinity()) < 1) {
   }
-  std::this_thread::sleep_for(std::chrono::duration<double>(most_seconds));
+  stop = true;
+  const int second = wait_for(signals, most_seconds_to_stop);
   remove_unfinished_folders();
+  if (second > 0) {  // at once, as the signal usually does
+    signal(second, SIG_DFL);
+    pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+    raise(second);
+  }
+  // a launch on the device cannot be taken back: who waits for a long one does not come to look at the flag
   std::fprintf(stderr,
                "phyvisgen: stopped in the middle of a step; the episodes that were finished stay, the same command "
                "continues\n");
@@ -43,13 +60,15 @@ void end_late(double most_seconds) {
 }  // namespace
 
 const std::atomic<bool>& stop_on_signals() {
-  struct sigaction action {};
-  action.sa_handler = ask_to_stop;
-  action.sa_flags = int(SA_RESETHAND | SA_RESTART);  // the next one has its usual effect
-  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) sigaction(number, &action, nullptr);
+  static std::once_flag once;
+  std::call_once(once, [] {
+    const sigset_t signals = stop_signals();
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // threads that begin later inherit it
+    std::thread(listen).detach();
+  });
   return stop;
 }
 
-void stop_within(double most_seconds) { std::thread(end_late, most_seconds).detach(); }
+void stop_within(double most_seconds) { most_seconds_to_stop = most_seconds; }
 
 }  // namespace pvg

@@ -5,10 +5,10 @@
 
 namespace pvg {
 
-// Installs the handlers; the flag turns true once one of the signals arrives.
+// The flag turns true once one of the signals arrives. The first call must come before other threads begin.
 const std::atomic<bool>& stop_on_signals();
 
-// To be called once, before stop_on_signals: what is still under way so long after a signal [s] ends with the process
+// What is still under way so long after a signal [s] ends with the process
 // (exit code 75), and the folders in the making go. Batch systems and container platforms kill after 10 s and more.
 void stop_within(double most_seconds);
 

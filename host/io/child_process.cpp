@@ -49,6 +49,9 @@ rlim_t memory_now() {
 [[noreturn]] void be_child(int out, rlim_t most_memory, const std::function<std::string()>& work) {
   for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGINT, SIGTERM, SIGXCPU})
     std::signal(signal, SIG_DFL);
+  sigset_t none;  // the parent may have some of them blocked
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
   const rlimit seconds{MOST_SECONDS, MOST_SECONDS}, memory{most_memory, most_memory}, no_core{0, 0};
   setrlimit(RLIMIT_CPU, &seconds);
   setrlimit(RLIMIT_AS, &memory);
