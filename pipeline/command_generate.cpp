@@ -56,7 +56,7 @@ EpisodeSet open_set(const GenerateOptions& options, const Task& task, const Devi
   const PictureOverrides& p = options.pictures;
   set.configuration = fingerprint(text_of(task.file) + "\n" + std::to_string(p.width) + " " + std::to_string(p.height) +
                                   " " + std::to_string(p.samples) + " " + std::to_string(p.frames_per_second) + " " +
-                                  std::to_string(options.no_render));
+                                  std::to_string(options.no_render) + (options.is_rigid ? " rigid" : ""));
   set.versions = versions(device);
   join_set(set);
   write_set(set);
@@ -131,6 +131,7 @@ void run_generate(const GenerateOptions& options) {
   const std::atomic<bool>& stop = stop_on_signals();
   Task task = load_task(options.task);
   apply(options.pictures, task);
+  if (options.is_rigid) make_grippers_rigid(task);
   // what would only show after minutes of simulation
   if (!options.no_render) find_program("ffmpeg", "ffmpeg");
   steps_per_frame(task.render.frames_per_second, task.solver.time_step);

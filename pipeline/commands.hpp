@@ -27,6 +27,7 @@ struct GenerateOptions {
   bool retries_failed = false;       // make failed episodes again
   bool as_json = false, is_verbose = false;
   bool shows_graph = false;  // print the graph and nothing else
+  bool is_rigid = false;     // fingers that do not bend
 };
 
 // phyvisgen generate: episodes of a task, simulated, rendered and recorded into a folder.
@@ -79,6 +80,22 @@ struct ViewOptions {
 
 // phyvisgen view: one HTML page that needs nothing else, of a set or of an episode.
 void run_view(const ViewOptions& options);
+
+struct EvaluateOptions {
+  std::string folder;     // of a set that generate made
+  std::size_t every = 1;  // look for intersections in each so many steps
+  bool as_json = false;
+};
+
+// phyvisgen evaluate: the success rate of a set with its interval, the reasons of failures, and the recorded steps in
+// which surfaces intersect. A Failure where one does.
+void run_evaluate(const EvaluateOptions& options);
+
+struct RateInterval {
+  double low = 0, high = 1;
+};
+// Of a rate seen as `successes` in n trials, 95 %.
+RateInterval wilson_interval(std::size_t successes, std::size_t n);
 
 struct SimulateOptions {
   std::string scene, file;          // scene file, states file

@@ -12,6 +12,7 @@
 #include "host/render/motion.hpp"
 #include "host/render/renderer.hpp"
 #include "pipeline/disabled_pairs.hpp"
+#include "pipeline/force_grasp.hpp"
 #include "pipeline/motion_plan.hpp"
 #include "pipeline/record.hpp"
 
@@ -21,7 +22,11 @@ namespace {
 // ---- the fields -------------------------------------------------------------------------------------------------
 
 // Physics on the device, one step at a time.
-using PhysicsState = std::unique_ptr<Simulation>;
+struct PhysicsState {
+  std::unique_ptr<Simulation> simulation;
+  std::unique_ptr<ForceGrasp> grasp;
+  std::size_t n_steps = 0;  // done so far
+};
 
 struct RenderState {
   std::unique_ptr<Renderer> renderer;  // nothing: no pictures
@@ -31,8 +36,8 @@ struct RenderState {
 
 struct JudgeState {
   std::unique_ptr<SuccessMonitor> monitor;
-  std::vector<Phase> phase;  // [n_steps]
-  std::size_t n_steps = 0;   // judged so far
+  std::vector<std::vector<Phase>> phase;  // [n_steps][n_robots]
+  std::size_t n_steps = 0;                // judged so far
   SolverTotals totals;
 };
 
@@ -94,11 +99,13 @@ void plan(const Access& access) {
 }
 
 void simulate(const Access& access) {
-  Simulation& simulation = *access.write(world);
+  PhysicsState& physics = access.write(world);
+  Simulation& simulation = *physics.simulation;
   for (const Target& target : access.read(targets)) {
     access.stop_here_if_asked();
-    const StepReport report = simulation.step(target.q);
-    access.write(steps).push_back({target.q, target.element, simulation.state(), report});
+    const std::vector<double> q = physics.grasp->target(physics.n_steps++, simulation.state());
+    const StepReport report = simulation.step(q);
+    access.write(steps).push_back({q, target.element, simulation.state(), report});
   }
 }
 
@@ -190,7 +197,7 @@ RecordSettings record_settings(const Task& task, const TaskScene& built, const E
   record.frames_per_second = task.render.frames_per_second;
   record.n_frames = n_frames;
   record.records_mask = records_mask;
-  for (const MotionElement& element : task.motion) record.elements.push_back(element_name(element));
+  for (const MotionElement& element : task.motion) record.elements.push_back(name_of(element.type));
   record.renders = settings.renders;
   return record;
 }
@@ -240,6 +247,12 @@ void apply(const PictureOverrides& overrides, Task& task) {
   if (overrides.frames_per_second > 0) task.render.frames_per_second = overrides.frames_per_second;
 }
 
+void make_grippers_rigid(Task& task) {
+  if (task.gripper) task.gripper->is_rigid = true;
+  for (RobotCell& robot : task.more_robots)
+    if (robot.gripper) robot.gripper->is_rigid = true;
+}
+
 EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Device& physics, Device& rendering,
                           const std::filesystem::path& folder, const std::atomic<bool>& stop,
                           const std::function<void(std::size_t, std::size_t)>& advance) {
@@ -258,7 +271,7 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Dev
   const Stopwatch start_watch;
   try {
     store.state(motion) = plan_episode(task, built);
-    store.state(world) = std::make_unique<Simulation>(physics, scene);
+    store.state(world).simulation = std::make_unique<Simulation>(physics, scene);
   } catch (const DeviceError&) {
     throw;
   } catch (const UsageError& error) {  // out of reach, or an initial intersection: this draw of the start is no good
@@ -266,6 +279,7 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Dev
     return report;
   }
   const MotionPlan& whole = store.state(motion);
+  store.state(world).grasp = std::make_unique<ForceGrasp>(whole);
   const std::size_t n_frames = whole.targets.size() / whole.steps_per_frame;
   RenderState& render_state = store.state(renderer);
   render_state.records_mask = masks_asked(task, scene);
@@ -279,8 +293,8 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Dev
   }
   JudgeState& judge_state = store.state(verdict);
   judge_state.monitor =
-      std::make_unique<SuccessMonitor>(task.success, scene, built.gripper_base, store.state(world)->state());
-  judge_state.phase = phases(task.motion, whole.element);
+      std::make_unique<SuccessMonitor>(task, scene, hands_of(built), store.state(world).simulation->state());
+  judge_state.phase = phases(task.motion, whole.element, int(built.robots.size()));
   RecordState& record_state = store.state(recording);
   record_state.recorder = std::make_unique<EpisodeRecorder>(
       folder, scene, record_settings(task, built, settings, physics, n_frames, render_state.records_mask),

@@ -56,6 +56,9 @@ struct PictureOverrides {
 };
 void apply(const PictureOverrides& overrides, Task& task);
 
+// The same task with fingers that do not bend.
+void make_grippers_rigid(Task& task);
+
 // Simulates, renders and records into `folder`, which exists. A motion that cannot be planned, a start that intersects
 // and a step that could not be done are failed episodes with their reason; other errors are thrown. `advance` hears of
 // every frame that is on record, of how many.

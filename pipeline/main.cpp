@@ -43,6 +43,11 @@ void add_generate(CLI::App& program, pvg::GenerateOptions& o) {
   command->add_flag("--keep-failed", o.keep_failed, "Keep the record of failed episodes in DIR/failed");
   command->add_flag("--retry-failed", o.retries_failed,
                     "Make episodes again that failed before; they fail again unless the program has changed");
+  command
+      ->add_option_function<std::string>(
+          "--gripper", [&o](const std::string& kind) { o.is_rigid = kind == "rigid"; },
+          "soft, or rigid: the same fingers without bending, for comparison")
+      ->check(CLI::IsMember({"soft", "rigid"}));
   command->add_flag("--graph", o.shows_graph, "Print the graph of the stages (mermaid) and end");
   command->add_flag("--json", o.as_json, "Print the state of the set as JSON at the end");
   command->add_flag("-v,--verbose", o.is_verbose, "Explain: meshes, solver, time per stage");
@@ -113,6 +118,21 @@ void add_view(CLI::App& program, pvg::ViewOptions& o) {
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   command->footer("Example:\n  phyvisgen view out/beaker -o beaker.html");
+}
+
+void add_evaluate(CLI::App& program, pvg::EvaluateOptions& o) {
+  CLI::App* command =
+      program.add_subcommand("evaluate", "Success rate of a set of episodes, and whether anything intersects in them");
+  command->add_option("SET", o.folder,
+                      "Folder that generate made; with --keep-failed the failed ones are looked at, too");
+  command->add_option("--every", o.every, "Look for intersections in every so many recorded steps")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer(
+      "Exit codes: 0 nothing intersects, 1 something does, 2 wrong use.\n"
+      "Example:\n  phyvisgen generate data/tasks/place_dish.yaml -n 20 --no-render --keep-failed -o out/dish\n"
+      "  phyvisgen evaluate out/dish");
 }
 
 void add_simulate(CLI::App& program, pvg::SimulateOptions& o) {
@@ -266,6 +286,8 @@ int run(int argc, char** argv) {
   add_submit(program, submit);
   pvg::ViewOptions view;
   add_view(program, view);
+  pvg::EvaluateOptions evaluate;
+  add_evaluate(program, evaluate);
   pvg::SimulateOptions simulate;
   pvg::RenderOptions render;
   pvg::ValidateOptions validate;
@@ -299,6 +321,7 @@ int run(int argc, char** argv) {
   if (program.got_subcommand("pack")) pvg::run_pack(pack);
   if (program.got_subcommand("submit")) pvg::run_submit(submit);
   if (program.got_subcommand("view")) pvg::run_view(view);
+  if (program.got_subcommand("evaluate")) pvg::run_evaluate(evaluate);
   if (program.got_subcommand("simulate")) pvg::run_simulate(simulate);
   if (program.got_subcommand("render")) pvg::run_render(render);
   if (calibrate->got_subcommand("lut")) pvg::run_calibrate_lut(calibrate_lut);

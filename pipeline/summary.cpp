@@ -12,13 +12,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json to_json(const Measured& measured) {
-  return {{"lifted_m", measured.lifted},
-          {"moved_in_hand_m", measured.moved_in_hand},
-          {"slip_in_hand_m", measured.slip_in_hand},
-          {"position_error_m", measured.position_error},
-          {"tilt_rad", measured.tilt},
-          {"finger_deformation_m", measured.finger_deformation},
-          {"is_held_at_end", measured.is_held}};
+  Json json = Json::object();
+  for (const Measured::Number& number : measured.numbers) json[number.name] = number.value;
+  json["finger_deformation_m"] = measured.finger_deformation;
+  return json;
 }
 
 Json to_json(const SolverTotals& solver) {

@@ -9,7 +9,7 @@ PACKAGES="g++ cmake ninja-build"
 PACKAGES="$PACKAGES ocl-icd-opencl-dev opencl-clhpp-headers pocl-opencl-icd"
 # libraries
 PACKAGES="$PACKAGES libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev liburdfdom-dev libassimp-dev libtbb-dev
-  libcli11-dev libfmt-dev libhdf5-dev libarchive-dev libopenimageio-dev libtinygltf-dev"
+  libcli11-dev libfmt-dev libhdf5-dev libarchive-dev libopenimageio-dev libtinygltf-dev libompl-dev libfcl-dev"
 # programs that are called: tetrahedra, videos
 PACKAGES="$PACKAGES tetgen ffmpeg"
 # three.js, which goes into the pages of `phyvisgen view`

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes the objects of the tasks: a 250 ml beaker, a conical flask, a dish, a plate, a mat, a laboratory scale, a cabinet with
-a door, a table. Lengths in metres, z up, origin at the foot; the door's origin is on its hinge."""
+a door, a table, and towels. Lengths in metres, z up, origin at the foot; the door's origin is on its hinge."""
 import os
 import sys
 
@@ -16,9 +16,9 @@ PAN_TOP = 0.050         # of the scale
 FLASK_RADIUS, NECK_RADIUS, SHOULDER, FLASK_HEIGHT = 0.036, 0.016, 0.085, 0.125
 DISH_RIM, DISH_FOOT, DISH_HEIGHT, DISH_WALL = 0.037, 0.025, 0.030, 0.002
 PLATE_RADIUS, PLATE_TOP = 0.085, 0.012
-CABINET = (0.25, 0.31, 0.40)         # depth, width, height
+CABINET = (0.25, 0.31, 0.50)         # depth, width, height
 DOOR = (0.016, 0.30, 0.36)           # thickness, width, height; it begins DOOR_FOOT above the cabinet's foot
-DOOR_FOOT, HANDLE_AT, HANDLE_OUT, HANDLE_RADIUS, HANDLE_LENGTH = 0.02, 0.26, 0.040, 0.007, 0.16
+DOOR_FOOT, HANDLE_AT, HANDLE_OUT, HANDLE_RADIUS, HANDLE_LENGTH = 0.12, 0.26, 0.040, 0.007, 0.16
 
 
 def arc(centre, radius, first, last, steps):
@@ -124,8 +124,10 @@ def cabinet_visual():
     depth, width, height = CABINET
     t, half = 0.014, width / 2
     sides = [tools.box((0, s * half - (t if s > 0 else 0), 0), (depth, s * half + (0 if s > 0 else t), height)) for s in (-1, 1)]
-    shelves = [tools.box((0.001, -half + t, z), (depth, half - t, z + t)) for z in (0.0, height / 2, height - t)]
-    return tools.joined(*sides, *shelves, tools.box((depth - 0.006, -half + t, t), (depth - 0.001, half - t, height - t)))
+    shelves = [tools.box((0.001, -half + t, z), (depth, half - t, z + t)) for z in (DOOR_FOOT - t, (DOOR_FOOT + height) / 2, height - t)]
+    back = tools.box((depth - 0.006, -half + t, 0), (depth - 0.001, half - t, height - t))
+    plinth = tools.box((0.012, -half + t, 0), (0.024, half - t, DOOR_FOOT - t))
+    return tools.joined(*sides, *shelves, back, plinth)
 
 
 def handle(segments, gap):
@@ -155,6 +157,25 @@ def door_visual():
 
 def handle_visual():
     return handle(48, -0.001)
+
+
+def towel(xs, ys):
+    """A sheet in the plane z = 0 with grid lines at xs and ys, its diagonals turned in a checkered order."""
+    points = [(x, y, 0) for y in ys for x in xs]
+    n, faces = len(xs), []
+    for j in range(len(ys) - 1):
+        for i in range(n - 1):
+            a, b, c, d = j * n + i, j * n + i + 1, (j + 1) * n + i + 1, (j + 1) * n + i
+            faces += [(a, b, c), (a, c, d)] if (i + j) % 2 == 0 else [(a, b, d), (b, c, d)]
+    return tools.Surface(points, faces)
+
+
+def graded(low, high, fine, coarse, n_low, n_high=0):
+    """Grid lines from low to high: n_low cells of about `fine` at the low end, n_high at the high end, else about `coarse`."""
+    middle = high - low - (n_low + n_high) * fine
+    cells = max(1, round(middle / coarse))
+    return np.concatenate([low + fine * np.arange(n_low), np.linspace(low + fine * n_low, high - fine * n_high, cells + 1),
+                           high - fine * np.arange(n_high)[::-1]])
 
 
 def scale_outline(inset=0.0):
@@ -235,6 +256,11 @@ def main():
     for name, part in parts.items():
         tools.write_obj(os.path.join(HERE, name + ".obj"), part, f"{name}, written by make_objects.py [m]")
         print(f"{name}: {len(part.points)} points, volume {tools.volume(part) * 1e6:.3f} cm^3")
+    towels = {"towel": towel(*2 * [graded(-0.15, 0.15, 0.0075, 0.015, 10)]),
+              "towel_large": towel(graded(-0.15, 0.15, 0.0075, 0.020, 8), graded(-0.20, 0.20, 0.0075, 0.020, 8, 8))}
+    for name, sheet in towels.items():
+        tools.write_obj(os.path.join(HERE, "..", "cloths", name + ".obj"), sheet, f"{name}, written by make_objects.py [m]")
+        print(f"{name}: {len(sheet.points)} points")
     for name in ("beaker", "flask", "dish"):
         mass, centre, inertia = tools.mass_properties(parts[name], GLASS_DENSITY)
         print(f"{name}: {mass * 1e3:.2f} g, centre at z = {centre[2] * 1e3:.2f} mm, inertia {np.diag(inertia)} kg m^2")

@@ -7,6 +7,7 @@
 
 #include "host/base/error.hpp"
 #include "host/robot/joint_path.hpp"
+#include "host/robot/motion_check.hpp"
 
 namespace pvg {
 namespace {
@@ -18,20 +19,27 @@ constexpr double END_MARGIN = 0.02;      // kept from the joints' ends [rad]
 constexpr int CANDIDATES = 6;            // configurations of a target that are tried, nearest first
 constexpr int MOST_ATTEMPTS = 60;        // of planning the rest of the motion after such a choice
 
-using Rows = Eigen::MatrixXd;  // [n_steps, n_actuated + n_gripper_joints]
-
 struct RobotState {
   VectorXd q;      // [n_actuated, rad]
   double gripper;  // [m]
 };
 
+// What one element does to its robot, still without time.
+struct Segment {
+  std::optional<JointPath> path;  // of the arm; nothing: it stands still
+  RobotState start, end;
+  double needed = 0;  // shortest time that the limits allow [s]
+};
+
+// One robot: a choice of paths for its elements such that each can begin where the one before it ended.
 struct Planner {
   const RobotModel& model;
   const MotionSetup& setup;
-  std::span<const MotionElement> elements;
-  std::vector<RobotJoint> joints;  // those that move
-  std::vector<Rows> rows;          // of each element that is planned
-  std::size_t deepest = 0;         // element of the failure that is reported
+  std::span<const MotionElement> elements;  // of all robots
+  int robot = 0;
+  std::vector<RobotJoint> joints;                // those that move
+  std::vector<std::optional<Segment>> segments;  // [n_elements]; nothing: not planned yet, or of another robot
+  std::size_t deepest = 0;                       // element of the failure that is reported
   std::string failure;
   int attempts = 0;
 };
@@ -43,10 +51,9 @@ std::string text(const char* format, double a, double b = 0, double c = 0, doubl
 }
 
 std::string describe(const Planner& planner, std::size_t index) {
-  static constexpr std::array names = {"approach", "close", "lift", "carry", "lower", "open", "retreat", "wait"};
   const MotionElement& element = planner.elements[index];
   const std::string object = element.object.empty() ? "" : " relative to '" + element.object + "'";
-  return "motion element " + std::to_string(index + 1) + " (" + names[std::size_t(element.type)] + object + ")";
+  return "motion element " + std::to_string(index + 1) + " (" + name_of(element.type) + object + ")";
 }
 
 bool fail(Planner& planner, std::size_t index, const std::string& reason) {
@@ -59,72 +66,139 @@ bool fail(Planner& planner, std::size_t index, const std::string& reason) {
 
 int steps_for(double seconds, double time_step) { return int(std::ceil(seconds / time_step - 1e-9)); }
 
-Rows repeated(const Planner& planner, const RobotState& state, int n_steps) {
-  const auto n = state.q.size();
-  Rows rows(n_steps, n + planner.setup.n_gripper_joints);
-  for (int k = 0; k < n_steps; ++k) {
-    rows.row(k).head(n) = state.q;
-    rows.row(k).tail(planner.setup.n_gripper_joints).setConstant(state.gripper);
-  }
-  return rows;
-}
-
-// target tool pose in the base's frame
-Pose target_pose(const Planner& planner, std::size_t index) {
-  const MotionElement& element = planner.elements[index];
-  Pose world = element.target;
-  if (!element.object.empty()) {
-    const auto object = planner.setup.objects.find(element.object);
-    if (object == planner.setup.objects.end())
-      throw UsageError(describe(planner, index) + ": there is no object of that name in the scene; correct the name");
-    world = object->second * element.target;
-  }
-  return planner.setup.base.inverse() * world;
-}
-
 Pose current_pose(const Planner& planner, const VectorXd& q) {
   return tool_pose(planner.model, q, planner.setup.tool_link, planner.setup.flange_to_tool);
 }
 
 InverseKinematics settings() { return {.tolerance = 1e-9, .margin = END_MARGIN}; }
 
-// Knots of inverse kinematics along the straight line of the tool; fewer than asked where it cannot go on.
-std::vector<VectorXd> follow_line(const Planner& planner, const VectorXd& q_start, const Pose& target, int n) {
-  const Pose start = current_pose(planner, q_start);
+// The frame in which the element gives what it gives, in the base's frame.
+Pose given_frame(const Planner& planner, std::size_t index, const RobotState& state) {
+  const MotionElement& element = planner.elements[index];
+  if (element.is_in_tool_frame) return current_pose(planner, state.q);
+  if (element.object.empty()) return planner.setup.base.inverse();
+  const auto object = planner.setup.objects.find(element.object);
+  if (object == planner.setup.objects.end())
+    throw UsageError(describe(planner, index) + ": there is no object of that name in the scene; correct the name");
+  return planner.setup.base.inverse() * object->second;
+}
+
+// A way of the tool: its pose at s in [0, 1], and how many knots its length asks for.
+struct ToolWay {
+  std::function<Pose(double)> at;
+  int knots = 8;
+};
+
+int knots_for(double length, double angle) {
+  return std::max(8, int(std::ceil(std::max(length / KNOT_DISTANCE, angle / KNOT_ANGLE))));
+}
+
+ToolWay straight_way(const Pose& start, const Pose& target) {
+  const auto difference = pose_difference(start, target);
   const Eigen::Quaterniond turn_start(start.linear()), turn_end(target.linear());
-  std::vector<VectorXd> knots = {q_start};
-  for (int k = 1; k <= n; ++k) {
-    const double s = double(k) / n;
+  const auto at = [=](double s) {
     Pose pose(turn_start.slerp(s, turn_end));
     pose.translation() = (1 - s) * start.translation() + s * target.translation();
-    const auto q = follow_pose(planner.model, planner.setup.tool_link, planner.setup.flange_to_tool, pose, knots.back(),
-                               settings());
+    return pose;
+  };
+  return {at, knots_for(difference.head<3>().norm(), difference.tail<3>().norm())};
+}
+
+// About an axis that goes through `center` along the unit vector `axis`.
+ToolWay arc_way(const Pose& start, const Vec3& center, const Vec3& axis, double angle, bool turns) {
+  const auto at = [=](double s) {
+    const Mat3 turn = Eigen::AngleAxisd(s * angle, axis).toRotationMatrix();
+    Pose pose = start;
+    pose.translation() = center + turn * (start.translation() - center);
+    if (turns) pose.linear() = turn * start.linear();
+    return pose;
+  };
+  const Vec3 arm = start.translation() - center;
+  return {at, knots_for((arm - axis.dot(arm) * axis).norm() * std::abs(angle), turns ? std::abs(angle) : 0)};
+}
+
+// The cubic spline through the poses: positions, and rotation vectors against the start.
+ToolWay curved_way(const Pose& start, const std::vector<Pose>& through) {
+  Eigen::MatrixXd knots(Eigen::Index(through.size()) + 1, 6);
+  knots.row(0) << start.translation().transpose(), 0, 0, 0;
+  double length = 0, angle = 0;
+  for (std::size_t i = 0; i < through.size(); ++i) {
+    const auto difference = pose_difference(start, through[i]);
+    knots.row(Eigen::Index(i) + 1) << through[i].translation().transpose(), difference.tail<3>().transpose();
+    const Eigen::VectorXd way = knots.row(Eigen::Index(i) + 1) - knots.row(Eigen::Index(i));
+    length += way.head<3>().norm();
+    angle += way.tail<3>().norm();
+  }
+  const auto at = [start, curve = JointPath(knots)](double s) {
+    const Eigen::VectorXd x = curve.at(s).q;
+    const Vec3 turn = x.tail<3>();
+    Pose pose = start;
+    pose.translation() = x.head<3>();
+    if (turn.norm() > 1e-12)
+      pose.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() * start.linear();
+    return pose;
+  };
+  return {at, knots_for(1.5 * length, 1.5 * angle)};
+}
+
+// Knots of inverse kinematics along the tool's way; fewer than asked where it cannot go on.
+std::vector<VectorXd> follow_way(const Planner& planner, const VectorXd& q_start, const ToolWay& way) {
+  std::vector<VectorXd> knots = {q_start};
+  for (int k = 1; k <= way.knots; ++k) {
+    const auto q = follow_pose(planner.model, planner.setup.tool_link, planner.setup.flange_to_tool,
+                               way.at(double(k) / way.knots), knots.back(), settings());
     if (!q || (*q - knots.back()).cwiseAbs().maxCoeff() > LARGEST_JUMP) break;
     knots.push_back(*q);
   }
   return knots;
 }
 
+// The tool's way that the element asks for; nothing where the arm may take any.
+std::optional<ToolWay> tool_way(const Planner& planner, std::size_t index, const RobotState& state) {
+  using Type = MotionElement::Type;
+  const MotionElement& element = planner.elements[index];
+  const Pose frame = given_frame(planner, index, state), start = current_pose(planner, state.q);
+  if (element.type == Type::follow_arc)
+    return arc_way(start, frame * element.center, frame.linear() * element.axis, element.angle, element.turns_with_arc);
+  if (element.type == Type::follow_path) {
+    std::vector<Pose> through;
+    for (const Pose& pose : element.path) through.push_back(frame * pose);
+    return curved_way(start, through);
+  }
+  if (element.is_straight) return straight_way(start, frame * element.target);
+  return std::nullopt;
+}
+
+// The path between two configurations: straight in the joint space, or searched.
+std::optional<JointPath> path_between(Planner& planner, std::size_t index, const RobotState& state, const VectorXd& q) {
+  Eigen::MatrixXd knots(2, q.size());
+  knots << state.q.transpose(), q.transpose();
+  if (!planner.elements[index].avoids_obstacles) return JointPath(knots);
+  if (!planner.setup.search_way)
+    throw UsageError(describe(planner, index) + ": nothing here searches a way around obstacles; leave `plan` out");
+  const auto way = planner.setup.search_way(state.q, q);
+  if (!way) return std::nullopt;
+  return JointPath(*way);
+}
+
 // Paths to the target, best first; empty after a failure that is noted.
 std::vector<JointPath> find_paths(Planner& planner, std::size_t index, const RobotState& state) {
-  const Pose target = target_pose(planner, index);
+  const std::optional<ToolWay> way = tool_way(planner, index, state);
+  const Pose target = way ? way->at(1) : given_frame(planner, index, state) * planner.elements[index].target;
   const Vec3 p = target.translation();
   const std::string where =
       text("(%.3f, %.3f, %.3f) m in the robot's base frame, %.3f m from the base", p.x(), p.y(), p.z(), p.norm());
-  if (planner.elements[index].is_straight) {
-    const auto difference = pose_difference(current_pose(planner, state.q), target);
-    const double knots =
-        std::max(difference.head<3>().norm() / KNOT_DISTANCE, difference.tail<3>().norm() / KNOT_ANGLE);
-    const int n = std::max(8, int(std::ceil(knots)));
-    const std::vector<VectorXd> line = follow_line(planner, state.q, target, n);
-    if (int(line.size()) == n + 1) {
-      Eigen::MatrixXd matrix(n + 1, state.q.size());
-      for (int k = 0; k <= n; ++k) matrix.row(k) = line[k];
+  if (way) {
+    const std::vector<VectorXd> line = follow_way(planner, state.q, *way);
+    if (int(line.size()) == way->knots + 1) {
+      Eigen::MatrixXd matrix(Eigen::Index(line.size()), state.q.size());
+      for (std::size_t k = 0; k < line.size(); ++k) matrix.row(Eigen::Index(k)) = line[k];
       return {JointPath(matrix)};
     }
     fail(planner, index,
-         "the tool's straight line to " + where +
-             text(", leaves what the joints allow after %.0f %% of its length", 100.0 * double(line.size() - 1) / n) +
+         std::string("the tool's ") + (planner.elements[index].is_straight ? "straight line" : "way") + " to " + where +
+             text(", leaves what the joints allow after %.0f %% of its length",
+                  100.0 * double(line.size() - 1) / way->knots) +
              "; move the target, or let the tool go on a line that is not straight");
     return {};
   }
@@ -141,43 +215,36 @@ std::vector<JointPath> find_paths(Planner& planner, std::size_t index, const Rob
     const auto better =
         follow_pose(planner.model, planner.setup.tool_link, planner.setup.flange_to_tool, target, q, nearer);
     if (better && (*better - state.q).norm() < (q - state.q).norm()) q = *better;
-    Eigen::MatrixXd knots(2, q.size());
-    knots << state.q.transpose(), q.transpose();
-    paths.emplace_back(knots);
+    if (const auto path = path_between(planner, index, state, q)) paths.push_back(*path);
   }
   if (paths.empty())
     fail(planner, index,
-         "its target at " + where + ", cannot be reached within the joint limits; move it or the robot");
+         "its target at " + where + ", cannot be reached within the joint limits" +
+             (planner.elements[index].avoids_obstacles ? " and around what stands in the way" : "") +
+             "; move it or the robot");
   return paths;
 }
 
-// Number of steps for an element that needs `needed` seconds, or 0 after a failure that is noted.
-int choose_steps(Planner& planner, std::size_t index, double needed) {
+// Whether an element can be done in the time that it is given; a failure is noted.
+bool has_time(Planner& planner, std::size_t index, double needed) {
   const double wanted = planner.elements[index].duration;
-  if (!std::isfinite(needed)) {
-    fail(planner, index,
-         "a joint would have to move where its velocity limit is zero, next to its end; move the target");
-    return 0;
-  }
-  if (wanted > 0 && wanted < needed) {
-    fail(planner, index,
-         text("its duration of %.3f s is shorter than the %.3f s that the limits of velocity and "
-              "acceleration ask for; give more time",
-              wanted, needed));
-    return 0;
-  }
-  return std::max(1, steps_for(std::max(wanted, needed), planner.setup.time_step));
+  if (!std::isfinite(needed))
+    return fail(planner, index,
+                "a joint would have to move where its velocity limit is zero, next to its end; move the target");
+  if (wanted > 0 && wanted < needed)
+    return fail(planner, index,
+                text("its duration of %.3f s is shorter than the %.3f s that the limits of velocity and "
+                     "acceleration ask for; give more time",
+                     wanted, needed));
+  return true;
 }
 
 bool plan_from(Planner& planner, std::size_t index, const RobotState& state);
 
-bool take(Planner& planner, std::size_t index, const Rows& motion, const RobotState& end) {
-  const Rows pause = repeated(planner, end, steps_for(planner.setup.rest, planner.setup.time_step));
-  Rows both(motion.rows() + pause.rows(), motion.cols());
-  both << motion, pause;
-  planner.rows.resize(index);
-  planner.rows.push_back(both);
-  return plan_from(planner, index + 1, end);
+bool take(Planner& planner, std::size_t index, const Segment& segment) {
+  if (!has_time(planner, index, segment.needed)) return false;
+  planner.segments[index] = segment;
+  return plan_from(planner, index + 1, segment.end);
 }
 
 bool plan_gripper(Planner& planner, std::size_t index, const RobotState& state) {
@@ -187,14 +254,7 @@ bool plan_gripper(Planner& planner, std::size_t index, const RobotState& state) 
   // the largest s' and s'' of the time law are 15/8 and 10/sqrt(3)
   const double needed = std::max(1.875 * way / planner.setup.gripper_speed,
                                  std::sqrt(10 / std::sqrt(3.0) * way / planner.setup.gripper_acceleration));
-  const int n = choose_steps(planner, index, needed);
-  if (n == 0) return false;
-  Rows motion = repeated(planner, state, n);
-  for (int k = 0; k < n; ++k)
-    motion.row(k)
-        .tail(planner.setup.n_gripper_joints)
-        .setConstant(state.gripper + (end.gripper - state.gripper) * smoothstep(double(k + 1) / n).value);
-  return take(planner, index, motion, end);
+  return take(planner, index, {std::nullopt, state, end, needed});
 }
 
 bool plan_move(Planner& planner, std::size_t index, const RobotState& state) {
@@ -207,30 +267,79 @@ bool plan_move(Planner& planner, std::size_t index, const RobotState& state) {
                                             {.share = element.speed,
                                              .default_acceleration = planner.setup.default_acceleration,
                                              .default_jerk = planner.setup.default_jerk});
-    const int n = choose_steps(planner, index, needed);
-    if (n == 0) continue;
-    Rows motion = repeated(planner, state, n);
-    for (int k = 0; k < n; ++k) motion.row(k).head(state.q.size()) = path.at(smoothstep(double(k + 1) / n).value).q;
-    if (take(planner, index, motion, {path.end(), state.gripper})) return true;
+    if (take(planner, index, {path, state, {path.end(), state.gripper}, needed})) return true;
   }
   return false;
 }
 
 // Plans element `index` and all after it, going back to another configuration where the rest turns out impossible.
 bool plan_from(Planner& planner, std::size_t index, const RobotState& state) {
+  while (index < planner.elements.size() && planner.elements[index].robot != planner.robot) ++index;
   if (index == planner.elements.size()) return true;
   using Type = MotionElement::Type;
   switch (planner.elements[index].type) {
     case Type::wait:
-      return take(planner, index,
-                  repeated(planner, state, steps_for(planner.elements[index].duration, planner.setup.time_step)),
-                  state);
+      return take(planner, index, {std::nullopt, state, state, 0});
     case Type::close:
     case Type::open:
       return plan_gripper(planner, index, state);
     default:
       return plan_move(planner, index, state);
   }
+}
+
+// Position of the robot at the share u of a segment's time.
+Eigen::RowVectorXd position(const Segment& segment, double u, int n_gripper_joints) {
+  const double s = smoothstep(u).value;
+  Eigen::RowVectorXd row(segment.end.q.size() + n_gripper_joints);
+  row.head(segment.end.q.size()) = segment.path ? segment.path->at(s).q : segment.end.q;
+  row.tail(n_gripper_joints).setConstant(segment.start.gripper + s * (segment.end.gripper - segment.start.gripper));
+  return row;
+}
+
+// Elements [first, last) that go on together, and how many steps they move before they rest.
+struct Group {
+  std::size_t first = 0, last = 0;
+  int moving = 0;
+};
+
+std::vector<Group> group_elements(const std::vector<Planner>& planners, std::span<const MotionElement> elements) {
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    if (i == 0 || !elements[i].is_with_previous) groups.push_back({i, i, 0});
+    Group& group = groups.back();
+    group.last = i + 1;
+    const Planner& planner = planners[std::size_t(elements[i].robot)];
+    const double seconds = std::max(elements[i].duration, planner.segments[i]->needed);
+    // a wait of no time still takes none; anything that moves takes at least a step
+    const bool waits = elements[i].type == MotionElement::Type::wait;
+    group.moving = std::max({group.moving, steps_for(seconds, planner.setup.time_step), waits ? 0 : 1});
+  }
+  return groups;
+}
+
+JointTrajectory sample(const Planner& planner, const std::vector<Group>& groups) {
+  const MotionSetup& setup = planner.setup;
+  const int pause = steps_for(setup.rest, setup.time_step);
+  JointTrajectory trajectory;
+  trajectory.time_step = setup.time_step;
+  Eigen::Index n_steps = 0;
+  for (const Group& group : groups) n_steps += group.moving + pause;
+  trajectory.q.resize(n_steps, setup.q_start.size() + setup.n_gripper_joints);
+  Segment still{std::nullopt, {setup.q_start, setup.gripper_start}, {setup.q_start, setup.gripper_start}, 0};
+  Eigen::Index next = 0;
+  for (const Group& group : groups) {
+    Segment segment = still;
+    for (std::size_t i = group.first; i < group.last; ++i)
+      if (planner.segments[i]) segment = *planner.segments[i];
+    for (int k = 0; k < group.moving + pause; ++k) {
+      const double u = k < group.moving ? double(k + 1) / group.moving : 1;
+      trajectory.q.row(next++) = position(segment, u, setup.n_gripper_joints);
+      trajectory.element.push_back(int(group.first));
+    }
+    still.start = still.end = segment.end;
+  }
+  return trajectory;
 }
 
 void check(const RobotModel& model, const MotionSetup& setup) {
@@ -248,23 +357,29 @@ void check(const RobotModel& model, const MotionSetup& setup) {
 
 JointTrajectory plan_motion(const RobotModel& model, const MotionSetup& setup,
                             std::span<const MotionElement> elements) {
-  check(model, setup);
-  Planner planner{model, setup, elements, {}, {}, 0, {}, 0};
-  for (const int joint : model.actuated) planner.joints.push_back(model.joints[joint]);
-  if (!plan_from(planner, 0, {setup.q_start, setup.gripper_start})) throw UsageError(planner.failure);
+  const PlannedRobot robot{model, setup};
+  return plan_motion(std::span(&robot, 1), elements).front();
+}
 
-  JointTrajectory trajectory;
-  trajectory.time_step = setup.time_step;
-  Eigen::Index n_steps = 0;
-  for (const Rows& rows : planner.rows) n_steps += rows.rows();
-  trajectory.q.resize(n_steps, setup.q_start.size() + setup.n_gripper_joints);
-  Eigen::Index next = 0;
-  for (std::size_t i = 0; i < planner.rows.size(); ++i) {
-    trajectory.q.middleRows(next, planner.rows[i].rows()) = planner.rows[i];
-    trajectory.element.insert(trajectory.element.end(), std::size_t(planner.rows[i].rows()), int(i));
-    next += planner.rows[i].rows();
+std::vector<JointTrajectory> plan_motion(std::span<const PlannedRobot> robots,
+                                         std::span<const MotionElement> elements) {
+  std::vector<Planner> planners;
+  for (const PlannedRobot& robot : robots) {
+    check(robot.model, robot.setup);
+    Planner& planner =
+        planners.emplace_back(Planner{robot.model, robot.setup, elements, int(planners.size()), {}, {}, 0, {}, 0});
+    planner.segments.resize(elements.size());
+    for (const int joint : robot.model.actuated) planner.joints.push_back(robot.model.joints[joint]);
+    if (!plan_from(planner, 0, {robot.setup.q_start, robot.setup.gripper_start})) throw UsageError(planner.failure);
   }
-  return trajectory;
+  const std::vector<Group> groups = group_elements(planners, elements);
+  std::vector<JointTrajectory> trajectories;
+  for (const Planner& planner : planners) {
+    const JointTrajectory& trajectory = trajectories.emplace_back(sample(planner, groups));
+    const auto left = limit_left(planner.model, planner.setup.q_start, trajectory.q, trajectory.time_step);
+    if (left) throw UsageError("the planned motion leaves a limit of the robot: " + *left + "; lower `speed`");
+  }
+  return trajectories;
 }
 
 }  // namespace pvg

@@ -1,10 +1,13 @@
-// Motion elements -> the reference q_ref of every step. Each element is a path in the joint space: a straight line, or
-// the inverse kinematics along a straight line of the tool. It is run through from rest to rest by
+// Motion elements -> the reference q_ref of every step. Each element is a path in the joint space: a straight line, the
+// inverse kinematics along a way of the tool (a line, an arc, a smooth curve through given poses), or a way searched
+// around obstacles. It is run through from rest to rest by
 //   s(u) = 10 u^3 - 15 u^4 + 6 u^5,   u = t / duration,
 // with the shortest duration, a whole number of steps, that keeps every joint inside its limits of velocity (also the
-// position-dependent one), acceleration and jerk.
+// position-dependent one), acceleration and jerk. Elements that go on together take the time of the slowest.
 #pragma once
+#include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,6 +17,10 @@
 
 namespace pvg {
 
+// A collision-free way between two configurations, as knots [n, n_actuated]; nothing: none was found.
+using SearchWay = std::function<std::optional<Eigen::MatrixXd>(const VectorXd& from, const VectorXd& to)>;
+
+// One robot.
 struct MotionSetup {
   Pose base = Pose::Identity();              // of the robot's base link, to world
   int tool_link = -1;                        // link that carries the tool: the flange
@@ -28,15 +35,24 @@ struct MotionSetup {
   double rest = 0.1;                         // stand-still after every element [s]
   double default_acceleration = 10;          // of joints whose URDF gives no limit [rad/s^2]
   double default_jerk = 5000;                // likewise [rad/s^3]
+  SearchWay search_way = {};                 // for elements that avoid obstacles; empty: they are refused
 };
 
 struct JointTrajectory {
   double time_step = 0;      // h [s]
   Eigen::MatrixXd q;         // [n_steps, n_actuated + n_gripper_joints]: row k is reached at (k + 1) h
-  std::vector<int> element;  // [n_steps] which element of the list the step belongs to
+  std::vector<int> element;  // [n_steps] which element of the list the step belongs to, of several together the first
+};
+
+struct PlannedRobot {
+  const RobotModel& model;
+  const MotionSetup& setup;
 };
 
 // Throws a UsageError that names the element if a target cannot be reached or a straight line leaves the joint limits.
 JointTrajectory plan_motion(const RobotModel& model, const MotionSetup& setup, std::span<const MotionElement> elements);
+
+// Several robots at one time step; -> one trajectory each, of equal length. MotionElement::robot counts them.
+std::vector<JointTrajectory> plan_motion(std::span<const PlannedRobot> robots, std::span<const MotionElement> elements);
 
 }  // namespace pvg

@@ -10,7 +10,9 @@
 #include "host/io/tetgen.hpp"
 #include "host/io/textures.hpp"
 #include "host/robot/add_robot.hpp"
+#include "host/scene/read_sections.hpp"
 #include "host/scene/task_file.hpp"
+#include "host/scene/variation.hpp"
 
 namespace pvg {
 namespace {
@@ -53,6 +55,7 @@ RigidBody rigid_body(const ObjectSection& object, const Pose& pose) {
   RigidBody body;
   body.name = object.name;
   body.collision = read_closed_surface(object.mesh);
+  for (Vec3& point : body.collision.points) point *= object.size;
   body.is_fixed = object.is_fixed;
   body.friction = object.friction;
   body.affine_modulus = object.affine_modulus;
@@ -93,7 +96,14 @@ void add_gltf(Scene& scene, const std::filesystem::path& file, const Visual& vis
 }
 
 void add_object(Scene& scene, const ObjectSection& object, const Draw& draw) {
-  const Pose pose = draw_pose(draw, object.name, object.pose);
+  Pose pose = draw_pose(draw, object.name, object.pose);
+  if (!object.pose.object.empty()) {
+    const RigidBody* frame = find_named(scene.rigid_bodies, object.pose.object);
+    if (!frame)
+      throw UsageError("object `" + object.name + "`: its pose is in the frame of `" + object.pose.object +
+                       "`, which has no `mesh`; give that one a mesh, or the pose in the world");
+    pose = frame->pose * pose;
+  }
   int rigid = -1;
   if (!object.mesh.empty()) {
     rigid = int(scene.rigid_bodies.size());
@@ -112,8 +122,24 @@ void add_object(Scene& scene, const ObjectSection& object, const Draw& draw) {
     visual.mesh = int(scene.visual_meshes.size());
     visual.material = material_index(scene, section.material);
     scene.visual_meshes.push_back(read_visual_mesh(section.mesh, section.crease_angle));
+    for (Vec3f& point : scene.visual_meshes.back().points) point *= float(object.size);
     scene.visuals.push_back(visual);
   }
+}
+
+int rigid_index(const Scene& scene, const std::string& name) {
+  const RigidBody* body = find_named(scene.rigid_bodies, name);
+  if (!body) throw UsageError("`joints` names the object `" + name + "`, which has no `mesh`; only bodies have joints");
+  return int(body - scene.rigid_bodies.data());
+}
+
+void add_joint(Scene& scene, const JointSection& section) {
+  Joint joint = section.joint;
+  joint.parent = rigid_index(scene, section.parent);
+  joint.child = rigid_index(scene, section.child);
+  joint.child_frame = scene.rigid_bodies[std::size_t(joint.child)].pose.inverse() *
+                      scene.rigid_bodies[std::size_t(joint.parent)].pose * joint.parent_frame;
+  scene.joints.push_back(joint);
 }
 
 void add_cloth(Scene& scene, const ClothSection& section, const Draw& draw) {
@@ -168,8 +194,36 @@ Stitch stitch_of(const SoftBody& soft, const FingerSection& finger, int soft_ind
   return stitch;
 }
 
-void add_finger(Scene& scene, const FingerSection& finger, const GripperSection& gripper, int carriage_body,
-                const Pose& carriage_in_body, const std::string& prefix) {
+// The same shape and mass, fixed to its carriage, instead of a soft finger.
+int add_rigid_finger(Scene& scene, const FingerSection& finger, const GripperSection& gripper, int carriage_body,
+                     const Pose& carriage_in_body, const std::string& prefix) {
+  ObjectSection section;
+  section.name = prefix + finger.name;
+  section.mesh = finger.mesh;
+  section.density = finger.material.density;
+  section.friction = finger.friction;
+  const Pose in_carriage = carriage_in_body * finger.pose;
+  const int index = int(scene.rigid_bodies.size());
+  scene.rigid_bodies.push_back(rigid_body(section, scene.rigid_bodies[std::size_t(carriage_body)].pose * in_carriage));
+  Joint mount;
+  mount.name = section.name + "_mount";
+  mount.parent = carriage_body;
+  mount.child = index;
+  mount.parent_frame = in_carriage;
+  scene.joints.push_back(mount);
+  Visual visual;
+  visual.name = section.name;
+  visual.material = material_index(scene, gripper.finger_material);
+  visual.rigid = index;
+  visual.mesh = int(scene.visual_meshes.size());
+  visual.part = "gripper";
+  scene.visual_meshes.push_back(read_visual_mesh(finger.mesh, 0.7));
+  scene.visuals.push_back(visual);
+  return index;
+}
+
+int add_finger(Scene& scene, const FingerSection& finger, const GripperSection& gripper, int carriage_body,
+               const Pose& carriage_in_body, const std::string& prefix) {
   SoftBody soft;
   soft.name = prefix + finger.name;
   const TetgenOptions options{finger.max_tetrahedron_volume, finger.radius_edge_ratio, finger.keeps_surface,
@@ -188,6 +242,7 @@ void add_finger(Scene& scene, const FingerSection& finger, const GripperSection&
   visual.subdivision_levels = gripper.subdivision_levels;
   visual.part = "gripper";
   scene.visuals.push_back(visual);
+  return index;
 }
 
 RobotOptions options_for(const Scene& scene) {
@@ -196,9 +251,14 @@ RobotOptions options_for(const Scene& scene) {
   return options;
 }
 
-void add_gripper(TaskScene& built, const GripperSection& gripper, const AddedRobot& arm, int flange_link,
+std::vector<int> distinct(std::vector<int> list) {
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+  return list;
+}
+
+void add_gripper(Scene& scene, BuiltRobot& built, const GripperSection& gripper, const AddedRobot& arm, int flange_link,
                  const std::string& prefix) {
-  Scene& scene = built.scene;
   const RobotModel model = load_urdf(gripper.urdf);
   RobotOptions options = options_for(scene);
   options.prefix = prefix;
@@ -223,29 +283,38 @@ void add_gripper(TaskScene& built, const GripperSection& gripper, const AddedRob
   const Pose flange_in_body = arm.link_in_body[flange_link];
   const AddedRobot added = attach_robot(scene, built.flange, flange_in_body * gripper.mount, model, open, options);
   spare_wrist(scene, built.flange, added);
-  built.gripper_joints = added.joints;
+  built.gripper = added.joints;
   built.gripper_base = added.body[0];
+  built.gripper_bodies = distinct(added.body);
   built.flange_to_tool = gripper.mount * gripper.tool_center;
   for (const FingerSection& finger : gripper.fingers) {
     const int carriage = model.link(finger.carriage);
-    add_finger(scene, finger, gripper, added.body[carriage], added.link_in_body[carriage], prefix);
+    const int body = added.body[carriage];
+    const Pose& in_body = added.link_in_body[carriage];
+    if (gripper.is_rigid)
+      built.rigid_fingers.push_back(add_rigid_finger(scene, finger, gripper, body, in_body, prefix));
+    else
+      built.soft_fingers.push_back(add_finger(scene, finger, gripper, body, in_body, prefix));
   }
 }
 
-void add_arm(TaskScene& built, const RobotSection& robot, const std::optional<GripperSection>& gripper,
-             const std::string& prefix) {
+void add_arm(TaskScene& built, const RobotCell& cell) {
+  const RobotSection& robot = cell.robot;
   const RobotModel model = load_urdf(robot.urdf);
   RobotOptions options = options_for(built.scene);
-  options.prefix = prefix;
+  options.prefix = cell.name.empty() ? "" : cell.name + "/";
   options.stiffness = robot.drive_stiffness;
   options.damping = robot.drive_damping;
   options.friction = robot.friction;
   options.collision_links = robot.collision_links;
   const AddedRobot arm = add_robot(built.scene, model, robot.base, home_configuration(model, robot), options);
   const int flange_link = model.link(robot.flange);
-  built.arm_joints = arm.joints;
-  built.flange = arm.body[flange_link];
-  if (gripper) add_gripper(built, *gripper, arm, flange_link, prefix);
+  BuiltRobot& added = built.robots.emplace_back();
+  added.name = cell.name;
+  added.arm = arm.joints;
+  added.flange = arm.body[std::size_t(flange_link)];
+  added.arm_bodies = distinct(arm.body);
+  if (cell.gripper) add_gripper(built.scene, added, *cell.gripper, arm, flange_link, options.prefix);
 }
 
 void add_background(Scene& scene, const BackgroundSection& background) {
@@ -286,16 +355,19 @@ void add_cameras(TaskScene& built, const Task& task) {
       camera.cx = section.intrinsics[2] * section.width - 0.5;
       camera.cy = section.intrinsics[3] * section.height - 0.5;
     }
-    camera.rigid = section.mount == "world" ? -1 : built.gripper_base;
+    for (const BuiltRobot& robot : built.robots)
+      if (section.mount == (robot.name.empty() ? "" : robot.name + "/") + "gripper_base")
+        camera.rigid = robot.gripper_base;
     camera.pose = section.pose;
     camera.exposure = section.exposure;
     built.scene.cameras.push_back(camera);
   }
 }
 
-TaskScene build(const Task& task, Draw draw) {
+TaskScene build(const Task& nominal, Draw draw) {
   TaskScene built;
   draw.record = &built.sampled;
+  const Task task = varied(nominal, draw);
   Scene& scene = built.scene;
   scene.name = task.name;
   scene.contact = task.contact;
@@ -309,15 +381,9 @@ TaskScene build(const Task& task, Draw draw) {
   scene.environment_map.turn = task.environment_turn;
   scene.materials = task.materials;
   for (const auto& file : task.textures) scene.textures.push_back(read_texture(file));
-  if (!task.robot.urdf.empty()) add_arm(built, task.robot, task.gripper, "");
-  for (const RobotCell& cell : task.more_robots) {
-    TaskScene more;
-    std::swap(more.scene, scene);
-    add_arm(more, cell.robot, cell.gripper, cell.name + "/");
-    std::swap(more.scene, scene);
-    built.more_robots.push_back({more.arm_joints, more.gripper_joints});
-  }
+  for (const RobotCell& robot : robots_of(task)) add_arm(built, robot);
   for (const ObjectSection& object : task.objects) add_object(scene, object, draw);
+  for (const JointSection& joint : task.joints) add_joint(scene, joint);
   for (const ClothSection& section : task.cloths) add_cloth(scene, section, draw);
   add_background(scene, task.background);
   add_cameras(built, task);

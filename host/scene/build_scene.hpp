@@ -13,21 +13,23 @@ struct SampledValue {
   double value = 0;
 };
 
-// Of Scene::joints, base to flange and of the gripper.
-struct RobotJoints {
-  std::vector<int> arm, gripper;
+// Where a robot of the task is in the Scene.
+struct BuiltRobot {
+  std::string name;                              // as in Task::more_robots, or empty
+  std::vector<int> arm;                          // of Scene::joints, base to flange
+  std::vector<int> gripper;                      // of Scene::joints
+  int flange = -1;                               // rigid body that the flange is part of
+  int gripper_base = -1;                         // rigid body
+  Pose flange_to_tool = Pose::Identity();        // tool frame in the frame of the link `robot.flange`
+  std::vector<int> arm_bodies, gripper_bodies;   // of Scene::rigid_bodies, without fingers
+  std::vector<int> soft_fingers, rigid_fingers;  // of Scene::soft_bodies; of Scene::rigid_bodies where they are rigid
 };
 
 // A scene and what the planner and the record need to know about it beyond the Scene itself.
 struct TaskScene {
   Scene scene;
-  std::vector<SampledValue> sampled;       // only quantities whose range is not a point
-  std::vector<int> arm_joints;             // of Scene::joints, base to flange
-  std::vector<int> gripper_joints;         // of Scene::joints
-  std::vector<RobotJoints> more_robots;    // of Task::more_robots
-  int flange = -1;                         // rigid body that the flange is part of
-  int gripper_base = -1;                   // rigid body
-  Pose flange_to_tool = Pose::Identity();  // tool frame in the frame of the link `robot.flange`
+  std::vector<SampledValue> sampled;  // only quantities whose range is not a point
+  std::vector<BuiltRobot> robots;     // as robots_of(task)
 };
 
 // Evenly distributed in [0, 1), a function of its three arguments alone.

@@ -133,6 +133,7 @@ SampledPose read_sampled_pose(Section& parent) {
   SampledPose pose;
   if (!parent.has("pose")) return pose;
   Section section = parent.section("pose");
+  pose.object = section.text("object", "");
   pose.x = section.range("x", Unit::length, -REACH, REACH, 0);
   pose.y = section.range("y", Unit::length, -REACH, REACH, 0);
   pose.z = section.range("z", Unit::length, -REACH, REACH, 0);
@@ -276,8 +277,7 @@ void read_light(Section& section, Task& task) {
 CameraSection read_camera(Section& section) {
   CameraSection camera;
   camera.name = section.text("name");
-  const std::vector<std::string> mounts = {"world", "gripper_base"};
-  camera.mount = mounts[section.choice("mount", mounts, 0)];
+  camera.mount = section.text("mount", camera.mount);
   // even numbers: video with half resolution in colour needs them
   camera.width = section.integer("width", 16, 8192);
   camera.height = section.integer("height", 16, 8192);

@@ -36,6 +36,12 @@ CameraSection read_camera(YamlSection& section);
 Vec3f read_color(YamlSection& section, const std::string& key, const Vec3f& otherwise, double high,
                  Unit unit = Unit::none);
 
+RobotCell read_robot_cell(YamlSection& section, Task& task);  // `name`, `robot` and `gripper` of one of `robots`
+std::vector<MotionElement> read_motion(YamlSection& root, const std::vector<std::string>& robots);
+JointSection read_task_joint(YamlSection& section);
+Condition read_condition(YamlSection& section, const std::vector<std::string>& robots, Condition::When otherwise);
+Variation read_variation(YamlSection& section);
+
 // What tasks and plain scenes share (task_file.cpp).
 Task read_scene_sections(YamlSection& root, double largest_time_step);
 

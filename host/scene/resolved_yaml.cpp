@@ -56,7 +56,6 @@ struct Writer {
 };
 
 void write_robot(Writer& w, const RobotSection& robot) {
-  if (robot.urdf.empty()) return;
   w.begin("robot");
   w.path("urdf", robot.urdf);
   w.pose("base", robot.base);
@@ -98,6 +97,7 @@ void write_finger(Writer& w, const FingerSection& finger) {
 void write_gripper(Writer& w, const std::optional<GripperSection>& gripper) {
   if (!gripper) return;
   w.begin("gripper");
+  w.entry("is_rigid", gripper->is_rigid);
   w.path("file", gripper->file);
   w.path("urdf", gripper->urdf);
   w.entry("base_link", gripper->base_link);
@@ -118,6 +118,7 @@ void write_gripper(Writer& w, const std::optional<GripperSection>& gripper) {
 
 void write_sampled_pose(Writer& w, const SampledPose& pose) {
   w.begin("pose");
+  if (!pose.object.empty()) w.entry("object", pose.object);
   w.range("x", pose.x);
   w.range("y", pose.y);
   w.range("z", pose.z);
@@ -199,26 +200,72 @@ void write_physics(Writer& w, const Task& task) {
   w.end();
 }
 
-void write_motion(Writer& w, const Task& task) {
-  constexpr const char* NAMES[] = {"approach", "close", "lift", "carry", "lower", "open", "retreat", "wait"};
-  w.list("motion", task.motion, [&](const MotionElement& element) {
-    w.entry("do", NAMES[int(element.type)]);
-    w.entry("object", element.object);
+void write_joint(Writer& w, const JointSection& section) {
+  constexpr const char* TYPES[] = {"fixed", "revolute", "prismatic", "spherical"};
+  const Joint& joint = section.joint;
+  w.entry("name", joint.name);
+  w.entry("type", TYPES[int(joint.type)]);
+  w.entry("parent", section.parent);
+  w.entry("child", section.child);
+  w.vector("axis", joint.axis);
+  w.entry("lower", joint.lower);
+  w.entry("upper", joint.upper);
+  w.entry("damping", joint.damping);
+  w.pose("parent_frame", joint.parent_frame);
+}
+
+void write_element(Writer& w, const MotionElement& element) {
+  using Type = MotionElement::Type;
+  w.entry("do", name_of(element.type));
+  w.entry("robot", element.robot);
+  w.entry("is_with_previous", element.is_with_previous);
+  w.entry("object", element.object);
+  w.entry("frame", element.is_in_tool_frame ? "tool" : "object");
+  if (element.type == Type::follow_arc) {
+    w.vector("center", element.center);
+    w.vector("axis", element.axis);
+    w.entry("angle", element.angle);
+    w.entry("turns", element.turns_with_arc);
+  } else if (element.type == Type::follow_path) {
+    w.list("path", element.path, [&](const Pose& pose) { w.pose("pose", pose); });
+  } else {
     w.pose("target", element.target);
-    w.entry("gripper", element.gripper);
-    w.entry("duration", element.duration);
-    w.entry("speed", element.speed);
-    w.entry("straight", element.is_straight);
-  });
-  w.begin("success");
-  w.entry("object", task.success.object);
-  w.entry("lifted", task.success.lifted);
-  w.entry("target", task.success.target);
-  w.vector("target_position", task.success.target_position);
-  w.entry("position_tolerance", task.success.position_tolerance);
-  w.entry("tilt_tolerance", task.success.tilt_tolerance);
-  w.entry("slip_tolerance", task.success.slip_tolerance);
-  w.end();
+  }
+  w.entry("gripper", element.gripper);
+  w.entry("force", element.force);
+  w.entry("duration", element.duration);
+  w.entry("speed", element.speed);
+  w.entry("straight", element.is_straight);
+  w.entry("plan", element.avoids_obstacles);
+}
+
+void write_condition(Writer& w, const Condition& condition) {
+  using Quantity = Condition::Quantity;
+  constexpr const char* WHEN[] = {"end", "some_time", "always"};
+  w.entry("quantity", quantity_names()[std::size_t(condition.quantity)]);
+  w.entry("of", condition.of);
+  w.entry("when", WHEN[int(condition.when)]);
+  if (condition.quantity == Quantity::position_error) {
+    w.entry("target", condition.target);
+    w.vector("target_position", condition.target_position);
+    w.vector("point", condition.point);
+  }
+  if (condition.quantity == Quantity::corner_distance || condition.quantity == Quantity::edge_distance) {
+    w.vector("first", condition.first);
+    w.vector("second", condition.second);
+  }
+  if (condition.quantity == Quantity::edge_distance) {
+    w.vector("first_end", condition.first_end);
+    w.vector("second_end", condition.second_end);
+  }
+  if (condition.at_least) w.entry("at_least", *condition.at_least);
+  if (condition.at_most) w.entry("at_most", *condition.at_most);
+}
+
+void write_motion(Writer& w, const Task& task) {
+  w.list("motion", task.motion, [&](const MotionElement& element) { write_element(w, element); });
+  w.list("success", task.success, [&](const Condition& condition) { write_condition(w, condition); });
+  w.list("failure", task.failure, [&](const Condition& condition) { write_condition(w, condition); });
 }
 
 void write_looks(Writer& w, const Task& task) {
@@ -308,9 +355,15 @@ std::string resolved_yaml(const Task& task, const TaskScene& built) {
   w.entry("schema", 1);
   w.entry("name", task.name);
   w.entry("time_step", task.solver.time_step);
-  write_robot(w, task.robot);
+  if (!task.robot.urdf.empty()) write_robot(w, task.robot);
   write_gripper(w, task.gripper);
+  w.list("robots", task.more_robots, [&](const RobotCell& cell) {
+    w.entry("name", cell.name);
+    write_robot(w, cell.robot);
+    write_gripper(w, cell.gripper);
+  });
   w.list("objects", task.objects, [&](const ObjectSection& object) { write_object(w, object); });
+  w.list("joints", task.joints, [&](const JointSection& joint) { write_joint(w, joint); });
   w.list("cloths", task.cloths, [&](const ClothSection& cloth) { write_cloth(w, cloth); });
   write_physics(w, task);
   write_motion(w, task);

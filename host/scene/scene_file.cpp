@@ -34,12 +34,7 @@ void append(Scene& scene, const Scene& added) {
 }
 
 void read_cell(YamlSection& section, SceneFile& file) {
-  RobotCell cell;
-  cell.name = section.text("name");
-  if (find_named(file.task.more_robots, cell.name))
-    section.fail("name", "`" + cell.name + "` is taken by a robot above");
-  cell.robot = read_robot(section.section("robot"));
-  if (section.has("gripper")) cell.gripper = read_gripper(section, file.task);
+  RobotCell cell = read_robot_cell(section, file.task);
   RobotPath path;
   for (YamlSection& point : section.sections("path")) {
     path.time.push_back(point.number("time", Unit::time, 0, 1e6));
@@ -57,12 +52,13 @@ void read_cell(YamlSection& section, SceneFile& file) {
 
 // Of all driven joints of the robots: their paths, or where they start.
 std::vector<TargetTable> robot_targets(const TaskScene& built, const std::vector<RobotPath>& paths) {
+  const std::size_t n_before = built.robots.size() - paths.size();  // the one of the section `robot`
   const std::vector<Joint>& joints = built.scene.joints;
   std::vector<TargetTable> of_joint;
   for (const Joint& joint : joints) of_joint.push_back({{0}, {joint.initial}});
   for (std::size_t r = 0; r < paths.size(); ++r) {
     if (paths[r].time.empty()) continue;
-    const RobotJoints& robot = built.more_robots[r];
+    const BuiltRobot& robot = built.robots[r + n_before];
     for (std::size_t k = 0; k < robot.arm.size(); ++k) {
       TargetTable& table = of_joint[std::size_t(robot.arm[k])];
       table = {paths[r].time, {}};

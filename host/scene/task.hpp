@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "host/scene/condition.hpp"
 #include "host/scene/motion.hpp"
 #include "host/scene/scene.hpp"
 
@@ -20,8 +21,17 @@ struct Range {
 
 // Where a body starts: position and roll, pitch, yaw (about the fixed axes x, y, z in this order).
 struct SampledPose {
+  std::string object;      // whose frame it is in, an object further up in the list; empty: the world's
   Range x, y, z;           // [m]
   Range roll, pitch, yaw;  // [rad]
+};
+
+// A quantity that is drawn anew for each episode (variation.hpp).
+struct Variation {
+  enum class Quantity { size, mass, friction, stiffness, color, light, exposure, camera_position, camera_rotation };
+  Quantity quantity = Quantity::size;
+  std::string of;  // name of the object, cloth, finger, material, light or camera
+  Range range;     // a factor; of the camera's pose a shift [m] or turn [rad], drawn for each of its axes
 };
 
 struct RobotSection {
@@ -52,7 +62,14 @@ struct ObjectSection {
   double mass = 0;     // [kg]
   double friction = 0.5;
   double affine_modulus = 1e9;  // [Pa]
+  double size = 1;              // factor on its meshes
   SampledPose pose;             // to world
+};
+
+// Two objects that a joint holds together, such as a cabinet and its door.
+struct JointSection {
+  std::string parent, child;  // objects
+  Joint joint;                // its parent_frame holds; bodies and child_frame come with the scene
 };
 
 // What the gripper's own file says (gripper.yaml): rigid parts from a URDF, soft fingers stitched to its carriages.
@@ -84,9 +101,11 @@ struct GripperSection {
   std::string finger_material;            // visual, names of Task::materials
   std::vector<VisualMaterial> materials;  // colour only, no textures
   int subdivision_levels = 1;             // of the fingers' visual surface
+  bool is_rigid = false;                  // its fingers do not bend: for comparison
 };
 
-// A camera; where it is mounted: "world" or "gripper_base" (the gripper's base link).
+// A camera; where it is mounted: "world" or "gripper_base" (the gripper's base link), "left/gripper_base" of robot
+// left.
 struct CameraSection {
   std::string name;
   std::string mount = "world";
@@ -115,17 +134,6 @@ struct ClothSection {
   int subdivision_levels = 1;  // of its visual surface
 };
 
-// The episode succeeded if all of these hold for the object.
-struct SuccessConditions {
-  std::string object;
-  double lifted = 0.10;                 // it was at least this far above its start at some time [m]
-  std::string target;                   // object that it must end up on
-  Vec3 target_position = Vec3::Zero();  // where its origin must end, in the target's frame [m]
-  double position_tolerance = 0.010;    // horizontally and vertically together [m]
-  double tilt_tolerance = 0.0873;       // angle between its z axis and the vertical [rad]
-  double slip_tolerance = 0.010;  // while carried it moves no further than this in the tool's frame: else dropped [m]
-};
-
 struct RenderSection {
   double frames_per_second = 10;
   int samples = 16;  // paths per pixel
@@ -133,7 +141,7 @@ struct RenderSection {
   std::filesystem::path lut;  // applied to the pictures; empty: none
 };
 
-// A robot with a gripper beside the one of a task (scene files only). Its name stands before those of its parts.
+// One of several robots, each with a gripper. Its name stands before those of its parts.
 struct RobotCell {
   std::string name;  // such as "left"; bodies and joints are then left/fr3_link1 ...
   RobotSection robot;
@@ -145,8 +153,9 @@ struct Task {
   std::string name;
   RobotSection robot;
   std::optional<GripperSection> gripper;
-  std::vector<RobotCell> more_robots;
+  std::vector<RobotCell> more_robots;  // those of the section `robots`, which stands instead of `robot` and `gripper`
   std::vector<ObjectSection> objects;
+  std::vector<JointSection> joints;
   std::vector<ClothSection> cloths;
   std::vector<PairFriction> pair_friction;
   std::vector<Effect> effects;
@@ -162,8 +171,18 @@ struct Task {
   std::vector<std::filesystem::path> textures;  // VisualMaterial::texture refers to these
   std::vector<CameraSection> cameras;
   std::vector<MotionElement> motion;
-  SuccessConditions success;
+  std::vector<Condition> success;  // the episode succeeded if all of these hold
+  std::vector<Condition> failure;  // it has failed as soon as one of these holds
+  std::vector<Variation> variations;
   RenderSection render;
 };
+
+// `robot`, with an empty name, and those of `robots`.
+inline std::vector<RobotCell> robots_of(const Task& task) {
+  std::vector<RobotCell> robots;
+  if (!task.robot.urdf.empty()) robots.push_back({"", task.robot, task.gripper});
+  robots.insert(robots.end(), task.more_robots.begin(), task.more_robots.end());
+  return robots;
+}
 
 }  // namespace pvg

@@ -11,38 +11,6 @@ constexpr double LARGEST_TIME_STEP = 0.02;  // of an episode [s]
 
 using Section = YamlSection;
 
-MotionElement read_motion(Section& section) {
-  using Type = MotionElement::Type;
-  MotionElement element;
-  element.type = Type(section.choice("do", {"approach", "close", "lift", "carry", "lower", "open", "retreat", "wait"}));
-  const bool is_grip = element.type == Type::close || element.type == Type::open;
-  if (is_grip) element.gripper = section.number("gripper", Unit::length, 0, 1);
-  if (is_grip || element.type == Type::wait) {
-    element.duration = section.number("duration", Unit::time, 0, 600);
-  } else {
-    element.object = section.text("object", "");
-    element.target = read_pose(section);
-    element.duration = section.number("duration", Unit::time, 0, 600, 0);
-    element.speed = section.number("speed", Unit::none, 1e-3, 1, element.speed);
-    element.is_straight = section.boolean("straight", true);
-  }
-  section.done();
-  return element;
-}
-
-SuccessConditions read_success(Section section) {
-  SuccessConditions success;
-  success.object = section.text("object");
-  success.lifted = section.number("lifted", Unit::length, 0, REACH, success.lifted);
-  success.target = section.text("target");
-  success.target_position = section.vector("target_position", Unit::length, -REACH, REACH);
-  success.position_tolerance = section.number("position_tolerance", Unit::length, 0, REACH, success.position_tolerance);
-  success.tilt_tolerance = section.number("tilt_tolerance", Unit::angle, 0, PI, success.tilt_tolerance);
-  success.slip_tolerance = section.number("slip_tolerance", Unit::length, 0, REACH, success.slip_tolerance);
-  section.done();
-  return success;
-}
-
 RenderSection read_render(Section& root) {
   RenderSection render;
   if (!root.has("render")) return render;
@@ -112,8 +80,19 @@ void check_names(const Section& root, const Task& task, const std::vector<std::s
       }
     }
   }
+  for (const JointSection& joint : task.joints) {
+    need_object("joints", joint.parent);
+    need_object("joints", joint.child);
+  }
+  for (std::size_t i = 0; i < task.objects.size(); ++i) {
+    const std::string& frame = task.objects[i].pose.object;
+    const auto end = task.objects.begin() + std::ptrdiff_t(i);
+    if (!frame.empty() && std::none_of(task.objects.begin(), end, [&](const auto& o) { return o.name == frame; }))
+      root.fail("objects", "holds `" + task.objects[i].name + "`, whose pose is in the frame of `" + frame +
+                               "`, which does not stand above it");
+  }
   for (const MotionElement& element : task.motion) {
-    if (!element.object.empty()) need_object("motion", element.object);
+    if (!element.object.empty() && !is_cloth(element.object)) need_object("motion", element.object);
   }
   for (const PairFriction& pair : task.pair_friction) {
     for (const std::string& name : {pair.first, pair.second}) {
@@ -121,13 +100,20 @@ void check_names(const Section& root, const Task& task, const std::vector<std::s
       if (!is_body && !is_finger(name) && !is_cloth(name)) need_object("pair_friction", name);
     }
   }
+  std::vector<std::string> mounts = {"world"};
+  for (const RobotCell& robot : robots_of(task))
+    if (robot.gripper) mounts.push_back((robot.name.empty() ? "" : robot.name + "/") + "gripper_base");
   for (const CameraSection& camera : task.cameras) {
-    if (camera.mount != "world" && !task.gripper)
-      root.fail("cameras", "mounts `" + camera.name + "` on a gripper, but there is none");
+    if (std::find(mounts.begin(), mounts.end(), camera.mount) != mounts.end()) continue;
+    std::string allowed;
+    for (const std::string& mount : mounts) allowed += (allowed.empty() ? "" : ", ") + mount;
+    root.fail("cameras",
+              "mounts `" + camera.name + "` on `" + camera.mount + "`, but must mount it on one of: " + allowed);
   }
-  if (task.gripper && !find_named(task.materials, task.gripper->finger_material)) {
-    root.fail("gripper",
-              "wants the material `" + task.gripper->finger_material + "`, which neither it nor `materials` holds");
+  for (const RobotCell& robot : robots_of(task)) {
+    if (robot.gripper && !find_named(task.materials, robot.gripper->finger_material))
+      root.fail("gripper",
+                "wants the material `" + robot.gripper->finger_material + "`, which neither it nor `materials` holds");
   }
 }
 
@@ -177,21 +163,73 @@ Task read_scene_sections(Section& root, double largest_time_step) {
 
 bool is_task_file(const std::filesystem::path& file) { return Section::load(file, "scene file").has("motion"); }
 
+namespace {
+
+void check_condition_names(const Section& root, const Task& task) {
+  using Quantity = Condition::Quantity;
+  const auto check = [&](const char* key, const Condition& condition) {
+    const auto demand = [&](bool is_there, const std::string& name, const char* list) {
+      if (!is_there) root.fail(key, "names `" + name + "`, which `" + list + "` does not hold");
+    };
+    const bool is_cloth = std::any_of(task.cloths.begin(), task.cloths.end(),
+                                      [&](const ClothSection& c) { return c.cloth.name == condition.of; });
+    const bool is_object =
+        find_named(task.objects, condition.of) && !find_named(task.objects, condition.of)->mesh.empty();
+    if (condition.quantity == Quantity::joint_angle)
+      demand(std::any_of(task.joints.begin(), task.joints.end(),
+                         [&](const JointSection& j) { return j.joint.name == condition.of; }),
+             condition.of, "joints");
+    else if (condition.quantity == Quantity::corner_distance || condition.quantity == Quantity::edge_distance)
+      demand(is_cloth, condition.of, "cloths");
+    else if (condition.quantity == Quantity::held || condition.quantity == Quantity::height)
+      demand(is_cloth || is_object, condition.of, "objects");
+    else
+      demand(is_object, condition.of, "objects");
+    if (!condition.target.empty()) demand(find_named(task.objects, condition.target), condition.target, "objects");
+  };
+  for (const Condition& condition : task.success) check("success", condition);
+  for (const Condition& condition : task.failure) check("failure", condition);
+}
+
+}  // namespace
+
+RobotCell read_robot_cell(Section& section, Task& task) {
+  RobotCell cell;
+  cell.name = section.text("name");
+  if (find_named(task.more_robots, cell.name)) section.fail("name", "`" + cell.name + "` is taken by a robot above");
+  cell.robot = read_robot(section.section("robot"));
+  if (section.has("gripper")) cell.gripper = read_gripper(section, task);
+  return cell;
+}
+
 Task load_task(const std::filesystem::path& file) {
   Section root = Section::load(file, "task file");
   Task task = read_scene_sections(root, LARGEST_TIME_STEP);
-  if (task.robot.urdf.empty()) root.fail("", "lacks the key `robot`: a task needs one");
-  if (!task.gripper) root.fail("", "lacks the key `gripper`: a task needs one");
+  if (root.has("robots")) {
+    if (root.has("robot")) root.fail("robots", "and `robot` exclude each other");
+    for (Section& section : root.sections("robots")) {
+      task.more_robots.push_back(read_robot_cell(section, task));
+      section.done();
+    }
+  }
+  std::vector<std::string> robots;
+  for (const RobotCell& robot : robots_of(task)) {
+    robots.push_back(robot.name);
+    if (!robot.gripper) root.fail("", "lacks the key `gripper`: each robot of a task needs one");
+  }
+  if (robots.empty()) root.fail("", "lacks the key `robot`: a task needs one, or several in `robots`");
   if (task.cameras.empty()) root.fail("", "lacks `cameras`: a task is filmed by at least one");
-  for (Section& section : root.sections("motion")) task.motion.push_back(read_motion(section));
-  if (task.motion.empty()) root.fail("", "lacks `motion`: a task has at least one motion element");
-  task.success = read_success(root.section("success"));
+  for (Section& section : root.sections("joints")) task.joints.push_back(read_task_joint(section));
+  task.motion = read_motion(root, robots);
+  for (Section& section : root.sections("success"))
+    task.success.push_back(read_condition(section, robots, Condition::When::end));
+  if (task.success.empty()) root.fail("", "lacks `success`: a task has at least one condition");
+  for (Section& section : root.sections("failure"))
+    task.failure.push_back(read_condition(section, robots, Condition::When::some_time));
+  for (Section& section : root.sections("vary")) task.variations.push_back(read_variation(section));
   root.done();
   check_names(root, task, {});
-  for (const std::string& name : {task.success.object, task.success.target}) {
-    if (!find_named(task.objects, name))
-      root.fail("success", "names the object `" + name + "`, which `objects` does not hold");
-  }
+  check_condition_names(root, task);
   return task;
 }
 

@@ -108,15 +108,15 @@ void the_beaker_is_lifted_never_dropped_and_ends_upright_on_the_scale(const Smal
     highest = std::max(highest, recorded.map(beaker, step)(2, 3) - start.z());
   EXPECT_GE(highest, 0.10);
   const AffineMap end = recorded.map(beaker, recorded.n_steps - 1), pan = recorded.map(scale, recorded.n_steps - 1);
-  const Vec3 goal = pan.leftCols<3>() * small.task.success.target_position + pan.col(3);
+  const Vec3 goal = pan.leftCols<3>() * small.task.success.at(1).target_position + pan.col(3);
   EXPECT_LE((end.col(3) - goal).norm(), 0.010);
   EXPECT_GE(end.col(2).normalized().z(), std::cos(0.03));
 }
 
 void fingers_deform_and_the_beaker_does_not_slip(const Small&, const EpisodeReport& report) {
   EXPECT_GE(report.measured.finger_deformation, 1e-3);
-  EXPECT_LE(report.measured.slip_in_hand, 1e-3);
-  EXPECT_LE(report.measured.moved_in_hand, 5e-3);
+  EXPECT_LE(report.measured["slip_in_hand_m"], 1e-3);
+  EXPECT_LE(report.measured["moved_in_hand_m"], 5e-3);
 }
 
 void no_two_surfaces_intersect_at_any_recorded_step(const Small& small, const EpisodeReport&) {

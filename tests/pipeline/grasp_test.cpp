@@ -138,7 +138,7 @@ TEST(Grasp, JointsFeelTheWeightOfTheLiftedBeaker) {
   const MotionPlan plan = plan_episode(task, built);
   Device device;
   WorldState held, empty;
-  const std::vector<double> with_beaker = settled_efforts(device, built.scene, plan, built.arm_joints, true, held);
+  const std::vector<double> with_beaker = settled_efforts(device, built.scene, plan, built.robots[0].arm, true, held);
 
   const int beaker = body_named(built.scene, "beaker");
   Scene without = built.scene;
@@ -146,15 +146,15 @@ TEST(Grasp, JointsFeelTheWeightOfTheLiftedBeaker) {
   without.rigid_bodies.pop_back();
   std::erase_if(without.pair_friction,
                 [](const PairFriction& p) { return p.first == "beaker" || p.second == "beaker"; });
-  const std::vector<double> without_beaker = settled_efforts(device, without, plan, built.arm_joints, false, empty);
+  const std::vector<double> without_beaker = settled_efforts(device, without, plan, built.robots[0].arm, false, empty);
 
   const AffineMap& map = held.rigid[beaker];
   EXPECT_GT(map(2, 3) - built.scene.rigid_bodies[beaker].pose.translation().z(), 0.10) << "the beaker was not lifted";
   const RigidBody& glass = built.scene.rigid_bodies[beaker];
   const Vec3 centre = map.leftCols<3>() * glass.center_of_mass + map.col(3);
   int n_levers = 0;
-  for (std::size_t j = 0; j < built.arm_joints.size(); ++j) {
-    const Joint& joint = built.scene.joints[built.arm_joints[j]];
+  for (std::size_t j = 0; j < built.robots[0].arm.size(); ++j) {
+    const Joint& joint = built.scene.joints[built.robots[0].arm[j]];
     const AffineMap& parent = held.rigid[joint.parent];
     const Vec3 axis = (parent.leftCols<3>() * joint.parent_frame.linear() * joint.axis).normalized();
     const Vec3 origin = parent.leftCols<3>() * joint.parent_frame.translation() + parent.col(3);

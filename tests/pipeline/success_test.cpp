@@ -8,6 +8,29 @@
 namespace pvg {
 namespace {
 
+using Quantity = Condition::Quantity;
+using When = Condition::When;
+
+Condition condition(Quantity quantity, const std::string& of, When when) {
+  Condition condition;
+  condition.quantity = quantity;
+  condition.of = of;
+  condition.when = when;
+  return condition;
+}
+
+Condition at_least(Quantity quantity, const std::string& of, double bound, When when = When::end) {
+  Condition made = condition(quantity, of, when);
+  made.at_least = bound;
+  return made;
+}
+
+Condition at_most(Quantity quantity, const std::string& of, double bound, When when = When::end) {
+  Condition made = condition(quantity, of, when);
+  made.at_most = bound;
+  return made;
+}
+
 // object 0, target 1, tool 2, carriage 3; one finger stitched to the carriage
 struct Success : testing::Test {
   Success() {
@@ -21,13 +44,13 @@ struct Success : testing::Test {
     finger.mesh.points = {{0, 0, 0}, {0, 0, 0.1}};
     scene.soft_bodies.push_back(finger);
     scene.stitches.push_back({0, 3, {0}, 1e5});
-    conditions.object = "beaker";
-    conditions.target = "scale";
-    conditions.target_position = Vec3(0, 0, 0.05);
-    conditions.lifted = 0.1;
-    conditions.position_tolerance = 0.01;
-    conditions.tilt_tolerance = 0.1;
-    conditions.slip_tolerance = 0.01;
+    task.success = {at_least(Quantity::lifted, "beaker", 0.1, When::some_time),
+                    at_most(Quantity::position_error, "beaker", 0.01), at_most(Quantity::tilt, "beaker", 0.1),
+                    at_most(Quantity::held, "beaker", 0),
+                    at_most(Quantity::slip_in_hand, "beaker", 0.005, When::always)};
+    task.success[1].target = "scale";
+    task.success[1].target_position = Vec3(0, 0, 0.05);
+    task.failure = {at_least(Quantity::moved_in_hand, "beaker", 0.01, When::some_time)};
     state = at(Vec3(0.5, 0, 0));
   }
 
@@ -53,43 +76,111 @@ struct Success : testing::Test {
     return state;
   }
 
+  static void observe(SuccessMonitor& monitor, const WorldState& state, Phase phase) {
+    monitor.observe(state, std::span(&phase, 1));
+  }
+
   // a good episode, with one thing that may go wrong in each place
   SuccessMonitor run(double height, const Vec3& slip, const WorldState& end) {
-    SuccessMonitor monitor(conditions, scene, 2, state);
-    monitor.observe(state, Phase::free);
-    monitor.observe(holding(state), Phase::holding);
-    monitor.observe(holding(at(Vec3(0.5, 0, height))), Phase::holding);
-    monitor.observe(holding(at(Vec3(0.4, 0.1, height))), Phase::carrying);
-    monitor.observe(holding(at(Vec3(0.3, 0.2, height), 0, slip)), Phase::carrying);
-    monitor.observe(holding(at(Vec3(0.3, 0.2, 0.05))), Phase::holding);
-    monitor.observe(end, Phase::free);
+    SuccessMonitor monitor(task, scene, hands, state);
+    observe(monitor, state, Phase::free);
+    observe(monitor, holding(state), Phase::holding);
+    observe(monitor, holding(at(Vec3(0.5, 0, height))), Phase::holding);
+    observe(monitor, holding(at(Vec3(0.4, 0.1, height))), Phase::carrying);
+    observe(monitor, holding(at(Vec3(0.3, 0.2, height), 0, slip)), Phase::carrying);
+    observe(monitor, holding(at(Vec3(0.3, 0.2, 0.05))), Phase::holding);
+    observe(monitor, end, Phase::free);
     return monitor;
   }
 
   Scene scene;
-  SuccessConditions conditions;
+  Task task;
+  std::vector<Hand> hands = {{2, {4}}};  // the finger follows four rigid bodies
   WorldState state, good_end = at(Vec3(0.304, 0.2, 0.053));
 };
 
 TEST_F(Success, AGoodEpisodeSucceedsAndIsMeasured) {
   const SuccessMonitor monitor = run(0.12, Vec3(0, 0, 0.0008), good_end);
   EXPECT_EQ(monitor.failure(), std::nullopt);
-  EXPECT_NEAR(monitor.measured().lifted, 0.12, 1e-12);
-  EXPECT_NEAR(monitor.measured().position_error, 0.005, 1e-12);  // (4, 0, 3) mm
-  EXPECT_NEAR(monitor.measured().slip_in_hand, 0.0008, 1e-12);
-  EXPECT_NEAR(monitor.measured().moved_in_hand, 0.0008, 1e-12);
-  EXPECT_NEAR(monitor.measured().tilt, 0, 1e-7);
+  EXPECT_NEAR(monitor.measured()["lifted_m"], 0.12, 1e-12);
+  EXPECT_NEAR(monitor.measured()["position_error_m"], 0.005, 1e-12);  // (4, 0, 3) mm
+  EXPECT_NEAR(monitor.measured()["slip_in_hand_m"], 0.0008, 1e-12);
+  EXPECT_NEAR(monitor.measured()["moved_in_hand_m"], 0.0008, 1e-12);
+  EXPECT_NEAR(monitor.measured()["tilt_rad"], 0, 1e-7);
 }
 
 TEST_F(Success, EachConditionFailsOnItsOwnAndSaysSo) {
   const auto reason = [](const SuccessMonitor& monitor) { return monitor.failure().value_or("none"); };
-  EXPECT_EQ(reason(run(0.09, Vec3::Zero(), good_end)), "beaker was lifted 90.0 mm, not 100.0 mm");
-  EXPECT_EQ(reason(run(0.12, Vec3(0, 0, 0.011), good_end)), "beaker moved more than 10.0 mm in the hand at 0.00 s");
-  EXPECT_EQ(reason(run(0.12, Vec3::Zero(), holding(good_end))), "beaker is still held at the end");
+  EXPECT_EQ(reason(run(0.09, Vec3::Zero(), good_end)),
+            "beaker: lifted is at most 90.0 mm, wanted is at least 100.0 mm");
+  EXPECT_EQ(reason(run(0.12, Vec3(0, 0, 0.011), good_end)), "beaker: moved in hand is at least 10.0 mm at 0.00 s");
+  EXPECT_EQ(reason(run(0.12, Vec3(0, 0, 0.006), good_end)),
+            "beaker: slip in hand is between 0.0 mm and 6.0 mm, wanted is at most 5.0 mm at all times");
+  EXPECT_EQ(reason(run(0.12, Vec3::Zero(), holding(good_end))), "beaker: held ends at 1, wanted is at most 0");
   EXPECT_EQ(reason(run(0.12, Vec3::Zero(), at(Vec3(0.3, 0.2, 0.05), 0.2))),
-            "beaker ends tilted by 11.5 degrees, allowed are 5.7");
+            "beaker: tilt ends at 11.5 degrees, wanted is at most 5.7 degrees");
   EXPECT_EQ(reason(run(0.12, Vec3::Zero(), at(Vec3(0.32, 0.2, 0.05)))),
-            "beaker ends 20.0 mm from its target, allowed are 10.0 mm");
+            "beaker: position error ends at 20.0 mm, wanted is at most 10.0 mm");
+}
+
+TEST_F(Success, ADoorCountsByItsJointsAngle) {
+  Joint hinge;
+  hinge.name = "hinge";
+  hinge.type = Joint::Type::revolute;
+  scene.joints.push_back(hinge);
+  task.success = {at_least(Quantity::joint_angle, "hinge", 1.0)};
+  for (const double angle : {0.99, 1.01}) {
+    SuccessMonitor monitor(task, scene, hands, state);
+    WorldState opened = state;
+    opened.joint_position = {angle};
+    observe(monitor, opened, Phase::free);
+    EXPECT_EQ(monitor.failure().has_value(), angle < 1) << angle;
+    EXPECT_DOUBLE_EQ(monitor.measured()["joint_angle_rad"], angle);
+  }
+}
+
+// 3 x 3 points, 0.1 m apart
+struct FoldedCloth : Success {
+  FoldedCloth() {
+    Cloth towel;
+    towel.name = "towel";
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) towel.mesh.points.push_back(Vec3(0.1 * i, 0.1 * j, 0));
+    scene.cloths.push_back(towel);
+    state.cloth = {towel.mesh.points};
+  }
+};
+
+TEST_F(FoldedCloth, CornersCountByTheirDistance) {
+  task.success = {at_most(Quantity::corner_distance, "towel", 0.03)};
+  task.success[0].first = Vec3(0.01, 0, 0);
+  task.success[0].second = Vec3(0.2, 0.19, 0);
+  SuccessMonitor monitor(task, scene, hands, state);
+  observe(monitor, state, Phase::free);
+  EXPECT_NEAR(monitor.measured()["corner_distance_m"], 0.2 * std::sqrt(2), 1e-12);
+  EXPECT_TRUE(monitor.failure().has_value());
+  WorldState folded = state;
+  folded.cloth[0][0] = Vec3(0.2, 0.2, 0) + Vec3(0.012, 0.016, 0);  // 20 mm from the opposite corner
+  observe(monitor, folded, Phase::free);
+  EXPECT_NEAR(monitor.measured()["corner_distance_m"], 0.020, 1e-12);
+  EXPECT_EQ(monitor.failure(), std::nullopt);
+  folded.cloth[0][0].x() = std::nan("");
+  observe(monitor, folded, Phase::free);
+  EXPECT_TRUE(monitor.failure().has_value());
+}
+
+TEST_F(FoldedCloth, EdgesCountByTheirLargestDistance) {
+  task.success = {at_most(Quantity::edge_distance, "towel", 0.04)};
+  task.success[0].first_end = Vec3(0.2, 0, 0);
+  task.success[0].second = Vec3(0, 0.2, 0);
+  task.success[0].second_end = Vec3(0.2, 0.2, 0);
+  SuccessMonitor monitor(task, scene, hands, state);
+  WorldState folded = state;
+  for (int i = 0; i < 3; ++i) folded.cloth[0][std::size_t(i)] = folded.cloth[0][std::size_t(6 + i)];
+  folded.cloth[0][1] += Vec3(0, 0, 0.039);  // the middle stands off most
+  observe(monitor, folded, Phase::free);
+  EXPECT_NEAR(monitor.measured()["edge_distance_m"], 0.039, 1e-12);
+  EXPECT_EQ(monitor.failure(), std::nullopt);
 }
 
 TEST_F(Success, NotANumberIsAFailure) {
@@ -106,23 +197,23 @@ TEST_F(Success, FingersThatMoveWithTheirCarriageDoNotDeform) {
 
 TEST_F(Success, ASwingOfSoftFingersIsNoSlip) {
   // hand and finger base lag by 5 mm, the node in contact stays on the beaker
-  SuccessMonitor monitor(conditions, scene, 2, state);
-  monitor.observe(holding(state), Phase::holding);
-  monitor.observe(holding(at(Vec3(0.5, 0, 0.12))), Phase::carrying);
+  SuccessMonitor monitor(task, scene, hands, state);
+  observe(monitor, holding(state), Phase::holding);
+  observe(monitor, holding(at(Vec3(0.5, 0, 0.12))), Phase::carrying);
   WorldState lagging = at(Vec3(0.4, 0, 0.12), 0, Vec3(0, 0, 0.005));
   lagging.soft[0][1] = Vec3(0.4, 0, 0.22);
-  monitor.observe(holding(lagging), Phase::carrying);
-  EXPECT_NEAR(monitor.measured().slip_in_hand, 0, 1e-12);
-  EXPECT_NEAR(monitor.measured().moved_in_hand, 0.005, 1e-12);
+  observe(monitor, holding(lagging), Phase::carrying);
+  EXPECT_NEAR(monitor.measured()["slip_in_hand_m"], 0, 1e-12);
+  EXPECT_NEAR(monitor.measured()["moved_in_hand_m"], 0.005, 1e-12);
 }
 
 TEST_F(Success, ABodyThatDoesNotExistIsNamed) {
-  conditions.target = "stove";
+  task.success[1].target = "stove";
   try {
-    SuccessMonitor monitor(conditions, scene, 2, state);
+    SuccessMonitor monitor(task, scene, hands, state);
     FAIL() << "nothing was thrown";
   } catch (const UsageError& error) {
-    EXPECT_STREQ(error.what(), "success/target: the scene has no body named 'stove'");
+    EXPECT_STREQ(error.what(), "a condition names `stove`, but the scene has no body of that name; correct the name");
   }
 }
 
@@ -134,9 +225,25 @@ TEST(Phases, HoldingRunsFromCloseToOpen) {
     element.type = type;
     elements.push_back(element);
   }
-  EXPECT_EQ(phases(elements, {0, 0, 1, 2, 3, 3, 4, 5, 6}),
+  const auto of_one = [](const std::vector<std::vector<Phase>>& of_steps) {
+    std::vector<Phase> list;
+    for (const std::vector<Phase>& of_robots : of_steps) list.push_back(of_robots.at(0));
+    return list;
+  };
+  EXPECT_EQ(of_one(phases(elements, {0, 0, 1, 2, 3, 3, 4, 5, 6}, 1)),
             (std::vector<Phase>{Phase::free, Phase::free, Phase::free, Phase::holding, Phase::carrying, Phase::carrying,
                                 Phase::holding, Phase::free, Phase::free}));
+}
+
+TEST(Phases, RobotsThatMoveTogetherHaveEachTheirOwn) {
+  using Type = MotionElement::Type;
+  const std::vector<MotionElement> elements = {{.type = Type::close, .robot = 1},
+                                               {.type = Type::carry, .robot = 0},
+                                               {.type = Type::carry, .robot = 1, .is_with_previous = true},
+                                               {.type = Type::open, .robot = 1}};
+  EXPECT_EQ(phases(elements, {0, 1, 3}, 2),
+            (std::vector<std::vector<Phase>>{
+                {Phase::free, Phase::free}, {Phase::free, Phase::carrying}, {Phase::free, Phase::free}}));
 }
 
 }  // namespace

@@ -151,6 +151,92 @@ TEST(PlanMotion, TheSameAskedTwiceIsTheSame) {
   EXPECT_EQ(plan_motion(arm(), s, pick_and_place()).q, plan_motion(arm(), s, pick_and_place()).q);
 }
 
+TEST(PlanMotion, AnArcKeepsItsDistanceAndTurnsTheTool) {
+  MotionSetup s = setup();
+  using Type = MotionElement::Type;
+  const Vec3 center(0.1, 0, 0.05), axis = Vec3(0, 1, 0);  // in the scale's frame, beside and below where the tool is
+  std::vector<MotionElement> elements = {
+      {.type = Type::approach, .object = "scale", .target = at(0, 0, 0.1), .is_straight = false},
+      {.type = Type::follow_arc, .object = "scale", .center = center, .axis = axis, .angle = 0.6}};
+  const JointTrajectory turned = plan_motion(arm(), s, elements);
+  elements[1].turns_with_arc = false;
+  const JointTrajectory upright = plan_motion(arm(), s, elements);
+  const Pose frame = s.objects.at("scale");
+  const Pose start = frame.inverse() * tool_at(s, turned.q.row(last_row(turned, 0)));
+  // between the knots, every 5 mm, the way is a spline of the joints
+  for (const JointTrajectory* trajectory : {&turned, &upright})
+    for (Eigen::Index k = last_row(*trajectory, 0); k < trajectory->q.rows(); ++k) {
+      const Pose tool = frame.inverse() * tool_at(s, trajectory->q.row(k));
+      ASSERT_NEAR((tool.translation() - center).norm(), (start.translation() - center).norm(), 5e-5) << k;
+      ASSERT_NEAR(tool.translation().y(), start.translation().y(), 5e-5) << k;
+    }
+  const Pose by_hand =
+      Eigen::Translation3d(center) * Eigen::AngleAxisd(0.6, axis) * Eigen::Translation3d(-center) * start;
+  const Pose end = frame.inverse() * tool_at(s, turned.q.bottomRows(1));
+  EXPECT_LT(pose_difference(end, by_hand).norm(), 1e-6);
+  const Pose end_upright = frame.inverse() * tool_at(s, upright.q.bottomRows(1));
+  EXPECT_LT((end_upright.translation() - by_hand.translation()).norm(), 1e-6);
+  EXPECT_LT((end_upright.linear() - start.linear()).norm(), 1e-6);
+  expect_within_limits(s, turned);
+}
+
+TEST(PlanMotion, APathGoesThroughItsPosesSmoothly) {
+  const MotionSetup s = setup();
+  using Type = MotionElement::Type;
+  const std::vector<MotionElement> elements = {
+      {.type = Type::approach, .object = "scale", .target = at(0, 0, 0.1), .is_straight = false},
+      {.type = Type::follow_path, .object = "scale", .path = {at(0, 0.1, 0.15), at(0, 0.2, 0.1, 0.3)}}};
+  const JointTrajectory trajectory = plan_motion(arm(), s, elements);
+  expect_within_limits(s, trajectory);
+  double nearest = 1;
+  for (Eigen::Index k = 0; k < trajectory.q.rows(); ++k)
+    nearest = std::min(
+        nearest, (tool_at(s, trajectory.q.row(k)).translation() - s.objects.at("scale") * Vec3(0, 0.1, 0.15)).norm());
+  EXPECT_LT(nearest, 5e-3);  // between two samples
+  EXPECT_LT(
+      pose_difference(tool_at(s, trajectory.q.bottomRows(1)), s.objects.at("scale") * at(0, 0.2, 0.1, 0.3)).norm(),
+      1e-6);
+}
+
+TEST(PlanMotion, ATargetInTheToolsFrameIsRelativeToWhereItIs) {
+  const MotionSetup s = setup();
+  using Type = MotionElement::Type;
+  const std::vector<MotionElement> elements = {
+      {.type = Type::approach, .object = "scale", .target = at(0, 0, 0.1), .is_straight = false},
+      {.type = Type::retreat, .is_in_tool_frame = true, .target = Pose(Eigen::Translation3d(0, 0, -0.07))}};
+  const JointTrajectory trajectory = plan_motion(arm(), s, elements);
+  const Vec3 end = tool_at(s, trajectory.q.bottomRows(1)).translation();
+  EXPECT_LT((end - s.objects.at("scale") * Vec3(0, 0, 0.17)).norm(), 1e-6);
+}
+
+TEST(PlanMotion, RobotsThatMoveTogetherBeginAndEndTogether) {
+  const MotionSetup left = setup();
+  MotionSetup right = setup();
+  right.base = Eigen::Translation3d(-0.5, -0.9, 0.02) * left.base.inverse() * Pose(Eigen::Translation3d(-0.5, 0, 0.02));
+  using Type = MotionElement::Type;
+  const std::vector<MotionElement> elements = {
+      {.type = Type::approach, .object = "scale", .target = at(0, 0, 0.1), .is_straight = false},
+      {.type = Type::close, .robot = 1, .is_with_previous = true, .gripper = 0.03},
+      {.type = Type::open, .robot = 1, .gripper = 0.04}};
+  const std::vector<PlannedRobot> robots = {{arm(), left}, {arm(), right}};
+  const std::vector<JointTrajectory> both = plan_motion(robots, elements);
+  ASSERT_EQ(both.size(), 2u);
+  ASSERT_EQ(both[0].q.rows(), both[1].q.rows());
+  EXPECT_EQ(both[0].element, both[1].element);
+  const Eigen::Index end = last_row(both[0], 0), pause = 10;  // 0.1 s of rest
+  for (Eigen::Index k = 0; k < both[0].q.rows(); ++k) {
+    // the closing hand takes as long as the arm's way, and stands with it
+    if (k > 0 && k <= end - pause) {
+      EXPECT_LT(both[1].q(k, 7), both[1].q(k - 1, 7)) << k;
+    } else if (k > end - pause && k <= end) {
+      EXPECT_EQ(both[1].q(k, 7), 0.03) << k;
+    }
+    if (k >= end - pause) {
+      EXPECT_LT((both[0].q.row(k) - both[0].q.row(end)).norm(), 1e-12) << k;
+    }
+  }
+}
+
 TEST(JointPath, DerivativesAreThoseOfTheSpline) {
   Eigen::MatrixXd knots(9, 2);
   for (int k = 0; k < 9; ++k) knots.row(k) << std::sin(k / 8.0), k / 8.0 * k / 8.0 * k / 8.0;

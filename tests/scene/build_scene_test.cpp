@@ -106,7 +106,7 @@ TEST(BuildScene, BeakerHasTheMassOfItsGlass) {
 TEST(BuildScene, FingersFaceEachOtherAcrossTheTool) {
   const Scene& scene = built().scene;
   ASSERT_EQ(scene.soft_bodies.size(), 2u);
-  const Pose tool = scene.rigid_bodies[built().gripper_base].pose * task().gripper->tool_center;
+  const Pose tool = scene.rigid_bodies[built().robots[0].gripper_base].pose * task().gripper->tool_center;
   EXPECT_LT((tool.linear() * Vec3::UnitZ() - Vec3(0, 0, -1)).norm(), 1e-6);  // at home the fingers point down
   for (int f = 0; f < 2; ++f) {
     const double side = f == 0 ? 1 : -1;
@@ -155,7 +155,8 @@ TEST(BuildScene, WristCameraSeesTheToolAndTheFrontCameraTheBeaker) {
     EXPECT_GT(p.z(), 0);
     return Vec3(camera.fx * p.x() / p.z() + camera.cx, camera.fy * p.y() / p.z() + camera.cy, p.z());
   };
-  const Vec3 tool = (scene.rigid_bodies[built().gripper_base].pose * task().gripper->tool_center).translation();
+  const Vec3 tool =
+      (scene.rigid_bodies[built().robots[0].gripper_base].pose * task().gripper->tool_center).translation();
   const Vec3 at = pixel(scene.cameras[1], tool);
   EXPECT_NEAR(at.x(), 159.5, 0.01);
   EXPECT_NEAR(at.y(), 89.5, 0.01);
@@ -165,20 +166,20 @@ TEST(BuildScene, WristCameraSeesTheToolAndTheFrontCameraTheBeaker) {
 
 TEST(BuildScene, FlangeToToolAgreesWithTheGrippersPlace) {
   // the flange's published place in this posture, and the gripper turned by -45 degrees on it
-  const Pose base = built().scene.rigid_bodies[built().gripper_base].pose;
+  const Pose base = built().scene.rigid_bodies[built().robots[0].gripper_base].pose;
   EXPECT_LT((base.translation() - Vec3(0.306891, 0, 0.590282)).norm(), 1e-5);
   const Pose tool = base * task().gripper->tool_center;
   EXPECT_LT((tool.linear() * Vec3::UnitX() - Vec3::UnitX()).norm(), 1e-6);
   const Pose flange = base * task().gripper->mount.inverse();
-  EXPECT_LT(((flange * built().flange_to_tool).matrix() - tool.matrix()).norm(), 1e-9);
+  EXPECT_LT(((flange * built().robots[0].flange_to_tool).matrix() - tool.matrix()).norm(), 1e-9);
 }
 
 TEST(BuildScene, DrivesBelongToTheJointsThatTheIndicesName) {
   const Scene& scene = built().scene;
-  ASSERT_EQ(built().arm_joints.size(), 7u);
-  ASSERT_EQ(built().gripper_joints.size(), 2u);
-  for (const int j : built().arm_joints) EXPECT_EQ(scene.joints[j].type, Joint::Type::revolute);
-  for (const int j : built().gripper_joints) {
+  ASSERT_EQ(built().robots[0].arm.size(), 7u);
+  ASSERT_EQ(built().robots[0].gripper.size(), 2u);
+  for (const int j : built().robots[0].arm) EXPECT_EQ(scene.joints[j].type, Joint::Type::revolute);
+  for (const int j : built().robots[0].gripper) {
     EXPECT_EQ(scene.joints[j].type, Joint::Type::prismatic);
     EXPECT_EQ(scene.joints[j].initial, 0.040);
     EXPECT_EQ(scene.joints[j].drive.stiffness, 2e4);
@@ -209,6 +210,63 @@ TEST(LoadScene, PlainSceneHasNoRobotAndStartsAtTheMiddle) {
   EXPECT_NEAR(body(scene, "beaker").pose.translation().z(), 0.055, 1e-15);
   const std::string task_path = std::string(PVG_DATA_FOLDER) + "/tasks/weigh_beaker.yaml";
   expect_error<UsageError>([&] { load_scene(task_path); }, {"`motion`", "unknown"});
+}
+
+TEST(Variation, DrawsFactorsAndShiftsWithinTheirRangesAndPutsThemOnRecord) {
+  Task nominal = task(), same = task();
+  same.variations.clear();
+  using Quantity = Variation::Quantity;
+  nominal.variations = {{Quantity::size, "beaker", {0.9, 0.95}},
+                        {Quantity::mass, "beaker", {2, 2}},
+                        {Quantity::light, "front", {0.5, 0.6}},
+                        {Quantity::color, "scale_body", {0.7, 0.8}},
+                        {Quantity::camera_position, "front", {-0.01, 0.01}}};
+  const auto drawn = [](const TaskScene& built, const std::string& name) {
+    for (const SampledValue& value : built.sampled)
+      if (value.name == name) return value.value;
+    return -1.0;
+  };
+  const TaskScene plain = build_scene(same, 3, 4), varied = build_scene(nominal, 3, 4),
+                  other = build_scene(nominal, 3, 5);
+  const double size = drawn(varied, "beaker/size");
+  EXPECT_GE(size, 0.9);
+  EXPECT_LE(size, 0.95);
+  EXPECT_NE(size, drawn(other, "beaker/size"));
+  const auto beaker = [](const TaskScene& built) { return built.scene.rigid_bodies.back(); };
+  ASSERT_EQ(beaker(plain).name, "beaker");
+  EXPECT_NEAR(beaker(varied).collision.points[5].norm(), size * beaker(plain).collision.points[5].norm(), 1e-12);
+  EXPECT_NEAR(beaker(varied).mass, 2 * size * size * size * beaker(plain).mass, 1e-12);
+  EXPECT_NEAR(varied.scene.lights[0].radiance.x(), drawn(varied, "front/light") * plain.scene.lights[0].radiance.x(),
+              1e-5);
+  const Vec3 moved = varied.scene.cameras[0].pose.translation() - task().cameras[0].pose.translation();
+  EXPECT_GT(moved.norm(), 1e-6);
+  EXPECT_LE(moved.cwiseAbs().maxCoeff(), 0.01 * std::sqrt(3.0));
+  // the pose is drawn from its own numbers, whatever else varies
+  EXPECT_EQ(beaker(varied).pose.translation(), beaker(plain).pose.translation());
+}
+
+TEST(Variation, OfSomethingThatIsNotThereIsRefused) {
+  Task nominal = task();
+  nominal.variations = {{Variation::Quantity::mass, "kettle", {1, 2}}};
+  EXPECT_THROW(build_scene(nominal, 1, 0), UsageError);
+}
+
+TEST(RigidGripper, HasTheSameFingersAsBodiesThatDoNotBend) {
+  Task rigid = task();
+  rigid.gripper->is_rigid = true;
+  const TaskScene built_rigid = build_scene(rigid, 1, 0);
+  EXPECT_TRUE(built_rigid.scene.soft_bodies.empty());
+  EXPECT_TRUE(built_rigid.scene.stitches.empty());
+  ASSERT_EQ(built_rigid.robots[0].rigid_fingers.size(), 2u);
+  const Scene& soft = built().scene;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const RigidBody& finger = built_rigid.scene.rigid_bodies[std::size_t(built_rigid.robots[0].rigid_fingers[k])];
+    EXPECT_EQ(finger.name, soft.soft_bodies[k].name);
+    EXPECT_LT((finger.pose.matrix() - soft.soft_bodies[k].pose.matrix()).norm(), 1e-12);
+    const Joint& mount = *std::find_if(built_rigid.scene.joints.begin(), built_rigid.scene.joints.end(),
+                                       [&](const Joint& j) { return j.name == finger.name + "_mount"; });
+    EXPECT_EQ(mount.type, Joint::Type::fixed);
+  }
 }
 
 }  // namespace

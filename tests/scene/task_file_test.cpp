@@ -82,8 +82,14 @@ TEST(TaskFile, WeighBeakerSaysWhatItShould) {
   EXPECT_EQ(task.objects[2].name, "beaker");
   EXPECT_DOUBLE_EQ(task.objects[2].pose.yaw.high, 10 * M_PI / 180);
   EXPECT_EQ(task.motion.size(), 8u);
-  EXPECT_GE(task.success.lifted, 0.10);
-  EXPECT_LE(task.success.position_tolerance, 0.010);
+  ASSERT_EQ(task.success.size(), 5u);
+  EXPECT_EQ(task.success[0].quantity, Condition::Quantity::lifted);
+  EXPECT_EQ(task.success[0].when, Condition::When::some_time);
+  EXPECT_GE(task.success[0].at_least, 0.10);
+  EXPECT_EQ(task.success[1].target, "scale");
+  EXPECT_LE(task.success[1].at_most, 0.010);
+  ASSERT_EQ(task.failure.size(), 1u);
+  EXPECT_EQ(task.failure[0].when, Condition::When::some_time);
   ASSERT_EQ(task.cameras.size(), 2u);
   EXPECT_TRUE(task.cameras[1].records_gripper_mask);
 }
@@ -117,7 +123,7 @@ TEST(TaskFile, MistakesAreNamedWithTheirPlace) {
   expect_refused("do: lift", "do: levitate", {"`motion[3].do`", "levitate", "approach"});
   expect_refused("target: scale", "target: shelf", {"`success`", "`shelf`"});
   expect_refused("second: finger_left", "second: thumb", {"`pair_friction`", "`thumb`"});
-  expect_refused("mount: gripper_base", "mount: elbow", {"`cameras[1].mount`", "elbow", "gripper_base"});
+  expect_refused("mount: gripper_base", "mount: elbow", {"`cameras`", "`wrist`", "elbow", "gripper_base"});
   expect_refused("width: 320", "width: 321", {"`cameras[0].width`", "even"});
   expect_refused("edge_u: [0, 0.6, 0]", "edge_u: [0.6, 0, 0]", {"`lights[0].edge_u`", "rectangle"});
   expect_refused("x: [0.48, 0.52]", "x: [0.52, 0.48]", {"`objects[2].pose.x`", "low <= high"});
