@@ -9,7 +9,8 @@ namespace pvg::diagnose {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
-constexpr double CUT = 4;  // residuals count at most so many scales
+constexpr double CUT = 4;                  // residuals count at most so many scales
+constexpr double LEAST_DIFFERENCE = 0.02;  // of errors, relative: less is the arithmetic's
 constexpr std::size_t MOST_GROUPS = 8;
 
 // windows -> groups that are left out together
@@ -77,7 +78,9 @@ GroupErrors errors_of(const std::vector<VectorXd>& residual, const std::vector<s
 // mean(a) - mean(b) that noise of scale s makes of two predictions that differ.
 struct Difference {
   double absolute = 0, noise = 0, relative = 0, relative_sigma = 0;
-  bool is_more_than(double n_sigma) const { return absolute > n_sigma * noise && relative > n_sigma * relative_sigma; }
+  bool is_more_than(double n_sigma) const {
+    return absolute > n_sigma * noise && relative > std::max(n_sigma * relative_sigma, LEAST_DIFFERENCE);
+  }
 };
 
 Difference difference(const GroupErrors& a, const GroupErrors& b, const std::vector<VectorXd>& ra,

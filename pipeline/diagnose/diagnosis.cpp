@@ -20,7 +20,9 @@ constexpr double COHERENT = 0.35;  // misfit over signal up to which a window's 
 constexpr double SHORT_WINDOW = 0.25;                   // of localisation [s]
 constexpr double AGREES_RMS = 1.15, AGREES_CELL = 1.5;  // of residuals in units of noise
 constexpr double LEAST_GAP_CLOSED = 0.6;                // on held-out runs, for an effect to be named
-constexpr double SECOND_LOOK = 1.5;                     // times the noise floor: look for another effect
+constexpr double LEAST_GAP_OF_SECOND =
+    0.3;                             // of what is left on held-out runs, for a further effect to be named beside
+constexpr double SECOND_LOOK = 1.5;  // times the noise floor: look for another effect
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -236,23 +238,32 @@ std::vector<Curve> curves_of(const Problem& problem, const FitData& data, const 
   return curves;
 }
 
-HeldOut judge_held_out(Workflow& flow, double length, const Model& model, bool in_noise) {
-  HeldOut result;
-  const Model nothing = empty_model();
+// Models that grow by one effect each; an effect stays only if it closes enough of what was left before it. How many
+// stay.
+std::size_t judge_held_out(Workflow& flow, double length, const std::vector<Model>& grown, bool in_noise,
+                           HeldOut& result) {
   std::vector<Window> windows =
       make_windows(flow.problem, true, length, most_windows(flow.problem, flow.settings, length));
-  if (windows.empty()) return result;
-  const FitData data = flow.fitter.prepare(std::move(windows), nothing);
-  if (data.windows.empty()) return result;
-  const std::vector<Fit> fits = flow.fitter.fit(data, {nothing, model}, 0);
-  if (!fits[0].is_well || !fits[1].is_well) return result;
-  result.before = error_in(flow.problem, data, fits[0].residual, in_noise);
-  result.after = error_in(flow.problem, data, fits[1].residual, in_noise);
+  if (windows.empty()) return grown.size();
+  const FitData data = flow.fitter.prepare(std::move(windows), empty_model());
+  if (data.windows.empty()) return grown.size();
+  std::vector<Model> models = grown;
+  models.insert(models.begin(), empty_model());
+  const std::vector<Fit> fits = flow.fitter.fit(data, models, 0);
+  if (!fits[0].is_well) return grown.size();
   std::vector<VectorXd> ones;
   for (const Window& window : data.windows) ones.push_back(VectorXd::Ones(Eigen::Index(window.data.size())));
   result.floor = error_in(flow.problem, data, ones, in_noise);
-  result.curves = curves_of(flow.problem, data, fits[0], fits[1], 8);
-  return result;
+  result.before = result.after = error_in(flow.problem, data, fits[0].residual, in_noise);
+  std::size_t kept = 0;
+  for (std::size_t m = 1; m < fits.size() && fits[m].is_well; ++m) {
+    const double after = error_in(flow.problem, data, fits[m].residual, in_noise);
+    if (m > 1 && after - result.floor > (1 - LEAST_GAP_OF_SECOND) * (result.after - result.floor)) break;
+    result.after = after;
+    kept = m;
+  }
+  result.curves = curves_of(flow.problem, data, fits[0], fits[kept], 8);
+  return kept;
 }
 
 double closed(double before, double after, double floor) {
@@ -329,10 +340,18 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
   out.unit = in_noise ? "noise" : *units.begin();
   out.candidates = std::make_shared<std::vector<Candidate>>(make_candidates(problem, touching));
   out.fit_before = out.fit_after = rms(base.residual);
-  const auto finish = [&](const Fit& named) {
+  std::vector<Fit> grown;  // by one effect each
+  const auto finish = [&] {
     const bool any_held_out =
         std::any_of(problem.runs.begin(), problem.runs.end(), [](const Run& r) { return r.is_held_out; });
-    HeldOut judged = judge_held_out(flow, length, named.model, in_noise);
+    HeldOut judged;
+    std::vector<Model> models;
+    for (const Fit& fit : grown) models.push_back(fit.model);
+    const std::size_t kept = judge_held_out(flow, length, models, in_noise, judged);
+    const Fit& named = kept > 0 && !grown.empty() ? grown[std::min(kept, grown.size()) - 1]
+                       : grown.empty()            ? base
+                                                  : grown[0];
+    out.effects = named_of(named);
     if (any_held_out && judged.floor == 0) out.notes.push_back("the held-out runs could not be simulated to their end");
     out.before = judged.before;
     out.after = judged.after;
@@ -350,7 +369,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
   };
   if (agrees(problem, data, base)) {
     out.verdict = Verdict::agrees;
-    finish(base);
+    finish();
     return done();
   }
   flow.tell(3, 0.12,
@@ -382,6 +401,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     if (!decision.inseparable.empty() && out.next_experiment.empty())
       out.next_experiment = chosen.fit->model.parts.back()->experiment;
     named = *chosen.fit;
+    grown.push_back(named);
     out.fit_after = chosen.error;
     if (chosen.error < SECOND_LOOK) break;
     if (number < settings.max_effects)
@@ -390,8 +410,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
                     " times the noise: looking for another effect");
   }
   flow.tell(6, 0.93, "judging on the held-out runs");
-  const bool is_judged = finish(named);
-  out.effects = named_of(named);
+  const bool is_judged = finish();
   if (out.effects.empty() || !is_judged || out.gap_closed < LEAST_GAP_CLOSED || out.after >= out.before)
     out.verdict = Verdict::none;
   else

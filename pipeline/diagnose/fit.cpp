@@ -9,6 +9,7 @@ namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 constexpr double FREEDOM = 4;          // degrees of, of Student's distribution
+constexpr int START_STEPS = 4;         // where only the windows' starts are fitted
 constexpr double SMALL_CHANGE = 1e-3;  // of the cost, relative: the fit has converged
 
 constexpr double MOST_CORRECTION = 5;  // rms in units of noise; more is no small error of the integration
@@ -328,7 +329,7 @@ std::vector<Fit> Fitter::fit(const FitData& data, std::vector<Model> models, int
     active[m] = stale[m] = fits[m].is_well;
   }
   const bool only_starts = n_steps == 0;
-  for (int step = 0; step < std::max(n_steps, 1); ++step) {
+  for (int step = 0; step < (only_starts ? START_STEPS : n_steps); ++step) {
     if (!only_starts) differentiate(data, fits, active);
     Trials trials;
     std::vector<double> before(fits.size());

@@ -46,7 +46,7 @@ class Fitter {
   // The windows' answers to their starts, at a model, and what steps of half the length would change there: added
   // to all residuals from then on. Windows that cannot be simulated to their end are left out.
   FitData prepare(std::vector<Window> windows, const Model& at);
-  // Each model from where it is, starts fitted too. n_steps 0: only the starts, by one linear step, are fitted.
+  // Each model from where it is, starts fitted too. n_steps 0: only the starts are fitted.
   std::vector<Fit> fit(const FitData& data, std::vector<Model> models, int n_steps);
   // Residuals at given models; delta as in Fit, empty: zeros.
   std::vector<std::vector<Prediction>> evaluate(const FitData& data, const std::vector<Model>& models,
