@@ -352,6 +352,11 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
                        : grown.empty()            ? base
                                                   : grown[0];
     out.effects = named_of(named);
+    if (const std::size_t left = std::max<std::size_t>(kept, 1); left < grown.size()) {  // the others proved nothing
+      out.ranking.erase(out.ranking.begin(), out.ranking.begin() + std::ptrdiff_t(grown.size() - left));
+      out.inseparable.resize(std::min(out.inseparable.size(), left));
+      out.fit_after = out.ranking.front().error;
+    }
     if (any_held_out && judged.floor == 0) out.notes.push_back("the held-out runs could not be simulated to their end");
     out.before = judged.before;
     out.after = judged.after;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -64,6 +65,8 @@ void run_suite(const DiagnoseOptions& options) {
       progress.advance_to(++done);
     }
   };
+  // cases beside each other share the cores: PoCL's threads of one would only wait for those of another
+  if (options.n_jobs > 1) setenv("POCL_MAX_PTHREAD_COUNT", "1", 0);
   std::vector<std::thread> threads;
   for (int i = 0; i < options.n_jobs; ++i) threads.emplace_back(work);
   for (std::thread& thread : threads) thread.join();

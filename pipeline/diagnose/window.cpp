@@ -93,7 +93,7 @@ void start_joint(const Problem& problem, const Run& run, int j, double t0, bool 
   const bool turns = problem.scene.scene.joints[std::size_t(j)].type == Joint::Type::revolute;
   const double usual = turns ? 0.3 : 0.03;
   double position_sigma = usual, rate_sigma = 3 * usual;
-  bool is_measured = false;
+  bool is_measured = false, is_rate_measured = false;
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Channel& channel = problem.channels[c];
     if (channel.joint != j || (channel.kind != Kind::position && channel.kind != Kind::rate)) continue;
@@ -102,12 +102,13 @@ void start_joint(const Problem& problem, const Run& run, int j, double t0, bool 
     if (channel.kind == Kind::rate) {
       start.state.rate[std::size_t(j)] = fit.value;
       rate_sigma = LOOSENESS * fit.value_sigma;
+      is_rate_measured = true;
       continue;
     }
     is_measured = true;
     start.state.position[std::size_t(j)] = fit.value;
     position_sigma = LOOSENESS * fit.value_sigma;
-    if (rate_sigma > LOOSENESS * fit.slope_sigma) {
+    if (!is_rate_measured) {
       start.state.rate[std::size_t(j)] = fit.slope;
       rate_sigma = LOOSENESS * fit.slope_sigma;
     }

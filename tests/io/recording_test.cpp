@@ -34,7 +34,8 @@ TEST(Recording, GapsAreNaNAndUnknownNoiseIsNegative) {
 
 TEST(Recording, WhatIsWrongIsNamedWithFileAndKey) {
   const TestFolder folder;
-  const auto refused = [&](const std::string& channels, std::vector<std::string> words, const std::string& run = RUN) {
+  const auto refused = [&](const std::string& channels, std::initializer_list<const char*> words,
+                           const std::string& run = RUN) {
     expect_error<UsageError>([&] { load_recording(recording(folder, channels, run)); }, words);
   };
   const std::string good = "  - {column: q, kind: position, joint: hinge}\n";

@@ -93,7 +93,7 @@ TEST(Window, BodiesOfAChainStartWithTheVelocitiesOfTheirCoordinates) {
 
 TEST(Problem, ARecordingThatDoesNotFitItsSceneIsRefusedInOneSentence) {
   const TestFolder folder;
-  const auto refused = [&](const std::string& channel, std::vector<std::string> words) {
+  const auto refused = [&](const std::string& channel, std::initializer_list<const char*> words) {
     expect_error<UsageError>([&] { make_problem(chain(folder, channel)); }, words);
   };
   refused("  - {columns: [q, p, r], kind: position, body: crate, unit: m}\n", {"`crate`", "does not have", "cart"});
