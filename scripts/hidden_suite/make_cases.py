@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Makes the hidden-effect suite: recordings whose truth is known, for `phyvisgen diagnose --suite DIR`.
 
     scripts/hidden_suite/make_cases.py out/hidden            # all cases
