@@ -9,7 +9,7 @@
 namespace pvg::diagnose {
 namespace {
 
-constexpr double WIDTH = 420, HEIGHT = 190, LEFT = 62, BOTTOM = 30, TOP = 24;
+constexpr double WIDTH = 430, HEIGHT = 190, LEFT = 62, RIGHT = 18, BOTTOM = 30, TOP = 24;
 
 std::string escaped(const std::string& text) {
   std::string out;
@@ -40,7 +40,7 @@ std::string path_of(const std::vector<double>& x, const std::vector<double>& y, 
     if (!std::isfinite(y[i])) continue;
     char point[60];
     std::snprintf(point, sizeof point, "%c%.1f %.1f", d.empty() ? 'M' : 'L',
-                  LEFT + (x[i] - ax.low) / (ax.high - ax.low) * (WIDTH - LEFT - 8),
+                  LEFT + (x[i] - ax.low) / (ax.high - ax.low) * (WIDTH - LEFT - RIGHT),
                   HEIGHT - BOTTOM - (y[i] - ay.low) / (ay.high - ay.low) * (HEIGHT - BOTTOM - TOP));
     d += point;
   }
@@ -64,15 +64,15 @@ std::string plot(const std::string& title, const std::vector<double>& t, const s
   if (!(ax.high > ax.low)) ax.high = ax.low + 1;
   ay.widen();
   std::string svg = "<svg viewBox='0 0 " + shown(WIDTH) + " " + shown(HEIGHT) + "'>";
-  svg += "<rect x='" + shown(LEFT) + "' y='" + shown(TOP) + "' width='" + shown(WIDTH - LEFT - 8) + "' height='" +
+  svg += "<rect x='" + shown(LEFT) + "' y='" + shown(TOP) + "' width='" + shown(WIDTH - LEFT - RIGHT) + "' height='" +
          shown(HEIGHT - BOTTOM - TOP) + "' class='frame'/>";
   svg += text_at(LEFT, 15, "start", title);
   for (int i = 0; i <= 4; ++i) {
     const double y = ay.low + (ay.high - ay.low) * i / 4, x = ax.low + (ax.high - ax.low) * i / 4;
     svg += text_at(LEFT - 5, HEIGHT - BOTTOM - (HEIGHT - BOTTOM - TOP) * i / 4 + 4, "end", shown(y));
-    svg += text_at(LEFT + (WIDTH - LEFT - 8) * i / 4, HEIGHT - BOTTOM + 14, "middle", shown(x));
+    svg += text_at(LEFT + (WIDTH - LEFT - RIGHT) * i / 4, HEIGHT - BOTTOM + 14, "middle", shown(x));
   }
-  svg += text_at(WIDTH - 8, 15, "end", unit + " over s");
+  svg += text_at(WIDTH - RIGHT, 15, "end", unit + " over s");
   for (const Line& line : lines) svg += "<path d='" + path_of(t, *line.y, ax, ay) + "' class='" + line.style + "'/>";
   return svg + "</svg>";
 }
