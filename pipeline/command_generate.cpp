@@ -94,6 +94,8 @@ bool make_episode(const GenerateOptions& options, const Task& task, const Episod
     };
     report = run_episode(task, settings, physics, rendering, folder.path(), stop, advance);
   }
+  // a signal to the whole group ends a mesh's reader, too: that is no failure of the episode
+  if (!report.has_succeeded && stop) throw TryAgain(STOPPED);
   if (options.is_verbose) explain(report);
   const std::string summary = summary_json(task, settings, report);
   const fs::path failed = failed_folder(set.folder, episode);
