@@ -4,7 +4,7 @@
 
 Materials are made anew from the file's numbers, so that both programs mean the same: Lambert's law, clear glass with
 absorption, Schlick's conductors with GGX, light from one side of a surface. Writes DIR/cycles.exr, DIR/compared.png
-(ours, Cycles', ten times the difference) and DIR/compared.json.
+(ours, Cycles', five times the difference around grey) and DIR/compared.json.
 """
 import json
 import os
