@@ -46,7 +46,7 @@ class Term {
   const std::vector<u32>& world_first() const { return world_first_; }  // [n_worlds + 1]
   const Buffer<f64>& blocks() const { return blocks_; }                 // [n_elements x (3 stencil)^2, N/m]
   Buffer<unsigned char>& params() { return params_; }
-  u32 first_row = 0;                                                    // where its rows begin in the row buffer
+  u32 first_row = 0;  // where its rows begin in the row buffer
 
  private:
   void set_bytes(const void* params, std::size_t n, std::size_t bytes, std::vector<u32> world_first);

@@ -28,7 +28,8 @@ void Denoiser::operator()(std::uint32_t width, std::uint32_t height, Film& film)
   variance_(n, n, width, height, film.instance, film.albedo, light_, other_, is_border_);
   std::swap(light_, other_);
   for (int k = 0; k < PASSES; ++k) {
-    pass_(n, n, width, height, std::int32_t(1 << k), film.instance, film.normal, film.place, is_border_, light_, other_);
+    pass_(n, n, width, height, std::int32_t(1 << k), film.instance, film.normal, film.place, is_border_, light_,
+          other_);
     std::swap(light_, other_);
   }
   end_(n, n, light_, film.albedo, film.sum);

@@ -78,8 +78,7 @@ std::uint64_t Stages::trace(const Launch& launch, const DeviceScene& scene, Film
     if (launch.n_lights > 0) shadow(n, launch, scene);
     n = compact(n);
   }
-  kernels_.accumulate(launch.n_pixels, launch.n_pixels, launch, radiance_, film.sum, film.squares,
-                      film.dropped);
+  kernels_.accumulate(launch.n_pixels, launch.n_pixels, launch, radiance_, film.sum, film.squares, film.dropped);
   return segments;
 }
 

@@ -26,7 +26,7 @@ struct Film {
   explicit Film(Device& device);
   void begin(std::size_t n_pixels);  // empties it
   Buffer<F32x4> sum;                 // of radiance; last: samples in it
-  Buffer<float> squares;  // of luminance
+  Buffer<float> squares;             // of luminance
   Buffer<std::uint32_t> dropped;
   Buffer<float> depth, distance;
   Buffer<std::uint32_t> instance;

@@ -22,7 +22,8 @@ Unit unit_named(const EffectKind& kind, const std::string& name) {
 Effect read_effect(YamlSection& section) {
   Effect effect{section.text("effect"), section.text("target"), {}};
   const EffectKind* kind = find_named(effect_kinds(), effect.name);
-  if (!kind) section.fail("effect", "is `" + effect.name + "`; `phyvisgen diagnose --list-effects` prints those there are");
+  if (!kind)
+    section.fail("effect", "is `" + effect.name + "`; `phyvisgen diagnose --list-effects` prints those there are");
   for (const EffectParameter& p : kind->parameters) {
     const Unit unit = unit_named(*kind, p.unit);
     effect.parameters.push_back(p.is_strength ? section.number(p.name, unit, p.low, p.high)

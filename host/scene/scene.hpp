@@ -17,8 +17,8 @@ using Pose = Eigen::Isometry3d;
 // ---- bodies -----------------------------------------------------------------------------------------------------
 
 struct PathPoint {
-  double time = 0;                // [s]
-  Pose pose = Pose::Identity();   // body to world
+  double time = 0;               // [s]
+  Pose pose = Pose::Identity();  // body to world
 };
 
 // A rigid body, simulated as an affine body: x(X) = p + A X with A held close to a rotation.
@@ -42,15 +42,15 @@ struct RigidBody {
 };
 
 struct SolidMaterial {
-  double density = 1000;         // [kg/m^3]
-  double youngs_modulus = 1e6;   // [Pa], as a tensile test of the simulated bar shows it
-  double poisson_ratio = 0.45;   // in [0, 0.5)
+  double density = 1000;        // [kg/m^3]
+  double youngs_modulus = 1e6;  // [Pa], as a tensile test of the simulated bar shows it
+  double poisson_ratio = 0.45;  // in [0, 0.5)
 };
 
 // A soft solid: stable neo-Hookean finite elements.
 struct SoftBody {
   std::string name;
-  TetMesh mesh;                  // rest shape, in the body's frame
+  TetMesh mesh;  // rest shape, in the body's frame
   SolidMaterial material;
   double friction = 0.5;
   double contact_offset = 0;     // [m]
@@ -59,12 +59,12 @@ struct SoftBody {
 };
 
 struct ClothMaterial {
-  double area_density = 0.15;                    // [kg/m^2]
-  double thickness = 4e-4;                       // contact acts half of it to each side of the mesh [m]
+  double area_density = 0.15;                     // [kg/m^2]
+  double thickness = 4e-4;                        // contact acts half of it to each side of the mesh [m]
   double stretch_warp = 2e3, stretch_weft = 2e3;  // Young's modulus x thickness along the threads [N/m]
-  double shear = 50;                             // shear modulus x thickness [N/m]
-  double poisson_ratio = 0;                      // in the plane, sqrt(nu_warp_weft nu_weft_warp), in [0, 1)
-  double limit_strain = 0.05;                    // threads stiffen beyond it: modulus x (1 + 6 stiffening (e - limit))
+  double shear = 50;                              // shear modulus x thickness [N/m]
+  double poisson_ratio = 0;                       // in the plane, sqrt(nu_warp_weft nu_weft_warp), in [0, 1)
+  double limit_strain = 0.05;                     // threads stiffen beyond it: modulus x (1 + 6 stiffening (e - limit))
   double stiffening = 100;
   double bending_warp = 1e-5, bending_weft = 1e-5;  // flexural rigidity against bending the threads [N m]
 };
@@ -72,50 +72,51 @@ struct ClothMaterial {
 // A thin sheet that stretches little and bends easily. Collides with itself and with everything else, on both sides.
 struct Cloth {
   std::string name;
-  TriangleMesh mesh;                         // rest shape, in the cloth's frame; open or closed
+  TriangleMesh mesh;  // rest shape, in the cloth's frame; open or closed
   ClothMaterial material;
-  Vec3 warp_direction = Vec3::UnitX();       // in the cloth's frame, projected on each triangle; the weft crosses it
-  bool rest_is_flat = true;                  // false: the angles between the mesh's triangles are without moment
-  std::vector<std::uint32_t> pinned;         // points of the mesh that never move
+  Vec3 warp_direction = Vec3::UnitX();  // in the cloth's frame, projected on each triangle; the weft crosses it
+  bool rest_is_flat = true;             // false: the angles between the mesh's triangles are without moment
+  std::vector<std::uint32_t> pinned;    // points of the mesh that never move
   double friction = 0.5;
-  Pose pose = Pose::Identity();              // initial, body to world
-  Vec3 velocity = Vec3::Zero();              // [m/s]
+  Pose pose = Pose::Identity();  // initial, body to world
+  Vec3 velocity = Vec3::Zero();  // [m/s]
 };
 
 // ---- what joins bodies ------------------------------------------------------------------------------------------
 
 // A drive acts on a joint's coordinate q with the effort
-//   position: stiffness (target - q) + damping (dtarget/dt - dq/dt)   velocity: damping (target - dq/dt)   torque: target
+//   position: stiffness (target - q) + damping (dtarget/dt - dq/dt)   velocity: damping (target - dq/dt)   torque:
+//   target
 // plus what compensates gravity; the sum is cut at effort_limit.
 struct Drive {
   enum class Mode { position, velocity, torque };
   Mode mode = Mode::position;
-  double stiffness = 0;           // [N m/rad] or [N/m]
-  double damping = 0;             // [N m s/rad] or [N s/m]
-  double effort_limit = 0;        // [N m] or [N]; 0: none
+  double stiffness = 0;             // [N m/rad] or [N/m]
+  double damping = 0;               // [N m s/rad] or [N s/m]
+  double effort_limit = 0;          // [N m] or [N]; 0: none
   bool compensates_gravity = true;  // feeds forward the torque that the weight of everything it carries asks for
   // what a real drive may add, as the effects backlash, actuator_gain, actuator_lag and actuator_delay say
-  double play = 0;                // total, within which it does not act [rad or m]
-  double gain = 1;                // of the effort before it is cut
-  double time_constant = 0;       // of its lag behind the targets [s]
-  double delay = 0;               // of its targets [s]
+  double play = 0;           // total, within which it does not act [rad or m]
+  double gain = 1;           // of the effort before it is cut
+  double time_constant = 0;  // of its lag behind the targets [s]
+  double delay = 0;          // of its targets [s]
 };
 
 struct Joint {
   enum class Type { fixed, revolute, prismatic, spherical };
   std::string name;
   Type type = Type::fixed;
-  int parent = -1, child = -1;            // rigid bodies
-  Pose parent_frame = Pose::Identity();   // joint frame in the parent's frame, at q = 0 equal to the child's
-  Pose child_frame = Pose::Identity();    // joint frame in the child's frame
-  Vec3 axis = Vec3::UnitZ();              // in the joint frame, unit; q > 0 turns/moves the child along it
-  double lower = 0, upper = 0;            // stops [rad or m]; both 0: none
-  double limit_stiffness = 0;             // of the stops [N m/rad or N/m]; 0: 1e5 N m/rad, 1e6 N/m
-  double damping = 0;                     // of the joint itself, drive or not [N m s/rad or N s/m]
-  double velocity_limit = 0;              // [rad/s or m/s]; 0: none
-  double stiffness = 1e8;                 // of the constraint itself [N/m]
+  int parent = -1, child = -1;           // rigid bodies
+  Pose parent_frame = Pose::Identity();  // joint frame in the parent's frame, at q = 0 equal to the child's
+  Pose child_frame = Pose::Identity();   // joint frame in the child's frame
+  Vec3 axis = Vec3::UnitZ();             // in the joint frame, unit; q > 0 turns/moves the child along it
+  double lower = 0, upper = 0;           // stops [rad or m]; both 0: none
+  double limit_stiffness = 0;            // of the stops [N m/rad or N/m]; 0: 1e5 N m/rad, 1e6 N/m
+  double damping = 0;                    // of the joint itself, drive or not [N m s/rad or N s/m]
+  double velocity_limit = 0;             // [rad/s or m/s]; 0: none
+  double stiffness = 1e8;                // of the constraint itself [N/m]
   Drive drive;
-  double initial = 0;                     // q at the start [rad or m]
+  double initial = 0;  // q at the start [rad or m]
 };
 
 inline bool is_driven(const Joint& joint) {
@@ -125,11 +126,11 @@ inline bool is_driven(const Joint& joint) {
 // Stitch springs: each node of the soft body or cloth is drawn to the point of the rigid body where it starts.
 // E = k/2 sum_i |x_i - xhat_i|^2
 struct Stitch {
-  int soft = -1, rigid = -1;          // bodies
-  std::vector<std::uint32_t> nodes;   // of the soft body or cloth
-  double stiffness = 1e5;             // k, of each spring [N/m]
-  int cloth = -1;                     // instead of soft, which is then -1
-  Vec3 direction = Vec3::Zero();      // in the rigid body's frame: acts along it alone, as rollers do; zero: all ways
+  int soft = -1, rigid = -1;         // bodies
+  std::vector<std::uint32_t> nodes;  // of the soft body or cloth
+  double stiffness = 1e5;            // k, of each spring [N/m]
+  int cloth = -1;                    // instead of soft, which is then -1
+  Vec3 direction = Vec3::Zero();     // in the rigid body's frame: acts along it alone, as rollers do; zero: all ways
 };
 
 // Coefficient of friction of one pair of bodies, by name.
@@ -142,26 +143,27 @@ struct ContactSettings {
   double activation_distance = 1e-3;  // d_hat: contact acts below this gap [m]
   double stiffness = 1e7;             // kappa: barrier pressure scale [Pa]
   double friction_velocity = 1e-4;    // epsilon_v: sliding speed at which friction is fully developed [m/s]
-  int friction_lag_passes = -1;       // how often lagged normal forces and tangents are renewed within a step; -1: until
-                                      // they no longer move a point by more than the solver's tolerance
+  int friction_lag_passes = -1;  // how often lagged normal forces and tangents are renewed within a step; -1: until
+                                 // they no longer move a point by more than the solver's tolerance
 };
 
 struct SolverSettings {
   enum class Integrator { implicit_euler, bdf2 };
-  double time_step = 0.02;            // h [s]
+  double time_step = 0.02;                             // h [s]
   Integrator integrator = Integrator::implicit_euler;  // bdf2: second order; its first step is implicit Euler's
-  double velocity_tolerance = 1e-3;   // Newton stops when no point would move faster than this by the next correction [m/s]
+  double velocity_tolerance =
+      1e-3;  // Newton stops when no point would move faster than this by the next correction [m/s]
   int max_newton = 60;
-  double cg_tolerance = 1e-4;         // relative, in the norm of the preconditioner
+  double cg_tolerance = 1e-4;  // relative, in the norm of the preconditioner
   int max_cg = 2000;
-  int max_step_halvings = 4;          // a failed step is retried as two of half the length, this often
+  int max_step_halvings = 4;  // a failed step is retried as two of half the length, this often
 };
 
 // ---- what is seen -----------------------------------------------------------------------------------------------
 
 struct Texture {
   int width = 0, height = 0;
-  std::vector<std::uint8_t> rgba;     // sRGB, row 0 on top  [height x width x 4]
+  std::vector<std::uint8_t> rgba;  // sRGB, row 0 on top  [height x width x 4]
 };
 
 // docs/rendering.md says what each kind is. Indices of textures are -1: none.
@@ -195,23 +197,24 @@ struct VisualMesh {
   std::vector<Triangle> triangles;
 };
 
-// One visible thing. It follows a rigid body, a soft body or cloth (its mesh is then the subdivided surface), or nothing.
+// One visible thing. It follows a rigid body, a soft body or cloth (its mesh is then the subdivided surface), or
+// nothing.
 struct Visual {
   std::string name;
-  int mesh = -1;                           // of Scene::visual_meshes; -1 for a soft body or cloth: made from its surface
+  int mesh = -1;  // of Scene::visual_meshes; -1 for a soft body or cloth: made from its surface
   int material = -1;
-  int rigid = -1, soft = -1, cloth = -1;   // body it follows; all -1: stands still
-  Pose pose = Pose::Identity();            // mesh to body (or to world)
-  int subdivision_levels = 1;              // of a soft body's or cloth's surface
-  std::string part;                        // label in the segmentation masks, such as "gripper"
-  bool casts_shadow_on_receivers = true;   // false for the captured background itself
+  int rigid = -1, soft = -1, cloth = -1;  // body it follows; all -1: stands still
+  Pose pose = Pose::Identity();           // mesh to body (or to world)
+  int subdivision_levels = 1;             // of a soft body's or cloth's surface
+  std::string part;                       // label in the segmentation masks, such as "gripper"
+  bool casts_shadow_on_receivers = true;  // false for the captured background itself
 };
 
 // A rectangular area light, emitting on the side of cross(edge_u, edge_v).
 struct RectangleLight {
   std::string name;
-  Vec3 corner, edge_u, edge_v;             // world [m]
-  Vec3f radiance;                          // linear Rec. 709 [W/(sr m^2)]
+  Vec3 corner, edge_u, edge_v;  // world [m]
+  Vec3f radiance;               // linear Rec. 709 [W/(sr m^2)]
 };
 
 // A ball that shines.
@@ -255,18 +258,18 @@ struct Camera {
 
 struct Scene {
   std::string name;
-  Vec3 gravity = Vec3(0, 0, -9.81);        // [m/s^2]
+  Vec3 gravity = Vec3(0, 0, -9.81);  // [m/s^2]
   std::vector<RigidBody> rigid_bodies;
   std::vector<SoftBody> soft_bodies;
   std::vector<Cloth> cloths;
-  std::vector<Joint> joints;               // those with a drive take a target each, in this order
+  std::vector<Joint> joints;  // those with a drive take a target each, in this order
   std::vector<Stitch> stitches;
   std::vector<PairFriction> pair_friction;
   std::vector<std::array<int, 2>> noncolliding_rigid_bodies;  // besides jointed pairs, which never collide
-  std::vector<Effect> effects;             // what else acts, by name
+  std::vector<Effect> effects;                                // what else acts, by name
   ContactSettings contact;
   SolverSettings solver;
-  bool separates_start = false;            // free bodies that intersect at the start are moved apart
+  bool separates_start = false;  // free bodies that intersect at the start are moved apart
 
   std::vector<Texture> textures;
   std::vector<VisualMaterial> materials;
@@ -274,7 +277,7 @@ struct Scene {
   std::vector<Visual> visuals;
   std::vector<RectangleLight> lights;
   std::vector<SphereLight> sphere_lights;
-  Vec3f environment = Vec3f::Zero();       // radiance of every direction that no surface covers [W/(sr m^2)]
+  Vec3f environment = Vec3f::Zero();  // radiance of every direction that no surface covers [W/(sr m^2)]
   EnvironmentMap environment_map;
   std::vector<Camera> cameras;
 };
