@@ -85,8 +85,8 @@ struct Cloth {
 // ---- what joins bodies ------------------------------------------------------------------------------------------
 
 // A drive acts on a joint's coordinate q with the effort
-//   position: stiffness (target - q) + damping (dtarget/dt - dq/dt)   velocity: damping (target - dq/dt)   torque:
-//   target
+//   position: stiffness (target - q) + damping (dtarget/dt - dq/dt)
+//   velocity: damping (target - dq/dt)                                   torque: target
 // plus what compensates gravity; the sum is cut at effort_limit.
 struct Drive {
   enum class Mode { position, velocity, torque };
@@ -151,8 +151,7 @@ struct SolverSettings {
   enum class Integrator { implicit_euler, bdf2 };
   double time_step = 0.02;                             // h [s]
   Integrator integrator = Integrator::implicit_euler;  // bdf2: second order; its first step is implicit Euler's
-  double velocity_tolerance =
-      1e-3;  // Newton stops when no point would move faster than this by the next correction [m/s]
+  double velocity_tolerance = 1e-3;  // Newton stops when its next correction moves no point faster [m/s]
   int max_newton = 60;
   double cg_tolerance = 1e-4;  // relative, in the norm of the preconditioner
   int max_cg = 2000;
