@@ -14,8 +14,8 @@ namespace pvg {
 
 class BlockCholesky {
  public:
-  // orders and allocates; everything after it allocates nothing
-  explicit BlockCholesky(const BlockPattern& pattern);
+  // orders and allocates; everything after it allocates nothing. position: of each node [m], or nothing
+  explicit BlockCholesky(const BlockPattern& pattern, std::span<const Vec3> position = {});
 
   // blocks: one 3 x 3 block for each of the pattern, row-major [n_blocks x 9]; of a diagonal block the lower triangle
   // is read. False where the matrix is not positive definite or not finite; then solve() must not be called.

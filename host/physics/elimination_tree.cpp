@@ -126,10 +126,12 @@ EliminationTree tree_of(const std::vector<Front>& fronts, const std::vector<u32>
 
 }  // namespace
 
-EliminationTree eliminate(const BlockPattern& pattern) {
+EliminationTree eliminate(const BlockPattern& pattern, std::span<const Vec3> position) {
   const NodeGraph graph = graph_of(pattern);
+  std::vector<std::vector<u32>> orders{minimum_degree_order(graph), two_ended_sweep(graph)};
+  if (!position.empty()) orders.push_back(nested_dissection(graph, position));
   EliminationTree best;
-  for (const std::vector<u32>& order : {minimum_degree_order(graph), two_ended_sweep(graph)}) {
+  for (const std::vector<u32>& order : orders) {
     std::vector<Front> fronts = fronts_of_nodes(graph, order);
     merge_fronts(fronts);
     EliminationTree tree = tree_of(fronts, order);

@@ -2,8 +2,10 @@
 // which nodes are eliminated, and supernodes, groups of nodes eliminated together because (nearly) the same rows follow
 // them. Liu 1990, "The role of elimination trees in sparse factorization"; Ashcraft, Grimes 1989 on relaxed supernodes.
 #pragma once
+#include <span>
 #include <vector>
 
+#include "host/geometry/mesh.hpp"
 #include "shared/types.h"
 
 namespace pvg {
@@ -32,7 +34,8 @@ struct EliminationTree {
   double cost = 0;                    // of all
 };
 
-// With the cheapest of the orders of host/physics/node_order.hpp.
-EliminationTree eliminate(const BlockPattern& pattern);
+// With the cheapest of the orders of host/physics/node_order.hpp. position: of each node [n_nodes, m], or nothing, then
+// without the order that needs it.
+EliminationTree eliminate(const BlockPattern& pattern, std::span<const Vec3> position = {});
 
 }  // namespace pvg

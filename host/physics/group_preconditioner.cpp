@@ -36,10 +36,11 @@ void GroupPreconditioner::for_each_block(std::span<const u32> element_sites, std
 }
 
 GroupPreconditioner::GroupPreconditioner(const MatrixPattern& matrix, std::span<const Site> sites,
-                                         std::span<const u32> node_group, std::span<const u32> group_world,
-                                         std::span<const NodePair> coupled)
+                                         std::span<const double> position, std::span<const u32> node_group,
+                                         std::span<const u32> group_world, std::span<const NodePair> coupled)
     : matrix_(matrix),
       sites_(sites.begin(), sites.end()),
+      position_(position.begin(), position.end()),
       lone_group_(node_group.begin(), node_group.end()),
       group_world_(group_world.begin(), group_world.end()),
       lone_nodes_(group_world.size()),
@@ -138,7 +139,9 @@ void GroupPreconditioner::find_pattern(Group& group) const {
   }
   group.blocks.resize(9 * group.pattern.row.size());
   group.local.resize(3 * group.nodes.size());
-  group.factor = std::make_unique<BlockCholesky>(group.pattern);
+  std::vector<Vec3> position;
+  for (const u32 node : group.nodes) position.emplace_back(&position_[3 * std::size_t(node)]);
+  group.factor = std::make_unique<BlockCholesky>(group.pattern, position);
 }
 
 std::size_t GroupPreconditioner::n_numbers() const {

@@ -21,10 +21,12 @@ using NodePair = std::array<u32, 2>;
 
 class GroupPreconditioner {
  public:
-  // matrix: pattern of what never changes, which must outlive this. node_group: group of each node, NO_GROUP for nodes
+  // matrix: pattern of what never changes, which must outlive this. position: of the nodes at first [n_nodes x 3, m].
+  // node_group: group of each node, NO_GROUP for nodes
   // that never move; group_world: of each group; coupled: pairs of nodes that contacts may couple at any time.
-  GroupPreconditioner(const MatrixPattern& matrix, std::span<const Site> sites, std::span<const u32> node_group,
-                      std::span<const u32> group_world, std::span<const NodePair> coupled = {});
+  GroupPreconditioner(const MatrixPattern& matrix, std::span<const Site> sites, std::span<const double> position,
+                      std::span<const u32> node_group, std::span<const u32> group_world,
+                      std::span<const NodePair> coupled = {});
 
   // Takes further pairs of nodes into the factors, until the next call; groups that they join share one factor. Groups
   // that are as they were keep theirs.
@@ -67,6 +69,7 @@ class GroupPreconditioner {
 
   const MatrixPattern& matrix_;
   std::vector<Site> sites_;
+  std::vector<double> position_;
   std::vector<u32> lone_group_, group_world_;  // of each node, without contact; of each of these groups
   std::vector<std::vector<u32>> lone_nodes_;   // of each of these groups
   std::vector<NodePair> always_coupled_;

@@ -96,7 +96,7 @@ Potential::Potential(Device& device, const System& system)
   constant_gather_.set(blocks);
   rows_.resize(3 * n_constant_rows_);
   matrix_ = std::make_unique<BlockMatrix>(device, system.sites, system.node_is_fixed, constant_);
-  preconditioner_ = std::make_unique<GroupPreconditioner>(matrix_->pattern(), system.sites, system.node_group,
+  preconditioner_ = std::make_unique<GroupPreconditioner>(matrix_->pattern(), system.sites, system.x, system.node_group,
                                                           system.group_world, system.contact_couplings);
   couplings_.resize(system.n_worlds());
 }
