@@ -241,14 +241,14 @@ std::optional<u32> GroupPreconditioner::factorize(const BlockMatrix& matrix, std
   return std::nullopt;
 }
 
-// Measured on two cores, over bodies of 3,200 to 12,000 nodes: to factor takes 1/15 to 1/20 of (operations / numbers of
+// Measured on two cores, over bodies of 3,200 to 12,000 nodes: to factor takes 1/25 to 1/32 of (operations / numbers of
 // the factor) times as long as to solve with it, a whole iteration about twice as long as that solve. A third of what a
 // factor takes may go into iterations. Small factors are renewed always: Newton's method gains more by it.
 int GroupPreconditioner::iterations_worth_keeping(std::size_t world) const {
   double operations = 0, numbers = 1;
   for (const Group& group : groups_)
     if (group.world == world) operations += group.factor->cost(), numbers += double(group.factor->n_numbers());
-  const int per_factor = int(operations / (40 * numbers));
+  const int per_factor = int(operations / (60 * numbers));
   return per_factor < 6 ? 0 : per_factor / 3;
 }
 

@@ -47,7 +47,9 @@ struct Chain {
     Term* const constant[] = {&mass, &inner};
     matrix = std::make_unique<BlockMatrix>(device, make_sites(n), std::vector<u32>(n, 0), constant);
     matrix->assemble(constant);
-    preconditioner = std::make_unique<GroupPreconditioner>(matrix->pattern(), make_sites(n), group,
+    std::vector<double> position(3 * n, 0.0);
+    for (u32 i = 0; i < n; ++i) position[3 * i] = i;
+    preconditioner = std::make_unique<GroupPreconditioner>(matrix->pattern(), make_sites(n), position, group,
                                                            std::vector<u32>(group.back() + 1, 0));
     const Term* const contacts[] = {&outer};
     if (couples) {
