@@ -17,7 +17,7 @@ while getopts n:s:o:b: option; do
 done
 shift $((OPTIND - 1))
 [ -x "$program" ] || { echo "task_success: there is no $program; build it with scripts/build.sh" >&2; exit 2; }
-[ $# -gt 0 ] || set -- weigh_beaker place_flask place_dish open_cabinet
+[ $# -gt 0 ] || set -- weigh_beaker place_flask place_dish open_cabinet fold_towel dual_fold_towel
 
 result=0
 for task in "$@"; do

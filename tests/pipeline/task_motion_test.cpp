@@ -62,7 +62,8 @@ TEST_P(TaskMotion, IsPlannedAndKeepsEveryLimitAtEverySample) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Tasks, TaskMotion,
-                         testing::Values("weigh_beaker", "place_flask", "place_dish", "open_cabinet"));
+                         testing::Values("weigh_beaker", "place_flask", "place_dish", "open_cabinet", "fold_towel",
+                                         "dual_fold_towel"));
 
 }  // namespace
 }  // namespace pvg
