@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
@@ -78,7 +79,8 @@ void explain(const EpisodeReport& report) {
 
 // Runs one episode; its folder appears when it is complete, or under failed/ with the reason, a sentence.
 bool make_episode(const GenerateOptions& options, const Task& task, const EpisodeSet& set, std::uint64_t episode,
-                  Device& physics, Device& rendering, const std::atomic<bool>& stop, std::string& reason) {
+                  Device& physics, Device& rendering, const std::atomic<bool>& stop, const std::string& remark,
+                  std::string& reason) {
   EpisodeSettings settings;
   settings.seed = options.seed;
   settings.episode = episode;
@@ -89,7 +91,10 @@ bool make_episode(const GenerateOptions& options, const Task& task, const Episod
   {
     std::optional<Progress> progress;
     const auto advance = [&](std::size_t done, std::size_t total) {
-      if (!progress) progress.emplace("episode " + std::to_string(episode), "frames", total);
+      if (!progress) {
+        progress.emplace("episode " + std::to_string(episode), "frames", total);
+        progress->set_remark(remark);
+      }
       progress->advance_to(done);
     };
     report = run_episode(task, settings, physics, rendering, folder.path(), stop, advance);
@@ -140,24 +145,31 @@ void run_generate(const GenerateOptions& options) {
   Device physics(options.device), rendering(options.device);
   const EpisodeSet set = open_set(options, task, physics);
 
-  std::uint64_t n_made = 0, n_skipped = 0;
   std::vector<std::string> reasons;  // of the episodes that failed
+  SetProgress progress;
+  const auto start = std::chrono::steady_clock::now();
+  const auto line = [&] {
+    progress.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return progress.total > 1 ? set_progress_line(progress, 0) : "";
+  };
+  progress.total = (options.n_episodes + shard.count - 1 - shard.index) / shard.count;
   for (std::uint64_t episode = shard.index; episode < options.n_episodes; episode += shard.count) {
     if (is_done(set, episode)) {
-      ++n_skipped;
+      ++progress.done_before;
       continue;
     }
     if (const auto known = failure_of(set.folder, episode); known && !options.retries_failed) {
       reasons.push_back("episode " + std::to_string(episode) + " failed: " + *known);
+      ++progress.failed_before;
       continue;
     }
     if (stop) throw TryAgain(STOPPED);
     std::string reason;
     try {
-      if (make_episode(options, task, set, episode, physics, rendering, stop, reason))
-        ++n_made;
-      else
-        reasons.push_back(reason);
+      const bool is_made = make_episode(options, task, set, episode, physics, rendering, stop, line(), reason);
+      ++(is_made ? progress.done : progress.failed);
+      if (!is_made) reasons.push_back(reason);
+      if (progress.total > 1) std::fprintf(stderr, "%s\n", line().c_str());
     } catch (const std::exception&) {
       if (!stop) throw;
       throw TryAgain(STOPPED);  // whatever went wrong after a stop, such as that its folder is gone, is of the stop
@@ -168,10 +180,11 @@ void run_generate(const GenerateOptions& options) {
     std::printf("%s", status_json(set).c_str());
   else
     std::printf("%s: %llu made, %llu there before, %zu failed\n", set.folder.c_str(),
-                static_cast<unsigned long long>(n_made), static_cast<unsigned long long>(n_skipped), reasons.size());
+                static_cast<unsigned long long>(progress.done), static_cast<unsigned long long>(progress.done_before),
+                reasons.size());
   if (reasons.size() == 1) throw Failure(reasons.front());
   if (!reasons.empty())
-    throw Failure(std::to_string(reasons.size()) + " of " + std::to_string(reasons.size() + n_made) +
+    throw Failure(std::to_string(reasons.size()) + " of " + std::to_string(reasons.size() + progress.done) +
                   " episodes failed, the first: " + reasons.front() + "; " + (set.folder / "set.json").string() +
                   " names all");
 }

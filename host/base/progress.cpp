@@ -16,21 +16,44 @@ std::string time_text(double seconds) {
   const long whole = std::lround(seconds);
   if (whole < 60)
     std::snprintf(text, sizeof text, "%ld s", whole);
-  else
+  else if (whole < 3600)
     std::snprintf(text, sizeof text, "%ld min %02ld s", whole / 60, whole % 60);
+  else
+    std::snprintf(text, sizeof text, "%ld h %02ld min", whole / 3600, whole % 3600 / 60);
   return text;
+}
+
+std::string bar(double share, int width) {
+  if (width <= 0) return "";
+  const int full = int(share * width);
+  return "[" + std::string(std::size_t(full), '#') + std::string(std::size_t(width - full), '-') + "]  ";
 }
 
 }  // namespace
 
+std::string set_progress_line(const SetProgress& set, int bar_width) {
+  const std::size_t made = set.done + set.failed, there = made + set.done_before + set.failed_before;
+  std::string line = "set  " + bar(set.total ? double(there) / double(set.total) : 1, bar_width);
+  line += std::to_string(there) + "/" + std::to_string(set.total) + " episodes";
+  char text[64];
+  if (there > 0) {
+    const double share = double(set.done + set.done_before) / double(there);
+    std::snprintf(text, sizeof text, "  %.0f %% succeeded", 100 * share);
+    line += text;
+  }
+  if (made == 0 || !(set.seconds > 0)) return line;
+  const double rate = double(made) / set.seconds;
+  std::snprintf(text, sizeof text, "  %.*f episodes/min", rate < 10 / 60.0 ? 2 : 0, 60 * rate);
+  line += text;
+  line += there < set.total ? "  " + time_text(double(set.total - there) / rate) + " left"
+                            : "  in " + time_text(set.seconds);
+  return line;
+}
+
 std::string progress_line(const std::string& label, const std::string& unit, std::size_t done, std::size_t total,
                           double seconds, int bar_width) {
   const double share = total ? double(done) / double(total) : 1;
-  std::string line = label + "  ";
-  if (bar_width > 0) {
-    const int full = int(share * bar_width);
-    line += "[" + std::string(std::size_t(full), '#') + std::string(std::size_t(bar_width - full), '-') + "]  ";
-  }
+  std::string line = label + "  " + bar(share, bar_width);
   line += std::to_string(done) + "/" + std::to_string(total) + " " + unit;
   // no rate before there is something to divide
   if (done > 0 && seconds > 0) {
@@ -56,7 +79,8 @@ Progress::~Progress() {
 }
 
 void Progress::show(std::size_t done, double seconds) {
-  const std::string line = progress_line(label_, unit_, done, total_, seconds, is_terminal_ ? 24 : 0);
+  std::string line = progress_line(label_, unit_, done, total_, seconds, is_terminal_ ? 24 : 0);
+  if (is_terminal_ && !remark_.empty()) line += "  |  " + remark_;
   // on a terminal over the line before; \x1b[K clears what a longer one left
   std::fprintf(stderr, is_terminal_ ? "\r%s\x1b[K" : "%s\n", line.c_str());
   std::fflush(stderr);

@@ -1,0 +1,32 @@
+// What a user reads while a set is made: numbers by hand.
+#include "host/base/progress.hpp"
+
+#include <gtest/gtest.h>
+
+namespace pvg {
+namespace {
+
+TEST(Progress, AnEpisodeShowsItsRateAndWhatIsLeft) {
+  EXPECT_EQ(progress_line("episode 7", "frames", 0, 40, 3, 8), "episode 7  [--------]  0/40 frames");
+  // 12 in 4 s are 3 a second; 28 more take 9.3 s
+  EXPECT_EQ(progress_line("episode 7", "frames", 12, 40, 4, 8),
+            "episode 7  [##------]  12/40 frames  3.00 frames/s  9 s left");
+  EXPECT_EQ(progress_line("view", "episodes", 2, 2, 7321, 0), "view  2/2 episodes  0.00 episodes/s  in 2 h 02 min");
+}
+
+TEST(Progress, ASetShowsItsSuccessItsRateAndWhatIsLeft) {
+  SetProgress set;
+  set.total = 20;
+  EXPECT_EQ(set_progress_line(set, 0), "set  0/20 episodes");
+  set.done_before = 4;
+  EXPECT_EQ(set_progress_line(set, 4), "set  [----]  4/20 episodes  100 % succeeded");
+  // 9 of 10 succeeded; this run made 6 in 90 s, 4 a minute: 10 more take 150 s
+  set.done = 5, set.failed = 1, set.seconds = 90;
+  EXPECT_EQ(set_progress_line(set, 4),
+            "set  [##--]  10/20 episodes  90 % succeeded  4.00 episodes/min  2 min 30 s left");
+  set.done = 15, set.seconds = 60;
+  EXPECT_EQ(set_progress_line(set, 0), "set  20/20 episodes  95 % succeeded  16 episodes/min  in 1 min 00 s");
+}
+
+}  // namespace
+}  // namespace pvg
