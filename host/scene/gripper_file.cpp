@@ -54,6 +54,7 @@ GripperSection load_gripper(const std::filesystem::path& file) {
   gripper.open = root.number("open", Unit::length, 0, 10);
   gripper.closed = root.number("closed", Unit::length, 0, 10);
   if (gripper.open == gripper.closed) root.fail("open", "must differ from `closed`");
+  if (root.has("width_at_zero")) gripper.width_at_zero = root.number("width_at_zero", Unit::length, -1, 1);
   if (root.has("drive")) {
     Section drive = root.section("drive");
     gripper.drive_stiffness = drive.number("stiffness", Unit::stiffness, 1e-3, 1e12);

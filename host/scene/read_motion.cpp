@@ -1,4 +1,6 @@
 // The sections `motion` and `joints` of a task file.
+#include <algorithm>
+
 #include "host/scene/read_sections.hpp"
 
 namespace pvg {
@@ -8,10 +10,23 @@ using Section = YamlSection;
 constexpr double PI = std::numbers::pi;
 
 // Which of the robots `robot` names; with one robot it may stand alone.
-int read_robot_name(Section& section, const std::vector<std::string>& robots) {
+int read_robot_name(Section& section, const std::vector<RobotCell>& robots) {
   if (robots.size() > 1 && !section.has("robot"))
     section.fail("", "lacks the key `robot`: the task has several, say which one moves");
-  return section.has("robot") ? int(section.choice("robot", robots)) : 0;
+  std::vector<std::string> names;
+  for (const RobotCell& robot : robots) names.push_back(robot.name);
+  return section.has("robot") ? int(section.choice("robot", names)) : 0;
+}
+
+// Where the gripper's joints go: their position, or what makes the wanted width between the fingertips.
+double read_opening(Section& section, const GripperSection& gripper) {
+  if (!section.has("width")) return section.number("gripper", Unit::length, 0, 1);
+  if (section.has("gripper")) section.fail("width", "and `gripper` exclude each other: both say how far it goes");
+  if (!gripper.width_at_zero)
+    section.fail("width", "needs the key `width_at_zero` in " + gripper.file.string() + "; add it, or give `gripper`");
+  const double widest = *gripper.width_at_zero + double(gripper.joints.size()) * std::max(gripper.open, gripper.closed);
+  const double width = section.number("width", Unit::length, *gripper.width_at_zero, widest);
+  return (width - *gripper.width_at_zero) / double(gripper.joints.size());
 }
 
 void read_arc(Section& section, MotionElement& element) {
@@ -50,7 +65,7 @@ void read_way(Section& section, MotionElement& element) {
   element.speed = section.number("speed", Unit::none, 1e-3, 1, element.speed);
 }
 
-MotionElement read_element(Section& section, const std::vector<std::string>& robots) {
+MotionElement read_element(Section& section, const std::vector<RobotCell>& robots) {
   using Type = MotionElement::Type;
   MotionElement element;
   std::vector<std::string> names;
@@ -60,7 +75,7 @@ MotionElement read_element(Section& section, const std::vector<std::string>& rob
   if (element.type == Type::wait) {
     element.duration = section.number("duration", Unit::time, 0, 600);
   } else if (element.type == Type::close || element.type == Type::open) {
-    element.gripper = section.number("gripper", Unit::length, 0, 1);
+    element.gripper = read_opening(section, *robots[std::size_t(element.robot)].gripper);
     if (element.type == Type::close) element.force = section.number("force", Unit::force, 0, 1e4, 0);
     element.duration = section.number("duration", Unit::time, 0, 600);
   } else {
@@ -72,7 +87,7 @@ MotionElement read_element(Section& section, const std::vector<std::string>& rob
 
 }  // namespace
 
-std::vector<MotionElement> read_motion(Section& root, const std::vector<std::string>& robots) {
+std::vector<MotionElement> read_motion(Section& root, const std::vector<RobotCell>& robots) {
   std::vector<MotionElement> motion;
   for (Section& section : root.sections("motion")) {
     if (!section.has("together")) {

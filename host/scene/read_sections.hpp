@@ -37,7 +37,7 @@ Vec3f read_color(YamlSection& section, const std::string& key, const Vec3f& othe
                  Unit unit = Unit::none);
 
 RobotCell read_robot_cell(YamlSection& section, Task& task);  // `name`, `robot` and `gripper` of one of `robots`
-std::vector<MotionElement> read_motion(YamlSection& root, const std::vector<std::string>& robots);
+std::vector<MotionElement> read_motion(YamlSection& root, const std::vector<RobotCell>& robots);
 JointSection read_task_joint(YamlSection& section);
 Condition read_condition(YamlSection& section, const std::vector<std::string>& robots, Condition::When otherwise);
 Variation read_variation(YamlSection& section);

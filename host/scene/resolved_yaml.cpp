@@ -106,6 +106,7 @@ void write_gripper(Writer& w, const std::optional<GripperSection>& gripper) {
   w.out << Key << "joints" << Value << YAML::Flow << gripper->joints;
   w.entry("open", gripper->open);
   w.entry("closed", gripper->closed);
+  if (gripper->width_at_zero) w.entry("width_at_zero", *gripper->width_at_zero);
   w.begin("drive");
   w.entry("stiffness", gripper->drive_stiffness);
   w.entry("damping", gripper->drive_damping);

@@ -95,6 +95,7 @@ struct GripperSection {
   Pose tool_center = Pose::Identity();  // tool frame in the gripper base: z along the fingers, y from finger to finger
   std::vector<std::string> joints;      // the prismatic ones, one per finger
   double open = 0, closed = 0;          // their position [m]
+  std::optional<double> width_at_zero;  // between the fingertips at position 0, unbent; each joint adds its own [m]
   double drive_stiffness = 2e4;         // [N/m]
   double drive_damping = 0;             // [N s/m]
   std::vector<FingerSection> fingers;

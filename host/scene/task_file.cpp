@@ -220,7 +220,7 @@ Task load_task(const std::filesystem::path& file) {
   if (robots.empty()) root.fail("", "lacks the key `robot`: a task needs one, or several in `robots`");
   if (task.cameras.empty()) root.fail("", "lacks `cameras`: a task is filmed by at least one");
   for (Section& section : root.sections("joints")) task.joints.push_back(read_task_joint(section));
-  task.motion = read_motion(root, robots);
+  task.motion = read_motion(root, robots_of(task));
   for (Section& section : root.sections("success"))
     task.success.push_back(read_condition(section, robots, Condition::When::end));
   if (task.success.empty()) root.fail("", "lacks `success`: a task has at least one condition");

@@ -130,6 +130,15 @@ TEST(TaskFile, MistakesAreNamedWithTheirPlace) {
   expect_refused("name: glass, kind: dielectric", "name: steel, kind: dielectric", {"`materials[2].name`", "steel"});
 }
 
+// the pads of gripper.yaml are 4 mm apart at joint position 0, and each of the two joints adds its own: 4 + 2 x 28 = 60
+TEST(TaskFile, AGripperClosesToAWidth) {
+  const Spoiled by_width("close, gripper: 28 mm", "close, width: 60 mm");
+  EXPECT_NEAR(load_task(by_width.file).motion.at(2).gripper, 0.028, 1e-15);
+  expect_refused("close, gripper: 28 mm", "close, gripper: 28 mm, width: 60 mm", {"`motion[2].width`", "`gripper`"});
+  expect_refused("close, gripper: 28 mm", "close, width: 3 mm", {"`motion[2].width`", "between 0.004 and 0.084"});
+  expect_refused("close, gripper: 28 mm", "close", {"`motion[2].gripper`"});
+}
+
 TEST(TaskFile, WrongNumberOfHomeAnglesIsNamed) {
   const Spoiled spoiled("home: [0, ", "home: [");
   const Task task = load_task(spoiled.file);
