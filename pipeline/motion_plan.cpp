@@ -8,38 +8,40 @@
 #include "host/base/error.hpp"
 #include "host/io/states_file.hpp"
 #include "host/robot/plan_motion.hpp"
+#include "host/robot/robots_apart.hpp"
 #include "host/robot/way_search.hpp"
 
 namespace pvg {
 namespace {
 
-// The scene as robot `own` meets it at the start, all but the cloths: what its flange carries, and what stands in its
-// way.
-WaySearch search_in(const TaskScene& built, std::size_t own, const RobotCell& cell, const RobotModel& model) {
+// What is there at the start, all but the cloths and the arm: what the robot's flange carries, and the rest.
+struct Surroundings {
+  std::vector<Obstacle> carried, obstacles;
+};
+
+Surroundings surroundings_of(const TaskScene& built, std::size_t own, const RobotCell& cell, const RobotModel& model) {
   const Scene& scene = built.scene;
   const BuiltRobot& robot = built.robots[own];
   const Pose to_base = cell.robot.base.inverse();
-  const int link = model.link(cell.robot.flange);
   const VectorXd home = Eigen::Map<const VectorXd>(cell.robot.home.data(), Eigen::Index(cell.robot.home.size()));
-  const Pose to_link = link_poses(model, home)[std::size_t(link)].inverse() * to_base;
+  const Pose to_link = link_poses(model, home)[std::size_t(model.link(cell.robot.flange))].inverse() * to_base;
   const auto holds = [](const std::vector<int>& list, int body) {
     return std::find(list.begin(), list.end(), body) != list.end();
   };
-  std::vector<Obstacle> carried, obstacles;
+  Surroundings found;
+  const auto add = [&](bool is_carried, const std::string& name, const TriangleMesh& mesh, const Pose& pose) {
+    (is_carried ? found.carried : found.obstacles).push_back({name, mesh, (is_carried ? to_link : to_base) * pose});
+  };
   for (int b = 0; b < int(scene.rigid_bodies.size()); ++b) {
     const RigidBody& body = scene.rigid_bodies[std::size_t(b)];
     if (body.collision.triangles.empty() || holds(robot.arm_bodies, b)) continue;
-    const bool is_carried = holds(robot.gripper_bodies, b) || holds(robot.rigid_fingers, b);
-    (is_carried ? carried : obstacles)
-        .push_back({body.name, body.collision, (is_carried ? to_link : to_base) * body.pose});
+    add(holds(robot.gripper_bodies, b) || holds(robot.rigid_fingers, b), body.name, body.collision, body.pose);
   }
   for (int b = 0; b < int(scene.soft_bodies.size()); ++b) {
     const SoftBody& body = scene.soft_bodies[std::size_t(b)];
-    const bool is_carried = holds(robot.soft_fingers, b);
-    (is_carried ? carried : obstacles)
-        .push_back({body.name, {body.mesh.points, body.mesh.surface}, (is_carried ? to_link : to_base) * body.pose});
+    add(holds(robot.soft_fingers, b), body.name, {body.mesh.points, body.mesh.surface}, body.pose);
   }
-  return WaySearch(model, link, carried, obstacles);
+  return found;
 }
 
 MotionSetup motion_setup(const RobotCell& cell, const BuiltRobot& robot, const Scene& scene, const RobotModel& model) {
@@ -101,6 +103,27 @@ std::vector<Grip> grips_of(const std::vector<MotionElement>& elements, const std
   return grips;
 }
 
+// Refuses a motion in which an arm comes near to itself or to another one.
+void check_apart(const Task& task, const std::vector<RobotCell>& robots, const std::vector<PlannedRobot>& planned,
+                 const std::vector<Surroundings>& surroundings, const std::vector<JointTrajectory>& trajectories) {
+  std::vector<RobotShape> shapes;
+  std::vector<Eigen::MatrixXd> q;
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    const MotionSetup& setup = planned[r].setup;
+    shapes.push_back({robots[r].name, planned[r].model, setup.base, setup.tool_link, surroundings[r].carried});
+    q.push_back(trajectories[r].q);
+  }
+  const auto found = first_encounter(shapes, q);
+  if (!found) return;
+  const auto element = std::size_t(trajectories.front().element[found->step]);
+  std::ostringstream message;
+  message << task.file.string() << ": `" << found->first << "` and `" << found->second
+          << "` would come closer than 10 mm, " << double(found->step + 1) * trajectories.front().time_step
+          << " s after the start, in motion[" << element << "] (" << name_of(task.motion[element].type)
+          << "); move its target, the robots' bases or their `home`";
+  throw UsageError(message.str());
+}
+
 }  // namespace
 
 std::size_t steps_per_frame(double frames_per_second, double time_step) {
@@ -121,14 +144,18 @@ MotionPlan plan_episode(const Task& task, const TaskScene& built) {
   const std::vector<RobotCell> robots = robots_of(task);
   std::vector<RobotModel> models;
   std::vector<MotionSetup> setups;
+  std::vector<Surroundings> surroundings;
   for (std::size_t r = 0; r < robots.size(); ++r) {
     models.push_back(load_urdf(robots[r].robot.urdf));
+    surroundings.push_back(surroundings_of(built, r, robots[r], models.back()));
     setups.push_back(motion_setup(robots[r], built.robots[r], built.scene, models.back()));
     const bool searches = std::any_of(task.motion.begin(), task.motion.end(), [&](const MotionElement& element) {
       return element.robot == int(r) && element.avoids_obstacles;
     });
     if (searches)
-      setups.back().search_way = [search = std::make_shared<WaySearch>(search_in(built, r, robots[r], models.back()))](
+      setups.back().search_way = [search =
+                                      std::make_shared<WaySearch>(models.back(), setups.back().tool_link,
+                                                                  surroundings[r].carried, surroundings[r].obstacles)](
                                      const VectorXd& from, const VectorXd& to) { return search->search(from, to); };
   }
   std::vector<PlannedRobot> planned;
@@ -136,6 +163,7 @@ MotionPlan plan_episode(const Task& task, const TaskScene& built) {
   const std::vector<JointTrajectory> trajectories = plan_motion(planned, task.motion);
   const std::vector<int>& element = trajectories.front().element;
   if (element.empty()) throw UsageError(task.file.string() + ": the task's motion has no step");
+  check_apart(task, robots, planned, surroundings, trajectories);
   const std::vector<Column> columns = columns_of_driven(built);
   // the last frame is filled up by standing still
   const std::size_t n = element.size(), frames = (n + plan.steps_per_frame - 1) / plan.steps_per_frame;

@@ -1,7 +1,5 @@
 #include "host/robot/way_search.hpp"
 
-#include <fcl/geometry/bvh/BVH_model.h>
-#include <fcl/narrowphase/distance.h>
 #include <ompl/base/ScopedState.h>
 #include <ompl/base/SpaceInformation.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>
@@ -15,6 +13,7 @@
 #include <random>
 #include <set>
 
+#include "host/robot/collision_part.hpp"
 #include "host/robot/joint_path.hpp"
 
 namespace pvg {
@@ -22,7 +21,6 @@ namespace {
 
 namespace ob = ompl::base;
 namespace og = ompl::geometric;
-using Model = fcl::BVHModel<fcl::OBBRSSd>;
 
 constexpr double RESOLUTION = 0.02;      // of a joint, between two checks of a motion [rad]
 constexpr unsigned MOST_ROUNDS = 20000;  // of RRT-Connect
@@ -59,29 +57,6 @@ class CountedSampler : public ob::StateSampler {
   std::mt19937_64 random_;
 };
 
-struct Part {
-  std::string name;
-  int link = -1;  // that it moves with; -1: it stands still
-  Pose pose = Pose::Identity();
-  std::shared_ptr<Model> model;
-  Vec3 center = Vec3::Zero();  // of a ball around it, in its frame [m]
-  double radius = 0;           // [m]
-};
-
-Part make_part(const std::string& name, int link, const Pose& pose, const TriangleMesh& mesh) {
-  Part part{name, link, pose, std::make_shared<Model>()};
-  Eigen::AlignedBox3d box;
-  for (const Vec3& point : mesh.points) box.extend(point);
-  part.center = box.center();
-  for (const Vec3& point : mesh.points) part.radius = std::max(part.radius, (point - part.center).norm());
-  std::vector<fcl::Triangle> triangles;
-  for (const Triangle& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
-  part.model->beginModel(int(triangles.size()), int(mesh.points.size()));
-  part.model->addSubModel(mesh.points, triangles);
-  part.model->endModel();
-  return part;
-}
-
 VectorXd configuration(const ob::State* state, Eigen::Index n) {
   return Eigen::Map<const VectorXd>(state->as<ob::RealVectorStateSpace::StateType>()->values, n);
 }
@@ -90,7 +65,7 @@ VectorXd configuration(const ob::State* state, Eigen::Index n) {
 
 struct WaySearch::Impl {
   RobotModel model;
-  std::vector<Part> parts;
+  std::vector<CollisionPart> parts;
   std::vector<std::array<std::size_t, 2>> pairs;  // of parts that may collide
   double clearance = 0;
 };
@@ -100,14 +75,14 @@ WaySearch::WaySearch(const RobotModel& model, int link, const std::vector<Obstac
     : impl_(std::make_unique<Impl>()) {
   impl_->model = model;
   impl_->clearance = clearance;
-  std::vector<Part>& parts = impl_->parts;
+  std::vector<CollisionPart>& parts = impl_->parts;
   for (std::size_t i = 0; i < model.links.size(); ++i)
     if (!model.links[i].collision.triangles.empty())
-      parts.push_back(make_part(model.links[i].name, int(i), Pose::Identity(), model.links[i].collision));
+      parts.push_back(make_collision_part(model.links[i].name, int(i), Pose::Identity(), model.links[i].collision));
   const std::size_t n_links = parts.size();
-  for (const Obstacle& thing : carried) parts.push_back(make_part(thing.name, link, thing.pose, thing.mesh));
+  for (const Obstacle& thing : carried) parts.push_back(make_collision_part(thing.name, link, thing.pose, thing.mesh));
   const std::size_t n_moving = parts.size();
-  for (const Obstacle& thing : obstacles) parts.push_back(make_part(thing.name, -1, thing.pose, thing.mesh));
+  for (const Obstacle& thing : obstacles) parts.push_back(make_collision_part(thing.name, -1, thing.pose, thing.mesh));
 
   // what joints hold together, and what can never meet by the URDF, is left out; so is the wrist against what it
   // carries
@@ -134,19 +109,12 @@ WaySearch::WaySearch(WaySearch&&) noexcept = default;
 
 std::optional<std::array<std::string, 2>> WaySearch::collision(const VectorXd& q) const {
   const std::vector<Pose> links = link_poses(impl_->model, q);
-  std::vector<fcl::Transform3d> poses;
-  for (const Part& part : impl_->parts)
-    poses.push_back(part.link < 0 ? part.pose : Pose(links[std::size_t(part.link)] * part.pose));
-  for (const auto& [a, b] : impl_->pairs) {
-    const Part &first = impl_->parts[a], &second = impl_->parts[b];
-    // by the balls around both, which are far apart most of the time
-    const double apart = (poses[a] * first.center - poses[b] * second.center).norm();
-    if (apart > first.radius + second.radius + impl_->clearance) continue;
-    fcl::DistanceRequestd request;
-    fcl::DistanceResultd result;
-    const double distance = fcl::distance(first.model.get(), poses[a], second.model.get(), poses[b], request, result);
-    if (!(distance >= impl_->clearance)) return {{first.name, second.name}};
-  }
+  std::vector<Pose> poses;
+  for (const CollisionPart& part : impl_->parts)
+    poses.push_back(part.link < 0 ? part.pose : links[std::size_t(part.link)] * part.pose);
+  for (const auto& [a, b] : impl_->pairs)
+    if (are_closer(impl_->parts[a], poses[a], impl_->parts[b], poses[b], impl_->clearance))
+      return {{impl_->parts[a].name, impl_->parts[b].name}};
   return std::nullopt;
 }
 

@@ -9,15 +9,9 @@
 #include <vector>
 
 #include "host/robot/kinematics.hpp"
+#include "host/robot/obstacle.hpp"
 
 namespace pvg {
-
-// A rigid thing: of the world, or carried by a link (the gripper).
-struct Obstacle {
-  std::string name;
-  TriangleMesh mesh;             // [m]
-  Pose pose = Pose::Identity();  // to the robot's base frame, or to the link that carries it
-};
 
 class WaySearch {
  public:

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <filesystem>
 
+#include "host/base/error.hpp"
 #include "host/robot/joint_path.hpp"
 #include "host/scene/task_file.hpp"
 #include "pipeline/motion_plan.hpp"
+#include "tests/expect_error.hpp"
 
 namespace pvg {
 namespace {
@@ -64,6 +66,42 @@ TEST_P(TaskMotion, IsPlannedAndKeepsEveryLimitAtEverySample) {
 INSTANTIATE_TEST_SUITE_P(Tasks, TaskMotion,
                          testing::Values("weigh_beaker", "place_flask", "place_dish", "open_cabinet", "fold_towel",
                                          "dual_fold_towel"));
+
+// On the vendor's bimanual mount instead of on the table: the bases of robots/fr3_duo/fr3_duo_mount/kinematics.yaml of
+// franka_description, tilted outward 50 mm from the middle and 202 mm up.
+TEST(TaskMotion, DualFoldTowelIsPlannedOnThePublishedMountToo) {
+  Task task = load_task(fs::path(PVG_DATA_FOLDER) / "tasks/dual_fold_towel.yaml");
+  const auto base = [](double y, double roll, double pitch, double yaw) {
+    Pose pose(Eigen::Translation3d(0.03467, y, 0.202));
+    pose.linear() = (Eigen::AngleAxisd(yaw, Vec3::UnitZ()) * Eigen::AngleAxisd(pitch, Vec3::UnitY()) *
+                     Eigen::AngleAxisd(roll, Vec3::UnitX()))
+                        .toRotationMatrix();
+    return pose;
+  };
+  RobotSection &left = task.more_robots.at(0).robot, &right = task.more_robots.at(1).robot;
+  left.base = base(0.050681, -0.89334809, -0.17456074, -0.46334506);
+  right.base = base(-0.050681, 0.89334809, -0.17456074, 0.46334506);
+  // one the other's mirror image; the hand is mounted at -45 degrees, which the last joint takes up
+  const std::vector<double> home = {-44.0, 55.8, 73.5, -141.3, -3.6, 168.2, 78.2};
+  for (std::size_t i = 0; i < 7; ++i) {
+    const bool is_mirrored = i % 2 == 0;
+    left.home[i] = home[i] * M_PI / 180;
+    right.home[i] = (i == 6 ? 90 - home[i] : is_mirrored ? -home[i] : home[i]) * M_PI / 180;
+  }
+  task.cloths.at(0).pose.x = {0.7, 0.7};
+  const TaskScene built = build_scene(task, 7, 0);
+  EXPECT_FALSE(plan_episode(task, built).targets.empty());
+}
+
+// Two arms whose targets are exchanged would cross.
+TEST(TaskMotion, ArmsThatWouldMeetAreRefusedByName) {
+  Task task = load_task(fs::path(PVG_DATA_FOLDER) / "tasks/dual_fold_towel.yaml");
+  task.motion.resize(2);
+  std::swap(task.motion[0].target, task.motion[1].target);
+  const TaskScene built = build_scene(task, 7, 0);
+  expect_error<UsageError>([&] { plan_episode(task, built); },
+                           {"dual_fold_towel.yaml", "`left/", "`right/", "closer than 10 mm", "motion[0] (move)"});
+}
 
 }  // namespace
 }  // namespace pvg
