@@ -50,24 +50,42 @@ u32 find_log2_leaves(const CollisionMesh& mesh) {
   return u32(std::bit_width(most - 1));
 }
 
+// [n_bodies] which have a partner by the table, and which world's body they are
+struct Participants {
+  const BodyPairTable& table;
+  std::vector<char> has_partner;
+};
+
+Participants find_participants(const CollisionMesh& mesh, const BodyPairTable& table) {
+  Participants found{table, {}};
+  for (std::size_t i = 0; i < mesh.bodies.size(); ++i) {
+    const u32 world = mesh.bodies[i].world, n = table.n_bodies[world];
+    const auto row = table.friction.begin() + table.first[world] + table.index[i] * n;
+    found.has_partner.push_back(std::any_of(row, row + n, [](double friction) { return !(friction < 0); }));
+  }
+  return found;
+}
+
 // leaves and bodies of one tree; the boxes come from the device
 template <class Primitive>
 std::vector<u32> fill_tree(std::span<TreeNode> tree, const std::vector<Primitive>& primitives, u32 begin, u32 end,
-                           std::span<const Vec3> x, const BodyPairTable& table) {
+                           std::span<const Vec3> x, const Participants& participants) {
   std::vector<Vec3> centroids;
-  std::vector<u32> body;
+  std::vector<u32> body, taken;
   for (u32 i = begin; i < end; ++i) {
+    if (!participants.has_partner[primitives[i].body]) continue;
+    taken.push_back(i);
     Vec3 sum = Vec3::Zero();
     for (const u32 site : primitives[i].site) sum += x[site];
     centroids.push_back(sum / double(std::size(primitives[i].site)));
-    body.push_back(table.index[primitives[i].body]);
+    body.push_back(participants.table.index[primitives[i].body]);
   }
   std::vector<u32> order = order_of_leaves(centroids, body);
   const std::size_t n_leaves = tree.size() / 2;
   for (TreeNode& node : tree) node = {{}, {}, MANY_BODIES, NOTHING};
   for (std::size_t slot = 0; slot < order.size(); ++slot) {
     tree[n_leaves + slot].body = body[order[slot]];
-    tree[n_leaves + slot].primitive = order[slot] += begin;
+    tree[n_leaves + slot].primitive = order[slot] = taken[order[slot]];
   }
   for (std::size_t k = n_leaves - 1; k >= 1; --k) {
     // an empty half says nothing about the body
@@ -85,6 +103,7 @@ struct Trees {
 };
 
 Trees make_trees(const CollisionMesh& mesh, std::span<const Vec3> x, const BodyPairTable& table, u32 log2_leaves) {
+  const Participants participants = find_participants(mesh, table);
   const std::vector<u32> first_point = first_of_world(mesh, mesh.points), first_edge = first_of_world(mesh, mesh.edges),
                          first_triangle = first_of_world(mesh, mesh.triangles);
   const std::size_t n_nodes = std::size_t(2) << log2_leaves;
@@ -93,10 +112,11 @@ Trees make_trees(const CollisionMesh& mesh, std::span<const Vec3> x, const BodyP
   for (u32 w = 0; w < mesh.n_worlds; ++w) {
     const std::span<TreeNode> of_triangles(trees.nodes.data() + 2 * w * n_nodes, n_nodes);
     const std::span<TreeNode> of_edges(of_triangles.data() + n_nodes, n_nodes);
-    fill_tree(of_triangles, mesh.triangles, first_triangle[w], first_triangle[w + 1], x, table);
-    const std::vector<u32> edges = fill_tree(of_edges, mesh.edges, first_edge[w], first_edge[w + 1], x, table);
+    fill_tree(of_triangles, mesh.triangles, first_triangle[w], first_triangle[w + 1], x, participants);
+    const std::vector<u32> edges = fill_tree(of_edges, mesh.edges, first_edge[w], first_edge[w + 1], x, participants);
     trees.first_query_of_world.push_back(u32(trees.queries.size()));
-    for (u32 i = first_point[w]; i < first_point[w + 1]; ++i) trees.queries.push_back({i, 0, w, 0});
+    for (u32 i = first_point[w]; i < first_point[w + 1]; ++i)
+      if (participants.has_partner[mesh.points[i].body]) trees.queries.push_back({i, 0, w, 0});
     for (u32 slot = 0; slot < edges.size(); ++slot) trees.queries.push_back({edges[slot] | IS_EDGE, slot, w, 0});
   }
   trees.first_query_of_world.push_back(u32(trees.queries.size()));
@@ -129,10 +149,14 @@ Disabled disabled_of_queries(const CollisionMesh& mesh, const std::vector<Query>
 BodyPairTable table_of(const CollisionMesh& mesh, PairsOf which) {
   BodyPairTable table = make_body_pair_table(mesh);
   if (which == PairsOf::all_bodies) return table;
+  u32 body = 0;  // of all worlds
   for (std::size_t w = 0; w < table.n_bodies.size(); ++w)
-    for (u32 a = 0; a < table.n_bodies[w]; ++a)
+    for (u32 a = 0; a < table.n_bodies[w]; ++a, ++body) {
+      const PairsOf own = mesh.bodies[body].offset > 0 ? PairsOf::one_sheet : PairsOf::one_solid;
       for (u32 b = 0; b < table.n_bodies[w]; ++b)
-        if ((a == b) != (which == PairsOf::one_body)) table.friction[table.first[w] + a * table.n_bodies[w] + b] = -1;
+        if (which != (a == b ? own : PairsOf::two_bodies))
+          table.friction[table.first[w] + a * table.n_bodies[w] + b] = -1;
+    }
   return table;
 }
 
@@ -201,8 +225,13 @@ void BroadPhase::refit(const Buffer<double>& x0, const Buffer<double>& x1, doubl
 }
 
 void BroadPhase::find(const Buffer<double>& x0, const Buffer<double>& x1, double margin, WorldRows<Barrier>& pairs) {
-  refit(x0, x1, margin);
   const std::size_t n = queries_.size();
+  if (n == 0) {
+    pairs.first.assign(worlds_.size() + 1, 0);
+    pairs.rows.resize(0);
+    return;
+  }
+  refit(x0, x1, margin);
   count_pairs_(n, u32(n), log2_leaves_, queries_, nodes_, points_, edges_, triangles_, bodies_, worlds_, rest_,
                pair_friction_, disabled_first_, disabled_, margin, x0, x1, counts_, kept_);
   scan_(n, counts_, offsets_);

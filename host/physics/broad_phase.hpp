@@ -14,11 +14,13 @@
 
 namespace pvg {
 
-enum class PairsOf { all_bodies, one_body, two_bodies };
+// Parts of one body, which is a solid or a sheet (contact acts outside its surface); parts of two bodies.
+enum class PairsOf { all_bodies, one_solid, one_sheet, two_bodies };
 
 class BroadPhase {
  public:
-  // The trees' order comes from x: [n_sites, m]. Bodies stay together in it, so it stays good while they move.
+  // Bodies without a partner are left out. The trees' order comes from x: [n_sites, m]. Bodies stay together in it, so
+  // it stays good while they move.
   BroadPhase(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
              std::span<const Vec3> x, PairsOf which = PairsOf::all_bodies);
   // Pairs that may come within activation distance and `margin` [m] while the sites move straight from x0 to x1

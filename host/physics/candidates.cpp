@@ -2,6 +2,7 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -56,24 +57,29 @@ Fit fit_rigid_motion(std::span<const Vec3> reference, std::span<const u32> sites
   return fit;
 }
 
+WorldRows<Barrier> no_rows(Device& device, std::size_t n_worlds) {
+  return {Buffer<Barrier>(device, 0, "candidates"), std::vector<u32>(n_worlds + 1, 0)};
+}
+
 }  // namespace
 
 Candidates::Candidates(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
                        std::span<const Vec3> x, double margin)
     : n_worlds_(mesh.n_worlds),
       margin_(margin),
-      within_body_(device, mesh, settings, x, PairsOf::one_body),
+      solids_{BroadPhase(device, mesh, settings, x, PairsOf::one_solid), no_rows(device, n_worlds_), {}},
+      sheets_{BroadPhase(device, mesh, settings, x, PairsOf::one_sheet), no_rows(device, n_worlds_), {}},
       between_bodies_(device, mesh, settings, x, PairsOf::two_bodies),
       program_(device, "contact/contact.cl"),
       place_rows_(program_.kernel("place_rows")),
-      within_{Buffer<Barrier>(device, 0, "candidates within bodies"), std::vector<u32>(n_worlds_ + 1, 0)},
-      between_{Buffer<Barrier>(device, 0, "candidates between bodies"), std::vector<u32>(n_worlds_ + 1, 0)},
-      rows_{Buffer<Barrier>(device, 0, "candidates"), std::vector<u32>(n_worlds_ + 1, 0)},
+      between_(no_rows(device, n_worlds_)),
+      rows_(no_rows(device, n_worlds_)),
       first_(device, n_worlds_ + 1, "first candidate of world"),
       place_(device, n_worlds_, "place of world") {
   for (const auto& [body, sites] : surface_sites(mesh)) {
     surface_sites_.insert(surface_sites_.end(), sites.begin(), sites.end());
-    if (mesh.bodies[body].collides_with_itself) deformable_.push_back({sites, {}});
+    if (mesh.bodies[body].collides_with_itself)
+      (mesh.bodies[body].offset > 0 ? sheets_ : solids_).bodies.push_back({sites, {}});
   }
 }
 
@@ -86,9 +92,9 @@ bool Candidates::serves_between(std::span<const double> x0, std::span<const doub
   return true;
 }
 
-bool Candidates::serves_within(std::span<const double> x0, std::span<const double> x1) const {
-  const double allowed = USABLE * 0.5 * margin_;
-  for (const Deformable& body : deformable_) {
+bool Candidates::Within::serves(std::span<const double> x0, std::span<const double> x1, double margin) const {
+  const double allowed = USABLE * 0.5 * margin;
+  for (const Deformable& body : bodies) {
     if (body.reference.empty()) return false;
     const Fit start = fit_rigid_motion(body.reference, body.sites, x0);
     if (!(start.deviation <= allowed)) return false;
@@ -101,38 +107,43 @@ bool Candidates::serves_within(std::span<const double> x0, std::span<const doubl
 
 void Candidates::find(const Buffer<double>& x0, const Buffer<double>& x1) {
   const std::vector<double> start = x0.read(), end = x1.read();
-  const bool within = serves_within(start, end), between = serves_between(start, end);
-  if (within && between) return;
-  if (!within) {
-    within_body_.find(x0, x1, margin_, within_);
-    for (Deformable& body : deformable_) {
+  bool has_changed = false;
+  for (Within* within : {&solids_, &sheets_}) {
+    if (within->serves(start, end, margin_)) continue;
+    within->broad_phase.find(x0, x1, margin_, within->pairs);
+    for (Deformable& body : within->bodies) {
       body.reference.clear();
       for (const u32 site : body.sites) body.reference.push_back(point(end, site));
     }
+    has_changed = true;
   }
-  if (!between) {
+  if (!serves_between(start, end)) {
     between_bodies_.find(x0, x1, margin_, between_);
     reference_ = end;
+    has_changed = true;
   }
-  merge();
+  if (has_changed) merge();
 }
 
 void Candidates::merge() {
-  std::vector<u32> place_within, place_between;
+  const std::array<const WorldRows<Barrier>*, 3> lists = {&solids_.pairs, &sheets_.pairs, &between_};
+  std::array<std::vector<u32>, 3> places;  // [n_worlds] of each list
+  u32 next = 0;
   for (std::size_t w = 0; w < n_worlds_; ++w) {
-    rows_.first[w] = within_.first[w] + between_.first[w];
-    place_within.push_back(rows_.first[w]);
-    place_between.push_back(rows_.first[w] + within_.first[w + 1] - within_.first[w]);
+    rows_.first[w] = next;
+    for (std::size_t i = 0; i < lists.size(); ++i) {
+      places[i].push_back(next);
+      next += lists[i]->first[w + 1] - lists[i]->first[w];
+    }
   }
-  rows_.first[n_worlds_] = within_.n() + between_.n();
+  rows_.first[n_worlds_] = next;
   rows_.rows.resize(rows_.n());
-  const auto place = [&](const WorldRows<Barrier>& list, const std::vector<u32>& places) {
-    first_.write(list.first);
-    place_.write(places);
-    place_rows_(list.n(), list.n(), list.rows, first_, place_, rows_.rows);
-  };
-  place(within_, place_within);
-  place(between_, place_between);
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    if (lists[i]->n() == 0) continue;
+    first_.write(lists[i]->first);
+    place_.write(places[i]);
+    place_rows_(lists[i]->n(), lists[i]->n(), lists[i]->rows, first_, place_, rows_.rows);
+  }
 }
 
 }  // namespace pvg

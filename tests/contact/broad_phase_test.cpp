@@ -11,6 +11,7 @@
 #include <set>
 
 #include "host/geometry/segment_distance.hpp"
+#include "host/physics/candidates.hpp"
 
 namespace pvg {
 namespace {
@@ -313,6 +314,79 @@ TEST(CollisionMesh, UnsortedWorldsAreRefused) {
   std::swap(soup.mesh.triangles.front(), soup.mesh.triangles.back());
   EXPECT_THROW(check_collision_mesh(soup.mesh, soup.x0.size()), std::logic_error);
   EXPECT_THROW(check_collision_mesh(soup_of({{1, 2, 5}}).mesh, 3), std::logic_error);
+}
+
+// two worlds in which the last body is a sheet that may touch itself
+Soup soup_with_sheets() {
+  Soup soup = soup_of({{{7, 5, 30}}, {{8, 5, 20}}});
+  for (CollisionBody& body : soup.mesh.bodies)
+    if (&body == &soup.mesh.bodies[4] || &body == &soup.mesh.bodies[9])
+      body.offset = 0.002, body.collides_with_itself = true;
+  return soup;
+}
+
+// of each world
+std::vector<std::multiset<Key>> keys_of(const WorldRows<Barrier>& pairs) {
+  const std::vector<Barrier> rows = pairs.rows.read();
+  std::vector<std::multiset<Key>> keys;
+  for (std::size_t w = 0; w + 1 < pairs.first.size(); ++w) {
+    keys.emplace_back();
+    for (u32 i = pairs.first[w]; i < pairs.first[w + 1]; ++i) keys.back().insert(key_of(rows[i]));
+  }
+  return keys;
+}
+
+WorldRows<Barrier> find(Device& device, const Soup& soup, PairsOf which) {
+  const std::vector<ContactSettings> settings(soup.mesh.n_worlds, {.activation_distance = ACTIVATION});
+  BroadPhase broad_phase(device, soup.mesh, settings, soup.x0, which);
+  WorldRows<Barrier> pairs{Buffer<Barrier>(device, 0, "pairs"), {}};
+  broad_phase.find(upload(device, soup.x0), upload(device, soup.x1), 0, pairs);
+  return pairs;
+}
+
+Soup soup_at_rest(Soup soup) {
+  soup.x1 = soup.x0;
+  return soup;
+}
+
+TEST(BroadPhase, PairsOfSolidsOfSheetsAndOfTwoBodiesAreAllPairs) {
+  Device device;
+  const Soup soup = soup_with_sheets();
+  const auto all = keys_of(find(device, soup, PairsOf::all_bodies));
+  std::vector<std::multiset<Key>> together(all.size());
+  for (const PairsOf which : {PairsOf::one_solid, PairsOf::one_sheet, PairsOf::two_bodies}) {
+    const auto part = keys_of(find(device, soup, which));
+    for (std::size_t w = 0; w < all.size(); ++w) {
+      EXPECT_FALSE(part[w].empty());
+      together[w].insert(part[w].begin(), part[w].end());
+    }
+  }
+  EXPECT_EQ(together, all);
+}
+
+// nothing moves at first; then one body alone, so that the lists of the others still serve
+TEST(Candidates, WhatHasMovedIsLookedForAgain) {
+  Device device;
+  const Soup soup = soup_with_sheets();
+  const std::vector<ContactSettings> settings(soup.mesh.n_worlds, {.activation_distance = ACTIVATION});
+  for (const u32 moving : {2u, 4u}) {
+    Candidates candidates(device, soup.mesh, settings, soup.x0, 0.001);
+    candidates.find(upload(device, soup.x0), upload(device, soup.x0));
+    Soup moved = soup;
+    moved.x1 = soup.x0;
+    for (const CollisionPoint& point : soup.mesh.points)
+      if (point.body == moving) moved.x1[point.site] = soup.x1[point.site];
+    candidates.find(upload(device, moved.x0), upload(device, moved.x1));
+    const auto found = keys_of(candidates.rows()), needed = keys_of(find(device, moved, PairsOf::all_bodies));
+    ASSERT_EQ(found.size(), needed.size());
+    for (std::size_t w = 0; w < needed.size(); ++w) {
+      EXPECT_GT(needed[w].size(), 20u);
+      EXPECT_TRUE(std::includes(found[w].begin(), found[w].end(), needed[w].begin(), needed[w].end())) << w;
+    }
+    // and the search was needed: before it, some of these pairs were missing
+    const auto before = keys_of(find(device, soup_at_rest(soup), PairsOf::all_bodies));
+    EXPECT_FALSE(std::includes(before[0].begin(), before[0].end(), needed[0].begin(), needed[0].end()));
+  }
 }
 
 }  // namespace
