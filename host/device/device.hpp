@@ -60,13 +60,14 @@ class Memory {
   void fill_zero(std::size_t bytes);
   void copy_from(const Memory& other, std::size_t bytes);
   const void* handle() const { return &handle_; }
+  std::size_t serial() const { return serial_; }  // of the handle: a driver may use a freed one's address again
   const std::string& name() const { return name_; }
   Device& device() const { return *device_; }
 
  private:
   Device* device_ = nullptr;
   void* handle_ = nullptr;
-  std::size_t bytes_ = 0;
+  std::size_t bytes_ = 0, serial_ = 0;
   std::string name_;
 };
 void throw_size_mismatch(const std::string& name, std::size_t has, std::size_t given);
@@ -130,8 +131,9 @@ class Buffer {
   std::size_t n_, capacity_;
 };
 
-// kernel(n, arguments...) starts n work-items (padded to whole groups). Arguments are buffers, numbers and shared
-// structs, as many as the kernel declares; anything else throws before it runs.
+// kernel(n, arguments...) starts n work-items (padded to whole groups), none for n = 0. Arguments are buffers, numbers
+// and shared structs, as many as the kernel declares; anything else throws before it runs. An argument that is what it
+// was at the last call is not given to the driver again, which takes as long as a small launch.
 class Kernel {
  public:
   Kernel(Device& device, void* program, const std::string& name);
@@ -142,6 +144,7 @@ class Kernel {
   template <class... A>
   void operator()(std::size_t n, const A&... arguments) {
     begin(sizeof...(A));
+    if (n == 0) return;
     unsigned i = 0;
     (set(i++, arguments), ...);
     launch(n);
@@ -160,11 +163,13 @@ class Kernel {
   void set_memory(unsigned i, const detail::Memory& memory);
   void set_bytes(unsigned i, const void* value, std::size_t bytes);
   void launch(std::size_t n);
+  bool is_known(unsigned i, const void* value, std::size_t bytes);  // and remembered from now on
 
   Device* device_;
   void* handle_ = nullptr;
   std::string name_;
   unsigned n_arguments_ = 0;
+  std::vector<std::vector<unsigned char>> given_;  // [n_arguments] as last set
 };
 
 // The kernels of one file; `file` is relative to kernels/, as in "energies/stitch_spring.cl". Its #include lines are

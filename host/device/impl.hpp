@@ -3,6 +3,7 @@
 #define CL_TARGET_OPENCL_VERSION 120
 #define CL_USE_DEPRECATED_OPENCL_1_2_APIS
 #include <CL/cl.h>
+#include <atomic>
 #include <deque>
 #include <map>
 #include <mutex>
@@ -19,6 +20,7 @@ struct Device::Impl {
   cl_context context = nullptr;
   cl_command_queue queue = nullptr;
   std::size_t live_bytes = 0, peak_bytes = 0, transferred_bytes = 0;
+  std::atomic<std::size_t> n_buffers = 0;  // made so far
 
   // Small writes do not wait for what was started before them: their bytes are kept here until something that came
   // later in the queue has ended.

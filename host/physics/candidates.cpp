@@ -106,6 +106,7 @@ bool Candidates::Within::serves(std::span<const double> x0, std::span<const doub
 }
 
 void Candidates::find(const Buffer<double>& x0, const Buffer<double>& x1) {
+  if (surface_sites_.empty()) return;  // nothing collides
   const std::vector<double> start = x0.read(), end = x1.read();
   bool has_changed = false;
   for (Within* within : {&solids_, &sheets_}) {

@@ -129,8 +129,13 @@ std::vector<double> ContactSet::largest_step(const Buffer<double>& x0, const Buf
 
 void ContactSet::find_contacts(const Buffer<double>& x) {
   Impl& impl = *impl_;
-  impl.measure_gaps(x);
   const WorldRows<Barrier>& candidates = impl.candidates.rows();
+  if (candidates.n() == 0) {
+    impl.contacts.first = candidates.first;
+    impl.contacts.rows.resize(0);
+    return;
+  }
+  impl.measure_gaps(x);
   impl.scan(candidates.n(), impl.is_active, impl.offsets);
   impl.places.resize(candidates.first.size());
   impl.places.write(candidates.first);

@@ -8,6 +8,8 @@
 namespace pvg {
 namespace {
 
+constexpr double WORTH_A_THREAD = 3e5;  // operations; to wake one takes as long
+
 // to += weight x the 3 x 3 block of a row-major element block
 void add(double* to, const double* from, std::size_t width, double weight) {
   for (std::size_t r = 0; r < 3; ++r)
@@ -202,6 +204,11 @@ void GroupPreconditioner::for_each_group(bool Group::*is_in, const Task& task) c
   double total = 0;
   for (const Group& group : groups_)
     if (group.*is_in) total += group.factor->cost();
+  if (total < WORTH_A_THREAD) {
+    for (u32 g = 0; g < groups_.size(); ++g)
+      if (groups_[g].*is_in) task(g, nullptr);
+    return;
+  }
   std::vector<u32> small;
   for (u32 g = 0; g < groups_.size(); ++g) {
     if (!(groups_[g].*is_in)) continue;

@@ -192,6 +192,7 @@ std::vector<double> Potential::energy(const Positions& x, const WorldRows<Barrie
 
 void Potential::set_contacts(const WorldRows<Barrier>& contacts) {
   barrier_.set(contacts.rows.read(0, contacts.n()), contacts.first);
+  if (barrier_.size() + friction_.size() == 0) return;
   barrier_.first_row = n_constant_rows_;
   friction_.first_row = u32(n_constant_rows_ + barrier_.size() * barrier_.stencil());
   const std::size_t n_rows = friction_.first_row + friction_.size() * friction_.stencil();

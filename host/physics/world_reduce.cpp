@@ -13,6 +13,8 @@ WorldChunks::WorldChunks(Device& device, std::size_t n_worlds)
       partial_(device, 0, "partial") {}
 
 void WorldChunks::set(std::span<const WorldRange> ranges) {
+  if (!ranges.empty() && std::equal(ranges.begin(), ranges.end(), ranges_.begin(), ranges_.end())) return;
+  ranges_.assign(ranges.begin(), ranges.end());
   std::vector<std::vector<Chunk>> of_world(n_worlds_);
   for (const WorldRange& range : ranges)
     for (u32 begin = range.begin; begin < range.end; begin += CHUNK_LENGTH)

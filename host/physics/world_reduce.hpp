@@ -11,6 +11,7 @@ namespace pvg {
 // Consecutive elements of one world: [begin, end).
 struct WorldRange {
   u32 world, begin, end;
+  bool operator==(const WorldRange&) const = default;
 };
 
 // The chunks into which the elements of a list are cut, and a buffer for their partial results.
@@ -23,6 +24,7 @@ class WorldChunks {
  private:
   friend class WorldReduce;
   std::size_t n_worlds_, n_chunks_ = 0;
+  std::vector<WorldRange> ranges_;
   Buffer<Chunk> chunks_;
   Buffer<u32> first_;
   mutable Buffer<f64> partial_;
