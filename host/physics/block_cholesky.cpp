@@ -118,7 +118,7 @@ void BlockCholesky::lay_out_updates() {
   lay_out(top_);
   updates_.resize(n_numbers / 8);
   for (u32 s = 0; s < fronts_.size(); ++s)
-    if (size(s) > 0) fronts_[s].update = updates_[0].values + offset[s];
+    if (size(s) > 0) fronts_[s].update = reinterpret_cast<double*>(updates_.data()) + offset[s];
 }
 
 void BlockCholesky::map_to_parents() {

@@ -169,7 +169,7 @@ void GroupPreconditioner::add_contacts(const Term& contacts) {
     for_each_block(sites.subspan(e * stencil, stencil), stencil,
                    [&](u32 row, u32 column, std::size_t a, std::size_t b, double weight) {
                      Group& group = groups_[node_group_[row]];
-                     if (!group.is_renewed) return;
+                     if (!group.is_active) return;
                      const u32 block = find_block(group, node_local_[row], node_local_[column]);
                      const double* from = &blocks[e * width * width + 3 * a * width + 3 * b];
                      if (block != NO_BLOCK)
@@ -200,18 +200,18 @@ void GroupPreconditioner::leave_out(Group& group, u32 row, u32 column, const dou
 // Groups that are more than one thread's share use all threads themselves, one after the other; the others run side by
 // side.
 template <class Task>
-void GroupPreconditioner::for_each_group(bool Group::*is_in, const Task& task) const {
+void GroupPreconditioner::for_each_group(const Task& task) const {
   double total = 0;
   for (const Group& group : groups_)
-    if (group.*is_in) total += group.factor->cost();
+    if (group.is_active) total += group.factor->cost();
   if (total < WORTH_A_THREAD) {
     for (u32 g = 0; g < groups_.size(); ++g)
-      if (groups_[g].*is_in) task(g, nullptr);
+      if (groups_[g].is_active) task(g, nullptr);
     return;
   }
   std::vector<u32> small;
   for (u32 g = 0; g < groups_.size(); ++g) {
-    if (!(groups_[g].*is_in)) continue;
+    if (!groups_[g].is_active) continue;
     if (groups_[g].factor->cost() * double(workers_->n_threads()) > total)
       task(g, workers_.get());
     else
@@ -221,17 +221,10 @@ void GroupPreconditioner::for_each_group(bool Group::*is_in, const Task& task) c
 }
 
 std::optional<u32> GroupPreconditioner::factorize(const BlockMatrix& matrix, std::span<const Term* const> contacts,
-                                                  std::span<const char> world_is_active,
-                                                  std::span<const char> renewed) {
-  bool is_any_renewed = false;
-  for (Group& group : groups_) {
-    group.is_active = world_is_active[group.world];
-    group.is_renewed = group.is_active && (renewed[group.world] || !group.is_factored);
-    is_any_renewed |= group.is_renewed;
-  }
-  if (!is_any_renewed) return std::nullopt;
+                                                  std::span<const char> world_is_active) {
+  for (Group& group : groups_) group.is_active = world_is_active[group.world];
   matrix.blocks().read(0, values_);
-  for_each_group(&Group::is_renewed, [&](u32 g, Workers*) {
+  for_each_group([&](u32 g, Workers*) {
     Group& group = groups_[g];
     for (std::size_t block = 0; block < group.source.size(); ++block)
       if (group.source[block] == NO_BLOCK)
@@ -240,28 +233,17 @@ std::optional<u32> GroupPreconditioner::factorize(const BlockMatrix& matrix, std
         std::copy_n(&values_[9 * std::size_t(group.source[block])], 9, &group.blocks[9 * block]);
   });
   for (const Term* term : contacts) add_contacts(*term);
-  for_each_group(&Group::is_renewed, [&](u32 g, Workers* workers) {
+  for_each_group([&](u32 g, Workers* workers) {
     groups_[g].is_factored = groups_[g].factor->factorize(groups_[g].blocks, workers);
   });
   for (const Group& group : groups_)
-    if (group.is_renewed && !group.is_factored) return group.nodes.front();
+    if (group.is_active && !group.is_factored) return group.nodes.front();
   return std::nullopt;
-}
-
-// Measured on two cores, over bodies of 3,200 to 12,000 nodes: to factor takes 1/25 to 1/32 of (operations / numbers of
-// the factor) times as long as to solve with it, a whole iteration about twice as long as that solve. A third of what a
-// factor takes may go into iterations. Small factors are renewed always: Newton's method gains more by it.
-int GroupPreconditioner::iterations_worth_keeping(std::size_t world) const {
-  double operations = 0, numbers = 1;
-  for (const Group& group : groups_)
-    if (group.world == world) operations += group.factor->cost(), numbers += double(group.factor->n_numbers());
-  const int per_factor = int(operations / (60 * numbers));
-  return per_factor < 6 ? 0 : per_factor / 3;
 }
 
 void GroupPreconditioner::apply(std::span<const double> residual, std::span<double> preconditioned) const {
   std::fill(preconditioned.begin(), preconditioned.end(), 0.0);
-  for_each_group(&Group::is_active, [&](u32 g, Workers* workers) {
+  for_each_group([&](u32 g, Workers* workers) {
     const Group& group = groups_[g];
     for (std::size_t i = 0; i < group.nodes.size(); ++i)
       std::copy_n(&residual[3 * std::size_t(group.nodes[i])], 3, &group.local[3 * i]);

@@ -32,13 +32,10 @@ class GroupPreconditioner {
   // that are as they were keep theirs.
   void couple(std::span<const NodePair> pairs);
 
-  // Reads the matrix, adds the present blocks of the contacts, factors the groups of the worlds in `renewed`; the other
-  // active ones keep the factor that they have, if they have one. Returns a node of the first group that is not
-  // positive definite, or nothing.
+  // Reads the matrix, adds the present blocks of the contacts, factors the groups of the active worlds. Returns a node
+  // of the first group that is not positive definite, or nothing.
   std::optional<u32> factorize(const BlockMatrix& matrix, std::span<const Term* const> contacts,
-                               std::span<const char> world_is_active, std::span<const char> renewed);
-  // With so many iterations of conjugate gradients at most, an old factor of this world is better kept than renewed.
-  int iterations_worth_keeping(std::size_t world) const;
+                               std::span<const char> world_is_active);
   // preconditioned = M^-1 residual;  [n_nodes x 3]; zero on nodes without group and in groups that are not active
   void apply(std::span<const double> residual, std::span<double> preconditioned) const;
   std::size_t n_groups() const { return groups_.size(); }
@@ -54,7 +51,7 @@ class GroupPreconditioner {
     std::vector<u32> source;     // [n_blocks] of each block in the matrix; NO_BLOCK: contact only
     std::vector<double> blocks;  // [n_blocks x 9]
     std::unique_ptr<BlockCholesky> factor;
-    bool is_active = false, is_renewed = false, is_factored = false;
+    bool is_active = false, is_factored = false;
     mutable std::vector<double> local;  // of apply() [n_nodes x 3]
   };
   template <class Found>
@@ -65,7 +62,7 @@ class GroupPreconditioner {
   void add_contacts(const Term& contacts);
   static void leave_out(Group& group, u32 row, u32 column, const double* from, std::size_t width, double weight);
   template <class Task>
-  void for_each_group(bool Group::*is_in, const Task& task) const;
+  void for_each_group(const Task& task) const;
 
   const MatrixPattern& matrix_;
   std::vector<Site> sites_;

@@ -224,9 +224,9 @@ void Potential::product(const Buffer<f64>& direction, Buffer<f64>& out) {
   gather_contacts(out);
 }
 
-std::optional<u32> Potential::factorize(std::span<const char> world_is_active, std::span<const char> renewed) {
+std::optional<u32> Potential::factorize(std::span<const char> world_is_active) {
   const Term* const contacts[] = {&barrier_, &friction_};
-  return preconditioner_->factorize(*matrix_, contacts, world_is_active, renewed);
+  return preconditioner_->factorize(*matrix_, contacts, world_is_active);
 }
 
 void Potential::couple_contacts(std::span<const char> worlds) {

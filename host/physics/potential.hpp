@@ -47,9 +47,9 @@ class Potential {
   void differentiate(const Positions& x, const WorldRows<Barrier>& contacts, Buffer<f64>& gradient);
   // out = H direction;  [n_nodes x 3]
   void product(const Buffer<f64>& direction, Buffer<f64>& out);
-  // Factors the preconditioner at the blocks of the last differentiate(), in the worlds in `renewed`. Returns a node of
-  // the first group of bodies whose matrix is not positive definite, or nothing.
-  std::optional<u32> factorize(std::span<const char> world_is_active, std::span<const char> renewed);
+  // Factors the preconditioner at the blocks of the last differentiate(). Returns a node of the first group of bodies
+  // whose matrix is not positive definite, or nothing.
+  std::optional<u32> factorize(std::span<const char> world_is_active);
   // From now on the factors of these worlds hold the pairs of nodes that the contacts of the last differentiate()
   // couple.
   void couple_contacts(std::span<const char> worlds);

@@ -88,10 +88,9 @@ struct Simulation::Impl {
   std::vector<char> is_active;                                // of these, worlds that Newton's method still moves
   std::vector<WorldState> states;
   std::vector<StepReport> reports;
-  bool begins_step = true;         // no direction was found yet
-  std::vector<char> needs_factor;  // of these, worlds whose preconditioner is to be factored again
-  std::vector<double> energy;      // at x, per world [J]
-  bool has_prescribed;             // bodies
+  bool begins_step = true;     // no direction was found yet
+  std::vector<double> energy;  // at x, per world [J]
+  bool has_prescribed;         // bodies
 };
 
 }  // namespace pvg

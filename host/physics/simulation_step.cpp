@@ -62,7 +62,7 @@ void Simulation::Impl::find_contacts() {
 
 void Simulation::Impl::factorize() {
   const auto timed = clock.time(SolverPhase::preconditioner);
-  while (const auto node = potential.factorize(is_active, needs_factor))
+  while (const auto node = potential.factorize(is_active))
     give_up(system.node_world[*node], StepEvent::Kind::not_finite, *node,
             "the stiffness of what it belongs to is not positive definite");
 }
@@ -99,8 +99,6 @@ std::vector<double> Simulation::Impl::find_direction() {
   factorize();
   const CgReport report = solve();
   couple_contacts(report);
-  for (std::size_t w = 0; w < is_active.size(); ++w)
-    if (is_active[w]) needs_factor[w] = report.iterations[w] > potential.preconditioner().iterations_worth_keeping(w);
   for (std::size_t w = 0; w < reports.size(); ++w) {
     reports[w].cg += report.iterations[w];
     reports[w].newton += is_active[w];
@@ -236,7 +234,6 @@ void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>&
                                bool goes_on) {
   is_well = worlds;
   begins_step = true;
-  needs_factor = worlds;  // so that a step depends on nothing but where it begins
   length = h;
   start.node.copy_from(x.node);
   potential.update_sites(start);
