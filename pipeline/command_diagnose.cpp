@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -35,6 +36,20 @@ void list_effects(bool as_json) {
   if (as_json) std::printf("%s\n", nlohmann::ordered_json{{"schema", 1}, {"effects", list}}.dump(2).c_str());
 }
 
+diagnose::Decide decide_named(const std::string& name) {
+  using diagnose::Decide;
+  return name == "retune"   ? Decide::retune
+         : name == "lowest" ? Decide::lowest
+         : name == "weak"   ? Decide::weak
+                            : Decide::workflow;
+}
+
+// Scenes of rigid bodies alone are small: waking PoCL's threads takes longer than what they would compute. Its device
+// `basic` works in the thread that asks. Who has set POCL_DEVICES is obeyed; other drivers do not know the variable.
+void prefer_short_waits(const Scene& scene) {
+  if (scene.soft_bodies.empty() && scene.cloths.empty()) setenv("POCL_DEVICES", "basic", 0);
+}
+
 void print_sizes(const diagnose::Problem& problem) {
   std::printf("%s: %zu runs, %zu channels, scene %s\n", problem.recording.file.string().c_str(), problem.runs.size(),
               problem.channels.size(), problem.recording.scene.filename().string().c_str());
@@ -61,9 +76,11 @@ void run_diagnose(const DiagnoseOptions& options) {
   if (std::all_of(problem.runs.begin(), problem.runs.end(), [](const diagnose::Run& run) { return run.is_held_out; }))
     throw UsageError(problem.recording.file.string() + ": every run is held out; give at least one the role `fit`");
   fs::create_directories(options.folder);
+  prefer_short_waits(problem.scene.scene);
   Device device(options.device);
   diagnose::Settings settings;
   settings.max_effects = options.max_effects;
+  settings.decide = decide_named(options.decide);
   diagnose::Diagnosis found = diagnose::diagnose(device, problem, settings, options.folder);
   diagnose::write_report(problem, found, options.folder);
   std::printf("%s\n", found.sentence.c_str());

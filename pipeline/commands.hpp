@@ -158,11 +158,12 @@ void run_validate(const ValidateOptions& options);
 struct DiagnoseOptions {
   std::string recording, folder;  // folder of recording.yaml, folder of the report
   std::string device;
-  int max_effects = 2;         // named together
-  bool only_checks = false;    // say what is wrong with the recording and end
-  bool lists_effects = false;  // print the names of all candidates and end
-  std::string suite;           // folder of cases instead of a recording
-  int n_jobs = 1;              // cases at once
+  int max_effects = 2;              // named together
+  std::string decide = "workflow";  // or, to compare: retune, lowest, weak
+  bool only_checks = false;         // say what is wrong with the recording and end
+  bool lists_effects = false;       // print the names of all candidates and end
+  std::string suite;                // folder of cases instead of a recording
+  int n_jobs = 1;                   // cases at once
   bool as_json = false;
 };
 

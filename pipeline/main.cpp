@@ -230,6 +230,13 @@ void add_diagnose(CLI::App& program, pvg::DiagnoseOptions& o) {
   command->add_option("--max-effects", o.max_effects, "Effects that may be named together")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--decide", o.decide,
+          "How to choose; all but `workflow` are for comparison: the best existing number, the lowest training "
+          "error, sparse regression")
+      ->check(CLI::IsMember({"workflow", "retune", "lowest", "weak"}))
+      ->capture_default_str();
   command->add_flag("--check", o.only_checks, "Say what is wrong with the recording and end");
   command->add_flag("--list-effects", o.lists_effects, "Print all that can be named and end");
   command->add_option("--suite", o.suite, "Folder of hidden-effect cases: diagnose all, print the table of scores");

@@ -17,6 +17,7 @@ struct Parameter {
   std::string name, unit;
   double low = 0, high = 0, off = 0;  // with `off` the candidate changes nothing
   double scale = 1;                   // a change of this size is worth trying first
+  double believed = 0;  // one standard deviation from `off` of what is believed before any data; 0: anything
 };
 
 struct Candidate {

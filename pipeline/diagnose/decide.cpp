@@ -12,6 +12,11 @@ using Eigen::MatrixXd, Eigen::VectorXd;
 constexpr double CUT = 4;                  // residuals count at most so many scales
 constexpr double LEAST_DIFFERENCE = 0.02;  // of errors, relative: less is the arithmetic's
 constexpr std::size_t MOST_GROUPS = 8;
+// logs: a number of the scene is wrong more often than its sensor, or than something is missing
+constexpr double FAMILY_PRIOR[] = {-1, 0, -0.5};  // physical, parameter, measurement
+constexpr double UNEXPLAINED = 1.5;               // left-out error, times the noise
+constexpr double NEARLY_AS_MUCH = 0.6;            // of what the best closes
+constexpr std::size_t MOST_LAG = 50;              // samples
 
 // windows -> groups that are left out together
 std::vector<std::size_t> groups_of(const FitData& data) {
@@ -52,6 +57,45 @@ std::vector<VectorXd> left_out(const FitData& data, const Fit& fit, const std::v
   return residual;
 }
 
+// How many samples in a row say the same: 1 for white residuals, else the integrated autocorrelation of each window's
+// channels, 1 + 2 sum_k rho_k up to the first lag at which it is lost in the noise of its estimate.
+double correlation_length(const FitData& data, const std::vector<VectorXd>& residual) {
+  std::vector<double> covariance(1 + MOST_LAG, 0);
+  double n = 0;
+  for (std::size_t w = 0; w < data.windows.size(); ++w) {
+    std::map<std::pair<int, int>, std::vector<double>> series;
+    for (std::size_t i = 0; i < data.windows[w].data.size(); ++i) {
+      const Datum& d = data.windows[w].data[i];
+      series[{d.channel, d.component}].push_back(residual[w][Eigen::Index(i)]);
+    }
+    for (const auto& [channel, r] : series) {
+      n += double(r.size());
+      for (std::size_t lag = 0; lag <= MOST_LAG; ++lag)
+        for (std::size_t i = lag; i < r.size(); ++i) covariance[lag] += r[i] * r[i - lag];
+    }
+  }
+  double length = 1;
+  for (std::size_t lag = 1; lag <= MOST_LAG && covariance[0] > 0; ++lag) {
+    const double rho = covariance[lag] / covariance[0];
+    if (rho < 3 / std::sqrt(n)) break;
+    length += 2 * rho;
+  }
+  return length;
+}
+
+// What is believed of the parameters' sizes and of the candidates before any data, as a log-likelihood.
+double belief_in(const Fit& fit) {
+  double belief = 0;
+  for (const Candidate* part : fit.model.parts) belief += part->prior + FAMILY_PRIOR[int(part->family)];
+  const std::vector<const Parameter*> parameters = fit.model.parameters();
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    if (parameters[i]->believed > 0) {
+      const double away = (fit.model.x[Eigen::Index(i)] - parameters[i]->off) / parameters[i]->believed;
+      belief -= 0.5 * away * away;
+    }
+  return belief;
+}
+
 struct GroupErrors {
   std::vector<double> sum, n;  // per group: of squares, cut
   double mean() const {
@@ -75,7 +119,7 @@ GroupErrors errors_of(const std::vector<VectorXd>& residual, const std::vector<s
 
 // How much larger a's errors are than b's. relative: mean over the groups of (a - b) / max(a, b), so that a run with
 // large errors does not count for all, and its standard error from the groups' scatter. noise: the standard error of
-// mean(a) - mean(b) that noise of scale s makes of two predictions that differ.
+// mean(a) - mean(b) that noise of scale s makes of two predictions that differ, `correlated` samples saying the same.
 struct Difference {
   double absolute = 0, noise = 0, relative = 0, relative_sigma = 0;
   bool is_more_than(double n_sigma) const {
@@ -84,7 +128,7 @@ struct Difference {
 };
 
 Difference difference(const GroupErrors& a, const GroupErrors& b, const std::vector<VectorXd>& ra,
-                      const std::vector<VectorXd>& rb, double s) {
+                      const std::vector<VectorXd>& rb, double s, double correlated) {
   double n = 0, apart = 0;
   for (std::size_t w = 0; w < ra.size(); ++w) {
     n += double(ra[w].size());
@@ -92,7 +136,7 @@ Difference difference(const GroupErrors& a, const GroupErrors& b, const std::vec
   }
   Difference d;
   d.absolute = a.mean() - b.mean();
-  d.noise = 2 * s * std::sqrt(apart) / std::max(n, 1.0);
+  d.noise = 2 * s * std::sqrt(correlated * apart) / std::max(n, 1.0);
   std::vector<double> of;
   for (std::size_t k = 0; k < a.sum.size(); ++k)
     if (a.n[k] > 0) of.push_back((a.sum[k] - b.sum[k]) / std::max({a.sum[k], b.sum[k], 1e-300}));
@@ -126,6 +170,22 @@ bool is_at_bound(const Fit& fit, std::size_t n_base) {
 
 }  // namespace
 
+Decision decide_lowest(const Fit& base, const std::vector<Fit>& fits) {
+  Decision decision;
+  decision.base_error = rms(base.residual);
+  for (const Fit& fit : fits) {
+    Judged judged{&fit};
+    judged.error = rms(fit.residual);
+    judged.better_by = decision.base_error * decision.base_error - judged.error * judged.error;
+    judged.excludes_off = judged.passes = judged.better_by > 0;
+    decision.ranking.push_back(judged);
+  }
+  std::stable_sort(decision.ranking.begin(), decision.ranking.end(),
+                   [](const Judged& a, const Judged& b) { return a.error < b.error; });
+  if (!decision.ranking.empty() && decision.ranking[0].passes) decision.chosen = 0;
+  return decision;
+}
+
 Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fits) {
   Decision decision;
   const std::vector<std::size_t> group = groups_of(data);
@@ -135,6 +195,10 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
   const std::vector<VectorXd> base_residual = left_out(data, base, group);
   const double cut = CUT * std::max(scale, base.scale);
   const GroupErrors base_errors = errors_of(base_residual, group, cut);
+  const Fit* closest = &base;
+  for (const Fit& fit : fits)
+    if (fit.is_well && robust_cost(fit.residual, scale) < robust_cost(closest->residual, scale)) closest = &fit;
+  const double correlated = correlation_length(data, closest->residual);
   decision.base_error = std::sqrt(base_errors.mean());
   double n_data = 0;
   for (const VectorXd& r : base.residual) n_data += double(r.size());
@@ -153,12 +217,12 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
     Judged& judged = entry.judged;
     judged.error = std::sqrt(entry.errors.mean());
     judged.better_by = base_errors.mean() - entry.errors.mean();
-    const Difference better = difference(base_errors, entry.errors, base_residual, entry.residual, scale);
+    const Difference better = difference(base_errors, entry.errors, base_residual, entry.residual, scale, correlated);
     judged.better_sigma = better.noise;
-    double prior = 0;
-    for (const Candidate* part : fit.model.parts) prior += part->prior;
-    judged.evidence = -robust_cost(fit.residual, scale) / (scale * scale) -
-                      0.5 * double(fit.model.x.size()) * std::log(n_data) + prior;
+    double squares = 0;
+    for (const VectorXd& r : fit.residual) squares += r.array().square().min(cut * cut).sum();
+    judged.evidence = -0.5 * squares / (scale * scale * correlated) -
+                      0.5 * double(fit.model.x.size()) * std::log(std::max(n_data / correlated, 2.0)) + belief_in(fit);
     judged.excludes_off = excludes_off(fit, std::size_t(base.model.x.size()));
     judged.passes =
         judged.excludes_off && !is_at_bound(fit, std::size_t(base.model.x.size())) && better.is_more_than(2);
@@ -178,13 +242,26 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
     if (entries[i].judged.passes) best = int(i);
   decision.chosen = best;
   const auto is_as_good = [&](const Entry& a, const Entry& than, double n_sigma) {
-    return !difference(a.errors, than.errors, a.residual, than.residual, scale).is_more_than(n_sigma);
+    return !difference(a.errors, than.errors, a.residual, than.residual, scale, correlated).is_more_than(n_sigma);
   };
+  // with one group nothing is left out, and the scatter between groups is not known
+  const double near = *std::max_element(group.begin(), group.end()) == 0 ? 2 : 1;
   for (std::size_t i = 0; best >= 0 && i < entries.size(); ++i) {
     const Judged &now = entries[std::size_t(decision.chosen)].judged, &other = entries[i].judged;
-    if (!other.passes || !is_as_good(entries[i], entries[std::size_t(best)], 1)) continue;
+    if (!other.passes || !is_as_good(entries[i], entries[std::size_t(best)], near)) continue;
     const Eigen::Index p = other.fit->model.x.size(), q = now.fit->model.x.size();
     if (p < q || (p == q && other.evidence > now.evidence)) decision.chosen = int(i);
+  }
+  // where the best leaves much, its lead may be its skill in standing in for what else is wrong: then what is believed
+  // before counts first among all that close nearly as much
+  if (best >= 0 && entries[std::size_t(best)].judged.error > UNEXPLAINED) {
+    const double most = decision.base_error - entries[std::size_t(best)].judged.error;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      const Judged &now = entries[std::size_t(decision.chosen)].judged, &other = entries[i].judged;
+      if (other.passes && decision.base_error - other.error > NEARLY_AS_MUCH * most &&
+          belief_in(*other.fit) > belief_in(*now.fit) + 1)
+        decision.chosen = int(i);
+    }
   }
   if (decision.chosen >= 0)
     for (std::size_t i = 0; i < entries.size(); ++i)

@@ -7,6 +7,8 @@
 #include <set>
 
 #include "host/base/error.hpp"
+#include "pipeline/diagnose/choose_windows.hpp"
+#include "pipeline/diagnose/journal.hpp"
 #include "pipeline/diagnose/noise.hpp"
 #include "pipeline/diagnose/screen.hpp"
 #include "pipeline/diagnose/stage_files.hpp"
@@ -16,13 +18,15 @@ namespace pvg::diagnose {
 namespace {
 
 using Eigen::VectorXd;
-constexpr double COHERENT = 0.35;  // misfit over signal up to which a window's model is near enough to be linearised
 constexpr double SHORT_WINDOW = 0.25;                   // of localisation [s]
 constexpr double AGREES_RMS = 1.15, AGREES_CELL = 1.5;  // of residuals in units of noise
 constexpr double LEAST_GAP_CLOSED = 0.6;                // on held-out runs, for an effect to be named
-constexpr double LEAST_GAP_OF_SECOND =
-    0.3;                             // of what is left on held-out runs, for a further effect to be named beside
-constexpr double SECOND_LOOK = 1.5;  // times the noise floor: look for another effect
+constexpr double LEAST_STEP =
+    0.3;  // of what is left on fitting runs, for a further effect to be tried on held-out ones
+constexpr double SECOND_LOOK = 1.5;     // times the noise floor: look for another effect
+constexpr std::size_t N_FINALISTS = 5;  // candidates that are fitted to the end
+constexpr int MORE_STEPS = 6;           // of these
+constexpr double HOPELESS = 100;        // by which a finalist's log-likelihood may be worse than the best one's
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -30,12 +34,11 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 struct Workflow {
   Workflow(Device& device, Problem& problem, const Settings& settings)
-      : device(device), problem(problem), settings(settings) {}
-  Device& device;
+      : problem(problem), settings(settings), predictor(device, problem) {}
   Problem& problem;
   const Settings& settings;
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-  Predictor predictor{device, problem};
+  Predictor predictor;
   Variant base;
   Fitter fitter{predictor, base};
   Diagnosis out;
@@ -50,83 +53,32 @@ struct Workflow {
   }
 };
 
-// Root mean square of what a window's channels do, in units of noise, about their means.
-double signal_of(const Problem& problem, const Window& window) {
-  const Run& run = problem.runs[std::size_t(window.run)];
-  std::vector<std::vector<double>> of(problem.channels.size() * 4);
-  for (const Datum& d : window.data) {
-    const Channel& c = problem.channels[std::size_t(d.channel)];
-    of[std::size_t(d.channel) * 4 + std::size_t(d.component)].push_back(
-        run.values[std::size_t(d.channel)][d.sample * std::size_t(c.width) + std::size_t(d.component)] / c.sigma);
-  }
-  double sum = 0, n = 0;
-  for (const std::vector<double>& values : of) {
-    double mean = 0;
-    for (const double v : values) mean += v / double(values.size());
-    for (const double v : values) sum += (v - mean) * (v - mean);
-    n += double(values.size());
-  }
-  return n > 0 ? std::sqrt(sum / n) : 0;
-}
-
-std::size_t most_windows(const Problem& problem, const Settings& settings, double length) {
-  double longest = 0;
-  for (const Run& run : problem.runs) longest = std::max(longest, run.t.back() - run.t.front());
-  const double each = length > 0 ? length : longest;
-  return std::clamp<std::size_t>(std::size_t(settings.simulated_seconds / std::max(each, 1e-6)), 4, 40);
-}
-
-// Whole runs, or shorter windows where the model as it stands parts too far from the measurement to be linearised.
-FitData choose_windows(Workflow& flow, const Model& at, double& length, Fit& fit) {
-  const Problem& problem = flow.problem;
-  FitData data;
-  const std::vector<double> lengths =
-      problem.can_restart ? std::vector<double>{0, 2, 1, 0.5, 0.25} : std::vector<double>{0};
-  for (const double tried : lengths) {
-    double longest = 0;
-    for (const Run& run : problem.runs) longest = std::max(longest, run.t.back() - run.t.front());
-    if (tried > 0 && tried > 0.8 * longest) continue;
-    if (tried == 0 && longest > 8 && problem.can_restart) continue;
-    length = tried;
-    data = flow.fitter.prepare(make_windows(problem, false, tried, most_windows(problem, flow.settings, tried)), at);
-    if (data.windows.empty()) continue;
-    fit = flow.fitter.fit(data, {at}, 0).front();
-    std::size_t n_near = 0;
-    for (std::size_t w = 0; w < data.windows.size(); ++w)
-      n_near += rms({fit.residual[w]}) < std::max(COHERENT * signal_of(problem, data.windows[w]), 3.0);
-    if (4 * n_near >= 3 * data.windows.size()) break;
-  }
-  if (data.windows.empty())
-    throw Failure(problem.recording.file.string() +
-                  ": the scene could not be simulated to the end of any window of the fitting runs; run it by "
-                  "`phyvisgen simulate` and see what fails");
-  return data;
-}
-
 Model empty_model() { return {{}, VectorXd(), VectorXd()}; }
 
-// Where, and which bodies touch.
+bool any_significant(const std::vector<Cell>& cells) {
+  return std::any_of(cells.begin(), cells.end(), [](const Cell& cell) { return cell.is_significant; });
+}
+
+// Where, and which bodies touch. What is too weak to show in short windows is looked for in `data`.
 std::vector<std::string> find_where(Workflow& flow, const FitData& data, const Fit& base) {
-  FitData near = data;
-  Fit fit = base;
-  if (flow.problem.can_restart) {
-    near = flow.fitter.prepare(make_windows(flow.problem, false, SHORT_WINDOW, 40), empty_model());
-    if (near.windows.empty())
-      near = data;
-    else
-      fit = flow.fitter.fit(near, {empty_model()}, 0).front();
-  }
-  std::vector<std::vector<Prediction>> found = flow.fitter.evaluate(near, {empty_model()}, {fit.delta}, true);
-  std::vector<std::vector<Phase>> phases;
   std::set<std::string> touching;
-  for (const Prediction& p : found[0]) {
-    phases.push_back(p.phase);
-    touching.insert(p.touching.begin(), p.touching.end());
+  const auto where = [&](const FitData& windows, const Fit& fit) {
+    std::vector<std::vector<Phase>> phases;
+    const auto found = flow.fitter.evaluate(windows, {empty_model()}, {fit.delta}, true);
+    for (const Prediction& p : found.front()) {
+      phases.push_back(p.phase);
+      touching.insert(p.touching.begin(), p.touching.end());
+    }
+    return localise(flow.problem, windows.windows, fit.residual, phases);
+  };
+  flow.out.where = where(data, base);
+  if (flow.problem.can_restart) {
+    const FitData near = flow.fitter.prepare(make_windows(flow.problem, false, SHORT_WINDOW, 40), empty_model());
+    if (!near.windows.empty()) {
+      const std::vector<Cell> cells = where(near, flow.fitter.fit(near, {empty_model()}, 0).front());
+      if (any_significant(cells)) flow.out.where = cells;
+    }
   }
-  flow.out.where = localise(flow.problem, near.windows, fit.residual, phases);
-  // contacts of later times show in whole windows only
-  found = flow.fitter.evaluate(data, {empty_model()}, {base.delta}, true);
-  for (const Prediction& p : found[0]) touching.insert(p.touching.begin(), p.touching.end());
   return {touching.begin(), touching.end()};
 }
 
@@ -157,117 +109,46 @@ struct Round {
   Decision decision;
 };
 
+// The fits to the end of those that may still win, all with slopes and covariances.
+std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector<Screened>& best) {
+  std::vector<Model> models;
+  for (const Screened& s : best) models.push_back(s.model);
+  std::vector<Fit> fits = fitter.begin(data, std::move(models));
+  std::erase_if(fits, [](const Fit& fit) { return !fit.is_well; });
+  fitter.improve(data, fits, 2);
+  const auto key = [](const Fit& fit) { return robust_cost(fit.residual, 1); };
+  std::stable_sort(fits.begin(), fits.end(), [&](const Fit& a, const Fit& b) { return key(a) < key(b); });
+  for (std::size_t i = 0; i < fits.size(); ++i)
+    if (i >= N_FINALISTS || key(fits[i]) > key(fits[0]) + HOPELESS * fits[0].scale * fits[0].scale)
+      fits[i].has_converged = true;
+  fitter.improve(data, fits, MORE_STEPS);
+  fitter.conclude(data, fits);
+  return fits;
+}
+
 Round run_round(Workflow& flow, const FitData& data, const Fit& base, int number) {
   std::vector<const Candidate*> candidates;
   for (const Candidate& c : *flow.out.candidates)
-    if (std::find(base.model.parts.begin(), base.model.parts.end(), &c) == base.model.parts.end())
+    if (std::find(base.model.parts.begin(), base.model.parts.end(), &c) == base.model.parts.end() &&
+        (flow.settings.decide != Decide::retune || c.family == Family::parameter))
       candidates.push_back(&c);
   const std::vector<Screened> screened = screen(flow.fitter, data, base, candidates);
   flow.files.write_screen(number, screened);
   const std::vector<Screened> best = shortlist(screened, flow.settings.n_fitted);
-  flow.tell(5, number == 1 ? 0.35 : 0.75,
+  flow.tell(5, number == 1 ? 0.4 : 0.75,
             "fitting " + std::to_string(best.size()) + " of " + std::to_string(candidates.size()) + " candidates");
-  std::vector<Model> models;
-  for (const Screened& s : best) models.push_back(s.model);
   Round round;
-  if (models.empty()) return round;
-  // a few steps for all, more for those that may win
-  std::vector<Fit> fits = flow.fitter.fit(data, models, 2);
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < fits.size(); ++i)
-    if (fits[i].is_well) order.push_back(i);
-  const auto key = [&](std::size_t i) { return robust_cost(fits[i].residual, 1); };
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
-  std::vector<Model> again;
-  for (std::size_t i = 0; i < order.size(); ++i)
-    if (i < 5)
-      again.push_back(fits[order[i]].model);
-    else
-      round.fits.push_back(fits[order[i]]);
-  if (!again.empty())
-    for (Fit& fit : flow.fitter.fit(data, again, 3)) round.fits.push_back(std::move(fit));
-  round.decision = decide(data, base, round.fits);
+  if (best.empty()) return round;
+  if (flow.settings.decide == Decide::weak) {  // as the linear regression has them
+    round.fits = flow.fitter.begin(data, {best[0].model});
+    std::erase_if(round.fits, [](const Fit& fit) { return !fit.is_well; });
+    flow.fitter.conclude(data, round.fits);
+  } else {
+    round.fits = fit_best(flow.fitter, data, best);
+  }
+  round.decision =
+      flow.settings.decide == Decide::workflow ? decide(data, base, round.fits) : decide_lowest(base, round.fits);
   return round;
-}
-
-// Errors of the held-out runs in the channels' unit, or in units of noise where they have several.
-struct HeldOut {
-  double before = 0, after = 0, floor = 0;
-  std::vector<Curve> curves;
-};
-
-double error_in(const Problem& problem, const FitData& data, const std::vector<VectorXd>& residual, bool in_noise) {
-  double sum = 0, n = 0;
-  for (std::size_t w = 0; w < data.windows.size(); ++w)
-    for (std::size_t i = 0; i < data.windows[w].data.size(); ++i) {
-      const double sigma = in_noise ? 1 : problem.channels[std::size_t(data.windows[w].data[i].channel)].sigma;
-      const double r = residual[w][Eigen::Index(i)] * sigma;
-      sum += r * r;
-      n += 1;
-    }
-  return n > 0 ? std::sqrt(sum / n) : 0;
-}
-
-std::vector<Curve> curves_of(const Problem& problem, const FitData& data, const Fit& before, const Fit& after,
-                             std::size_t most) {
-  std::vector<Curve> curves;
-  for (std::size_t w = 0; w < data.windows.size() && curves.size() < most; ++w) {
-    const Window& window = data.windows[w];
-    const Run& run = problem.runs[std::size_t(window.run)];
-    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-      const Channel& channel = problem.channels[c];
-      for (int k = 0; k < channel.n; ++k) {
-        Curve curve{run.name,     channel.name + (channel.n > 1 ? std::string(", ") + "xyz"[k] : ""),
-                    channel.unit, run.is_held_out,
-                    {},           {},
-                    {},           {}};
-        for (std::size_t i = 0; i < window.data.size(); ++i) {
-          const Datum& d = window.data[i];
-          if (d.channel != int(c) || d.component != k) continue;
-          const bool turn = channel.kind == RecordedChannel::Kind::orientation;  // shown as deviations
-          const double measured = turn ? 0 : run.values[c][d.sample * std::size_t(channel.width) + std::size_t(k)];
-          curve.t.push_back(run.t[d.sample]);
-          curve.measured.push_back(measured);
-          curve.before.push_back(measured - before.residual[w][Eigen::Index(i)] * channel.sigma);
-          curve.after.push_back(measured - after.residual[w][Eigen::Index(i)] * channel.sigma);
-        }
-        if (!curve.t.empty()) curves.push_back(std::move(curve));
-      }
-    }
-  }
-  return curves;
-}
-
-// Models that grow by one effect each; an effect stays only if it closes enough of what was left before it. How many
-// stay.
-std::size_t judge_held_out(Workflow& flow, double length, const std::vector<Model>& grown, bool in_noise,
-                           HeldOut& result) {
-  std::vector<Window> windows =
-      make_windows(flow.problem, true, length, most_windows(flow.problem, flow.settings, length));
-  if (windows.empty()) return grown.size();
-  const FitData data = flow.fitter.prepare(std::move(windows), empty_model());
-  if (data.windows.empty()) return grown.size();
-  std::vector<Model> models = grown;
-  models.insert(models.begin(), empty_model());
-  const std::vector<Fit> fits = flow.fitter.fit(data, models, 0);
-  if (!fits[0].is_well) return grown.size();
-  std::vector<VectorXd> ones;
-  for (const Window& window : data.windows) ones.push_back(VectorXd::Ones(Eigen::Index(window.data.size())));
-  result.floor = error_in(flow.problem, data, ones, in_noise);
-  result.before = result.after = error_in(flow.problem, data, fits[0].residual, in_noise);
-  std::size_t kept = 0;
-  for (std::size_t m = 1; m < fits.size() && fits[m].is_well; ++m) {
-    const double after = error_in(flow.problem, data, fits[m].residual, in_noise);
-    if (m > 1 && after - result.floor > (1 - LEAST_GAP_OF_SECOND) * (result.after - result.floor)) break;
-    result.after = after;
-    kept = m;
-  }
-  result.curves = curves_of(flow.problem, data, fits[0], fits[kept], 8);
-  return kept;
-}
-
-double closed(double before, double after, double floor) {
-  return before > floor ? std::clamp(1 - (after - floor) / (before - floor), -10.0, 1.0) : 0;
 }
 
 std::vector<NamedEffect> named_of(const Fit& fit) {
@@ -293,105 +174,49 @@ Verdict verdict_of(const std::vector<NamedEffect>& effects) {
   return any_physical ? Verdict::effect : any_parameter ? Verdict::retune : Verdict::measurement;
 }
 
-}  // namespace
-
-const char* verdict_name(Verdict verdict) {
-  constexpr const char* NAMES[] = {"effect", "retune", "measurement", "none", "agrees"};
-  return NAMES[int(verdict)];
+Model without(const Model& model, std::size_t left_out) {
+  Model less;
+  std::vector<double> x, scale;
+  Eigen::Index at = 0;
+  for (std::size_t i = 0; i < model.parts.size(); ++i) {
+    for (std::size_t k = 0; k < model.parts[i]->parameters.size(); ++k, ++at)
+      if (i != left_out) x.push_back(model.x[at]), scale.push_back(model.scale[at]);
+    if (i != left_out) less.parts.push_back(model.parts[i]);
+  }
+  less.x = Eigen::Map<const VectorXd>(x.data(), Eigen::Index(x.size()));
+  less.scale = Eigen::Map<const VectorXd>(scale.data(), Eigen::Index(scale.size()));
+  return less;
 }
 
-Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, const std::filesystem::path& folder) {
-  Workflow flow(device, problem, settings);
-  flow.files.folder = folder;
+// An effect that was found first may only have stood in for one that was found later: without it the fit is as good.
+Fit without_idle_parts(Workflow& flow, const FitData& data, const Fit& base, const Fit& fit) {
+  std::vector<Fit> fits;
+  for (std::size_t i = 0; i + 1 < fit.model.parts.size(); ++i)
+    fits.push_back(flow.fitter.begin(data, {without(fit.model, i)}).front());
+  std::erase_if(fits, [](const Fit& less) { return !less.is_well; });
+  flow.fitter.improve(data, fits, MORE_STEPS);
+  flow.fitter.conclude(data, fits);
+  fits.push_back(fit);
+  const Decision decision = decide(data, base, fits);
+  return decision.chosen >= 0 ? *decision.ranking[std::size_t(decision.chosen)].fit : fit;
+}
+
+// Looks for one effect after the other, each beside those before. Returns the fits that grew by one effect each.
+std::vector<Fit> grow(Workflow& flow, const FitData& data, const Fit& base) {
   Diagnosis& out = flow.out;
-  measure_noise(problem);
-  flow.base.scene = problem.scene.scene;
-  for (const Channel& c : problem.channels) {
-    char text[200];
-    std::snprintf(text, sizeof text, "noise of the %s: %.3g %s%s", c.name.c_str(), c.sigma, c.unit.c_str(),
-                  c.is_noise_known ? ", as given" : ", measured from third differences");
-    out.notes.push_back(text);
-  }
-  flow.files.write_notes("1_measurement.json", out.notes);
-  flow.tell(1, 0,
-            "noise of " + std::to_string(problem.channels.size()) + " channels, " +
-                std::to_string(problem.runs.size()) + " runs");
-  out.notes.push_back(choose_time_step(flow.fitter, flow.predictor, problem, flow.base));
-  out.used = flow.base.scene;
-  double length = 0;
-  Fit base;
-  const FitData data = choose_windows(flow, empty_model(), length, base);
-  base.slope.assign(data.windows.size(), {});
-  for (std::size_t w = 0; w < data.windows.size(); ++w) base.slope[w].resize(base.residual[w].size(), 0);
-  base.scale = robust_scale(base.residual);
-  base.cost = robust_cost(base.residual, base.scale);
-  char text[200];
-  std::snprintf(text, sizeof text, "%zu windows of %s; error as the scene stands %.3g times the noise",
-                data.windows.size(), length > 0 ? (std::to_string(length).substr(0, 4) + " s").c_str() : "whole runs",
-                rms(base.residual));
-  out.notes.push_back(text);
-  flow.tell(2, 0.08, text);
-  flow.files.write_notes("2_residual.json", out.notes);
-  const std::vector<std::string> touching = find_where(flow, data, base);
-  flow.files.write_where(out.where);
-  std::set<std::string> units;
-  for (const Channel& c : problem.channels) units.insert(c.unit);
-  const bool in_noise = units.size() > 1;
-  out.unit = in_noise ? "noise" : *units.begin();
-  out.candidates = std::make_shared<std::vector<Candidate>>(make_candidates(problem, touching));
-  out.fit_before = out.fit_after = rms(base.residual);
-  std::vector<Fit> grown;  // by one effect each
-  const auto finish = [&] {
-    const bool any_held_out =
-        std::any_of(problem.runs.begin(), problem.runs.end(), [](const Run& r) { return r.is_held_out; });
-    HeldOut judged;
-    std::vector<Model> models;
-    for (const Fit& fit : grown) models.push_back(fit.model);
-    const std::size_t kept = judge_held_out(flow, length, models, in_noise, judged);
-    const Fit& named = kept > 0 && !grown.empty() ? grown[std::min(kept, grown.size()) - 1]
-                       : grown.empty()            ? base
-                                                  : grown[0];
-    out.effects = named_of(named);
-    if (const std::size_t left = std::max<std::size_t>(kept, 1); left < grown.size()) {  // the others proved nothing
-      out.ranking.erase(out.ranking.begin(), out.ranking.begin() + std::ptrdiff_t(grown.size() - left));
-      out.inseparable.resize(std::min(out.inseparable.size(), left));
-      out.fit_after = out.ranking.front().error;
-    }
-    if (any_held_out && judged.floor == 0) out.notes.push_back("the held-out runs could not be simulated to their end");
-    out.before = judged.before;
-    out.after = judged.after;
-    out.floor = judged.floor;
-    out.gap_closed = closed(out.before, out.after, out.floor);
-    out.curves = std::move(judged.curves);
-    const std::vector<Curve> fitted = curves_of(problem, data, base, named, 4);
-    out.curves.insert(out.curves.end(), fitted.begin(), fitted.end());
-    return judged.floor > 0;
-  };
-  const auto done = [&] {
-    out.seconds = seconds_since(flow.start);
-    out.simulations = flow.predictor.n_simulations();
-    return std::move(out);
-  };
-  if (agrees(problem, data, base)) {
-    out.verdict = Verdict::agrees;
-    finish();
-    return done();
-  }
-  flow.tell(3, 0.12,
-            out.where.empty() ? "nothing located"
-                              : out.where[0].body + ", " + out.where[0].phase + ": " +
-                                    std::to_string(int(100 * out.where[0].share)) + " % of the misfit");
-  flow.tell(4, 0.12, "screening " + std::to_string(out.candidates->size()) + " candidates");
+  std::vector<Fit> grown;
   Fit named = base;
-  for (int number = 1; number <= settings.max_effects; ++number) {
-    Round round = run_round(flow, data, named, number);
+  // one round more than effects, for one that took another's place
+  for (int number = 1; number <= flow.settings.max_effects + (flow.settings.max_effects > 1); ++number) {
+    if (int(named.model.parts.size()) >= flow.settings.max_effects) break;
+    const Round round = run_round(flow, data, named, number);
     flow.files.write_fits(number, round.decision);
     const Decision& decision = round.decision;
     if (number == 1)
       for (const Judged& judged : decision.ranking) out.ranking.push_back(ranked(judged));
     if (decision.chosen < 0) break;
     const Judged& chosen = decision.ranking[std::size_t(decision.chosen)];
-    if (number > 1 && closed(decision.base_error, chosen.error, 1) < 0.3) break;
+    if (number > 1 && closed(decision.base_error, chosen.error, 1) < LEAST_STEP) break;
     if (number > 1)
       out.ranking.insert(out.ranking.begin(), ranked(chosen));
     else
@@ -405,22 +230,144 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     if (!set.empty()) out.inseparable.push_back(set);
     if (!decision.inseparable.empty() && out.next_experiment.empty())
       out.next_experiment = chosen.fit->model.parts.back()->experiment;
-    named = *chosen.fit;
+    const std::size_t n_parts = chosen.fit->model.parts.size();
+    named = n_parts > 1 && flow.settings.decide == Decide::workflow ? without_idle_parts(flow, data, base, *chosen.fit)
+                                                                    : *chosen.fit;
+    const double error = rms(named.residual);
+    if (named.model.parts.size() < n_parts) {  // what remains stands alone
+      grown.clear();
+      out.ranking.front() = {
+          named.model.parts, error, chosen.evidence, chosen.probability, {named.model.x.begin(), named.model.x.end()}};
+      out.inseparable.clear();
+    }
     grown.push_back(named);
-    out.fit_after = chosen.error;
-    if (chosen.error < SECOND_LOOK) break;
-    if (number < settings.max_effects)
+    out.fit_after = error;
+    if (error < SECOND_LOOK) break;
+    if (int(named.model.parts.size()) < flow.settings.max_effects)
       flow.tell(4, 0.6,
-                "what " + named.model.parts.back()->label() + " leaves is " + std::to_string(chosen.error) +
+                "what " + named.model.parts.back()->label() + " leaves is " + std::to_string(error) +
                     " times the noise: looking for another effect");
   }
-  flow.tell(6, 0.93, "judging on the held-out runs");
-  const bool is_judged = finish();
-  if (out.effects.empty() || !is_judged || out.gap_closed < LEAST_GAP_CLOSED || out.after >= out.before)
-    out.verdict = Verdict::none;
-  else
-    out.verdict = verdict_of(out.effects);
-  return done();
+  return grown;
+}
+
+// Stage 7: what stays of what has grown, and the curves. Returns whether there was a held-out run to judge by.
+bool prove(Workflow& flow, const ChosenWindows& chosen, const std::vector<Fit>& grown) {
+  const Problem& problem = flow.problem;
+  Diagnosis& out = flow.out;
+  std::vector<Model> models;
+  for (const Fit& fit : grown) models.push_back(fit.model);
+  const std::size_t most = most_windows(problem, flow.settings.simulated_seconds, chosen.length);
+  HeldOut judged = judge_held_out(flow.fitter, problem, chosen.length, most, models, out.unit == "noise");
+  const Fit& named = grown.empty() ? chosen.base : grown[std::max<std::size_t>(judged.kept, 1) - 1];
+  out.effects = named_of(named);
+  if (const std::size_t left = std::max<std::size_t>(judged.kept, 1);
+      left < grown.size()) {  // the others proved nothing
+    out.ranking.erase(out.ranking.begin(), out.ranking.begin() + std::ptrdiff_t(grown.size() - left));
+    out.inseparable.resize(std::min(out.inseparable.size(), left));
+    out.fit_after = out.ranking.front().error;
+  }
+  const bool any_held_out =
+      std::any_of(problem.runs.begin(), problem.runs.end(), [](const Run& r) { return r.is_held_out; });
+  if (any_held_out && judged.floor == 0) out.notes.push_back("the held-out runs could not be simulated to their end");
+  out.before = judged.before;
+  out.after = judged.after;
+  out.floor = judged.floor;
+  out.gap_closed = closed(out.before, out.after, out.floor);
+  out.curves = std::move(judged.curves);
+  const std::vector<Curve> fitted = curves_of(problem, chosen.data, chosen.base, named, 4);
+  out.curves.insert(out.curves.end(), fitted.begin(), fitted.end());
+  return judged.floor > 0;
+}
+
+// Stage 1: noise, time step.
+void measure(Workflow& flow) {
+  Problem& problem = flow.problem;
+  Diagnosis& out = flow.out;
+  measure_noise(problem);
+  flow.base.scene = problem.scene.scene;
+  std::set<std::string> units;
+  for (const Channel& c : problem.channels) {
+    char text[200];
+    std::snprintf(text, sizeof text, "noise of the %s: %.3g %s%s", c.name.c_str(), c.sigma, c.unit.c_str(),
+                  c.is_noise_known ? ", as given" : ", measured from third differences");
+    out.notes.push_back(text);
+    units.insert(c.unit);
+  }
+  out.unit = units.size() > 1 ? "noise" : *units.begin();
+  flow.tell(1, 0,
+            "noise of " + std::to_string(problem.channels.size()) + " channels, " +
+                std::to_string(problem.runs.size()) + " runs");
+  out.notes.push_back(choose_time_step(flow.fitter, flow.predictor, problem, flow.base));
+  out.used = flow.base.scene;
+  flow.files.write_notes("1_measurement.json", out.notes);
+}
+
+// Stage 2.
+ChosenWindows find_residual(Workflow& flow) {
+  ChosenWindows chosen = choose_windows(flow.fitter, flow.problem, flow.settings.simulated_seconds);
+  flow.out.fit_before = flow.out.fit_after = rms(chosen.base.residual);
+  char text[200];
+  std::snprintf(text, sizeof text, "%zu windows of %s; error as the scene stands %.3g times the noise",
+                chosen.data.windows.size(),
+                chosen.length > 0 ? (std::to_string(chosen.length).substr(0, 4) + " s").c_str() : "whole runs",
+                flow.out.fit_before);
+  flow.out.notes.push_back(text);
+  flow.tell(2, 0.15, text);
+  flow.files.write_notes("2_residual.json", flow.out.notes);
+  return chosen;
+}
+
+void locate(Workflow& flow, const ChosenWindows& chosen) {
+  Diagnosis& out = flow.out;
+  const std::vector<std::string> touching = find_where(flow, chosen.data, chosen.base);
+  flow.files.write_where(out.where);
+  out.candidates = std::make_shared<std::vector<Candidate>>(make_candidates(flow.problem, touching));
+  flow.tell(3, 0.2,
+            out.where.empty() ? "nothing located"
+                              : out.where[0].body + ", " + out.where[0].phase + ": " +
+                                    std::to_string(int(100 * out.where[0].share)) + " % of the misfit");
+}
+
+}  // namespace
+
+const char* verdict_name(Verdict verdict) {
+  constexpr const char* NAMES[] = {"effect", "retune", "measurement", "none", "agrees"};
+  return NAMES[int(verdict)];
+}
+
+Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, const std::filesystem::path& folder) {
+  Workflow flow(device, problem, settings);
+  flow.files.folder = folder;
+  Diagnosis& out = flow.out;
+  Journal journal;
+  if (!folder.empty()) {
+    journal = Journal(folder / "simulated.bin",
+                      journal_key(problem, std::to_string(settings.max_effects) + std::to_string(int(settings.decide)) +
+                                               device.info().name));
+    flow.predictor.keep_in(&journal);
+  }
+  measure(flow);
+  const ChosenWindows chosen = find_residual(flow);
+  if (agrees(problem, chosen.data, chosen.base)) {
+    out.verdict = Verdict::agrees;
+    out.candidates = std::make_shared<std::vector<Candidate>>();
+    prove(flow, chosen, {});
+  } else {
+    locate(flow, chosen);
+    flow.tell(4, 0.25, "screening " + std::to_string(out.candidates->size()) + " candidates");
+    const std::vector<Fit> grown = grow(flow, chosen.data, chosen.base);
+    flow.tell(6, 0.9, "judging on the held-out runs");
+    const bool is_judged = prove(flow, chosen, grown);
+    bool is_proved = !out.effects.empty();
+    if (settings.decide == Decide::workflow)
+      is_proved = is_proved && is_judged && out.gap_closed >= LEAST_GAP_CLOSED && out.after < out.before;
+    out.verdict = is_proved ? verdict_of(out.effects) : Verdict::none;
+  }
+  out.seconds = seconds_since(flow.start);
+  out.simulations = flow.predictor.n_simulations();
+  journal.remove();
+  return std::move(out);
 }
 
 }  // namespace pvg::diagnose

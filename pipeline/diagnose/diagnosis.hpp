@@ -6,11 +6,18 @@
 #include <vector>
 
 #include "pipeline/diagnose/decide.hpp"
+#include "pipeline/diagnose/held_out.hpp"
 #include "pipeline/diagnose/localise.hpp"
 
 namespace pvg::diagnose {
 
+// How to choose: as the workflow does, or as simpler methods would, for comparison. retune: existing numbers only, the
+// lowest training error; lowest: the lowest training error of all candidates; weak: sparse regression of the residuals
+// on the candidates' signatures, nothing is fitted in the simulator.
+enum class Decide { workflow, retune, lowest, weak };
+
 struct Settings {
+  Decide decide = Decide::workflow;
   int max_effects = 2;
   std::size_t n_fitted = 7;       // candidates that are fitted, of those screened
   double simulated_seconds = 12;  // of all windows of one evaluation, about
@@ -34,13 +41,6 @@ struct RankedModel {
   double error = 0;  // left out, in units of noise
   double evidence = 0, probability = 0;
   std::vector<double> values;
-};
-
-// Measured and simulated, of one channel's component over one window.
-struct Curve {
-  std::string run, channel, unit;
-  bool is_held_out = false;
-  std::vector<double> t, measured, before, after;  // [s], [unit]
 };
 
 struct Diagnosis {

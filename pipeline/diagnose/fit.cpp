@@ -93,8 +93,18 @@ VectorXd beside_starts(const MatrixXd& u, const VectorXd& change) {
 Variant refined(const Variant& variant) {
   Variant fine = variant;
   fine.scene.solver.time_step /= 2;
-  fine.scene.solver.integrator = SolverSettings::Integrator::bdf2;
   return fine;
+}
+
+bool dissipates(const Scene& scene) {
+  return std::any_of(scene.joints.begin(), scene.joints.end(), [](const Joint& joint) {
+    return joint.damping > 0 || (is_driven(joint) && joint.drive.damping > 0);
+  });
+}
+
+double richardson_factor(const Scene& scene) {
+  const bool is_second_order = scene.solver.integrator == SolverSettings::Integrator::bdf2 && !dissipates(scene);
+  return is_second_order ? 4.0 / 3 : 2;
 }
 
 double robust_scale(const std::vector<VectorXd>& residual) {
@@ -181,7 +191,7 @@ std::vector<std::vector<Prediction>> Fitter::evaluate(const FitData& data, const
   return out;
 }
 
-FitData Fitter::prepare(std::vector<Window> windows, const Model& at) {
+FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corrects) {
   FitData data{std::move(windows), {}};
   const Variant variant = variant_of(base_, at);
   std::vector<Job> jobs;
@@ -197,12 +207,13 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at) {
   const std::vector<Prediction> found = predictor_.predict(jobs);
   const Variant fine = refined(variant);
   std::vector<Job> fine_jobs;
-  for (const Window& window : data.windows) fine_jobs.push_back({&fine, &window, window.initial, false});
+  if (corrects)
+    for (const Window& window : data.windows) fine_jobs.push_back({&fine, &window, window.initial, false});
   const std::vector<Prediction> finer = predictor_.predict(fine_jobs);
   std::vector<Window> well;
   std::size_t at_job = 0, at_window = 0;
   for (const Window& window : data.windows) {
-    const Prediction& better = finer[at_window++];
+    const Prediction* better = corrects ? &finer[at_window++] : nullptr;
     const Prediction& here = found[at_job++];
     MatrixXd u(Eigen::Index(window.data.size()), Eigen::Index(window.unknowns.size()));
     bool is_well = here.is_well;
@@ -212,10 +223,9 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at) {
     }
     if (!is_well) continue;
     well.push_back(window);
-    if (better.is_well) {
-      // Richardson: an error of second order is 4/3 of what half the step changes
-      const double order = base_.scene.solver.integrator == SolverSettings::Integrator::bdf2 ? 4.0 / 3 : 1;
-      const VectorXd change = order * (better.residual - here.residual), left = beside_starts(u, change);
+    if (better && better->is_well) {
+      const VectorXd change = richardson_factor(base_.scene) * (better->residual - here.residual),
+                     left = beside_starts(u, change);
       if (left.norm() < MOST_CORRECTION * std::sqrt(double(left.size()))) well.back().correction = left;
     }
     data.of_start.push_back(std::move(u));
@@ -224,12 +234,15 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at) {
   return data;
 }
 
-void Fitter::differentiate(const FitData& data, std::vector<Fit>& fits, const std::vector<char>& active) {
+void Fitter::differentiate(const FitData& data, std::vector<Fit>& fits, bool also_converged) {
+  const auto is_wanted = [&](const Fit& fit) {
+    return fit.is_well && fit.is_stale && (also_converged || !fit.has_converged);
+  };
   std::vector<Model> moved;
   std::vector<std::vector<VectorXd>> delta;
   std::vector<double> step;
   for (std::size_t m = 0; m < fits.size(); ++m) {
-    if (!active[m]) continue;
+    if (!is_wanted(fits[m])) continue;
     const std::vector<const Parameter*> parameters = fits[m].model.parameters();
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       const Parameter& p = *parameters[i];
@@ -245,7 +258,8 @@ void Fitter::differentiate(const FitData& data, std::vector<Fit>& fits, const st
   const std::vector<std::vector<Prediction>> found = evaluate(data, moved, delta);
   std::size_t at = 0;
   for (std::size_t m = 0; m < fits.size(); ++m) {
-    if (!active[m]) continue;
+    if (!is_wanted(fits[m])) continue;
+    fits[m].is_stale = false;
     fits[m].slope.assign(data.windows.size(), {});
     for (std::size_t w = 0; w < data.windows.size(); ++w)
       fits[m].slope[w].resize(fits[m].residual[w].size(), fits[m].model.x.size());
@@ -311,10 +325,8 @@ std::vector<char> Fitter::take_best(const FitData& data, const Trials& trials, s
   return is_better;
 }
 
-std::vector<Fit> Fitter::fit(const FitData& data, std::vector<Model> models, int n_steps) {
+std::vector<Fit> Fitter::begin(const FitData& data, std::vector<Model> models) {
   std::vector<Fit> fits(models.size());
-  std::vector<char> active(models.size(), true),
-      stale(models.size(), true);  // stale: its slopes are not of where it is
   std::vector<VectorXd> zeros;
   for (const Window& window : data.windows) zeros.push_back(VectorXd::Zero(Eigen::Index(window.unknowns.size())));
   std::vector<std::vector<Prediction>> found = evaluate(data, models, std::vector(models.size(), zeros));
@@ -326,37 +338,53 @@ std::vector<Fit> Fitter::fit(const FitData& data, std::vector<Model> models, int
       fits[m].is_well = fits[m].is_well && p.is_well;
       fits[m].residual.push_back(std::move(p.residual));
     }
-    active[m] = stale[m] = fits[m].is_well;
   }
-  const bool only_starts = n_steps == 0;
-  for (int step = 0; step < (only_starts ? START_STEPS : n_steps); ++step) {
-    if (!only_starts) differentiate(data, fits, active);
+  return fits;
+}
+
+void Fitter::improve(const FitData& data, std::vector<Fit>& fits, int n_steps, bool only_starts) {
+  for (int step = 0; step < n_steps; ++step) {
+    if (!only_starts) differentiate(data, fits, false);
     Trials trials;
     std::vector<double> before(fits.size());
     for (std::size_t m = 0; m < fits.size(); ++m) {
-      if (!active[m]) continue;
-      stale[m] = only_starts;
-      fits[m].scale = robust_scale(fits[m].residual);
-      before[m] = fits[m].cost = robust_cost(fits[m].residual, fits[m].scale) + start_cost(fits[m].delta);
-      add_trials(data, fits[m], m, only_starts, trials);
+      Fit& fit = fits[m];
+      if (!fit.is_well || fit.has_converged) continue;
+      fit.scale = robust_scale(fit.residual);
+      before[m] = fit.cost = robust_cost(fit.residual, fit.scale) + start_cost(fit.delta);
+      add_trials(data, fit, m, only_starts, trials);
     }
-    if (trials.models.empty()) break;
+    if (trials.models.empty()) return;
     const std::vector<char> is_better = take_best(data, trials, fits);
     for (std::size_t m = 0; m < fits.size(); ++m) {
-      if (!active[m]) continue;
-      stale[m] = stale[m] || is_better[m];
-      active[m] = is_better[m] && before[m] - fits[m].cost > SMALL_CHANGE * before[m];
+      Fit& fit = fits[m];
+      if (!fit.is_well || fit.has_converged) continue;
+      fit.is_stale = fit.is_stale || is_better[m];
+      fit.has_converged = !is_better[m] || before[m] - fit.cost <= SMALL_CHANGE * before[m];
     }
-    if (tell) tell("step " + std::to_string(step + 1) + " of " + std::to_string(n_steps));
   }
-  if (only_starts) return fits;
-  differentiate(data, fits, stale);
+}
+
+void Fitter::conclude(const FitData& data, std::vector<Fit>& fits) {
+  differentiate(data, fits, true);
   for (Fit& fit : fits) {
     if (!fit.is_well) continue;
     fit.scale = robust_scale(fit.residual);
     fit.cost = robust_cost(fit.residual, fit.scale) + start_cost(fit.delta);
     fit.covariance = covariance_of(data, fit);
   }
+}
+
+std::vector<Fit> Fitter::fit(const FitData& data, std::vector<Model> models, int n_steps) {
+  std::vector<Fit> fits = begin(data, std::move(models));
+  const bool any_unknown = std::any_of(data.windows.begin(), data.windows.end(),
+                                       [](const Window& window) { return !window.unknowns.empty(); });
+  if (n_steps == 0) {
+    if (any_unknown) improve(data, fits, START_STEPS, true);
+    return fits;
+  }
+  improve(data, fits, n_steps);
+  conclude(data, fits);
   return fits;
 }
 

@@ -37,6 +37,8 @@ struct Fit {
   Eigen::MatrixXd covariance;             // of x
   double cost = 0, scale = 1;             // C; s
   bool is_well = false;                   // simulated to the end of every window
+  bool is_stale = true;                   // the slopes are not of where it is
+  bool has_converged = false;             // a step changes little
 };
 
 class Fitter {
@@ -44,15 +46,19 @@ class Fitter {
   Fitter(Predictor& predictor, const Variant& base) : predictor_(predictor), base_(base) {}
 
   // The windows' answers to their starts, at a model, and what steps of half the length would change there: added
-  // to all residuals from then on. Windows that cannot be simulated to their end are left out.
-  FitData prepare(std::vector<Window> windows, const Model& at);
+  // to all residuals from then on, if asked for. Windows that cannot be simulated to their end are left out.
+  FitData prepare(std::vector<Window> windows, const Model& at, bool corrects = true);
   // Each model from where it is, starts fitted too. n_steps 0: only the starts are fitted.
   std::vector<Fit> fit(const FitData& data, std::vector<Model> models, int n_steps);
+  // The same in parts: where the models are; at most n_steps from there, of those that have not converged; slopes and
+  // covariances there.
+  std::vector<Fit> begin(const FitData& data, std::vector<Model> models);
+  void improve(const FitData& data, std::vector<Fit>& fits, int n_steps, bool only_starts = false);
+  void conclude(const FitData& data, std::vector<Fit>& fits);
   // Residuals at given models; delta as in Fit, empty: zeros.
   std::vector<std::vector<Prediction>> evaluate(const FitData& data, const std::vector<Model>& models,
                                                 const std::vector<std::vector<Eigen::VectorXd>>& delta,
                                                 bool wants_phases = false);
-  std::function<void(const std::string&)> tell;  // progress, may be empty
 
  private:
   struct Trials {
@@ -60,7 +66,7 @@ class Fitter {
     std::vector<std::vector<Eigen::VectorXd>> delta;
     std::vector<std::size_t> owner;  // number of the fit
   };
-  void differentiate(const FitData& data, std::vector<Fit>& fits, const std::vector<char>& active);
+  void differentiate(const FitData& data, std::vector<Fit>& fits, bool also_converged);
   void add_trials(const FitData& data, const Fit& fit, std::size_t owner, bool only_starts, Trials& trials) const;
   std::vector<char> take_best(const FitData& data, const Trials& trials, std::vector<Fit>& fits);
   Predictor& predictor_;
@@ -70,8 +76,12 @@ class Fitter {
 // What is left of `change` when each window's start may move.
 Eigen::VectorXd beside_starts(const Eigen::MatrixXd& of_start, const Eigen::VectorXd& change);
 
-// The variant with steps of half the length, of second order.
+// The variant with steps of half the length.
 Variant refined(const Variant& variant);
+// What the change from a step to its half is to be multiplied by to give the step's error (Richardson 1911): 4/3 where
+// it is of second order, 2 where it is of first order. What joints dissipate is of first order in every integrator.
+double richardson_factor(const Scene& scene);
+bool dissipates(const Scene& scene);
 
 // 1.48 times the median of |r|, at least 1.
 double robust_scale(const std::vector<Eigen::VectorXd>& residual);

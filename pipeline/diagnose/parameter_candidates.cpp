@@ -8,6 +8,8 @@
 namespace pvg::diagnose {
 namespace {
 
+constexpr double GRAVITY_BELIEVED = 0.2;  // [m/s^2]
+
 struct Place {
   std::string target;
   double value = 0;
@@ -119,7 +121,7 @@ std::vector<Place> contact_stiffnesses(const Scene& scene, const std::vector<std
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> KINDS = {
       {"retune_mass", "kg", "the body's mass is not what the scene says, its inertia with it", 0.2, 5, masses},
-      {"retune_gravity", "m/s^2", "gravity is not as strong as the scene says", 0.05, 3, gravities},
+      {"retune_gravity", "m/s^2", "gravity is not as strong as the scene says", 0.9, 1.1, gravities},
       {"retune_youngs_modulus", "Pa", "the material is softer or stiffer than the scene says", 0.05, 20,
        solid_numbers<&SolidMaterial::youngs_modulus>},
       {"retune_density", "kg/m^3", "the material is lighter or heavier than the scene says", 0.2, 5,
@@ -171,6 +173,7 @@ void add_parameters(const Problem& problem, const std::vector<std::string>& touc
                           0};
       candidate.parameters = {
           {"value", kind.unit, kind.low * place.value, kind.high * place.value, place.value, 0.1 * place.value}};
+      if (kind.places == gravities) candidate.parameters[0].believed = GRAVITY_BELIEVED;
       candidate.apply = [set = place.set](Variant& variant, std::span<const double> values) {
         set(variant.scene, values[0]);
       };

@@ -12,6 +12,8 @@ namespace {
 const std::set<std::string> ROUNDING = {"joint_coulomb_friction.velocity", "joint_stribeck_friction.velocity",
                                         "hysteretic_damping.strain_rate", "rolling_resistance.velocity"};
 
+constexpr double FAST_FOR_STOKES = -6;  // log of how likely linear drag is against quadratic
+
 bool is_fitted(const EffectKind& kind, const EffectParameter& p) {
   return p.is_strength || !ROUNDING.contains(kind.name + "." + p.name);
 }
@@ -67,6 +69,9 @@ Candidate candidate_of(const Scene& scene, const EffectKind& kind, const std::st
     if (!is_fitted(kind, p)) continue;
     place.push_back(int(effect.parameters.size()) - 1);
     candidate.parameters.push_back(parameter_of(p, mass_of(scene, target)));
+    if (kind.name == "gravity_tilt") candidate.parameters.back().believed = 0.05;  // of a base that looks level [rad]
+    if (kind.name == "constant_force")  // nothing that one sees is pulled by much more of its weight
+      candidate.parameters.back().believed = 0.05 * mass_of(scene, target) * scene.gravity.norm();
   }
   candidate.apply = [effect, place](Variant& variant, std::span<const double> values) {
     Effect added = effect;
@@ -156,6 +161,9 @@ void add_physical(const Problem& problem, const std::vector<std::string>& touchi
       // where two explain alike, a carried body is braked by its joint, and a number that is there is wrong
       const bool brakes = kind.name == "linear_drag" || kind.name == "mass_proportional_damping";
       if ((brakes && is_carried(scene, target)) || kind.name == "payload_mass") out.back().prior = -0.5;
+      if (kind.target == EffectTarget::contact) out.back().prior = -0.5;  // a wrong coefficient is more common
+      // Stokes' law ends at Reynolds numbers of about 1, a mote in air: what one sees move has quadratic drag
+      if (brakes && !is_carried(scene, target)) out.back().prior = FAST_FOR_STOKES;
     }
 }
 

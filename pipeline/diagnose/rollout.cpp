@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/physics/simulation.hpp"
+#include "pipeline/diagnose/journal.hpp"
 #include "pipeline/diagnose/sensor.hpp"
 #include "pipeline/stop_signal.hpp"
 
@@ -63,6 +64,11 @@ const char* phase_name(Phase phase) {
 }
 
 std::vector<Prediction> Predictor::predict(std::span<const Job> jobs) {
+  const std::uint64_t question = journal_ ? question_of(jobs) : 0;
+  if (journal_)
+    if (std::optional<std::vector<Prediction>> known = journal_->answer_to(question);
+        known && known->size() == jobs.size())
+      return std::move(*known);
   std::vector<Prediction> out(jobs.size());
   std::vector<std::size_t> order(jobs.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -74,6 +80,7 @@ std::vector<Prediction> Predictor::predict(std::span<const Job> jobs) {
       std::clamp<std::size_t>(MOST_NODES / std::max<std::size_t>(1, n_nodes(problem_.scene.scene)), 1, MOST_WORLDS);
   for (std::size_t i = 0; i < order.size(); i += per_batch)
     predict_batch(jobs, std::span(order).subspan(i, std::min(per_batch, order.size() - i)), out);
+  if (journal_) journal_->add(question, out);
   return out;
 }
 

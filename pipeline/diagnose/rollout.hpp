@@ -44,10 +44,14 @@ struct Prediction {
   bool is_well = true;  // false: the simulation failed before the window's end, residuals are NaN from there
 };
 
+class Journal;
+
 class Predictor {
  public:
   Predictor(Device& device, const Problem& problem) : device_(device), problem_(problem) {}
+  // Throws TryAgain where the user stopped it.
   std::vector<Prediction> predict(std::span<const Job> jobs);
+  void keep_in(Journal* journal) { journal_ = journal; }  // answers are read from there as far as they go
   std::size_t n_simulations() const { return n_simulations_; }
   double world_seconds() const { return world_seconds_; }  // simulated, summed over all worlds
 
@@ -55,6 +59,7 @@ class Predictor {
   void predict_batch(std::span<const Job> jobs, std::span<const std::size_t> which, std::vector<Prediction>& out);
   Device& device_;
   const Problem& problem_;
+  Journal* journal_ = nullptr;
   std::size_t n_simulations_ = 0;
   double world_seconds_ = 0;
 };

@@ -8,8 +8,11 @@ namespace pvg::diagnose {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
-constexpr double LEAST_ANSWER = 1e-3;              // rms in units of noise at the largest change tried: not seen
-const std::vector<double> RATIOS = {0.03, 1, 30};  // of the changes tried first to a parameter's scale
+constexpr double LEAST_ANSWER = 1e-3;            // rms in units of noise at the largest change tried: not seen
+constexpr double MOST_FACTOR = 30;               // between one change tried and the next
+constexpr std::size_t SOME_WINDOWS = 3;          // where an estimate will do
+constexpr std::size_t N_TRIED = 20;              // candidates that are simulated at their linear optimum
+const std::vector<double> SHARES = {0.4, 1, 2};  // of that optimum
 
 struct Trial {
   const Candidate* candidate;
@@ -83,31 +86,72 @@ std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& 
   std::vector<Trial> trials;
   for (const Candidate* candidate : candidates)
     for (std::size_t i = 0; i < candidate->parameters.size(); ++i)
-      for (const double ratio : RATIOS) {
-        const Parameter& p = candidate->parameters[i];
-        trials.push_back({candidate, i, allowed(p, ratio * p.scale)});
-      }
+      trials.push_back({candidate, i, allowed(candidate->parameters[i], candidate->parameters[i].scale)});
   Fit few = base;
-  const FitData some = some_windows(data, 6, few);
-  const std::vector<std::vector<VectorXd>> found = answers(fitter, some, few, trials);
+  const FitData some = some_windows(data, SOME_WINDOWS, few);
   const double wanted = std::clamp(rms(base.residual), 2.0, 30.0);
-  std::vector<Trial> chosen;
-  for (std::size_t t = 0; t < trials.size(); t += RATIOS.size()) {
-    double best = 1e300;
-    Trial trial = trials[t];
-    for (std::size_t k = 0; k < RATIOS.size(); ++k) {
-      const double size = size_of(found[t + k]);
-      if (size < LEAST_ANSWER) continue;
-      const double apart = std::abs(std::log(size / wanted));
-      if (apart >= best) continue;
-      best = apart;
-      const Parameter& p = trial.candidate->parameters[trial.parameter];
-      trial.step = allowed(p, trials[t + k].step * std::clamp(wanted / size, 0.03, 30.0));
+  std::vector<std::size_t> open(trials.size());  // whose answer is not of about that size
+  for (std::size_t i = 0; i < open.size(); ++i) open[i] = i;
+  for (const bool is_last : {false, true}) {
+    std::vector<Trial> asked;
+    for (const std::size_t i : open) asked.push_back(trials[i]);
+    const std::vector<std::vector<VectorXd>> found = answers(fitter, some, few, asked);
+    std::vector<std::size_t> still_open;
+    for (std::size_t k = 0; k < open.size(); ++k) {
+      Trial& trial = trials[open[k]];
+      const double size = size_of(found[k]);  // negative: the change was too much to be simulated
+      const double factor = size < 0              ? 1 / MOST_FACTOR
+                            : size < LEAST_ANSWER ? MOST_FACTOR
+                                                  : std::clamp(wanted / size, 1 / MOST_FACTOR, MOST_FACTOR);
+      if (factor <= 1 / MOST_FACTOR || factor >= MOST_FACTOR) still_open.push_back(open[k]);
+      const bool is_seen = size >= LEAST_ANSWER;
+      trial.step = is_last && !is_seen ? 0 : allowed(trial.candidate->parameters[trial.parameter], factor * trial.step);
     }
-    if (best == 1e300) trial.step = 0;
-    chosen.push_back(trial);
+    open = std::move(still_open);
   }
-  return chosen;
+  return trials;
+}
+
+// What the robust cost of some windows falls by in truth, at shares of each candidate's linear optimum: laws with a
+// dead zone or a kink are not what their signature promises, nor less. Each one's best share becomes its model.
+void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_data, std::vector<Screened>& screened) {
+  Fit few = base;
+  const FitData some = some_windows(data, SOME_WINDOWS, few);
+  const auto cost_of = [&](const auto& residual_of) {
+    std::vector<VectorXd> left;
+    for (std::size_t w = 0; w < some.windows.size(); ++w)
+      left.push_back(beside_starts(some.of_start[w], residual_of(w)));
+    return robust_cost(left, base.scale);
+  };
+  const double before = cost_of([&](std::size_t w) { return few.residual[w]; });
+  double n_some = 0;
+  for (const VectorXd& r : few.residual) n_some += double(r.size());
+  const std::size_t n = std::min(N_TRIED, screened.size());
+  const Eigen::Index n_base = base.model.x.size();
+  std::vector<Model> models;
+  for (std::size_t i = 0; i < n; ++i)
+    for (const double share : SHARES) {
+      Model model = screened[i].model;
+      const std::vector<Parameter>& parameters = screened[i].candidate->parameters;
+      for (std::size_t k = 0; k < parameters.size(); ++k) {
+        double& x = model.x[n_base + Eigen::Index(k)];
+        x = std::clamp(parameters[k].off + share * (x - parameters[k].off), parameters[k].low, parameters[k].high);
+      }
+      models.push_back(std::move(model));
+    }
+  const auto found = fitter.evaluate(some, models, std::vector(models.size(), few.delta));
+  for (std::size_t i = 0; i < n; ++i) {
+    const double penalty = 0.5 * double(screened[i].candidate->parameters.size()) * std::log(n_data);
+    double best = 0;
+    for (std::size_t m = i * SHARES.size(); m < (i + 1) * SHARES.size(); ++m) {
+      const double after = cost_of([&](std::size_t w) { return found[m][w].residual; });
+      const double gain = (before - after) * n_data / n_some - penalty;
+      if (!(gain > best)) continue;
+      best = gain;
+      screened[i].model.x = models[m].x;
+    }
+    screened[i].gain = best;
+  }
 }
 
 }  // namespace
@@ -161,8 +205,11 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& bas
     one.gain = -(g.dot(dx) + 0.5 * dx.dot(a * dx)) - 0.5 * double(one.candidate->parameters.size()) * std::log(n_data);
     if (one.gain > 0) screened.push_back(std::move(one));
   }
-  std::stable_sort(screened.begin(), screened.end(),
-                   [](const Screened& a, const Screened& b) { return a.gain > b.gain; });
+  const auto is_better = [](const Screened& a, const Screened& b) { return a.gain > b.gain; };
+  std::stable_sort(screened.begin(), screened.end(), is_better);
+  if (screened.empty()) return screened;
+  try_optima(fitter, data, base, n_data, screened);
+  std::stable_sort(screened.begin(), screened.begin() + std::ptrdiff_t(std::min(N_TRIED, screened.size())), is_better);
   return screened;
 }
 

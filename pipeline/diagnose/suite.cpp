@@ -26,8 +26,8 @@ namespace fs = std::filesystem;
 int diagnose_case(const fs::path& recording, const fs::path& folder, const DiagnoseOptions& options) {
   const std::string program = fs::read_symlink("/proc/self/exe").string(), log = (folder / "log.txt").string();
   const std::string effects = std::to_string(options.max_effects);
-  std::vector<std::string> words = {program,         "diagnose", recording.string(), "-o", folder.string(),
-                                    "--max-effects", effects};
+  std::vector<std::string> words = {program,         "diagnose", recording.string(), "-o",          folder.string(),
+                                    "--max-effects", effects,    "--decide",         options.decide};
   if (!options.device.empty()) words.insert(words.end(), {"--device", options.device});
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());

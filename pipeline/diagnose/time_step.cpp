@@ -7,8 +7,12 @@
 namespace pvg::diagnose {
 namespace {
 
-constexpr double MOST_ERROR = 2.5;  // rms in units of noise, beside what the starts take up; it is corrected
-constexpr double SOLVED = 1e-6;     // Newton's tolerance, so that answers to small changes are exact [m/s]
+constexpr double MOST_ERROR = 2.5, MOST_FIRST_ORDER_ERROR =
+                                       0.4;  // rms in units of noise, beside what the starts take up; it is corrected
+constexpr double SOLVED = 1e-6;              // Newton's tolerance, so that answers to small changes are exact [m/s]
+
+// a world that needs more is one of a change that was too much; it would hold up all others
+constexpr int MOST_HALVINGS = 1;
 
 struct Choice {
   SolverSettings::Integrator integrator;
@@ -36,9 +40,10 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   SolverSettings& solver = base.scene.solver;
   solver.velocity_tolerance = std::min(solver.velocity_tolerance, SOLVED);
   solver.cg_tolerance = std::min(solver.cg_tolerance, 1e-8);
+  solver.max_step_halvings = std::min(solver.max_step_halvings, MOST_HALVINGS);
   const double h = solver.time_step;
-  FitData data = fitter.prepare(make_windows(problem, false, problem.can_restart ? 1 : 0, 3), {{}, {}, {}});
-  for (Window& window : data.windows) window.correction.resize(0);
+  const FitData data =
+      fitter.prepare(make_windows(problem, false, problem.can_restart ? 1 : 0, 3), {{}, {}, {}}, false);
   const auto predict = [&](const Choice& choice) {
     Variant variant = base;
     variant.scene.solver.integrator = choice.integrator;
@@ -48,24 +53,28 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
     return predictor.predict(jobs);
   };
   const auto bdf2 = SolverSettings::Integrator::bdf2;
-  const std::vector<Choice> choices = {{solver.integrator, h}, {bdf2, h}, {bdf2, h / 2}, {bdf2, h / 4}};
-  const std::vector<Prediction> fine = predict({bdf2, h / 4});
-  double error = 0;
-  for (std::size_t i = 0; i < choices.size(); ++i) {
-    solver.integrator = choices[i].integrator;
-    solver.time_step = choices[i].time_step;
-    if (i + 1 == choices.size()) break;
-    error = apart(data, predict(choices[i]), fine);
-    if (error < MOST_ERROR) break;
+  // each choice is compared with second order at half the step
+  std::vector<Prediction> fine = predict({bdf2, h / 2}), coarse = predict({solver.integrator, h});
+  const bool is_first_order = dissipates(base.scene);
+  double error = (is_first_order ? 2 : 1) * apart(data, coarse, fine);
+  const double allowed = is_first_order ? MOST_FIRST_ORDER_ERROR : MOST_ERROR;
+  const bool is_as_given = error < allowed;
+  if (!is_as_given) {
+    const bool was_bdf2 = solver.integrator == bdf2;
+    solver.integrator = bdf2;
+    if (!was_bdf2) error = richardson_factor(base.scene) * apart(data, predict({bdf2, h}), fine);
+  }
+  for (int halving = 0; error >= allowed && halving < 2; ++halving) {
+    solver.time_step /= 2;
+    coarse = std::move(fine);
+    fine = predict({bdf2, solver.time_step / 2});
+    error = richardson_factor(base.scene) * apart(data, coarse, fine);
   }
   char text[240];
   std::snprintf(text, sizeof text,
                 "simulated with steps of %.4g ms, %s%s; finer steps differ by %.2g times the noise, which is corrected",
                 1e3 * solver.time_step, solver.integrator == bdf2 ? "BDF2" : "implicit Euler",
-                solver.time_step == h && solver.integrator == choices[0].integrator
-                    ? ", as the scene says"
-                    : ", since the scene's own would be taken for an effect",
-                error);
+                is_as_given ? ", as the scene says" : ", since the scene's own would be taken for an effect", error);
   return text;
 }
 

@@ -11,6 +11,7 @@ adds white noise, jitter of the clock and dropouts. Same seed, same files.
 import argparse
 import copy
 import json
+import math
 import pathlib
 
 import numpy as np
@@ -41,10 +42,10 @@ SLIDE = """schema: 1
 name: slide
 time_step: 5 ms
 duration: 1.2 s
-contact: {activation_distance: 0.5 mm, stiffness: 10 MPa, friction_velocity: 1e-3}
+contact: {activation_distance: 0.1 mm, stiffness: 10 MPa, friction_velocity: 1e-3}
 bodies:
   - {name: floor, kind: half_space, normal: [0, 0, 1]}
-  - {name: block, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.04]}}, mass: 0.4, pose: {position: [0, 0, 0.0204]}}
+  - {name: block, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.04]}}, mass: 0.4, pose: {position: [0, 0, 0.02009]}}
 pair_friction:
   - {first: floor, second: block, coefficient: 0.3}
 """
@@ -62,7 +63,7 @@ joints:
 
 
 def chirp(amplitude, low, high, length):
-    return lambda t: amplitude * np.sin(2 * np.pi * (low + (high - low) * t / length / 2) * t) if t > 0 else 0.0
+    return lambda t: amplitude * math.sin(2 * math.pi * (low + (high - low) * t / length / 2) * t) if t > 0 else 0.0
 
 
 def steps(levels, hold, rise=0.1):
@@ -80,7 +81,7 @@ def steps(levels, hold, rise=0.1):
 
 
 def slow(amplitude, period):
-    return lambda t: amplitude * (1 - np.cos(2 * np.pi * max(t, 0) / period)) / 2
+    return lambda t: amplitude * (1 - math.cos(2 * math.pi * max(t, 0) / period)) / 2
 
 
 class Experiment:
@@ -90,6 +91,7 @@ class Experiment:
         self.name, self.model, self.scene, self.runs, self.columns = name, model, scene, runs, columns
         self.channel, self.noise, self.target, self.body, self.phases = channel, noise, target, body, phases
         self.command_target = command_target
+        self.unchanged = None  # what change_of compares with, once it is known
 
 
 def experiments():
@@ -144,7 +146,7 @@ SINGLES = [
     ("driven", "joint_spring", None, {"stiffness": 0.3, "preload": 0.1}, []),
     ("driven", "actuator_lag", None, {"time_constant": 0.005}, []),
     ("driven", "actuator_delay", None, {"delay": 0.005}, ["clock_offset"]),
-    ("driven", "actuator_gain", None, {"gain": 0.1}, []),
+    ("driven", "actuator_gain", None, {"gain": 0.1}, ["retune_mass"]),
     ("driven", "payload_mass", "arm", {"mass": 0.1}, ["retune_mass"]),
     ("driven", "bias", None, {"x": 1e-2}, ["joint_spring"]),
 ]
@@ -154,7 +156,7 @@ RETUNES = [
     ("slide", "retune_friction", None, {"value": 0.03}, 0.3, []),
     ("driven", "retune_drive_stiffness", None, {"value": 3.0}, 20.0, []),
     ("driven", "retune_drive_damping", None, {"value": 0.1}, 0.6, []),
-    ("driven", "retune_mass", "arm", {"value": 0.1}, 1.0, ["payload_mass"]),
+    ("driven", "retune_mass", "arm", {"value": 0.1}, 1.0, ["payload_mass", "actuator_gain"]),
 ]
 OFF_LIBRARY = [
     ("pendulum", "magnet", {"strength": 0.5}),
@@ -199,23 +201,24 @@ def scaled(effects, by, nominal):
 
 def change_of(experiment, effects):
     """Root mean square of what the effects change over the fitted runs, in units of noise."""
-    squares = []
-    for run in experiment.runs:
-        if run[3] != "fit":
-            continue
-        times = np.arange(0, run[1], 0.05)
-        squares.append(((sense(experiment, run, effects, times) - sense(experiment, run, {}, times)) ** 2).mean())
+    fitted = [(run, np.arange(0, run[1], 0.05)) for run in experiment.runs if run[3] == "fit"]
+    if experiment.unchanged is None:
+        experiment.unchanged = [sense(experiment, run, {}, times) for run, times in fitted]
+    squares = [((sense(experiment, run, effects, times) - before) ** 2).mean()
+               for (run, times), before in zip(fitted, experiment.unchanged)]
     return np.sqrt(np.mean(squares)) / experiment.noise
 
 
 def at_strength(experiment, effects, nominal, wanted):
     """Effects scaled so that change_of is `wanted`."""
-    by = 1.0
+    by, step = 1.0, models.STEP
+    models.STEP = 2e-3 if experiment.command_target is None else 1e-3  # only a strength is looked for
     for _ in range(12):
         found = change_of(experiment, scaled(effects, by, nominal))
         if abs(found / wanted - 1) < 0.02:
             break
         by *= np.clip(wanted / found, 0.2, 5.0)
+    models.STEP = step
     return scaled(effects, by, nominal)
 
 
@@ -281,7 +284,7 @@ def main():
         truth["effects"] = [{"name": effect, "target": target or experiment.target, "parameters": found[effect], "accept": accept}
                             for effect, (target, accept) in named.items()]
         write_case(options.folder / name, experiment, found, truth, np.random.default_rng([7, number]))
-        print(name, change_of(experiment, found), flush=True)
+        print(name, flush=True)
     for e, (place, experiment) in enumerate(everything.items()):
         for i in range(options.nulls):
             name = f"{place}_null_{i}"

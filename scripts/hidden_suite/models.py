@@ -2,6 +2,8 @@
 sliding block, a driven joint. Each model takes a mapping of effects {name: parameters} and returns what a perfect sensor
 would see at the given times. SI units, radians, z up.
 """
+import math
+
 import numpy as np
 
 G = 9.81
@@ -10,23 +12,27 @@ STEP = 5e-4  # of the classical Runge-Kutta method [s]
 
 def integrate(rate, state, times):
     """State [n_times, n] of d state / dt = rate(t, state), from `state` at time 0; times ascend from 0 on."""
-    states, t, y = [], 0.0, np.array(state, float)
+    states, t, y = [], 0.0, [float(value) for value in state]
+
+    def moved(by, slope):
+        return [value + by * s for value, s in zip(y, slope)]
+
     for until in times:
         while t < until - 1e-12:
             h = min(STEP, until - t)
             a = rate(t, y)
-            b = rate(t + h / 2, y + h / 2 * a)
-            c = rate(t + h / 2, y + h / 2 * b)
-            d = rate(t + h, y + h * c)
-            y = y + h / 6 * (a + 2 * b + 2 * c + d)
+            b = rate(t + h / 2, moved(h / 2, a))
+            c = rate(t + h / 2, moved(h / 2, b))
+            d = rate(t + h, moved(h, c))
+            y = moved(h / 6, [p + 2 * q + 2 * r + s for p, q, r, s in zip(a, b, c, d)])
             t += h
-        states.append(y.copy())
+        states.append(y)
     return np.array(states)
 
 
 def sign(v, width):
     """The direction of v, smooth within `width` of zero."""
-    return v / np.sqrt(v * v + width * width)
+    return v / math.sqrt(v * v + width * width)
 
 
 def joint_friction(effects, rate):
@@ -38,7 +44,7 @@ def joint_friction(effects, rate):
         effort -= effects["joint_coulomb_friction"]["effort"] * sign(rate, 5e-4)
     if "joint_stribeck_friction" in effects:
         p = effects["joint_stribeck_friction"]
-        effort -= (p["effort"] + p["extra"] * np.exp(-((rate / p["stribeck_velocity"]) ** 2))) * sign(rate, 5e-4)
+        effort -= (p["effort"] + p["extra"] * math.exp(-((rate / p["stribeck_velocity"]) ** 2))) * sign(rate, 5e-4)
     return effort
 
 
@@ -53,7 +59,8 @@ class Pendulum:
         gravity = effects.get("retune_gravity", {}).get("value", G)
         tilt = effects.get("gravity_tilt", {"about_y": 0})["about_y"]
         centre = np.array([offset["x"], -self.arm + offset["z"]])  # x, z at angle 0
-        inertia = mass * (self.side**2 / 6 + centre @ centre)
+        centre = [float(value) for value in centre]
+        inertia = mass * (self.side**2 / 6 + centre[0] ** 2 + centre[1] ** 2)
         spring = effects.get("joint_spring", {"stiffness": 0, "preload": 0})
         drag = effects.get("quadratic_drag", {}).get("drag", 0)
         linear = effects.get("linear_drag", {}).get("drag", 0)
@@ -62,15 +69,15 @@ class Pendulum:
         def rate(t, y):
             q, w = y
             # a turn by q about y takes (x, z) to (x cos q + z sin q, -x sin q + z cos q); torque about y: z fx - x fz
-            x = centre[0] * np.cos(q) + centre[1] * np.sin(q)
-            z = -centre[0] * np.sin(q) + centre[1] * np.cos(q)
+            x = centre[0] * math.cos(q) + centre[1] * math.sin(q)
+            z = -centre[0] * math.sin(q) + centre[1] * math.cos(q)
             # the weight turned by `tilt` about y, as a vector
-            fx, fz = -mass * gravity * np.sin(tilt), -mass * gravity * np.cos(tilt)
+            fx, fz = -mass * gravity * math.sin(tilt), -mass * gravity * math.cos(tilt)
             torque = z * fx - x * fz
             torque += joint_friction(effects, w) + spring["preload"] - spring["stiffness"] * q
             torque -= (drag * self.arm**3 * abs(w) + linear * self.arm**2) * w
-            torque -= magnet * np.sin(3 * q) * np.exp(-((q / 0.25) ** 2))
-            return np.array([w, torque / inertia])
+            torque -= magnet * math.sin(3 * q) * math.exp(-((q / 0.25) ** 2))
+            return w, torque / inertia
 
         return integrate(rate, start, times)[:, :1]
 
@@ -86,9 +93,9 @@ class Flight:
         ax, ay = tilt["about_x"], tilt["about_y"]
         rx = np.array([[1, 0, 0], [0, np.cos(ax), -np.sin(ax)], [0, np.sin(ax), np.cos(ax)]])
         ry = np.array([[np.cos(ay), 0, np.sin(ay)], [0, 1, 0], [-np.sin(ay), 0, np.cos(ay)]])
-        g = ry @ rx @ np.array([0, 0, -gravity])
+        g = [float(value) for value in ry @ rx @ np.array([0, 0, -gravity])]
         force = effects.get("constant_force", {"x": 0, "y": 0, "z": 0})
-        force = np.array([force["x"], force["y"], force["z"]])
+        force = (force["x"], force["y"], force["z"])
         linear = effects.get("linear_drag", {}).get("drag", 0)
         quadratic = effects.get("quadratic_drag", {}).get("drag", 0)
         swirl = effects.get("vortex", {}).get("strength", 0)
@@ -96,11 +103,12 @@ class Flight:
 
         def rate(t, y):
             x, v = y[:3], y[3:]
-            f = force - linear * v - quadratic * np.linalg.norm(v) * v
-            f = f + swirl * np.array([-x[1], x[0], 0]) / (0.1 + x[0] ** 2 + x[1] ** 2)
-            reach = np.linalg.norm(x)
-            f = f - tether["stiffness"] * max(reach - tether["length"], 0) * x / max(reach, 1e-9)
-            return np.concatenate([v, g + f / self.mass])
+            drag = linear + quadratic * math.hypot(*v)
+            turn = swirl / (0.1 + x[0] ** 2 + x[1] ** 2)
+            reach = math.hypot(*x)
+            pull = tether["stiffness"] * max(reach - tether["length"], 0) / max(reach, 1e-9)
+            spin = (-x[1] * turn, x[0] * turn, 0)
+            return (*v, *(g[k] + (force[k] - drag * v[k] + spin[k] - pull * x[k]) / self.mass for k in range(3)))
 
         return integrate(rate, start, times)[:, :3]
 
@@ -120,18 +128,18 @@ class Slide:
         force = effects.get("constant_force", {"x": 0, "y": 0, "z": 0})
         normal = self.mass * G * np.cos(tilt["about_x"]) * np.cos(tilt["about_y"]) - force["z"]
         push = np.array([-np.cos(tilt["about_x"]) * np.sin(tilt["about_y"]), np.sin(tilt["about_x"])]) * self.mass * G
-        push = push + np.array([force["x"], force["y"]])
+        push = [float(push[0] + force["x"]), float(push[1] + force["y"])]
         ripple = effects.get("rough_strip", {}).get("extra", 0)
 
         def rate(t, y):
             v = y[2:]
-            speed = np.hypot(*v)
-            d = v / np.sqrt(speed**2 + 1e-8)
-            m = mu * (1 + dependent["change"] * (1 - np.exp(-speed / dependent["velocity"])))
-            m *= np.sqrt(d[0] ** 2 + (1 + across) ** 2 * d[1] ** 2) if speed > 1e-6 else 1
-            m += ripple * np.exp(-(((np.hypot(y[0], y[1]) - 0.12) / 0.03) ** 2))
-            f = push - m * normal * d - linear * v - quadratic * speed * v
-            return np.concatenate([v, f / self.mass])
+            speed = math.hypot(*v)
+            d = [part / math.sqrt(speed**2 + 1e-8) for part in v]
+            m = mu * (1 + dependent["change"] * (1 - math.exp(-speed / dependent["velocity"])))
+            m *= math.sqrt(d[0] ** 2 + (1 + across) ** 2 * d[1] ** 2) if speed > 1e-6 else 1
+            m += ripple * math.exp(-(((math.hypot(y[0], y[1]) - 0.12) / 0.03) ** 2))
+            drag = linear + quadratic * speed
+            return (*v, *((push[k] - m * normal * d[k] - drag * v[k]) / self.mass for k in range(2)))
 
         seen = integrate(rate, start, times)[:, :2]
         return np.column_stack([seen, np.full(len(seen), self.height)])
@@ -169,10 +177,10 @@ class DrivenJoint:
             else:
                 follow = 0.0
             error = wanted - q
-            error -= np.clip(error, -play / 2, play / 2)
+            error -= min(max(error, -play / 2), play / 2)
             effort = gain * (stiffness * error + damping * (change - w))
             effort += joint_friction(effects, w) + spring["preload"] - spring["stiffness"] * q
-            effort += ripple * np.sin(24 * q) - linear * self.arm**2 * w
-            return np.array([w, effort / inertia, follow])
+            effort += ripple * math.sin(24 * q) - linear * self.arm**2 * w
+            return w, effort / inertia, follow
 
         return integrate(rate, [start[0], start[1], command(-delay)], times)[:, :1]

@@ -1,0 +1,81 @@
+#include "pipeline/diagnose/choose_windows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/base/error.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+constexpr double COHERENT = 0.35;    // misfit over signal up to which a window's model is near enough to be linearised
+constexpr double LONGEST_WHOLE = 8;  // of a run that is one window [s]
+
+double longest_run(const Problem& problem) {
+  double longest = 0;
+  for (const Run& run : problem.runs) longest = std::max(longest, run.t.back() - run.t.front());
+  return longest;
+}
+
+// Root mean square of what a window's channels do, in units of noise, about their means.
+double signal_of(const Problem& problem, const Window& window) {
+  const Run& run = problem.runs[std::size_t(window.run)];
+  std::vector<std::vector<double>> of(problem.channels.size() * 4);
+  for (const Datum& d : window.data) {
+    const Channel& c = problem.channels[std::size_t(d.channel)];
+    of[std::size_t(d.channel) * 4 + std::size_t(d.component)].push_back(
+        run.values[std::size_t(d.channel)][d.sample * std::size_t(c.width) + std::size_t(d.component)] / c.sigma);
+  }
+  double sum = 0, n = 0;
+  for (const std::vector<double>& values : of) {
+    double mean = 0;
+    for (const double v : values) mean += v / double(values.size());
+    for (const double v : values) sum += (v - mean) * (v - mean);
+    n += double(values.size());
+  }
+  return n > 0 ? std::sqrt(sum / n) : 0;
+}
+
+bool is_coherent(const Problem& problem, const FitData& data, const Fit& fit) {
+  std::size_t n_near = 0;
+  for (std::size_t w = 0; w < data.windows.size(); ++w)
+    n_near += rms({fit.residual[w]}) < std::max(COHERENT * signal_of(problem, data.windows[w]), 3.0);
+  return 4 * n_near >= 3 * data.windows.size();
+}
+
+}  // namespace
+
+std::size_t most_windows(const Problem& problem, double simulated_seconds, double length) {
+  const double each = length > 0 ? length : longest_run(problem);
+  return std::clamp<std::size_t>(std::size_t(simulated_seconds / std::max(each, 1e-6)), 4, 40);
+}
+
+ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simulated_seconds) {
+  const Model as_it_stands{{}, Eigen::VectorXd(), Eigen::VectorXd()};
+  const double longest = longest_run(problem);
+  ChosenWindows chosen;
+  const std::vector<double> lengths =
+      problem.can_restart ? std::vector<double>{0, 2, 1, 0.5, 0.25} : std::vector<double>{0};
+  for (const double length : lengths) {
+    if (length > 0.8 * longest) continue;
+    if (length == 0 && longest > LONGEST_WHOLE && problem.can_restart) continue;
+    FitData data = fitter.prepare(
+        make_windows(problem, false, length, most_windows(problem, simulated_seconds, length)), as_it_stands);
+    if (data.windows.empty()) continue;
+    Fit base = fitter.fit(data, {as_it_stands}, 0).front();
+    chosen = {length, std::move(data), std::move(base)};
+    if (is_coherent(problem, chosen.data, chosen.base)) break;
+  }
+  if (chosen.data.windows.empty())
+    throw Failure(problem.recording.file.string() +
+                  ": the scene could not be simulated to the end of any window of the fitting runs; run it by "
+                  "`phyvisgen simulate` and see what fails");
+  Fit& base = chosen.base;
+  base.slope.assign(chosen.data.windows.size(), {});
+  for (std::size_t w = 0; w < base.slope.size(); ++w) base.slope[w].resize(base.residual[w].size(), 0);
+  base.scale = robust_scale(base.residual);
+  base.cost = robust_cost(base.residual, base.scale);
+  return chosen;
+}
+
+}  // namespace pvg::diagnose

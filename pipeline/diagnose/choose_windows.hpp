@@ -1,0 +1,19 @@
+// Whole runs, or shorter windows where the model as it stands parts too far from the measurement to be linearised.
+#pragma once
+#include "pipeline/diagnose/fit.hpp"
+
+namespace pvg::diagnose {
+
+struct ChosenWindows {
+  double length = 0;  // [s], 0: whole runs
+  FitData data;
+  Fit base;  // the scene as it stands, starts fitted
+};
+
+// simulated_seconds: of all windows of one evaluation, about. Throws a Failure where none can be simulated.
+ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simulated_seconds);
+
+// How many windows of this length are affordable.
+std::size_t most_windows(const Problem& problem, double simulated_seconds, double length);
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,34 @@
+// Stage 7: the runs that nothing has seen so far, simulated without and with what was found.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "pipeline/diagnose/fit.hpp"
+
+namespace pvg::diagnose {
+
+// Measured and simulated, of one channel's component over one window.
+struct Curve {
+  std::string run, channel, unit;
+  bool is_held_out = false;
+  std::vector<double> t, measured, before, after;  // [s], [unit]
+};
+
+struct HeldOut {
+  double before = 0, after = 0, floor = 0;  // errors in the channels' unit, or in units of noise; floor 0: not judged
+  std::size_t kept = 0;                     // of the models that were given
+  std::vector<Curve> curves;
+};
+
+// grown: models that grow by one effect each; an effect stays only if it closes enough of what was left before it.
+// length: of windows [s], 0: whole runs. in_noise: errors in units of noise, where channels have several units.
+HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, std::size_t most_windows,
+                       const std::vector<Model>& grown, bool in_noise);
+
+std::vector<Curve> curves_of(const Problem& problem, const FitData& data, const Fit& before, const Fit& after,
+                             std::size_t most);
+
+// The share of a gap that was closed: 1 at the floor, 0 for none, less where it grew.
+double closed(double before, double after, double floor);
+
+}  // namespace pvg::diagnose
