@@ -202,8 +202,6 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
   decision.base_error = std::sqrt(base_errors.mean());
   double n_data = 0;
   for (const VectorXd& r : base.residual) n_data += double(r.size());
-  std::vector<GroupErrors> errors;
-  std::vector<std::vector<VectorXd>> residuals;
   struct Entry {
     Judged judged;
     GroupErrors errors;
