@@ -8,7 +8,7 @@
 namespace pvg {
 namespace {
 
-struct TwoArms : testing::Test {
+struct RobotsApart : testing::Test {
   RobotModel arm = load_urdf(PVG_DATA_FOLDER "/robots/fr3/fr3.urdf");
   // side by side, 0.8 m apart, as on a table; both look along x
   Pose left_base = Pose(Eigen::Translation3d(0, 0.4, 0)), right_base = Pose(Eigen::Translation3d(0, -0.4, 0));
@@ -44,7 +44,7 @@ struct TwoArms : testing::Test {
   }
 };
 
-TEST_F(TwoArms, AreStoppedBeforeTheyMeet) {
+TEST_F(RobotsApart, AreStoppedBeforeTheyMeet) {
   const auto q = sweep();
   double nearest = 1;
   for (Eigen::Index step = 0; step <= 120; ++step) nearest = std::min(nearest, distance(q, step));
@@ -58,7 +58,7 @@ TEST_F(TwoArms, AreStoppedBeforeTheyMeet) {
   for (std::size_t step = 0; step < found->step; ++step) ASSERT_GT(distance(q, Eigen::Index(step)), 0.01) << step;
 }
 
-TEST_F(TwoArms, WhatAHandCarriesCountsToo) {
+TEST_F(RobotsApart, WhatAHandCarriesCountsToo) {
   // a rod of 300 mm along the flange's axis
   TriangleMesh rod;
   for (const double z : {0.0, 0.3})
@@ -78,14 +78,14 @@ TEST_F(TwoArms, WhatAHandCarriesCountsToo) {
   EXPECT_EQ(with->first, "rod");
 }
 
-TEST_F(TwoArms, ThatStayOnTheirSidesAreFree) {
+TEST_F(RobotsApart, ThatStayOnTheirSidesAreFree) {
   auto q = sweep();
   for (int k = 0; k <= 120; ++k) q[0](k, 0) = k * M_PI / 180 / 2;
   q[1].col(0).setConstant(-0.5);
   EXPECT_FALSE(first_encounter(shapes(), q).has_value());
 }
 
-TEST_F(TwoArms, AnArmThatFoldsIntoItselfIsNamed) {
+TEST_F(RobotsApart, AnArmThatFoldsIntoItselfIsNamed) {
   auto q = sweep();
   q[0].col(0).setConstant(0.8);
   q[1].col(0).setConstant(-0.8);
