@@ -23,8 +23,9 @@ for loader in $loaders; do targets="$targets fuzz_$loader"; done
 for loader in $loaders; do
   mkdir -p "build-fuzz/corpus/$loader"
   echo "fuzz: $loader for $seconds s"
+  # 30 s: what assimp would read without end its process ends after 5 s of computing
   # no search for leaks: what assimp forgets in a refused file is gone with the process
-  ASAN_OPTIONS=detect_leaks=0 "build-fuzz/bin/fuzz_$loader" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -max_len=8192 -detect_leaks=0 \
+  ASAN_OPTIONS=detect_leaks=0 "build-fuzz/bin/fuzz_$loader" -max_total_time="$seconds" -timeout=30 -rss_limit_mb=2048 -max_len=8192 -detect_leaks=0 \
     -print_final_stats=1 -artifact_prefix="build-fuzz/found/$loader-" "build-fuzz/corpus/$loader" \
     "tests/fuzz/seeds/$loader" >"build-fuzz/$loader.log" 2>&1 || {
     grep -aE 'ERROR|SUMMARY|terminate|what\(\)|Test unit' "build-fuzz/$loader.log" >&2

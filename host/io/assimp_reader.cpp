@@ -17,8 +17,9 @@ bool is_read_by_assimp(const std::filesystem::path& file) {
   return ending == ".obj" || ending == ".stl" || ending == ".ply" || ending == ".dae";
 }
 
-std::uintmax_t memory_to_read(const std::filesystem::path& file) {
-  return (std::uintmax_t(512) << 20) + 64 * std::filesystem::file_size(file);
+ProcessLimits limits_to_read(const std::filesystem::path& file) {
+  const std::uintmax_t size = std::filesystem::file_size(file);
+  return {(std::uintmax_t(512) << 20) + 64 * size, 5 + (size >> 20)};
 }
 
 void keep_one_reader(Assimp::Importer& importer, const std::filesystem::path& file) {

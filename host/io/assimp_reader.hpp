@@ -2,9 +2,10 @@
 // one of its ending refuses it, and some of the others can be made to ask for any amount of memory.
 #pragma once
 #include <assimp/Importer.hpp>
-#include <cstdint>
 #include <filesystem>
 #include <string>
+
+#include "host/io/child_process.hpp"
 
 namespace pvg {
 
@@ -14,8 +15,8 @@ std::string ending_of(const std::filesystem::path& file);
 // Of .obj, .stl, .ply and .dae files.
 bool is_read_by_assimp(const std::filesystem::path& file);
 
-// More than it needs for a sound file of this size [bytes].
-std::uintmax_t memory_to_read(const std::filesystem::path& file);
+// More than it needs for a sound file of this size.
+ProcessLimits limits_to_read(const std::filesystem::path& file);
 
 // Leaves the reader of the file's ending.
 void keep_one_reader(Assimp::Importer& importer, const std::filesystem::path& file);

@@ -15,7 +15,6 @@
 namespace pvg {
 namespace {
 
-constexpr rlim_t MOST_SECONDS = 60;
 constexpr int PIPE_SIZE = 1 << 20;  // [bytes]: the larger, the less often the two wait for each other
 
 // first byte of what the child says
@@ -46,13 +45,14 @@ rlim_t memory_now() {
   return pages * rlim_t(sysconf(_SC_PAGESIZE));
 }
 
-[[noreturn]] void be_child(int out, rlim_t most_memory, const std::function<std::string()>& work) {
+[[noreturn]] void be_child(int out, const ProcessLimits& limits, const std::function<std::string()>& work) {
   for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGINT, SIGTERM, SIGXCPU})
     std::signal(signal, SIG_DFL);
   sigset_t none;  // the parent may have some of them blocked
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  const rlimit seconds{MOST_SECONDS, MOST_SECONDS}, memory{most_memory, most_memory}, no_core{0, 0};
+  const rlim_t most_memory = memory_now() + limits.bytes;
+  const rlimit seconds{limits.seconds, limits.seconds}, memory{most_memory, most_memory}, no_core{0, 0};
   setrlimit(RLIMIT_CPU, &seconds);
   setrlimit(RLIMIT_AS, &memory);
   setrlimit(RLIMIT_CORE, &no_core);
@@ -71,7 +71,7 @@ rlim_t memory_now() {
 
 }  // namespace
 
-std::string in_child_process(const std::string& what, std::uintmax_t most_memory,
+std::string in_child_process(const std::string& what, const ProcessLimits& limits,
                              const std::function<std::string()>& work) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw Failure(what + ": no pipe could be made; close other programs.");
@@ -82,7 +82,7 @@ std::string in_child_process(const std::string& what, std::uintmax_t most_memory
     close(ends[0]), close(ends[1]);
     throw Failure(what + ": no process could be started; close other programs.");
   }
-  if (child == 0) be_child(ends[1], memory_now() + most_memory, work);
+  if (child == 0) be_child(ends[1], limits, work);
   close(ends[1]);
   const std::string said = read_all(ends[0]);
   close(ends[0]);

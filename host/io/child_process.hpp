@@ -9,9 +9,14 @@
 
 namespace pvg {
 
-// What `work` returns. Its UsageErrors are thrown here, and so is one that begins with `what` where it crashes, takes
-// more than a minute of computing or 8 GiB of memory. `work` must not touch the device.
-std::string in_child_process(const std::string& what, std::uintmax_t most_memory,
+struct ProcessLimits {
+  std::uintmax_t bytes = 0;    // of memory, beside what this process has
+  std::uintmax_t seconds = 0;  // of computing
+};
+
+// What `work` returns. Its UsageErrors are thrown here, and so is one that begins with `what` where it crashes or
+// exceeds the limits. `work` must not touch the device.
+std::string in_child_process(const std::string& what, const ProcessLimits& limits,
                              const std::function<std::string()>& work);
 
 // ---- vectors as bytes: the number of entries, then these

@@ -182,7 +182,7 @@ RawMesh import(const fs::path& file) {
 
 RawMesh read_with_assimp(const fs::path& file) {
   // assimp crashes on some damaged files, reads others without end
-  const std::string bytes = in_child_process(file.string(), memory_to_read(file), [&] {
+  const std::string bytes = in_child_process(file.string(), limits_to_read(file), [&] {
     const RawMesh mesh = import(file);
     std::string packed;
     pack(packed, mesh.points), pack(packed, mesh.normals), pack(packed, mesh.uvs), pack(packed, mesh.triangles);

@@ -92,7 +92,7 @@ std::vector<MeshPart> load_mesh_parts(const std::filesystem::path& file, const V
   if (!is_read_by_assimp(file))
     throw UsageError(where + " is of no format that is read here; give an STL, OBJ, DAE or PLY file");
   // assimp crashes on some damaged files, reads others without end
-  const std::string bytes = in_child_process(where, memory_to_read(file), [&] {
+  const std::string bytes = in_child_process(where, limits_to_read(file), [&] {
     const std::vector<MeshPart> parts = import(file, scale, where);
     std::string packed;
     pack(packed, std::vector<std::size_t>{parts.size()});

@@ -165,6 +165,12 @@ TEST(MeshFiles, WhatAssimpCrashesOnIsRefused) {
   expect("b.dae", replaced(DAE, "<p>0 2 1", "<p>0 2 1\xff"));
 }
 
+TEST(MeshFiles, WhatAssimpReadsWithoutEndIsRefused) {
+  const TestFolder folder;
+  const auto file = folder.write("a.ply", "ply\nformat ascii 1.0\nproperty float x\nproperty fy li3\n3 0 2 1\n");
+  expect_error<UsageError>([&] { read_closed_surface(file); }, {"a.ply", "cannot be read"});
+}
+
 TEST(MeshFiles, AFileIsReadAsWhatItsEndingSaysAlone) {
   const TestFolder folder;
   for (const char* name : {"a.stl", "a.obj", "a.dae"}) {
