@@ -27,24 +27,19 @@ ConjugateGradients::ConjugateGradients(Device& device, const std::vector<u32>& n
   chunks_.set(node_ranges);
 }
 
-void ConjugateGradients::precondition(const GroupPreconditioner& preconditioner) {
-  const std::vector<double> residual = residual_.read();
-  std::vector<double> preconditioned(residual.size());
-  preconditioner.apply(residual, preconditioned);
-  preconditioned_.write(preconditioned);
-  reduce_.dot(chunks_, residual_, preconditioned_, rz_);
-}
-
-CgReport ConjugateGradients::solve(const std::function<void(const Buffer<f64>&, Buffer<f64>&)>& product,
-                                   const GroupPreconditioner& preconditioner, const Buffer<f64>& gradient,
+CgReport ConjugateGradients::solve(const Product& product, const Product& precondition, const Buffer<f64>& gradient,
                                    std::vector<char> world_is_active, double tolerance, int max_iterations,
                                    Buffer<f64>& dx) {
   CgReport report{std::vector<int>(n_worlds_, 0), std::vector<char>(n_worlds_, true)};
   const auto set_active = [&] { is_active_.write(std::vector<u32>(world_is_active.begin(), world_is_active.end())); };
+  const auto renew_rz = [&] {
+    precondition(residual_, preconditioned_);
+    reduce_.dot(chunks_, residual_, preconditioned_, rz_);
+  };
   const u32 n = u32(n_nodes_);
   start_(n, n, gradient, dx, residual_);
   rz_old_.zero();
-  precondition(preconditioner);
+  renew_rz();
   const std::vector<double> first = rz_.read();
   std::vector<double> rz = first;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
@@ -64,7 +59,7 @@ CgReport ConjugateGradients::solve(const std::function<void(const Buffer<f64>&, 
     reduce_.dot(chunks_, direction_, product_, php_);
     advance_(n, n, node_world_, is_active_, rz_, php_, direction_, product_, dx, residual_);
     rz_old_.copy_from(rz_);
-    precondition(preconditioner);
+    renew_rz();
     rz = rz_.read();
   }
   for (std::size_t w = 0; w < n_worlds_; ++w) report.has_converged[w] &= !world_is_active[w];

@@ -1,11 +1,10 @@
-// Preconditioned conjugate gradients over all worlds at once; the matrix is a product, the preconditioner exact within
-// groups (kernels/solve/conjugate_gradients.cl).
+// Preconditioned conjugate gradients over all worlds at once; matrix and preconditioner are products
+// (kernels/solve/conjugate_gradients.cl).
 #pragma once
 #include <functional>
 #include <vector>
 
 #include "host/device/device.hpp"
-#include "host/physics/group_preconditioner.hpp"
 #include "host/physics/world_reduce.hpp"
 
 namespace pvg {
@@ -20,13 +19,13 @@ class ConjugateGradients {
   ConjugateGradients(Device& device, const std::vector<u32>& node_world, std::size_t n_worlds,
                      const std::vector<WorldRange>& node_ranges);
   // Solves H dx = -gradient in the worlds that are active; dx = 0 in the others.
-  // product(direction, out): out = H direction;  all vectors [n_nodes x 3]
-  CgReport solve(const std::function<void(const Buffer<f64>&, Buffer<f64>&)>& product,
-                 const GroupPreconditioner& preconditioner, const Buffer<f64>& gradient,
+  // product(direction, out): out = H direction;  precondition(residual, out): out = M^-1 residual;  all vectors
+  // [n_nodes x 3]
+  using Product = std::function<void(const Buffer<f64>&, Buffer<f64>&)>;
+  CgReport solve(const Product& product, const Product& precondition, const Buffer<f64>& gradient,
                  std::vector<char> world_is_active, double tolerance, int max_iterations, Buffer<f64>& dx);
 
  private:
-  void precondition(const GroupPreconditioner& preconditioner);
   std::size_t n_nodes_, n_worlds_;
   Program program_;
   Kernel start_, advance_, turn_;

@@ -96,8 +96,7 @@ Potential::Potential(Device& device, const System& system)
   constant_gather_.set(blocks);
   rows_.resize(3 * n_constant_rows_);
   matrix_ = std::make_unique<BlockMatrix>(device, system.sites, system.node_is_fixed, constant_);
-  preconditioner_ = std::make_unique<GroupPreconditioner>(matrix_->pattern(), system.sites, system.x, system.node_group,
-                                                          system.group_world, system.contact_couplings);
+  preconditioner_ = std::make_unique<Preconditioner>(device, system, *matrix_);
   couplings_.resize(system.n_worlds());
 }
 
@@ -226,10 +225,11 @@ void Potential::product(const Buffer<f64>& direction, Buffer<f64>& out) {
 
 std::optional<u32> Potential::factorize(std::span<const char> world_is_active) {
   const Term* const contacts[] = {&barrier_, &friction_};
-  return preconditioner_->factorize(*matrix_, contacts, world_is_active);
+  return preconditioner_->factorize(contacts, world_is_active);
 }
 
 void Potential::couple_contacts(std::span<const char> worlds) {
+  if (!preconditioner_->takes_contacts()) return;
   bool is_changed = false;
   for (std::size_t w = 0; w < worlds.size(); ++w) {
     if (!worlds[w]) continue;

@@ -8,7 +8,7 @@
 
 #include "host/physics/contact.hpp"
 #include "host/physics/gather.hpp"
-#include "host/physics/group_preconditioner.hpp"
+#include "host/physics/preconditioner.hpp"
 #include "host/physics/system.hpp"
 #include "host/physics/term.hpp"
 #include "host/physics/world_reduce.hpp"
@@ -55,7 +55,8 @@ class Potential {
   void couple_contacts(std::span<const char> worlds);
   const std::vector<std::vector<NodePair>>& couplings() const { return couplings_; }  // [n_worlds], sorted
   void restore_couplings(const std::vector<std::vector<NodePair>>& couplings);
-  const GroupPreconditioner& preconditioner() const { return *preconditioner_; }
+  // out = M^-1 residual;  [n_nodes x 3]
+  void precondition(const Buffer<f64>& residual, Buffer<f64>& out) { preconditioner_->apply(residual, out); }
 
  private:
   void gather_contacts(Buffer<f64>& node);  // adds
@@ -85,7 +86,7 @@ class Potential {
 
   Gather constant_gather_, contact_gather_;
   std::unique_ptr<BlockMatrix> matrix_;
-  std::unique_ptr<GroupPreconditioner> preconditioner_;
+  std::unique_ptr<Preconditioner> preconditioner_;
   std::vector<std::vector<NodePair>> couplings_;
   Buffer<f64> rows_, element_energy_, world_energy_, direction_site_;
   u32 n_constant_rows_ = 0;
