@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -9,21 +10,6 @@
 
 namespace pvg {
 namespace {
-
-std::vector<PhysicsBenchmark> chosen(const std::vector<std::string>& names) {
-  if (names.empty()) return physics_benchmarks();
-  std::vector<PhysicsBenchmark> benchmarks;
-  std::string known;
-  for (const PhysicsBenchmark& each : physics_benchmarks()) known += (known.empty() ? "" : ", ") + each.name;
-  for (const std::string& name : names) {
-    const std::size_t before = benchmarks.size();
-    for (const PhysicsBenchmark& each : physics_benchmarks())
-      if (each.name == name) benchmarks.push_back(each);
-    if (benchmarks.size() == before)
-      throw UsageError("--scene " + name + ": there is no such benchmark; there are: " + known);
-  }
-  return benchmarks;
-}
 
 nlohmann::ordered_json json_of(const PhysicsFigures& figures) {
   nlohmann::ordered_json phases;
@@ -66,17 +52,22 @@ void print_row(const PhysicsFigures& f) {
 }  // namespace
 
 void run_bench_physics(const BenchPhysicsOptions& options) {
-  const std::vector<PhysicsBenchmark> benchmarks = chosen(options.scenes);
+  const std::vector<PhysicsBenchmark> benchmarks = physics_benchmarks(options.scenes);
   if (options.lists) {
     for (const PhysicsBenchmark& each : benchmarks) std::printf("%-16s %s\n", each.name.c_str(), each.what.c_str());
     return;
   }
+  std::optional<SolverSettings::Preconditioner> preconditioner;
+  if (!options.preconditioner.empty())
+    preconditioner = SolverSettings::Preconditioner(
+        std::find(PRECONDITIONER_NAMES.begin(), PRECONDITIONER_NAMES.end(), options.preconditioner) -
+        PRECONDITIONER_NAMES.begin());
   nlohmann::ordered_json out = {{"schema", 1}, {"device", Device(options.device).info().name}};
   out["scenes"] = nlohmann::ordered_json::array();
   if (!options.as_json) print_head();
   for (const PhysicsBenchmark& each : benchmarks) {
     const PhysicsFigures figures =
-        run_physics_benchmark(each, data_folder(), options.device, options.repeats, stop_on_signals());
+        run_physics_benchmark(each, data_folder(), options.device, options.repeats, stop_on_signals(), preconditioner);
     if (options.as_json)
       out["scenes"].push_back(json_of(figures));
     else

@@ -175,11 +175,22 @@ struct BenchPhysicsOptions {
   std::string device;
   std::size_t repeats = 3;
   bool as_json = false;
-  bool lists = false;  // print the names and nothing else
+  bool lists = false;          // print the names and nothing else
+  std::string preconditioner;  // instead of the scenes' own; empty: those
 };
 
 // phyvisgen bench physics: what a step costs on named scenes.
 void run_bench_physics(const BenchPhysicsOptions& options);
+
+struct BenchSolverOptions {
+  std::vector<std::string> scenes = {"block_16k"};
+  std::string device;
+  std::size_t repeats = 3;
+  bool as_json = false;
+};
+
+// phyvisgen bench solver: preconditioners and products side by side on one linear system.
+void run_bench_solver(const BenchSolverOptions& options);
 
 struct BenchRenderOptions {
   std::vector<std::string> scenes;  // names; empty: all

@@ -258,9 +258,25 @@ void add_bench_physics(CLI::App& bench, pvg::BenchPhysicsOptions& o) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_option("--preconditioner", o.preconditioner, "Instead of what the scenes say")
+      ->check(CLI::IsMember({"factor", "schwarz", "block_jacobi"}));
   command->add_flag("--list", o.lists, "Print the names of the scenes and end");
   command->add_flag("--json", o.as_json, "Print JSON");
   command->footer("Example:\n  phyvisgen bench physics --scene mat_twist --scene towel --repeats 1");
+}
+
+void add_bench_solver(CLI::App& bench, pvg::BenchSolverOptions& o) {
+  CLI::App* command =
+      bench.add_subcommand("solver", "Preconditioners and products side by side on the last system of a scene");
+  command->add_option("--scene", o.scenes, "A scene of bench physics; may stand several times")
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command->add_option("--repeats", o.repeats, "Measured so often; medians are shown")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer("Example:\n  phyvisgen bench solver --scene block_4k --scene towel");
 }
 
 void add_bench_render(CLI::App& bench, pvg::BenchRenderOptions& o) {
@@ -311,6 +327,8 @@ int run(int argc, char** argv) {
   bench->require_subcommand(1);
   pvg::BenchPhysicsOptions bench_physics;
   add_bench_physics(*bench, bench_physics);
+  pvg::BenchSolverOptions bench_solver;
+  add_bench_solver(*bench, bench_solver);
   pvg::BenchRenderOptions bench_render;
   add_bench_render(*bench, bench_render);
   try {
@@ -335,6 +353,7 @@ int run(int argc, char** argv) {
   if (program.got_subcommand("validate")) pvg::run_validate(validate);
   if (program.got_subcommand("diagnose")) pvg::run_diagnose(diagnose);
   if (bench->got_subcommand("physics")) pvg::run_bench_physics(bench_physics);
+  if (bench->got_subcommand("solver")) pvg::run_bench_solver(bench_solver);
   if (bench->got_subcommand("render")) pvg::run_bench_render(bench_render);
   return DONE;
 }

@@ -86,7 +86,8 @@ MultilevelSchwarz::MultilevelSchwarz(Device& device, const BlockMatrix& matrix, 
       node_of_slot_(device, 0, "node of slot"),
       slot_of_node_(device, 0, "slot of node") {
   const MatrixPattern& pattern = matrix.pattern();
-  const SchwarzHierarchy hierarchy = make_schwarz_hierarchy(pattern, nodes, std::min(width, LARGEST_WIDTH), most_levels);
+  const SchwarzHierarchy hierarchy =
+      make_schwarz_hierarchy(pattern, nodes, std::min(width, LARGEST_WIDTH), most_levels);
   if (hierarchy.levels.empty()) return;
   const SchwarzLevel& finest = hierarchy.levels.front();
   std::vector<u32> node_of_slot(finest.n_slots(), NO_SLOT), row, column;

@@ -55,6 +55,8 @@ class Potential {
   void couple_contacts(std::span<const char> worlds);
   const std::vector<std::vector<NodePair>>& couplings() const { return couplings_; }  // [n_worlds], sorted
   void restore_couplings(const std::vector<std::vector<NodePair>>& couplings);
+  const BlockMatrix& matrix() const { return *matrix_; }  // of the terms whose elements never change
+  std::size_t preconditioner_bytes() const { return preconditioner_->n_bytes(); }
   // out = M^-1 residual;  [n_nodes x 3]
   void precondition(const Buffer<f64>& residual, Buffer<f64>& out) { preconditioner_->apply(residual, out); }
 

@@ -33,7 +33,8 @@ RigidGroups rigid_groups(const System& system) {
 
 std::vector<u32> first_frame_nodes(const System& system) {
   std::vector<u32> first;
-  for (const std::vector<u32>& frames : system.rigid_first_node) first.insert(first.end(), frames.begin(), frames.end());
+  for (const std::vector<u32>& frames : system.rigid_first_node)
+    first.insert(first.end(), frames.begin(), frames.end());
   return first;
 }
 
@@ -75,6 +76,10 @@ void Preconditioner::apply(const Buffer<f64>& residual, Buffer<f64>& preconditio
     std::transform(z.begin(), z.end(), of_schwarz.begin(), z.begin(), std::plus<>());
   }
   preconditioned.write(z);
+}
+
+std::size_t Preconditioner::n_bytes() const {
+  return (groups_ ? sizeof(double) * groups_->n_numbers() : 0) + (schwarz_ ? schwarz_->n_bytes() : 0);
 }
 
 void Preconditioner::couple(std::span<const NodePair> pairs) {

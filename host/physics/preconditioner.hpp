@@ -27,6 +27,7 @@ class Preconditioner {
   void apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned);
   // Takes further pairs of nodes into the factors; does nothing where it is not `factor`.
   void couple(std::span<const NodePair> pairs);
+  std::size_t n_bytes() const;                       // of factors and inverses
   bool takes_contacts() const { return !schwarz_; }  // into its factors, by couple()
 
  private:

@@ -123,8 +123,7 @@ std::vector<Item> first_items(const MatrixPattern& pattern, const SchwarzNodes& 
       for (u32 k = 0; k < n_nodes; ++k) {
         // an axis is a difference of points: it does not move with a translation
         item.modes(k, 0) = k == 0;
-        item.modes.block<1, 3>(k, 1) =
-            Eigen::Map<const Eigen::RowVector3d>(&nodes.position[3 * std::size_t(node + k)]);
+        item.modes.block<1, 3>(k, 1) = Eigen::Map<const Eigen::RowVector3d>(&nodes.position[3 * std::size_t(node + k)]);
         members.push_back(node + k);
         item_of[node + k] = u32(items.size());
       }

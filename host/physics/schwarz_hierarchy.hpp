@@ -1,6 +1,6 @@
 // The levels of the multilevel additive Schwarz preconditioner: which nodes form a cluster, and how a cluster moves as
-// one on the next coarser level. A cluster's coarse functions are the four 1, x, y, z at rest, made orthonormal over it,
-// each times the three directions: an affine body with four "nodes" again, so that every level looks alike.
+// one on the next coarser level. A cluster's coarse functions are the four 1, x, y, z at rest, made orthonormal over
+// it, each times the three directions: an affine body with four "nodes" again, so that every level looks alike.
 // Clusters follow connectivity: parts of one that no element connects are apart until each connected body is one
 // cluster; only then are bodies of a world taken together.
 #pragma once
@@ -16,8 +16,8 @@ constexpr u32 NO_SLOT = ~0u;
 
 // Functions of one level stand in slots: cluster c has those from c x width on, padded where it has fewer.
 struct SchwarzLevel {
-  u32 width = 0;                               // slots per cluster
-  std::vector<u32> parent;                     // [n_clusters] first of its 4 slots on the next level; NO_SLOT on the last
+  u32 width = 0;            // slots per cluster
+  std::vector<u32> parent;  // [n_clusters] first of its 4 slots on the next level; NO_SLOT on the last
   std::vector<std::array<double, 4>> weights;  // [n_slots] of the four coarse functions; 0 in unused slots
   std::vector<u32> cluster_world;              // [n_clusters]
   std::size_t n_clusters() const { return parent.size(); }

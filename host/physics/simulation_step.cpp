@@ -87,7 +87,8 @@ void Simulation::Impl::renew_couplings() {
 CgReport Simulation::Impl::solve() {
   const auto timed = clock.time(SolverPhase::solve);
   return cg.solve([&](const Buffer<f64>& p, Buffer<f64>& out) { potential.product(p, out); },
-                  [&](const Buffer<f64>& r, Buffer<f64>& out) { potential.precondition(r, out); }, gradient, is_active, solver().cg_tolerance, solver().max_cg, dx);
+                  [&](const Buffer<f64>& r, Buffer<f64>& out) { potential.precondition(r, out); }, gradient, is_active,
+                  solver().cg_tolerance, solver().max_cg, dx);
 }
 
 std::vector<double> Simulation::Impl::find_direction() {

@@ -231,8 +231,8 @@ SolverSettings read_solver(Section& root, double largest_time_step) {
   solver.integrator =
       SolverSettings::Integrator(section.choice("integrator", {"implicit_euler", "bdf2"}, int(solver.integrator)));
   solver.max_newton = section.integer("max_newton", 1, 10000, solver.max_newton);
-  solver.preconditioner = SolverSettings::Preconditioner(
-      section.choice("preconditioner", {"factor", "schwarz", "block_jacobi"}, int(solver.preconditioner)));
+  solver.preconditioner = SolverSettings::Preconditioner(section.choice(
+      "preconditioner", {PRECONDITIONER_NAMES.begin(), PRECONDITIONER_NAMES.end()}, int(solver.preconditioner)));
   solver.cg_tolerance = section.number("cg_tolerance", Unit::none, 1e-15, 0.5, solver.cg_tolerance);
   solver.max_cg = section.integer("max_cg", 1, 1000000, solver.max_cg);
   solver.max_step_halvings = section.integer("max_step_halvings", 0, 20, solver.max_step_halvings);

@@ -193,12 +193,11 @@ void write_physics(Writer& w, const Task& task) {
   w.entry("friction_lag_passes", task.contact.friction_lag_passes);
   w.end();
   constexpr const char* INTEGRATORS[] = {"implicit_euler", "bdf2"};
-  constexpr const char* PRECONDITIONERS[] = {"factor", "schwarz", "block_jacobi"};
   w.begin("solver");
   w.entry("integrator", INTEGRATORS[int(task.solver.integrator)]);
   w.entry("velocity_tolerance", task.solver.velocity_tolerance);
   w.entry("max_newton", task.solver.max_newton);
-  w.entry("preconditioner", PRECONDITIONERS[int(task.solver.preconditioner)]);
+  w.entry("preconditioner", PRECONDITIONER_NAMES[std::size_t(task.solver.preconditioner)]);
   w.entry("cg_tolerance", task.solver.cg_tolerance);
   w.entry("max_cg", task.solver.max_cg);
   w.entry("max_step_halvings", task.solver.max_step_halvings);

@@ -2,6 +2,7 @@
 // (beside). SI units, radians; z up; quaternions Hamilton. Indices refer to the vectors of the same Scene.
 #pragma once
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -153,12 +154,14 @@ struct SolverSettings {
   Integrator integrator = Integrator::implicit_euler;  // bdf2: second order; its first step is implicit Euler's
   double velocity_tolerance = 1e-3;  // Newton stops when its next correction moves no point faster [m/s]
   int max_newton = 60;
-  enum class Preconditioner { factor, schwarz, block_jacobi };
-  Preconditioner preconditioner = Preconditioner::factor;  // host/physics/preconditioner.hpp
+  enum class Preconditioner { factor, schwarz, block_jacobi };  // host/physics/preconditioner.hpp
+  Preconditioner preconditioner = Preconditioner::factor;
   double cg_tolerance = 1e-4;  // relative, in the norm of the preconditioner
   int max_cg = 2000;
   int max_step_halvings = 4;  // a failed step is retried as two of half the length, this often
 };
+
+constexpr std::array<const char*, 3> PRECONDITIONER_NAMES = {"factor", "schwarz", "block_jacobi"};
 
 // ---- what is seen -----------------------------------------------------------------------------------------------
 

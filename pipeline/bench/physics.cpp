@@ -19,32 +19,6 @@ namespace {
 
 constexpr std::size_t N_WARM_UP = 2;  // steps; kernels are compiled in them
 
-// A scene and what its drives are told at each step.
-struct Run {
-  Scene scene;
-  std::vector<std::vector<double>> targets;  // [n_steps][n_driven]
-};
-
-Run load_run(const PhysicsBenchmark& benchmark, const std::filesystem::path& data) {
-  Run run;
-  const std::filesystem::path file = data / benchmark.file;
-  if (benchmark.file.starts_with("tasks/")) {
-    const Task task = load_task(file);
-    const TaskScene built = build_scene_at_middle(task);
-    run.scene = built.scene;
-    run.targets = plan_episode(task, built).targets;
-  } else {
-    const SceneRun scene = load_scene_run(file);
-    run.scene = scene.scene;
-    for (std::size_t step = 1; step <= scene.n_steps(); ++step)
-      run.targets.push_back(scene.targets_at(double(step) * scene.scene.solver.time_step));
-  }
-  if (benchmark.duration > 0)
-    run.targets.resize(
-        std::min(run.targets.size(), std::size_t(benchmark.duration / run.scene.solver.time_step + 0.5)));
-  return run;
-}
-
 // Peak resident memory since it was last reset [bytes]; 0 where the system does not tell.
 std::size_t peak_resident_bytes() {
   std::ifstream status("/proc/self/status");
@@ -69,7 +43,7 @@ struct Repeat {
   std::size_t transferred = 0;
 };
 
-Repeat repeat(Device& device, const Run& run, std::size_t n_worlds, bool measures_phases,
+Repeat repeat(Device& device, const BenchmarkRun& run, std::size_t n_worlds, bool measures_phases,
               const std::atomic<bool>& stop) {
   const std::vector<Scene> scenes(n_worlds, run.scene);
   Simulation simulation(device, scenes);
@@ -120,12 +94,48 @@ std::vector<PhysicsBenchmark> physics_benchmarks() {
   };
 }
 
+std::vector<PhysicsBenchmark> physics_benchmarks(const std::vector<std::string>& names) {
+  if (names.empty()) return physics_benchmarks();
+  std::vector<PhysicsBenchmark> benchmarks;
+  std::string known;
+  for (const PhysicsBenchmark& each : physics_benchmarks()) known += (known.empty() ? "" : ", ") + each.name;
+  for (const std::string& name : names) {
+    const std::size_t before = benchmarks.size();
+    for (const PhysicsBenchmark& each : physics_benchmarks())
+      if (each.name == name) benchmarks.push_back(each);
+    if (benchmarks.size() == before)
+      throw UsageError("--scene " + name + ": there is no such benchmark; there are: " + known);
+  }
+  return benchmarks;
+}
+
+BenchmarkRun load_run(const PhysicsBenchmark& benchmark, const std::filesystem::path& data) {
+  BenchmarkRun run;
+  const std::filesystem::path file = data / benchmark.file;
+  if (benchmark.file.starts_with("tasks/")) {
+    const Task task = load_task(file);
+    const TaskScene built = build_scene_at_middle(task);
+    run.scene = built.scene;
+    run.targets = plan_episode(task, built).targets;
+  } else {
+    const SceneRun scene = load_scene_run(file);
+    run.scene = scene.scene;
+    for (std::size_t step = 1; step <= scene.n_steps(); ++step)
+      run.targets.push_back(scene.targets_at(double(step) * scene.scene.solver.time_step));
+  }
+  if (benchmark.duration > 0)
+    run.targets.resize(
+        std::min(run.targets.size(), std::size_t(benchmark.duration / run.scene.solver.time_step + 0.5)));
+  return run;
+}
+
 PhysicsFigures run_physics_benchmark(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
-                                     const std::string& device_name, std::size_t repeats,
-                                     const std::atomic<bool>& stop) {
+                                     const std::string& device_name, std::size_t repeats, const std::atomic<bool>& stop,
+                                     std::optional<SolverSettings::Preconditioner> preconditioner) {
   reset_peak_resident_bytes();
   const std::size_t before = peak_resident_bytes();
-  const Run run = load_run(benchmark, data);
+  BenchmarkRun run = load_run(benchmark, data);
+  if (preconditioner) run.scene.solver.preconditioner = *preconditioner;
   Device device(device_name);
   std::vector<Repeat> results;
   for (std::size_t i = 0; i < repeats; ++i) results.push_back(repeat(device, run, benchmark.n_worlds, false, stop));

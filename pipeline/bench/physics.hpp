@@ -2,11 +2,13 @@
 #pragma once
 #include <atomic>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/device/device.hpp"
 #include "host/physics/phase_clock.hpp"
+#include "host/scene/scene.hpp"
 
 namespace pvg {
 
@@ -34,10 +36,20 @@ struct PhysicsFigures {
 };
 
 std::vector<PhysicsBenchmark> physics_benchmarks();
+// Those with these names, all of them for none; throws a UsageError that lists them where there is no such one.
+std::vector<PhysicsBenchmark> physics_benchmarks(const std::vector<std::string>& names);
+
+// A scene and what its drives are told at each step.
+struct BenchmarkRun {
+  Scene scene;
+  std::vector<std::vector<double>> targets;  // [n_steps][n_driven]
+};
+BenchmarkRun load_run(const PhysicsBenchmark& benchmark, const std::filesystem::path& data);
 
 // Runs one benchmark `repeats` times after a warm-up of two steps. data: the folder that holds bench/ and tasks/.
-// Throws TryAgain where `stop` asks for it.
+// preconditioner: instead of the scene's. Throws TryAgain where `stop` asks for it.
 PhysicsFigures run_physics_benchmark(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
-                                     const std::string& device, std::size_t repeats, const std::atomic<bool>& stop);
+                                     const std::string& device, std::size_t repeats, const std::atomic<bool>& stop,
+                                     std::optional<SolverSettings::Preconditioner> preconditioner = {});
 
 }  // namespace pvg

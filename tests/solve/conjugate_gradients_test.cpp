@@ -107,7 +107,8 @@ TEST(ConjugateGradients, SolvesAChainAcrossGroups) {
     Buffer<f64> gradient(device, g, "gradient"), dx(device, 3 * n, "dx");
     ConjugateGradients cg(device, std::vector<u32>(n, 0), 1, {{0, 0, n}});
     const CgReport report = cg.solve([&](const Buffer<f64>& p, Buffer<f64>& out) { chain.product(p, out); },
-                                     [&](const Buffer<f64>& r, Buffer<f64>& z) { chain.precondition(r, z); }, gradient, {true}, 1e-10, 200, dx);
+                                     [&](const Buffer<f64>& r, Buffer<f64>& z) { chain.precondition(r, z); }, gradient,
+                                     {true}, 1e-10, 200, dx);
     EXPECT_TRUE(report.has_converged[0]);
     // each of the cut springs couples two groups in three directions: exact groups leave at most that many errors
     EXPECT_LE(report.iterations[0], int(1 + 6 * ((n - 1) / 40) + 2));
@@ -122,8 +123,9 @@ TEST(ConjugateGradients, OneGroupIsSolvedInOneIteration) {
   Chain chain(device, 30, 30, 1e6);
   Buffer<f64> gradient(device, std::vector<double>(90, 1.0), "gradient"), dx(device, 90, "dx");
   ConjugateGradients cg(device, std::vector<u32>(30, 0), 1, {{0, 0, 30}});
-  const CgReport report = cg.solve([&](const Buffer<f64>& p, Buffer<f64>& out) { chain.product(p, out); },
-                                   [&](const Buffer<f64>& r, Buffer<f64>& z) { chain.precondition(r, z); }, gradient, {true}, 1e-8, 10, dx);
+  const CgReport report =
+      cg.solve([&](const Buffer<f64>& p, Buffer<f64>& out) { chain.product(p, out); },
+               [&](const Buffer<f64>& r, Buffer<f64>& z) { chain.precondition(r, z); }, gradient, {true}, 1e-8, 10, dx);
   EXPECT_TRUE(report.has_converged[0]);
   EXPECT_EQ(report.iterations[0], 1);
   for (const double value : dx.read()) EXPECT_NEAR(value, -1.0, 1e-9);  // a uniform force moves 1 kg masses by -g
@@ -136,8 +138,9 @@ TEST(ConjugateGradients, CoupledGroupsAreSolvedInOneIteration) {
   EXPECT_EQ(chain.preconditioner->n_groups(), 1u);
   Buffer<f64> gradient(device, std::vector<double>(3 * 257, 1.0), "gradient"), dx(device, 3 * 257, "dx");
   ConjugateGradients cg(device, std::vector<u32>(257, 0), 1, {{0, 0, 257}});
-  const CgReport report = cg.solve([&](const Buffer<f64>& p, Buffer<f64>& out) { chain.product(p, out); },
-                                   [&](const Buffer<f64>& r, Buffer<f64>& z) { chain.precondition(r, z); }, gradient, {true}, 1e-8, 10, dx);
+  const CgReport report =
+      cg.solve([&](const Buffer<f64>& p, Buffer<f64>& out) { chain.product(p, out); },
+               [&](const Buffer<f64>& r, Buffer<f64>& z) { chain.precondition(r, z); }, gradient, {true}, 1e-8, 10, dx);
   EXPECT_TRUE(report.has_converged[0]);
   EXPECT_EQ(report.iterations[0], 1);
   chain.preconditioner->couple({});
@@ -149,8 +152,9 @@ TEST(ConjugateGradients, WorldsThatAreNotActiveStay) {
   Chain chain(device, 4, 2, 0.0);
   Buffer<f64> gradient(device, std::vector<double>(12, 2.0), "gradient"), dx(device, 12, "dx");
   ConjugateGradients cg(device, {0, 0, 1, 1}, 2, {{0, 0, 2}, {1, 2, 4}});
-  cg.solve([&](const Buffer<f64>& p, Buffer<f64>& out) { chain.product(p, out); }, [&](const Buffer<f64>& r, Buffer<f64>& z) { chain.precondition(r, z); }, gradient,
-           {false, true}, 1e-8, 10, dx);
+  cg.solve([&](const Buffer<f64>& p, Buffer<f64>& out) { chain.product(p, out); },
+           [&](const Buffer<f64>& r, Buffer<f64>& z) { chain.precondition(r, z); }, gradient, {false, true}, 1e-8, 10,
+           dx);
   const std::vector<double> solved = dx.read();
   for (int i = 0; i < 6; ++i) EXPECT_EQ(solved[i], 0.0);
   for (int i = 6; i < 12; ++i) EXPECT_NEAR(solved[i], -2.0, 1e-12);

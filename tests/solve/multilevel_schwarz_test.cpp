@@ -87,9 +87,8 @@ TEST(SchwarzHierarchy, EveryMovingNodeHasOneSlotAndTheCoarseFunctionsCarryAffine
   Potential potential(device, system);
   const u32 frames[] = {system.rigid_first_node[0][0], system.rigid_first_node[0][1]};
   // a chain is pattern enough for the soft nodes here; frames hang on their neighbours in it
-  const SchwarzHierarchy hierarchy =
-      make_schwarz_hierarchy(chain_pattern(u32(system.n_nodes())),
-                             {system.x, system.node_world, system.node_is_fixed, frames}, 32, 12);
+  const SchwarzHierarchy hierarchy = make_schwarz_hierarchy(
+      chain_pattern(u32(system.n_nodes())), {system.x, system.node_world, system.node_is_fixed, frames}, 32, 12);
   ASSERT_GE(hierarchy.levels.size(), 2u);
   EXPECT_EQ(hierarchy.levels.back().n_clusters(), 1u);
   std::vector<char> is_taken(hierarchy.levels[0].n_slots(), false);
@@ -231,8 +230,7 @@ TEST(MultilevelSchwarz, AWorldHasTheSameBitsAsAlone) {
     alone.step(std::vector<std::vector<double>>{{}});
   }
   const WorldState in_company = together.state(1), by_itself = alone.state(0);
-  for (std::size_t i = 0; i < by_itself.soft[0].size(); ++i)
-    EXPECT_EQ(in_company.soft[0][i], by_itself.soft[0][i]);
+  for (std::size_t i = 0; i < by_itself.soft[0].size(); ++i) EXPECT_EQ(in_company.soft[0][i], by_itself.soft[0][i]);
 }
 
 }  // namespace
