@@ -17,8 +17,9 @@ int column_stride(int n_rows) {
 
 }  // namespace
 
-BlockCholesky::BlockCholesky(const BlockPattern& pattern, std::span<const Vec3> position)
-    : tree_(eliminate(pattern, position)), fronts_(tree_.supernodes.size()) {
+BlockCholesky::BlockCholesky(const BlockPattern& pattern, std::span<const Vec3> position,
+                             std::optional<NodeOrder> order)
+    : tree_(eliminate(pattern, position, order)), fronts_(tree_.supernodes.size()) {
   lay_out_panels();
   choose_subtrees();
   lay_out_updates();

@@ -14,8 +14,10 @@ namespace pvg {
 
 class BlockCholesky {
  public:
-  // orders and allocates; everything after it allocates nothing. position: of each node [m], or nothing
-  explicit BlockCholesky(const BlockPattern& pattern, std::span<const Vec3> position = {});
+  // orders and allocates; everything after it allocates nothing. position: of each node [m], or nothing; order: the
+  // cheapest where none is asked for
+  explicit BlockCholesky(const BlockPattern& pattern, std::span<const Vec3> position = {},
+                         std::optional<NodeOrder> order = {});
 
   // blocks: one 3 x 3 block for each of the pattern, row-major [n_blocks x 9]; of a diagonal block the lower triangle
   // is read. False where the matrix is not positive definite or not finite; then solve() must not be called.
@@ -23,6 +25,7 @@ class BlockCholesky {
   // x = A^-1 x in place [n_nodes x 3]; not from several threads at once, it needs the fronts' memory
   void solve(std::span<double> x, Workers* workers = nullptr) const;
 
+  NodeOrder order() const { return tree_.kind; }
   double cost() const { return tree_.cost; }  // of one factorisation, about the number of floating point operations
   bool uses_threads() const { return subtrees_.size() > 1; }
   std::size_t n_numbers() const { return 8 * panels_.size(); }  // stored in the factor

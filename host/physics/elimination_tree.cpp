@@ -126,15 +126,20 @@ EliminationTree tree_of(const std::vector<Front>& fronts, const std::vector<u32>
 
 }  // namespace
 
-EliminationTree eliminate(const BlockPattern& pattern, std::span<const Vec3> position) {
+EliminationTree eliminate(const BlockPattern& pattern, std::span<const Vec3> position,
+                          std::optional<NodeOrder> wanted) {
   const NodeGraph graph = graph_of(pattern);
-  std::vector<std::vector<u32>> orders{minimum_degree_order(graph), two_ended_sweep(graph)};
-  if (!position.empty()) orders.push_back(nested_dissection(graph, position));
   EliminationTree best;
-  for (const std::vector<u32>& order : orders) {
+  for (const NodeOrder kind : {NodeOrder::minimum_degree, NodeOrder::two_ended_sweep, NodeOrder::nested_dissection}) {
+    if (wanted && kind != *wanted) continue;
+    if (kind == NodeOrder::nested_dissection && position.empty()) continue;
+    const std::vector<u32> order = kind == NodeOrder::minimum_degree    ? minimum_degree_order(graph)
+                                   : kind == NodeOrder::two_ended_sweep ? two_ended_sweep(graph)
+                                                                        : nested_dissection(graph, position);
     std::vector<Front> fronts = fronts_of_nodes(graph, order);
     merge_fronts(fronts);
     EliminationTree tree = tree_of(fronts, order);
+    tree.kind = kind;
     if (best.order.empty() || tree.cost < best.cost) best = std::move(tree);
   }
   return best;

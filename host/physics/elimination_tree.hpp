@@ -2,10 +2,12 @@
 // which nodes are eliminated, and supernodes, groups of nodes eliminated together because (nearly) the same rows follow
 // them. Liu 1990, "The role of elimination trees in sparse factorization"; Ashcraft, Grimes 1989 on relaxed supernodes.
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "host/geometry/mesh.hpp"
+#include "host/physics/node_order.hpp"
 #include "shared/types.h"
 
 namespace pvg {
@@ -32,10 +34,12 @@ struct EliminationTree {
   std::vector<u32> position;          // [n_nodes] node to position
   std::vector<Supernode> supernodes;  // children before parents, the subtree of each in one piece before it
   double cost = 0;                    // of all
+  NodeOrder kind = NodeOrder::minimum_degree;
 };
 
-// With the cheapest of the orders of host/physics/node_order.hpp. position: of each node [n_nodes, m], or nothing, then
-// without the order that needs it.
-EliminationTree eliminate(const BlockPattern& pattern, std::span<const Vec3> position = {});
+// With the cheapest of the orders of host/physics/node_order.hpp, or the one that is asked for. position: of each node
+// [n_nodes, m], or nothing, then without the order that needs it.
+EliminationTree eliminate(const BlockPattern& pattern, std::span<const Vec3> position = {},
+                          std::optional<NodeOrder> kind = {});
 
 }  // namespace pvg

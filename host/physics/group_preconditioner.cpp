@@ -53,7 +53,16 @@ GroupPreconditioner::GroupPreconditioner(const MatrixPattern& matrix, std::span<
       workers_(std::make_unique<Workers>()) {
   for (u32 node = 0; node < lone_group_.size(); ++node)
     if (lone_group_[node] != NO_GROUP) lone_nodes_[lone_group_[node]].push_back(node);
+  lone_order_.resize(group_world.size());
   couple({});
+  for (const Group& group : groups_)
+    for (const u32 lone : group.joined) lone_order_[lone] = group.factor->order();
+}
+
+// That of its largest part: a few contacts do not change which one suits.
+std::optional<NodeOrder> GroupPreconditioner::order_of(const Group& group) const {
+  return lone_order_[*std::max_element(group.joined.begin(), group.joined.end(),
+                                       [&](u32 a, u32 b) { return lone_nodes_[a].size() < lone_nodes_[b].size(); })];
 }
 
 // The sets of groups that pairs hold together, ascending, in the order of their first.
@@ -143,7 +152,7 @@ void GroupPreconditioner::find_pattern(Group& group) const {
   group.local.resize(3 * group.nodes.size());
   std::vector<Vec3> position;
   for (const u32 node : group.nodes) position.emplace_back(&position_[3 * std::size_t(node)]);
-  group.factor = std::make_unique<BlockCholesky>(group.pattern, position);
+  group.factor = std::make_unique<BlockCholesky>(group.pattern, position, order_of(group));
 }
 
 std::size_t GroupPreconditioner::n_numbers() const {

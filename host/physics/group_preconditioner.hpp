@@ -58,6 +58,7 @@ class GroupPreconditioner {
   void for_each_block(std::span<const u32> element_sites, std::size_t stencil, const Found& found) const;
   std::vector<std::vector<u32>> join(std::span<const NodePair> pairs) const;
   void find_pattern(Group& group) const;
+  std::optional<NodeOrder> order_of(const Group& group) const;
   static u32 find_block(const Group& group, u32 row, u32 column);
   void add_contacts(const Term& contacts);
   static void leave_out(Group& group, u32 row, u32 column, const double* from, std::size_t width, double weight);
@@ -67,8 +68,9 @@ class GroupPreconditioner {
   const MatrixPattern& matrix_;
   std::vector<Site> sites_;
   std::vector<double> position_;
-  std::vector<u32> lone_group_, group_world_;  // of each node, without contact; of each of these groups
-  std::vector<std::vector<u32>> lone_nodes_;   // of each of these groups
+  std::vector<u32> lone_group_, group_world_;         // of each node, without contact; of each of these groups
+  std::vector<std::vector<u32>> lone_nodes_;          // of each of these groups
+  std::vector<std::optional<NodeOrder>> lone_order_;  // the cheapest for each of these groups, without contact
   std::vector<NodePair> always_coupled_;
   std::vector<u32> node_group_, node_local_;  // as they are joined now
   std::vector<Group> groups_;

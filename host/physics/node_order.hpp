@@ -17,6 +17,8 @@ struct NodeGraph {
   u32 n_nodes() const { return u32(first.size() - 1); }
 };
 
+enum class NodeOrder { minimum_degree, two_ended_sweep, nested_dissection };
+
 // All return the node at each position in the order.
 // Approximate minimum degree (Amestoy, Davis, Duff 1996), Eigen's.
 std::vector<u32> minimum_degree_order(const NodeGraph& graph);

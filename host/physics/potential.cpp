@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <iterator>
 
 namespace pvg {
 namespace {
+
+constexpr std::size_t LARGEST_SURPLUS = 2;  // pairs held for each one in contact: the rest costs fill in vain
+constexpr double FEW = 0.02;                // of the pairs in contact are left to conjugate gradients within a step
 
 // appends the runs of each world in a list of elements, the first of which has the number `offset`
 void append_ranges(const std::vector<u32>& world_first, u32 offset, std::vector<WorldRange>& ranges) {
@@ -228,7 +232,7 @@ std::optional<u32> Potential::factorize(std::span<const char> world_is_active) {
   return preconditioner_->factorize(contacts, world_is_active);
 }
 
-void Potential::couple_contacts(std::span<const char> worlds) {
+void Potential::couple_contacts(std::span<const char> worlds, Coupling when) {
   if (!preconditioner_->takes_contacts()) return;
   bool is_changed = false;
   for (std::size_t w = 0; w < worlds.size(); ++w) {
@@ -239,8 +243,13 @@ void Potential::couple_contacts(std::span<const char> worlds) {
         append_coupled(std::span(term->sites()).subspan(4 * std::size_t(e), 4), pairs);
     std::sort(pairs.begin(), pairs.end());
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    if (std::includes(couplings_[w].begin(), couplings_[w].end(), pairs.begin(), pairs.end())) continue;
-    couplings_[w] = std::move(pairs);
+    std::vector<NodePair> all;
+    std::set_union(couplings_[w].begin(), couplings_[w].end(), pairs.begin(), pairs.end(), std::back_inserter(all));
+    if (when == Coupling::step_begins && all.size() > LARGEST_SURPLUS * pairs.size()) all = std::move(pairs);
+    if (when == Coupling::before_solve && double(all.size() - couplings_[w].size()) <= FEW * double(pairs.size()))
+      continue;
+    if (all == couplings_[w]) continue;
+    couplings_[w] = std::move(all);
     is_changed = true;
   }
   if (is_changed) restore_couplings(std::vector<std::vector<NodePair>>(couplings_));

@@ -24,6 +24,8 @@ struct Positions {
 
 class Potential {
  public:
+  enum class Coupling { step_begins, before_solve, solve_took_long };
+
   Potential(Device& device, const System& system);
 
   void update_sites(Positions& positions);  // site from node
@@ -51,8 +53,9 @@ class Potential {
   // whose matrix is not positive definite, or nothing.
   std::optional<u32> factorize(std::span<const char> world_is_active);
   // From now on the factors of these worlds hold the pairs of nodes that the contacts of the last differentiate()
-  // couple.
-  void couple_contacts(std::span<const char> worlds);
+  // couple, besides those that they hold. At the beginning of a step those are given up where most are contacts no
+  // more; before a solve a few new ones are left out, for a new pattern has to be analysed.
+  void couple_contacts(std::span<const char> worlds, Coupling when);
   const std::vector<std::vector<NodePair>>& couplings() const { return couplings_; }  // [n_worlds], sorted
   void restore_couplings(const std::vector<std::vector<NodePair>>& couplings);
   const BlockMatrix& matrix() const { return *matrix_; }  // of the terms whose elements never change

@@ -48,7 +48,7 @@ struct Simulation::Impl {
   void factorize();
   CgReport solve();
   void couple_contacts(const CgReport& report);
-  void renew_couplings();
+  void renew_couplings(Potential::Coupling when);
   std::vector<double> find_direction();  // dx, and the largest speed of a point per world, times h [m]
   void line_search(const std::vector<double>& certified);
   std::vector<double> energy_at(const std::vector<double>& length);

@@ -67,21 +67,21 @@ void Simulation::Impl::factorize() {
             "the stiffness of what it belongs to is not positive definite");
 }
 
-// Takes contacts into the preconditioner's factor: where conjugate gradients took long they are what it lacks, and a
-// world where they once did begins every step with them.
+// Takes contacts into the preconditioner's factor: where conjugate gradients took long they are what it lacks, and in a
+// world where they once did every iteration of Newton's begins with them.
 void Simulation::Impl::couple_contacts(const CgReport& report) {
   std::vector<char> took_long(is_active.size(), false);
   for (std::size_t w = 0; w < took_long.size(); ++w) took_long[w] = is_active[w] && report.iterations[w] > MANY_CG;
   const auto timed = clock.time(SolverPhase::preconditioner);
-  potential.couple_contacts(took_long);
+  potential.couple_contacts(took_long, Potential::Coupling::solve_took_long);
 }
 
-void Simulation::Impl::renew_couplings() {
+void Simulation::Impl::renew_couplings(Potential::Coupling when) {
   std::vector<char> once_took_long(is_active.size(), false);
   for (std::size_t w = 0; w < once_took_long.size(); ++w)
     once_took_long[w] = is_active[w] && !potential.couplings()[w].empty();
   const auto timed = clock.time(SolverPhase::preconditioner);
-  potential.couple_contacts(once_took_long);
+  potential.couple_contacts(once_took_long, when);
 }
 
 CgReport Simulation::Impl::solve() {
@@ -96,7 +96,8 @@ std::vector<double> Simulation::Impl::find_direction() {
     const auto timed = clock.time(SolverPhase::assembly);
     potential.differentiate(x, contacts.contacts(), gradient);
   }
-  if (std::exchange(begins_step, false)) renew_couplings();
+  renew_couplings(std::exchange(begins_step, false) ? Potential::Coupling::step_begins
+                                                    : Potential::Coupling::before_solve);
   factorize();
   const CgReport report = solve();
   couple_contacts(report);

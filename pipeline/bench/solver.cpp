@@ -126,7 +126,7 @@ PreconditionerFigures time_ours(Device& device, BenchmarkRun run, std::size_t n_
   figures.analyse_seconds =
       time_of(device, 1, [&] { const Preconditioner again(device, linear.system, linear.potential.matrix()); }).wall;
   if (takes_contacts) {
-    linear.potential.couple_contacts(all);
+    linear.potential.couple_contacts(all, Potential::Coupling::step_begins);
     figures.analyse_seconds = time_of(device, 1, [&] {
                                 const auto couplings = linear.potential.couplings();
                                 linear.potential.restore_couplings(std::vector<std::vector<NodePair>>(n_worlds));

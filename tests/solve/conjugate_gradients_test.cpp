@@ -7,7 +7,9 @@
 
 #include "energies/inertia.h"
 #include "energies/stitch_spring.h"
+#include "host/physics/block_matrix.hpp"
 #include "host/physics/gather.hpp"
+#include "host/physics/group_preconditioner.hpp"
 #include "host/physics/term.hpp"
 
 namespace pvg {
