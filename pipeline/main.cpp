@@ -259,7 +259,7 @@ void add_bench_physics(CLI::App& bench, pvg::BenchPhysicsOptions& o) {
       ->capture_default_str();
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
   command->add_option("--preconditioner", o.preconditioner, "Instead of what the scenes say")
-      ->check(CLI::IsMember({"factor", "schwarz", "block_jacobi"}));
+      ->check(CLI::IsMember({"automatic", "factor", "schwarz", "block_jacobi"}));
   command->add_flag("--list", o.lists, "Print the names of the scenes and end");
   command->add_flag("--json", o.as_json, "Print JSON");
   command->footer("Example:\n  phyvisgen bench physics --scene mat_twist --scene towel --repeats 1");

@@ -54,9 +54,13 @@ GroupPreconditioner::GroupPreconditioner(const MatrixPattern& matrix, std::span<
   for (u32 node = 0; node < lone_group_.size(); ++node)
     if (lone_group_[node] != NO_GROUP) lone_nodes_[lone_group_[node]].push_back(node);
   lone_order_.resize(group_world.size());
+  lone_cost_.resize(group_world.size());
   couple({});
   for (const Group& group : groups_)
-    for (const u32 lone : group.joined) lone_order_[lone] = group.factor->order();
+    for (const u32 lone : group.joined) {
+      lone_order_[lone] = group.factor->order();
+      lone_cost_[lone] = group.factor->cost();
+    }
 }
 
 // That of its largest part: a few contacts do not change which one suits.

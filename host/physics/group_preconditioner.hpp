@@ -38,6 +38,7 @@ class GroupPreconditioner {
                                std::span<const char> world_is_active);
   // preconditioned = M^-1 residual;  [n_nodes x 3]; zero on nodes without group and in groups that are not active
   void apply(std::span<const double> residual, std::span<double> preconditioned) const;
+  double cost(u32 group) const { return lone_cost_[group]; }  // of a group's factor without contact, operations
   std::size_t n_groups() const { return groups_.size(); }
   std::size_t n_numbers() const;  // stored in all factors
 
@@ -71,6 +72,7 @@ class GroupPreconditioner {
   std::vector<u32> lone_group_, group_world_;         // of each node, without contact; of each of these groups
   std::vector<std::vector<u32>> lone_nodes_;          // of each of these groups
   std::vector<std::optional<NodeOrder>> lone_order_;  // the cheapest for each of these groups, without contact
+  std::vector<double> lone_cost_;                     // of its factor then
   std::vector<NodePair> always_coupled_;
   std::vector<u32> node_group_, node_local_;  // as they are joined now
   std::vector<Group> groups_;

@@ -36,7 +36,7 @@ std::vector<double> flat(const std::vector<std::array<double, 4>>& weights) {
 std::vector<u32> blocks_within(u32 width, const std::vector<u32>& row, const std::vector<u32>& column) {
   std::vector<u32> within;
   for (u32 k = 0; k < row.size(); ++k)
-    if (row[k] / width == column[k] / width) within.push_back(k);
+    if (row[k] != NO_SLOT && row[k] / width == column[k] / width) within.push_back(k);
   return within;
 }
 
@@ -117,15 +117,21 @@ MultilevelSchwarz::MultilevelSchwarz(Device& device, const BlockMatrix& matrix, 
 // Pairs of clusters that blocks of this level connect; row, column: of this level's blocks, then of the next one's.
 void MultilevelSchwarz::find_coarse_blocks(Level& level, const SchwarzLevel& shape, std::vector<u32>& row,
                                            std::vector<u32>& column) {
+  std::vector<u32> present;
   std::vector<std::array<u32, 2>> pair_of_block;
-  for (std::size_t k = 0; k < row.size(); ++k) pair_of_block.push_back({row[k] / shape.width, column[k] / shape.width});
-  const std::vector<u32> source = sorted_order(pair_of_block);
-  std::vector<u32> first;
+  for (u32 k = 0; k < row.size(); ++k) {
+    if (row[k] == NO_SLOT) continue;
+    present.push_back(k);
+    pair_of_block.push_back({row[k] / shape.width, column[k] / shape.width});
+  }
+  const std::vector<u32> order = sorted_order(pair_of_block);
+  std::vector<u32> first, source;
   row.clear();
   column.clear();
-  for (u32 k = 0; k < source.size(); ++k) {
-    const auto& [from, to] = pair_of_block[source[k]];
-    if (k > 0 && pair_of_block[source[k]] == pair_of_block[source[k - 1]]) continue;
+  for (u32 k = 0; k < order.size(); ++k) {
+    source.push_back(present[order[k]]);
+    const auto& [from, to] = pair_of_block[order[k]];
+    if (k > 0 && pair_of_block[order[k]] == pair_of_block[order[k - 1]]) continue;
     first.push_back(k);
     for (u32 a = 0; a < N_COARSE; ++a)
       for (u32 b = 0; b < N_COARSE; ++b) {
@@ -134,7 +140,7 @@ void MultilevelSchwarz::find_coarse_blocks(Level& level, const SchwarzLevel& sha
       }
   }
   level.n_pairs = u32(first.size());
-  first.push_back(u32(source.size()));
+  first.push_back(u32(order.size()));
   refill(level.pair_first, first);
   refill(level.pair_source, source);
 }

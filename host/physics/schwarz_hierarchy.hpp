@@ -25,14 +25,14 @@ struct SchwarzLevel {
 };
 
 struct SchwarzHierarchy {
-  std::vector<u32> slot_of_node;  // [n_nodes] on the first level; NO_SLOT: fixed
+  std::vector<u32> slot_of_node;  // [n_nodes] on the first level; NO_SLOT: fixed or left out
   std::vector<SchwarzLevel> levels;
 };
 
 struct SchwarzNodes {
   std::span<const double> position;  // at rest [n_nodes x 3, m]
   std::span<const u32> world;        // [n_nodes]
-  std::span<const u32> is_fixed;     // [n_nodes]
+  std::span<const u32> is_fixed;     // [n_nodes] or left out
   std::span<const u32> first_frame;  // first node p of each (p, a1, a2, a3), ascending: these four are not separated
 };
 

@@ -154,14 +154,14 @@ struct SolverSettings {
   Integrator integrator = Integrator::implicit_euler;  // bdf2: second order; its first step is implicit Euler's
   double velocity_tolerance = 1e-3;  // Newton stops when its next correction moves no point faster [m/s]
   int max_newton = 60;
-  enum class Preconditioner { factor, schwarz, block_jacobi };  // host/physics/preconditioner.hpp
-  Preconditioner preconditioner = Preconditioner::factor;
+  enum class Preconditioner { automatic, factor, schwarz, block_jacobi };  // host/physics/preconditioner.hpp
+  Preconditioner preconditioner = Preconditioner::automatic;
   double cg_tolerance = 1e-4;  // relative, in the norm of the preconditioner
   int max_cg = 2000;
   int max_step_halvings = 4;  // a failed step is retried as two of half the length, this often
 };
 
-constexpr std::array<const char*, 3> PRECONDITIONER_NAMES = {"factor", "schwarz", "block_jacobi"};
+constexpr std::array<const char*, 4> PRECONDITIONER_NAMES = {"automatic", "factor", "schwarz", "block_jacobi"};
 
 // ---- what is seen -----------------------------------------------------------------------------------------------
 

@@ -214,6 +214,19 @@ TEST(MultilevelSchwarz, MotionDoesNotDependOnThePreconditioner) {
   }
 }
 
+// Groups whose factor is too costly go to Schwarz, the others keep theirs: with 10,648 nodes that is so.
+TEST(MultilevelSchwarz, AutomaticDividesByTheCostOfTheFactor) {
+  Device device;
+  Scene scene = blocks_and_box(21, Kind::automatic);
+  AtStart mixed(device, scene);
+  scene.solver.preconditioner = Kind::factor;
+  AtStart exact(device, scene);
+  EXPECT_LT(mixed.potential.preconditioner_bytes(), exact.potential.preconditioner_bytes() / 4);
+  EXPECT_LE(exact.iterations(device), 2);
+  EXPECT_GT(mixed.iterations(device), 5);
+  EXPECT_LE(mixed.iterations(device), 60);
+}
+
 TEST(MultilevelSchwarz, AWorldHasTheSameBitsAsAlone) {
   Device device;
   const auto scene = [](double height) {
