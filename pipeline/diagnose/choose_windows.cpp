@@ -59,7 +59,7 @@ ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simu
   for (const double length : lengths) {
     if (length > 0.8 * longest) continue;
     if (length == 0 && longest > LONGEST_WHOLE && problem.can_restart) continue;
-    FitData data = fitter.prepare(
+    FitData data = fitter.prepare_near(
         make_windows(problem, false, length, most_windows(problem, simulated_seconds, length)), as_it_stands);
     if (data.windows.empty()) continue;
     Fit base = fitter.fit(data, {as_it_stands}, 0).front();

@@ -118,10 +118,15 @@ GroupErrors errors_of(const std::vector<VectorXd>& residual, const std::vector<s
 }
 
 // How much larger a's errors are than b's. relative: mean over the groups of (a - b) / max(a, b), so that a run with
-// large errors does not count for all, and its standard error from the groups' scatter. noise: the standard error of
-// mean(a) - mean(b) that noise of scale s makes of two predictions that differ, `correlated` samples saying the same.
+// large errors does not count for all; relative_sigma: its standard error from the groups' scatter; against: that of
+// the groups in which b is worse alone, since an effect that shows in one run only is no less an effect. noise: the
+// standard error of mean(a) - mean(b) that noise of scale s makes of two predictions that differ, `correlated` samples
+// saying the same.
 struct Difference {
-  double absolute = 0, noise = 0, relative = 0, relative_sigma = 0;
+  double absolute = 0, noise = 0, relative = 0, relative_sigma = 0, against = 0;
+  bool is_gain(double n_sigma) const {
+    return absolute > n_sigma * noise && relative > std::max(n_sigma * against, LEAST_DIFFERENCE);
+  }
   bool is_more_than(double n_sigma) const {
     return absolute > n_sigma * noise && relative > std::max(n_sigma * relative_sigma, LEAST_DIFFERENCE);
   }
@@ -141,6 +146,7 @@ Difference difference(const GroupErrors& a, const GroupErrors& b, const std::vec
   for (std::size_t k = 0; k < a.sum.size(); ++k)
     if (a.n[k] > 0) of.push_back((a.sum[k] - b.sum[k]) / std::max({a.sum[k], b.sum[k], 1e-300}));
   for (const double x : of) d.relative += x / double(of.size());
+  for (const double x : of) d.against = std::hypot(d.against, std::min(x, 0.0) / double(of.size()));
   for (const double x : of) d.relative_sigma += (x - d.relative) * (x - d.relative);
   if (of.size() > 1) d.relative_sigma = std::sqrt(d.relative_sigma / double(of.size() * (of.size() - 1)));
   return d;
@@ -222,8 +228,7 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
     judged.evidence = -0.5 * squares / (scale * scale * correlated) -
                       0.5 * double(fit.model.x.size()) * std::log(std::max(n_data / correlated, 2.0)) + belief_in(fit);
     judged.excludes_off = excludes_off(fit, std::size_t(base.model.x.size()));
-    judged.passes =
-        judged.excludes_off && !is_at_bound(fit, std::size_t(base.model.x.size())) && better.is_more_than(2);
+    judged.passes = judged.excludes_off && !is_at_bound(fit, std::size_t(base.model.x.size())) && better.is_gain(2);
     entries.push_back(std::move(entry));
   }
   std::stable_sort(entries.begin(), entries.end(),

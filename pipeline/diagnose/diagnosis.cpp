@@ -201,8 +201,19 @@ Fit without_idle_parts(Workflow& flow, const FitData& data, const Fit& base, con
   return decision.chosen >= 0 ? *decision.ranking[std::size_t(decision.chosen)].fit : fit;
 }
 
+// What a coarse time step does wrong, and how the windows answer to their starts, is another matter with the effect
+// than without: both are found again there, and the fit goes on.
+Fit settled(Workflow& flow, FitData& data, const Fit& fit) {
+  FitData near = flow.fitter.prepare_near(data.windows, fit.model);
+  if (near.windows.size() != data.windows.size()) return fit;
+  Fit better = flow.fitter.fit(near, {fit.model}, MORE_STEPS).front();
+  if (!better.is_well || robust_cost(better.residual, fit.scale) > robust_cost(fit.residual, fit.scale)) return fit;
+  data = std::move(near);
+  return better;
+}
+
 // Looks for one effect after the other, each beside those before. Returns the fits that grew by one effect each.
-std::vector<Fit> grow(Workflow& flow, const FitData& data, const Fit& base) {
+std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base) {
   Diagnosis& out = flow.out;
   std::vector<Fit> grown;
   Fit named = base;
@@ -233,6 +244,7 @@ std::vector<Fit> grow(Workflow& flow, const FitData& data, const Fit& base) {
     const std::size_t n_parts = chosen.fit->model.parts.size();
     named = n_parts > 1 && flow.settings.decide == Decide::workflow ? without_idle_parts(flow, data, base, *chosen.fit)
                                                                     : *chosen.fit;
+    if (flow.settings.decide == Decide::workflow) named = settled(flow, data, named);
     const double error = rms(named.residual);
     if (named.model.parts.size() < n_parts) {  // what remains stands alone
       grown.clear();

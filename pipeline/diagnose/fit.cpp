@@ -12,6 +12,10 @@ constexpr double FREEDOM = 4;          // degrees of, of Student's distribution
 constexpr int START_STEPS = 4;         // where only the windows' starts are fitted
 constexpr double SMALL_CHANGE = 1e-3;  // of the cost, relative: the fit has converged
 
+const std::vector<double> DAMPINGS = {1e-6, 10};      // of a step, relative
+const std::vector<double> START_DAMPINGS = {0, 0.1};  // likewise of the starts
+
+constexpr double NEAR_NOISE = 1.1;     // of residuals: the starts are good enough as measured
 constexpr double MOST_CORRECTION = 5;  // rms in units of noise; more is no small error of the integration
 
 VectorXd weights_of(const VectorXd& r, double s) {
@@ -22,6 +26,24 @@ double start_cost(const std::vector<VectorXd>& delta) {
   double sum = 0;
   for (const VectorXd& d : delta) sum += 0.5 * d.squaredNorm();
   return sum;
+}
+
+// One standard deviation of what is believed of a parameter, at most its bounds: what nothing in the data answers to
+// stays where it is.
+double believed_of(const Parameter& p) { return p.believed > 0 ? p.believed : p.high - p.low; }
+
+double belief_cost(const Model& model) {
+  const std::vector<const Parameter*> parameters = model.parameters();
+  double sum = 0;
+  for (Eigen::Index i = 0; i < model.x.size(); ++i) {
+    const Parameter& p = *parameters[std::size_t(i)];
+    sum += 0.5 * std::pow((model.x[i] - p.off) / believed_of(p), 2);
+  }
+  return sum;
+}
+
+double cost_of(const Fit& fit) {
+  return robust_cost(fit.residual, fit.scale) + start_cost(fit.delta) + belief_cost(fit.model);
 }
 
 VectorXd clamped(const Model& model, VectorXd x) {
@@ -37,11 +59,12 @@ struct StartSystem {
   Eigen::LDLT<MatrixXd> factor;  // of U^T W U + 1
 };
 
-StartSystem start_system(const FitData& data, const Fit& fit, std::size_t w) {
+StartSystem start_system(const FitData& data, const Fit& fit, std::size_t w, double damping = 0) {
   const MatrixXd& u = data.of_start[w];
   StartSystem system;
   system.weighted = weights_of(fit.residual[w], fit.scale).asDiagonal() * u;
-  const MatrixXd a = u.transpose() * system.weighted + MatrixXd::Identity(u.cols(), u.cols());
+  MatrixXd a = u.transpose() * system.weighted + MatrixXd::Identity(u.cols(), u.cols());
+  a.diagonal() *= 1 + damping;
   system.factor.compute(a);
   return system;
 }
@@ -163,9 +186,9 @@ Reduced reduce(const FitData& data, const Fit& fit) {
   return reduced;
 }
 
-VectorXd best_start(const FitData& data, const Fit& fit, std::size_t w, const VectorXd& dx) {
+VectorXd best_start(const FitData& data, const Fit& fit, std::size_t w, const VectorXd& dx, double damping) {
   if (data.of_start[w].cols() == 0) return VectorXd();
-  const StartSystem start = start_system(data, fit, w);
+  const StartSystem start = start_system(data, fit, w, damping);
   VectorXd r = fit.residual[w];
   if (dx.size() > 0) r += fit.slope[w] * dx;
   return -start.factor.solve(start.weighted.transpose() * r + fit.delta[w]);
@@ -234,6 +257,19 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corre
   return data;
 }
 
+FitData Fitter::prepare_near(std::vector<Window> windows, const Model& at) {
+  FitData data = prepare(std::move(windows), at);
+  if (data.windows.empty()) return data;
+  const Fit fit = this->fit(data, {at}, 0).front();
+  if (!fit.is_well || rms(fit.residual) < NEAR_NOISE) return data;
+  for (std::size_t w = 0; w < data.windows.size(); ++w)
+    for (std::size_t k = 0; k < data.windows[w].unknowns.size(); ++k) {
+      const Unknown& unknown = data.windows[w].unknowns[k];
+      move(data.windows[w].initial, unknown, fit.delta[w][Eigen::Index(k)] * unknown.sigma);
+    }
+  return prepare(std::move(data.windows), at);
+}
+
 void Fitter::differentiate(const FitData& data, std::vector<Fit>& fits, bool also_converged) {
   const auto is_wanted = [&](const Fit& fit) {
     return fit.is_well && fit.is_stale && (also_converged || !fit.has_converged);
@@ -271,7 +307,9 @@ void Fitter::differentiate(const FitData& data, std::vector<Fit>& fits, bool als
   }
 }
 
-// One Gauss-Newton step of one fit under several dampings, as trials.
+// One Gauss-Newton step of one fit under several dampings, as trials: each with the windows' starts moved along, in
+// full and damped. A body on the floor can be thrown into it and along it so that little changes: a full step goes far
+// that way.
 void Fitter::add_trials(const FitData& data, const Fit& fit, std::size_t owner, bool only_starts,
                         Trials& trials) const {
   MatrixXd a;
@@ -280,8 +318,15 @@ void Fitter::add_trials(const FitData& data, const Fit& fit, std::size_t owner, 
     const Reduced reduced = reduce(data, fit);
     a = reduced.sum_a();
     g = reduced.sum_g();
+    const std::vector<const Parameter*> parameters = fit.model.parameters();
+    for (Eigen::Index i = 0; i < g.size(); ++i) {
+      const Parameter& p = *parameters[std::size_t(i)];
+      const double weight = 1 / (believed_of(p) * believed_of(p));
+      a(i, i) += weight;
+      g[i] += weight * (fit.model.x[i] - p.off);
+    }
   }
-  for (const double damping : a.size() > 0 ? std::vector<double>{1e-6, 1.0, 30.0} : std::vector<double>{0}) {
+  for (const double damping : a.size() > 0 ? DAMPINGS : std::vector<double>{0}) {
     Model model = fit.model;
     VectorXd dx;
     if (a.size() > 0) {
@@ -292,35 +337,53 @@ void Fitter::add_trials(const FitData& data, const Fit& fit, std::size_t owner, 
       model.x = clamped(model, fit.model.x + dx);
       dx = model.x - fit.model.x;
     }
-    std::vector<VectorXd> delta = fit.delta;
-    for (std::size_t w = 0; w < delta.size(); ++w)
-      if (delta[w].size() > 0) delta[w] += best_start(data, fit, w, dx);
-    trials.models.push_back(std::move(model));
-    trials.delta.push_back(std::move(delta));
-    trials.owner.push_back(owner);
+    for (const double start_damping : START_DAMPINGS) {
+      std::vector<VectorXd> delta = fit.delta;
+      bool any_moves = false;
+      for (std::size_t w = 0; w < delta.size(); ++w)
+        if (delta[w].size() > 0) {
+          delta[w] += best_start(data, fit, w, dx, start_damping);
+          any_moves = true;
+        }
+      if (start_damping == 0 || any_moves) trials.add(model, std::move(delta), owner);
+    }
   }
 }
 
-// Takes the best trial of each fit that is better than where it is; which got better.
+// Takes the best trial of each fit that is better than where it is; which got better. Where models are the same the
+// windows have nothing to do with each other: each takes the start that is best for it.
 std::vector<char> Fitter::take_best(const FitData& data, const Trials& trials, std::vector<Fit>& fits) {
   std::vector<std::vector<Prediction>> found = evaluate(data, trials.models, trials.delta);
   std::vector<char> is_better(fits.size(), false);
-  for (std::size_t t = 0; t < found.size(); ++t) {
-    Fit& fit = fits[trials.owner[t]];
-    std::vector<VectorXd> residual;
-    bool is_well = true;
-    for (Prediction& p : found[t]) {
-      is_well = is_well && p.is_well;
-      residual.push_back(std::move(p.residual));
+  const std::size_t n_windows = data.windows.size();
+  for (std::size_t first = 0, last = 0; first < found.size(); first = last) {
+    Fit& fit = fits[trials.owner[first]];
+    while (last < found.size() && trials.owner[last] == trials.owner[first] &&
+           trials.models[last].x == trials.models[first].x)
+      ++last;
+    const bool is_same_model = trials.models[first].x == fit.model.x;
+    double cost = belief_cost(trials.models[first]);
+    std::vector<VectorXd> residual(n_windows), delta(n_windows);
+    for (std::size_t w = 0; w < n_windows; ++w) {
+      double best = std::numeric_limits<double>::infinity();
+      const auto take = [&](const VectorXd& r, const VectorXd& d) {
+        const double one = robust_cost({r}, fit.scale) + start_cost({d});
+        if (!(one < best)) return;
+        best = one;
+        residual[w] = r;
+        delta[w] = d;
+      };
+      if (is_same_model) take(fit.residual[w], fit.delta[w]);
+      for (std::size_t t = first; t < last; ++t)
+        if (found[t][w].is_well) take(found[t][w].residual, trials.delta[t][w]);
+      cost += best;
     }
-    if (!is_well) continue;
-    const double cost = robust_cost(residual, fit.scale) + start_cost(trials.delta[t]);
     if (!(cost < fit.cost)) continue;
+    is_better[trials.owner[first]] = true;
     fit.cost = cost;
-    fit.model = trials.models[t];
-    fit.delta = trials.delta[t];
+    fit.model = trials.models[first];
+    fit.delta = std::move(delta);
     fit.residual = std::move(residual);
-    is_better[trials.owner[t]] = true;
   }
   return is_better;
 }
@@ -351,7 +414,7 @@ void Fitter::improve(const FitData& data, std::vector<Fit>& fits, int n_steps, b
       Fit& fit = fits[m];
       if (!fit.is_well || fit.has_converged) continue;
       fit.scale = robust_scale(fit.residual);
-      before[m] = fit.cost = robust_cost(fit.residual, fit.scale) + start_cost(fit.delta);
+      before[m] = fit.cost = cost_of(fit);
       add_trials(data, fit, m, only_starts, trials);
     }
     if (trials.models.empty()) return;
@@ -370,7 +433,7 @@ void Fitter::conclude(const FitData& data, std::vector<Fit>& fits) {
   for (Fit& fit : fits) {
     if (!fit.is_well) continue;
     fit.scale = robust_scale(fit.residual);
-    fit.cost = robust_cost(fit.residual, fit.scale) + start_cost(fit.delta);
+    fit.cost = cost_of(fit);
     fit.covariance = covariance_of(data, fit);
   }
 }

@@ -1,7 +1,7 @@
 // Models fitted to windows by Gauss-Newton steps with damping, all models side by side. What is minimised is Student's
 // log-likelihood (4 degrees of freedom) of the residuals, so that single bad samples do not decide, plus what is known
-// of the windows' starts:
-//   C = sum_i 5/2 s^2 log(1 + r_i^2 / (4 s^2)) + sum_w sum_k delta_wk^2 / (2 sigma_wk^2)
+// of the windows' starts and believed of the parameters p:
+//   C = sum_i 5/2 s^2 log(1 + r_i^2 / (4 s^2)) + sum_w sum_k delta_wk^2 / (2 sigma_wk^2) + sum_p (x_p - off_p)^2 / (2 b_p^2)
 // with r the residuals in units of noise, s their scale, at least 1, and delta_w the errors of the start of window w,
 // which the linear system leaves to each window.
 #pragma once
@@ -48,6 +48,9 @@ class Fitter {
   // The windows' answers to their starts, at a model, and what steps of half the length would change there: added
   // to all residuals from then on, if asked for. Windows that cannot be simulated to their end are left out.
   FitData prepare(std::vector<Window> windows, const Model& at, bool corrects = true);
+  // The same about the starts that fit best there, not those that were measured: what rests on something answers to
+  // its start by kinks.
+  FitData prepare_near(std::vector<Window> windows, const Model& at);
   // Each model from where it is, starts fitted too. n_steps 0: only the starts are fitted.
   std::vector<Fit> fit(const FitData& data, std::vector<Model> models, int n_steps);
   // The same in parts: where the models are; at most n_steps from there, of those that have not converged; slopes and
@@ -65,6 +68,11 @@ class Fitter {
     std::vector<Model> models;
     std::vector<std::vector<Eigen::VectorXd>> delta;
     std::vector<std::size_t> owner;  // number of the fit
+    void add(Model model, std::vector<Eigen::VectorXd> start, std::size_t of_fit) {
+      models.push_back(std::move(model));
+      delta.push_back(std::move(start));
+      owner.push_back(of_fit);
+    }
   };
   void differentiate(const FitData& data, std::vector<Fit>& fits, bool also_converged);
   void add_trials(const FitData& data, const Fit& fit, std::size_t owner, bool only_starts, Trials& trials) const;
@@ -97,7 +105,8 @@ struct Reduced {
   Eigen::VectorXd sum_g() const;
 };
 Reduced reduce(const FitData& data, const Fit& fit);
-// The change of a window's start that fits best when the parameters change by dx.
-Eigen::VectorXd best_start(const FitData& data, const Fit& fit, std::size_t window, const Eigen::VectorXd& dx);
+// The change of a window's start that fits best when the parameters change by dx; damping: Levenberg and Marquardt's.
+Eigen::VectorXd best_start(const FitData& data, const Fit& fit, std::size_t window, const Eigen::VectorXd& dx,
+                           double damping = 0);
 
 }  // namespace pvg::diagnose

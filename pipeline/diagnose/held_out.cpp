@@ -57,27 +57,32 @@ HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, st
                        const std::vector<Model>& grown, bool in_noise) {
   HeldOut result;
   result.kept = grown.size();
-  std::vector<Window> windows = make_windows(problem, true, length, most_windows);
+  const std::vector<Window> windows = make_windows(problem, true, length, most_windows);
   if (windows.empty()) return result;
-  const Model as_it_stands{{}, VectorXd(), VectorXd()};
-  const FitData data = fitter.prepare(std::move(windows), as_it_stands);
-  if (data.windows.empty()) return result;
+  // each model with its own starts and its own correction for the time step
   std::vector<Model> models = grown;
-  models.insert(models.begin(), as_it_stands);
-  const std::vector<Fit> fits = fitter.fit(data, models, 0);
-  if (!fits[0].is_well) return result;
+  models.insert(models.begin(), Model{{}, VectorXd(), VectorXd()});
+  std::vector<FitData> data;
+  std::vector<Fit> fits;
+  for (const Model& model : models) {
+    data.push_back(fitter.prepare_near(windows, model));
+    if (data.back().windows.empty() || data.back().windows.size() != data.front().windows.size()) break;
+    fits.push_back(fitter.fit(data.back(), {model}, 0).front());
+    if (!fits.back().is_well) break;
+  }
+  if (fits.empty() || !fits[0].is_well) return result;
   std::vector<VectorXd> ones;
-  for (const Window& window : data.windows) ones.push_back(VectorXd::Ones(Eigen::Index(window.data.size())));
-  result.floor = error_in(problem, data, ones, in_noise);
-  result.before = result.after = error_in(problem, data, fits[0].residual, in_noise);
+  for (const Window& window : data[0].windows) ones.push_back(VectorXd::Ones(Eigen::Index(window.data.size())));
+  result.floor = error_in(problem, data[0], ones, in_noise);
+  result.before = result.after = error_in(problem, data[0], fits[0].residual, in_noise);
   result.kept = 0;
   for (std::size_t m = 1; m < fits.size() && fits[m].is_well; ++m) {
-    const double after = error_in(problem, data, fits[m].residual, in_noise);
+    const double after = error_in(problem, data[m], fits[m].residual, in_noise);
     if (m > 1 && after - result.floor > (1 - LEAST_GAP_OF_SECOND) * (result.after - result.floor)) break;
     result.after = after;
     result.kept = m;
   }
-  result.curves = curves_of(problem, data, fits[0], fits[result.kept], 8);
+  result.curves = curves_of(problem, data[0], fits[0], fits[result.kept], 8);
   return result;
 }
 

@@ -68,8 +68,8 @@ std::string share_of(std::size_t k, std::size_t n) {
   const double middle = (p + z * z / (2 * m)) / (1 + z * z / m);
   const double half = z * std::sqrt(p * (1 - p) / m + z * z / (4 * m * m)) / (1 + z * z / m);
   char text[80];
-  std::snprintf(text, sizeof text, "%zu of %zu, %.0f %% [%.0f, %.0f]", k, n, 100 * p, 100 * (middle - half),
-                100 * (middle + half));
+  std::snprintf(text, sizeof text, "%zu of %zu, %.0f %% [%.0f, %.0f]", k, n, 100 * p,
+                100 * std::max(middle - half, 0.0), 100 * (middle + half));
   return text;
 }
 

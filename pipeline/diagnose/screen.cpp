@@ -105,7 +105,10 @@ std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& 
                                                   : std::clamp(wanted / size, 1 / MOST_FACTOR, MOST_FACTOR);
       if (factor <= 1 / MOST_FACTOR || factor >= MOST_FACTOR) still_open.push_back(open[k]);
       const bool is_seen = size >= LEAST_ANSWER;
-      trial.step = is_last && !is_seen ? 0 : allowed(trial.candidate->parameters[trial.parameter], factor * trial.step);
+      const Parameter& p = trial.candidate->parameters[trial.parameter];
+      // a change that is nowhere seen may still be too much for the solver
+      const double most = MOST_FACTOR * p.scale;
+      trial.step = is_last && !is_seen ? 0 : allowed(p, std::clamp(factor * trial.step, -most, most));
     }
     open = std::move(still_open);
   }

@@ -103,6 +103,28 @@ TEST(Decide, SamplesThatHangTogetherCountAsOne) {
   }
 }
 
+TEST(Decide, AnEffectThatShowsInOneOfThreeRunsIsNamedUnlessTheOthersGetWorse) {
+  const Candidate some = candidate("some", 0);
+  FitData data;
+  for (int run = 0; run < 3; ++run) {
+    data.windows.push_back(one_window().windows[0]);
+    data.windows.back().run = run;
+    data.of_start.push_back(Eigen::MatrixXd(N, 0));
+  }
+  const auto fit_with = [&](const Candidate* part, std::vector<double> errors) {
+    Fit fit = fit_of(part, 5, 0.1, residual_of(errors[0]));
+    for (const double error : {errors[1], errors[2]}) {
+      fit.residual.push_back(residual_of(error));
+      fit.slope.push_back(fit.slope[0]);
+      fit.delta.push_back(VectorXd(0));
+    }
+    return fit;
+  };
+  const Fit base = fit_with(nullptr, {3, 1, 1});
+  EXPECT_EQ(decide(data, base, {fit_with(&some, {1, 1, 1})}).chosen, 0);
+  EXPECT_EQ(decide(data, base, {fit_with(&some, {1, 2, 2})}).chosen, -1);
+}
+
 TEST(Decide, TheLowestTrainingErrorNamesWhateverIsLower) {
   const Candidate a = candidate("a", 0), b = candidate("b", 0);
   const std::vector<Fit> fits{fit_of(&a, 5, 100, residual_of(1.999)), fit_of(&b, 10, 100, residual_of(1.998))};
