@@ -86,6 +86,7 @@ Simulation::Impl::Impl(Device& device_, std::span<const Scene> worlds)
       direction(device, system.n_nodes(), system.sites.size(), "direction") {
   has_prescribed = has_prescribed_bodies(system);
   speed_chunks.set(system.speed_ranges);
+  is_retired.assign(worlds.size(), false);
   is_well.assign(worlds.size(), true);
   is_active = is_unsettled = is_well;
   const std::size_t n = worlds.size();
@@ -147,8 +148,10 @@ std::vector<StepReport> Simulation::step(std::span<const std::vector<double>> ta
   std::vector<std::vector<double>> wanted;
   for (std::size_t w = 0; w < n_worlds(); ++w)
     wanted.push_back(impl.actuators[w].command(targets[w], impl.last_targets[w]));
-  const std::vector<char> failed = impl.advance_or_halve(
-      impl.h(), impl.last_targets, wanted, std::vector<char>(n_worlds(), true), impl.solver().max_step_halvings);
+  std::vector<char> stepping(n_worlds());
+  for (std::size_t w = 0; w < n_worlds(); ++w) stepping[w] = !impl.is_retired[w];
+  const std::vector<char> failed =
+      impl.advance_or_halve(impl.h(), impl.last_targets, wanted, stepping, impl.solver().max_step_halvings);
   std::vector<StepEvent> last_events;
   std::string message;
   for (std::size_t w = 0; w < n_worlds(); ++w) {
@@ -163,6 +166,8 @@ std::vector<StepReport> Simulation::step(std::span<const std::vector<double>> ta
   if (!last_events.empty()) throw StepFailure(message, last_events);
   return impl.reports;
 }
+
+void Simulation::retire(std::size_t world) { impl_->is_retired.at(world) = true; }
 
 Checkpoint Simulation::checkpoint() const {
   Checkpoint checkpoint{

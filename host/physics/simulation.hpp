@@ -92,6 +92,9 @@ class Simulation {
   std::vector<StepReport> step(std::span<const std::vector<double>> targets);
   StepReport step(const std::vector<double>& targets) { return step(std::span(&targets, 1)).front(); }
 
+  // This world takes no further steps and stays as it is: one that failed would fail again at the same cost.
+  void retire(std::size_t world);
+
   Checkpoint checkpoint() const;
   // Throws a UsageError where the checkpoint is not of these scenes. Contacts and forces show after the next step.
   void restore(const Checkpoint& checkpoint);

@@ -135,10 +135,15 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::si
     try {
       simulation.step(targets_at(step));
     } catch (const StepFailure& failure) {
-      for (const StepEvent& event : failure.events) is_well[event.world] = false;
+      for (const StepEvent& event : failure.events) {
+        is_well[event.world] = false;
+        simulation.retire(event.world);
+      }
       if (std::none_of(is_well.begin(), is_well.end(), [](char well) { return well; })) break;
     }
     look(step);
+    for (std::size_t w = 0; w < which.size(); ++w)
+      if (step == steps_of(*jobs[which[w]].window, h)) simulation.retire(w);
   }
   for (std::size_t w = 0; w < which.size(); ++w) {
     Prediction& prediction = out[which[w]];

@@ -116,6 +116,25 @@ TEST(StepFailure, AnExhaustedLineSearchIsNamed) {
   EXPECT_EQ(impl.x.node.read(), impl.start.node.read());
 }
 
+TEST(StepFailure, ARetiredWorldStaysAndCostsNothing) {
+  Device device;
+  const Scene worlds[] = {falling_box(std::numeric_limits<double>::infinity()), falling_box(0.5)};
+  Simulation together(device, worlds), alone(device, worlds[1]);
+  const std::vector<std::vector<double>> targets(2);
+  EXPECT_THROW(together.step(targets), StepFailure);
+  together.retire(0);
+  alone.step(NO_TARGETS);
+  const AffineMap stays = together.state(0).rigid[0];
+  for (int i = 0; i < 3; ++i) {
+    const std::vector<StepReport> reports = together.step(targets);
+    EXPECT_EQ(reports[0].newton, 0);
+    EXPECT_GT(reports[1].newton, 0);
+    alone.step(NO_TARGETS);
+  }
+  EXPECT_EQ(together.state(0).rigid[0], stays);
+  EXPECT_EQ(together.state(1).rigid[0], alone.state(0).rigid[0]);
+}
+
 TEST(StepFailure, AStepThatFailsIsDoneInSmallerOnes) {
   Device device;
   Scene scene = rod_on_hinge(1.5, {});
