@@ -147,6 +147,7 @@ void check_options(const RenderOptions& options) {
 RenderSettings settings_of(const RenderOptions& options, const ShownScene& shown) {
   RenderSettings settings;
   settings.samples = options.samples ? options.samples : shown.render.samples;
+  settings.transparent_shadows = !options.caustics;
   settings.max_depth = options.max_depth ? options.max_depth : shown.render.max_depth;
   settings.seed = options.seed ? options.seed : shown.seed;
   settings.sees_through_glass = options.sees_through_glass;

@@ -121,6 +121,7 @@ struct RenderOptions {
   double frames_per_second = 0;      // of states without pictures, and of videos; 0: what the file says
   int width = 0, height = 0;         // [pixels]; 0: what the file says
   int samples = 0, max_depth = 0;    // 0: what the file says
+  bool caustics = false;             // glass blocks shadow rays; what it bends of a lamp's light falls on matte things
   std::uint64_t seed = 0;
   std::string lut;                   // .csv of calibrate lut; empty: what the file says
   bool writes_ground_truth = false;  // CAMERA_truth.h5 beside the pictures
