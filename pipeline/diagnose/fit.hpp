@@ -1,7 +1,8 @@
 // Models fitted to windows by Gauss-Newton steps with damping, all models side by side. What is minimised is Student's
 // log-likelihood (4 degrees of freedom) of the residuals, so that single bad samples do not decide, plus what is known
 // of the windows' starts and believed of the parameters p:
-//   C = sum_i 5/2 s^2 log(1 + r_i^2 / (4 s^2)) + sum_w sum_k delta_wk^2 / (2 sigma_wk^2) + sum_p (x_p - off_p)^2 / (2 b_p^2)
+//   C = sum_i 5/2 s^2 log(1 + r_i^2 / (4 s^2)) + sum_w sum_k delta_wk^2 / (2 sigma_wk^2)
+//       + sum_p (x_p - off_p)^2 / (2 b_p^2)
 // with r the residuals in units of noise, s their scale, at least 1, and delta_w the errors of the start of window w,
 // which the linear system leaves to each window.
 #pragma once
