@@ -178,6 +178,28 @@ TEST(MultilevelSchwarz, IsSymmetricWithRigidBodiesInIt) {
   EXPECT_NEAR(umv, vmu, 1e-6 * std::sqrt(umu * vmv));
 }
 
+// The coarsest level corrects a translation u exactly and no level takes away: (A u) . M^-1 (A u) >= u . A u.
+TEST(MultilevelSchwarz, TheCoarsestLevelCorrectsATranslation) {
+  Device device;
+  Scene scene = empty_scene("block", 0.01);
+  scene.solver.preconditioner = Kind::schwarz;
+  scene.soft_bodies = {soft_block("one", 8, Vec3::Zero())};
+  AtStart problem(device, scene);
+  std::vector<double> along(problem.system.x.size(), 0.0);
+  for (std::size_t i = 0; i < along.size(); i += 3) along[i] = 1;
+  Buffer<f64> u(device, along, "u"), au(device, along.size(), "A u"), z(device, along.size(), "M^-1 A u");
+  problem.potential.product(u, au);
+  problem.potential.precondition(au, z);
+  const std::vector<double> force = au.read(), corrected = z.read();
+  double uau = 0, found = 0;
+  for (std::size_t i = 0; i < along.size(); ++i) {
+    uau += along[i] * force[i];
+    found += force[i] * corrected[i];
+  }
+  EXPECT_GE(found, (1 - 1e-4) * uau);
+  EXPECT_LE(found, 5 * uau);  // each of the levels adds at most as much again
+}
+
 TEST(MultilevelSchwarz, IterationsHardlyGrowWithTheMesh) {
   Device device;
   const auto iterations = [&](int divisions, Kind kind) {
