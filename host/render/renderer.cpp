@@ -50,11 +50,11 @@ std::uint64_t Renderer::Impl::add_samples(Launch launch, std::uint32_t first, st
                                           int n_samples) {
   std::uint64_t rays = 0;
   // more samples than a batch can hold go one part after the other
-  const int at_once = int(std::min<std::size_t>(std::size_t(n_samples), Stages::MAX_PATHS));
+  const int at_once = int(std::min<std::size_t>(std::size_t(n_samples), stages.max_paths()));
   for (int sample = 0; sample < n_samples; sample += at_once) {
     launch.first_sample = std::uint32_t(first_sample + sample);
     launch.n_samples = std::uint32_t(std::min(at_once, n_samples - sample));
-    const std::uint32_t batch = std::uint32_t(std::max<std::size_t>(1, Stages::MAX_PATHS / launch.n_samples));
+    const std::uint32_t batch = std::uint32_t(std::max<std::size_t>(1, stages.max_paths() / launch.n_samples));
     for (launch.first_pixel = first; launch.first_pixel < last; launch.first_pixel += batch) {
       launch.n_pixels = std::min(batch, last - launch.first_pixel);
       rays += stages.trace(launch, *on_device, film);
@@ -92,8 +92,8 @@ void Renderer::Impl::find_ground_truth(Launch launch) {
   launch.is_center = 1;
   launch.n_samples = 1;
   const std::uint32_t n_pixels = launch.camera.width * launch.camera.height;
-  for (launch.first_pixel = 0; launch.first_pixel < n_pixels; launch.first_pixel += Stages::MAX_PATHS) {
-    launch.n_pixels = std::min(std::uint32_t(Stages::MAX_PATHS), n_pixels - launch.first_pixel);
+  for (launch.first_pixel = 0; launch.first_pixel < n_pixels; launch.first_pixel += stages.max_paths()) {
+    launch.n_pixels = std::min(std::uint32_t(stages.max_paths()), n_pixels - launch.first_pixel);
     stages.find_ground_truth(launch, settings.sees_through_glass, *on_device, film);
   }
 }

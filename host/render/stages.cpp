@@ -45,7 +45,8 @@ Stages::Kernels::Kernels(Program generate_file, Program shade_file, Program comp
       camera_media(camera_media_file.kernel("camera_media")) {}
 
 Stages::Stages(Device& device)
-    : kernels_(Program(device, "render/generate.cl"), Program(device, "render/shade.cl", traversal_options(device)),
+    : max_paths_(std::size_t(1) << (device.info().is_gpu ? 18 : 15)),
+      kernels_(Program(device, "render/generate.cl"), Program(device, "render/shade.cl", traversal_options(device)),
                Program(device, "render/compact.cl"), Program(device, "render/accumulate.cl"),
                Program(device, "sensors/ground_truth.cl", traversal_options(device)),
                Program(device, "sensors/flow.cl", traversal_options(device)),
@@ -57,6 +58,7 @@ Stages::Stages(Device& device)
       radiance_(device, 0, "radiance"),
       hit_(device, 0, "hit"),
       hit_instance_(device, 0, "hit_instance"),
+      stream_(device, 0, "stream"),
       shadow_origin_(device, 0, "shadow_origin"),
       shadow_direction_(device, 0, "shadow_direction"),
       shadow_light_(device, 0, "shadow_light"),
@@ -108,8 +110,9 @@ void Stages::generate(std::size_t n, const Launch& launch) {
   for (Buffer<F32x4>* buffer :
        {&origin_, &direction_, &throughput_, &radiance_, &hit_, &shadow_origin_, &shadow_direction_, &shadow_light_})
     buffer->resize(n);
+  stream_.resize(n);
   for (Buffer<std::uint32_t>* buffer : {&hit_instance_, &queue_, &next_queue_, &alive_}) buffer->resize(n);
-  kernels_.generate(n, std::uint32_t(n), launch, origin_, direction_, throughput_, radiance_, queue_);
+  kernels_.generate(n, std::uint32_t(n), launch, origin_, direction_, throughput_, radiance_, stream_, queue_);
 }
 
 void Stages::intersect(std::size_t n, const DeviceScene& scene) {
@@ -117,10 +120,10 @@ void Stages::intersect(std::size_t n, const DeviceScene& scene) {
 }
 
 void Stages::shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene) {
-  kernels_.shade(n, std::uint32_t(n), launch, std::uint32_t(depth), queue_, scene.trees.instances, scene.materials,
-                 scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices, scene.colors,
-                 scene.lights, scene.environment, scene.cells, hit_, hit_instance_, origin_, direction_, throughput_,
-                 radiance_, shadow_origin_, shadow_direction_, shadow_light_, alive_);
+  kernels_.shade(n, std::uint32_t(n), launch, std::uint32_t(depth), queue_, stream_, scene.trees.instances,
+                 scene.materials, scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices,
+                 scene.colors, scene.lights, scene.environment, scene.cells, hit_, hit_instance_, origin_, direction_,
+                 throughput_, radiance_, shadow_origin_, shadow_direction_, shadow_light_, alive_);
 }
 
 void Stages::shadow(std::size_t n, const Launch& launch, const DeviceScene& scene) {

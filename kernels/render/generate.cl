@@ -7,10 +7,11 @@
 #include "shared/rng.cl"
 
 // origin: [n, m], w: density of the last direction;  direction: [n], w: stack of the glasses that the path is inside
-// of; throughput: [n], w: path flags;  radiance: [n];  queue: [n] live slots
+// of;  throughput: [n], w: path flags;  radiance: [n];  stream: [n] key and sample of the random numbers of a path;
+// queue: [n] live slots
 kernel void generate(const uint n, const Launch launch, global float4* restrict origin,
                      global float4* restrict direction, global float4* restrict throughput,
-                     global float4* restrict radiance, global uint* restrict queue) {
+                     global float4* restrict radiance, global uint2* restrict stream, global uint* restrict queue) {
   const uint i = get_global_id(0);
   if (i >= n) return;
   const PinholeCamera c = launch.camera;
@@ -31,5 +32,6 @@ kernel void generate(const uint n, const Launch launch, global float4* restrict 
   direction[i] = (float4)(normalize(camera_vector(c, d)), as_float(launch.media));
   throughput[i] = (float4)((float3)(is_seen ? 1.0f : 0.0f), as_float(0u));
   radiance[i] = (float4)(0.0f);
+  stream[i] = (uint2)(key, sample);
   queue[i] = i;
 }

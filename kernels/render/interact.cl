@@ -23,15 +23,17 @@ typedef struct {
   bool is_alive;
 } Path;
 
-// the random numbers of one bounce, drawn where they are needed
+// the random numbers of one bounce, in [0, 1)
 typedef struct {
-  uint key, sample, dimension;
+  float2 light_point, light_choice, material_point;
+  float material_choice, roulette;
 } Chance;
-inline float2 light_point(const Chance c) { return sample_2d(c.key, c.sample, c.dimension); }
-inline float2 light_choice(const Chance c) { return sample_2d(c.key, c.sample, c.dimension + 1); }
-inline float2 material_point(const Chance c) { return sample_2d(c.key, c.sample, c.dimension + 2); }
-inline float material_choice(const Chance c) { return sample_1d(c.key, c.sample, c.dimension + 3); }
-inline float roulette_number(const Chance c) { return sample_1d(c.key, c.sample, c.dimension + 4); }
+
+inline Chance draw_chance(const uint2 stream, const uint depth) {
+  const float8 u = sample_2d_4(stream.x, stream.y, 2 + 4 * depth);  // 0 and 1: generate.cl
+  const Chance chance = {u.s04, u.s15, u.s26, u.s3, u.s7};
+  return chance;
+}
 
 // light that a path met; pdf: with which a light sample of the last surface would have found it, 0: never
 inline void meet_emission(const Launch launch, const float3 radiance, const float pdf, Path* path) {
@@ -86,7 +88,7 @@ inline void meet_receiver(const Launch launch, const Shading scene, const Materi
   if (launch.n_lights > 0) {
     const float3 normal = dot(s.face, path->direction) < 0 ? s.face : -s.face;
     const float3 origin = leave_surface(s.point, normal);
-    const LightSample sample = sample_light(launch, scene, origin, light_choice(chance), light_point(chance));
+    const LightSample sample = sample_light(launch, scene, origin, chance.light_choice, chance.light_point);
     // a light that cannot shine here casts no shadow here
     if (dot(normal, sample.to_light) > 0 && sample.pdf > 0) {
       shadow->kind = SHADOW_RECEIVER;
@@ -105,10 +107,10 @@ inline void light_surface(const Launch launch, const Shading scene, const PointM
                           const float3 face, const Frame frame, const float3 wo, const Chance chance, const Path* path,
                           ShadowRay* shadow) {
   if (launch.n_lights == 0 || !material_scatters(m)) return;
-  const LightSample sample = sample_light(launch, scene, s.point, light_choice(chance), light_point(chance));
+  const LightSample sample = sample_light(launch, scene, s.point, chance.light_choice, chance.light_point);
   const float side = dot(face, sample.to_light);
   if (!(sample.pdf > 0) || side == 0 || (side < 0 && !material_transmits(m))) return;
-  const float3 wi = to_local(frame, normalize(sample.to_light));
+  const float3 wi = to_local(frame, unit(sample.to_light));
   if (wi.z * side <= 0) return;  // an interpolated normal would let light through the surface
   const float3 f = material_eval(m, wo, wi);
   if (f.x + f.y + f.z <= 0) return;
@@ -142,7 +144,7 @@ inline void pass_glass(const PointMaterial m, const Boundary boundary, const Sur
   }
   const bool passes = dot(direction, face) < 0;  // not so at total reflection
   path->origin = leave_surface(s.point, passes ? -face : face);
-  path->direction = normalize(direction);
+  path->direction = unit(direction);
   path->throughput *= sample.weight;
   path->pdf = 0.0f;
   if (!passes) return;
@@ -152,13 +154,13 @@ inline void pass_glass(const PointMaterial m, const Boundary boundary, const Sur
 
 inline void scatter(const PointMaterial m, const Boundary boundary, const Surface s, const float3 face,
                     const Frame frame, const float3 wo, const Chance chance, Path* path) {
-  const MaterialSample sample = material_sample(m, wo, material_point(chance), material_choice(chance));
+  const MaterialSample sample = material_sample(m, wo, chance.material_point, chance.material_choice);
   const float3 direction = to_world(frame, sample.direction);
   const bool passes = sample.direction.z < 0;
   path->throughput *= sample.weight;
   path->is_alive = (dot(direction, face) < 0) == passes;  // else an interpolated normal sent it through the surface
   path->origin = leave_surface(s.point, passes ? -face : face);
-  path->direction = normalize(direction);
+  path->direction = unit(direction);
   path->pdf = sample.pdf;
   if (passes && (m.flags & MATERIAL_HAS_INSIDE)) path->media = boundary.inner;
   if (!material_scatters(m)) return;

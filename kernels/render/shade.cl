@@ -9,7 +9,6 @@
 #include "shared/inline_all.h"
 
 #include "render/interact.cl"
-#include "render/tiles.cl"
 
 inline Path load_path(const uint slot, global const float4* origin, global const float4* direction,
                       global const float4* throughput) {
@@ -24,15 +23,6 @@ inline Path load_path(const uint slot, global const float4* origin, global const
   path.radiance = 0.0f;
   path.is_alive = true;
   return path;
-}
-
-inline Chance draw_chance(const Launch launch, const uint slot, const uint depth) {
-  const uint sample = launch.first_sample + slot % launch.n_samples;
-  const uint2 pixel =
-      tile_pixel(launch.first_pixel + slot / launch.n_samples, launch.camera.width, launch.camera.height);
-  const uint key = hash_combine(launch.key, pixel.y * launch.camera.width + pixel.x);
-  const Chance chance = {key, sample, 2 + 5 * depth};  // 0 and 1: generate.cl
-  return chance;
 }
 
 inline float3 texture_at(const Shading scene, const int texture, const float2 uv) {
@@ -75,7 +65,7 @@ inline void meet_surface(const Launch launch, const Shading scene, global const 
   if (dot(normal, path->direction) >= 0) normal = face;  // a shading normal that looks away cannot be used
   const PointMaterial p = material_at(scene, m, color, s.uv, boundary.eta);
   if (p.kind == MATERIAL_DIELECTRIC) {
-    pass_glass(p, boundary, s, face, normal, material_choice(chance), path);
+    pass_glass(p, boundary, s, face, normal, chance.material_choice, path);
     return;
   }
   const Frame frame = make_frame(normal);
@@ -85,7 +75,7 @@ inline void meet_surface(const Launch launch, const Shading scene, global const 
 }
 
 // hit: t, u, v, triangle
-inline void meet(const Launch launch, const Shading scene, const uint slot, const uint depth, const float4 hit,
+inline void meet(const Launch launch, const Shading scene, const uint2 stream, const uint depth, const float4 hit,
                  const uint hit_instance, Path* path, ShadowRay* shadow) {
   global const Instance* instance = scene.instances + hit_instance;
   const uint triangle = as_uint(hit.w);
@@ -101,21 +91,21 @@ inline void meet(const Launch launch, const Shading scene, const uint slot, cons
   if (m.kind != MATERIAL_EMISSIVE) color *= texture_at(scene, m.texture, s.uv);
   if (instance->flags & INSTANCE_COLORS)
     color *= vertex_color(instance, scene.triangles, scene.colors, triangle, hit.y, hit.z);
-  const Chance chance = draw_chance(launch, slot, depth);
+  const Chance chance = draw_chance(stream, depth);
   if (m.kind == MATERIAL_SHADOW_RECEIVER) {
     meet_receiver(launch, scene, m, color, s, chance, path, shadow);
   } else if (m.kind == MATERIAL_EMISSIVE || depth >= launch.max_depth) {
     path->is_alive = false;
   } else {
     meet_surface(launch, scene, instance, triangle, m, color, s, chance, path, shadow);
-    roulette(depth, roulette_number(chance), path);
+    roulette(depth, chance.roulette, path);
   }
 }
 
 // as in generate.cl and intersect.cl;  shadow_origin: [n_slots, m], w: kind;  shadow_direction: [n_slots, m] to the
 // light;  shadow_light: [n_slots], w: weight;  alive: [n] by place in the queue;  depth: bounces so far
 kernel void shade(const uint n, const Launch launch, const uint depth, global const uint* restrict queue,
-                  global const Instance* restrict instances, global const Material* restrict materials,
+                  global const uint2* restrict stream, global const Instance* restrict instances, global const Material* restrict materials,
                   global const TextureInfo* restrict textures, global const uchar4* restrict texels,
                   constant float* restrict decode, global const uint* restrict triangles,
                   global const Vertex* restrict vertices, global const float* restrict colors,
@@ -136,7 +126,7 @@ kernel void shade(const uint n, const Launch launch, const uint depth, global co
   if (as_uint(hit[slot].w) == NO_TRIANGLE)
     meet_environment(launch, scene, &path);
   else
-    meet(launch, scene, slot, depth, hit[slot], hit_instance[slot], &path, &shadow);
+    meet(launch, scene, stream[slot], depth, hit[slot], hit_instance[slot], &path, &shadow);
   radiance[slot] += (float4)(path.radiance, 0);
   alive[i] = path.is_alive ? 1u : 0u;
   if (path.is_alive) {

@@ -10,6 +10,9 @@ typedef struct {
   float2 uv;
 } Surface;
 
+// without the care that the language takes of lengths near the ends of the range
+inline float3 unit(const float3 v) { return v * rsqrt(max(dot(v, v), 1e-37f)); }
+
 // normals go with the transposed inverse
 inline float3 affine_normal(global const float* to_object, const float3 n) {
   return (float3)(to_object[0] * n.x + to_object[4] * n.y + to_object[8] * n.z,
@@ -20,23 +23,27 @@ inline float3 affine_normal(global const float* to_object, const float3 n) {
 inline Surface surface_at(global const Instance* instance, global const uint* triangles, global const Vertex* vertices,
                           const uint triangle, const float u, const float v) {
   const uint3 corner = vload3(triangle, triangles);
-  global const Vertex* a = vertices + corner.x;
-  global const Vertex* b = vertices + corner.y;
-  global const Vertex* c = vertices + corner.z;
-  const float w = 1.0f - u - v;
-  const float3 p = vload3(0, a->point), q = vload3(0, b->point), r = vload3(0, c->point);
+  // a vertex is eight floats: point, normal, uv
+  const float8 a = vload8(corner.x, (global const float*)vertices), b = vload8(corner.y, (global const float*)vertices),
+               c = vload8(corner.z, (global const float*)vertices);
+  const float8 between = (1.0f - u - v) * a + u * b + v * c;
+  const bool is_moved = !(instance->flags & INSTANCE_UNMOVED);
   Surface s;
-  s.point = affine_point(instance->to_world, w * p + u * q + v * r);
-  s.face = normalize(affine_normal(instance->to_object, cross(q - p, r - p)));
+  s.point = between.s012;
+  float3 normal = cross(b.s012 - a.s012, c.s012 - a.s012);
+  if (is_moved) {
+    s.point = affine_point(instance->to_world, s.point);
+    normal = affine_normal(instance->to_object, normal);
+  }
+  s.face = unit(normal);
   s.shading = s.face;
   if (instance->flags & INSTANCE_NORMALS) {
-    const float3 n = affine_normal(instance->to_object,
-                                   w * vload3(0, a->normal) + u * vload3(0, b->normal) + v * vload3(0, c->normal));
+    const float3 n = is_moved ? affine_normal(instance->to_object, between.s345) : between.s345;
     const float length2 = dot(n, n);
     // normals that cancel say nothing
     if (length2 > 1e-12f) s.shading = n * rsqrt(length2);
   }
-  s.uv = w * vload2(0, a->uv) + u * vload2(0, b->uv) + v * vload2(0, c->uv);
+  s.uv = between.s67;
   return s;
 }
 
@@ -63,8 +70,8 @@ inline float3 bent_normal(global const Instance* instance, global const uint* tr
   along_u -= normal * dot(normal, along_u);
   along_v -= normal * dot(normal, along_v);
   if (!(dot(along_u, along_u) > 0) || !(dot(along_v, along_v) > 0)) return normal;
-  const float3 bent = bend.x * normalize(along_u) - bend.y * normalize(along_v) + bend.z * normal;
-  return dot(bent, bent) > 1e-12f ? normalize(bent) : normal;
+  const float3 bent = bend.x * unit(along_u) - bend.y * unit(along_v) + bend.z * normal;
+  return dot(bent, bent) > 1e-12f ? unit(bent) : normal;
 }
 
 // how far a new ray starts off its surface: more than the rounding of the point and of the change of frames (half a

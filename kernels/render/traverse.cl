@@ -285,6 +285,7 @@ TREE_FUNCTION void closest_in_mesh(const Trees trees, const BoxRay* box, const L
 // closest hit of the scene; hit->t on entry is the largest allowed
 ALWAYS_INLINE void closest_hit(const Trees trees, const float3 origin, const float3 direction, Hit* hit) {
   const BoxRay world = make_box_ray(origin, direction);
+  const LeafRay world_leaf = make_leaf_ray(origin, direction);
   Visit stack[BVH_STACK];
   int size = 0, current = 0;
   do {
@@ -294,7 +295,7 @@ ALWAYS_INLINE void closest_hit(const Trees trees, const float3 origin, const flo
     const uint i = (uint)(~current);
     global const Instance* instance = trees.instances + i;
     if (instance->flags & INSTANCE_UNMOVED) {
-      closest_in_mesh(trees, &world, make_leaf_ray(origin, direction), i, (int)instance->root, hit);
+      closest_in_mesh(trees, &world, world_leaf, i, (int)instance->root, hit);
     } else {
       const float3 o = affine_point(instance->to_object, origin), d = affine_vector(instance->to_object, direction);
       const BoxRay moved = make_box_ray(o, d);
@@ -345,6 +346,7 @@ TREE_FUNCTION bool any_in_mesh(const Trees trees, const BoxRay* box, const LeafR
 ALWAYS_INLINE bool any_hit(const Trees trees, const float3 origin, const float3 direction, const float t_max,
                            const uint mask) {
   const BoxRay world = make_box_ray(origin, direction);
+  const LeafRay world_leaf = make_leaf_ray(origin, direction);
   int stack[BVH_STACK];
   int size = 0, current = 0;
   for (;;) {
@@ -353,7 +355,7 @@ ALWAYS_INLINE bool any_hit(const Trees trees, const float3 origin, const float3 
     if (current < 0 && (trees.instances[~current].mask & mask)) {
       global const Instance* instance = trees.instances + (~current);
       if (instance->flags & INSTANCE_UNMOVED) {
-        if (any_in_mesh(trees, &world, make_leaf_ray(origin, direction), (int)instance->root, t_max)) return true;
+        if (any_in_mesh(trees, &world, world_leaf, (int)instance->root, t_max)) return true;
       } else {
         const float3 o = affine_point(instance->to_object, origin), d = affine_vector(instance->to_object, direction);
         const BoxRay moved = make_box_ray(o, d);

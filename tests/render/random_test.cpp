@@ -19,6 +19,16 @@ kernel void draw(const uint n, const uint n_samples, global float* xy) {
   const uint set = i / n_samples;
   vstore2(sample_2d(hash_u32(set / 8), i % n_samples, set % 8), i, xy);
 }
+kernel void differ(const uint n, global uint* differences) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  const uint key = hash_u32(i), sample = i % 97, dimension = i % 23;
+  const float8 four = sample_2d_4(key, sample, dimension);
+  const float2 points[4] = {four.s04, four.s15, four.s26, four.s37};
+  uint count = 0;
+  for (uint k = 0; k < 4; ++k) count += any(points[k] != sample_2d(key, sample, dimension + k)) ? 1 : 0;
+  differences[i] = count;
+}
 kernel void order(const uint n, const uint width, const uint height, global uint* place) {
   const uint i = get_global_id(0);
   if (i >= n) return;
@@ -71,6 +81,14 @@ TEST_F(ManySets, AreIndependent) {
   EXPECT_NEAR(squares / n, 1 / 12.0, 4 * std::sqrt(1 / 180.0 / n));
   EXPECT_NEAR(product, 0, 4 * sigma);
   EXPECT_NEAR(next, 0, 4 * sigma);
+}
+
+TEST(Random, FourPointsAtOnceAreThoseOfTheirDimensions) {
+  Device device;
+  const unsigned n = 4096;
+  Buffer<unsigned> differences(device, n, "differences");
+  Program::from_text(device, "random", text).kernel("differ")(n, n, differences);
+  for (const unsigned count : differences.read()) ASSERT_EQ(count, 0u);
 }
 
 TEST(Tiles, EveryPixelComesOnce) {
