@@ -75,7 +75,7 @@ inline void meet_surface(const Launch launch, const Shading scene, global const 
 }
 
 // hit: t, u, v, triangle
-inline void meet(const Launch launch, const Shading scene, const uint2 stream, const uint depth, const float4 hit,
+inline void meet(const Launch launch, const Shading scene, const Chance chance, const uint depth, const float4 hit,
                  const uint hit_instance, Path* path, ShadowRay* shadow) {
   global const Instance* instance = scene.instances + hit_instance;
   const uint triangle = as_uint(hit.w);
@@ -91,7 +91,6 @@ inline void meet(const Launch launch, const Shading scene, const uint2 stream, c
   if (m.kind != MATERIAL_EMISSIVE) color *= texture_at(scene, m.texture, s.uv);
   if (instance->flags & INSTANCE_COLORS)
     color *= vertex_color(instance, scene.triangles, scene.colors, triangle, hit.y, hit.z);
-  const Chance chance = draw_chance(stream, depth);
   if (m.kind == MATERIAL_SHADOW_RECEIVER) {
     meet_receiver(launch, scene, m, color, s, chance, path, shadow);
   } else if (m.kind == MATERIAL_EMISSIVE || depth >= launch.max_depth) {
@@ -119,6 +118,7 @@ kernel void shade(const uint n, const Launch launch, const uint depth, global co
   const uint i = get_global_id(0);
   if (i >= n) return;
   const uint slot = queue[i];
+  const Chance chance = draw_chance(stream[slot], depth);  // early: its long chain of products runs while hits are loaded
   Path path = load_path(slot, origin, direction, throughput);
   ShadowRay shadow = {0.0f, 0.0f, 0.0f, 0.0f, SHADOW_NONE};
   const Shading scene = {instances, materials, textures, texels,      decode, triangles,
@@ -126,7 +126,7 @@ kernel void shade(const uint n, const Launch launch, const uint depth, global co
   if (as_uint(hit[slot].w) == NO_TRIANGLE)
     meet_environment(launch, scene, &path);
   else
-    meet(launch, scene, stream[slot], depth, hit[slot], hit_instance[slot], &path, &shadow);
+    meet(launch, scene, chance, depth, hit[slot], hit_instance[slot], &path, &shadow);
   radiance[slot] += (float4)(path.radiance, 0);
   alive[i] = path.is_alive ? 1u : 0u;
   if (path.is_alive) {
