@@ -11,14 +11,15 @@ Actuators::Actuators(const Scene& scene, std::vector<double> start)
     if (!is_driven(joint)) continue;
     delay_.push_back(joint.drive.delay);
     time_constant_.push_back(joint.drive.time_constant);
-    if (joint.drive.delay > 0) n_past_ = std::max(n_past_, std::size_t(std::ceil(joint.drive.delay / h_)));
+    const std::size_t of_delay = joint.drive.delay > 0 ? std::size_t(std::ceil(joint.drive.delay / h_)) : 0;
+    n_past_ = std::max(n_past_, of_delay + (joint.drive.time_constant > 0));
   }
   for (std::size_t k = 0; k < n_past_; ++k) past_.insert(past_.end(), start_.begin(), start_.end());
 }
 
 // targets are given at the ends of steps: `target` at this one's, past_ at those before
-double Actuators::delayed(std::size_t drive, double target) const {
-  const double steps = delay_[drive] / h_;
+double Actuators::delayed(std::size_t drive, double target, std::size_t steps_ago) const {
+  const double steps = delay_[drive] / h_ + double(steps_ago);
   const std::size_t whole = std::size_t(steps);
   const auto given = [&](std::size_t ago) { return ago == 0 ? target : past_[(ago - 1) * delay_.size() + drive]; };
   const double later = given(whole), share = steps - double(whole);
@@ -29,9 +30,11 @@ std::vector<double> Actuators::command(const std::vector<double>& targets,
                                        const std::vector<double>& last_command) const {
   std::vector<double> commands = targets;
   for (std::size_t i = 0; i < commands.size(); ++i) {
-    if (delay_[i] > 0) commands[i] = delayed(i, targets[i]);
-    if (time_constant_[i] > 0)
-      commands[i] = last_command[i] + (1 - std::exp(-h_ / time_constant_[i])) * (commands[i] - last_command[i]);
+    if (delay_[i] > 0) commands[i] = delayed(i, targets[i], 0);
+    if (time_constant_[i] > 0) {
+      const double before = delayed(i, targets[i], 1), behind = (commands[i] - before) * time_constant_[i] / h_;
+      commands[i] += (last_command[i] - before + behind) * std::exp(-h_ / time_constant_[i]) - behind;
+    }
   }
   return commands;
 }

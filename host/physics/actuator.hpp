@@ -1,6 +1,7 @@
 // What becomes of the targets that drives are given: delayed, then followed with a lag,
-//   given(t - delay), straight between steps;   command' = (delayed - command) / T, exact over a step of length h:
-//   command += (1 - exp(-h / T)) (delayed - command)
+//   delayed(t) = given(t - delay), straight between steps;   command' = (delayed - command) / T,
+// which over a step of length h, in which `delayed` goes straight from d0 to d1, has the solution
+//   command1 = d1 - b + (command0 - d0 + b) exp(-h / T),   b = (d1 - d0) T / h
 #pragma once
 #include <vector>
 
@@ -21,7 +22,7 @@ class Actuators {
   bool restore(const std::vector<double>& past);  // false: it is not of this scene
 
  private:
-  double delayed(std::size_t drive, double target) const;
+  double delayed(std::size_t drive, double target, std::size_t steps_ago) const;
   std::size_t n_past_ = 0;  // targets kept of each drive
   double h_;                // [s]
   std::vector<double> delay_, time_constant_, start_;

@@ -231,7 +231,7 @@ std::vector<EffectKind> contact_kinds() {
        "friction differs by direction, first body's x",
        "mu = mu_given sqrt(cos^2 + (1 + change)^2 sin^2) of the angle from x",
        "slides in two directions",
-       {strength("change", "1", -0.95, 5)}},
+       {strength("change", "1", -0.95, 50)}},
       {"adhesion",
        T::contact,
        "contact gap",

@@ -74,6 +74,7 @@ ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simu
   base.slope.assign(chosen.data.windows.size(), {});
   for (std::size_t w = 0; w < base.slope.size(); ++w) base.slope[w].resize(base.residual[w].size(), 0);
   base.scale = robust_scale(base.residual);
+  base.window_scale.clear();
   base.cost = robust_cost(base.residual, base.scale);
   return chosen;
 }

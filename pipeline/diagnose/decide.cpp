@@ -16,6 +16,7 @@ constexpr std::size_t MOST_GROUPS = 8;
 constexpr double FAMILY_PRIOR[] = {-1, 0, -0.5};  // physical, parameter, measurement
 constexpr double UNEXPLAINED = 1.5;               // left-out error, times the noise
 constexpr double NEARLY_AS_MUCH = 0.6;            // of what the best closes
+constexpr double CLEARLY_LESS = 10;               // of evidence, a log: no simpler model is as good then
 constexpr std::size_t MOST_LAG = 50;              // samples
 
 // windows -> groups that are left out together
@@ -121,7 +122,7 @@ GroupErrors errors_of(const std::vector<VectorXd>& residual, const std::vector<s
 // large errors does not count for all; relative_sigma: its standard error from the groups' scatter; against: that of
 // the groups in which b is worse alone, since an effect that shows in one run only is no less an effect. noise: the
 // standard error of mean(a) - mean(b) that noise of scale s makes of two predictions that differ, `correlated` samples
-// saying the same.
+// saying the same; residuals that are cut feel no noise.
 struct Difference {
   double absolute = 0, noise = 0, relative = 0, relative_sigma = 0, against = 0;
   bool is_gain(double n_sigma) const {
@@ -133,11 +134,11 @@ struct Difference {
 };
 
 Difference difference(const GroupErrors& a, const GroupErrors& b, const std::vector<VectorXd>& ra,
-                      const std::vector<VectorXd>& rb, double s, double correlated) {
+                      const std::vector<VectorXd>& rb, double s, double cut, double correlated) {
   double n = 0, apart = 0;
   for (std::size_t w = 0; w < ra.size(); ++w) {
     n += double(ra[w].size());
-    apart += (ra[w] - rb[w]).squaredNorm();
+    apart += (ra[w].cwiseMax(-cut).cwiseMin(cut) - rb[w].cwiseMax(-cut).cwiseMin(cut)).squaredNorm();
   }
   Difference d;
   d.absolute = a.mean() - b.mean();
@@ -221,7 +222,8 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
     Judged& judged = entry.judged;
     judged.error = std::sqrt(entry.errors.mean());
     judged.better_by = base_errors.mean() - entry.errors.mean();
-    const Difference better = difference(base_errors, entry.errors, base_residual, entry.residual, scale, correlated);
+    const Difference better =
+        difference(base_errors, entry.errors, base_residual, entry.residual, scale, cut, correlated);
     judged.better_sigma = better.noise;
     double squares = 0;
     for (const VectorXd& r : fit.residual) squares += r.array().square().min(cut * cut).sum();
@@ -245,13 +247,15 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
     if (entries[i].judged.passes) best = int(i);
   decision.chosen = best;
   const auto is_as_good = [&](const Entry& a, const Entry& than, double n_sigma) {
-    return !difference(a.errors, than.errors, a.residual, than.residual, scale, correlated).is_more_than(n_sigma);
+    return !difference(a.errors, than.errors, a.residual, than.residual, scale, cut, correlated).is_more_than(n_sigma);
   };
   // with one group nothing is left out, and the scatter between groups is not known
   const double near = *std::max_element(group.begin(), group.end()) == 0 ? 2 : 1;
   for (std::size_t i = 0; best >= 0 && i < entries.size(); ++i) {
     const Judged &now = entries[std::size_t(decision.chosen)].judged, &other = entries[i].judged;
-    if (!other.passes || !is_as_good(entries[i], entries[std::size_t(best)], near)) continue;
+    if (!other.passes || !is_as_good(entries[i], entries[std::size_t(best)], near) ||
+        other.evidence < entries[std::size_t(best)].judged.evidence - CLEARLY_LESS)
+      continue;
     const Eigen::Index p = other.fit->model.x.size(), q = now.fit->model.x.size();
     if (p < q || (p == q && other.evidence > now.evidence)) decision.chosen = int(i);
   }

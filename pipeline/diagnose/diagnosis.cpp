@@ -23,10 +23,11 @@ constexpr double AGREES_RMS = 1.15, AGREES_CELL = 1.5;  // of residuals in units
 constexpr double LEAST_GAP_CLOSED = 0.6;                // on held-out runs, for an effect to be named
 constexpr double LEAST_STEP =
     0.3;  // of what is left on fitting runs, for a further effect to be tried on held-out ones
-constexpr double SECOND_LOOK = 1.5;     // times the noise floor: look for another effect
-constexpr std::size_t N_FINALISTS = 5;  // candidates that are fitted to the end
-constexpr int MORE_STEPS = 6;           // of these
-constexpr double HOPELESS = 100;        // by which a finalist's log-likelihood may be worse than the best one's
+constexpr double SECOND_LOOK = 1.5;        // times the noise floor: look for another effect
+constexpr std::size_t N_FINALISTS = 5;     // candidates that are fitted to the end
+constexpr int MORE_STEPS = 6;              // of these
+constexpr std::size_t MOST_EXCHANGED = 3;  // other first effects that are tried beside a second one
+constexpr double HOPELESS = 100;           // by which a finalist's log-likelihood may be worse than the best one's
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -116,13 +117,18 @@ std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector
   std::vector<Fit> fits = fitter.begin(data, std::move(models));
   std::erase_if(fits, [](const Fit& fit) { return !fit.is_well; });
   fitter.improve(data, fits, 2);
-  const auto key = [](const Fit& fit) { return robust_cost(fit.residual, 1); };
+  std::vector<double> scales;  // of each window by the fit that has it best
+  for (const Fit& fit : fits) {
+    const std::vector<double> of = window_scales(fit.residual);
+    if (scales.empty()) scales = of;
+    for (std::size_t w = 0; w < of.size(); ++w) scales[w] = std::min(scales[w], of[w]);
+  }
+  const auto key = [&](const Fit& fit) { return robust_cost(fit.residual, scales); };
   std::stable_sort(fits.begin(), fits.end(), [&](const Fit& a, const Fit& b) { return key(a) < key(b); });
   for (std::size_t i = 0; i < fits.size(); ++i)
-    if (i >= N_FINALISTS || key(fits[i]) > key(fits[0]) + HOPELESS * fits[0].scale * fits[0].scale)
-      fits[i].has_converged = true;
+    fits[i].is_given_up = i >= N_FINALISTS || key(fits[i]) > key(fits[0]) + HOPELESS * fits[0].scale * fits[0].scale;
   fitter.improve(data, fits, MORE_STEPS);
-  fitter.conclude(data, fits);
+  fitter.finish(data, fits);
   return fits;
 }
 
@@ -188,14 +194,35 @@ Model without(const Model& model, std::size_t left_out) {
   return less;
 }
 
-// An effect that was found first may only have stood in for one that was found later: without it the fit is as good.
-Fit without_idle_parts(Workflow& flow, const FitData& data, const Fit& base, const Fit& fit) {
-  std::vector<Fit> fits;
-  for (std::size_t i = 0; i + 1 < fit.model.parts.size(); ++i)
-    fits.push_back(flow.fitter.begin(data, {without(fit.model, i)}).front());
-  std::erase_if(fits, [](const Fit& less) { return !less.is_well; });
+// Others of the first round in place of the model's first part.
+std::vector<Model> exchanged(const Model& model, const std::vector<Fit>& first_round) {
+  std::vector<Model> models;
+  const Model rest = without(model, 0);
+  for (const Fit& first : first_round) {
+    const Candidate* part = first.model.parts.front();
+    if (models.size() >= MOST_EXCHANGED) break;
+    if (std::find(model.parts.begin(), model.parts.end(), part) != model.parts.end()) continue;
+    Model other = first.model;
+    other.parts.insert(other.parts.end(), rest.parts.begin(), rest.parts.end());
+    other.x.conservativeResize(first.model.x.size() + rest.x.size());
+    other.x.tail(rest.x.size()) = rest.x;
+    other.scale.conservativeResize(other.x.size());
+    other.scale.tail(rest.x.size()) = rest.scale;
+    models.push_back(std::move(other));
+  }
+  return models;
+}
+
+// An effect that was found first may only have stood in: for one that was found later, without it the fit is as good
+// then; or for another of the first round, which is better beside what was found later.
+Fit reconsidered(Workflow& flow, const FitData& data, const Fit& base, const Fit& fit,
+                 const std::vector<Fit>& first_round) {
+  std::vector<Model> models = exchanged(fit.model, first_round);
+  for (std::size_t i = 0; i + 1 < fit.model.parts.size(); ++i) models.push_back(without(fit.model, i));
+  std::vector<Fit> fits = flow.fitter.begin(data, std::move(models));
+  std::erase_if(fits, [](const Fit& other) { return !other.is_well; });
   flow.fitter.improve(data, fits, MORE_STEPS);
-  flow.fitter.conclude(data, fits);
+  flow.fitter.finish(data, fits);
   fits.push_back(fit);
   const Decision decision = decide(data, base, fits);
   return decision.chosen >= 0 ? *decision.ranking[std::size_t(decision.chosen)].fit : fit;
@@ -215,7 +242,7 @@ Fit settled(Workflow& flow, FitData& data, const Fit& fit) {
 // Looks for one effect after the other, each beside those before. Returns the fits that grew by one effect each.
 std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base) {
   Diagnosis& out = flow.out;
-  std::vector<Fit> grown;
+  std::vector<Fit> grown, first_round;
   Fit named = base;
   // one round more than effects, for one that took another's place
   for (int number = 1; number <= flow.settings.max_effects + (flow.settings.max_effects > 1); ++number) {
@@ -242,14 +269,19 @@ std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base) {
     if (!decision.inseparable.empty() && out.next_experiment.empty())
       out.next_experiment = chosen.fit->model.parts.back()->experiment;
     const std::size_t n_parts = chosen.fit->model.parts.size();
-    named = n_parts > 1 && flow.settings.decide == Decide::workflow ? without_idle_parts(flow, data, base, *chosen.fit)
-                                                                    : *chosen.fit;
+    if (number == 1)
+      for (const Judged& judged : decision.ranking)
+        if (judged.passes) first_round.push_back(*judged.fit);
+    named = n_parts > 1 && flow.settings.decide == Decide::workflow
+                ? reconsidered(flow, data, base, *chosen.fit, first_round)
+                : *chosen.fit;
     if (flow.settings.decide == Decide::workflow) named = settled(flow, data, named);
     const double error = rms(named.residual);
-    if (named.model.parts.size() < n_parts) {  // what remains stands alone
-      grown.clear();
+    if (named.model.parts != chosen.fit->model.parts)
       out.ranking.front() = {
           named.model.parts, error, chosen.evidence, chosen.probability, {named.model.x.begin(), named.model.x.end()}};
+    if (named.model.parts.size() < n_parts) {  // what remains stands alone
+      grown.clear();
       out.inseparable.clear();
     }
     grown.push_back(named);

@@ -19,7 +19,7 @@ enum class Decide { workflow, retune, lowest, weak };
 struct Settings {
   Decide decide = Decide::workflow;
   int max_effects = 2;
-  std::size_t n_fitted = 7;       // candidates that are fitted, of those screened
+  std::size_t n_fitted = 9;       // candidates that are fitted, of those screened
   double simulated_seconds = 12;  // of all windows of one evaluation, about
 };
 

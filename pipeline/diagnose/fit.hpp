@@ -4,7 +4,8 @@
 //   C = sum_i 5/2 s^2 log(1 + r_i^2 / (4 s^2)) + sum_w sum_k delta_wk^2 / (2 sigma_wk^2)
 //       + sum_p (x_p - off_p)^2 / (2 b_p^2)
 // with r the residuals in units of noise, s their scale, at least 1, and delta_w the errors of the start of window w,
-// which the linear system leaves to each window.
+// which the linear system leaves to each window. On the way s is each window's own: while the model is still wrong a
+// window that it misses is no outlier, and would else be given up. At the end it is that of all.
 #pragma once
 #include <functional>
 #include <vector>
@@ -36,10 +37,12 @@ struct Fit {
   std::vector<Eigen::VectorXd> residual;  // [n_windows][n_data]
   std::vector<Eigen::MatrixXd> slope;     // [n_windows][n_data x n_parameters] d r / d x
   Eigen::MatrixXd covariance;             // of x
-  double cost = 0, scale = 1;             // C; s
+  double cost = 0, scale = 1;             // C; s of all windows
+  std::vector<double> window_scale;       // [n_windows] s of each; empty: that of all
   bool is_well = false;                   // simulated to the end of every window
   bool is_stale = true;                   // the slopes are not of where it is
   bool has_converged = false;             // a step changes little
+  bool is_given_up = false;               // it is not worth further steps
 };
 
 class Fitter {
@@ -52,12 +55,16 @@ class Fitter {
   // The same about the starts that fit best there, not those that were measured: what rests on something answers to
   // its start by kinks.
   FitData prepare_near(std::vector<Window> windows, const Model& at);
-  // Each model from where it is, starts fitted too. n_steps 0: only the starts are fitted.
+  // Each model from where it is, starts fitted too, to the end. n_steps 0: only the starts are fitted.
   std::vector<Fit> fit(const FitData& data, std::vector<Model> models, int n_steps);
   // The same in parts: where the models are; at most n_steps from there, of those that have not converged; slopes and
-  // covariances there.
+  // covariances there. `scale`: what is taken for an outlier.
+  enum class Scale { of_window, of_all };
   std::vector<Fit> begin(const FitData& data, std::vector<Model> models);
-  void improve(const FitData& data, std::vector<Fit>& fits, int n_steps, bool only_starts = false);
+  void improve(const FitData& data, std::vector<Fit>& fits, int n_steps, Scale scale = Scale::of_window,
+               bool only_starts = false);
+  // The last steps, with outliers as of all windows, and conclude.
+  void finish(const FitData& data, std::vector<Fit>& fits);
   void conclude(const FitData& data, std::vector<Fit>& fits);
   // Residuals at given models; delta as in Fit, empty: zeros.
   std::vector<std::vector<Prediction>> evaluate(const FitData& data, const std::vector<Model>& models,
@@ -95,6 +102,9 @@ bool dissipates(const Scene& scene);
 // 1.48 times the median of |r|, at least 1.
 double robust_scale(const std::vector<Eigen::VectorXd>& residual);
 double robust_cost(const std::vector<Eigen::VectorXd>& residual, double scale);
+// robust_scale of each window alone
+std::vector<double> window_scales(const std::vector<Eigen::VectorXd>& residual);
+double robust_cost(const std::vector<Eigen::VectorXd>& residual, const std::vector<double>& scales);
 // Root of the mean square of all residuals.
 double rms(const std::vector<Eigen::VectorXd>& residual);
 

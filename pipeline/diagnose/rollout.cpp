@@ -6,6 +6,8 @@
 #include "host/physics/simulation.hpp"
 #include "pipeline/diagnose/journal.hpp"
 #include "pipeline/diagnose/sensor.hpp"
+#include "pipeline/diagnose/support.hpp"
+#include "pipeline/diagnose/world.hpp"
 #include "pipeline/stop_signal.hpp"
 
 namespace pvg::diagnose {
@@ -22,36 +24,6 @@ std::size_t n_nodes(const Scene& scene) {
   return n;
 }
 
-Scene world_of(const Problem& problem, const Job& job) {
-  Scene scene = job.variant->scene;
-  start_at(problem, job.initial, scene);
-  scene.separates_start = true;  // a measured start may cut a little into what the body rests on
-  const Run& run = problem.runs[std::size_t(job.window->run)];
-  for (const PrescribedPath& prescribed : run.prescribed) {
-    RigidBody& body = scene.rigid_bodies[std::size_t(prescribed.rigid)];
-    body.path.clear();
-    for (const PathPoint& point : prescribed.path) {
-      const double time = point.time - job.window->start;
-      if (time <= 0) body.path.clear();  // the last one before the start becomes the first
-      body.path.push_back({std::max(time, 0.0), point.pose});
-    }
-    if (!body.path.empty()) body.pose = body.path.front().pose;
-  }
-  return scene;
-}
-
-// What the drives are told in the step that ends at `time` of the run's clock. A torque acts over the whole step, so
-// its value in the middle stands for it.
-std::vector<double> targets_of(const Scene& scene, const Run& run, double time, double h) {
-  std::vector<double> targets;
-  std::size_t driven = 0;
-  for (const Joint& joint : scene.joints) {
-    if (!is_driven(joint)) continue;
-    targets.push_back(run.targets[driven++].at(joint.drive.mode == Drive::Mode::torque ? time - h / 2 : time));
-  }
-  return targets;
-}
-
 std::size_t steps_of(const Window& window, double h) {
   return std::size_t(std::ceil((window.end - window.start + MARGIN) / h)) + 1;
 }
@@ -61,6 +33,13 @@ std::size_t steps_of(const Window& window, double h) {
 const char* phase_name(Phase phase) {
   constexpr const char* NAMES[] = {"free", "driven", "impact", "stick", "slide", "roll", "rest"};
   return NAMES[int(phase)];
+}
+
+void Predictor::settle(const Variant& variant, std::vector<Window>& windows) {
+  for (Window& window : windows) {
+    if (!window.is_settled) settle_on_support(device_, problem_, variant.scene, window);
+    window.is_settled = true;
+  }
 }
 
 std::vector<Prediction> Predictor::predict(std::span<const Job> jobs) {
@@ -90,7 +69,7 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::si
   std::vector<SensorTrace> traces;
   std::size_t n_steps = 0;
   for (const std::size_t i : which) {
-    worlds.push_back(world_of(problem_, jobs[i]));
+    worlds.push_back(world_of(problem_, jobs[i].variant->scene, *jobs[i].window, jobs[i].initial));
     traces.emplace_back(problem_, jobs[i]);
     n_steps = std::max(n_steps, steps_of(*jobs[i].window, worlds[0].solver.time_step));
   }
@@ -122,7 +101,12 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::si
     return targets;
   };
   Checkpoint begin = simulation.checkpoint();
-  begin.targets = targets_at(0);  // so that no drive sees its reference jump in the first step
+  for (std::size_t w = 0; w < which.size(); ++w) {  // so that no drive sees its reference jump in the first step
+    const Window& window = *jobs[which[w]].window;
+    DriveMemory memory = memory_of(worlds[w], problem_.runs[std::size_t(window.run)], window.start, h);
+    begin.targets[w] = std::move(memory.command);
+    begin.past_targets[w] = std::move(memory.past);
+  }
   simulation.restore(begin);
   std::vector<char> is_well(which.size(), true);
   const auto look = [&](std::size_t step) {

@@ -51,6 +51,8 @@ class Predictor {
   Predictor(Device& device, const Problem& problem) : device_(device), problem_(problem) {}
   // Throws TryAgain where the user stopped it.
   std::vector<Prediction> predict(std::span<const Job> jobs);
+  // What rests on something starts on it, where that has not been seen to yet.
+  void settle(const Variant& variant, std::vector<Window>& windows);
   void keep_in(Journal* journal) { journal_ = journal; }  // answers are read from there as far as they go
   std::size_t n_simulations() const { return n_simulations_; }
   double world_seconds() const { return world_seconds_; }  // simulated, summed over all worlds

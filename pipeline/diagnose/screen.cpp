@@ -80,8 +80,8 @@ FitData some_windows(const FitData& data, std::size_t most, Fit& base) {
   return some;
 }
 
-// A change for each parameter that the sensors see about as well as the misfit itself.
-std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& base,
+// A change for each parameter that the sensors see `wanted` times as well as their noise.
+std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& base, double wanted,
                                 const std::vector<const Candidate*>& candidates) {
   std::vector<Trial> trials;
   for (const Candidate* candidate : candidates)
@@ -89,7 +89,6 @@ std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& 
       trials.push_back({candidate, i, allowed(candidate->parameters[i], candidate->parameters[i].scale)});
   Fit few = base;
   const FitData some = some_windows(data, SOME_WINDOWS, few);
-  const double wanted = std::clamp(rms(base.residual), 2.0, 30.0);
   std::vector<std::size_t> open(trials.size());  // whose answer is not of about that size
   for (std::size_t i = 0; i < open.size(); ++i) open[i] = i;
   for (const bool is_last : {false, true}) {
@@ -115,16 +114,27 @@ std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& 
   return trials;
 }
 
+// The base model where the starts are those that were measured: those that fit it best may have gone far to make up for
+// what is missing.
+Fit from_measured_starts(Fitter& fitter, const FitData& data, const Fit& base) {
+  Fit measured = fitter.begin(data, {base.model}).front();
+  if (!measured.is_well) return base;
+  measured.slope = base.slope;
+  measured.scale = robust_scale(measured.residual);
+  return measured;
+}
+
 // What the robust cost of some windows falls by in truth, at shares of each candidate's linear optimum: laws with a
 // dead zone or a kink are not what their signature promises, nor less. Each one's best share becomes its model.
 void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_data, std::vector<Screened>& screened) {
   Fit few = base;
   const FitData some = some_windows(data, SOME_WINDOWS, few);
+  const std::vector<double> scales = window_scales(few.residual);
   const auto cost_of = [&](const auto& residual_of) {
     std::vector<VectorXd> left;
     for (std::size_t w = 0; w < some.windows.size(); ++w)
       left.push_back(beside_starts(some.of_start[w], residual_of(w)));
-    return robust_cost(left, base.scale);
+    return robust_cost(left, scales);
   };
   const double before = cost_of([&](std::size_t w) { return few.residual[w]; });
   double n_some = 0;
@@ -159,9 +169,11 @@ void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_d
 
 }  // namespace
 
-std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& base,
+std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fitted,
                              const std::vector<const Candidate*>& candidates) {
-  std::vector<Trial> trials = choose_steps(fitter, data, base, candidates);
+  const Fit base = from_measured_starts(fitter, data, fitted);
+  // the misfit itself
+  std::vector<Trial> trials = choose_steps(fitter, data, base, std::clamp(rms(fitted.residual), 2.0, 30.0), candidates);
   std::erase_if(trials, [](const Trial& t) { return t.step == 0; });
   const std::vector<std::vector<VectorXd>> found = answers(fitter, data, base, trials);
   double n_data = 0;
@@ -172,6 +184,7 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& bas
     while (last < trials.size() && trials[last].candidate == trials[first].candidate) ++last;
     Screened one{trials[first].candidate, with(base.model, *trials[first].candidate), 0, 0};
     Fit fit = base;
+    fit.window_scale = window_scales(base.residual);
     const Eigen::Index n_base = base.model.x.size();
     std::vector<std::size_t> seen;  // trials whose answer is there
     for (std::size_t t = first; t < last; ++t)

@@ -9,9 +9,6 @@ namespace {
 using Kind = RecordedChannel::Kind;
 constexpr double FIT_SPAN = 0.1;              // of the samples that tell a start and its rate [s]
 constexpr std::size_t FEWEST = 5, MOST = 15;  // samples of such a fit
-// A start is known before the fit as well as its samples tell, times this: what is wrong in the model or the sensor
-// must not be held in place by it.
-constexpr double LOOSENESS = 20;
 
 struct LocalFit {
   double value = 0, slope = 0, value_sigma = 0, slope_sigma = 0;
@@ -101,16 +98,16 @@ void start_joint(const Problem& problem, const Run& run, int j, double t0, bool 
     if (!fit.is_there) continue;
     if (channel.kind == Kind::rate) {
       start.state.rate[std::size_t(j)] = fit.value;
-      rate_sigma = LOOSENESS * fit.value_sigma;
+      rate_sigma = START_LOOSENESS * fit.value_sigma;
       is_rate_measured = true;
       continue;
     }
     is_measured = true;
     start.state.position[std::size_t(j)] = fit.value;
-    position_sigma = LOOSENESS * fit.value_sigma;
+    position_sigma = START_LOOSENESS * fit.value_sigma;
     if (!is_rate_measured) {
       start.state.rate[std::size_t(j)] = fit.slope;
-      rate_sigma = LOOSENESS * fit.slope_sigma;
+      rate_sigma = START_LOOSENESS * fit.slope_sigma;
     }
   }
   if (is_given || (!is_measured && problem.recording.initial != Recording::Initial::fitted)) return;
@@ -130,8 +127,8 @@ void start_body(const Problem& problem, const Run& run, int b, double t0, bool i
       pose.linear() = fit.rotation;
       start.state.spin[std::size_t(b)] = fit.spin;
       for (int k = 0; k < 3; ++k) {
-        unknowns.push_back({Unknown::Kind::rotation, b, Vec3::Unit(k), LOOSENESS * fit.sigma});
-        unknowns.push_back({Unknown::Kind::spin, b, Vec3::Unit(k), LOOSENESS * fit.spin_sigma});
+        unknowns.push_back({Unknown::Kind::rotation, b, Vec3::Unit(k), START_LOOSENESS * fit.sigma});
+        unknowns.push_back({Unknown::Kind::spin, b, Vec3::Unit(k), START_LOOSENESS * fit.spin_sigma});
       }
     }
     if (channel.kind != Kind::position) continue;
@@ -142,8 +139,8 @@ void start_body(const Problem& problem, const Run& run, int b, double t0, bool i
       const Vec3 direction = channel.has_axis ? channel.axis : Vec3(Vec3::Unit(k));
       pose.translation() += direction * (fit.value - direction.dot(pose.translation()));
       velocity += direction * (fit.slope - direction.dot(velocity));
-      unknowns.push_back({Unknown::Kind::position, b, direction, LOOSENESS * fit.value_sigma});
-      unknowns.push_back({Unknown::Kind::velocity, b, direction, LOOSENESS * fit.slope_sigma});
+      unknowns.push_back({Unknown::Kind::position, b, direction, START_LOOSENESS * fit.value_sigma});
+      unknowns.push_back({Unknown::Kind::velocity, b, direction, START_LOOSENESS * fit.slope_sigma});
     }
   }
   if (!is_given) start.unknowns.insert(start.unknowns.end(), unknowns.begin(), unknowns.end());
@@ -179,7 +176,7 @@ Start start_of(const Problem& problem, const Run& run, double t0) {
 Window make_window(const Problem& problem, int number, double begin, double end) {
   const Run& run = problem.runs[std::size_t(number)];
   Start start = start_of(problem, run, begin);
-  Window window{number, begin, end, std::move(start.state), std::move(start.unknowns), {}, {}};
+  Window window{number, begin, end, std::move(start.state), std::move(start.unknowns), {}, false, {}};
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Channel& channel = problem.channels[c];
     for (std::size_t i = 0; i < run.t.size(); ++i) {

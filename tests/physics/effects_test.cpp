@@ -154,7 +154,9 @@ TEST(Effects, LagAndDelayReachTheDrive) {
   };
   EXPECT_NEAR(after({}, 6), 0.01, 1e-4);
   EXPECT_NEAR(after({{"actuator_delay", "rail", {0.1}}}, 6), 0, 1e-12);
-  EXPECT_NEAR(after({{"actuator_lag", "rail", {0.05}}}, 6), 0.01 * (1 - std::exp(-0.06 / 0.05)), 2e-4);
+  // the target rises from 0 to 0.01 over the first step of 10 ms, then stays: two ramps, one after the other
+  const auto ramp = [](double t) { return t - 0.05 * (1 - std::exp(-t / 0.05)); };
+  EXPECT_NEAR(after({{"actuator_lag", "rail", {0.05}}}, 6), ramp(0.06) - ramp(0.05), 2e-4);
 }
 
 // ---- contact ----------------------------------------------------------------------------------------------------
