@@ -127,7 +127,7 @@ kernel void shade(const uint n, const Launch launch, const uint depth, global co
     meet_environment(launch, scene, &path);
   else
     meet(launch, scene, chance, depth, hit[slot], hit_instance[slot], &path, &shadow);
-  radiance[slot] += (float4)(path.radiance, 0);
+  if (any(path.radiance != 0.0f)) radiance[slot] += (float4)(path.radiance, 0);
   alive[i] = path.is_alive ? 1u : 0u;
   if (path.is_alive) {
     origin[slot] = (float4)(path.origin, path.pdf);
