@@ -189,6 +189,7 @@ void add_render(CLI::App& program, pvg::RenderOptions& o) {
   command->add_flag("-v,--verbose", o.is_verbose, "Tell of every picture: rays, time, dropped samples");
   command->footer(
       "Examples:\n  phyvisgen render data/scenes/beaker_on_scale.yaml -o beaker.png --samples 64\n"
+      "  phyvisgen render data/scenes/cornell_glass.yaml -o cornell.exr --samples 1024 --caustics\n"
       "  phyvisgen render data/validation/drape.yaml --states drape.h5 -o drape.mp4 --fps 25\n"
       "  phyvisgen render data/tasks/weigh_beaker.yaml --states out/beaker/episode_000000/states.h5 --camera wrist \\\n"
       "      --frames 10:12 -o wrist");
@@ -264,7 +265,9 @@ void add_bench_physics(CLI::App& bench, pvg::BenchPhysicsOptions& o) {
       ->check(CLI::IsMember({"automatic", "factor", "schwarz", "block_jacobi"}));
   command->add_flag("--list", o.lists, "Print the names of the scenes and end");
   command->add_flag("--json", o.as_json, "Print JSON");
-  command->footer("Example:\n  phyvisgen bench physics --scene mat_twist --scene towel --repeats 1");
+  command->footer(
+      "Examples:\n  phyvisgen bench physics --scene mat_twist --scene towel --repeats 1\n"
+      "  phyvisgen bench physics --scene block_64k --preconditioner schwarz");
 }
 
 void add_bench_solver(CLI::App& bench, pvg::BenchSolverOptions& o) {
