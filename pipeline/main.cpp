@@ -1,4 +1,6 @@
 // phyvisgen: the command line. Every error is one sentence on stderr.
+#include <malloc.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
@@ -365,7 +367,17 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
+// What was freed is kept for the next step or picture: to ask the system anew, page by page, takes 5 to 8 % of the
+// time of a towel's step. Where the library has no such choice nothing changes.
+void keep_freed_memory() {
+#ifdef M_MMAP_THRESHOLD
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+#endif
+}
+
 int main(int argc, char** argv) {
+  keep_freed_memory();
   try {
     return run(argc, argv);
   } catch (const pvg::UsageError& error) {

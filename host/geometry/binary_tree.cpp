@@ -10,7 +10,7 @@ namespace pvg {
 namespace {
 
 constexpr int N_BINS = 16, N_BINS_SMALL = 8;
-constexpr std::uint32_t SMALL = 96;  // nodes with fewer boxes have fewer bins
+constexpr std::uint32_t SMALL = 256;  // nodes with fewer boxes have fewer bins
 constexpr std::uint32_t FEW = 8;     // nodes with no more boxes try every split
 constexpr unsigned PAIR = 2;         // two triangles stay together: most are halves of a quadrilateral
 constexpr int MEDIAN_DEPTH = 40;     // deeper than this the halves are made equal, so that the depth stays bounded
@@ -64,17 +64,34 @@ class Builder {
     for (std::uint32_t i = 0; i < boxes.size(); ++i) items_.emplace_back(boxes[i], i);
   }
 
-  std::vector<BinaryNode> build() {
-    std::vector<BinaryNode> nodes;
-    std::vector<Piece> pieces;
-    build(0, std::uint32_t(items_.size()), 0, nodes, &pieces);
-    if (pieces.empty()) return nodes;
+  // the first levels node beside node, then the subtrees below them, each by one thread
+  BinaryTree build() {
+    BinaryTree tree;
+    std::vector<BinaryNode>& nodes = tree.nodes;
+    const std::uint32_t n = std::uint32_t(items_.size());
+    if (n <= piece_size_) {
+      build(0, n, 0, nodes);
+      tree.parts = {0, int(nodes.size())};
+      return tree;
+    }
     Workers workers;
+    nodes.emplace_back();
+    std::vector<Piece> pieces;
+    for (std::vector<Piece> level = {{0, 0, n, 0, {}}}; !level.empty();)
+      level = split_level(workers, level, nodes, pieces);
+    // the largest first, so that no thread is left with one at the end
+    std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) { return a.count > b.count; });
     workers.run(pieces.size(), [&](std::size_t i) {
-      build(pieces[i].first, pieces[i].count, pieces[i].depth, pieces[i].nodes, nullptr);
+      pieces[i].nodes.reserve(pieces[i].count);
+      build(pieces[i].first, pieces[i].count, pieces[i].depth, pieces[i].nodes);
     });
-    for (const Piece& piece : pieces) append(piece, nodes);
-    return nodes;
+    nodes.reserve(n);
+    tree.parts = {0, int(nodes.size())};
+    for (const Piece& piece : pieces) {
+      append(piece, nodes);
+      tree.parts.push_back(int(nodes.size()));
+    }
+    return tree;
   }
   const std::vector<Item>& items() const { return items_; }
 
@@ -201,15 +218,8 @@ class Builder {
     return node.count / 2;
   }
 
-  // pieces: where smaller subtrees are left to be built; null: nothing is left
-  int build(std::uint32_t first, std::uint32_t count, int depth, std::vector<BinaryNode>& nodes,
-            std::vector<Piece>* pieces) {
-    const int at = int(nodes.size());
-    nodes.emplace_back();
-    if (pieces && count <= piece_size_ && depth > 0) {
-      pieces->push_back({at, first, count, depth, {}});
-      return at;
-    }
+  // the node over some boxes, which stand sorted after it: n_left of them are its left child's, 0: it is a leaf
+  BinaryNode make_node(std::uint32_t first, std::uint32_t count, int depth, std::uint32_t& n_left) {
     BinaryNode node;
     node.first = first;
     node.count = count;
@@ -219,10 +229,39 @@ class Builder {
       node.box.add(items_[i].lo, items_[i].hi);
       middles.add(middle, middle);
     }
-    if (count > std::min(max_leaf_, PAIR)) {
-      const std::uint32_t n_left = divide(node, middles, depth);
-      node.left = build(first, n_left, depth + 1, nodes, pieces);
-      node.right = build(first + n_left, count - n_left, depth + 1, nodes, pieces);
+    n_left = count > std::min(max_leaf_, PAIR) ? divide(node, middles, depth) : 0;
+    return node;
+  }
+
+  // the next level's nodes; those that are small enough go to `pieces`
+  std::vector<Piece> split_level(Workers& workers, const std::vector<Piece>& level, std::vector<BinaryNode>& nodes,
+                                 std::vector<Piece>& pieces) {
+    std::vector<BinaryNode> made(level.size());
+    std::vector<std::uint32_t> n_left(level.size());
+    workers.run(level.size(),
+                [&](std::size_t i) { made[i] = make_node(level[i].first, level[i].count, level[i].depth, n_left[i]); });
+    std::vector<Piece> next;
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      const auto& [at, first, count, depth, none] = level[i];
+      made[i].left = int(nodes.size());
+      made[i].right = int(nodes.size() + 1);
+      nodes[at] = made[i];
+      nodes.resize(nodes.size() + 2);
+      const Piece left{made[i].left, first, n_left[i], depth + 1, {}};
+      const Piece right{made[i].right, first + n_left[i], count - n_left[i], depth + 1, {}};
+      for (const Piece& piece : {left, right}) (piece.count <= piece_size_ ? pieces : next).push_back(piece);
+    }
+    return next;
+  }
+
+  int build(std::uint32_t first, std::uint32_t count, int depth, std::vector<BinaryNode>& nodes) {
+    const int at = int(nodes.size());
+    nodes.emplace_back();
+    std::uint32_t n_left = 0;
+    BinaryNode node = make_node(first, count, depth, n_left);
+    if (n_left > 0) {
+      node.left = build(first, n_left, depth + 1, nodes);
+      node.right = build(first + n_left, count - n_left, depth + 1, nodes);
     }
     nodes[at] = node;
     return at;
@@ -237,7 +276,7 @@ class Builder {
 
 BinaryTree build_binary_tree(std::span<const Box> boxes, unsigned max_leaf) {
   Builder builder(boxes, max_leaf);
-  BinaryTree tree{builder.build(), {}};
+  BinaryTree tree = builder.build();
   tree.order.reserve(boxes.size());
   for (const Item& item : builder.items()) tree.order.push_back(item.index());
   return tree;

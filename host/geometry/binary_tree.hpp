@@ -33,7 +33,10 @@ struct BinaryNode {
 };
 
 struct BinaryTree {
-  std::vector<BinaryNode> nodes;     // root first
+  std::vector<BinaryNode> nodes;  // root first
+  // part k of the nodes is [parts[k], parts[k + 1]); children of a node of part k > 0 are in it, those of part 0
+  // anywhere
+  std::vector<int> parts;
   std::vector<std::uint32_t> order;  // the boxes' indices; a node's are [first, first + count)
 };
 

@@ -5,10 +5,25 @@
 #include <string>
 
 #include "host/base/error.hpp"
+#include "host/base/workers.hpp"
 #include "host/geometry/binary_tree.hpp"
 
 namespace pvg {
 namespace {
+
+// f(first, last) of parts of 0 .. n - 1, by several threads where there are several parts
+template <class Function>
+void in_parts(std::size_t n, std::size_t size, const Function& f) {
+  const std::size_t n_parts = (n + size - 1) / size;
+  if (n_parts <= 1) {
+    if (n > 0) f(0, n);
+    return;
+  }
+  Workers workers;
+  workers.run(n_parts, [&](std::size_t k) { f(k * size, std::min(n, (k + 1) * size)); });
+}
+
+constexpr std::size_t TRIANGLES_PER_TASK = 16384;
 
 // Which binary nodes stand side by side in a wide node, and which become leaves: the choice of least total cost
 // (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs"). cost(n, j):
@@ -17,27 +32,11 @@ namespace {
 //   cost(n, j) = min(cost(n, j - 1), shared(n, j)),   shared(n, j) = min over k of cost(left, k) + cost(right, j - k)
 class Widening {
  public:
-  Widening(const std::vector<BinaryNode>& nodes, unsigned max_leaf) : nodes_(nodes), choices_(nodes.size()) {
-    std::vector<std::array<float, BVH_WIDTH + 1>> cost(nodes.size());
-    for (std::size_t i = nodes.size(); i-- > 0;) {
-      const float area = nodes[i].box.half_area();
-      if (nodes[i].left < 0) {
-        cost[i].fill(BVH_LEAF_COST * area);
-        choices_[i][1] = LEAF;
-        continue;
-      }
-      share(cost, int(i));
-      cost[i][1] = BVH_NODE_COST * area + cost[i][BVH_WIDTH];
-      if (nodes[i].count <= max_leaf && BVH_LEAF_COST * area <= cost[i][1]) {
-        cost[i][1] = BVH_LEAF_COST * area;
-        choices_[i][1] = LEAF;
-      }
-      for (int j = 2; j < BVH_WIDTH; ++j)  // eight are the node's own children and stay
-        if (cost[i][j - 1] <= cost[i][j]) {
-          cost[i][j] = cost[i][j - 1];
-          choices_[i][j] = FEWER;
-        }
-    }
+  Widening(const BinaryTree& tree, unsigned max_leaf)
+      : nodes_(tree.nodes), max_leaf_(max_leaf), choices_(nodes_.size()), cost_(nodes_.size()) {
+    in_parts(tree.parts.size() - 2, 1,
+             [&](std::size_t k, std::size_t) { choose(tree.parts[k + 1], tree.parts[k + 2]); });
+    choose(0, tree.parts[1]);
   }
 
   bool is_leaf(int node) const { return choices_[node][1] == LEAF; }
@@ -55,7 +54,32 @@ class Widening {
  private:
   static constexpr std::uint8_t FEWER = 0, LEAF = 1;  // [j > 1] one tree fewer is as good; [1] it is a leaf
 
-  void share(std::vector<std::array<float, BVH_WIDTH + 1>>& cost, int i) {
+  // of nodes first .. last - 1, whose children beyond them have chosen
+  void choose(int first, int last) {
+    std::vector<std::array<float, BVH_WIDTH + 1>>& cost = cost_;
+    for (int i = last; i-- > first;) {
+      const float area = nodes_[i].box.half_area();
+      if (nodes_[i].left < 0) {
+        cost[i].fill(BVH_LEAF_COST * area);
+        choices_[i][1] = LEAF;
+        continue;
+      }
+      share(i);
+      cost[i][1] = BVH_NODE_COST * area + cost[i][BVH_WIDTH];
+      if (nodes_[i].count <= max_leaf_ && BVH_LEAF_COST * area <= cost[i][1]) {
+        cost[i][1] = BVH_LEAF_COST * area;
+        choices_[i][1] = LEAF;
+      }
+      for (int j = 2; j < BVH_WIDTH; ++j)  // eight are the node's own children and stay
+        if (cost[i][j - 1] <= cost[i][j]) {
+          cost[i][j] = cost[i][j - 1];
+          choices_[i][j] = FEWER;
+        }
+    }
+  }
+
+  void share(int i) {
+    std::vector<std::array<float, BVH_WIDTH + 1>>& cost = cost_;
     for (int j = BVH_WIDTH; j > 1; --j) {
       cost[i][j] = 1e30f;
       for (int k = 1; k < j; ++k) {
@@ -82,7 +106,9 @@ class Widening {
   }
 
   const std::vector<BinaryNode>& nodes_;
+  unsigned max_leaf_;
   std::vector<std::array<std::uint8_t, BVH_WIDTH + 1>> choices_;  // [j] trees of the left child
+  std::vector<std::array<float, BVH_WIDTH + 1>> cost_;
 };
 
 void set_slot(BvhNode& node, int k, const Box4& box, int child) {
@@ -113,8 +139,9 @@ int stack_need(const Bvh& bvh, int i) {
   return std::max(n_children, n_children - 1 + deepest);
 }
 
-void widen(const std::vector<BinaryNode>& nodes, unsigned max_leaf, Bvh& bvh) {
-  const Widening widening(nodes, max_leaf);
+void widen(const BinaryTree& tree, unsigned max_leaf, Bvh& bvh) {
+  const std::vector<BinaryNode>& nodes = tree.nodes;
+  const Widening widening(tree, max_leaf);
   std::vector<int> level = {0};  // binary nodes, one per wide node of the level
   bvh.nodes = {empty_node()};
   bvh.level_first = {0};
@@ -140,6 +167,19 @@ void widen(const std::vector<BinaryNode>& nodes, unsigned max_leaf, Bvh& bvh) {
   }
 }
 
+TriangleBlock pack_block(const Bvh& bvh, const Bvh::Leaf& leaf, std::span<const Vec3f> points,
+                         std::span<const Triangle> triangles, std::uint32_t first_triangle) {
+  TriangleBlock block{};
+  for (std::uint32_t& id : block.triangle) id = 0xffffffffu;
+  for (std::uint32_t k = 0; k < leaf.count; ++k) {
+    const std::uint32_t triangle = bvh.order[leaf.first + k];
+    for (int corner = 0; corner < 3; ++corner)
+      for (int axis = 0; axis < 3; ++axis) block.corner[corner][axis][k] = points[triangles[triangle][corner]][axis];
+    block.triangle[k] = first_triangle + triangle;
+  }
+  return block;
+}
+
 }  // namespace
 
 Bvh build_bvh(std::span<const Box> boxes, unsigned max_leaf) {
@@ -150,7 +190,7 @@ Bvh build_bvh(std::span<const Box> boxes, unsigned max_leaf) {
     return bvh;
   }
   BinaryTree tree = build_binary_tree(boxes, max_leaf);
-  widen(tree.nodes, max_leaf, bvh);
+  widen(tree, max_leaf, bvh);
   bvh.order = std::move(tree.order);
   bvh.stack_need = stack_need(bvh, 0);
   if (bvh.stack_need > BVH_STACK)
@@ -162,25 +202,20 @@ Bvh build_bvh(std::span<const Box> boxes, unsigned max_leaf) {
 
 std::vector<Box> triangle_boxes(std::span<const Vec3f> points, std::span<const Triangle> triangles) {
   std::vector<Box> boxes(triangles.size());
-  for (std::size_t i = 0; i < triangles.size(); ++i)
-    for (const std::uint32_t corner : triangles[i]) boxes[i].add(points[corner]);
+  in_parts(triangles.size(), TRIANGLES_PER_TASK, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i)
+      for (const std::uint32_t corner : triangles[i]) boxes[i].add(points[corner]);
+  });
   return boxes;
 }
 
 std::vector<TriangleBlock> pack_blocks(const Bvh& bvh, std::span<const Vec3f> points,
                                        std::span<const Triangle> triangles, std::uint32_t first_triangle) {
   std::vector<TriangleBlock> blocks(bvh.leaves.size());
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    blocks[i] = TriangleBlock{};
-    for (std::uint32_t& id : blocks[i].triangle) id = 0xffffffffu;
-    for (std::uint32_t k = 0; k < bvh.leaves[i].count; ++k) {
-      const std::uint32_t triangle = bvh.order[bvh.leaves[i].first + k];
-      for (int corner = 0; corner < 3; ++corner)
-        for (int axis = 0; axis < 3; ++axis)
-          blocks[i].corner[corner][axis][k] = points[triangles[triangle][corner]][axis];
-      blocks[i].triangle[k] = first_triangle + triangle;
-    }
-  }
+  in_parts(blocks.size(), TRIANGLES_PER_TASK / 4, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i)
+      blocks[i] = pack_block(bvh, bvh.leaves[i], points, triangles, first_triangle);
+  });
   return blocks;
 }
 
