@@ -46,8 +46,9 @@ Stages::Kernels::Kernels(Program generate_file, Program shade_file, Program comp
 
 Stages::Stages(Device& device)
     : max_paths_(std::size_t(1) << (device.info().is_gpu ? 18 : 15)),
-      kernels_(Program(device, "render/generate.cl"), Program(device, "render/shade.cl", traversal_options(device)),
-               Program(device, "render/compact.cl"), Program(device, "render/accumulate.cl"),
+      kernels_(Program(device, "render/generate.cl", traversal_options(device)),
+               Program(device, "render/shade.cl", traversal_options(device)), Program(device, "render/compact.cl"),
+               Program(device, "render/accumulate.cl"),
                Program(device, "sensors/ground_truth.cl", traversal_options(device)),
                Program(device, "sensors/flow.cl", traversal_options(device)),
                Program(device, "render/camera_media.cl", traversal_options(device))),
