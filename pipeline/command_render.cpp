@@ -139,7 +139,7 @@ class Pictures {
 
 void check_options(const RenderOptions& options) {
   if (options.scene.empty())
-    throw UsageError("render needs a scene or task file; `phyvisgen render --help` shows an example");
+    throw UsageError("render needs a scene, task or glTF file; `phyvisgen render --help` shows an example");
   if (options.output.empty() && options.gltf.empty())
     throw UsageError("render needs an output: -o FILE.png, FILE.mp4 or a folder");
 }
@@ -240,11 +240,12 @@ void run_render(const RenderOptions& options) {
   check_options(options);
   if (!options.output.empty()) target_of(options.output);
   ShownScene shown = load_shown_scene(options.scene, options.states);
+  for (const std::string& sentence : shown.notes) std::fprintf(stderr, "phyvisgen: %s\n", sentence.c_str());
   for (const std::string& sentence : complete_for_viewing(shown.scene))
     std::fprintf(stderr, "phyvisgen: %s\n", sentence.c_str());
   for (Camera& camera : shown.scene.cameras)
     if (options.width || options.height) resize(camera, options.width, options.height);
-  const double usual = is_task_file(options.scene) ? shown.render.frames_per_second : FRAMES_PER_SECOND;
+  const double usual = shown.is_task ? shown.render.frames_per_second : FRAMES_PER_SECOND;
   const double rate = options.frames_per_second > 0 ? options.frames_per_second : usual;
   const Frames frames(shown.scene, options.states, rate);
   const FrameRange range = parse_frames(options.frames, frames.size());

@@ -33,7 +33,7 @@ Eigen::AlignedBox3d bounds(const Scene& scene) {
   for (const Cloth& cloth : scene.cloths)
     for (const Vec3& point : cloth.mesh.points) box.extend(cloth.pose * point);
   for (const Visual& visual : scene.visuals) {
-    if (visual.mesh < 0 || !visual.casts_shadow_on_receivers) continue;
+    if (visual.mesh < 0 || visual.soft >= 0 || !visual.casts_shadow_on_receivers) continue;
     const Pose pose =
         visual.rigid >= 0 ? scene.rigid_bodies[std::size_t(visual.rigid)].pose * visual.pose : visual.pose;
     for (const Vec3f& point : scene.visual_meshes[std::size_t(visual.mesh)].points)
@@ -106,10 +106,12 @@ void add_light(Scene& scene, const Vec3& center, double radius) {
 }
 
 bool has_light(const Scene& scene) {
+  // a lamp of a glTF file shines and reflects nothing
   const auto shines = [](const VisualMaterial& material) {
-    return material.kind == VisualMaterial::Kind::emissive || material.kind == VisualMaterial::Kind::shadow_receiver;
+    return material.kind == VisualMaterial::Kind::emissive || material.kind == VisualMaterial::Kind::shadow_receiver ||
+           (material.emission.maxCoeff() > 0 && material.color.isZero());
   };
-  return !scene.lights.empty() || scene.environment.maxCoeff() > 0 ||
+  return !scene.lights.empty() || !scene.sphere_lights.empty() || scene.environment.maxCoeff() > 0 ||
          std::any_of(scene.visuals.begin(), scene.visuals.end(), [&](const Visual& visual) {
            return visual.material >= 0 && shines(scene.materials[std::size_t(visual.material)]);
          });

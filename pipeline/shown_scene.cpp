@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
+#include <numbers>
 
 #include "host/base/error.hpp"
 #include "host/render/motion.hpp"
@@ -11,6 +13,7 @@
 #include "host/scene/build_scene.hpp"
 #include "host/scene/scene_file.hpp"
 #include "host/scene/task_file.hpp"
+#include "pipeline/overview.hpp"
 
 namespace pvg {
 namespace {
@@ -23,11 +26,44 @@ std::size_t parse_frame(const std::string& part, const std::string& text) {
   return frame;
 }
 
+bool is_gltf_file(const std::filesystem::path& file) {
+  const std::string suffix = file.extension().string();
+  return suffix == ".glb" || suffix == ".gltf" || suffix == ".GLB" || suffix == ".GLTF";
+}
+
+// Lights of a glTF file are in candela and lux, from a lamp's few to a sun's hundred thousand: cameras are opened for
+// the sum of what they bring to the middle of what is seen.
+void expose(ShownScene& shown) {
+  Scene& scene = shown.scene;
+  if (scene.sphere_lights.empty()) return;
+  Eigen::AlignedBox3d box;
+  for (const VisualMesh& mesh : scene.visual_meshes)
+    for (const Vec3f& point : mesh.points) box.extend(point.cast<double>());
+  double irradiance = 0;
+  for (const SphereLight& light : scene.sphere_lights) {
+    const double distance = std::max(light.radius, (light.center - box.center()).norm());
+    irradiance += std::numbers::pi * std::pow(light.radius / distance, 2) * double(light.radiance.maxCoeff());
+  }
+  if (!(irradiance > 0)) return;
+  const double exposure = std::numbers::pi / irradiance;
+  for (const std::string& sentence : complete_for_viewing(scene)) shown.notes.push_back(sentence);
+  for (Camera& camera : scene.cameras) camera.exposure = float(exposure);
+  char text[160];
+  std::snprintf(text, sizeof text, "its lights bring %.4g lux to its middle: pictures are exposed by the factor %.4g",
+                irradiance, exposure);
+  shown.notes.push_back(text);
+}
+
 }  // namespace
 
 ShownScene load_shown_scene(const std::string& file, const std::string& states) {
   ShownScene shown;
-  if (is_task_file(file)) {
+  if (is_gltf_file(file)) {
+    if (!states.empty()) throw UsageError("--states " + states + ": nothing moves in a glTF file such as " + file);
+    shown.scene = gltf_as_scene(file, &shown.notes);
+    expose(shown);
+  } else if (is_task_file(file)) {
+    shown.is_task = true;
     const Task task = load_task(file);
     shown.render = task.render;
     if (states.empty()) {

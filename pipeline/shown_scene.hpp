@@ -14,10 +14,13 @@ struct ShownScene {
   Scene scene;
   RenderSection render;    // what the file says about pictures
   std::uint64_t seed = 0;  // of the pictures' noise
+  bool is_task = false;
+  std::vector<std::string> notes;  // for the user, a sentence each
 };
 
-// file: a scene or a task. A task's start is drawn as in the episode that `states` holds; without states every number
-// is in the middle of its range.
+// file: a scene, a task or a glTF file, whose pictures are exposed for its KHR_lights_punctual: a white surface in its
+// middle that looks to all of them has the value 1. A task's start is drawn as in the episode that `states` holds;
+// without states every number is in the middle of its range.
 ShownScene load_shown_scene(const std::string& file, const std::string& states);
 
 // The pictures of a motion, in their order. Without a states file there is one: the start.

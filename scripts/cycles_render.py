@@ -3,7 +3,8 @@
     blender -b -P scripts/cycles_render.py -- SCENE.glb OURS.exr DIR SAMPLES DEPTH
 
 Materials are made anew from the file's numbers, so that both programs mean the same: Lambert's law, clear glass with
-absorption, Schlick's conductors with GGX, light from one side of a surface. Writes DIR/cycles.exr, DIR/compared.png
+absorption, Schlick's conductors with GGX, light from one side of a surface. Unlit surfaces become shadow catchers, laid over
+their colour. Writes DIR/cycles.exr, DIR/compared.png
 (ours, Cycles', five times the difference around grey) and DIR/compared.json.
 """
 import json
@@ -26,6 +27,10 @@ def gltf_json(path):
         return json.loads(file.read(length))
 
 
+def is_captured(description):
+    return "KHR_materials_unlit" in description.get("extensions", {})
+
+
 def shader(material, description):
     material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
@@ -35,6 +40,8 @@ def shader(material, description):
     color = pbr.get("baseColorFactor", [1, 1, 1, 1])
     strength = more.get("KHR_materials_emissive_strength", {}).get("emissiveStrength", 1)
     emission = [strength * e for e in description.get("emissiveFactor", [0, 0, 0])]
+    if is_captured(description):
+        color = [1, 1, 1, 1]
     if max(emission) > 0:
         front, dark, mix, side = (nodes.new("ShaderNode" + n) for n in ("Emission", "Emission", "MixShader", "NewGeometry"))
         front.inputs["Color"].default_value = emission + [1]
@@ -75,7 +82,7 @@ def picture(path):
     width, height = image.size
     values = numpy.empty(width * height * image.channels, dtype=numpy.float32)
     image.pixels.foreach_get(values)
-    return values.reshape(height, width, image.channels)[:, :, :3].astype(float)
+    return values.reshape(height, width, image.channels).astype(float)
 
 
 def shown(linear):
@@ -107,8 +114,12 @@ bpy.ops.import_scene.gltf(filepath=glb)
 described = {m["name"]: m for m in gltf_json(glb)["materials"]}
 for material in bpy.data.materials:
     shader(material, described[material.name])
-ours_picture = picture(ours)
+ours_picture = picture(ours)[:, :, :3]
 scene = bpy.context.scene
+captured = [o for o in scene.objects if o.type == "MESH" and is_captured(described[o.active_material.name])]
+for surface in captured:
+    surface.is_shadow_catcher = True
+scene.render.film_transparent = bool(captured)
 scene.camera = next(o for o in scene.objects if o.type == "CAMERA")
 scene.render.engine = "CYCLES"
 scene.render.resolution_x, scene.render.resolution_y = ours_picture.shape[1], ours_picture.shape[0]
@@ -129,6 +140,7 @@ scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0, 0,
 scene.view_settings.view_transform = "Raw"
 scene.render.image_settings.file_format = "OPEN_EXR"
 scene.render.image_settings.color_depth = "32"
+scene.render.image_settings.color_mode = "RGBA"
 theirs = os.path.join(folder, "cycles.exr")
 scene.render.filepath = theirs
 wall, cpu = time.perf_counter(), time.process_time()
@@ -136,6 +148,10 @@ bpy.ops.render.render(write_still=True)
 wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
 
 theirs_picture = picture(theirs)
+if captured:  # one colour behind the picture
+    behind = described[captured[0].active_material.name]["pbrMetallicRoughness"]["baseColorFactor"][:3]
+    theirs_picture = theirs_picture[:, :, :3] + (1 - theirs_picture[:, :, 3:4]) * numpy.array(behind)
+theirs_picture = theirs_picture[:, :, :3]
 means = [(float(ours_picture[:, :, c].mean()), float(theirs_picture[:, :, c].mean())) for c in range(3)]
 result = {
     "samples": int(samples),

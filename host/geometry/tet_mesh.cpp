@@ -78,13 +78,13 @@ constexpr int MIDDLE_CUTS[3][4][4] = {{{4, 9, 5, 6}, {4, 9, 6, 7}, {4, 9, 7, 8},
 
 }  // namespace
 
-TetMesh refine(const TetMesh& linear) {
-  const TetMesh quadratic = make_quadratic(linear);
+TetMesh straight_pieces(const TetMesh& whole) {
+  if (whole.nodes_per_element == 4) return whole;
   TetMesh mesh;
   mesh.nodes_per_element = 4;
-  mesh.points = quadratic.points;
-  for (std::size_t e = 0; e < quadratic.n_elements(); ++e) {
-    const std::uint32_t* n = &quadratic.elements[e * 10];
+  mesh.points = whole.points;
+  for (std::size_t e = 0; e < whole.n_elements(); ++e) {
+    const std::uint32_t* n = &whole.elements[e * 10];
     const auto add = [&](const int(&cut)[4]) {
       std::array<std::uint32_t, 4> t = {n[cut[0]], n[cut[1]], n[cut[2]], n[cut[3]]};
       const Vec3& o = mesh.points[t[0]];
@@ -104,6 +104,12 @@ TetMesh refine(const TetMesh& linear) {
     }
     for (const auto& cut : MIDDLE_CUTS[shortest]) add(cut);
   }
+  mesh.surface = whole.surface;
+  return mesh;
+}
+
+TetMesh refine(const TetMesh& linear) {
+  TetMesh mesh = straight_pieces(make_quadratic(linear));
   mesh.surface = boundary_triangles(mesh);
   return mesh;
 }

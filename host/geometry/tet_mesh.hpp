@@ -12,6 +12,10 @@ std::vector<Triangle> boundary_triangles(const TetMesh& mesh);
 // ones follow in the order in which the elements first name them. The surface is made anew.
 TetMesh make_quadratic(const TetMesh& linear);
 
+// The straight 4-node elements that a mesh consists of, of the same points: of a 10-node element the eight pieces that
+// its midpoints make, the octahedron in the middle cut along its shortest diagonal. The surface stays.
+TetMesh straight_pieces(const TetMesh& mesh);
+
 // Each 4-node element becomes eight of the same shape as nearly as may be, by the midpoints of its edges; the
 // octahedron in the middle is cut along its shortest diagonal. The shape of the body stays.
 TetMesh refine(const TetMesh& linear);

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <map>
 
 #include "host/base/error.hpp"
+#include "host/io/gltf_materials.hpp"
 #include "host/io/gltf_scene.hpp"
+#include "host/io/gltf_views.hpp"
 #include "host/io/raw_mesh.hpp"
-#include "host/io/textures.hpp"
 
 namespace pvg {
 namespace {
@@ -23,13 +23,22 @@ struct Part {
   std::string name;
   int material = -1;
   RawMesh mesh;
-  std::vector<Vec3f> colors;  // [n] linear, or empty
+  std::vector<Vec2f> second_uvs;  // [n] TEXCOORD_1, or empty
+  std::vector<Vec3f> colors;      // [n] linear, or empty
+};
+
+// A camera or light of one node.
+struct Placed {
+  std::string name;
+  int index = -1;  // of the model's cameras or lights
+  Eigen::Affine3d to_world;
 };
 
 struct Reader {
   const tinygltf::Model& model;
   const fs::path& file;
   std::vector<Part> parts;
+  std::vector<Placed> cameras, lights;
   std::vector<bool> is_visited = std::vector<bool>(model.nodes.size(), false);
 
   [[noreturn]] void fail(const std::string& what) const { throw UsageError(file.string() + ": " + what + "."); }
@@ -107,7 +116,7 @@ struct Reader {
       return at == part.attributes.end() ? -1 : at->second;
     };
     const int positions = attribute("POSITION"), normals = attribute("NORMAL"), uvs = attribute("TEXCOORD_0"),
-              colors = attribute("COLOR_0");
+              second_uvs = attribute("TEXCOORD_1"), colors = attribute("COLOR_0");
     if (positions < 0) fail("a mesh has no positions");
     Part& added = parts.emplace_back();
     added.name = name;
@@ -115,13 +124,14 @@ struct Reader {
     RawMesh& mesh = added.mesh;
     const std::size_t n = accessor(positions).count;
     const Eigen::Matrix3d for_normals = to_world.linear().inverse().transpose();
-    for (const int other : {normals, uvs, colors})
+    for (const int other : {normals, uvs, second_uvs, colors})
       if (other >= 0 && accessor(other).count < n)
         fail("a mesh has fewer normals, coordinates or colours than positions");
     for (std::size_t i = 0; i < n; ++i) {
       mesh.points.push_back(to_world * floats(accessor(positions), i, 3));
       if (normals >= 0) mesh.normals.push_back((for_normals * floats(accessor(normals), i, 3)).normalized());
       if (uvs >= 0) mesh.uvs.push_back(floats(accessor(uvs), i, 2).head<2>().cast<float>());
+      if (second_uvs >= 0) added.second_uvs.push_back(floats(accessor(second_uvs), i, 2).head<2>().cast<float>());
       if (colors >= 0) added.colors.push_back(color(accessor(colors), i));
     }
     const std::size_t n_corners = part.indices < 0 ? n : accessor(part.indices).count;
@@ -157,6 +167,14 @@ struct Reader {
       const std::string& name = node.name.empty() ? model.meshes[node.mesh].name : node.name;
       for (const tinygltf::Primitive& part : model.meshes[node.mesh].primitives) add(part, name, to_world);
     }
+    if (node.camera >= int(model.cameras.size())) fail("a node names a camera that does not exist");
+    if (node.camera >= 0) cameras.push_back({node.name, node.camera, to_world});
+    const auto light = node.extensions.find("KHR_lights_punctual");
+    if (light != node.extensions.end()) {
+      const int index = light->second.Has("light") ? light->second.Get("light").GetNumberAsInt() : -1;
+      if (index < 0 || index >= int(model.lights.size())) fail("a node names a light that does not exist");
+      lights.push_back({node.name, index, to_world});
+    }
     for (const int child : node.children) visit(child, to_world, depth + 1);
   }
 };
@@ -183,101 +201,70 @@ tinygltf::Model load(const fs::path& file) {
   throw UsageError(file.string() + ": cannot be read as glTF: " + error + ".");
 }
 
-std::vector<Part> read_parts(const tinygltf::Model& model, const fs::path& file) {
-  Reader reader{model, file, {}};
+Reader read_nodes(const tinygltf::Model& model, const fs::path& file) {
+  Reader reader{model, file, {}, {}, {}};
   Eigen::Affine3d z_up = Eigen::Affine3d::Identity();
   z_up.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   const int scene = model.defaultScene < 0 ? 0 : model.defaultScene;
   if (scene >= int(model.scenes.size())) reader.fail("it has no scene");
   for (const int node : model.scenes[scene].nodes) reader.visit(node, z_up, 0);
-  return std::move(reader.parts);
+  return reader;
 }
 
-// The materials of a file and the textures that they use, each unpacked once per use as colours or values.
-class MaterialReader {
- public:
-  MaterialReader(const tinygltf::Model& model, const fs::path& file, GltfScene& scene)
-      : model_(model), file_(file), scene_(scene) {}
+// The texture coordinates that a layout makes of a part's sets; empty where the part has none at all.
+std::vector<Vec2f> laid_out(const Part& part, const TextureLayout& layout, const std::string& material,
+                            const fs::path& file) {
+  const std::vector<Vec2f>& from = layout.set == 0 ? part.mesh.uvs : part.second_uvs;
+  if (from.empty() && layout.set == 1)
+    throw UsageError(file.string() + ": a texture of material `" + material + "` uses texCoord 1, but its mesh `" +
+                     part.name + "` has no TEXCOORD_1.");
+  std::vector<Vec2f> to;
+  to.reserve(from.size());
+  for (const Vec2f& uv : from)
+    to.push_back((layout.map.leftCols<2>() * uv.cast<double>() + layout.map.col(2)).cast<float>());
+  return to;
+}
 
-  VisualMaterial read(const tinygltf::Material& from) {
-    const tinygltf::PbrMetallicRoughness& pbr = from.pbrMetallicRoughness;
-    VisualMaterial to;
-    to.name = from.name;
-    to.kind = VisualMaterial::Kind::metallic_roughness;
-    to.color = Vec3f::Ones();
-    for (std::size_t c = 0; c < 3 && c < pbr.baseColorFactor.size(); ++c)
-      to.color[Eigen::Index(c)] = float(pbr.baseColorFactor[c]);
-    to.texture = texture(pbr.baseColorTexture.index, pbr.baseColorTexture.texCoord, false);
-    to.metallic = float(pbr.metallicFactor);
-    to.roughness = float(pbr.roughnessFactor);
-    to.metallic_roughness_texture =
-        texture(pbr.metallicRoughnessTexture.index, pbr.metallicRoughnessTexture.texCoord, true);
-    to.normal_texture = texture(from.normalTexture.index, from.normalTexture.texCoord, true);
-    to.normal_scale = float(from.normalTexture.scale);
-    for (std::size_t c = 0; c < 3 && c < from.emissiveFactor.size(); ++c)
-      to.emission[Eigen::Index(c)] = float(from.emissiveFactor[c]);
-    to.emission *= float(number(from, "KHR_materials_emissive_strength", "emissiveStrength", 1));
-    to.emission_texture = texture(from.emissiveTexture.index, from.emissiveTexture.texCoord, false);
-    to.transmission = float(number(from, "KHR_materials_transmission", "transmissionFactor", 0));
-    to.index_of_refraction = float(number(from, "KHR_materials_ior", "ior", 1.5));
-    to.is_thin = !(number(from, "KHR_materials_volume", "thicknessFactor", 0) > 0);
-    const double depth = number(from, "KHR_materials_volume", "attenuationDistance", 0);
-    if (depth > 0 && !to.is_thin)
-      for (int c = 0; c < 3; ++c)
-        to.absorption[c] =
-            float(-std::log(std::max(1e-6, component(from, "KHR_materials_volume", "attenuationColor", c))) / depth);
-    // a captured surface keeps its look; a surface without a coat is plain
-    if (from.extensions.count("KHR_materials_unlit")) to.kind = VisualMaterial::Kind::shadow_receiver;
-    if (to.metallic == 0 && to.transmission == 0 && to.emission.isZero() &&
-        number(from, "KHR_materials_specular", "specularFactor", 1) == 0)
-      to.kind = VisualMaterial::Kind::diffuse;
-    return to;
-  }
+// the node's name, or the thing's own, or a number
+std::string name_of(const Placed& placed, const std::string& own, const char* otherwise, std::size_t number) {
+  if (!placed.name.empty()) return placed.name;
+  return own.empty() ? otherwise + std::to_string(number) : own;
+}
 
- private:
-  const tinygltf::Value* find(const tinygltf::Material& from, const std::string& extension, const std::string& key) {
-    const auto at = from.extensions.find(extension);
-    return at != from.extensions.end() && at->second.Has(key) ? &at->second.Get(key) : nullptr;
+// cameras and lights, once the parts are known
+void add_views(const Reader& nodes, const fs::path& file, GltfScene& scene) {
+  Eigen::AlignedBox3f box;
+  for (const GltfPart& part : scene.parts)
+    for (const Vec3f& point : part.mesh.points)
+      if (point.allFinite()) box.extend(point);
+  for (const Placed& placed : nodes.cameras) {
+    const tinygltf::Camera& camera = nodes.model.cameras[std::size_t(placed.index)];
+    std::string name = name_of(placed, camera.name, "camera", scene.cameras.size());
+    for (const Camera& other : scene.cameras)
+      if (other.name == name) name += "_" + std::to_string(scene.cameras.size());
+    std::replace(name.begin(), name.end(), '/', '_');  // pictures are named after it
+    if (camera.type == "perspective")
+      scene.cameras.push_back(read_gltf_camera(camera, placed.to_world, name, file.string()));
+    else
+      scene.left_out.push_back(file.string() + ": camera `" + name + "` is not a perspective one and is left out");
   }
-  double number(const tinygltf::Material& from, const std::string& extension, const std::string& key,
-                double otherwise) {
-    const tinygltf::Value* value = find(from, extension, key);
-    return value ? value->GetNumberAsDouble() : otherwise;
+  const Vec3 center = box.isEmpty() ? Vec3::Zero() : Vec3(box.center().cast<double>());
+  const double size = box.isEmpty() ? 1 : std::max(1e-6, double(box.diagonal().norm()));
+  for (const Placed& placed : nodes.lights) {
+    const tinygltf::Light& light = nodes.model.lights[std::size_t(placed.index)];
+    const std::string name = name_of(placed, light.name, "light", scene.lights.size());
+    if (light.intensity == 0) continue;
+    scene.lights.push_back(read_gltf_light(light, placed.to_world, center, size, name, file.string()));
   }
-  double component(const tinygltf::Material& from, const std::string& extension, const std::string& key, int c) {
-    const tinygltf::Value* value = find(from, extension, key);
-    return value && value->ArrayLen() == 3 ? value->Get(c).GetNumberAsDouble() : 1;
-  }
-
-  // index in scene_.textures, -1: none
-  int texture(int index, int coordinates, bool is_linear) {
-    if (index < 0) return -1;
-    if (coordinates != 0) throw UsageError(file_.string() + ": a texture uses a second set of coordinates; bake it.");
-    if (index >= int(model_.textures.size()) || model_.textures[std::size_t(index)].source < 0 ||
-        model_.textures[std::size_t(index)].source >= int(model_.images.size()))
-      throw UsageError(file_.string() + ": a material names a texture that does not exist.");
-    const int source = model_.textures[std::size_t(index)].source;
-    const auto [at, is_new] = known_.insert({{source, is_linear}, int(scene_.textures.size())});
-    if (is_new) {
-      const tinygltf::Image& image = model_.images[std::size_t(source)];
-      scene_.textures.push_back(unpack_texture(
-          image.image, file_.string() + ", picture " + (image.name.empty() ? std::to_string(source) : image.name)));
-    }
-    return at->second;
-  }
-
-  const tinygltf::Model& model_;
-  const fs::path& file_;
-  GltfScene& scene_;
-  std::map<std::pair<int, bool>, int> known_;  // picture, as values -> texture
-};
+}
 
 }  // namespace
 
 RawMesh read_gltf(const fs::path& file) {
   RawMesh joined;
   bool has_normals = true, has_uvs = true;
-  for (const Part& part : read_parts(load(file), file)) {
+  const tinygltf::Model model = load(file);
+  for (const Part& part : read_nodes(model, file).parts) {
     const RawMesh& mesh = part.mesh;
     const std::uint32_t first = std::uint32_t(joined.points.size());
     has_normals &= !mesh.normals.empty();
@@ -295,10 +282,12 @@ RawMesh read_gltf(const fs::path& file) {
 GltfScene read_gltf_scene(const fs::path& file) {
   const tinygltf::Model model = load(file);
   GltfScene scene;
-  MaterialReader reader(model, file, scene);
-  for (const tinygltf::Material& material : model.materials) scene.materials.push_back(reader.read(material));
+  GltfMaterialReader reader(model, file, scene.textures);
+  std::vector<GltfMaterial> materials;
+  for (const tinygltf::Material& material : model.materials) materials.push_back(reader.read(material));
   int plain = -1;  // what parts without a material get
-  for (const Part& part : read_parts(model, file)) {
+  const Reader nodes = read_nodes(model, file);
+  for (const Part& part : nodes.parts) {
     if (part.mesh.triangles.empty()) continue;
     GltfPart& added = scene.parts.emplace_back();
     added.name = part.name;
@@ -307,8 +296,8 @@ GltfScene read_gltf_scene(const fs::path& file) {
       throw UsageError(file.string() + ": a mesh names a material that does not exist.");
     if (part.material < 0) {
       if (plain < 0) {
-        plain = int(scene.materials.size());
-        scene.materials.push_back(reader.read({}));
+        plain = int(materials.size());
+        materials.push_back(reader.read({}));
       }
       added.material = plain;
     }
@@ -316,11 +305,16 @@ GltfScene read_gltf_scene(const fs::path& file) {
     for (const Vec3& n : part.mesh.normals) added.mesh.normals.push_back(n.cast<float>());
     for (Vec3f& n : added.mesh.normals)
       if (!n.allFinite()) n = Vec3f::Zero();  // one of no length: the true normal is taken
-    added.mesh.uvs = part.mesh.uvs;
+    const GltfMaterial& look = materials[std::size_t(added.material)];
+    const std::vector<TextureLayout>& layouts = look.layouts;
+    added.mesh.uvs = layouts.empty() ? part.mesh.uvs : laid_out(part, layouts[0], look.material.name, file);
+    if (layouts.size() > 1) added.mesh.second_uvs = laid_out(part, layouts[1], look.material.name, file);
     added.mesh.colors = part.colors;
     added.mesh.triangles = part.mesh.triangles;
   }
   if (scene.parts.empty()) throw UsageError(file.string() + ": it holds no triangles.");
+  for (GltfMaterial& material : materials) scene.materials.push_back(std::move(material.material));
+  add_views(nodes, file, scene);
   return scene;
 }
 

@@ -67,7 +67,9 @@ class SceneWriter {
     to.name = from.name;
     const bool is_glass = from.kind == Kind::dielectric, is_coated = from.kind == Kind::metallic_roughness;
     tinygltf::PbrMetallicRoughness& pbr = to.pbrMetallicRoughness;
-    pbr.baseColorFactor = {from.color.x(), from.color.y(), from.color.z(), 1};
+    pbr.baseColorFactor = {from.color.x(), from.color.y(), from.color.z(), from.opacity};
+    to.alphaMode = std::array{"OPAQUE", "MASK", "BLEND"}[std::size_t(from.alpha_mode)];
+    to.alphaCutoff = from.alpha_cutoff;
     pbr.metallicFactor = from.kind == Kind::conductor ? 1 : is_coated ? from.metallic : 0;
     pbr.roughnessFactor = from.kind == Kind::conductor || is_glass || is_coated ? from.roughness : 1;
     if (from.texture >= 0 && from.kind != Kind::emissive) pbr.baseColorTexture.index = texture(from.texture);
@@ -85,9 +87,15 @@ class SceneWriter {
           {{"sheenColorFactor", value_of(from.sheen)}, {"sheenRoughnessFactor", Value(double(from.sheen_roughness))}});
     if (is_glass || is_coated) add_inside(from, is_glass ? 1 : from.transmission, to);
     if (from.kind == Kind::emissive || is_coated) add_emission(from.emission, to);
-    if (from.kind == Kind::emissive) pbr.baseColorFactor = {0, 0, 0, 1};
+    if (from.kind == Kind::emissive) pbr.baseColorFactor = {0, 0, 0, from.opacity};
     const int shining = from.kind == Kind::emissive ? from.texture : from.emission_texture;
     if (shining >= 0) to.emissiveTexture.index = texture(shining);
+    const auto set = [&](unsigned bit) { return from.on_second_uvs & bit ? 1 : 0; };
+    pbr.baseColorTexture.texCoord = set(VisualMaterial::color_bit);
+    pbr.metallicRoughnessTexture.texCoord = set(VisualMaterial::metallic_roughness_bit);
+    to.normalTexture.texCoord = set(VisualMaterial::normal_bit);
+    to.emissiveTexture.texCoord =
+        set(from.kind == Kind::emissive ? VisualMaterial::color_bit : VisualMaterial::emission_bit);
     to.doubleSided = !is_glass;
     out_.model.materials.push_back(to);
   }
@@ -114,18 +122,21 @@ class SceneWriter {
   }
 
   tinygltf::Primitive primitive_of(const VisualMesh& mesh) {
-    Floats points, normals, uvs, colors;
+    Floats points, normals, uvs, second_uvs, colors;
     for (const Vec3f& c : mesh.colors) colors.insert(colors.end(), c.data(), c.data() + 3);
     for (const Vec3f& p : mesh.points) points.insert(points.end(), p.data(), p.data() + 3);
     for (const Vec3f& n : mesh.normals) normals.insert(normals.end(), n.data(), n.data() + 3);
     for (const Vec2f& uv : mesh.uvs) uvs.insert(uvs.end(), uv.data(), uv.data() + 2);
+    for (const Vec2f& uv : mesh.second_uvs) second_uvs.insert(second_uvs.end(), uv.data(), uv.data() + 2);
     tinygltf::Primitive primitive;
     primitive.mode = TINYGLTF_MODE_TRIANGLES;
     primitive.attributes["POSITION"] = out_.add_vectors(points, TINYGLTF_TARGET_ARRAY_BUFFER);
     if (!normals.empty()) primitive.attributes["NORMAL"] = out_.add_vectors(normals, TINYGLTF_TARGET_ARRAY_BUFFER);
-    if (!uvs.empty())
-      primitive.attributes["TEXCOORD_0"] =
-          out_.add(uvs, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, 2, TINYGLTF_TARGET_ARRAY_BUFFER);
+    const auto add_pairs = [&](const Floats& pairs) {
+      return out_.add(pairs, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, 2, TINYGLTF_TARGET_ARRAY_BUFFER);
+    };
+    if (!uvs.empty()) primitive.attributes["TEXCOORD_0"] = add_pairs(uvs);
+    if (!second_uvs.empty()) primitive.attributes["TEXCOORD_1"] = add_pairs(second_uvs);
     if (!colors.empty()) primitive.attributes["COLOR_0"] = out_.add_vectors(colors, TINYGLTF_TARGET_ARRAY_BUFFER);
     primitive.indices = out_.add_triangles(mesh.triangles);
     return primitive;
@@ -147,20 +158,8 @@ class SceneWriter {
 
   void add_visual(const Visual& visual) {
     Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
-    if (visual.soft >= 0) {
-      const SoftBody& body = scene_.soft_bodies[std::size_t(visual.soft)];
-      return add_primitive(visual.name,
-                           primitive_of(deformed(body.name, body.mesh.points, body.mesh.surface,
-                                                 state_.soft[std::size_t(visual.soft)], visual)),
-                           visual.material, pose);
-    }
-    if (visual.cloth >= 0) {
-      const Cloth& cloth = scene_.cloths[std::size_t(visual.cloth)];
-      return add_primitive(visual.name,
-                           primitive_of(deformed(cloth.name, cloth.mesh.points, cloth.mesh.triangles,
-                                                 state_.cloth[std::size_t(visual.cloth)], visual)),
-                           visual.material, pose);
-    }
+    if (visual.soft >= 0 || visual.cloth >= 0)
+      return add_primitive(visual.name, primitive_of(deformed(visual)), visual.material, pose);
     // meshes that several visuals show stand once in the file
     tinygltf::Primitive& shared = mesh_.at(std::size_t(visual.mesh));
     if (shared.attributes.empty()) shared = primitive_of(scene_.visual_meshes[std::size_t(visual.mesh)]);
@@ -168,19 +167,14 @@ class SceneWriter {
     add_primitive(visual.name, shared, visual.material, pose * visual.pose.matrix());
   }
 
-  VisualMesh deformed(const std::string& body, const std::vector<Vec3>& rest, const std::vector<Triangle>& surface,
-                      const std::vector<Vec3>& nodes, const Visual& visual) const {
-    const Subdivision fine = visual_subdivision(body, rest, surface, visual);
-    VisualMesh mesh;
-    mesh.triangles = fine.triangles;
-    for (const Vec3& p : multiply(fine.weights, nodes)) mesh.points.push_back(p.cast<float>());
-    mesh.normals.assign(mesh.points.size(), Vec3f::Zero());
-    for (const Triangle& t : mesh.triangles) {
-      const Vec3f n = (mesh.points[t[1]] - mesh.points[t[0]]).cross(mesh.points[t[2]] - mesh.points[t[0]]);
-      for (const std::uint32_t corner : t) mesh.normals[corner] += n;
-    }
-    // a vertex of no triangle has none; any will do
-    for (Vec3f& n : mesh.normals) n = n.norm() > 0 ? Vec3f(n.normalized()) : Vec3f::UnitZ();
+  VisualMesh deformed(const Visual& visual) const {
+    const CarriedMesh carried = carried_mesh(scene_, visual);
+    VisualMesh mesh = carried.rest;
+    const std::vector<Vec3>& nodes =
+        visual.soft >= 0 ? state_.soft[std::size_t(visual.soft)] : state_.cloth[std::size_t(visual.cloth)];
+    mesh.points.clear();
+    for (const Vec3& p : multiply(carried.weights, nodes)) mesh.points.push_back(p.cast<float>());
+    if (!mesh.normals.empty()) mesh.normals = moved_normals(carried, mesh.points);
     return mesh;
   }
 

@@ -1,6 +1,6 @@
 #include "host/render/dual_mesh.hpp"
 
-#include <numeric>
+#include <stdexcept>
 
 namespace pvg {
 namespace {
@@ -13,36 +13,43 @@ std::vector<std::uint32_t> flat(const std::vector<Triangle>& triangles) {
   return indices;
 }
 
-// where the triangles at each vertex begin, then the end
-std::vector<std::uint32_t> corner_starts(std::size_t n_vertices, const std::vector<Triangle>& triangles) {
-  std::vector<std::uint32_t> starts(n_vertices + 1, 0);
-  for (const Triangle& t : triangles)
-    for (const std::uint32_t corner : t) ++starts[corner + 1];
-  std::partial_sum(starts.begin(), starts.end(), starts.begin());
-  return starts;
-}
+// The triangles at each vertex, ascending; those of vertices that share a normal together.
+struct Corners {
+  std::vector<std::uint32_t> start = {0};  // [n_vertices + 1]
+  std::vector<std::uint32_t> triangles;
+};
 
-std::vector<std::uint32_t> triangles_at_corners(std::size_t n_vertices, const std::vector<Triangle>& triangles) {
-  std::vector<std::uint32_t> next = corner_starts(n_vertices, triangles), at(3 * triangles.size());
+Corners corners_of(const std::vector<Triangle>& triangles, const std::vector<std::uint32_t>& normal_from) {
+  std::vector<std::vector<std::uint32_t>> at(normal_from.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t)
-    for (const std::uint32_t corner : triangles[t]) at[next[corner]++] = t;
-  return at;
+    for (const std::uint32_t corner : triangles[t]) at[normal_from[corner]].push_back(t);
+  Corners corners;
+  for (const std::uint32_t first : normal_from) {
+    corners.triangles.insert(corners.triangles.end(), at[first].begin(), at[first].end());
+    corners.start.push_back(std::uint32_t(corners.triangles.size()));
+  }
+  return corners;
 }
 
 }  // namespace
 
-DualMesh::DualMesh(Device& device, const Subdivision& subdivision)
-    : n_vertices_(subdivision.weights.n_rows()),
+DualMesh::DualMesh(Device& device, const SparseRows& W, const std::vector<Triangle>& triangles,
+                   const std::vector<std::uint32_t>& normal_from)
+    : n_vertices_(W.n_rows()),
       points_kernel_(Program(device, "render/dual_mesh.cl").kernel("dual_mesh_points")),
       normals_kernel_(Program(device, "render/dual_mesh.cl").kernel("dual_mesh_normals")),
-      row_start_(device, subdivision.weights.row_start, "row_start"),
-      column_(device, subdivision.weights.column, "column"),
-      weight_(device, to_float(subdivision.weights.weight), "weight"),
-      triangles_(device, flat(subdivision.triangles), "triangles"),
-      corner_start_(device, corner_starts(n_vertices_, subdivision.triangles), "corner_start"),
-      corners_(device, triangles_at_corners(n_vertices_, subdivision.triangles), "corners"),
-      packed_(3 * subdivision.weights.n_columns),
-      nodes_(device, packed_, "nodes") {}
+      row_start_(device, W.row_start, "row_start"),
+      column_(device, W.column, "column"),
+      weight_(device, to_float(W.weight), "weight"),
+      triangles_(device, flat(triangles), "triangles"),
+      corner_start_(device, 0, "corner_start"),
+      corners_(device, 0, "corners"),
+      packed_(3 * W.n_columns),
+      nodes_(device, packed_, "nodes") {
+  const Corners corners = corners_of(triangles, normal_from);
+  corner_start_ = Buffer<std::uint32_t>(device, corners.start, "corner_start");
+  corners_ = Buffer<std::uint32_t>(device, corners.triangles, "corners");
+}
 
 void DualMesh::follow(const std::vector<Vec3>& nodes, Buffer<Vertex>& vertices, std::uint32_t first_vertex) {
   if (3 * nodes.size() != packed_.size() || first_vertex + n_vertices_ > vertices.size())

@@ -1,19 +1,21 @@
-// The dual mesh of a soft body: the smooth surface that is seen, carried by the nodes that are simulated. Its points
-// are W nodes, W by Loop subdivision, its normals the area-weighted means of its triangles'; both on the device.
+// The dual mesh of a soft body: the surface that is seen, carried by the nodes that are simulated. Its points are
+// W nodes, its normals the area-weighted means of its triangles'; both on the device.
 #pragma once
 #include <vector>
 
 #include "host/device/device.hpp"
-#include "host/geometry/loop_subdivision.hpp"
+#include "host/geometry/loop_subdivision.hpp"  // SparseRows
 #include "render/path.h"
 
 namespace pvg {
 
 class DualMesh {
  public:
-  DualMesh(Device& device, const Subdivision& subdivision);
+  // normal_from: [n_vertices] the vertex whose triangles' mean is a vertex's normal, those of all that name it together
+  DualMesh(Device& device, const SparseRows& W, const std::vector<Triangle>& triangles,
+           const std::vector<std::uint32_t>& normal_from);
   // nodes: of the soft body [W.n_columns, m]. Writes point and normal of the vertices from first_vertex on; the texture
-  // coordinates stay. As W is convex, the box of the nodes holds the fine surface.
+  // coordinates stay.
   void follow(const std::vector<Vec3>& nodes, Buffer<Vertex>& vertices, std::uint32_t first_vertex);
   std::size_t n_vertices() const { return n_vertices_; }
 

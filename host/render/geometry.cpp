@@ -23,12 +23,16 @@ void check(const VisualMesh& mesh, const std::string& name) {
   if (!mesh.colors.empty() && mesh.colors.size() != mesh.points.size())
     throw UsageError(where + std::to_string(mesh.colors.size()) + " colours for " + std::to_string(mesh.points.size()) +
                      " points; one each, or none");
+  if (!mesh.second_uvs.empty() && mesh.second_uvs.size() != mesh.points.size())
+    throw UsageError(where + std::to_string(mesh.second_uvs.size()) + " second texture coordinates for " +
+                     std::to_string(mesh.points.size()) + " points; one each, or none");
   for (const Vec3f& color : mesh.colors)
     if (!color.allFinite() || color.minCoeff() < 0)
       throw UsageError(where + "a vertex colour is negative or not finite; repair the file");
   for (std::size_t i = 0; i < mesh.points.size(); ++i)
     if (!mesh.points[i].allFinite() || (!mesh.normals.empty() && !mesh.normals[i].allFinite()) ||
-        (!mesh.uvs.empty() && !mesh.uvs[i].allFinite()))
+        (!mesh.uvs.empty() && !mesh.uvs[i].allFinite()) ||
+        (!mesh.second_uvs.empty() && !mesh.second_uvs[i].allFinite()))
       throw UsageError(where + "vertex " + std::to_string(i) + " is not finite; repair the file");
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     for (const std::uint32_t corner : mesh.triangles[i])
@@ -80,6 +84,9 @@ MeshRange GeometryArrays::add(const VisualMesh& mesh, const std::string& name, b
   }
   range.has_colors = !mesh.colors.empty();
   range.first_color = std::int32_t(colors.size() / 3) - std::int32_t(range.first_vertex);
+  range.has_second_uvs = !mesh.second_uvs.empty();
+  range.first_second_uv = std::int32_t(second_uvs.size() / 2) - std::int32_t(range.first_vertex);
+  for (const Vec2f& uv : mesh.second_uvs) second_uvs.insert(second_uvs.end(), uv.data(), uv.data() + 2);
   for (const Vec3f& color : mesh.colors) colors.insert(colors.end(), color.data(), color.data() + 3);
   for (const Triangle& triangle : mesh.triangles)
     for (const std::uint32_t corner : triangle) triangles.push_back(range.first_vertex + corner);
@@ -113,10 +120,11 @@ Instance make_instance(const Eigen::Matrix<double, 3, 4>& to_world, const MeshRa
     }
   instance.root = mesh.first_node;
   instance.light = -1;
-  instance.flags = (mesh.has_normals ? INSTANCE_NORMALS : 0u) | (mesh.has_colors ? INSTANCE_COLORS : 0u);
+  instance.flags = (mesh.has_normals ? INSTANCE_NORMALS : 0u) | (mesh.has_colors ? INSTANCE_COLORS : 0u) |
+                   (mesh.has_second_uvs ? INSTANCE_SECOND_UVS : 0u);
   if (to_world == Eigen::Matrix<double, 3, 4>::Identity()) instance.flags |= INSTANCE_UNMOVED;
-  instance.first_triangle = mesh.first_triangle;
   instance.first_color = mesh.first_color;
+  instance.first_second_uv = mesh.first_second_uv;
   return instance;
 }
 

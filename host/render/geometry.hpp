@@ -18,13 +18,16 @@ struct MeshRange {
   std::vector<std::uint32_t> level_first;  // nodes of each level, from first_node on, then the number of nodes
   bool has_normals = false;
   bool has_colors = false;
-  std::int32_t first_color = 0;  // colour of vertex i: first_color + i
-  Box box;                       // in the mesh's frame
+  bool has_second_uvs = false;
+  std::int32_t first_color = 0;      // colour of vertex i: first_color + i
+  std::int32_t first_second_uv = 0;  // likewise
+  Box box;                           // in the mesh's frame
 };
 
 struct GeometryArrays {
   std::vector<Vertex> vertices;
   std::vector<float> colors;             // [n x 3] of meshes that have them
+  std::vector<float> second_uvs;         // [n x 2] likewise
   std::vector<std::uint32_t> triangles;  // [n x 3] vertices
   std::vector<BvhNode> nodes;
   std::vector<TriangleBlock> blocks;

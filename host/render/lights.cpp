@@ -38,6 +38,8 @@ Light rectangle(const RectangleLight& light) {
   return l;
 }
 
+bool is_spot(const SphereLight& light) { return light.outer_angle <= std::numbers::pi; }
+
 Light sphere(const SphereLight& light) {
   if (!(light.radius > 0) || !light.center.allFinite())
     throw UsageError("light " + light.name + ": its radius must be positive");
@@ -47,6 +49,16 @@ Light sphere(const SphereLight& light) {
   copy(light.center.cast<float>(), l.corner);
   copy(light.radiance, l.radiance);
   l.area = float(light.radius);
+  if (!is_spot(light)) {
+    l.edge_v[0] = -2;  // below every cosine: 1 in all directions
+    l.edge_v[1] = 1;
+    return l;
+  }
+  if (!(light.inner_angle >= 0 && light.inner_angle < light.outer_angle) || !(light.direction.norm() > 0))
+    throw UsageError("light " + light.name + ": its inner angle must be below its outer one, its direction no zero");
+  copy(light.direction.normalized().cast<float>(), l.edge_u);
+  l.edge_v[0] = float(std::cos(light.outer_angle));
+  l.edge_v[1] = float(1 / (std::cos(light.inner_angle) - std::cos(light.outer_angle)));
   return l;
 }
 
@@ -69,7 +81,8 @@ LightList make_lights(const Scene& scene, std::span<const ShiningMesh> meshes) {
   }
   for (const SphereLight& light : scene.sphere_lights) {
     list.lights.push_back(sphere(light));
-    power.push_back(4 * std::numbers::pi * light.radius * light.radius * luminance(light.radiance));
+    const double share = is_spot(light) ? (1 - std::cos(light.outer_angle)) / 2 : 1;
+    power.push_back(4 * std::numbers::pi * light.radius * light.radius * luminance(light.radiance) * share);
   }
   for (const ShiningMesh& mesh : meshes) {
     double sum = 0;

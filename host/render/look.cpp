@@ -33,6 +33,10 @@ void check(const VisualMaterial& material, std::size_t n_textures) {
     throw UsageError(where + "sheen_roughness must be in [0.5, 1]");
   if (!(material.index_of_refraction >= 1 && material.index_of_refraction <= 4))
     throw UsageError(where + "index_of_refraction must be in [1, 4]");
+  if (!is_share(material.opacity)) throw UsageError(where + "opacity must be in [0, 1]");
+  if (!is_share(material.alpha_cutoff)) throw UsageError(where + "alpha_cutoff must be in [0, 1]");
+  if (material.kind == VisualMaterial::Kind::dielectric && is_cut_out(material))
+    throw UsageError(where + "a dielectric cannot be cut out by alpha; use metallic_roughness with transmission");
   if (!is_share(material.shadow_strength)) throw UsageError(where + "shadow_strength must be in [0, 1]");
   if (!(material.normal_scale >= 0 && material.normal_scale <= 100))
     throw UsageError(where + "normal_scale must be in [0, 100]");
@@ -50,7 +54,7 @@ std::uint32_t device_kind(const VisualMaterial& material) {
   // all of it clear glass: straight shadows can pass it
   const bool is_glass = material.kind == Kind::metallic_roughness && material.transmission == 1 &&
                         material.metallic == 0 && is_clear && material.texture < 0 &&
-                        material.metallic_roughness_texture < 0 && material.emission.isZero();
+                        material.metallic_roughness_texture < 0 && material.emission.isZero() && !is_cut_out(material);
   return is_glass ? MATERIAL_DIELECTRIC : std::uint32_t(material.kind);
 }
 
@@ -82,10 +86,15 @@ Material make_material(const VisualMaterial& material, std::size_t n_textures) {
   m.flags = has_inside(material) ? MATERIAL_HAS_INSIDE : 0u;
   if (transmits(material) && material.is_thin) m.flags |= MATERIAL_THIN;
   if (shines(material)) m.flags |= MATERIAL_EMITS;
+  if (is_cut_out(material))
+    m.flags |= material.alpha_mode == VisualMaterial::AlphaMode::mask ? MATERIAL_MASK : MATERIAL_BLEND;
+  m.flags |= std::uint32_t(material.on_second_uvs) * SECOND_UVS_COLOR;  // the bits stand in the same order
+  m.opacity = material.opacity;
+  m.alpha_cutoff = material.alpha_cutoff;
   copy(material.color, m.color);
   copy(material.absorption, m.absorption);
   copy(material.emission, m.emission);
-  copy(material.sheen, m.sheen);
+  copy(material.kind == VisualMaterial::Kind::conductor ? material.edge_dip : material.sheen, m.sheen);
   return m;
 }
 
@@ -139,6 +148,18 @@ Look make_look(const Scene& scene) {
   for (int byte = 0; byte < 256; ++byte) look.decode.push_back(srgb_to_linear(float(byte) / 255.0f));
   for (int byte = 0; byte < 256; ++byte) look.decode.push_back(float(byte) / 255.0f);
   return look;
+}
+
+bool is_cut_out(const VisualMaterial& material) {
+  const bool is_whole = material.texture < 0 && material.opacity == 1;
+  switch (material.alpha_mode) {
+    case VisualMaterial::AlphaMode::mask:
+      return !(is_whole && material.alpha_cutoff <= 1);
+    case VisualMaterial::AlphaMode::blend:
+      return !is_whole;
+    default:
+      return false;
+  }
 }
 
 bool shines(const VisualMaterial& material) {

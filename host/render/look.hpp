@@ -18,6 +18,8 @@ struct Look {
 // Refuses colours and coefficients out of their range and textures of the wrong length, naming them.
 Look make_look(const Scene& scene);
 
+// its surface is not everywhere there
+bool is_cut_out(const VisualMaterial& material);
 // its surface is a light
 bool shines(const VisualMaterial& material);
 // over its texture [W/(sr m^2)]

@@ -24,14 +24,18 @@ float Refit::cost(const MeshRange& mesh, const Buffer<BvhNode>& nodes) {
   node_costs_(n, n, mesh.first_node, nodes, costs_);
   double sum = 0;
   for (const float cost : costs_.read()) sum += cost;
+  const float area = root_box(mesh, nodes).half_area();
+  return area > 0 ? float(sum / area) : 0.0f;
+}
+
+Box root_box(const MeshRange& mesh, const Buffer<BvhNode>& nodes) {
   const BvhNode root = nodes.read(mesh.first_node, 1).front();
   Box box;
   for (int k = 0; k < BVH_WIDTH; ++k) {
     if (root.child[k] == BVH_EMPTY) continue;
     box.add(Box{{root.lo_x[k], root.lo_y[k], root.lo_z[k]}, {root.hi_x[k], root.hi_y[k], root.hi_z[k]}});
   }
-  const float area = box.half_area();
-  return area > 0 ? float(sum / area) : 0.0f;
+  return box;
 }
 
 bool rebuild(MeshRange& mesh, std::span<const Triangle> triangles, const Buffer<Vertex>& vertices,

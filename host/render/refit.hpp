@@ -20,6 +20,9 @@ class Refit {
   Buffer<float> costs_;
 };
 
+// of the whole mesh, by the tree's root
+Box root_box(const MeshRange& mesh, const Buffer<BvhNode>& nodes);
+
 // A new tree for where the vertices are now; triangles name points of the mesh. false: it finds no room, the old one
 // stays.
 bool rebuild(MeshRange& mesh, std::span<const Triangle> triangles, const Buffer<Vertex>& vertices,

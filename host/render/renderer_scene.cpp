@@ -57,9 +57,11 @@ Renderer::Impl::Impl(Device& device_, const Scene& scene_, const RenderSettings&
       Buffer<std::uint32_t>(device, look.texels, "texels"),
       Buffer<float>(device, look.decode, "decode"),
       Buffer<float>(device, geometry.colors, "colors"),
+      Buffer<float>(device, geometry.second_uvs, "second_uvs"),
       Buffer<Light>(device, lights.lights, "lights"),
       Buffer<float>(device, scene.environment_map.rgb, "environment"),
       Buffer<EnvironmentCell>(device, environment_cells(scene.environment_map), "cells")});
+  for (const Visual& visual : scene.visuals) on_device->has_cutouts |= is_cut_out(scene.materials[visual.material]);
   scene.visual_meshes.clear();
   scene.textures.clear();
   scene.environment_map.rgb.clear();
@@ -75,17 +77,8 @@ Renderer::Impl::Shown Renderer::Impl::add_visual(const Visual& visual, GeometryA
   Shown entry;
   entry.name = visual.name;
   if (visual.soft >= 0 || visual.cloth >= 0) {
-    if (visual.mesh >= 0)
-      throw UsageError("visual " + visual.name +
-                       ": a soft body or cloth is shown by its own surface; leave its mesh out");
     entry.soft = int(soft_visuals.size());
-    if (visual.soft >= 0) {
-      const SoftBody& body = scene.soft_bodies[visual.soft];
-      soft_visuals.emplace_back(device, body.name, body.mesh.points, body.mesh.surface, visual);
-    } else {
-      const Cloth& cloth = scene.cloths[visual.cloth];
-      soft_visuals.emplace_back(device, cloth.name, cloth.mesh.points, cloth.mesh.triangles, visual);
-    }
+    soft_visuals.emplace_back(device, carried_mesh(scene, visual));
     entry.mesh = geometry.add(soft_visuals.back().mesh(), visual.name, true);
     return entry;
   }
@@ -146,8 +139,16 @@ Instance Renderer::Impl::visual_instance(std::size_t i, const SceneState& state)
   instance.material = look.material_of[visual.material];
   instance.visual = std::uint32_t(i + 1);
   instance.mask = MASK_SURFACES | (visual.casts_shadow_on_receivers ? MASK_RECEIVERS : 0u);
-  instance.light = shown[i].light;
-  if (look.materials[instance.material].kind == MATERIAL_DIELECTRIC) instance.flags |= INSTANCE_CLEAR;
+  if (shown[i].light >= 0) {
+    instance.flags |= INSTANCE_SHINES;
+    instance.light = shown[i].light - std::int32_t(shown[i].mesh.first_triangle);
+  }
+  const Material& material = look.materials[instance.material];
+  if (material.kind == MATERIAL_DIELECTRIC) instance.flags |= INSTANCE_CLEAR;
+  if (material.flags & (MATERIAL_MASK | MATERIAL_BLEND)) {
+    instance.flags |= INSTANCE_CUTOUT;
+    instance.mask <<= MASK_CUTOUT_SHIFT;
+  }
   return instance;
 }
 

@@ -33,7 +33,7 @@ void Film::begin(std::size_t n_pixels) {
 }
 
 Stages::Kernels::Kernels(Program generate_file, Program shade_file, Program compact_file, Program accumulate_file,
-                         Program ground_truth_file, Program flow_file, Program camera_media_file)
+                         Program ground_truth_file, Program flow_file, Program camera_media_file, Program holes_file)
     : generate(generate_file.kernel("generate")),
       shade(shade_file.kernel("shade")),
       count_alive(compact_file.kernel("count_alive")),
@@ -42,7 +42,9 @@ Stages::Kernels::Kernels(Program generate_file, Program shade_file, Program comp
       accumulate(accumulate_file.kernel("accumulate")),
       ground_truth(ground_truth_file.kernel("ground_truth")),
       flow(flow_file.kernel("flow")),
-      camera_media(camera_media_file.kernel("camera_media")) {}
+      camera_media(camera_media_file.kernel("camera_media")),
+      pass_holes(holes_file.kernel("pass_holes")),
+      shadow_holes(holes_file.kernel("shadow_holes")) {}
 
 Stages::Stages(Device& device)
     : max_paths_(std::size_t(1) << (device.info().is_gpu ? 18 : 15)),
@@ -51,7 +53,8 @@ Stages::Stages(Device& device)
                Program(device, "render/accumulate.cl"),
                Program(device, "sensors/ground_truth.cl", traversal_options(device)),
                Program(device, "sensors/flow.cl", traversal_options(device)),
-               Program(device, "render/camera_media.cl", traversal_options(device))),
+               Program(device, "render/camera_media.cl", traversal_options(device)),
+               Program(device, "render/holes.cl", traversal_options(device))),
       traversal_(device),
       origin_(device, 0, "origin"),
       direction_(device, 0, "direction"),
@@ -77,7 +80,9 @@ std::uint64_t Stages::trace(const Launch& launch, const DeviceScene& scene, Film
   for (unsigned depth = 0; depth <= launch.max_depth && n > 0; ++depth) {
     segments += n;
     intersect(n, scene);
+    if (scene.has_cutouts) pass_holes(n, depth, scene);
     shade(n, launch, depth, scene);
+    if (launch.n_lights > 0 && scene.has_cutouts) shadow_holes(n, scene);
     if (launch.n_lights > 0) shadow(n, launch, scene);
     n = compact(n);
   }
@@ -89,16 +94,17 @@ void Stages::find_ground_truth(const Launch& launch, bool sees_through_glass, co
   generate(launch.n_pixels, launch);
   kernels_.ground_truth(launch.n_pixels, launch.n_pixels, launch, std::uint32_t(sees_through_glass), scene.trees.top,
                         scene.trees.nodes, scene.trees.blocks, scene.trees.instances, scene.materials, scene.triangles,
-                        scene.vertices, scene.textures, scene.texels, scene.decode, scene.colors, origin_, direction_,
-                        throughput_, film.depth, film.distance, film.instance, film.normal, film.seen, film.place,
-                        film.albedo);
+                        scene.vertices, scene.textures, scene.texels, scene.decode, scene.colors, scene.second_uvs,
+                        origin_, direction_, throughput_, film.depth, film.distance, film.instance, film.normal,
+                        film.seen, film.place, film.albedo);
 }
 
 void Stages::find_flow(const Launch& from, const Launch& to, const DeviceScene& scene, const Film& film,
                        Buffer<float>& flow, Buffer<std::uint8_t>& state) {
   const std::uint32_t n = std::uint32_t(film.seen.size());
   kernels_.flow(n, n, from, to, scene.trees.top, scene.trees.nodes, scene.trees.blocks, scene.trees.instances,
-                scene.triangles, scene.vertices, film.seen, flow, state);
+                scene.materials, scene.textures, scene.texels, scene.triangles, scene.vertices, scene.second_uvs,
+                film.seen, flow, state);
 }
 
 std::uint32_t Stages::find_camera_media(const Launch& launch, const DeviceScene& scene) {
@@ -120,11 +126,23 @@ void Stages::intersect(std::size_t n, const DeviceScene& scene) {
   traversal_.find_closest(n, queue_, scene.trees, origin_, direction_, hit_, hit_instance_);
 }
 
+void Stages::pass_holes(std::size_t n, unsigned depth, const DeviceScene& scene) {
+  kernels_.pass_holes(n, std::uint32_t(n), std::uint32_t(depth), queue_, stream_, scene.trees.top, scene.trees.nodes,
+                      scene.trees.blocks, scene.trees.instances, scene.materials, scene.textures, scene.texels,
+                      scene.triangles, scene.vertices, scene.second_uvs, origin_, direction_, hit_, hit_instance_);
+}
+
+void Stages::shadow_holes(std::size_t n, const DeviceScene& scene) {
+  kernels_.shadow_holes(n, std::uint32_t(n), queue_, scene.trees.top, scene.trees.nodes, scene.trees.blocks,
+                        scene.trees.instances, scene.materials, scene.textures, scene.texels, scene.triangles,
+                        scene.vertices, scene.second_uvs, shadow_origin_, shadow_direction_, shadow_light_);
+}
+
 void Stages::shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene) {
   kernels_.shade(n, std::uint32_t(n), launch, std::uint32_t(depth), queue_, stream_, scene.trees.instances,
                  scene.materials, scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices,
-                 scene.colors, scene.lights, scene.environment, scene.cells, hit_, hit_instance_, origin_, direction_,
-                 throughput_, radiance_, shadow_origin_, shadow_direction_, shadow_light_, alive_);
+                 scene.colors, scene.second_uvs, scene.lights, scene.environment, scene.cells, hit_, hit_instance_,
+                 origin_, direction_, throughput_, radiance_, shadow_origin_, shadow_direction_, shadow_light_, alive_);
 }
 
 void Stages::shadow(std::size_t n, const Launch& launch, const DeviceScene& scene) {

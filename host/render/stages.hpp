@@ -16,9 +16,11 @@ struct DeviceScene {
   Buffer<std::uint32_t> texels;  // RGBA bytes
   Buffer<float> decode;          // [512]
   Buffer<float> colors;          // [n x 3]
+  Buffer<float> second_uvs;      // [n x 2]
   Buffer<Light> lights;
   Buffer<float> environment;  // [height x width x 3]
   Buffer<EnvironmentCell> cells;
+  bool has_cutouts = false;  // of its instances any has INSTANCE_CUTOUT
 };
 
 // What a picture is gathered in  [height x width].
@@ -55,14 +57,17 @@ class Stages {
  private:
   void generate(std::size_t n, const Launch& launch);
   void intersect(std::size_t n, const DeviceScene& scene);
+  void pass_holes(std::size_t n, unsigned depth, const DeviceScene& scene);
   void shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene);
+  void shadow_holes(std::size_t n, const DeviceScene& scene);
   void shadow(std::size_t n, const Launch& launch, const DeviceScene& scene);
   std::size_t compact(std::size_t n);  // live paths
 
   struct Kernels {
     Kernels(Program generate_file, Program shade_file, Program compact_file, Program accumulate_file,
-            Program ground_truth_file, Program flow_file, Program camera_media_file);
+            Program ground_truth_file, Program flow_file, Program camera_media_file, Program holes_file);
     Kernel generate, shade, count_alive, scan_counts, fill_queue, accumulate, ground_truth, flow, camera_media;
+    Kernel pass_holes, shadow_holes;
   };
   std::size_t max_paths_;
   Kernels kernels_;

@@ -72,8 +72,7 @@ RigidBody rigid_body(const ObjectSection& object, const Pose& pose) {
 }
 
 // the parts of a glTF file, each with the file's own material
-void add_gltf(Scene& scene, const std::filesystem::path& file, const Visual& visual) {
-  GltfScene gltf = read_gltf_scene(file);
+void add_parts(Scene& scene, GltfScene gltf, const std::filesystem::path& file, const Visual& visual) {
   const int first_texture = int(scene.textures.size()), first_material = int(scene.materials.size());
   for (Texture& texture : gltf.textures) scene.textures.push_back(std::move(texture));
   for (VisualMaterial& material : gltf.materials) {
@@ -95,6 +94,39 @@ void add_gltf(Scene& scene, const std::filesystem::path& file, const Visual& vis
   }
 }
 
+}  // namespace
+
+Scene gltf_as_scene(const std::filesystem::path& file, std::vector<std::string>* left_out) {
+  GltfScene gltf = read_gltf_scene(file);
+  Scene scene;
+  scene.name = file.stem().string();
+  scene.cameras = std::move(gltf.cameras);
+  scene.sphere_lights = std::move(gltf.lights);
+  *left_out = std::move(gltf.left_out);
+  Visual visual;
+  visual.name = visual.part = scene.name;
+  add_parts(scene, std::move(gltf), file, visual);
+  return scene;
+}
+
+void add_visuals(Scene& scene, const std::vector<VisualSection>& sections, const Visual& body, double size) {
+  for (const VisualSection& section : sections) {
+    Visual visual = body;
+    visual.name += "/" + section.mesh.stem().string();
+    if (section.material.empty()) {
+      add_parts(scene, read_gltf_scene(section.mesh), section.mesh, visual);
+      continue;
+    }
+    visual.mesh = int(scene.visual_meshes.size());
+    visual.material = material_index(scene, section.material);
+    scene.visual_meshes.push_back(read_visual_mesh(section.mesh, section.crease_angle));
+    for (Vec3f& point : scene.visual_meshes.back().points) point *= float(size);
+    scene.visuals.push_back(visual);
+  }
+}
+
+namespace {
+
 void add_object(Scene& scene, const ObjectSection& object, const Draw& draw) {
   Pose pose = draw_pose(draw, object.name, object.pose);
   if (!object.pose.object.empty()) {
@@ -104,27 +136,15 @@ void add_object(Scene& scene, const ObjectSection& object, const Draw& draw) {
                        "`, which has no `mesh`; give that one a mesh, or the pose in the world");
     pose = frame->pose * pose;
   }
-  int rigid = -1;
-  if (!object.mesh.empty()) {
-    rigid = int(scene.rigid_bodies.size());
+  Visual visual;
+  if (object.mesh.empty()) {
+    visual.pose = pose;
+  } else {
+    visual.rigid = int(scene.rigid_bodies.size());
     scene.rigid_bodies.push_back(rigid_body(object, pose));
   }
-  for (const VisualSection& section : object.visuals) {
-    Visual visual;
-    visual.name = object.name + "/" + section.mesh.stem().string();
-    visual.rigid = rigid;
-    if (rigid < 0) visual.pose = pose;
-    visual.part = object.name;
-    if (section.material.empty()) {
-      add_gltf(scene, section.mesh, visual);
-      continue;
-    }
-    visual.mesh = int(scene.visual_meshes.size());
-    visual.material = material_index(scene, section.material);
-    scene.visual_meshes.push_back(read_visual_mesh(section.mesh, section.crease_angle));
-    for (Vec3f& point : scene.visual_meshes.back().points) point *= float(object.size);
-    scene.visuals.push_back(visual);
-  }
+  visual.name = visual.part = object.name;
+  add_visuals(scene, object.visuals, visual, object.size);
 }
 
 int rigid_index(const Scene& scene, const std::string& name) {
@@ -213,12 +233,15 @@ int add_rigid_finger(Scene& scene, const FingerSection& finger, const GripperSec
   scene.joints.push_back(mount);
   Visual visual;
   visual.name = section.name;
-  visual.material = material_index(scene, gripper.finger_material);
   visual.rigid = index;
-  visual.mesh = int(scene.visual_meshes.size());
   visual.part = "gripper";
-  scene.visual_meshes.push_back(read_visual_mesh(finger.mesh, 0.7));
-  scene.visuals.push_back(visual);
+  if (finger.visuals.empty()) {
+    visual.material = material_index(scene, gripper.finger_material);
+    visual.mesh = int(scene.visual_meshes.size());
+    scene.visual_meshes.push_back(read_visual_mesh(finger.mesh, 0.7));
+    scene.visuals.push_back(visual);
+  }
+  add_visuals(scene, finger.visuals, visual);
   return index;
 }
 
@@ -237,11 +260,14 @@ int add_finger(Scene& scene, const FingerSection& finger, const GripperSection& 
   scene.soft_bodies.push_back(std::move(soft));
   Visual visual;
   visual.name = prefix + finger.name;
-  visual.material = material_index(scene, gripper.finger_material);
   visual.soft = index;
   visual.subdivision_levels = gripper.subdivision_levels;
   visual.part = "gripper";
-  scene.visuals.push_back(visual);
+  if (finger.visuals.empty()) {
+    visual.material = material_index(scene, gripper.finger_material);
+    scene.visuals.push_back(visual);
+  }
+  add_visuals(scene, finger.visuals, visual);
   return index;
 }
 

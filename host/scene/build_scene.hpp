@@ -43,6 +43,13 @@ TaskScene build_scene_at_middle(const Task& task);
 // A plain scene file (scene_file.hpp); starts at the middle of every range.
 Scene load_scene(const std::filesystem::path& file);
 
+// Adds what is seen of one body: a copy of `body` for each section, with its mesh and material. size: factor on meshes
+// that are no glTF scenes of their own.
+void add_visuals(Scene& scene, const std::vector<VisualSection>& sections, const Visual& body, double size = 1);
+
+// What a glTF file shows, with its cameras and KHR_lights_punctual; left_out: what it holds besides, a sentence each.
+Scene gltf_as_scene(const std::filesystem::path& file, std::vector<std::string>* left_out);
+
 // The task as it was run, every default and every drawn number spelled out, as YAML for the record.
 std::string resolved_yaml(const Task& task, const TaskScene& built);
 

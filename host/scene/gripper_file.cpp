@@ -35,6 +35,7 @@ FingerSection read_finger(Section& section) {
       tetgen.fail("nodes_per_element", "must be 4 or 10");
     tetgen.done();
   }
+  finger.visuals = read_visuals(section);
   section.done();
   return finger;
 }

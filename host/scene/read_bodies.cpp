@@ -201,6 +201,11 @@ void read_body(Section& section, SceneFile& file) {
     scene.soft_bodies.push_back(read_soft(section, name));
   else
     scene.rigid_bodies.push_back(read_rigid(section, name, kind == STATIC));
+  BodyVisuals visuals;
+  (kind == SOFT ? visuals.soft : visuals.rigid) =
+      int(kind == SOFT ? scene.soft_bodies.size() : scene.rigid_bodies.size()) - 1;
+  visuals.visuals = read_visuals(section);
+  if (!visuals.visuals.empty()) file.visuals.push_back(std::move(visuals));
   section.done();
 }
 

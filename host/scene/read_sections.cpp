@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "host/scene/metals.hpp"
+
 namespace pvg {
 namespace {
 
@@ -48,6 +50,25 @@ void read_inside(Section& section, VisualMaterial& material) {
     section.fail("absorption", "is of no use: a thin sheet has no inside; tint it with `color`");
 }
 
+// where the surface is not there
+void read_alpha(Section& section, VisualMaterial& material) {
+  using Mode = VisualMaterial::AlphaMode;
+  material.alpha_mode = Mode(section.choice("alpha_mode", {"opaque", "mask", "blend"}, 0));
+  if (material.alpha_mode == Mode::opaque) return;
+  material.opacity = share(section, "opacity", 1);
+  if (material.alpha_mode == Mode::mask) material.alpha_cutoff = share(section, "alpha_cutoff", 0.5);
+}
+
+// a measured metal's colours, if it names one
+void read_metal(Section& section, VisualMaterial& material) {
+  material.roughness = share(section, "roughness", 0.3);
+  if (!section.has("metal")) return;
+  if (section.has("color")) section.fail("metal", "and `color` exclude each other: the metal has its own");
+  const std::size_t metal = section.choice("metal", metal_names());
+  material.color = metal_reflectance(metal, 1).cast<float>();
+  material.edge_dip = metal_edge_dip(metal).cast<float>();
+}
+
 VisualMaterial read_material(Section& section, std::vector<std::filesystem::path>* textures) {
   using Kind = VisualMaterial::Kind;
   VisualMaterial material;
@@ -65,7 +86,8 @@ VisualMaterial read_material(Section& section, std::vector<std::filesystem::path
   read_texture_file("normal_texture", material.normal_texture);
   if (material.normal_texture >= 0)
     material.normal_scale = float(section.number("normal_scale", Unit::none, 0, 100, 1));
-  if (material.kind == Kind::conductor) material.roughness = share(section, "roughness", 0.3);
+  if (!is_glass) read_alpha(section, material);
+  if (material.kind == Kind::conductor) read_metal(section, material);
   if (is_glass) {
     material.roughness = share(section, "roughness", 0);
     read_inside(section, material);
@@ -178,17 +200,23 @@ void add_materials(Section& root, std::vector<VisualMaterial>& materials,
   }
 }
 
-ObjectSection read_object(Section& section) {
-  ObjectSection object;
-  object.name = section.text("name");
-  if (section.has("mesh")) object.mesh = section.file("mesh");
+std::vector<VisualSection> read_visuals(Section& section) {
+  std::vector<VisualSection> visuals;
   for (Section& visual : section.sections("visuals")) {
     const std::filesystem::path mesh = visual.file("mesh");
     const bool has_own = mesh.extension() == ".glb" || mesh.extension() == ".gltf";
     const std::string material = has_own ? visual.text("material", "") : visual.text("material");
-    object.visuals.push_back({mesh, material, visual.number("crease_angle", Unit::angle, 0, PI, 0.7)});
+    visuals.push_back({mesh, material, visual.number("crease_angle", Unit::angle, 0, PI, 0.7)});
     visual.done();
   }
+  return visuals;
+}
+
+ObjectSection read_object(Section& section) {
+  ObjectSection object;
+  object.name = section.text("name");
+  if (section.has("mesh")) object.mesh = section.file("mesh");
+  object.visuals = read_visuals(section);
   object.is_fixed = section.boolean("fixed", false);
   if (section.has("density")) object.density = section.number("density", Unit::density, 1e-3, 1e5);
   if (section.has("mass")) object.mass = section.number("mass", Unit::mass, 1e-6, 1e5);

@@ -27,6 +27,7 @@ SampledPose read_sampled_pose(YamlSection& section);  // `pose` of this section,
 Effect read_effect(YamlSection& section);  // read_effect.cpp
 RobotSection read_robot(YamlSection section);
 GripperSection read_gripper(YamlSection& section, Task& task);
+std::vector<VisualSection> read_visuals(YamlSection& section);  // the key `visuals`, if it is there
 ObjectSection read_object(YamlSection& section);
 ContactSettings read_contact(YamlSection& root);
 SolverSettings read_solver(YamlSection& root, double largest_time_step);

@@ -70,6 +70,14 @@ void write_robot(Writer& w, const RobotSection& robot) {
   w.end();
 }
 
+void write_visuals(Writer& w, const std::vector<VisualSection>& visuals) {
+  w.list("visuals", visuals, [&](const VisualSection& visual) {
+    w.path("mesh", visual.mesh);
+    w.entry("material", visual.material);
+    w.entry("crease_angle", visual.crease_angle);
+  });
+}
+
 void write_finger(Writer& w, const FingerSection& finger) {
   w.entry("name", finger.name);
   w.path("mesh", finger.mesh);
@@ -92,6 +100,7 @@ void write_finger(Writer& w, const FingerSection& finger) {
   w.entry("keeps_surface", finger.keeps_surface);
   w.entry("nodes_per_element", finger.nodes_per_element);
   w.end();
+  write_visuals(w, finger.visuals);
 }
 
 void write_gripper(Writer& w, const std::optional<GripperSection>& gripper) {
@@ -132,11 +141,7 @@ void write_sampled_pose(Writer& w, const SampledPose& pose) {
 void write_object(Writer& w, const ObjectSection& object) {
   w.entry("name", object.name);
   w.path("mesh", object.mesh);
-  w.list("visuals", object.visuals, [&](const VisualSection& visual) {
-    w.path("mesh", visual.mesh);
-    w.entry("material", visual.material);
-    w.entry("crease_angle", visual.crease_angle);
-  });
+  write_visuals(w, object.visuals);
   w.entry("fixed", object.is_fixed);
   if (object.density > 0) w.entry("density", object.density);
   if (object.mass > 0) w.entry("mass", object.mass);
@@ -275,6 +280,7 @@ void write_motion(Writer& w, const Task& task) {
 void write_looks(Writer& w, const Task& task) {
   constexpr const char* KINDS[] = {"diffuse",         "conductor",          "dielectric", "emissive",
                                    "shadow_receiver", "metallic_roughness", "cloth"};
+  constexpr const char* ALPHA_MODES[] = {"opaque", "mask", "blend"};
   w.begin("background");
   w.path("mesh", task.background.mesh);
   w.path("texture", task.background.texture);
@@ -302,8 +308,12 @@ void write_looks(Writer& w, const Task& task) {
     w.entry("transmission", material.transmission);
     w.entry("thin", material.is_thin);
     w.entry("priority", material.priority);
+    w.vector("edge_dip", material.edge_dip);
     w.vector("sheen", material.sheen);
     w.entry("sheen_roughness", material.sheen_roughness);
+    w.entry("alpha_mode", ALPHA_MODES[int(material.alpha_mode)]);
+    w.entry("opacity", material.opacity);
+    w.entry("alpha_cutoff", material.alpha_cutoff);
   });
   w.list("lights", task.lights, [&](const RectangleLight& light) {
     w.entry("name", light.name);

@@ -173,6 +173,7 @@ struct Texture {
 // docs/rendering.md says what each kind is. Indices of textures are -1: none.
 struct VisualMaterial {
   enum class Kind { diffuse, conductor, dielectric, emissive, shadow_receiver, metallic_roughness, cloth };
+  enum class AlphaMode { opaque, mask, blend };
   std::string name;
   Kind kind = Kind::diffuse;
   Vec3f color = Vec3f::Constant(0.5f);   // linear Rec. 709: albedo, reflectance at normal incidence of a conductor, or
@@ -189,23 +190,30 @@ struct VisualMaterial {
   int metallic_roughness_texture = -1;   // plain values: green multiplies roughness, blue metallic
   int normal_texture = -1, emission_texture = -1;  // plain values; sRGB
   float normal_scale = 1;
-  Vec3f sheen = Vec3f::Zero();   // of cloth: reflectance scale of its fibres
-  float sheen_roughness = 0.7f;  // in [0.5, 1]
+  // bits of those textures that are laid out by VisualMesh::second_uvs
+  enum TextureBit : unsigned { color_bit = 1, metallic_roughness_bit = 2, normal_bit = 4, emission_bit = 8 };
+  unsigned on_second_uvs = 0;
+  Vec3f edge_dip = Vec3f::Zero();            // of a conductor: a of kernels/materials/conductor.cl, 0: Schlick's curve
+  Vec3f sheen = Vec3f::Zero();               // of cloth: reflectance scale of its fibres
+  float sheen_roughness = 0.7f;              // in [0.5, 1]
+  AlphaMode alpha_mode = AlphaMode::opaque;  // alpha: opacity times the texture's; mask: holes where it is below
+  float opacity = 1, alpha_cutoff = 0.5f;    // alpha_cutoff; blend: 1 - alpha of the light goes straight on
 };
 
 struct VisualMesh {
-  std::vector<Vec3f> points;   // [n, m]
-  std::vector<Vec3f> normals;  // [n] unit, or empty: flat shading
-  std::vector<Vec2f> uvs;      // [n] or empty; v = 0 at the top row of the texture
-  std::vector<Vec3f> colors;   // [n] linear Rec. 709, multiply the material's colour; or empty
+  std::vector<Vec3f> points;      // [n, m]
+  std::vector<Vec3f> normals;     // [n] unit, or empty: flat shading
+  std::vector<Vec2f> uvs;         // [n] or empty; v = 0 at the top row of the texture
+  std::vector<Vec2f> second_uvs;  // [n] or empty; for textures that are laid out in another way
+  std::vector<Vec3f> colors;      // [n] linear Rec. 709, multiply the material's colour; or empty
   std::vector<Triangle> triangles;
 };
 
-// One visible thing. It follows a rigid body, a soft body or cloth (its mesh is then the subdivided surface), or
-// nothing.
+// One visible thing. It follows a rigid body, a soft body (its mesh is then embedded in the body's tetrahedra, or
+// without one made by subdivision of its surface), a cloth (whose surface is subdivided), or nothing.
 struct Visual {
   std::string name;
-  int mesh = -1;  // of Scene::visual_meshes; -1 for a soft body or cloth: made from its surface
+  int mesh = -1;  // of Scene::visual_meshes; -1: of a soft body or cloth: made from its surface
   int material = -1;
   int rigid = -1, soft = -1, cloth = -1;  // body it follows; all -1: stands still
   Pose pose = Pose::Identity();           // mesh to body (or to world)
@@ -227,6 +235,9 @@ struct SphereLight {
   Vec3 center = Vec3::Zero();  // world [m]
   double radius = 0;           // [m]
   Vec3f radiance;              // linear Rec. 709 [W/(sr m^2)]
+  // of a spot: what is within the inner angle about its direction sees it shine, what is beyond the outer one does not
+  Vec3 direction = -Vec3::UnitZ();
+  double inner_angle = 4, outer_angle = 4;  // [rad]; above pi: shines everywhere
 };
 
 // What is seen where no surface is, as a picture: longitude along its width, z up at the top, +x in the middle, +y to

@@ -33,6 +33,15 @@ void append(Scene& scene, const Scene& added) {
   }
 }
 
+void add_body_visuals(Scene& scene, const BodyVisuals& body, int first_rigid, int first_soft) {
+  Visual visual;
+  if (body.rigid >= 0) visual.rigid = first_rigid + body.rigid;
+  if (body.soft >= 0) visual.soft = first_soft + body.soft;
+  visual.name = visual.part = body.rigid >= 0 ? scene.rigid_bodies[std::size_t(visual.rigid)].name
+                                              : scene.soft_bodies[std::size_t(visual.soft)].name;
+  add_visuals(scene, body.visuals, visual);
+}
+
 void read_cell(YamlSection& section, SceneFile& file) {
   RobotCell cell = read_robot_cell(section, file.task);
   RobotPath path;
@@ -115,7 +124,13 @@ SceneRun load_scene_run(const std::filesystem::path& path) {
   const TaskScene built = build_scene_at_middle(file.task);
   run.scene = built.scene;
   run.targets = robot_targets(built, file.paths);
+  const int first_rigid = int(run.scene.rigid_bodies.size()), first_soft = int(run.scene.soft_bodies.size());
   append(run.scene, file.added);
+  try {
+    for (const BodyVisuals& body : file.visuals) add_body_visuals(run.scene, body, first_rigid, first_soft);
+  } catch (const UsageError& error) {
+    throw UsageError(path.string() + ": " + error.what());
+  }
   run.scene.gravity = file.added.gravity;
   run.scene.separates_start = file.added.separates_start;
   try {

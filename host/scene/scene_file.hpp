@@ -16,6 +16,7 @@
 //   pair_friction:
 //     - {first: cube, second: floor, coefficient: 0.3}
 //
+// A body may have `visuals`, as the objects of tasks do; those of a soft body are carried by its tetrahedra.
 // A body of kind `moving` goes its way whatever it meets (path: [{time: 0, position: .., rotation: ..}, ..], or
 // velocity and angular_velocity); one of kind `half_space` fills everything below the plane of its `point` and
 // `normal`. A drive's mode is position, velocity or torque; its target may be a list over `target_times`. `separate:
@@ -47,13 +48,20 @@ struct RobotPath {
   std::vector<double> gripper;              // [n_points, m]
 };
 
+// What is seen of one of `bodies`.
+struct BodyVisuals {
+  int rigid = -1, soft = -1;  // of SceneFile::added
+  std::vector<VisualSection> visuals;
+};
+
 // What a scene file says.
 struct SceneFile {
   Task task;                         // the sections that tasks have too; its solver, contact and pair_friction hold
   Scene added;                       // only gravity, bodies, joints and stitches; indices among themselves
   std::vector<TargetTable> targets;  // [n_driven joints of `added`]
   std::vector<RobotPath> paths;      // of Task::more_robots
-  double duration = 0;               // [s]
+  std::vector<BodyVisuals> visuals;
+  double duration = 0;  // [s]
 };
 
 SceneFile load_scene_file(const std::filesystem::path& file);

@@ -78,14 +78,15 @@ struct FingerSection {
   std::filesystem::path mesh;  // closed surface, in the finger's frame
   SolidMaterial material;
   double friction = 0.7;
-  std::string carriage;               // link of the URDF that carries it
-  Pose pose = Pose::Identity();       // finger to carriage
-  Vec3 stitch_low, stitch_high;       // box in the finger's frame; nodes inside are stitched [m]
-  double stitch_stiffness = 1e5;      // of each spring [N/m]
-  double max_tetrahedron_volume = 0;  // bound for TetGen [m^3]; 0: none
-  double radius_edge_ratio = 1.6;     // TetGen's -q
-  bool keeps_surface = true;          // TetGen's -Y: no vertices added on the surface
-  int nodes_per_element = 10;         // 4 or 10
+  std::string carriage;                // link of the URDF that carries it
+  Pose pose = Pose::Identity();        // finger to carriage
+  Vec3 stitch_low, stitch_high;        // box in the finger's frame; nodes inside are stitched [m]
+  double stitch_stiffness = 1e5;       // of each spring [N/m]
+  double max_tetrahedron_volume = 0;   // bound for TetGen [m^3]; 0: none
+  double radius_edge_ratio = 1.6;      // TetGen's -q
+  bool keeps_surface = true;           // TetGen's -Y: no vertices added on the surface
+  int nodes_per_element = 10;          // 4 or 10
+  std::vector<VisualSection> visuals;  // carried by its tetrahedra; empty: its own surface is seen
 };
 
 struct GripperSection {

@@ -1,6 +1,8 @@
 // Rough conductor: f = F D G2 / (4 cos_i cos_o) with GGX microfacets (microfacet.cl), Smith's height-correlated masking
-// G2 and Schlick's Fresnel term F from the coloured reflectance at normal incidence. Sampled by the visible normals, so
-// the weight of a sample is F G2 / G1. Light that would bounce twice between facets is lost. Below MIRROR_ALPHA a
+// G2. The Fresnel term from the coloured reflectance F_0 at normal incidence: Schlick's with a dip before the edge,
+//   F(c) = F_0 + (1 - F_0) (1 - c)^5 - a c (1 - c)^6
+// (Lazanyi and Szirmay-Kalos 2005), a = 0 or of a measured metal (host/scene/metals.cpp). Sampled by the visible
+// normals, so the weight of a sample is F G2 / G1. Light that would bounce twice between facets is lost. Below MIRROR_ALPHA a
 // perfect mirror.
 #ifndef PVG_MATERIALS_CONDUCTOR_CL
 #define PVG_MATERIALS_CONDUCTOR_CL
@@ -12,12 +14,19 @@ inline float3 fresnel_schlick(const float3 reflectance, const float cosine) {
   return reflectance + (1.0f - reflectance) * (x * x * x * x * x);
 }
 
+// dip: a
+inline float3 fresnel_conductor(const float3 reflectance, const float3 dip, const float cosine) {
+  const float x = clamp(1.0f - cosine, 0.0f, 1.0f), x3 = x * x * x;
+  return fresnel_schlick(reflectance, cosine) - dip * ((1.0f - x) * x3 * x3);
+}
+
 // f cos [1/sr]
-inline float3 conductor_eval(const float3 reflectance, const float alpha, const float3 wo, const float3 wi) {
+inline float3 conductor_eval(const float3 reflectance, const float3 dip, const float alpha, const float3 wo,
+                             const float3 wi) {
   if (wo.z <= 0 || wi.z <= 0 || alpha < MIRROR_ALPHA) return (float3)(0.0f);
   const float3 m = normalize(wo + wi);
   const float G2 = 1.0f / (1.0f + ggx_lambda(wo, alpha) + ggx_lambda(wi, alpha));
-  return fresnel_schlick(reflectance, dot(wi, m)) * (ggx_density(m, alpha) * G2 / (4.0f * wo.z));
+  return fresnel_conductor(reflectance, dip, dot(wi, m)) * (ggx_density(m, alpha) * G2 / (4.0f * wo.z));
 }
 
 inline float conductor_pdf(const float alpha, const float3 wo, const float3 wi) {
@@ -27,14 +36,15 @@ inline float conductor_pdf(const float alpha, const float3 wo, const float3 wi) 
   return ggx_density(m, alpha) * G1 / (4.0f * wo.z);
 }
 
-inline MaterialSample conductor_sample(const float3 reflectance, const float alpha, const float3 wo, const float2 u) {
+inline MaterialSample conductor_sample(const float3 reflectance, const float3 dip, const float alpha, const float3 wo,
+                                       const float2 u) {
   MaterialSample s;
   s.weight = 0.0f;
   s.pdf = 0.0f;
   s.direction = (float3)(-wo.x, -wo.y, wo.z);
   if (wo.z <= 0) return s;
   if (alpha < MIRROR_ALPHA) {
-    s.weight = fresnel_schlick(reflectance, wo.z);
+    s.weight = fresnel_conductor(reflectance, dip, wo.z);
     return s;
   }
   const float3 m = ggx_visible_normal(wo, alpha, u);
@@ -43,7 +53,7 @@ inline MaterialSample conductor_sample(const float3 reflectance, const float alp
   const float lambda_o = ggx_lambda(wo, alpha), lambda_i = ggx_lambda(wi, alpha);
   s.direction = wi;
   s.pdf = conductor_pdf(alpha, wo, wi);
-  s.weight = fresnel_schlick(reflectance, dot(wi, m)) * ((1.0f + lambda_o) / (1.0f + lambda_o + lambda_i));
+  s.weight = fresnel_conductor(reflectance, dip, dot(wi, m)) * ((1.0f + lambda_o) / (1.0f + lambda_o + lambda_i));
   return s;
 }
 #endif

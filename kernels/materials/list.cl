@@ -15,7 +15,7 @@ inline float3 material_eval(const PointMaterial p, const float3 wo, const float3
     case MATERIAL_DIFFUSE:
       return diffuse_eval(p.color, wo, wi);
     case MATERIAL_CONDUCTOR:
-      return conductor_eval(p.color, p.alpha, wo, wi);
+      return conductor_eval(p.color, p.sheen, p.alpha, wo, wi);
     case MATERIAL_METALLIC_ROUGHNESS:
       return metallic_roughness_eval(p, wo, wi);
     case MATERIAL_CLOTH:
@@ -48,7 +48,7 @@ inline float material_pdf(const PointMaterial p, const float3 wo, const float3 w
 inline MaterialSample material_sample(const PointMaterial p, const float3 wo, const float2 u, const float choice) {
   switch (p.kind) {
     case MATERIAL_CONDUCTOR:
-      return conductor_sample(p.color, p.alpha, wo, u);
+      return conductor_sample(p.color, p.sheen, p.alpha, wo, u);
     case MATERIAL_DIELECTRIC:
       return p.flags & MATERIAL_THIN ? sheet_sample(p.color, p.eta, wo, choice) : dielectric_sample(p.color, p.eta, wo, choice);
     case MATERIAL_METALLIC_ROUGHNESS:

@@ -20,6 +20,14 @@
 #define MATERIAL_THIN 1u        // a sheet without inside: what passes goes straight on
 #define MATERIAL_HAS_INSIDE 2u  // paths enter it: a solid that transmits
 #define MATERIAL_EMITS 4u       // its triangles are among the lights
+#define MATERIAL_MASK 8u        // holes where alpha is below alpha_cutoff, see kernels/render/cutout.cl
+#define MATERIAL_BLEND 16u      // lets 1 - alpha of the light go straight on
+
+// textures that the mesh's second coordinates lay out: these bits of flags
+#define SECOND_UVS_COLOR (1u << 8)
+#define SECOND_UVS_METALLIC_ROUGHNESS (2u << 8)
+#define SECOND_UVS_NORMAL (4u << 8)
+#define SECOND_UVS_EMISSION (8u << 8)
 
 SHARED_BEGIN
 typedef struct {
@@ -33,14 +41,15 @@ typedef struct {
   f32 metallic;         // 0: dielectric, 1: metal
   f32 emission[3];      // [W/(sr m^2)]
   f32 transmission;     // share of the light below the surface that passes instead of being scattered back
-  f32 sheen[3];         // reflectance scale of the fibres
+  f32 sheen[3];         // reflectance scale of the fibres; of a conductor a of conductor.cl
   f32 sheen_roughness;
   i32 metallic_roughness_texture;  // green: multiplies roughness, blue: metallic; -1: none
   i32 normal_texture, emission_texture;
   f32 normal_scale;
   u32 flags;     // MATERIAL_...
   u32 priority;  // of overlapping solids the highest is there
-  u32 unused[2];
+  f32 opacity;       // multiplies the alpha of the texture
+  f32 alpha_cutoff;  // of a mask
 } Material;
 SHARED_SIZE(Material, 112);
 

@@ -59,23 +59,24 @@ inline void meet_environment(const Launch launch, const Shading scene, Path* pat
 inline void meet_light(const Launch launch, global const Light* light, const Surface s, const float t, Path* path) {
   path->is_alive = false;
   if (dot(s.face, path->direction) >= 0) return;
-  const float pdf =
-      light->kind == LIGHT_SPHERE ? sphere_pdf(light, path->origin) : rectangle_pdf(light, path->direction * t);
-  meet_emission(launch, vload3(0, light->radiance), pdf, path);
+  const bool is_sphere = light->kind == LIGHT_SPHERE;
+  const float pdf = is_sphere ? sphere_pdf(light, path->origin) : rectangle_pdf(light, path->direction * t);
+  const float share = is_sphere ? spot_share(light, -path->direction) : 1.0f;
+  meet_emission(launch, share * vload3(0, light->radiance), pdf, path);
 }
 
 // a mesh that shines, on both sides
 inline void meet_shining(const Launch launch, const Shading scene, global const Instance* instance, const Material m,
                          const uint triangle, const Surface s, const float t, Path* path) {
   float pdf = 0.0f;
-  if (instance->light >= 0) {
+  if (instance->flags & INSTANCE_SHINES) {
     float3 p[3];
     world_triangle(scene, instance, triangle, p);
     const float area = 0.5f * length(cross(p[1] - p[0], p[2] - p[0]));
-    const uint light = (uint)instance->light + triangle - instance->first_triangle;
+    const uint light = (uint)(instance->light + (int)triangle);
     pdf = area_pdf(scene.lights[light].probability, area, fabs(dot(s.face, path->direction)), t * t);
   }
-  meet_emission(launch, emitted(scene, m, s.uv), pdf, path);
+  meet_emission(launch, emitted(scene, m, uv_for(s, m.flags, emission_bit(m))), pdf, path);
 }
 
 inline void meet_receiver(const Launch launch, const Shading scene, const Material m, const float3 color,

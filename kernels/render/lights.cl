@@ -7,6 +7,7 @@
 #define PVG_RENDER_LIGHTS_CL
 #include "materials/frame.cl"
 #include "materials/texture.cl"
+#include "render/cutout.cl"
 #include "render/environment.cl"
 #include "render/surface.cl"
 
@@ -20,6 +21,7 @@ typedef struct {
   global const uint* triangles;
   global const Vertex* vertices;
   global const float* colors;
+  global const float* second_uvs;
   global const Light* lights;
   global const float* environment;
   global const EnvironmentCell* cells;
@@ -36,11 +38,31 @@ typedef struct {
 // the sphere that rays hit is made of triangles: shadow rays end a little outside
 #define SPHERE_SHELL 1.005f
 
+// the surface at a hit with all its texture coordinates
+inline Surface surface_with_uvs(const Shading scene, const uint instance, const uint triangle, const float u,
+                                const float v) {
+  global const Instance* shown = scene.instances + instance;
+  Surface s = surface_at(shown, scene.triangles, scene.vertices, triangle, u, v);
+  if (shown->flags & INSTANCE_SECOND_UVS)
+    s.second_uv = second_uv_at(shown, scene.triangles, scene.second_uvs, triangle, u, v);
+  return s;
+}
+
+// SECOND_UVS_... of the texture that shines
+inline uint emission_bit(const Material m) {
+  return m.kind == MATERIAL_EMISSIVE ? SECOND_UVS_COLOR : SECOND_UVS_EMISSION;
+}
 inline float3 emitted(const Shading scene, const Material m, const float2 uv) {
   const float3 emission = vload3(0, m.emission);
   const int texture = m.kind == MATERIAL_EMISSIVE ? m.texture : m.emission_texture;
   return texture < 0 ? emission
                      : emission * texture_color(scene.textures[texture], scene.texels, scene.decode, uv);
+}
+
+inline Cutouts cutouts_of(const Shading scene) {
+  const Cutouts c = {scene.instances, scene.materials, scene.textures,  scene.texels,
+                     scene.triangles, scene.vertices,  scene.second_uvs};
+  return c;
 }
 
 // corners of a mesh's triangle in the world
@@ -69,6 +91,12 @@ inline float sphere_pdf(global const Light* light, const float3 origin) {
              : 0.0f;  // inside there is no light
 }
 
+// a spot's share of the radiance in a direction away from it (KHR_lights_punctual); 1 of what is none
+inline float spot_share(global const Light* light, const float3 away) {
+  const float x = clamp((dot(vload3(0, light->edge_u), away) - light->edge_v[0]) * light->edge_v[1], 0.0f, 1.0f);
+  return x * x;
+}
+
 inline LightSample sample_sphere(global const Light* light, const float3 origin, const float2 u) {
   LightSample s;
   const float3 center = vload3(0, light->corner) - origin;
@@ -77,6 +105,7 @@ inline LightSample sample_sphere(global const Light* light, const float3 origin,
   s.radiance = vload3(0, light->radiance);
   const float z = 1.0f - u.x * cone_height(radius, d2), r = sqrt(max(0.0f, 1.0f - z * z)), phi = 2.0f * M_PI_F * u.y;
   const float3 direction = to_world(make_frame(center * rsqrt(d2)), (float3)(r * cos(phi), r * sin(phi), z));
+  s.radiance *= spot_share(light, -direction);
   // up to the shell around the triangles
   const float along = dot(direction, center), shell = SPHERE_SHELL * radius;
   const float half_chord2 = shell * shell - (d2 - along * along);
@@ -97,10 +126,12 @@ inline LightSample sample_triangle(const Shading scene, global const Light* ligh
   const float twice_area = length(normal), d2 = dot(s.to_light, s.to_light);
   const float cosine = twice_area > 0 ? fabs(dot(normal, s.to_light)) * rsqrt(d2) / twice_area : 0.0f;
   s.pdf = area_pdf(light->probability, 0.5f * twice_area, cosine, d2);
-  const uint3 corner = vload3(light->triangle, scene.triangles);
-  const float2 uv = a * vload2(0, scene.vertices[corner.x].uv) + (1.0f - a - b) * vload2(0, scene.vertices[corner.y].uv) +
-                    b * vload2(0, scene.vertices[corner.z].uv);
-  s.radiance = emitted(scene, scene.materials[instance->material], uv);
+  const Material m = scene.materials[instance->material];
+  const Cutouts cutouts = cutouts_of(scene);
+  const float c = 1.0f - a - b;  // weight of p[1]
+  s.radiance = emitted(scene, m, texture_uv(cutouts, instance, m.flags, emission_bit(m), light->triangle, c, b));
+  if (instance->flags & INSTANCE_CUTOUT)
+    s.radiance *= 1.0f - opening(cutouts, light->instance, light->triangle, c, b);
   return s;
 }
 

@@ -7,11 +7,16 @@
 // who is stopped by an instance
 #define MASK_SURFACES 1u   // shadow rays of ordinary surfaces
 #define MASK_RECEIVERS 2u  // shadow rays of shadow receivers: inserted objects only
+// cut-out instances have these bits shifted: they are not met by shadow rays, but asked in holes.cl
+#define MASK_CUTOUT_SHIFT 2u
 
-#define INSTANCE_NORMALS 1u  // the mesh has vertex normals
-#define INSTANCE_CLEAR 2u    // clear glass: shadow rays may pass
-#define INSTANCE_UNMOVED 4u  // the mesh's frame is the world's
-#define INSTANCE_COLORS 8u   // the mesh has vertex colours
+#define INSTANCE_NORMALS 1u      // the mesh has vertex normals
+#define INSTANCE_CLEAR 2u        // clear glass: shadow rays may pass
+#define INSTANCE_UNMOVED 4u      // the mesh's frame is the world's
+#define INSTANCE_COLORS 8u       // the mesh has vertex colours
+#define INSTANCE_CUTOUT 16u      // not everywhere there: the material has MATERIAL_MASK or MATERIAL_BLEND
+#define INSTANCE_SHINES 32u      // its triangles are among the lights
+#define INSTANCE_SECOND_UVS 64u  // the mesh has second texture coordinates
 
 // path flags
 #define PATH_SCATTERED 1u  // has met a surface that scatters (diffuse or rough)
@@ -25,6 +30,9 @@
 #define SHADOW_RECEIVER 3u
 
 #define NO_TRIANGLE 0xffffffffu
+
+// shadow rays end just short of the light itself, in units of the way to it
+#define BEFORE_LIGHT 0.9999f
 
 SHARED_BEGIN
 typedef struct {
@@ -46,10 +54,10 @@ typedef struct {
   u32 material;
   u32 visual;  // 1 + index of the Visual; 0: a light
   u32 mask;    // MASK_...
-  i32 light;   // index of its first triangle's light, or of the light that it is; -1: none
+  i32 light;   // of a light its index; with INSTANCE_SHINES that of triangle t is light + t
   u32 flags;   // INSTANCE_...
-  u32 first_triangle;  // of its mesh
-  i32 first_color;     // colour of vertex i: first_color + i
+  i32 first_color;      // colour of vertex i: first_color + i
+  i32 first_second_uv;  // likewise its second texture coordinates
 } Instance;
 SHARED_SIZE(Instance, 128);
 
@@ -66,9 +74,9 @@ typedef struct {
   u32 other;         // else this one is
   f32 corner[3];     // of a rectangle; centre of a sphere [m]
   f32 area;          // of a rectangle [m^2]; radius of a sphere [m]
-  f32 edge_u[3];     // of a rectangle
+  f32 edge_u[3];     // of a rectangle; of a sphere the direction of a spot
   u32 instance;      // of a triangle
-  f32 edge_v[3];
+  f32 edge_v[3];     // of a rectangle; of a sphere: cosine of a spot's outer angle, 1 / (that of the inner one - it)
   u32 triangle;      // index into the triangles of all meshes
   f32 normal[3];     // of a rectangle, unit
   f32 unused0;

@@ -30,12 +30,23 @@ inline float3 texture_at(const Shading scene, const int texture, const float2 uv
                      : texture_color(scene.textures[texture], scene.texels, scene.decode, uv);
 }
 
-inline PointMaterial material_at(const Shading scene, const Material m, const float3 color, const float2 uv,
+// the texture coordinates of a triangle's corners that lay out the normal map
+inline void normal_map_corners(const Shading scene, global const Instance* instance, const uint flags,
+                               const uint triangle, float2 uv[3]) {
+  const uint3 corner = vload3(triangle, scene.triangles);
+  const uint corners[3] = {corner.x, corner.y, corner.z};
+  const bool is_second = (flags & SECOND_UVS_NORMAL) && (instance->flags & INSTANCE_SECOND_UVS);
+  for (int k = 0; k < 3; ++k)
+    uv[k] = is_second ? second_uv_of_corner(instance, scene.second_uvs, corners[k])
+                      : vload2(0, scene.vertices[corners[k]].uv);
+}
+
+inline PointMaterial material_at(const Shading scene, const Material m, const float3 color, const Surface s,
                                  const float eta) {
   PointMaterial p = point_material(m, eta);
   p.color = color;
   if (m.metallic_roughness_texture >= 0) {
-    const float3 t = texture_at(scene, m.metallic_roughness_texture, uv);
+    const float3 t = texture_at(scene, m.metallic_roughness_texture, uv_for(s, m.flags, SECOND_UVS_METALLIC_ROUGHNESS));
     p.alpha = max(MIRROR_ALPHA, p.alpha * t.y * t.y);
     p.metallic *= t.z;
   }
@@ -57,13 +68,15 @@ inline void meet_surface(const Launch launch, const Shading scene, global const 
   }
   float3 normal = dot(s.shading, face) > 0 ? s.shading : -s.shading;
   if (m.normal_texture >= 0) {
-    const float3 bend = 2.0f * texture_at(scene, m.normal_texture, s.uv) - 1.0f;
+    const float3 bend = 2.0f * texture_at(scene, m.normal_texture, uv_for(s, m.flags, SECOND_UVS_NORMAL)) - 1.0f;
+    float2 corner_uvs[3];
+    normal_map_corners(scene, instance, m.flags, triangle, corner_uvs);
     // on the back of a surface the map's directions along it stay
-    normal = bent_normal(instance, scene.triangles, scene.vertices, triangle, normal,
+    normal = bent_normal(instance, scene.triangles, scene.vertices, triangle, corner_uvs, normal,
                          (float3)(bend.xy * m.normal_scale, bend.z));
   }
   if (dot(normal, path->direction) >= 0) normal = face;  // a shading normal that looks away cannot be used
-  const PointMaterial p = material_at(scene, m, color, s.uv, boundary.eta);
+  const PointMaterial p = material_at(scene, m, color, s, boundary.eta);
   if (p.kind == MATERIAL_DIELECTRIC) {
     pass_glass(p, boundary, s, face, normal, chance.material_choice, path);
     return;
@@ -79,7 +92,7 @@ inline void meet(const Launch launch, const Shading scene, const Chance chance, 
                  const uint hit_instance, Path* path, ShadowRay* shadow) {
   global const Instance* instance = scene.instances + hit_instance;
   const uint triangle = as_uint(hit.w);
-  const Surface s = surface_at(instance, scene.triangles, scene.vertices, triangle, hit.y, hit.z);
+  const Surface s = surface_with_uvs(scene, hit_instance, triangle, hit.y, hit.z);
   path->throughput *= media_transmission(path->media, scene.materials, hit.x + ray_offset(s.point));
   if (instance->visual == 0) {
     meet_light(launch, scene.lights + instance->light, s, hit.x, path);
@@ -88,7 +101,7 @@ inline void meet(const Launch launch, const Shading scene, const Chance chance, 
   const Material m = scene.materials[instance->material];
   if (m.flags & MATERIAL_EMITS) meet_shining(launch, scene, instance, m, triangle, s, hit.x, path);
   float3 color = vload3(0, m.color);
-  if (m.kind != MATERIAL_EMISSIVE) color *= texture_at(scene, m.texture, s.uv);
+  if (m.kind != MATERIAL_EMISSIVE) color *= texture_at(scene, m.texture, uv_for(s, m.flags, SECOND_UVS_COLOR));
   if (instance->flags & INSTANCE_COLORS)
     color *= vertex_color(instance, scene.triangles, scene.colors, triangle, hit.y, hit.z);
   if (m.kind == MATERIAL_SHADOW_RECEIVER) {
@@ -104,12 +117,13 @@ inline void meet(const Launch launch, const Shading scene, const Chance chance, 
 // as in generate.cl and intersect.cl;  shadow_origin: [n_slots, m], w: kind;  shadow_direction: [n_slots, m] to the
 // light;  shadow_light: [n_slots], w: weight;  alive: [n] by place in the queue;  depth: bounces so far
 kernel void shade(const uint n, const Launch launch, const uint depth, global const uint* restrict queue,
-                  global const uint2* restrict stream, global const Instance* restrict instances, global const Material* restrict materials,
+                  global const uint2* restrict stream, global const Instance* restrict instances,
+                  global const Material* restrict materials,
                   global const TextureInfo* restrict textures, global const uchar4* restrict texels,
                   constant float* restrict decode, global const uint* restrict triangles,
                   global const Vertex* restrict vertices, global const float* restrict colors,
-                  global const Light* restrict lights, global const float* restrict environment,
-                  global const EnvironmentCell* restrict cells,
+                  global const float* restrict second_uvs, global const Light* restrict lights,
+                  global const float* restrict environment, global const EnvironmentCell* restrict cells,
                   global const float4* restrict hit, global const uint* restrict hit_instance,
                   global float4* restrict origin, global float4* restrict direction, global float4* restrict throughput,
                   global float4* restrict radiance, global float4* restrict shadow_origin,
@@ -121,8 +135,8 @@ kernel void shade(const uint n, const Launch launch, const uint depth, global co
   const Chance chance = draw_chance(stream[slot], depth);  // early: its long chain of products runs while hits are loaded
   Path path = load_path(slot, origin, direction, throughput);
   ShadowRay shadow = {0.0f, 0.0f, 0.0f, 0.0f, SHADOW_NONE};
-  const Shading scene = {instances, materials, textures, texels,      decode, triangles,
-                         vertices,  colors,    lights,   environment, cells};
+  const Shading scene = {instances, materials, textures,   texels, decode,      triangles,
+                         vertices,  colors,    second_uvs, lights, environment, cells};
   if (as_uint(hit[slot].w) == NO_TRIANGLE)
     meet_environment(launch, scene, &path);
   else

@@ -1,9 +1,6 @@
 // Stage 4: any hit between a surface and the light sample that it chose; what arrives is added to the path.
 #include "render/transmittance.cl"
 
-// just short of the light itself, in units of the way to it
-#define BEFORE_LIGHT 0.9999f
-
 // shadow_...: as in shade.cl;  radiance: [n_slots]
 kernel void shadow(const uint n, global const uint* restrict queue, const uint transparent_shadows,
                    global const float8* restrict top, global const float8* restrict nodes,

@@ -7,7 +7,7 @@ typedef struct {
   float3 point;    // [m]
   float3 face;     // geometric normal, unit, outward
   float3 shading;  // interpolated normal, unit, outward, or the geometric one
-  float2 uv;
+  float2 uv, second_uv;  // texture coordinates; the second are the first where the mesh has no second
 } Surface;
 
 // without the care that the language takes of lengths near the ends of the range
@@ -44,7 +44,23 @@ inline Surface surface_at(global const Instance* instance, global const uint* tr
     if (length2 > 1e-12f) s.shading = n * rsqrt(length2);
   }
   s.uv = between.s67;
+  s.second_uv = s.uv;
   return s;
+}
+
+// the texture coordinates that a texture's bit of the material's flags asks for
+inline float2 uv_for(const Surface s, const uint flags, const uint bit) { return flags & bit ? s.second_uv : s.uv; }
+
+// second texture coordinates, of meshes that have them
+inline float2 second_uv_of_corner(global const Instance* instance, global const float* second_uvs, const uint corner) {
+  return vload2((uint)(instance->first_second_uv + (int)corner), second_uvs);
+}
+inline float2 second_uv_at(global const Instance* instance, global const uint* triangles,
+                           global const float* second_uvs, const uint triangle, const float u, const float v) {
+  const uint3 corner = vload3(triangle, triangles);
+  return (1.0f - u - v) * second_uv_of_corner(instance, second_uvs, corner.x) +
+         u * second_uv_of_corner(instance, second_uvs, corner.y) +
+         v * second_uv_of_corner(instance, second_uvs, corner.z);
 }
 
 // colour of the vertices between them
@@ -54,16 +70,15 @@ inline float3 vertex_color(global const Instance* instance, global const uint* t
   return (1.0f - u - v) * vload3(corner.x, colors) + u * vload3(corner.y, colors) + v * vload3(corner.z, colors);
 }
 
-// The shading normal bent by a normal map; bend: x along growing u, y along falling v, z out. Where the texture
-// coordinates have no direction it stays.
+// The shading normal bent by a normal map; bend: x along growing u, y along falling v, z out; uv: of the triangle's
+// corners. Where they have no direction the normal stays.
 inline float3 bent_normal(global const Instance* instance, global const uint* triangles, global const Vertex* vertices,
-                          const uint triangle, const float3 normal, const float3 bend) {
+                          const uint triangle, const float2 uv[3], const float3 normal, const float3 bend) {
   const uint3 corner = vload3(triangle, triangles);
   const float3 p = vload3(0, vertices[corner.x].point);
   const float3 e = affine_vector(instance->to_world, vload3(0, vertices[corner.y].point) - p);
   const float3 f = affine_vector(instance->to_world, vload3(0, vertices[corner.z].point) - p);
-  const float2 a = vload2(0, vertices[corner.y].uv) - vload2(0, vertices[corner.x].uv);
-  const float2 b = vload2(0, vertices[corner.z].uv) - vload2(0, vertices[corner.x].uv);
+  const float2 a = uv[1] - uv[0], b = uv[2] - uv[0];
   const float area = a.x * b.y - b.x * a.y;
   if (fabs(area) < 1e-20f) return normal;
   float3 along_u = (b.y * e - a.y * f) / area, along_v = (a.x * f - b.x * e) / area;

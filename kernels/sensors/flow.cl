@@ -1,6 +1,6 @@
 // Optical flow: where the point that a pixel showed is in another picture, after everything has moved, and whether it is
 // seen there. What no surface covers is infinitely far away and moves with the camera's turning alone.
-#include "render/surface.cl"
+#include "render/cutout.cl"
 #include "sensors/camera.cl"
 
 #define POINT_SEEN 0
@@ -14,9 +14,10 @@
 // ground_truth.cl, of `from`;  flow: [height x width x 2, pixels], 0 where nothing can be said;  state: [height x width]
 kernel void flow(const uint n_pixels, const Launch from, const Launch to, global const float8* restrict top,
                  global const float8* restrict nodes, global const float4* restrict blocks,
-                 global const Instance* restrict instances, global const uint* restrict triangles,
-                 global const Vertex* restrict vertices, global const float4* restrict seen,
-                 global float* restrict flow, global uchar* restrict state) {
+                 global const Instance* restrict instances, global const Material* restrict materials,
+                 global const TextureInfo* restrict textures, global const uchar4* restrict texels,
+                 global const uint* restrict triangles, global const Vertex* restrict vertices,
+                 global const float* restrict second_uvs, global const float4* restrict seen, global float* restrict flow, global uchar* restrict state) {
   const uint at = get_global_id(0);
   if (at >= n_pixels) return;
   const PinholeCamera a = from.camera, b = to.camera;
@@ -40,6 +41,7 @@ kernel void flow(const uint n_pixels, const Launch from, const Launch to, global
   const Trees trees = {top, nodes, blocks, instances};
   const float3 eye = (float3)(b.to_world[3], b.to_world[7], b.to_world[11]);
   Hit hit = {SAME_POINT, 0, 0, NO_TRIANGLE, 0};
-  closest_hit(trees, eye, point - eye, &hit);
+  const Cutouts cutouts = {instances, materials, textures, texels, triangles, vertices, second_uvs};
+  closest_solid_hit(trees, cutouts, eye, point - eye, &hit);
   state[at] = hit.triangle == NO_TRIANGLE || hit.triangle == as_uint(place.z) ? POINT_SEEN : POINT_HIDDEN;
 }

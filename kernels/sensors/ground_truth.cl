@@ -1,11 +1,7 @@
 // What is exactly at the middle of each pixel: depth along the optical axis, distance, instance and normal, with no
-// mixing at edges. Glass is a surface like any other, or is looked through, straight on.
-#include "materials/material.h"
-#include "materials/texture.cl"
-#include "render/surface.cl"
+// mixing at edges. Glass is a surface like any other, or is looked through, straight on; holes of masks are not there.
+#include "render/cutout.cl"
 #include "render/tiles.cl"
-
-#define MOST_LAYERS 64
 
 // a surface that is looked through where glass is
 inline bool is_glass(global const Instance* instance, global const Material* materials) {
@@ -15,8 +11,7 @@ inline bool is_glass(global const Instance* instance, global const Material* mat
 }
 
 // the first surface along the ray; the return value is its distance [m]. direction: unit
-inline float seen_surface(const Trees trees, global const Material* materials, global const uint* triangles,
-                          global const Vertex* vertices, const uint sees_through_glass, const float3 from,
+inline float seen_surface(const Trees trees, const Cutouts c, const uint sees_through_glass, const float3 from,
                           const float3 direction, Hit* hit, Surface* surface) {
   float3 origin = from;
   for (int layer = 0; layer < MOST_LAYERS; ++layer) {
@@ -24,8 +19,9 @@ inline float seen_surface(const Trees trees, global const Material* materials, g
     *hit = nothing;
     closest_hit(trees, origin, direction, hit);
     if (hit->triangle == NO_TRIANGLE) break;
-    *surface = surface_at(trees.instances + hit->instance, triangles, vertices, hit->triangle, hit->u, hit->v);
-    if (!sees_through_glass || !is_glass(trees.instances + hit->instance, materials))
+    *surface = surface_at(trees.instances + hit->instance, c.triangles, c.vertices, hit->triangle, hit->u, hit->v);
+    const bool passes_glass = sees_through_glass && is_glass(trees.instances + hit->instance, c.materials);
+    if (!passes_glass && !is_open(c, *hit, 0.5f))
       return dot(surface->point - from, direction);
     origin = leave_surface(surface->point, dot(surface->face, direction) > 0 ? surface->face : -surface->face);
   }
@@ -34,16 +30,18 @@ inline float seen_surface(const Trees trees, global const Material* materials, g
 }
 
 // the colour that a surface gives to light that it scatters; 1 where it has none of its own
-inline float3 surface_color(global const Instance* instance, const Material m, const Hit hit, const float2 uv,
-                            global const TextureInfo* textures, global const uchar4* texels, constant float* decode,
-                            global const uint* triangles, global const float* colors) {
+inline float3 surface_color(const Cutouts c, const Material m, const Hit hit, constant float* decode,
+                            global const float* colors) {
+  global const Instance* instance = c.instances + hit.instance;
   const bool has_color = m.kind == MATERIAL_DIFFUSE || m.kind == MATERIAL_SHADOW_RECEIVER || m.kind == MATERIAL_CLOTH ||
                          (m.kind == MATERIAL_METALLIC_ROUGHNESS && m.transmission < 0.5f);
   if (!has_color) return (float3)(1.0f);
   float3 color = vload3(0, m.color);
-  if (m.texture >= 0) color *= texture_color(textures[m.texture], texels, decode, uv);
+  if (m.texture >= 0)
+    color *= texture_color(c.textures[m.texture], c.texels, decode,
+                           texture_uv(c, instance, m.flags, SECOND_UVS_COLOR, hit.triangle, hit.u, hit.v));
   if (instance->flags & INSTANCE_COLORS)
-    color *= vertex_color(instance, triangles, colors, hit.triangle, hit.u, hit.v);
+    color *= vertex_color(instance, c.triangles, colors, hit.triangle, hit.u, hit.v);
   return max(color, (float3)(0.01f));
 }
 
@@ -57,8 +55,8 @@ kernel void ground_truth(const uint n_pixels, const Launch launch, const uint se
                          global const Material* restrict materials, global const uint* restrict triangles,
                          global const Vertex* restrict vertices, global const TextureInfo* restrict textures,
                          global const uchar4* restrict texels, constant float* restrict decode,
-                         global const float* restrict colors, global const float4* restrict origin,
-                         global const float4* restrict direction, global const float4* restrict throughput,
+                         global const float* restrict colors, global const float* restrict second_uvs,
+                         global const float4* restrict origin, global const float4* restrict direction, global const float4* restrict throughput,
                          global float* restrict depth, global float* restrict distance, global uint* restrict instance,
                          global float* restrict normal, global float4* restrict seen, global float4* restrict place,
                          global float* restrict albedo) {
@@ -79,8 +77,8 @@ kernel void ground_truth(const uint n_pixels, const Launch launch, const uint se
   const float3 d = direction[i].xyz;
   Hit hit;
   Surface s;
-  const float t =
-      seen_surface(trees, materials, triangles, vertices, sees_through_glass, origin[i].xyz, d, &hit, &s);
+  const Cutouts cutouts = {instances, materials, textures, texels, triangles, vertices, second_uvs};
+  const float t = seen_surface(trees, cutouts, sees_through_glass, origin[i].xyz, d, &hit, &s);
   if (hit.triangle == NO_TRIANGLE) return;
   distance[at] = t;
   depth[at] = t * (c.to_world[2] * d.x + c.to_world[6] * d.y + c.to_world[10] * d.z);
@@ -90,6 +88,5 @@ kernel void ground_truth(const uint n_pixels, const Launch launch, const uint se
   place[at] = (float4)(s.point, t);
   global const Instance* shown = instances + hit.instance;
   if (shown->visual != 0)
-    vstore3(surface_color(shown, materials[shown->material], hit, s.uv, textures, texels, decode, triangles, colors), at,
-            albedo);
+    vstore3(surface_color(cutouts, materials[shown->material], hit, decode, colors), at, albedo);
 }

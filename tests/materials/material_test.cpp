@@ -72,12 +72,20 @@ Material rough_glass(float alpha, float eta) {
   return m;
 }
 
+// of a measured metal
+Material dipped_conductor(float alpha, float dip) {
+  Material m = make(MATERIAL_CONDUCTOR, alpha);
+  for (float& c : m.sheen) c = dip;
+  return m;
+}
+
 // the materials that scatter, from smooth to rough; ior is the index behind / in front
 std::vector<Material> scattering() {
   return {make(MATERIAL_DIFFUSE, 0),
           make(MATERIAL_CONDUCTOR, 0.1f),
           make(MATERIAL_CONDUCTOR, 0.5f),
           make(MATERIAL_CONDUCTOR, 1.0f),
+          dipped_conductor(0.5f, 3),
           rough_glass(0.2f, 1.5f),
           rough_glass(0.5f, 1.5f),
           rough_glass(0.3f, 1 / 1.5f),

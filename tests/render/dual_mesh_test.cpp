@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <numeric>
 
 namespace pvg {
 namespace {
@@ -24,12 +25,18 @@ struct Strip {
   }
 };
 
+DualMesh dual_mesh(Device& device, const Subdivision& fine) {
+  std::vector<std::uint32_t> own(fine.weights.n_rows());
+  std::iota(own.begin(), own.end(), 0u);
+  return DualMesh(device, fine.weights, fine.triangles, own);
+}
+
 TEST(DualMesh, PointsAndNormalsAreTheHostsForAwkwardSizes) {
   Device device;
   for (const std::uint32_t n : {0, 1, 3, 257, 1000}) {
     const Strip strip(n);
     const Subdivision fine = subdivide_loop(strip.nodes.size(), strip.triangles, 1);
-    DualMesh mesh(device, fine);
+    DualMesh mesh = dual_mesh(device, fine);
     const std::uint32_t first = 5;
     std::vector<Vertex> marked(first + mesh.n_vertices());
     for (Vertex& v : marked) v = {{7, 7, 7}, {7, 7, 7}, {0.25f, 0.5f}};
@@ -57,7 +64,7 @@ TEST(DualMesh, AFlatPieceLooksUpAndTurnsWithItsNodes) {
   Device device;
   std::vector<Vec3> nodes = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   const std::vector<Triangle> triangles = {{0, 1, 2}, {0, 2, 3}};
-  DualMesh mesh(device, subdivide_loop(4, triangles, 2));
+  DualMesh mesh = dual_mesh(device, subdivide_loop(4, triangles, 2));
   Buffer<Vertex> vertices(device, std::vector<Vertex>(mesh.n_vertices()), "vertices");
   mesh.follow(nodes, vertices, 0);
   for (const Vertex& v : vertices.read()) EXPECT_EQ(v.normal[2], 1);
@@ -69,7 +76,7 @@ TEST(DualMesh, AFlatPieceLooksUpAndTurnsWithItsNodes) {
 TEST(DualMesh, RefusesTheWrongNumberOfNodes) {
   Device device;
   const std::vector<Triangle> triangles = {{0, 1, 2}};
-  DualMesh mesh(device, subdivide_loop(3, triangles, 1));
+  DualMesh mesh = dual_mesh(device, subdivide_loop(3, triangles, 1));
   Buffer<Vertex> vertices(device, std::vector<Vertex>(mesh.n_vertices()), "vertices");
   EXPECT_THROW(mesh.follow(std::vector<Vec3>(4), vertices, 0), std::logic_error);
   EXPECT_THROW(mesh.follow(std::vector<Vec3>(3), vertices, 1), std::logic_error);

@@ -75,6 +75,44 @@ TEST_F(Textured, EmissionTextureOfACoatedSurfaceShines) {
   EXPECT_NEAR(frame.rgb[2], 0, 1e-6);
 }
 
+// Two textures of two colours each; the second coordinates swap the halves.
+TEST_F(Textured, SecondCoordinatesLayOutTheTexturesThatAskForThem) {
+  const auto shown = [](unsigned on_second_uvs) {
+    Scene scene;
+    VisualMesh mesh = quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
+    for (const Vec2f& uv : mesh.uvs) mesh.second_uvs.emplace_back(uv.x() + 0.5f, uv.y());
+    VisualMaterial m = material(Kind::metallic_roughness, Vec3f::Zero());
+    m.emission = {1, 1, 1};
+    m.emission_texture = 0;
+    m.on_second_uvs = on_second_uvs;
+    scene.textures.push_back({2, 1, {255, 0, 0, 255, 0, 255, 0, 255}});
+    add(scene, mesh, m);
+    look_at(scene, {-0.5, 0, 1}, {-0.5, 0, 0}, 8, 8, 1e5);  // the middle of the left half
+    const RenderedFrame frame = picture(scene, 1);
+    return Vec3f(frame.rgb[0], frame.rgb[1], frame.rgb[2]);
+  };
+  EXPECT_LT((shown(0) - Vec3f(1, 0, 0)).norm(), 1e-3);
+  EXPECT_LT((shown(VisualMaterial::color_bit) - Vec3f(1, 0, 0)).norm(), 1e-3);
+  EXPECT_LT((shown(VisualMaterial::emission_bit) - Vec3f(0, 1, 0)).norm(), 1e-3);
+}
+
+// Turned by a quarter, growing u of the second coordinates is growing v of the first.
+TEST_F(Textured, NormalMapFollowsItsOwnCoordinates) {
+  const auto brightness = [](bool is_second) {
+    Scene scene = floor_under_lamp(material(Kind::diffuse));
+    for (const Vec2f& uv : scene.visual_meshes[0].uvs) scene.visual_meshes[0].second_uvs.emplace_back(uv.y(), -uv.x());
+    scene.textures.push_back(plain({204, 128, 230, 255}));  // tilted toward growing u
+    scene.materials[0].normal_texture = 0;
+    scene.materials[0].on_second_uvs = is_second ? VisualMaterial::normal_bit : 0u;
+    scene.lights[0].corner.y() += 60;  // the lamp stands toward growing y = v
+    return mean(picture(scene, 64)).value;
+  };
+  // normals (0.6, 0, 0.8) and (0, 0.6, 0.8), light from (0, 60, 100) / |.|
+  const double x = 2 * 204 / 255.0 - 1, y = 2 * 128 / 255.0 - 1, z = 2 * 230 / 255.0 - 1;
+  const double expected = (60 * x + 100 * z) / (60 * -y + 100 * z);
+  EXPECT_NEAR(brightness(true) / brightness(false), expected, 0.02);
+}
+
 // A zero-area triangle and one of equal corners beside a good one: the picture is that of the good one, and finite.
 TEST_F(Textured, TrianglesWithoutAreaChangeNothing) {
   Scene good = floor_under_lamp(material(Kind::diffuse)), bad = good;

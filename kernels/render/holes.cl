@@ -1,0 +1,113 @@
+// What cut-out surfaces (cutout.cl) ask for, apart from the other stages, so that scenes without any pay nothing: after
+// `intersect` the paths that met a hole go on to what is behind it; before `shadow` light is dimmed by what is left of
+// cut-out surfaces, which the shadow rays themselves do not see (MASK_CUTOUT_SHIFT).
+#include "render/cutout.cl"
+#include "shared/rng.cl"
+
+// numbers for surfaces that blend, apart from those of shade.cl
+#define HOLES_KEY 0x51ed270bu
+
+// plain random number: strata gain nothing where the layers differ from path to path
+inline float chance_of_layer(const uint key, const uint sample, const uint layer) {
+  return unit_float(hash_combine(hash_combine(key, layer), sample));
+}
+
+// as in intersect.cl and shade.cl;  depth: bounces so far
+kernel void pass_holes(const uint n, const uint depth, global const uint* restrict queue,
+                       global const uint2* restrict stream, global const float8* restrict top, global const float8* restrict nodes,
+                       global const float4* restrict blocks, global const Instance* restrict instances,
+                       global const Material* restrict materials, global const TextureInfo* restrict textures,
+                       global const uchar4* restrict texels, global const uint* restrict triangles,
+                       global const Vertex* restrict vertices, global const float* restrict second_uvs,
+                       global const float4* restrict origin, global const float4* restrict direction,
+                       global float4* restrict hit, global uint* restrict hit_instance) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  const uint slot = queue[i];
+  const float4 first = hit[slot];
+  if (as_uint(first.w) == NO_TRIANGLE || !(instances[hit_instance[slot]].flags & INSTANCE_CUTOUT)) return;
+  const Trees trees = {top, nodes, blocks, instances};
+  const Cutouts cutouts = {instances, materials, textures, texels, triangles, vertices, second_uvs};
+  const uint key = hash_combine(stream[slot].x ^ HOLES_KEY, depth), sample = stream[slot].y;
+  const float3 from = origin[slot].xyz, d = direction[slot].xyz;
+  Hit h = {first.x, first.y, first.z, as_uint(first.w), hit_instance[slot]};
+  for (uint layer = 0; layer < MOST_LAYERS && is_open(cutouts, h, chance_of_layer(key, sample, layer)); ++layer)
+    next_hit(trees, cutouts, from, d, INFINITY, &h);
+  hit[slot] = (float4)(h.t, h.u, h.v, as_float(h.triangle));
+  hit_instance[slot] = h.instance;
+}
+
+// the share of the light that all hits of one instance let pass
+TREE_FUNCTION float share_through_mesh(const Trees trees, const Cutouts cutouts, const BoxRay* box, const LeafRay leaf,
+                                       const uint instance, const float t_max) {
+  const BoxRay r = *box;
+  int stack[BVH_STACK];
+  int size = 0, current = (int)trees.instances[instance].root;
+  float share = 1.0f;
+  for (;;) {
+    while (current >= 0)
+      if (!descend_any(trees.nodes + (size_t)current * 8, r, t_max, stack, &size, &current)) break;
+    if (current < 0) {
+      global const float4* block = trees.blocks + (size_t)(~current) * 10;
+      float4 t, u, v;
+      uint hits = block_hits(block, leaf, t_max, &t, &u, &v);
+      float us[4], vs[4];
+      vstore4(u, 0, us);
+      vstore4(v, 0, vs);
+      for (; hits; hits &= hits - 1) {
+        const uint k = lowest_bit(hits);
+        share *= opening(cutouts, instance, ((global const uint*)(block + 9))[k], us[k], vs[k]);
+      }
+      if (share == 0) return 0.0f;
+    }
+    if (size == 0) return share;
+    current = stack[--size];
+  }
+}
+
+// of all cut-out surfaces that the mask names (MASK_..., shifted)
+ALWAYS_INLINE float share_through(const Trees trees, const Cutouts cutouts, const float3 origin, const float3 direction,
+                                  const float t_max, const uint mask) {
+  const BoxRay world = make_box_ray(origin, direction);
+  int stack[BVH_STACK];
+  int size = 0, current = 0;
+  float share = 1.0f;
+  for (;;) {
+    while (current >= 0)
+      if (!descend_any(trees.top + (size_t)current * 8, world, t_max, stack, &size, &current)) break;
+    if (current < 0 && (trees.instances[~current].mask & mask)) {
+      const uint i = (uint)(~current);
+      const float3 o = affine_point(trees.instances[i].to_object, origin);
+      const float3 d = affine_vector(trees.instances[i].to_object, direction);
+      const BoxRay box = make_box_ray(o, d);
+      share *= share_through_mesh(trees, cutouts, &box, make_leaf_ray(o, d), i, t_max);
+      if (share == 0) return 0.0f;
+    }
+    if (size == 0) return share;
+    current = stack[--size];
+  }
+}
+
+// shadow_...: as in shade.cl; a ray through which nothing comes is taken away
+kernel void shadow_holes(const uint n, global const uint* restrict queue, global const float8* restrict top,
+                         global const float8* restrict nodes, global const float4* restrict blocks,
+                         global const Instance* restrict instances, global const Material* restrict materials,
+                         global const TextureInfo* restrict textures, global const uchar4* restrict texels,
+                         global const uint* restrict triangles, global const Vertex* restrict vertices,
+                         global const float* restrict second_uvs, global float4* restrict shadow_origin, global const float4* restrict shadow_direction,
+                         global float4* restrict shadow_light) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  const uint slot = queue[i];
+  const float4 from = shadow_origin[slot];
+  const uint kind = as_uint(from.w);
+  if (kind == SHADOW_NONE) return;
+  const Trees trees = {top, nodes, blocks, instances};
+  const Cutouts cutouts = {instances, materials, textures, texels, triangles, vertices, second_uvs};
+  const uint mask = (kind == SHADOW_RECEIVER ? MASK_RECEIVERS : MASK_SURFACES) << MASK_CUTOUT_SHIFT;
+  const float share = share_through(trees, cutouts, from.xyz, shadow_direction[slot].xyz, BEFORE_LIGHT, mask);
+  if (share == 0)
+    shadow_origin[slot].w = as_float(SHADOW_NONE);
+  else
+    shadow_light[slot].xyz *= share;
+}
