@@ -117,8 +117,9 @@ for material in bpy.data.materials:
 ours_picture = picture(ours)[:, :, :3]
 scene = bpy.context.scene
 captured = [o for o in scene.objects if o.type == "MESH" and is_captured(described[o.active_material.name])]
-for surface in captured:
-    surface.is_shadow_catcher = True
+for thing in scene.objects if captured else []:  # lamps that are meshes belong to what was captured, too
+    if thing.type == "MESH" and (thing in captured or max(described[thing.active_material.name].get("emissiveFactor", [0])) > 0):
+        thing.is_shadow_catcher = True
 scene.render.film_transparent = bool(captured)
 scene.camera = next(o for o in scene.objects if o.type == "CAMERA")
 scene.render.engine = "CYCLES"

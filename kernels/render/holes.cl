@@ -14,8 +14,9 @@ inline float chance_of_layer(const uint key, const uint sample, const uint layer
 
 // as in intersect.cl and shade.cl;  depth: bounces so far
 kernel void pass_holes(const uint n, const uint depth, global const uint* restrict queue,
-                       global const uint2* restrict stream, global const float8* restrict top, global const float8* restrict nodes,
-                       global const float4* restrict blocks, global const Instance* restrict instances,
+                       global const uint2* restrict stream, global const float8* restrict top,
+                       global const float8* restrict nodes, global const float4* restrict blocks,
+                       global const Instance* restrict instances,
                        global const Material* restrict materials, global const TextureInfo* restrict textures,
                        global const uchar4* restrict texels, global const uint* restrict triangles,
                        global const Vertex* restrict vertices, global const float* restrict second_uvs,
@@ -94,7 +95,8 @@ kernel void shadow_holes(const uint n, global const uint* restrict queue, global
                          global const Instance* restrict instances, global const Material* restrict materials,
                          global const TextureInfo* restrict textures, global const uchar4* restrict texels,
                          global const uint* restrict triangles, global const Vertex* restrict vertices,
-                         global const float* restrict second_uvs, global float4* restrict shadow_origin, global const float4* restrict shadow_direction,
+                         global const float* restrict second_uvs, global float4* restrict shadow_origin,
+                         global const float4* restrict shadow_direction,
                          global float4* restrict shadow_light) {
   const uint i = get_global_id(0);
   if (i >= n) return;
