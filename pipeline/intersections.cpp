@@ -36,8 +36,9 @@ class Surfaces {
       free_pairs_.insert(std::minmax(std::size_t(pairs[i]), std::size_t(pairs[i + 1])));
     n_steps_ = file_.shape("/time").at(0);
     std::uint32_t first = 0;
-    for (const std::string& name : file_.children("/mesh")) {
+    for (const std::string& name : names_) {  // of several robots with a slash: groups within groups
       const std::string at = "/mesh/" + name;
+      if (!file_.has(at + "/triangles")) continue;
       const auto body = std::size_t(file_.read<std::int64_t>(at + "/body").values.at(0));
       const auto corners = file_.read<std::uint32_t>(at + "/triangles").values;
       bodies_.push_back({body, file_.read<double>(at + "/rest").values});
