@@ -13,7 +13,7 @@ using Eigen::MatrixXd, Eigen::VectorXd;
 constexpr int START_STEPS = 4;         // where only the windows' starts are fitted
 constexpr double SMALL_CHANGE = 1e-3;  // of the cost, relative: the fit has converged
 
-const std::vector<double> DAMPINGS = {1e-6, 10};      // of a step, relative
+const std::vector<double> DAMPINGS = {1e-6, 0.5, 8};  // of a step, relative
 const std::vector<double> START_DAMPINGS = {0, 0.1};  // likewise of the starts
 
 // of a change by a thirtieth of what is worth trying, rms in units of noise; less is the solver's: what the data do not

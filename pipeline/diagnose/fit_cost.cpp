@@ -138,8 +138,10 @@ VectorXd best_start(const FitData& data, const Fit& fit, std::size_t w, const Ve
 MatrixXd covariance_of(const FitData& data, const Fit& fit) {
   const Reduced reduced = reduce(data, fit);
   const Eigen::Index p = fit.model.x.size();
-  const MatrixXd inverse =
-      (reduced.sum_a() + 1e-12 * MatrixXd::Identity(p, p)).completeOrthogonalDecomposition().pseudoInverse();
+  MatrixXd a = reduced.sum_a();
+  const std::vector<const Parameter*> parameters = fit.model.parameters();
+  for (Eigen::Index i = 0; i < p; ++i) a(i, i) += 1 / std::pow(believed_of(*parameters[std::size_t(i)]), 2);
+  const MatrixXd inverse = a.completeOrthogonalDecomposition().pseudoInverse();
   MatrixXd scores = MatrixXd::Zero(p, p);
   const VectorXd mean = reduced.sum_g() / double(reduced.g.size());
   for (const VectorXd& g : reduced.g) scores += (g - mean) * (g - mean).transpose();

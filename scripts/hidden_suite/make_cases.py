@@ -23,6 +23,11 @@ STRENGTHS = (3, 10, 30)
 # by how much a number may be wrong before anyone would see it; an effect that stays weaker than wanted is left out
 MOST = {"retune_gravity": 0.3, "length_scale": 0.1, "clock_rate": 0.02, "gravity_tilt": 0.15}
 
+# effects that are the same to first order in their strength, and by which parameter the other one does it: where the
+# best such value leaves less than TOLD sigma of all fitted samples together, no data of the experiment can tell
+LOOK_ALIKES = {"actuator_lag": ("actuator_delay", "delay", ["actuator_delay", "clock_offset"])}
+TOLD = 2.0
+
 PENDULUM = """schema: 1
 name: pendulum
 time_step: 5 ms
@@ -229,6 +234,25 @@ def change_of(experiment, effects):
     return np.sqrt(np.mean(squares)) / experiment.noise
 
 
+def look_alikes(experiment, effects):
+    """Names that explain these effects as well, as far as the noise of all samples of the fitted runs can tell."""
+    names = []
+    for name in effects.keys() & LOOK_ALIKES.keys():
+        other, key, accepted = LOOK_ALIKES[name]
+        value = max(abs(v) for v in effects[name].values())
+        change, alike = [], []
+        for run in (run for run in experiment.runs if run[3] == "fit"):
+            times = np.arange(0, run[1], 1 / RATE)
+            before = sense(experiment, run, {}, times)
+            change.append((sense(experiment, run, effects, times) - before).ravel())
+            alike.append((sense(experiment, run, {other: {key: value}}, times) - before).ravel())
+        change, alike = np.concatenate(change), np.concatenate(alike)
+        left = change - alike * (change @ alike) / (alike @ alike)
+        if np.linalg.norm(left) / experiment.noise < TOLD:
+            names += accepted
+    return names
+
+
 def at_strength(experiment, effects, nominal, wanted):
     """Effects scaled so that change_of is `wanted`, or as near to it as MOST allows, and what it is then."""
     by, step = 1.0, models.STEP
@@ -305,7 +329,8 @@ def main():
             print(name, "is left out: at most", round(strength, 1), "times the noise", flush=True)
             continue
         truth = {"kind": kind, "strength": wanted if strength > 0.8 * wanted else round(strength, 1), "source": "independent", "body": experiment.body, "phases": experiment.phases}
-        truth["effects"] = [{"name": effect, "target": target or experiment.target, "parameters": found[effect], "accept": accept}
+        alike = look_alikes(experiment, found) if kind == "single" else []
+        truth["effects"] = [{"name": effect, "target": target or experiment.target, "parameters": found[effect], "accept": accept + alike}
                             for effect, (target, accept) in named.items()]
         write_case(options.folder / name, experiment, found, truth, np.random.default_rng([options.seed, number]))
         print(name, flush=True)

@@ -77,6 +77,26 @@ TEST(Decide, NothingIsNamedWhereItsSizeIsNotMeasured) {
   EXPECT_EQ(decide(one_window(), base, {fit_of(&some, 5, 0.1, residual_of(6))}).chosen, -1) << "closes nothing";
 }
 
+// residuals that are cut do not feel the noise, so a run that is missed by far is no reason to doubt a model that fits
+// it
+TEST(Decide, ARunThatIsMissedByFarDoesNotHideWhatExplainsIt) {
+  const Candidate some = candidate("some", 0);
+  FitData data;
+  Fit base = fit_of(nullptr, 0, 0, residual_of(1)), fit = fit_of(&some, 5, 0.1, residual_of(1));
+  for (int run = 0; run < 3; ++run) {
+    data.windows.push_back(one_window().windows[0]);
+    data.windows.back().run = run;
+    data.of_start.push_back(Eigen::MatrixXd(N, 0));
+  }
+  base.residual = {residual_of(1), residual_of(400), residual_of(1)};
+  base.slope.assign(3, Eigen::MatrixXd(N, 0));
+  fit.residual.assign(3, residual_of(1));
+  fit.slope.assign(3, Eigen::MatrixXd::Zero(N, 1));
+  base.delta = fit.delta = {VectorXd(0), VectorXd(0), VectorXd(0)};
+  base.scale = robust_scale(base.residual);
+  EXPECT_EQ(decide(data, base, {fit}).chosen, 0);
+}
+
 TEST(Decide, BeliefComesFirstOnlyWhereTheBestLeavesMuch) {
   const Candidate skilled = candidate("skilled", -4), believed = candidate("believed", 0);
   const Fit base = fit_of(nullptr, 0, 0, residual_of(6));

@@ -34,7 +34,7 @@ bodies:
 
 Window settled(const Problem& problem) {
   Window window = make_windows(problem, false, 0, 1).at(0);
-  Device device;
+  static Device device;
   settle_on_support(device, problem, problem.scene.scene, window);
   return window;
 }
