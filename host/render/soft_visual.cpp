@@ -27,10 +27,11 @@ CarriedMesh subdivided(const std::string& body, const std::vector<Vec3>& points,
   if (surface.empty()) throw UsageError("visual " + visual.name + ": soft body " + body + " has no surface");
   Subdivision fine =
       subdivide_loop(points.size(), surface, visual.subdivision_levels, sharp_edges(points, surface, CREASE_ANGLE));
-  CarriedMesh mesh{std::move(fine.weights), {}, std::vector<std::uint32_t>(fine.weights.n_rows())};
+  CarriedMesh mesh{std::move(fine.weights), {}, {}};
   for (const Vec3& point : multiply(mesh.weights, points)) mesh.rest.points.push_back(point.cast<float>());
   mesh.rest.normals.assign(mesh.rest.points.size(), Vec3f::UnitZ());  // computed with every move
   mesh.rest.triangles = std::move(fine.triangles);
+  mesh.normal_from.resize(mesh.rest.points.size());
   std::iota(mesh.normal_from.begin(), mesh.normal_from.end(), 0u);
   return mesh;
 }
