@@ -13,6 +13,8 @@ const std::set<std::string> ROUNDING = {"joint_coulomb_friction.velocity", "join
                                         "hysteretic_damping.strain_rate", "rolling_resistance.velocity"};
 
 constexpr double FAST_FOR_STOKES = -6;  // log of how likely linear drag is against quadratic
+// the same of adhesion that two stiff bodies show: roughness of a micrometre ends even rubber's (Fuller and Tabor 1975)
+constexpr double STIFF_FOR_ADHESION = -10;
 
 bool is_fitted(const EffectKind& kind, const EffectParameter& p) {
   return p.is_strength || !ROUNDING.contains(kind.name + "." + p.name);
@@ -138,6 +140,15 @@ bool holds_position(const Scene& scene, const std::string& name) {
   });
 }
 
+// contact: "first/second", either of which may hold a slash
+bool has_soft_side(const Scene& scene, const std::string& contact) {
+  const auto is_side = [&](const auto& body) {
+    return contact.starts_with(body.name + "/") || contact.ends_with("/" + body.name);
+  };
+  return std::any_of(scene.soft_bodies.begin(), scene.soft_bodies.end(), is_side) ||
+         std::any_of(scene.cloths.begin(), scene.cloths.end(), is_side);
+}
+
 }  // namespace
 
 std::vector<CandidateKind> physical_kinds() {
@@ -162,6 +173,7 @@ void add_physical(const Problem& problem, const std::vector<std::string>& touchi
       const bool brakes = kind.name == "linear_drag" || kind.name == "mass_proportional_damping";
       if ((brakes && is_carried(scene, target)) || kind.name == "payload_mass") out.back().prior = -0.5;
       if (kind.target == EffectTarget::contact) out.back().prior = -0.5;  // a wrong coefficient is more common
+      if (kind.name == "adhesion" && !has_soft_side(scene, target)) out.back().prior = STIFF_FOR_ADHESION;
       // Stokes' law ends at Reynolds numbers of about 1, a mote in air: what one sees move has quadratic drag
       if (brakes && !is_carried(scene, target)) out.back().prior = FAST_FOR_STOKES;
     }
