@@ -165,7 +165,7 @@ void add_simulate(CLI::App& program, pvg::SimulateOptions& o) {
 void add_render(CLI::App& program, pvg::RenderOptions& o) {
   CLI::App* command =
       program.add_subcommand("render", "Picture a scene, or a motion that simulate or generate recorded");
-  command->add_option("SCENE", o.scene, "Scene or task file (YAML)");
+  command->add_option("SCENE", o.scene, "Scene or task file (YAML), or a glTF file (.glb, .gltf)");
   command->add_option("--states", o.states, "States file (HDF5) of that scene or task; else the start is shown");
   command->add_option("-o,--output", o.output,
                       "FILE.png, .jpg or .exr (linear), FILE.mp4, or a folder for one picture per camera and frame");
@@ -192,6 +192,7 @@ void add_render(CLI::App& program, pvg::RenderOptions& o) {
   command->footer(
       "Examples:\n  phyvisgen render data/scenes/beaker_on_scale.yaml -o beaker.png --samples 64\n"
       "  phyvisgen render data/scenes/cornell_glass.yaml -o cornell.exr --samples 1024 --caustics\n"
+      "  phyvisgen render model.glb -o model.png\n"
       "  phyvisgen render data/validation/drape.yaml --states drape.h5 -o drape.mp4 --fps 25\n"
       "  phyvisgen render data/tasks/weigh_beaker.yaml --states out/beaker/episode_000000/states.h5 --camera wrist \\\n"
       "      --frames 10:12 -o wrist");
