@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "host/base/progress.hpp"
+#include "host/device/choose_device.hpp"
 #include "host/io/atomic_files.hpp"
 #include "host/io/video.hpp"
 #include "host/scene/task_file.hpp"
@@ -45,7 +46,7 @@ std::string text_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-EpisodeSet open_set(const GenerateOptions& options, const Task& task, const Device& device) {
+EpisodeSet open_set(const GenerateOptions& options, const Task& task, const Device& physics, const Device& rendering) {
   make_writable_folder(options.folder);
   remove_leftovers(options.folder);
   remove_leftovers(fs::path(options.folder) / "failed");
@@ -58,7 +59,7 @@ EpisodeSet open_set(const GenerateOptions& options, const Task& task, const Devi
   set.configuration = fingerprint(text_of(task.file) + "\n" + std::to_string(p.width) + " " + std::to_string(p.height) +
                                   " " + std::to_string(p.samples) + " " + std::to_string(p.frames_per_second) + " " +
                                   std::to_string(options.no_render) + (options.is_rigid ? " rigid" : ""));
-  set.versions = versions(device);
+  set.versions = versions(physics, rendering);
   join_set(set);
   write_set(set);
   return set;
@@ -142,8 +143,9 @@ void run_generate(const GenerateOptions& options) {
   // what would only show after minutes of simulation
   if (!options.no_render) find_program("ffmpeg", "ffmpeg");
   steps_per_frame(task.render.frames_per_second, task.solver.time_step);
-  Device physics(options.device), rendering(options.device);
-  const EpisodeSet set = open_set(options, task, physics);
+  Device physics(options.device);
+  Device rendering(std::to_string(choose_render_device(list_devices(), options.device, options.render_device).index));
+  const EpisodeSet set = open_set(options, task, physics, rendering);
 
   std::vector<std::string> reasons;  // of the episodes that failed
   SetProgress progress;

@@ -45,7 +45,7 @@ EpisodeHeader header_of(const SceneRun& run, const Device& device) {
   EpisodeHeader header;
   header.task = run.scene.name;
   header.configuration = run.configuration;
-  header.versions = versions(device);
+  header.versions = versions(device, device);
   for (const RigidBody& body : run.scene.rigid_bodies) header.objects.push_back(body.name);
   return header;
 }

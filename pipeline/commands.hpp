@@ -20,6 +20,7 @@ struct GenerateOptions {
   std::uint64_t n_episodes = 1, seed = 0;
   std::string shard = "0/1";  // i/n: every n-th episode, from the i-th on
   std::string device;         // as for Device; empty: the best
+  std::string render_device;  // empty: a second GPU of the same kind, where neither is named, else `device`
   PictureOverrides pictures;
   std::size_t frames_under_way = 3;  // bound of the stage graph
   bool no_render = false;            // states only

@@ -185,13 +185,14 @@ class Stopwatch {
 };
 
 RecordSettings record_settings(const Task& task, const TaskScene& built, const EpisodeSettings& settings,
-                               const Device& device, std::size_t n_frames, const std::vector<bool>& records_mask) {
+                               const Device& physics, const Device& rendering, std::size_t n_frames,
+                               const std::vector<bool>& records_mask) {
   RecordSettings record;
   record.header.task = task.name;
   record.header.seed = settings.seed;
   record.header.episode = settings.episode;
   record.header.configuration = resolved_yaml(task, built);
-  record.header.versions = versions(device);
+  record.header.versions = versions(physics, rendering);
   for (const SampledValue& sampled : built.sampled) record.header.sampled.emplace_back(sampled.name, sampled.value);
   for (const ObjectSection& object : task.objects) record.header.objects.push_back(object.name);
   record.frames_per_second = task.render.frames_per_second;
@@ -264,6 +265,7 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Dev
   report.frames_per_second = task.render.frames_per_second;
   report.meshes = mesh_sizes(scene);
   report.device = physics.info().name;
+  report.render_device = rendering.info().name;
   report.seconds.emplace_back("build", build_watch.seconds());
 
   const Table table = episode_table();
@@ -297,7 +299,7 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Dev
   judge_state.phase = phases(task.motion, whole.element, int(built.robots.size()));
   RecordState& record_state = store.state(recording);
   record_state.recorder = std::make_unique<EpisodeRecorder>(
-      folder, scene, record_settings(task, built, settings, physics, n_frames, render_state.records_mask),
+      folder, scene, record_settings(task, built, settings, physics, rendering, n_frames, render_state.records_mask),
       disabled_pairs(scene));
   record_state.advance = [&](std::size_t done) {
     report.n_frames = done;

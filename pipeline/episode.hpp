@@ -43,7 +43,7 @@ struct EpisodeReport {
   double time_step = 0, frames_per_second = 0;          // [s], [1/s]
   std::vector<MeshSize> meshes;                         // of the simulation
   std::vector<std::pair<std::string, double>> seconds;  // wall-clock time at work, by stage [s]
-  std::string device;
+  std::string device, render_device;
 };
 
 // The stages in their order, as a table of graph.hpp; for `--graph` and the README.
@@ -69,7 +69,7 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Dev
 // summary.json of an episode's folder.
 std::string summary_json(const Task& task, const EpisodeSettings& settings, const EpisodeReport& report);
 
-// Name and version of what made an episode.
-std::vector<std::pair<std::string, std::string>> versions(const Device& device);
+// Name and version of what made an episode, or a simulation; of the device that renders where it is of another kind.
+std::vector<std::pair<std::string, std::string>> versions(const Device& physics, const Device& rendering);
 
 }  // namespace pvg

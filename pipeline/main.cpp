@@ -34,6 +34,8 @@ void add_generate(CLI::App& program, pvg::GenerateOptions& o) {
   command->add_option("--shard", o.shard, "i/n: make every n-th episode, from the i-th on")->capture_default_str();
   command->add_option("-o,--output", o.folder, "Folder of the set; finished episodes in it are skipped");
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_option("--render-device", o.render_device,
+                      "The one that renders, if another; where neither is named: a second GPU of the same kind");
   command->add_option("--width", o.pictures.width, "Width of all pictures [pixels]")->check(CLI::Range(2, 16384));
   command->add_option("--height", o.pictures.height, "Height of all pictures [pixels]")->check(CLI::Range(2, 16384));
   command->add_option("--samples", o.pictures.samples, "Paths per pixel")->check(CLI::Range(1, 1 << 20));

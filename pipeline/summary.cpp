@@ -51,8 +51,15 @@ std::int64_t peak_memory_bytes() {
 
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> versions(const Device& device) {
-  return {{"phyvisgen", PVG_VERSION}, {"opencl_device", device.info().name}, {"opencl_driver", device.info().driver}};
+std::vector<std::pair<std::string, std::string>> versions(const Device& physics, const Device& rendering) {
+  const DeviceInfo &simulates = physics.info(), &renders = rendering.info();
+  std::vector<std::pair<std::string, std::string>> all = {
+      {"phyvisgen", PVG_VERSION}, {"opencl_device", simulates.name}, {"opencl_driver", simulates.driver}};
+  if (renders.name != simulates.name || renders.driver != simulates.driver) {
+    all.emplace_back("opencl_render_device", renders.name);
+    all.emplace_back("opencl_render_driver", renders.driver);
+  }
+  return all;
 }
 
 std::string summary_json(const Task& task, const EpisodeSettings& settings, const EpisodeReport& report) {
@@ -75,6 +82,7 @@ std::string summary_json(const Task& task, const EpisodeSettings& settings, cons
   json["solver"] = to_json(report.solver);
   json["meshes"] = to_json(report.meshes);
   json["device"] = report.device;
+  json["render_device"] = report.render_device;
   json["version"] = PVG_VERSION;
   json["seconds"] = to_json(report.seconds);
   json["peak_memory_bytes"] = peak_memory_bytes();

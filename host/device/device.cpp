@@ -132,6 +132,17 @@ const DeviceInfo& choose_device(const std::vector<DeviceInfo>& devices, const st
   return device;
 }
 
+const DeviceInfo& choose_render_device(const std::vector<DeviceInfo>& devices, const std::string& physics,
+                                       const std::string& render) {
+  const DeviceInfo& simulates = choose_device(devices, physics);
+  if (!render.empty()) return choose_device(devices, render);
+  if (!physics.empty() || !simulates.is_gpu) return simulates;
+  for (const DeviceInfo& device : devices)
+    if (device.index != simulates.index && device.name == simulates.name && device.driver == simulates.driver)
+      return device;
+  return simulates;
+}
+
 std::vector<DeviceInfo> list_devices() {
   std::vector<DeviceInfo> infos;
   for (const FoundDevice& device : find_devices()) infos.push_back(device.info);

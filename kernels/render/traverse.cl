@@ -282,12 +282,18 @@ TREE_FUNCTION void closest_in_mesh(const Trees trees, const BoxRay* box, const L
   *hit = nearest;
 }
 
+// where a visit of the tree over instances begins: at the only instance, or at its root
+ALWAYS_INLINE int first_visit(const Trees trees) {
+  global const int* child = (global const int*)(trees.top + 6);
+  return child[0] < 0 && child[1] == BVH_EMPTY ? child[0] : 0;
+}
+
 // closest hit of the scene; hit->t on entry is the largest allowed
 ALWAYS_INLINE void closest_hit(const Trees trees, const float3 origin, const float3 direction, Hit* hit) {
   const BoxRay world = make_box_ray(origin, direction);
   const LeafRay world_leaf = make_leaf_ray(origin, direction);
   Visit stack[BVH_STACK];
-  int size = 0, current = 0;
+  int size = 0, current = first_visit(trees);
   do {
     while (current >= 0)
       if (!descend(trees.top + (size_t)current * 8, world, hit->t, stack, &size, &current)) break;
@@ -348,7 +354,7 @@ ALWAYS_INLINE bool any_hit(const Trees trees, const float3 origin, const float3 
   const BoxRay world = make_box_ray(origin, direction);
   const LeafRay world_leaf = make_leaf_ray(origin, direction);
   int stack[BVH_STACK];
-  int size = 0, current = 0;
+  int size = 0, current = first_visit(trees);
   for (;;) {
     while (current >= 0)
       if (!descend_any(trees.top + (size_t)current * 8, world, t_max, stack, &size, &current)) break;

@@ -47,6 +47,17 @@ TEST(ChooseDevice, ADeviceWithoutDoublePrecisionIsRefusedByName) {
   EXPECT_NE(complaint({machine[1]}, "").find("no double precision"), std::string::npos);
 }
 
+TEST(ChooseDevice, ASecondGpuOfTheSameKindRendersWhereNoneIsNamed) {
+  std::vector<DeviceInfo> node = machine;
+  EXPECT_EQ(choose_render_device(node, "", "").index, 2u) << "alone";
+  node.push_back(device(3, "Tesla 9", true, true));
+  EXPECT_EQ(choose_render_device(node, "", "").index, 3u);
+  EXPECT_EQ(choose_render_device(node, "2", "").index, 2u) << "who names one gets that one";
+  EXPECT_EQ(choose_render_device(node, "", "cpu").index, 0u);
+  node[3].driver = "another";
+  EXPECT_EQ(choose_render_device(node, "", "").index, 2u) << "its bits may differ";
+}
+
 TEST(ChooseDevice, NoDeviceAndNoFitAreSaidInASentence) {
   EXPECT_NE(complaint({}, "").find("no OpenCL device was found: install a driver"), std::string::npos);
   EXPECT_EQ(complaint(machine, "7"), "--device 7 fits none of the 3 OpenCL devices; `phyvisgen devices` lists them");
