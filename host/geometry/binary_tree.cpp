@@ -10,11 +10,11 @@ namespace pvg {
 namespace {
 
 constexpr int N_BINS = 16, N_BINS_SMALL = 8;
-constexpr std::uint32_t SMALL = 256;  // nodes with fewer boxes have fewer bins
+constexpr std::uint32_t SMALL = 256;               // nodes with fewer boxes have fewer bins
 constexpr std::uint32_t LARGE = 4096, STRIDE = 4;  // of nodes with more boxes every fourth stands for all
-constexpr std::uint32_t FEW = 8;      // nodes with no more boxes try every split
-constexpr unsigned PAIR = 2;          // two triangles stay together: most are halves of a quadrilateral
-constexpr int MEDIAN_DEPTH = 40;      // deeper than this the halves are made equal, so that the depth stays bounded
+constexpr std::uint32_t FEW = 8;                   // nodes with no more boxes try every split
+constexpr unsigned PAIR = 2;                       // two triangles stay together: most are halves of a quadrilateral
+constexpr int MEDIAN_DEPTH = 40;  // deeper than this the halves are made equal, so that the depth stays bounded
 
 // A box and its index, which move together while they are sorted. Four numbers in one register; the last one of lo
 // carries the index above the bits of 1.0, because denormal numbers are slow.

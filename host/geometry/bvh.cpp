@@ -7,6 +7,7 @@
 #include "host/base/error.hpp"
 #include "host/base/workers.hpp"
 #include "host/geometry/binary_tree.hpp"
+#include "host/geometry/reinsertion.hpp"
 
 namespace pvg {
 namespace {
@@ -182,7 +183,7 @@ TriangleBlock pack_block(const Bvh& bvh, const Bvh::Leaf& leaf, std::span<const 
 
 }  // namespace
 
-Bvh build_bvh(std::span<const Box> boxes, unsigned max_leaf) {
+Bvh build_bvh(std::span<const Box> boxes, unsigned max_leaf, TreeQuality quality) {
   Bvh bvh;
   if (boxes.empty()) {
     bvh.nodes = {empty_node()};
@@ -190,9 +191,13 @@ Bvh build_bvh(std::span<const Box> boxes, unsigned max_leaf) {
     return bvh;
   }
   BinaryTree tree = build_binary_tree(boxes, max_leaf);
+  if (quality == TreeQuality::thorough) reinsert_subtrees(tree);
   widen(tree, max_leaf, bvh);
   bvh.order = std::move(tree.order);
   bvh.stack_need = stack_need(bvh, 0);
+  // reinsertion does not bound the depth, the builder does
+  if (bvh.stack_need > BVH_STACK && quality == TreeQuality::thorough)
+    return build_bvh(boxes, max_leaf, TreeQuality::fast);
   if (bvh.stack_need > BVH_STACK)
     throw Failure("the bounding volume hierarchy of a mesh with " + std::to_string(boxes.size()) + " triangles needs " +
                   std::to_string(bvh.stack_need) + " stack entries, the renderer has " + std::to_string(BVH_STACK) +

@@ -40,9 +40,14 @@ struct Bvh {
   int stack_need = 0;                // entries that a traversal can put on its stack at most
 };
 
+enum class TreeQuality {
+  fast,      // made anew while a mesh deforms
+  thorough,  // several times slower; rays are faster
+};
+
 // Leaves hold at most max_leaf boxes. Nothing at all gives one node without children. Throws a Failure where the tree
 // is deeper than the traversal's stack.
-Bvh build_bvh(std::span<const Box> boxes, unsigned max_leaf);
+Bvh build_bvh(std::span<const Box> boxes, unsigned max_leaf, TreeQuality quality = TreeQuality::fast);
 
 // Triangles packed four to a leaf; ids count from first_triangle.
 std::vector<TriangleBlock> pack_blocks(const Bvh& bvh, std::span<const Vec3f> points,

@@ -56,8 +56,9 @@ Vertex make_vertex(const VisualMesh& mesh, std::size_t i) {
 
 }  // namespace
 
-PackedTree pack_tree(const MeshRange& range, std::span<const Vec3f> points, std::span<const Triangle> triangles) {
-  Bvh bvh = build_bvh(triangle_boxes(points, triangles), TRIANGLES_PER_BLOCK);
+PackedTree pack_tree(const MeshRange& range, std::span<const Vec3f> points, std::span<const Triangle> triangles,
+                     TreeQuality quality) {
+  Bvh bvh = build_bvh(triangle_boxes(points, triangles), TRIANGLES_PER_BLOCK, quality);
   PackedTree tree;
   tree.blocks = pack_blocks(bvh, points, triangles, range.first_triangle);
   tree.level_first = std::move(bvh.level_first);
@@ -91,7 +92,8 @@ MeshRange GeometryArrays::add(const VisualMesh& mesh, const std::string& name, b
   for (const Triangle& triangle : mesh.triangles)
     for (const std::uint32_t corner : triangle) triangles.push_back(range.first_vertex + corner);
 
-  const PackedTree tree = pack_tree(range, mesh.points, mesh.triangles);
+  const PackedTree tree =
+      pack_tree(range, mesh.points, mesh.triangles, deforms ? TreeQuality::fast : TreeQuality::thorough);
   range.level_first = tree.level_first;
   range.n_blocks = std::uint32_t(tree.blocks.size());
   nodes.insert(nodes.end(), tree.nodes.begin(), tree.nodes.end());

@@ -44,7 +44,8 @@ struct PackedTree {
   std::vector<std::uint32_t> level_first;
 };
 // Triangles name points of the mesh; in the tree they count from range.first_triangle.
-PackedTree pack_tree(const MeshRange& range, std::span<const Vec3f> points, std::span<const Triangle> triangles);
+PackedTree pack_tree(const MeshRange& range, std::span<const Vec3f> points, std::span<const Triangle> triangles,
+                     TreeQuality quality);
 
 // rows of [A | p]: maps of one instance. `to_world` in double; throws a UsageError naming `name` where it is singular.
 Instance make_instance(const Eigen::Matrix<double, 3, 4>& to_world, const MeshRange& mesh, const std::string& name);

@@ -44,7 +44,7 @@ bool rebuild(MeshRange& mesh, std::span<const Triangle> triangles, const Buffer<
   points.reserve(mesh.n_vertices);
   for (const Vertex& vertex : vertices.read(mesh.first_vertex, mesh.n_vertices))
     points.push_back(Eigen::Map<const Vec3f>(vertex.point));
-  const PackedTree tree = pack_tree(mesh, points, triangles);
+  const PackedTree tree = pack_tree(mesh, points, triangles, TreeQuality::fast);
   if (tree.nodes.size() > mesh.node_room || tree.blocks.size() > mesh.block_room) return false;
   nodes.write(mesh.first_node, tree.nodes);
   blocks.write(mesh.first_block, tree.blocks);

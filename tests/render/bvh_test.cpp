@@ -131,10 +131,14 @@ int expect_equal(World& world, const Rays& rays, bool both_masks = true, float t
 }
 
 TEST(Bvh, EveryTriangleStandsInOneLeafInsideItsBox) {
-  for (const unsigned n : {0u, 1u, 3u, 4u, 5u, 257u, 1000u}) {
+  std::vector<std::pair<unsigned, TreeQuality>> sizes_and_qualities;
+  for (const unsigned n : {0u, 1u, 3u, 4u, 5u, 257u, 1000u})
+    for (const TreeQuality quality : {TreeQuality::fast, TreeQuality::thorough})
+      sizes_and_qualities.push_back({n, quality});
+  for (const auto& [n, quality] : sizes_and_qualities) {
     const VisualMesh mesh = soup(n, n, 0.1f);
     const std::vector<Box> boxes = triangle_boxes(mesh.points, mesh.triangles);
-    const Bvh bvh = build_bvh(boxes, 4);
+    const Bvh bvh = build_bvh(boxes, 4, quality);
     std::vector<int> seen(n, 0);
     for (const BvhNode& node : bvh.nodes)
       for (int k = 0; k < BVH_WIDTH; ++k) {
