@@ -31,10 +31,10 @@ std::vector<std::size_t> groups_of(const FitData& data) {
 }
 
 // Residuals of each window by the fit that has not seen its group.
-std::vector<VectorXd> left_out(const FitData& data, const Fit& fit, const std::vector<std::size_t>& group) {
+std::vector<VectorXd> left_out(const Fit& fit, const std::vector<std::size_t>& group) {
   const std::size_t n_groups = 1 + *std::max_element(group.begin(), group.end());
   if (fit.model.x.size() == 0 || n_groups < 2) return fit.residual;
-  const Reduced reduced = reduce(data, fit);
+  const Reduced reduced = reduce(fit);
   std::vector<VectorXd> residual = fit.residual;
   for (std::size_t k = 0; k < n_groups; ++k) {
     MatrixXd a = 1e-12 * MatrixXd::Identity(fit.model.x.size(), fit.model.x.size());
@@ -51,8 +51,8 @@ std::vector<VectorXd> left_out(const FitData& data, const Fit& fit, const std::v
     for (std::size_t w = 0; w < group.size(); ++w) {
       if (group[w] != k) continue;
       residual[w] += fit.slope[w] * dx;
-      const VectorXd start = best_start(data, fit, w, dx);
-      if (start.size() > 0) residual[w] += data.of_start[w] * start;
+      const VectorXd start = best_start(fit, w, dx);
+      if (start.size() > 0) residual[w] += fit.of_start[w] * start;
     }
   }
   return residual;
@@ -199,7 +199,7 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
   double scale = base.scale;
   for (const Fit& fit : fits)
     if (fit.is_well) scale = std::min(scale, fit.scale);
-  const std::vector<VectorXd> base_residual = left_out(data, base, group);
+  const std::vector<VectorXd> base_residual = left_out(base, group);
   const double cut = CUT * std::max(scale, base.scale);
   const GroupErrors base_errors = errors_of(base_residual, group, cut);
   const Fit* closest = &base;
@@ -217,7 +217,7 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
   std::vector<Entry> entries;
   for (const Fit& fit : fits) {
     if (!fit.is_well) continue;
-    Entry entry{{&fit}, {}, left_out(data, fit, group)};
+    Entry entry{{&fit}, {}, left_out(fit, group)};
     entry.errors = errors_of(entry.residual, group, cut);
     Judged& judged = entry.judged;
     judged.error = std::sqrt(entry.errors.mean());

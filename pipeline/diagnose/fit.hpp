@@ -4,8 +4,10 @@
 //   C = sum_i 5/2 s^2 log(1 + r_i^2 / (4 s^2)) + sum_w sum_k delta_wk^2 / (2 sigma_wk^2)
 //       + sum_p (x_p - off_p)^2 / (2 b_p^2)
 // with r the residuals in units of noise, s their scale, at least 1, and delta_w the errors of the start of window w,
-// which the linear system leaves to each window. On the way s is each window's own: while the model is still wrong a
-// window that it misses is no outlier, and would else be given up. At the end it is that of all.
+// which the linear system leaves to each window. How residuals answer to the starts is another matter where a model
+// brakes what another lets slide: it is found again wherever a step does not do what was promised. On the way s is each
+// window's own: while the model is still wrong a window that it misses is no outlier, and would else be given up. At
+// the end it is that of all.
 #pragma once
 #include <functional>
 #include <vector>
@@ -29,13 +31,19 @@ Variant variant_of(const Variant& base, const Model& model);
 struct FitData {
   std::vector<Window> windows;
   std::vector<Eigen::MatrixXd> of_start;  // [n_windows][n_data x n_unknowns]
+  Model at = {};                          // where
 };
+
+// How far the answers to a window's start can be trusted: found here, found near by, or not what they promise.
+enum class StartSlope { here, near, stale };
 
 struct Fit {
   Model model;
   std::vector<Eigen::VectorXd> delta;     // [n_windows][n_unknowns] in units of their sigma
   std::vector<Eigen::VectorXd> residual;  // [n_windows][n_data]
   std::vector<Eigen::MatrixXd> slope;     // [n_windows][n_data x n_parameters] d r / d x
+  std::vector<Eigen::MatrixXd> of_start;  // [n_windows][n_data x n_unknowns] d r / d delta
+  std::vector<StartSlope> start_slope;    // [n_windows]
   Eigen::MatrixXd covariance;             // of x
   double cost = 0, scale = 1;             // C; s of all windows
   std::vector<double> window_scale;       // [n_windows] s of each; empty: that of all
@@ -63,6 +71,8 @@ class Fitter {
   std::vector<Fit> begin(const FitData& data, std::vector<Model> models);
   void improve(const FitData& data, std::vector<Fit>& fits, int n_steps, Scale scale = Scale::of_window,
                bool only_starts = false);
+  // Residuals of each fit that is not done yet as a full step from where it is promises them; of others as they are.
+  std::vector<std::vector<Eigen::VectorXd>> promised(const FitData& data, std::vector<Fit>& fits);
   // The last steps, with outliers as of all windows, and conclude.
   void finish(const FitData& data, std::vector<Fit>& fits);
   void conclude(const FitData& data, std::vector<Fit>& fits);
@@ -82,8 +92,18 @@ class Fitter {
       owner.push_back(of_fit);
     }
   };
-  void differentiate(const FitData& data, std::vector<Fit>& fits, bool also_converged);
-  void add_trials(const FitData& data, const Fit& fit, std::size_t owner, bool only_starts, Trials& trials) const;
+  struct Attempt {  // a model that was tried, with the best starts found there
+    Model model;
+    std::vector<Eigen::VectorXd> delta, residual;
+    std::size_t owner = 0;
+    double cost = 0;
+  };
+  // What is stale of the slopes and of the answers to the starts (fit_slopes.cpp).
+  enum class Which { open, all, open_starts };
+  void differentiate(const FitData& data, std::vector<Fit>& fits, Which which);
+  void add_trials(const Fit& fit, std::size_t owner, bool only_starts, Trials& trials) const;
+  std::vector<Attempt> attempts_of(const FitData& data, const Trials& trials, const std::vector<Fit>& fits);
+  Trials corrected(const std::vector<Attempt>& attempts, const std::vector<Fit>& fits) const;
   std::vector<char> take_best(const FitData& data, const Trials& trials, std::vector<Fit>& fits);
   Predictor& predictor_;
   const Variant& base_;
@@ -91,6 +111,9 @@ class Fitter {
 
 // What is left of `change` when each window's start may move.
 Eigen::VectorXd beside_starts(const Eigen::MatrixXd& of_start, const Eigen::VectorXd& change);
+
+// By how much a start moves where its answer is looked for, in units of its sigma: seen, yet small.
+inline constexpr double START_STEP = 0.05;
 
 // The variant with steps of half the length.
 Variant refined(const Variant& variant);
@@ -115,9 +138,8 @@ struct Reduced {
   Eigen::MatrixXd sum_a() const;
   Eigen::VectorXd sum_g() const;
 };
-Reduced reduce(const FitData& data, const Fit& fit);
+Reduced reduce(const Fit& fit);
 // The change of a window's start that fits best when the parameters change by dx; damping: Levenberg and Marquardt's.
-Eigen::VectorXd best_start(const FitData& data, const Fit& fit, std::size_t window, const Eigen::VectorXd& dx,
-                           double damping = 0);
+Eigen::VectorXd best_start(const Fit& fit, std::size_t window, const Eigen::VectorXd& dx, double damping = 0);
 
 }  // namespace pvg::diagnose

@@ -20,8 +20,8 @@ struct StartSystem {
   Eigen::LDLT<MatrixXd> factor;  // of U^T W U + 1
 };
 
-StartSystem start_system(const FitData& data, const Fit& fit, std::size_t w, double damping = 0) {
-  const MatrixXd& u = data.of_start[w];
+StartSystem start_system(const Fit& fit, std::size_t w, double damping = 0) {
+  const MatrixXd& u = fit.of_start[w];
   StartSystem system;
   system.weighted = weights_of(fit.residual[w], scale_of(fit, w)).asDiagonal() * u;
   MatrixXd a = u.transpose() * system.weighted + MatrixXd::Identity(u.cols(), u.cols());
@@ -108,11 +108,11 @@ VectorXd Reduced::sum_g() const {
   return sum;
 }
 
-Reduced reduce(const FitData& data, const Fit& fit) {
+Reduced reduce(const Fit& fit) {
   Reduced reduced;
-  for (std::size_t w = 0; w < data.windows.size(); ++w) {
+  for (std::size_t w = 0; w < fit.residual.size(); ++w) {
     const MatrixXd& j = fit.slope[w];
-    const StartSystem start = start_system(data, fit, w);
+    const StartSystem start = start_system(fit, w);
     const MatrixXd wj = weights_of(fit.residual[w], scale_of(fit, w)).asDiagonal() * j;
     const MatrixXd cross = start.weighted.transpose() * j;
     MatrixXd a = j.transpose() * wj;
@@ -127,16 +127,16 @@ Reduced reduce(const FitData& data, const Fit& fit) {
   return reduced;
 }
 
-VectorXd best_start(const FitData& data, const Fit& fit, std::size_t w, const VectorXd& dx, double damping) {
-  if (data.of_start[w].cols() == 0) return VectorXd();
-  const StartSystem start = start_system(data, fit, w, damping);
+VectorXd best_start(const Fit& fit, std::size_t w, const VectorXd& dx, double damping) {
+  if (fit.of_start[w].cols() == 0) return VectorXd();
+  const StartSystem start = start_system(fit, w, damping);
   VectorXd r = fit.residual[w];
   if (dx.size() > 0) r += fit.slope[w] * dx;
   return -start.factor.solve(start.weighted.transpose() * r + fit.delta[w]);
 }
 
-MatrixXd covariance_of(const FitData& data, const Fit& fit) {
-  const Reduced reduced = reduce(data, fit);
+MatrixXd covariance_of(const Fit& fit) {
+  const Reduced reduced = reduce(fit);
   const Eigen::Index p = fit.model.x.size();
   MatrixXd a = reduced.sum_a();
   const std::vector<const Parameter*> parameters = fit.model.parameters();

@@ -14,6 +14,6 @@ double cost_of(const Fit& fit);                       // C
 
 // Of the parameters: the sandwich, scores gathered by window, so that residuals that hang together within a window do
 // not count as many; at least what independent noise gives.  [p x p]
-Eigen::MatrixXd covariance_of(const FitData& data, const Fit& fit);
+Eigen::MatrixXd covariance_of(const Fit& fit);
 
 }  // namespace pvg::diagnose

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "pipeline/diagnose/screen.hpp"
 #include "pipeline/diagnose/workflow.hpp"
@@ -12,7 +13,7 @@ constexpr double LEAST_STEP =
     0.3;  // of what is left on fitting runs, for a further effect to be tried on held-out ones
 constexpr double SECOND_LOOK = 1.5;        // times the noise floor: look for another effect
 constexpr std::size_t N_FINALISTS = 5;     // candidates that are fitted to the end
-constexpr int MORE_STEPS = 6;              // of these
+constexpr int MORE_STEPS = 10;             // of these
 constexpr std::size_t MOST_EXCHANGED = 3;  // other first effects that are tried beside a second one
 constexpr double HOPELESS = 100;           // by which a finalist's log-likelihood may be worse than the best one's
 
@@ -47,10 +48,18 @@ std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector
     if (scales.empty()) scales = of;
     for (std::size_t w = 0; w < of.size(); ++w) scales[w] = std::min(scales[w], of[w]);
   }
-  const auto key = [&](const Fit& fit) { return robust_cost(fit.residual, scales); };
-  std::stable_sort(fits.begin(), fits.end(), [&](const Fit& a, const Fit& b) { return key(a) < key(b); });
+  // who is worth more steps is told by what the next one promises: the true effect may still be far from its best
+  const std::vector<std::vector<VectorXd>> promised = fitter.promised(data, fits);
+  std::vector<double> key;
   for (std::size_t i = 0; i < fits.size(); ++i)
-    fits[i].is_given_up = i >= N_FINALISTS || key(fits[i]) > key(fits[0]) + HOPELESS * fits[0].scale * fits[0].scale;
+    key.push_back(std::min(robust_cost(fits[i].residual, scales), robust_cost(promised[i], scales)));
+  std::vector<std::size_t> order(fits.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Fit& best = fits[order[0]];
+    fits[order[i]].is_given_up = i >= N_FINALISTS || key[order[i]] > key[order[0]] + HOPELESS * best.scale * best.scale;
+  }
   fitter.improve(data, fits, MORE_STEPS);
   fitter.finish(data, fits);
   return fits;

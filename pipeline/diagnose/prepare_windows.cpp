@@ -41,7 +41,7 @@ double richardson_factor(const Scene& scene) {
 
 FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corrects) {
   predictor_.settle(base_, windows);
-  FitData data{std::move(windows), {}};
+  FitData data{std::move(windows), {}, at};
   const Variant variant = variant_of(base_, at);
   std::vector<Job> jobs;
   for (const Window& window : data.windows) {
@@ -49,8 +49,7 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corre
     for (const Unknown& unknown : window.unknowns) {
       jobs.push_back(jobs.back());
       jobs.back().initial = window.initial;
-      // a step of which the answer is seen, yet small
-      move(jobs.back().initial, unknown, 0.05 * unknown.sigma);
+      move(jobs.back().initial, unknown, START_STEP * unknown.sigma);
     }
   }
   const std::vector<Prediction> found = predictor_.predict(jobs);
@@ -68,7 +67,7 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corre
     bool is_well = here.is_well;
     for (std::size_t k = 0; k < window.unknowns.size(); ++k, ++at_job) {
       is_well = is_well && found[at_job].is_well;
-      u.col(Eigen::Index(k)) = (found[at_job].residual - here.residual) / 0.05;
+      u.col(Eigen::Index(k)) = (found[at_job].residual - here.residual) / START_STEP;
     }
     if (!is_well) continue;
     well.push_back(window);

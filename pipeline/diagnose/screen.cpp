@@ -198,7 +198,7 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fit
     fit.model.x = VectorXd::Zero(n_base + Eigen::Index(seen.size()));
     first = last;
     if (seen.empty()) continue;
-    const Reduced reduced = reduce(data, fit);
+    const Reduced reduced = reduce(fit);
     MatrixXd a = reduced.sum_a();
     a.diagonal().array() += 1e-9 * a.trace();
     const VectorXd g = reduced.sum_g();

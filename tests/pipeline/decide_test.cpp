@@ -49,6 +49,7 @@ Fit fit_of(const Candidate* part, double x, double sigma, const VectorXd& residu
   fit.residual = {residual};
   fit.covariance = Eigen::MatrixXd::Constant(1, 1, sigma * sigma);
   fit.slope = {Eigen::MatrixXd::Zero(N, fit.model.x.size())};
+  fit.of_start = {Eigen::MatrixXd(N, 0)};
   fit.delta = {VectorXd(0)};
   fit.scale = rms(fit.residual);
   fit.is_well = true;
@@ -92,6 +93,7 @@ TEST(Decide, ARunThatIsMissedByFarDoesNotHideWhatExplainsIt) {
   base.slope.assign(3, Eigen::MatrixXd(N, 0));
   fit.residual.assign(3, residual_of(1));
   fit.slope.assign(3, Eigen::MatrixXd::Zero(N, 1));
+  base.of_start = fit.of_start = data.of_start;
   base.delta = fit.delta = {VectorXd(0), VectorXd(0), VectorXd(0)};
   base.scale = robust_scale(base.residual);
   EXPECT_EQ(decide(data, base, {fit}).chosen, 0);
@@ -136,6 +138,7 @@ TEST(Decide, AnEffectThatShowsInOneOfThreeRunsIsNamedUnlessTheOthersGetWorse) {
     for (const double error : {errors[1], errors[2]}) {
       fit.residual.push_back(residual_of(error));
       fit.slope.push_back(fit.slope[0]);
+      fit.of_start.push_back(fit.of_start[0]);
       fit.delta.push_back(VectorXd(0));
     }
     return fit;
