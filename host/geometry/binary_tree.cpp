@@ -10,11 +10,10 @@ namespace pvg {
 namespace {
 
 constexpr int N_BINS = 16, N_BINS_SMALL = 8;
-constexpr std::uint32_t SMALL = 256;               // nodes with fewer boxes have fewer bins
-constexpr std::uint32_t LARGE = 4096, STRIDE = 4;  // of nodes with more boxes every fourth stands for all
-constexpr std::uint32_t FEW = 8;                   // nodes with no more boxes try every split
-constexpr unsigned PAIR = 2;                       // two triangles stay together: most are halves of a quadrilateral
-constexpr int MEDIAN_DEPTH = 40;  // deeper than this the halves are made equal, so that the depth stays bounded
+constexpr std::uint32_t SMALL = 256;  // nodes with fewer boxes have fewer bins
+constexpr std::uint32_t FEW = 8;      // nodes with no more boxes try every split
+constexpr unsigned PAIR = 2;          // two triangles stay together: most are halves of a quadrilateral
+constexpr int MEDIAN_DEPTH = 40;      // deeper than this the halves are made equal, so that the depth stays bounded
 
 // A box and its index, which move together while they are sorted. Four numbers in one register; the last one of lo
 // carries the index above the bits of 1.0, because denormal numbers are slow.
@@ -193,17 +192,15 @@ class Builder {
     Split split;
     if (depth < MEDIAN_DEPTH) {
       Bins bins(n_bins);
-      const std::uint32_t stride = node.count > LARGE ? STRIDE : 1, n_binned = (node.count + stride - 1) / stride;
-      for (std::uint32_t i = 0; i < node.count; i += stride) {
-        const Item& item = begin[i];
-        const Eigen::Array4i at = bins_of(item, middles.lo, scale, n_bins);
+      for (auto item = begin; item != end; ++item) {
+        const Eigen::Array4i at = bins_of(*item, middles.lo, scale, n_bins);
         for (int axis = 0; axis < 3; ++axis) {
-          bins.box[axis][at[axis]].add(item.lo, item.hi);
+          bins.box[axis][at[axis]].add(item->lo, item->hi);
           ++bins.count[axis][at[axis]];
         }
       }
       for (int axis = 0; axis < 3; ++axis)
-        if (extent[axis] > 0) try_axis(bins, axis, n_bins, n_binned, split);
+        if (extent[axis] > 0) try_axis(bins, axis, n_bins, node.count, split);
     }
     if (split.axis >= 0) {
       const float lo = middles.lo[split.axis], axis_scale = scale[split.axis];

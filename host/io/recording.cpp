@@ -2,10 +2,12 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
 #include "host/base/error.hpp"
+#include "host/render/mask_metrics.hpp"
 #include "host/scene/read_sections.hpp"
 #include "host/scene/yaml_section.hpp"
 
@@ -13,7 +15,8 @@ namespace pvg {
 namespace {
 
 using Kind = RecordedChannel::Kind;
-const std::vector<std::string> KINDS = {"position", "rate", "torque", "orientation", "marker", "force"};
+constexpr double SAME_TIME = 1e-4;  // of a mask and a row [s]
+const std::vector<std::string> KINDS = {"position", "rate", "torque", "orientation", "marker", "force", "mask"};
 
 RecordedRun read_run(YamlSection& section) {
   RecordedRun run;
@@ -60,15 +63,77 @@ double read_noise(YamlSection& section) {
   return value;
 }
 
+// one channel for each moment of a mask
+void read_masks(YamlSection& section, Recording& recording) {
+  const int source = int(recording.mask_sources.size());
+  recording.mask_sources.push_back({section.text("file"), section.text("camera"), section.text("part")});
+  section.done();
+  const MaskSource& masks = recording.mask_sources.back();
+  for (std::size_t moment = 0; moment < N_MASK_MOMENTS; ++moment) {
+    RecordedChannel channel;
+    channel.kind = Kind::mask;
+    channel.mask_source = source;
+    channel.moment = int(moment);
+    channel.columns = {"mask of " + masks.part + " by " + masks.camera + ", " + MASK_MOMENT_NAMES[moment]};
+    recording.channels.push_back(std::move(channel));
+  }
+}
+
+// the masks' file of a run: beside its table, {run} stands for the table's name without its ending
+std::filesystem::path masks_file_of(const RecordedRun& run, std::string name) {
+  const std::string token = "{run}";
+  if (const std::size_t at = name.find(token); at != std::string::npos)
+    name.replace(at, token.size(), run.table.file.stem().string());
+  return run.table.file.parent_path() / name;
+}
+
+// which mask was seen in which row of the table: by the times of the file, or one after the other
+std::vector<int> frames_of_rows(const PartMasks& masks, const std::vector<double>& t, const std::string& file) {
+  std::vector<int> frame_of_row(t.size(), -1);
+  if (masks.time.empty()) {
+    if (masks.pixels.size() != t.size())
+      throw UsageError(file + " holds " + std::to_string(masks.pixels.size()) + " masks and no /time, its run " +
+                       std::to_string(t.size()) + " rows; give one mask per row, or /time [s]");
+    for (std::size_t i = 0; i < t.size(); ++i) frame_of_row[i] = int(i);
+    return frame_of_row;
+  }
+  for (std::size_t frame = 0; frame < masks.time.size(); ++frame) {
+    const auto row = std::lower_bound(t.begin(), t.end(), masks.time[frame] - SAME_TIME);
+    if (row == t.end() || *row > masks.time[frame] + SAME_TIME) continue;
+    frame_of_row[std::size_t(row - t.begin())] = int(frame);
+  }
+  if (std::all_of(frame_of_row.begin(), frame_of_row.end(), [](int frame) { return frame < 0; }))
+    throw UsageError(file + ": no mask has the time of a row of its run; column t and /time must agree");
+  return frame_of_row;
+}
+
+void add_masks(const MaskSource& source, RecordedRun& run) {
+  const std::filesystem::path file = masks_file_of(run, source.file);
+  RecordedMasks recorded{read_part_masks(file, source.part), {}};
+  recorded.frame_of_row = frames_of_rows(recorded.masks, run.table["t"], file.string());
+  std::vector<std::vector<double>> columns(N_MASK_MOMENTS, std::vector<double>(run.table.n_rows, std::nan("")));
+  for (std::size_t row = 0; row < recorded.frame_of_row.size(); ++row) {
+    if (recorded.frame_of_row[row] < 0) continue;
+    const auto moments = mask_moments(recorded.masks.pixels[std::size_t(recorded.frame_of_row[row])],
+                                      recorded.masks.width, recorded.masks.height);
+    for (std::size_t k = 0; k < N_MASK_MOMENTS; ++k) columns[k][row] = moments[k];
+  }
+  for (std::size_t k = 0; k < N_MASK_MOMENTS; ++k)
+    run.table.columns["mask of " + source.part + " by " + source.camera + ", " + MASK_MOMENT_NAMES[k]] =
+        std::move(columns[k]);
+  run.masks.push_back(std::move(recorded));
+}
+
 RecordedChannel read_channel(YamlSection& section) {
   RecordedChannel channel;
-  const std::vector<std::string> more = {"velocity", "effort", "mask", "video"};
+  const std::vector<std::string> more = {"velocity", "effort", "video"};
   std::vector<std::string> names = KINDS;
   names.insert(names.end(), more.begin(), more.end());
   std::size_t kind = section.choice("kind", names);
-  if (kind == 6) kind = std::size_t(Kind::rate);
-  if (kind == 7) kind = std::size_t(Kind::torque);
-  if (kind > 7) section.fail("kind", "`" + names[kind] + "` is not compared yet; give joints, bodies or markers");
+  if (kind == KINDS.size()) kind = std::size_t(Kind::rate);
+  if (kind == KINDS.size() + 1) kind = std::size_t(Kind::torque);
+  if (kind == KINDS.size() + 2)
+    section.fail("kind", "`video` is not compared; give masks of a part, joints, bodies or markers");
   channel.kind = Kind(kind);
   channel.columns = read_columns(section);
   channel.joint = section.text("joint", "");
@@ -130,11 +195,18 @@ Recording load_recording(const std::filesystem::path& path) {
   recording.scene = root.file("scene");
   for (YamlSection& section : root.sections("runs")) recording.runs.push_back(read_run(section));
   for (YamlSection& section : root.sections("inputs")) recording.inputs.push_back(read_input(section));
-  for (YamlSection& section : root.sections("channels")) recording.channels.push_back(read_channel(section));
+  for (YamlSection& section : root.sections("channels")) {
+    if (section.has("kind") && section.text("kind") == "mask")
+      read_masks(section, recording);
+    else
+      recording.channels.push_back(read_channel(section));
+  }
   read_initial(root, recording);
   root.done();
   if (recording.runs.empty()) root.fail("runs", "holds no run: there is nothing to compare with");
   if (recording.channels.empty()) root.fail("channels", "holds no channel: nothing was measured");
+  for (RecordedRun& run : recording.runs)
+    for (const MaskSource& source : recording.mask_sources) add_masks(source, run);
   for (const RecordedRun& run : recording.runs) {
     const auto check = [&](const std::vector<std::string>& columns, const std::string& key) {
       for (const std::string& column : columns)

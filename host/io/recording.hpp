@@ -13,6 +13,7 @@
 //     - {column: height, kind: position, body: ball, axis: [0, 0, 1], unit: m}
 //     - {columns: [qx, qy, qz, qw], kind: orientation, body: cube}
 //     - {columns: [mx, my, mz], kind: marker, body: beam, point: [0, 0, 0.1], unit: m}      # or vertex: 120
+//     - {file: masks.h5, kind: mask, camera: wrist, part: gripper}      # beside each run's table; {run}: its name
 //   initial: first_sample            # or fitted, or a mapping such as {joint/shoulder/position: 0.1}
 #pragma once
 #include <filesystem>
@@ -21,15 +22,23 @@
 #include <string>
 #include <vector>
 
+#include "host/io/part_masks.hpp"
 #include "host/io/table.hpp"
 #include "host/scene/scene.hpp"
 
 namespace pvg {
 
+// Masks of one part in one camera's pictures of a run.
+struct RecordedMasks {
+  PartMasks masks;
+  std::vector<int> frame_of_row;  // [n_rows of the table] which mask was seen at its time, -1: none
+};
+
 struct RecordedRun {
   std::string name;  // as the recording names the file
   bool is_held_out = false;
-  MeasuredTable table;
+  MeasuredTable table;               // with a column per moment of masks
+  std::vector<RecordedMasks> masks;  // [n_mask_sources]
 };
 
 // What was commanded: columns, and what of the scene they are fed to.
@@ -39,7 +48,7 @@ struct RecordedInput {
 };
 
 struct RecordedChannel {
-  enum class Kind { position, rate, torque, orientation, marker, force };
+  enum class Kind { position, rate, torque, orientation, marker, force, mask };
   Kind kind = Kind::position;
   std::vector<std::string> columns;
   std::string joint, body, unit;
@@ -47,6 +56,13 @@ struct RecordedChannel {
   int vertex = -1;            // of a marker instead
   std::optional<Vec3> axis;   // of a position or marker with one column: its part along this direction
   double noise = -1;          // one sigma, in `unit`; negative: unknown
+  int mask_source = -1;       // of a mask: which of Recording::mask_sources; a channel for each of its moments
+  int moment = -1;            // then: which (mask_metrics.hpp)
+};
+
+// What a camera saw of a part.
+struct MaskSource {
+  std::string file, camera, part;
 };
 const char* kind_name(RecordedChannel::Kind kind);
 
@@ -56,6 +72,7 @@ struct Recording {
   std::vector<RecordedRun> runs;
   std::vector<RecordedInput> inputs;
   std::vector<RecordedChannel> channels;
+  std::vector<MaskSource> mask_sources;
   Initial initial = Initial::first_sample;
   std::map<std::string, double> given;  // "joint/NAME/position", "joint/NAME/velocity" -> SI
 };

@@ -168,6 +168,16 @@ RenderedFrame Renderer::render(int camera, std::uint32_t frame, const std::funct
   return r.finish(r.begin_launch(camera, frame), camera, frame, rays);
 }
 
+std::vector<std::uint32_t> Renderer::instances(int camera) {
+  Impl& r = *impl_;
+  r.check_camera_index(camera);
+  const Camera& seen_by = r.scene.cameras[std::size_t(camera)];
+  r.film.begin(std::size_t(seen_by.width) * std::size_t(seen_by.height));
+  r.find_ground_truth(r.begin_launch(camera, 0));
+  r.last_camera = camera;
+  return r.film.instance.read();
+}
+
 FlowFrame Renderer::flow(const SceneState& other) {
   Impl& r = *impl_;
   if (r.last_camera < 0) throw std::logic_error("flow is asked for before a picture was made");

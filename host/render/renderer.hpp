@@ -58,6 +58,8 @@ class Renderer {
   // The same of a motion: `at` says where everything is at a time [s], the picture's is `time`, at which the shutter
   // closes (of a rolling one the last row's). Ground truth is that of `time`.
   RenderedFrame render(int camera, std::uint32_t frame, const std::function<SceneState(double)>& at, double time);
+  // What is at the middle of each pixel, as RenderedFrame::instance; no light is followed.
+  std::vector<std::uint32_t> instances(int camera);
   // of the picture made last, to the same camera's picture of another state
   FlowFrame flow(const SceneState& other);
   // camera to world as of the last set_state, for the record

@@ -104,6 +104,8 @@ bool prove(Workflow& flow, const ChosenWindows& chosen, const std::vector<Fit>& 
   out.after = judged.after;
   out.floor = judged.floor;
   out.gap_closed = closed(out.before, out.after, out.floor);
+  out.mask_gap_before = judged.mask_gap_before;
+  out.mask_gap_after = judged.mask_gap_after;
   out.curves = std::move(judged.curves);
   const std::vector<Curve> fitted = curves_of(problem, chosen.data, chosen.base, named, 4);
   out.curves.insert(out.curves.end(), fitted.begin(), fitted.end());
@@ -124,7 +126,8 @@ void measure(Workflow& flow) {
     out.notes.push_back(text);
     units.insert(c.unit);
   }
-  out.unit = units.size() > 1 ? "noise" : *units.begin();
+  // the moments of a mask have no common size
+  out.unit = units.size() > 1 || !problem.recording.mask_sources.empty() ? "noise" : *units.begin();
   flow.tell(1, 0,
             "noise of " + std::to_string(problem.channels.size()) + " channels, " +
                 std::to_string(problem.runs.size()) + " runs");

@@ -54,6 +54,7 @@ struct Diagnosis {
   double before = 0, after = 0, floor = 0, gap_closed = 0;  // held-out error [unit]
   double fit_before = 0, fit_after = 0;                     // of the fitting runs, left out [noise]
   std::string unit;
+  double mask_gap_before = NAN, mask_gap_after = NAN;  // as HeldOut has them
   std::vector<Curve> curves;
   double seconds = 0;
   std::size_t simulations = 0;

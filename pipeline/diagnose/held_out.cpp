@@ -21,6 +21,19 @@ double error_in(const Problem& problem, const FitData& data, const std::vector<V
   return n > 0 ? std::sqrt(sum / n) : 0;
 }
 
+// 1 - mIoU over all windows that have masks
+double mask_gap(Fitter& fitter, const FitData& data, const Fit& fit) {
+  double sum = 0;
+  int n = 0;
+  const auto found = fitter.evaluate(data, {fit.model}, {fit.delta});
+  for (const Prediction& p : found.front())
+    if (std::isfinite(p.mask_overlap)) {
+      sum += p.mask_overlap;
+      ++n;
+    }
+  return n > 0 ? 1 - sum / n : std::nan("");
+}
+
 }  // namespace
 
 std::vector<Curve> curves_of(const Problem& problem, const FitData& data, const Fit& before, const Fit& after,
@@ -81,6 +94,10 @@ HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, st
     if (m > 1 && after - result.floor > (1 - LEAST_GAP_OF_SECOND) * (result.after - result.floor)) break;
     result.after = after;
     result.kept = m;
+  }
+  if (!problem.recording.mask_sources.empty()) {
+    result.mask_gap_before = mask_gap(fitter, data[0], fits[0]);
+    result.mask_gap_after = mask_gap(fitter, data[result.kept], fits[result.kept]);
   }
   result.curves = curves_of(problem, data[0], fits[0], fits[result.kept], 8);
   return result;

@@ -1,5 +1,6 @@
 // Stage 7: the runs that nothing has seen so far, simulated without and with what was found.
 #pragma once
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,8 @@ struct Curve {
 
 struct HeldOut {
   double before = 0, after = 0, floor = 0;  // errors in the channels' unit, or in units of noise; floor 0: not judged
-  std::size_t kept = 0;                     // of the models that were given
+  double mask_gap_before = NAN, mask_gap_after = NAN;  // 1 - mean intersection over union; NaN: no masks
+  std::size_t kept = 0;                                // of the models that were given
   std::vector<Curve> curves;
 };
 

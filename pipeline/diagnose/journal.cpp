@@ -51,6 +51,7 @@ std::vector<char> packed(const std::vector<Prediction>& answer) {
   put(bytes, std::uint64_t(answer.size()));
   for (const Prediction& p : answer) {
     put(bytes, p.is_well);
+    put(bytes, p.mask_overlap);
     put(bytes, std::uint64_t(p.residual.size()));
     for (const double r : p.residual) put(bytes, r);
     put(bytes, std::uint64_t(p.phase.size()));
@@ -68,6 +69,7 @@ std::vector<Prediction> unpacked(Reader& reader) {
   std::vector<Prediction> answer(reader.take_count(1));
   for (Prediction& p : answer) {
     p.is_well = reader.take<bool>();
+    p.mask_overlap = reader.take<double>();
     p.residual.resize(Eigen::Index(reader.take_count(sizeof(double))));
     for (double& r : p.residual) r = reader.take<double>();
     p.phase.resize(reader.take_count(sizeof(Phase)));

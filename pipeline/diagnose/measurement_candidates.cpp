@@ -121,6 +121,7 @@ void add_measurement(const Problem& problem, std::vector<Candidate>& out) {
   }
   for (std::size_t c = 0; c < n; ++c) {
     const Channel& channel = problem.channels[c];
+    if (channel.kind == Kind::mask) continue;
     if (n > 1) {
       out.push_back(begin("latency", channel.name));
       out.back().apply = [c, n](Variant& v, std::span<const double> x) {

@@ -5,6 +5,7 @@
 
 #include "host/base/error.hpp"
 #include "pipeline/diagnose/resolve.hpp"
+#include "pipeline/overview.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -163,6 +164,10 @@ Problem make_problem(const std::filesystem::path& path) {
   for (std::size_t j = 0, driven = 0; j < scene.joints.size(); ++j)
     if (is_driven(scene.joints[j])) of_joint[j] = problem.scene.targets[driven++];
   const Inputs inputs = resolve_inputs(problem);
+  if (!problem.recording.mask_sources.empty()) {
+    problem.seen = scene;
+    complete_for_viewing(problem.seen);
+  }
   std::vector<double> to_si;
   for (std::size_t c = 0; c < problem.recording.channels.size(); ++c) {
     Resolved resolved = resolve_channel(problem, c);

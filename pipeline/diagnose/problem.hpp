@@ -25,6 +25,7 @@ struct Channel {
   int n = 1;                 // numbers that are compared: 1 or 3
   double sigma = 0;          // one standard deviation of the noise [unit]; measured by stage 1 if unknown
   bool is_noise_known = false;
+  int mask_source = -1, moment = -1;  // of a mask, as in RecordedChannel
 };
 
 struct PrescribedPath {
@@ -44,6 +45,7 @@ struct Run {
 struct Problem {
   Recording recording;
   SceneRun scene;  // drives as the inputs ask for them
+  Scene seen;      // the same with all that a picture needs, where masks were measured
   std::vector<Channel> channels;
   std::vector<Run> runs;
   std::vector<int> coordinates;  // joints of open chains whose position may change, parents first

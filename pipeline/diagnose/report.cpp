@@ -76,6 +76,8 @@ json report_of(const Diagnosis& d) {
                                {"significant", cell.is_significant}});
   report["held_out"] = {
       {"before", d.before}, {"after", d.after}, {"floor", d.floor}, {"unit", d.unit}, {"gap_closed", d.gap_closed}};
+  if (std::isfinite(d.mask_gap_before))
+    report["held_out"]["mask_gap"] = {{"before", d.mask_gap_before}, {"after", d.mask_gap_after}, {"unit", "1 - mIoU"}};
   report["fit"] = {{"before", d.fit_before}, {"after", d.fit_after}, {"unit", "noise"}};
   report["notes"] = d.notes;
   report["amended_scene"] = "scene_amended.yaml";
@@ -97,6 +99,8 @@ std::string sentence_of(const Diagnosis& d) {
   std::string judged = d.floor > 0 ? "the held-out error falls from " + shown(d.before) + " to " + shown(d.after) +
                                          unit + ", noise floor " + shown(d.floor)
                                    : "no run was held out to prove it on";
+  if (d.floor > 0 && std::isfinite(d.mask_gap_before))
+    judged += "; the masks' gap, 1 - mIoU, from " + shown(d.mask_gap_before) + " to " + shown(d.mask_gap_after);
   if (d.verdict == Verdict::agrees)
     return "simulation and measurement agree within the noise: the error is " + shown(d.fit_before) +
            " times the noise";

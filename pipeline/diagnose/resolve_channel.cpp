@@ -75,12 +75,54 @@ double factor_of(const std::string& unit, Unit dimension, const std::string& pla
   }
 }
 
+namespace {
+
+// the camera and the part of a mask, which the first body of that name stands for
+Channel resolve_mask(const Problem& problem, const RecordedChannel& recorded, const std::string& place) {
+  const MaskSource& source = problem.recording.mask_sources[std::size_t(recorded.mask_source)];
+  const int camera = index_named(problem.seen.cameras, source.camera);
+  if (camera < 0) throw UsageError(place + " names the camera `" + source.camera + "`, which the scene does not have");
+  const Camera& optics = problem.seen.cameras[std::size_t(camera)];
+  for (const RecordedRun& run : problem.recording.runs) {
+    const PartMasks& masks = run.masks[std::size_t(recorded.mask_source)].masks;
+    if (masks.width != optics.width || masks.height != optics.height)
+      throw UsageError(place + ": the masks of " + run.name + " are " + std::to_string(masks.width) + " x " +
+                       std::to_string(masks.height) + " pixels, the camera `" + source.camera + "` makes pictures of " +
+                       std::to_string(optics.width) + " x " + std::to_string(optics.height) +
+                       "; give it the size of the masks");
+  }
+  Channel channel;
+  channel.kind = Kind::mask;
+  channel.mask_source = recorded.mask_source;
+  channel.moment = recorded.moment;
+  channel.name = recorded.columns[0];
+  channel.subject = source.part;
+  channel.unit = "1";
+  std::string known;
+  for (const Visual& visual : problem.seen.visuals) {
+    if (visual.part == source.part) {
+      channel.rigid = visual.rigid;
+      channel.soft = visual.soft;
+      channel.cloth = visual.cloth;
+      return channel;
+    }
+    if (known.find(visual.part) == std::string::npos) known += (known.empty() ? "" : ", ") + visual.part;
+  }
+  throw UsageError(place + " names the part `" + source.part + "`, which the scene does not have; it has: " + known);
+}
+
+}  // namespace
+
 Resolved resolve_channel(const Problem& problem, std::size_t number) {
   const Scene& scene = problem.scene.scene;
   const RecordedChannel& recorded = problem.recording.channels[number];
   const std::string place = problem.recording.file.string() + ": channels[" + std::to_string(number) + "]";
   Resolved resolved;
   Channel& channel = resolved.channel;
+  if (recorded.kind == Kind::mask) {
+    channel = resolve_mask(problem, recorded, problem.recording.file.string() + ": a mask");
+    return resolved;
+  }
   channel.kind = recorded.kind;
   bool turns = false;
   if (!recorded.joint.empty()) {

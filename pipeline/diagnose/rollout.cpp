@@ -5,6 +5,7 @@
 
 #include "host/physics/simulation.hpp"
 #include "pipeline/diagnose/journal.hpp"
+#include "pipeline/diagnose/mask_sight.hpp"
 #include "pipeline/diagnose/sensor.hpp"
 #include "pipeline/diagnose/support.hpp"
 #include "pipeline/diagnose/world.hpp"
@@ -33,6 +34,14 @@ std::size_t steps_of(const Window& window, double h) {
 const char* phase_name(Phase phase) {
   constexpr const char* NAMES[] = {"free", "driven", "impact", "stick", "slide", "roll", "rest"};
   return NAMES[int(phase)];
+}
+
+Predictor::Predictor(Device& device, const Problem& problem) : device_(device), problem_(problem) {}
+Predictor::~Predictor() = default;
+
+MaskSight* Predictor::sight() {
+  if (!sight_ && !problem_.recording.mask_sources.empty()) sight_ = std::make_unique<MaskSight>(device_, problem_);
+  return sight_.get();
 }
 
 void Predictor::settle(const Variant& variant, std::vector<Window>& windows) {
@@ -70,7 +79,7 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::si
   std::size_t n_steps = 0;
   for (const std::size_t i : which) {
     worlds.push_back(world_of(problem_, jobs[i].variant->scene, *jobs[i].window, jobs[i].initial));
-    traces.emplace_back(problem_, jobs[i]);
+    traces.emplace_back(problem_, jobs[i], sight());
     n_steps = std::max(n_steps, steps_of(*jobs[i].window, worlds[0].solver.time_step));
   }
   const double h = worlds[0].solver.time_step;
@@ -132,6 +141,7 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::si
   for (std::size_t w = 0; w < which.size(); ++w) {
     Prediction& prediction = out[which[w]];
     prediction.residual = traces[w].residual();
+    prediction.mask_overlap = traces[w].mask_overlap();
     prediction.is_well = is_well[w] && prediction.residual.allFinite();
     if (jobs[which[w]].wants_phases) {
       prediction.phase = traces[w].phases();

@@ -41,14 +41,17 @@ struct Prediction {
   Eigen::VectorXd residual;           // [n_data of the window] (measured - predicted) / sigma
   std::vector<Phase> phase;           // [n_data] if asked for
   std::vector<std::string> touching;  // pairs of bodies FIRST/SECOND that touched, if phases were asked for
+  double mask_overlap = 0;            // as SensorTrace has it
   bool is_well = true;  // false: the simulation failed before the window's end, residuals are NaN from there
 };
 
 class Journal;
+class MaskSight;
 
 class Predictor {
  public:
-  Predictor(Device& device, const Problem& problem) : device_(device), problem_(problem) {}
+  Predictor(Device& device, const Problem& problem);
+  ~Predictor();
   // Throws TryAgain where the user stopped it.
   std::vector<Prediction> predict(std::span<const Job> jobs);
   // What rests on something starts on it, where that has not been seen to yet.
@@ -59,8 +62,10 @@ class Predictor {
 
  private:
   void predict_batch(std::span<const Job> jobs, std::span<const std::size_t> which, std::vector<Prediction>& out);
+  MaskSight* sight();
   Device& device_;
   const Problem& problem_;
+  std::unique_ptr<MaskSight> sight_;  // made when first needed
   Journal* journal_ = nullptr;
   std::size_t n_simulations_ = 0;
   double world_seconds_ = 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/physics/system.hpp"
+#include "host/render/mask_metrics.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -78,8 +79,8 @@ void sense(const Channel& channel, const Sensing& sensing, std::size_t number, s
 
 }  // namespace
 
-SensorTrace::SensorTrace(const Problem& problem, const Job& job)
-    : problem_(&problem), job_(&job), h_(job.variant->scene.solver.time_step) {
+SensorTrace::SensorTrace(const Problem& problem, const Job& job, MaskSight* sight)
+    : problem_(&problem), job_(&job), sight_(sight), h_(job.variant->scene.solver.time_step) {
   values_.resize(problem.channels.size());
   phase_.resize(problem.channels.size());
 }
@@ -87,16 +88,51 @@ SensorTrace::SensorTrace(const Problem& problem, const Job& job)
 void SensorTrace::add(const Scene& world, const WorldState& state) {
   for (std::size_t c = 0; c < values_.size(); ++c) {
     const Channel& channel = problem_->channels[c];
+    if (job_->wants_phases) phase_[c].push_back(phase_of(world, state, channel));
+    if (channel.kind == Kind::mask) continue;
     const Sensing& sensing = job_->variant->sensing;
     std::vector<double> value = look_at(channel, offset_of(sensing.marker_offset, c), state);
     sense(channel, sensing, c, value);
     values_[c].insert(values_[c].end(), value.begin(), value.end());
-    if (job_->wants_phases) phase_[c].push_back(phase_of(world, state, channel));
   }
+  if (sight_ != nullptr) add_masks(state);
+  ++n_steps_;
   if (!job_->wants_phases) return;
   before_.assign(state.rigid.begin(), state.rigid.end());
   for (const PairForce& pair : state.pair_force)
     touching_.insert(body_name(world, std::size_t(pair.first)) + "/" + body_name(world, std::size_t(pair.second)));
+}
+
+// Pictures cost more than steps: only those are looked at that the values at the masks' times are found from.
+bool SensorTrace::is_near_a_mask(std::size_t source, double time) const {
+  const RecordedRun& recorded = problem_->recording.runs[std::size_t(job_->window->run)];
+  const std::vector<int>& frame_of_row = recorded.masks[source].frame_of_row;
+  for (std::size_t row = 0; row < frame_of_row.size(); ++row)
+    if (frame_of_row[row] >= 0 && std::abs(time_of(0, row) - time) < (1 - 1e-6) * h_) return true;
+  return false;
+}
+
+void SensorTrace::add_masks(const WorldState& state) {
+  const double time = double(n_steps_) * h_;
+  const RecordedRun& recorded = problem_->recording.runs[std::size_t(job_->window->run)];
+  for (std::size_t source = 0; source < recorded.masks.size(); ++source) {
+    std::array<double, N_MASK_MOMENTS> moments;
+    moments.fill(std::nan(""));
+    if (is_near_a_mask(source, time)) {
+      const std::vector<std::uint8_t> mask = sight_->look(source, state);
+      const RecordedMasks& measured = recorded.masks[source];
+      moments = mask_moments(mask, measured.masks.width, measured.masks.height);
+      for (std::size_t row = 0; row < measured.frame_of_row.size(); ++row) {
+        const double apart = time_of(0, row) - time;
+        if (measured.frame_of_row[row] < 0 || apart > 0.5 * h_ || apart <= -0.5 * h_) continue;
+        overlap_sum_ += pvg::mask_overlap(mask, measured.masks.pixels[std::size_t(measured.frame_of_row[row])]);
+        ++n_overlaps_;
+      }
+    }
+    for (std::size_t c = 0; c < values_.size(); ++c)
+      if (problem_->channels[c].mask_source == int(source))
+        values_[c].push_back(moments[std::size_t(problem_->channels[c].moment)]);
+  }
 }
 
 double SensorTrace::time_of(std::size_t channel, std::size_t sample) const {
@@ -107,13 +143,19 @@ double SensorTrace::time_of(std::size_t channel, std::size_t sample) const {
   return since * (1 + sensing.clock_rate) + sensing.clock_offset - latency - (job_->window->start - run.t.front());
 }
 
-// A cubic through four steps.
+// A cubic through four steps; between two where each costs a picture.
 std::vector<double> SensorTrace::value_at(std::size_t channel, double time) const {
   const Channel& c = problem_->channels[channel];
   const std::size_t width = c.kind == Kind::orientation ? 4 : std::size_t(c.n);
   const std::size_t n = values_[channel].size() / width;
   const double place = std::max(time / h_, 0.0);
   if (n < 4 || place > double(n - 1) + 1e-6) return {};
+  if (c.kind == Kind::mask) {
+    const std::size_t before = std::min(std::size_t(place + 1e-6), n - 1), after = std::min(before + 1, n - 1);
+    const double share = std::max(place - double(before), 0.0);
+    const double *a = &values_[channel][before], *b = &values_[channel][after];
+    return {share > 1e-6 ? (1 - share) * *a + share * *b : *a};
+  }
   const std::size_t first = std::size_t(std::clamp<double>(std::floor(place) - 1, 0, double(n - 4)));
   const double s = place - double(first);
   std::vector<double> value(width, 0);

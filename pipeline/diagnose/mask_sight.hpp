@@ -1,0 +1,26 @@
+// Masks as the cameras of a recording would have seen them in a simulated state.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "host/render/renderer.hpp"
+#include "pipeline/diagnose/problem.hpp"
+
+namespace pvg::diagnose {
+
+class MaskSight {
+ public:
+  MaskSight(Device& device, const Problem& problem);
+  // source: of Recording::mask_sources;  1 where its part is seen  [height x width]
+  std::vector<std::uint8_t> look(std::size_t source, const SceneState& state);
+
+ private:
+  struct Source {
+    int camera;
+    std::vector<char> is_part;  // [1 + n_visuals] by instance
+  };
+  std::vector<Source> sources_;
+  Renderer renderer_;
+};
+
+}  // namespace pvg::diagnose
