@@ -33,7 +33,8 @@ std::vector<std::string> warnings(const Problem& problem) {
         }
       }
     }
-    if (10 * gaps > all)
+    // pictures come less often than rows
+    if (10 * gaps > all && problem.channels[c].kind != RecordedChannel::Kind::mask)
       sentences.push_back("the " + problem.channels[c].name + " has gaps in " + std::to_string(100 * gaps / all) +
                           " % of its samples");
     if (!changes && problem.channels[c].width == 1)
