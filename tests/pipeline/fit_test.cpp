@@ -1,0 +1,67 @@
+// Fits of a model and of the start of its window together, where both bend the same curve
+#include "pipeline/diagnose/fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/temporary_folder.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+// A block of 0.4 kg slides at 1 m/s on a floor of friction 0.3 and is braked by c v^2 besides, c = 0.8 N s^2/m^2:
+//   y(t) = ln(cos(p - t sqrt(a b)) / cos p) / b,   a = 0.3 g, b = c / m, tan p = sqrt(b / a) s/m,   until it stops
+double braked(double t) {
+  const double a = 0.3 * 9.81, b = 0.8 / 0.4, p = std::atan(std::sqrt(b / a)), w = std::sqrt(a * b);
+  return std::log(std::cos(p - w * std::min(t, p / w)) / std::cos(p)) / b;
+}
+
+Problem sliding(const TestFolder& folder) {
+  folder.write("scene.yaml", R"(schema: 1
+name: slide
+time_step: 2.5 ms
+contact: {activation_distance: 0.1 mm, stiffness: 10 MPa, friction_velocity: 1e-3}
+bodies:
+  - {name: floor, kind: half_space, normal: [0, 0, 1]}
+  - {name: block, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.04]}}, mass: 0.4, pose: {position: [0, 0, 0.02009]}}
+pair_friction:
+  - {first: floor, second: block, coefficient: 0.3}
+)");
+  std::string run = "t,x,y,z\n";
+  for (int i = 0; i < 35; ++i) run += std::to_string(0.01 * i) + ",0," + std::to_string(braked(0.01 * i)) + ",0.02\n";
+  folder.write("a.csv", run);
+  folder.write("recording.yaml", R"(schema: 1
+scene: scene.yaml
+runs:
+  - {file: a.csv, role: fit}
+channels:
+  - {columns: [x, y, z], kind: position, body: block, unit: m, noise: 0.0005}
+)");
+  return make_problem(folder.path / "recording.yaml");
+}
+
+TEST(Fit, FindsTheDragOfASlidingBlockThoughItsStartMustMoveWithIt) {
+  const TestFolder folder;
+  const Problem problem = sliding(folder);
+  Device device;
+  Predictor predictor(device, problem);
+  Variant base{problem.scene.scene, {}};
+  base.scene.solver.velocity_tolerance = 1e-6;
+  base.scene.solver.cg_tolerance = 1e-8;
+  Fitter fitter(predictor, base);
+  const FitData data = fitter.prepare_near(make_windows(problem, false, 0, 1), Model{});
+  ASSERT_EQ(data.windows.size(), 1u);
+  const std::vector<Candidate> candidates = make_candidates(problem, {"floor/block"});
+  const auto drag = std::find_if(candidates.begin(), candidates.end(),
+                                 [](const Candidate& candidate) { return candidate.name == "quadratic_drag"; });
+  ASSERT_NE(drag, candidates.end());
+  const Model far{{&*drag}, Eigen::VectorXd::Constant(1, 0.2), Eigen::VectorXd::Constant(1, 0.02)};
+  const Fit fit = fitter.fit(data, {far}, 4).front();
+  ASSERT_TRUE(fit.is_well);
+  EXPECT_NEAR(fit.model.x[0], 0.8, 0.02);  // steps of 5 ms miss it by 0.022, and that is of first order
+  EXPECT_LT(rms(fit.residual), 0.3);       // the data have no noise
+}
+
+}  // namespace
+}  // namespace pvg::diagnose
