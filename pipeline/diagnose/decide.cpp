@@ -17,6 +17,7 @@ constexpr double FAMILY_PRIOR[] = {-1, 0, -0.5};  // physical, parameter, measur
 constexpr double UNEXPLAINED = 1.5;               // left-out error, times the noise
 constexpr double NEARLY_AS_MUCH = 0.6;            // of what the best closes
 constexpr double CLEARLY_LESS = 10;               // of evidence, a log: no simpler model is as good then
+constexpr double HARDLY_BELIEVED = 5;             // likewise of belief: being simpler does not make up for it
 constexpr std::size_t MOST_LAG = 50;              // samples
 
 // windows -> groups that are left out together
@@ -257,7 +258,11 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
         other.evidence < entries[std::size_t(best)].judged.evidence - CLEARLY_LESS)
       continue;
     const Eigen::Index p = other.fit->model.x.size(), q = now.fit->model.x.size();
-    if (p < q || (p == q && other.evidence > now.evidence)) decision.chosen = int(i);
+    const double more_believed = belief_in(*other.fit) - belief_in(*now.fit);
+    const bool has_more_evidence = other.evidence > now.evidence;
+    if ((p < q && more_believed > -HARDLY_BELIEVED) || (p == q && has_more_evidence) ||
+        (p > q && more_believed > HARDLY_BELIEVED && has_more_evidence))
+      decision.chosen = int(i);
   }
   // where the best leaves much, its lead may be its skill in standing in for what else is wrong: then what is believed
   // before counts first among all that close nearly as much

@@ -99,6 +99,23 @@ TEST(Decide, ARunThatIsMissedByFarDoesNotHideWhatExplainsIt) {
   EXPECT_EQ(decide(data, base, {fit}).chosen, 0);
 }
 
+TEST(Decide, TheSimplerModelIsNamedUnlessItIsHardlyBelieved) {
+  const auto named = [&](double prior_of_simple) {
+    const Candidate simple = candidate("simple", prior_of_simple);
+    Candidate richer = candidate("richer", 0);
+    richer.parameters.push_back({"shape", "1", 0, 10, 0});
+    Fit rich = fit_of(nullptr, 0, 0, residual_of(1));
+    rich.model = {{&richer}, VectorXd::Constant(2, 5), VectorXd::Ones(2)};
+    rich.slope = {Eigen::MatrixXd::Zero(N, 2)};
+    rich.covariance = 0.01 * Eigen::MatrixXd::Identity(2, 2);
+    const std::vector<Fit> fits{fit_of(&simple, 5, 0.1, residual_of(1)), rich};
+    const Decision decision = decide(one_window(), fit_of(nullptr, 0, 0, residual_of(6)), fits);
+    return decision.ranking.at(std::size_t(decision.chosen)).fit->model.parts[0]->name;
+  };
+  EXPECT_EQ(named(-2), "simple");
+  EXPECT_EQ(named(-10), "richer");
+}
+
 TEST(Decide, BeliefComesFirstOnlyWhereTheBestLeavesMuch) {
   const Candidate skilled = candidate("skilled", -4), believed = candidate("believed", 0);
   const Fit base = fit_of(nullptr, 0, 0, residual_of(6));
