@@ -108,7 +108,8 @@ Channel resolve_mask(const Problem& problem, const RecordedChannel& recorded, co
     }
     if (known.find(visual.part) == std::string::npos) known += (known.empty() ? "" : ", ") + visual.part;
   }
-  throw UsageError(place + " names the part `" + source.part + "`, which the scene does not have; it has: " + known);
+  throw UsageError(place + " names the part `" + source.part + "`, which the scene does not have; " +
+                   (known.empty() ? "none of its bodies is shown: give them `visuals`" : "it has: " + known));
 }
 
 }  // namespace
