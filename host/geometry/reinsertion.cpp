@@ -7,7 +7,7 @@ namespace {
 
 constexpr int N_ROUNDS = 4;
 constexpr std::size_t MOST_PER_ROUND = 100000;  // subtrees that are tried, those of the largest boxes
-constexpr float ROUNDING = 1e-5f;              // gains below this share of a box are none
+constexpr float ROUNDING = 1e-5f;               // gains below this share of a box are none
 constexpr int ROOT = 0, NONE = -1;
 
 Box4 joined(Box4 a, const Box4& b) {
