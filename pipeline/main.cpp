@@ -57,7 +57,8 @@ void add_generate(CLI::App& program, pvg::GenerateOptions& o) {
   command->add_flag("-v,--verbose", o.is_verbose, "Explain: meshes, solver, time per stage");
   command->footer(
       "Exit codes: 0 done, 1 failed, 2 wrong use, 75 stopped before the end: call again to continue.\n"
-      "Example:\n  phyvisgen generate data/tasks/weigh_beaker.yaml --episodes 10 --seed 1 -o out/beaker -v");
+      "Example:\n  phyvisgen generate data/tasks/weigh_beaker.yaml --episodes 10 --seed 1 -o out/beaker -v\n"
+      "  phyvisgen generate data/tasks/weigh_beaker.yaml --device 0 --render-device 1 -o out/beaker");
 }
 
 void add_status(CLI::App& program, pvg::StatusOptions& o) {

@@ -108,7 +108,8 @@ bool SensorTrace::is_near_a_mask(std::size_t source, double time) const {
   const RecordedRun& recorded = problem_->recording.runs[std::size_t(job_->window->run)];
   const std::vector<int>& frame_of_row = recorded.masks[source].frame_of_row;
   for (std::size_t row = 0; row < frame_of_row.size(); ++row)
-    if (frame_of_row[row] >= 0 && std::abs(time_of(0, row) - time) < (1 - 1e-6) * h_) return true;
+    // before the start everything is where it starts, as value_at has it
+    if (frame_of_row[row] >= 0 && std::abs(std::max(time_of(0, row), 0.0) - time) < (1 - 1e-6) * h_) return true;
   return false;
 }
 
