@@ -250,8 +250,9 @@ std::vector<Phase> SensorTrace::phases() const {
   for (const Datum& datum : job_->window->data) {
     const std::vector<Phase>& all = phase_[std::size_t(datum.channel)];
     const double place = time_of(std::size_t(datum.channel), datum.sample) / h_;
-    const std::size_t step = std::size_t(std::clamp(std::lround(place), 0l, long(all.size()) - 1));
-    phases.push_back(all.empty() ? Phase::free : all[step]);
+    const long last = long(all.size()) - 1;  // the start has no step behind it, so it is in the phase of the first step
+    phases.push_back(all.empty() ? Phase::free
+                                 : all[std::size_t(std::clamp(std::lround(place), std::min(1l, last), last))]);
   }
   return phases;
 }

@@ -13,18 +13,19 @@ import sys
 from recording_files import read_rows, write_recording, write_run
 
 STARTS_TO_FALL = 3e-4  # of a tip marker, from where it was held [m]
+SAMPLES = 120  # at 100 Hz: four swings with the weight, in which all that is damped is seen
 LENGTH, BASE = 0.1, -0.0215  # of the beam, and where the base's markers lie along it in the files [m]
 
 SCENE = """schema: 1
 name: silicone_beam
 time_step: 10 ms
-duration: 3 s
+duration: 1.2 s
 solver: {{velocity_tolerance: 1e-5}}
 bodies:
   - {{name: wall, kind: static, shape: {{box: {{size: [0.01, 0.01, 0.01]}}}}, collides: false}}
 {weight}  - name: beam
     kind: soft
-    shape: {{bar: {{size: [0.1, 0.03, 0.03], divisions: [6, 2, 2], nodes_per_element: 10}}}}
+    shape: {{bar: {{size: [0.1, 0.03, 0.03], divisions: [6, 1, 1], nodes_per_element: 10}}}}
     material: {{density: 1070, youngs_modulus: 263824, poisson_ratio: 0.49}}
 stitches:
   - {{soft: beam, rigid: wall, low: [-0.0501, -1, -1], high: [-0.0499, 1, 1], stiffness: 1e6}}
@@ -54,7 +55,7 @@ def main():
             start = max(first - 1, 0)
             points = points or held
             samples = []
-            for row in rows[start:start + 300]:
+            for row in rows[start:start + SAMPLES]:
                 sample = [float(row["t"]) - float(rows[start]["t"])]
                 for i in range(3):
                     now = turned(row, f"Tip-{i + 1}", centre)

@@ -41,6 +41,24 @@ channels:
   return make_problem(folder.path / "recording.yaml");
 }
 
+TEST(Fit, EverySampleOfASlideIsOfTheSlideTheFirstAmongThem) {
+  const TestFolder folder;
+  const Problem problem = sliding(folder);
+  Device device;
+  Predictor predictor(device, problem);
+  const Variant base{problem.scene.scene, {}};
+  Fitter fitter(predictor, base);
+  const FitData data = fitter.prepare_near(make_windows(problem, false, 0, 1), Model{});
+  ASSERT_EQ(data.windows.size(), 1u);
+  const auto found = fitter.evaluate(data, {Model{}}, {}, true);
+  const std::vector<Phase>& phase = found.at(0).at(0).phase;
+  ASSERT_EQ(phase.size(), data.windows[0].data.size());
+  for (std::size_t i = 0; i < phase.size(); ++i)
+    if (problem.runs[0].t[data.windows[0].data[i].sample] < 0.2) {
+      EXPECT_EQ(phase[i], Phase::slide) << i;
+    }
+}
+
 TEST(Fit, FindsTheDragOfASlidingBlockThoughItsStartMustMoveWithIt) {
   const TestFolder folder;
   const Problem problem = sliding(folder);
