@@ -1,7 +1,9 @@
 #include "pipeline/diagnose/noise.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 namespace pvg::diagnose {
 namespace {
@@ -27,17 +29,57 @@ double quantum_of(const std::vector<double>& values, std::size_t width) {
   return whole > 0.9 * double(steps.size()) ? least : 0;
 }
 
+constexpr double TYPICAL = 1.4826;                     // sigma of a normal distribution over the median of its size
+constexpr std::size_t LEAST_DIFFERENCES = 8;           // that tell anything
+constexpr std::array LAGS = {1u, 2u, 3u, 4u, 6u, 8u};  // between the samples of a difference
+constexpr double INDEPENDENT = -0.5;  // neighbours correlate by less; of white noise by -15 / 20, a motion by up to 1
+constexpr double SMOOTHED = 2;        // times the noise of neighbours, if that further apart is so much
+
+struct Differences {
+  double sigma = 0;        // of white noise that would make them
+  double correlation = 0;  // of neighbours
+};
+
+// Third differences of samples `lag` apart. What the neighbours have in common is taken of sizes up to three sigma, as
+// an impact is in four of them.
+std::optional<Differences> third_differences(const std::vector<double>& values, std::size_t width, std::size_t lag) {
+  const std::size_t step = lag * width;
+  std::vector<double> difference, size;
+  for (std::size_t i = 3 * step; i < values.size(); ++i) {
+    difference.push_back(values[i] - 3 * values[i - step] + 3 * values[i - 2 * step] - values[i - 3 * step]);
+    if (std::isfinite(difference.back())) size.push_back(std::abs(difference.back()));
+  }
+  if (size.size() < LEAST_DIFFERENCES) return std::nullopt;
+  Differences found;
+  const double typical = TYPICAL * median(std::move(size));
+  found.sigma = typical / std::sqrt(20.0);
+  double product = 0, square = 0;
+  for (std::size_t i = step; i < difference.size(); ++i) {
+    const double a = std::clamp(difference[i], -3 * typical, 3 * typical),
+                 b = std::clamp(difference[i - step], -3 * typical, 3 * typical);
+    if (!std::isfinite(difference[i] * difference[i - step])) continue;
+    product += a * b;
+    square += 0.5 * (a * a + b * b);
+  }
+  found.correlation = square > 0 ? product / square : INDEPENDENT;
+  return found;
+}
+
 }  // namespace
 
 double noise_of(const std::vector<double>& values, std::size_t width) {
-  std::vector<double> differences;
-  for (std::size_t i = 3 * width; i < values.size(); ++i) {
-    const double d = values[i] - 3 * values[i - width] + 3 * values[i - 2 * width] - values[i - 3 * width];
-    if (std::isfinite(d)) differences.push_back(std::abs(d));
+  std::optional<Differences> best;
+  for (const unsigned lag : LAGS) {
+    const std::optional<Differences> found = third_differences(values, width, lag);
+    if (!found) break;
+    const bool is_first = !best, is_larger = !is_first && found->sigma > SMOOTHED * best->sigma;
+    // as long as the noise at hand hangs together, the one that does so least; else only if it is clearly more
+    if (is_first || (best->correlation >= INDEPENDENT && found->correlation < best->correlation) ||
+        (found->correlation < INDEPENDENT && is_larger))
+      best = found;
+    if (found->correlation >= 0) break;  // a motion shows
   }
-  if (differences.size() < 8) return std::nan("");
-  const double sigma = 1.4826 * median(std::move(differences)) / std::sqrt(20.0);
-  return std::max(sigma, quantum_of(values, width) / std::sqrt(12.0));
+  return best ? std::max(best->sigma, quantum_of(values, width) / std::sqrt(12.0)) : std::nan("");
 }
 
 void measure_noise(Problem& problem) {

@@ -14,8 +14,8 @@ import math
 import pathlib
 import subprocess
 
-FPS = 25
-DURATION = 1.2  # [s]
+FPS = 50
+DURATION = 0.6  # [s]
 TRUE_STEP = 0.002  # [s]; the first picture is of the first step's end
 RUNS = [  # amplitude [m] and rise time [s] of the hand's shift, role
     (0.040, 0.10, "fit"),
@@ -24,9 +24,9 @@ RUNS = [  # amplitude [m] and rise time [s] of the hand's shift, role
 ]
 CASES = {
     "finger_modulus": ("youngs_modulus: 0.30 MPa", "", [{"name": "retune_youngs_modulus", "value": 0.30e6}]),
-    "finger_damping": ("youngs_modulus: 0.42 MPa", "effects:\n  - {name: kelvin_voigt_damping, target: finger, viscosity: 600 Pa s}\n",
+    "finger_damping": ("youngs_modulus: 0.36 MPa", "effects:\n  - {name: kelvin_voigt_damping, target: finger, viscosity: 600 Pa s}\n",
                        [{"name": "kelvin_voigt_damping", "value": 600}]),
-    "finger_null": ("youngs_modulus: 0.42 MPa", "", []),
+    "finger_null": ("youngs_modulus: 0.36 MPa", "", []),
 }
 
 SCENE = """schema: 1
@@ -41,7 +41,7 @@ bodies:
     kind: soft
     shape: {{bar: {{size: [0.08, 0.012, 0.012], divisions: {divisions}, nodes_per_element: 10}}}}
     pose: {{rotation: [0, 1.5707963267948966, 0]}}
-    material: {{density: 1100, {modulus}, poisson_ratio: 0.45}}
+    material: {{density: 1100, {modulus}, poisson_ratio: 0.35}}
 stitches:
   - {{soft: finger, rigid: hand, low: [-0.0401, -1, -1], high: [-0.0399, 1, 1], stiffness: 1e6}}
 cameras:
@@ -69,7 +69,7 @@ def write_case(out, name, program):
     modulus, effects, truth = CASES[name]
     case = out / name
     case.mkdir(parents=True, exist_ok=True)
-    nominal = dict(step=10, divisions="[4, 1, 1]", modulus="youngs_modulus: 0.42 MPa", effects="")
+    nominal = dict(step=10, divisions="[6, 1, 1]", modulus="youngs_modulus: 0.36 MPa", effects="")
     (case / "scene.yaml").write_text(scene_text([(0, 0.0)], **nominal))
     recording = "schema: 1\nscene: scene.yaml\nruns:\n"
     for k, (amplitude, rise, role) in enumerate(RUNS):
@@ -77,7 +77,7 @@ def write_case(out, name, program):
         run.mkdir(exist_ok=True)
         path = path_of(amplitude, rise)
         true_scene = run / "true_scene.yaml"
-        true_scene.write_text(scene_text(path, step=1000 * TRUE_STEP, divisions="[8, 2, 2]", modulus=modulus, effects=effects))
+        true_scene.write_text(scene_text(path, step=1000 * TRUE_STEP, divisions="[12, 2, 2]", modulus=modulus, effects=effects))
         states = run / "true.h5"
         subprocess.run([program, "simulate", true_scene, "-o", states], check=True)
         subprocess.run([program, "render", true_scene, "--states", states, "--fps", str(FPS), "--samples", "1",

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "host/base/error.hpp"
@@ -21,6 +22,26 @@ TEST(Noise, ThirdDifferencesOfANoisyParabolaTellItsSigma) {
   std::vector<double> values;
   for (int i = 0; i < 3000; ++i) values.push_back(2 - 0.1 * i + 1e-3 * i * i + noise(engine));
   EXPECT_NEAR(noise_of(values, 1), 0.003, 0.0003);
+}
+
+// What a moving mean over five samples leaves of white noise is sigma / sqrt(5); neighbours, which share four of the
+// five, differ by less: third differences of neighbours alone would tell a fifth of it.
+TEST(Noise, OfASmoothedRecordingIsToldFromSamplesThatAreApart) {
+  std::mt19937 engine(1);
+  std::normal_distribution<double> noise(0, 0.003);
+  std::vector<double> white, values;
+  for (int i = 0; i < 3000; ++i) white.push_back(noise(engine));
+  for (int i = 2; i < 2998; ++i) {
+    const double mean = std::accumulate(&white[std::size_t(i) - 2], &white[std::size_t(i) + 3], 0.0) / 5;
+    values.push_back(2 - 0.1 * i + 1e-3 * i * i + mean);
+  }
+  EXPECT_NEAR(noise_of(values, 1), 0.003 / std::sqrt(5.0), 0.0002);
+}
+
+TEST(Noise, AFastMotionSeenWellIsNotTakenForNoise) {
+  std::vector<double> values;
+  for (int i = 0; i < 300; ++i) values.push_back(std::sin(0.2 * i));
+  EXPECT_LT(noise_of(values, 1), 0.003);  // 0.2^3 / sqrt(20), its own third differences
 }
 
 TEST(Noise, ACoarseSensorIsNoBetterThanItsDigits) {
