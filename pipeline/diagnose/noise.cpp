@@ -68,18 +68,23 @@ std::optional<Differences> third_differences(const std::vector<double>& values, 
 }  // namespace
 
 double noise_of(const std::vector<double>& values, std::size_t width) {
-  std::optional<Differences> best;
+  std::vector<Differences> found;
   for (const unsigned lag : LAGS) {
-    const std::optional<Differences> found = third_differences(values, width, lag);
-    if (!found) break;
-    const bool is_first = !best, is_larger = !is_first && found->sigma > SMOOTHED * best->sigma;
-    // as long as the noise at hand hangs together, the one that does so least; else only if it is clearly more
-    if (is_first || (best->correlation >= INDEPENDENT && found->correlation < best->correlation) ||
-        (found->correlation < INDEPENDENT && is_larger))
-      best = found;
-    if (found->correlation >= 0) break;  // a motion shows
+    const std::optional<Differences> here = third_differences(values, width, lag);
+    if (here) found.push_back(*here);
+    if (!here || here->correlation >= 0) break;  // a motion shows
   }
-  return best ? std::max(best->sigma, quantum_of(values, width) / std::sqrt(12.0)) : std::nan("");
+  if (found.empty()) return std::nan("");
+  const auto hangs_less = [](const Differences& a, const Differences& b) { return a.correlation < b.correlation; };
+  Differences noise = *std::min_element(found.begin(), found.end(), hangs_less);
+  if (noise.correlation < INDEPENDENT) {
+    const Differences neighbours = found.front();
+    std::erase_if(found, [](const Differences& one) { return one.correlation >= INDEPENDENT; });
+    noise = *std::max_element(found.begin(), found.end(),
+                              [](const Differences& a, const Differences& b) { return a.sigma < b.sigma; });
+    if (neighbours.correlation < INDEPENDENT && noise.sigma < SMOOTHED * neighbours.sigma) noise = neighbours;
+  }
+  return std::max(noise.sigma, quantum_of(values, width) / std::sqrt(12.0));
 }
 
 void measure_noise(Problem& problem) {
