@@ -8,6 +8,7 @@
 // keeps it positive semi-definite.
 #ifndef PVG_ENERGIES_GREEN_STRAIN_CL
 #define PVG_ENERGIES_GREEN_STRAIN_CL
+#include "energies/mirror_upper.cl"
 #include "energies/smooth_coulomb.cl"
 #include "shared/mat3.cl"
 
@@ -67,31 +68,34 @@ Mat3 strain_stress(const StrainLaw law, const Mat3 f, const Mat3 e0, const real 
 }
 
 // H += weight d2psi/dx dx for F = sum_a x_a b_a^T. For dF = dx b^T: |dE|^2 is half of |F^T dF|^2 + F^T dF : dF^T F, and
-// E:dE = dx . (F E b).  b: [n, 1/m];  H: row-major [3 n x 3 n]
+// E:dE = dx . (F E b).  b: [n <= 10, 1/m];  H: row-major [3 n x 3 n], of which the blocks on and above the diagonal are
+// added to
 void strain_add_hessian(const StrainLaw law, const Mat3 f, const Mat3 e0, const real h, const real weight, const int n,
                         const real3* b, real* H) {
   const Mat3 e = green_strain(f), change = mat3_minus(e, e0);
   const StrainDerivatives d = strain_derivatives(law, e, e0, h);
+  const real same = 0.5 * weight * d.same, strain = weight * d.strain, less = weight * d.less;
   Mat3 square;  // F F^T
   const Mat3 t = mat3_transposed(f);
   for (int k = 0; k < 3; ++k) square.column[k] = mat3_times(f, t.column[k]);
+  real3 stretched[10], strained[10], changed[10];  // F b, F E b, F D b
   for (int i = 0; i < n; ++i) {
-    const real3 fi = mat3_times(f, b[i]), si = mat3_times(f, mat3_times(e, b[i]));
-    const real3 ci = mat3_times(f, mat3_times(change, b[i]));
-    for (int j = 0; j < n; ++j) {
-      const real3 fj = mat3_times(f, b[j]), sj = mat3_times(f, mat3_times(e, b[j]));
-      const real3 cj = mat3_times(f, mat3_times(change, b[j]));
-      const Mat3 block = mat3_plus(
-          mat3_scaled(mat3_plus(mat3_scaled(square, dot(b[i], b[j])), mat3_outer(fj, fi)), 0.5 * weight * d.same),
-          mat3_plus(mat3_scaled(mat3_outer(si, sj), weight * d.strain),
-                    mat3_scaled(mat3_outer(ci, cj), weight * d.less)));
+    stretched[i] = mat3_times(f, b[i]);
+    strained[i] = mat3_times(f, mat3_times(e, b[i]));
+    changed[i] = mat3_times(f, mat3_times(change, b[i]));
+  }
+  for (int i = 0; i < n; ++i)
+    for (int j = i; j < n; ++j) {
+      Mat3 block = mat3_scaled(
+          mat3_plus(mat3_scaled(square, dot(b[i], b[j])), mat3_outer(stretched[j], stretched[i])), same);
+      if (strain != 0) block = mat3_plus(block, mat3_scaled(mat3_outer(strained[i], strained[j]), strain));
+      if (less != 0) block = mat3_plus(block, mat3_scaled(mat3_outer(changed[i], changed[j]), less));
       for (int k = 0; k < 3; ++k) {
         H[(3 * i + 0) * 3 * n + 3 * j + k] += block.column[k].x;
         H[(3 * i + 1) * 3 * n + 3 * j + k] += block.column[k].y;
         H[(3 * i + 2) * 3 * n + 3 * j + k] += block.column[k].z;
       }
     }
-  }
 }
 
 #endif

@@ -7,6 +7,7 @@
 // Smith, De Goes, Kim 2019, "Analytic Eigensystems for Isotropic Distortion Energies".
 #ifndef PVG_ENERGIES_ISOTROPIC_CL
 #define PVG_ENERGIES_ISOTROPIC_CL
+#include "energies/mirror_upper.cl"
 #include "shared/svd.cl"
 
 typedef struct {
@@ -68,12 +69,6 @@ void isotropic_add_hessian(const IsotropicHessian e, const real weight, const in
       }
     }
   }
-}
-
-// Fills what lies below the diagonal from what lies above it. H: row-major [size x size]
-void mirror_upper(const int size, real* H) {
-  for (int i = 1; i < size; ++i)
-    for (int j = 0; j < i; ++j) H[i * size + j] = H[j * size + i];
 }
 
 #endif

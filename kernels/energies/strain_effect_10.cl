@@ -37,6 +37,7 @@ void strain_effect_10_hessian(const StrainEffect10 p, const real3* x, const real
     const Mat3 e0 = green_strain(tetrahedron_deformation(10, x0, b));
     strain_add_hessian(law, tetrahedron_deformation(10, x, b), e0, h, 0.25 * p.volume, 10, b, H);
   }
+  mirror_upper(30, H);
 }
 
 #define TERM strain_effect_10

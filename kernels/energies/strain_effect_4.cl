@@ -31,6 +31,7 @@ void strain_effect_4_hessian(const StrainEffect4 p, const real3* x, const real3*
   tetrahedron_4_gradients(p.rest_inverse, b);
   const Mat3 e0 = green_strain(tetrahedron_deformation(4, x0, b));
   strain_add_hessian(law, tetrahedron_deformation(4, x, b), e0, h, p.volume, 4, b, H);
+  mirror_upper(12, H);
 }
 
 #define TERM strain_effect_4

@@ -24,7 +24,7 @@ RUNS = [  # amplitude [m] and rise time [s] of the hand's shift, role
 ]
 CASES = {
     "finger_modulus": ("youngs_modulus: 0.30 MPa", "", [{"name": "retune_youngs_modulus", "value": 0.30e6}]),
-    "finger_damping": ("youngs_modulus: 0.36 MPa", "effects:\n  - {name: kelvin_voigt_damping, target: finger, viscosity: 600 Pa s}\n",
+    "finger_damping": ("youngs_modulus: 0.36 MPa", "effects:\n  - {effect: kelvin_voigt_damping, target: finger, viscosity: 600}\n",
                        [{"name": "kelvin_voigt_damping", "value": 600}]),
     "finger_null": ("youngs_modulus: 0.36 MPa", "", []),
 }
