@@ -64,7 +64,6 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
     solver.integrator = bdf2;
     if (!was_bdf2) error = richardson_factor(base.scene) * apart(data, predict({bdf2, h}), fine);
   }
-  const double first_error = error;
   for (int halving = 0; error >= allowed && halving < 2; ++halving) {
     solver.time_step /= 2;
     coarse = std::move(fine);
@@ -72,14 +71,6 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
     error = richardson_factor(base.scene) * apart(data, coarse, fine);
   }
   char text[240];
-  if (solver.time_step < h && error > first_error / 2) {
-    solver.time_step = h;
-    std::snprintf(text, sizeof text,
-                  "simulated with steps of %.4g ms, BDF2; finer steps differ by %.2g times the noise and do not come "
-                  "together, as after impacts that small changes decide",
-                  1e3 * h, first_error);
-    return text;
-  }
   std::snprintf(text, sizeof text,
                 "simulated with steps of %.4g ms, %s%s; finer steps differ by %.2g times the noise, which is corrected",
                 1e3 * solver.time_step, solver.integrator == bdf2 ? "BDF2" : "implicit Euler",
