@@ -17,7 +17,8 @@ struct Parameter {
   std::string name, unit;
   double low = 0, high = 0, off = 0;  // with `off` the candidate changes nothing
   double scale = 1;                   // a change of this size is worth trying first
-  double believed = 0;  // one standard deviation from `off` of what is believed before any data; 0: anything
+  double believed = 0;    // one standard deviation from `off` of what is believed before any data; 0: anything
+  bool is_shape = false;  // does nothing while the others are off
 };
 
 struct Candidate {

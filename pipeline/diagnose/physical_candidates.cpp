@@ -57,7 +57,7 @@ double scale_of(const EffectParameter& p, double mass) {
 }
 
 Parameter parameter_of(const EffectParameter& p, double mass) {
-  return {p.name, p.unit, p.low, p.high, p.is_strength ? p.off : p.usual, scale_of(p, mass)};
+  return {p.name, p.unit, p.low, p.high, p.is_strength ? p.off : p.usual, scale_of(p, mass), 0, !p.is_strength};
 }
 
 Candidate candidate_of(const Scene& scene, const EffectKind& kind, const std::string& target) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 
 namespace pvg::diagnose {
 namespace {
@@ -13,6 +14,7 @@ constexpr double MOST_FACTOR = 30;               // between one change tried and
 constexpr std::size_t SOME_WINDOWS = 3;          // where an estimate will do
 constexpr std::size_t N_TRIED = 20;              // candidates that are simulated at their linear optimum
 const std::vector<double> SHARES = {0.4, 1, 2};  // of that optimum
+const std::vector<double> SHAPES = {0.2, 1, 5};  // of the usual number
 
 struct Trial {
   const Candidate* candidate;
@@ -124,8 +126,39 @@ Fit from_measured_starts(Fitter& fitter, const FitData& data, const Fit& base) {
   return measured;
 }
 
-// What the robust cost of some windows falls by in truth, at shares of each candidate's linear optimum: laws with a
-// dead zone or a kink are not what their signature promises, nor less. Each one's best share becomes its model.
+// Where a candidate is tried: shares of its linear optimum. A number that shapes a law answers to nothing where the law
+// is off, so that its optimum is not known, nor that of strengths beside the first: other shapes are tried, with the
+// law's strengths as they are and alike.
+std::vector<Model> trials_of(const Screened& screened, Eigen::Index n_base) {
+  const std::vector<Parameter>& parameters = screened.candidate->parameters;
+  std::vector<Model> models;
+  const auto add = [&](const auto& value_of) {
+    Model model = screened.model;
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+      double& x = model.x[n_base + Eigen::Index(k)];
+      x = std::clamp(value_of(k, x), parameters[k].low, parameters[k].high);
+    }
+    models.push_back(std::move(model));
+  };
+  const auto share_of = [&](std::size_t k, double x, double share) {
+    return parameters[k].off + share * (x - parameters[k].off);
+  };
+  for (const double share : SHARES) add([&](std::size_t k, double x) { return share_of(k, x, share); });
+  if (std::none_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.is_shape; })) return models;
+  const double first = screened.model.x[n_base] - parameters[0].off;
+  for (const double shape : SHAPES)
+    for (const bool is_alike : {false, true}) {
+      if (shape == 1 && !is_alike) continue;  // as above
+      add([&](std::size_t k, double x) {
+        if (parameters[k].is_shape) return shape * x;
+        return is_alike && parameters[k].unit == parameters[0].unit ? parameters[k].off + first : x;
+      });
+    }
+  return models;
+}
+
+// What the robust cost of some windows falls by in truth, where each candidate is tried: laws with a dead zone or a
+// kink are not what their signature promises, nor less. The best trial becomes its model.
 void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_data, std::vector<Screened>& screened) {
   Fit few = base;
   const FitData some = some_windows(data, SOME_WINDOWS, few);
@@ -140,23 +173,17 @@ void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_d
   double n_some = 0;
   for (const VectorXd& r : few.residual) n_some += double(r.size());
   const std::size_t n = std::min(N_TRIED, screened.size());
-  const Eigen::Index n_base = base.model.x.size();
   std::vector<Model> models;
-  for (std::size_t i = 0; i < n; ++i)
-    for (const double share : SHARES) {
-      Model model = screened[i].model;
-      const std::vector<Parameter>& parameters = screened[i].candidate->parameters;
-      for (std::size_t k = 0; k < parameters.size(); ++k) {
-        double& x = model.x[n_base + Eigen::Index(k)];
-        x = std::clamp(parameters[k].off + share * (x - parameters[k].off), parameters[k].low, parameters[k].high);
-      }
-      models.push_back(std::move(model));
-    }
+  std::vector<std::size_t> first = {0};  // [n + 1] of each candidate
+  for (std::size_t i = 0; i < n; ++i) {
+    for (Model& model : trials_of(screened[i], base.model.x.size())) models.push_back(std::move(model));
+    first.push_back(models.size());
+  }
   const auto found = fitter.evaluate(some, models, std::vector(models.size(), few.delta));
   for (std::size_t i = 0; i < n; ++i) {
     const double penalty = 0.5 * double(screened[i].candidate->parameters.size()) * std::log(n_data);
     double best = 0;
-    for (std::size_t m = i * SHARES.size(); m < (i + 1) * SHARES.size(); ++m) {
+    for (std::size_t m = first[i]; m < first[i + 1]; ++m) {
       const double after = cost_of([&](std::size_t w) { return found[m][w].residual; });
       const double gain = (before - after) * n_data / n_some - penalty;
       if (!(gain > best)) continue;
@@ -167,6 +194,62 @@ void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_d
   }
 }
 
+// The same changes to the other side, of numbers that the scene has: a frequency that rises by a quarter of a turn does
+// not tell what one that falls would do.
+std::vector<Trial> mirrored(const std::vector<Trial>& trials) {
+  std::vector<Trial> out;
+  for (Trial trial : trials) {
+    const Parameter& p = trial.candidate->parameters[trial.parameter];
+    trial.step = -trial.step;
+    const bool is_allowed = p.off + trial.step >= p.low && p.off + trial.step <= p.high;
+    if (trial.candidate->family == Family::parameter && is_allowed) out.push_back(trial);
+  }
+  return out;
+}
+
+// The best sum of one candidate's signatures, starts and base model free; no gain where no answer is seen.
+Screened linear_optimum(const FitData& data, const Fit& base, double n_data, std::span<const Trial> trials,
+                        std::span<const std::vector<VectorXd>> found) {
+  const Candidate& candidate = *trials.front().candidate;
+  Screened one{&candidate, with(base.model, candidate), 0, 0};
+  Fit fit = base;
+  fit.window_scale = window_scales(base.residual);
+  const Eigen::Index n_base = base.model.x.size();
+  std::vector<std::size_t> seen;  // trials whose answer is there
+  for (std::size_t t = 0; t < trials.size(); ++t)
+    if (size_of(found[t]) > LEAST_ANSWER) seen.push_back(t);
+  if (seen.empty()) return one;
+  fit.slope.assign(data.windows.size(), {});
+  for (std::size_t w = 0; w < data.windows.size(); ++w) {
+    fit.slope[w].resize(base.residual[w].size(), n_base + Eigen::Index(seen.size()));
+    for (Eigen::Index i = 0; i < n_base; ++i) fit.slope[w].col(i) = base.slope[w].col(i) * base.model.scale[i];
+    for (std::size_t i = 0; i < seen.size(); ++i) fit.slope[w].col(n_base + Eigen::Index(i)) = found[seen[i]][w];
+  }
+  fit.model.x = VectorXd::Zero(n_base + Eigen::Index(seen.size()));
+  const Reduced reduced = reduce(fit);
+  MatrixXd a = reduced.sum_a();
+  a.diagonal().array() += 1e-9 * a.trace();
+  const VectorXd g = reduced.sum_g();
+  VectorXd dx = -a.ldlt().solve(g);  // in units of the steps
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const Trial& trial = trials[seen[i]];
+    const Parameter& p = candidate.parameters[trial.parameter];
+    double& d = dx[n_base + Eigen::Index(i)];
+    d = std::clamp(d, -20.0, 20.0);
+    d = (std::clamp(p.off + d * trial.step, p.low, p.high) - p.off) / trial.step;
+    one.model.x[n_base + Eigen::Index(trial.parameter)] = p.off + d * trial.step;
+    one.model.scale[n_base + Eigen::Index(trial.parameter)] = std::abs(trial.step);
+    one.answer = std::max(one.answer, size_of(found[seen[i]]));
+  }
+  for (Eigen::Index i = 0; i < n_base; ++i) dx[i] = std::clamp(dx[i], -1.0, 1.0);
+  one.model.x.head(n_base) += (dx.head(n_base).array() * base.model.scale.head(n_base).array()).matrix();
+  const std::vector<const Parameter*> bounds = base.model.parameters();
+  for (Eigen::Index i = 0; i < n_base; ++i)
+    one.model.x[i] = std::clamp(one.model.x[i], bounds[std::size_t(i)]->low, bounds[std::size_t(i)]->high);
+  one.gain = -(g.dot(dx) + 0.5 * dx.dot(a * dx)) - 0.5 * double(candidate.parameters.size()) * std::log(n_data);
+  return one;
+}
+
 }  // namespace
 
 std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fitted,
@@ -175,51 +258,25 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fit
   // the misfit itself
   std::vector<Trial> trials = choose_steps(fitter, data, base, std::clamp(rms(fitted.residual), 2.0, 30.0), candidates);
   std::erase_if(trials, [](const Trial& t) { return t.step == 0; });
+  const std::size_t n_first = trials.size();
+  const std::vector<Trial> other_side = mirrored(trials);
+  trials.insert(trials.end(), other_side.begin(), other_side.end());
   const std::vector<std::vector<VectorXd>> found = answers(fitter, data, base, trials);
   double n_data = 0;
   for (const VectorXd& r : base.residual) n_data += double(r.size());
   std::vector<Screened> screened;
-  for (std::size_t first = 0; first < trials.size();) {
-    std::size_t last = first;
-    while (last < trials.size() && trials[last].candidate == trials[first].candidate) ++last;
-    Screened one{trials[first].candidate, with(base.model, *trials[first].candidate), 0, 0};
-    Fit fit = base;
-    fit.window_scale = window_scales(base.residual);
-    const Eigen::Index n_base = base.model.x.size();
-    std::vector<std::size_t> seen;  // trials whose answer is there
-    for (std::size_t t = first; t < last; ++t)
-      if (size_of(found[t]) > LEAST_ANSWER) seen.push_back(t);
-    fit.slope.assign(data.windows.size(), {});
-    for (std::size_t w = 0; w < data.windows.size(); ++w) {
-      fit.slope[w].resize(base.residual[w].size(), n_base + Eigen::Index(seen.size()));
-      for (Eigen::Index i = 0; i < n_base; ++i) fit.slope[w].col(i) = base.slope[w].col(i) * base.model.scale[i];
-      for (std::size_t i = 0; i < seen.size(); ++i) fit.slope[w].col(n_base + Eigen::Index(i)) = found[seen[i]][w];
-    }
-    fit.model.x = VectorXd::Zero(n_base + Eigen::Index(seen.size()));
-    first = last;
-    if (seen.empty()) continue;
-    const Reduced reduced = reduce(fit);
-    MatrixXd a = reduced.sum_a();
-    a.diagonal().array() += 1e-9 * a.trace();
-    const VectorXd g = reduced.sum_g();
-    VectorXd dx = -a.ldlt().solve(g);  // in units of the steps
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      const Trial& trial = trials[seen[i]];
-      const Parameter& p = trial.candidate->parameters[trial.parameter];
-      double& d = dx[n_base + Eigen::Index(i)];
-      d = std::clamp(d, -20.0, 20.0);
-      d = (std::clamp(p.off + d * trial.step, p.low, p.high) - p.off) / trial.step;
-      one.model.x[n_base + Eigen::Index(trial.parameter)] = p.off + d * trial.step;
-      one.model.scale[n_base + Eigen::Index(trial.parameter)] = std::abs(trial.step);
-      one.answer = std::max(one.answer, size_of(found[seen[i]]));
-    }
-    for (Eigen::Index i = 0; i < n_base; ++i) dx[i] = std::clamp(dx[i], -1.0, 1.0);
-    one.model.x.head(n_base) += (dx.head(n_base).array() * base.model.scale.head(n_base).array()).matrix();
-    const std::vector<const Parameter*> bounds = base.model.parameters();
-    for (Eigen::Index i = 0; i < n_base; ++i)
-      one.model.x[i] = std::clamp(one.model.x[i], bounds[std::size_t(i)]->low, bounds[std::size_t(i)]->high);
-    one.gain = -(g.dot(dx) + 0.5 * dx.dot(a * dx)) - 0.5 * double(one.candidate->parameters.size()) * std::log(n_data);
-    if (one.gain > 0) screened.push_back(std::move(one));
+  for (std::size_t first = 0, last = 0; first < trials.size(); first = last) {
+    const std::size_t end = first < n_first ? n_first : trials.size();
+    while (last < end && trials[last].candidate == trials[first].candidate) ++last;
+    Screened one = linear_optimum(data, base, n_data, std::span(trials).subspan(first, last - first),
+                                  std::span(found).subspan(first, last - first));
+    if (!(one.gain > 0)) continue;
+    const auto before = std::find_if(screened.begin(), screened.end(),
+                                     [&](const Screened& other) { return other.candidate == one.candidate; });
+    if (before == screened.end())
+      screened.push_back(std::move(one));
+    else if (one.gain > before->gain)
+      *before = std::move(one);
   }
   const auto is_better = [](const Screened& a, const Screened& b) { return a.gain > b.gain; };
   std::stable_sort(screened.begin(), screened.end(), is_better);
