@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
+#include "host/io/picture_series.hpp"
 #include "host/render/mask_metrics.hpp"
 #include "host/scene/read_sections.hpp"
 #include "host/scene/yaml_section.hpp"
@@ -15,8 +16,9 @@ namespace pvg {
 namespace {
 
 using Kind = RecordedChannel::Kind;
-constexpr double SAME_TIME = 1e-4;  // of a mask and a row [s]
-const std::vector<std::string> KINDS = {"position", "rate", "torque", "orientation", "marker", "force", "mask"};
+constexpr double SAME_TIME = 1e-4;  // of a picture and a row [s]
+const std::vector<std::string> KINDS = {"position", "rate",  "torque", "orientation",
+                                        "marker",   "force", "mask",   "video"};
 
 RecordedRun read_run(YamlSection& section) {
   RecordedRun run;
@@ -79,38 +81,70 @@ void read_masks(YamlSection& section, Recording& recording) {
   }
 }
 
-// the masks' file of a run: beside its table, {run} stands for the table's name without its ending
-std::filesystem::path masks_file_of(const RecordedRun& run, std::string name) {
+std::string column_of(const VideoSource& video, std::size_t cell) {
+  return "video of " + video.camera + ", " + cell_name(cell);
+}
+
+// one channel for each cell of the pictures
+void read_video(YamlSection& section, Recording& recording) {
+  VideoSource video{section.text("file"), section.text("camera")};
+  for (const VideoSource& other : recording.video_sources)
+    if (other.camera == video.camera) section.fail("camera", "has a video above; give one per camera");
+  if (section.has("frames_per_second"))
+    video.frames_per_second = section.number("frames_per_second", Unit::none, 1e-3, 1e6);
+  if (section.has("first_frame")) {
+    if (video.frames_per_second == 0) section.fail("first_frame", "needs `frames_per_second` beside it");
+    video.first_frame = section.number("first_frame", Unit::time, -1e6, 1e6);
+  }
+  const double noise = read_noise(section);
+  section.done();
+  for (std::size_t cell = 0; cell < N_PICTURE_CELLS; ++cell) {
+    RecordedChannel channel;
+    channel.kind = Kind::video;
+    channel.video_source = int(recording.video_sources.size());
+    channel.cell = int(cell);
+    channel.noise = noise;
+    channel.columns = {column_of(video, cell)};
+    recording.channels.push_back(std::move(channel));
+  }
+  recording.video_sources.push_back(std::move(video));
+}
+
+// the pictures' file of a run: beside its table, {run} stands for the table's name without its ending
+std::filesystem::path pictures_of(const RecordedRun& run, std::string name) {
   const std::string token = "{run}";
   if (const std::size_t at = name.find(token); at != std::string::npos)
     name.replace(at, token.size(), run.table.file.stem().string());
   return run.table.file.parent_path() / name;
 }
 
-// which mask was seen in which row of the table: by the times of the file, or one after the other
-std::vector<int> frames_of_rows(const PartMasks& masks, const std::vector<double>& t, const std::string& file) {
+// which of n pictures was seen in which row of the table: by their times, or one after the other; what: they are
+std::vector<int> frames_of_rows(const std::vector<double>& time, std::size_t n, const std::vector<double>& t,
+                                const std::string& file, const std::string& what) {
   std::vector<int> frame_of_row(t.size(), -1);
-  if (masks.time.empty()) {
-    if (masks.pixels.size() != t.size())
-      throw UsageError(file + " holds " + std::to_string(masks.pixels.size()) + " masks and no /time, its run " +
-                       std::to_string(t.size()) + " rows; give one mask per row, or /time [s]");
+  if (time.empty()) {
+    if (n != t.size())
+      throw UsageError(file + " holds " + std::to_string(n) + " " + what + "s and no /time, its run " +
+                       std::to_string(t.size()) + " rows; give one " + what + " per row, or /time [s]" +
+                       (what == "picture" ? ", or `frames_per_second`" : ""));
     for (std::size_t i = 0; i < t.size(); ++i) frame_of_row[i] = int(i);
     return frame_of_row;
   }
-  for (std::size_t frame = 0; frame < masks.time.size(); ++frame) {
-    const auto row = std::lower_bound(t.begin(), t.end(), masks.time[frame] - SAME_TIME);
-    if (row == t.end() || *row > masks.time[frame] + SAME_TIME) continue;
+  for (std::size_t frame = 0; frame < time.size(); ++frame) {
+    const auto row = std::lower_bound(t.begin(), t.end(), time[frame] - SAME_TIME);
+    if (row == t.end() || *row > time[frame] + SAME_TIME) continue;
     frame_of_row[std::size_t(row - t.begin())] = int(frame);
   }
   if (std::all_of(frame_of_row.begin(), frame_of_row.end(), [](int frame) { return frame < 0; }))
-    throw UsageError(file + ": no mask has the time of a row of its run; column t and /time must agree");
+    throw UsageError(file + ": no " + what + " has the time of a row of its run; column t and /time must agree");
   return frame_of_row;
 }
 
 void add_masks(const MaskSource& source, RecordedRun& run) {
-  const std::filesystem::path file = masks_file_of(run, source.file);
+  const std::filesystem::path file = pictures_of(run, source.file);
   RecordedMasks recorded{read_part_masks(file, source.part), {}};
-  recorded.frame_of_row = frames_of_rows(recorded.masks, run.table["t"], file.string());
+  recorded.frame_of_row =
+      frames_of_rows(recorded.masks.time, recorded.masks.pixels.size(), run.table["t"], file.string(), "mask");
   std::vector<std::vector<double>> columns(N_MASK_MOMENTS, std::vector<double>(run.table.n_rows, std::nan("")));
   for (std::size_t row = 0; row < recorded.frame_of_row.size(); ++row) {
     if (recorded.frame_of_row[row] < 0) continue;
@@ -124,16 +158,34 @@ void add_masks(const MaskSource& source, RecordedRun& run) {
   run.masks.push_back(std::move(recorded));
 }
 
+void add_video(const VideoSource& source, RecordedRun& run) {
+  const std::filesystem::path file = pictures_of(run, source.file);
+  PictureSeries series = read_picture_series(file);
+  if (source.frames_per_second > 0) {
+    if (!series.time.empty())
+      throw UsageError(file.string() + " has /time of its own; leave `frames_per_second` away, or /time");
+    for (std::size_t frame = 0; frame < series.cells.size(); ++frame)
+      series.time.push_back(source.first_frame + double(frame) / source.frames_per_second);
+  }
+  RecordedVideo recorded{series.width, series.height, {}};
+  recorded.frame_of_row = frames_of_rows(series.time, series.cells.size(), run.table["t"], file.string(), "picture");
+  for (std::size_t cell = 0; cell < N_PICTURE_CELLS; ++cell) {
+    std::vector<double> column(run.table.n_rows, std::nan(""));
+    for (std::size_t row = 0; row < column.size(); ++row)
+      if (recorded.frame_of_row[row] >= 0) column[row] = series.cells[std::size_t(recorded.frame_of_row[row])][cell];
+    run.table.columns[column_of(source, cell)] = std::move(column);
+  }
+  run.videos.push_back(std::move(recorded));
+}
+
 RecordedChannel read_channel(YamlSection& section) {
   RecordedChannel channel;
-  const std::vector<std::string> more = {"velocity", "effort", "video"};
+  const std::vector<std::string> more = {"velocity", "effort"};
   std::vector<std::string> names = KINDS;
   names.insert(names.end(), more.begin(), more.end());
   std::size_t kind = section.choice("kind", names);
   if (kind == KINDS.size()) kind = std::size_t(Kind::rate);
   if (kind == KINDS.size() + 1) kind = std::size_t(Kind::torque);
-  if (kind == KINDS.size() + 2)
-    section.fail("kind", "`video` is not compared; give masks of a part, joints, bodies or markers");
   channel.kind = Kind(kind);
   channel.columns = read_columns(section);
   channel.joint = section.text("joint", "");
@@ -196,8 +248,11 @@ Recording load_recording(const std::filesystem::path& path) {
   for (YamlSection& section : root.sections("runs")) recording.runs.push_back(read_run(section));
   for (YamlSection& section : root.sections("inputs")) recording.inputs.push_back(read_input(section));
   for (YamlSection& section : root.sections("channels")) {
-    if (section.has("kind") && section.text("kind") == "mask")
+    const std::string kind = section.has("kind") ? section.text("kind") : "";
+    if (kind == "mask")
       read_masks(section, recording);
+    else if (kind == "video")
+      read_video(section, recording);
     else
       recording.channels.push_back(read_channel(section));
   }
@@ -205,8 +260,10 @@ Recording load_recording(const std::filesystem::path& path) {
   root.done();
   if (recording.runs.empty()) root.fail("runs", "holds no run: there is nothing to compare with");
   if (recording.channels.empty()) root.fail("channels", "holds no channel: nothing was measured");
-  for (RecordedRun& run : recording.runs)
+  for (RecordedRun& run : recording.runs) {
     for (const MaskSource& source : recording.mask_sources) add_masks(source, run);
+    for (const VideoSource& source : recording.video_sources) add_video(source, run);
+  }
   for (const RecordedRun& run : recording.runs) {
     const auto check = [&](const std::vector<std::string>& columns, const std::string& key) {
       for (const std::string& column : columns)

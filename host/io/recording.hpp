@@ -14,6 +14,8 @@
 //     - {columns: [qx, qy, qz, qw], kind: orientation, body: cube}
 //     - {columns: [mx, my, mz], kind: marker, body: beam, point: [0, 0, 0.1], unit: m}      # or vertex: 120
 //     - {file: masks.h5, kind: mask, camera: wrist, part: gripper}      # beside each run's table; {run}: its name
+//     - {file: video.h5, kind: video, camera: wrist, noise: unknown}  # or wrist.mp4, wrist_%06d.png with
+//                                                                      # frames_per_second, first_frame [s]
 //   initial: first_sample            # or fitted, or a mapping such as {joint/shoulder/position: 0.1}
 #pragma once
 #include <filesystem>
@@ -34,11 +36,18 @@ struct RecordedMasks {
   std::vector<int> frame_of_row;  // [n_rows of the table] which mask was seen at its time, -1: none
 };
 
+// The pictures of one camera in a run; the luminance of their cells is in the table.
+struct RecordedVideo {
+  int width = 0, height = 0;
+  std::vector<int> frame_of_row;  // [n_rows of the table] which picture was taken at its time, -1: none
+};
+
 struct RecordedRun {
   std::string name;  // as the recording names the file
   bool is_held_out = false;
-  MeasuredTable table;               // with a column per moment of masks
-  std::vector<RecordedMasks> masks;  // [n_mask_sources]
+  MeasuredTable table;                // with a column per moment of masks and per cell of pictures
+  std::vector<RecordedMasks> masks;   // [n_mask_sources]
+  std::vector<RecordedVideo> videos;  // [n_video_sources]
 };
 
 // What was commanded: columns, and what of the scene they are fed to.
@@ -48,7 +57,7 @@ struct RecordedInput {
 };
 
 struct RecordedChannel {
-  enum class Kind { position, rate, torque, orientation, marker, force, mask };
+  enum class Kind { position, rate, torque, orientation, marker, force, mask, video };
   Kind kind = Kind::position;
   std::vector<std::string> columns;
   std::string joint, body, unit;
@@ -58,11 +67,20 @@ struct RecordedChannel {
   double noise = -1;          // one sigma, in `unit`; negative: unknown
   int mask_source = -1;       // of a mask: which of Recording::mask_sources; a channel for each of its moments
   int moment = -1;            // then: which (mask_metrics.hpp)
+  int video_source = -1;      // of a video: which of Recording::video_sources; a channel for each cell of its pictures
+  int cell = -1;              // then: which (picture_cells.hpp)
 };
 
 // What a camera saw of a part.
 struct MaskSource {
   std::string file, camera, part;
+};
+
+// What a camera saw.
+struct VideoSource {
+  std::string file, camera;
+  double frames_per_second = 0;  // 0: the file tells its times, or has a picture per row
+  double first_frame = 0;        // time of the first picture [s]
 };
 const char* kind_name(RecordedChannel::Kind kind);
 
@@ -73,6 +91,7 @@ struct Recording {
   std::vector<RecordedInput> inputs;
   std::vector<RecordedChannel> channels;
   std::vector<MaskSource> mask_sources;
+  std::vector<VideoSource> video_sources;
   Initial initial = Initial::first_sample;
   std::map<std::string, double> given;  // "joint/NAME/position", "joint/NAME/velocity" -> SI
 };

@@ -51,6 +51,13 @@ Eigen::Matrix4d camera_to_world(const Camera& camera, const SceneState& state) {
   return pose;
 }
 
+std::vector<double> distortion_with(const Camera& camera, double k1) {
+  std::vector<double> distortion = camera.distortion;
+  if (distortion.empty()) distortion.resize(4, 0.0);
+  distortion[0] += k1;
+  return distortion;
+}
+
 PinholeCamera pinhole_camera(const Camera& camera, const Eigen::Matrix4d& to_world) {
   PinholeCamera c{};
   c.fx = float(camera.fx);

@@ -143,6 +143,14 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 
 void Renderer::set_state(const SceneState& state) { impl_->move_to(state); }
 
+void Renderer::set_distortion(int camera, const std::vector<double>& distortion) {
+  impl_->check_camera_index(camera);
+  Camera seen_by = impl_->scene.cameras[std::size_t(camera)];
+  seen_by.distortion = distortion;
+  check_camera(seen_by);
+  impl_->scene.cameras[std::size_t(camera)] = std::move(seen_by);
+}
+
 RenderedFrame Renderer::render(int camera, std::uint32_t frame) {
   Impl& r = *impl_;
   r.check_camera_index(camera);

@@ -52,6 +52,8 @@ class Renderer {
 
   // Moves every visual and camera to where its body is; refits what deforms.
   void set_state(const SceneState& state);
+  // Camera::distortion of all that is rendered from now on; nothing else is made anew.
+  void set_distortion(int camera, const std::vector<double>& distortion);
   // `frame` enters the random numbers: the same seed, frame and camera give the same bits. A camera with an exposure
   // time or a rolling shutter sees everything stand still.
   RenderedFrame render(int camera, std::uint32_t frame);

@@ -1,7 +1,8 @@
 // The scene file with what was found: effects added by name, wrong numbers replaced. What the measurement has wrong
-// stands in a comment.
+// stands in a comment; only a lens is the scene's, too.
 #include <yaml-cpp/yaml.h>
 
+#include "host/render/camera.hpp"
 #include "pipeline/diagnose/report.hpp"
 
 namespace pvg::diagnose {
@@ -84,6 +85,14 @@ bool set_number(YAML::Node root, const std::string& kind, const std::string& tar
   return false;
 }
 
+// where the file itself says this camera
+void set_lens(const Problem& problem, YAML::Node root, const std::string& name, double k1) {
+  YAML::Node camera = named(root["cameras"], name);
+  if (!camera.IsDefined() || !camera.IsMap()) return;
+  for (const Camera& seen : problem.seen.cameras)
+    if (seen.name == name) camera["distortion"] = distortion_with(seen, k1);
+}
+
 }  // namespace
 
 std::string amended_scene(const Problem& problem, const Diagnosis& diagnosis, const fs::path& folder) {
@@ -115,6 +124,7 @@ std::string amended_scene(const Problem& problem, const Diagnosis& diagnosis, co
       head += "# the measurement: " + candidate.label();
       for (const NamedParameter& p : effect.parameters) head += ", " + p.name + " " + shown(p.value) + " " + p.unit;
       head += "\n";
+      if (candidate.name == "lens_distortion") set_lens(problem, root, candidate.target, effect.parameters[0].value);
     }
   }
   YAML::Emitter out;

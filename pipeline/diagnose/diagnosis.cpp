@@ -117,6 +117,7 @@ void measure(Workflow& flow) {
   Problem& problem = flow.problem;
   Diagnosis& out = flow.out;
   measure_noise(problem);
+  if (VideoSight* video = flow.predictor.video()) add_noise_of_pictures(*video, problem);
   flow.base.scene = problem.scene.scene;
   std::set<std::string> units;
   for (const Channel& c : problem.channels) {
@@ -126,8 +127,9 @@ void measure(Workflow& flow) {
     out.notes.push_back(text);
     units.insert(c.unit);
   }
-  // the moments of a mask have no common size
-  out.unit = units.size() > 1 || !problem.recording.mask_sources.empty() ? "noise" : *units.begin();
+  // the moments of a mask have no common size, nor have the cells of a picture
+  const bool has_pictures = !problem.recording.mask_sources.empty() || !problem.recording.video_sources.empty();
+  out.unit = units.size() > 1 || has_pictures ? "noise" : *units.begin();
   flow.tell(1, 0,
             "noise of " + std::to_string(problem.channels.size()) + " channels, " +
                 std::to_string(problem.runs.size()) + " runs");

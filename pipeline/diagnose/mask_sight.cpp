@@ -1,5 +1,6 @@
 #include "pipeline/diagnose/mask_sight.hpp"
 
+#include "host/render/camera.hpp"
 #include "pipeline/diagnose/resolve.hpp"
 
 namespace pvg::diagnose {
@@ -13,7 +14,8 @@ RenderSettings one_sample() {
 
 }  // namespace
 
-MaskSight::MaskSight(Device& device, const Problem& problem) : renderer_(device, problem.seen, one_sample()) {
+MaskSight::MaskSight(Device& device, const Problem& problem)
+    : problem_(&problem), renderer_(device, problem.seen, one_sample()) {
   for (const MaskSource& asked : problem.recording.mask_sources) {
     Source source{index_named(problem.seen.cameras, asked.camera), {false}};
     for (const Visual& visual : problem.seen.visuals) source.is_part.push_back(visual.part == asked.part);
@@ -21,8 +23,9 @@ MaskSight::MaskSight(Device& device, const Problem& problem) : renderer_(device,
   }
 }
 
-std::vector<std::uint8_t> MaskSight::look(std::size_t number, const SceneState& state) {
+std::vector<std::uint8_t> MaskSight::look(std::size_t number, const SceneState& state, double k1) {
   const Source& source = sources_.at(number);
+  renderer_.set_distortion(source.camera, distortion_with(problem_->seen.cameras[std::size_t(source.camera)], k1));
   renderer_.set_state(state);
   const std::vector<std::uint32_t> instances = renderer_.instances(source.camera);
   std::vector<std::uint8_t> mask(instances.size());

@@ -52,6 +52,24 @@ const std::vector<CandidateKind>& kinds() {
        "a constant is added to what is measured",
        Family::measurement,
        {{"x", "channel's", -10, 10, 0, 0}, {"y", "channel's", -10, 10, 0, 0}, {"z", "channel's", -10, 10, 0, 0}}},
+      {"lens_distortion",
+       "camera",
+       "radial",
+       "the camera's lens bends straight lines more or less than its k1 says",
+       Family::measurement,
+       {{"k1", "1", -0.5, 0.5, 0, 0.02, 0.2}}},
+      {"exposure",
+       "camera",
+       "scale",
+       "the camera's pictures are brighter or darker than its exposure says",
+       Family::measurement,
+       {{"gain", "1", 0.2, 5, 1, 0.02, 0.5}}},
+      {"vignetting",
+       "camera",
+       "radial",
+       "the camera's pictures fall off to their corners by 1 + v1 r^2, r = 1 there, beside what the scene says",
+       Family::measurement,
+       {{"v1", "1", -1, 1, 0, 0.05, 0.3}}},
   };
   return KINDS;
 }
@@ -97,6 +115,29 @@ bool has_time_input(const Problem& problem) {
                      [](const TargetTable& t) { return t.time.size() > 1; });
 }
 
+// of every camera whose masks or videos were measured
+void add_cameras(const Problem& problem, std::vector<Candidate>& out) {
+  const std::size_t n = problem.seen.cameras.size();
+  for (std::size_t c = 0; c < n; ++c) {
+    const std::string& name = problem.seen.cameras[c].name;
+    const auto is_its = [&](const auto& source) { return source.camera == name; };
+    const Recording& recording = problem.recording;
+    const bool has_video = std::any_of(recording.video_sources.begin(), recording.video_sources.end(), is_its);
+    if (!has_video && std::none_of(recording.mask_sources.begin(), recording.mask_sources.end(), is_its)) continue;
+    const auto add = [&](const char* kind, auto change) {
+      out.push_back(begin(kind, name));
+      out.back().apply = [c, n, change](Variant& v, std::span<const double> x) {
+        v.sensing.camera.resize(n);
+        change(v.sensing.camera[c], x[0]);
+      };
+    };
+    add("lens_distortion", [](CameraError& error, double k1) { error.k1 += k1; });
+    if (!has_video) continue;
+    add("exposure", [](CameraError& error, double gain) { error.gain *= gain; });
+    add("vignetting", [](CameraError& error, double v1) { error.v1 += v1; });
+  }
+}
+
 }  // namespace
 
 std::vector<CandidateKind> measurement_kinds() { return kinds(); }
@@ -119,9 +160,10 @@ void add_measurement(const Problem& problem, std::vector<Candidate>& out) {
       out.back().apply = [](Variant& v, std::span<const double> x) { v.sensing.frame_rotation += vector_of(x); };
     }
   }
+  add_cameras(problem, out);
   for (std::size_t c = 0; c < n; ++c) {
     const Channel& channel = problem.channels[c];
-    if (channel.kind == Kind::mask) continue;
+    if (channel.kind == Kind::mask || channel.kind == Kind::video) continue;
     if (n > 1) {
       out.push_back(begin("latency", channel.name));
       out.back().apply = [c, n](Variant& v, std::span<const double> x) {

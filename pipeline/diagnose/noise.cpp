@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "pipeline/diagnose/video_sight.hpp"
+
 namespace pvg::diagnose {
 namespace {
 
@@ -65,6 +67,12 @@ std::optional<Differences> third_differences(const std::vector<double>& values, 
   return found;
 }
 
+// pictures come less often than rows
+std::vector<double> without_gaps(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  return values;
+}
+
 }  // namespace
 
 double noise_of(const std::vector<double>& values, std::size_t width) {
@@ -90,21 +98,36 @@ double noise_of(const std::vector<double>& values, std::size_t width) {
 void measure_noise(Problem& problem) {
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     Channel& channel = problem.channels[c];
+    const bool is_video = channel.kind == RecordedChannel::Kind::video;
     if (channel.is_noise_known) continue;
     std::vector<double> found;
-    double range = 0;
+    double range = 0, brightest = 0;
     for (const Run& run : problem.runs) {
       // an orientation's numbers are half angles
-      const double sigma = noise_of(run.values[c], std::size_t(channel.width)) *
-                           (channel.kind == RecordedChannel::Kind::orientation ? 2 : 1);
+      const double sigma =
+          noise_of(is_video ? without_gaps(run.values[c]) : run.values[c], std::size_t(channel.width)) *
+          (channel.kind == RecordedChannel::Kind::orientation ? 2 : 1);
       if (std::isfinite(sigma)) found.push_back(sigma);
       double low = INFINITY, high = -INFINITY;
       for (const double value : run.values[c])
         if (std::isfinite(value)) low = std::min(low, value), high = std::max(high, value);
       range = std::max(range, high - low);
+      brightest = std::max(brightest, high);
     }
     const double smallest = std::max(1e-4 * range, 1e-9);  // no sensor is better than that
     channel.sigma = found.empty() ? std::max(1e-2 * range, smallest) : std::max(median(found), smallest);
+    // an even surface has the same rounding error in all its pixels
+    if (is_video) channel.sigma = std::hypot(channel.sigma, srgb8_step_sigma(brightest));
+  }
+}
+
+void add_noise_of_pictures(VideoSight& sight, Problem& problem) {
+  const SceneState start = initial_state(problem.seen);
+  for (std::size_t source = 0; source < problem.recording.video_sources.size(); ++source) {
+    const PictureCells noise = sight.noise(source, start);
+    for (Channel& channel : problem.channels)
+      if (channel.video_source == int(source))
+        channel.sigma = std::hypot(channel.sigma, noise[std::size_t(channel.cell)]);
   }
 }
 

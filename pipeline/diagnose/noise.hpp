@@ -11,7 +11,11 @@ namespace pvg::diagnose {
 // samples.
 double noise_of(const std::vector<double>& values, std::size_t width);
 
-// Fills in the sigma of channels whose noise is unknown.
+// Fills in the sigma of channels whose noise is unknown. That of video holds what 8 bits leave.
 void measure_noise(Problem& problem);
+
+class VideoSight;
+// Adds the noise of our own pictures to that of video's.
+void add_noise_of_pictures(VideoSight& sight, Problem& problem);
 
 }  // namespace pvg::diagnose

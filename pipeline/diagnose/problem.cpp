@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
+#include "host/io/lut_file.hpp"
 #include "pipeline/diagnose/resolve.hpp"
 #include "pipeline/overview.hpp"
 
@@ -164,9 +165,13 @@ Problem make_problem(const std::filesystem::path& path) {
   for (std::size_t j = 0, driven = 0; j < scene.joints.size(); ++j)
     if (is_driven(scene.joints[j])) of_joint[j] = problem.scene.targets[driven++];
   const Inputs inputs = resolve_inputs(problem);
-  if (!problem.recording.mask_sources.empty()) {
+  if (!problem.recording.mask_sources.empty() || !problem.recording.video_sources.empty()) {
     problem.seen = scene;
     complete_for_viewing(problem.seen);
+  }
+  if (!problem.recording.video_sources.empty()) {
+    problem.render = load_scene_file(problem.recording.scene).task.render;
+    if (!problem.render.lut.empty()) problem.lut = read_lut(problem.render.lut);
   }
   std::vector<double> to_si;
   for (std::size_t c = 0; c < problem.recording.channels.size(); ++c) {

@@ -2,11 +2,13 @@
 // what drives and prescribed bodies were told in each run. SI units throughout; what was not measured is NaN.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "host/io/recording.hpp"
+#include "host/render/lut.hpp"
 #include "host/scene/scene_file.hpp"
 
 namespace pvg::diagnose {
@@ -26,6 +28,7 @@ struct Channel {
   double sigma = 0;          // one standard deviation of the noise [unit]; measured by stage 1 if unknown
   bool is_noise_known = false;
   int mask_source = -1, moment = -1;  // of a mask, as in RecordedChannel
+  int video_source = -1, cell = -1;   // of a video, likewise
 };
 
 struct PrescribedPath {
@@ -44,8 +47,10 @@ struct Run {
 
 struct Problem {
   Recording recording;
-  SceneRun scene;  // drives as the inputs ask for them
-  Scene seen;      // the same with all that a picture needs, where masks were measured
+  SceneRun scene;          // drives as the inputs ask for them
+  Scene seen;              // the same with all that a picture needs, where masks or videos were measured
+  RenderSection render;    // what the scene says of its pictures
+  std::optional<Lut> lut;  // likewise
   std::vector<Channel> channels;
   std::vector<Run> runs;
   std::vector<int> coordinates;  // joints of open chains whose position may change, parents first

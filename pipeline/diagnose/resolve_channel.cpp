@@ -112,6 +112,32 @@ Channel resolve_mask(const Problem& problem, const RecordedChannel& recorded, co
                    (known.empty() ? "none of its bodies is shown: give them `visuals`" : "it has: " + known));
 }
 
+// a cell of a camera's pictures
+Channel resolve_video(const Problem& problem, const RecordedChannel& recorded, const std::string& place) {
+  const VideoSource& source = problem.recording.video_sources[std::size_t(recorded.video_source)];
+  const int camera = index_named(problem.seen.cameras, source.camera);
+  if (camera < 0) throw UsageError(place + " names the camera `" + source.camera + "`, which the scene does not have");
+  const Camera& optics = problem.seen.cameras[std::size_t(camera)];
+  for (const RecordedRun& run : problem.recording.runs) {
+    const RecordedVideo& video = run.videos[std::size_t(recorded.video_source)];
+    if (video.width != optics.width || video.height != optics.height)
+      throw UsageError(place + ": the pictures of " + run.name + " are " + std::to_string(video.width) + " x " +
+                       std::to_string(video.height) + " pixels, the camera `" + source.camera + "` makes pictures of " +
+                       std::to_string(optics.width) + " x " + std::to_string(optics.height) +
+                       "; give it the size of the video");
+  }
+  Channel channel;
+  channel.kind = Kind::video;
+  channel.video_source = recorded.video_source;
+  channel.cell = recorded.cell;
+  channel.name = recorded.columns[0];
+  channel.subject = "what " + source.camera + " sees";
+  channel.unit = "1";
+  channel.is_noise_known = recorded.noise > 0;
+  channel.sigma = channel.is_noise_known ? recorded.noise : 0;
+  return channel;
+}
+
 }  // namespace
 
 Resolved resolve_channel(const Problem& problem, std::size_t number) {
@@ -122,6 +148,10 @@ Resolved resolve_channel(const Problem& problem, std::size_t number) {
   Channel& channel = resolved.channel;
   if (recorded.kind == Kind::mask) {
     channel = resolve_mask(problem, recorded, problem.recording.file.string() + ": a mask");
+    return resolved;
+  }
+  if (recorded.kind == Kind::video) {
+    channel = resolve_video(problem, recorded, problem.recording.file.string() + ": a video");
     return resolved;
   }
   channel.kind = recorded.kind;

@@ -8,6 +8,7 @@
 #include "pipeline/diagnose/mask_sight.hpp"
 #include "pipeline/diagnose/sensor.hpp"
 #include "pipeline/diagnose/support.hpp"
+#include "pipeline/diagnose/video_sight.hpp"
 #include "pipeline/diagnose/world.hpp"
 #include "pipeline/stop_signal.hpp"
 
@@ -42,6 +43,11 @@ Predictor::~Predictor() = default;
 MaskSight* Predictor::sight() {
   if (!sight_ && !problem_.recording.mask_sources.empty()) sight_ = std::make_unique<MaskSight>(device_, problem_);
   return sight_.get();
+}
+
+VideoSight* Predictor::video() {
+  if (!video_ && !problem_.recording.video_sources.empty()) video_ = std::make_unique<VideoSight>(device_, problem_);
+  return video_.get();
 }
 
 void Predictor::settle(const Variant& variant, std::vector<Window>& windows) {
@@ -79,7 +85,7 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::si
   std::size_t n_steps = 0;
   for (const std::size_t i : which) {
     worlds.push_back(world_of(problem_, jobs[i].variant->scene, *jobs[i].window, jobs[i].initial));
-    traces.emplace_back(problem_, jobs[i], sight());
+    traces.emplace_back(problem_, jobs[i], sight(), video());
     n_steps = std::max(n_steps, steps_of(*jobs[i].window, worlds[0].solver.time_step));
   }
   const double h = worlds[0].solver.time_step;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/device/device.hpp"
+#include "pipeline/diagnose/camera_error.hpp"
 #include "pipeline/diagnose/window.hpp"
 
 namespace pvg::diagnose {
@@ -19,6 +20,7 @@ struct Sensing {
   Vec3 frame_rotation = Vec3::Zero();  // rotation vector of the measurement's frame [rad]
   std::vector<double> latency;         // [n_channels, s] empty: none
   std::vector<Vec3> bias;              // [n_channels, SI] added to what is measured
+  std::vector<CameraError> camera;     // [n_cameras of Problem::seen] empty: none
   std::vector<Vec3> marker_offset;     // [n_channels, m] of a marker from where it is said to be, in the body's frame
 };
 
@@ -47,6 +49,7 @@ struct Prediction {
 
 class Journal;
 class MaskSight;
+class VideoSight;
 
 class Predictor {
  public:
@@ -58,6 +61,7 @@ class Predictor {
   void settle(const Variant& variant, std::vector<Window>& windows);
   void keep_in(Journal* journal) { journal_ = journal; }  // answers are read from there as far as they go
   std::size_t n_simulations() const { return n_simulations_; }
+  VideoSight* video();                                     // null: no video was measured
   double world_seconds() const { return world_seconds_; }  // simulated, summed over all worlds
 
  private:
@@ -65,7 +69,8 @@ class Predictor {
   MaskSight* sight();
   Device& device_;
   const Problem& problem_;
-  std::unique_ptr<MaskSight> sight_;  // made when first needed
+  std::unique_ptr<MaskSight> sight_;   // made when first needed
+  std::unique_ptr<VideoSight> video_;  // likewise
   Journal* journal_ = nullptr;
   std::size_t n_simulations_ = 0;
   double world_seconds_ = 0;

@@ -77,10 +77,12 @@ void sense(const Channel& channel, const Sensing& sensing, std::size_t number, s
     for (int k = 0; k < 3; ++k) value[std::size_t(k)] = x[k] + bias[k];
 }
 
+bool is_of_pictures(const Channel& channel) { return channel.kind == Kind::mask || channel.kind == Kind::video; }
+
 }  // namespace
 
-SensorTrace::SensorTrace(const Problem& problem, const Job& job, MaskSight* sight)
-    : problem_(&problem), job_(&job), sight_(sight), h_(job.variant->scene.solver.time_step) {
+SensorTrace::SensorTrace(const Problem& problem, const Job& job, MaskSight* sight, VideoSight* video)
+    : problem_(&problem), job_(&job), sight_(sight), video_(video), h_(job.variant->scene.solver.time_step) {
   values_.resize(problem.channels.size());
   phase_.resize(problem.channels.size());
 }
@@ -89,13 +91,14 @@ void SensorTrace::add(const Scene& world, const WorldState& state) {
   for (std::size_t c = 0; c < values_.size(); ++c) {
     const Channel& channel = problem_->channels[c];
     if (job_->wants_phases) phase_[c].push_back(phase_of(world, state, channel));
-    if (channel.kind == Kind::mask) continue;
+    if (is_of_pictures(channel)) continue;
     const Sensing& sensing = job_->variant->sensing;
     std::vector<double> value = look_at(channel, offset_of(sensing.marker_offset, c), state);
     sense(channel, sensing, c, value);
     values_[c].insert(values_[c].end(), value.begin(), value.end());
   }
   if (sight_ != nullptr) add_masks(state);
+  if (video_ != nullptr) add_videos(state);
   ++n_steps_;
   if (!job_->wants_phases) return;
   before_.assign(state.rigid.begin(), state.rigid.end());
@@ -103,14 +106,18 @@ void SensorTrace::add(const Scene& world, const WorldState& state) {
     touching_.insert(body_name(world, std::size_t(pair.first)) + "/" + body_name(world, std::size_t(pair.second)));
 }
 
-// Pictures cost more than steps: only those are looked at that the values at the masks' times are found from.
-bool SensorTrace::is_near_a_mask(std::size_t source, double time) const {
-  const RecordedRun& recorded = problem_->recording.runs[std::size_t(job_->window->run)];
-  const std::vector<int>& frame_of_row = recorded.masks[source].frame_of_row;
-  for (std::size_t row = 0; row < frame_of_row.size(); ++row)
+// Pictures cost more than steps: only those are looked at that the values at their times are found from.
+int SensorTrace::picture_near(const std::vector<int>& frame_of_row, double time) const {
+  int frame = -1;
+  double nearest = (1 - 1e-6) * h_;
+  for (std::size_t row = 0; row < frame_of_row.size(); ++row) {
     // before the start everything is where it starts, as value_at has it
-    if (frame_of_row[row] >= 0 && std::abs(std::max(time_of(0, row), 0.0) - time) < (1 - 1e-6) * h_) return true;
-  return false;
+    const double apart = std::abs(std::max(time_of(0, row), 0.0) - time);
+    if (frame_of_row[row] < 0 || apart >= nearest) continue;
+    nearest = apart;
+    frame = frame_of_row[row];
+  }
+  return frame;
 }
 
 void SensorTrace::add_masks(const WorldState& state) {
@@ -119,8 +126,8 @@ void SensorTrace::add_masks(const WorldState& state) {
   for (std::size_t source = 0; source < recorded.masks.size(); ++source) {
     std::array<double, N_MASK_MOMENTS> moments;
     moments.fill(std::nan(""));
-    if (is_near_a_mask(source, time)) {
-      const std::vector<std::uint8_t> mask = sight_->look(source, state);
+    if (picture_near(recorded.masks[source].frame_of_row, time) >= 0) {
+      const std::vector<std::uint8_t> mask = sight_->look(source, state, error_of(sight_->camera(source)).k1);
       const RecordedMasks& measured = recorded.masks[source];
       moments = mask_moments(mask, measured.masks.width, measured.masks.height);
       for (std::size_t row = 0; row < measured.frame_of_row.size(); ++row) {
@@ -133,6 +140,25 @@ void SensorTrace::add_masks(const WorldState& state) {
     for (std::size_t c = 0; c < values_.size(); ++c)
       if (problem_->channels[c].mask_source == int(source))
         values_[c].push_back(moments[std::size_t(problem_->channels[c].moment)]);
+  }
+}
+
+CameraError SensorTrace::error_of(int camera) const {
+  const std::vector<CameraError>& errors = job_->variant->sensing.camera;
+  return errors.empty() ? CameraError{} : errors[std::size_t(camera)];
+}
+
+void SensorTrace::add_videos(const WorldState& state) {
+  const double time = double(n_steps_) * h_;
+  const RecordedRun& recorded = problem_->recording.runs[std::size_t(job_->window->run)];
+  for (std::size_t source = 0; source < recorded.videos.size(); ++source) {
+    PictureCells cells;
+    cells.fill(std::nan(""));
+    if (const int frame = picture_near(recorded.videos[source].frame_of_row, time); frame >= 0)
+      cells = video_->look(source, state, frame, error_of(video_->camera(source)));
+    for (std::size_t c = 0; c < values_.size(); ++c)
+      if (problem_->channels[c].video_source == int(source))
+        values_[c].push_back(cells[std::size_t(problem_->channels[c].cell)]);
   }
 }
 
@@ -151,7 +177,7 @@ std::vector<double> SensorTrace::value_at(std::size_t channel, double time) cons
   const std::size_t n = values_[channel].size() / width;
   const double place = std::max(time / h_, 0.0);
   if (n < 4 || place > double(n - 1) + 1e-6) return {};
-  if (c.kind == Kind::mask) {
+  if (is_of_pictures(c)) {
     const std::size_t before = std::min(std::size_t(place + 1e-6), n - 1), after = std::min(before + 1, n - 1);
     const double share = std::max(place - double(before), 0.0);
     const double *a = &values_[channel][before], *b = &values_[channel][after];

@@ -9,13 +9,14 @@
 #include "host/physics/simulation.hpp"
 #include "pipeline/diagnose/mask_sight.hpp"
 #include "pipeline/diagnose/rollout.hpp"
+#include "pipeline/diagnose/video_sight.hpp"
 
 namespace pvg::diagnose {
 
 class SensorTrace {
  public:
-  // sight: where masks were measured, else null
-  SensorTrace(const Problem& problem, const Job& job, MaskSight* sight);
+  // sight, video: where masks and videos were measured, else null
+  SensorTrace(const Problem& problem, const Job& job, MaskSight* sight, VideoSight* video);
   void add(const Scene& world, const WorldState& state);  // at the next step's end, the start first
   Eigen::VectorXd residual() const;
   std::vector<Phase> phases() const;
@@ -25,7 +26,9 @@ class SensorTrace {
 
  private:
   void add_masks(const WorldState& state);
-  bool is_near_a_mask(std::size_t source, double time) const;
+  void add_videos(const WorldState& state);
+  int picture_near(const std::vector<int>& frame_of_row, double time) const;  // within a step; -1: none
+  CameraError error_of(int camera) const;
   std::vector<double> value_at(std::size_t channel, double time) const;  // [width], empty: not simulated so far
   double time_of(std::size_t channel, std::size_t sample) const;         // in the simulation [s]
   Phase phase_of(const Scene& world, const WorldState& state, const Channel& channel) const;
@@ -33,6 +36,7 @@ class SensorTrace {
   const Problem* problem_;
   const Job* job_;
   MaskSight* sight_;
+  VideoSight* video_;
   double h_;
   std::size_t n_steps_ = 0;
   double overlap_sum_ = 0;

@@ -34,12 +34,19 @@ std::vector<std::string> warnings(const Problem& problem) {
       }
     }
     // pictures come less often than rows
-    if (10 * gaps > all && problem.channels[c].kind != RecordedChannel::Kind::mask)
+    const bool is_of_pictures = problem.channels[c].mask_source >= 0 || problem.channels[c].video_source >= 0;
+    if (10 * gaps > all && !is_of_pictures)
       sentences.push_back("the " + problem.channels[c].name + " has gaps in " + std::to_string(100 * gaps / all) +
                           " % of its samples");
     if (!changes && problem.channels[c].width == 1)
       sentences.push_back("the " + problem.channels[c].name + " is constant");
   }
+  for (const VideoSource& video : problem.recording.video_sources)
+    for (const Camera& camera : problem.seen.cameras)
+      if (camera.name == video.camera && (camera.exposure_time > 0 || camera.row_time > 0))
+        sentences.push_back("the camera " + camera.name +
+                            " has an exposure_time or row_time: videos are compared with pictures in which "
+                            "everything stands still");
   for (const Run& run : problem.runs) {
     double longest = 0, shortest = INFINITY;
     for (std::size_t i = 1; i < run.t.size(); ++i) {
