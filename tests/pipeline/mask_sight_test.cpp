@@ -75,7 +75,7 @@ std::string flight_scene(const std::string& lens) {
   return R"(schema: 1
 name: flight
 gravity: [0, 0, 0]
-time_step: 10 ms
+time_step: 30 ms
 duration: 1 s
 bodies:
   - {name: disc, kind: rigid, shape: {sphere: {radius: 0.12, subdivisions: 3}}, mass: 1, pose: {position: [-0.4, 0, -0.3]}, velocity: [1.6, 0, 1.2]}

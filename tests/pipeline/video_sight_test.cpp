@@ -24,7 +24,7 @@ std::string scene_text(const std::string& camera) {
   return R"(schema: 1
 name: flight
 gravity: [0, 0, 0]
-time_step: 10 ms
+time_step: 50 ms
 duration: 1 s
 bodies:
   - {name: ball, kind: rigid, shape: {sphere: {radius: 0.15, subdivisions: 2}}, mass: 1, pose: {position: [-0.4, 0, -0.2]}, velocity: [1, 0, 0.5]}
