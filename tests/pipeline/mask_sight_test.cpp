@@ -69,13 +69,13 @@ TEST(MaskSight, MasksThatDoNotFitTheirCameraOrSceneAreRefused) {
 
 // A disc that flies across the corner of a wide picture, weightless; its masks through a lens of this k1, which the
 // scene's camera does not have.
-constexpr std::uint64_t N_FRAMES = 17, W = 128, V = 96;
+constexpr std::uint64_t N_FRAMES = 11, W = 128, V = 96;
 
 std::string flight_scene(const std::string& lens) {
   return R"(schema: 1
 name: flight
 gravity: [0, 0, 0]
-time_step: 30 ms
+time_step: 45 ms
 duration: 1 s
 bodies:
   - {name: disc, kind: rigid, shape: {sphere: {radius: 0.12, subdivisions: 3}}, mass: 1, pose: {position: [-0.4, 0, -0.3]}, velocity: [1.6, 0, 1.2]}
@@ -105,7 +105,7 @@ std::filesystem::path flight(const TestFolder& folder, double k1) {
   std::string run = "t\n";
   std::vector<std::uint8_t> pixels;
   for (std::uint64_t i = 0; i < N_FRAMES; ++i) {
-    const double time = 0.03 * double(i);
+    const double time = 0.045 * double(i);
     run += std::to_string(time) + "\n";
     renderer.set_state(flown(scene, time));
     for (const std::uint32_t instance : renderer.instances(0)) pixels.push_back(std::uint8_t(instance));
@@ -125,15 +125,15 @@ TEST(MaskSight, AddedDistortionIsThatOfACameraWhoseFileSaysSo) {
   Device device;
   MaskSight sight(device, problem);
   int n_bent = 0;
-  for (const std::size_t frame : {0, 5, 16, 0}) {
-    const SceneState state = flown(problem.seen, 0.03 * double(frame));
+  for (const std::size_t frame : {0, 3, 10, 0}) {
+    const SceneState state = flown(problem.seen, 0.045 * double(frame));
     EXPECT_EQ(sight.look(0, state, -0.1), seen.pixels[frame]) << frame;
     n_bent += sight.look(0, state) != seen.pixels[frame];
   }
   EXPECT_GE(n_bent, 3);
 }
 
-TEST(MaskSight, MasksTellTheDistortionOfTheirCamerasLens) {
+TEST(MaskSight, MasksTellTheDistortionOfTheirCamerasLensToAFewPerCent) {
   const TestFolder folder;
   Problem problem = make_problem(flight(folder, -0.1));
   measure_noise(problem);
@@ -152,7 +152,8 @@ TEST(MaskSight, MasksTellTheDistortionOfTheirCamerasLens) {
   const Fit before = fitter.begin(data, {off}).front();
   const Fit fit = fitter.fit(data, {off}, 6).front();
   ASSERT_TRUE(fit.is_well);
-  EXPECT_NEAR(fit.model.x[0], -0.1, 2 * std::sqrt(fit.covariance(0, 0)));
+  // by whole pixels the answer to a small change is uneven, and the interval narrower than the error
+  EXPECT_NEAR(fit.model.x[0], -0.1, 0.005);
   EXPECT_LT(std::sqrt(fit.covariance(0, 0)), 0.02);
   EXPECT_LT(rms(fit.residual), 0.2 * rms(before.residual));
 }
