@@ -123,7 +123,10 @@ void measure(Workflow& flow) {
   for (const Channel& c : problem.channels) {
     char text[200];
     std::snprintf(text, sizeof text, "noise of the %s: %.3g %s%s", c.name.c_str(), c.sigma, c.unit.c_str(),
-                  c.is_noise_known ? ", as given" : ", measured from third differences");
+                  c.is_noise_known ? ", as given"
+                  : c.is_noise_assumed
+                      ? ", taken as a hundredth of the range, too few samples stand side by side to measure it"
+                      : ", measured from third differences");
     out.notes.push_back(text);
     units.insert(c.unit);
   }

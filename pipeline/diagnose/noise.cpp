@@ -35,6 +35,7 @@ constexpr double TYPICAL = 1.4826;                     // sigma of a normal dist
 constexpr std::size_t LEAST_DIFFERENCES = 8;           // that tell anything
 constexpr std::array LAGS = {1u, 2u, 3u, 4u, 6u, 8u};  // between the samples of a difference
 constexpr double INDEPENDENT = -0.5;  // neighbours correlate by less; of white noise by -15 / 20, a motion by up to 1
+constexpr double ASSUMED = 1e-2;      // of a channel's range, where its noise cannot be measured
 constexpr double SMOOTHED = 2;        // times the noise of neighbours, if that further apart is so much
 
 struct Differences {
@@ -115,7 +116,8 @@ void measure_noise(Problem& problem) {
       brightest = std::max(brightest, high);
     }
     const double smallest = std::max(1e-4 * range, 1e-9);  // no sensor is better than that
-    channel.sigma = found.empty() ? std::max(1e-2 * range, smallest) : std::max(median(found), smallest);
+    channel.is_noise_assumed = found.empty();
+    channel.sigma = found.empty() ? std::max(ASSUMED * range, smallest) : std::max(median(found), smallest);
     // an even surface has the same rounding error in all its pixels
     if (is_video) channel.sigma = std::hypot(channel.sigma, srgb8_step_sigma(brightest));
   }

@@ -27,6 +27,7 @@ struct Channel {
   int n = 1;                 // numbers that are compared: 1 or 3
   double sigma = 0;          // one standard deviation of the noise [unit]; measured by stage 1 if unknown
   bool is_noise_known = false;
+  bool is_noise_assumed = false;      // unknown, and too few samples stand side by side to measure it
   int mask_source = -1, moment = -1;  // of a mask, as in RecordedChannel
   int video_source = -1, cell = -1;   // of a video, likewise
 };
