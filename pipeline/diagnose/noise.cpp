@@ -33,6 +33,7 @@ double quantum_of(const std::vector<double>& values, std::size_t width) {
 
 constexpr double TYPICAL = 1.4826;                     // sigma of a normal distribution over the median of its size
 constexpr std::size_t LEAST_DIFFERENCES = 8;           // that tell anything
+constexpr std::size_t LEAST_APART = 100;               // that tell more than those of neighbours do
 constexpr std::array LAGS = {1u, 2u, 3u, 4u, 6u, 8u};  // between the samples of a difference
 constexpr double INDEPENDENT = -0.5;  // neighbours correlate by less; of white noise by -15 / 20, a motion by up to 1
 constexpr double ASSUMED = 1e-2;      // of a channel's range, where its noise cannot be measured
@@ -52,7 +53,7 @@ std::optional<Differences> third_differences(const std::vector<double>& values, 
     difference.push_back(values[i] - 3 * values[i - step] + 3 * values[i - 2 * step] - values[i - 3 * step]);
     if (std::isfinite(difference.back())) size.push_back(std::abs(difference.back()));
   }
-  if (size.size() < LEAST_DIFFERENCES) return std::nullopt;
+  if (size.size() < (lag == 1 ? LEAST_DIFFERENCES : LEAST_APART)) return std::nullopt;
   Differences found;
   const double typical = TYPICAL * median(std::move(size));
   found.sigma = typical / std::sqrt(20.0);
