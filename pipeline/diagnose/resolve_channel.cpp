@@ -1,4 +1,6 @@
+#include <functional>
 #include <stdexcept>
+#include <utility>
 
 #include "host/base/error.hpp"
 #include "pipeline/diagnose/embedded_point.hpp"
@@ -77,20 +79,29 @@ double factor_of(const std::string& unit, Unit dimension, const std::string& pla
 
 namespace {
 
+// The scene must have that camera, and its pictures the size of what was measured, of a run: width and height.
+void check_camera(const Problem& problem, const std::string& name, const std::string& place, const std::string& what,
+                  const std::function<std::pair<int, int>(const RecordedRun&)>& size_of) {
+  const int camera = index_named(problem.seen.cameras, name);
+  if (camera < 0) throw UsageError(place + " names the camera `" + name + "`, which the scene does not have");
+  const Camera& optics = problem.seen.cameras[std::size_t(camera)];
+  for (const RecordedRun& run : problem.recording.runs) {
+    const auto [width, height] = size_of(run);
+    if (width != optics.width || height != optics.height)
+      throw UsageError(place + ": the " + what + " of " + run.name + " are " + std::to_string(width) + " x " +
+                       std::to_string(height) + " pixels, the camera `" + name + "` makes pictures of " +
+                       std::to_string(optics.width) + " x " + std::to_string(optics.height) +
+                       "; give the camera the measured size");
+  }
+}
+
 // the camera and the part of a mask, which the first body of that name stands for
 Channel resolve_mask(const Problem& problem, const RecordedChannel& recorded, const std::string& place) {
   const MaskSource& source = problem.recording.mask_sources[std::size_t(recorded.mask_source)];
-  const int camera = index_named(problem.seen.cameras, source.camera);
-  if (camera < 0) throw UsageError(place + " names the camera `" + source.camera + "`, which the scene does not have");
-  const Camera& optics = problem.seen.cameras[std::size_t(camera)];
-  for (const RecordedRun& run : problem.recording.runs) {
+  check_camera(problem, source.camera, place, "masks", [&](const RecordedRun& run) {
     const PartMasks& masks = run.masks[std::size_t(recorded.mask_source)].masks;
-    if (masks.width != optics.width || masks.height != optics.height)
-      throw UsageError(place + ": the masks of " + run.name + " are " + std::to_string(masks.width) + " x " +
-                       std::to_string(masks.height) + " pixels, the camera `" + source.camera + "` makes pictures of " +
-                       std::to_string(optics.width) + " x " + std::to_string(optics.height) +
-                       "; give it the size of the masks");
-  }
+    return std::pair(masks.width, masks.height);
+  });
   Channel channel;
   channel.kind = Kind::mask;
   channel.mask_source = recorded.mask_source;
@@ -115,17 +126,10 @@ Channel resolve_mask(const Problem& problem, const RecordedChannel& recorded, co
 // a cell of a camera's pictures
 Channel resolve_video(const Problem& problem, const RecordedChannel& recorded, const std::string& place) {
   const VideoSource& source = problem.recording.video_sources[std::size_t(recorded.video_source)];
-  const int camera = index_named(problem.seen.cameras, source.camera);
-  if (camera < 0) throw UsageError(place + " names the camera `" + source.camera + "`, which the scene does not have");
-  const Camera& optics = problem.seen.cameras[std::size_t(camera)];
-  for (const RecordedRun& run : problem.recording.runs) {
+  check_camera(problem, source.camera, place, "pictures", [&](const RecordedRun& run) {
     const RecordedVideo& video = run.videos[std::size_t(recorded.video_source)];
-    if (video.width != optics.width || video.height != optics.height)
-      throw UsageError(place + ": the pictures of " + run.name + " are " + std::to_string(video.width) + " x " +
-                       std::to_string(video.height) + " pixels, the camera `" + source.camera + "` makes pictures of " +
-                       std::to_string(optics.width) + " x " + std::to_string(optics.height) +
-                       "; give it the size of the video");
-  }
+    return std::pair(video.width, video.height);
+  });
   Channel channel;
   channel.kind = Kind::video;
   channel.video_source = recorded.video_source;

@@ -5,7 +5,7 @@
 
 tosses.csv: toss, frame, qw..qz (body to world), px..pz, and rates that are not used; 148 frames per second. Of the
 chosen tosses two of three are fitted, the third is held out. The tracks were smoothed, so their own noise cannot be
-told from them; 2 mm and 0.02 rad are what fiducial markers of that size are commonly tracked to.
+told from them; 2 mm and 0.02 rad are assumed.
 """
 import pathlib
 import sys
