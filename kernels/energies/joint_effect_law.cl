@@ -4,8 +4,7 @@
 //   eps,
 //           else sign(v)
 // Coulomb friction T with the Stribeck effect S, u: it sticks at T + S and slides at T. R in closed form by the error
-// function; R is not convex where S > 0, so its curvature is replaced by the secant R'(v) / v, which bounds R from
-// above.
+// function. R'' is what it is where it sticks; where it slides R'' is not above zero, and zero stands for it.
 #ifndef PVG_ENERGIES_JOINT_EFFECT_LAW_CL
 #define PVG_ENERGIES_JOINT_EFFECT_LAW_CL
 #include "energies/smooth_coulomb.cl"
@@ -43,6 +42,12 @@ static real joint_friction_over_rate(const JointEffectLaw d, const real v) {
   return joint_sliding_friction(d, fmax(y, d.velocity)) * smooth_coulomb_slope_over(y, d.velocity);
 }
 
+// R''(v), never below zero [N m s/rad or N s/m]
+static real joint_friction_curvature(const JointEffectLaw d, const real v) {
+  const real y = fabs(v), eps = d.velocity;
+  return y < eps ? joint_sliding_friction(d, eps) * 2 * (1 - y / eps) / eps : 0;
+}
+
 real joint_effect_energy(const JointEffectLaw d, const real q, const real q0, const real h) {
   const real v = (q - q0) / h;
   return q * (0.5 * d.stiffness * q - d.preload) + h * (0.5 * d.damping * v * v + joint_friction_power(d, v));
@@ -55,7 +60,7 @@ real joint_effect_slope(const JointEffectLaw d, const real q, const real q0, con
 
 real joint_effect_curvature(const JointEffectLaw d, const real q, const real q0, const real h) {
   const real v = (q - q0) / h;
-  return d.stiffness + (d.damping + joint_friction_over_rate(d, v)) / h;
+  return d.stiffness + (d.damping + joint_friction_curvature(d, v)) / h;
 }
 
 #endif

@@ -91,11 +91,23 @@ def slow(amplitude, period):
     return lambda t: amplitude * (1 - math.cos(2 * math.pi * max(t, 0) / period)) / 2
 
 
+def as_recorded(command, length):
+    """The command that the drive is given: straight lines between the samples that the recording has."""
+    samples = [command(k / RATE) for k in range(int(length * RATE) + 2)]
+
+    def lines(t):
+        k = min(max(math.floor(t * RATE), 0), len(samples) - 2)
+        return samples[k] + (samples[k + 1] - samples[k]) * min(max(t * RATE - k, 0.0), 1.0)
+
+    return lines
+
+
 class Experiment:
     """A model, its scene, its runs (start, length, command, role) and its channels."""
 
     def __init__(self, name, model, scene, runs, columns, channel, noise, target, body, phases, command_target=None):
-        self.name, self.model, self.scene, self.runs, self.columns = name, model, scene, runs, columns
+        self.name, self.model, self.scene, self.columns = name, model, scene, columns
+        self.runs = [(start, length, command and as_recorded(command, length), role) for start, length, command, role in runs]
         self.channel, self.noise, self.target, self.body, self.phases = channel, noise, target, body, phases
         self.command_target = command_target
         self.unchanged = None  # what change_of compares with, once it is known
