@@ -182,7 +182,9 @@ OFF_LIBRARY = [
     ("flight", "vortex", {"strength": 0.1}),
     ("flight", "tether", {"stiffness": 1.0, "length": 1.5}),
     ("slide", "rough_strip", {"extra": 0.3}),
+    ("flight", "magnus", {"lift": 0.01}),
     ("driven", "cogging", {"strength": 0.2}),
+    ("driven", "bumper", {"stiffness": 5.0}),
 ]
 PAIRS = [
     ("pendulum", [("joint_viscous_friction", "hinge", {"damping": 1e-2}), ("joint_spring", "hinge", {"stiffness": 0.05, "preload": 0.02})]),
@@ -190,6 +192,13 @@ PAIRS = [
     ("flight", [("quadratic_drag", "ball", {"drag": 0.005}), ("constant_force", "ball", {"x": 0.03, "y": -0.02, "z": 0})]),
     ("driven", [("backlash", "shoulder", {"play": 0.02}), ("joint_viscous_friction", "shoulder", {"damping": 0.03})]),
     ("driven", [("joint_coulomb_friction", "shoulder", {"effort": 0.05}), ("actuator_delay", "shoulder", {"delay": 0.01})]),
+    ("pendulum", [("quadratic_drag", "cube", {"drag": 0.1}), ("joint_spring", "hinge", {"stiffness": 0.05, "preload": 0.02})]),
+    ("pendulum", [("joint_viscous_friction", "hinge", {"damping": 1e-2}), ("bias", "hinge", {"x": 1e-2})]),
+    ("flight", [("linear_drag", "ball", {"drag": 0.02}), ("gravity_tilt", "scene", {"about_x": 0.01, "about_y": 0.02})]),
+    ("slide", [("anisotropic_friction", "floor/block", {"change": 0.2}), ("gravity_tilt", "scene", {"about_x": 0.01, "about_y": 0.01})]),
+    ("driven", [("joint_viscous_friction", "shoulder", {"damping": 0.04}), ("payload_mass", "arm", {"mass": 0.1})]),
+    ("driven", [("backlash", "shoulder", {"play": 0.02}), ("actuator_lag", "shoulder", {"time_constant": 0.005})]),
+    ("driven", [("joint_spring", "shoulder", {"stiffness": 0.6, "preload": 0.2}), ("actuator_delay", "shoulder", {"delay": 0.005})]),
 ]
 MEASUREMENT = {"bias", "clock_rate", "length_scale"}
 QUICK = {"pendulum_joint_viscous_friction_10x", "pendulum_joint_coulomb_friction_10x", "flight_quadratic_drag_30x", "slide_retune_friction",
@@ -319,17 +328,19 @@ def cases(all_experiments):
     for place, name, parameters in OFF_LIBRARY:
         for wanted in (10, 30):
             yield f"{place}_{name}{'' if wanted == 10 else '_30x'}", all_experiments[place], {name: parameters}, {}, wanted, "off_library", {}
+    alike = {(place, name): accept for place, name, _, _, accept in SINGLES}
     for place, parts in PAIRS:
         effects = {name: parameters for name, _, parameters in parts}
         label = "_and_".join(name for name, _, _ in parts)
-        yield f"{place}_{label}", all_experiments[place], effects, {}, 30, "two", {name: (target, []) for name, target, _ in parts}
+        named = {name: (target, alike[place, name]) for name, target, _ in parts}
+        yield f"{place}_{label}", all_experiments[place], effects, {}, 30, "two", named
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--quick", action="store_true", help="only the cases that the tests run")
-    parser.add_argument("--nulls", type=int, default=10, help="cases without any effect, per experiment")
+    parser.add_argument("--nulls", type=int, default=38, help="cases without any effect, per experiment")
     parser.add_argument("--seed", type=int, default=7, help="of all noise")
     options = parser.parse_args()
     everything = experiments()

@@ -100,6 +100,7 @@ class Flight:
         quadratic = effects.get("quadratic_drag", {}).get("drag", 0)
         swirl = effects.get("vortex", {}).get("strength", 0)
         tether = effects.get("tether", {"stiffness": 0, "length": 1})
+        lift = effects.get("magnus", {}).get("lift", 0)  # of a spin about y that lasts: lift spin x v
 
         def rate(t, y):
             x, v = y[:3], y[3:]
@@ -107,7 +108,7 @@ class Flight:
             turn = swirl / (0.1 + x[0] ** 2 + x[1] ** 2)
             reach = math.hypot(*x)
             pull = tether["stiffness"] * max(reach - tether["length"], 0) / max(reach, 1e-9)
-            spin = (-x[1] * turn, x[0] * turn, 0)
+            spin = (-x[1] * turn + lift * v[2], x[0] * turn, -lift * v[0])
             return (*v, *(g[k] + (force[k] - drag * v[k] + spin[k] - pull * x[k]) / self.mass for k in range(3)))
 
         return integrate(rate, start, times)[:, :3]
@@ -165,6 +166,7 @@ class DrivenJoint:
         delay = effects.get("actuator_delay", {}).get("delay", 0)
         spring = effects.get("joint_spring", {"stiffness": 0, "preload": 0})
         ripple = effects.get("cogging", {}).get("strength", 0)
+        bumper = effects.get("bumper", {}).get("stiffness", 0)  # of rubber that the arm meets at 0.3 rad
         linear = effects.get("linear_drag", {}).get("drag", 0)
 
         def rate(t, y):
@@ -180,7 +182,7 @@ class DrivenJoint:
             error -= min(max(error, -play / 2), play / 2)
             effort = gain * (stiffness * error + damping * (change - w))
             effort += joint_friction(effects, w) + spring["preload"] - spring["stiffness"] * q
-            effort += ripple * math.sin(24 * q) - linear * self.arm**2 * w
+            effort += ripple * math.sin(24 * q) - linear * self.arm**2 * w - bumper * max(q - 0.3, 0.0)
             return w, effort / inertia, follow
 
         return integrate(rate, [start[0], start[1], command(-delay)], times)[:, :1]
