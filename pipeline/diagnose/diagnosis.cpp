@@ -9,6 +9,7 @@
 #include "pipeline/diagnose/choose_windows.hpp"
 #include "pipeline/diagnose/journal.hpp"
 #include "pipeline/diagnose/noise.hpp"
+#include "pipeline/diagnose/regress.hpp"
 #include "pipeline/diagnose/time_step.hpp"
 #include "pipeline/diagnose/workflow.hpp"
 
@@ -18,7 +19,6 @@ namespace {
 using Eigen::VectorXd;
 constexpr double SHORT_WINDOW = 0.25;                   // of localisation [s]
 constexpr double AGREES_RMS = 1.15, AGREES_CELL = 1.5;  // of residuals in units of noise
-constexpr double LEAST_GAP_CLOSED = 0.6;                // on held-out runs, for an effect to be named
 
 Model empty_model() { return {{}, VectorXd(), VectorXd()}; }
 
@@ -209,6 +209,10 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     if (settings.decide == Decide::workflow)
       is_proved = is_proved && is_judged && out.gap_closed >= LEAST_GAP_CLOSED && out.after < out.before;
     out.verdict = is_proved ? verdict_of(out.effects) : Verdict::none;
+    if (out.verdict == Verdict::none && settings.decide == Decide::workflow) {
+      flow.tell(6, 0.6, "none of the known effects: looking for a law of the motion");
+      out.regressed = regress(flow, chosen);
+    }
   }
   out.seconds = flow.seconds();
   out.simulations = flow.predictor.n_simulations();

@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,18 @@ struct NamedEffect {
   std::vector<NamedParameter> parameters;
 };
 
+// What is missing where no known effect explains it, as a law without a name (regress.hpp).
+struct RegressedLaw {
+  std::string effect, target, unit;   // regressed_effort or regressed_force; of the effort or force
+  std::vector<std::string> formulas;  // with the coefficients written out
+  Effect amended;                     // as a scene has it
+  double before = 0, after = 0, floor = 0, gap_closed = 0;  // held-out error, as in Diagnosis
+  double error = 0;                                         // of the fitting runs, left out [noise]
+};
+
+// On held-out runs, for an effect to be named, or a law to be told.
+inline constexpr double LEAST_GAP_CLOSED = 0.6;
+
 struct RankedModel {
   std::vector<const Candidate*> parts;
   double error = 0;  // left out, in units of noise
@@ -56,6 +69,7 @@ struct Diagnosis {
   std::string unit;
   double mask_gap_before = NAN, mask_gap_after = NAN;  // as HeldOut has them
   std::vector<Curve> curves;
+  std::optional<RegressedLaw> regressed;  // where the verdict is none
   double seconds = 0;
   std::size_t simulations = 0;
   Scene used;                                          // the base scene with the solver as chosen

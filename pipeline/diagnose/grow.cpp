@@ -35,36 +35,6 @@ struct Round {
   Decision decision;
 };
 
-// The fits to the end of those that may still win, all with slopes and covariances.
-std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector<Screened>& best) {
-  std::vector<Model> models;
-  for (const Screened& s : best) models.push_back(s.model);
-  std::vector<Fit> fits = fitter.begin(data, std::move(models));
-  std::erase_if(fits, [](const Fit& fit) { return !fit.is_well; });
-  fitter.improve(data, fits, 2);
-  std::vector<double> scales;  // of each window by the fit that has it best
-  for (const Fit& fit : fits) {
-    const std::vector<double> of = window_scales(fit.residual);
-    if (scales.empty()) scales = of;
-    for (std::size_t w = 0; w < of.size(); ++w) scales[w] = std::min(scales[w], of[w]);
-  }
-  // who is worth more steps is told by what the next one promises: the true effect may still be far from its best
-  const std::vector<std::vector<VectorXd>> promised = fitter.promised(data, fits);
-  std::vector<double> key;
-  for (std::size_t i = 0; i < fits.size(); ++i)
-    key.push_back(std::min(robust_cost(fits[i].residual, scales), robust_cost(promised[i], scales)));
-  std::vector<std::size_t> order(fits.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const Fit& best = fits[order[0]];
-    fits[order[i]].is_given_up = i >= N_FINALISTS || key[order[i]] > key[order[0]] + HOPELESS * best.scale * best.scale;
-  }
-  fitter.improve(data, fits, MORE_STEPS);
-  fitter.finish(data, fits);
-  return fits;
-}
-
 Round run_round(Workflow& flow, const FitData& data, const Fit& base, int number) {
   std::vector<const Candidate*> candidates;
   for (const Candidate& c : *flow.out.candidates)
@@ -150,6 +120,35 @@ Fit settled(Workflow& flow, FitData& data, const Fit& fit) {
 }
 
 }  // namespace
+
+std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector<Screened>& best) {
+  std::vector<Model> models;
+  for (const Screened& s : best) models.push_back(s.model);
+  std::vector<Fit> fits = fitter.begin(data, std::move(models));
+  std::erase_if(fits, [](const Fit& fit) { return !fit.is_well; });
+  fitter.improve(data, fits, 2);
+  std::vector<double> scales;  // of each window by the fit that has it best
+  for (const Fit& fit : fits) {
+    const std::vector<double> of = window_scales(fit.residual);
+    if (scales.empty()) scales = of;
+    for (std::size_t w = 0; w < of.size(); ++w) scales[w] = std::min(scales[w], of[w]);
+  }
+  // who is worth more steps is told by what the next one promises: the true effect may still be far from its best
+  const std::vector<std::vector<VectorXd>> promised = fitter.promised(data, fits);
+  std::vector<double> key;
+  for (std::size_t i = 0; i < fits.size(); ++i)
+    key.push_back(std::min(robust_cost(fits[i].residual, scales), robust_cost(promised[i], scales)));
+  std::vector<std::size_t> order(fits.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Fit& best = fits[order[0]];
+    fits[order[i]].is_given_up = i >= N_FINALISTS || key[order[i]] > key[order[0]] + HOPELESS * best.scale * best.scale;
+  }
+  fitter.improve(data, fits, MORE_STEPS);
+  fitter.finish(data, fits);
+  return fits;
+}
 
 std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base) {
   Diagnosis& out = flow.out;

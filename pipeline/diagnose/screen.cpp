@@ -286,6 +286,34 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fit
   return screened;
 }
 
+Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& fitted, const Candidate& candidate) {
+  const Fit base = from_measured_starts(fitter, data, fitted);
+  std::vector<Trial> trials =
+      choose_steps(fitter, data, base, std::clamp(rms(fitted.residual), 2.0, 10.0), {&candidate});
+  std::erase_if(trials, [](const Trial& t) { return t.step == 0; });
+  std::vector<std::vector<VectorXd>> found = answers(fitter, data, base, trials);
+  Signatures out;
+  Fit fit = base;
+  fit.window_scale = window_scales(base.residual);
+  std::vector<std::size_t> seen;
+  for (std::size_t t = 0; t < trials.size(); ++t)
+    if (size_of(found[t]) > LEAST_ANSWER) seen.push_back(t);
+  fit.slope.assign(data.windows.size(), {});
+  for (std::size_t w = 0; w < data.windows.size(); ++w) {
+    fit.slope[w].resize(base.residual[w].size(), Eigen::Index(seen.size()));
+    for (std::size_t i = 0; i < seen.size(); ++i) fit.slope[w].col(Eigen::Index(i)) = found[seen[i]][w];
+  }
+  for (const std::size_t t : seen) {
+    out.parameter.push_back(trials[t].parameter);
+    out.step.push_back(trials[t].step);
+  }
+  fit.model.x = VectorXd::Zero(Eigen::Index(seen.size()));
+  const Reduced reduced = reduce(fit);
+  out.a = reduced.sum_a();
+  out.g = reduced.sum_g();
+  return out;
+}
+
 std::vector<Screened> shortlist(const std::vector<Screened>& screened, std::size_t most) {
   std::vector<Screened> list;
   std::map<Family, int> n_of;

@@ -20,6 +20,17 @@ struct Screened {
 std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& base,
                              const std::vector<const Candidate*>& candidates);
 
+// How residuals answer to a candidate's parameters, starts free:  C(x) ~ C(0) + g x + x A x / 2, x in units of steps.
+// Parameters that nothing answers to are left out.
+struct Signatures {
+  std::vector<std::size_t> parameter;  // [n] of the candidate
+  std::vector<double> step;            // [n] [unit]
+  Eigen::MatrixXd a;                   // [n x n]
+  Eigen::VectorXd g;                   // [n]
+};
+// base: without any effect
+Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& base, const Candidate& candidate);
+
 // The best ones to fit: `most` of them, yet always the best two of each family.
 std::vector<Screened> shortlist(const std::vector<Screened>& screened, std::size_t most);
 

@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/diagnose/choose_windows.hpp"
 #include "pipeline/diagnose/diagnosis.hpp"
+#include "pipeline/diagnose/screen.hpp"
 #include "pipeline/diagnose/stage_files.hpp"
 
 namespace pvg::diagnose {
@@ -26,6 +28,9 @@ struct Workflow {
   }
   void tell(int stage, double share, const std::string& text) const;  // how far it is, and how long it will take
 };
+
+// The fits to the end of those that may still win, all with slopes and covariances.
+std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector<Screened>& best);
 
 // Looks for one effect after the other, each beside those before. Returns the fits that grew by one effect each.
 std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base);

@@ -1,0 +1,149 @@
+#include "pipeline/diagnose/regress.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+#include "pipeline/diagnose/law_dictionary.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+using Eigen::MatrixXd, Eigen::VectorXd;
+constexpr std::size_t MOST_LAWS = 3, N_EACH = 2;  // in one sum; sums of each size that are fitted
+constexpr std::size_t MOST_SITES = 3;
+
+// by how much a quadratic cost falls at best with these columns alone
+double gain_of(const MatrixXd& a, const VectorXd& g, const std::vector<std::size_t>& columns) {
+  const Eigen::Index n = Eigen::Index(columns.size());
+  MatrixXd part(n, n);
+  VectorXd side(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    side[i] = g[Eigen::Index(columns[std::size_t(i)])];
+    for (Eigen::Index k = 0; k < n; ++k)
+      part(i, k) = a(Eigen::Index(columns[std::size_t(i)]), Eigen::Index(columns[std::size_t(k)]));
+  }
+  part.diagonal().array() *= 1 + 1e-6;  // laws that are nearly alike must not stand against each other
+  const double gain = 0.5 * side.dot(part.ldlt().solve(side));
+  return std::isfinite(gain) ? gain : 0;
+}
+
+// all ascending sets of `size` numbers below n
+template <class Visit>
+void for_each_subset(std::size_t n, std::size_t size, std::vector<std::size_t>& chosen, const Visit& visit) {
+  if (chosen.size() == size) {
+    visit(chosen);
+    return;
+  }
+  for (std::size_t i = chosen.empty() ? 0 : chosen.back() + 1; i < n; ++i) {
+    chosen.push_back(i);
+    for_each_subset(n, size, chosen, visit);
+    chosen.pop_back();
+  }
+}
+
+// A sum of laws of a site, and the candidate that it is.
+struct Sum {
+  const LawSite* site;
+  std::vector<std::size_t> laws;
+  Candidate candidate;
+  VectorXd start, scale;  // of its coefficients
+};
+
+// the best sums of a site's laws, from their signatures
+void add_sums(Workflow& flow, const ChosenWindows& chosen, const LawSite& site, std::deque<Sum>& sums) {
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i < site.laws.size(); ++i) all.push_back(i);
+  const Candidate whole = law_candidate(site, all);
+  const Signatures found = signatures_of(flow.fitter, chosen.data, chosen.base, whole);
+  for (const std::vector<std::size_t>& columns : best_subsets(found.a, found.g, MOST_LAWS, N_EACH)) {
+    Sum sum{&site, {}, {}, VectorXd(Eigen::Index(columns.size())), VectorXd(Eigen::Index(columns.size()))};
+    MatrixXd a(columns.size(), columns.size());
+    VectorXd g(columns.size());
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      sum.laws.push_back(found.parameter[columns[i]]);
+      sum.scale[Eigen::Index(i)] = std::abs(found.step[columns[i]]);
+      g[Eigen::Index(i)] = found.g[Eigen::Index(columns[i])];
+      for (std::size_t k = 0; k < columns.size(); ++k)
+        a(Eigen::Index(i), Eigen::Index(k)) = found.a(Eigen::Index(columns[i]), Eigen::Index(columns[k]));
+    }
+    a.diagonal().array() *= 1 + 1e-6;
+    const VectorXd x = -a.ldlt().solve(g);
+    sum.candidate = law_candidate(site, sum.laws);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const Parameter& p = sum.candidate.parameters[i];
+      sum.start[Eigen::Index(i)] = std::clamp(x[Eigen::Index(i)] * found.step[columns[i]], p.low, p.high);
+    }
+    sums.push_back(std::move(sum));
+  }
+}
+
+// those where most of the misfit is
+std::vector<LawSite> worst_sites(const Workflow& flow) {
+  std::vector<LawSite> sites = law_sites(flow.problem);
+  const Scene& scene = flow.problem.scene.scene;
+  const auto share_of = [&](const LawSite& site) {
+    double share = 0;
+    for (const Cell& cell : flow.out.where)
+      for (const Joint& joint : scene.joints)
+        if (cell.body == site.target ||
+            (joint.name == site.target && scene.rigid_bodies[std::size_t(joint.child)].name == cell.body)) {
+          share += cell.share;
+          break;
+        }
+    return share;
+  };
+  std::stable_sort(sites.begin(), sites.end(),
+                   [&](const LawSite& a, const LawSite& b) { return share_of(a) > share_of(b); });
+  if (sites.size() > MOST_SITES) sites.resize(MOST_SITES);
+  return sites;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::size_t>> best_subsets(const MatrixXd& a, const VectorXd& g, std::size_t most,
+                                                   std::size_t n_each) {
+  std::vector<std::vector<std::size_t>> best;
+  const std::size_t n = std::size_t(g.size());
+  for (std::size_t size = 1; size <= std::min(most, n); ++size) {
+    std::vector<std::pair<double, std::vector<std::size_t>>> found;
+    std::vector<std::size_t> chosen;
+    for_each_subset(n, size, chosen, [&](const std::vector<std::size_t>& columns) {
+      found.emplace_back(-gain_of(a, g, columns), columns);
+    });
+    const std::size_t kept = std::min(n_each, found.size());
+    std::partial_sort(found.begin(), found.begin() + std::ptrdiff_t(kept), found.end());
+    for (std::size_t i = 0; i < kept; ++i) best.push_back(found[i].second);
+  }
+  return best;
+}
+
+std::optional<RegressedLaw> regress(Workflow& flow, const ChosenWindows& chosen) {
+  const std::vector<LawSite> sites = worst_sites(flow);
+  std::deque<Sum> sums;  // candidates stay where they are
+  for (const LawSite& site : sites) add_sums(flow, chosen, site, sums);
+  std::vector<Screened> starts;
+  for (const Sum& sum : sums) starts.push_back({&sum.candidate, {{&sum.candidate}, sum.start, sum.scale}, 0, 0});
+  if (starts.empty()) return std::nullopt;
+  const std::vector<Fit> fits = fit_best(flow.fitter, chosen.data, starts);
+  const Decision decision = decide(chosen.data, chosen.base, fits);
+  if (decision.chosen < 0) return std::nullopt;
+  const Judged& best = decision.ranking[std::size_t(decision.chosen)];
+  const Sum& sum = *std::find_if(sums.begin(), sums.end(), [&](const Sum& other) {
+    return &other.candidate == best.fit->model.parts.front();
+  });
+  const std::size_t most = most_windows(flow.problem, flow.settings.simulated_seconds, chosen.length);
+  const HeldOut judged = judge_held_out(flow.fitter, flow.problem, chosen.length, most, {best.fit->model},
+                                        flow.out.unit == "noise");
+  const double gap_closed = closed(judged.before, judged.after, judged.floor);
+  if (judged.floor == 0 || gap_closed < LEAST_GAP_CLOSED) return std::nullopt;
+  const std::vector<double> coefficients(best.fit->model.x.begin(), best.fit->model.x.end());
+  RegressedLaw law{sum.site->effect, sum.site->target, sum.site->unit, written_out(*sum.site, sum.laws, coefficients),
+                   {}, judged.before, judged.after, judged.floor, gap_closed, best.error};
+  Variant variant;
+  sum.candidate.apply(variant, coefficients);
+  law.amended = variant.scene.effects.back();
+  return law;
+}
+
+}  // namespace pvg::diagnose
