@@ -4,6 +4,7 @@
 
 #include "host/geometry/tet_mesh.hpp"
 #include "host/physics/cloth.hpp"
+#include "host/physics/laws.hpp"
 
 namespace pvg {
 namespace {
@@ -90,6 +91,17 @@ void add_drag(System& system, std::size_t world, const Effect& effect) {
   } else if (const Cloth* cloth = named(scene.cloths, effect.target)) {
     of_particles(system.cloth_first_node[world][std::size_t(cloth - scene.cloths.data())], cloth_node_masses(*cloth));
   }
+}
+
+// its row of drag gets its force before each step
+void add_force_law(System& system, std::size_t world, const Effect& effect) {
+  const std::vector<Formula> law = law_of(effect);
+  const std::string text =
+      "(real3)(" + law[0].kernel_text + ", " + law[1].kernel_text + ", " + law[2].kernel_text + ")";
+  ForceLaw row{u32(system.drag.rows.size()), number_of(system.force_laws, text), 0, {}};
+  std::copy(effect.parameters.begin(), effect.parameters.end(), row.coefficient);
+  system.force_law.push_back(row);
+  add_drag(system, world, effect);
 }
 
 void add_spin_drag(System& system, std::size_t world, const Effect& effect) {
@@ -204,6 +216,7 @@ void add_body_effects(System& system, std::size_t world) {
     if (name == "linear_drag" || name == "quadratic_drag" || name == "constant_force" ||
         name == "mass_proportional_damping")
       add_drag(system, world, effect);
+    if (name == "regressed_force") add_force_law(system, world, effect);
     if (name == "spin_drag") add_spin_drag(system, world, effect);
     if (name == "kelvin_voigt_damping" || name == "hysteretic_damping" || name == "strain_stiffening" ||
         name == "plastic_yield" || name == "creep")

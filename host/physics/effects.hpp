@@ -1,6 +1,7 @@
 // Named effects (host/scene/effect.hpp) in the simulator. Those that change bodies, gravity or drives make another
 // scene; the others are elements of energy terms:
-//   joints: revolute_effect, prismatic_effect (added with the joint)      bodies: drag, spin
+//   joints: revolute_effect, prismatic_effect, of a formula revolute_law, prismatic_law (added with the joint)
+//   bodies: drag, spin; force_law writes the force of drag before each step
 //   solids: strain_effect_4, strain_effect_10; plastic_flow changes their rest shape after each step
 //   contact: adhesion in the barrier, dissipation in friction, slip_effects on its coefficient; rolling: spin
 #pragma once

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/physics/laws.hpp"
+
 namespace pvg {
 namespace {
 
@@ -121,14 +123,36 @@ int add_effect(System& system, std::size_t world, const Joint& joint, const Mat3
   return fill_effect(system.revolute_effect, row, effect);
 }
 
+int add_law(System& system, std::size_t world, const Joint& joint, const Mat3& triad, const Effect& effect) {
+  const auto add = [&](auto& rows, auto row) {
+    row.law = number_of(system.joint_laws, law_of(effect)[0].kernel_text);
+    std::copy(effect.parameters.begin(), effect.parameters.end(), row.coefficient);
+    rows.push_back(row);
+    return int(rows.size()) - 1;
+  };
+  if (joint.type == Joint::Type::prismatic) {
+    PrismaticLaw row{};
+    std::copy_n(offset_row(system, world, joint, triad.col(2)).site, 3, row.site);
+    return add(system.prismatic_law.rows, row);
+  }
+  RevoluteLaw row{};
+  set_revolute_sites(system, world, joint, triad, row.site);
+  return add(system.revolute_law.rows, row);
+}
+
 // what acts along the coordinate of a revolute or prismatic joint
 JointRows add_coordinate_rows(System& system, std::size_t world, const Joint& joint, const Mat3& triad) {
   JointRows rows;
   if (is_driven(joint) || joint.damping > 0) rows.drive = add_drive(system, world, joint, triad);
   if (has_limits(joint)) rows.limit = add_limit(system, world, joint, triad);
-  for (const Effect& effect : system.scenes[world].effects)
-    if (effect.target == joint.name && effect_kind(effect.name).target == EffectTarget::joint)
+  for (const Effect& effect : system.scenes[world].effects) {
+    const EffectKind& kind = effect_kind(effect.name);
+    if (effect.target != joint.name || kind.target != EffectTarget::joint) continue;
+    if (is_regressed(kind))
+      rows.laws.push_back(add_law(system, world, joint, triad, effect));
+    else
       rows.effects.push_back(add_effect(system, world, joint, triad, effect));
+  }
   return rows;
 }
 

@@ -57,7 +57,6 @@ Potential::Potential(Device& device, const System& system)
                 &stitch_,           &revolute_,         &prismatic_,     &revolute_limit_, &prismatic_limit_,
                 &revolute_effect_,  &prismatic_effect_, &drag_,          &spin_,           &strain_effect_4_,
                 &strain_effect_10_, &membrane_,         &bending_},
-      all_(constant_),
       constant_gather_(device, system.sites, system.n_nodes()),
       contact_gather_(device, system.sites, system.n_nodes()),
       rows_(device, 0, "rows"),
@@ -66,9 +65,18 @@ Potential::Potential(Device& device, const System& system)
       direction_site_(device, 3 * system.sites.size(), "direction sites"),
       reduce_(device, system.n_worlds()),
       energy_chunks_(device, system.n_worlds()) {
+  const auto set = [](Term& term, const auto& rows) { term.set(rows.rows, rows.world_first); };
+  const auto add_laws = [&](std::optional<Term>& term, const char* name, std::size_t stencil, const auto& rows) {
+    if (rows.rows.empty()) return;
+    set(term.emplace(device, name, stencil, law_cases("JOINT_LAWS", system.joint_laws)), rows);
+    constant_.push_back(&*term);
+  };
+  add_laws(revolute_law_, "revolute_law", 4, system.revolute_law);
+  add_laws(prismatic_law_, "prismatic_law", 3, system.prismatic_law);
+  if (!system.force_law.empty()) force_laws_.emplace(device, system);
+  all_ = constant_;
   all_.push_back(&barrier_);
   all_.push_back(&friction_);
-  const auto set = [](Term& term, const auto& rows) { term.set(rows.rows, rows.world_first); };
   set(point_inertia_, system.point_inertia);
   set(affine_inertia_, system.affine_inertia);
   set(neo_hookean_4_, system.stable_neo_hookean_4);
@@ -120,9 +128,16 @@ void Potential::update_joints(const System& system) {
   prismatic_.update(system.prismatic_drive.rows);
   revolute_limit_.update(system.revolute_limit.rows);
   revolute_effect_.update(system.revolute_effect.rows);
+  if (revolute_law_) revolute_law_->update(system.revolute_law.rows);
 }
 
 void Potential::update_spin(const System& system) { spin_.update(system.spin.rows); }
+
+void Potential::set_forces(const Buffer<f64>& v) {
+  if (!force_laws_) return;
+  nodes_to_sites_(system_.sites.size(), u32(system_.sites.size()), sites_, v, direction_site_);
+  force_laws_->write(drag_.params(), start_->site, direction_site_, h_);
+}
 
 void Potential::flow(const Positions& x, double h, std::span<const char> worlds) {
   if (flows_4_.size() + flows_10_.size() == 0) return;

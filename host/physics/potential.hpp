@@ -8,6 +8,7 @@
 
 #include "host/physics/contact.hpp"
 #include "host/physics/gather.hpp"
+#include "host/physics/laws.hpp"
 #include "host/physics/preconditioner.hpp"
 #include "host/physics/system.hpp"
 #include "host/physics/term.hpp"
@@ -35,6 +36,9 @@ class Potential {
   void begin_step(const Positions& start, const Positions& predicted, double h, double inertia_h);
   void update_joints(const System& system);  // this step's numbers of drives and stops
   void update_spin(const System& system);    // this step's torques of rolling resistance
+  // Forces that follow a law, from where bodies are at the start of this step and v: velocities there [n_nodes x 3,
+  // m/s]
+  void set_forces(const Buffer<f64>& v);
   void set_friction(const WorldRows<Friction>& rows);
 
   // Lets the rest shapes of solids that yield or creep follow a step of length h [s] that ended at x, in these worlds.
@@ -81,6 +85,8 @@ class Potential {
   Term revolute_limit_, prismatic_limit_;
   Term revolute_effect_, prismatic_effect_, drag_, spin_, strain_effect_4_, strain_effect_10_;
   Term membrane_, bending_;
+  std::optional<Term> revolute_law_, prismatic_law_;  // where the scene has such laws, as these have to be compiled
+  std::optional<ForceLaws> force_laws_;
   Term barrier_, friction_;
   Program flow_program_;
   Kernel flow_4_, flow_10_;

@@ -40,6 +40,8 @@ void Simulation::Impl::set_joints(double h, const std::vector<std::vector<double
       if (row.limit >= 0 && turns) system.revolute_limit.rows[row.limit].angle0 = start;
       for (const int effect : row.effects)
         if (turns) system.revolute_effect.rows[effect].angle0 = start;
+      for (const int law : row.laws)
+        if (turns) system.revolute_law.rows[law].angle0 = start;
     }
   }
   potential.update_joints(system);

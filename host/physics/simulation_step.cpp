@@ -243,6 +243,7 @@ void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>&
   prescribe(h);
   potential.update_sites(predicted);
   potential.begin_step(start, predicted, h, inertia_h);
+  potential.set_forces(integrator.velocity());
   set_joints(h, previous, targets);
   find_minimum(h);
   give_up_inverted();

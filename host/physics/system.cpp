@@ -382,6 +382,8 @@ System make_system(std::span<const Scene> worlds) {
     system.prismatic_limit.end_world();
     system.revolute_effect.end_world();
     system.prismatic_effect.end_world();
+    system.revolute_law.end_world();
+    system.prismatic_law.end_world();
     system.drag.end_world();
     system.spin.end_world();
     system.strain_effect_4.end_world();

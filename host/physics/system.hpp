@@ -6,13 +6,16 @@
 #include "energies/affine_orthogonality.h"
 #include "energies/cloth_membrane.h"
 #include "energies/drag.h"
+#include "energies/force_law.h"
 #include "energies/inertia.h"
 #include "energies/plastic_flow.h"
 #include "energies/prismatic_drive.h"
 #include "energies/prismatic_effect.h"
+#include "energies/prismatic_law.h"
 #include "energies/prismatic_limit.h"
 #include "energies/revolute_drive.h"
 #include "energies/revolute_effect.h"
+#include "energies/revolute_law.h"
 #include "energies/revolute_limit.h"
 #include "energies/spin.h"
 #include "energies/stable_neo_hookean_10.h"
@@ -38,10 +41,13 @@ struct Rows {
   void end_world() { world_first.push_back(u32(rows.size())); }
 };
 
+// Formulas as OpenCL C, each once: laws that differ in their coefficients alone are one and are compiled once.
+using LawTexts = std::vector<std::string>;
+
 // Where what acts along a joint's coordinate stands in the rows of its type; -1: nowhere.
 struct JointRows {
   int drive = -1, limit = -1;
-  std::vector<int> effects;
+  std::vector<int> effects, laws;
 };
 
 // The torque of a row of `spin` follows the normal force between two bodies of its world.
@@ -86,12 +92,16 @@ struct System {
   Rows<PrismaticLimit> prismatic_limit;
   Rows<RevoluteEffect> revolute_effect;
   Rows<PrismaticEffect> prismatic_effect;
+  Rows<RevoluteLaw> revolute_law;
+  Rows<PrismaticLaw> prismatic_law;
   Rows<Drag> drag;
   Rows<Spin> spin;
   Rows<StrainEffect4> strain_effect_4;
   Rows<StrainEffect10> strain_effect_10;
   std::vector<PlasticFlow> plastic_flow_4, plastic_flow_10;  // of elements of stable_neo_hookean_4 and _10
   std::vector<RollingResistance> rolling_resistance;
+  std::vector<ForceLaw> force_law;                 // of rows of drag
+  LawTexts joint_laws, force_laws;                 // what revolute_law and prismatic_law, and what force_law number
   std::vector<std::vector<JointRows>> joint_rows;  // [n_worlds][n_joints]
 
   CollisionMesh collision;  // body ids: world after world, rigid bodies first, then soft ones, then cloths

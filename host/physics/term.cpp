@@ -3,11 +3,20 @@
 #include <cstring>
 
 namespace pvg {
+namespace {
 
-Term::Term(Device& device, const std::string& name, std::size_t stencil)
+Program program_of(Device& device, const std::string& name, const std::string& front) {
+  const std::string file = "energies/" + name + ".cl";
+  if (front.empty()) return Program(device, file);
+  return Program::from_text(device, name + " of this scene", front + "#include \"" + file + "\"\n");
+}
+
+}  // namespace
+
+Term::Term(Device& device, const std::string& name, std::size_t stencil, const std::string& front)
     : name_(name),
       stencil_(stencil),
-      program_(device, "energies/" + name + ".cl"),
+      program_(program_of(device, name, front)),
       energy_(program_.kernel(name + "_energy_all")),
       gradient_(program_.kernel(name + "_gradient_all")),
       hessian_(program_.kernel(name + "_hessian_all")),

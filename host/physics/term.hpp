@@ -11,7 +11,8 @@ namespace pvg {
 
 class Term {
  public:
-  Term(Device& device, const std::string& name, std::size_t stencil);
+  // front: text made at run time that stands before the kernel file, such as the laws of a scene; empty: none
+  Term(Device& device, const std::string& name, std::size_t stencil, const std::string& front = "");
 
   // The elements, sorted by world. Params is the struct of the term; its first member is `u32 site[stencil]`.
   // world_first: [n_worlds + 1] where each world's elements begin

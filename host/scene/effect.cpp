@@ -10,6 +10,8 @@
 namespace pvg {
 namespace {
 
+const char* const REGRESSED = "regressed";  // the law of those that are given by formulas
+
 EffectParameter strength(const char* name, const char* unit, double low, double high, double off = 0) {
   return {name, unit, low, high, off, true, off};
 }
@@ -259,9 +261,32 @@ std::vector<EffectKind> contact_kinds() {
   };
 }
 
+std::vector<EffectKind> regressed_kinds() {
+  using T = EffectTarget;
+  return {
+      {"regressed_effort",
+       T::joint,
+       "joint position and rate",
+       REGRESSED,
+       "a law of the joint's position and rate that a regression found",
+       "effort = formula(q, v), v = q'",
+       "free swings from several amplitudes",
+       {}},
+      {"regressed_force",
+       T::rigid_body,
+       "body position and velocity",
+       REGRESSED,
+       "a law of the body's place and velocity that a regression found, at its centre of mass, world frame",
+       "F = formulas(x, y, z, vx, vy, vz)",
+       "flights through several places at several speeds",
+       {}},
+  };
+}
+
 std::vector<EffectKind> all_kinds() {
   std::vector<EffectKind> all;
-  for (const std::vector<EffectKind>& part : {joint_kinds(), body_kinds(), solid_kinds(), contact_kinds()})
+  for (const std::vector<EffectKind>& part :
+       {joint_kinds(), body_kinds(), solid_kinds(), contact_kinds(), regressed_kinds()})
     all.insert(all.end(), part.begin(), part.end());
   return all;
 }
@@ -323,6 +348,44 @@ const EffectKind& effect_kind(const std::string& name) {
   throw UsageError("there is no effect `" + name + "`; there are: " + known);
 }
 
+bool is_regressed(const EffectKind& kind) { return kind.law == REGRESSED; }
+
+std::vector<std::string> law_variables(const EffectKind& kind) {
+  if (kind.target == EffectTarget::joint) return {"q", "v"};
+  return {"x", "y", "z", "vx", "vy", "vz"};
+}
+
+std::size_t n_formulas(const EffectKind& kind) {
+  if (!is_regressed(kind)) return 0;
+  return kind.target == EffectTarget::joint ? 1 : 3;
+}
+
+std::vector<Formula> law_of(const Effect& effect) {
+  const EffectKind& kind = effect_kind(effect.name);
+  const std::string who = "effect " + effect.name + " on " + effect.target;
+  if (effect.formulas.size() != n_formulas(kind))
+    throw UsageError(who + " needs " + std::to_string(n_formulas(kind)) + " formulas, but has " +
+                     std::to_string(effect.formulas.size()));
+  if (effect.parameters.size() > MOST_COEFFICIENTS)
+    throw UsageError(who + " may have " + std::to_string(MOST_COEFFICIENTS) + " coefficients, but has " +
+                     std::to_string(effect.parameters.size()));
+  for (const double c : effect.parameters)
+    if (!std::isfinite(c)) throw UsageError(who + ": a coefficient is not finite");
+  std::vector<Formula> law;
+  for (const std::string& text : effect.formulas) {
+    const std::string formula = who + ": formula `" + text + "` ";
+    try {
+      law.push_back(parse_formula(text, law_variables(kind)));
+    } catch (const UsageError& error) {
+      throw UsageError(formula + "is wrong " + error.what());
+    }
+    if (law.back().n_coefficients > effect.parameters.size())
+      throw UsageError(formula + "uses c" + std::to_string(law.back().n_coefficients - 1) + ", but there are " +
+                       std::to_string(effect.parameters.size()) + " coefficients");
+  }
+  return law;
+}
+
 double parameter_of(const Effect& effect, const std::string& name) {
   const std::vector<EffectParameter>& parameters = effect_kind(effect.name).parameters;
   for (std::size_t i = 0; i < parameters.size(); ++i)
@@ -336,6 +399,10 @@ void check_effects(const Scene& scene) {
     if (const std::string what = lacking(scene, kind, effect.target); !what.empty())
       throw UsageError("effect " + effect.name + ": its target must be " + what + " of the scene, but is `" +
                        effect.target + "`");
+    if (is_regressed(kind) || !effect.formulas.empty()) {
+      law_of(effect);
+      continue;
+    }
     if (effect.parameters.size() != kind.parameters.size())
       throw UsageError("effect " + effect.name + " needs " + std::to_string(kind.parameters.size()) + " parameters");
     for (std::size_t i = 0; i < kind.parameters.size(); ++i) {

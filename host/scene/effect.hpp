@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "host/scene/formula.hpp"
+
 namespace pvg {
 
 // What an effect acts on: a joint; a rigid body; a solid (soft body); a solid or cloth; any body; two bodies that
@@ -32,13 +34,24 @@ struct EffectKind {
 // An effect switched on.
 struct Effect {
   std::string name, target;
-  std::vector<double> parameters;  // in the order of its kind, SI
+  std::vector<double> parameters;          // in the order of its kind, SI; the coefficients c0, c1, ... of a law
+  std::vector<std::string> formulas = {};  // of a regressed law; empty for all others
 };
 
 const std::vector<EffectKind>& effect_kinds();
 
 // Throws a UsageError that lists the names there are.
 const EffectKind& effect_kind(const std::string& name);
+
+// Is its law given by formulas, such as a regression finds? Its parameters are then coefficients, as many as it likes.
+bool is_regressed(const EffectKind& kind);
+
+// What the formulas of such a kind may name beside coefficients, and how many there are of them.
+std::vector<std::string> law_variables(const EffectKind& kind);
+std::size_t n_formulas(const EffectKind& kind);
+
+// The formulas of an effect of such a kind, checked. Throws a UsageError that names effect, target, formula and place.
+std::vector<Formula> law_of(const Effect& effect);
 
 // Value of the parameter `name` of an effect. Throws std::logic_error where its kind has none such.
 double parameter_of(const Effect& effect, const std::string& name);

@@ -188,6 +188,12 @@ void write_physics(Writer& w, const Task& task) {
   w.list("effects", task.effects, [&](const Effect& effect) {
     w.entry("effect", effect.name);
     w.entry("target", effect.target);
+    if (effect.formulas.size() == 1) w.entry("formula", effect.formulas[0]);
+    if (effect.formulas.size() > 1) w.out << Key << "formula" << Value << YAML::Flow << effect.formulas;
+    if (!effect.formulas.empty()) {
+      w.out << Key << "coefficients" << Value << YAML::Flow << effect.parameters;
+      return;
+    }
     const std::vector<EffectParameter>& parameters = effect_kind(effect.name).parameters;
     for (std::size_t i = 0; i < parameters.size(); ++i) w.entry(parameters[i].name.c_str(), effect.parameters[i]);
   });

@@ -113,8 +113,14 @@ std::string amended_scene(const Problem& problem, const Diagnosis& diagnosis, co
       YAML::Node node;
       node["effect"] = added.name;
       node["target"] = added.target;
-      for (std::size_t i = 0; i < added.parameters.size(); ++i)
-        node[effect_kind(added.name).parameters[i].name] = added.parameters[i];
+      if (is_regressed(effect_kind(added.name))) {
+        if (added.formulas.size() == 1) node["formula"] = added.formulas[0];
+        if (added.formulas.size() > 1) node["formula"] = added.formulas;
+        node["coefficients"] = added.parameters;
+      } else {
+        for (std::size_t i = 0; i < added.parameters.size(); ++i)
+          node[effect_kind(added.name).parameters[i].name] = added.parameters[i];
+      }
       root["effects"].push_back(node);
     } else if (candidate.family == Family::parameter) {
       const double value = effect.parameters[0].value;

@@ -165,6 +165,7 @@ void add_physical(const Problem& problem, const std::vector<std::string>& touchi
   const Scene& scene = problem.scene.scene;
   for (const EffectKind& kind : effect_kinds())
     for (const std::string& target : targets_of(problem, touching, kind)) {
+      if (is_regressed(kind)) continue;  // its formula is not known beforehand
       if (is_there(scene, kind.name, target)) continue;
       if (kind.name == "spin_drag" && is_carried(scene, target)) continue;  // that is its joint's viscous friction
       if (kind.name == "backlash" && !holds_position(scene, target)) continue;

@@ -41,10 +41,13 @@ class EnergyCheck {
   static constexpr double H = 0.0125;  // time step [s]
 
   // length: of the steps for differences [m], a small part of an element's size
-  EnergyCheck(const std::string& term, HostEnergy energy, double length, const std::string& file = "")
+  // front: text that stands before the kernel file; empty: none
+  EnergyCheck(const std::string& term, HostEnergy energy, double length, const std::string& file = "",
+              const std::string& front = "")
       : host_energy_(std::move(energy)),
         length_(length),
-        program_(device_, "energies/" + (file.empty() ? term : file) + ".cl"),
+        program_(Program::from_text(device_, term,
+                                    front + "#include \"energies/" + (file.empty() ? term : file) + ".cl\"\n")),
         energy_(program_.kernel(term + "_energy_all")),
         gradient_(program_.kernel(term + "_gradient_all")),
         hessian_(program_.kernel(term + "_hessian_all")),

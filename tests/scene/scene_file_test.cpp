@@ -201,6 +201,44 @@ TEST_F(SceneFiles, MistakesInEffectsAreNamed) {
   }
 }
 
+const char* const LAWS = R"yaml(effects:
+  - {effect: regressed_effort, target: slider, formula: "c0 * sin(3 * q) + c1 * v * fabs(v)", coefficients: [-0.31, -0.02]}
+  - {effect: regressed_force, target: ball, formula: ["c0 * x", "c0 * y", "0"], coefficients: [-0.4]}
+  - {effect: regressed_effort, target: slider, formula: 0.5}
+)yaml";
+
+void expect_laws(const std::vector<Effect>& effects) {
+  ASSERT_EQ(effects.size(), 3u);
+  EXPECT_EQ(effects[0].name, "regressed_effort");
+  EXPECT_EQ(effects[0].target, "slider");
+  EXPECT_EQ(effects[0].formulas, std::vector<std::string>{"c0 * sin(3 * q) + c1 * v * fabs(v)"});
+  EXPECT_EQ(effects[0].parameters, (std::vector<double>{-0.31, -0.02}));
+  EXPECT_EQ(effects[1].name, "regressed_force");
+  EXPECT_EQ(effects[1].formulas, (std::vector<std::string>{"c0 * x", "c0 * y", "0"}));
+  EXPECT_EQ(effects[1].parameters, std::vector<double>{-0.4});
+  EXPECT_EQ(effects[2].formulas, std::vector<std::string>{"0.5"});
+  EXPECT_TRUE(effects[2].parameters.empty());
+}
+
+TEST_F(SceneFiles, HoldLawsAndTheirConfigurationHoldsThemToo) {
+  expect_laws(load(std::string(SCENE) + LAWS).scene.effects);
+  const Task task = load_scene_file(path).task;
+  YAML::Emitter written;
+  written << YAML::Flow << YAML::Load(resolved_yaml(task, build_scene_at_middle(task)))["effects"];
+  expect_laws(load(std::string(SCENE) + "effects: " + written.c_str() + "\n").scene.effects);
+}
+
+TEST_F(SceneFiles, MistakesInLawsAreNamed) {
+  const std::string text = std::string(SCENE) + LAWS;
+  expect_refused_in(text, "sin(3 * q)", "sin(3 * z)", 28,
+                    "effects[0].formula` cannot be used: effect regressed_effort on slider: formula `c0 * sin(3 * z)");
+  expect_refused_in(text, "-0.31, -0.02", "-0.31", 28, "uses c1, but there are 1 coefficients");
+  expect_refused_in(text, "-0.31, -0.02", "-0.31, 2 N", 28, "effects[0].coefficients");
+  expect_refused_in(text, "\"0\"]", "\"0\", \"0\"]", 29, "needs 3 formulas, but has 4");
+  expect_refused_in(text, "[\"c0 * x\", \"c0 * y\", \"0\"]", "c0", 29, "effects[1].formula");
+  expect_refused_in(text, "formula: 0.5", "formula: 0.5, damping: 1", 30, "damping");
+}
+
 TEST_F(SceneFiles, MistakesAreNamed) {
   expect_refused("kind: static", "kind: liquid", 7, "`bodies[0].kind`");
   expect_refused("size: 4", "size: -4", 7, "`bodies[0].shape.square.size`");
