@@ -85,6 +85,21 @@ bool set_number(YAML::Node root, const std::string& kind, const std::string& tar
   return false;
 }
 
+YAML::Node node_of(const Effect& added) {
+  YAML::Node node;
+  node["effect"] = added.name;
+  node["target"] = added.target;
+  if (is_regressed(effect_kind(added.name))) {
+    if (added.formulas.size() == 1) node["formula"] = added.formulas[0];
+    if (added.formulas.size() > 1) node["formula"] = added.formulas;
+    node["coefficients"] = added.parameters;
+    return node;
+  }
+  for (std::size_t i = 0; i < added.parameters.size(); ++i)
+    node[effect_kind(added.name).parameters[i].name] = added.parameters[i];
+  return node;
+}
+
 // where the file itself says this camera
 void set_lens(const Problem& problem, YAML::Node root, const std::string& name, double k1) {
   YAML::Node camera = named(root["cameras"], name);
@@ -109,19 +124,7 @@ std::string amended_scene(const Problem& problem, const Diagnosis& diagnosis, co
       std::vector<double> values;
       for (const NamedParameter& p : effect.parameters) values.push_back(p.value);
       candidate.apply(variant, values);
-      const Effect& added = variant.scene.effects.back();
-      YAML::Node node;
-      node["effect"] = added.name;
-      node["target"] = added.target;
-      if (is_regressed(effect_kind(added.name))) {
-        if (added.formulas.size() == 1) node["formula"] = added.formulas[0];
-        if (added.formulas.size() > 1) node["formula"] = added.formulas;
-        node["coefficients"] = added.parameters;
-      } else {
-        for (std::size_t i = 0; i < added.parameters.size(); ++i)
-          node[effect_kind(added.name).parameters[i].name] = added.parameters[i];
-      }
-      root["effects"].push_back(node);
+      root["effects"].push_back(node_of(variant.scene.effects.back()));
     } else if (candidate.family == Family::parameter) {
       const double value = effect.parameters[0].value;
       if (!set_number(root, candidate.name, candidate.target, value, value / problem.scene.scene.gravity.norm()))
@@ -133,6 +136,7 @@ std::string amended_scene(const Problem& problem, const Diagnosis& diagnosis, co
       if (candidate.name == "lens_distortion") set_lens(problem, root, candidate.target, effect.parameters[0].value);
     }
   }
+  if (diagnosis.regressed) root["effects"].push_back(node_of(diagnosis.regressed->amended));
   YAML::Emitter out;
   out.SetDoublePrecision(17);
   out << root;

@@ -78,6 +78,20 @@ json report_of(const Diagnosis& d) {
       {"before", d.before}, {"after", d.after}, {"floor", d.floor}, {"unit", d.unit}, {"gap_closed", d.gap_closed}};
   if (std::isfinite(d.mask_gap_before))
     report["held_out"]["mask_gap"] = {{"before", d.mask_gap_before}, {"after", d.mask_gap_after}, {"unit", "1 - mIoU"}};
+  if (d.regressed) {
+    const RegressedLaw& law = *d.regressed;
+    report["regressed"] = {{"effect", law.effect},
+                           {"target", law.target},
+                           {"formula", law.amended.formulas},
+                           {"coefficients", law.amended.parameters},
+                           {"unit", law.unit},
+                           {"held_out", {{"before", law.before},
+                                         {"after", law.after},
+                                         {"floor", law.floor},
+                                         {"unit", d.unit},
+                                         {"gap_closed", law.gap_closed}}},
+                           {"fit_after", law.error}};
+  }
   report["fit"] = {{"before", d.fit_before}, {"after", d.fit_after}, {"unit", "noise"}};
   report["notes"] = d.notes;
   report["amended_scene"] = "scene_amended.yaml";
@@ -92,6 +106,13 @@ std::string shown(double value) {
   char text[40];
   std::snprintf(text, sizeof text, "%.3g", value);
   return text;
+}
+
+std::string text_of(const RegressedLaw& law) {
+  if (law.formulas.size() == 1) return "effort at " + law.target + " = " + law.formulas[0] + " " + law.unit;
+  std::string force;
+  for (const std::string& formula : law.formulas) force += (force.empty() ? "(" : ", ") + formula;
+  return "force on " + law.target + " = " + force + ") " + law.unit;
 }
 
 std::string sentence_of(const Diagnosis& d) {
@@ -112,6 +133,10 @@ std::string sentence_of(const Diagnosis& d) {
       for (std::size_t i = 0; i < d.effects.size(); ++i) text += (i ? " and " : "") + d.effects[i].candidate->label();
       text += ", " + judged;
     }
+    if (d.regressed)
+      text += "; a law without a name is in the amended scene: " + text_of(*d.regressed) + ", with it the held-out error is " +
+              shown(d.regressed->after) + unit + " (without " + shown(d.regressed->before) + ", noise floor " +
+              shown(d.regressed->floor) + ")";
     return text;
   }
   std::string what;
