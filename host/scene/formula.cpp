@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <iterator>
 
 #include "host/base/error.hpp"
 
@@ -29,8 +28,7 @@ bool is_of_name(char c) {  // bytes of what is no ASCII are shown together
 std::string printed(double number) {
   char text[32];
   std::snprintf(text, sizeof text, "%.17g", number);
-  const std::string plain = text;
-  return plain.find_first_of(".e") == std::string::npos ? plain + ".0" : plain;
+  return std::string(text).find_first_of(".e") == std::string::npos ? std::string(text) + ".0" : text;
 }
 
 class Parser {
@@ -56,15 +54,14 @@ class Parser {
   // operands with operators of one rank between them, which C, too, evaluates from the left
   template <class Operand>
   std::string chain(const char* operators, const Operand& operand) {
-    std::string all = operand();
-    bool is_single = true;
+    const std::string first = operand();
+    std::string all = first;
     while (at_ < text_.size() && std::string(operators).find(text_[at_]) != std::string::npos) {
-      const char sign = text_[at_];
+      all += std::string(" ") + text_[at_] + " ";
       take();
-      all += std::string(" ") + sign + " " + operand();
-      is_single = false;
+      all += operand();
     }
-    return is_single ? all : "(" + all + ")";
+    return all == first ? first : "(" + all + ")";
   }
 
   std::string factor(int depth) {
@@ -97,25 +94,25 @@ class Parser {
 
   std::string named(int depth) {
     const std::string name = word();
-    if (std::find(variables_.begin(), variables_.end(), name) != variables_.end()) {
-      take(name.size());
-      return name;
-    }
+    const std::size_t place = at_;
+    take(name.size());
+    if (std::find(variables_.begin(), variables_.end(), name) != variables_.end()) return name;
     for (std::size_t i = 0; i < MOST_COEFFICIENTS; ++i)
       if (name == "c" + std::to_string(i)) {
-        take(name.size());
         n_coefficients_ = std::max(n_coefficients_, i + 1);
         return "c[" + std::to_string(i) + "]";
       }
-    const Function* function =
-        std::find_if(std::begin(FUNCTIONS), std::end(FUNCTIONS), [&](const Function& f) { return f.name == name; });
-    if (function == std::end(FUNCTIONS)) fail("`" + name + "` is not known");
-    take(name.size());
-    expect('(');
-    std::string all = name + "(" + sum(depth + 1);
-    for (int k = 1; k < function->n_arguments; ++k) {
-      expect(',');
-      all += ", " + sum(depth + 1);
+    for (const Function& function : FUNCTIONS)
+      if (name == function.name) return name + arguments(function.n_arguments, depth);
+    at_ = place;
+    fail("`" + name + "` is not known");
+  }
+
+  std::string arguments(int n, int depth) {
+    std::string all = "(";
+    for (int k = 0; k < n; ++k) {
+      expect(k == 0 ? '(' : ',');
+      all += (k == 0 ? "" : ", ") + sum(depth + 1);
     }
     expect(')');
     return all + ")";
@@ -128,6 +125,7 @@ class Parser {
   }
   std::string token() const {
     if (at_ >= text_.size()) return "the end";
+    if (static_cast<unsigned char>(text_[at_]) < ' ') return "something unprintable";
     return "`" + (is_of_name(text_[at_]) ? word() : std::string(1, text_[at_])) + "`";
   }
 
@@ -142,9 +140,8 @@ class Parser {
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    std::string known;
+    std::string known, functions;
     for (const std::string& variable : variables_) known += variable + ", ";
-    std::string functions;
     for (const Function& f : FUNCTIONS) functions += std::string(" ") + f.name;
     throw UsageError("at character " + std::to_string(at_ + 1) + ", " + what + "; it may hold numbers, " + known +
                      "c0 to c" + std::to_string(MOST_COEFFICIENTS - 1) + ", + - * / ( ) and" + functions);

@@ -90,7 +90,7 @@ TEST(Formula, RefusesWhatItDoesNotKnowWithItsPlace) {
   expect_refused("\"q\"", "at character 1, `\"` stands where a number");
   expect_refused("q\\\n", "at character 2, `\\` stands where an operator");
   expect_refused("π", "at character 1, `π` is not known");
-  expect_refused(std::string("q\0v", 3), "at character 2, ");
+  expect_refused(std::string("q\0v", 3), "at character 2, something unprintable stands");
 }
 
 TEST(Formula, RefusesWhatACompilerWouldNotTake) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <unistd.h>
+#include <yaml-cpp/yaml.h>
 
 #include <fstream>
 #include <numbers>
@@ -223,9 +224,8 @@ void expect_laws(const std::vector<Effect>& effects) {
 TEST_F(SceneFiles, HoldLawsAndTheirConfigurationHoldsThemToo) {
   expect_laws(load(std::string(SCENE) + LAWS).scene.effects);
   const Task task = load_scene_file(path).task;
-  YAML::Emitter written;
-  written << YAML::Flow << YAML::Load(resolved_yaml(task, build_scene_at_middle(task)))["effects"];
-  expect_laws(load(std::string(SCENE) + "effects: " + written.c_str() + "\n").scene.effects);
+  const YAML::Node written = YAML::Load(resolved_yaml(task, build_scene_at_middle(task)))["effects"];
+  expect_laws(load(std::string(SCENE) + "effects:\n" + YAML::Dump(written) + "\n").scene.effects);
 }
 
 TEST_F(SceneFiles, MistakesInLawsAreNamed) {
