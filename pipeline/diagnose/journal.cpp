@@ -100,8 +100,11 @@ std::uint64_t question_of(std::span<const Job> jobs) {
     put(bytes, job.wants_phases);
     put(bytes, scene.solver.time_step);
     put(bytes, scene.solver.integrator);
-    for (const Effect& effect : scene.effects)
+    for (const Effect& effect : scene.effects) {
+      for (const std::string& text : {effect.name, effect.target}) bytes.insert(bytes.end(), text.begin(), text.end());
+      for (const std::string& text : effect.formulas) bytes.insert(bytes.end(), text.begin(), text.end());
       for (const double p : effect.parameters) put(bytes, p);
+    }
     for (const double q : job.initial.position) put(bytes, q);
     for (const double q : job.initial.rate) put(bytes, q);
     for (const Pose& pose : job.initial.pose)
