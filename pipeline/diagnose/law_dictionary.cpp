@@ -53,11 +53,11 @@ std::vector<Law> joint_laws(const Range& q) {
     if (n > 1) add("cos(" + std::to_string(n) + " * q)");
   }
   const double reach = std::max(std::abs(q.low), std::abs(q.high));
-  for (const double share : {0.15, 0.3})
-    add("q * exp(-q * q / " + number(share * share * reach * reach) + ")");
+  for (const double share : {0.15, 0.3}) add("q * exp(-q * q / " + number(share * share * reach * reach) + ")");
   for (const double share : {0.25, 0.5, 0.75}) add("fmax(q - " + number(q.at(share)) + ", 0)");
   const std::string sliding = "tanh(v / " + number(0.01 * q.fastest) + ")";
-  for (const std::string& law : {std::string("v"), std::string("fabs(v) * v"), sliding, "q * " + sliding, std::string("q * q * v")})
+  for (const std::string& law :
+       {std::string("v"), std::string("fabs(v) * v"), sliding, "q * " + sliding, std::string("q * q * v")})
     add(law);
   return laws;
 }
@@ -78,17 +78,19 @@ std::vector<Law> force_laws(const Range& distance, double fastest) {
         laws.push_back(linear);
       }
   }
-  const auto along = [&](const std::string& factor, const std::string (&direction)[3]) {
+  const auto along = [&](const std::string& factor, const std::string(&direction)[3]) {
     laws.push_back({{factor + " * " + direction[0], factor + " * " + direction[1], factor + " * " + direction[2]}});
   };
   const std::string speed = "sqrt(vx * vx + vy * vy + vz * vz + " + number(1e-6 * fastest * fastest) + ")",
                     r = "sqrt(x * x + y * y + z * z + 1e-12)";
   along(speed, velocity);
   along("1 / " + speed, velocity);
-  for (const double share : {0.25, 0.5, 0.75}) along("fmax(1 - " + number(distance.at(share)) + " / " + r + ", 0)", place);
+  for (const double share : {0.25, 0.5, 0.75})
+    along("fmax(1 - " + number(distance.at(share)) + " / " + r + ", 0)", place);
   const double width = 0.25 * (distance.high - distance.low);
   for (const double share : {0.25, 0.5, 0.75})
-    along("exp(-pow((" + r + " - " + number(distance.at(share)) + ") / " + number(width) + ", 2)) / " + speed, velocity);
+    along("exp(-pow((" + r + " - " + number(distance.at(share)) + ") / " + number(width) + ", 2)) / " + speed,
+          velocity);
   return laws;
 }
 
@@ -125,7 +127,8 @@ void add_joint(const Problem& problem, std::size_t j, std::vector<LawSite>& site
   const Range q = range_of(problem, [&](const Run& run, std::size_t i) { return run.values[c][i]; });
   const bool turns = joint.type == Joint::Type::revolute;
   if (q.is_there)
-    sites.push_back({"regressed_effort", joint.name, turns ? "N m" : "N", PART_OF_WEIGHT * 9.81 * child.mass, joint_laws(q)});
+    sites.push_back(
+        {"regressed_effort", joint.name, turns ? "N m" : "N", PART_OF_WEIGHT * 9.81 * child.mass, joint_laws(q)});
 }
 
 void add_body(const Problem& problem, std::size_t b, std::vector<LawSite>& sites) {
@@ -144,9 +147,11 @@ void add_body(const Problem& problem, std::size_t b, std::vector<LawSite>& sites
   const Range distance = range_of(problem, [&](const Run& run, std::size_t i) { return place(run, i).norm(); });
   double fastest = 0;
   for (int k = 0; k < 3; ++k)
-    fastest = std::hypot(fastest, range_of(problem, [&](const Run& run, std::size_t i) { return place(run, i)[k]; }).fastest);
+    fastest =
+        std::hypot(fastest, range_of(problem, [&](const Run& run, std::size_t i) { return place(run, i)[k]; }).fastest);
   if (distance.is_there)
-    sites.push_back({"regressed_force", body.name, "N", PART_OF_WEIGHT * 9.81 * body.mass, force_laws(distance, fastest)});
+    sites.push_back(
+        {"regressed_force", body.name, "N", PART_OF_WEIGHT * 9.81 * body.mass, force_laws(distance, fastest)});
 }
 
 }  // namespace

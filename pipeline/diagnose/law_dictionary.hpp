@@ -1,6 +1,6 @@
 // Laws that a missing effort or force may follow, for a regression where no known effect explains what is missing: of a
-// joint its position and rate, of a body its place and velocity. A law is text that the simulator compiles into a kernel
-// (host/scene/formula.hpp); a sum of laws with coefficients is an effect like any other.
+// joint its position and rate, of a body its place and velocity. A law is text that the simulator compiles into a
+// kernel (host/scene/formula.hpp); a sum of laws with coefficients is an effect like any other.
 #pragma once
 #include <span>
 #include <string>

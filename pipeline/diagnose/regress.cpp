@@ -129,17 +129,24 @@ std::optional<RegressedLaw> regress(Workflow& flow, const ChosenWindows& chosen)
   const Decision decision = decide(chosen.data, chosen.base, fits);
   if (decision.chosen < 0) return std::nullopt;
   const Judged& best = decision.ranking[std::size_t(decision.chosen)];
-  const Sum& sum = *std::find_if(sums.begin(), sums.end(), [&](const Sum& other) {
-    return &other.candidate == best.fit->model.parts.front();
-  });
+  const Sum& sum = *std::find_if(sums.begin(), sums.end(),
+                                 [&](const Sum& other) { return &other.candidate == best.fit->model.parts.front(); });
   const std::size_t most = most_windows(flow.problem, flow.settings.simulated_seconds, chosen.length);
-  const HeldOut judged = judge_held_out(flow.fitter, flow.problem, chosen.length, most, {best.fit->model},
-                                        flow.out.unit == "noise");
+  const HeldOut judged =
+      judge_held_out(flow.fitter, flow.problem, chosen.length, most, {best.fit->model}, flow.out.unit == "noise");
   const double gap_closed = closed(judged.before, judged.after, judged.floor);
   if (judged.floor == 0 || gap_closed < LEAST_GAP_CLOSED) return std::nullopt;
   const std::vector<double> coefficients(best.fit->model.x.begin(), best.fit->model.x.end());
-  RegressedLaw law{sum.site->effect, sum.site->target, sum.site->unit, written_out(*sum.site, sum.laws, coefficients),
-                   {}, judged.before, judged.after, judged.floor, gap_closed, best.error};
+  RegressedLaw law{sum.site->effect,
+                   sum.site->target,
+                   sum.site->unit,
+                   written_out(*sum.site, sum.laws, coefficients),
+                   {},
+                   judged.before,
+                   judged.after,
+                   judged.floor,
+                   gap_closed,
+                   best.error};
   Variant variant;
   sum.candidate.apply(variant, coefficients);
   law.amended = variant.scene.effects.back();

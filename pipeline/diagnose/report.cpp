@@ -85,11 +85,12 @@ json report_of(const Diagnosis& d) {
                            {"formula", law.amended.formulas},
                            {"coefficients", law.amended.parameters},
                            {"unit", law.unit},
-                           {"held_out", {{"before", law.before},
-                                         {"after", law.after},
-                                         {"floor", law.floor},
-                                         {"unit", d.unit},
-                                         {"gap_closed", law.gap_closed}}},
+                           {"held_out",
+                            {{"before", law.before},
+                             {"after", law.after},
+                             {"floor", law.floor},
+                             {"unit", d.unit},
+                             {"gap_closed", law.gap_closed}}},
                            {"fit_after", law.error}};
   }
   report["fit"] = {{"before", d.fit_before}, {"after", d.fit_after}, {"unit", "noise"}};
@@ -134,9 +135,9 @@ std::string sentence_of(const Diagnosis& d) {
       text += ", " + judged;
     }
     if (d.regressed)
-      text += "; a law without a name is in the amended scene: " + text_of(*d.regressed) + ", with it the held-out error is " +
-              shown(d.regressed->after) + unit + " (without " + shown(d.regressed->before) + ", noise floor " +
-              shown(d.regressed->floor) + ")";
+      text += "; a law without a name is in the amended scene: " + text_of(*d.regressed) +
+              ", with it the held-out error is " + shown(d.regressed->after) + unit + " (without " +
+              shown(d.regressed->before) + ", noise floor " + shown(d.regressed->floor) + ")";
     return text;
   }
   std::string what;
