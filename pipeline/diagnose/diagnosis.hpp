@@ -39,9 +39,9 @@ struct NamedEffect {
 
 // What is missing where no known effect explains it, as a law without a name (regress.hpp).
 struct RegressedLaw {
-  std::string effect, target, unit;   // regressed_effort or regressed_force; of the effort or force
-  std::vector<std::string> formulas;  // with the coefficients written out
-  Effect amended;                     // as a scene has it
+  std::string effect, target, unit;  // regressed_effort or regressed_force; of the effort or force
+  std::string shown;                 // with its numbers, for people
+  Effect amended;                    // as a scene has it
   double before = 0, after = 0, floor = 0, gap_closed = 0;  // held-out error, as in Diagnosis
   double error = 0;                                         // of the fitting runs, left out [noise]
 };

@@ -46,7 +46,7 @@ Range range_of(const Problem& problem, const Value& value_of) {
 // frictions; and both
 std::vector<Law> joint_laws(const Range& q) {
   std::vector<Law> laws;
-  const auto add = [&](const std::string& formula) { laws.push_back({{formula}}); };
+  const auto add = [&](const std::string& formula) { laws.push_back({{formula}, formula}); };
   for (const char* power : {"1", "q", "q * q", "q * q * q"}) add(power);
   for (const int n : WAVES) {
     add("sin(" + std::to_string(n) + " * q)");
@@ -67,50 +67,56 @@ std::vector<Law> joint_laws(const Range& q) {
 std::vector<Law> force_laws(const Range& distance, double fastest) {
   std::vector<Law> laws;
   const std::string place[] = {"x", "y", "z"}, velocity[] = {"vx", "vy", "vz"};
-  for (int i = 0; i < 3; ++i) {
-    Law constant{{"0", "0", "0"}};
-    constant.formulas[std::size_t(i)] = "1";
-    laws.push_back(constant);
-    for (int k = 0; k < 3; ++k)
-      for (const std::string& of : {place[k], velocity[k]}) {
-        Law linear{{"0", "0", "0"}};
-        linear.formulas[std::size_t(i)] = of;
-        laws.push_back(linear);
-      }
-  }
-  const auto along = [&](const std::string& factor, const std::string(&direction)[3]) {
-    laws.push_back({{factor + " * " + direction[0], factor + " * " + direction[1], factor + " * " + direction[2]}});
+  const auto add_component = [&](std::size_t i, const std::string& formula) {
+    Law law{{"0", "0", "0"}, ""};
+    law.formulas[i] = formula;
+    law.shown = "(" + law.formulas[0] + ", " + law.formulas[1] + ", " + law.formulas[2] + ")";
+    laws.push_back(law);
   };
-  const std::string speed = "sqrt(vx * vx + vy * vy + vz * vz + " + number(1e-6 * fastest * fastest) + ")",
-                    r = "sqrt(x * x + y * y + z * z + 1e-12)";
-  along(speed, velocity);
-  along("1 / " + speed, velocity);
+  for (std::size_t i = 0; i < 3; ++i) {
+    add_component(i, "1");
+    for (int k = 0; k < 3; ++k) {
+      add_component(i, place[k]);
+      add_component(i, velocity[k]);
+    }
+  }
+  // `factor` holds r and |v|, which are written out in the formula
+  const auto along = [&](const std::string& factor, const std::string(&direction)[3]) {
+    const std::pair<std::string, std::string> meant[] = {
+        {"|v|", "sqrt(vx * vx + vy * vy + vz * vz + " + number(1e-6 * fastest * fastest) + ")"},
+        {"{r}", "sqrt(x * x + y * y + z * z + 1e-12)"}};
+    Law law{{}, factor + " (" + direction[0] + ", " + direction[1] + ", " + direction[2] + ")"};
+    std::string text = factor;
+    for (const auto& [name, formula] : meant)
+      for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name))
+        text.replace(at, name.size(), formula);
+    for (const std::string& component : direction) law.formulas.push_back(text + " * " + component);
+    for (std::size_t at = law.shown.find("{r}"); at != std::string::npos; at = law.shown.find("{r}"))
+      law.shown.replace(at, 3, "r");
+    laws.push_back(law);
+  };
+  along("|v|", velocity);
+  along("1 / |v|", velocity);
+  for (const double share : {0.05, 0.15, 0.3, 0.5, 0.75})
+    along("fmax(1 - " + number(distance.at(share)) + " / {r}, 0)", place);
+  const std::string width = number(0.25 * (distance.high - distance.low));
   for (const double share : {0.25, 0.5, 0.75})
-    along("fmax(1 - " + number(distance.at(share)) + " / " + r + ", 0)", place);
-  const double width = 0.25 * (distance.high - distance.low);
-  for (const double share : {0.25, 0.5, 0.75})
-    along("exp(-pow((" + r + " - " + number(distance.at(share)) + ") / " + number(width) + ", 2)) / " + speed,
-          velocity);
+    along("exp(-pow(({r} - " + number(distance.at(share)) + ") / " + width + ", 2)) / |v|", velocity);
   return laws;
 }
 
-// c_i * law, summed up; written: numbers in place of c_i
-std::string sum_of(const LawSite& site, std::span<const std::size_t> laws, std::size_t component,
-                   const std::vector<std::string>& coefficients) {
-  std::string sum;
-  for (std::size_t i = 0; i < laws.size(); ++i) {
-    const std::string& formula = site.laws[laws[i]].formulas[component];
-    if (formula == "0") continue;
-    sum += (sum.empty() ? "" : " + ") + coefficients[i] + (formula == "1" ? "" : " * " + formula);
-  }
-  return sum.empty() ? "0" : sum;
-}
-
+// c_i * law, summed up, of each component
 std::vector<std::string> sums_of(const LawSite& site, std::span<const std::size_t> laws,
                                  const std::vector<std::string>& coefficients) {
-  std::vector<std::string> sums;
-  const std::size_t n = site.laws.front().formulas.size();
-  for (std::size_t k = 0; k < n; ++k) sums.push_back(sum_of(site, laws, k, coefficients));
+  std::vector<std::string> sums(site.laws.front().formulas.size());
+  for (std::size_t k = 0; k < sums.size(); ++k) {
+    for (std::size_t i = 0; i < laws.size(); ++i) {
+      const std::string& formula = site.laws[laws[i]].formulas[k];
+      if (formula == "0") continue;
+      sums[k] += (sums[k].empty() ? "" : " + ") + coefficients[i] + (formula == "1" ? "" : " * " + formula);
+    }
+    if (sums[k].empty()) sums[k] = "0";
+  }
   return sums;
 }
 
@@ -182,11 +188,13 @@ Candidate law_candidate(const LawSite& site, std::span<const std::size_t> laws) 
   return candidate;
 }
 
-std::vector<std::string> written_out(const LawSite& site, std::span<const std::size_t> laws,
-                                     std::span<const double> coefficients) {
-  std::vector<std::string> numbers;
-  for (const double value : coefficients) numbers.push_back(number(value));
-  return sums_of(site, laws, numbers);
+std::string shown_sum(const LawSite& site, std::span<const std::size_t> laws, std::span<const double> coefficients) {
+  std::string sum;
+  for (std::size_t i = 0; i < laws.size(); ++i) {
+    const std::string& law = site.laws[laws[i]].shown;
+    sum += (sum.empty() ? "" : " + ") + number(coefficients[i]) + (law == "1" ? "" : " " + law);
+  }
+  return sum;
 }
 
 }  // namespace pvg::diagnose

@@ -13,6 +13,7 @@ namespace pvg::diagnose {
 // One law of a site: its formulas without the coefficient, one of a joint, three of a body's force.
 struct Law {
   std::vector<std::string> formulas;
+  std::string shown;  // for people: r the distance from the origin, |v| the speed
 };
 
 struct LawSite {
@@ -29,8 +30,7 @@ std::vector<LawSite> law_sites(const Problem& problem);
 // Sum of some laws of a site, each times a coefficient, which are the candidate's parameters.
 Candidate law_candidate(const LawSite& site, std::span<const std::size_t> laws);
 
-// The formulas with these coefficients written out, such as "-0.31 * sin(3 * q)".
-std::vector<std::string> written_out(const LawSite& site, std::span<const std::size_t> laws,
-                                     std::span<const double> coefficients);
+// The sum for people, such as "-0.31 sin(3 * q) + 0.2 q".
+std::string shown_sum(const LawSite& site, std::span<const std::size_t> laws, std::span<const double> coefficients);
 
 }  // namespace pvg::diagnose

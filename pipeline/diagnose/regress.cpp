@@ -140,7 +140,7 @@ std::optional<RegressedLaw> regress(Workflow& flow, const ChosenWindows& chosen)
   RegressedLaw law{sum.site->effect,
                    sum.site->target,
                    sum.site->unit,
-                   written_out(*sum.site, sum.laws, coefficients),
+                   shown_sum(*sum.site, sum.laws, coefficients),
                    {},
                    judged.before,
                    judged.after,

@@ -110,10 +110,8 @@ std::string shown(double value) {
 }
 
 std::string text_of(const RegressedLaw& law) {
-  if (law.formulas.size() == 1) return "effort at " + law.target + " = " + law.formulas[0] + " " + law.unit;
-  std::string force;
-  for (const std::string& formula : law.formulas) force += (force.empty() ? "(" : ", ") + formula;
-  return "force on " + law.target + " = " + force + ") " + law.unit;
+  const std::string what = law.effect == "regressed_effort" ? "effort at " : "force on ";
+  return what + law.target + " = " + law.shown + " " + law.unit;
 }
 
 std::string sentence_of(const Diagnosis& d) {

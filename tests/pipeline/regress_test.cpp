@@ -87,13 +87,16 @@ TEST(LawDictionary, EveryLawOfEverySiteIsOneThatASceneTakes) {
 }
 
 TEST(LawDictionary, ASumIsWrittenWithItsNumbersInPlace) {
-  const LawSite effort{"regressed_effort", "hinge", "N m", 1, {{{"1"}}, {{"q"}}, {{"sin(3 * q)"}}}};
-  EXPECT_EQ(written_out(effort, std::vector<std::size_t>{0, 2}, std::vector<double>{0.25, -0.3125}),
-            std::vector<std::string>{"0.25 + -0.312 * sin(3 * q)"});
+  const LawSite effort{
+      "regressed_effort", "hinge", "N m", 1, {{{"1"}, "1"}, {{"q"}, "q"}, {{"sin(3 * q)"}, "sin(3 * q)"}}};
+  EXPECT_EQ(shown_sum(effort, std::vector<std::size_t>{0, 2}, std::vector<double>{0.25, -0.3125}),
+            "0.25 + -0.312 sin(3 * q)");
   EXPECT_EQ(law_candidate(effort, std::vector<std::size_t>{2, 1}).equation, "c0 * sin(3 * q) + c1 * q");
-  const LawSite force{"regressed_force", "ball", "N", 1, {{{"0", "1", "0"}}, {{"x", "y", "0"}}}};
-  EXPECT_EQ(written_out(force, std::vector<std::size_t>{0, 1}, std::vector<double>{2, 3}),
-            (std::vector<std::string>{"3 * x", "2 + 3 * y", "0"}));
+  const LawSite force{"regressed_force", "ball", "N", 1, {{{"0", "1", "0"}, "up"}, {{"x", "y", "0"}, "out"}}};
+  Variant variant;
+  law_candidate(force, std::vector<std::size_t>{0, 1}).apply(variant, std::vector<double>{2, 3});
+  EXPECT_EQ(variant.scene.effects.back().formulas, (std::vector<std::string>{"c1 * x", "c0 + c1 * y", "0"}));
+  EXPECT_EQ(variant.scene.effects.back().parameters, (std::vector<double>{2, 3}));
 }
 
 }  // namespace
