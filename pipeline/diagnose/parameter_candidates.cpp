@@ -2,6 +2,7 @@
 // then an effect.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "pipeline/diagnose/candidate.hpp"
 
@@ -146,6 +147,12 @@ const std::vector<Kind>& kinds() {
   return KINDS;
 }
 
+std::string as_the_scene_says(double value, const std::string& unit) {
+  char text[60];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return "the scene says " + (text + (unit == "1" ? "" : " " + unit));
+}
+
 }  // namespace
 
 std::vector<CandidateKind> parameter_kinds() {
@@ -166,7 +173,7 @@ void add_parameters(const Problem& problem, const std::vector<std::string>& touc
                           "scene",
                           "another value",
                           kind.meaning,
-                          "value = another",
+                          as_the_scene_says(place.value, kind.unit),
                           "",
                           {},
                           {},
