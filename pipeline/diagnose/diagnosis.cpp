@@ -107,7 +107,7 @@ bool prove(Workflow& flow, const ChosenWindows& chosen, const std::vector<Fit>& 
   out.mask_gap_before = judged.mask_gap_before;
   out.mask_gap_after = judged.mask_gap_after;
   out.curves = std::move(judged.curves);
-  const std::vector<Curve> fitted = curves_of(problem, chosen.data, chosen.base, named, 4);
+  const std::vector<Curve> fitted = curves_of(problem, chosen.data, chosen.base, named, CURVES_OF_FITTED_RUNS);
   out.curves.insert(out.curves.end(), fitted.begin(), fitted.end());
   return judged.floor > 0;
 }

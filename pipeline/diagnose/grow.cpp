@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "pipeline/diagnose/pairs.hpp"
 #include "pipeline/diagnose/screen.hpp"
 #include "pipeline/diagnose/workflow.hpp"
 
@@ -16,12 +17,6 @@ constexpr std::size_t N_FINALISTS = 5;     // candidates that are fitted to the 
 constexpr int MORE_STEPS = 10;             // of these
 constexpr std::size_t MOST_EXCHANGED = 3;  // other first effects that are tried beside a second one
 constexpr double HOPELESS = 100;           // by which a finalist's log-likelihood may be worse than the best one's
-
-RankedModel ranked(const Judged& judged) {
-  RankedModel model{judged.fit->model.parts, judged.error, judged.evidence, judged.probability, {}};
-  for (const double x : judged.fit->model.x) model.values.push_back(x);
-  return model;
-}
 
 std::vector<std::string> labels_of(const Model& model, std::size_t after) {
   std::vector<std::string> labels;
@@ -121,6 +116,12 @@ Fit settled(Workflow& flow, FitData& data, const Fit& fit) {
 
 }  // namespace
 
+RankedModel ranked(const Judged& judged) {
+  RankedModel model{judged.fit->model.parts, judged.error, judged.evidence, judged.probability, {}};
+  for (const double x : judged.fit->model.x) model.values.push_back(x);
+  return model;
+}
+
 std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector<Screened>& best) {
   std::vector<Model> models;
   for (const Screened& s : best) models.push_back(s.model);
@@ -201,6 +202,12 @@ std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base) {
       flow.tell(4, 0.6,
                 "what " + named.model.parts.back()->label() + " leaves is " + std::to_string(error) +
                     " times the noise: looking for another effect");
+  }
+  const bool is_explained = !grown.empty() && rms(named.residual) < SECOND_LOOK;
+  if (is_explained || flow.settings.max_effects < 2 || flow.settings.decide != Decide::workflow) return grown;
+  if (const std::optional<Fit> pair = find_pair(flow, data, base, SECOND_LOOK)) {
+    grown = {settled(flow, data, *pair)};
+    out.fit_after = rms(grown.back().residual);
   }
   return grown;
 }

@@ -30,6 +30,8 @@ HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, st
 std::vector<Curve> curves_of(const Problem& problem, const FitData& data, const Fit& before, const Fit& after,
                              std::size_t most);
 
+inline constexpr std::size_t CURVES_OF_FITTED_RUNS = 4;  // in a report, beside those of held-out ones
+
 // The share of a gap that was closed: 1 at the floor, 0 for none, less where it grew.
 double closed(double before, double after, double floor);
 

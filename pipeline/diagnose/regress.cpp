@@ -9,24 +9,9 @@
 namespace pvg::diagnose {
 namespace {
 
-using Eigen::MatrixXd, Eigen::VectorXd;
+using Eigen::VectorXd;
 constexpr std::size_t MOST_LAWS = 3, N_EACH = 2;  // in one sum; sums of each size that are fitted
 constexpr std::size_t MOST_SITES = 3;
-
-// by how much a quadratic cost falls at best with these columns alone
-double gain_of(const MatrixXd& a, const VectorXd& g, const std::vector<std::size_t>& columns) {
-  const Eigen::Index n = Eigen::Index(columns.size());
-  MatrixXd part(n, n);
-  VectorXd side(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    side[i] = g[Eigen::Index(columns[std::size_t(i)])];
-    for (Eigen::Index k = 0; k < n; ++k)
-      part(i, k) = a(Eigen::Index(columns[std::size_t(i)]), Eigen::Index(columns[std::size_t(k)]));
-  }
-  part.diagonal().array() *= 1 + 1e-6;  // laws that are nearly alike must not stand against each other
-  const double gain = 0.5 * side.dot(part.ldlt().solve(side));
-  return std::isfinite(gain) ? gain : 0;
-}
 
 // all ascending sets of `size` numbers below n
 template <class Visit>
@@ -55,20 +40,14 @@ void add_sums(Workflow& flow, const ChosenWindows& chosen, const LawSite& site, 
   std::vector<std::size_t> all;
   for (std::size_t i = 0; i < site.laws.size(); ++i) all.push_back(i);
   const Candidate whole = law_candidate(site, all);
-  const Signatures found = signatures_of(flow.fitter, chosen.data, chosen.base, whole);
-  for (const std::vector<std::size_t>& columns : best_subsets(found.a, found.g, MOST_LAWS, N_EACH)) {
+  const Signatures found = signatures_of(flow.fitter, chosen.data, chosen.base, {&whole});
+  for (const std::vector<std::size_t>& columns : best_subsets(found, MOST_LAWS, N_EACH)) {
     Sum sum{&site, {}, {}, VectorXd(Eigen::Index(columns.size())), VectorXd(Eigen::Index(columns.size()))};
-    MatrixXd a(columns.size(), columns.size());
-    VectorXd g(columns.size());
     for (std::size_t i = 0; i < columns.size(); ++i) {
       sum.laws.push_back(found.parameter[columns[i]]);
       sum.scale[Eigen::Index(i)] = std::abs(found.step[columns[i]]);
-      g[Eigen::Index(i)] = found.g[Eigen::Index(columns[i])];
-      for (std::size_t k = 0; k < columns.size(); ++k)
-        a(Eigen::Index(i), Eigen::Index(k)) = found.a(Eigen::Index(columns[i]), Eigen::Index(columns[k]));
     }
-    a.diagonal().array() *= 1 + 1e-6;
-    const VectorXd x = -a.ldlt().solve(g);
+    const VectorXd x = optimum_of(found, columns);
     sum.candidate = law_candidate(site, sum.laws);
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const Parameter& p = sum.candidate.parameters[i];
@@ -101,15 +80,14 @@ std::vector<LawSite> worst_sites(const Workflow& flow) {
 
 }  // namespace
 
-std::vector<std::vector<std::size_t>> best_subsets(const MatrixXd& a, const VectorXd& g, std::size_t most,
-                                                   std::size_t n_each) {
+std::vector<std::vector<std::size_t>> best_subsets(const Signatures& signatures, std::size_t most, std::size_t n_each) {
   std::vector<std::vector<std::size_t>> best;
-  const std::size_t n = std::size_t(g.size());
+  const std::size_t n = std::size_t(signatures.g.size());
   for (std::size_t size = 1; size <= std::min(most, n); ++size) {
     std::vector<std::pair<double, std::vector<std::size_t>>> found;
     std::vector<std::size_t> chosen;
     for_each_subset(n, size, chosen, [&](const std::vector<std::size_t>& columns) {
-      found.emplace_back(-gain_of(a, g, columns), columns);
+      found.emplace_back(-gain_at(signatures, columns, optimum_of(signatures, columns)), columns);
     });
     const std::size_t kept = std::min(n_each, found.size());
     std::partial_sort(found.begin(), found.begin() + std::ptrdiff_t(kept), found.end());
@@ -132,7 +110,7 @@ std::optional<RegressedLaw> regress(Workflow& flow, const ChosenWindows& chosen)
   const Sum& sum = *std::find_if(sums.begin(), sums.end(),
                                  [&](const Sum& other) { return &other.candidate == best.fit->model.parts.front(); });
   const std::size_t most = most_windows(flow.problem, flow.settings.simulated_seconds, chosen.length);
-  const HeldOut judged =
+  HeldOut judged =
       judge_held_out(flow.fitter, flow.problem, chosen.length, most, {best.fit->model}, flow.out.unit == "noise");
   const double gap_closed = closed(judged.before, judged.after, judged.floor);
   if (judged.floor == 0 || gap_closed < LEAST_GAP_CLOSED) return std::nullopt;
@@ -147,6 +125,9 @@ std::optional<RegressedLaw> regress(Workflow& flow, const ChosenWindows& chosen)
                    judged.floor,
                    gap_closed,
                    best.error};
+  flow.out.curves = std::move(judged.curves);
+  const std::vector<Curve> fitted = curves_of(flow.problem, chosen.data, chosen.base, *best.fit, CURVES_OF_FITTED_RUNS);
+  flow.out.curves.insert(flow.out.curves.end(), fitted.begin(), fitted.end());
   Variant variant;
   sum.candidate.apply(variant, coefficients);
   law.amended = variant.scene.effects.back();

@@ -9,9 +9,8 @@
 
 namespace pvg::diagnose {
 
-// Sets of up to `most` columns that lower g x + x A x / 2 most, for each size the best `n_each`, smallest sets first.
-std::vector<std::vector<std::size_t>> best_subsets(const Eigen::MatrixXd& a, const Eigen::VectorXd& g, std::size_t most,
-                                                   std::size_t n_each);
+// Sets of up to `most` columns by which the cost falls most, for each size the best `n_each`, smallest sets first.
+std::vector<std::vector<std::size_t>> best_subsets(const Signatures& signatures, std::size_t most, std::size_t n_each);
 
 // The law that is found, or nothing where none closes enough of the gap on held-out runs.
 std::optional<RegressedLaw> regress(Workflow& flow, const ChosenWindows& chosen);

@@ -167,8 +167,8 @@ std::string html_of(const Problem& problem, const Diagnosis& d) {
   html +=
       "<h2>Before and after</h2><p><span style='color:#777'>grey: measured</span>, <span style='color:#c83c1e'>red: "
       "the scene as it was</span>, "
-      "<span style='color:#1b6fb3'>blue: with what was found</span></p>\n" +
-      curves_html(d);
+      "<span style='color:#1b6fb3'>blue: with " +
+      std::string(d.regressed ? "the law that was regressed" : "what was found") + "</span></p>\n" + curves_html(d);
   html += "<h2>Where</h2><p>Share of the misfit by body and phase of motion, and its size in units of the noise.</p>" +
           map_html(d);
   html += "<h2>What was compared</h2>" + ranking_html(d);

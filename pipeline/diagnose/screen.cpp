@@ -286,10 +286,10 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fit
   return screened;
 }
 
-Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& fitted, const Candidate& candidate) {
+Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& fitted,
+                         const std::vector<const Candidate*>& candidates) {
   const Fit base = from_measured_starts(fitter, data, fitted);
-  std::vector<Trial> trials =
-      choose_steps(fitter, data, base, std::clamp(rms(fitted.residual), 2.0, 10.0), {&candidate});
+  std::vector<Trial> trials = choose_steps(fitter, data, base, std::clamp(rms(fitted.residual), 2.0, 10.0), candidates);
   std::erase_if(trials, [](const Trial& t) { return t.step == 0; });
   std::vector<std::vector<VectorXd>> found = answers(fitter, data, base, trials);
   Signatures out;
@@ -304,6 +304,7 @@ Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& fitted,
     for (std::size_t i = 0; i < seen.size(); ++i) fit.slope[w].col(Eigen::Index(i)) = found[seen[i]][w];
   }
   for (const std::size_t t : seen) {
+    out.candidate.push_back(trials[t].candidate);
     out.parameter.push_back(trials[t].parameter);
     out.step.push_back(trials[t].step);
   }
@@ -312,6 +313,38 @@ Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& fitted,
   out.a = reduced.sum_a();
   out.g = reduced.sum_g();
   return out;
+}
+
+namespace {
+
+struct Part {
+  MatrixXd a;
+  VectorXd g;
+};
+
+Part part_of(const Signatures& s, std::span<const std::size_t> columns) {
+  const Eigen::Index n = Eigen::Index(columns.size());
+  Part part{MatrixXd(n, n), VectorXd(n)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    part.g[i] = s.g[Eigen::Index(columns[std::size_t(i)])];
+    for (Eigen::Index k = 0; k < n; ++k)
+      part.a(i, k) = s.a(Eigen::Index(columns[std::size_t(i)]), Eigen::Index(columns[std::size_t(k)]));
+  }
+  return part;
+}
+
+}  // namespace
+
+VectorXd optimum_of(const Signatures& signatures, std::span<const std::size_t> columns) {
+  Part part = part_of(signatures, columns);
+  part.a.diagonal().array() *= 1 + 1e-6;  // columns that are nearly alike must not stand against each other
+  const VectorXd x = -part.a.ldlt().solve(part.g);
+  return x.allFinite() ? x : VectorXd::Zero(part.g.size());
+}
+
+double gain_at(const Signatures& signatures, std::span<const std::size_t> columns, const VectorXd& x) {
+  const Part part = part_of(signatures, columns);
+  return -(part.g.dot(x) + 0.5 * x.dot(part.a * x));
 }
 
 std::vector<Screened> shortlist(const std::vector<Screened>& screened, std::size_t most) {

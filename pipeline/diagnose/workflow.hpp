@@ -29,6 +29,8 @@ struct Workflow {
   void tell(int stage, double share, const std::string& text) const;  // how far it is, and how long it will take
 };
 
+RankedModel ranked(const Judged& judged);
+
 // The fits to the end of those that may still win, all with slopes and covariances.
 std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector<Screened>& best);
 

@@ -12,10 +12,11 @@ using Subsets = std::vector<std::vector<std::size_t>>;
 
 // columns that have nothing to do with each other: a column gains g^2 / (2 a)
 TEST(BestSubsets, OfSeparateColumnsAreThoseThatGainMost) {
-  const Eigen::MatrixXd a = Eigen::Vector4d(1, 1, 4, 1).asDiagonal();
-  const Eigen::Vector4d g(0.5, -3, 4, -2);  // gains 0.125, 4.5, 2, 2 and a little less
-  EXPECT_EQ(best_subsets(a, g + Eigen::Vector4d(0, 0, 0.1, 0), 2, 1), (Subsets{{1}, {1, 2}}));
-  EXPECT_EQ(best_subsets(a, g, 1, 2).front(), Subsets::value_type{1});
+  Signatures signatures;
+  signatures.a = Eigen::Vector4d(1, 1, 4, 1).asDiagonal();
+  signatures.g = Eigen::Vector4d(0.5, -3, 4.1, -2);  // gains 0.125, 4.5, 2.1 and 2
+  EXPECT_EQ(best_subsets(signatures, 2, 1), (Subsets{{1}, {1, 2}}));
+  EXPECT_EQ(best_subsets(signatures, 1, 3), (Subsets{{1}, {2}, {3}}));
 }
 
 // the third column is the sum of the first two, and the data are 3 times the first less the second: together those two
@@ -24,16 +25,20 @@ TEST(BestSubsets, OfColumnsThatHangTogetherAreThoseThatExplainTogether) {
   Eigen::MatrixXd columns(3, 3);
   columns << 1, 0, 1, 0, 1, 1, 0, 0, 0.5;
   const Eigen::Vector3d data(3, -1, 0);
-  const Eigen::MatrixXd a = columns.transpose() * columns;
-  const Eigen::VectorXd g = -columns.transpose() * data;
-  const Subsets best = best_subsets(a, g, 2, 1);
+  Signatures signatures;
+  signatures.a = columns.transpose() * columns;
+  signatures.g = -columns.transpose() * data;
+  const Subsets best = best_subsets(signatures, 2, 1);
   ASSERT_EQ(best.size(), 2u);
   EXPECT_EQ(best[0], Subsets::value_type{0});
   EXPECT_EQ(best[1], (Subsets::value_type{0, 1}));
 }
 
 TEST(BestSubsets, AreNoLargerThanThereAreColumns) {
-  EXPECT_EQ(best_subsets(Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Ones(1), 3, 2), (Subsets{{0}}));
+  Signatures signatures;
+  signatures.a = Eigen::MatrixXd::Identity(1, 1);
+  signatures.g = Eigen::VectorXd::Ones(1);
+  EXPECT_EQ(best_subsets(signatures, 3, 2), (Subsets{{0}}));
 }
 
 // A hinge and a free ball, both measured, each going from -0.2 to 0.8 at 2 per second.
