@@ -192,7 +192,9 @@ std::string shown_sum(const LawSite& site, std::span<const std::size_t> laws, st
   std::string sum;
   for (std::size_t i = 0; i < laws.size(); ++i) {
     const std::string& law = site.laws[laws[i]].shown;
-    sum += (sum.empty() ? "" : " + ") + number(coefficients[i]) + (law == "1" ? "" : " " + law);
+    const double c = coefficients[i];
+    sum += sum.empty() ? number(c) : (c < 0 ? " - " : " + ") + number(std::abs(c));
+    if (law != "1") sum += " " + law;
   }
   return sum;
 }

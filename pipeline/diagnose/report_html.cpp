@@ -161,7 +161,7 @@ std::string html_of(const Problem& problem, const Diagnosis& d) {
       escaped(d.sentence) + "</title><style>" + STYLE + "</style></head><body>\n";
   html += "<h1>" + escaped(problem.recording.file.parent_path().filename().string()) + ": " + verdict_name(d.verdict) +
           "</h1>\n<p class='verdict'>" + escaped(d.sentence) + "</p>\n";
-  for (const NamedEffect& effect : d.effects)
+  for (const NamedEffect& effect : d.verdict == Verdict::none ? std::vector<NamedEffect>() : d.effects)
     html += "<p>" + escaped(effect.candidate->label()) + ": " + escaped(effect.candidate->meaning) + "; <code>" +
             escaped(effect.candidate->equation) + "</code></p>";
   html +=

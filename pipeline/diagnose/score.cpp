@@ -222,12 +222,13 @@ Score score(const std::string& suite, const std::string& reports) {
     result.text += "  " + line + "\n";
     for (const auto& [name, n] : named) out["confusion"][truth][name] = n;
   }
-  result.text += "\nnot as the truth\n";
+  std::string misses;
   for (const Case& c : cases)
     if (truth_label(c) != report_label(c) && !names_all(c)) {
-      result.text += "  " + c.name + ": " + truth_label(c) + " -> " + report_label(c) + "\n";
+      misses += "  " + c.name + ": " + truth_label(c) + " -> " + report_label(c) + "\n";
       out["misses"].push_back({{"case", c.name}, {"truth", truth_label(c)}, {"named", report_label(c)}});
     }
+  if (!misses.empty()) result.text += "\nnot as the truth\n" + misses;
   char line[80];
   std::snprintf(line, sizeof line, "\n%zu cases, %.0f s each\n", cases.size(),
                 cases.empty() ? 0 : seconds / double(cases.size()));

@@ -40,7 +40,7 @@ TEST(Pairs, WhatExplainsTogetherComesFirstThoughAnotherIsBetterAlone) {
   const std::vector<Pair> best = best_pairs(four.signatures, 1);
   ASSERT_FALSE(best.empty());
   EXPECT_EQ(best[0].first->name + " " + best[0].second->name, "a b");
-  EXPECT_NEAR(best[0].gain, 2.5, 1e-5);  // half of 2^2 + 1^2
+  EXPECT_NEAR(best[0].gain, 2.5, 1e-5);      // half of 2^2 + 1^2
   EXPECT_NEAR(best[0].model.x[0], 1, 1e-5);  // two steps of 0.5
   EXPECT_NEAR(best[0].model.x[1], 0.5, 1e-5);
   for (const Pair& pair : best) EXPECT_LT(pair.gain, pair.second->name == "against" ? 2.45 : 2.51);

@@ -95,7 +95,7 @@ TEST(LawDictionary, ASumIsWrittenWithItsNumbersInPlace) {
   const LawSite effort{
       "regressed_effort", "hinge", "N m", 1, {{{"1"}, "1"}, {{"q"}, "q"}, {{"sin(3 * q)"}, "sin(3 * q)"}}};
   EXPECT_EQ(shown_sum(effort, std::vector<std::size_t>{0, 2}, std::vector<double>{0.25, -0.3125}),
-            "0.25 + -0.312 sin(3 * q)");
+            "0.25 - 0.312 sin(3 * q)");
   EXPECT_EQ(law_candidate(effort, std::vector<std::size_t>{2, 1}).equation, "c0 * sin(3 * q) + c1 * q");
   const LawSite force{"regressed_force", "ball", "N", 1, {{{"0", "1", "0"}, "up"}, {{"x", "y", "0"}, "out"}}};
   Variant variant;
