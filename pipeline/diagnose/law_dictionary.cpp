@@ -28,7 +28,8 @@ struct Range {
 template <class Value>
 Range range_of(const Problem& problem, const Value& value_of) {
   Range range{INFINITY, -INFINITY, 0, false};
-  for (const Run& run : problem.runs)
+  for (const Run& run : problem.runs) {
+    if (run.is_held_out) continue;
     for (std::size_t i = 0; i < run.t.size(); ++i) {
       const double value = value_of(run, i);
       if (!std::isfinite(value)) continue;
@@ -38,6 +39,7 @@ Range range_of(const Problem& problem, const Value& value_of) {
       const double speed = std::abs(value - value_of(run, i - APART)) / (run.t[i] - run.t[i - APART]);
       if (std::isfinite(speed)) range.fastest = std::max(range.fastest, speed);
     }
+  }
   range.is_there = range.high > range.low;
   return range;
 }

@@ -207,26 +207,40 @@ std::vector<Trial> mirrored(const std::vector<Trial>& trials) {
   return out;
 }
 
+// Trials whose answer is there.
+std::vector<std::size_t> seen_of(std::span<const std::vector<VectorXd>> found) {
+  std::vector<std::size_t> seen;
+  for (std::size_t t = 0; t < found.size(); ++t)
+    if (size_of(found[t]) > LEAST_ANSWER) seen.push_back(t);
+  return seen;
+}
+
+// The normal equations of `n_base` parameters of the base and of the trials that are seen, these in units of their
+// steps.
+Reduced normal_equations(const FitData& data, const Fit& base, Eigen::Index n_base, std::span<const std::size_t> seen,
+                         std::span<const std::vector<VectorXd>> found) {
+  Fit fit = base;
+  fit.window_scale = window_scales(base.residual);
+  const Eigen::Index n = n_base + Eigen::Index(seen.size());
+  fit.slope.assign(data.windows.size(), {});
+  for (std::size_t w = 0; w < data.windows.size(); ++w) {
+    fit.slope[w].resize(base.residual[w].size(), n);
+    for (Eigen::Index i = 0; i < n_base; ++i) fit.slope[w].col(i) = base.slope[w].col(i) * base.model.scale[i];
+    for (std::size_t i = 0; i < seen.size(); ++i) fit.slope[w].col(n_base + Eigen::Index(i)) = found[seen[i]][w];
+  }
+  fit.model.x = VectorXd::Zero(n);
+  return reduce(fit);
+}
+
 // The best sum of one candidate's signatures, starts and base model free; no gain where no answer is seen.
 Screened linear_optimum(const FitData& data, const Fit& base, double n_data, std::span<const Trial> trials,
                         std::span<const std::vector<VectorXd>> found) {
   const Candidate& candidate = *trials.front().candidate;
   Screened one{&candidate, with(base.model, candidate), 0, 0};
-  Fit fit = base;
-  fit.window_scale = window_scales(base.residual);
   const Eigen::Index n_base = base.model.x.size();
-  std::vector<std::size_t> seen;  // trials whose answer is there
-  for (std::size_t t = 0; t < trials.size(); ++t)
-    if (size_of(found[t]) > LEAST_ANSWER) seen.push_back(t);
+  const std::vector<std::size_t> seen = seen_of(found);
   if (seen.empty()) return one;
-  fit.slope.assign(data.windows.size(), {});
-  for (std::size_t w = 0; w < data.windows.size(); ++w) {
-    fit.slope[w].resize(base.residual[w].size(), n_base + Eigen::Index(seen.size()));
-    for (Eigen::Index i = 0; i < n_base; ++i) fit.slope[w].col(i) = base.slope[w].col(i) * base.model.scale[i];
-    for (std::size_t i = 0; i < seen.size(); ++i) fit.slope[w].col(n_base + Eigen::Index(i)) = found[seen[i]][w];
-  }
-  fit.model.x = VectorXd::Zero(n_base + Eigen::Index(seen.size()));
-  const Reduced reduced = reduce(fit);
+  const Reduced reduced = normal_equations(data, base, n_base, seen, found);
   MatrixXd a = reduced.sum_a();
   a.diagonal().array() += 1e-9 * a.trace();
   const VectorXd g = reduced.sum_g();
@@ -293,23 +307,13 @@ Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& fitted,
   std::erase_if(trials, [](const Trial& t) { return t.step == 0; });
   std::vector<std::vector<VectorXd>> found = answers(fitter, data, base, trials);
   Signatures out;
-  Fit fit = base;
-  fit.window_scale = window_scales(base.residual);
-  std::vector<std::size_t> seen;
-  for (std::size_t t = 0; t < trials.size(); ++t)
-    if (size_of(found[t]) > LEAST_ANSWER) seen.push_back(t);
-  fit.slope.assign(data.windows.size(), {});
-  for (std::size_t w = 0; w < data.windows.size(); ++w) {
-    fit.slope[w].resize(base.residual[w].size(), Eigen::Index(seen.size()));
-    for (std::size_t i = 0; i < seen.size(); ++i) fit.slope[w].col(Eigen::Index(i)) = found[seen[i]][w];
-  }
+  const std::vector<std::size_t> seen = seen_of(found);
   for (const std::size_t t : seen) {
     out.candidate.push_back(trials[t].candidate);
     out.parameter.push_back(trials[t].parameter);
     out.step.push_back(trials[t].step);
   }
-  fit.model.x = VectorXd::Zero(Eigen::Index(seen.size()));
-  const Reduced reduced = reduce(fit);
+  const Reduced reduced = normal_equations(data, base, 0, seen, found);
   out.a = reduced.sum_a();
   out.g = reduced.sum_g();
   return out;
