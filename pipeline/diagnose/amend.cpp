@@ -28,9 +28,17 @@ YAML::Node named(YAML::Node list, const std::string& name) {
   return YAML::Node(YAML::NodeType::Undefined);
 }
 
-// false: the file does not say this number itself
-bool set_number(YAML::Node root, const std::string& kind, const std::string& target, double value,
-                double gravity_ratio) {
+// False where the file does not say the number, or says it with a unit.
+bool scale_plain(YAML::Node node, const std::string& section, const std::string& key, double ratio) {
+  if (!node.IsDefined() || !node.IsMap() || !node[section] || !node[section][key]) return false;
+  double value = 0;
+  if (!YAML::convert<double>::decode(node[section][key], value)) return false;
+  node[section][key] = value * ratio;
+  return true;
+}
+
+// ratio: of `value` to what the scene says;  false: the file does not say this number itself
+bool set_number(YAML::Node root, const std::string& kind, const std::string& target, double value, double ratio) {
   const auto in = [&](YAML::Node node, const std::string& section, const std::string& key) {
     if (!node.IsDefined() || !node.IsMap()) return false;
     if (section.empty())
@@ -52,7 +60,7 @@ bool set_number(YAML::Node root, const std::string& kind, const std::string& tar
   if (kind == "retune_gravity") {
     YAML::Node g = root["gravity"];
     if (!g) g = root["gravity"] = std::vector<double>{0, 0, -9.81};
-    for (std::size_t k = 0; k < 3; ++k) g[k] = g[k].as<double>() * gravity_ratio;
+    for (std::size_t k = 0; k < 3; ++k) g[k] = g[k].as<double>() * ratio;
     return true;
   }
   if (kind == "retune_youngs_modulus") return in(body, "material", "youngs_modulus");
@@ -62,6 +70,13 @@ bool set_number(YAML::Node root, const std::string& kind, const std::string& tar
   if (kind == "retune_drive_damping") return in(joint, "drive", "damping");
   if (kind == "retune_effort_limit") return in(joint, "drive", "effort_limit");
   if (kind == "retune_area_density") return in(cloth, "material", "area_density");
+  if (kind == "retune_bending_stiffness" || kind == "retune_stretch_stiffness") {
+    const std::string key = kind == "retune_bending_stiffness" ? "bending" : "stretch";
+    bool is_said = false;
+    for (const char* direction : {"", "_warp", "_weft"})
+      is_said |= scale_plain(cloth, "material", key + direction, ratio);
+    return is_said;
+  }
   if (kind == "retune_contact_stiffness") {
     root["contact"]["stiffness"] = value;
     return true;
@@ -127,7 +142,7 @@ std::string amended_scene(const Problem& problem, const Diagnosis& diagnosis, co
       root["effects"].push_back(node_of(variant.scene.effects.back()));
     } else if (candidate.family == Family::parameter) {
       const double value = effect.parameters[0].value;
-      if (!set_number(root, candidate.name, candidate.target, value, value / problem.scene.scene.gravity.norm()))
+      if (!set_number(root, candidate.name, candidate.target, value, value / candidate.parameters[0].off))
         head += "# to set by hand, where the scene's files say it: " + candidate.label() + " = " + shown(value) + "\n";
     } else {
       head += "# the measurement: " + candidate.label();

@@ -114,18 +114,19 @@ def at_strength(experiment, effects, nominal, wanted):
     # only a strength is looked for
     models.STEP, soft_models.resolution = 2e-3 if experiment.command is None else 1e-3, soft_models.COARSE
     experiment.unchanged = None
-    by, best = 1.0, (0.0, 1.0)
-    for _ in range(12):
+    by, best, too_strong = 1.0, (0.0, 0.0), math.inf
+    for _ in range(16):
         try:
             found = change_of(experiment, scaled(effects, by, nominal))
         except soft_models.TooStrong:
-            by = (by + best[1]) / 2 if best[0] > 0 else by / 4
+            too_strong = by
+            by = (best[1] + by) / 2
             continue
-        saturated = found < 1.1 * best[0] and by > 1.5 * best[1]
+        saturated = 0 < found < 1.1 * best[0] and by > 1.5 * best[1] > 0
         best = (found, by)
         if abs(found / wanted - 1) < 0.02 or saturated:
             break
-        by *= np.clip(wanted / found, 0.2, 5.0)
+        by = min(by * np.clip(wanted / max(found, 1e-9), 0.2, 5.0), (by + too_strong) / 2)
     models.STEP, soft_models.resolution = fine, soft_models.FINE
     return scaled(effects, best[1], nominal), best[0]
 

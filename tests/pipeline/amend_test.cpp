@@ -1,0 +1,83 @@
+// scene_amended.yaml: what is written is read back as what was found.
+#include <gtest/gtest.h>
+
+#include "host/scene/scene_file.hpp"
+#include "pipeline/diagnose/candidate.hpp"
+#include "pipeline/diagnose/report.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+// A hinge whose angle is measured, beside a strip of cloth.
+std::filesystem::path recording(const TestFolder& folder) {
+  folder.write("scene.yaml", R"(schema: 1
+name: two
+time_step: 5 ms
+bodies:
+  - {name: base, kind: static, shape: {box: {size: [0.1, 0.1, 0.1]}}, collides: false}
+  - {name: arm, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 2, pose: {position: [0.3, 0, 0]}, collides: false}
+joints:
+  - {name: hinge, type: revolute, parent: base, child: arm, axis: [0, 0, 1]}
+cloths:
+  - name: strip
+    shape: {sheet: {size: [0.3, 0.04], divisions: [4, 1]}}
+    pose: {x: 1}
+    material: {area_density: 0.3, thickness: 1 mm, stretch: 2000, shear: 200, bending_warp: 2e-5, bending_weft: 1e-5}
+)");
+  std::string rows = "t,q\n";
+  for (int i = 0; i <= 20; ++i) rows += std::to_string(0.01 * i) + "," + std::to_string(0.02 * i) + "\n";
+  folder.write("run.csv", rows);
+  folder.write("other.csv", rows);
+  folder.write("recording.yaml", R"(schema: 1
+scene: scene.yaml
+runs:
+  - {file: run.csv, role: fit}
+  - {file: other.csv, role: held_out}
+channels:
+  - {column: q, kind: position, joint: hinge, unit: rad, noise: 0.001}
+initial: first_sample
+)");
+  return folder.path;
+}
+
+Scene read_back(const TestFolder& folder, const Problem& problem, const Diagnosis& diagnosis) {
+  return load_scene_run(folder.write("amended.yaml", amended_scene(problem, diagnosis, folder.path))).scene;
+}
+
+TEST(AmendedScene, HasTheLawWithoutANameThatWasFound) {
+  const TestFolder folder;
+  const Problem problem = make_problem(recording(folder));
+  Diagnosis diagnosis;
+  diagnosis.verdict = Verdict::none;
+  diagnosis.used = problem.scene.scene;
+  diagnosis.regressed.emplace();
+  diagnosis.regressed->amended = {"regressed_effort", "hinge", {0.25, -0.3125}, {"c0 + c1 * sin(3 * q)"}};
+  const Scene amended = read_back(folder, problem, diagnosis);
+  ASSERT_EQ(amended.effects.size(), 1u);
+  EXPECT_EQ(amended.effects[0].name, "regressed_effort");
+  EXPECT_EQ(amended.effects[0].target, "hinge");
+  EXPECT_EQ(amended.effects[0].formulas, (std::vector<std::string>{"c0 + c1 * sin(3 * q)"}));
+  EXPECT_EQ(amended.effects[0].parameters, (std::vector<double>{0.25, -0.3125}));
+}
+
+TEST(AmendedScene, ScalesBothStiffnessesOfAClothByWhatItsWarpShallHave) {
+  const TestFolder folder;
+  const Problem problem = make_problem(recording(folder));
+  const std::vector<Candidate> candidates = make_candidates(problem, {});
+  const auto bending = std::find_if(candidates.begin(), candidates.end(), [](const Candidate& candidate) {
+    return candidate.name == "retune_bending_stiffness";
+  });
+  ASSERT_NE(bending, candidates.end());
+  Diagnosis diagnosis;
+  diagnosis.verdict = Verdict::retune;
+  diagnosis.effects = {{&*bending, {{"value", "N m", 6e-5, 5e-5, 7e-5}}}};
+  diagnosis.used = problem.scene.scene;
+  const Scene amended = read_back(folder, problem, diagnosis);
+  EXPECT_DOUBLE_EQ(amended.cloths.at(0).material.bending_warp, 6e-5);
+  EXPECT_DOUBLE_EQ(amended.cloths.at(0).material.bending_weft, 3e-5);
+  EXPECT_DOUBLE_EQ(amended.cloths.at(0).material.stretch_warp, 2000);
+}
+
+}  // namespace
+}  // namespace pvg::diagnose
