@@ -42,6 +42,9 @@ std::vector<CandidateKind> candidate_kinds();
 // All that this problem's scene and channels allow. touching: pairs of bodies that touch in the runs, FIRST/SECOND.
 std::vector<Candidate> make_candidates(const Problem& problem, const std::vector<std::string>& touching);
 
+// Of a number that acts on `target`, whose kind is listed with the unit that revolute joints have.
+std::string unit_on(const Scene& scene, const std::string& target, const std::string& unit);
+
 // physical_candidates.cpp, parameter_candidates.cpp, measurement_candidates.cpp
 void add_physical(const Problem& problem, const std::vector<std::string>& touching, std::vector<Candidate>& out);
 void add_parameters(const Problem& problem, const std::vector<std::string>& touching, std::vector<Candidate>& out);

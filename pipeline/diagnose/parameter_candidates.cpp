@@ -167,19 +167,20 @@ void add_parameters(const Problem& problem, const std::vector<std::string>& touc
   for (const Kind& kind : kinds())
     for (const Place& place : kind.places(problem.scene.scene, touching)) {
       if (!(place.value > 0)) continue;
+      const std::string unit = unit_on(problem.scene.scene, place.target, kind.unit);
       Candidate candidate{kind.name,
                           place.target,
                           Family::parameter,
                           "scene",
                           "another value",
                           kind.meaning,
-                          as_the_scene_says(place.value, kind.unit),
+                          as_the_scene_says(place.value, unit),
                           "",
                           {},
                           {},
                           0};
       candidate.parameters = {
-          {"value", kind.unit, kind.low * place.value, kind.high * place.value, place.value, 0.1 * place.value}};
+          {"value", unit, kind.low * place.value, kind.high * place.value, place.value, 0.1 * place.value}};
       if (kind.places == gravities) candidate.parameters[0].believed = GRAVITY_BELIEVED;
       candidate.apply = [set = place.set](Variant& variant, std::span<const double> values) {
         set(variant.scene, values[0]);

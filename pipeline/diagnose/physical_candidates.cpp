@@ -36,6 +36,7 @@ double scale_of(const EffectParameter& p, double mass) {
   const std::pair<const char*, double> known[] = {{"N m s/rad", 2e-3 * mass},
                                                   {"N m", 2e-3 * weight},
                                                   {"N m/rad", 1e-2 * weight},
+                                                  {"N/m", weight},
                                                   {"N", 0.02 * weight},
                                                   {"N s/m", 0.05 * mass},
                                                   {"N s^2/m^2", 0.05 * mass},
@@ -70,7 +71,9 @@ Candidate candidate_of(const Scene& scene, const EffectKind& kind, const std::st
     effect.parameters.push_back(p.is_strength ? p.off : p.usual);
     if (!is_fitted(kind, p)) continue;
     place.push_back(int(effect.parameters.size()) - 1);
-    candidate.parameters.push_back(parameter_of(p, mass_of(scene, target)));
+    EffectParameter here = p;
+    here.unit = unit_on(scene, target, p.unit);
+    candidate.parameters.push_back(parameter_of(here, mass_of(scene, target)));
     if (kind.name == "gravity_tilt") candidate.parameters.back().believed = 0.05;  // of a base that looks level [rad]
     if (kind.name == "constant_force")  // nothing that one sees is pulled by much more of its weight
       candidate.parameters.back().believed = 0.05 * mass_of(scene, target) * scene.gravity.norm();

@@ -162,8 +162,9 @@ std::string html_of(const Problem& problem, const Diagnosis& d) {
   html += "<h1>" + escaped(problem.recording.file.parent_path().filename().string()) + ": " + verdict_name(d.verdict) +
           "</h1>\n<p class='verdict'>" + escaped(d.sentence) + "</p>\n";
   for (const NamedEffect& effect : d.verdict == Verdict::none ? std::vector<NamedEffect>() : d.effects)
-    html += "<p>" + escaped(effect.candidate->label()) + ": " + escaped(effect.candidate->meaning) + "; <code>" +
-            escaped(effect.candidate->equation) + "</code></p>";
+    html += "<p>" + escaped(effect.candidate->label()) + ": " + escaped(effect.candidate->meaning) +
+            (effect.candidate->equation.empty() ? "" : "; <code>" + escaped(effect.candidate->equation) + "</code>") +
+            "</p>";
   html +=
       "<h2>Before and after</h2><p><span style='color:#777'>grey: measured</span>, <span style='color:#c83c1e'>red: "
       "the scene as it was</span>, "

@@ -114,19 +114,21 @@ def at_strength(experiment, effects, nominal, wanted):
     # only a strength is looked for
     models.STEP, soft_models.resolution = 2e-3 if experiment.command is None else 1e-3, soft_models.COARSE
     experiment.unchanged = None
-    by, best, too_strong = 1.0, (0.0, 0.0), math.inf
+    by, best, too_weak, too_strong = 1.0, (0.0, 0.0), 0.0, math.inf
     for _ in range(16):
         try:
             found = change_of(experiment, scaled(effects, by, nominal))
         except soft_models.TooStrong:
-            too_strong = by
-            by = (best[1] + by) / 2
-            continue
+            found = math.inf
         saturated = 0 < found < 1.1 * best[0] and by > 1.5 * best[1] > 0
-        best = (found, by)
+        if found < math.inf:
+            best = (found, by)
         if abs(found / wanted - 1) < 0.02 or saturated:
             break
-        by = min(by * np.clip(wanted / max(found, 1e-9), 0.2, 5.0), (by + too_strong) / 2)
+        too_weak, too_strong = (max(too_weak, by), too_strong) if found < wanted else (too_weak, min(too_strong, by))
+        by *= np.clip(wanted / max(found, 1e-9), 0.2, 5.0)
+        if not too_weak < by < too_strong:
+            by = (too_weak + too_strong) / 2
     models.STEP, soft_models.resolution = fine, soft_models.FINE
     return scaled(effects, best[1], nominal), best[0]
 

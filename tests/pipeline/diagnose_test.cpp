@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <random>
 
 #include "host/base/error.hpp"
 #include "host/geometry/primitive_shapes.hpp"
+#include "pipeline/diagnose/candidate.hpp"
 #include "pipeline/diagnose/embedded_point.hpp"
 #include "pipeline/diagnose/localise.hpp"
 #include "pipeline/diagnose/noise.hpp"
@@ -122,6 +124,20 @@ TEST(Problem, ARecordingThatDoesNotFitItsSceneIsRefusedInOneSentence) {
   refused("  - {column: q, kind: position, joint: hinge, unit: mm}\n", {"unit", "`mm`", "deg"});
   refused("  - {column: r, kind: position, joint: hinge, unit: rad}\n", {"constant"});
   refused("  - {columns: [q, p, r], kind: position, body: base, unit: m}\n", {"nothing is measured that can move"});
+}
+
+TEST(Candidates, OfAJointThatSlidesHaveUnitsOfForcesAndLengths) {
+  const TestFolder folder;
+  const Problem problem = make_problem(chain(folder, BOTH));
+  std::map<std::string, std::string> units;
+  for (const Candidate& candidate : make_candidates(problem, {})) {
+    for (const Parameter& p : candidate.parameters) units[candidate.label() + " " + p.name] = p.unit;
+  }
+  EXPECT_EQ(units["joint_viscous_friction at hinge damping"], "N m s/rad");
+  EXPECT_EQ(units["joint_viscous_friction at rail damping"], "N s/m");
+  EXPECT_EQ(units["joint_spring at rail stiffness"], "N/m");
+  EXPECT_EQ(units["joint_spring at rail preload"], "N");
+  EXPECT_EQ(units["joint_stribeck_friction at rail stribeck_velocity"], "m/s");
 }
 
 TEST(Problem, WithoutAHeldOutRunTheReaderIsToldThatNothingWillBeNamed) {
