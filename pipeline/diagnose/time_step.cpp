@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <numeric>
 
 namespace pvg::diagnose {
 namespace {
@@ -10,6 +12,7 @@ namespace {
 constexpr double MOST_ERROR = 2.5, MOST_FIRST_ORDER_ERROR =
                                        0.4;  // rms in units of noise, beside what the starts take up; it is corrected
 constexpr double SOLVED = 1e-6;              // Newton's tolerance, so that answers to small changes are exact [m/s]
+constexpr double QUIET = 0.1;                // rms of a column beside the one that differs most
 
 // a world that needs more is one of a change that was too much; it would hold up all others
 constexpr int MOST_HALVINGS = 1;
@@ -19,17 +22,32 @@ struct Choice {
   double time_step;
 };
 
-// rms of the difference of two predictions of the same windows [noise]; the largest tenth of each window is left out:
-// an impact a step earlier is no error of the motion
+// rms of the difference of two predictions of the same windows [noise]; the largest tenth of each column of a window is
+// left out: an impact a step earlier is no error of the motion. Columns in which next to nothing happens would only
+// thin the error out of those that move, and are left out, too.
 double apart(const FitData& data, const std::vector<Prediction>& a, const std::vector<Prediction>& b) {
-  double sum = 0, n = 0;
+  std::map<std::pair<int, int>, std::pair<double, double>> columns;  // channel, component: sum of squares, how many
   for (std::size_t w = 0; w < a.size(); ++w) {
     if (!a[w].is_well || !b[w].is_well) continue;
-    Eigen::VectorXd d = beside_starts(data.of_start[w], a[w].residual - b[w].residual).cwiseAbs2();
-    std::sort(d.begin(), d.end());
-    const Eigen::Index kept = std::max<Eigen::Index>(1, 9 * d.size() / 10);
-    sum += d.head(kept).sum();
-    n += double(kept);
+    const Eigen::VectorXd d = beside_starts(data.of_start[w], a[w].residual - b[w].residual);
+    std::map<std::pair<int, int>, std::vector<double>> squares;
+    for (std::size_t i = 0; i < data.windows[w].data.size(); ++i) {
+      const Datum& datum = data.windows[w].data[i];
+      squares[{datum.channel, datum.component}].push_back(d[Eigen::Index(i)] * d[Eigen::Index(i)]);
+    }
+    for (auto& [column, values] : squares) {
+      std::sort(values.begin(), values.end());
+      const std::size_t kept = std::max<std::size_t>(1, 9 * values.size() / 10);
+      columns[column].first += std::accumulate(values.begin(), values.begin() + std::ptrdiff_t(kept), 0.0);
+      columns[column].second += double(kept);
+    }
+  }
+  double most = 0, sum = 0, n = 0;
+  for (const auto& [column, total] : columns) most = std::max(most, total.first / total.second);
+  for (const auto& [column, total] : columns) {
+    if (total.first / total.second < QUIET * QUIET * most) continue;
+    sum += total.first;
+    n += total.second;
   }
   return n > 0 ? std::sqrt(sum / n) : INFINITY;
 }
