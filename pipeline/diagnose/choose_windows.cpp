@@ -50,6 +50,32 @@ std::size_t most_windows(const Problem& problem, double simulated_seconds, doubl
   return std::clamp<std::size_t>(std::size_t(simulated_seconds / std::max(each, 1e-6)), 4, 40);
 }
 
+Fit fit_as_it_stands(Fitter& fitter, const FitData& data) {
+  Fit fit = fitter.fit(data, {Model{}}, 0).front();
+  fit.slope.assign(data.windows.size(), {});
+  for (std::size_t w = 0; w < fit.slope.size(); ++w) fit.slope[w].resize(fit.residual[w].size(), 0);
+  fit.scale = robust_scale(fit.residual);
+  fit.window_scale.clear();
+  fit.cost = robust_cost(fit.residual, fit.scale);
+  return fit;
+}
+
+FitData first_part(const Problem& problem, const FitData& data, double share) {
+  FitData part{data.windows, data.of_start, data.at};
+  for (std::size_t w = 0; w < part.windows.size(); ++w) {
+    Window& window = part.windows[w];
+    window.end = window.start + share * (window.end - window.start);
+    std::vector<Eigen::Index> kept;
+    for (std::size_t i = 0; i < window.data.size(); ++i)
+      if (problem.runs[std::size_t(window.run)].t[window.data[i].sample] <= window.end) kept.push_back(Eigen::Index(i));
+    window.data.clear();
+    for (const Eigen::Index i : kept) window.data.push_back(data.windows[w].data[std::size_t(i)]);
+    if (window.correction.size() > 0) window.correction = Eigen::VectorXd(window.correction(kept));
+    part.of_start[w] = Eigen::MatrixXd(part.of_start[w](kept, Eigen::all));
+  }
+  return part;
+}
+
 ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simulated_seconds) {
   const Model as_it_stands{{}, Eigen::VectorXd(), Eigen::VectorXd()};
   const double longest = longest_run(problem);
@@ -62,7 +88,7 @@ ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simu
     FitData data = fitter.prepare_near(
         make_windows(problem, false, length, most_windows(problem, simulated_seconds, length)), as_it_stands);
     if (data.windows.empty()) continue;
-    Fit base = fitter.fit(data, {as_it_stands}, 0).front();
+    Fit base = fit_as_it_stands(fitter, data);
     chosen = {length, std::move(data), std::move(base)};
     if (is_coherent(problem, chosen.data, chosen.base)) break;
   }
@@ -70,12 +96,6 @@ ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simu
     throw Failure(problem.recording.file.string() +
                   ": the scene could not be simulated to the end of any window of the fitting runs; run it by "
                   "`phyvisgen simulate` and see what fails");
-  Fit& base = chosen.base;
-  base.slope.assign(chosen.data.windows.size(), {});
-  for (std::size_t w = 0; w < base.slope.size(); ++w) base.slope[w].resize(base.residual[w].size(), 0);
-  base.scale = robust_scale(base.residual);
-  base.window_scale.clear();
-  base.cost = robust_cost(base.residual, base.scale);
   return chosen;
 }
 

@@ -13,6 +13,12 @@ struct ChosenWindows {
 // simulated_seconds: of all windows of one evaluation, about. Throws a Failure where none can be simulated.
 ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simulated_seconds);
 
+// The scene as it stands, no parameters: starts alone are fitted.
+Fit fit_as_it_stands(Fitter& fitter, const FitData& data);
+
+// The same windows up to `share` of their lengths.
+FitData first_part(const Problem& problem, const FitData& data, double share);
+
 // How many windows of this length are affordable.
 std::size_t most_windows(const Problem& problem, double simulated_seconds, double length);
 

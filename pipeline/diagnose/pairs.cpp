@@ -11,6 +11,11 @@ namespace {
 using Eigen::VectorXd;
 using Columns = std::vector<std::size_t>;
 
+// What cannot start anew from a measured state is simulated as whole runs. A swing whose frequency is a tenth off is
+// out of step after some periods, where no small change tells what a large one does: pairs are looked for in the first
+// part of the runs, of this share, and fitted to longer and longer ones.
+const std::vector<double> FIRST_PARTS = {0.25, 0.5};
+
 Model model_of(const std::vector<const Candidate*>& parts) {
   Model model{parts, {}, {}};
   const std::vector<const Parameter*> parameters = model.parameters();
@@ -69,7 +74,9 @@ std::vector<Pair> best_pairs(const Signatures& signatures, double n_data) {
   return best;
 }
 
-std::optional<Fit> find_pair(Workflow& flow, const FitData& data, const Fit& base, double most) {
+namespace {
+
+std::vector<Screened> pairs_to_fit(Workflow& flow, const FitData& data, const Fit& base) {
   std::vector<const Candidate*> candidates;
   for (const Candidate& c : *flow.out.candidates) candidates.push_back(&c);
   double n_data = 0;
@@ -77,6 +84,29 @@ std::optional<Fit> find_pair(Workflow& flow, const FitData& data, const Fit& bas
   std::vector<Screened> starts;
   for (Pair& pair : best_pairs(signatures_of(flow.fitter, data, base, candidates), n_data))
     starts.push_back({pair.first, std::move(pair.model), pair.gain, 0});
+  return starts;
+}
+
+// The pairs where they are best in ever longer first parts.
+std::vector<Screened> pairs_of_first_parts(Workflow& flow, const FitData& data) {
+  std::vector<Screened> starts;
+  for (const double share : FIRST_PARTS) {
+    const FitData part = first_part(flow.problem, data, share);
+    if (share == FIRST_PARTS.front()) starts = pairs_to_fit(flow, part, fit_as_it_stands(flow.fitter, part));
+    if (starts.empty()) break;
+    std::vector<Screened> next;
+    for (Fit& fit : fit_best(flow.fitter, part, starts))
+      if (fit.is_well && !fit.is_given_up) next.push_back({fit.model.parts.front(), std::move(fit.model), 0, 0});
+    starts = std::move(next);
+  }
+  return starts;
+}
+
+}  // namespace
+
+std::optional<Fit> find_pair(Workflow& flow, const FitData& data, const Fit& base, double most) {
+  const std::vector<Screened> starts =
+      flow.problem.can_restart ? pairs_to_fit(flow, data, base) : pairs_of_first_parts(flow, data);
   if (starts.empty()) return std::nullopt;
   flow.tell(5, 0.8, "fitting " + std::to_string(starts.size()) + " pairs of candidates");
   const std::vector<Fit> fits = fit_best(flow.fitter, data, starts);

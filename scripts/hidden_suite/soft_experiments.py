@@ -5,7 +5,7 @@ from experiments import Cases, Experiment, chirp, slow, steps
 BAR = """schema: 1
 name: {name}
 time_step: 10 ms
-duration: 1.5 s
+duration: 1 s
 solver: {{velocity_tolerance: 1e-5}}
 bodies:
   - {{name: hand, kind: moving, shape: {{box: {{size: [0.05, 0.05, 0.01]}}}}, collides: false, path: [{{time: 0, position: [0, 0, 0]}}]}}
@@ -13,7 +13,7 @@ bodies:
   - {{name: weight, kind: rigid, shape: {{box: {{size: [0.04, 0.04, 0.02]}}}}, mass: {weight}, pose: {{position: [0, 0, {end}]}}, collides: false}}
   - name: bar
     kind: soft
-    shape: {{bar: {{size: [0.1, {width}, {width}], divisions: [6, 1, 1], nodes_per_element: 4}}}}
+    shape: {{bar: {{size: [0.1, {width}, {width}], divisions: [4, 1, 1], nodes_per_element: 4}}}}
     pose: {{position: [0, 0, {middle}], rotation: [0, {turn}, 0]}}
     material: {{density: 1000, youngs_modulus: 100 kPa, poisson_ratio: 0}}
 joints:
@@ -29,7 +29,7 @@ stitches:  # the bar may grow thinner at its ends, too
 SWING = """schema: 1
 name: swing
 time_step: 10 ms
-duration: 1.5 s
+duration: 1 s
 solver: {velocity_tolerance: 1e-5}
 bodies:
   - {name: hand, kind: moving, shape: {box: {size: [0.02, 0.06, 0.02]}}, collides: false, path: [{time: 0, position: [0, 0, 0]}]}
@@ -55,8 +55,8 @@ def bar(name, side, width, weight):
     scene = BAR.format(name=name, weight=weight, width=width, end=side * 0.11, middle=side * 0.05, turn="90 deg" if side < 0 else "-90 deg")
     return Experiment(
         name, soft_models.Bar(side, width, weight), scene,
-        [((), 1.5, steps([0, 0], 1), "fit"), ((), 1.5, steps([0, 0.015, -0.005], 0.5), "fit"), ((), 1.5, chirp(0.003, 1, 4, 1.5), "fit"),
-         ((), 1.5, steps([0, -0.01, 0.01, 0.0], 0.35, 0.12), "held_out")],
+        [((), 1.0, steps([0, 0], 1), "fit"), ((), 1.0, steps([0, 0.015, -0.005], 0.5), "fit"), ((), 1.0, chirp(0.003, 1, 4, 1.5), "fit"),
+         ((), 1.0, steps([0, -0.01, 0.01, 0.0], 0.35, 0.12), "held_out")],
         COLUMNS, markers("bar", 0.05, 0, 2e-4), 2e-4, "bar", "bar", ["driven", "free"], ("body/hand/position", ["hand_x", "hand_y", "hand_z"], 2))
 
 
@@ -66,8 +66,8 @@ def soft_experiments():
         "standing": bar("standing", 1, 0.03, 0.6),
         "swing": Experiment(
             "swing", soft_models.Swing(), SWING,
-            [((), 1.5, steps([0, 0.03, 0.0], 0.5, 0.25), "fit"), ((), 1.5, chirp(0.006, 0.5, 3, 1.5), "fit"), ((), 1.5, slow(-0.03, 0.9), "fit"),
-             ((), 1.5, steps([0, -0.035, 0.01], 0.6, 0.3), "held_out")],
+            [((), 1.0, steps([0, 0.03, 0.0], 0.5, 0.25), "fit"), ((), 1.0, chirp(0.006, 0.5, 3, 1.5), "fit"), ((), 1.0, slow(-0.03, 0.9), "fit"),
+             ((), 1.0, steps([0, -0.035, 0.01], 0.6, 0.3), "held_out")],
             COLUMNS, markers("strip", 0.15, 0, 1e-3), 1e-3, "strip", "strip", ["driven", "free"],
             ("body/hand/position", ["hand_x", "hand_y", "hand_z"], 0)),
     }

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "pipeline/diagnose/choose_windows.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg::diagnose {
@@ -57,6 +58,29 @@ TEST(Fit, EverySampleOfASlideIsOfTheSlideTheFirstAmongThem) {
     if (problem.runs[0].t[data.windows[0].data[i].sample] < 0.2) {
       EXPECT_EQ(phase[i], Phase::slide) << i;
     }
+}
+
+TEST(Fit, OfTheFirstPartOfAWindowIsThatOfItsFirstSamples) {
+  const TestFolder folder;
+  const Problem problem = sliding(folder);
+  Device device;
+  Predictor predictor(device, problem);
+  const Variant base{problem.scene.scene, {}};
+  Fitter fitter(predictor, base);
+  const FitData whole = fitter.prepare(make_windows(problem, false, 0, 1), Model{});
+  ASSERT_EQ(whole.windows.size(), 1u);
+  const FitData part = first_part(problem, whole, 0.5);
+  const Window& window = part.windows.at(0);
+  EXPECT_DOUBLE_EQ(window.end, 0.17);      // of 0.34 s
+  ASSERT_EQ(window.data.size(), 3 * 18u);  // samples 0 to 17
+  const auto of_whole = fitter.evaluate(whole, {Model{}}, {}), of_part = fitter.evaluate(part, {Model{}}, {});
+  for (std::size_t i = 0, k = 0; i < whole.windows[0].data.size(); ++i) {
+    if (whole.windows[0].data[i].sample > 17) continue;
+    const Eigen::Index all = Eigen::Index(i), here = Eigen::Index(k++);
+    EXPECT_EQ(window.data[std::size_t(here)].sample, whole.windows[0].data[i].sample);
+    EXPECT_NEAR(of_part[0][0].residual[here], of_whole[0][0].residual[all], 1e-9) << i;
+    EXPECT_EQ(part.of_start[0].row(here), whole.of_start[0].row(all)) << i;
+  }
 }
 
 TEST(Fit, FindsTheDragOfASlidingBlockThoughItsStartMustMoveWithIt) {

@@ -43,11 +43,12 @@ double step_of(const Problem& problem) {
   return base.scene.solver.time_step;
 }
 
-// BDF2 turns slower by (w h)^2 / 3: at 5 ms 0.33 %, after 20 rad 66 mrad of 50 mm; of four times as fine a step a sixteenth.
+// BDF2 turns slower by (w h)^2 / 3: at 5 ms 0.33 %, after 20 rad 66 mrad of 50 mm; of four times as fine a step a
+// sixteenth.
 TEST(TimeStep, IsNotCoarserForColumnsInWhichNothingHappens) {
   const TestFolder folder, other;
-  const double one = step_of(swinging(
-      folder, "{column: x, kind: position, body: cube, axis: [1, 0, 0], unit: m, noise: 0.0003}"));
+  const double one =
+      step_of(swinging(folder, "{column: x, kind: position, body: cube, axis: [1, 0, 0], unit: m, noise: 0.0003}"));
   const double three =
       step_of(swinging(other, "{columns: [x, y, z], kind: position, body: cube, unit: m, noise: 0.0003}"));
   EXPECT_DOUBLE_EQ(one, 0.0025);
