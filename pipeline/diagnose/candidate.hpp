@@ -19,6 +19,7 @@ struct Parameter {
   double scale = 1;                   // a change of this size is worth trying first
   double believed = 0;    // one standard deviation from `off` of what is believed before any data; 0: anything
   bool is_shape = false;  // does nothing while the others are off
+  bool is_limit = false;  // does nothing where it is higher than what the runs reach (limits.hpp)
 };
 
 struct Candidate {

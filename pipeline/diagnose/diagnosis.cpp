@@ -8,6 +8,7 @@
 #include "host/base/error.hpp"
 #include "pipeline/diagnose/choose_windows.hpp"
 #include "pipeline/diagnose/journal.hpp"
+#include "pipeline/diagnose/limits.hpp"
 #include "pipeline/diagnose/noise.hpp"
 #include "pipeline/diagnose/regress.hpp"
 #include "pipeline/diagnose/time_step.hpp"
@@ -161,6 +162,7 @@ void locate(Workflow& flow, const ChosenWindows& chosen) {
   const std::vector<std::string> touching = find_where(flow, chosen.data, chosen.base);
   flow.files.write_where(out.where);
   out.candidates = std::make_shared<std::vector<Candidate>>(make_candidates(flow.problem, touching));
+  place_limits(flow.fitter, chosen.data, chosen.base, *out.candidates);
   flow.tell(3, 0.2,
             out.where.empty() ? "nothing located"
                               : out.where[0].body + ", " + out.where[0].phase + ": " +

@@ -12,7 +12,10 @@ namespace {
 using Eigen::VectorXd;
 constexpr double LEAST_STEP =
     0.3;  // of what is left on fitting runs, for a further effect to be tried on held-out ones
-constexpr double SECOND_LOOK = 1.5;        // times the noise floor: look for another effect
+constexpr double SECOND_LOOK = 1.5;  // times the noise floor: look for another effect
+// What two effects together may leave of what one leaves, where runs cannot start anew: of two that change a swing each
+// alone explains little, and mesh and material of what bends are seldom good to the noise.
+constexpr double WORTH_TWO = 0.5;
 constexpr std::size_t N_FINALISTS = 5;     // candidates that are fitted to the end
 constexpr int MORE_STEPS = 10;             // of these
 constexpr std::size_t MOST_EXCHANGED = 3;  // other first effects that are tried beside a second one
@@ -159,7 +162,7 @@ std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base) {
   for (int number = 1; number <= flow.settings.max_effects + (flow.settings.max_effects > 1); ++number) {
     if (int(named.model.parts.size()) >= flow.settings.max_effects) break;
     const Round round = run_round(flow, data, named, number);
-    flow.files.write_fits(number, round.decision);
+    flow.files.write_fits(std::to_string(number), round.decision);
     const Decision& decision = round.decision;
     if (number == 1)
       for (const Judged& judged : decision.ranking) out.ranking.push_back(ranked(judged));
@@ -205,7 +208,8 @@ std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base) {
   }
   const bool is_explained = !grown.empty() && rms(named.residual) < SECOND_LOOK;
   if (is_explained || flow.settings.max_effects < 2 || flow.settings.decide != Decide::workflow) return grown;
-  if (const std::optional<Fit> pair = find_pair(flow, data, base, SECOND_LOOK)) {
+  const double most = flow.problem.can_restart ? SECOND_LOOK : std::max(SECOND_LOOK, WORTH_TWO * rms(named.residual));
+  if (const std::optional<Fit> pair = find_pair(flow, data, base, most)) {
     grown = {settled(flow, data, *pair)};
     out.fit_after = rms(grown.back().residual);
   }

@@ -111,6 +111,7 @@ std::optional<Fit> find_pair(Workflow& flow, const FitData& data, const Fit& bas
   flow.tell(5, 0.8, "fitting " + std::to_string(starts.size()) + " pairs of candidates");
   const std::vector<Fit> fits = fit_best(flow.fitter, data, starts);
   const Decision decision = decide(data, base, fits);
+  flow.files.write_fits("pairs", decision);
   if (decision.chosen < 0) return std::nullopt;
   const Judged& chosen = decision.ranking[std::size_t(decision.chosen)];
   if (rms(chosen.fit->residual) >= most) return std::nullopt;

@@ -58,7 +58,9 @@ double scale_of(const EffectParameter& p, double mass) {
 }
 
 Parameter parameter_of(const EffectParameter& p, double mass) {
-  return {p.name, p.unit, p.low, p.high, p.is_strength ? p.off : p.usual, scale_of(p, mass), 0, !p.is_strength};
+  const bool is_limit = p.is_strength && p.off == p.high;
+  return {p.name, p.unit,         p.low,   p.high, p.is_strength ? p.off : p.usual, scale_of(p, mass),
+          0,      !p.is_strength, is_limit};
 }
 
 Candidate candidate_of(const Scene& scene, const EffectKind& kind, const std::string& target) {

@@ -54,7 +54,7 @@ void StageFiles::write_screen(int round, const std::vector<Screened>& screened) 
   write(folder, "4_screen_" + std::to_string(round) + ".json", {{"schema", 1}, {"screened", list}});
 }
 
-void StageFiles::write_fits(int round, const Decision& decision) const {
+void StageFiles::write_fits(const std::string& of, const Decision& decision) const {
   json list = json::array();
   for (const Judged& j : decision.ranking)
     list.push_back({{"model", values_of(j.fit->model)},
@@ -65,7 +65,7 @@ void StageFiles::write_fits(int round, const Decision& decision) const {
                     {"passes", j.passes},
                     {"evidence", j.evidence},
                     {"probability", j.probability}});
-  write(folder, "5_fits_" + std::to_string(round) + ".json",
+  write(folder, "5_fits_" + of + ".json",
         {{"schema", 1}, {"base_error", decision.base_error}, {"chosen", decision.chosen}, {"fits", list}});
 }
 
