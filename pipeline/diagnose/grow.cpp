@@ -12,10 +12,7 @@ namespace {
 using Eigen::VectorXd;
 constexpr double LEAST_STEP =
     0.3;  // of what is left on fitting runs, for a further effect to be tried on held-out ones
-constexpr double SECOND_LOOK = 1.5;  // times the noise floor: look for another effect
-// What two effects together may leave of what one leaves, where runs cannot start anew: of two that change a swing each
-// alone explains little, and mesh and material of what bends are seldom good to the noise.
-constexpr double WORTH_TWO = 0.5;
+constexpr double SECOND_LOOK = 1.5;        // times the noise floor: look for another effect
 constexpr std::size_t N_FINALISTS = 5;     // candidates that are fitted to the end
 constexpr int MORE_STEPS = 10;             // of these
 constexpr std::size_t MOST_EXCHANGED = 3;  // other first effects that are tried beside a second one
@@ -208,8 +205,7 @@ std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base) {
   }
   const bool is_explained = !grown.empty() && rms(named.residual) < SECOND_LOOK;
   if (is_explained || flow.settings.max_effects < 2 || flow.settings.decide != Decide::workflow) return grown;
-  const double most = flow.problem.can_restart ? SECOND_LOOK : std::max(SECOND_LOOK, WORTH_TWO * rms(named.residual));
-  if (const std::optional<Fit> pair = find_pair(flow, data, base, most)) {
+  if (const std::optional<Fit> pair = find_pair(flow, data, base, SECOND_LOOK)) {
     grown = {settled(flow, data, *pair)};
     out.fit_after = rms(grown.back().residual);
   }
