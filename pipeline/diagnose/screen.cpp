@@ -15,6 +15,7 @@ constexpr std::size_t SOME_WINDOWS = 3;          // where an estimate will do
 constexpr std::size_t N_TRIED = 20;              // candidates that are simulated at their linear optimum
 const std::vector<double> SHARES = {0.4, 1, 2};  // of that optimum
 const std::vector<double> SHAPES = {0.2, 1, 5};  // of the usual number
+const std::vector<double> LIMITS = {0.95, 0.9, 0.8, 0.7, 0.6, 0.5, 0.35};  // of where a limit is first felt
 
 struct Trial {
   const Candidate* candidate;
@@ -126,6 +127,10 @@ Fit from_measured_starts(Fitter& fitter, const FitData& data, const Fit& base) {
   return measured;
 }
 
+bool is_limit(const Candidate& candidate) {
+  return candidate.parameters.size() == 1 && candidate.parameters[0].is_limit;
+}
+
 // Where a candidate is tried: shares of its linear optimum. A number that shapes a law answers to nothing where the law
 // is off, so that its optimum is not known, nor that of strengths beside the first: other shapes are tried, with the
 // law's strengths as they are and alike.
@@ -144,6 +149,9 @@ std::vector<Model> trials_of(const Screened& screened, Eigen::Index n_base) {
     return parameters[k].off + share * (x - parameters[k].off);
   };
   for (const double share : SHARES) add([&](std::size_t k, double x) { return share_of(k, x, share); });
+  // what lies beyond a limit grows from nothing there: no slope tells how far
+  for (const double limit : is_limit(*screened.candidate) ? LIMITS : std::vector<double>())
+    add([&](std::size_t k, double) { return limit * parameters[k].off; });
   if (std::none_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.is_shape; })) return models;
   const double first = screened.model.x[n_base] - parameters[0].off;
   for (const double shape : SHAPES)
@@ -284,7 +292,7 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fit
     while (last < end && trials[last].candidate == trials[first].candidate) ++last;
     Screened one = linear_optimum(data, base, n_data, std::span(trials).subspan(first, last - first),
                                   std::span(found).subspan(first, last - first));
-    if (!(one.gain > 0)) continue;
+    if (!(one.gain > 0) && !(is_limit(*one.candidate) && one.answer > 0)) continue;
     const auto before = std::find_if(screened.begin(), screened.end(),
                                      [&](const Screened& other) { return other.candidate == one.candidate; });
     if (before == screened.end())
@@ -294,6 +302,8 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fit
   }
   const auto is_better = [](const Screened& a, const Screened& b) { return a.gain > b.gain; };
   std::stable_sort(screened.begin(), screened.end(), is_better);
+  // limits are all tried, since their slope tells nothing
+  std::stable_partition(screened.begin(), screened.end(), [](const Screened& s) { return is_limit(*s.candidate); });
   if (screened.empty()) return screened;
   try_optima(fitter, data, base, n_data, screened);
   std::stable_sort(screened.begin(), screened.begin() + std::ptrdiff_t(std::min(N_TRIED, screened.size())), is_better);
