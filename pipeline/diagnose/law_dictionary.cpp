@@ -55,7 +55,7 @@ std::vector<Law> joint_laws(const Range& q) {
     if (n > 1) add("cos(" + std::to_string(n) + " * q)");
   }
   const double reach = std::max(std::abs(q.low), std::abs(q.high));
-  for (const double share : {0.15, 0.3}) add("q * exp(-q * q / " + number(share * share * reach * reach) + ")");
+  for (const double share : {0.12, 0.22, 0.4}) add("q * exp(-q * q / " + number(share * share * reach * reach) + ")");
   for (const double share : {0.25, 0.5, 0.75}) add("fmax(q - " + number(q.at(share)) + ", 0)");
   const std::string sliding = "tanh(v / " + number(0.01 * q.fastest) + ")";
   for (const std::string& law :
