@@ -28,13 +28,17 @@ YAML::Node named(YAML::Node list, const std::string& name) {
   return YAML::Node(YAML::NodeType::Undefined);
 }
 
-// False where the file does not say the number, or says it with a unit.
-bool scale_plain(YAML::Node node, const std::string& section, const std::string& key, double ratio) {
-  if (!node.IsDefined() || !node.IsMap() || !node[section] || !node[section][key]) return false;
-  double value = 0;
-  if (!YAML::convert<double>::decode(node[section][key], value)) return false;
-  node[section][key] = value * ratio;
-  return true;
+// Scales all of these numbers of a section that the file says; false where it says none, or one with a unit.
+bool scale_plain(YAML::Node node, const std::string& section, const std::vector<std::string>& keys, double ratio) {
+  if (!node.IsDefined() || !node.IsMap() || !node[section]) return false;
+  std::vector<std::pair<std::string, double>> said;
+  for (const std::string& key : keys) {
+    if (!node[section][key]) continue;
+    said.emplace_back(key, 0);
+    if (!YAML::convert<double>::decode(node[section][key], said.back().second)) return false;
+  }
+  for (const auto& [key, value] : said) node[section][key] = value * ratio;
+  return !said.empty();
 }
 
 // ratio: of `value` to what the scene says;  false: the file does not say this number itself
@@ -72,10 +76,7 @@ bool set_number(YAML::Node root, const std::string& kind, const std::string& tar
   if (kind == "retune_area_density") return in(cloth, "material", "area_density");
   if (kind == "retune_bending_stiffness" || kind == "retune_stretch_stiffness") {
     const std::string key = kind == "retune_bending_stiffness" ? "bending" : "stretch";
-    bool is_said = false;
-    for (const char* direction : {"", "_warp", "_weft"})
-      is_said |= scale_plain(cloth, "material", key + direction, ratio);
-    return is_said;
+    return scale_plain(cloth, "material", {key, key + "_warp", key + "_weft"}, ratio);
   }
   if (kind == "retune_contact_stiffness") {
     root["contact"]["stiffness"] = value;

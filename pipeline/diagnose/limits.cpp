@@ -53,7 +53,7 @@ void place_limits(Fitter& fitter, const FitData& data, const Fit& base, std::vec
     for (int k = N_BETWEEN; k >= 0; --k) values.push_back(felt * std::exp2(double(k) / (N_BETWEEN + 1)));
     const std::size_t fine = first_felt(is_felt(fitter, data, base, candidate, values));
     const double ratio = std::exp2(1.0 / (N_BETWEEN + 1));
-    limit.off = limit.high = fine < values.size() ? values[fine] * ratio : felt * ratio;
+    limit.off = limit.high = values.at(fine) * ratio;  // the last of them is `felt` again
     limit.scale = limit.off - limit.off / ratio;
   }
 }

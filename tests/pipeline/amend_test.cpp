@@ -23,7 +23,7 @@ cloths:
   - name: strip
     shape: {sheet: {size: [0.3, 0.04], divisions: [4, 1]}}
     pose: {x: 1}
-    material: {area_density: 0.3, thickness: 1 mm, stretch: 2000, shear: 200, bending_warp: 2e-5, bending_weft: 1e-5}
+    material: {area_density: 0.3, thickness: 1 mm, stretch: 2 kN/m, shear: 200, bending_warp: 2e-5, bending_weft: 1e-5}
 )");
   std::string rows = "t,q\n";
   for (int i = 0; i <= 20; ++i) rows += std::to_string(0.01 * i) + "," + std::to_string(0.02 * i) + "\n";
@@ -77,6 +77,24 @@ TEST(AmendedScene, ScalesBothStiffnessesOfAClothByWhatItsWarpShallHave) {
   EXPECT_DOUBLE_EQ(amended.cloths.at(0).material.bending_warp, 6e-5);
   EXPECT_DOUBLE_EQ(amended.cloths.at(0).material.bending_weft, 3e-5);
   EXPECT_DOUBLE_EQ(amended.cloths.at(0).material.stretch_warp, 2000);
+}
+
+TEST(AmendedScene, SaysWhatIsToBeSetByHandWhereANumberHasItsUnit) {
+  const TestFolder folder;
+  const Problem problem = make_problem(recording(folder));
+  const std::vector<Candidate> candidates = make_candidates(problem, {});
+  const auto stretch = std::find_if(candidates.begin(), candidates.end(), [](const Candidate& candidate) {
+    return candidate.name == "retune_stretch_stiffness";
+  });
+  ASSERT_NE(stretch, candidates.end());
+  Diagnosis diagnosis;
+  diagnosis.verdict = Verdict::retune;
+  diagnosis.effects = {{&*stretch, {{"value", "N/m", 3000, 2900, 3100}}}};
+  diagnosis.used = problem.scene.scene;
+  const std::string text = amended_scene(problem, diagnosis, folder.path);
+  EXPECT_NE(text.find("# to set by hand, where the scene's files say it: retune_stretch_stiffness at strip = 3"),
+            std::string::npos)
+      << text;
 }
 
 }  // namespace
