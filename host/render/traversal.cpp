@@ -6,7 +6,9 @@ std::string traversal_options(const Device& device) {
 #if defined(__x86_64__)
   const DeviceInfo& info = device.info();
   if (!info.is_gpu && info.platform == "Portable Computing Language" && __builtin_cpu_supports("avx"))
-    return "-DPVG_X86_AVX";
+    // Whole numbers travel in the fourth parts of vectors, where they are denormal floats. No result depends on their
+    // products, but a processor takes its time for each; as zeros they cost nothing.
+    return "-DPVG_X86_AVX -cl-denorms-are-zero";
 #endif
   return "";
 }

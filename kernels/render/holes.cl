@@ -71,7 +71,7 @@ ALWAYS_INLINE float share_through(const Trees trees, const Cutouts cutouts, cons
                                   const float t_max, const uint mask) {
   const BoxRay world = make_box_ray(origin, direction);
   int stack[BVH_STACK];
-  int size = 0, current = first_visit(trees);
+  int size = 0, current = first_visit(trees.top, 0);
   float share = 1.0f;
   for (;;) {
     while (current >= 0)

@@ -161,7 +161,7 @@ inline void scatter(const PointMaterial m, const Boundary boundary, const Surfac
   path->throughput *= sample.weight;
   path->is_alive = (dot(direction, face) < 0) == passes;  // else an interpolated normal sent it through the surface
   path->origin = leave_surface(s.point, passes ? -face : face);
-  path->direction = unit(direction);
+  path->direction = direction;
   path->pdf = sample.pdf;
   if (passes && (m.flags & MATERIAL_HAS_INSIDE)) path->media = boundary.inner;
   if (!material_scatters(m)) return;

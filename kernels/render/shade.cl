@@ -132,7 +132,6 @@ kernel void shade(const uint n, const Launch launch, const uint depth, global co
   const uint i = get_global_id(0);
   if (i >= n) return;
   const uint slot = queue[i];
-  const Chance chance = draw_chance(stream[slot], depth);  // early: its long chain of products runs while hits are loaded
   Path path = load_path(slot, origin, direction, throughput);
   ShadowRay shadow = {0.0f, 0.0f, 0.0f, 0.0f, SHADOW_NONE};
   const Shading scene = {instances, materials, textures,   texels, decode,      triangles,
@@ -140,14 +139,13 @@ kernel void shade(const uint n, const Launch launch, const uint depth, global co
   if (as_uint(hit[slot].w) == NO_TRIANGLE)
     meet_environment(launch, scene, &path);
   else
-    meet(launch, scene, chance, depth, hit[slot], hit_instance[slot], &path, &shadow);
+    meet(launch, scene, draw_chance(stream[slot], depth), depth, hit[slot], hit_instance[slot], &path, &shadow);
   if (any(path.radiance != 0.0f)) radiance[slot] += (float4)(path.radiance, 0);
   alive[i] = path.is_alive ? 1u : 0u;
-  if (path.is_alive) {
-    origin[slot] = (float4)(path.origin, path.pdf);
-    direction[slot] = (float4)(path.direction, as_float(path.media));
-    throughput[slot] = (float4)(path.throughput, as_float(path.flags));
-  }
+  // also of paths that end, which no one reads: cheaper than a branch that is hard to foresee
+  origin[slot] = (float4)(path.origin, path.pdf);
+  direction[slot] = (float4)(path.direction, as_float(path.media));
+  throughput[slot] = (float4)(path.throughput, as_float(path.flags));
   shadow_origin[slot] = (float4)(shadow.origin, as_float(shadow.kind));
   if (shadow.kind == SHADOW_NONE) return;
   shadow_direction[slot] = (float4)(shadow.direction, 0);

@@ -86,7 +86,7 @@ TREE_FUNCTION Transmittance transmittance(const Trees trees, global const Materi
   T.has_crossed = 0;
   const BoxRay world = make_box_ray(origin, direction);
   int stack[BVH_STACK];
-  int size = 0, current = first_visit(trees);
+  int size = 0, current = first_visit(trees.top, 0);
   for (;;) {
     while (current >= 0)
       if (!descend_any(trees.top + (size_t)current * 8, world, t_max, stack, &size, &current)) break;

@@ -267,25 +267,41 @@ ALWAYS_INLINE void closest_in_block(global const float4* block, const LeafRay r,
   }
 }
 
-// closest hit in one mesh; the rays are in the mesh's frame
-TREE_FUNCTION void closest_in_mesh(const Trees trees, const BoxRay* box, const LeafRay leaf, const uint instance,
-                                   const int root, Hit* hit) {
+// Closest hit in one mesh before t_max: t, u, v and the bits of the triangle's number; the rays are in the mesh's
+// frame. One vector comes back in a register. A struct would be written to memory by parts and read as a whole, which
+// waits.
+TREE_FUNCTION float4 closest_in_mesh(const Trees trees, const BoxRay* box, const LeafRay leaf, const int first,
+                                     const float t_max) {
   const BoxRay r = *box;
-  Hit nearest = *hit;
+  Hit nearest = {t_max, 0, 0, NO_TRIANGLE, 0};
   Visit stack[BVH_STACK];
-  int size = 0, current = root;
+  int size = 0, current = first;
   do {
     while (current >= 0)
       if (!descend(trees.nodes + (size_t)current * 8, r, nearest.t, stack, &size, &current)) break;
-    if (current < 0) closest_in_block(trees.blocks + (size_t)(~current) * 10, leaf, instance, &nearest);
+    if (current < 0) closest_in_block(trees.blocks + (size_t)(~current) * 10, leaf, 0, &nearest);
   } while (next_visit(stack, nearest.t, &size, &current));
-  *hit = nearest;
+  return (float4)(nearest.t, nearest.u, nearest.v, as_float(nearest.triangle));
 }
 
-// where a visit of the tree over instances begins: at the only instance, or at its root
-ALWAYS_INLINE int first_visit(const Trees trees) {
-  global const int* child = (global const int*)(trees.top + 6);
-  return child[0] < 0 && child[1] == BVH_EMPTY ? child[0] : 0;
+// where a visit of a tree begins: at its only leaf, or at its root
+ALWAYS_INLINE int first_visit(global const float8* nodes, const int root) {
+  global const int* child = (global const int*)(nodes + (size_t)root * 8 + 6);
+  return child[0] < 0 && child[1] == BVH_EMPTY ? child[0] : root;
+}
+
+// a ray in the frame of an instance: of the world where the instance is unmoved
+typedef struct {
+  float3 origin, direction;
+  bool is_moved;
+} ObjectRay;
+
+ALWAYS_INLINE ObjectRay object_ray(global const Instance* instance, const float3 origin, const float3 direction) {
+  const ObjectRay world = {origin, direction, false};
+  if (instance->flags & INSTANCE_UNMOVED) return world;
+  const ObjectRay moved = {affine_point(instance->to_object, origin), affine_vector(instance->to_object, direction),
+                           true};
+  return moved;
 }
 
 // closest hit of the scene; hit->t on entry is the largest allowed
@@ -293,20 +309,28 @@ ALWAYS_INLINE void closest_hit(const Trees trees, const float3 origin, const flo
   const BoxRay world = make_box_ray(origin, direction);
   const LeafRay world_leaf = make_leaf_ray(origin, direction);
   Visit stack[BVH_STACK];
-  int size = 0, current = first_visit(trees);
+  int size = 0, current = first_visit(trees.top, 0);
   do {
     while (current >= 0)
       if (!descend(trees.top + (size_t)current * 8, world, hit->t, stack, &size, &current)) break;
     if (current >= 0) continue;
     const uint i = (uint)(~current);
     global const Instance* instance = trees.instances + i;
-    if (instance->flags & INSTANCE_UNMOVED) {
-      closest_in_mesh(trees, &world, world_leaf, i, (int)instance->root, hit);
-    } else {
-      const float3 o = affine_point(instance->to_object, origin), d = affine_vector(instance->to_object, direction);
-      const BoxRay moved = make_box_ray(o, d);
-      closest_in_mesh(trees, &moved, make_leaf_ray(o, d), i, (int)instance->root, hit);
+    const ObjectRay ray = object_ray(instance, origin, direction);
+    const LeafRay leaf = ray.is_moved ? make_leaf_ray(ray.origin, ray.direction) : world_leaf;
+    const int first = first_visit(trees.nodes, (int)instance->root);
+    if (first < 0) {  // all of the mesh: neither a node nor a call
+      closest_in_block(trees.blocks + (size_t)(~first) * 10, leaf, i, hit);
+      continue;
     }
+    const BoxRay box = ray.is_moved ? make_box_ray(ray.origin, ray.direction) : world;
+    const float4 found = closest_in_mesh(trees, &box, leaf, first, hit->t);
+    if (!(found.x < hit->t)) continue;
+    hit->t = found.x;
+    hit->u = found.y;
+    hit->v = found.z;
+    hit->triangle = as_uint(found.w);
+    hit->instance = i;
   } while (next_visit(stack, hit->t, &size, &current));
 }
 
@@ -354,7 +378,7 @@ ALWAYS_INLINE bool any_hit(const Trees trees, const float3 origin, const float3 
   const BoxRay world = make_box_ray(origin, direction);
   const LeafRay world_leaf = make_leaf_ray(origin, direction);
   int stack[BVH_STACK];
-  int size = 0, current = first_visit(trees);
+  int size = 0, current = first_visit(trees.top, 0);
   for (;;) {
     while (current >= 0)
       if (!descend_any(trees.top + (size_t)current * 8, world, t_max, stack, &size, &current)) break;
