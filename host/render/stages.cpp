@@ -47,7 +47,7 @@ Stages::Kernels::Kernels(Program generate_file, Program shade_file, Program comp
       shadow_holes(holes_file.kernel("shadow_holes")) {}
 
 Stages::Stages(Device& device)
-    : max_paths_(std::size_t(1) << (device.info().is_gpu ? 18 : 15)),
+    : max_paths_(std::size_t(1) << (device.info().is_gpu ? 18 : 16)),
       kernels_(Program(device, "render/generate.cl", traversal_options(device)),
                Program(device, "render/shade.cl", traversal_options(device)), Program(device, "render/compact.cl"),
                Program(device, "render/accumulate.cl"),
