@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <utility>
 
 namespace pvg::diagnose {
 namespace {
@@ -48,12 +47,6 @@ Pair pair_of(const Signatures& s, const Columns& first, const Columns& second, d
   return pair;
 }
 
-// of an effect and a number of the scene
-bool is_mixed(const Pair& pair) {
-  const Family a = pair.first->family, b = pair.second->family;
-  return (a == Family::physical && b == Family::parameter) || (a == Family::parameter && b == Family::physical);
-}
-
 }  // namespace
 
 std::vector<Pair> best_pairs(const Signatures& signatures, double n_data) {
@@ -70,21 +63,14 @@ std::vector<Pair> best_pairs(const Signatures& signatures, double n_data) {
     }
   std::stable_sort(all.begin(), all.end(), [](const Pair& a, const Pair& b) { return a.gain > b.gain; });
   std::vector<Pair> best;
-  std::map<const Candidate*, std::size_t> n_of_any, n_of_mixed;
-  const auto take = [&](std::size_t most, std::map<const Candidate*, std::size_t>& n_of, const auto& is_wanted) {
-    for (Pair& pair : all) {
-      if (best.size() >= most) return;
-      if (!pair.first || !is_wanted(pair) || n_of[pair.first] >= MOST_OF_ONE || n_of[pair.second] >= MOST_OF_ONE)
-        continue;
-      ++n_of[pair.first];
-      ++n_of[pair.second];
-      best.push_back(std::move(std::exchange(pair, {})));
-    }
-  };
-  const auto any = [](const Pair&) { return true; };
-  take(MOST_PAIRS - LEAST_MIXED, n_of_any, any);
-  take(MOST_PAIRS, n_of_mixed, is_mixed);
-  take(MOST_PAIRS, n_of_any, any);
+  std::map<const Candidate*, std::size_t> n_of;
+  for (Pair& pair : all) {
+    if (best.size() >= MOST_PAIRS) break;
+    if (n_of[pair.first] >= MOST_OF_ONE || n_of[pair.second] >= MOST_OF_ONE) continue;
+    ++n_of[pair.first];
+    ++n_of[pair.second];
+    best.push_back(std::move(pair));
+  }
   return best;
 }
 

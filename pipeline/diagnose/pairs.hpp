@@ -13,10 +13,9 @@ struct Pair {
   double gain = 0;  // by which the cost would fall there, less (number of parameters) / 2 log(number of data)
 };
 
-// The best pairs; no candidate stands in more than MOST_OF_ONE of them, lest all be one effect with whatever stands
-// beside it. LEAST_MIXED of them, the best of their kind, are of an effect and a number of the scene that is wrong, if
-// there are so many: that is more common than two effects.
-inline constexpr std::size_t MOST_PAIRS = 8, MOST_OF_ONE = 3, LEAST_MIXED = 3;
+// The best pairs, best first; no candidate stands in more than MOST_OF_ONE of them, lest all be one effect with
+// whatever stands beside it.
+inline constexpr std::size_t MOST_PAIRS = 8, MOST_OF_ONE = 3;
 std::vector<Pair> best_pairs(const Signatures& signatures, double n_data);
 
 // The pair that is decided for, if it leaves less than `most` times the noise, into `out.ranking` and

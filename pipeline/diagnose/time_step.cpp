@@ -88,11 +88,13 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
     fine = predict({bdf2, solver.time_step / 2});
     error = richardson_factor(base.scene) * apart(data, coarse, fine);
   }
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "simulated with steps of %.4g ms, %s%s; finer steps differ by %.2g times the noise, which is corrected",
-                1e3 * solver.time_step, solver.integrator == bdf2 ? "BDF2" : "implicit Euler",
-                is_as_given ? ", as the scene says" : ", since the scene's own would be taken for an effect", error);
+  char text[280];
+  std::snprintf(
+      text, sizeof text, "simulated with steps of %.4g ms, %s%s; finer steps differ by %.2g times the noise, which %s",
+      1e3 * solver.time_step, solver.integrator == bdf2 ? "BDF2" : "implicit Euler",
+      is_as_given ? ", as the scene says" : ", since the scene's own would be taken for an effect", error,
+      error < allowed ? "is corrected"
+                      : "is too much to be corrected: what depends on it, such as a hard impact, is not known");
   return text;
 }
 

@@ -72,28 +72,5 @@ TEST(Pairs, NoCandidateStandsInAllOfThem) {
   EXPECT_EQ(n_of_first, MOST_OF_ONE);
 }
 
-// A wrong number of the scene that explains less than nine effects do, any two of which explain more together.
-TEST(Pairs, SomeAreOfAnEffectAndANumberOfTheScene) {
-  std::vector<Candidate> many;
-  for (int i = 0; i < 9; ++i) many.push_back(one("effect", -100));
-  many.push_back(one("number", -100));
-  many.back().family = Family::parameter;
-  Signatures s;
-  const std::size_t n = many.size();
-  s.a = Eigen::MatrixXd::Identity(n, n);
-  s.g = Eigen::VectorXd::Constant(n, -5);
-  s.g[n - 1] = -2;
-  for (std::size_t i = 0; i < n; ++i) {
-    s.candidate.push_back(&many[i]);
-    s.parameter.push_back(0);
-    s.step.push_back(1);
-  }
-  std::size_t n_mixed = 0;
-  const std::vector<Pair> best = best_pairs(s, 1);
-  for (const Pair& pair : best) n_mixed += pair.second == &many.back();
-  EXPECT_EQ(best.size(), MOST_PAIRS);
-  EXPECT_EQ(n_mixed, LEAST_MIXED);
-}
-
 }  // namespace
 }  // namespace pvg::diagnose
