@@ -290,20 +290,6 @@ ALWAYS_INLINE int first_visit(global const float8* nodes, const int root) {
   return child[0] < 0 && child[1] == BVH_EMPTY ? child[0] : root;
 }
 
-// a ray in the frame of an instance: of the world where the instance is unmoved
-typedef struct {
-  float3 origin, direction;
-  bool is_moved;
-} ObjectRay;
-
-ALWAYS_INLINE ObjectRay object_ray(global const Instance* instance, const float3 origin, const float3 direction) {
-  const ObjectRay world = {origin, direction, false};
-  if (instance->flags & INSTANCE_UNMOVED) return world;
-  const ObjectRay moved = {affine_point(instance->to_object, origin), affine_vector(instance->to_object, direction),
-                           true};
-  return moved;
-}
-
 // closest hit of the scene; hit->t on entry is the largest allowed
 ALWAYS_INLINE void closest_hit(const Trees trees, const float3 origin, const float3 direction, Hit* hit) {
   const BoxRay world = make_box_ray(origin, direction);
@@ -316,14 +302,16 @@ ALWAYS_INLINE void closest_hit(const Trees trees, const float3 origin, const flo
     if (current >= 0) continue;
     const uint i = (uint)(~current);
     global const Instance* instance = trees.instances + i;
-    const ObjectRay ray = object_ray(instance, origin, direction);
-    const LeafRay leaf = ray.is_moved ? make_leaf_ray(ray.origin, ray.direction) : world_leaf;
+    const bool is_moved = !(instance->flags & INSTANCE_UNMOVED);
+    const float3 o = is_moved ? affine_point(instance->to_object, origin) : origin;
+    const float3 d = is_moved ? affine_vector(instance->to_object, direction) : direction;
+    const LeafRay leaf = is_moved ? make_leaf_ray(o, d) : world_leaf;
     const int first = first_visit(trees.nodes, (int)instance->root);
     if (first < 0) {  // all of the mesh: neither a node nor a call
       closest_in_block(trees.blocks + (size_t)(~first) * 10, leaf, i, hit);
       continue;
     }
-    const BoxRay box = ray.is_moved ? make_box_ray(ray.origin, ray.direction) : world;
+    const BoxRay box = is_moved ? make_box_ray(o, d) : world;
     const float4 found = closest_in_mesh(trees, &box, leaf, first, hit->t);
     if (!(found.x < hit->t)) continue;
     hit->t = found.x;
