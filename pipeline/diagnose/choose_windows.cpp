@@ -23,8 +23,9 @@ double signal_of(const Problem& problem, const Window& window) {
   std::vector<std::vector<double>> of(problem.channels.size() * 4);
   for (const Datum& d : window.data) {
     const Channel& c = problem.channels[std::size_t(d.channel)];
+    const double sigma = noise_in(problem, run, std::size_t(d.channel));
     of[std::size_t(d.channel) * 4 + std::size_t(d.component)].push_back(
-        run.values[std::size_t(d.channel)][d.sample * std::size_t(c.width) + std::size_t(d.component)] / c.sigma);
+        run.values[std::size_t(d.channel)][d.sample * std::size_t(c.width) + std::size_t(d.component)] / sigma);
   }
   double sum = 0, n = 0;
   for (const std::vector<double>& values : of) {

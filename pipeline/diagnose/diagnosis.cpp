@@ -101,6 +101,15 @@ bool prove(Workflow& flow, const ChosenWindows& chosen, const std::vector<Fit>& 
   const bool any_held_out =
       std::any_of(problem.runs.begin(), problem.runs.end(), [](const Run& r) { return r.is_held_out; });
   if (any_held_out && judged.floor == 0) out.notes.push_back("the held-out runs could not be simulated to their end");
+  for (const Disturbance& d : judged.disturbed) {
+    char text[300];
+    std::snprintf(text, sizeof text,
+                  "held-out run %s, %.2f to %.2f s: wrong by %.3g times the noise before and %.3g after, which nothing "
+                  "here explains (was it pushed?); left out of the held-out errors, which are %.3g and %.3g %s with it",
+                  d.run.c_str(), d.start, d.end, d.before, d.after, judged.before_all, judged.after_all,
+                  out.unit == "noise" ? "times the noise" : out.unit.c_str());
+    out.notes.push_back(text);
+  }
   out.before = judged.before;
   out.after = judged.after;
   out.floor = judged.floor;
@@ -130,6 +139,12 @@ void measure(Workflow& flow) {
                       : ", measured from third differences");
     out.notes.push_back(text);
     units.insert(c.unit);
+    for (const Run& run : problem.runs)
+      if (const double louder = run.louder[std::size_t(&c - problem.channels.data())]; louder > 1) {
+        std::snprintf(text, sizeof text, "noise of the %s in run %s: %.3g %s", c.name.c_str(), run.name.c_str(),
+                      c.sigma * louder, c.unit.c_str());
+        out.notes.push_back(text);
+      }
   }
   // the moments of a mask have no common size, nor have the cells of a picture
   const bool has_pictures = !problem.recording.mask_sources.empty() || !problem.recording.video_sources.empty();

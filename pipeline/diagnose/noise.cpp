@@ -38,6 +38,7 @@ constexpr std::array LAGS = {1u, 2u, 3u, 4u, 6u, 8u};  // between the samples of
 constexpr double INDEPENDENT = -0.5;  // neighbours correlate by less; of white noise by -15 / 20, a motion by up to 1
 constexpr double ASSUMED = 1e-2;      // of a channel's range, where its noise cannot be measured
 constexpr double SMOOTHED = 2;        // times the noise of neighbours, if that further apart is so much
+constexpr double LOUDER = 2;          // times the noise of most runs: this run has a noise of its own
 
 struct Differences {
   double sigma = 0;        // of white noise that would make them
@@ -75,16 +76,15 @@ std::vector<double> without_gaps(std::vector<double> values) {
   return values;
 }
 
-}  // namespace
-
-double noise_of(const std::vector<double>& values, std::size_t width) {
+// Of white noise, where correlation < INDEPENDENT; else of a motion, or of too few samples (sigma: NaN).
+Differences differences_of(const std::vector<double>& values, std::size_t width) {
   std::vector<Differences> found;
   for (const unsigned lag : LAGS) {
     const std::optional<Differences> here = third_differences(values, width, lag);
     if (here) found.push_back(*here);
     if (!here || here->correlation >= 0) break;  // a motion shows
   }
-  if (found.empty()) return std::nan("");
+  if (found.empty()) return {std::nan(""), 0};
   const auto hangs_less = [](const Differences& a, const Differences& b) { return a.correlation < b.correlation; };
   Differences noise = *std::min_element(found.begin(), found.end(), hangs_less);
   if (noise.correlation < INDEPENDENT) {
@@ -94,8 +94,13 @@ double noise_of(const std::vector<double>& values, std::size_t width) {
                               [](const Differences& a, const Differences& b) { return a.sigma < b.sigma; });
     if (neighbours.correlation < INDEPENDENT && noise.sigma < SMOOTHED * neighbours.sigma) noise = neighbours;
   }
-  return std::max(noise.sigma, quantum_of(values, width) / std::sqrt(12.0));
+  noise.sigma = std::max(noise.sigma, quantum_of(values, width) / std::sqrt(12.0));
+  return noise;
 }
+
+}  // namespace
+
+double noise_of(const std::vector<double>& values, std::size_t width) { return differences_of(values, width).sigma; }
 
 void measure_noise(Problem& problem) {
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
@@ -103,13 +108,15 @@ void measure_noise(Problem& problem) {
     const bool is_video = channel.kind == RecordedChannel::Kind::video;
     if (channel.is_noise_known) continue;
     std::vector<double> found;
+    std::vector<Differences> of_run;
     double range = 0, brightest = 0;
     for (const Run& run : problem.runs) {
       // an orientation's numbers are half angles
-      const double sigma =
-          noise_of(is_video ? without_gaps(run.values[c]) : run.values[c], std::size_t(channel.width)) *
-          (channel.kind == RecordedChannel::Kind::orientation ? 2 : 1);
-      if (std::isfinite(sigma)) found.push_back(sigma);
+      Differences noise =
+          differences_of(is_video ? without_gaps(run.values[c]) : run.values[c], std::size_t(channel.width));
+      if (channel.kind == RecordedChannel::Kind::orientation) noise.sigma *= 2;
+      if (std::isfinite(noise.sigma)) found.push_back(noise.sigma);
+      of_run.push_back(noise);
       double low = INFINITY, high = -INFINITY;
       for (const double value : run.values[c])
         if (std::isfinite(value)) low = std::min(low, value), high = std::max(high, value);
@@ -121,6 +128,9 @@ void measure_noise(Problem& problem) {
     channel.sigma = found.empty() ? std::max(ASSUMED * range, smallest) : std::max(median(found), smallest);
     // an even surface has the same rounding error in all its pixels
     if (is_video) channel.sigma = std::hypot(channel.sigma, srgb8_step_sigma(brightest));
+    for (std::size_t r = 0; r < problem.runs.size(); ++r)
+      if (of_run[r].correlation < INDEPENDENT && of_run[r].sigma > LOUDER * channel.sigma)
+        problem.runs[r].louder[c] = of_run[r].sigma / channel.sigma;
   }
 }
 

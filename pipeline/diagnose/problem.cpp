@@ -56,6 +56,7 @@ Run make_run(const Problem& problem, const RecordedRun& recorded, const std::vec
         values[i * channel.columns.size() + k] = to_si[c] * (std::isfinite(column[i]) ? column[i] : std::nan(""));
     }
     run.values.push_back(std::move(values));
+    run.louder.push_back(1);
   }
   const Scene& scene = problem.scene.scene;
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {

@@ -42,6 +42,7 @@ struct Run {
   bool is_held_out = false;
   std::vector<double> t;                    // [n_samples, s]
   std::vector<std::vector<double>> values;  // [n_channels][n_samples x width]
+  std::vector<double> louder;               // [n_channels] the noise of this run over the channel's, at least 1
   std::vector<TargetTable> targets;         // [n_driven], times as in the run
   std::vector<PrescribedPath> prescribed;
 };
@@ -58,6 +59,11 @@ struct Problem {
   std::vector<int> free_bodies;  // rigid bodies that no joint carries
   bool can_restart = false;      // the state at any time is measured: windows may begin anywhere
 };
+
+// One standard deviation of a channel's noise in a run [the channel's unit].
+inline double noise_in(const Problem& problem, const Run& run, std::size_t channel) {
+  return problem.channels[channel].sigma * run.louder[channel];
+}
 
 // Throws a UsageError that names the file, the key, the body or joint, and what to do.
 Problem make_problem(const std::filesystem::path& recording);

@@ -217,6 +217,7 @@ Eigen::VectorXd SensorTrace::residual() const {
     const Datum& datum = window.data[i];
     const std::size_t c = std::size_t(datum.channel);
     const Channel& channel = problem_->channels[c];
+    const double sigma = noise_in(*problem_, run, c);
     if (datum.component == 0) seen = value_at(c, time_of(c, datum.sample));
     const double* measured = &run.values[c][datum.sample * std::size_t(channel.width)];
     if (seen.empty()) {
@@ -224,7 +225,7 @@ Eigen::VectorXd SensorTrace::residual() const {
       continue;
     }
     if (channel.kind != Kind::orientation) {
-      residual[Eigen::Index(i)] = (measured[datum.component] - seen[std::size_t(datum.component)]) / channel.sigma;
+      residual[Eigen::Index(i)] = (measured[datum.component] - seen[std::size_t(datum.component)]) / sigma;
       continue;
     }
     if (datum.component == 0) {
@@ -233,7 +234,7 @@ Eigen::VectorXd SensorTrace::residual() const {
       const Eigen::AngleAxisd apart(p.normalized().conjugate() * q.normalized());
       turn = apart.angle() * apart.axis();
     }
-    residual[Eigen::Index(i)] = turn[datum.component] / channel.sigma;
+    residual[Eigen::Index(i)] = turn[datum.component] / sigma;
   }
   if (window.correction.size() > 0) residual += window.correction;
   return residual;

@@ -94,7 +94,7 @@ void start_joint(const Problem& problem, const Run& run, int j, double t0, bool 
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Channel& channel = problem.channels[c];
     if (channel.joint != j || (channel.kind != Kind::position && channel.kind != Kind::rate)) continue;
-    const LocalFit fit = fit_around(run.t, run.values[c], 1, 0, t0, channel.sigma);
+    const LocalFit fit = fit_around(run.t, run.values[c], 1, 0, t0, noise_in(problem, run, c));
     if (!fit.is_there) continue;
     if (channel.kind == Kind::rate) {
       start.state.rate[std::size_t(j)] = fit.value;
@@ -123,7 +123,7 @@ void start_body(const Problem& problem, const Run& run, int b, double t0, bool i
     const Channel& channel = problem.channels[c];
     if (channel.rigid != b) continue;
     if (channel.kind == Kind::orientation) {
-      const TurnFit fit = turn_around(run, run.values[c], t0, channel.sigma);
+      const TurnFit fit = turn_around(run, run.values[c], t0, noise_in(problem, run, c));
       pose.linear() = fit.rotation;
       start.state.spin[std::size_t(b)] = fit.spin;
       for (int k = 0; k < 3; ++k) {
@@ -134,7 +134,7 @@ void start_body(const Problem& problem, const Run& run, int b, double t0, bool i
     if (channel.kind != Kind::position) continue;
     for (int k = 0; k < channel.width; ++k) {
       const LocalFit fit =
-          fit_around(run.t, run.values[c], std::size_t(channel.width), std::size_t(k), t0, channel.sigma);
+          fit_around(run.t, run.values[c], std::size_t(channel.width), std::size_t(k), t0, noise_in(problem, run, c));
       if (!fit.is_there) continue;
       const Vec3 direction = channel.has_axis ? channel.axis : Vec3(Vec3::Unit(k));
       pose.translation() += direction * (fit.value - direction.dot(pose.translation()));

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -9,6 +10,7 @@
 #include "host/geometry/primitive_shapes.hpp"
 #include "pipeline/diagnose/candidate.hpp"
 #include "pipeline/diagnose/embedded_point.hpp"
+#include "pipeline/diagnose/held_out.hpp"
 #include "pipeline/diagnose/localise.hpp"
 #include "pipeline/diagnose/noise.hpp"
 #include "pipeline/diagnose/window.hpp"
@@ -50,6 +52,61 @@ TEST(Noise, ACoarseSensorIsNoBetterThanItsDigits) {
   std::vector<double> values;
   for (int i = 0; i < 200; ++i) values.push_back(0.01 * std::round(0.13 * i));
   EXPECT_GE(noise_of(values, 1), 0.01 / std::sqrt(12.0) * 0.999);
+}
+
+// Two runs with noise of 1 mrad, one with 4: the channel has what most runs have, the loud run four times as much.
+TEST(Noise, ARunThatIsLouderHasANoiseOfItsOwn) {
+  std::mt19937 engine(1);
+  Problem problem;
+  problem.channels.resize(1);
+  for (const double sigma : {1e-3, 4e-3, 1e-3}) {
+    std::normal_distribution<double> noise(0, sigma);
+    diagnose::Run run;
+    run.louder = {1};
+    run.values.emplace_back();
+    for (int i = 0; i < 2000; ++i) run.values[0].push_back(0.1 * std::sin(0.01 * i) + noise(engine));
+    problem.runs.push_back(std::move(run));
+  }
+  measure_noise(problem);
+  EXPECT_NEAR(problem.channels[0].sigma, 1e-3, 1e-4);
+  EXPECT_EQ(problem.runs[0].louder[0], 1);
+  EXPECT_NEAR(problem.runs[1].louder[0], 4, 0.4);
+  EXPECT_EQ(problem.runs[2].louder[0], 1);
+}
+
+// A fast motion that is seen well has large third differences, which hang together: no noise of its own.
+TEST(Noise, ARunThatIsFasterIsNotLouder) {
+  Problem problem;
+  problem.channels.resize(1);
+  for (const double rate : {0.02, 0.6, 0.02}) {
+    diagnose::Run run;
+    run.louder = {1};
+    run.values.emplace_back();
+    for (int i = 0; i < 2000; ++i) run.values[0].push_back(std::sin(rate * i));
+    problem.runs.push_back(std::move(run));
+  }
+  measure_noise(problem);
+  EXPECT_EQ(problem.runs[1].louder[0], 1);
+}
+
+// Twenty windows that a model brings from 10 to 1, one that it cannot bring below 60: someone pushed. Where it halves
+// the error it explains something, and where three of twenty are wrong the model is.
+TEST(HeldOut, AWindowThatNothingExplainsDoesNotCount) {
+  const auto windows = [](double usual, std::vector<double> others) {
+    std::vector<Eigen::VectorXd> residual;
+    for (const double r : others) residual.push_back(Eigen::VectorXd::Constant(5, r));
+    while (residual.size() < 20) residual.push_back(Eigen::VectorXd::Constant(5, usual));
+    return residual;
+  };
+  const auto n_counted = [&](const std::vector<double>& before, const std::vector<double>& after) {
+    const std::vector<bool> counts = undisturbed(windows(10, before), windows(1, after));
+    return std::count(counts.begin(), counts.end(), true);
+  };
+  EXPECT_EQ(n_counted({60}, {60}), 19);
+  EXPECT_EQ(n_counted({60}, {20}), 20);
+  EXPECT_EQ(n_counted({10}, {4}), 20);
+  EXPECT_EQ(n_counted({60, 60}, {60, 60}), 18);
+  EXPECT_EQ(n_counted({60, 60, 60}, {60, 60, 60}), 20);
 }
 
 TEST(Localise, TailsOfChiSquaredAreThoseOfTables) {
