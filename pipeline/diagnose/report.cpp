@@ -1,5 +1,6 @@
 #include "pipeline/diagnose/report.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -11,6 +12,7 @@ namespace pvg::diagnose {
 namespace {
 
 using json = nlohmann::ordered_json;
+constexpr std::size_t MOST_RIVALS = 3;  // that a sentence holds
 
 void write(const std::filesystem::path& file, const std::string& text) {
   std::ofstream out(file, std::ios::binary);
@@ -20,6 +22,24 @@ void write(const std::filesystem::path& file, const std::string& text) {
 
 std::string with_interval(const NamedParameter& p) {
   return p.name + " " + shown(p.value) + " +- " + shown((p.high - p.low) / 4) + (p.unit == "1" ? "" : " " + p.unit);
+}
+
+// " (these data cannot tell it from linear_drag at ball)": of the sets that hold the name, what is not named.
+std::string rivals_of(const Diagnosis& d, const std::string& label) {
+  std::vector<std::string> rivals;
+  for (const std::vector<std::string>& set : d.inseparable) {
+    if (std::find(set.begin(), set.end(), label) == set.end()) continue;
+    for (const std::string& other : set) {
+      const bool is_named = std::any_of(d.effects.begin(), d.effects.end(),
+                                        [&](const NamedEffect& e) { return e.candidate->label() == other; });
+      if (!is_named && std::find(rivals.begin(), rivals.end(), other) == rivals.end()) rivals.push_back(other);
+    }
+  }
+  if (rivals.empty()) return "";
+  std::string text = " (these data cannot tell it from " + rivals[0];
+  for (std::size_t i = 1; i < std::min(rivals.size(), MOST_RIVALS); ++i) text += " or " + rivals[i];
+  if (rivals.size() > MOST_RIVALS) text += " or " + std::to_string(rivals.size() - MOST_RIVALS) + " others";
+  return text + ")";
 }
 
 json parameters_of(const NamedEffect& effect) {
@@ -145,7 +165,8 @@ std::string sentence_of(const Diagnosis& d) {
                                                                   : "of the measurement: ";
     std::string values;
     for (const NamedParameter& p : e.parameters) values += (values.empty() ? "" : ", ") + with_interval(p);
-    what += (what.empty() ? "" : "; ") + std::string(word) + e.candidate->label() + ", " + values;
+    what += (what.empty() ? "" : "; ") + std::string(word) + e.candidate->label() + ", " + values +
+            rivals_of(d, e.candidate->label());
   }
   std::string text = what + "; " + judged;
   if (d.after > 1.5 * d.floor) text += "; partly explained";
