@@ -253,12 +253,6 @@ Screened linear_optimum(const FitData& data, const Fit& base, double n_data, std
   a.diagonal().array() += 1e-9 * a.trace();
   const VectorXd g = reduced.sum_g();
   VectorXd dx = -a.ldlt().solve(g);  // in units of the steps
-  // the base moves by one of its steps at most; the candidate is best beside where it stays
-  const Eigen::Index n_own = Eigen::Index(seen.size());
-  dx.head(n_base) = dx.head(n_base).cwiseMax(-1.0).cwiseMin(1.0);
-  dx.tail(n_own) = -a.bottomRightCorner(n_own, n_own)
-                        .ldlt()
-                        .solve(g.tail(n_own) + a.bottomLeftCorner(n_own, n_base) * dx.head(n_base));
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const Trial& trial = trials[seen[i]];
     const Parameter& p = candidate.parameters[trial.parameter];
@@ -269,6 +263,7 @@ Screened linear_optimum(const FitData& data, const Fit& base, double n_data, std
     one.model.scale[n_base + Eigen::Index(trial.parameter)] = std::abs(trial.step);
     one.answer = std::max(one.answer, size_of(found[seen[i]]));
   }
+  for (Eigen::Index i = 0; i < n_base; ++i) dx[i] = std::clamp(dx[i], -1.0, 1.0);
   one.model.x.head(n_base) += (dx.head(n_base).array() * base.model.scale.head(n_base).array()).matrix();
   const std::vector<const Parameter*> bounds = base.model.parameters();
   for (Eigen::Index i = 0; i < n_base; ++i)
