@@ -60,6 +60,23 @@ TEST(Fit, EverySampleOfASlideIsOfTheSlideTheFirstAmongThem) {
     }
 }
 
+TEST(Fit, ResidualsOfALoudRunAreInUnitsOfItsOwnNoise) {
+  const TestFolder folder;
+  Problem problem = sliding(folder);
+  Device device;
+  Predictor predictor(device, problem);
+  const Variant base{problem.scene.scene, {}};
+  Fitter fitter(predictor, base);
+  const auto residual = [&](double louder) {
+    problem.runs[0].louder = {louder};
+    const FitData data = fitter.prepare(make_windows(problem, false, 0, 1), Model{});
+    return fitter.evaluate(data, {Model{}}, {})[0][0].residual;
+  };
+  const Eigen::VectorXd usual = residual(1), loud = residual(4);
+  ASSERT_GT(usual.norm(), 1);
+  EXPECT_LT((4 * loud - usual).norm(), 1e-4 * usual.norm());  // the correction for the time step follows within 1e-5
+}
+
 TEST(Fit, OfTheFirstPartOfAWindowIsThatOfItsFirstSamples) {
   const TestFolder folder;
   const Problem problem = sliding(folder);
