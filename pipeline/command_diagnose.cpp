@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "host/base/error.hpp"
 #include "pipeline/commands.hpp"
@@ -14,6 +15,7 @@ namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
+constexpr unsigned MOST_PROCESSES = 16;
 
 void list_effects(bool as_json) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -44,10 +46,17 @@ diagnose::Decide decide_named(const std::string& name) {
                             : Decide::workflow;
 }
 
-// Scenes of rigid bodies alone are small: waking PoCL's threads takes longer than what they would compute. Its device
+// PoCL's usual device wakes its threads for every kernel, which takes longer than what small worlds compute. Its device
 // `basic` works in the thread that asks. Who has set POCL_DEVICES is obeyed; other drivers do not know the variable.
-void prefer_short_waits(const Scene& scene) {
-  if (scene.soft_bodies.empty() && scene.cloths.empty()) setenv("POCL_DEVICES", "basic", 0);
+void prefer_short_waits() { setenv("POCL_DEVICES", "basic", 0); }
+
+std::size_t n_processes(const DiagnoseOptions& options, const DeviceInfo& device) {
+  const bool works_in_this_thread = device.name.starts_with("basic");
+  if (options.n_jobs > 1 && !works_in_this_thread)
+    throw UsageError("--jobs " + std::to_string(options.n_jobs) + " needs PoCL's device `basic`, not " + device.name +
+                     "; leave out --device and POCL_DEVICES, or --jobs");
+  if (options.n_jobs > 0 || !works_in_this_thread) return std::size_t(std::max(options.n_jobs, 1));
+  return std::clamp(std::thread::hardware_concurrency(), 1u, MOST_PROCESSES);
 }
 
 void print_sizes(const diagnose::Problem& problem) {
@@ -76,11 +85,12 @@ void run_diagnose(const DiagnoseOptions& options) {
   if (std::all_of(problem.runs.begin(), problem.runs.end(), [](const diagnose::Run& run) { return run.is_held_out; }))
     throw UsageError(problem.recording.file.string() + ": every run is held out; give at least one the role `fit`");
   fs::create_directories(options.folder);
-  prefer_short_waits(problem.scene.scene);
+  prefer_short_waits();
   Device device(options.device);
   diagnose::Settings settings;
   settings.max_effects = options.max_effects;
   settings.decide = decide_named(options.decide);
+  settings.n_processes = n_processes(options, device.info());
   diagnose::Diagnosis found = diagnose::diagnose(device, problem, settings, options.folder);
   diagnose::write_report(problem, found, options.folder);
   std::printf("%s\n", found.sentence.c_str());

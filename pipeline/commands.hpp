@@ -165,7 +165,7 @@ struct DiagnoseOptions {
   bool only_checks = false;         // say what is wrong with the recording and end
   bool lists_effects = false;       // print the names of all candidates and end
   std::string suite;                // folder of cases instead of a recording
-  int n_jobs = 1;                   // cases at once
+  int n_jobs = 0;                   // cases at once, or processes of one; 0: one case, as many processes as cores
   bool as_json = false;
 };
 

@@ -249,9 +249,11 @@ void add_diagnose(CLI::App& program, pvg::DiagnoseOptions& o) {
   command->add_flag("--check", o.only_checks, "Say what is wrong with the recording and end");
   command->add_flag("--list-effects", o.lists_effects, "Print all that can be named and end");
   command->add_option("--suite", o.suite, "Folder of hidden-effect cases: diagnose all, print the table of scores");
-  command->add_option("--jobs", o.n_jobs, "Cases of the suite at once")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+  command
+      ->add_option(
+          "--jobs", o.n_jobs,
+          "Processes that simulate at once, by default one per core (of a suite: cases at once, by default one)")
+      ->check(CLI::Range(1, 64));
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
   command->add_flag("--json", o.as_json, "Print JSON");
   command->footer(

@@ -22,6 +22,7 @@ struct Settings {
   int max_effects = 2;
   std::size_t n_fitted = 9;       // candidates that are fitted, of those screened
   double simulated_seconds = 12;  // of all windows of one evaluation, about
+  std::size_t n_processes = 1;    // that simulate, as Predictor has them
 };
 
 enum class Verdict { effect, retune, measurement, none, agrees };

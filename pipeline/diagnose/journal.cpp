@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "host/base/error.hpp"
+#include "pipeline/diagnose/prediction_bytes.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -19,68 +20,6 @@ template <class T>
 void put(std::vector<char>& bytes, const T& value) {
   const char* first = reinterpret_cast<const char*>(&value);
   bytes.insert(bytes.end(), first, first + sizeof value);
-}
-
-// Takes values one after the other; once the bytes end, nothing more is taken.
-struct Reader {
-  std::span<const char> bytes;
-  std::size_t at = 0;
-  bool is_short = false;
-
-  void take(void* to, std::size_t n) {
-    is_short = is_short || n > bytes.size() - at;
-    if (is_short) return;
-    std::memcpy(to, bytes.data() + at, n);
-    at += n;
-  }
-  template <class T>
-  T take() {
-    T value{};
-    take(&value, sizeof value);
-    return value;
-  }
-  std::size_t take_count(std::size_t size_of_one) {
-    const std::uint64_t n = take<std::uint64_t>();
-    is_short = is_short || n > (bytes.size() - at) / size_of_one;
-    return is_short ? 0 : std::size_t(n);
-  }
-};
-
-std::vector<char> packed(const std::vector<Prediction>& answer) {
-  std::vector<char> bytes;
-  put(bytes, std::uint64_t(answer.size()));
-  for (const Prediction& p : answer) {
-    put(bytes, p.is_well);
-    put(bytes, p.mask_overlap);
-    put(bytes, std::uint64_t(p.residual.size()));
-    for (const double r : p.residual) put(bytes, r);
-    put(bytes, std::uint64_t(p.phase.size()));
-    for (const Phase phase : p.phase) put(bytes, phase);
-    put(bytes, std::uint64_t(p.touching.size()));
-    for (const std::string& pair : p.touching) {
-      put(bytes, std::uint64_t(pair.size()));
-      bytes.insert(bytes.end(), pair.begin(), pair.end());
-    }
-  }
-  return bytes;
-}
-
-std::vector<Prediction> unpacked(Reader& reader) {
-  std::vector<Prediction> answer(reader.take_count(1));
-  for (Prediction& p : answer) {
-    p.is_well = reader.take<bool>();
-    p.mask_overlap = reader.take<double>();
-    p.residual.resize(Eigen::Index(reader.take_count(sizeof(double))));
-    for (double& r : p.residual) r = reader.take<double>();
-    p.phase.resize(reader.take_count(sizeof(Phase)));
-    for (Phase& phase : p.phase) phase = reader.take<Phase>();
-    p.touching.resize(reader.take_count(sizeof(std::uint64_t)));
-    for (std::string& pair : p.touching) {
-      pair.resize(reader.take_count(1));
-      reader.take(pair.data(), pair.size());
-    }
-  }
-  return answer;
 }
 
 }  // namespace
@@ -143,17 +82,18 @@ Journal::Journal(fs::path file, std::uint64_t key) : file_(std::move(file)), con
 
 std::optional<std::vector<Prediction>> Journal::answer_to(std::uint64_t question) {
   if (out_.is_open() || at_ >= content_.size()) return std::nullopt;
-  Reader reader{std::span<const char>(content_).subspan(at_)};
-  const bool is_it = reader.take<std::uint64_t>() == question;
-  std::vector<Prediction> answer;
-  if (is_it) answer = unpacked(reader);
-  if (!is_it || reader.is_short) {
+  const std::span<const char> rest = std::span<const char>(content_).subspan(at_);
+  std::uint64_t asked = 0;
+  std::optional<Unpacked> answer;
+  if (rest.size() >= sizeof asked) std::memcpy(&asked, rest.data(), sizeof asked);
+  if (asked == question) answer = unpacked(rest.subspan(sizeof asked));
+  if (!answer) {
     content_.resize(at_);
     return std::nullopt;
   }
-  at_ += reader.at;
+  at_ += sizeof asked + answer->n_bytes;
   ++n_read_;
-  return answer;
+  return std::move(answer->predictions);
 }
 
 void Journal::add(std::uint64_t question, const std::vector<Prediction>& answer) {

@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "host/physics/simulation.hpp"
+#include "pipeline/diagnose/forked.hpp"
 #include "pipeline/diagnose/journal.hpp"
 #include "pipeline/diagnose/mask_sight.hpp"
+#include "pipeline/diagnose/prediction_bytes.hpp"
 #include "pipeline/diagnose/sensor.hpp"
 #include "pipeline/diagnose/support.hpp"
 #include "pipeline/diagnose/video_sight.hpp"
@@ -30,6 +32,21 @@ std::size_t steps_of(const Window& window, double h) {
   return std::size_t(std::ceil((window.end - window.start + MARGIN) / h)) + 1;
 }
 
+using Hand = std::vector<std::size_t>;  // the jobs of one process
+
+// Neighbours in the order, which take as many steps, go to one process each.
+std::vector<Hand> dealt(std::span<const std::size_t> order, std::size_t n_processes) {
+  std::vector<Hand> hands(std::min(n_processes, order.size()));
+  for (std::size_t i = 0; i < order.size(); ++i) hands[i % hands.size()].push_back(order[i]);
+  return hands;
+}
+
+std::vector<Prediction> picked(std::span<const Prediction> all, const Hand& hand) {
+  std::vector<Prediction> some;
+  for (const std::size_t i : hand) some.push_back(all[i]);
+  return some;
+}
+
 }  // namespace
 
 const char* phase_name(Phase phase) {
@@ -37,7 +54,8 @@ const char* phase_name(Phase phase) {
   return NAMES[int(phase)];
 }
 
-Predictor::Predictor(Device& device, const Problem& problem) : device_(device), problem_(problem) {}
+Predictor::Predictor(Device& device, const Problem& problem, std::size_t n_processes)
+    : device_(device), problem_(problem), n_processes_(n_processes) {}
 Predictor::~Predictor() = default;
 
 MaskSight* Predictor::sight() {
@@ -72,8 +90,26 @@ std::vector<Prediction> Predictor::predict(std::span<const Job> jobs) {
   });
   const std::size_t per_batch =
       std::clamp<std::size_t>(MOST_NODES / std::max<std::size_t>(1, n_nodes(problem_.scene.scene)), 1, MOST_WORLDS);
-  for (std::size_t i = 0; i < order.size(); i += per_batch)
-    predict_batch(jobs, std::span(order).subspan(i, std::min(per_batch, order.size() - i)), out);
+  const std::vector<Hand> hands = dealt(order, n_processes_);
+  const auto work_off = [&](const Hand& hand) {
+    for (std::size_t i = 0; i < hand.size(); i += per_batch)
+      predict_batch(jobs, std::span(hand).subspan(i, std::min(per_batch, hand.size() - i)), out);
+  };
+  std::vector<Forked> others;
+  for (std::size_t i = 1; i < hands.size(); ++i)
+    others.emplace_back([&, i] {
+      work_off(hands[i]);
+      return packed(picked(out, hands[i]));
+    });
+  if (!hands.empty()) work_off(hands[0]);
+  for (std::size_t i = 1; i < hands.size(); ++i) {
+    std::optional<Unpacked> answer = unpacked(others[i - 1].result());
+    if (!answer || answer->predictions.size() != hands[i].size())
+      throw Failure("what another process simulated came back cut short");
+    for (std::size_t k = 0; k < hands[i].size(); ++k) out[hands[i][k]] = std::move(answer->predictions[k]);
+  }
+  for (const Job& job : jobs) world_seconds_ += double(steps_of(*job.window, h)) * h;
+  n_simulations_ += jobs.size();
   if (journal_) journal_->add(question, out);
   return out;
 }
@@ -153,9 +189,7 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::si
       prediction.phase = traces[w].phases();
       prediction.touching = traces[w].touching();
     }
-    world_seconds_ += double(steps_of(*jobs[which[w]].window, h)) * h;
   }
-  n_simulations_ += which.size();
 }
 
 }  // namespace pvg::diagnose

@@ -53,7 +53,9 @@ class VideoSight;
 
 class Predictor {
  public:
-  Predictor(Device& device, const Problem& problem);
+  // Worlds do not feel each other: they are dealt to `n_processes`, this one among them, and the answers are the same
+  // bits whatever their number is. More than one needs a device that works in the thread that asks (`basic` of PoCL).
+  Predictor(Device& device, const Problem& problem, std::size_t n_processes = 1);
   ~Predictor();
   // Throws TryAgain where the user stopped it.
   std::vector<Prediction> predict(std::span<const Job> jobs);
@@ -69,6 +71,7 @@ class Predictor {
   MaskSight* sight();
   Device& device_;
   const Problem& problem_;
+  std::size_t n_processes_;
   std::unique_ptr<MaskSight> sight_;   // made when first needed
   std::unique_ptr<VideoSight> video_;  // likewise
   Journal* journal_ = nullptr;

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -28,6 +27,7 @@ int diagnose_case(const fs::path& recording, const fs::path& folder, const Diagn
   const std::string effects = std::to_string(options.max_effects);
   std::vector<std::string> words = {program,         "diagnose", recording.string(), "-o",          folder.string(),
                                     "--max-effects", effects,    "--decide",         options.decide};
+  if (options.n_jobs > 1) words.insert(words.end(), {"--jobs", "1"});
   if (!options.device.empty()) words.insert(words.end(), {"--device", options.device});
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -65,10 +65,8 @@ void run_suite(const DiagnoseOptions& options) {
       progress.advance_to(++done);
     }
   };
-  // cases beside each other share the cores: PoCL's threads of one would only wait for those of another
-  if (options.n_jobs > 1) setenv("POCL_MAX_PTHREAD_COUNT", "1", 0);
   std::vector<std::thread> threads;
-  for (int i = 0; i < options.n_jobs; ++i) threads.emplace_back(work);
+  for (int i = 0; i < std::max(options.n_jobs, 1); ++i) threads.emplace_back(work);
   for (std::thread& thread : threads) thread.join();
   if (stop_on_signals()) throw TryAgain("stopped; the cases that are done are kept, call again to continue");
   const Score result = score(suite.string(), out.string());

@@ -13,7 +13,7 @@ namespace pvg::diagnose {
 
 struct Workflow {
   Workflow(Device& device, Problem& problem, const Settings& settings)
-      : problem(problem), settings(settings), predictor(device, problem) {}
+      : problem(problem), settings(settings), predictor(device, problem, settings.n_processes) {}
   Problem& problem;
   const Settings& settings;
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();

@@ -1,0 +1,21 @@
+// Predictions as bytes, for files and pipes of this program on this machine.
+#pragma once
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pipeline/diagnose/rollout.hpp"
+
+namespace pvg::diagnose {
+
+std::vector<char> packed(std::span<const Prediction> predictions);
+
+// What stands at the beginning of `bytes`, and how many of them it is; nothing where they are cut short.
+struct Unpacked {
+  std::vector<Prediction> predictions;
+  std::size_t n_bytes = 0;
+};
+std::optional<Unpacked> unpacked(std::span<const char> bytes);
+
+}  // namespace pvg::diagnose

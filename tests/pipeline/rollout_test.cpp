@@ -1,0 +1,107 @@
+// Windows simulated by several devices at once
+#include "pipeline/diagnose/rollout.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/temporary_folder.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+// A block that falls on a floor, as a scene has it.
+Problem thrown_block(const TestFolder& folder) {
+  folder.write("scene.yaml", R"(schema: 1
+name: thrown_block
+time_step: 5 ms
+contact: {activation_distance: 1 mm, stiffness: 1 MPa}
+bodies:
+  - {name: floor, kind: half_space, normal: [0, 0, 1]}
+  - {name: block, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.04]}}, mass: 0.4, pose: {position: [0, 0, 0.05]}}
+)");
+  std::string run = "t,x,y,z\n";
+  for (int i = 0; i < 30; ++i) run += std::to_string(0.01 * i) + "," + std::to_string(0.01 * i) + ",0,0.05\n";
+  folder.write("a.csv", run);
+  folder.write("recording.yaml", R"(schema: 1
+scene: scene.yaml
+runs:
+  - {file: a.csv, role: fit}
+channels:
+  - {columns: [x, y, z], kind: position, body: block, unit: m, noise: 0.0005}
+)");
+  return make_problem(folder.path / "recording.yaml");
+}
+
+// One answer for each of `n` strengths of gravity.
+std::vector<Prediction> predict(Device& device, const Problem& problem, int n, std::size_t n_processes) {
+  Predictor predictor(device, problem, n_processes);
+  std::vector<Variant> variants;
+  for (int i = 0; i < n; ++i) {
+    variants.push_back({problem.scene.scene, {}});
+    variants.back().scene.gravity *= 1 + 0.1 * i;
+  }
+  const std::vector<Window> windows = make_windows(problem, false, 0, 1);
+  std::vector<Job> jobs;
+  for (const Variant& variant : variants) jobs.push_back({&variant, &windows.at(0), windows[0].initial, true});
+  return predictor.predict(jobs);
+}
+
+TEST(Rollout, SeveralProcessesFindTheSameBitsAsOne) {
+  const TestFolder folder;
+  const Problem problem = thrown_block(folder);
+  Device device(device_of_one_thread());
+  for (const int n : {1, 2, 7}) {
+    const std::vector<Prediction> one = predict(device, problem, n, 1), three = predict(device, problem, n, 3);
+    ASSERT_EQ(one.size(), std::size_t(n));
+    ASSERT_EQ(three.size(), std::size_t(n));
+    for (std::size_t i = 0; i < std::size_t(n); ++i) {
+      EXPECT_TRUE(one[i].is_well && three[i].is_well);
+      EXPECT_EQ(one[i].residual, three[i].residual) << i << " of " << n;
+      EXPECT_EQ(one[i].phase, three[i].phase);
+      EXPECT_EQ(one[i].touching, three[i].touching);
+    }
+    EXPECT_EQ(one[0].touching.size(), 1u);
+    if (n > 1) {
+      EXPECT_NE(one[0].residual, one[1].residual);
+    }
+  }
+}
+
+TEST(Rollout, AStartThatCannotBeIsTheSameInAnyProcess) {
+  const TestFolder folder;
+  const Problem problem = thrown_block(folder);
+  Device device(device_of_one_thread());
+  Predictor predictor(device, problem, 2);
+  const Variant variant{problem.scene.scene, {}};
+  const std::vector<Window> windows = make_windows(problem, false, 0, 1);
+  const Job good{&variant, &windows.at(0), windows[0].initial, false};
+  Job through_the_floor = good;
+  const Unknown height{Unknown::Kind::position, windows[0].unknowns.at(0).index, Vec3::UnitZ()};
+  move(through_the_floor.initial, height, -0.05);
+  for (const bool is_good_first : {true, false}) {
+    const std::vector<Job> jobs = {is_good_first ? good : through_the_floor, is_good_first ? through_the_floor : good};
+    const std::vector<Prediction> found = predictor.predict(jobs);
+    EXPECT_EQ(found[0].is_well, is_good_first);
+    EXPECT_EQ(found[1].is_well, !is_good_first);
+  }
+}
+
+TEST(Forked, BytesComeBackAndSoDoesAReason) {
+  Forked large([] { return std::vector<char>(1 << 20, 'x'); });
+  Forked failing([]() -> std::vector<char> { throw Failure("the reason"); });
+  Forked ended([]() -> std::vector<char> { std::raise(SIGKILL), std::abort(); });
+  const Forked forgotten([]() -> std::vector<char> { return std::this_thread::sleep_for(std::chrono::hours(1)), {}; });
+  EXPECT_EQ(large.result(), std::vector<char>(1 << 20, 'x'));
+  const auto reason_of = [](Forked& process) {
+    try {
+      process.result();
+    } catch (const Failure& failure) {
+      return std::string(failure.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(reason_of(failing), "the reason");
+  EXPECT_NE(reason_of(ended).find("ended by signal 9"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pvg::diagnose
