@@ -60,6 +60,8 @@ class Fitter {
   // The windows' answers to their starts, at a model, and what steps of half the length would change there: added
   // to all residuals from then on, if asked for. Windows that cannot be simulated to their end are left out.
   FitData prepare(std::vector<Window> windows, const Model& at, bool corrects = true);
+  // From now on nothing is corrected for the length of the steps.
+  void take_steps_as_they_are() { corrects_steps_ = false; }
   // The same about the starts that fit best there, not those that were measured: what rests on something answers to
   // its start by kinks.
   FitData prepare_near(std::vector<Window> windows, const Model& at);
@@ -107,6 +109,7 @@ class Fitter {
   std::vector<char> take_best(const FitData& data, const Trials& trials, std::vector<Fit>& fits);
   Predictor& predictor_;
   const Variant& base_;
+  bool corrects_steps_ = true;
 };
 
 // What is left of `change` when each window's start may move.

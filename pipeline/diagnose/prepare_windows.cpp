@@ -40,6 +40,7 @@ double richardson_factor(const Scene& scene) {
 }
 
 FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corrects) {
+  corrects = corrects && corrects_steps_;
   predictor_.settle(base_, windows);
   FitData data{std::move(windows), {}, at};
   const Variant variant = variant_of(base_, at);

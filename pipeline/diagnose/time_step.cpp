@@ -1,8 +1,9 @@
 #include "pipeline/diagnose/time_step.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <numeric>
 
@@ -16,6 +17,9 @@ constexpr double QUIET = 0.1;                // rms of a column beside the one t
 
 // a world that needs more is one of a change that was too much; it would hold up all others
 constexpr int MOST_HALVINGS = 1;
+
+constexpr int MOST_REFINEMENTS = 2;
+constexpr double CONVERGES = 0.5;  // of the step's error after as many halvings; of second order it is a sixteenth
 
 struct Choice {
   SolverSettings::Integrator integrator;
@@ -59,6 +63,7 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   solver.velocity_tolerance = std::min(solver.velocity_tolerance, SOLVED);
   solver.cg_tolerance = std::min(solver.cg_tolerance, 1e-8);
   solver.max_step_halvings = std::min(solver.max_step_halvings, MOST_HALVINGS);
+  const SolverSettings as_given = solver;
   const double h = solver.time_step;
   const FitData data =
       fitter.prepare(make_windows(problem, false, problem.can_restart ? 1 : 0, 3), {{}, {}, {}}, false);
@@ -82,20 +87,25 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
     solver.integrator = bdf2;
     if (!was_bdf2) error = richardson_factor(base.scene) * apart(data, predict({bdf2, h}), fine);
   }
-  for (int halving = 0; error >= allowed && halving < 2; ++halving) {
+  const double error_of_whole = error;
+  for (int halving = 0; error >= allowed && halving < MOST_REFINEMENTS; ++halving) {
     solver.time_step /= 2;
     coarse = std::move(fine);
     fine = predict({bdf2, solver.time_step / 2});
     error = richardson_factor(base.scene) * apart(data, coarse, fine);
   }
-  char text[280];
-  std::snprintf(
-      text, sizeof text, "simulated with steps of %.4g ms, %s%s; finer steps differ by %.2g times the noise, which %s",
+  const bool is_small = error < allowed, converges = is_small || error < CONVERGES * error_of_whole;
+  if (!converges) {
+    solver = as_given;
+    fitter.take_steps_as_they_are();
+  }
+  return fmt::format(
+      "simulated with steps of {:.4g} ms, {}, {}; finer steps differ by {:.2g} times the noise, {}",
       1e3 * solver.time_step, solver.integrator == bdf2 ? "BDF2" : "implicit Euler",
-      is_as_given ? ", as the scene says" : ", since the scene's own would be taken for an effect", error,
-      error < allowed ? "is corrected"
-                      : "is too much to be corrected: what depends on it, such as a hard impact, is not known");
-  return text;
+      is_as_given || !converges ? "as the scene says" : "since the scene's own would be taken for an effect", error,
+      is_small    ? "which is corrected"
+      : converges ? "which is too much to be corrected: what depends on it is not known"
+                  : "and do not come nearer to each other, as in hard impacts: the step is part of the scene's model");
 }
 
 }  // namespace pvg::diagnose
