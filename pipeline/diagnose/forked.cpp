@@ -1,20 +1,24 @@
 #include "pipeline/diagnose/forked.hpp"
 
+#include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <string>
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "pipeline/stop_signal.hpp"
 
 namespace pvg::diagnose {
 namespace {
 
+constexpr int LOOK_EVERY = 100;                 // at the signals [ms]
 enum class Outcome : char { returned, threw };  // the first byte that comes back
 
 void write_all(int file, const std::vector<char>& bytes) {
@@ -28,6 +32,9 @@ void write_all(int file, const std::vector<char>& bytes) {
 std::vector<char> read_all(int file) {
   std::vector<char> bytes, part(1 << 16);
   for (;;) {
+    pollfd waiting{file, POLLIN, 0};
+    while (poll(&waiting, 1, LOOK_EVERY) == 0)
+      if (stop_on_signals()) throw TryAgain("stopped while another process simulated; call again to continue");
     const ssize_t n = read(file, part.data(), part.size());
     if (n == 0 || (n < 0 && errno != EINTR)) return bytes;
     bytes.insert(bytes.end(), part.begin(), part.begin() + std::max<ssize_t>(n, 0));

@@ -17,7 +17,8 @@ class Forked {
   Forked(Forked&& other) noexcept;
   Forked& operator=(Forked&&) = delete;
 
-  // Waits for what the work returned. Throws a Failure with its reason if it threw, or if the process was ended.
+  // Waits for what the work returned. Throws a Failure with its reason if it threw, or if the process was ended, and
+  // TryAgain where the user stopped this one.
   std::vector<char> result();
 
  private:
