@@ -1,6 +1,7 @@
 """Reads what `phyvisgen pack` wrote with h5py, pyarrow and zarr, as the loaders of each format do, and compares it with the
 states files that it was made of. Arguments: episode set, folder with the packed sets lerobot, lerobot2, act, robomimic, zarr."""
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -28,16 +29,29 @@ class Source:
         with h5py.File(folder / "states.h5") as file:
             steps = file["frame_step"][:]
             names = [name.decode() for name in file["q"].attrs["names"]]
-            slides = [i for i, name in enumerate(names) if name.endswith("_slide")]
-            arm = [i for i in range(len(names)) if i not in slides]
-            following = np.append(steps[1:], steps[-1])
-            with_width = lambda rows: np.concatenate([rows[:, arm], rows[:, slides].sum(1, keepdims=True)], 1)
-            self.state = with_width(file["q"][:][steps])
-            self.action = with_width(file["a"][:][following])
             links = [name.decode() for name in file["T_link"].attrs["names"]]
-            base = file["T_link"][:][steps][:, links.index("gripper_base")]
-            self.tool = base[:, :, :3] @ [0, 0, 0.1166667] + base[:, :, 3]
-            self.tool_turn = base[:, :, :3]
+            bases = [i for i, name in enumerate(links) if name.split("/")[-1] == "gripper_base"]
+            robots = [links[i][: -len("gripper_base")] for i in bases]  # "" or "left/", "right/"
+            following = np.append(steps[1:], steps[-1])
+
+            def numbers(rows):  # of each robot its arm's joints and its gripper's width
+                columns = []
+                for robot in robots:
+                    own = [i for i, name in enumerate(names) if name.startswith(robot)]
+                    slides = [i for i in own if names[i].endswith("_slide")]
+                    columns += [rows[:, [i for i in own if i not in slides]], rows[:, slides].sum(1, keepdims=True)]
+                return np.concatenate(columns, 1)
+
+            self.state = numbers(file["q"][:][steps])
+            self.action = numbers(file["a"][:][following])
+            per_robot = self.state.shape[1] // len(robots)
+            self.width = [self.state[:, (i + 1) * per_robot - 1] for i in range(len(robots))]
+            base = [file["T_link"][:][steps][:, i] for i in bases]
+            centers = re.findall(r"tool_center:\s+position: \[(.*?)\]", file.attrs["configuration"].decode())  # of each robot
+            centers = [[float(x) for x in center.split(",")] for center in centers]
+            assert len(centers) == len(base)
+            self.tool = [b[:, :, :3] @ center + b[:, :, 3] for b, center in zip(base, centers)]
+            self.tool_turn = [b[:, :, :3] for b in base]
             self.rigid = {name.decode(): file["T_rigid"][:][steps][:, i]
                           for i, name in enumerate(file["T_rigid"].attrs["names"])}
             self.pose = {name: file["camera"][name]["T_world_camera"][:] for name in file["camera"]}
@@ -119,7 +133,8 @@ def check_robomimic(sources, root):
             near("actions", actions * scale + offset, source.action, 1e-9)
             near("next", demo["next_obs/robot0_joint_pos"][:-1], demo["obs/robot0_joint_pos"][1:])
             near("joints", demo["obs/robot0_joint_pos"], source.state, 1e-12)
-            near("hand", demo["obs/robot0_eef_pos"], source.tool, 1e-6)
+            for robot, tool in enumerate(source.tool):
+                near("hand", demo[f"obs/robot{robot}_eef_pos"], tool, 1e-6)
             assert demo["dones"][-1] == 1 and demo["dones"][()].sum() == 1
             for camera, size in source.summary["cameras"].items():
                 image = demo[f"obs/{camera}_image"]
@@ -138,15 +153,17 @@ def check_zarr(sources, root):
         data = zarr.open_group(store, mode="r")
         ends = data["meta/episode_ends"][:]
         near("ends", ends, np.cumsum([s.n for s in sources]))
-        near("position", data["data/robot0_eef_pos"][:], np.concatenate([s.tool for s in sources]), 1e-6)
-        near("width", data["data/robot0_gripper_width"][:, 0], np.concatenate([s.state[:, -1] for s in sources]), 1e-6)
-        turns = data["data/robot0_eef_rot_axis_angle"][:].astype(float)
-        for turn, expected in zip(turns, np.concatenate([s.tool_turn for s in sources])):
-            angle = np.linalg.norm(turn)
-            x, y, z = turn / max(angle, 1e-12)
-            cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-            near("turn", np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross, expected, 1e-4)
-        near("start", data["data/robot0_demo_start_pose"][ends[-1] - 1, :3], sources[-1].tool[0], 1e-6)
+        for robot in range(len(sources[0].tool)):
+            of = f"data/robot{robot}_"
+            near("position", data[of + "eef_pos"][:], np.concatenate([s.tool[robot] for s in sources]), 1e-6)
+            near("width", data[of + "gripper_width"][:, 0], np.concatenate([s.width[robot] for s in sources]), 1e-6)
+            turns = data[of + "eef_rot_axis_angle"][:].astype(float)
+            for turn, expected in zip(turns, np.concatenate([s.tool_turn[robot] for s in sources])):
+                angle = np.linalg.norm(turn)
+                x, y, z = turn / max(angle, 1e-12)
+                cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+                near("turn", np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross, expected, 1e-4)
+            near("start", data[of + "demo_start_pose"][ends[-1] - 1, :3], sources[-1].tool[robot][0], 1e-6)
         image = data["data/camera0_rgb"]
         assert image.shape == (ends[-1], 224, 224, 3) and image.chunks == (1, 224, 224, 3)
         assert image[int(ends[-1]) - 1].std() > 0

@@ -7,8 +7,13 @@
 namespace pvg::hdf5 {
 namespace {
 
-// the library's own print of its error stack would stand beside our one sentence
-void silence() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+// Before anything else of the library. Its own print of its error stack would stand beside our one sentence; and what
+// it does at the end of the program crashes where a file could not be written to its end. Files have owners that close
+// them.
+void prepare_library() {
+  H5dont_atexit();
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 template <auto close>
 Handle own(hid_t id) {
@@ -96,7 +101,7 @@ void File::fail(const std::string& what, const std::string& object) const {
 }
 
 File File::create(const std::filesystem::path& path) {
-  silence();
+  prepare_library();
   File file;
   file.path_ = path;
   const Handle access = own<H5Pclose>(H5Pcreate(H5P_FILE_ACCESS));
@@ -111,7 +116,7 @@ File File::create(const std::filesystem::path& path) {
 }
 
 File File::open(const std::filesystem::path& path) {
-  silence();
+  prepare_library();
   File file;
   file.path_ = path;
   file.handle_ = own<H5Fclose>(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));

@@ -2,8 +2,12 @@
 #include "host/io/hdf5.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -93,6 +97,28 @@ TEST(Hdf5, ErrorsNameFileAndObject) {
     }
   EXPECT_THROW(File::open("/no/such/file.h5"), UsageError);
   EXPECT_THROW(File::create("/no/such/folder/file.h5"), Failure);
+  std::filesystem::remove(path);
+}
+
+TEST(Hdf5, AFullDiskIsOneSentenceAndTheProgramEndsAsItWants) {
+  const auto path = std::filesystem::temp_directory_path() / "pvg_hdf5_full.h5";
+  const auto write_too_much = [&path] {
+    signal(SIGXFSZ, SIG_IGN);  // as on a full disk, writing fails
+    const rlimit most{64 << 10, 64 << 10};
+    setrlimit(RLIMIT_FSIZE, &most);
+    try {
+      File file = File::create(path);
+      Series<double> x(file, "/x", {1000});
+      for (int i = 0; i < 30; ++i) x.append(std::vector<double>(1000, i));
+      file.close();
+    } catch (const Failure& failure) {
+      std::fprintf(stderr, "%s", failure.what());
+      std::exit(1);
+    }
+    std::exit(0);
+  };
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // a process of its own: one that ends as this one would
+  EXPECT_EXIT(write_too_much(), testing::ExitedWithCode(1), "full.h5: HDF5 could not");
   std::filesystem::remove(path);
 }
 

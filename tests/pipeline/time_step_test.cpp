@@ -67,7 +67,7 @@ bodies:
   - {name: cube, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 0.4, pose: {position: [0, 0, 0.15], rotation: [0.6, 0.5, 0]}}
 )");
   std::string run = "t,x,y,z,qx,qy,qz,qw\n";  // as it falls; the impact is at 0.12 s
-  for (int i = 0; i < 25; ++i)
+  for (int i = 0; i < 40; ++i)
     run += std::to_string(0.01 * i) + ",0,0," + std::to_string(std::max(0.15 - 4.905e-4 * i * i, 0.05)) +
            ",0.286328,0.236358,-0.073112,0.925648\n";
   folder.write("a.csv", run);
