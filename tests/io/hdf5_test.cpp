@@ -108,8 +108,11 @@ TEST(Hdf5, AFullDiskIsOneSentenceAndTheProgramEndsAsItWants) {
     setrlimit(RLIMIT_FSIZE, &most);
     try {
       File file = File::create(path);
-      Series<double> x(file, "/x", {1000});
-      for (int i = 0; i < 30; ++i) x.append(std::vector<double>(1000, i));
+      std::vector<Series<double>> series;
+      for (const std::string name : {"/x", "/y", "/z"}) series.emplace_back(file, name, Shape{1000});
+      for (Series<double>& one : series)
+        for (int i = 0; i < 20; ++i) one.append(std::vector<double>(1000, i));
+      series.clear();
       file.close();
     } catch (const Failure& failure) {
       std::fprintf(stderr, "%s", failure.what());
