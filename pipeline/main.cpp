@@ -258,6 +258,7 @@ void add_diagnose(CLI::App& program, pvg::DiagnoseOptions& o) {
   command->add_flag("--json", o.as_json, "Print JSON");
   command->footer(
       "Examples:\n  phyvisgen diagnose recordings/pendulum -o out/pendulum\n"
+      "  phyvisgen diagnose recordings/pendulum -o out/pendulum --jobs 1\n"
       "  phyvisgen diagnose recordings/pendulum --check\n  phyvisgen diagnose --list-effects --json\n"
       "  phyvisgen diagnose --suite data/hidden -o out/hidden --jobs 2");
 }

@@ -1,6 +1,5 @@
-// Work in a process of its own, forked from this one. The driver PoCL cannot be called by two threads at once (its
-// cache of compiled kernels is not guarded), but a process that has only one thread in the driver can be forked with
-// it.
+// Work in a process of its own, forked from this one. Threads with a device `basic` each end PoCL 3.1 (an assertion in
+// its cache of compiled kernels), but a process that has only one thread in the driver can be forked with it.
 #pragma once
 #include <sys/types.h>
 

@@ -16,12 +16,6 @@ std::vector<char> bytes_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-template <class T>
-void put(std::vector<char>& bytes, const T& value) {
-  const char* first = reinterpret_cast<const char*>(&value);
-  bytes.insert(bytes.end(), first, first + sizeof value);
-}
-
 }  // namespace
 
 std::uint64_t hash_of(std::span<const char> bytes, std::uint64_t so_far) {

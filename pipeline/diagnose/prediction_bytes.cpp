@@ -6,13 +6,6 @@
 namespace pvg::diagnose {
 namespace {
 
-template <class T>
-void put(std::vector<char>& bytes, const T& value) {
-  const std::size_t at = bytes.size();
-  bytes.resize(at + sizeof value);
-  std::memcpy(bytes.data() + at, &value, sizeof value);
-}
-
 // Takes values one after the other; once the bytes end, nothing more is taken.
 struct Reader {
   std::span<const char> bytes;

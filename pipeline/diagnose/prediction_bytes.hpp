@@ -1,6 +1,7 @@
 // Predictions as bytes, for files and pipes of this program on this machine.
 #pragma once
 #include <cstddef>
+#include <cstring>
 #include <optional>
 #include <span>
 #include <vector>
@@ -8,6 +9,14 @@
 #include "pipeline/diagnose/rollout.hpp"
 
 namespace pvg::diagnose {
+
+// Appends the bytes of one value.
+template <class T>
+void put(std::vector<char>& bytes, const T& value) {
+  const std::size_t at = bytes.size();
+  bytes.resize(at + sizeof value);
+  std::memcpy(bytes.data() + at, &value, sizeof value);
+}
 
 std::vector<char> packed(std::span<const Prediction> predictions);
 

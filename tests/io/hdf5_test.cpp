@@ -101,6 +101,7 @@ TEST(Hdf5, ErrorsNameFileAndObject) {
 }
 
 TEST(Hdf5, AFullDiskIsOneSentenceAndTheProgramEndsAsItWants) {
+  // the same in the process that is started anew below
   const auto path = std::filesystem::temp_directory_path() / "pvg_hdf5_full.h5";
   const auto write_too_much = [&path] {
     signal(SIGXFSZ, SIG_IGN);  // as on a full disk, writing fails

@@ -38,12 +38,6 @@ channels:
   return make_problem(folder.path / "recording.yaml");
 }
 
-// A process that has used another of PoCL's devices keeps it: then these tests are told apart by ctest alone, which
-// runs each in a process of its own.
-#define SKIP_UNLESS_IN_THIS_THREAD(device)        \
-  if (!(device).info().name.starts_with("basic")) \
-  GTEST_SKIP() << "needs POCL_DEVICES=basic, not " << (device).info().name
-
 // One answer for each of `n` strengths of gravity.
 std::vector<Prediction> predict(Device& device, const Problem& problem, int n, std::size_t n_processes) {
   Predictor predictor(device, problem, n_processes);
@@ -63,7 +57,8 @@ TEST(Rollout, SeveralProcessesFindTheSameBitsAsOne) {
   const Problem problem = thrown_block(folder);
   setenv("POCL_DEVICES", "basic", 1);
   Device device;
-  SKIP_UNLESS_IN_THIS_THREAD(device);
+  // a process that has used another of PoCL's devices before keeps it; ctest runs each test in one of its own
+  if (!device.info().name.starts_with("basic")) GTEST_SKIP() << "needs POCL_DEVICES=basic, not " << device.info().name;
   for (const int n : {1, 2, 7}) {
     const std::vector<Prediction> one = predict(device, problem, n, 1), three = predict(device, problem, n, 3);
     ASSERT_EQ(one.size(), std::size_t(n));
