@@ -89,6 +89,7 @@ void run_diagnose(const DiagnoseOptions& options) {
   Device device(options.device);
   diagnose::Settings settings;
   settings.max_effects = options.max_effects;
+  settings.minutes = options.minutes;
   settings.decide = decide_named(options.decide);
   settings.n_processes = n_processes(options, device.info());
   diagnose::Diagnosis found = diagnose::diagnose(device, problem, settings, options.folder);

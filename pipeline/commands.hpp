@@ -161,6 +161,7 @@ struct DiagnoseOptions {
   std::string recording, folder;  // folder of recording.yaml, folder of the report
   std::string device;
   int max_effects = 2;              // named together
+  double minutes = 10;              // after which nothing further is looked for
   std::string decide = "workflow";  // or, to compare: retune, lowest, weak
   bool only_checks = false;         // say what is wrong with the recording and end
   bool lists_effects = false;       // print the names of all candidates and end

@@ -240,6 +240,11 @@ void add_diagnose(CLI::App& program, pvg::DiagnoseOptions& o) {
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
   command
+      ->add_option("--minutes", o.minutes,
+                   "After so many nothing further is looked for: what was found till then is proved and reported")
+      ->check(CLI::Range(0.0, 1e4))
+      ->capture_default_str();
+  command
       ->add_option(
           "--decide", o.decide,
           "How to choose; all but `workflow` are for comparison: the best existing number, the lowest training "

@@ -9,6 +9,7 @@ namespace pvg {
 namespace {
 
 constexpr double WORTH_A_THREAD = 3e5;  // operations; to wake one takes as long
+constexpr double OF_A_CONTACT = 2e3;    // operations, about, to add one
 
 // to += weight x the 3 x 3 block of a row-major element block
 void add(double* to, const double* from, std::size_t width, double weight) {
@@ -16,15 +17,26 @@ void add(double* to, const double* from, std::size_t width, double weight) {
     for (std::size_t c = 0; c < 3; ++c) to[3 * r + c] += weight * from[r * width + c];
 }
 
+bool is_zero(const double* block, std::size_t width) {
+  for (std::size_t r = 0; r < 3; ++r)
+    for (std::size_t c = 0; c < 3; ++c)
+      if (block[r * width + c] != 0) return false;
+  return true;
+}
+
 }  // namespace
 
-// Calls found(row node, column node, row site slot, column site slot, weight) for every pair of nodes of one element
-// that lie in one group with row >= column.
+// Calls found(row node, column node, 3 x 3 block of the element's, weight) for every pair of nodes of one element that
+// lie in one group with row >= column. block: of an element, [3 stencil x 3 stencil]; what is zero is left out, as
+// where a contact has fewer sites than its stencil
 template <class Found>
-void GroupPreconditioner::for_each_block(std::span<const u32> element_sites, std::size_t stencil,
+void GroupPreconditioner::for_each_block(std::span<const u32> element_sites, std::span<const double> block,
                                          const Found& found) const {
+  const std::size_t stencil = element_sites.size(), width = 3 * stencil;
   for (std::size_t a = 0; a < stencil; ++a)
     for (std::size_t b = 0; b < stencil; ++b) {
+      const double* from = &block[3 * a * width + 3 * b];
+      if (is_zero(from, width)) continue;
       const Site &row_site = sites_[element_sites[a]], &column_site = sites_[element_sites[b]];
       for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j) {
@@ -32,7 +44,7 @@ void GroupPreconditioner::for_each_block(std::span<const u32> element_sites, std
           if (weight == 0) continue;
           const u32 row = row_site.node[i], column = column_site.node[j];
           if (node_group_[row] == NO_GROUP || node_group_[row] != node_group_[column]) continue;
-          if (node_local_[row] >= node_local_[column]) found(row, column, a, b, weight);
+          if (node_local_[row] >= node_local_[column]) found(row, column, from, weight);
         }
     }
 }
@@ -179,12 +191,11 @@ void GroupPreconditioner::add_contacts(const Term& contacts) {
   const std::size_t stencil = contacts.stencil(), width = 3 * stencil;
   const std::span<const u32> sites = contacts.sites();
   const auto add_contact = [&](std::size_t e) {
-    for_each_block(sites.subspan(e * stencil, stencil), stencil,
-                   [&](u32 row, u32 column, std::size_t a, std::size_t b, double weight) {
+    for_each_block(sites.subspan(e * stencil, stencil), std::span(blocks).subspan(e * width * width, width * width),
+                   [&](u32 row, u32 column, const double* from, double weight) {
                      Group& group = groups_[node_group_[row]];
                      if (!group.is_active) return;
                      const u32 block = find_block(group, node_local_[row], node_local_[column]);
-                     const double* from = &blocks[e * width * width + 3 * a * width + 3 * b];
                      if (block != NO_BLOCK)
                        add(&group.blocks[9 * std::size_t(block)], from, width, weight);
                      else
@@ -193,9 +204,13 @@ void GroupPreconditioner::add_contacts(const Term& contacts) {
   };
   const std::vector<u32>& first = contacts.world_first();
   if (first.empty()) return;
-  workers_->run(first.size() - 1, [&](std::size_t world) {
+  const auto add_world = [&](std::size_t world) {
     for (std::size_t e = first[world]; e < first[world + 1]; ++e) add_contact(e);
-  });
+  };
+  if (OF_A_CONTACT * first.back() > WORTH_A_THREAD)
+    workers_->run(first.size() - 1, add_world);
+  else
+    for (std::size_t world = 0; world + 1 < first.size(); ++world) add_world(world);
 }
 
 // Contact may couple nodes that nothing else couples. Such a block C is left to conjugate gradients; without it the

@@ -56,7 +56,7 @@ class GroupPreconditioner {
     mutable std::vector<double> local;  // of apply() [n_nodes x 3]
   };
   template <class Found>
-  void for_each_block(std::span<const u32> element_sites, std::size_t stencil, const Found& found) const;
+  void for_each_block(std::span<const u32> element_sites, std::span<const double> block, const Found& found) const;
   std::vector<std::vector<u32>> join(std::span<const NodePair> pairs) const;
   void find_pattern(Group& group) const;
   std::optional<NodeOrder> order_of(const Group& group) const;

@@ -34,6 +34,14 @@ int index_of_cloth(Section& section, const std::vector<ClothSection>& cloths) {
   section.fail("cloth", "names `" + name + "`, which `cloths` does not hold");
 }
 
+// [kg m^2]; of a real body no moment exceeds the sum of the other two
+Mat3 read_inertia(Section& section) {
+  const Vec3 moments = section.vector("inertia", Unit::inertia, 1e-15, 1e9);
+  if (2 * moments.maxCoeff() > moments.sum() * (1 + 1e-9))
+    section.fail("inertia", "has a moment above the sum of the two others, which no body can have");
+  return moments.asDiagonal();
+}
+
 void set_mass(Section& section, RigidBody& body) {
   if (body.is_fixed) {  // nothing moves it
     body.mass = body.volume = 1;
@@ -50,6 +58,7 @@ void set_mass(Section& section, RigidBody& body) {
   body.volume = properties.volume;
   body.center_of_mass = properties.center;
   body.inertia = properties.inertia;
+  if (section.has("inertia")) body.inertia = read_inertia(section);
 }
 
 RigidBody read_rigid(Section& section, const std::string& name, bool is_fixed) {

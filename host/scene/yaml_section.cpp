@@ -32,6 +32,7 @@ const std::vector<NamedUnit>& units_of(Unit unit) {
       {Unit::force, {{"N", 1}, {"mN", 1e-3}, {"kN", 1e3}}},
       {Unit::torque, {{"N m", 1}, {"mN m", 1e-3}}},
       {Unit::pressure, {{"Pa", 1}, {"kPa", 1e3}, {"MPa", 1e6}, {"GPa", 1e9}}},
+      {Unit::inertia, {{"kg m^2", 1}, {"g cm^2", 1e-7}}},
       {Unit::density, {{"kg/m^3", 1}, {"g/cm^3", 1e3}}},
       {Unit::area_density, {{"kg/m^2", 1}, {"g/m^2", 1e-3}}},
       {Unit::volume, {{"m^3", 1}, {"cm^3", 1e-6}, {"mm^3", 1e-9}}},

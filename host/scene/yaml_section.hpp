@@ -21,6 +21,7 @@ enum class Unit {
   length,             // m
   angle,              // rad
   mass,               // kg
+  inertia,            // kg m^2
   time,               // s
   frequency,          // Hz
   speed,              // m/s

@@ -101,6 +101,20 @@ bool set_number(YAML::Node root, const std::string& kind, const std::string& tar
   return false;
 }
 
+// false: the file does not say this body, or three moments along its axes do not say all
+bool set_inertia(YAML::Node root, const Scene& scene, const std::string& target) {
+  YAML::Node body = named(root["bodies"], target);
+  if (!body.IsDefined() || !body.IsMap()) return false;
+  for (const RigidBody& rigid : scene.rigid_bodies) {
+    if (rigid.name != target) continue;
+    const Vec3 moments = rigid.inertia.diagonal();
+    if (!rigid.inertia.isApprox(Mat3(moments.asDiagonal()), 1e-9)) return false;
+    body["inertia"] = std::vector<double>(moments.begin(), moments.end());
+    return true;
+  }
+  return false;
+}
+
 YAML::Node node_of(const Effect& added) {
   YAML::Node node;
   node["effect"] = added.name;
@@ -143,7 +157,12 @@ std::string amended_scene(const Problem& problem, const Diagnosis& diagnosis, co
       root["effects"].push_back(node_of(variant.scene.effects.back()));
     } else if (candidate.family == Family::parameter) {
       const double value = effect.parameters[0].value;
-      if (!set_number(root, candidate.name, candidate.target, value, value / candidate.parameters[0].off))
+      Variant variant{diagnosis.used, {}};
+      candidate.apply(variant, std::span(&value, 1));
+      const bool is_set = candidate.name == "retune_inertia" ? set_inertia(root, variant.scene, candidate.target)
+                                                             : set_number(root, candidate.name, candidate.target, value,
+                                                                          value / candidate.parameters[0].off);
+      if (!is_set)
         head += "# to set by hand, where the scene's files say it: " + candidate.label() + " = " + shown(value) + "\n";
     } else {
       head += "# the measurement: " + candidate.label();

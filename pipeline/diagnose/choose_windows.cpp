@@ -9,6 +9,7 @@ namespace pvg::diagnose {
 namespace {
 
 constexpr double COHERENT = 0.35;    // misfit over signal up to which a window's model is near enough to be linearised
+constexpr double HOPELESS = 2;       // times that: better starts will not help
 constexpr double LONGEST_WHOLE = 8;  // of a run that is one window [s]
 
 double longest_run(const Problem& problem) {
@@ -37,11 +38,22 @@ double signal_of(const Problem& problem, const Window& window) {
   return n > 0 ? std::sqrt(sum / n) : 0;
 }
 
-bool is_coherent(const Problem& problem, const FitData& data, const Fit& fit) {
+// times: of the bound
+bool is_coherent(const Problem& problem, const FitData& data, const Fit& fit, double times = 1) {
   std::size_t n_near = 0;
   for (std::size_t w = 0; w < data.windows.size(); ++w)
-    n_near += rms({fit.residual[w]}) < std::max(COHERENT * signal_of(problem, data.windows[w]), 3.0);
+    n_near += rms({fit.residual[w]}) < times * std::max(COHERENT * signal_of(problem, data.windows[w]), 3.0);
   return 4 * n_near >= 3 * data.windows.size();
+}
+
+// A fit of the starts alone, with what a base of candidates needs.
+Fit of_no_effect(const FitData& data, Fit fit) {
+  fit.slope.assign(data.windows.size(), {});
+  for (std::size_t w = 0; w < fit.slope.size(); ++w) fit.slope[w].resize(fit.residual[w].size(), 0);
+  fit.scale = robust_scale(fit.residual);
+  fit.window_scale.clear();
+  fit.cost = robust_cost(fit.residual, fit.scale);
+  return fit;
 }
 
 }  // namespace
@@ -52,13 +64,7 @@ std::size_t most_windows(const Problem& problem, double simulated_seconds, doubl
 }
 
 Fit fit_as_it_stands(Fitter& fitter, const FitData& data) {
-  Fit fit = fitter.fit(data, {Model{}}, 0).front();
-  fit.slope.assign(data.windows.size(), {});
-  for (std::size_t w = 0; w < fit.slope.size(); ++w) fit.slope[w].resize(fit.residual[w].size(), 0);
-  fit.scale = robust_scale(fit.residual);
-  fit.window_scale.clear();
-  fit.cost = robust_cost(fit.residual, fit.scale);
-  return fit;
+  return of_no_effect(data, fitter.fit(data, {Model{}}, 0).front());
 }
 
 FitData first_part(const Problem& problem, const FitData& data, double share) {
@@ -81,15 +87,22 @@ ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simu
   const Model as_it_stands{{}, Eigen::VectorXd(), Eigen::VectorXd()};
   const double longest = longest_run(problem);
   ChosenWindows chosen;
-  const std::vector<double> lengths =
-      problem.can_restart ? std::vector<double>{0, 2, 1, 0.5, 0.25} : std::vector<double>{0};
+  std::vector<double> lengths = {0};
+  if (problem.can_restart) {
+    lengths = {0, 2, 1, 0.5, 0.25};
+    std::erase_if(lengths,
+                  [&](double length) { return length > 0.8 * longest || (length == 0 && longest > LONGEST_WHOLE); });
+  }
   for (const double length : lengths) {
-    if (length > 0.8 * longest) continue;
-    if (length == 0 && longest > LONGEST_WHOLE && problem.can_restart) continue;
-    FitData data = fitter.prepare_near(
+    FitData data = fitter.prepare(
         make_windows(problem, false, length, most_windows(problem, simulated_seconds, length)), as_it_stands);
     if (data.windows.empty()) continue;
-    Fit base = fit_as_it_stands(fitter, data);
+    Fit base = of_no_effect(data, fitter.fit(data, {as_it_stands}, 0).front());
+    chosen = {length, std::move(data), std::move(base)};
+    if (length != lengths.back() && !is_coherent(problem, chosen.data, chosen.base, HOPELESS)) continue;
+    data = fitter.prepared_nearer(chosen.data, chosen.base);
+    if (data.windows.empty()) continue;
+    base = fit_as_it_stands(fitter, data);
     chosen = {length, std::move(data), std::move(base)};
     if (is_coherent(problem, chosen.data, chosen.base)) break;
   }

@@ -1,5 +1,7 @@
 #include "pipeline/diagnose/diagnosis.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -27,8 +29,8 @@ bool any_significant(const std::vector<Cell>& cells) {
   return std::any_of(cells.begin(), cells.end(), [](const Cell& cell) { return cell.is_significant; });
 }
 
-// Where, and which bodies touch. What is too weak to show in short windows is looked for in `data`.
-std::vector<std::string> find_where(Workflow& flow, const FitData& data, const Fit& base) {
+// Where, and which bodies touch. What is too weak to show in short windows is looked for in those of the fit.
+std::vector<std::string> find_where(Workflow& flow, const ChosenWindows& chosen) {
   std::set<std::string> touching;
   const auto where = [&](const FitData& windows, const Fit& fit) {
     std::vector<std::vector<Phase>> phases;
@@ -39,8 +41,8 @@ std::vector<std::string> find_where(Workflow& flow, const FitData& data, const F
     }
     return localise(flow.problem, windows.windows, fit.residual, phases);
   };
-  flow.out.where = where(data, base);
-  if (flow.problem.can_restart) {
+  flow.out.where = where(chosen.data, chosen.base);
+  if (flow.problem.can_restart && chosen.length != SHORT_WINDOW) {
     const FitData near = flow.fitter.prepare(make_windows(flow.problem, false, SHORT_WINDOW, 40), empty_model());
     if (!near.windows.empty()) {
       const std::vector<Cell> cells = where(near, flow.fitter.fit(near, {empty_model()}, 0).front());
@@ -174,7 +176,7 @@ ChosenWindows find_residual(Workflow& flow) {
 
 void locate(Workflow& flow, const ChosenWindows& chosen) {
   Diagnosis& out = flow.out;
-  const std::vector<std::string> touching = find_where(flow, chosen.data, chosen.base);
+  const std::vector<std::string> touching = find_where(flow, chosen);
   flow.files.write_where(out.where);
   out.candidates = std::make_shared<std::vector<Candidate>>(make_candidates(flow.problem, touching));
   place_limits(flow.fitter, chosen.data, chosen.base, *out.candidates);
@@ -192,6 +194,13 @@ void Workflow::tell(int stage, double share, const std::string& text) const {
                share > 0.02 && share < 1
                    ? (", about " + std::to_string(int(since * (1 - share) / share) + 1) + " s left").c_str()
                    : "");
+}
+
+bool Workflow::has_time(const std::string& something) {
+  if (seconds() < 60 * settings.minutes) return true;
+  out.notes.push_back(fmt::format("{} was not looked for: the first {:g} min were over; `--minutes` gives it more",
+                                  something, settings.minutes));
+  return false;
 }
 
 const char* verdict_name(Verdict verdict) {
@@ -226,7 +235,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     if (settings.decide == Decide::workflow)
       is_proved = is_proved && is_judged && out.gap_closed >= LEAST_GAP_CLOSED && out.after < out.before;
     out.verdict = is_proved ? verdict_of(out.effects) : Verdict::none;
-    if (out.verdict == Verdict::none && settings.decide == Decide::workflow) {
+    if (out.verdict == Verdict::none && settings.decide == Decide::workflow && flow.has_time("a law without a name")) {
       flow.tell(6, 0.6, "none of the known effects: looking for a law of the motion");
       out.regressed = regress(flow, chosen);
     }

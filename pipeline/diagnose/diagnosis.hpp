@@ -20,6 +20,7 @@ enum class Decide { workflow, retune, lowest, weak };
 struct Settings {
   Decide decide = Decide::workflow;
   int max_effects = 2;
+  double minutes = 10;            // after which no further effect, pair or law is looked for
   std::size_t n_fitted = 9;       // candidates that are fitted, of those screened
   double simulated_seconds = 12;  // of all windows of one evaluation, about
   std::size_t n_processes = 1;    // that simulate, as Predictor has them

@@ -65,6 +65,8 @@ class Fitter {
   // The same about the starts that fit best there, not those that were measured: what rests on something answers to
   // its start by kinks.
   FitData prepare_near(std::vector<Window> windows, const Model& at);
+  // Likewise, of what was prepared already, about the starts of a fit of them.
+  FitData prepared_nearer(FitData data, const Fit& fit);
   // Each model from where it is, starts fitted too, to the end. n_steps 0: only the starts are fitted.
   std::vector<Fit> fit(const FitData& data, std::vector<Model> models, int n_steps);
   // The same in parts: where the models are; at most n_steps from there, of those that have not converged; slopes and

@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::VectorXd;
 constexpr double LEAST_STEP =
-    0.3;  // of what is left on fitting runs, for a further effect to be tried on held-out ones
+    0.2;  // of what is left on fitting runs, for a further effect to be tried on held-out ones
 constexpr double SECOND_LOOK = 1.5;        // times the noise floor: look for another effect
 constexpr std::size_t N_FINALISTS = 5;     // candidates that are fitted to the end
 constexpr int MORE_STEPS = 10;             // of these
@@ -158,6 +158,7 @@ std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base) {
   // one round more than effects, for one that took another's place
   for (int number = 1; number <= flow.settings.max_effects + (flow.settings.max_effects > 1); ++number) {
     if (int(named.model.parts.size()) >= flow.settings.max_effects) break;
+    if (number > 1 && !flow.has_time("an effect beside " + named.model.parts.back()->label())) return grown;
     const Round round = run_round(flow, data, named, number);
     flow.files.write_fits(std::to_string(number), round.decision);
     const Decision& decision = round.decision;
@@ -205,6 +206,7 @@ std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base) {
   }
   const bool is_explained = !grown.empty() && rms(named.residual) < SECOND_LOOK;
   if (is_explained || flow.settings.max_effects < 2 || flow.settings.decide != Decide::workflow) return grown;
+  if (!flow.has_time("a pair of effects")) return grown;
   if (const std::optional<Fit> pair = find_pair(flow, data, base, SECOND_LOOK)) {
     grown = {settled(flow, data, *pair)};
     out.fit_after = rms(grown.back().residual);

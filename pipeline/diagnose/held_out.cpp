@@ -7,7 +7,7 @@ namespace pvg::diagnose {
 namespace {
 
 using Eigen::VectorXd;
-constexpr double LEAST_GAP_OF_SECOND = 0.3;  // of what is left, for a further effect to stay
+constexpr double LEAST_GAP_OF_SECOND = 0.2;  // of what is left, for a further effect to stay
 constexpr double DISTURBED = 5;              // times the median window's error
 constexpr double MOST_DISTURBED = 0.1;       // of all windows: where more are wrong, the model is
 constexpr double HALVED = 0.5;               // by a model, of the error before: it explains something there

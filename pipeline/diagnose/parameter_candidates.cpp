@@ -9,7 +9,8 @@
 namespace pvg::diagnose {
 namespace {
 
-constexpr double GRAVITY_BELIEVED = 0.2;  // [m/s^2]
+constexpr double GRAVITY_BELIEVED = 0.2;   // [m/s^2]
+constexpr double INERTIA_BELIEVED = 0.15;  // of the scene's: shape and mass mostly tell it
 
 struct Place {
   std::string target;
@@ -36,6 +37,19 @@ std::vector<Place> masses(const Scene& scene, const std::vector<std::string>&) {
     if (may_move(scene.rigid_bodies[b]))
       places.push_back({scene.rigid_bodies[b].name, scene.rigid_bodies[b].mass,
                         [b](Scene& s, double value) { scale_mass(s.rigid_bodies[b], value); }});
+  return places;
+}
+
+// the mean of the three moments stands for all, which keep their ratios
+std::vector<Place> inertias(const Scene& scene, const std::vector<std::string>&) {
+  std::vector<Place> places;
+  for (std::size_t b = 0; b < scene.rigid_bodies.size(); ++b)
+    if (may_move(scene.rigid_bodies[b]))
+      places.push_back(
+          {scene.rigid_bodies[b].name, scene.rigid_bodies[b].inertia.trace() / 3, [b](Scene& s, double value) {
+             Mat3& inertia = s.rigid_bodies[b].inertia;
+             inertia *= value / (inertia.trace() / 3);
+           }});
   return places;
 }
 
@@ -122,6 +136,8 @@ std::vector<Place> contact_stiffnesses(const Scene& scene, const std::vector<std
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> KINDS = {
       {"retune_mass", "kg", "the body's mass is not what the scene says, its inertia with it", 0.2, 5, masses},
+      {"retune_inertia", "kg m^2", "the body's mean moment of inertia is not what the scene says, its mass is", 0.3, 3,
+       inertias},
       {"retune_gravity", "m/s^2", "gravity is not as strong as the scene says", 0.9, 1.1, gravities},
       {"retune_youngs_modulus", "Pa", "the material is softer or stiffer than the scene says", 0.05, 20,
        solid_numbers<&SolidMaterial::youngs_modulus>},
@@ -182,6 +198,7 @@ void add_parameters(const Problem& problem, const std::vector<std::string>& touc
       candidate.parameters = {
           {"value", unit, kind.low * place.value, kind.high * place.value, place.value, 0.1 * place.value}};
       if (kind.places == gravities) candidate.parameters[0].believed = GRAVITY_BELIEVED;
+      if (kind.places == inertias) candidate.parameters[0].believed = INERTIA_BELIEVED * place.value;
       candidate.apply = [set = place.set](Variant& variant, std::span<const double> values) {
         set(variant.scene, values[0]);
       };

@@ -86,7 +86,11 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corre
 FitData Fitter::prepare_near(std::vector<Window> windows, const Model& at) {
   FitData data = prepare(std::move(windows), at);
   if (data.windows.empty()) return data;
-  const Fit fit = this->fit(data, {at}, 0).front();
+  const Fit starts = fit(data, {at}, 0).front();
+  return prepared_nearer(std::move(data), starts);
+}
+
+FitData Fitter::prepared_nearer(FitData data, const Fit& fit) {
   if (!fit.is_well || rms(fit.residual) < NEAR_NOISE) return data;
   for (std::size_t w = 0; w < data.windows.size(); ++w)
     for (std::size_t k = 0; k < data.windows[w].unknowns.size(); ++k) {
@@ -94,7 +98,7 @@ FitData Fitter::prepare_near(std::vector<Window> windows, const Model& at) {
       const double by = std::clamp(fit.delta[w][Eigen::Index(k)], -MOST_SHIFT, MOST_SHIFT);
       move(data.windows[w].initial, unknown, by * unknown.sigma);
     }
-  return prepare(std::move(data.windows), at);
+  return prepare(std::move(data.windows), data.at);
 }
 
 }  // namespace pvg::diagnose

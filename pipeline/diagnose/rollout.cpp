@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "host/physics/simulation.hpp"
 #include "pipeline/diagnose/forked.hpp"
@@ -85,8 +86,12 @@ std::vector<Prediction> Predictor::predict(std::span<const Job> jobs) {
   std::vector<std::size_t> order(jobs.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   const double h = jobs.empty() ? 1 : jobs[0].variant->scene.solver.time_step;
+  // A batch waits in each step for the world that finds it hardest: those of one window have their impacts together.
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return steps_of(*jobs[a].window, h) > steps_of(*jobs[b].window, h);
+    const auto key = [&](const Window& window) {
+      return std::tuple(-double(steps_of(window, h)), window.run, window.start);
+    };
+    return key(*jobs[a].window) < key(*jobs[b].window);
   });
   const std::size_t per_batch =
       std::clamp<std::size_t>(MOST_NODES / std::max<std::size_t>(1, n_nodes(problem_.scene.scene)), 1, MOST_WORLDS);

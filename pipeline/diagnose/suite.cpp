@@ -24,9 +24,10 @@ namespace fs = std::filesystem;
 // This program on one case; its messages go to `log`. Returns its exit code.
 int diagnose_case(const fs::path& recording, const fs::path& folder, const DiagnoseOptions& options) {
   const std::string program = fs::read_symlink("/proc/self/exe").string(), log = (folder / "log.txt").string();
-  const std::string effects = std::to_string(options.max_effects);
-  std::vector<std::string> words = {program,         "diagnose", recording.string(), "-o",          folder.string(),
-                                    "--max-effects", effects,    "--decide",         options.decide};
+  const std::string effects = std::to_string(options.max_effects), minutes = std::to_string(options.minutes);
+  std::vector<std::string> words = {program,         "diagnose", recording.string(), "-o",           folder.string(),
+                                    "--max-effects", effects,    "--decide",         options.decide, "--minutes",
+                                    minutes};
   if (options.n_jobs > 1) words.insert(words.end(), {"--jobs", "1"});
   if (!options.device.empty()) words.insert(words.end(), {"--device", options.device});
   std::vector<char*> arguments;

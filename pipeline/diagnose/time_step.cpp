@@ -19,7 +19,7 @@ constexpr double QUIET = 0.1;                // rms of a column beside the one t
 constexpr int MOST_HALVINGS = 1;
 
 constexpr int MOST_REFINEMENTS = 2;
-constexpr double CONVERGES = 0.5;  // of the step's error after as many halvings; of second order it is a sixteenth
+constexpr double CONVERGES = 0.6;  // of the step's error, after each halving; of first order it is a half
 
 struct Choice {
   SolverSettings::Integrator integrator;
@@ -56,6 +56,18 @@ double apart(const FitData& data, const std::vector<Prediction>& a, const std::v
   return n > 0 ? std::sqrt(sum / n) : INFINITY;
 }
 
+// Median over the windows of what is left of the residuals beside what other starts take up, rms [noise].
+double misfit(const FitData& data, const std::vector<Prediction>& predictions) {
+  std::vector<double> of_window;
+  for (std::size_t w = 0; w < predictions.size(); ++w)
+    of_window.push_back(predictions[w].is_well ? rms({beside_starts(data.of_start[w], predictions[w].residual)})
+                                               : INFINITY);
+  if (of_window.empty()) return INFINITY;
+  const auto middle = of_window.begin() + std::ptrdiff_t(of_window.size() / 2);
+  std::nth_element(of_window.begin(), middle, of_window.end());
+  return *middle;
+}
+
 }  // namespace
 
 std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem& problem, Variant& base) {
@@ -87,24 +99,29 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
     solver.integrator = bdf2;
     if (!was_bdf2) error = richardson_factor(base.scene) * apart(data, predict({bdf2, h}), fine);
   }
-  const double error_of_whole = error;
-  for (int halving = 0; error >= allowed && halving < MOST_REFINEMENTS; ++halving) {
+  const double misfit_as_given = misfit(data, coarse);
+  bool converges = true;
+  for (int halving = 0; error >= allowed && converges && halving < MOST_REFINEMENTS; ++halving) {
+    const double before = error;
     solver.time_step /= 2;
     coarse = std::move(fine);
     fine = predict({bdf2, solver.time_step / 2});
     error = richardson_factor(base.scene) * apart(data, coarse, fine);
+    converges = error < std::max(allowed, CONVERGES * before);
   }
-  const bool is_small = error < allowed, converges = is_small || error < CONVERGES * error_of_whole;
-  if (!converges) {
+  const bool is_small = error < allowed, is_nearer = misfit(data, fine) < misfit_as_given;
+  const bool keeps_as_given = !is_small && !(converges && is_nearer);
+  if (keeps_as_given) {
     solver = as_given;
     fitter.take_steps_as_they_are();
   }
   return fmt::format(
       "simulated with steps of {:.4g} ms, {}, {}; finer steps differ by {:.2g} times the noise, {}",
       1e3 * solver.time_step, solver.integrator == bdf2 ? "BDF2" : "implicit Euler",
-      is_as_given || !converges ? "as the scene says" : "since the scene's own would be taken for an effect", error,
-      is_small    ? "which is corrected"
-      : converges ? "which is too much to be corrected: what depends on it is not known"
+      is_as_given || keeps_as_given ? "as the scene says" : "since the scene's own would be taken for an effect", error,
+      is_small          ? "which is corrected"
+      : !keeps_as_given ? "which is too much to be corrected: what depends on it is not known"
+      : converges       ? "and are farther from what was measured: the step is part of the scene's model"
                   : "and do not come nearer to each other, as in hard impacts: the step is part of the scene's model");
 }
 

@@ -21,7 +21,8 @@ duration: 1 s
 contact: {activation_distance: 0.5 mm, stiffness: 1 MPa, friction_velocity: 1e-3}
 bodies:
   - {name: table, kind: half_space, normal: [0, 0, 1], point: [0, 0, -1.7 mm]}
-  - {name: cube, kind: rigid, shape: {box: {size: [0.1048, 0.1048, 0.1048]}}, mass: 0.37, pose: {position: [0, 0, 1]}}
+  - {name: cube, kind: rigid, shape: {box: {size: [0.1048, 0.1048, 0.1048]}}, mass: 0.37,
+     inertia: [8.1e-4, 8.1e-4, 8.1e-4], pose: {position: [0, 0, 1]}}
 pair_friction:
   - {first: table, second: cube, coefficient: 0.18}
 """

@@ -10,13 +10,15 @@ namespace pvg::diagnose {
 namespace {
 
 // A hinge whose angle is measured, beside a strip of cloth.
-std::filesystem::path recording(const TestFolder& folder) {
+std::filesystem::path recording(const TestFolder& folder, const std::string& mass = "mass: 2") {
   folder.write("scene.yaml", R"(schema: 1
 name: two
 time_step: 5 ms
 bodies:
   - {name: base, kind: static, shape: {box: {size: [0.1, 0.1, 0.1]}}, collides: false}
-  - {name: arm, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 2, pose: {position: [0.3, 0, 0]}, collides: false}
+  - {name: arm, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, )" +
+                                 mass +
+                                 R"(, pose: {position: [0.3, 0, 0]}, collides: false}
 joints:
   - {name: hinge, type: revolute, parent: base, child: arm, axis: [0, 0, 1]}
 cloths:
@@ -77,6 +79,23 @@ TEST(AmendedScene, ScalesBothStiffnessesOfAClothByWhatItsWarpShallHave) {
   EXPECT_DOUBLE_EQ(amended.cloths.at(0).material.bending_warp, 6e-5);
   EXPECT_DOUBLE_EQ(amended.cloths.at(0).material.bending_weft, 3e-5);
   EXPECT_DOUBLE_EQ(amended.cloths.at(0).material.stretch_warp, 2000);
+}
+
+TEST(AmendedScene, HasMomentsOfInertiaThatKeepTheirRatios) {
+  const TestFolder folder;
+  const Problem problem = make_problem(recording(folder, "mass: 2, inertia: [3e-3, 2e-3, 4e-3]"));
+  const std::vector<Candidate> candidates = make_candidates(problem, {});
+  const auto inertia = std::find_if(candidates.begin(), candidates.end(),
+                                    [](const Candidate& candidate) { return candidate.name == "retune_inertia"; });
+  ASSERT_NE(inertia, candidates.end());
+  EXPECT_NEAR(inertia->parameters[0].off, 3e-3, 1e-15);
+  Diagnosis diagnosis;
+  diagnosis.verdict = Verdict::retune;
+  diagnosis.effects = {{&*inertia, {{"value", "kg m^2", 6e-3, 5e-3, 7e-3}}}};
+  diagnosis.used = problem.scene.scene;
+  const RigidBody arm = read_back(folder, problem, diagnosis).rigid_bodies.at(1);
+  EXPECT_TRUE(arm.inertia.isApprox(Mat3(Vec3(6e-3, 4e-3, 8e-3).asDiagonal()), 1e-12));
+  EXPECT_DOUBLE_EQ(arm.mass, 2);
 }
 
 TEST(AmendedScene, SaysWhatIsToBeSetByHandWhereANumberHasItsUnit) {

@@ -93,6 +93,13 @@ TEST_F(SceneFiles, HoldBodiesJointsAndStitches) {
   EXPECT_EQ(load_scene(path).joints.size(), 1u);
 }
 
+TEST_F(SceneFiles, HoldMomentsOfInertia) {
+  std::string text = SCENE;
+  text.replace(text.find("mass: 2,"), 8, "mass: 2, inertia: [3e-3, 20000 g cm^2, 4e-3],");
+  EXPECT_TRUE(load(text).scene.rigid_bodies[2].inertia.isApprox(Mat3(Vec3(3e-3, 2e-3, 4e-3).asDiagonal()), 1e-12));
+  EXPECT_EQ(load(text).scene.rigid_bodies[2].mass, load(SCENE).scene.rigid_bodies[2].mass);
+}
+
 TEST_F(SceneFiles, HoldCloths) {
   const SceneRun run = load(SCENE);
   ASSERT_EQ(run.scene.cloths.size(), 2u);
@@ -244,6 +251,8 @@ TEST_F(SceneFiles, MistakesAreNamed) {
   expect_refused("size: 4", "size: -4", 7, "`bodies[0].shape.square.size`");
   expect_refused("{box: {size: [0.1, 0.1, 0.1]}}", "{square: {size: 1}}", 8, "`bodies[1].shape.square`");
   expect_refused("density: 1000, ", "", 8, "`density` or `mass`");
+  expect_refused("mass: 2,", "mass: 2, inertia: [1e-3, 1e-3, 3e-3],", 9, "above the sum of the two others");
+  expect_refused("mass: 2,", "mass: 2, inertia: [0, 1e-3, 1e-3],", 9, "`bodies[2].inertia");
   expect_refused("divisions: [10, 1, 1]", "divisions: [512, 512, 512]", 10, "at most a million");
   expect_refused("{bar: {size: [0.1, 0.01, 0.01], divisions: [10, 1, 1],", "{ball_octant: {radius: 1, divisions: 128,",
                  10, "at most a million");
