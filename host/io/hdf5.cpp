@@ -287,6 +287,15 @@ std::vector<std::string> File::texts_attribute(const std::string& object, const 
   if (attribute.id() < 0) fail("find the attribute " + name + " of", object);
   const Handle type = own<H5Tclose>(H5Aget_type(attribute.id())), space = own<H5Sclose>(H5Aget_space(attribute.id()));
   const std::size_t bytes = H5Tget_size(type.id()), n = std::size_t(H5Sget_simple_extent_npoints(space.id()));
+  if (H5Tis_variable_str(type.id()) > 0) {
+    std::vector<char*> read(n, nullptr);
+    if (n && H5Aread(attribute.id(), type.id(), read.data()) < 0)
+      fail("read the text attribute " + name + " of", object);
+    std::vector<std::string> texts;
+    for (const char* text : read) texts.emplace_back(text ? text : "");
+    if (n) H5Dvlen_reclaim(type.id(), space.id(), H5P_DEFAULT, read.data());
+    return texts;
+  }
   std::string packed(bytes * n, '\0');
   if (H5Tget_class(type.id()) != H5T_STRING || (n && H5Aread(attribute.id(), type.id(), packed.data()) < 0))
     fail("read the text attribute " + name + " of", object);

@@ -62,6 +62,12 @@ class Fitter {
   FitData prepare(std::vector<Window> windows, const Model& at, bool corrects = true);
   // From now on nothing is corrected for the length of the steps.
   void take_steps_as_they_are() { corrects_steps_ = false; }
+  // Likewise, and answers are looked for by larger changes: masks answer by whole pixels, and a small change tells more
+  // of which pixels turn than of how fast.
+  void expect_whole_pixels() {
+    corrects_steps_ = false;
+    difference_ = 0.3;
+  }
   // The same about the starts that fit best there, not those that were measured: what rests on something answers to
   // its start by kinks.
   FitData prepare_near(std::vector<Window> windows, const Model& at);
@@ -112,6 +118,7 @@ class Fitter {
   Predictor& predictor_;
   const Variant& base_;
   bool corrects_steps_ = true;
+  double difference_ = 0.03;  // by which slopes are found, of how far a parameter is from "off"
 };
 
 // What is left of `change` when each window's start may move.

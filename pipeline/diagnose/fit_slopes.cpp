@@ -21,8 +21,9 @@ Job job_of(const Variant& variant, const Window& window, const VectorXd& delta) 
   return job;
 }
 
-double step_of(const Parameter& p, double x, double scale) {
-  const double by = 0.03 * std::max(std::abs(x - p.off), scale);
+// share: of how far the parameter is from "off", or of what is worth trying
+double step_of(const Parameter& p, double x, double scale, double share) {
+  const double by = share * std::max(std::abs(x - p.off), scale);
   return x + by > p.high ? -by : by;
 }
 
@@ -46,7 +47,7 @@ void Fitter::differentiate(const FitData& data, std::vector<Fit>& fits, Which wh
     const std::vector<const Parameter*> parameters = fit.model.parameters();
     for (Eigen::Index i = 0; wants_slope(fit) && i < fit.model.x.size(); ++i) {
       Model moved = fit.model;
-      moved.x[i] += step_of(*parameters[std::size_t(i)], fit.model.x[i], fit.model.scale[i]);
+      moved.x[i] += step_of(*parameters[std::size_t(i)], fit.model.x[i], fit.model.scale[i], difference_);
       variants.push_back(variant_of(base_, moved));
       for (std::size_t w = 0; w < n_windows; ++w)
         jobs.push_back(job_of(variants.back(), data.windows[w], fit.delta[w]));
@@ -67,7 +68,7 @@ void Fitter::differentiate(const FitData& data, std::vector<Fit>& fits, Which wh
       fit.slope.assign(n_windows, {});
       for (std::size_t w = 0; w < n_windows; ++w) fit.slope[w].setZero(fit.residual[w].size(), fit.model.x.size());
       for (Eigen::Index i = 0; i < fit.model.x.size(); ++i) {
-        const double step = step_of(*parameters[std::size_t(i)], fit.model.x[i], fit.model.scale[i]);
+        const double step = step_of(*parameters[std::size_t(i)], fit.model.x[i], fit.model.scale[i], difference_);
         std::vector<VectorXd> change;
         for (std::size_t w = 0; w < n_windows; ++w) change.push_back(found[at++].residual - fit.residual[w]);
         for (std::size_t w = 0; w < n_windows && !(rms(change) < UNSEEN); ++w)

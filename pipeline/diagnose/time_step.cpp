@@ -12,8 +12,10 @@ namespace {
 
 constexpr double MOST_ERROR = 2.5, MOST_FIRST_ORDER_ERROR =
                                        0.4;  // rms in units of noise, beside what the starts take up; it is corrected
-constexpr double SOLVED = 1e-6;              // Newton's tolerance, so that answers to small changes are exact [m/s]
-constexpr double QUIET = 0.1;                // rms of a column beside the one that differs most
+// likewise where masks are what was measured: what is left is not corrected, and whole pixels alone make the second
+constexpr double MOST_ERROR_OF_MASKS = 0.5, ERROR_OF_PIXELS = 1;
+constexpr double SOLVED = 1e-6;  // Newton's tolerance, so that answers to small changes are exact [m/s]
+constexpr double QUIET = 0.1;    // rms of a column beside the one that differs most
 
 // a world that needs more is one of a change that was too much; it would hold up all others
 constexpr int MOST_HALVINGS = 1;
@@ -92,7 +94,11 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   std::vector<Prediction> fine = predict({bdf2, h / 2}), coarse = predict({solver.integrator, h});
   const bool is_first_order = dissipates(base.scene);
   double error = (is_first_order ? 2 : 1) * apart(data, coarse, fine);
-  const double allowed = is_first_order ? MOST_FIRST_ORDER_ERROR : MOST_ERROR;
+  // with soft bodies and cloth finer steps would take too long
+  const bool is_stiff = base.scene.soft_bodies.empty() && base.scene.cloths.empty();
+  const bool by_pixels = is_stiff && !problem.recording.mask_sources.empty();
+  const double allowed = by_pixels ? MOST_ERROR_OF_MASKS : is_first_order ? MOST_FIRST_ORDER_ERROR : MOST_ERROR;
+  const double small = by_pixels ? ERROR_OF_PIXELS : allowed;
   const bool is_as_given = error < allowed;
   if (!is_as_given) {
     const bool was_bdf2 = solver.integrator == bdf2;
@@ -107,19 +113,20 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
     coarse = std::move(fine);
     fine = predict({bdf2, solver.time_step / 2});
     error = richardson_factor(base.scene) * apart(data, coarse, fine);
-    converges = error < std::max(allowed, CONVERGES * before);
+    converges = error < std::max(small, CONVERGES * before);
   }
-  const bool is_small = error < allowed, is_nearer = misfit(data, fine) < misfit_as_given;
+  const bool is_small = error < small, is_nearer = misfit(data, fine) < misfit_as_given;
   const bool keeps_as_given = !is_small && !(converges && is_nearer);
   if (keeps_as_given) {
     solver = as_given;
     fitter.take_steps_as_they_are();
   }
+  if (by_pixels) fitter.expect_whole_pixels();
   return fmt::format(
       "simulated with steps of {:.4g} ms, {}, {}; finer steps differ by {:.2g} times the noise, {}",
       1e3 * solver.time_step, solver.integrator == bdf2 ? "BDF2" : "implicit Euler",
       is_as_given || keeps_as_given ? "as the scene says" : "since the scene's own would be taken for an effect", error,
-      is_small          ? "which is corrected"
+      is_small          ? (by_pixels ? "whole pixels among it, which is not corrected" : "which is corrected")
       : !keeps_as_given ? "which is too much to be corrected: what depends on it is not known"
       : converges       ? "and are farther from what was measured: the step is part of the scene's model"
                   : "and do not come nearer to each other, as in hard impacts: the step is part of the scene's model");

@@ -71,13 +71,13 @@ def slow(amplitude, period):
     return lambda t: amplitude * (1 - math.cos(2 * math.pi * max(t, 0) / period)) / 2
 
 
-def as_recorded(command, length):
+def as_recorded(command, length, rate):
     """The command that the drive is given: straight lines between the samples that the recording has."""
-    samples = [command(k / RATE) for k in range(int(length * RATE) + 2)]
+    samples = [command(k / rate) for k in range(int(length * rate) + 2)]
 
     def lines(t):
-        k = min(max(math.floor(t * RATE), 0), len(samples) - 2)
-        return samples[k] + (samples[k + 1] - samples[k]) * min(max(t * RATE - k, 0.0), 1.0)
+        k = min(max(math.floor(t * rate), 0), len(samples) - 2)
+        return samples[k] + (samples[k + 1] - samples[k]) * min(max(t * rate - k, 0.0), 1.0)
 
     return lines
 
@@ -85,10 +85,13 @@ def as_recorded(command, length):
 class Experiment:
     """A model, its scene, its runs (start, length, command, role) and its channels."""
 
-    def __init__(self, name, model, scene, runs, columns, channels, noise, target, body, phases, command=None):
-        """command: target, its columns, which of them is commanded (the others are zero)."""
+    def __init__(self, name, model, scene, runs, columns, channels, noise, target, body, phases, command=None, rate=RATE,
+                 initial="first_sample", files=None):
+        """command: target, its columns, which of them is commanded (the others are zero); rate: samples per second;
+        files: what the scene names, by name."""
         self.name, self.model, self.scene, self.columns = name, model, scene, columns
-        self.runs = [(start, length, command and as_recorded(command, length), role) for start, length, command, role in runs]
+        self.runs = [(start, length, command and as_recorded(command, length, rate), role) for start, length, command, role in runs]
+        self.rate, self.initial, self.files = rate, initial, files or {}
         self.channels, self.noise, self.target, self.body, self.phases = channels, noise, target, body, phases
         self.command = command
         self.unchanged = None  # what change_of compares with, once it is known

@@ -4,7 +4,7 @@
     scripts/hidden_suite/make_cases.py out/hidden            # all cases
     scripts/hidden_suite/make_cases.py data/hidden --quick   # the subset that the tests run
 
-The truth comes from models.py and soft_models.py (no line shared with the simulator). An effect's strength is
+The truth comes from models.py, soft_models.py and camera_models.py (no line shared with the simulator). An effect's strength is
 set so that what it changes over the fitted runs, beyond what other starts would, is 3, 10 or 30 times the sensor's
 noise (root mean square). The sensor adds white noise, jitter of the clock and dropouts. Same seed, same files.
 """
@@ -15,23 +15,27 @@ import json
 import math
 import pathlib
 
+import h5py
 import numpy as np
 
 import models
 import soft_models
-from experiments import RATE, RIGID, experiments
+from camera_experiments import CAMERA, camera_experiments
+from experiments import RIGID, experiments
 from soft_experiments import SOFT, soft_experiments
 
 JITTER, DROPOUTS = 3e-5, 0.01  # of the samples' times [s], share of samples that are missing
 STRENGTHS = (3, 10, 30)
 # by how much a number may be wrong before anyone would see it; an effect that stays weaker than wanted is left out
-MOST = {"retune_gravity": 0.3, "length_scale": 0.1, "clock_rate": 0.02, "gravity_tilt": 0.15}
+MOST = {"retune_gravity": 0.3, "length_scale": 0.1, "clock_rate": 0.02, "gravity_tilt": 0.15, "lens_distortion": 0.25,
+        "clock_offset": 0.05}
 
 # effects that are the same to first order in their strength, and by which parameter the other one does it: where the
 # best such value leaves less than TOLD sigma of all fitted samples together, no data of the experiment can tell
 LOOK_ALIKES = {"actuator_lag": ("actuator_delay", "delay", ["actuator_delay", "clock_offset"])}
 TOLD = 2.0
 LIMITS = {"yield_strain"}  # parameters that do more where they are smaller
+GAINS = {"actuator_gain", "exposure"}  # 1 without effect
 
 MEASUREMENT = {"bias", "clock_rate", "length_scale"}
 QUICK = {"pendulum_joint_viscous_friction_10x", "pendulum_joint_coulomb_friction_10x", "flight_quadratic_drag_30x", "slide_retune_friction",
@@ -58,7 +62,7 @@ def scaled(effects, by, nominal):
         for key in parameters:
             if key in shapes:
                 continue
-            base = nominal.get(name, 1.0 if name == "actuator_gain" else 0.0)
+            base = nominal.get(name, 1.0 if name in GAINS else 0.0)
             parameters[key] = parameters[key] / by if key in LIMITS else base + by * parameters[key]
     return out
 
@@ -98,7 +102,7 @@ def look_alikes(experiment, effects):
         value = max(abs(v) for v in effects[name].values())
         change, alike = [], []
         for run in (run for run in experiment.runs if run[3] == "fit"):
-            times = np.arange(0, run[1], 1 / RATE)
+            times = np.arange(0, run[1], 1 / experiment.rate)
             before = sense(experiment, run, {}, times)
             change.append((sense(experiment, run, effects, times) - before).ravel())
             alike.append((sense(experiment, run, {other: {key: value}}, times) - before).ravel())
@@ -134,15 +138,40 @@ def at_strength(experiment, effects, nominal, wanted):
     return scaled(effects, best[1], nominal), best[0]
 
 
+def write_pictures(file, experiment, run, effects, times, rng):
+    """What a camera recorded; a few pictures are missing."""
+    is_there = (rng.random(len(times)) >= DROPOUTS) | (np.arange(len(times)) <= 10)
+    true_times = np.maximum(times + rng.normal(0, JITTER, len(times)), 0)
+    with h5py.File(file, "w") as out:
+        arrays, attributes = experiment.model.record(run[0], true_times[is_there], effects, run[2], rng)
+        for name, values in arrays.items():
+            array = out.create_dataset(name, data=values, compression="gzip")
+            for key, value in attributes.items():
+                array.attrs[key] = value
+        out.create_dataset("time", data=times[is_there])
+
+
+def samples_of(experiment, run, effects, times, rng):
+    """What a table holds of its sensors [n_times, n_columns]."""
+    true_times = np.maximum(times + rng.normal(0, JITTER, len(times)), 0)
+    seen = sense(experiment, run, effects, np.maximum.accumulate(true_times))
+    return seen + rng.normal(0, experiment.noise, seen.shape)
+
+
+def unit_of(target):
+    of, quantity = target.split("/")[0], target.split("/")[2]
+    return "m" if of == "body" else "N m" if quantity == "torque" else "rad"
+
+
 def write_case(folder, experiment, effects, truth, rng):
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "scene.yaml").write_text(experiment.scene)
+    for name, text in experiment.files.items():
+        (folder / name).write_text(text)
     lines = ["schema: 1", "scene: scene.yaml", "runs:"]
     for number, run in enumerate(experiment.runs):
-        times = np.arange(0, run[1], 1 / RATE)
-        true_times = np.maximum(times + rng.normal(0, JITTER, len(times)), 0)
-        seen = sense(experiment, run, effects, np.maximum.accumulate(true_times))
-        seen = seen + rng.normal(0, experiment.noise, seen.shape)
+        times = np.arange(0, run[1], 1 / experiment.rate)
+        seen = samples_of(experiment, run, effects, times, rng) if experiment.columns else np.empty((len(times), 0))
         header, rows = ["t"] + experiment.columns, []
         if experiment.command:
             target, commanded, which = experiment.command
@@ -154,11 +183,13 @@ def write_case(folder, experiment, effects, truth, rng):
                 row += [f"{run[2](t):.7g}" if i == which else "0" for i in range(len(commanded))]
             rows.append(",".join(row))
         (folder / f"run_{number}.csv").write_text(",".join(header) + "\n" + "\n".join(rows) + "\n")
+        if hasattr(experiment.model, "record"):
+            write_pictures(folder / f"run_{number}.h5", experiment, run, effects, times, rng)
         lines.append(f"  - {{file: run_{number}.csv, role: {run[3]}}}")
     if experiment.command:
         key = f"column: {commanded[0]}" if len(commanded) == 1 else f"columns: [{', '.join(commanded)}]"
-        lines += ["inputs:", f"  - {{{key}, target: {target}, unit: {'rad' if target.startswith('joint') else 'm'}}}"]
-    lines += ["channels:", *(f"  - {channel}" for channel in experiment.channels), "initial: first_sample"]
+        lines += ["inputs:", f"  - {{{key}, target: {target}, unit: {unit_of(target)}}}"]
+    lines += ["channels:", *(f"  - {channel}" for channel in experiment.channels), f"initial: {experiment.initial}"]
     (folder / "recording.yaml").write_text("\n".join(lines) + "\n")
     (folder / "truth.json").write_text(json.dumps({"schema": 1, **truth}, indent=1) + "\n")
 
@@ -193,8 +224,8 @@ def main():
     parser.add_argument("--nulls", type=int, default=38, help="cases without any effect, per experiment")
     parser.add_argument("--seed", type=int, default=7, help="of all noise")
     options = parser.parse_args()
-    everything = {**experiments(), **soft_experiments()}
-    listed = itertools.chain(cases(everything, RIGID), cases(everything, SOFT))
+    everything = {**experiments(), **soft_experiments(), **camera_experiments()}
+    listed = itertools.chain(cases(everything, RIGID), cases(everything, SOFT), cases(everything, CAMERA))
     for number, (name, experiment, effects, nominal, wanted, kind, named) in enumerate(listed):
         if not name.startswith(options.only) or (options.quick and name not in QUICK):
             continue
@@ -202,7 +233,9 @@ def main():
         if kind == "single" and strength < 0.8 * wanted:
             print(name, "is left out: at most", round(strength, 1), "times the noise", flush=True)
             continue
-        truth = {"kind": kind, "strength": wanted if strength > 0.8 * wanted else round(strength, 1), "source": "independent", "body": experiment.body, "phases": experiment.phases}
+        truth = {"kind": kind, "strength": wanted if strength > 0.8 * wanted else round(strength, 1), "source": "independent"}
+        if experiment.body:
+            truth |= {"body": experiment.body, "phases": experiment.phases}
         alike = look_alikes(experiment, found) if kind == "single" else []
         truth["effects"] = [{"name": effect, "target": target or experiment.target, "parameters": found[effect], "accept": accept + alike}
                             for effect, (target, accept) in named.items()]

@@ -49,7 +49,8 @@ def joint_friction(effects, rate):
 
 
 class Pendulum:
-    """A cube of side 0.1 m and 1 kg whose centre hangs 0.2 m below a hinge about y; state: angle, rate."""
+    """A cube of side 0.1 m and 1 kg whose centre hangs 0.2 m below a hinge about y; state: angle, rate. A command is a torque
+    at the hinge."""
 
     mass, side, arm = 1.0, 0.1, 0.2
 
@@ -77,6 +78,8 @@ class Pendulum:
             torque += joint_friction(effects, w) + spring["preload"] - spring["stiffness"] * q
             torque -= (drag * self.arm**3 * abs(w) + linear * self.arm**2) * w
             torque -= magnet * math.sin(3 * q) * math.exp(-((q / 0.25) ** 2))
+            if command:
+                torque += command(t)
             return w, torque / inertia
 
         return integrate(rate, start, times)[:, :1]

@@ -2,6 +2,7 @@
 #include "host/io/hdf5.hpp"
 
 #include <gtest/gtest.h>
+#include <hdf5.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -42,6 +43,27 @@ void write_example(const std::filesystem::path& path) {
   file.attribute("/", "h", 0.01);
   file.attribute("/", "configuration", std::string(100000, 'y'));
   file.attribute("/x", "names", std::vector<std::string>{"a", "", "finger_joint"});
+}
+
+// As h5py writes a list of texts.
+TEST(Hdf5, TextsOfVariableLengthAreRead) {
+  const auto path = scratch("variable.h5");
+  {
+    File file = File::create(path);
+    file.make_group("/camera");
+  }
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), type = H5Tcopy(H5T_C_S1);
+  H5Tset_size(type, H5T_VARIABLE);
+  const hsize_t n = 3;
+  const hid_t space = H5Screate_simple(1, &n, nullptr);
+  const hid_t attribute =
+      H5Acreate_by_name(file, "/camera", "names", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const char* names[] = {"nothing", "", "a part with a long name"};
+  EXPECT_GE(H5Awrite(attribute, type, names), 0);
+  H5Aclose(attribute), H5Sclose(space), H5Tclose(type), H5Fclose(file);
+  EXPECT_EQ(File::open(path).texts_attribute("/camera", "names"),
+            (std::vector<std::string>{"nothing", "", "a part with a long name"}));
+  std::filesystem::remove(path);
 }
 
 TEST(Hdf5, WhatIsWrittenComesBack) {

@@ -14,6 +14,7 @@
 #include "pipeline/diagnose/localise.hpp"
 #include "pipeline/diagnose/noise.hpp"
 #include "pipeline/diagnose/window.hpp"
+#include "pipeline/diagnose/workflow.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -181,6 +182,21 @@ TEST(Problem, ARecordingThatDoesNotFitItsSceneIsRefusedInOneSentence) {
   refused("  - {column: q, kind: position, joint: hinge, unit: mm}\n", {"unit", "`mm`", "deg"});
   refused("  - {column: r, kind: position, joint: hinge, unit: rad}\n", {"constant"});
   refused("  - {columns: [q, p, r], kind: position, body: base, unit: m}\n", {"nothing is measured that can move"});
+}
+
+TEST(Workflow, SaysWhatItHadNoTimeToLookFor) {
+  const TestFolder folder;
+  Problem problem = make_problem(chain(folder, BOTH));
+  Device device;
+  Settings settings;
+  Workflow hurried(device, problem, settings);
+  EXPECT_TRUE(hurried.has_time("a pair of effects"));
+  EXPECT_TRUE(hurried.out.notes.empty());
+  settings.minutes = 0;
+  EXPECT_FALSE(hurried.has_time("a pair of effects"));
+  ASSERT_EQ(hurried.out.notes.size(), 1u);
+  EXPECT_EQ(hurried.out.notes[0],
+            "a pair of effects was not looked for: the first 0 min were over; `--minutes` gives it more");
 }
 
 TEST(Candidates, OfAJointThatSlidesHaveUnitsOfForcesAndLengths) {
