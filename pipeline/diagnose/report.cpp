@@ -12,7 +12,8 @@ namespace pvg::diagnose {
 namespace {
 
 using json = nlohmann::ordered_json;
-constexpr std::size_t MOST_RIVALS = 3;  // that a sentence holds
+constexpr std::size_t MOST_RIVALS = 3;    // that a sentence holds
+constexpr double HELD_OUT_AGREES = 1.15;  // of the noise, as fitted runs that agree
 
 void write(const std::filesystem::path& file, const std::string& text) {
   std::ofstream out(file, std::ios::binary);
@@ -147,7 +148,10 @@ std::string sentence_of(const Diagnosis& d) {
   if (d.verdict == Verdict::none) {
     std::string text = "none of the known effects explains the misfit of " + shown(d.fit_before) + " times the noise";
     if (!d.where.empty()) text += ", most of which is of " + d.where[0].body + " (" + d.where[0].phase + ")";
-    if (!d.effects.empty()) {
+    if (d.floor > 0 && d.before < HELD_OUT_AGREES * d.floor) {
+      text += "; the held-out runs agree with the scene as it stands: their error is " + shown(d.before) + unit +
+              ", noise floor " + shown(d.floor);
+    } else if (!d.effects.empty()) {
       text += "; best, but not enough: ";
       for (std::size_t i = 0; i < d.effects.size(); ++i) text += (i ? " and " : "") + d.effects[i].candidate->label();
       text += ", " + judged;

@@ -41,6 +41,19 @@ TEST(Sentence, SaysWhatTheDataCannotTellApart) {
   EXPECT_NE(sentence_of(d).find("cannot tell it from a at b or c at d or e at f or 2 others)"), std::string::npos);
 }
 
+TEST(Sentence, SaysWhereOnlyTheFittedRunsDoNotAgree) {
+  const Candidate mass = candidate("retune_mass", Family::parameter);
+  Diagnosis d = heavy(mass);
+  d.verdict = Verdict::none;
+  d.fit_before = 2.8;
+  EXPECT_NE(sentence_of(d).find("best, but not enough: retune_mass at tip, the held-out error falls from 10.8"),
+            std::string::npos);
+  d.before = 1.1, d.after = 1.05;
+  EXPECT_EQ(sentence_of(d),
+            "none of the known effects explains the misfit of 2.8 times the noise; the held-out runs agree with the "
+            "scene as it stands: their error is 1.1 times the noise, noise floor 1");
+}
+
 // two named effects that stand in one set are no rivals of each other
 TEST(Sentence, OfTwoEffectsNeitherIsTheOthersRival) {
   const Candidate mass = candidate("retune_mass", Family::parameter), drag = candidate("drag", Family::physical);
