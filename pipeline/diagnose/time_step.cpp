@@ -13,7 +13,7 @@ namespace {
 constexpr double MOST_ERROR = 2.5, MOST_FIRST_ORDER_ERROR =
                                        0.4;  // rms in units of noise, beside what the starts take up; it is corrected
 // likewise where masks are what was measured: what is left is not corrected, and whole pixels alone make the second
-constexpr double MOST_ERROR_OF_MASKS = 0.5, ERROR_OF_PIXELS = 1;
+constexpr double MOST_ERROR_OF_MASKS = 0.3, ERROR_OF_PIXELS = 1;
 constexpr double SOLVED = 1e-6;  // Newton's tolerance, so that answers to small changes are exact [m/s]
 constexpr double QUIET = 0.1;    // rms of a column beside the one that differs most
 
