@@ -21,6 +21,7 @@ namespace {
 
 using Eigen::VectorXd;
 constexpr double SHORT_WINDOW = 0.25;                   // of localisation [s]
+constexpr double UNMOVED = 1e-6;                        // of its standard deviation: nothing answered to it
 constexpr double AGREES_RMS = 1.15, AGREES_CELL = 1.5;  // of residuals in units of noise
 
 Model empty_model() { return {{}, VectorXd(), VectorXd()}; }
@@ -67,7 +68,8 @@ std::vector<NamedEffect> named_of(const Fit& fit) {
   for (const Candidate* part : fit.model.parts) {
     NamedEffect effect{part, {}};
     for (const Parameter& p : part->parameters) {
-      const double sigma = std::sqrt(std::max(fit.covariance(at, at), 0.0)), x = fit.model.x[at++];
+      const double sigma = std::sqrt(std::max(fit.covariance(at, at), 0.0)), found = fit.model.x[at++];
+      const double x = std::abs(found - p.off) < UNMOVED * sigma ? p.off : found;
       effect.parameters.push_back({p.name, p.unit, x, std::max(x - 2 * sigma, p.low), std::min(x + 2 * sigma, p.high)});
     }
     named.push_back(std::move(effect));
@@ -196,10 +198,12 @@ void Workflow::tell(int stage, double share, const std::string& text) const {
                    : "");
 }
 
-bool Workflow::has_time(const std::string& something) {
-  if (seconds() < 60 * settings.minutes) return true;
-  out.notes.push_back(fmt::format("{} was not looked for: the first {:g} min were over; `--minutes` gives it more",
-                                  something, settings.minutes));
+bool Workflow::has_time(const std::string& something, double expected_seconds) {
+  if (seconds() + expected_seconds < 60 * settings.minutes) return true;
+  out.notes.push_back(
+      fmt::format("{} was not looked for: {:.0f} s were over and it takes some {:.0f} s more; "
+                  "`--minutes`, which is {:g}, gives it more",
+                  something, seconds(), expected_seconds, settings.minutes));
   return false;
 }
 

@@ -154,19 +154,24 @@ std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector
 std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base) {
   Diagnosis& out = flow.out;
   std::vector<Fit> grown, first_round;
+  double least_of_one = INFINITY;  // left-out error, of those that pass in the first round
+  double of_round = 0;             // how long the last one took [s]
   Fit named = base;
   // one round more than effects, for one that took another's place
   for (int number = 1; number <= flow.settings.max_effects + (flow.settings.max_effects > 1); ++number) {
     if (int(named.model.parts.size()) >= flow.settings.max_effects) break;
-    if (number > 1 && !flow.has_time("an effect beside " + named.model.parts.back()->label())) return grown;
+    if (number > 1 && !flow.has_time("an effect beside " + named.model.parts.back()->label(), of_round)) return grown;
+    const double since = flow.seconds();
     const Round round = run_round(flow, data, named, number);
+    of_round = flow.seconds() - since;
     flow.files.write_fits(std::to_string(number), round.decision);
     const Decision& decision = round.decision;
     if (number == 1)
       for (const Judged& judged : decision.ranking) out.ranking.push_back(ranked(judged));
     if (decision.chosen < 0) break;
     const Judged& chosen = decision.ranking[std::size_t(decision.chosen)];
-    if (number > 1 && closed(decision.base_error, chosen.error, 1) < LEAST_STEP) break;
+    // beside an effect whose law is not quite right a second one helps, as another single one may as well
+    if (number > 1 && closed(std::min(decision.base_error, least_of_one), chosen.error, 1) < LEAST_STEP) break;
     if (number > 1)
       out.ranking.insert(out.ranking.begin(), ranked(chosen));
     else
@@ -183,7 +188,10 @@ std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base) {
     const std::size_t n_parts = chosen.fit->model.parts.size();
     if (number == 1)
       for (const Judged& judged : decision.ranking)
-        if (judged.passes) first_round.push_back(*judged.fit);
+        if (judged.passes) {
+          first_round.push_back(*judged.fit);
+          least_of_one = std::min(least_of_one, judged.error);
+        }
     named = n_parts > 1 && flow.settings.decide == Decide::workflow
                 ? reconsidered(flow, data, base, *chosen.fit, first_round)
                 : *chosen.fit;
@@ -206,7 +214,7 @@ std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base) {
   }
   const bool is_explained = !grown.empty() && rms(named.residual) < SECOND_LOOK;
   if (is_explained || flow.settings.max_effects < 2 || flow.settings.decide != Decide::workflow) return grown;
-  if (!flow.has_time("a pair of effects")) return grown;
+  if (!flow.has_time("a pair of effects", of_round)) return grown;
   if (const std::optional<Fit> pair = find_pair(flow, data, base, SECOND_LOOK)) {
     grown = {settled(flow, data, *pair)};
     out.fit_after = rms(grown.back().residual);

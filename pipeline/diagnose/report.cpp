@@ -137,9 +137,10 @@ std::string text_of(const RegressedLaw& law) {
 
 std::string sentence_of(const Diagnosis& d) {
   const std::string unit = d.unit == "noise" ? " times the noise" : " " + d.unit;
-  std::string judged = d.floor > 0 ? "the held-out error falls from " + shown(d.before) + " to " + shown(d.after) +
-                                         unit + ", noise floor " + shown(d.floor)
-                                   : "no run was held out to prove it on";
+  std::string judged = d.floor > 0
+                           ? std::string("the held-out error ") + (d.after < d.before ? "falls" : "rises") + " from " +
+                                 shown(d.before) + " to " + shown(d.after) + unit + ", noise floor " + shown(d.floor)
+                           : "no run was held out to prove it on";
   if (d.floor > 0 && std::isfinite(d.mask_gap_before))
     judged += "; the masks' gap, 1 - mIoU, from " + shown(d.mask_gap_before) + " to " + shown(d.mask_gap_after);
   if (d.verdict == Verdict::agrees)

@@ -26,8 +26,9 @@ struct Workflow {
   double seconds() const {  // since it began
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
-  // Whether there is time to look for something further; else a note says that it was not.
-  bool has_time(const std::string& something);
+  // Whether there is time to look for something further, which takes about so many seconds; else a note says that it
+  // was not looked for.
+  bool has_time(const std::string& something, double expected_seconds = 0);
   void tell(int stage, double share, const std::string& text) const;  // how far it is, and how long it will take
 };
 

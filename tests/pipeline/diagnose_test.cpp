@@ -192,11 +192,13 @@ TEST(Workflow, SaysWhatItHadNoTimeToLookFor) {
   Workflow hurried(device, problem, settings);
   EXPECT_TRUE(hurried.has_time("a pair of effects"));
   EXPECT_TRUE(hurried.out.notes.empty());
-  settings.minutes = 0;
-  EXPECT_FALSE(hurried.has_time("a pair of effects"));
+  settings.minutes = 1;
+  EXPECT_TRUE(hurried.has_time("a pair of effects", 30));
+  EXPECT_FALSE(hurried.has_time("a pair of effects", 61));
   ASSERT_EQ(hurried.out.notes.size(), 1u);
   EXPECT_EQ(hurried.out.notes[0],
-            "a pair of effects was not looked for: the first 0 min were over; `--minutes` gives it more");
+            "a pair of effects was not looked for: 0 s were over and it takes some 61 s more; `--minutes`, which is 1, "
+            "gives it more");
 }
 
 TEST(Candidates, OfAJointThatSlidesHaveUnitsOfForcesAndLengths) {

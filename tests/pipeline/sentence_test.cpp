@@ -48,6 +48,8 @@ TEST(Sentence, SaysWhereOnlyTheFittedRunsDoNotAgree) {
   d.fit_before = 2.8;
   EXPECT_NE(sentence_of(d).find("best, but not enough: retune_mass at tip, the held-out error falls from 10.8"),
             std::string::npos);
+  d.before = 1.9, d.after = 5.3;
+  EXPECT_NE(sentence_of(d).find("the held-out error rises from 1.9 to 5.3"), std::string::npos);
   d.before = 1.1, d.after = 1.05;
   EXPECT_EQ(sentence_of(d),
             "none of the known effects explains the misfit of 2.8 times the noise; the held-out runs agree with the "
