@@ -11,11 +11,21 @@ namespace {
 constexpr double COHERENT = 0.35;    // misfit over signal up to which a window's model is near enough to be linearised
 constexpr double HOPELESS = 2;       // times that: better starts will not help
 constexpr double LONGEST_WHOLE = 8;  // of a run that is one window [s]
+constexpr double MOST_WORLDS = 208;  // that a slope of all starts takes, those with impacts counted twice
 
 double longest_run(const Problem& problem) {
   double longest = 0;
   for (const Run& run : problem.runs) longest = std::max(longest, run.t.back() - run.t.front());
   return longest;
+}
+
+// That a window takes, to see how it answers to its start.
+double n_worlds(const Problem& problem) {
+  double n = 1 + 2 * double(problem.coordinates.size()) + 12 * double(problem.free_bodies.size());
+  const auto can_hit = [&](int b) {
+    return !problem.scene.scene.rigid_bodies[std::size_t(b)].collision.triangles.empty();
+  };
+  return std::any_of(problem.free_bodies.begin(), problem.free_bodies.end(), can_hit) ? 2 * n : n;
 }
 
 // Root mean square of what a window's channels do, in units of noise, about their means.
@@ -60,7 +70,8 @@ Fit of_no_effect(const FitData& data, Fit fit) {
 
 std::size_t most_windows(const Problem& problem, double simulated_seconds, double length) {
   const double each = length > 0 ? length : longest_run(problem);
-  return std::clamp<std::size_t>(std::size_t(simulated_seconds / std::max(each, 1e-6)), 4, 40);
+  const double most = std::min(simulated_seconds / std::max(each, 1e-6), MOST_WORLDS / n_worlds(problem));
+  return std::clamp<std::size_t>(std::size_t(most), 4, 40);
 }
 
 Fit fit_as_it_stands(Fitter& fitter, const FitData& data) {

@@ -40,7 +40,8 @@ GAINS = {"actuator_gain", "exposure"}  # 1 without effect
 MEASUREMENT = {"bias", "clock_rate", "length_scale"}
 QUICK = {"pendulum_joint_viscous_friction_10x", "pendulum_joint_coulomb_friction_10x", "flight_quadratic_drag_30x", "slide_retune_friction",
          "driven_actuator_delay_10x", "driven_backlash_30x", "driven_retune_drive_stiffness", "pendulum_null_0", "flight_null_0", "pendulum_magnet",
-         "hanging_strain_stiffening_10x", "swing_null_0", "masks_null_0", "video_vignetting_10x"}
+         "hanging_strain_stiffening_10x", "swing_null_0", "masks_null_0", "video_vignetting_10x",
+         "flight_linear_drag_and_gravity_tilt"}
 
 
 def sense(experiment, run, effects, times):

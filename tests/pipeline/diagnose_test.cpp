@@ -184,6 +184,20 @@ TEST(Problem, ARecordingThatDoesNotFitItsSceneIsRefusedInOneSentence) {
   refused("  - {columns: [q, p, r], kind: position, body: base, unit: m}\n", {"nothing is measured that can move"});
 }
 
+// A free body has twelve numbers at its start, each a world more per window, and waits at its impacts.
+TEST(Windows, AreFewerWhereEachTakesMore) {
+  Problem problem;
+  problem.coordinates = {0};
+  EXPECT_EQ(most_windows(problem, 12, 0.25), 40u);
+  problem.coordinates = {};
+  problem.free_bodies = {0};
+  problem.scene.scene.rigid_bodies.resize(1);
+  EXPECT_EQ(most_windows(problem, 12, 0.25), 16u);
+  problem.scene.scene.rigid_bodies[0].collision.triangles.resize(1);
+  EXPECT_EQ(most_windows(problem, 12, 0.25), 8u);
+  EXPECT_EQ(most_windows(problem, 12, 2), 6u);
+}
+
 TEST(Workflow, SaysWhatItHadNoTimeToLookFor) {
   const TestFolder folder;
   Problem problem = make_problem(chain(folder, BOTH));
