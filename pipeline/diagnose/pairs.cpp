@@ -5,6 +5,8 @@
 #include <map>
 #include <set>
 
+#include "pipeline/diagnose/round.hpp"
+
 namespace pvg::diagnose {
 namespace {
 

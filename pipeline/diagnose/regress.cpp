@@ -5,6 +5,7 @@
 #include <deque>
 
 #include "pipeline/diagnose/law_dictionary.hpp"
+#include "pipeline/diagnose/round.hpp"
 
 namespace pvg::diagnose {
 namespace {

@@ -46,12 +46,12 @@ void StageFiles::write_where(const std::vector<Cell>& cells) const {
   write(folder, "3_where.json", {{"schema", 1}, {"where", list}});
 }
 
-void StageFiles::write_screen(int round, const std::vector<Screened>& screened) const {
+void StageFiles::write_screen(const std::string& round, const std::vector<Screened>& screened) const {
   json list = json::array();
   for (const Screened& s : screened)
     list.push_back(
         {{"candidate", s.candidate->label()}, {"gain", s.gain}, {"answer", s.answer}, {"start", values_of(s.model)}});
-  write(folder, "4_screen_" + std::to_string(round) + ".json", {{"schema", 1}, {"screened", list}});
+  write(folder, "4_screen_" + round + ".json", {{"schema", 1}, {"screened", list}});
 }
 
 void StageFiles::write_fits(const std::string& of, const Decision& decision) const {

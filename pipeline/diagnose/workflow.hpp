@@ -34,9 +34,6 @@ struct Workflow {
 
 RankedModel ranked(const Judged& judged);
 
-// The fits to the end of those that may still win, all with slopes and covariances.
-std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector<Screened>& best);
-
 // Looks for one effect after the other, each beside those before. Returns the fits that grew by one effect each.
 std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base);
 
