@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """Tosses of an acrylic cube as a recording: position and orientation of the cube, every tenth toss.
 
-    scripts/recordings/cube_toss.py tosses.csv OUT [EVERY]
+    scripts/recordings/cube_toss.py tosses.csv OUT --every 50
 
 tosses.csv: toss, frame, qw..qz (body to world), px..pz, and rates that are not used; 148 frames per second. Of the
 chosen tosses two of three are fitted, the third is held out. The tracks were smoothed, so their own noise cannot be
 told from them; 2 mm and 0.02 rad are assumed.
 """
+import argparse
 import pathlib
-import sys
 
 from recording_files import read_rows, write_recording, write_run
 
@@ -29,10 +29,15 @@ pair_friction:
 
 
 def main():
-    rows, out = read_rows(sys.argv[1]), pathlib.Path(sys.argv[2])
-    every = int(sys.argv[3]) if len(sys.argv) > 3 else 10
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("tosses", type=pathlib.Path, help="tosses.csv")
+    parser.add_argument("out", type=pathlib.Path, help="folder of the recording")
+    parser.add_argument("--every", type=int, default=10, help="of the tosses, which are many")
+    parser.add_argument("--first", type=int, default=0, help="the first one that is taken")
+    options = parser.parse_args()
+    rows, out = read_rows(options.tosses), options.out
     runs = []
-    for count, toss in enumerate(sorted({int(row["toss"]) for row in rows})[::every]):
+    for count, toss in enumerate(sorted({int(row["toss"]) for row in rows})[options.first::options.every]):
         samples = [[int(row["frame"]) / RATE] + [float(row[key]) for key in ("px", "py", "pz", "qx", "qy", "qz", "qw")]
                    for row in rows if int(row["toss"]) == toss]
         write_run(out, f"toss_{toss}.csv", ["t", "x", "y", "z", "qx", "qy", "qz", "qw"], samples)

@@ -1,18 +1,17 @@
 #!/usr/bin/env python3
 """The torque-limited pendulum of DFKI's underactuated lab as a recording: torque in, angle and rate out.
 
-    scripts/recordings/dfki_pendulum.py FOLDER_OF_CSV OUT
+    scripts/recordings/dfki_pendulum.py FOLDER_OF_CSV OUT [--held-out ddp,energy_shaping]
 
 FOLDER_OF_CSV holds single_*.csv with time, position (0: hanging), velocity, torque. The scene is the published nominal
 model, a point mass: inertia 0.0626 kg m^2 and first moment 0.102 kg m about the axis.
 """
+import argparse
 import pathlib
-import sys
 
 from recording_files import read_rows, write_recording, write_run
 
 INERTIA, MOMENT = 0.0626, 0.102  # [kg m^2], [kg m]
-HELD_OUT = ("ddp", "energy_shaping")  # swing-ups by other controllers than the fitted motions
 
 SCENE = f"""schema: 1
 name: dfki_pendulum
@@ -27,17 +26,25 @@ joints:
 
 
 def main():
-    source, out = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("source", type=pathlib.Path, help="folder of single_*.csv")
+    parser.add_argument("out", type=pathlib.Path, help="folder of the recording")
+    parser.add_argument("--held-out", default="ddp,energy_shaping", help="runs by other controllers than the fitted ones, with commas between")
+    options = parser.parse_args()
+    held_out, out = options.held_out.split(","), options.out
+    files = sorted(options.source.glob("single_*.csv"))
+    names = [file.stem.removeprefix("single_") for file in files]
+    if not set(held_out) & set(names):
+        parser.error(f"none of {options.held_out} is there to be held out; {options.source} has {', '.join(names) or 'no single_*.csv'}")
     runs = []
-    for file in sorted(source.glob("single_*.csv")):
+    for file, name in zip(files, names):
         rows = [[float(row[key]) for key in ("time", "position", "velocity", "torque")] for row in read_rows(file)]
-        name = file.stem.removeprefix("single_")
         kept = [rows[0]]
         for row in rows[1:]:
             if row[0] > kept[-1][0]:  # some clocks stand still for a sample
                 kept.append(row)
         write_run(out, name + ".csv", ["t", "q", "rate", "torque"], kept)
-        runs.append((name + ".csv", "held_out" if name in HELD_OUT else "fit"))
+        runs.append((name + ".csv", "held_out" if name in held_out else "fit"))
     write_recording(out, SCENE, runs,
                     ["{column: q, kind: position, joint: shaft, unit: rad, noise: unknown}",
                      "{column: rate, kind: rate, joint: shaft, unit: rad/s, noise: unknown}"],

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""A clamped silicone beam, held and let go, as two recordings: under its own weight, and with 52 g at its tip.
+"""A clamped silicone beam, held and let go, one recording for each load: under its own weight, or with grams at its tip.
 
     scripts/recordings/dragonskin_beam.py FOLDER_OF_CSV OUT
 
-The files' beam lies along z and falls along -x; here it lies along x and falls along -z. Each run begins where the tip
-begins to fall; where a marker sits then is taken as its place on the straight beam. The first repeat is fitted, the
-second held out.
+FOLDER_OF_CSV holds beam_LOAD_VERSION_REPEAT.csv, LOAD being `gravity`, or `load` and grams, such as load52. The files'
+beam lies along z and falls along -x; here it lies along x and falls along -z. Each run begins where the tip begins to
+fall; where a marker sits then is taken as its place on the straight beam. The last repeat is held out, the others are
+fitted.
 """
+import argparse
 import pathlib
-import sys
 
 from recording_files import read_rows, write_recording, write_run
 
@@ -30,7 +31,7 @@ bodies:
 stitches:
   - {{soft: beam, rigid: wall, low: [-0.0501, -1, -1], high: [-0.0499, 1, 1], stiffness: 1e6}}
 {hung}"""
-WEIGHT = "  - {name: weight, kind: rigid, shape: {box: {size: [0.01, 0.01, 0.01]}}, mass: 0.052, pose: {position: [0.05, 0, 0]}, collides: false}\n"
+WEIGHT = "  - {{name: weight, kind: rigid, shape: {{box: {{size: [0.01, 0.01, 0.01]}}}}, mass: {mass}, pose: {{position: [0.05, 0, 0]}}, collides: false}}\n"
 HUNG = "  - {soft: beam, rigid: weight, low: [0.0499, -1, -1], high: [0.0501, 1, 1], stiffness: 1e5}\n"
 
 
@@ -41,10 +42,18 @@ def turned(row, marker, centre):
 
 
 def main():
-    source, out = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
-    for load in ("gravity", "load52"):
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("source", type=pathlib.Path, help="folder of beam_*.csv")
+    parser.add_argument("out", type=pathlib.Path, help="a folder for the recordings")
+    options = parser.parse_args()
+    out = options.out
+    loads = sorted({file.stem.split("_")[1] for file in options.source.glob("beam_*_*.csv")})
+    if not loads:
+        parser.error(f"{options.source} has no beam_LOAD_VERSION_REPEAT.csv")
+    for load in loads:
         runs, points = [], None
-        for file in sorted(source.glob(f"beam_{load}_*.csv")):
+        files = sorted(options.source.glob(f"beam_{load}_*.csv"))
+        for file in files:
             rows = read_rows(file)
             # the files' zero lies at the beam's clamp, in the corner of its section
             centre = [sum(float(rows[0][f"Base-{i}_{axis}"]) for i in (1, 2, 3)) / 3 for axis in "xyz"]
@@ -63,11 +72,12 @@ def main():
                 samples.append(sample)
             header = ["t"] + [f"tip{i}_{axis}" for i in (1, 2, 3) for axis in "xyz"]
             write_run(out / load, file.stem + ".csv", header, samples)
-            runs.append((file.stem + ".csv", "held_out" if file.stem.endswith("_b") else "fit"))
+            runs.append((file.stem + ".csv", "held_out" if len(files) > 1 and file == files[-1] else "fit"))
         channels = [f"{{columns: [tip{i}_x, tip{i}_y, tip{i}_z], kind: marker, body: beam, "
                     f"point: [{', '.join(f'{value:.5f}' for value in points[i - 1])}], unit: m, noise: 0.0001}}" for i in (1, 2, 3)]
-        loaded = load != "gravity"
-        write_recording(out / load, SCENE.format(weight=WEIGHT if loaded else "", hung=HUNG if loaded else ""), runs, channels)
+        grams = float(load.removeprefix("load")) if load != "gravity" else 0
+        scene = SCENE.format(weight=WEIGHT.format(mass=f"{grams / 1000:g}") if grams else "", hung=HUNG if grams else "")
+        write_recording(out / load, scene, runs, channels)
 
 
 if __name__ == "__main__":
