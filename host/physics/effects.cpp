@@ -19,8 +19,20 @@ Vec3 vector_of(const Effect& effect) {
   return {parameter_of(effect, "x"), parameter_of(effect, "y"), parameter_of(effect, "z")};
 }
 
-// Bends the rest shape in the body's frame: along its longest axis s from the middle, by curvature s^2 / 2 across it.
-void bend_rest_shape(SoftBody& body, double curvature_1, double curvature_2) {
+// Where along the axis a soft body is fastened: the mean of the nodes of its first stitch. Its middle if it is free.
+double fastened_at(const Scene& scene, const SoftBody& body, Eigen::Index axis, double middle) {
+  for (const Stitch& stitch : scene.stitches) {
+    if (stitch.soft < 0 || &scene.soft_bodies[std::size_t(stitch.soft)] != &body) continue;
+    double sum = 0;
+    for (const std::uint32_t node : stitch.nodes) sum += body.mesh.points[node][axis];
+    return sum / double(stitch.nodes.size());
+  }
+  return middle;
+}
+
+// Bends the rest shape in the body's frame: along its longest axis, at s from where it is fastened, by curvature
+// s^2 / 2 across it. What holds it keeps its place and direction.
+void bend_rest_shape(const Scene& scene, SoftBody& body, double curvature_1, double curvature_2) {
   Vec3 low = body.mesh.points[0], high = low;
   for (const Vec3& point : body.mesh.points) {
     low = low.cwiseMin(point);
@@ -28,8 +40,9 @@ void bend_rest_shape(SoftBody& body, double curvature_1, double curvature_2) {
   }
   Eigen::Index axis = 0;
   (high - low).maxCoeff(&axis);
+  const double origin = fastened_at(scene, body, axis, 0.5 * (low[axis] + high[axis]));
   for (Vec3& point : body.mesh.points) {
-    const double s = point[axis] - 0.5 * (low[axis] + high[axis]);
+    const double s = point[axis] - origin;
     point[(axis + 1) % 3] += 0.5 * curvature_1 * s * s;
     point[(axis + 2) % 3] += 0.5 * curvature_2 * s * s;
   }
@@ -52,7 +65,7 @@ void apply(const Effect& effect, Scene& scene) {
     scene.gravity = Eigen::AngleAxisd(value("about_y"), Vec3::UnitY()) *
                     (Eigen::AngleAxisd(value("about_x"), Vec3::UnitX()) * scene.gravity);
   if (effect.name == "rest_shape_error")
-    bend_rest_shape(*named(scene.soft_bodies, effect.target), value("curvature_1"), value("curvature_2"));
+    bend_rest_shape(scene, *named(scene.soft_bodies, effect.target), value("curvature_1"), value("curvature_2"));
 }
 
 // force and drags of a whole body, shared by its nodes as its mass is
@@ -183,13 +196,9 @@ int body_number(const Scene& scene, const std::string& name) {
   return -1;
 }
 
-// of "first/second"; names may hold slashes
 std::array<int, 2> pair_of(const Scene& scene, const std::string& target) {
-  for (std::size_t cut = target.find('/'); cut != std::string::npos; cut = target.find('/', cut + 1)) {
-    const int first = body_number(scene, target.substr(0, cut)), second = body_number(scene, target.substr(cut + 1));
-    if (first >= 0 && second >= 0) return {first, second};
-  }
-  return {-1, -1};
+  const std::array<std::string, 2> sides = sides_of(scene, target).value();  // checked before
+  return {body_number(scene, sides[0]), body_number(scene, sides[1])};
 }
 
 void add_rolling_resistance(System& system, std::size_t world, const Effect& effect, const std::array<int, 2>& pair) {

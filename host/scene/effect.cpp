@@ -193,7 +193,7 @@ std::vector<EffectKind> solid_kinds() {
        "rest shape",
        "curvature",
        "the body is bent when nothing acts on it",
-       "along its longest axis s, across it: + curvature s^2 / 2",
+       "along its longest axis s from where it is fastened (else its middle), across it: + curvature s^2 / 2",
        "the same body turned over",
        {strength("curvature_1", "1/m", -20, 20), strength("curvature_2", "1/m", -20, 20)}},
       {"plastic_yield",
@@ -318,14 +318,8 @@ std::string lacking(const Scene& scene, const EffectKind& kind, const std::strin
       return holds(scene.soft_bodies, target) || holds(scene.cloths, target) ? "" : "a soft body or cloth";
     case EffectTarget::body:
       return is_body(scene, target) ? "" : "a body";
-    case EffectTarget::contact: {
-      const std::size_t slash = target.rfind('/');
-      for (std::size_t cut = target.find('/'); cut != std::string::npos; cut = target.find('/', cut + 1)) {
-        if (is_body(scene, target.substr(0, cut)) && is_body(scene, target.substr(cut + 1))) return "";
-        if (cut == slash) break;
-      }
-      return "two bodies as FIRST/SECOND";
-    }
+    case EffectTarget::contact:
+      return sides_of(scene, target) ? "" : "two bodies as FIRST/SECOND";
     case EffectTarget::scene:
       return target == "scene" ? "" : "`scene`";
   }
@@ -391,6 +385,14 @@ double parameter_of(const Effect& effect, const std::string& name) {
   for (std::size_t i = 0; i < parameters.size(); ++i)
     if (parameters[i].name == name) return effect.parameters.at(i);
   throw std::logic_error(effect.name + " has no parameter " + name);
+}
+
+std::optional<std::array<std::string, 2>> sides_of(const Scene& scene, const std::string& contact) {
+  for (std::size_t cut = contact.find('/'); cut != std::string::npos; cut = contact.find('/', cut + 1)) {
+    std::array<std::string, 2> sides = {contact.substr(0, cut), contact.substr(cut + 1)};
+    if (is_body(scene, sides[0]) && is_body(scene, sides[1])) return sides;
+  }
+  return std::nullopt;
 }
 
 void check_effects(const Scene& scene) {

@@ -2,6 +2,8 @@
 // where it acts (site), its law, its parameters and the experiment that would show it. A scene switches effects on by
 // name (`effects:`); the simulator adds them to its incremental potential (host/physics/effects.hpp).
 #pragma once
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -57,6 +59,9 @@ std::vector<Formula> law_of(const Effect& effect);
 double parameter_of(const Effect& effect, const std::string& name);
 
 struct Scene;
+// The two bodies of the scene that `contact`, "first/second", names; names may hold slashes. Nothing where it does not.
+std::optional<std::array<std::string, 2>> sides_of(const Scene& scene, const std::string& contact);
+
 // Throws a UsageError where an effect names what the scene does not have, or a parameter is outside its bounds.
 void check_effects(const Scene& scene);
 

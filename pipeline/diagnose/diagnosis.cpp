@@ -23,6 +23,7 @@ using Eigen::VectorXd;
 constexpr double SHORT_WINDOW = 0.25;                   // of localisation [s]
 constexpr double UNMOVED = 1e-6;                        // of its standard deviation: nothing answered to it
 constexpr double AGREES_RMS = 1.15, AGREES_CELL = 1.5;  // of residuals in units of noise
+constexpr double AGREES_HELD_OUT = 1.5;                 // likewise; beyond it is told
 
 Model empty_model() { return {{}, VectorXd(), VectorXd()}; }
 
@@ -229,6 +230,10 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     out.verdict = Verdict::agrees;
     out.candidates = std::make_shared<std::vector<Candidate>>();
     prove(flow, chosen, {});
+    if (out.after > AGREES_HELD_OUT * out.floor && out.floor > 0)
+      out.notes.push_back(
+          fmt::format("the fitted runs agree with the scene, the held-out ones do not: {:.2g} times the noise",
+                      out.after / out.floor));
   } else {
     locate(flow, chosen);
     flow.tell(4, 0.25, "screening " + std::to_string(out.candidates->size()) + " candidates");

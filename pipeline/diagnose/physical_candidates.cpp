@@ -77,6 +77,9 @@ Candidate candidate_of(const Scene& scene, const EffectKind& kind, const std::st
     here.unit = unit_on(scene, target, p.unit);
     candidate.parameters.push_back(parameter_of(here, mass_of(scene, target)));
     if (kind.name == "gravity_tilt") candidate.parameters.back().believed = 0.05;  // of a base that looks level [rad]
+    // a spring that pulls a sliding part with more than its weight would be seen
+    if (kind.name == "joint_spring" && here.unit == "N")
+      candidate.parameters.back().believed = 9.81 * mass_of(scene, target);
     if (kind.name == "constant_force")  // nothing that one sees is pulled by much more of its weight
       candidate.parameters.back().believed = 0.05 * mass_of(scene, target) * scene.gravity.norm();
   }
@@ -120,7 +123,20 @@ std::vector<std::string> targets_of(const Problem& problem, const std::vector<st
       for (const Cloth& body : scene.cloths) targets.push_back(body.name);
       break;
     case EffectTarget::contact:
-      for (const std::string& pair : touching) targets.push_back(pair);
+      for (const std::string& pair : touching) {
+        if (kind.name != "rolling_resistance") {
+          targets.push_back(pair);
+          continue;
+        }
+        // it brakes the first body, whichever of the two rolls
+        const auto [first, second] = sides_of(scene, pair).value();
+        const auto rolls = [&](const std::string& name) {
+          return std::any_of(scene.rigid_bodies.begin(), scene.rigid_bodies.end(),
+                             [&](const RigidBody& body) { return body.name == name && may_move(body); });
+        };
+        if (rolls(first)) targets.push_back(first + "/" + second);
+        if (rolls(second)) targets.push_back(second + "/" + first);
+      }
       break;
     case EffectTarget::scene:
       targets.push_back("scene");
@@ -145,11 +161,9 @@ bool holds_position(const Scene& scene, const std::string& name) {
   });
 }
 
-// contact: "first/second", either of which may hold a slash
 bool has_soft_side(const Scene& scene, const std::string& contact) {
-  const auto is_side = [&](const auto& body) {
-    return contact.starts_with(body.name + "/") || contact.ends_with("/" + body.name);
-  };
+  const std::array<std::string, 2> sides = sides_of(scene, contact).value();
+  const auto is_side = [&](const auto& body) { return body.name == sides[0] || body.name == sides[1]; };
   return std::any_of(scene.soft_bodies.begin(), scene.soft_bodies.end(), is_side) ||
          std::any_of(scene.cloths.begin(), scene.cloths.end(), is_side);
 }

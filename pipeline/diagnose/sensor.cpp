@@ -170,12 +170,13 @@ double SensorTrace::time_of(std::size_t channel, std::size_t sample) const {
   return since * (1 + sensing.clock_rate) + sensing.clock_offset - latency - (job_->window->start - run.t.front());
 }
 
-// A cubic through four steps; between two where each costs a picture.
+// A cubic through four steps, before the start the line that touches it there: what a late channel saw first is from
+// before the window, and what moves was on its way. Pictures lie between two steps, as each costs one.
 std::vector<double> SensorTrace::value_at(std::size_t channel, double time) const {
   const Channel& c = problem_->channels[channel];
   const std::size_t width = c.kind == Kind::orientation ? 4 : std::size_t(c.n);
   const std::size_t n = values_[channel].size() / width;
-  const double place = std::max(time / h_, 0.0);
+  const double place = std::max(time / h_, 0.0), before_start = std::min(time, 0.0);
   if (n < 4 || place > double(n - 1) + 1e-6) return {};
   if (is_of_pictures(c)) {
     const std::size_t before = std::min(std::size_t(place + 1e-6), n - 1), after = std::min(before + 1, n - 1);
@@ -202,7 +203,8 @@ std::vector<double> SensorTrace::value_at(std::size_t channel, double time) cons
     double sign = 1;  // q and -q are the same rotation
     if (width == 4)
       sign = Eigen::Map<const Eigen::Vector4d>(at).dot(Eigen::Map<const Eigen::Vector4d>(reference)) < 0 ? -1 : 1;
-    for (std::size_t k = 0; k < width; ++k) value[k] += sign * at[k] * (c.kind == Kind::rate ? slope / h_ : weight);
+    const double share = c.kind == Kind::rate ? slope / h_ : weight + before_start * slope / h_;
+    for (std::size_t k = 0; k < width; ++k) value[k] += sign * at[k] * share;
   }
   return value;
 }

@@ -76,8 +76,15 @@ void keep_unknowns(Window& window, int body, Unknown::Kind kind, const Vec3& nor
   window.unknowns = std::move(kept);
 }
 
+// How far a turned body reaches against a direction from its frame's origin [m].
+double reach_of(const RigidBody& body, const Mat3& turned, const Vec3& direction) {
+  double reach = 0;
+  for (const Vec3& point : body.collision.points) reach = std::max(reach, -direction.dot(turned * point));
+  return reach;
+}
+
 // rest: where the body is when it has settled
-void start_settled(Window& window, int body, const Support& support, const Pose& rest) {
+void start_settled(Window& window, int body, const RigidBody& shape, const Support& support, const Pose& rest) {
   using Kind = Unknown::Kind;
   const Vec3& n = support.normal;
   const std::size_t b = std::size_t(body);
@@ -93,8 +100,12 @@ void start_settled(Window& window, int body, const Support& support, const Pose&
   const bool is_turn_measured = std::isfinite(sigma_along(window, body, Kind::rotation, n));
   const bool is_flat = support.is_face && is_turn_measured && is_near(Kind::rotation, tilt, tilt.stableNormalized()) &&
                        is_near(Kind::spin, rocking, rocking.stableNormalized());
-  if (is_turn_measured && support.is_face && !is_flat) return;  // it rocks
+  // as it is turned: what is round rolls at one height, what is not rocks
+  const double higher = reach_of(shape, pose.linear(), n) - reach_of(shape, rest.linear(), n);
+  const bool is_round = std::abs(higher) <= sigma_along(window, body, Kind::position, n);
+  if (is_turn_measured && support.is_face && !is_flat && !is_round) return;
   pose.translation() += n.dot(shift) * n;
+  if (is_turn_measured && !is_flat && is_round) pose.translation() += higher * n;
   velocity -= n.dot(velocity) * n;
   keep_unknowns(window, body, Kind::position, n, false);
   keep_unknowns(window, body, Kind::velocity, n, false);
@@ -159,7 +170,8 @@ void settle_on_support(Device& device, const Problem& problem, const Scene& scen
   if (problem.free_bodies.empty() || window.unknowns.empty()) return;
   const Rest rest = settled(device, problem, scene, window);
   for (std::size_t i = 0; i < rest.support.size(); ++i)
-    if (rest.support[i].normal.norm() > 0) start_settled(window, problem.free_bodies[i], rest.support[i], rest.pose[i]);
+    if (const int b = problem.free_bodies[i]; rest.support[i].normal.norm() > 0)
+      start_settled(window, b, scene.rigid_bodies[std::size_t(b)], rest.support[i], rest.pose[i]);
 }
 
 }  // namespace pvg::diagnose

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "host/physics/effects.hpp"
 #include "tests/physics/small_scenes.hpp"
 
 namespace pvg {
@@ -320,6 +321,15 @@ TEST(Effects, ARestShapeErrorBendsTheBody) {
   const Vec3 tip = run(scene, 2).soft[0][3];
   EXPECT_NEAR(tip.x(), 2 * 0.025 * 0.025 / 2, 1e-9);
   EXPECT_NEAR(tip.y(), -1 * 0.025 * 0.025 / 2, 1e-9);
+}
+
+// its foot is stitched: the tip is all of its length from there, and the foot stays
+TEST(Effects, ARestShapeErrorBendsAHeldBodyFromWhereItIsHeld) {
+  const std::vector<Vec3> straight = with_effects(pulled_solid({}, 0)).soft_bodies[0].mesh.points;
+  const std::vector<Vec3> bent =
+      with_effects(pulled_solid({{"rest_shape_error", "solid", {2, -1}}}, 0)).soft_bodies[0].mesh.points;
+  EXPECT_TRUE(bent[3].isApprox(straight[3] + Vec3(2, -1, 0) * (0.05 * 0.05 / 2), 1e-12));
+  for (const std::size_t foot : {0, 1, 2}) EXPECT_EQ(bent[foot], straight[foot]);
 }
 
 TEST(Effects, AViscousSolidYieldsSlowly) {

@@ -76,6 +76,23 @@ TEST(Rollout, SeveralProcessesFindTheSameBitsAsOne) {
   }
 }
 
+// It is recorded as flying along x with 1 m/s; a channel that is late by 20 ms shows it 20 mm behind, 40 times the
+// noise, from the first sample on.
+TEST(Rollout, ALateChannelSawWhatMovedBeforeTheStart) {
+  const TestFolder folder;
+  const Problem problem = thrown_block(folder);
+  Device device;
+  Predictor predictor(device, problem);
+  Variant late{problem.scene.scene, {}};
+  late.scene.gravity.setZero();
+  late.sensing.latency = {0.02};
+  const Window window = make_windows(problem, false, 0, 1).at(0);
+  const Job job{&late, &window, window.initial};
+  const Prediction prediction = predictor.predict({&job, 1}).at(0);
+  for (std::size_t i = 0; i < window.data.size(); ++i)
+    EXPECT_NEAR(prediction.residual[Eigen::Index(i)], window.data[i].component == 0 ? 40 : 0, 0.1) << i;
+}
+
 TEST(Forked, BytesComeBackAndSoDoesAReason) {
   Forked large([] { return std::vector<char>(1 << 20, 'x'); });
   Forked failing([]() -> std::vector<char> { throw Failure("the reason"); });

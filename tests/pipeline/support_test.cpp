@@ -79,5 +79,46 @@ TEST(Support, ABlockOnItsFaceIsNotTilted) {
   EXPECT_EQ(count(window, Unknown::Kind::spin), 1);
 }
 
+// A ball of 50 mm rolls along x at 1 m/s, seen 0.4 mm above or below where it touches: it starts on the floor, rolling.
+TEST(Support, ABallRollsOnTheFloorWhereverTheNoisePutsIt) {
+  double first = 0;
+  for (const double height : {0.0496, 0.0504}) {
+    const TestFolder folder;
+    folder.write("scene.yaml", R"(schema: 1
+name: roll
+time_step: 5 ms
+contact: {activation_distance: 0.1 mm, stiffness: 10 MPa}
+bodies:
+  - {name: floor, kind: half_space, normal: [0, 0, 1]}
+  - {name: ball, kind: rigid, shape: {sphere: {radius: 0.05, subdivisions: 3}}, mass: 0.4, pose: {position: [0, 0, 0.0501]}}
+)");
+    std::string run = "t,x,y,z,qx,qy,qz,qw\n";
+    for (int i = 0; i < 20; ++i) {
+      const double half = 0.5 * (20 * 0.01 * i);
+      for (const double value : {0.01 * i, 0.01 * i, 0.0, height, 0.0, std::sin(half), 0.0})
+        run += std::to_string(value) + ",";
+      run += std::to_string(std::cos(half)) + "\n";
+    }
+    folder.write("a.csv", run);
+    folder.write("recording.yaml", R"(schema: 1
+scene: scene.yaml
+runs:
+  - {file: a.csv, role: fit}
+channels:
+  - {columns: [x, y, z], kind: position, body: ball, unit: m, noise: 0.0005}
+  - {columns: [qx, qy, qz, qw], kind: orientation, body: ball, noise: 0.002}
+)");
+    const Window window = settled(make_problem(folder.path / "recording.yaml"));
+    const double z = window.initial.pose[1].translation().z();
+    if (first == 0) first = z;
+    EXPECT_NEAR(z, first, 1e-6);
+    EXPECT_NEAR(z, 0.05, 2e-4);
+    EXPECT_NEAR(window.initial.spin[1].y(), 20, 0.5);
+    EXPECT_EQ(count(window, Unknown::Kind::position), 2);
+    EXPECT_EQ(count(window, Unknown::Kind::rotation), 3);
+    EXPECT_EQ(count(window, Unknown::Kind::spin), 3);
+  }
+}
+
 }  // namespace
 }  // namespace pvg::diagnose
