@@ -25,7 +25,9 @@ bodies:
   - {name: ball, kind: rigid, shape: {sphere: {radius: 0.05, subdivisions: 1}}, mass: 0.4, pose: {position: [0, 0, 0.06]}}
   - {name: tray, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.01]}}, mass: 0.4, pose: {position: [0, 0, 0.2]}}
 )");
-  folder.write("a.csv", "t,x,y,z\n0,0,0,0.06\n0.01,0,0,0.06\n0.02,0,0,0.06\n0.03,0,0,0.06\n0.04,0,0,0.06\n");
+  std::string run = "t,x,y,z\n";
+  for (int i = 0; i < 9; ++i) run += std::to_string(0.01 * i) + ",0,0,0.06\n";
+  folder.write("a.csv", run);
   folder.write("recording.yaml", R"(schema: 1
 scene: scene.yaml
 runs:
