@@ -4,7 +4,7 @@
     scripts/hidden_suite/make_cases.py out/hidden            # all cases
     scripts/hidden_suite/make_cases.py data/hidden --quick   # the subset that the tests run
 
-The truth comes from models.py, soft_models.py and camera_models.py (no line shared with the simulator). An effect's strength is
+The truth comes from the models beside this script (no line shared with the simulator). An effect's strength is
 set so that what it changes over the fitted runs, beyond what other starts would, is 3, 10 or 30 times the sensor's
 noise (root mean square). The sensor adds white noise, jitter of the clock and dropouts. Same seed, same files.
 """
@@ -20,15 +20,19 @@ import numpy as np
 
 import models
 import soft_models
+from beam_experiments import BENT, beam_experiments
 from camera_experiments import CAMERA, camera_experiments
+from contact_experiments import CONTACT, contact_experiments
 from experiments import RIGID, experiments
+from sensor_experiments import SENSOR, sensor_experiments
 from soft_experiments import SOFT, soft_experiments
+from touch_experiments import TOUCH, touch_experiments
 
 JITTER, DROPOUTS = 3e-5, 0.01  # of the samples' times [s], share of samples that are missing
 STRENGTHS = (3, 10, 30)
 # by how much a number may be wrong before anyone would see it; an effect that stays weaker than wanted is left out
 MOST = {"retune_gravity": 0.3, "length_scale": 0.1, "clock_rate": 0.02, "gravity_tilt": 0.15, "lens_distortion": 0.25,
-        "clock_offset": 0.05}
+        "clock_offset": 0.05, "latency": 0.1, "frame_misalignment": 0.3, "marker_offset": 0.1}
 
 # effects that are the same to first order in their strength, and by which parameter the other one does it: where the
 # best such value leaves less than TOLD sigma of all fitted samples together, no data of the experiment can tell
@@ -68,17 +72,23 @@ def scaled(effects, by, nominal):
     return out
 
 
+def weights(experiment):
+    """Of the columns, by their noise; the noisiest has 1."""
+    return experiment.noise / np.max(experiment.noise)
+
+
 def prepare_changes(experiment):
     """What change_of compares with: the fitted runs without any effect, and how they answer to their starts."""
     experiment.unchanged = []
+    weight = weights(experiment)
     for run in (run for run in experiment.runs if run[3] == "fit"):
         times = np.arange(0, run[1], 0.05)
-        before = sense(experiment, run, {}, times)
+        before = sense(experiment, run, {}, times) / weight
         answers = []
         for k in range(len(run[0])):
             start = list(run[0])
             start[k] += 1e-4
-            answers.append(((sense(experiment, (start, *run[1:]), {}, times) - before) / 1e-4).ravel())
+            answers.append(((sense(experiment, (start, *run[1:]), {}, times) / weight - before) / 1e-4).ravel())
         of_start = np.array(answers).reshape(len(answers), before.size).T
         experiment.unchanged.append((run, times, before, np.linalg.qr(of_start)[0]))
 
@@ -90,9 +100,9 @@ def change_of(experiment, effects):
         prepare_changes(experiment)
     squares = []
     for run, times, before, of_start in experiment.unchanged:
-        change = (sense(experiment, run, effects, times) - before).ravel()
+        change = (sense(experiment, run, effects, times) / weights(experiment) - before).ravel()
         squares.append(((change - of_start @ (of_start.T @ change)) ** 2).mean())
-    return np.sqrt(np.mean(squares)) / experiment.noise
+    return np.sqrt(np.mean(squares)) / np.max(experiment.noise)
 
 
 def look_alikes(experiment, effects):
@@ -156,11 +166,14 @@ def samples_of(experiment, run, effects, times, rng):
     """What a table holds of its sensors [n_times, n_columns]."""
     true_times = np.maximum(times + rng.normal(0, JITTER, len(times)), 0)
     seen = sense(experiment, run, effects, np.maximum.accumulate(true_times))
-    return seen + rng.normal(0, experiment.noise, seen.shape)
+    noise = rng.normal(0, experiment.noise, seen.shape)
+    return experiment.model.table(seen, noise) if hasattr(experiment.model, "table") else seen + noise
 
 
 def unit_of(target):
-    of, quantity = target.split("/")[0], target.split("/")[2]
+    of, name, quantity = target.split("/")
+    if name == "guide":  # a joint that slides
+        return "N" if quantity == "torque" else "m"
     return "m" if of == "body" else "N m" if quantity == "torque" else "rad"
 
 
@@ -225,8 +238,11 @@ def main():
     parser.add_argument("--nulls", type=int, default=38, help="cases without any effect, per experiment")
     parser.add_argument("--seed", type=int, default=7, help="of all noise")
     options = parser.parse_args()
-    everything = {**experiments(), **soft_experiments(), **camera_experiments()}
-    listed = itertools.chain(cases(everything, RIGID), cases(everything, SOFT), cases(everything, CAMERA))
+    everything = {}
+    for some in (experiments, soft_experiments, camera_experiments, sensor_experiments, contact_experiments, touch_experiments, beam_experiments):
+        everything |= some()
+    # in this order: a case's place in it is its seed
+    listed = itertools.chain.from_iterable(cases(everything, lists) for lists in (RIGID, SOFT, CAMERA, SENSOR, CONTACT, TOUCH, BENT))
     for number, (name, experiment, effects, nominal, wanted, kind, named) in enumerate(listed):
         if not name.startswith(options.only) or (options.quick and name not in QUICK):
             continue

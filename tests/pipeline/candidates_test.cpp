@@ -26,7 +26,7 @@ bodies:
   - {name: tray, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.01]}}, mass: 0.4, pose: {position: [0, 0, 0.2]}}
 )");
   std::string run = "t,x,y,z\n";
-  for (int i = 0; i < 9; ++i) run += std::to_string(0.01 * i) + ",0,0,0.06\n";
+  for (int i = 0; i < 9; ++i) run += std::to_string(0.01 * i) + "," + std::to_string(0.01 * i) + ",0,0.06\n";
   folder.write("a.csv", run);
   folder.write("recording.yaml", R"(schema: 1
 scene: scene.yaml
