@@ -12,8 +12,8 @@ duration: 0.8 s
 bodies:
   - {name: ball, kind: rigid, shape: {sphere: {radius: 0.05, subdivisions: 2}}, mass: 0.2, inertia: [2e-4, 2e-4, 2e-4], collides: false}
 """
-BOWL = """schema: 1
-name: bowl
+ROLL = """schema: 1
+name: roll
 time_step: 2 ms
 duration: 1 s
 solver: {integrator: bdf2}
@@ -39,8 +39,8 @@ def contact_experiments():
             [f"{{columns: [x, y, z], kind: position, body: ball, unit: m, noise: {PLACE}}}",
              f"{{columns: [qx, qy, qz, qw], kind: orientation, body: ball, noise: {TURN}}}"],
             np.array([PLACE] * 3 + [TURN] * 3), "ball", "ball", ["free"]),
-        "bowl": Experiment(
-            "bowl", contact_models.Wheel(), BOWL,
+        "roll": Experiment(
+            "roll", contact_models.Wheel(), ROLL,
             [((0, 0.8), 0.8, None, "fit"), ((0.1, -0.5), 0.8, None, "fit"), ((-0.1, 0.65), 0.8, None, "held_out")],
             ["x"], [f"{{column: x, kind: position, body: wheel, axis: [1, 0, 0], unit: m, noise: {ALONG}}}"], ALONG,
             "wheel/floor", "wheel", ["slide", "roll", "stick"]),
@@ -52,10 +52,10 @@ CONTACT = Cases(
         ("whirl", "spin_drag", None, {"drag": 1e-4}, []),
         ("whirl", "center_of_mass_offset", None, {"x": 2e-3, "y": -1e-3, "z": 1e-3}, []),
         ("whirl", "quadratic_drag", None, {"drag": 0.01}, []),
-        ("bowl", "rolling_resistance", None, {"arm": 1e-4}, []),
-        ("bowl", "quadratic_drag", "wheel", {"drag": 0.05}, []),
+        ("roll", "rolling_resistance", None, {"arm": 1e-4}, []),
+        ("roll", "quadratic_drag", "wheel", {"drag": 0.05}, []),
     ],
-    retunes=[("bowl", "retune_friction", None, {"value": 0.03}, 0.3, [])],
-    off_library=[("bowl", "felt", {"arm": 1e-3})],
+    retunes=[("roll", "retune_friction", None, {"value": 0.03}, 0.3, [])],
+    off_library=[("roll", "felt", {"arm": 1e-3})],
     pairs=[],
 )

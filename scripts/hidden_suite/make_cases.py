@@ -42,10 +42,9 @@ LIMITS = {"yield_strain"}  # parameters that do more where they are smaller
 GAINS = {"actuator_gain", "exposure"}  # 1 without effect
 
 MEASUREMENT = {"bias", "clock_rate", "length_scale"}
-QUICK = {"pendulum_joint_viscous_friction_10x", "pendulum_joint_coulomb_friction_10x", "flight_quadratic_drag_30x", "slide_retune_friction",
-         "driven_actuator_delay_10x", "driven_backlash_30x", "driven_retune_drive_stiffness", "pendulum_null_0", "flight_null_0", "pendulum_magnet",
-         "hanging_strain_stiffening_10x", "swing_null_0", "masks_null_0", "video_vignetting_10x",
-         "flight_linear_drag_and_gravity_tilt"}
+QUICK = {"pendulum_joint_coulomb_friction_10x", "pendulum_magnet", "flight_quadratic_drag_30x", "flight_linear_drag_and_gravity_tilt", "flight_null_0",
+         "slide_retune_friction", "driven_backlash_30x", "hanging_strain_stiffening_10x", "swing_null_0", "masks_null_0", "video_vignetting_10x",
+         "tracked_latency_10x"}
 
 
 def sense(experiment, run, effects, times):
