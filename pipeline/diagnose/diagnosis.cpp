@@ -244,7 +244,8 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     if (settings.decide == Decide::workflow)
       is_proved = is_proved && is_judged && out.gap_closed >= LEAST_GAP_CLOSED && out.after < out.before;
     out.verdict = is_proved ? verdict_of(out.effects) : Verdict::none;
-    if (out.verdict == Verdict::none && settings.decide == Decide::workflow && flow.has_time("a law without a name")) {
+    if (out.verdict == Verdict::none && is_judged && settings.decide == Decide::workflow &&
+        flow.has_time("a law without a name")) {
       flow.tell(6, 0.6, "none of the known effects: looking for a law of the motion");
       out.regressed = regress(flow, chosen);
     }
