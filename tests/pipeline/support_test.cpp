@@ -95,7 +95,8 @@ bodies:
 )");
     std::string run = "t,x,y,z,qx,qy,qz,qw\n";
     for (int i = 0; i < 20; ++i) {
-      const double half = 0.5 * (20 * 0.01 * i), c = std::sqrt(0.5);  // about y, after a quarter of a turn about x
+      // about y, after a quarter of a turn about x; half a side on, it lies on one of its sides
+      const double half = 0.5 * (20 * 0.01 * i + EIGEN_PI / 64), c = std::sqrt(0.5);
       run += std::to_string(0.01 * i);
       for (const double value :
            {0.01 * i, 0.0, height, std::cos(half) * c, std::sin(half) * c, -std::sin(half) * c, std::cos(half) * c})
