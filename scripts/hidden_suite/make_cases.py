@@ -32,7 +32,7 @@ JITTER, DROPOUTS = 3e-5, 0.01  # of the samples' times [s], share of samples tha
 STRENGTHS = (3, 10, 30)
 # by how much a number may be wrong before anyone would see it; an effect that stays weaker than wanted is left out
 MOST = {"retune_gravity": 0.3, "length_scale": 0.1, "clock_rate": 0.02, "gravity_tilt": 0.15, "lens_distortion": 0.25,
-        "clock_offset": 0.05, "latency": 0.1, "frame_misalignment": 0.3, "marker_offset": 0.1}
+        "clock_offset": 0.05, "retune_friction": 0.25, "latency": 0.1, "frame_misalignment": 0.3, "marker_offset": 0.1}
 
 # effects that are the same to first order in their strength, and by which parameter the other one does it: where the
 # best such value leaves less than TOLD sigma of all fitted samples together, no data of the experiment can tell
@@ -246,7 +246,7 @@ def main():
         if not name.startswith(options.only) or (options.quick and name not in QUICK):
             continue
         found, strength = at_strength(experiment, effects, nominal, wanted)
-        if kind == "single" and strength < 0.8 * wanted:
+        if kind == "single" and strength < 0.8 * wanted or kind == "retune" and strength < STRENGTHS[0]:
             print(name, "is left out: at most", round(strength, 1), "times the noise", flush=True)
             continue
         truth = {"kind": kind, "strength": wanted if strength > 0.8 * wanted else round(strength, 1), "source": "independent"}
