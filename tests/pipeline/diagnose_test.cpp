@@ -219,13 +219,19 @@ TEST(Candidates, OfAJointThatSlidesHaveUnitsOfForcesAndLengths) {
   const TestFolder folder;
   const Problem problem = make_problem(chain(folder, BOTH));
   std::map<std::string, std::string> units;
-  for (const Candidate& candidate : make_candidates(problem, {})) {
-    for (const Parameter& p : candidate.parameters) units[candidate.label() + " " + p.name] = p.unit;
-  }
+  std::map<std::string, double> believed;
+  for (const Candidate& candidate : make_candidates(problem, {}))
+    for (const Parameter& p : candidate.parameters) {
+      units[candidate.label() + " " + p.name] = p.unit;
+      believed[candidate.label() + " " + p.name] = p.believed;
+    }
   EXPECT_EQ(units["joint_viscous_friction at hinge damping"], "N m s/rad");
   EXPECT_EQ(units["joint_viscous_friction at rail damping"], "N s/m");
   EXPECT_EQ(units["joint_spring at rail stiffness"], "N/m");
   EXPECT_EQ(units["joint_spring at rail preload"], "N");
+  const RigidBody& slider = problem.scene.scene.rigid_bodies[std::size_t(problem.scene.scene.joints[1].child)];
+  EXPECT_DOUBLE_EQ(believed["joint_spring at rail preload"], 9.81 * slider.mass);  // its weight
+  EXPECT_EQ(believed["joint_spring at hinge preload"], 0);                         // nothing is known
   EXPECT_EQ(units["joint_stribeck_friction at rail stribeck_velocity"], "m/s");
 }
 
