@@ -1,5 +1,5 @@
 // A recording: what was commanded and measured in some runs of an experiment, and the scene that claims to explain it.
-// recording.yaml, schema 1; docs/discovery.md says how to write one:
+// recording.yaml, schema 1; docs/guide/measurements.md says how to write one:
 //
 //   scene: scene.yaml
 //   runs:

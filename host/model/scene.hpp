@@ -167,7 +167,7 @@ constexpr std::array<const char*, 4> PRECONDITIONER_NAMES = {"automatic", "facto
 
 // ---- what is seen -----------------------------------------------------------------------------------------------
 
-// docs/rendering.md says what each kind is. Indices of textures are -1: none.
+// docs/guide/pictures.md says what each kind is. Indices of textures are -1: none.
 struct VisualMaterial {
   enum class Kind { diffuse, conductor, dielectric, emissive, shadow_receiver, metallic_roughness, cloth };
   enum class AlphaMode { opaque, mask, blend };

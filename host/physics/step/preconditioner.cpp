@@ -8,7 +8,7 @@ namespace {
 constexpr u32 CLUSTER_WIDTH = 32;  // nodes of a cluster
 constexpr std::size_t MOST_LEVELS = 12;
 // Operations of a factor up to which it is the faster one on two cores: on a compact solid the turn is between 3,000
-// nodes (1e9, 0.8 times the time of Schwarz) and 12,000 (2.3e10, 1.7 times); docs/benchmarks.md.
+// nodes (1e9, 0.8 times the time of Schwarz) and 12,000 (2.3e10, 1.7 times); docs/measured/2026-11-22_bench_solver.md.
 constexpr double LARGEST_FACTOR = 5e9;
 
 using Kind = SolverSettings::Preconditioner;
