@@ -30,8 +30,10 @@ if(PVG_IO)
   pvg_library(pipeline/graph           base                                                                    )
   set(EPISODE base device geometry pictures model ${PHYSICS} render formats robot load dataset graph)
   pvg_library(pipeline/episode         ${EPISODE}                                                              )
-  pvg_library(pipeline/validation      ${EPISODE} episode                                                      )
+  pvg_library(pipeline/validation      ${EPISODE} episode identify/report                                      )
   pvg_library(pipeline/bench           ${EPISODE} episode                                                      )
-  pvg_library(pipeline/commands        ${EPISODE} episode validation bench identify/data identify/sensing
-                                       identify/candidates identify/fit identify/search identify/report        )
+  pvg_library(pipeline/command_line    base                                                                    )
+  pvg_library(pipeline/commands        ${EPISODE} episode validation bench command_line identify/data
+                                       identify/sensing identify/candidates identify/fit identify/search
+                                       identify/report                                                         )
 endif()

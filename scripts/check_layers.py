@@ -23,7 +23,7 @@ OTHERS = {  # header of another library: the folders that may include it
     "fcl/": ["host/robot"],
     "oneapi/": ["pipeline/graph"],
     "tbb/": ["pipeline/graph"],
-    "CLI/": ["pipeline/commands"],
+    "CLI/": ["pipeline/command_line"],
 }
 LARGEST_FOLDER = 40  # source files
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.M)

@@ -1,10 +1,7 @@
 #include "host/base/program_pipe.hpp"
 
 #include <fcntl.h>
-#include <signal.h>
-#include <spawn.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -17,12 +14,6 @@ namespace pvg {
 ProgramPipe::ProgramPipe(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                          Direction direction, std::string what)
     : what_(std::move(what)) {
-  std::vector<std::string> all = {program.string()};
-  all.insert(all.end(), arguments.begin(), arguments.end());
-  std::vector<char*> argv;
-  for (std::string& argument : all) argv.push_back(argument.data());
-  argv.push_back(nullptr);
-
   // Both ends close in other children. Sockets, as a write to one whose reader is gone can be made an error here and no
   // signal that ends the program.
   int data[2] = {-1, -1}, messages[2] = {-1, -1};
@@ -31,26 +22,23 @@ ProgramPipe::ProgramPipe(const std::filesystem::path& program, const std::vector
     throw Failure(what_ + ": no pipe to " + program.string() + " could be made: " + std::strerror(errno));
   }
   const bool feeds = direction == Direction::to_program;
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, data[0], feeds ? 0 : 1);
-  posix_spawn_file_actions_adddup2(&actions, messages[1], 2);
-  posix_spawn_file_actions_addopen(&actions, feeds ? 1 : 0, "/dev/null", feeds ? O_WRONLY : O_RDONLY, 0);
-  const int code = posix_spawn(&child_, program.c_str(), &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  close(data[0]);
-  close(messages[1]);
   data_ = data[1];
   messages_ = messages[0];
-  if (code != 0) {
-    child_ = -1;
+  try {
+    child_.emplace(program, arguments, ChildProgram::Files{feeds ? data[0] : -1, feeds ? -1 : data[0], messages[1]},
+                   ChildProgram::Signals::own);
+  } catch (const Failure& failure) {
+    close(data[0]);
+    close(messages[1]);
     end();
-    throw Failure(what_ + ": " + program.string() + " could not be started: " + std::strerror(code));
+    throw Failure(what_ + ": " + failure.what());
   }
+  close(data[0]);
+  close(messages[1]);
 }
 
 ProgramPipe::~ProgramPipe() {
-  if (child_ > 0) kill(child_, SIGKILL);
+  child_.reset();
   end();
 }
 
@@ -63,11 +51,8 @@ std::string ProgramPipe::end() {
     if (n > 0) said.append(part, std::size_t(n));
   if (messages_ >= 0) close(messages_);
   messages_ = -1;
-  int status = 0;
-  while (child_ > 0 && waitpid(child_, &status, 0) < 0 && errno == EINTR) {
-  }
-  child_ = -1;
-  has_failed_ = has_failed_ || !WIFEXITED(status) || WEXITSTATUS(status) != 0;
+  has_failed_ = has_failed_ || (child_ && child_->wait() != 0);
+  child_.reset();
   // the last line, which is where interpreters name the error
   while (!said.empty() && said.back() == '\n') said.pop_back();
   return said.substr(said.rfind('\n') + 1);

@@ -1,11 +1,12 @@
 // A program that is fed or read through a pipe. What it says on stderr becomes the error's text.
 #pragma once
-#include <sys/types.h>
-
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "host/base/child_program.hpp"
 
 namespace pvg {
 
@@ -26,7 +27,7 @@ class ProgramPipe {
   std::string end();
   std::string what_;
   int data_ = -1, messages_ = -1;  // file descriptors
-  pid_t child_ = -1;
+  std::optional<ChildProgram> child_;
   bool has_failed_ = false;
 };
 

@@ -7,16 +7,17 @@
 #include <sstream>
 #include <utility>
 
+#include "host/base/files.hpp"
 #include "host/device/impl.hpp"
 
 namespace pvg {
 namespace {
 
 std::string read_kernel_file(const std::string& file) {
-  std::ifstream in(kernel_folder() + "/" + file);
-  if (!in)
+  const std::optional<std::string> text = read_whole_file(kernel_folder() + "/" + file);
+  if (!text)
     throw DeviceError("kernel file " + file + " is missing in " + kernel_folder() + "; set PVG_KERNELS or reinstall");
-  return {std::istreambuf_iterator<char>(in), {}};
+  return *text;
 }
 
 void expand(const std::string& name, const std::string& text, std::ostream& out, int depth = 0) {

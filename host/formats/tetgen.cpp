@@ -1,8 +1,6 @@
 #include "host/formats/tetgen.hpp"
 
 #include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -10,13 +8,13 @@
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
+#include <optional>
 #include <sstream>
 
+#include "host/base/child_program.hpp"
 #include "host/base/error.hpp"
 #include "host/geometry/mesh_checks.hpp"
 #include "host/geometry/tet_mesh.hpp"
-
-extern char** environ;
 
 namespace pvg {
 namespace {
@@ -65,23 +63,18 @@ std::string switches(const TetgenOptions& options) {
 
 // Runs the program with its words in `log`; its exit code, or -1 where a signal ended it.
 int run_tetgen(const std::string& options, const fs::path& input, const fs::path& log) {
-  std::string words[3] = {"tetgen", options, input.string()};
-  char* arguments[4] = {words[0].data(), words[1].data(), words[2].data(), nullptr};
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  pid_t process = 0;
-  const int code = posix_spawnp(&process, "tetgen", &actions, nullptr, arguments, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (code != 0) {
+  const int file = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  std::optional<ChildProgram> program;
+  try {
+    program.emplace("tetgen", std::vector<std::string>{options, input.string()}, ChildProgram::Files{-1, file, file},
+                    ChildProgram::Signals::shared);
+  } catch (const Failure& failure) {
+    close(file);
     throw Failure(std::string("The program `tetgen`, which fills soft bodies with tetrahedra, cannot be run (") +
-                  std::strerror(code) + "): install it with `apt-get install tetgen` and see that it is on the PATH.");
+                  failure.what() + "): install it with `apt-get install tetgen` and see that it is on the PATH.");
   }
-  int status = 0;
-  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  close(file);
+  return program->wait();
 }
 
 std::string last_line(const fs::path& log) {

@@ -1,4 +1,5 @@
 #include "host/render/sensor.hpp"
+#include "host/base/hash.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,17 +8,9 @@
 namespace pvg {
 namespace {
 
-// SplitMix64's finaliser (Steele, Lea & Flood 2014)
-std::uint64_t mixed(std::uint64_t z) {
-  z += 0x9e3779b97f4a7c15;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-  return z ^ (z >> 31);
-}
-
 // standard normal, of a counter (Box and Muller 1958)
 double normal_number(std::uint32_t key, std::uint64_t i) {
-  const std::uint64_t bits = mixed(mixed(key) ^ i);
+  const std::uint64_t bits = mixed_bits(mixed_bits(key) ^ i);
   const double u = (double(bits >> 32) + 1) * 0x1p-32, v = double(bits & 0xffffffffu) * 0x1p-32;
   return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
 }

@@ -1,4 +1,4 @@
-// The yardstick of the sparse factor: CHOLMOD with its own ordering, where CMake found it. One thread, but for its
+// The baseline of the sparse factor: CHOLMOD with its own ordering, where CMake found it. One thread, but for its
 // BLAS.
 #pragma once
 #include <memory>

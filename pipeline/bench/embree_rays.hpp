@@ -1,4 +1,4 @@
-// The yardstick: the same rays on the same mesh through Embree 3, where CMake found it. Threads as given; each call
+// The baseline: the same rays on the same mesh through Embree 3, where CMake found it. Threads as given; each call
 // traces all rays one by one (rtcIntersect1, rtcOccluded1).
 #pragma once
 #include <memory>

@@ -5,6 +5,7 @@
 #include <ctime>
 #include <functional>
 
+#include "host/base/statistics.hpp"
 #include "host/physics/contact/contact.hpp"
 #include "host/physics/linear/conjugate_gradients.hpp"
 #include "host/physics/step/potential.hpp"
@@ -34,10 +35,6 @@ Seconds time_of(Device& device, std::size_t repeats, const std::function<void()>
     wall.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     cpu.push_back(double(std::clock() - cpu_begin) / CLOCKS_PER_SEC);
   }
-  const auto median = [](std::vector<double>& v) {
-    std::sort(v.begin(), v.end());
-    return v[v.size() / 2];
-  };
   return {median(wall), median(cpu)};
 }
 

@@ -10,6 +10,7 @@
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
+#include "host/base/hash.hpp"
 
 namespace pvg {
 namespace {
@@ -177,10 +178,8 @@ void write_set(const EpisodeSet& set) {
 }
 
 std::string fingerprint(const std::string& text) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
   char hex[24];
-  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(hash));
+  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(fnv1a(text)));
   return hex;
 }
 

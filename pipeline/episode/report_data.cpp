@@ -9,6 +9,7 @@
 #include <map>
 
 #include "host/base/error.hpp"
+#include "host/base/files.hpp"
 #include "host/formats/hdf5.hpp"
 
 namespace pvg {
@@ -177,8 +178,7 @@ Json videos(const fs::path& folder) {
   std::sort(files.begin(), files.end());
   Json list = Json::array();
   for (const fs::path& file : files) {
-    std::ifstream in(file, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    const std::string bytes = read_whole_file(file).value_or("");
     const std::span all(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
     list.push_back({{"name", file.stem().string()}, {"source", "data:video/mp4;base64," + base64(all)}});
   }

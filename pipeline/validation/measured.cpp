@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/base/statistics.hpp"
 #include "host/formats/table.hpp"
 #include "pipeline/validation/cases.hpp"
 
@@ -18,12 +19,6 @@ double mean(const std::vector<double>& values) {
   double sum = 0;
   for (const double value : values) sum += value;
   return sum / double(values.size());
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return n % 2 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
 }
 
 // What a toss was, frame by frame.

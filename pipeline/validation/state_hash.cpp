@@ -1,16 +1,10 @@
 #include "pipeline/validation/state_hash.hpp"
 
-#include <cstring>
-
 namespace pvg {
 
 void StateHash::add(const SceneState& state) {
   const auto add = [&](const double* values, std::size_t n) {
-    for (std::size_t i = 0; i < 8 * n; ++i) {
-      unsigned char byte = 0;
-      std::memcpy(&byte, reinterpret_cast<const char*>(values) + i, 1);
-      value_ = (value_ ^ byte) * 1099511628211ull;
-    }
+    value_ = fnv1a({reinterpret_cast<const char*>(values), sizeof(double) * n}, value_);
   };
   for (const AffineMap& map : state.rigid) add(map.data(), 12);
   for (const auto& points : state.soft)

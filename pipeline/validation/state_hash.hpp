@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 
+#include "host/base/hash.hpp"
 #include "host/model/state.hpp"
 
 namespace pvg {
@@ -13,7 +14,7 @@ class StateHash {
   std::uint64_t value() const { return value_; }
 
  private:
-  std::uint64_t value_ = 14695981039346656037ull;
+  std::uint64_t value_ = FNV_START;
 };
 
 }  // namespace pvg

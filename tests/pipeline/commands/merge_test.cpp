@@ -5,7 +5,7 @@
 #include <iterator>
 
 #include "host/base/error.hpp"
-#include "pipeline/commands/commands.hpp"
+#include "pipeline/command_line/program.hpp"
 #include "pipeline/episode/episode_set.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
@@ -38,11 +38,11 @@ struct Merge : testing::Test {
     return set;
   }
   void merge(const std::vector<std::string>& names, bool removes = false) {
-    MergeOptions options;
-    for (const std::string& name : names) options.folders.push_back((folder.path / name).string());
-    options.output = (folder.path / "whole").string();
-    options.removes = removes;
-    run_merge(options);
+    std::vector<std::string> words = {"merge"};
+    for (const std::string& name : names) words.push_back((folder.path / name).string());
+    words.insert(words.end(), {"-o", (folder.path / "whole").string()});
+    if (removes) words.push_back("--remove");
+    run_command_line(all_commands(), words);
   }
 };
 

@@ -6,22 +6,22 @@
 #include <iterator>
 
 #include "host/base/error.hpp"
-#include "pipeline/commands/commands.hpp"
+#include "pipeline/command_line/program.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg {
 namespace {
 
+constexpr const char* TASK = PVG_DATA_FOLDER "/tasks/weigh_beaker.yaml";
+
 struct Submit : testing::Test {
   TestFolder root;
-  SubmitOptions options;
-  Submit() {
-    options.task = PVG_DATA_FOLDER "/tasks/weigh_beaker.yaml";
-    options.folder = (root.path / "a set").string();
-    options.n_episodes = 10;
-    options.n_shards = 4;
-    options.seed = 6;
+  void submit(const std::string& task, const std::string& n_shards, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words = {"submit", task,     "-n", "10", "--shards",
+                                      n_shards, "--seed", "6",  "-o", (root.path / "a set").string()};
+    words.insert(words.end(), more.begin(), more.end());
+    run_command_line(all_commands(), words);
   }
   std::string script(const std::string& name) {
     std::ifstream in(root.path / "a set/jobs" / name);
@@ -33,10 +33,9 @@ struct Submit : testing::Test {
 };
 
 TEST_F(Submit, TheScriptsNameEverythingAndAreShellScripts) {
-  options.n_at_once = 2;
-  options.generate_options = {"--samples=64", "it's"};
-  options.sbatch_options = {"--gres=gpu:1", "--time=10"};
-  run_submit(options);
+  submit(TASK, "4",
+         {"--at-once", "2", "--generate=--samples=64", "--generate", "it's", "--sbatch=--gres=gpu:1",
+          "--sbatch=--time=10"});
   const std::string generate = script("generate.sbatch"), merge = script("merge.sbatch");
   expect_in(generate, "#SBATCH --array=0-3%2\n");
   expect_in(generate, "#SBATCH --requeue\n");
@@ -51,11 +50,8 @@ TEST_F(Submit, TheScriptsNameEverythingAndAreShellScripts) {
 }
 
 TEST_F(Submit, MoreShardsThanEpisodesAndABrokenTaskAreRefusedHere) {
-  options.n_shards = 11;
-  expect_error<UsageError>([&] { run_submit(options); }, {"--shards 11", "10"});
-  options.n_shards = 2;
-  options.task = root.write("task.yaml", "schema: 1\n").string();
-  EXPECT_THROW(run_submit(options), UsageError);
+  expect_error<UsageError>([&] { submit(TASK, "11"); }, {"--shards 11", "10"});
+  EXPECT_THROW(submit(root.write("task.yaml", "schema: 1\n").string(), "2"), UsageError);
   EXPECT_FALSE(std::filesystem::exists(root.path / "a set"));
 }
 

@@ -1,20 +1,36 @@
+// phyvisgen diagnose: where a recording and its scene disagree, and what is missing.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <thread>
 
 #include "host/base/error.hpp"
 #include "host/base/stop_signal.hpp"
 #include "host/identify/report/report.hpp"
-#include "pipeline/commands/commands.hpp"
-#include "pipeline/commands/suite.hpp"
+#include "pipeline/command_line/command.hpp"
+#include "pipeline/validation/hidden_suite.hpp"
 
 namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct DiagnoseOptions {
+  std::string recording, folder;  // folder of recording.yaml, folder of the report
+  std::string device;
+  int max_effects = 2;              // named together
+  double minutes = 10;              // after which nothing further is looked for
+  std::string decide = "workflow";  // or, to compare: retune, lowest, weak
+  bool only_checks = false;         // say what is wrong with the recording and end
+  bool lists_effects = false;       // print the names of all candidates and end
+  std::string suite;                // folder of cases instead of a recording
+  int n_jobs = 0;                   // cases at once, or processes of one; 0: one case, as many processes as cores
+  bool as_json = false;
+};
+
 constexpr unsigned MOST_PROCESSES = 16;
 
 void list_effects(bool as_json) {
@@ -68,12 +84,23 @@ void print_sizes(const diagnose::Problem& problem) {
   for (const std::string& sentence : diagnose::warnings(problem)) std::printf("  note: %s\n", sentence.c_str());
 }
 
-}  // namespace
+HiddenSuite hidden_suite(const DiagnoseOptions& options) {
+  HiddenSuite suite;
+  suite.cases = options.suite;
+  suite.reports = options.folder.empty() ? suite.cases / "reports" : fs::path(options.folder);
+  suite.options = {"--max-effects", std::to_string(options.max_effects), "--decide", options.decide,
+                   "--minutes",     std::to_string(options.minutes)};
+  if (options.n_jobs > 1) suite.options.insert(suite.options.end(), {"--jobs", "1"});
+  if (!options.device.empty()) suite.options.insert(suite.options.end(), {"--device", options.device});
+  suite.n_jobs = options.n_jobs;
+  suite.as_json = options.as_json;
+  return suite;
+}
 
 void run_diagnose(const DiagnoseOptions& options) {
   if (options.lists_effects) return list_effects(options.as_json);
   stop_on_signals();
-  if (!options.suite.empty()) return diagnose::run_suite(options);
+  if (!options.suite.empty()) return run_hidden_suite(hidden_suite(options));
   if (options.recording.empty())
     throw UsageError(
         "diagnose needs a recording: a folder with recording.yaml; `phyvisgen diagnose --help` shows an example");
@@ -96,6 +123,46 @@ void run_diagnose(const DiagnoseOptions& options) {
   diagnose::write_report(problem, found, options.folder);
   std::printf("%s\n", found.sentence.c_str());
   std::fprintf(stderr, "%s\n", (fs::path(options.folder) / "report.html").string().c_str());
+}
+
+}  // namespace
+
+void add_diagnose(CLI::App& program) {
+  CLI::App* command = program.add_subcommand(
+      "diagnose", "Find where a recording and its scene disagree, and name the effect that is missing");
+  DiagnoseOptions& o = options_of_command(*command, run_diagnose);
+  command->add_option("RECORDING", o.recording, "Folder with recording.yaml, or that file");
+  command->add_option("-o,--output", o.folder, "Folder for report.html, report.json and scene_amended.yaml");
+  command->add_option("--max-effects", o.max_effects, "Effects that may be named together")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
+  command
+      ->add_option("--minutes", o.minutes,
+                   "After so many nothing further is looked for: what was found till then is proved and reported")
+      ->check(CLI::Range(0.0, 1e4))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--decide", o.decide,
+          "How to choose; all but `workflow` are for comparison: the best existing number, the lowest training "
+          "error, sparse regression")
+      ->check(CLI::IsMember({"workflow", "retune", "lowest", "weak"}))
+      ->capture_default_str();
+  command->add_flag("--check", o.only_checks, "Say what is wrong with the recording and end");
+  command->add_flag("--list-effects", o.lists_effects, "Print all that can be named and end");
+  command->add_option("--suite", o.suite, "Folder of hidden-effect cases: diagnose all, print the table of scores");
+  command
+      ->add_option(
+          "--jobs", o.n_jobs,
+          "Processes that simulate at once, by default one per core (of a suite: cases at once, by default one)")
+      ->check(CLI::Range(1, 64));
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer(
+      "Examples:\n  phyvisgen diagnose recordings/pendulum -o out/pendulum\n"
+      "  phyvisgen diagnose recordings/pendulum -o out/pendulum --jobs 1\n"
+      "  phyvisgen diagnose recordings/pendulum --check\n  phyvisgen diagnose --list-effects --json\n"
+      "  phyvisgen diagnose --suite data/hidden -o out/hidden --jobs 2");
 }
 
 }  // namespace pvg

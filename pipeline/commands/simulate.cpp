@@ -1,3 +1,5 @@
+// phyvisgen simulate: a scene file to states.h5. Checkpoints are written to FILE.checkpoint.h5, each over the one
+// before; after a step that failed, FILE holds what there is and the checkpoint the last state that was well.
 #include <unistd.h>
 
 #include <algorithm>
@@ -7,6 +9,7 @@
 #include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "host/base/error.hpp"
 #include "host/base/progress.hpp"
@@ -16,13 +19,25 @@
 #include "host/dataset/states_file.hpp"
 #include "host/load/scene_file.hpp"
 #include "host/physics/step/separate_bodies.hpp"
-#include "pipeline/commands/commands.hpp"
+#include "pipeline/command_line/command.hpp"
 #include "pipeline/episode/disabled_pairs.hpp"
+#include "pipeline/episode/episode.hpp"
 
 namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct SimulateOptions {
+  std::string scene, file;          // scene file, states file
+  double duration = -1;             // [s]; negative: what the scene says
+  std::string resume;               // checkpoint to go on from; empty: from the start
+  double checkpoint_every = 0;      // simulated time between checkpoints [s]; 0: none
+  std::string animation;            // binary glTF to write as well; empty: none
+  double pictures_per_second = 25;  // of the animation
+  std::string device;
+  bool as_json = false, is_verbose = false;
+};
 
 struct Totals {
   std::size_t steps = 0;
@@ -121,8 +136,6 @@ void run_steps(const SimulateOptions& options, const SceneRun& run, Simulation& 
   }
 }
 
-}  // namespace
-
 void run_simulate(const SimulateOptions& options) {
   if (options.scene.empty())
     throw UsageError("simulate needs a scene file; `phyvisgen simulate --help` shows an example");
@@ -172,6 +185,34 @@ void run_simulate(const SimulateOptions& options) {
   else
     std::printf("%s: %zu steps, %.1f Newton iterations per step\n", options.file.c_str(), totals.steps,
                 double(totals.newton) / double(totals.steps));
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("simulate", "Simulate a scene file and record its states");
+  SimulateOptions& o = options_of_command(*command, run_simulate);
+  command->add_option("SCENE", o.scene, "Scene file (YAML)");
+  command->add_option("-o,--output", o.file, "States file (HDF5) to write");
+  command->add_option("--duration", o.duration, "Simulated time [s]; else what the scene says")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--resume", o.resume,
+                      "Checkpoint (HDF5) of the same scene to go on from; FILE holds what follows");
+  command
+      ->add_option("--checkpoint-every", o.checkpoint_every,
+                   "Simulated time [s] after which FILE.checkpoint.h5 is renewed; else only after a failure")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--animation", o.animation, "Animated binary glTF (.glb) to write as well, for any glTF viewer");
+  command->add_option("--pictures-per-second", o.pictures_per_second, "Of the animation; 25 unless given")
+      ->check(CLI::Range(0.01, 1000.0));
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_flag("--json", o.as_json, "Print solver statistics as JSON at the end");
+  command->add_flag("-v,--verbose", o.is_verbose, "Tell of every step: iterations, contacts, smallest gap");
+  command->footer(
+      "Examples:\n  phyvisgen simulate data/validation/pendulum.yaml -o pendulum.h5\n"
+      "  phyvisgen simulate data/validation/drape.yaml -o drape.h5 --animation drape.glb\n"
+      "  phyvisgen simulate data/scenes/two_arms.yaml -o arms.h5 --duration 0.5 --checkpoint-every 0.1\n"
+      "  phyvisgen simulate data/scenes/two_arms.yaml -o rest.h5 --resume arms.h5.checkpoint.h5");
 }
 
 }  // namespace pvg

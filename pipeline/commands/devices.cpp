@@ -1,11 +1,16 @@
+// phyvisgen devices: what OpenCL finds on this machine.
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "host/device/device.hpp"
-#include "pipeline/commands/commands.hpp"
+#include "pipeline/command_line/command.hpp"
 
 namespace pvg {
 namespace {
+
+struct DevicesOptions {
+  bool as_json = false;
+};
 
 void print_table(const std::vector<DeviceInfo>& devices) {
   for (const DeviceInfo& device : devices)
@@ -30,13 +35,20 @@ void print_json(const std::vector<DeviceInfo>& devices) {
   std::printf("%s\n", nlohmann::ordered_json{{"schema", 1}, {"devices", list}}.dump(2).c_str());
 }
 
-}  // namespace
-
 void run_devices(const DevicesOptions& options) {
   const std::vector<DeviceInfo> devices = list_devices();
   if (devices.empty())
     throw Failure("no OpenCL device was found: install a driver (Debian package pocl-opencl-icd for the CPU)");
   options.as_json ? print_json(devices) : print_table(devices);
+}
+
+}  // namespace
+
+void add_devices(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("devices", "List the OpenCL devices that --device can name");
+  DevicesOptions& o = options_of_command(*command, run_devices);
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer("Example:\n  phyvisgen devices --json");
 }
 
 }  // namespace pvg

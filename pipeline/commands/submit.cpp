@@ -1,24 +1,38 @@
+// phyvisgen submit: a Slurm array job that makes the set in shards and a job that merges them, in DIR/jobs.
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <string>
+#include <vector>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/files.hpp"
 #include "host/base/program_pipe.hpp"
 #include "host/formats/video.hpp"
 #include "host/load/task_file.hpp"
-#include "pipeline/commands/commands.hpp"
-#include "pipeline/commands/data_folder.hpp"
+#include "pipeline/command_line/command.hpp"
+#include "pipeline/command_line/data_folder.hpp"
 
 namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
 
+struct SubmitOptions {
+  std::string task, folder;  // task file, folder of the set
+  std::uint64_t n_episodes = 1, n_shards = 1, seed = 0;
+  std::uint64_t n_at_once = 0;                                // shards that run at a time; 0: all
+  std::vector<std::string> generate_options, sbatch_options;  // for generate; lines for Slurm, such as --partition=gpu
+  bool runs = false;                                          // submit, not only write
+};
+
 std::string text_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw Failure(path.string() + " could not be read; is the installation complete?");
-  return {std::istreambuf_iterator<char>(in), {}};
+  const std::optional<std::string> text = read_whole_file(path);
+  if (!text) throw Failure(path.string() + " could not be read; is the installation complete?");
+  return *text;
 }
 
 // In single quotes, as a shell takes every character for itself.
@@ -51,8 +65,6 @@ std::string submit(const fs::path& sbatch, const std::vector<std::string>& argum
   pipe.finish();
   return said.substr(0, said.find_first_of(";\n"));
 }
-
-}  // namespace
 
 void run_submit(const SubmitOptions& options) {
   if (options.task.empty()) throw UsageError("submit needs a task file; `phyvisgen submit --help` shows an example");
@@ -95,6 +107,34 @@ void run_submit(const SubmitOptions& options) {
   const std::string merge = submit(sbatch, {"--dependency=afterany:" + array, (jobs / "merge.sbatch").string()});
   std::printf("%s: array job %s of %llu shards, merge job %s; `phyvisgen status %s` once it has run\n", folder.c_str(),
               array.c_str(), static_cast<unsigned long long>(options.n_shards), merge.c_str(), folder.c_str());
+}
+
+}  // namespace
+
+void add_submit(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("submit", "Make an episode set on a Slurm cluster: array job and merge job");
+  SubmitOptions& o = options_of_command(*command, run_submit);
+  command->add_option("TASK", o.task, "Task file (YAML)");
+  command->add_option("-n,--episodes", o.n_episodes, "How many episodes the set has")->check(CLI::PositiveNumber);
+  command->add_option("--shards", o.n_shards, "Into how many jobs it is split")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--at-once", o.n_at_once, "How many of them run at a time; else all");
+  command->add_option("--seed", o.seed, "Seed of the set")->capture_default_str();
+  command->add_option("-o,--output", o.folder,
+                      "Folder of the set, which all nodes see; scripts and logs lie in its jobs");
+  command
+      ->add_option("--sbatch", o.sbatch_options, "A line for Slurm, such as --partition=gpu; may stand several times")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--generate", o.generate_options,
+                   "An option for generate, such as --samples=64; may stand several times")
+      ->allow_extra_args(false);
+  command->add_flag("--run", o.runs, "Submit the jobs; else they are only written");
+  command->footer(
+      "Example:\n  phyvisgen submit data/tasks/weigh_beaker.yaml -n 10000 --shards 100 --sbatch=--gres=gpu:1 \\\n"
+      "      --sbatch=--time=12:00:00 -o /shared/beaker --run");
 }
 
 }  // namespace pvg

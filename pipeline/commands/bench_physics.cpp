@@ -1,15 +1,27 @@
+// phyvisgen bench physics: what a step costs on named scenes.
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "host/base/error.hpp"
 #include "host/base/stop_signal.hpp"
 #include "pipeline/bench/physics.hpp"
-#include "pipeline/commands/commands.hpp"
-#include "pipeline/commands/data_folder.hpp"
+#include "pipeline/command_line/command.hpp"
+#include "pipeline/command_line/data_folder.hpp"
 
 namespace pvg {
 namespace {
+
+struct BenchPhysicsOptions {
+  std::vector<std::string> scenes;  // names; empty: all
+  std::string device;
+  std::size_t repeats = 3;
+  bool as_json = false;
+  bool lists = false;          // print the names and nothing else
+  std::string preconditioner;  // instead of the scenes' own; empty: those
+};
 
 nlohmann::ordered_json json_of(const PhysicsFigures& figures) {
   nlohmann::ordered_json phases;
@@ -49,8 +61,6 @@ void print_row(const PhysicsFigures& f) {
   std::fflush(stdout);
 }
 
-}  // namespace
-
 void run_bench_physics(const BenchPhysicsOptions& options) {
   const std::vector<PhysicsBenchmark> benchmarks = physics_benchmarks(options.scenes);
   if (options.lists) {
@@ -74,6 +84,25 @@ void run_bench_physics(const BenchPhysicsOptions& options) {
       print_row(figures);
   }
   if (options.as_json) std::printf("%s\n", out.dump(2).c_str());
+}
+
+}  // namespace
+
+void add_bench_physics(CLI::App& program) {
+  CLI::App* command = command_group(program, "bench").add_subcommand("physics", "Time the simulator on named scenes");
+  BenchPhysicsOptions& o = options_of_command(*command, run_bench_physics);
+  command->add_option("--scene", o.scenes, "Only this scene; may stand several times")->allow_extra_args(false);
+  command->add_option("--repeats", o.repeats, "Runs of each scene; the median is printed")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_option("--preconditioner", o.preconditioner, "Instead of what the scenes say")
+      ->check(CLI::IsMember({"automatic", "factor", "schwarz", "block_jacobi"}));
+  command->add_flag("--list", o.lists, "Print the names of the scenes and end");
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer(
+      "Examples:\n  phyvisgen bench physics --scene mat_twist --scene towel --repeats 1\n"
+      "  phyvisgen bench physics --scene block_64k --preconditioner schwarz");
 }
 
 }  // namespace pvg

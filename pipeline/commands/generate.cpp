@@ -1,18 +1,23 @@
+// phyvisgen generate: episodes of a task, simulated, rendered and recorded into a folder.
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <string>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/files.hpp"
 #include "host/base/progress.hpp"
 #include "host/base/stop_signal.hpp"
 #include "host/device/choose_device.hpp"
 #include "host/formats/video.hpp"
 #include "host/load/task_file.hpp"
-#include "pipeline/commands/commands.hpp"
+#include "pipeline/command_line/command.hpp"
 #include "pipeline/episode/episode.hpp"
 #include "pipeline/episode/episode_set.hpp"
 #include "pipeline/episode/motion_plan.hpp"
@@ -21,6 +26,22 @@ namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct GenerateOptions {
+  std::string task, folder;  // task file, folder of the set
+  std::uint64_t n_episodes = 1, seed = 0;
+  std::string shard = "0/1";  // i/n: every n-th episode, from the i-th on
+  std::string device;         // as for Device; empty: the best
+  std::string render_device;  // empty: a second GPU of the same kind, where neither is named, else `device`
+  PictureOverrides pictures;
+  std::size_t frames_under_way = 3;  // bound of the stage graph
+  bool no_render = false;            // states only
+  bool keep_failed = false;          // keep the record of failed episodes
+  bool retries_failed = false;       // make failed episodes again
+  bool as_json = false, is_verbose = false;
+  bool shows_graph = false;  // print the graph and nothing else
+  bool is_rigid = false;     // fingers that do not bend
+};
 
 constexpr const char* STOPPED = "stopped; the episodes that were finished stay, the same command continues";
 
@@ -41,11 +62,6 @@ Shard parse_shard(const std::string& text) {
   return shard;
 }
 
-std::string text_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 EpisodeSet open_set(const GenerateOptions& options, const Task& task, const Device& physics, const Device& rendering) {
   make_writable_folder(options.folder);
   remove_leftovers(options.folder);
@@ -56,9 +72,10 @@ EpisodeSet open_set(const GenerateOptions& options, const Task& task, const Devi
   set.seed = options.seed;
   set.n_asked = options.n_episodes;
   const PictureOverrides& p = options.pictures;
-  set.configuration = fingerprint(text_of(task.file) + "\n" + std::to_string(p.width) + " " + std::to_string(p.height) +
-                                  " " + std::to_string(p.samples) + " " + std::to_string(p.frames_per_second) + " " +
-                                  std::to_string(options.no_render) + (options.is_rigid ? " rigid" : ""));
+  set.configuration = fingerprint(read_whole_file(task.file).value_or("") + "\n" + std::to_string(p.width) + " " +
+                                  std::to_string(p.height) + " " + std::to_string(p.samples) + " " +
+                                  std::to_string(p.frames_per_second) + " " + std::to_string(options.no_render) +
+                                  (options.is_rigid ? " rigid" : ""));
   set.versions = versions(physics, rendering);
   join_set(set);
   write_set(set);
@@ -124,8 +141,6 @@ bool make_episode(const GenerateOptions& options, const Task& task, const Episod
   return report.has_succeeded;
 }
 
-}  // namespace
-
 void run_generate(const GenerateOptions& options) {
   if (options.shows_graph) {
     std::printf("%s", draw(episode_table()).c_str());
@@ -189,6 +204,45 @@ void run_generate(const GenerateOptions& options) {
     throw Failure(std::to_string(reasons.size()) + " of " + std::to_string(reasons.size() + progress.done) +
                   " episodes failed, the first: " + reasons.front() + "; " + (set.folder / "set.json").string() +
                   " names all");
+}
+
+}  // namespace
+
+void add_generate(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("generate", "Simulate, render and record episodes of a task");
+  GenerateOptions& o = options_of_command(*command, run_generate);
+  command->add_option("TASK", o.task, "Task file (YAML)");
+  command->add_option("-n,--episodes", o.n_episodes, "How many episodes the set has")->capture_default_str();
+  command->add_option("--seed", o.seed, "Seed of the set; an episode depends on it and on its number alone")
+      ->capture_default_str();
+  command->add_option("--shard", o.shard, "i/n: make every n-th episode, from the i-th on")->capture_default_str();
+  command->add_option("-o,--output", o.folder, "Folder of the set; finished episodes in it are skipped");
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_option("--render-device", o.render_device,
+                      "The one that renders, if another; where neither is named: a second GPU of the same kind");
+  command->add_option("--width", o.pictures.width, "Width of all pictures [pixels]")->check(CLI::Range(2, 16384));
+  command->add_option("--height", o.pictures.height, "Height of all pictures [pixels]")->check(CLI::Range(2, 16384));
+  command->add_option("--samples", o.pictures.samples, "Paths per pixel")->check(CLI::Range(1, 1 << 20));
+  command->add_option("--fps", o.pictures.frames_per_second, "Frames per second of motion")->check(CLI::PositiveNumber);
+  command->add_option("--frames-under-way", o.frames_under_way, "Frames in the stage graph at once")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->add_flag("--no-render", o.no_render, "Simulate and record states only");
+  command->add_flag("--keep-failed", o.keep_failed, "Keep the record of failed episodes in DIR/failed");
+  command->add_flag("--retry-failed", o.retries_failed,
+                    "Make episodes again that failed before; they fail again unless the program has changed");
+  command
+      ->add_option_function<std::string>(
+          "--gripper", [&o](const std::string& kind) { o.is_rigid = kind == "rigid"; },
+          "soft, or rigid: the same fingers without bending, for comparison")
+      ->check(CLI::IsMember({"soft", "rigid"}));
+  command->add_flag("--graph", o.shows_graph, "Print the graph of the stages (mermaid) and end");
+  command->add_flag("--json", o.as_json, "Print the state of the set as JSON at the end");
+  command->add_flag("-v,--verbose", o.is_verbose, "Explain: meshes, solver, time per stage");
+  command->footer(
+      "Exit codes: 0 done, 1 failed, 2 wrong use, 75 stopped before the end: call again to continue.\n"
+      "Example:\n  phyvisgen generate data/tasks/weigh_beaker.yaml --episodes 10 --seed 1 -o out/beaker -v\n"
+      "  phyvisgen generate data/tasks/weigh_beaker.yaml --device 0 --render-device 1 -o out/beaker");
 }
 
 }  // namespace pvg

@@ -1,11 +1,15 @@
+// phyvisgen render: pictures of a scene, or of a recorded motion.
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
@@ -18,7 +22,7 @@
 #include "host/load/overview.hpp"
 #include "host/load/task_file.hpp"
 #include "host/render/renderer.hpp"
-#include "pipeline/commands/commands.hpp"
+#include "pipeline/command_line/command.hpp"
 #include "pipeline/episode/scene_gltf.hpp"
 #include "pipeline/episode/shown_scene.hpp"
 
@@ -26,6 +30,25 @@ namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct RenderOptions {
+  std::string scene, states;         // scene or task file, states file; empty: the start
+  std::string output;                // folder, or FILE.png, .exr, .mp4; may be empty where a glTF is written
+  std::string gltf;                  // .glb to write as well: the scene as the first frame shows it
+  std::vector<std::string> cameras;  // names; empty: all
+  std::string frames;                // A:B; empty: all
+  double frames_per_second = 0;      // of states without pictures, and of videos; 0: what the file says
+  int width = 0, height = 0;         // [pixels]; 0: what the file says
+  int samples = 0, max_depth = 0;    // 0: what the file says
+  bool caustics = false;             // glass blocks shadow rays; what it bends of a lamp's light falls on matte things
+  std::uint64_t seed = 0;
+  std::string lut;                   // .csv of calibrate lut; empty: what the file says
+  bool writes_ground_truth = false;  // CAMERA_truth.h5 beside the pictures
+  bool sees_through_glass = false;   // ground truth: of what is behind glass
+  bool denoises = false;
+  std::string device;
+  bool is_verbose = false;
+};
 
 constexpr double FRAMES_PER_SECOND = 25;  // of scenes; tasks say theirs
 
@@ -234,8 +257,6 @@ void render_frames(const RenderOptions& options, const ShownScene& shown, const 
   for (const auto& truth : truths) truth->finish();
 }
 
-}  // namespace
-
 void run_render(const RenderOptions& options) {
   check_options(options);
   if (!options.output.empty()) target_of(options.output);
@@ -251,6 +272,45 @@ void run_render(const RenderOptions& options) {
   const FrameRange range = parse_frames(options.frames, frames.size());
   if (!options.gltf.empty()) write_scene_gltf(options.gltf, shown.scene, frames.state(range.begin));
   if (!options.output.empty()) render_frames(options, shown, frames, range, rate);
+}
+
+}  // namespace
+
+void add_render(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("render", "Picture a scene, or a motion that simulate or generate recorded");
+  RenderOptions& o = options_of_command(*command, run_render);
+  command->add_option("SCENE", o.scene, "Scene or task file (YAML), or a glTF file (.glb, .gltf)");
+  command->add_option("--states", o.states, "States file (HDF5) of that scene or task; else the start is shown");
+  command->add_option("-o,--output", o.output,
+                      "FILE.png, .jpg or .exr (linear), FILE.mp4, or a folder for one picture per camera and frame");
+  command->add_option("--frames", o.frames, "A:B, the frames A to B - 1; or one frame");
+  command->add_option("--camera", o.cameras, "Only this camera; may stand several times")->allow_extra_args(false);
+  command->add_option("--samples", o.samples, "Paths per pixel; else what the file says")->check(CLI::Range(1, 65536));
+  command->add_flag("--caustics", o.caustics,
+                    "Light of lamps that glass bends onto matte things, instead of straight tinted shadows; noisier");
+  command->add_option("--max-depth", o.max_depth, "Bounces; else what the file says")->check(CLI::Range(1, 1000));
+  command->add_option("--width", o.width, "Of all pictures [pixels]; the field of view stays")
+      ->check(CLI::Range(2, 16384));
+  command->add_option("--height", o.height, "Of all pictures [pixels]")->check(CLI::Range(2, 16384));
+  command->add_option("--fps", o.frames_per_second, "Pictures per second of motion")->check(CLI::Range(0.01, 1000.0));
+  command->add_option("--seed", o.seed, "Of the pictures' noise");
+  command->add_option("--lut", o.lut, "Lookup table of `calibrate lut` (.csv); else what the file says");
+  command->add_flag("--denoise", o.denoises, "Filter the noise of few samples, for previews");
+  command->add_flag("--ground-truth", o.writes_ground_truth,
+                    "Write CAMERA_truth.h5 as well: depth, normals, instances, parts, flow, boxes, poses");
+  command->add_flag("--through-glass", o.sees_through_glass, "Ground truth of what is behind glass, not of the glass");
+  command->add_option("--export", o.gltf,
+                      "Write the first frame's scene as binary glTF (.glb), for Blender and others");
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_flag("-v,--verbose", o.is_verbose, "Tell of every picture: rays, time, dropped samples");
+  command->footer(
+      "Examples:\n  phyvisgen render data/scenes/beaker_on_scale.yaml -o beaker.png --samples 64\n"
+      "  phyvisgen render data/scenes/cornell_glass.yaml -o cornell.exr --samples 1024 --caustics\n"
+      "  phyvisgen render model.glb -o model.png\n"
+      "  phyvisgen render data/validation/drape.yaml --states drape.h5 -o drape.mp4 --fps 25\n"
+      "  phyvisgen render data/tasks/weigh_beaker.yaml --states out/beaker/episode_000000/states.h5 --camera wrist \\\n"
+      "      --frames 10:12 -o wrist");
 }
 
 }  // namespace pvg

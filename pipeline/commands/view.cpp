@@ -1,11 +1,16 @@
+// phyvisgen view: one HTML page that needs nothing else, of a set or of an episode.
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <string>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/files.hpp"
 #include "host/base/progress.hpp"
-#include "pipeline/commands/commands.hpp"
-#include "pipeline/commands/data_folder.hpp"
+#include "pipeline/command_line/command.hpp"
+#include "pipeline/command_line/data_folder.hpp"
 #include "pipeline/episode/episode_set.hpp"
 #include "pipeline/episode/report_data.hpp"
 
@@ -15,12 +20,17 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+struct ViewOptions {
+  std::string folder, output;    // of a set or of an episode, HTML file
+  std::uint64_t n_episodes = 6;  // of a set, shown with videos and motion; all others stand in the table
+};
+
 constexpr const char* THREE = "/usr/share/javascript/three";  // of the Debian package libjs-three
 
 std::string text_of(const fs::path& path, const std::string& remedy) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw UsageError(path.string() + " could not be read: " + remedy);
-  return {std::istreambuf_iterator<char>(in), {}};
+  const std::optional<std::string> text = read_whole_file(path);
+  if (!text) throw UsageError(path.string() + " could not be read: " + remedy);
+  return *text;
 }
 
 // Inside <script> only "</" could end it.
@@ -49,8 +59,6 @@ Json set_report(const fs::path& folder, std::uint64_t n_whole) {
   return {{"status", Json::parse(status_json(set))}, {"episodes", episodes}};
 }
 
-}  // namespace
-
 void run_view(const ViewOptions& options) {
   if (options.folder.empty()) throw UsageError("view needs the folder of a set or an episode; `phyvisgen view --help`");
   if (options.output.empty()) throw UsageError("view needs a page to write: -o FILE.html");
@@ -73,6 +81,19 @@ void run_view(const ViewOptions& options) {
   make_writable_folder(output.parent_path());
   write_text_atomically(output, page);
   std::printf("%s: %.1f MB\n", options.output.c_str(), double(page.size()) / 1e6);
+}
+
+}  // namespace
+
+void add_view(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("view", "One HTML page of an episode or a set: videos, curves, 3D");
+  ViewOptions& o = options_of_command(*command, run_view);
+  command->add_option("DIR", o.folder, "Folder of a set or of an episode");
+  command->add_option("-o,--output", o.output, "Page to write (.html); it needs no other file");
+  command->add_option("-n,--episodes", o.n_episodes, "So many episodes of a set with videos and 3D")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  command->footer("Example:\n  phyvisgen view out/beaker -o beaker.html");
 }
 
 }  // namespace pvg

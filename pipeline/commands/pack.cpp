@@ -1,16 +1,17 @@
+// phyvisgen pack: the finished episodes of a set as a data set that imitation learning loads.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/progress.hpp"
-#include "host/dataset/act_files.hpp"
-#include "host/dataset/lerobot_dataset.hpp"
-#include "host/dataset/robomimic_file.hpp"
-#include "host/dataset/umi_zarr.hpp"
+#include "host/dataset/formats.hpp"
 #include "host/formats/video.hpp"
-#include "pipeline/commands/commands.hpp"
-#include "pipeline/commands/data_folder.hpp"
+#include "pipeline/command_line/command.hpp"
+#include "pipeline/command_line/data_folder.hpp"
 #include "pipeline/episode/episode_set.hpp"
 
 namespace pvg {
@@ -18,6 +19,13 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+
+struct PackOptions {
+  std::string folder, output;        // of a set, of the data set
+  std::string format = "lerobot";    // of data_set_formats()
+  std::string instruction;           // what the robot is told to do; empty: the task's name in words
+  std::vector<std::string> cameras;  // names; empty: all
+};
 
 // $PVG_PYTHON, or the environment that scripts/install_pack.sh makes.
 fs::path python_with_pyarrow() {
@@ -62,8 +70,6 @@ PackedSet survey(const EpisodeSet& set, const std::vector<std::uint64_t>& episod
   return all;
 }
 
-}  // namespace
-
 void run_pack(const PackOptions& options) {
   if (options.folder.empty())
     throw UsageError("pack needs the folder of a set; `phyvisgen pack --help` shows an example");
@@ -82,18 +88,13 @@ void run_pack(const PackOptions& options) {
   remove_leftovers(target.parent_path());
   PartialFolder folder(target);
   std::unique_ptr<ParquetTables> parquet;
-  std::unique_ptr<DataSetWriter> writer;
-  if (options.format == "act") writer = make_act_writer(folder.path(), all.most_frames);
-  if (options.format == "robomimic") writer = make_robomimic_writer(folder.path(), all);
-  if (options.format == "zarr") writer = make_umi_zarr_writer(folder.path());
-  if (options.format.starts_with("lerobot")) {
-    parquet = open_parquet();
-    const LeRobotVersion version = options.format == "lerobot" ? LeRobotVersion::v3_0 : LeRobotVersion::v2_1;
-    writer = make_lerobot_writer(folder.path(), {version, options.instruction, origin_of(set, episodes)},
-                                 [&](const ParquetTable& table) { parquet->write(table); });
-  }
-  if (!writer)
-    throw UsageError("--format " + options.format + " is not one of lerobot, lerobot2, act, robomimic, zarr");
+  const auto tables = [&]() -> ParquetTables& {
+    if (!parquet) parquet = open_parquet();
+    return *parquet;
+  };
+  const std::unique_ptr<DataSetWriter> writer =
+      data_set_format(options.format)
+          .make_writer({folder.path(), all, options.instruction, origin_of(set, episodes), tables});
   {
     Progress progress("pack", "episodes", episodes.size());
     for (std::size_t i = 0; i < episodes.size(); ++i) {
@@ -105,6 +106,25 @@ void run_pack(const PackOptions& options) {
   if (parquet) parquet->finish();
   folder.finish();
   std::printf("%s: %zu episodes, %zu frames\n", target.c_str(), all.n_episodes, all.n_frames);
+}
+
+}  // namespace
+
+void add_pack(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("pack", "Make a data set for imitation learning of an episode set");
+  PackOptions& o = options_of_command(*command, run_pack);
+  command->add_option("DIR", o.folder, "Folder of the set; its finished episodes are packed");
+  std::vector<std::string> names;
+  std::string help;
+  for (const DataSetFormat& format : data_set_formats()) {
+    names.push_back(format.name);
+    help += (help.empty() ? "" : ", ") + std::string(format.name) + " (" + format.meaning + ")";
+  }
+  command->add_option("--format", o.format, help)->check(CLI::IsMember(names))->capture_default_str();
+  command->add_option("-o,--output", o.output, "Folder to make");
+  command->add_option("--camera", o.cameras, "Only this camera; may stand several times")->allow_extra_args(false);
+  command->add_option("--instruction", o.instruction, "What the robot is told to do; else the task's name in words");
+  command->footer("Example:\n  phyvisgen pack out/beaker --format lerobot -o out/beaker_lerobot");
 }
 
 }  // namespace pvg

@@ -1,12 +1,16 @@
-// phyvisgen evaluate: how often a set's episodes succeeded, and whether anything intersects in what they recorded.
-#include <cmath>
+// phyvisgen evaluate: the success rate of a set with its interval, the reasons of failures, and the recorded steps in
+// which surfaces intersect. A Failure where one does.
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "host/base/error.hpp"
 #include "host/base/progress.hpp"
-#include "pipeline/commands/commands.hpp"
+#include "host/base/statistics.hpp"
+#include "pipeline/command_line/command.hpp"
 #include "pipeline/episode/episode_set.hpp"
 #include "pipeline/episode/intersections.hpp"
 
@@ -16,18 +20,11 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double NORMAL_QUANTILE = 1.959963984540054;  // of 97.5 %: an interval of 95 %
-
-}  // namespace
-
-// Wilson 1927, "Probable inference, the law of succession, and statistical inference"
-RateInterval wilson_interval(std::size_t successes, std::size_t n) {
-  if (n == 0) return {0, 1};
-  const double z = NORMAL_QUANTILE, total = double(n), rate = double(successes) / total;
-  const double center = (rate + z * z / (2 * total)) / (1 + z * z / total);
-  const double half = z / (1 + z * z / total) * std::sqrt(rate * (1 - rate) / total + z * z / (4 * total * total));
-  return {std::max(0.0, center - half), std::min(1.0, center + half)};
-}
+struct EvaluateOptions {
+  std::string folder;     // of a set that generate made
+  std::size_t every = 1;  // look for intersections in each so many steps
+  bool as_json = false;
+};
 
 void run_evaluate(const EvaluateOptions& options) {
   if (options.folder.empty()) throw UsageError("evaluate needs the folder of a set; --help shows an example");
@@ -81,6 +78,24 @@ void run_evaluate(const EvaluateOptions& options) {
       std::printf("  episode %llu: %s\n", static_cast<unsigned long long>(failed.episode), failed.reason.c_str());
   }
   if (intersected > 0) throw Failure(std::to_string(intersected) + " recorded steps intersect, the first: " + first);
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("evaluate", "Success rate of a set of episodes, and whether anything intersects in them");
+  EvaluateOptions& o = options_of_command(*command, run_evaluate);
+  command->add_option("SET", o.folder,
+                      "Folder that generate made; with --keep-failed the failed ones are looked at, too");
+  command->add_option("--every", o.every, "Look for intersections in every so many recorded steps")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer(
+      "Exit codes: 0 nothing intersects, 1 something does, 2 wrong use.\n"
+      "Example:\n  phyvisgen generate data/tasks/place_dish.yaml -n 20 --no-render --keep-failed -o out/dish\n"
+      "  phyvisgen evaluate out/dish");
 }
 
 }  // namespace pvg

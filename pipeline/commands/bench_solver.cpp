@@ -1,13 +1,23 @@
+// phyvisgen bench solver: preconditioners and products side by side on one linear system.
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "host/base/stop_signal.hpp"
 #include "pipeline/bench/solver.hpp"
-#include "pipeline/commands/commands.hpp"
-#include "pipeline/commands/data_folder.hpp"
+#include "pipeline/command_line/command.hpp"
+#include "pipeline/command_line/data_folder.hpp"
 
 namespace pvg {
 namespace {
+
+struct BenchSolverOptions {
+  std::vector<std::string> scenes = {"block_16k"};
+  std::string device;
+  std::size_t repeats = 3;
+  bool as_json = false;
+};
 
 nlohmann::ordered_json json_of(const SolverFigures& figures) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
@@ -51,8 +61,6 @@ void print(const SolverFigures& figures) {
   std::fflush(stdout);
 }
 
-}  // namespace
-
 void run_bench_solver(const BenchSolverOptions& options) {
   nlohmann::ordered_json out = {{"schema", 1}, {"device", Device(options.device).info().name}};
   out["scenes"] = nlohmann::ordered_json::array();
@@ -65,6 +73,24 @@ void run_bench_solver(const BenchSolverOptions& options) {
       print(figures);
   }
   if (options.as_json) std::printf("%s\n", out.dump(2).c_str());
+}
+
+}  // namespace
+
+void add_bench_solver(CLI::App& program) {
+  CLI::App* command =
+      command_group(program, "bench")
+          .add_subcommand("solver", "Preconditioners and products side by side on the last system of a scene");
+  BenchSolverOptions& o = options_of_command(*command, run_bench_solver);
+  command->add_option("--scene", o.scenes, "A scene of bench physics; may stand several times")
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command->add_option("--repeats", o.repeats, "Measured so often; medians are shown")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer("Example:\n  phyvisgen bench solver --scene block_4k --scene towel");
 }
 
 }  // namespace pvg

@@ -1,7 +1,9 @@
-// Wilson's interval against values worked out by hand from his formula, z = 1.96.
+// Statistics against values worked out by hand; Wilson's interval from his formula, z = 1.96.
 #include <gtest/gtest.h>
 
-#include "pipeline/commands/commands.hpp"
+#include <cmath>
+
+#include "host/base/statistics.hpp"
 
 namespace pvg {
 namespace {
@@ -21,6 +23,13 @@ TEST(WilsonInterval, IsWhatTheFormulaGives) {
 TEST(WilsonInterval, NothingTriedTellsNothing) {
   EXPECT_EQ(wilson_interval(0, 0).low, 0);
   EXPECT_EQ(wilson_interval(0, 0).high, 1);
+}
+
+TEST(Median, IsTheMiddleOrTheMeanOfTheTwoInTheMiddle) {
+  EXPECT_EQ(median({3}), 3);
+  EXPECT_EQ(median({5, 1, 2}), 2);
+  EXPECT_EQ(median({4, 1, 2, 9}), 3);
+  EXPECT_TRUE(std::isnan(median({})));
 }
 
 }  // namespace

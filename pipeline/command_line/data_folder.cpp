@@ -1,4 +1,4 @@
-#include "pipeline/commands/data_folder.hpp"
+#include "pipeline/command_line/data_folder.hpp"
 
 namespace pvg {
 

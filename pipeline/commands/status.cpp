@@ -1,12 +1,19 @@
+// phyvisgen status: what of a set is done, failed and why, missing; reads files only.
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <string>
 
-#include "pipeline/commands/commands.hpp"
+#include "pipeline/command_line/command.hpp"
 #include "pipeline/episode/episode_set.hpp"
 
 namespace pvg {
 namespace {
+
+struct StatusOptions {
+  std::string folder;  // of a set
+  bool as_json = false;
+};
 
 // "beaker ends 12.3 mm from its target" and "... 14.1 mm ..." are the same reason: numbers do not tell them apart
 std::string without_numbers(const std::string& reason) {
@@ -20,8 +27,6 @@ std::string without_numbers(const std::string& reason) {
   }
   return text;
 }
-
-}  // namespace
 
 void run_status(const StatusOptions& options) {
   if (options.folder.empty()) throw UsageError("status needs the folder of a set; `phyvisgen status --help`");
@@ -44,6 +49,16 @@ void run_status(const StatusOptions& options) {
   std::stable_sort(by_number.begin(), by_number.end(),
                    [](const auto& a, const auto& b) { return a.second > b.second; });
   for (const auto& [reason, n] : by_number) std::printf("  %6zu x %s\n", n, reason.c_str());
+}
+
+}  // namespace
+
+void add_status(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("status", "What of an episode set is done, failed and missing");
+  StatusOptions& o = options_of_command(*command, run_status);
+  command->add_option("DIR", o.folder, "Folder of the set");
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer("Example:\n  phyvisgen status out/beaker");
 }
 
 }  // namespace pvg

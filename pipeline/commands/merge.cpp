@@ -1,16 +1,28 @@
+// phyvisgen merge: parts of one set into one folder. A UsageError where they are of different origin. What is there
+// already stays, so that it can be called again.
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <string>
+#include <vector>
 
 #include "host/base/atomic_files.hpp"
-#include "pipeline/commands/commands.hpp"
+#include "pipeline/command_line/command.hpp"
 #include "pipeline/episode/episode_set.hpp"
 
 namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct MergeOptions {
+  std::vector<std::string> folders;  // parts of one set
+  std::string output;                // may be one of them
+  bool removes = false;              // the parts, once they are merged
+  bool mixes_devices = false;        // parts of several devices or drivers: an episode's bits depend on who made it
+};
 
 bool are_equal(const fs::path& first, const fs::path& second) {
   std::error_code missing;
@@ -77,8 +89,6 @@ void merge_one(const EpisodeSet& part, const EpisodeSet& whole, Merged& merged) 
   }
 }
 
-}  // namespace
-
 void run_merge(const MergeOptions& options) {
   if (options.folders.empty()) throw UsageError("merge needs the folders to merge; `phyvisgen merge --help`");
   if (options.output.empty()) throw UsageError("merge needs an output folder: -o DIR");
@@ -105,6 +115,19 @@ void run_merge(const MergeOptions& options) {
   std::printf("%s: %zu merged, %zu there before; %zu done, %zu failed, %zu missing of %llu\n", whole.folder.c_str(),
               merged.n_put, merged.n_there, status.done.size(), status.failed.size(), missing(whole, status).size(),
               static_cast<unsigned long long>(whole.n_asked));
+}
+
+}  // namespace
+
+void add_merge(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("merge", "Put the parts of one episode set into one folder");
+  MergeOptions& o = options_of_command(*command, run_merge);
+  command->add_option("DIR", o.folders, "Folders that generate has filled, of the same task, seed and options");
+  command->add_option("-o,--output", o.output, "Folder of the whole set; episodes that are there already stay");
+  command->add_flag("--mixed-devices", o.mixes_devices,
+                    "Merge parts that were made on different devices, too; the bits differ across devices");
+  command->add_flag("--remove", o.removes, "Remove the given folders once they are merged");
+  command->footer("Example:\n  phyvisgen merge out/shards/* -o out/beaker");
 }
 
 }  // namespace pvg

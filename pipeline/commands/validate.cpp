@@ -1,20 +1,34 @@
+// phyvisgen validate: the validation cases. A Failure if a number that must hold does not.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
 #include "host/base/stop_signal.hpp"
-#include "pipeline/commands/commands.hpp"
-#include "pipeline/commands/data_folder.hpp"
+#include "pipeline/command_line/command.hpp"
+#include "pipeline/command_line/data_folder.hpp"
 #include "pipeline/validation/validation.hpp"
 
 namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct ValidateOptions {
+  std::vector<std::string> cases;  // names; empty: all
+  std::string scenes, plots;       // folders; empty: data/validation, no plots
+  std::string recordings;          // folder of measured data; empty: ../shared/realdata beside the source tree
+  std::string device;
+  bool is_quick = false, as_json = false;
+  bool uses_all_recordings = false;
+  bool lists = false;  // print the names of the chosen cases and nothing else
+};
 
 // data/validation, of the installation or of the source tree
 fs::path scenes_folder(const ValidateOptions& options) {
@@ -93,8 +107,6 @@ std::vector<ValidationRow> run_case(const ValidationCase& each, Validation& vali
   return validation.rows;
 }
 
-}  // namespace
-
 void run_validate(const ValidateOptions& options) {
   const std::vector<ValidationCase> cases = chosen_cases(options);
   if (options.lists) return print_list(cases);
@@ -126,6 +138,27 @@ void run_validate(const ValidateOptions& options) {
   if (n_failed > 0)
     throw Failure(std::to_string(n_failed) + " of " + std::to_string(n_must) + " numbers that must hold do not");
   if (!options.as_json) std::printf("all %zu numbers that must hold do\n", n_must);
+}
+
+}  // namespace
+
+void add_validate(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("validate", "Run the validation cases and print measured against expected");
+  ValidateOptions& o = options_of_command(*command, run_validate);
+  command->add_option("--case", o.cases, "Only this case; may stand several times")->allow_extra_args(false);
+  command->add_option("--plots", o.plots, "Folder for the curves (SVG)");
+  command->add_option("--scenes", o.scenes, "Folder of the cases' scene files");
+  command->add_option("--recordings", o.recordings, "Folder of the measured data; without it those cases are left out");
+  command->add_flag("--all-recordings", o.uses_all_recordings, "Every recording of those cases, not a number of them");
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_flag("--quick", o.is_quick, "Only what is done within 3 minutes");
+  command->add_flag("--list", o.lists, "Print the names of the chosen cases and end");
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer(
+      "Exit codes: 0 all that must hold does, 1 something does not, 2 wrong use.\n"
+      "Examples:\n  phyvisgen validate --case slope --plots out/plots\n"
+      "  phyvisgen validate --case cube_toss --recordings ../shared/realdata --all-recordings");
 }
 
 }  // namespace pvg

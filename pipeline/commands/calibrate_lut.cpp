@@ -1,8 +1,10 @@
+// phyvisgen calibrate lut: a lookup table from rendered to recorded pictures.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "host/base/error.hpp"
 #include "host/formats/image_files.hpp"
@@ -10,12 +12,18 @@
 #include "host/pictures/image_metrics.hpp"
 #include "host/pictures/srgb.hpp"
 #include "host/render/look.hpp"
-#include "pipeline/commands/commands.hpp"
+#include "pipeline/command_line/command.hpp"
 
 namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct CalibrateLutOptions {
+  std::string rendered, real;  // folders of pictures, paired by name
+  std::string output;          // .csv
+  bool as_json = false;
+};
 
 constexpr std::size_t HELD_OUT = 4;  // every fourth picture, or block of a single one
 constexpr int BLOCK = 16;            // [pixels]
@@ -111,8 +119,6 @@ Quality judge(const std::vector<PicturePair>& pairs, const std::vector<std::vect
   return quality;
 }
 
-}  // namespace
-
 void run_calibrate_lut(const CalibrateLutOptions& options) {
   if (options.rendered.empty() || options.real.empty() || options.output.empty())
     throw UsageError("calibrate lut needs --render DIR, --real DIR and -o FILE.csv");
@@ -147,6 +153,22 @@ void run_calibrate_lut(const CalibrateLutOptions& options) {
   std::printf("%zu pairs, %.1f %% of the pixels used; held out: PSNR %.2f -> %.2f dB, SSIM %.4f -> %.4f\n",
               pairs.size(), 100.0 * double(n_used) / double(n_all), quality.psnr_before, quality.psnr_after,
               quality.ssim_before, quality.ssim_after);
+}
+
+}  // namespace
+
+void add_calibrate_lut(CLI::App& program) {
+  CLI::App* command =
+      command_group(program, "calibrate")
+          .add_subcommand("lut", "A lookup table per channel from rendered to recorded colours of the same views");
+  CalibrateLutOptions& o = options_of_command(*command, run_calibrate_lut);
+  command->add_option("--render", o.rendered, "Folder of rendered pictures (PNG, JPEG)");
+  command->add_option("--real", o.real, "Folder of the real ones; pairs have the same name");
+  command->add_option("-o,--output", o.output, "Table to write (.csv)");
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer(
+      "A quarter of the pictures, or of the blocks of fewer than four, is held out to judge the table by.\n"
+      "Example:\n  phyvisgen calibrate lut --render out/front --real photos -o lut.csv");
 }
 
 }  // namespace pvg
