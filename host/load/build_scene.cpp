@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
+#include "host/base/hash.hpp"
 #include "host/formats/mesh_files.hpp"
 #include "host/formats/textures.hpp"
 #include "host/geometry/mass_properties.hpp"
@@ -164,16 +165,7 @@ TaskScene build(const Task& nominal, Draw draw) {
 }  // namespace
 
 double uniform_number(std::uint64_t seed, std::uint64_t episode, const std::string& name) {
-  // FNV-1a of the name, then the finaliser of SplitMix64 (Steele, Lea & Flood 2014) over one word after the other
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const unsigned char c : name) hash = (hash ^ c) * 0x100000001b3;
-  const auto mixed = [](std::uint64_t z) {
-    z += 0x9e3779b97f4a7c15;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-    return z ^ (z >> 31);
-  };
-  return double(mixed(mixed(mixed(seed) ^ episode) ^ hash) >> 11) * 0x1p-53;
+  return double(mixed_bits(mixed_bits(mixed_bits(seed) ^ episode) ^ fnv1a(name)) >> 11) * 0x1p-53;
 }
 
 TaskScene build_scene(const Task& task, std::uint64_t seed, std::uint64_t episode) {

@@ -22,8 +22,7 @@ enum Kind { RIGID, SOFT, STATIC, MOVING, HALF_SPACE };
 template <class Body>
 int index_of(Section& section, const std::string& key, const std::vector<Body>& bodies, const std::string& kind) {
   const std::string name = section.text(key);
-  for (std::size_t i = 0; i < bodies.size(); ++i)
-    if (bodies[i].name == name) return int(i);
+  if (const int index = index_named(bodies, name); index >= 0) return index;
   section.fail(key, "names `" + name + "`, which is no " + kind + " of `bodies`");
 }
 

@@ -39,15 +39,15 @@ void read_arc(Section& section, MotionElement& element) {
 }
 
 void read_way(Section& section, MotionElement& element) {
-  using Type = MotionElement::Type;
+  const GivenMotion given = kind_of(element).given;
   element.object = section.text("object", "");
   element.is_in_tool_frame = section.choice("frame", {"object", "tool"}, 0) == 1;
   if (element.is_in_tool_frame && !element.object.empty())
     section.fail("object", "and `frame: tool` exclude each other");
-  if (element.type == Type::follow_arc || element.type == Type::follow_path) element.is_straight = false;
-  if (element.type == Type::follow_arc) {
+  element.is_straight = given == GivenMotion::target;
+  if (given == GivenMotion::arc) {
     read_arc(section, element);
-  } else if (element.type == Type::follow_path) {
+  } else if (given == GivenMotion::path) {
     for (Section& point : section.sections("path")) {
       element.path.push_back(read_pose(point));
       point.done();
@@ -58,7 +58,7 @@ void read_way(Section& section, MotionElement& element) {
     element.is_straight = section.boolean("straight", true);
     element.avoids_obstacles = section.boolean("plan", false);
     if (element.avoids_obstacles && section.has("straight") && element.is_straight)
-      section.fail("plan", "searches a way around obstacles, which is not straight: leave `straight` out");
+      section.fail("plan", "plans a path around obstacles, which is not straight: leave `straight` out");
     if (element.avoids_obstacles) element.is_straight = false;
   }
   element.duration = section.number("duration", Unit::time, 0, 600, 0);
@@ -69,14 +69,15 @@ MotionElement read_element(Section& section, const std::vector<RobotCell>& robot
   using Type = MotionElement::Type;
   MotionElement element;
   std::vector<std::string> names;
-  for (int i = 0; i <= int(Type::follow_path); ++i) names.push_back(name_of(Type(i)));
+  for (const MotionKind& kind : MOTION_KINDS) names.push_back(kind.name);
   element.type = Type(section.choice("do", names));
   element.robot = read_robot_name(section, robots);
-  if (element.type == Type::wait) {
+  const MotionKind& kind = kind_of(element);
+  if (kind.given == GivenMotion::duration) {
     element.duration = section.number("duration", Unit::time, 0, 600);
-  } else if (element.type == Type::close || element.type == Type::open) {
+  } else if (kind.given == GivenMotion::gripper_position) {
     element.gripper = read_opening(section, *robots[std::size_t(element.robot)].gripper);
-    if (element.type == Type::close) element.force = section.number("force", Unit::force, 0, 1e4, 0);
+    if (kind.grip == GripChange::closes) element.force = section.number("force", Unit::force, 0, 1e4, 0);
     element.duration = section.number("duration", Unit::time, 0, 600);
   } else {
     read_way(section, element);

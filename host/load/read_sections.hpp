@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/names.hpp"
 #include "host/load/yaml_section.hpp"
 
 namespace pvg {
@@ -48,12 +49,6 @@ Task read_scene_sections(YamlSection& root, double largest_time_step);
 
 // Names that refer to other parts of the file. bodies: names besides the objects and fingers (task_file.cpp)
 void check_names(const YamlSection& root, const Task& task, const std::vector<std::string>& bodies);
-
-template <typename T>
-const T* find_named(const std::vector<T>& list, const std::string& name) {
-  const auto at = std::find_if(list.begin(), list.end(), [&](const T& t) { return t.name == name; });
-  return at == list.end() ? nullptr : &*at;
-}
 
 template <typename T>
 void check_distinct(const YamlSection& root, const std::string& key, const std::vector<T>& list) {

@@ -230,18 +230,18 @@ void write_joint(Writer& w, const JointSection& section) {
 }
 
 void write_element(Writer& w, const MotionElement& element) {
-  using Type = MotionElement::Type;
-  w.entry("do", name_of(element.type));
+  const MotionKind& kind = kind_of(element);
+  w.entry("do", kind.name);
   w.entry("robot", element.robot);
   w.entry("is_with_previous", element.is_with_previous);
   w.entry("object", element.object);
   w.entry("frame", element.is_in_tool_frame ? "tool" : "object");
-  if (element.type == Type::follow_arc) {
+  if (kind.given == GivenMotion::arc) {
     w.vector("center", element.center);
     w.vector("axis", element.axis);
     w.entry("angle", element.angle);
     w.entry("turns", element.turns_with_arc);
-  } else if (element.type == Type::follow_path) {
+  } else if (kind.given == GivenMotion::path) {
     w.list("path", element.path, [&](const Pose& pose) { w.pose("pose", pose); });
   } else {
     w.pose("target", element.target);
@@ -255,21 +255,22 @@ void write_element(Writer& w, const MotionElement& element) {
 }
 
 void write_condition(Writer& w, const Condition& condition) {
-  using Quantity = Condition::Quantity;
   constexpr const char* WHEN[] = {"end", "some_time", "always"};
-  w.entry("quantity", quantity_names()[std::size_t(condition.quantity)]);
+  w.entry("quantity", kind_of(condition).name);
   w.entry("of", condition.of);
   w.entry("when", WHEN[int(condition.when)]);
-  if (condition.quantity == Quantity::position_error) {
+  const int keys = kind_of(condition).keys;
+  if ((keys & ROBOT_KEY) == ROBOT_KEY) w.entry("robot", condition.robot);
+  if ((keys & TARGET_KEYS) == TARGET_KEYS) {
     w.entry("target", condition.target);
     w.vector("target_position", condition.target_position);
     w.vector("point", condition.point);
   }
-  if (condition.quantity == Quantity::corner_distance || condition.quantity == Quantity::edge_distance) {
+  if ((keys & POINT_KEYS) == POINT_KEYS) {
     w.vector("first", condition.first);
     w.vector("second", condition.second);
   }
-  if (condition.quantity == Quantity::edge_distance) {
+  if ((keys & EDGE_KEYS) == EDGE_KEYS) {
     w.vector("first_end", condition.first_end);
     w.vector("second_end", condition.second_end);
   }

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "host/base/error.hpp"
+#include "host/base/files.hpp"
 #include "host/load/build_scene.hpp"
 #include "host/load/read_bodies.hpp"
 #include "host/load/read_sections.hpp"
@@ -140,8 +141,7 @@ SceneRun load_scene_run(const std::filesystem::path& path) {
   }
   run.targets.insert(run.targets.end(), file.targets.begin(), file.targets.end());
   run.duration = file.duration;
-  std::ifstream in(path, std::ios::binary);
-  run.configuration = {std::istreambuf_iterator<char>(in), {}};
+  run.configuration = read_whole_file(path).value_or("");
   return run;
 }
 

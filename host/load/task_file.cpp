@@ -166,7 +166,6 @@ bool is_task_file(const std::filesystem::path& file) { return Section::load(file
 namespace {
 
 void check_condition_names(const Section& root, const Task& task) {
-  using Quantity = Condition::Quantity;
   const auto check = [&](const char* key, const Condition& condition) {
     const auto demand = [&](bool is_there, const std::string& name, const char* list) {
       if (!is_there) root.fail(key, "names `" + name + "`, which `" + list + "` does not hold");
@@ -175,16 +174,21 @@ void check_condition_names(const Section& root, const Task& task) {
                                       [&](const ClothSection& c) { return c.cloth.name == condition.of; });
     const bool is_object =
         find_named(task.objects, condition.of) && !find_named(task.objects, condition.of)->mesh.empty();
-    if (condition.quantity == Quantity::joint_angle)
-      demand(std::any_of(task.joints.begin(), task.joints.end(),
-                         [&](const JointSection& j) { return j.joint.name == condition.of; }),
-             condition.of, "joints");
-    else if (condition.quantity == Quantity::corner_distance || condition.quantity == Quantity::edge_distance)
-      demand(is_cloth, condition.of, "cloths");
-    else if (condition.quantity == Quantity::held || condition.quantity == Quantity::height)
-      demand(is_cloth || is_object, condition.of, "objects");
-    else
-      demand(is_object, condition.of, "objects");
+    switch (kind_of(condition).of) {
+      case QuantityKind::Of::joint:
+        demand(std::any_of(task.joints.begin(), task.joints.end(),
+                           [&](const JointSection& j) { return j.joint.name == condition.of; }),
+               condition.of, "joints");
+        break;
+      case QuantityKind::Of::cloth:
+        demand(is_cloth, condition.of, "cloths");
+        break;
+      case QuantityKind::Of::object_or_cloth:
+        demand(is_cloth || is_object, condition.of, "objects");
+        break;
+      case QuantityKind::Of::object:
+        demand(is_object, condition.of, "objects");
+    }
     if (!condition.target.empty()) demand(find_named(task.objects, condition.target), condition.target, "objects");
   };
   for (const Condition& condition : task.success) check("success", condition);

@@ -1,5 +1,6 @@
 // Motion elements: what the robots do, one after the other, each relative to an object of the scene.
 #pragma once
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -7,10 +8,31 @@
 
 namespace pvg {
 
+// The list of motion elements: name, what is given (GivenMotion), what becomes of the grip (GripChange). Names,
+// reading, the resolved file and the phases of an episode follow from it; host/robot/plan_motion.cpp plans by what is
+// given.
+#define PVG_MOTION_ELEMENTS(X)       \
+  X(approach, target, same)          \
+  X(close, gripper_position, closes) \
+  X(lift, target, same)              \
+  X(carry, target, carries)          \
+  X(lower, target, same)             \
+  X(open, gripper_position, opens)   \
+  X(retreat, target, same)           \
+  X(wait, duration, same)            \
+  X(move, target, same)              \
+  X(follow_arc, arc, carries)        \
+  X(follow_path, path, carries)
+
+// target, arc, path: where the tool goes; gripper_position: where the gripper's joints go; duration: nothing moves
+enum class GivenMotion { target, arc, path, gripper_position, duration };
+// closes: the hand holds from the end of the element on; carries: an object that is held travels
+enum class GripChange { same, closes, opens, carries };
+
 struct MotionElement {
-  // follow_arc, follow_path: the tool's way is given; close, open: the gripper's joints go to `gripper`; wait: nothing
-  // moves. The others all take the tool to the target; their names say what for.
-  enum class Type { approach, close, lift, carry, lower, open, retreat, wait, move, follow_arc, follow_path };
+#define PVG_NAME(name, given, grip) name,
+  enum class Type { PVG_MOTION_ELEMENTS(PVG_NAME) };
+#undef PVG_NAME
   Type type = Type::approach;
   int robot = 0;                   // of the task's robots
   bool is_with_previous = false;   // begins and ends together with the element before it
@@ -27,14 +49,18 @@ struct MotionElement {
   double duration = 0;             // of close, open and wait; of the others: 0, as fast as the limits allow [s]
   double speed = 0.3;              // share of the velocity and acceleration limits, in (0, 1]
   bool is_straight = true;         // the tool's origin moves on a straight line
-  bool avoids_obstacles = false;   // the way to the target is searched around what stands in the scene
+  bool avoids_obstacles = false;   // the path to the target is planned around what stands in the scene
 };
 
-// As in a task file's `do`.
-inline const char* name_of(MotionElement::Type type) {
-  constexpr const char* NAMES[] = {"approach", "close", "lift", "carry",      "lower",      "open",
-                                   "retreat",  "wait",  "move", "follow_arc", "follow_path"};
-  return NAMES[int(type)];
-}
+struct MotionKind {
+  const char* name;  // as in a task file's `do`
+  GivenMotion given;
+  GripChange grip;
+};
+#define PVG_KIND(name, given, grip) MotionKind{#name, GivenMotion::given, GripChange::grip},
+inline constexpr MotionKind MOTION_KINDS[] = {PVG_MOTION_ELEMENTS(PVG_KIND)};  // in the order of Type
+#undef PVG_KIND
+
+constexpr const MotionKind& kind_of(const MotionElement& element) { return MOTION_KINDS[std::size_t(element.type)]; }
 
 }  // namespace pvg

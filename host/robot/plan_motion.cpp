@@ -53,7 +53,7 @@ std::string text(const char* format, double a, double b = 0, double c = 0, doubl
 std::string describe(const Planner& planner, std::size_t index) {
   const MotionElement& element = planner.elements[index];
   const std::string object = element.object.empty() ? "" : " relative to '" + element.object + "'";
-  return "motion element " + std::to_string(index + 1) + " (" + name_of(element.type) + object + ")";
+  return "motion element " + std::to_string(index + 1) + " (" + kind_of(element).name + object + ")";
 }
 
 bool fail(Planner& planner, std::size_t index, const std::string& reason) {
@@ -155,12 +155,12 @@ std::vector<VectorXd> follow_way(const Planner& planner, const VectorXd& q_start
 
 // The tool's way that the element asks for; nothing where the arm may take any.
 std::optional<ToolWay> tool_way(const Planner& planner, std::size_t index, const RobotState& state) {
-  using Type = MotionElement::Type;
   const MotionElement& element = planner.elements[index];
+  const GivenMotion given = kind_of(element).given;
   const Pose frame = given_frame(planner, index, state), start = current_pose(planner, state.q);
-  if (element.type == Type::follow_arc)
+  if (given == GivenMotion::arc)
     return arc_way(start, frame * element.center, frame.linear() * element.axis, element.angle, element.turns_with_arc);
-  if (element.type == Type::follow_path) {
+  if (given == GivenMotion::path) {
     std::vector<Pose> through;
     for (const Pose& pose : element.path) through.push_back(frame * pose);
     return curved_way(start, through);
@@ -174,9 +174,9 @@ std::optional<JointPath> path_between(Planner& planner, std::size_t index, const
   Eigen::MatrixXd knots(2, q.size());
   knots << state.q.transpose(), q.transpose();
   if (!planner.elements[index].avoids_obstacles) return JointPath(knots);
-  if (!planner.setup.search_way)
-    throw UsageError(describe(planner, index) + ": nothing here searches a way around obstacles; leave `plan` out");
-  const auto way = planner.setup.search_way(state.q, q);
+  if (!planner.setup.plan_path)
+    throw UsageError(describe(planner, index) + ": no planner of paths around obstacles is set; leave `plan` out");
+  const auto way = planner.setup.plan_path(state.q, q);
   if (!way) return std::nullopt;
   return JointPath(*way);
 }
@@ -276,12 +276,10 @@ bool plan_move(Planner& planner, std::size_t index, const RobotState& state) {
 bool plan_from(Planner& planner, std::size_t index, const RobotState& state) {
   while (index < planner.elements.size() && planner.elements[index].robot != planner.robot) ++index;
   if (index == planner.elements.size()) return true;
-  using Type = MotionElement::Type;
-  switch (planner.elements[index].type) {
-    case Type::wait:
+  switch (kind_of(planner.elements[index]).given) {
+    case GivenMotion::duration:
       return take(planner, index, {std::nullopt, state, state, 0});
-    case Type::close:
-    case Type::open:
+    case GivenMotion::gripper_position:
       return plan_gripper(planner, index, state);
     default:
       return plan_move(planner, index, state);
@@ -312,7 +310,7 @@ std::vector<Group> group_elements(const std::vector<Planner>& planners, std::spa
     const Planner& planner = planners[std::size_t(elements[i].robot)];
     const double seconds = std::max(elements[i].duration, planner.segments[i]->needed);
     // a wait of no time still takes none; anything that moves takes at least a step
-    const bool waits = elements[i].type == MotionElement::Type::wait;
+    const bool waits = kind_of(elements[i]).given == GivenMotion::duration;
     group.moving = std::max({group.moving, steps_for(seconds, planner.setup.time_step), waits ? 0 : 1});
   }
   return groups;

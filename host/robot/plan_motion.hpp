@@ -18,7 +18,7 @@
 namespace pvg {
 
 // A collision-free way between two configurations, as knots [n, n_actuated]; nothing: none was found.
-using SearchWay = std::function<std::optional<Eigen::MatrixXd>(const VectorXd& from, const VectorXd& to)>;
+using PlanPath = std::function<std::optional<Eigen::MatrixXd>(const VectorXd& from, const VectorXd& to)>;
 
 // One robot.
 struct MotionSetup {
@@ -35,7 +35,7 @@ struct MotionSetup {
   double rest = 0.1;                         // stand-still after every element [s]
   double default_acceleration = 10;          // of joints whose URDF gives no limit [rad/s^2]
   double default_jerk = 5000;                // likewise [rad/s^3]
-  SearchWay search_way = {};                 // for elements that avoid obstacles; empty: they are refused
+  PlanPath plan_path = {};                   // for elements that avoid obstacles; empty: they are refused
 };
 
 struct JointTrajectory {

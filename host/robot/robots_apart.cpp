@@ -1,7 +1,7 @@
 #include "host/robot/robots_apart.hpp"
 
 #include "host/robot/collision_part.hpp"
-#include "host/robot/way_search.hpp"
+#include "host/robot/path_planner.hpp"
 
 namespace pvg {
 namespace {
@@ -38,7 +38,7 @@ std::optional<Encounter> meeting(const std::vector<CollisionPart>& a, const Pose
 std::optional<Encounter> first_encounter(std::span<const RobotShape> robots, std::span<const Eigen::MatrixXd> q,
                                          double clearance) {
   std::vector<std::vector<CollisionPart>> parts;
-  std::vector<WaySearch> alone;  // knows which parts of one robot may meet
+  std::vector<PathPlanner> alone;  // knows which parts of one robot may meet
   for (const RobotShape& robot : robots) {
     parts.push_back(parts_of(robot));
     alone.emplace_back(robot.model, robot.link, robot.carried, std::vector<Obstacle>{}, clearance);

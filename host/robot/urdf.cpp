@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "host/base/error.hpp"
+#include "host/base/files.hpp"
 #include "host/formats/xml_depth.hpp"
 #include "host/pictures/srgb.hpp"
 #include "host/robot/link_mesh.hpp"
@@ -234,12 +235,9 @@ RobotJoint convert_joint(const urdf::Joint& joint, const TiXmlElement& xml, cons
 }
 
 std::string read_text(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in || fs::is_directory(file))
-    throw UsageError(file.string() + " does not exist or cannot be read; correct the path");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
+  const std::optional<std::string> text = read_whole_file(file);
+  if (!text) throw UsageError(file.string() + " does not exist or cannot be read; correct the path");
+  return *text;
 }
 
 using XmlJoints = std::map<std::string, const TiXmlElement*>;

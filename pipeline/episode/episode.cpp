@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "host/base/hash.hpp"
 #include "host/formats/lut_file.hpp"
 #include "host/physics/step/simulation.hpp"
 #include "host/render/motion.hpp"
@@ -170,10 +171,7 @@ namespace {
 
 // Spreads (seed, episode) over 64 bits (splitmix64), so that neighbouring episodes share no noise in their pictures.
 std::uint64_t picture_seed(std::uint64_t seed, std::uint64_t episode) {
-  std::uint64_t z = seed + 0x9e3779b97f4a7c15u * (episode + 1);
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
+  return mixed_bits(seed + 0x9e3779b97f4a7c15u * episode);
 }
 
 class Stopwatch {
@@ -198,7 +196,7 @@ RecordSettings record_settings(const Task& task, const TaskScene& built, const E
   record.frames_per_second = task.render.frames_per_second;
   record.n_frames = n_frames;
   record.records_mask = records_mask;
-  for (const MotionElement& element : task.motion) record.elements.push_back(name_of(element.type));
+  for (const MotionElement& element : task.motion) record.elements.push_back(kind_of(element).name);
   record.renders = settings.renders;
   return record;
 }

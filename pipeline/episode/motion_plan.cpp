@@ -7,9 +7,9 @@
 
 #include "host/base/error.hpp"
 #include "host/dataset/states_file.hpp"
+#include "host/robot/path_planner.hpp"
 #include "host/robot/plan_motion.hpp"
 #include "host/robot/robots_apart.hpp"
-#include "host/robot/way_search.hpp"
 
 namespace pvg {
 namespace {
@@ -85,14 +85,13 @@ std::vector<Column> columns_of_driven(const TaskScene& built) {
 // Which steps are those of each element that moves a gripper. element: [n_steps] of elements, groups by their first
 std::vector<Grip> grips_of(const std::vector<MotionElement>& elements, const std::vector<int>& element,
                            const std::vector<RobotCell>& robots) {
-  using Type = MotionElement::Type;
   std::vector<double> position;
   for (const RobotCell& robot : robots) position.push_back(robot.gripper ? robot.gripper->open : 0);
   std::vector<Grip> grips;
   std::size_t group = 0;
   for (std::size_t i = 0; i < elements.size(); ++i) {
     if (!elements[i].is_with_previous) group = i;
-    if (elements[i].type != Type::close && elements[i].type != Type::open) continue;
+    if (kind_of(elements[i]).given != GivenMotion::gripper_position) continue;
     double& at = position[std::size_t(elements[i].robot)];
     const auto first = std::find(element.begin(), element.end(), int(group));
     const auto last = std::find_if(first, element.end(), [&](int e) { return e != int(group); });
@@ -119,7 +118,7 @@ void check_apart(const Task& task, const std::vector<RobotCell>& robots, const s
   std::ostringstream message;
   message << task.file.string() << ": `" << found->first << "` and `" << found->second
           << "` would come closer than 10 mm, " << double(found->step + 1) * trajectories.front().time_step
-          << " s after the start, in motion[" << element << "] (" << name_of(task.motion[element].type)
+          << " s after the start, in motion[" << element << "] (" << kind_of(task.motion[element]).name
           << "); move its target, the robots' bases or their `home`";
   throw UsageError(message.str());
 }
@@ -153,10 +152,10 @@ MotionPlan plan_episode(const Task& task, const TaskScene& built) {
       return element.robot == int(r) && element.avoids_obstacles;
     });
     if (searches)
-      setups.back().search_way = [search =
-                                      std::make_shared<WaySearch>(models.back(), setups.back().tool_link,
-                                                                  surroundings[r].carried, surroundings[r].obstacles)](
-                                     const VectorXd& from, const VectorXd& to) { return search->search(from, to); };
+      setups.back().plan_path = [planner =
+                                     std::make_shared<PathPlanner>(models.back(), setups.back().tool_link,
+                                                                   surroundings[r].carried, surroundings[r].obstacles)](
+                                    const VectorXd& from, const VectorXd& to) { return planner->plan(from, to); };
   }
   std::vector<PlannedRobot> planned;
   for (std::size_t r = 0; r < robots.size(); ++r) planned.push_back({models[r], setups[r]});

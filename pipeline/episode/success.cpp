@@ -1,23 +1,17 @@
 #include "pipeline/episode/success.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <stdexcept>
+
+#include "host/base/names.hpp"
 
 namespace pvg {
 namespace {
 
-using Quantity = Condition::Quantity;
 using When = Condition::When;
-
-template <class List>
-int index_named(const List& list, const std::string& name) {
-  for (std::size_t i = 0; i < list.size(); ++i)
-    if (list[i].name == name) return int(i);
-  return -1;
-}
 
 Vec3 into_frame(const AffineMap& frame, const Vec3& point) {
   return frame.leftCols<3>().partialPivLu().solve(point - frame.col(3));
@@ -33,29 +27,28 @@ std::uint32_t nearest_point(const std::vector<Vec3>& points, const Vec3& place) 
 }
 
 // "42.0 mm", "5.7 degrees", "3"
-std::string shown(Quantity quantity, double value) {
-  char text[60];
-  const std::string unit = unit_of(quantity);
-  if (unit == "rad")
-    std::snprintf(text, sizeof text, "%.1f degrees", value * 180 / std::acos(-1.0));
-  else if (unit == "m")
-    std::snprintf(text, sizeof text, "%.1f mm", 1e3 * value);
-  else
-    std::snprintf(text, sizeof text, "%.0f", value);
-  return text;
+std::string shown(const Condition& condition, double value) {
+  switch (kind_of(condition).unit) {
+    case QuantityKind::Unit::rad:
+      return fmt::format("{:.1f} degrees", value * 180 / std::acos(-1.0));
+    case QuantityKind::Unit::m:
+      return fmt::format("{:.1f} mm", 1e3 * value);
+    default:
+      return fmt::format("{:.0f}", value);
+  }
 }
 
-std::string words(Quantity quantity) {
-  std::string name = quantity_names()[std::size_t(quantity)];
+// "beaker: slip in hand"
+std::string subject(const Condition& condition) {
+  std::string name = kind_of(condition).name;
   std::replace(name.begin(), name.end(), '_', ' ');
-  return name;
+  return condition.of + ": " + name;
 }
 
 std::string bounds(const Condition& condition) {
   std::string text;
-  if (condition.at_least) text = "at least " + shown(condition.quantity, *condition.at_least);
-  if (condition.at_most)
-    text += (text.empty() ? "" : " and ") + ("at most " + shown(condition.quantity, *condition.at_most));
+  if (condition.at_least) text = "at least " + shown(condition, *condition.at_least);
+  if (condition.at_most) text += (text.empty() ? "" : " and ") + ("at most " + shown(condition, *condition.at_most));
   return text;
 }
 
@@ -65,11 +58,7 @@ bool is_within(const Condition& condition, double value) {
          value == value;
 }
 
-std::string at_time(double seconds) {
-  char text[40];
-  std::snprintf(text, sizeof text, " at %.2f s", seconds);
-  return text;
-}
+std::string at_time(double seconds) { return fmt::format(" at {:.2f} s", seconds); }
 
 }  // namespace
 
@@ -92,7 +81,6 @@ std::vector<Hand> hands_of(const TaskScene& built) {
 
 std::vector<std::vector<Phase>> phases(const std::vector<MotionElement>& elements,
                                        const std::vector<int>& element_of_step, int n_robots) {
-  using Type = MotionElement::Type;
   std::vector<bool> is_holding(std::size_t(n_robots), false);
   std::vector<std::vector<Phase>> of_element(elements.size());  // of those that begin a group
   for (std::size_t first = 0, last; first < elements.size(); first = last) {
@@ -101,10 +89,10 @@ std::vector<std::vector<Phase>> phases(const std::vector<MotionElement>& element
     std::vector<bool> carries(std::size_t(n_robots), false), closes(carries);
     for (std::size_t i = first; i < last; ++i) {
       const auto robot = std::size_t(elements[i].robot);
-      const Type type = elements[i].type;
-      if (type == Type::open) is_holding[robot] = false;
-      closes[robot] = type == Type::close;
-      carries[robot] = type == Type::carry || type == Type::follow_arc || type == Type::follow_path;
+      const GripChange grip = kind_of(elements[i]).grip;
+      if (grip == GripChange::opens) is_holding[robot] = false;
+      closes[robot] = grip == GripChange::closes;
+      carries[robot] = grip == GripChange::carries;
     }
     for (std::size_t robot = 0; robot < is_holding.size(); ++robot) {
       of_element[first].push_back(!is_holding[robot] ? Phase::free : carries[robot] ? Phase::carrying : Phase::holding);
@@ -145,7 +133,8 @@ SuccessMonitor::Watched SuccessMonitor::watch(const Condition& condition) const 
                        " of that name; correct the name");
     return index;
   };
-  if (condition.quantity == Quantity::joint_angle) {
+  const QuantityKind& kind = kind_of(condition);
+  if (kind.of == QuantityKind::Of::joint) {
     watched.joint = demand(index_named(scene_.joints, condition.of), condition.of, "joint");
     return watched;
   }
@@ -155,9 +144,9 @@ SuccessMonitor::Watched SuccessMonitor::watch(const Condition& condition) const 
       watched.is_cloth ? cloth : demand(index_named(scene_.rigid_bodies, condition.of), condition.of, "body");
   if (!condition.target.empty())
     watched.target = demand(index_named(scene_.rigid_bodies, condition.target), condition.target, "body");
-  if (condition.quantity == Quantity::corner_distance || condition.quantity == Quantity::edge_distance) {
+  if ((kind.keys & POINT_KEYS) == POINT_KEYS) {
     const std::vector<Vec3>& points = scene_.cloths.at(std::size_t(demand(cloth, condition.of, "cloth"))).mesh.points;
-    const bool is_edge = condition.quantity == Quantity::edge_distance;
+    const bool is_edge = (kind.keys & EDGE_KEYS) == EDGE_KEYS;
     constexpr int SAMPLES = 21;  // along an edge
     for (int k = 0; k < (is_edge ? SAMPLES : 1); ++k) {
       const double s = double(k) / (SAMPLES - 1);
@@ -169,7 +158,7 @@ SuccessMonitor::Watched SuccessMonitor::watch(const Condition& condition) const 
   return watched;
 }
 
-int SuccessMonitor::held(const Watched& watched, const WorldState& state) const {
+double SuccessMonitor::held(Watched& watched, const WorldState& state, std::span<const Phase>) const {
   const int n_rigid = int(scene_.rigid_bodies.size()), n_soft = int(scene_.soft_bodies.size());
   const int body = watched.is_cloth ? n_rigid + n_soft + watched.body : watched.body;
   std::vector<int> touching;
@@ -180,7 +169,7 @@ int SuccessMonitor::held(const Watched& watched, const WorldState& state) const 
     });
     if (is_finger && std::find(touching.begin(), touching.end(), other) == touching.end()) touching.push_back(other);
   }
-  return int(touching.size());
+  return double(touching.size());
 }
 
 double SuccessMonitor::moved_in_hand(Watched& watched, const WorldState& state, std::span<const Phase> phase) const {
@@ -228,40 +217,53 @@ double SuccessMonitor::slip_in_hand(Watched& watched, const WorldState& state, s
   return slip;
 }
 
-double SuccessMonitor::quantity(Watched& watched, const WorldState& state, std::span<const Phase> phase) const {
+double SuccessMonitor::lifted(Watched& watched, const WorldState& state, std::span<const Phase>) const {
+  return object(watched, state)(2, 3) - watched.start_height;
+}
+
+double SuccessMonitor::height(Watched& watched, const WorldState& state, std::span<const Phase>) const {
+  if (!watched.is_cloth) return object(watched, state)(2, 3);
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const Vec3& point : state.cloth.at(std::size_t(watched.body))) highest = std::max(highest, point.z());
+  return highest;
+}
+
+double SuccessMonitor::tilt(Watched& watched, const WorldState& state, std::span<const Phase>) const {
+  return std::acos(std::clamp(object(watched, state).col(2).normalized().z(), -1.0, 1.0));
+}
+
+double SuccessMonitor::position_error(Watched& watched, const WorldState& state, std::span<const Phase>) const {
   const Condition& condition = watched.condition;
-  if (condition.quantity == Quantity::held) return held(watched, state);
-  if (condition.quantity == Quantity::joint_angle) return state.joint_position.at(std::size_t(watched.joint));
-  if (watched.is_cloth) {
-    const std::vector<Vec3>& points = state.cloth.at(std::size_t(watched.body));
-    double largest = condition.quantity == Quantity::height ? -std::numeric_limits<double>::infinity() : 0;
-    if (condition.quantity == Quantity::height)
-      for (const Vec3& point : points) largest = std::max(largest, point.z());
-    for (const auto& [a, b] : watched.pairs) {
-      const double distance = (points[a] - points[b]).norm();
-      largest = distance <= largest ? largest : distance;  // what is not a number is kept
-    }
-    return largest;
+  const Vec3 goal = watched.target < 0
+                        ? condition.target_position
+                        : out_of_frame(state.rigid[std::size_t(watched.target)], condition.target_position);
+  return (out_of_frame(object(watched, state), condition.point) - goal).norm();
+}
+
+double SuccessMonitor::joint_angle(Watched& watched, const WorldState& state, std::span<const Phase>) const {
+  return state.joint_position.at(std::size_t(watched.joint));
+}
+
+double SuccessMonitor::corner_distance(Watched& watched, const WorldState& state, std::span<const Phase>) const {
+  const std::vector<Vec3>& points = state.cloth.at(std::size_t(watched.body));
+  double largest = 0;
+  for (const auto& [a, b] : watched.pairs) {
+    const double distance = (points[a] - points[b]).norm();
+    largest = distance <= largest ? largest : distance;  // what is not a number is kept
   }
-  const AffineMap& object = state.rigid.at(std::size_t(watched.body));
-  switch (condition.quantity) {
-    case Quantity::lifted:
-      return object(2, 3) - watched.start_height;
-    case Quantity::height:
-      return object(2, 3);
-    case Quantity::tilt:
-      return std::acos(std::clamp(object.col(2).normalized().z(), -1.0, 1.0));
-    case Quantity::moved_in_hand:
-      return moved_in_hand(watched, state, phase);
-    case Quantity::slip_in_hand:
-      return slip_in_hand(watched, state, phase);
-    default: {
-      const Vec3 goal = watched.target < 0
-                            ? condition.target_position
-                            : out_of_frame(state.rigid[std::size_t(watched.target)], condition.target_position);
-      return (out_of_frame(object, condition.point) - goal).norm();
-    }
-  }
+  return largest;
+}
+
+double SuccessMonitor::edge_distance(Watched& watched, const WorldState& state, std::span<const Phase> phase) const {
+  return corner_distance(watched, state, phase);  // of more pairs
+}
+
+double SuccessMonitor::quantity(Watched& watched, const WorldState& state, std::span<const Phase> phase) const {
+  using Measure = double (SuccessMonitor::*)(Watched&, const WorldState&, std::span<const Phase>) const;
+#define PVG_MEASURE(name, unit, of, keys) &SuccessMonitor::name,
+  static constexpr Measure MEASURES[] = {PVG_QUANTITIES(PVG_MEASURE)};
+#undef PVG_MEASURE
+  return (this->*MEASURES[std::size_t(watched.condition.quantity)])(watched, state, phase);
 }
 
 void SuccessMonitor::update(Watched& watched, const WorldState& state, std::span<const Phase> phase) const {
@@ -297,8 +299,9 @@ Measured SuccessMonitor::measured() const {
   for (const std::vector<Watched>* list : {&success_, &failure_})
     for (const Watched& watched : *list) {
       const Condition& condition = watched.condition;
-      const std::string unit = unit_of(condition.quantity);
-      std::string name = quantity_names()[std::size_t(condition.quantity)] + (unit.empty() ? "" : "_" + unit);
+      constexpr const char* ENDINGS[] = {"", "_m", "_rad"};  // by unit
+      const QuantityKind& kind = kind_of(condition);
+      std::string name = std::string(kind.name) + ENDINGS[std::size_t(kind.unit)];
       const bool is_taken = std::any_of(measured.numbers.begin(), measured.numbers.end(),
                                         [&](const Measured::Number& number) { return number.name == name; });
       if (is_taken) name = condition.of + "_" + name;
@@ -316,7 +319,7 @@ std::optional<std::string> SuccessMonitor::failure() const {
     const bool holds = condition.when == When::end      ? is_within(condition, watched.last)
                        : condition.when == When::always ? !watched.broken_at
                                                         : bool(watched.first_time);
-    const std::string sentence = condition.of + ": " + words(condition.quantity);
+    const std::string sentence = subject(condition);
     if (!watched.is_number) return sentence + " is not a number";
     if (holds)
       return sentence + " is " + bounds(condition) +
@@ -324,16 +327,16 @@ std::optional<std::string> SuccessMonitor::failure() const {
   }
   for (const Watched& watched : success_) {
     const Condition& condition = watched.condition;
-    const std::string sentence = condition.of + ": " + words(condition.quantity);
+    const std::string sentence = subject(condition);
     const std::string wanted = ", wanted is " + bounds(condition);
     if (condition.when == When::end && !is_within(condition, watched.last))
-      return sentence + " ends at " + shown(condition.quantity, watched.last) + wanted;
+      return sentence + " ends at " + shown(condition, watched.last) + wanted;
     if (condition.when == When::always && watched.broken_at)
-      return sentence + " is between " + shown(condition.quantity, watched.smallest) + " and " +
-             shown(condition.quantity, watched.largest) + wanted + " at all times";
+      return sentence + " is between " + shown(condition, watched.smallest) + " and " +
+             shown(condition, watched.largest) + wanted + " at all times";
     if (condition.when == When::some_time && !watched.first_time)
       return sentence + " is at " + (condition.at_most ? "least " : "most ") +
-             shown(condition.quantity, condition.at_most ? watched.smallest : watched.largest) + wanted;
+             shown(condition, condition.at_most ? watched.smallest : watched.largest) + wanted;
   }
   return std::nullopt;
 }

@@ -70,9 +70,13 @@ class SuccessMonitor {
   };
   Watched watch(const Condition& condition) const;
   double quantity(Watched& watched, const WorldState& state, std::span<const Phase> phase) const;
-  double moved_in_hand(Watched& watched, const WorldState& state, std::span<const Phase> phase) const;
-  double slip_in_hand(Watched& watched, const WorldState& state, std::span<const Phase> phase) const;
-  int held(const Watched& watched, const WorldState& state) const;
+#define PVG_MEASURE(name, unit, of, keys) \
+  double name(Watched& watched, const WorldState& state, std::span<const Phase> phase) const;
+  PVG_QUANTITIES(PVG_MEASURE)  // one function per quantity
+#undef PVG_MEASURE
+  static const AffineMap& object(const Watched& watched, const WorldState& state) {
+    return state.rigid.at(std::size_t(watched.body));
+  }
   void update(Watched& watched, const WorldState& state, std::span<const Phase> phase) const;
   void measure_deformation(const WorldState& state);
 

@@ -29,13 +29,13 @@ std::vector<fs::path> files(const fs::path& folder, const std::string& suffix) {
   return found;
 }
 
-// The task file with one text replaced, in a folder from which its relative paths still lead to data/.
+// A task file with one text replaced, in a folder from which its relative paths still lead to data/.
 struct Spoiled {
   TestFolder folder;
   fs::path file;
-  Spoiled(const std::string& from, const std::string& to) {
+  Spoiled(const std::string& from, const std::string& to, const fs::path& task = WEIGH_BEAKER) {
     std::stringstream text;
-    text << std::ifstream(WEIGH_BEAKER).rdbuf();
+    text << std::ifstream(task).rdbuf();
     std::string content = text.str();
     const std::size_t at = content.find(from);
     EXPECT_NE(at, std::string::npos) << from;
@@ -92,6 +92,21 @@ TEST(TaskFile, WeighBeakerSaysWhatItShould) {
   EXPECT_EQ(task.failure[0].when, Condition::When::some_time);
   ASSERT_EQ(task.cameras.size(), 2u);
   EXPECT_TRUE(task.cameras[1].records_gripper_mask);
+}
+
+TEST(TaskFile, AConditionOfAHandNamesItsRobotAndTheResolvedFileKeepsIt) {
+  const fs::path two_arms = DATA / "tasks/dual_fold_towel.yaml";
+  const std::string held = "{quantity: held, of: towel, at_most: 0}";
+  for (const std::string quantity : {"slip_in_hand", "moved_in_hand"}) {
+    const std::string condition = "{quantity: " + quantity + ", of: table, at_most: 1 mm";
+    const Spoiled named(held, condition + ", robot: right}", two_arms), unnamed(held, condition + "}", two_arms);
+    const Task task = load_task(named.file);
+    EXPECT_EQ(task.success.back().robot, 1) << quantity;
+    const std::string resolved = resolved_yaml(task, build_scene_at_middle(task));
+    const std::string entry = "quantity: " + quantity + "\n    of: table\n    when: end\n    robot: 1\n";
+    EXPECT_NE(resolved.find(entry), std::string::npos) << quantity;
+    expect_error<UsageError>([&] { load_task(unnamed.file); }, {"`success[2]`", "`robot`", "whose hand"});
+  }
 }
 
 TEST(TaskFile, CameraLooksWhereItIsTold) {

@@ -217,6 +217,46 @@ TEST_F(Success, ABodyThatDoesNotExistIsNamed) {
   }
 }
 
+TEST_F(Success, SlipAndMoveInHandWatchTheRobotThatTheyName) {
+  // two hands with a finger each; only the second one carries the beaker, which slips by 6 mm through its finger
+  for (const char* name : {"second base", "second carriage"}) {
+    RigidBody body;
+    body.name = name;
+    scene.rigid_bodies.push_back(body);
+  }
+  scene.soft_bodies.push_back(scene.soft_bodies[0]);
+  scene.stitches.push_back({1, 5, {0}, 1e5});
+  hands = {{2, {6}}, {4, {7}}};
+  const auto second_holds = [](const Vec3& hand_error) {
+    WorldState moved = at(Vec3(0.5, 0, 0.1));
+    const WorldState hand = at(Vec3(0.5, 0, 0.1), 0, hand_error);
+    for (const std::size_t i : {2, 3}) moved.rigid[i].col(3) = Vec3(-1, 0, 0);  // the first hand is elsewhere
+    moved.soft[0] = {Vec3(-1, 0, 0), Vec3(-1, 0, 0.1)};
+    moved.rigid.insert(moved.rigid.end(), {hand.rigid[2], hand.rigid[3]});
+    moved.soft.push_back(hand.soft[0]);
+    ContactForce contact;
+    contact.first = 0;
+    contact.second = 7;
+    contact.point = moved.soft[1][1];
+    moved.contacts.push_back(contact);
+    return moved;
+  };
+  const WorldState start = second_holds(Vec3::Zero());
+  for (const int robot : {0, 1}) {
+    task.success = {at_most(Quantity::slip_in_hand, "beaker", 0.005, When::always)};
+    task.failure = {at_least(Quantity::moved_in_hand, "beaker", 0.01, When::some_time)};
+    task.success[0].robot = task.failure[0].robot = robot;
+    SceneState scene_start;
+    scene_start.rigid = start.rigid;
+    scene_start.soft = start.soft;
+    SuccessMonitor monitor(task, scene, hands, scene_start);
+    const Phase phases[] = {Phase::free, Phase::carrying};
+    for (const double slip : {0.0, 0.006}) monitor.observe(second_holds(Vec3(0, 0, slip)), phases);
+    EXPECT_NEAR(monitor.measured()["slip_in_hand_m"], robot == 1 ? 0.006 : 0, 1e-12) << robot;
+    EXPECT_NEAR(monitor.measured()["moved_in_hand_m"], robot == 1 ? 0.006 : 0, 1e-12) << robot;
+  }
+}
+
 TEST(Phases, HoldingRunsFromCloseToOpen) {
   using Type = MotionElement::Type;
   std::vector<MotionElement> elements;

@@ -1,6 +1,6 @@
 // Ways around obstacles: what is found stays clear of a box by the points of the links themselves, where the straight
 // way does not.
-#include "host/robot/way_search.hpp"
+#include "host/robot/path_planner.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ struct Search : testing::Test {
   VectorXd to = (VectorXd(7) << 0.7, 0.3, 0, -1.8, 0, 2.1, 0.8).finished();
   // a post between the two
   Eigen::AlignedBox3d post{Vec3(0.40, -0.05, 0), Vec3(0.50, 0.05, 0.7)};
-  WaySearch search = WaySearch(arm, arm.link("fr3_link8"), {}, {{"post", box(), Pose::Identity()}});
+  PathPlanner planner = PathPlanner(arm, arm.link("fr3_link8"), {}, {{"post", box(), Pose::Identity()}});
 
   TriangleMesh box() const {
     TriangleMesh mesh;
@@ -40,7 +40,7 @@ TEST_F(Search, GoesAroundAPostThatTheStraightWayMeets) {
   double straight = 1;
   for (int k = 0; k <= 100; ++k) straight = std::min(straight, distance(from + k / 100.0 * (to - from)));
   ASSERT_LT(straight, 1e-6);
-  const auto knots = search.search(from, to);
+  const auto knots = planner.plan(from, to);
   ASSERT_TRUE(knots.has_value());
   EXPECT_LT((knots->row(0).transpose() - from).norm(), 1e-12);
   EXPECT_LT((knots->bottomRows(1).transpose() - to).norm(), 1e-12);
@@ -56,7 +56,7 @@ TEST_F(Search, GoesAroundAPostThatTheStraightWayMeets) {
 }
 
 TEST_F(Search, TheSameQuestionHasTheSameAnswer) {
-  const auto first = search.search(from, to), second = search.search(from, to);
+  const auto first = planner.plan(from, to), second = planner.plan(from, to);
   ASSERT_TRUE(first && second);
   EXPECT_EQ(*first, *second);
 }
@@ -64,17 +64,17 @@ TEST_F(Search, TheSameQuestionHasTheSameAnswer) {
 TEST_F(Search, WhatCollidesIsNamedAndHasNoWay) {
   VectorXd into = from;
   into[0] = 0;
-  const auto pair = search.collision(into);
+  const auto pair = planner.collision(into);
   ASSERT_TRUE(pair.has_value());
   EXPECT_EQ((*pair)[1], "post");
-  EXPECT_FALSE(search.search(from, into).has_value());
-  EXPECT_FALSE(search.collision(from).has_value());
+  EXPECT_FALSE(planner.plan(from, into).has_value());
+  EXPECT_FALSE(planner.collision(from).has_value());
 }
 
 TEST_F(Search, AnArmFoldedIntoItselfCollides) {
   VectorXd folded(7);
   folded << 0, 1.78, 0, -3.0, 0, 0.6, 0;
-  EXPECT_TRUE(search.collision(folded).has_value());
+  EXPECT_TRUE(planner.collision(folded).has_value());
 }
 
 }  // namespace

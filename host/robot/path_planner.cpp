@@ -1,4 +1,4 @@
-#include "host/robot/way_search.hpp"
+#include "host/robot/path_planner.hpp"
 
 #include <ompl/base/ScopedState.h>
 #include <ompl/base/SpaceInformation.h>
@@ -63,15 +63,15 @@ VectorXd configuration(const ob::State* state, Eigen::Index n) {
 
 }  // namespace
 
-struct WaySearch::Impl {
+struct PathPlanner::Impl {
   RobotModel model;
   std::vector<CollisionPart> parts;
   std::vector<std::array<std::size_t, 2>> pairs;  // of parts that may collide
   double clearance = 0;
 };
 
-WaySearch::WaySearch(const RobotModel& model, int link, const std::vector<Obstacle>& carried,
-                     const std::vector<Obstacle>& obstacles, double clearance)
+PathPlanner::PathPlanner(const RobotModel& model, int link, const std::vector<Obstacle>& carried,
+                         const std::vector<Obstacle>& obstacles, double clearance)
     : impl_(std::make_unique<Impl>()) {
   impl_->model = model;
   impl_->clearance = clearance;
@@ -104,10 +104,10 @@ WaySearch::WaySearch(const RobotModel& model, int link, const std::vector<Obstac
     }
 }
 
-WaySearch::~WaySearch() = default;
-WaySearch::WaySearch(WaySearch&&) noexcept = default;
+PathPlanner::~PathPlanner() = default;
+PathPlanner::PathPlanner(PathPlanner&&) noexcept = default;
 
-std::optional<std::array<std::string, 2>> WaySearch::collision(const VectorXd& q) const {
+std::optional<std::array<std::string, 2>> PathPlanner::collision(const VectorXd& q) const {
   const std::vector<Pose> links = link_poses(impl_->model, q);
   std::vector<Pose> poses;
   for (const CollisionPart& part : impl_->parts)
@@ -118,7 +118,7 @@ std::optional<std::array<std::string, 2>> WaySearch::collision(const VectorXd& q
   return std::nullopt;
 }
 
-std::optional<Eigen::MatrixXd> WaySearch::search(const VectorXd& from, const VectorXd& to) const {
+std::optional<Eigen::MatrixXd> PathPlanner::plan(const VectorXd& from, const VectorXd& to) const {
   const Eigen::Index n = from.size();
   const auto is_free = [&](const VectorXd& q) { return !collision(q); };
   const auto is_straight_free = [&](const VectorXd& a, const VectorXd& b) {
