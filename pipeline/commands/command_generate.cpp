@@ -135,7 +135,6 @@ void run_generate(const GenerateOptions& options) {
     throw UsageError("generate needs a task file; `phyvisgen generate --help` shows an example");
   if (options.folder.empty()) throw UsageError("generate needs an output folder: -o DIR");
   const Shard shard = parse_shard(options.shard);
-  stop_within(7);
   const std::atomic<bool>& stop = stop_on_signals();
   Task task = load_task(options.task);
   apply(options.pictures, task);

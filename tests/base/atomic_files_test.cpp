@@ -78,7 +78,7 @@ TEST_F(AtomicFiles, WhatIsInTheMakingCanBeRemovedFromOutside) {
   PartialFolder folder(root / "episode_000000");
   fs::create_directory(folder.path() / "inner");
   write(folder.path() / "inner" / "a", "1");
-  remove_unfinished_folders();
+  remove_unfinished();
   EXPECT_FALSE(fs::exists(folder.path()));
   EXPECT_TRUE(fs::exists(root / "episode_000001"));
 }
