@@ -15,7 +15,6 @@
 #include <set>
 
 #include "host/base/error.hpp"
-#include "host/base/outputs.hpp"
 
 namespace pvg {
 namespace {
@@ -162,7 +161,6 @@ PartialFile::~PartialFile() {
 }
 
 void PartialFile::finish() {
-  check_is_not_read(target_);
   sync(path_);
   if (std::rename(path_.c_str(), target_.c_str()) != 0) fail(target_, "replaced");
   end(path_);

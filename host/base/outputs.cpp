@@ -65,22 +65,23 @@ void check_is_not_read(const fs::path& output) {
     throw UsageError(output.string() + " is a file that this command reads; choose another name for the output");
 }
 
-void check_output_file(const fs::path& output, const std::vector<std::string>& endings) {
+void check_output_file(const fs::path& output, const std::vector<std::string>& endings, const std::string& option) {
+  const std::string given = option + " " + output.string();
   if (!endings.empty() && std::find(endings.begin(), endings.end(), output.extension().string()) == endings.end())
-    throw UsageError("-o " + output.string() + ": the name must end in " + joined(endings));
+    throw UsageError(given + ": the name must end in " + joined(endings));
   check_is_not_read(output);
   std::error_code ignored;
   const fs::file_status status = fs::status(output, ignored);
-  if (fs::is_directory(status)) throw UsageError("-o " + output.string() + " is a folder; name a file");
+  if (fs::is_directory(status)) throw UsageError(given + " is a folder; name a file");
   if (fs::exists(status) && !fs::is_regular_file(status))
-    throw UsageError("-o " + output.string() + " is a device or a pipe; name a file");
+    throw UsageError(given + " is a device or a pipe; name a file");
   const fs::path folder = output.parent_path();
   if (!folder.empty() && !fs::is_directory(folder, ignored))
-    throw UsageError("-o " + output.string() + ": there is no folder " + folder.string() + "; make it first");
+    throw UsageError(given + ": there is no folder " + folder.string() + "; make it first");
   // the name itself is tried, as it may be too long
   const bool was_there = fs::exists(status);
   const int file = open(output.c_str(), O_WRONLY | O_CLOEXEC | (was_there ? 0 : O_CREAT | O_EXCL), 0666);
-  if (file < 0) throw UsageError("-o " + output.string() + " cannot be written: " + std::strerror(errno));
+  if (file < 0) throw UsageError(given + " cannot be written: " + std::strerror(errno));
   close(file);
   if (!was_there) fs::remove(output, ignored);
 }

@@ -1,5 +1,5 @@
 // Where a command may write: never onto a file that it reads, nor into or around a folder that it reads. Loaders say what
-// they read; outputs are checked before the work begins and once more when they get their names.
+// they read; outputs are checked before the work begins.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -15,7 +15,8 @@ void check_is_not_read(const std::filesystem::path& output);
 
 // A UsageError where no file can be made of this name: it was read, it is a folder or a device, its folder is not there
 // or cannot be written to, or it has none of the endings (empty: any).
-void check_output_file(const std::filesystem::path& output, const std::vector<std::string>& endings = {});
+void check_output_file(const std::filesystem::path& output, const std::vector<std::string>& endings = {},
+                       const std::string& option = "-o");
 
 // A UsageError where `output` is `input`, lies in it or around it. what: the command does, such as "merge".
 void check_apart(const std::filesystem::path& output, const std::filesystem::path& input, const std::string& what);

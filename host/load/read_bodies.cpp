@@ -197,7 +197,7 @@ void read_limits(Section& section, Unit unit, double largest, Joint& joint) {
 
 void read_body(Section& section, SceneFile& file) {
   Scene& scene = file.added;
-  const std::string name = section.text("name");
+  const std::string name = section.name();
   const std::size_t kind = section.choice("kind", {"rigid", "soft", "static", "moving", "half_space"});
   const bool is_taken = find_named(scene.rigid_bodies, name) || find_named(scene.soft_bodies, name) ||
                         find_named(file.task.objects, name);
@@ -221,7 +221,7 @@ void read_body(Section& section, SceneFile& file) {
 void read_joint(Section& section, SceneFile& file) {
   Scene& scene = file.added;
   Joint joint;
-  joint.name = section.text("name");
+  joint.name = section.name();
   if (find_named(scene.joints, joint.name)) section.fail("name", "`" + joint.name + "` is taken by a joint above");
   joint.type = Joint::Type(section.choice("type", {"fixed", "revolute", "prismatic", "spherical"}));
   const bool turns = joint.type == Joint::Type::revolute, moves = turns || joint.type == Joint::Type::prismatic;

@@ -77,7 +77,7 @@ VisualMaterial read_material(Section& section, std::vector<std::filesystem::path
     index = int(textures->size());
     textures->push_back(section.file(key));
   };
-  material.name = section.text("name");
+  material.name = section.name();
   material.kind = Kind(section.choice(
       "kind", {"diffuse", "conductor", "dielectric", "emissive", "shadow_receiver", "metallic_roughness", "cloth"}));
   const bool is_glass = material.kind == Kind::dielectric;
@@ -214,7 +214,7 @@ std::vector<VisualSection> read_visuals(Section& section) {
 
 ObjectSection read_object(Section& section) {
   ObjectSection object;
-  object.name = section.text("name");
+  object.name = section.name();
   if (section.has("mesh")) object.mesh = section.file("mesh");
   object.visuals = read_visuals(section);
   object.is_fixed = section.boolean("fixed", false);
@@ -279,7 +279,7 @@ BackgroundSection read_background(Section section) {
 }
 
 void read_light(Section& section, Task& task) {
-  const std::string name = section.text("name");
+  const std::string name = section.name();
   if (section.choice("kind", {"rectangle", "sphere"}, 0) == 1) {
     SphereLight light;
     light.name = name;
@@ -306,7 +306,7 @@ void read_light(Section& section, Task& task) {
 
 CameraSection read_camera(Section& section) {
   CameraSection camera;
-  camera.name = section.text("name");
+  camera.name = section.name();
   camera.mount = section.text("mount", camera.mount);
   // even numbers: video with half resolution in colour needs them
   camera.width = section.integer("width", 16, 8192);

@@ -65,6 +65,15 @@ EpisodeSet open_set(const GenerateOptions& options, const Task& task, const Devi
   return set;
 }
 
+// A folder that this run made and nothing came into goes again.
+void remove_empty(const EpisodeSet& set) {
+  const SetStatus status = read_status(set.folder);
+  if (!status.done.empty() || !status.failed.empty()) return;
+  std::error_code ignored;
+  fs::remove(set.folder / "set.json", ignored);
+  fs::remove(set.folder, ignored);
+}
+
 void explain(const EpisodeReport& report) {
   for (const MeshSize& mesh : report.meshes)
     std::fprintf(stderr, "  mesh %s: %zu nodes, %zu elements, %zu triangles\n", mesh.name.c_str(), mesh.nodes,
@@ -144,6 +153,7 @@ void run_generate(const GenerateOptions& options) {
   steps_per_frame(task.render.frames_per_second, task.solver.time_step);
   Device physics(options.device);
   Device rendering(std::to_string(choose_render_device(list_devices(), options.device, options.render_device).index));
+  const bool was_there = fs::exists(options.folder);
   const EpisodeSet set = open_set(options, task, physics, rendering);
 
   std::vector<std::string> reasons;  // of the episodes that failed
@@ -172,6 +182,7 @@ void run_generate(const GenerateOptions& options) {
       if (!is_made) reasons.push_back(reason);
       if (progress.total > 1) std::fprintf(stderr, "%s\n", line().c_str());
     } catch (const std::exception&) {
+      if (!was_there) remove_empty(set);
       if (!stop) throw;
       throw TryAgain(STOPPED);  // whatever went wrong after a stop, such as that its folder is gone, is of the stop
     }

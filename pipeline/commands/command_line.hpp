@@ -7,8 +7,6 @@
 
 namespace pvg {
 
-inline constexpr std::uint64_t MOST_EPISODES = 1000000000;  // of a set
-
 // For all options of `program` and its commands that are numbers; call it when all of them are added.
 void make_numbers_strict(CLI::App& program);
 

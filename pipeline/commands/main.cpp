@@ -8,6 +8,7 @@
 #include "host/base/error.hpp"
 #include "pipeline/commands/command_line.hpp"
 #include "pipeline/commands/commands.hpp"
+#include "pipeline/episode/episode_set.hpp"
 
 namespace {
 
