@@ -11,8 +11,8 @@ namespace pvg {
 
 void write_text_atomically(const std::filesystem::path& path, const std::string& text);
 
-// A folder in the making until finish() makes it PARENT/NAME, replacing what stood there. Without finish() it is removed
-// with all that is in it.
+// A folder in the making until finish() makes it PARENT/NAME, replacing what stood there. Without finish() it is
+// removed with all that is in it.
 class PartialFolder {
  public:
   explicit PartialFolder(const std::filesystem::path& target);
@@ -26,7 +26,8 @@ class PartialFolder {
   int lock_ = -1;  // file descriptor that holds the lock
 };
 
-// A file in the making, written by others under path(), until finish() gives it its name. Without finish() it is removed.
+// A file in the making, written by others under path(), until finish() gives it its name. Without finish() it is
+// removed.
 class PartialFile {
  public:
   explicit PartialFile(const std::filesystem::path& target);

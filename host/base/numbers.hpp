@@ -6,8 +6,8 @@
 
 namespace pvg {
 
-// The whole of `text` must be a decimal number, finite and from low to high. Throws std::invalid_argument with the end of
-// a sentence: "must be a whole number from 1 to 5, but is `nan`".
+// The whole of `text` must be a decimal number, finite and from low to high. Throws std::invalid_argument with the end
+// of a sentence: "must be a whole number from 1 to 5, but is `nan`".
 std::uint64_t parse_whole(const std::string& text, std::uint64_t low, std::uint64_t high);
 double parse_real(const std::string& text, double low, double high);
 

@@ -91,7 +91,8 @@ void check_apart(const fs::path& output, const fs::path& input, const std::strin
   const std::string choose = "; choose a folder beside it with -o";
   if (out == in) throw UsageError("-o " + output.string() + " is the folder that " + what + " reads" + choose);
   if (lies_in(out, in))
-    throw UsageError("-o " + output.string() + " lies inside " + input.string() + ", which " + what + " reads" + choose);
+    throw UsageError("-o " + output.string() + " lies inside " + input.string() + ", which " + what + " reads" +
+                     choose);
   if (lies_in(in, out))
     throw UsageError(input.string() + ", which " + what + " reads, lies inside -o " + output.string() + choose);
 }

@@ -1,5 +1,5 @@
-// Where a command may write: never onto a file that it reads, nor into or around a folder that it reads. Loaders say what
-// they read; outputs are checked before the work begins.
+// Where a command may write: never onto a file that it reads, nor into or around a folder that it reads. Loaders say
+// what they read; outputs are checked before the work begins.
 #pragma once
 #include <filesystem>
 #include <string>

@@ -11,8 +11,8 @@ namespace pvg {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr int DEEPEST = 100;            // mappings in each other, of what we write three
-constexpr double FASTEST = 1e4;         // [pictures/s]
+constexpr int DEEPEST = 100;                // mappings in each other, of what we write three
+constexpr double FASTEST = 1e4;             // [pictures/s]
 constexpr std::uint64_t LARGEST = 1 << 16;  // a picture's side [pixels]
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& what) {

@@ -1,4 +1,5 @@
-// JSON files that the program wrote and reads again, checked: set.json and summary.json. A UsageError names file and key.
+// JSON files that the program wrote and reads again, checked: set.json and summary.json. A UsageError names file and
+// key.
 #pragma once
 #include <cstdint>
 #include <filesystem>

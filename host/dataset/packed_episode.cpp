@@ -203,8 +203,7 @@ PackedEpisode read_packed_episode(const fs::path& folder, const std::vector<std:
     episode.columns.push_back(column.name);
     episode.is_width.push_back(column.is_width);
   }
-  for (const std::string& name : objects)
-    episode.objects.push_back({without_slashes(name), {}});
+  for (const std::string& name : objects) episode.objects.push_back({without_slashes(name), {}});
   for (const Tool& tool : tools) episode.tools.push_back({without_slashes(tool.base), {}, {}, {}});
 
   const std::vector<double> T_link = record.poses("/T_link"), T_rigid = record.poses("/T_rigid");

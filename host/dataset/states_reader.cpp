@@ -21,7 +21,8 @@ StatesReader::StatesReader(const std::filesystem::path& path, const Scene& scene
   for (const RigidBody& body : scene.rigid_bodies) {
     rigid_.push_back(find(body.name));
     if (!rigid_.back().is_rigid)
-      throw UsageError(path.string() + ": `" + body.name + "` is soft there, rigid in the scene; it was made of another "
+      throw UsageError(path.string() + ": `" + body.name +
+                       "` is soft there, rigid in the scene; it was made of another "
                        "scene");
   }
   for (const SoftBody& body : scene.soft_bodies) {

@@ -11,7 +11,8 @@ hdf5::File open_states(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path, ignored))
     throw UsageError(path.string() + ": there is no such states file");
   hdf5::File file = hdf5::File::open(path);
-  if (!file.has("/time")) throw UsageError(path.string() + " is no states file of simulate or generate: it lacks /time");
+  if (!file.has("/time"))
+    throw UsageError(path.string() + " is no states file of simulate or generate: it lacks /time");
   return file;
 }
 
@@ -120,11 +121,12 @@ std::vector<StatesRecord::Body> StatesRecord::bodies() const {
       fail("/bodies/source", "names the data set " + std::to_string(source[i]) + " of " + std::to_string(sets.size()));
     Body& body = bodies[i];
     body = {names[i], sets[std::size_t(source[i])], 0, 0, source[i] < 2, is_fixed[i] != 0};
-    const hdf5::Shape wanted = body.is_rigid ? hdf5::Shape{times_.size(), ANY, 3, 4} : hdf5::Shape{times_.size(), ANY, 3};
+    const hdf5::Shape wanted =
+        body.is_rigid ? hdf5::Shape{times_.size(), ANY, 3, 4} : hdf5::Shape{times_.size(), ANY, 3};
     const hdf5::Shape shape = demand_shape(body.data_set, wanted);
     if (body.is_rigid && (row[i] < 0 || std::uint64_t(row[i]) >= shape[1]))
-      fail("/bodies/row", "names the row " + std::to_string(row[i]) + " of " + std::to_string(shape[1]) + " in " +
-                              body.data_set);
+      fail("/bodies/row",
+           "names the row " + std::to_string(row[i]) + " of " + std::to_string(shape[1]) + " in " + body.data_set);
     body.row = body.is_rigid ? std::size_t(row[i]) : 0;
     body.n_nodes = body.is_rigid ? 0 : std::size_t(shape[1]);
   }
@@ -139,8 +141,7 @@ StatesRecord::Mesh StatesRecord::mesh(const Body& body) const {
   if (!body.is_rigid && n != body.n_nodes)
     fail(at + "/rest", "holds " + std::to_string(n) + " points, " + body.data_set + " " + std::to_string(body.n_nodes));
   for (const std::uint32_t corner : mesh.triangles)
-    if (corner >= n)
-      fail(at + "/triangles", "names the vertex " + std::to_string(corner) + " of " + std::to_string(n));
+    if (corner >= n) fail(at + "/triangles", "names the vertex " + std::to_string(corner) + " of " + std::to_string(n));
   return mesh;
 }
 
@@ -163,7 +164,8 @@ StatesRecord::PairForces StatesRecord::pair_forces() const {
   const std::size_t n = forces.normal.size() / 3;
   forces.bodies = read<std::int64_t>("/pair_force/bodies", {n, 2});
   for (const std::int64_t offset : read<std::int64_t>("/pair_force/offset", {times_.size() + 1})) {
-    if (offset < 0 || std::uint64_t(offset) > n || (!forces.offset.empty() && std::size_t(offset) < forces.offset.back()))
+    if (offset < 0 || std::uint64_t(offset) > n ||
+        (!forces.offset.empty() && std::size_t(offset) < forces.offset.back()))
       fail("/pair_force/offset", "does not ascend from 0 to " + std::to_string(n));
     forces.offset.push_back(std::size_t(offset));
   }

@@ -1,5 +1,5 @@
-// The one reader of states.h5 (states_file.hpp): what it gives fits together, whatever the file holds. Shapes, ranges and
-// indices are checked where they are read; a UsageError names the file and the data set.
+// The one reader of states.h5 (states_file.hpp): what it gives fits together, whatever the file holds. Shapes, ranges
+// and indices are checked where they are read; a UsageError names the file and the data set.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -31,7 +31,7 @@ class StatesRecord {
     double at(std::size_t step, std::size_t name) const { return values[step * names.size() + name]; }
   };
   struct PairForces {
-    std::vector<std::size_t> offset;  // [T + 1] ascending, into the lists below
+    std::vector<std::size_t> offset;   // [T + 1] ascending, into the lists below
     std::vector<std::int64_t> bodies;  // [n x 2]
     std::vector<double> normal;        // [n x 3, N]
   };
@@ -48,9 +48,9 @@ class StatesRecord {
   std::vector<std::size_t> filmed_steps() const;               // ascending; empty: there are no pictures
   bool has(const std::string& object) const { return file_.has(object); }
 
-  Series series(const std::string& object) const;                      // /q, /a, /torque
-  std::vector<std::string> poses_names(const std::string& object) const;  // of the n bodies in [T, n, 3, 4]
-  std::vector<double> poses(const std::string& object) const;          // [T, n, 3, 4]
+  Series series(const std::string& object) const;                              // /q, /a, /torque
+  std::vector<std::string> poses_names(const std::string& object) const;       // of the n bodies in [T, n, 3, 4]
+  std::vector<double> poses(const std::string& object) const;                  // [T, n, 3, 4]
   std::vector<double> row(const std::string& object, std::size_t step) const;  // of a body's data set
   std::vector<double> rows(const std::string& object) const;                   // all of them
   std::vector<Body> bodies() const;
@@ -61,7 +61,7 @@ class StatesRecord {
   CameraRows camera(const std::string& name, std::size_t n_frames) const;
   std::vector<std::pair<std::string, double>> sampled() const;  // what was drawn; empty: nothing
 
-  std::string text(const std::string& attribute) const;       // of the file
+  std::string text(const std::string& attribute) const;  // of the file
   std::uint64_t whole(const std::string& attribute) const;
   double positive(const std::string& attribute) const;
 

@@ -1,6 +1,5 @@
 #include "host/formats/gltf_writer.hpp"
 
-
 #include <algorithm>
 #include <cmath>
 
@@ -77,7 +76,8 @@ void GltfWriter::write(const fs::path& file) {
   // the writer says that all is well where there is no folder or no room, so the file itself is asked
   const std::size_t n_bytes = model.buffers[0].data.size();
   const bool said_yes = writer.WriteGltfSceneToFile(&model, partial.path().string(), false, true, false, true);
-  const bool is_whole = said_yes && fs::exists(partial.path(), ignored) && fs::file_size(partial.path(), ignored) > n_bytes;
+  const bool is_whole =
+      said_yes && fs::exists(partial.path(), ignored) && fs::file_size(partial.path(), ignored) > n_bytes;
   if (!is_whole) throw Failure(file.string() + " cannot be written; see that its folder exists and has room");
   partial.finish();
 }

@@ -100,7 +100,9 @@ std::uint64_t chunk_rows(std::uint64_t row_bytes) {
 
 void File::fail(const std::string& what, const std::string& object) const {
   if (is_input_)
-    throw UsageError(path_.string() + ": " + (what.find("attribute") == std::string::npos ? "" : what.substr(what.find("the")) + " ") + object + " could not be read: the file is damaged or was not made by this "
+    throw UsageError(path_.string() + ": " +
+                     (what.find("attribute") == std::string::npos ? "" : what.substr(what.find("the")) + " ") + object +
+                     " could not be read: the file is damaged or was not made by this "
                      "program; make it again");
   throw Failure(path_.string() + ": HDF5 could not " + what + " " + object);
 }
@@ -306,8 +308,7 @@ std::vector<std::string> File::texts_attribute(const std::string& object, const 
   const std::size_t bytes = H5Tget_size(type.id()), n = std::size_t(H5Sget_simple_extent_npoints(space.id()));
   if (H5Tis_variable_str(type.id()) > 0) {
     std::vector<char*> read(n, nullptr);
-    if (n && H5Aread(attribute.id(), type.id(), read.data()) < 0)
-      fail("read the attribute " + name + " of", object);
+    if (n && H5Aread(attribute.id(), type.id(), read.data()) < 0) fail("read the attribute " + name + " of", object);
     std::vector<std::string> texts;
     for (const char* text : read) texts.emplace_back(text ? text : "");
     if (n) H5Dvlen_reclaim(type.id(), space.id(), H5P_DEFAULT, read.data());

@@ -1,5 +1,5 @@
-// What holds for the command line of every command: numbers are decimal, finite and in range; a command that is not there
-// is named, with the nearest one; what reaches the user as the reason of a failure is a sentence of ours.
+// What holds for the command line of every command: numbers are decimal, finite and in range; a command that is not
+// there is named, with the nearest one; what reaches the user as the reason of a failure is a sentence of ours.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <exception>

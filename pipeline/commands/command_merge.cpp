@@ -86,7 +86,8 @@ void check_folders(const MergeOptions& options) {
       check_apart(options.output, options.folders[i], "merge");
     for (std::size_t k = 0; k < i; ++k)
       if (fs::equivalent(options.folders[i], options.folders[k], ignored))
-        throw UsageError(options.folders[k] + " and " + options.folders[i] + " are the same folder twice; name it once");
+        throw UsageError(options.folders[k] + " and " + options.folders[i] +
+                         " are the same folder twice; name it once");
   }
 }
 

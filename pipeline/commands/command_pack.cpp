@@ -3,9 +3,9 @@
 #include <cstdlib>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/outputs.hpp"
 #include "host/base/progress.hpp"
 #include "host/dataset/act_files.hpp"
-#include "host/base/outputs.hpp"
 #include "host/dataset/lerobot_dataset.hpp"
 #include "host/dataset/robomimic_file.hpp"
 #include "host/dataset/umi_zarr.hpp"

@@ -6,8 +6,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "host/base/error.hpp"
 #include "host/base/atomic_files.hpp"
+#include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/base/progress.hpp"
 #include "host/base/stop_signal.hpp"
@@ -146,8 +146,8 @@ void run_simulate(const SimulateOptions& options) {
   if (run.duration / run.scene.solver.time_step > double(MOST_STEPS)) {
     char text[32];
     std::snprintf(text, sizeof text, "%g", run.duration);
-    throw UsageError(options.scene + ": a duration of " + text + " s (--duration " + text + ", or `duration`) is more than " +
-                     std::to_string(MOST_STEPS) + " steps; give a shorter one");
+    throw UsageError(options.scene + ": a duration of " + text + " s (--duration " + text +
+                     ", or `duration`) is more than " + std::to_string(MOST_STEPS) + " steps; give a shorter one");
   }
   check_outputs(options);
   separate(run.scene);

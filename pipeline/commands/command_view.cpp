@@ -3,8 +3,8 @@
 #include <iterator>
 
 #include "host/base/atomic_files.hpp"
-#include "host/base/progress.hpp"
 #include "host/base/outputs.hpp"
+#include "host/base/progress.hpp"
 #include "pipeline/commands/commands.hpp"
 #include "pipeline/commands/data_folder.hpp"
 #include "pipeline/episode/episode_set.hpp"

@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "host/base/numbers.hpp"
-#include "host/dataset/json_file.hpp"
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
+#include "host/base/numbers.hpp"
+#include "host/dataset/json_file.hpp"
 
 namespace pvg {
 namespace {

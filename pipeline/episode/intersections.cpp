@@ -7,9 +7,9 @@
 #include <set>
 #include <vector>
 
+#include "host/dataset/states_record.hpp"
 #include "host/formats/hdf5.hpp"
 #include "host/geometry/exact_intersection.hpp"
-#include "host/dataset/states_record.hpp"
 
 namespace pvg {
 namespace {

@@ -193,8 +193,7 @@ std::string base64(std::span<const std::uint8_t> bytes) {
 
 Json episode_report(const fs::path& folder, bool whole) {
   std::optional<Json> summary = read_json_file(folder / "summary.json");
-  if (!summary)
-    throw UsageError(folder.string() + " holds no summary.json; name an episode or a set of generate");
+  if (!summary) throw UsageError(folder.string() + " holds no summary.json; name an episode or a set of generate");
   Json report = {{"folder", folder.filename().string()}, {"summary", std::move(*summary)}};
   const fs::path states = folder / "states.h5";
   if (!fs::exists(states)) return report;  // failed, and its record not kept
