@@ -6,6 +6,7 @@
 #include "host/formats/mesh_files.hpp"
 #include "host/formats/textures.hpp"
 #include "host/geometry/mass_properties.hpp"
+#include "host/geometry/mesh_parts.hpp"
 #include "host/load/build_parts.hpp"
 #include "host/load/read_sections.hpp"
 #include "host/load/variation.hpp"
@@ -46,6 +47,10 @@ RigidBody rigid_body(const ObjectSection& object, const Pose& pose) {
   RigidBody body;
   body.name = object.name;
   body.collision = read_closed_surface(object.mesh);
+  if (!object.is_fixed && has_overlapping_parts(body.collision))
+    throw UsageError(object.mesh.string() + " consists of closed parts that overlap, whose common space would count "
+                     "twice in the mass; unite them into one surface");
+  tell_of_size(body.collision, object.mesh.string());
   for (Vec3& point : body.collision.points) point *= object.size;
   body.is_fixed = object.is_fixed;
   body.friction = object.friction;

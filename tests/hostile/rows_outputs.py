@@ -13,7 +13,7 @@ row("the page onto a video", "view set/episode_000000 -o set/episode_000000/fron
 row("the exported scene onto the states", "render scene.yaml --states st.h5 --export st.h5", N, f"st.h5.*({ONTO}|glb)",
     needs="recorded")
 row("the exported scene onto the scene file", "render scene.yaml --export scene.yaml", N, f"scene.yaml.*({ONTO}|glb)",
-    needs="scene")
+    needs="scene", notes=3)
 row("the exported scene onto the glTF file", "render in.glb --export in.glb", N, f"in.glb.*({ONTO})", needs="scene",
     shell="$B render scene.yaml --export in.glb 2>/dev/null && exec $B render in.glb --export in.glb", makes=["in.glb"])
 row("states onto the scene file", "simulate scene.yaml -o scene.yaml", N, f"scene.yaml.*({ONTO})", needs="scene")
