@@ -120,7 +120,7 @@ std::vector<StatesRecord::Body> StatesRecord::bodies() const {
     if (source[i] < 0 || std::size_t(source[i]) >= sets.size())
       fail("/bodies/source", "names the data set " + std::to_string(source[i]) + " of " + std::to_string(sets.size()));
     Body& body = bodies[i];
-    body = {names[i], sets[std::size_t(source[i])], 0, 0, source[i] < 2, is_fixed[i] != 0};
+    body = {names[i], sets[std::size_t(source[i])], i, 0, 0, source[i] < 2, is_fixed[i] != 0};
     const hdf5::Shape wanted =
         body.is_rigid ? hdf5::Shape{times_.size(), ANY, 3, 4} : hdf5::Shape{times_.size(), ANY, 3};
     const hdf5::Shape shape = demand_shape(body.data_set, wanted);
@@ -137,6 +137,9 @@ StatesRecord::Mesh StatesRecord::mesh(const Body& body) const {
   const std::string at = "/mesh/" + body.name;
   Mesh mesh{read<double>(at + "/rest", {ANY, 3}), read<std::uint32_t>(at + "/triangles", {ANY, 3})};
   demand_finite(at + "/rest", mesh.rest);
+  if (const auto owner = read<std::int64_t>(at + "/body", {}); owner.front() != std::int64_t(body.number))
+    fail(at + "/body",
+         "names the body " + std::to_string(owner.front()) + " instead of " + std::to_string(body.number));
   const std::size_t n = mesh.rest.size() / 3;
   if (!body.is_rigid && n != body.n_nodes)
     fail(at + "/rest", "holds " + std::to_string(n) + " points, " + body.data_set + " " + std::to_string(body.n_nodes));

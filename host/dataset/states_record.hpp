@@ -16,6 +16,7 @@ class StatesRecord {
   // Of a body: the data set and the row in it that hold where it was.
   struct Body {
     std::string name, data_set;
+    std::size_t number = 0;  // in the list
     std::size_t row = 0;
     std::size_t n_nodes = 0;  // of a soft body or a cloth
     bool is_rigid = false, is_fixed = false;

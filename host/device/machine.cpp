@@ -47,7 +47,8 @@ void find_cache_folder() {
     if (chosen ? can_hold_files(chosen) : can_hold_files(usual_cache())) return;
     std::error_code ignored;
     const fs::path temporary = fs::temp_directory_path(ignored);
-    const fs::path folder = (ignored ? fs::path("/tmp") : temporary) / ("phyvisgen-kernels-" + std::to_string(getuid()));
+    const fs::path folder =
+        (ignored ? fs::path("/tmp") : temporary) / ("phyvisgen-kernels-" + std::to_string(getuid()));
     if (!can_hold_files(folder)) return;
     setenv("POCL_CACHE_DIR", folder.c_str(), 1);
     tell_note((chosen ? std::string("POCL_CACHE_DIR ") + chosen : std::string("HOME")) +

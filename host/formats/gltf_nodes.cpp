@@ -16,10 +16,9 @@ namespace fs = std::filesystem;
 constexpr double FARTHEST = 1e9;  // of a point [m]: squares and products of lengths stay in bounds
 
 // what readers of glTF must know where a file demands it; of these we know all
-constexpr const char* KNOWN_EXTENSIONS[] = {"KHR_lights_punctual",    "KHR_materials_transmission", "KHR_materials_specular",
-                                            "KHR_materials_volume",   "KHR_materials_ior",
-                                            "KHR_materials_unlit",    "KHR_texture_transform",
-                                            "KHR_materials_emissive_strength"};
+constexpr const char* KNOWN_EXTENSIONS[] = {
+    "KHR_lights_punctual", "KHR_materials_transmission", "KHR_materials_specular", "KHR_materials_volume",
+    "KHR_materials_ior",   "KHR_materials_unlit",        "KHR_texture_transform",  "KHR_materials_emissive_strength"};
 
 struct Reader {
   const tinygltf::Model& model;
@@ -119,7 +118,8 @@ struct Reader {
     for (std::size_t i = 0; i < n; ++i) {
       mesh.points.push_back(to_world * floats(accessor(positions), i, 3));
       if (!(mesh.points.back().cwiseAbs().maxCoeff() <= FARTHEST))
-        fail("a vertex of `" + name + "` is not finite or more than a million kilometres away; correct the node's scale "
+        fail("a vertex of `" + name +
+             "` is not finite or more than a million kilometres away; correct the node's scale "
              "and translation");
       if (normals >= 0) mesh.normals.push_back((for_normals * floats(accessor(normals), i, 3)).normalized());
       if (uvs >= 0) mesh.uvs.push_back(floats(accessor(uvs), i, 2).head<2>().cast<float>());

@@ -4,8 +4,8 @@
 
 namespace pvg {
 
-// Whether two parts share space that would count twice in the mass. Found by points just below the surface of one part that lie inside another (their winding number), so
-// that an overlap far smaller than the triangles may be missed.
+// Whether two parts share space that would count twice in the mass. Found by points just below the surface of one part
+// that lie inside another (their winding number), so that an overlap far smaller than the triangles may be missed.
 bool has_overlapping_parts(const TriangleMesh& mesh);
 
 }  // namespace pvg

@@ -52,8 +52,9 @@ void set_mass(Section& section, RigidBody& body) {
   if (section.has("density") == section.has("mass"))
     section.fail("", "must have either `density` or `mass`, because it can move");
   if (has_overlapping_parts(body.collision))
-    section.fail("shape", "consists of closed parts that overlap, whose common space would count twice in the mass; "
-                          "unite them into one surface");
+    section.fail("shape",
+                 "consists of closed parts that overlap, whose common space would count twice in the mass; "
+                 "unite them into one surface");
   MassProperties properties = mass_properties(body.collision, 1);
   const double density = section.has("density") ? section.number("density", Unit::density, 1e-3, 1e5)
                                                 : section.number("mass", Unit::mass, 1e-9, 1e6) / properties.volume;

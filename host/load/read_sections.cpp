@@ -217,6 +217,9 @@ ObjectSection read_object(Section& section) {
   object.name = section.name();
   if (section.has("mesh")) object.mesh = section.file("mesh");
   object.visuals = read_visuals(section);
+  object.is_visible = section.boolean("visible", true);
+  if (!object.is_visible && !object.visuals.empty())
+    section.fail("visible", "is false, but the object has `visuals`; leave one of them out");
   object.is_fixed = section.boolean("fixed", false);
   if (section.has("density")) object.density = section.number("density", Unit::density, 1e-3, 1e5);
   if (section.has("mass")) object.mass = section.number("mass", Unit::mass, 1e-6, 1e5);

@@ -237,11 +237,11 @@ void read_initial(YamlSection& root, Recording& recording) {
 
 bool is_same(const MeasuredTable& a, const MeasuredTable& b) {
   const auto same_number = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
-  return std::equal(a.columns.begin(), a.columns.end(), b.columns.begin(), b.columns.end(),
-                    [&](const auto& x, const auto& y) {
-                      return x.first == y.first && std::equal(x.second.begin(), x.second.end(), y.second.begin(),
-                                                              y.second.end(), same_number);
-                    });
+  return std::equal(
+      a.columns.begin(), a.columns.end(), b.columns.begin(), b.columns.end(), [&](const auto& x, const auto& y) {
+        return x.first == y.first &&
+               std::equal(x.second.begin(), x.second.end(), y.second.begin(), y.second.end(), same_number);
+      });
 }
 
 // A held-out run that the fit has seen proves nothing, and a run that stands twice counts twice.

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <optional>
 
@@ -89,8 +90,8 @@ void explain(const EpisodeReport& report) {
 
 // Runs one episode; its folder appears when it is complete, or under failed/ with the reason, a sentence.
 bool make_episode(const GenerateOptions& options, const Task& task, const EpisodeSet& set, std::uint64_t episode,
-                  Device& physics, Device& rendering, const std::atomic<bool>& stop, const std::string& remark,
-                  std::string& reason) {
+                  Device& physics, Device& rendering, const std::atomic<bool>& stop,
+                  const std::function<std::string(int)>& set_line, std::string& reason) {
   EpisodeSettings settings;
   settings.seed = options.seed;
   settings.episode = episode;
@@ -103,7 +104,7 @@ bool make_episode(const GenerateOptions& options, const Task& task, const Episod
     const auto advance = [&](std::size_t done, std::size_t total) {
       if (!progress) {
         progress.emplace("episode " + std::to_string(episode), "frames", total);
-        progress->set_remark(remark);
+        if (set_line) progress->set_line_above(set_line);
       }
       progress->advance_to(done);
     };
@@ -159,11 +160,13 @@ void run_generate(const GenerateOptions& options) {
   std::vector<std::string> reasons;  // of the episodes that failed
   SetProgress progress;
   const auto start = std::chrono::steady_clock::now();
-  const auto line = [&] {
+  const auto line = [&](int bar_width) {
     progress.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return progress.total > 1 ? set_progress_line(progress, 0) : "";
+    return set_progress_line(progress, bar_width);
   };
+  std::function<std::string(int)> set_line;
   progress.total = (options.n_episodes + shard.count - 1 - shard.index) / shard.count;
+  if (progress.total > 1) set_line = line;
   for (std::uint64_t episode = shard.index; episode < options.n_episodes; episode += shard.count) {
     if (is_done(set, episode)) {
       ++progress.done_before;
@@ -177,10 +180,11 @@ void run_generate(const GenerateOptions& options) {
     if (stop) throw TryAgain(STOPPED);
     std::string reason;
     try {
-      const bool is_made = make_episode(options, task, set, episode, physics, rendering, stop, line(), reason);
+      const bool is_made = make_episode(options, task, set, episode, physics, rendering, stop, set_line, reason);
       ++(is_made ? progress.done : progress.failed);
       if (!is_made) reasons.push_back(reason);
-      if (progress.total > 1) std::fprintf(stderr, "%s\n", line().c_str());
+      // on a terminal it stands above the next episode's
+      if (set_line && (!shows_on_terminal() || progress.left() == 0)) std::fprintf(stderr, "%s\n", line(0).c_str());
     } catch (const std::exception&) {
       if (!was_there) remove_empty(set);
       if (!stop) throw;

@@ -77,7 +77,9 @@ void check_command_names(const CLI::App& program, int argc, const char* const* a
 std::string sentence_of(const std::exception& error) {
   if (const auto* file = dynamic_cast<const std::filesystem::filesystem_error*>(&error))
     return (file->path1().empty() ? std::string("a file") : file->path1().string()) +
-           " could not be read or written: " + file->code().message();
+           (file->path2().empty() ? " could not be read or written: "
+                                  : " could not be brought to " + file->path2().string() + ": ") +
+           file->code().message();
   if (dynamic_cast<const std::bad_alloc*>(&error) || dynamic_cast<const std::length_error*>(&error))
     return "the memory of this machine is used up; a number in the input may be far too large";
   return "this input met a fault of the program itself, which nothing was lost by; please report it with the command "

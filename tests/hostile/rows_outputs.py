@@ -11,11 +11,11 @@ row("the page onto a summary", "view set -o set/episode_000000/summary.json", N,
 row("the page onto a video", "view set/episode_000000 -o set/episode_000000/front.mp4", N, f"front.mp4.*({ONTO}|html)",
     needs="set")
 row("the exported scene onto the states", "render scene.yaml --states st.h5 --export st.h5", N, f"st.h5.*({ONTO}|glb)",
-    needs="recorded")
+    needs="recorded", notes=3)
 row("the exported scene onto the scene file", "render scene.yaml --export scene.yaml", N, f"scene.yaml.*({ONTO}|glb)",
     needs="scene", notes=3)
 row("the exported scene onto the glTF file", "render in.glb --export in.glb", N, f"in.glb.*({ONTO})", needs="scene",
-    shell="$B render scene.yaml --export in.glb 2>/dev/null && exec $B render in.glb --export in.glb", makes=["in.glb"])
+    shell="$B render scene.yaml --export in.glb 2>/dev/null && exec $B render in.glb --export ./in.glb", makes=["in.glb"])
 row("states onto the scene file", "simulate scene.yaml -o scene.yaml", N, f"scene.yaml.*({ONTO})", needs="scene")
 row("states onto the scene file by another name", "simulate scene.yaml -o ./x/../scene.yaml", N, f"scene.yaml.*({ONTO})",
     make_folder("x"), needs="scene")
@@ -79,13 +79,16 @@ for escape in ("../../evil", "/proc/evil", "a/b", ".hidden", "..", "."):
 # ---- places that cannot be written
 for command, need in (("generate task.yaml", "task"), ("pack set", "set"), ("merge set", "set"), ("diagnose rec", "rec"),
                       ("submit task.yaml -n 2", "task")):
-    row("a folder below a file", f"{command} -o file/o", N, "file/o", write("file", "mine"), needs=need)
-    row("a folder where nobody may write", f"{command} -o /proc/o", N, "/proc/o", needs=need)
+    row("a folder below a file", f"{command} -o file/o", N, "file", write("file", "mine"), needs=need)
+    row("a folder where nobody may write", f"{command} -o /proc/o", N, "/proc", needs=need)
     row("an empty name of a folder", f"{command} -o ''", N, "-o", needs=need)
 for command, need, ending in (("simulate scene.yaml", "scene", "h5"), ("render shown.yaml", "shown", "png"),
                               ("view set", "set", "html"),
                               ("calibrate lut --render rendered --real real", "pictures", "csv")):
-    row("a file in a folder that is not there", f"{command} -o nowhere/o.{ending}", N, "nowhere", needs=need)
+    if ending == "html":  # a page may be the first thing of its folder
+        row("a file in a folder that is not there", f"{command} -o nowhere/o.{ending}", DONE, "nowhere", needs=need, makes=["nowhere"])
+    else:
+        row("a file in a folder that is not there", f"{command} -o nowhere/o.{ending}", N, "nowhere", needs=need)
     row("a file where nobody may write", f"{command} -o /proc/o.{ending}", N, "/proc", needs=need)
     row("a folder where a file should be", f"{command} -o o.{ending}", N, rf"o\.{ending}.*folder|folder.*o\.{ending}",
         make_folder(f"o.{ending}"), needs=need)
@@ -119,7 +122,7 @@ trap 'umount disk' EXIT
 {before}
 $B {command}
 code=$?
-left=$(ls -A disk | grep -v '^filler$')
+left=$(find disk -type f ! -name filler)
 [ -z "$left" ] || echo "LEFT: $left" >&2
 exit $code"""
 FILL = "head -c 10M /dev/zero >disk/filler 2>/dev/null"

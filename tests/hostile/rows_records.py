@@ -56,7 +56,7 @@ DAMAGED = [
     ("fewer names than joints", "names", attribute("/q", "names", [b"a"]), "VP"),
     ("names that are numbers", "names", attribute("/q", "names", 7), "VP"),
     ("no /time", "/time", drop("/time"), "VEP"),
-    ("/time without rows", "/time|no step", truncate("/time", 0), "EP"),
+    ("/time without rows", "/time|no step|T_link|frame_step", truncate("/time", 0), "EP"),
     ("/time that goes back", "/time", poke("/time", 1, -1.0), "VEP"),
     ("/time of NaN", "/time", poke("/time", 0, float("nan")), "VEP"),
     ("/time in two dimensions", "/time", put("/time", [[1.0, 2.0]]), "VEP"),
