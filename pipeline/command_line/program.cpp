@@ -6,6 +6,7 @@
 
 #include "host/base/error.hpp"
 #include "pipeline/command_line/command.hpp"
+#include "pipeline/command_line/command_line.hpp"
 
 namespace pvg {
 namespace {
@@ -33,6 +34,8 @@ void run_command_line(std::span<const AddCommand> commands, const std::vector<st
   program.set_version_flag("--version", program_version());
   program.require_subcommand(1);
   for (const AddCommand add : commands) add(program);
+  make_numbers_strict(program);
+  check_command_names(program, words);
   try {
     program.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 takes them from the back
   } catch (const CLI::Success& help) {

@@ -3,9 +3,9 @@
 
 #include <cstdio>
 #include <exception>
-#include <new>
 
 #include "host/base/error.hpp"
+#include "pipeline/command_line/command_line.hpp"
 #include "pipeline/command_line/program.hpp"
 
 namespace {
@@ -38,9 +38,9 @@ int main(int argc, char** argv) {
     return report(error.what(), WRONG_USE);
   } catch (const pvg::TryAgain& error) {
     return report(error.what(), TRY_AGAIN);
-  } catch (const std::bad_alloc&) {
-    return report("the memory of this machine is used up", FAILED);
-  } catch (const std::exception& error) {
+  } catch (const pvg::Failure& error) {
     return report(error.what(), FAILED);
+  } catch (const std::exception& error) {
+    return report(pvg::sentence_of(error).c_str(), FAILED);
   }
 }

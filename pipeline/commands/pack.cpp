@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/outputs.hpp"
 #include "host/base/progress.hpp"
 #include "host/dataset/formats.hpp"
 #include "host/formats/video.hpp"
@@ -74,6 +75,7 @@ void run_pack(const PackOptions& options) {
   if (options.folder.empty())
     throw UsageError("pack needs the folder of a set; `phyvisgen pack --help` shows an example");
   if (options.output.empty()) throw UsageError("pack needs an output folder: -o OUT");
+  check_apart(options.output, options.folder, "pack");
   if (fs::exists(options.output))
     throw UsageError(options.output + " exists; remove it or choose another folder with -o");
   const EpisodeSet set = read_set(options.folder);
