@@ -3,11 +3,14 @@
 #ifndef PVG_SHARED_TYPES_H
 #define PVG_SHARED_TYPES_H
 #ifdef __OPENCL_C_VERSION__  // not __OPENCL_VERSION__: clang's offline front end does not define that one
-#pragma OPENCL EXTENSION cl_khr_fp64 : enable
 typedef uint u32;
 typedef int i32;
 typedef float f32;
+// rendering needs no double, so a device without it reads everything but the structs of physics
+#ifdef cl_khr_fp64
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
 typedef double f64;
+#endif
 #define SHARED_BEGIN
 #define SHARED_END
 #define SHARED_SIZE(T, bytes) typedef char T##_size_check[sizeof(T) == (bytes) && (bytes) % 16 == 0 ? 1 : -1]
