@@ -47,9 +47,6 @@ Potential::Potential(Device& device, const System& system)
       bending_(device, "triangle_bending", 6),
       barrier_(device, "barrier", 4),
       friction_(device, "friction", 4),
-      flow_program_(device, "energies/plastic_flow.cl"),
-      flow_4_(flow_program_.kernel("plastic_flow_4")),
-      flow_10_(flow_program_.kernel("plastic_flow_10")),
       flows_4_(device, system.plastic_flow_4, "plastic_flow_4"),
       flows_10_(device, system.plastic_flow_10, "plastic_flow_10"),
       world_steps_(device, system.n_worlds(), "world steps"),
@@ -74,6 +71,11 @@ Potential::Potential(Device& device, const System& system)
   add_laws(revolute_law_, "revolute_law", 4, system.revolute_law);
   add_laws(prismatic_law_, "prismatic_law", 3, system.prismatic_law);
   if (!system.force_law.empty()) force_laws_.emplace(device, system);
+  if (flows_4_.size() + flows_10_.size() > 0) {
+    Program program(device, "energies/plastic_flow.cl");
+    flow_4_.emplace(program.kernel("plastic_flow_4"));
+    flow_10_.emplace(program.kernel("plastic_flow_10"));
+  }
   all_ = constant_;
   all_.push_back(&barrier_);
   all_.push_back(&friction_);
@@ -145,8 +147,8 @@ void Potential::flow(const Positions& x, double h, std::span<const char> worlds)
   const auto run = [&](Kernel& kernel, const Buffer<PlasticFlow>& flows, Term& term) {
     kernel(flows.size(), u32(flows.size()), flows, term.params(), world_steps_, x.site, h);
   };
-  run(flow_4_, flows_4_, neo_hookean_4_);
-  run(flow_10_, flows_10_, neo_hookean_10_);
+  run(*flow_4_, flows_4_, neo_hookean_4_);
+  run(*flow_10_, flows_10_, neo_hookean_10_);
 }
 
 namespace {

@@ -85,11 +85,10 @@ class Potential {
   Term revolute_limit_, prismatic_limit_;
   Term revolute_effect_, prismatic_effect_, drag_, spin_, strain_effect_4_, strain_effect_10_;
   Term membrane_, bending_;
-  std::optional<Term> revolute_law_, prismatic_law_;  // where the scene has such laws, as these have to be compiled
+  std::optional<Term> revolute_law_, prismatic_law_;  // where the scene has such laws
   std::optional<ForceLaws> force_laws_;
   Term barrier_, friction_;
-  Program flow_program_;
-  Kernel flow_4_, flow_10_;
+  std::optional<Kernel> flow_4_, flow_10_;  // where something yields or creeps
   Buffer<PlasticFlow> flows_4_, flows_10_;
   Buffer<u32> world_steps_;
   std::vector<Term*> constant_;  // whose elements never change
