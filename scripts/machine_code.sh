@@ -53,15 +53,15 @@ check() {
   list "$1" "$2" | awk -F , -v target="$2" -v table="$3" '
     # registers are dealt out in eights
     function more(now, known, unit) { return now != "-" && known != "-" && int((now + unit - 1) / unit) > int((known + unit - 1) / unit) }
-    function complain(text) { print "machine code: " $1 " on " target ": " text; bad = 1 }
+    function complain(name, text) { print "machine code: " name " on " target ": " text; bad = 1 }
     BEGIN { while ((getline line < table) > 0) if (split(line, f, ",") == 5 && f[2] == target) {
               registers[f[1]] = f[3]; bytes[f[1]] = f[4]; spills[f[1]] = f[5] } }
-    !($1 in registers) { complain("not in the table; scripts/test_vendors.sh --write renews it"); next }
+    !($1 in registers) { complain($1, "not in the table; scripts/test_vendors.sh --write renews it"); next }
     { seen[$1] = 1; ++n
-      if (more($3, registers[$1], 8)) complain($3 " registers, " registers[$1] " in the table")
-      if (more($4, bytes[$1], 1)) complain($4 " private bytes, " bytes[$1] " in the table")
-      if (more($5, spills[$1], 1)) complain($5 " spills, " spills[$1] " in the table") }
-    END { for ($1 in registers) if (!($1 in seen)) complain("in the table, but no such kernel was compiled")
+      if (more($3, registers[$1], 8)) complain($1, $3 " registers, " registers[$1] " in the table")
+      if (more($4, bytes[$1], 1)) complain($1, $4 " private bytes, " bytes[$1] " in the table")
+      if (more($5, spills[$1], 1)) complain($1, $5 " spills, " spills[$1] " in the table") }
+    END { for (name in registers) if (!(name in seen)) complain(name, "in the table, but no such kernel was compiled")
           if (!n) { print "machine code: nothing for " target " is in the table"; bad = 1 }
           if (!bad) print "machine code: " n " kernels on " target " take no more than the table says"
           exit bad }'
