@@ -10,7 +10,7 @@ using Section = YamlSection;
 
 FingerSection read_finger(Section& section) {
   FingerSection finger;
-  finger.name = section.text("name");
+  finger.name = section.name();
   finger.mesh = section.file("mesh");
   Section material = section.section("material");
   finger.material.density = material.number("density", Unit::density, 1, 1e5);

@@ -72,7 +72,7 @@ std::vector<std::uint32_t> read_pinned(YamlSection& section, const Cloth& cloth)
 ClothSection read_cloth(YamlSection& section) {
   ClothSection read;
   Cloth& cloth = read.cloth;
-  cloth.name = section.text("name");
+  cloth.name = section.name();
   YamlSection shape = section.section("shape");
   if (shape.has("mesh")) read.mesh = shape.file("mesh");
   cloth.mesh = read_sheet_shape(shape);

@@ -77,7 +77,7 @@ VisualMaterial read_material(Section& section, std::vector<std::filesystem::path
     index = int(textures->size());
     textures->push_back(section.file(key));
   };
-  material.name = section.text("name");
+  material.name = section.name();
   material.kind = Kind(section.choice(
       "kind", {"diffuse", "conductor", "dielectric", "emissive", "shadow_receiver", "metallic_roughness", "cloth"}));
   const bool is_glass = material.kind == Kind::dielectric;
@@ -214,9 +214,12 @@ std::vector<VisualSection> read_visuals(Section& section) {
 
 ObjectSection read_object(Section& section) {
   ObjectSection object;
-  object.name = section.text("name");
+  object.name = section.name();
   if (section.has("mesh")) object.mesh = section.file("mesh");
   object.visuals = read_visuals(section);
+  object.is_visible = section.boolean("visible", true);
+  if (!object.is_visible && !object.visuals.empty())
+    section.fail("visible", "is false, but the object has `visuals`; leave one of them out");
   object.is_fixed = section.boolean("fixed", false);
   if (section.has("density")) object.density = section.number("density", Unit::density, 1e-3, 1e5);
   if (section.has("mass")) object.mass = section.number("mass", Unit::mass, 1e-6, 1e5);
@@ -279,7 +282,7 @@ BackgroundSection read_background(Section section) {
 }
 
 void read_light(Section& section, Task& task) {
-  const std::string name = section.text("name");
+  const std::string name = section.name();
   if (section.choice("kind", {"rectangle", "sphere"}, 0) == 1) {
     SphereLight light;
     light.name = name;
@@ -306,7 +309,7 @@ void read_light(Section& section, Task& task) {
 
 CameraSection read_camera(Section& section) {
   CameraSection camera;
-  camera.name = section.text("name");
+  camera.name = section.name();
   camera.mount = section.text("mount", camera.mount);
   // even numbers: video with half resolution in colour needs them
   camera.width = section.integer("width", 16, 8192);

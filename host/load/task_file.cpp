@@ -129,7 +129,7 @@ Task read_scene_sections(Section& root, double largest_time_step) {
   Task task;
   task.file = root.path();
   check_schema(root);
-  task.name = root.text("name");
+  task.name = root.name();
   task.solver = read_solver(root, largest_time_step);
   task.contact = read_contact(root);
   if (root.has("robot")) task.robot = read_robot(root.section("robot"));
@@ -195,7 +195,7 @@ void check_condition_names(const Section& root, const Task& task) {
 
 RobotCell read_robot_cell(Section& section, Task& task) {
   RobotCell cell;
-  cell.name = section.text("name");
+  cell.name = section.name();
   if (find_named(task.more_robots, cell.name)) section.fail("name", "`" + cell.name + "` is taken by a robot above");
   cell.robot = read_robot(section.section("robot"));
   if (section.has("gripper")) cell.gripper = read_gripper(section, task);

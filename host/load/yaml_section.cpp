@@ -7,6 +7,8 @@
 #include <stdexcept>
 
 #include "host/base/error.hpp"
+#include "host/base/numbers.hpp"
+#include "host/base/outputs.hpp"
 
 namespace pvg {
 namespace {
@@ -83,6 +85,7 @@ double parse_quantity(const std::string& text, Unit unit) {
 
 YamlSection YamlSection::load(const std::filesystem::path& file, const std::string& what) {
   if (!std::filesystem::is_regular_file(file)) throw UsageError(file.string() + ": there is no such " + what + ".");
+  remember_read(file);
   YAML::Node node;
   try {
     node = YAML::LoadFile(file.string());
@@ -191,6 +194,12 @@ std::string YamlSection::text(const std::string& key, const std::string& otherwi
   return has(key) ? text(key) : otherwise;
 }
 
+std::string YamlSection::name() {
+  const std::string given = text("name");
+  if (!is_identifier(given)) fail("name", std::string(IDENTIFIER_RULE) + ", but is `" + given.substr(0, 80) + "`");
+  return given;
+}
+
 std::size_t YamlSection::choice(const std::string& key, const std::vector<std::string>& allowed) {
   const std::string given = text(key);
   for (std::size_t i = 0; i < allowed.size(); ++i) {
@@ -250,6 +259,7 @@ std::filesystem::path YamlSection::file(const std::string& key) {
   const std::string given = text(key);
   const std::filesystem::path full = (file_.parent_path() / given).lexically_normal();
   if (!std::filesystem::is_regular_file(full)) fail(key, "names the file " + full.string() + ", which does not exist");
+  remember_read(full);
   return full;
 }
 
