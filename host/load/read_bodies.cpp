@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "host/geometry/mass_properties.hpp"
-#include "host/load/read_cloth.hpp"
 #include "host/load/read_sections.hpp"
 #include "host/load/read_shapes.hpp"
 
