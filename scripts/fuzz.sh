@@ -1,12 +1,12 @@
 #!/bin/sh
-# Fuzzes the loaders of scenes, tasks, robots and meshes with libFuzzer and the sanitizers, one after the other.
+# Fuzzes the readers of records, sets, recordings, scenes, tasks, robots and meshes with libFuzzer and the sanitizers, one after the other.
 # Arguments: seconds per loader (default 60), then loaders (default all), such as scene_file or mesh_obj. What is found lies
 # in build-fuzz/found; the inputs that led somewhere new stay in build-fuzz/corpus, so a later run goes on from there.
 set -eu
 cd "$(dirname "$0")/.."
 seconds="${1:-60}"
 [ $# -gt 0 ] && shift
-loaders="${*:-scene_file task_file urdf mesh_obj mesh_ply mesh_stl mesh_dae mesh_gltf mesh_glb}"
+loaders="${*:-states set_json recording scene_file task_file urdf mesh_obj mesh_ply mesh_stl mesh_dae mesh_gltf mesh_glb}"
 scripts/install.sh
 for package in clang-14 libclang-rt-14-dev; do
   dpkg -s "$package" 2>/dev/null | grep -q '^Status: install ok installed' && continue
@@ -27,7 +27,7 @@ for loader in $loaders; do
   # no search for leaks: what assimp forgets in a refused file is gone with the process
   ASAN_OPTIONS=detect_leaks=0 "build-fuzz/bin/fuzz_$loader" -max_total_time="$seconds" -timeout=30 -rss_limit_mb=2048 -max_len=8192 -detect_leaks=0 \
     -print_final_stats=1 -artifact_prefix="build-fuzz/found/$loader-" "build-fuzz/corpus/$loader" \
-    "tests/fuzz/seeds/$loader" >"build-fuzz/$loader.log" 2>&1 || {
+    $(ls -d "tests/fuzz/seeds/$loader" 2>/dev/null) >"build-fuzz/$loader.log" 2>&1 || {
     grep -aE 'ERROR|SUMMARY|terminate|what\(\)|Test unit' "build-fuzz/$loader.log" >&2
     echo "fuzz: $loader: found something, see build-fuzz/$loader.log" >&2
     exit 1

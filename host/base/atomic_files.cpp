@@ -2,12 +2,16 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <cstring>
 #include <mutex>
+#include <random>
 #include <set>
 
 #include "host/base/error.hpp"
@@ -18,6 +22,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* PARTIAL = ".partial-";
+constexpr std::size_t LONGEST_NAME = 100;  // of a target's name that its partial name repeats [bytes]
+constexpr int MOST_TRIES = 100;            // at what others may undo in between
+// a file that was not written to for so long is nobody's any more
+constexpr std::chrono::minutes ABANDONED(10);
 
 std::string host_name() {
   char name[256] = "";
@@ -25,15 +33,30 @@ std::string host_name() {
   return name;
 }
 
-// .NAME.partial-PID.HOST: numbers of processes count on their machine alone, and machines may share a folder
-fs::path partial_path(const fs::path& target) {
-  return target.parent_path() /
-         ("." + target.filename().string() + PARTIAL + std::to_string(getpid()) + "." + host_name());
+std::string random_bits() {
+  std::random_device random;
+  char text[20];
+  std::snprintf(text, sizeof text, "%08x%08x", random(), random());
+  return text;
 }
 
-// the folders that this process has in the making
+fs::path partial_path(const fs::path& target, const std::string& ending) {
+  return target.parent_path() / ("." + target.filename().string().substr(0, LONGEST_NAME) + PARTIAL +
+                                 std::to_string(getpid()) + "." + host_name() + "." + random_bits() + ending);
+}
+
+// what this process has in the making
 std::mutex unfinished_mutex;
 std::set<fs::path> unfinished;
+
+void begin(const fs::path& path) {
+  const std::lock_guard lock(unfinished_mutex);
+  unfinished.insert(path);
+}
+void end(const fs::path& path) {
+  const std::lock_guard lock(unfinished_mutex);
+  unfinished.erase(path);
+}
 
 [[noreturn]] void fail(const fs::path& path, const char* what) {
   throw Failure(path.string() + " could not be " + what + ": " + std::strerror(errno));
@@ -57,55 +80,133 @@ void write_whole(const fs::path& path, const std::string& text) {
     const ssize_t n = write(file, text.data() + done, text.size() - done);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) {
+      const int error = errno;
       close(file);
+      errno = error;
       fail(path, "written");
     }
     done += std::size_t(n);
   }
-  const int code = fsync(file);
   close(file);
-  if (code != 0) fail(path, "brought to the disk");
+}
+
+// The lock of a folder, which ends with the process: its file descriptor, -1 where somebody else holds it or the file
+// system knows none; `is_held` says which.
+int lock_folder(const fs::path& folder, bool& is_held) {
+  const int file = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  is_held = false;
+  if (file < 0) return -1;
+  if (flock(file, LOCK_EX | LOCK_NB) == 0) return file;
+  is_held = errno == EWOULDBLOCK;
+  close(file);
+  return -1;
+}
+
+bool is_same_folder(int file, const fs::path& path) {
+  struct stat locked, named;
+  return fstat(file, &locked) == 0 && stat(path.c_str(), &named) == 0 && locked.st_ino == named.st_ino &&
+         locked.st_dev == named.st_dev;
+}
+
+// Who made a partial file or folder, by its name.
+struct Maker {
+  pid_t process = 0;
+  bool is_of_this_host = false, has_random_bits = false;
+};
+
+bool read_maker(const std::string& name, Maker& maker) {
+  const std::size_t mark = name.rfind(PARTIAL);
+  if (name.empty() || name[0] != '.' || mark == std::string::npos) return false;
+  const char *number = name.data() + mark + std::strlen(PARTIAL), *last = name.data() + name.size();
+  const auto parsed = std::from_chars(number, last, maker.process);
+  if (parsed.ec != std::errc() || parsed.ptr == last || maker.process <= 0) return false;
+  const std::string rest(parsed.ptr, last), host = "." + host_name();
+  maker.has_random_bits = rest.starts_with(host + ".");
+  maker.is_of_this_host = rest == host || maker.has_random_bits;
+  return true;
+}
+
+bool is_alive(pid_t process) { return kill(process, 0) == 0 || errno == EPERM; }
+
+// numbers of processes count on their machine alone, and in their container alone: a lock says more
+bool is_abandoned(const fs::directory_entry& entry, const Maker& maker, int& lock) {
+  if (!maker.is_of_this_host) return false;  // no way to ask
+  std::error_code ignored;
+  if (!maker.has_random_bits) return !is_alive(maker.process);
+  if (!entry.is_directory(ignored))
+    return fs::file_time_type::clock::now() - entry.last_write_time(ignored) > ABANDONED;
+  bool is_held = false;
+  lock = lock_folder(entry.path(), is_held);
+  return lock >= 0 || (!is_held && !is_alive(maker.process));
 }
 
 }  // namespace
 
 void write_text_atomically(const fs::path& path, const std::string& text) {
-  const fs::path partial = partial_path(path);
-  write_whole(partial, text);
-  if (std::rename(partial.c_str(), path.c_str()) != 0) fail(path, "replaced");
+  PartialFile file(path);
+  write_whole(file.path(), text);
+  file.finish();
 }
 
-PartialFolder::PartialFolder(const fs::path& target) : target_(target), path_(partial_path(target)) {
+PartialFile::PartialFile(const fs::path& target)
+    : target_(target), path_(partial_path(target, target.extension().string().substr(0, 16))) {
+  begin(path_);
+}
+
+PartialFile::~PartialFile() {
+  if (path_.empty()) return;
+  std::error_code ignored;
+  fs::remove(path_, ignored);
+  end(path_);
+}
+
+void PartialFile::finish() {
+  sync(path_);
+  if (std::rename(path_.c_str(), target_.c_str()) != 0) fail(target_, "replaced");
+  end(path_);
+  path_.clear();
+}
+
+PartialFolder::PartialFolder(const fs::path& target) : target_(target), path_(partial_path(target, "")) {
   std::error_code error;
-  fs::remove_all(path_, error);
-  if (!fs::create_directory(path_, error)) throw UsageError(path_.string() + " could not be made: " + error.message());
-  const std::lock_guard lock(unfinished_mutex);
-  unfinished.insert(path_);
+  for (int tries = 0;; ++tries) {
+    if (!fs::create_directory(path_, error))
+      throw UsageError(path_.string() + " could not be made: " + error.message());
+    bool is_held = false;
+    lock_ = lock_folder(path_, is_held);
+    // one who tidies up may have taken it for a leftover in between
+    if (tries == MOST_TRIES || (!is_held && (lock_ < 0 || is_same_folder(lock_, path_)))) break;
+    if (lock_ >= 0) close(lock_);
+    fs::remove_all(path_, error);
+  }
+  begin(path_);
 }
 
 PartialFolder::~PartialFolder() {
-  if (path_.empty()) return;
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-  const std::lock_guard lock(unfinished_mutex);
-  unfinished.erase(path_);
+  if (!path_.empty()) {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+    end(path_);
+  }
+  if (lock_ >= 0) close(lock_);
 }
 
 void PartialFolder::finish() {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(path_)) sync(entry.path());
   sync(path_);
-  std::error_code ignored;
-  fs::remove_all(target_, ignored);
-  if (std::rename(path_.c_str(), target_.c_str()) != 0) fail(target_, "made");
-  {
-    const std::lock_guard lock(unfinished_mutex);
-    unfinished.erase(path_);
+  // another process may finish the same folder, of the same bits, between the two calls
+  for (int tries = 0;; ++tries) {
+    std::error_code ignored;
+    fs::remove_all(target_, ignored);
+    if (std::rename(path_.c_str(), target_.c_str()) == 0) break;
+    if ((errno != ENOTEMPTY && errno != EEXIST) || tries == MOST_TRIES) fail(target_, "made");
   }
+  end(path_);
   path_.clear();
-  sync(target_.parent_path());
+  sync(target_.parent_path().empty() ? fs::path(".") : target_.parent_path());
 }
 
-void remove_unfinished_folders() {
+void remove_unfinished() {
   const std::lock_guard lock(unfinished_mutex);
   std::error_code ignored;
   for (const fs::path& path : unfinished)
@@ -117,18 +218,11 @@ std::size_t remove_leftovers(const fs::path& parent) {
   std::size_t n = 0;
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(parent, ignored)) {
-    const std::string name = entry.path().filename().string();
-    const std::size_t mark = name.rfind(PARTIAL);
-    if (name.empty() || name[0] != '.' || mark == std::string::npos) continue;
-    pid_t owner = 0;
-    const char* number = name.data() + mark + std::strlen(PARTIAL);
-    const auto parsed = std::from_chars(number, name.data() + name.size(), owner);
-    if (parsed.ec != std::errc() || parsed.ptr == name.data() + name.size() || owner <= 0) continue;
-    if (std::string(parsed.ptr) != "." + host_name()) continue;  // no way to ask whether it is alive
-    // another process may be writing it right now: shards share a folder
-    const bool is_alive = kill(owner, 0) == 0 || errno == EPERM;
-    if (is_alive && owner != getpid()) continue;
-    n += fs::remove_all(entry.path(), ignored) > 0;
+    Maker maker;
+    if (!read_maker(entry.path().filename().string(), maker)) continue;
+    int lock = -1;
+    if (is_abandoned(entry, maker, lock)) n += fs::remove_all(entry.path(), ignored) > 0;
+    if (lock >= 0) close(lock);
   }
   return n;
 }
@@ -137,7 +231,7 @@ void make_writable_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw UsageError("the output folder " + folder.string() + " could not be made: " + error.message());
-  const fs::path probe = folder / (".probe" + std::string(PARTIAL) + std::to_string(getpid()) + "." + host_name());
+  const fs::path probe = partial_path(folder / "probe", "");
   const int file = open(probe.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (file < 0)
     throw UsageError("the output folder " + folder.string() + " cannot be written to (" + std::strerror(errno) +

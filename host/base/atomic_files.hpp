@@ -1,4 +1,8 @@
 // Files and folders that appear complete or not at all: written under another name, brought to the disk, renamed.
+//
+// What is in the making is called .NAME.partial-PID.HOST.RANDOM, plus the ending that a file will have. Containers may
+// share a host name and count their processes alike, so the random bits keep two of them apart, and a lock that ends
+// with the process tells whether somebody still works on a folder.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -7,8 +11,8 @@ namespace pvg {
 
 void write_text_atomically(const std::filesystem::path& path, const std::string& text);
 
-// A folder in the making: PARENT/.NAME.partial-PID.HOST until finish() makes it PARENT/NAME, replacing what stood
-// there. Without finish() it is removed with all that is in it.
+// A folder in the making until finish() makes it PARENT/NAME, replacing what stood there. Without finish() it is
+// removed with all that is in it.
 class PartialFolder {
  public:
   explicit PartialFolder(const std::filesystem::path& target);
@@ -19,12 +23,27 @@ class PartialFolder {
 
  private:
   std::filesystem::path target_, path_;
+  int lock_ = -1;  // file descriptor that holds the lock
+};
+
+// A file in the making, written by others under path(), until finish() gives it its name. Without finish() it is
+// removed.
+class PartialFile {
+ public:
+  explicit PartialFile(const std::filesystem::path& target);
+  ~PartialFile();
+  PartialFile(const PartialFile&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+  void finish();
+
+ private:
+  std::filesystem::path target_, path_;
 };
 
 // Removes what this process has in the making, from any thread, before it ends without further ado.
-void remove_unfinished_folders();
+void remove_unfinished();
 
-// Removes the partial folders in `parent` whose process, of this machine, is gone; returns how many.
+// Removes the partial files and folders in `parent` that nobody works on any more; returns how many.
 std::size_t remove_leftovers(const std::filesystem::path& parent);
 
 // Makes a folder and those above it, and proves that it can be written to; UsageError otherwise.

@@ -1,5 +1,6 @@
 #include "host/base/progress.hpp"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,7 +10,8 @@
 namespace pvg {
 namespace {
 
-constexpr double TERMINAL_PERIOD = 0.1, LINE_PERIOD = 10;  // least time between two prints [s]
+constexpr int USUAL_WIDTH = 80, MOST_BAR = 24, LEAST_BAR = 6;  // columns
+constexpr double TERMINAL_PERIOD = 0.1, LINE_PERIOD = 10;      // least time between two prints [s]
 
 std::string time_text(double seconds) {
   char text[32];
@@ -29,7 +31,23 @@ std::string bar(double share, int width) {
   return "[" + std::string(std::size_t(full), '#') + std::string(std::size_t(width - full), '-') + "]  ";
 }
 
+// asked each time, so that a window that is resized is followed
+int terminal_width() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : USUAL_WIDTH;
+}
+
 }  // namespace
+
+bool shows_on_terminal() { return isatty(STDERR_FILENO); }
+
+std::string fitted_line(const std::function<std::string(int)>& line, int width) {
+  constexpr int AROUND = 4;  // brackets and blanks of a bar
+  const int free = width - int(line(0).size()) - AROUND;
+  std::string text = line(free >= LEAST_BAR ? std::min(free, MOST_BAR) : 0);
+  if (int(text.size()) > width) text.resize(std::size_t(std::max(width, 0)));
+  return text;
+}
 
 std::string set_progress_line(const SetProgress& set, int bar_width) {
   const std::size_t made = set.done + set.failed, there = made + set.done_before + set.failed_before;
@@ -70,21 +88,47 @@ Progress::Progress(std::string label, std::string unit, std::size_t total)
     : label_(std::move(label)),
       unit_(std::move(unit)),
       total_(total),
-      is_terminal_(isatty(STDERR_FILENO)),
+      is_terminal_(shows_on_terminal()),
       start_(std::chrono::steady_clock::now()),
       last_(start_ - std::chrono::hours(1)) {}
 
+namespace {
+// To the first of lines that stand there, and all of them away; those wider than the terminal have become several.
+std::string away_with(const std::vector<std::size_t>& widths, int width) {
+  std::size_t up = 0;
+  for (const std::size_t columns : widths) up += 1 + (columns > 0 ? (columns - 1) / std::size_t(width) : 0);
+  return (up > 1 ? "\x1b[" + std::to_string(up - 1) + "A" : "") + "\r\x1b[J";
+}
+}  // namespace
+
 Progress::~Progress() {
-  if (is_terminal_ && shown_ > 0) std::fputc('\n', stderr);
+  if (!is_terminal_ || widths_.empty()) return;
+  if (line_above_)
+    std::fputs(away_with(widths_, terminal_width()).c_str(), stderr);
+  else
+    std::fputc('\n', stderr);
+  std::fflush(stderr);
 }
 
 void Progress::show(std::size_t done, double seconds) {
-  std::string line = progress_line(label_, unit_, done, total_, seconds, is_terminal_ ? 24 : 0);
-  if (is_terminal_ && !remark_.empty()) line += "  |  " + remark_;
-  // on a terminal over the line before; \x1b[K clears what a longer one left
-  std::fprintf(stderr, is_terminal_ ? "\r%s\x1b[K" : "%s\n", line.c_str());
+  const auto line = [&](int bar_width) { return progress_line(label_, unit_, done, total_, seconds, bar_width); };
+  if (!is_terminal_) {
+    std::fprintf(stderr, "%s\n", line(0).c_str());
+    return;
+  }
+  const int width = terminal_width();
+  std::string text = away_with(widths_, width);
+  widths_.clear();
+  // the last column stays free: a letter there would begin the next line on some terminals
+  if (line_above_) {
+    const std::string above = fitted_line(line_above_, width - 1);
+    text += above + "\n";
+    widths_.push_back(above.size());
+  }
+  const std::string mine = fitted_line(line, width - 1);
+  widths_.push_back(mine.size());
+  std::fputs((text + mine).c_str(), stderr);
   std::fflush(stderr);
-  shown_ = done;
 }
 
 void Progress::advance_to(std::size_t done) {

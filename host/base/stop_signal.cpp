@@ -18,12 +18,13 @@ namespace {
 constexpr int TRY_AGAIN = 75;  // exit code, as main gives it
 
 std::atomic<bool> stop = false;
-std::atomic<double> most_seconds_to_stop = std::numeric_limits<double>::infinity();
+// A driver that compiles a kernel does not come to look at the flag, and no one wants to wait for it.
+constexpr double MOST_SECONDS_TO_STOP = 1.5;
 
 sigset_t stop_signals() {
   sigset_t signals;
   sigemptyset(&signals);
-  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&signals, number);
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1, SIGHUP}) sigaddset(&signals, number);
   return signals;
 }
 
@@ -43,8 +44,8 @@ void listen() {
   while (wait_for(signals, std::numeric_limits<double>::infinity()) < 1) {
   }
   stop = true;
-  const int second = wait_for(signals, most_seconds_to_stop);
-  remove_unfinished_folders();
+  const int second = wait_for(signals, MOST_SECONDS_TO_STOP);
+  remove_unfinished();
   if (second > 0) {  // at once, as the signal usually does
     signal(second, SIG_DFL);
     pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
@@ -52,8 +53,7 @@ void listen() {
   }
   // a launch on the device cannot be taken back: who waits for a long one does not come to look at the flag
   std::fprintf(stderr,
-               "phyvisgen: stopped in the middle of a step; the episodes that were finished stay, the same command "
-               "continues\n");
+               "phyvisgen: stopped in the middle of a step; what was finished stays, the same command continues\n");
   _exit(TRY_AGAIN);
 }
 
@@ -68,7 +68,5 @@ const std::atomic<bool>& stop_on_signals() {
   });
   return stop;
 }
-
-void stop_within(double most_seconds) { most_seconds_to_stop = most_seconds; }
 
 }  // namespace pvg

@@ -1,7 +1,6 @@
 #include "host/dataset/checkpoint_file.hpp"
 
-#include <unistd.h>
-
+#include "host/base/atomic_files.hpp"
 #include "host/formats/hdf5.hpp"
 
 namespace pvg {
@@ -99,14 +98,13 @@ struct Reader {
 
 void write_checkpoint(const std::filesystem::path& path, const SavedCheckpoint& saved) {
   const std::filesystem::path absolute = std::filesystem::absolute(path);
-  const std::filesystem::path partial =
-      absolute.parent_path() / ("." + absolute.filename().string() + ".partial-" + std::to_string(getpid()));
-  hdf5::File file = hdf5::File::create(partial);
+  PartialFile partial(absolute);
+  hdf5::File file = hdf5::File::create(partial.path());
   for_each_field(saved.checkpoint, Writer{file});
   file.attribute("/", "schema", SCHEMA);
   file.attribute("/", "scene", saved.scene);
   file.close();
-  std::filesystem::rename(partial, absolute);
+  partial.finish();
 }
 
 SavedCheckpoint read_checkpoint(const std::filesystem::path& path) {

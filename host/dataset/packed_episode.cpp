@@ -4,19 +4,16 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "host/base/error.hpp"
-#include "host/formats/hdf5.hpp"
+#include "host/dataset/json_file.hpp"
+#include "host/dataset/states_record.hpp"
 
 namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
-using hdf5::Array;
-using Json = nlohmann::ordered_json;
 
 // What the resolved configuration says of a gripper.
 struct GripperNames {
@@ -43,8 +40,7 @@ struct Configuration {
   std::vector<GripperNames> grippers;
 };
 
-Configuration read_configuration(const hdf5::File& file) {
-  const YAML::Node root = YAML::Load(file.text_attribute("/", "configuration"));
+Configuration configuration_in(const YAML::Node& root) {
   Configuration found;
   const auto take = [&](const YAML::Node& cell) {
     find_grippers(cell, found.grippers);
@@ -55,6 +51,22 @@ Configuration read_configuration(const hdf5::File& file) {
   take(root);
   for (const YAML::Node& cell : root["robots"]) take(cell);
   return found;
+}
+
+Configuration read_configuration(const StatesRecord& record) {
+  const std::string text = record.text("configuration");
+  const auto fail = [&] {
+    throw UsageError(record.path().string() +
+                     " is damaged: its attribute `configuration` is not what generate writes; make the record again");
+  };
+  try {
+    return configuration_in(YAML::Load(text));
+  } catch (const YAML::Exception&) {
+    fail();
+  } catch (const std::out_of_range&) {
+    fail();
+  }
+  return {};
 }
 
 // "left/gripper_base" is the part gripper_base of the robot left
@@ -116,47 +128,47 @@ std::vector<Column> find_columns(const std::vector<std::string>& joints, const s
   return columns;
 }
 
-std::vector<double> sums(const Array<double>& series, std::size_t step, const std::vector<Column>& columns) {
+std::vector<double> sums(const StatesRecord::Series& series, std::size_t step, const std::vector<Column>& columns) {
   std::vector<double> row;
   for (const Column& column : columns) {
     double sum = 0;
-    for (const std::size_t j : column.joints) sum += series.values.at(step * series.shape.at(1) + j);
+    for (const std::size_t j : column.joints) sum += series.at(step, j);
     row.push_back(sum);
   }
   return row;
 }
 
-Eigen::Matrix4d pose_at(const Array<double>& poses, std::size_t step, std::size_t body) {
+// poses: [T, n, 3, 4]
+Eigen::Matrix4d pose_at(const std::vector<double>& poses, std::size_t n, std::size_t step, std::size_t body) {
   Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
-  pose.topRows<3>() = Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(
-      &poses.values.at((step * poses.shape.at(1) + body) * 12));
+  pose.topRows<3>() = Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(&poses[(step * n + body) * 12]);
   return pose;
 }
 
-Rows rows_of(const Array<double>& array) {
+Rows rows_of(const std::vector<double>& values, std::size_t n) {
   Rows rows;
-  const std::size_t width = array.values.size() / array.shape.at(0);
-  for (std::size_t i = 0; i < array.shape[0]; ++i)
-    rows.emplace_back(array.values.begin() + std::ptrdiff_t(i * width),
-                      array.values.begin() + std::ptrdiff_t((i + 1) * width));
+  const std::size_t width = n ? values.size() / n : 0;
+  for (std::size_t i = 0; i < n; ++i)
+    rows.emplace_back(values.begin() + std::ptrdiff_t(i * width), values.begin() + std::ptrdiff_t((i + 1) * width));
   return rows;
 }
 
-std::vector<PackedCamera> read_cameras(const fs::path& folder, const hdf5::File& file, const Json& summary,
-                                       const std::vector<std::string>& asked) {
+std::vector<PackedCamera> read_cameras(const fs::path& folder, const StatesRecord& record, std::size_t n_frames,
+                                       const SummaryPictures& pictures, const std::vector<std::string>& asked) {
   std::vector<PackedCamera> cameras;
   const auto is_asked = [&](const std::string& name) {
     return asked.empty() || std::find(asked.begin(), asked.end(), name) != asked.end();
   };
-  for (const auto& [name, size] : summary.at("cameras").items()) {
-    if (!is_asked(name)) continue;
+  for (const SummaryCamera& shown : pictures.cameras) {
+    if (!is_asked(shown.name)) continue;
     PackedCamera& camera = cameras.emplace_back();
-    camera.name = name;
-    camera.width = size.at("width");
-    camera.height = size.at("height");
-    camera.video = folder / (name + ".mp4");
-    camera.K = rows_of(file.read<double>("/camera/" + name + "/K"));
-    camera.T_world_camera = rows_of(file.read<double>("/camera/" + name + "/T_world_camera"));
+    camera.name = shown.name;
+    camera.width = shown.width;
+    camera.height = shown.height;
+    camera.video = folder / (shown.name + ".mp4");
+    const StatesRecord::CameraRows rows = record.camera(shown.name, n_frames);
+    camera.K = rows_of(rows.K, n_frames);
+    camera.T_world_camera = rows_of(rows.T_world_camera, n_frames);
     camera.moves = std::any_of(camera.T_world_camera.begin(), camera.T_world_camera.end(),
                                [&](const auto& pose) { return pose != camera.T_world_camera.front(); });
   }
@@ -166,46 +178,39 @@ std::vector<PackedCamera> read_cameras(const fs::path& folder, const hdf5::File&
   return cameras;
 }
 
-Json read_summary(const fs::path& folder) {
-  std::ifstream in(folder / "summary.json");
-  const Json summary = Json::parse(in, nullptr, false);
-  if (summary.is_discarded() || !summary.contains("cameras") || !summary.contains("frames_per_second"))
-    throw UsageError((folder / "summary.json").string() + " is no summary of an episode; make the episode again");
-  return summary;
-}
-
 }  // namespace
 
 PackedEpisode read_packed_episode(const fs::path& folder, const std::vector<std::string>& cameras) {
-  const Json summary = read_summary(folder);
-  const hdf5::File file = hdf5::File::open(folder / "states.h5");
-  const std::vector<std::int64_t> frame_step = file.read<std::int64_t>("/frame_step").values;
-  if (frame_step.empty())
+  const SummaryPictures pictures = read_summary_pictures(folder / "summary.json");
+  const StatesRecord record(folder / "states.h5");
+  const std::vector<std::size_t> filmed = record.filmed_steps();
+  if (filmed.empty())
     throw UsageError(folder.string() + " has no pictures: make it without --no-render, or render it, before packing");
-  const auto joints = file.texts_attribute("/q", "names"), links = file.texts_attribute("/T_link", "names");
-  const Configuration configuration = read_configuration(file);
+  const StatesRecord::Series q = record.series("/q"), a = record.series("/a");
+  const std::vector<std::string>& joints = q.names;
+  if (a.names != joints) throw UsageError(record.path().string() + " is damaged: /a and /q are of different joints");
+  const std::vector<std::string> links = record.poses_names("/T_link"), objects = record.poses_names("/T_rigid");
+  const Configuration configuration = read_configuration(record);
   const std::vector<Tool> tools = find_tools(configuration.grippers, links, joints);
   const std::vector<Column> columns = find_columns(joints, tools);
 
   PackedEpisode episode;
-  episode.number = file.unsigned_attribute("/", "episode");
-  episode.task = file.text_attribute("/", "task");
+  episode.number = record.whole("episode");
+  episode.task = record.text("task");
   episode.robot = configuration.robot;
-  episode.frames_per_second = summary.at("frames_per_second");
+  episode.frames_per_second = pictures.frames_per_second;
   for (const Column& column : columns) {
     episode.columns.push_back(column.name);
     episode.is_width.push_back(column.is_width);
   }
-  for (const std::string& name : file.texts_attribute("/T_rigid", "names"))
-    episode.objects.push_back({without_slashes(name), {}});
+  for (const std::string& name : objects) episode.objects.push_back({without_slashes(name), {}});
   for (const Tool& tool : tools) episode.tools.push_back({without_slashes(tool.base), {}, {}, {}});
 
-  const Array<double> q = file.read<double>("/q"), a = file.read<double>("/a"), T_link = file.read<double>("/T_link"),
-                      T_rigid = file.read<double>("/T_rigid");
-  const double h = file.number_attribute("/", "h");
-  for (std::size_t f = 0; f < frame_step.size(); ++f) {
-    const std::size_t step = std::size_t(frame_step[f]);
-    const std::size_t next = f + 1 < frame_step.size() ? std::size_t(frame_step[f + 1]) : step;
+  const std::vector<double> T_link = record.poses("/T_link"), T_rigid = record.poses("/T_rigid");
+  const double h = record.positive("h");
+  for (std::size_t f = 0; f < filmed.size(); ++f) {
+    const std::size_t step = filmed[f];
+    const std::size_t next = f + 1 < filmed.size() ? filmed[f + 1] : step;
     episode.state.push_back(sums(q, step, columns));
     episode.action.push_back(sums(a, next, columns));
     // of the last step; the first one has none before it and starts from rest
@@ -217,14 +222,14 @@ PackedEpisode read_packed_episode(const fs::path& folder, const std::vector<std:
     episode.velocity.push_back(velocity);
     for (std::size_t i = 0; i < tools.size(); ++i) {
       const std::vector<Column> width = {{"", tools[i].joints, true}};
-      episode.tools[i].pose.push_back(pose_at(T_link, step, tools[i].link) * tools[i].tool_center);
+      episode.tools[i].pose.push_back(pose_at(T_link, links.size(), step, tools[i].link) * tools[i].tool_center);
       episode.tools[i].width.push_back(sums(q, step, width)[0]);
       episode.tools[i].width_action.push_back(sums(a, next, width)[0]);
     }
     for (std::size_t i = 0; i < episode.objects.size(); ++i)
-      episode.objects[i].pose.push_back(pose_at(T_rigid, step, i));
+      episode.objects[i].pose.push_back(pose_at(T_rigid, objects.size(), step, i));
   }
-  episode.cameras = read_cameras(folder, file, summary, cameras);
+  episode.cameras = read_cameras(folder, record, filmed.size(), pictures, cameras);
   return episode;
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "host/formats/hdf5.hpp"
+#include "host/dataset/states_record.hpp"
 #include "host/model/scene.hpp"
 #include "host/model/state.hpp"
 
@@ -22,27 +22,20 @@ class StatesReader {
   // Throws a UsageError that names a body which the file lacks, or which has another number of nodes there.
   StatesReader(const std::filesystem::path& file, const Scene& scene);
 
-  std::size_t n_steps() const { return times_.size(); }
-  double time(std::size_t step) const { return times_.at(step); }  // [s]
+  std::size_t n_steps() const { return record_.n_steps(); }
+  double time(std::size_t step) const { return record_.times().at(step); }  // [s]
   // steps that were filmed; empty where there were no pictures
   const std::vector<std::size_t>& filmed_steps() const { return filmed_; }
   SceneState state(std::size_t step) const;  // at the step's end
 
  private:
-  struct Place {  // of a body
-    std::string data_set;
-    std::uint64_t row = 0, n_nodes = 0;
-  };
-  Place find(const std::string& body) const;
-  std::vector<Vec3> nodes(const Place& place, std::size_t step) const;
+  StatesRecord::Body find(const std::string& body) const;
+  std::vector<Vec3> nodes(const StatesRecord::Body& place, std::size_t step) const;
 
-  std::filesystem::path path_;
-  hdf5::File file_;
-  std::vector<std::string> names_, data_sets_;
-  std::vector<std::int64_t> source_, row_;
-  std::vector<double> times_;
+  StatesRecord record_;
+  std::vector<StatesRecord::Body> bodies_;
   std::vector<std::size_t> filmed_;
-  std::vector<Place> rigid_, soft_, cloth_;
+  std::vector<StatesRecord::Body> rigid_, soft_, cloth_;
 };
 
 }  // namespace pvg

@@ -1,5 +1,6 @@
 #include "host/device/choose_device.hpp"
 #include "host/device/impl.hpp"
+#include "host/device/machine.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -65,6 +66,7 @@ struct FoundDevice {
 };
 
 std::vector<FoundDevice> find_devices() {
+  find_cache_folder();
   cl_uint n_platforms = 0;
   if (clGetPlatformIDs(0, nullptr, &n_platforms) != CL_SUCCESS) return {};
   std::vector<cl_platform_id> platforms(n_platforms);
@@ -86,6 +88,8 @@ std::vector<FoundDevice> find_devices() {
       info.has_fp64 = text_info(id, clGetDeviceInfo, CL_DEVICE_EXTENSIONS).find("cl_khr_fp64") != std::string::npos;
       info.compute_units = number_info<cl_uint>(id, CL_DEVICE_MAX_COMPUTE_UNITS);
       info.memory_bytes = number_info<cl_ulong>(id, CL_DEVICE_GLOBAL_MEM_SIZE);
+      // drivers for the CPU name a limit of their own, which may be above what the machine or the container has
+      if (!info.is_gpu) info.memory_bytes = std::min<std::uint64_t>(info.memory_bytes, memory_of_machine());
       found.push_back({id, info});
     }
   }

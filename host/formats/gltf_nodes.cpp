@@ -13,6 +13,12 @@ namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
+constexpr double FARTHEST = 1e9;  // of a point [m]: squares and products of lengths stay in bounds
+
+// what readers of glTF must know where a file demands it; of these we know all
+constexpr const char* KNOWN_EXTENSIONS[] = {
+    "KHR_lights_punctual", "KHR_materials_transmission", "KHR_materials_specular", "KHR_materials_volume",
+    "KHR_materials_ior",   "KHR_materials_unlit",        "KHR_texture_transform",  "KHR_materials_emissive_strength"};
 
 struct Reader {
   const tinygltf::Model& model;
@@ -35,6 +41,8 @@ struct Reader {
     if (view.buffer < 0 || view.buffer >= int(model.buffers.size())) fail("a buffer view names no buffer of the file");
     const auto& data = model.buffers[view.buffer].data;
     const int stride = a.ByteStride(view);
+    if (view.byteLength > data.size() || view.byteOffset > data.size() - view.byteLength)
+      fail("a buffer view reaches beyond its buffer");
     // each summand alone first: their sum could run over
     const auto is_within = [&](std::size_t offset) { return offset <= data.size(); };
     if (stride <= 0 || !is_within(view.byteOffset) || !is_within(a.byteOffset) || !is_within(at) ||
@@ -45,6 +53,7 @@ struct Reader {
 
   // [count][n] floats
   Eigen::Vector3d floats(const tinygltf::Accessor& a, std::size_t at, int n) const {
+    if (tinygltf::GetNumComponentsInType(std::uint32_t(a.type)) < n) fail("vertex data have too few components");
     if (a.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT)
       fail("compressed or integer vertex data is not read; export floats");
     float v[3] = {};
@@ -108,6 +117,10 @@ struct Reader {
         fail("a mesh has fewer normals, coordinates or colours than positions");
     for (std::size_t i = 0; i < n; ++i) {
       mesh.points.push_back(to_world * floats(accessor(positions), i, 3));
+      if (!(mesh.points.back().cwiseAbs().maxCoeff() <= FARTHEST))
+        fail("a vertex of `" + name +
+             "` is not finite or more than a million kilometres away; correct the node's scale "
+             "and translation");
       if (normals >= 0) mesh.normals.push_back((for_normals * floats(accessor(normals), i, 3)).normalized());
       if (uvs >= 0) mesh.uvs.push_back(floats(accessor(uvs), i, 2).head<2>().cast<float>());
       if (second_uvs >= 0) added.second_uvs.push_back(floats(accessor(second_uvs), i, 2).head<2>().cast<float>());
@@ -127,20 +140,37 @@ struct Reader {
     }
   }
 
+  // the node's own transform; what is there must be whole
+  Eigen::Affine3d local_of(const tinygltf::Node& node) const {
+    const auto is_bad = [](const std::vector<double>& values, std::size_t n) {
+      return (!values.empty() && values.size() != n) ||
+             !std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+    };
+    if (is_bad(node.matrix, 16) || is_bad(node.translation, 3) || is_bad(node.rotation, 4) || is_bad(node.scale, 3))
+      fail("the node `" + node.name + "` has a transform of too few numbers or one that is not finite");
+    Eigen::Affine3d local = Eigen::Affine3d::Identity();
+    if (!node.matrix.empty()) {
+      local.matrix() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());
+      if (local.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+        fail("the node `" + node.name + "` has a matrix whose last row is not 0 0 0 1");
+      return local;
+    }
+    if (!node.translation.empty()) local.translate(Eigen::Vector3d(node.translation.data()));
+    if (!node.rotation.empty()) {
+      const Eigen::Vector4d turn(node.rotation.data());
+      if (!(turn.norm() > 0.5 && turn.norm() < 2)) fail("the node `" + node.name + "` has a rotation that is no turn");
+      local.rotate(Eigen::Quaterniond(turn));
+    }
+    if (!node.scale.empty()) local.scale(Eigen::Vector3d(node.scale.data()));
+    return local;
+  }
+
   void visit(int i, const Eigen::Affine3d& parent, int depth) {
     // a node with two parents could stand for two to the power of the depth
     if (i < 0 || i >= int(model.nodes.size()) || depth > 100 || is_visited[i]) fail("its nodes do not form a tree");
     is_visited[i] = true;
     const tinygltf::Node& node = model.nodes[i];
-    Eigen::Affine3d local = Eigen::Affine3d::Identity();
-    if (node.matrix.size() == 16) {
-      local.matrix() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());
-    } else {
-      if (node.translation.size() == 3) local.translate(Eigen::Vector3d(node.translation.data()));
-      if (node.rotation.size() == 4) local.rotate(Eigen::Quaterniond(Eigen::Vector4d(node.rotation.data())));
-      if (node.scale.size() == 3) local.scale(Eigen::Vector3d(node.scale.data()));
-    }
-    const Eigen::Affine3d to_world = parent * local;
+    const Eigen::Affine3d to_world = parent * local_of(node);
     if (node.mesh >= int(model.meshes.size())) fail("a node names a mesh that does not exist");
     if (node.mesh >= 0) {
       const std::string& name = node.name.empty() ? model.meshes[node.mesh].name : node.name;
@@ -165,6 +195,15 @@ bool keep_bytes(tinygltf::Image* image, int, std::string*, std::string*, int, in
   return true;
 }
 
+void check_version(const tinygltf::Model& model, const fs::path& file) {
+  if (!model.asset.version.starts_with("2"))
+    throw UsageError(file.string() + ": is glTF of version " + model.asset.version + "; export version 2.0.");
+  for (const std::string& needed : model.extensionsRequired)
+    if (std::find(std::begin(KNOWN_EXTENSIONS), std::end(KNOWN_EXTENSIONS), needed) == std::end(KNOWN_EXTENSIONS))
+      throw UsageError(file.string() + ": needs the extension " + needed +
+                       ", which this program does not know; export without it.");
+}
+
 }  // namespace
 
 tinygltf::Model load_gltf(const fs::path& file) {
@@ -175,7 +214,13 @@ tinygltf::Model load_gltf(const fs::path& file) {
   const bool is_binary = file.extension() == ".glb" || file.extension() == ".GLB";
   const bool is_read = is_binary ? loader.LoadBinaryFromFile(&model, &error, &warning, file.string())
                                  : loader.LoadASCIIFromFile(&model, &error, &warning, file.string());
-  if (is_read) return model;
+  if (is_read) {
+    check_version(model, file);
+    return model;
+  }
+  // the library's own words about a broken text are of no use to who exported it
+  if (error.find("json.exception") != std::string::npos || error.find("std::") != std::string::npos)
+    throw UsageError(file.string() + ": cannot be read as glTF: it is no whole JSON text; export it again.");
   for (char& c : error)
     if (c == '\n') c = ' ';
   while (!error.empty() && (error.back() == ' ' || error.back() == '.')) error.pop_back();

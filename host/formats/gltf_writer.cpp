@@ -1,10 +1,9 @@
 #include "host/formats/gltf_writer.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
 
 namespace pvg {
@@ -71,18 +70,16 @@ int GltfWriter::add_node(const tinygltf::Node& node) {
 }
 
 void GltfWriter::write(const fs::path& file) {
-  const fs::path partial = fs::absolute(file).parent_path() /
-                           ("." + file.filename().string() + ".partial-" + std::to_string(getpid()) + ".glb");
+  PartialFile partial(fs::absolute(file));
   tinygltf::TinyGLTF writer;
-  std::error_code ignored, failed;
+  std::error_code ignored;
   // the writer says that all is well where there is no folder or no room, so the file itself is asked
   const std::size_t n_bytes = model.buffers[0].data.size();
-  const bool said_yes = writer.WriteGltfSceneToFile(&model, partial.string(), false, true, false, true);
-  const bool is_whole = said_yes && fs::exists(partial, ignored) && fs::file_size(partial, ignored) > n_bytes;
-  if (is_whole) fs::rename(partial, file, failed);
-  if (is_whole && !failed) return;
-  fs::remove(partial, ignored);
-  throw Failure(file.string() + " cannot be written; see that its folder exists and has room");
+  const bool said_yes = writer.WriteGltfSceneToFile(&model, partial.path().string(), false, true, false, true);
+  const bool is_whole =
+      said_yes && fs::exists(partial.path(), ignored) && fs::file_size(partial.path(), ignored) > n_bytes;
+  if (!is_whole) throw Failure(file.string() + " cannot be written; see that its folder exists and has room");
+  partial.finish();
 }
 
 }  // namespace pvg

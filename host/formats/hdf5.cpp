@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "host/base/outputs.hpp"
+
 namespace pvg::hdf5 {
 namespace {
 
@@ -97,6 +99,11 @@ std::uint64_t chunk_rows(std::uint64_t row_bytes) {
 }  // namespace
 
 void File::fail(const std::string& what, const std::string& object) const {
+  if (is_input_)
+    throw UsageError(path_.string() + ": " +
+                     (what.find("attribute") == std::string::npos ? "" : what.substr(what.find("the")) + " ") + object +
+                     " could not be read: the file is damaged or was not made by this "
+                     "program; make it again");
   throw Failure(path_.string() + ": HDF5 could not " + what + " " + object);
 }
 
@@ -119,6 +126,8 @@ File File::open(const std::filesystem::path& path) {
   prepare_library();
   File file;
   file.path_ = path;
+  remember_read(path);
+  file.is_input_ = true;
   file.handle_ = own<H5Fclose>(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
   if (file.handle_.id() < 0) throw UsageError(path.string() + ": no HDF5 file that can be read");
   return file;
@@ -259,6 +268,15 @@ Shape File::shape(const std::string& object) const {
   return shape;
 }
 
+void File::demand_plausible(const std::string& object, const Shape& shape, std::size_t bytes_per_value) const {
+  std::error_code ignored;
+  // deflate shrinks by 1032 at most
+  const double most = 1100.0 * double(std::filesystem::file_size(path_, ignored)) + (1 << 20);
+  double bytes = double(bytes_per_value);
+  for (const std::uint64_t n : shape) bytes *= double(n);
+  if (bytes > most) fail("read (it claims more values than the file can hold)", object);
+}
+
 void File::read_raw(const std::string& object, Type type, void* values) const {
   const Handle dataset = own<H5Dclose>(H5Dopen2(handle_.id(), object.c_str(), H5P_DEFAULT));
   if (dataset.id() < 0) fail("find", object);
@@ -286,11 +304,11 @@ std::vector<std::string> File::texts_attribute(const std::string& object, const 
   const Handle attribute = own<H5Aclose>(H5Aopen(owner.id(), name.c_str(), H5P_DEFAULT));
   if (attribute.id() < 0) fail("find the attribute " + name + " of", object);
   const Handle type = own<H5Tclose>(H5Aget_type(attribute.id())), space = own<H5Sclose>(H5Aget_space(attribute.id()));
+  demand_plausible(object, {H5Tget_size(type.id()), std::uint64_t(H5Sget_simple_extent_npoints(space.id()))}, 1);
   const std::size_t bytes = H5Tget_size(type.id()), n = std::size_t(H5Sget_simple_extent_npoints(space.id()));
   if (H5Tis_variable_str(type.id()) > 0) {
     std::vector<char*> read(n, nullptr);
-    if (n && H5Aread(attribute.id(), type.id(), read.data()) < 0)
-      fail("read the text attribute " + name + " of", object);
+    if (n && H5Aread(attribute.id(), type.id(), read.data()) < 0) fail("read the attribute " + name + " of", object);
     std::vector<std::string> texts;
     for (const char* text : read) texts.emplace_back(text ? text : "");
     if (n) H5Dvlen_reclaim(type.id(), space.id(), H5P_DEFAULT, read.data());
@@ -298,7 +316,7 @@ std::vector<std::string> File::texts_attribute(const std::string& object, const 
   }
   std::string packed(bytes * n, '\0');
   if (H5Tget_class(type.id()) != H5T_STRING || (n && H5Aread(attribute.id(), type.id(), packed.data()) < 0))
-    fail("read the text attribute " + name + " of", object);
+    fail("read the attribute " + name + " of", object);
   std::vector<std::string> texts(n);
   for (std::size_t i = 0; i < n; ++i) {
     texts[i] = packed.substr(i * bytes, bytes);
@@ -309,7 +327,7 @@ std::vector<std::string> File::texts_attribute(const std::string& object, const 
 
 std::string File::text_attribute(const std::string& object, const std::string& name) const {
   const std::vector<std::string> texts = texts_attribute(object, name);
-  if (texts.size() != 1) fail("read as one text the attribute " + name + " of", object);
+  if (texts.size() != 1) fail("read the attribute " + name + " of", object);
   return texts.front();
 }
 

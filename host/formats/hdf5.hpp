@@ -113,6 +113,7 @@ class File {
   template <class T>
   Array<T> read(const std::string& object) const {
     Array<T> array{shape(object), {}};
+    demand_plausible(object, array.shape, sizeof(T));
     array.values.resize(n_values(array.shape));
     read_raw(object, type_of<T>(), array.values.data());
     return array;
@@ -122,6 +123,7 @@ class File {
   std::vector<T> read_row(const std::string& object, std::uint64_t row) const {
     Shape shape = this->shape(object);
     if (!shape.empty()) shape[0] = 1;
+    demand_plausible(object, shape, sizeof(T));
     std::vector<T> values(n_values(shape));
     read_row_raw(object, row, type_of<T>(), values.data());
     return values;
@@ -138,9 +140,12 @@ class File {
   void write_raw(const std::string& object, const Shape& shape, Type type, const void* values, std::size_t n);
   void read_raw(const std::string& object, Type type, void* values) const;
   void read_row_raw(const std::string& object, std::uint64_t row, Type type, void* values) const;
+  // a damaged file may promise more values than memory holds
+  void demand_plausible(const std::string& object, const Shape& shape, std::size_t bytes_per_value) const;
   Handle open_object(const std::string& object) const;
   [[noreturn]] void fail(const std::string& what, const std::string& object) const;
   std::filesystem::path path_;
+  bool is_input_ = false;  // opened to read: what fails is the file's fault
   Handle handle_;
 };
 

@@ -5,10 +5,31 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <string>
 
 #include "host/base/error.hpp"
+#include "host/base/outputs.hpp"
+#include "host/base/quiet_libraries.hpp"
 
 namespace pvg {
+namespace {
+
+// The library does not look whether a full disk took the last bytes: the end of the format must be there.
+void demand_end(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary | std::ios::ate);
+  const std::streamoff size = in ? std::streamoff(in.tellg()) : 0;
+  std::string last(std::size_t(std::min<std::streamoff>(size, 8)), '\0');
+  in.seekg(size - std::streamoff(last.size()));
+  in.read(last.data(), std::streamsize(last.size()));
+  const std::string ending = path.extension().string();
+  const bool is_whole = ending == ".png"   ? last.starts_with("IEND")
+                        : ending == ".jpg" ? last.ends_with("\xff\xd9")
+                                           : size > 0 && OIIO::ImageInput::open(path.string()) != nullptr;
+  if (!is_whole) throw Failure(path.string() + ": the picture could not be written whole; is the disk full?");
+}
+
+}  // namespace
 
 void write_image(const std::filesystem::path& path, const Image8& image) {
   const auto file = OIIO::ImageOutput::create(path.string());
@@ -16,7 +37,8 @@ void write_image(const std::filesystem::path& path, const Image8& image) {
   OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
   spec.attribute("oiio:ColorSpace", "sRGB");
   if (!file->open(path.string(), spec) || !file->write_image(OIIO::TypeDesc::UINT8, image.rgb.data()) || !file->close())
-    throw Failure(path.string() + ": the picture could not be written: " + file->geterror());
+    throw Failure(path.string() + ": the picture could not be written; is there room on the disk?");
+  demand_end(path);
 }
 
 void write_linear_image(const std::filesystem::path& path, std::span<const float> linear_rgb, int width, int height) {
@@ -26,7 +48,8 @@ void write_linear_image(const std::filesystem::path& path, std::span<const float
   spec.attribute("oiio:ColorSpace", "Linear");
   if (!file->open(path.string(), spec) || !file->write_image(OIIO::TypeDesc::FLOAT, linear_rgb.data()) ||
       !file->close())
-    throw Failure(path.string() + ": the picture could not be written: " + file->geterror());
+    throw Failure(path.string() + ": the picture could not be written; is there room on the disk?");
+  demand_end(path);
 }
 
 std::vector<std::uint8_t> encode_png(const Texture& texture) {
@@ -42,14 +65,20 @@ std::vector<std::uint8_t> encode_png(const Texture& texture) {
 }
 
 Image8 read_image(const std::filesystem::path& path) {
+  remember_read(path);
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored))
+    throw UsageError(path.string() + " is no file; a picture is wanted");
+  const QuietLibraries quiet;
   const auto file = OIIO::ImageInput::open(path.string());
-  if (!file) throw Failure(path.string() + ": the picture could not be read: " + OIIO::geterror());
+  if (!file)
+    throw UsageError(path.string() + " could not be read: it is no picture, or a damaged one; export it again");
   const OIIO::ImageSpec& spec = file->spec();
-  if (spec.nchannels < 3) throw Failure(path.string() + ": the picture has no three colours");
+  if (spec.nchannels < 3) throw UsageError(path.string() + ": the picture has no three colours; export it as RGB");
   Image8 image{spec.width, spec.height,
                std::vector<std::uint8_t>(std::size_t(spec.width) * std::size_t(spec.height) * 3)};
   if (!file->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, image.rgb.data()))
-    throw Failure(path.string() + ": the picture could not be read: " + file->geterror());
+    throw UsageError(path.string() + " could not be read to its end: the picture is damaged; export it again");
   return image;
 }
 

@@ -10,6 +10,7 @@
 
 #include "host/base/child_process.hpp"
 #include "host/base/error.hpp"
+#include "host/base/notes.hpp"
 #include "host/formats/assimp_reader.hpp"
 #include "host/formats/raw_mesh.hpp"
 #include "host/geometry/mesh_checks.hpp"
@@ -18,6 +19,7 @@ namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
+constexpr double LARGE = 20;      // of a body that stands in a room [m]
 constexpr double FARTHEST = 1e9;  // coordinate of a vertex [m]: squares and products of lengths stay in bounds
 
 // What has been joined so far, and whether every part had normals and texture coordinates.
@@ -169,8 +171,12 @@ RawMesh import(const fs::path& file) {
   keep_one_reader(importer, file);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // else z-up files are turned to y up
   const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
-  if (!scene || !scene->mRootNode)
-    throw UsageError(file.string() + ": cannot be read as a mesh: " + importer.GetErrorString() + ".");
+  if (!scene || !scene->mRootNode) {
+    std::string reason = importer.GetErrorString();
+    if (reason.find("std::") != std::string::npos || reason.find("bad_alloc") != std::string::npos)
+      reason = "it claims more vertices or triangles than it can hold; export it again";
+    throw UsageError(file.string() + ": cannot be read as a mesh: " + reason + ".");
+  }
   Joined joined;
   append_node(*scene, *scene->mRootNode, aiMatrix4x4(), joined, file);
   if (!joined.has_normals) joined.mesh.normals.clear();
@@ -205,6 +211,14 @@ TriangleMesh read_closed_surface(const fs::path& file) {
   TriangleMesh surface = read_surface(file);
   check_closed_surface(surface, file.string());
   return surface;
+}
+
+void tell_of_size(const TriangleMesh& mesh, const std::string& file) {
+  const double size = mesh.points.empty() ? 0 : size_of(mesh.points);
+  if (!(size > LARGE)) return;
+  char text[96];
+  std::snprintf(text, sizeof text, " is %.0f m large: is it in mm? Lengths in meshes are metres; ", size);
+  tell_note(file + text + "scale it by 0.001 where it is");
 }
 
 VisualMesh read_visual_mesh(const fs::path& file, double crease_angle) {

@@ -21,4 +21,7 @@ VisualMesh read_visual_mesh(const std::filesystem::path& file, double crease_ang
 // A surface as it is, flat shaded.
 VisualMesh visual_of(const TriangleMesh& surface);
 
+// Notes on stderr that a body of this size may be in millimetres.
+void tell_of_size(const TriangleMesh& mesh, const std::string& file);
+
 }  // namespace pvg

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <limits>
 
@@ -10,6 +11,8 @@
 
 namespace pvg {
 namespace {
+
+constexpr double LARGEST = 1e15;  // of a measured number, in any unit
 
 // between commas, without blanks at both ends; quotes around a name are taken off
 std::vector<std::string> cells_of(const std::string& line) {
@@ -30,6 +33,7 @@ double number_in(const std::string& cell, const std::string& place) {
   const char* begin = cell.data() + (cell[0] == '+' ? 1 : 0);
   const char* end = cell.data() + cell.size();
   if (std::from_chars(begin, end, value).ptr != end) throw Failure(place + ": `" + cell + "` is no number");
+  if (std::abs(value) > LARGEST) throw Failure(place + ": `" + cell + "` is too large for a measurement");
   return value;
 }
 
@@ -37,7 +41,10 @@ MeasuredTable read_csv(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::string line;
   if (!in || !std::getline(in, line)) throw Failure(file.string() + " cannot be read, or is empty");
+  if (line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);  // a byte-order mark, as some programs put first
   const std::vector<std::string> names = cells_of(line);
+  if (names.size() == 1 && line.find(';') != std::string::npos)
+    throw Failure(file.string() + ", line 1: the columns are parted by semicolons; part them by commas");
   MeasuredTable table;
   table.file = file;
   for (const std::string& name : names)

@@ -12,6 +12,9 @@ int material_index(const Scene& scene, const std::string& name);
 // the body of an object or a rigid finger: its surface in the object's size, and mass and inertia of it when solid
 RigidBody rigid_body(const ObjectSection& object, const Pose& pose);
 
+// The surface of an object without visuals in plain grey, so that nothing is there and unseen.
+void add_plain_visual(Scene& scene, const std::filesystem::path& mesh, const Visual& body, double size);
+
 // the captured room, if the task has one
 void add_background(Scene& scene, const BackgroundSection& background);
 

@@ -6,6 +6,7 @@
 #include "host/formats/mesh_files.hpp"
 #include "host/formats/textures.hpp"
 #include "host/geometry/mass_properties.hpp"
+#include "host/geometry/mesh_parts.hpp"
 #include "host/load/build_parts.hpp"
 #include "host/load/read_sections.hpp"
 #include "host/load/variation.hpp"
@@ -46,6 +47,11 @@ RigidBody rigid_body(const ObjectSection& object, const Pose& pose) {
   RigidBody body;
   body.name = object.name;
   body.collision = read_closed_surface(object.mesh);
+  if (!object.is_fixed && has_overlapping_parts(body.collision))
+    throw UsageError(object.mesh.string() +
+                     " consists of closed parts that overlap, whose common space would count "
+                     "twice in the mass; unite them into one surface");
+  tell_of_size(body.collision, object.mesh.string());
   for (Vec3& point : body.collision.points) point *= object.size;
   body.is_fixed = object.is_fixed;
   body.friction = object.friction;
@@ -64,7 +70,8 @@ RigidBody rigid_body(const ObjectSection& object, const Pose& pose) {
 
 namespace {
 
-void add_object(Scene& scene, const ObjectSection& object, const Draw& draw) {
+// is_filmed: there are cameras; a scene without any is shown whole by who looks at it
+void add_object(Scene& scene, const ObjectSection& object, const Draw& draw, bool is_filmed) {
   Pose pose = draw_pose(draw, object.name, object.pose);
   if (!object.pose.object.empty()) {
     const RigidBody* frame = find_named(scene.rigid_bodies, object.pose.object);
@@ -81,7 +88,10 @@ void add_object(Scene& scene, const ObjectSection& object, const Draw& draw) {
     scene.rigid_bodies.push_back(rigid_body(object, pose));
   }
   visual.name = visual.part = object.name;
-  add_visuals(scene, object.visuals, visual, object.size);
+  if (object.visuals.empty() && object.is_visible && is_filmed)
+    add_plain_visual(scene, object.mesh, visual, object.size);
+  else
+    add_visuals(scene, object.visuals, visual, object.size);
 }
 
 int rigid_index(const Scene& scene, const std::string& name) {
@@ -153,7 +163,7 @@ TaskScene build(const Task& nominal, Draw draw) {
   scene.materials = task.materials;
   for (const auto& file : task.textures) scene.textures.push_back(read_texture(file));
   for (const RobotCell& robot : robots_of(task)) add_arm(built, robot);
-  for (const ObjectSection& object : task.objects) add_object(scene, object, draw);
+  for (const ObjectSection& object : task.objects) add_object(scene, object, draw, !task.cameras.empty());
   for (const JointSection& joint : task.joints) add_joint(scene, joint);
   for (const ClothSection& section : task.cloths) add_cloth(scene, section, draw);
   add_background(scene, task.background);

@@ -1,4 +1,6 @@
 // What is seen: meshes with materials, glTF scenes, the captured background.
+#include <algorithm>
+
 #include "host/base/error.hpp"
 #include "host/formats/mesh_files.hpp"
 #include "host/formats/textures.hpp"
@@ -68,6 +70,28 @@ void add_visuals(Scene& scene, const std::vector<VisualSection>& sections, const
     for (Vec3f& point : scene.visual_meshes.back().points) point *= float(size);
     scene.visuals.push_back(visual);
   }
+}
+
+void add_plain_visual(Scene& scene, const std::filesystem::path& mesh, const Visual& body, double size) {
+  constexpr double CREASE_ANGLE = 0.7;  // as of visuals that name none [rad]
+  const std::string PLAIN = "plain";
+  const auto is_plain = [&](const VisualMaterial& material) { return material.name == PLAIN; };
+  auto material = std::find_if(scene.materials.begin(), scene.materials.end(), is_plain);
+  if (material == scene.materials.end()) {
+    VisualMaterial grey;
+    grey.name = PLAIN;
+    grey.kind = VisualMaterial::Kind::diffuse;
+    grey.color = Vec3f::Constant(0.5f);
+    scene.materials.push_back(grey);
+    material = scene.materials.end() - 1;
+  }
+  Visual visual = body;
+  visual.name += "/" + mesh.stem().string();
+  visual.mesh = int(scene.visual_meshes.size());
+  visual.material = int(material - scene.materials.begin());
+  scene.visual_meshes.push_back(read_visual_mesh(mesh, CREASE_ANGLE));
+  for (Vec3f& point : scene.visual_meshes.back().points) point *= float(size);
+  scene.visuals.push_back(visual);
 }
 
 void add_background(Scene& scene, const BackgroundSection& background) {

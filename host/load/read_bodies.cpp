@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/geometry/mass_properties.hpp"
+#include "host/geometry/mesh_parts.hpp"
 #include "host/load/read_sections.hpp"
 #include "host/load/read_shapes.hpp"
 
@@ -49,6 +50,10 @@ void set_mass(Section& section, RigidBody& body) {
   }
   if (section.has("density") == section.has("mass"))
     section.fail("", "must have either `density` or `mass`, because it can move");
+  if (has_overlapping_parts(body.collision))
+    section.fail("shape",
+                 "consists of closed parts that overlap, whose common space would count twice in the mass; "
+                 "unite them into one surface");
   MassProperties properties = mass_properties(body.collision, 1);
   const double density = section.has("density") ? section.number("density", Unit::density, 1e-3, 1e5)
                                                 : section.number("mass", Unit::mass, 1e-9, 1e6) / properties.volume;
@@ -196,7 +201,7 @@ void read_limits(Section& section, Unit unit, double largest, Joint& joint) {
 
 void read_body(Section& section, SceneFile& file) {
   Scene& scene = file.added;
-  const std::string name = section.text("name");
+  const std::string name = section.name();
   const std::size_t kind = section.choice("kind", {"rigid", "soft", "static", "moving", "half_space"});
   const bool is_taken = find_named(scene.rigid_bodies, name) || find_named(scene.soft_bodies, name) ||
                         find_named(file.task.objects, name);
@@ -220,7 +225,7 @@ void read_body(Section& section, SceneFile& file) {
 void read_joint(Section& section, SceneFile& file) {
   Scene& scene = file.added;
   Joint joint;
-  joint.name = section.text("name");
+  joint.name = section.name();
   if (find_named(scene.joints, joint.name)) section.fail("name", "`" + joint.name + "` is taken by a joint above");
   joint.type = Joint::Type(section.choice("type", {"fixed", "revolute", "prismatic", "spherical"}));
   const bool turns = joint.type == Joint::Type::revolute, moves = turns || joint.type == Joint::Type::prismatic;

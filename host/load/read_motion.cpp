@@ -111,7 +111,7 @@ std::vector<MotionElement> read_motion(Section& root, const std::vector<RobotCel
 JointSection read_task_joint(Section& section) {
   JointSection read;
   Joint& joint = read.joint;
-  joint.name = section.text("name");
+  joint.name = section.name();
   joint.type = Joint::Type(section.choice("type", {"fixed", "revolute", "prismatic", "spherical"}));
   read.parent = section.text("parent");
   read.child = section.text("child");

@@ -132,7 +132,9 @@ TriangleMesh read_surface_shape(YamlSection shape, bool may_be_open) {
   if (shape.has("mesh")) {
     const std::filesystem::path file = shape.file("mesh");
     shape.done();
-    return may_be_open ? read_surface(file) : read_closed_surface(file);
+    TriangleMesh surface = may_be_open ? read_surface(file) : read_closed_surface(file);
+    tell_of_size(surface, file.string());
+    return surface;
   }
   Readers<TriangleMesh> readers = {
       {"box", read_box}, {"sphere", read_sphere}, {"cylinder", read_cylinder}, {"hexahedron", read_hexahedron}};

@@ -235,6 +235,28 @@ void read_initial(YamlSection& root, Recording& recording) {
   section.done();
 }
 
+bool is_same(const MeasuredTable& a, const MeasuredTable& b) {
+  const auto same_number = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
+  return std::equal(
+      a.columns.begin(), a.columns.end(), b.columns.begin(), b.columns.end(), [&](const auto& x, const auto& y) {
+        return x.first == y.first &&
+               std::equal(x.second.begin(), x.second.end(), y.second.begin(), y.second.end(), same_number);
+      });
+}
+
+// A held-out run that the fit has seen proves nothing, and a run that stands twice counts twice.
+void demand_different_runs(const Recording& recording) {
+  const std::vector<RecordedRun>& runs = recording.runs;
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (is_same(runs[i].table, runs[k].table))
+        throw UsageError(recording.file.string() + ": the runs " + runs[k].name + " and " + runs[i].name +
+                         " hold the same numbers" +
+                         (runs[i].is_held_out != runs[k].is_held_out
+                              ? ", so the held out one proves nothing; record another motion for it"
+                              : "; leave one of them away"));
+}
+
 }  // namespace
 
 const char* kind_name(RecordedChannel::Kind kind) { return KINDS[std::size_t(kind)].c_str(); }
@@ -260,6 +282,7 @@ Recording load_recording(const std::filesystem::path& path) {
   root.done();
   if (recording.runs.empty()) root.fail("runs", "holds no run: there is nothing to compare with");
   if (recording.channels.empty()) root.fail("channels", "holds no channel: nothing was measured");
+  demand_different_runs(recording);
   for (RecordedRun& run : recording.runs) {
     for (const MaskSource& source : recording.mask_sources) add_masks(source, run);
     for (const VideoSource& source : recording.video_sources) add_video(source, run);

@@ -76,6 +76,8 @@ void check_object(Section& section, ObjectSection& object) {
     section.fail("", "has a mass but cannot move: leave `density` and `mass` out");
   if (object.mesh.empty() && object.visuals.empty())
     section.fail("", "has neither `mesh` nor `visuals`: there is nothing to do with it");
+  if (!object.is_visible && !object.visuals.empty())
+    section.fail("visible", "is false, but the object has `visuals`; leave one of them out");
 }
 
 }  // namespace
@@ -195,7 +197,9 @@ const Fields<ObjectSection>& object_fields() {
       Fields<O>()
           .name(&O::name, "of the object")
           .file("mesh", &O::mesh, "closed surface for the simulation; none: seen only")
-          .list("visuals", &O::visuals, visual_fields(), "what is seen; none: invisible")
+          .list("visuals", &O::visuals, visual_fields(), "what is seen; none: `mesh` in plain grey")
+          .flag("visible", &O::is_visible, "false: an object without `visuals` is not seen")
+          .written_when([](const O& o) { return !o.is_visible; })
           .flag("fixed", &O::is_fixed, "never moves")
           .number("density", &O::density, Unit::density, 1e-3, 1e5, "this or `mass`, if it can move")
           .otherwise("required")

@@ -108,7 +108,7 @@ Task read_scene_sections(Section& root, double largest_time_step) {
   Task task;
   task.file = root.path();
   check_schema(root);
-  task.name = root.text("name");
+  task.name = root.name();
   read_if_there(root, "solver", solver_fields(), task.solver);
   task.solver.time_step = root.number("time_step", Unit::time, 1e-6, largest_time_step);
   read_if_there(root, "contact", contact_fields(), task.contact);
@@ -171,7 +171,7 @@ void check_condition_names(const Section& root, const Task& task) {
 
 RobotCell read_robot_cell(Section& section, Task& task) {
   RobotCell cell;
-  cell.name = section.text("name");
+  cell.name = section.name();
   if (find_named(task.more_robots, cell.name)) section.fail("name", "`" + cell.name + "` is taken by a robot above");
   cell.robot = read_all(robot_fields(), section.section("robot"));
   if (section.has("gripper")) cell.gripper = read_gripper(section, task);

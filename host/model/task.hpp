@@ -58,6 +58,7 @@ struct ObjectSection {
   std::filesystem::path mesh;          // closed surface for the simulation; empty: seen only
   std::vector<VisualSection> visuals;  // empty: not seen
   bool is_fixed = false;
+  bool is_visible = true;  // without visuals: whether the collision surface is shown
   double density = 0;  // [kg/m^3]; either this or mass, neither if fixed
   double mass = 0;     // [kg]
   double friction = 0.5;

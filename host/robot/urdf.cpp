@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "host/base/error.hpp"
+#include "host/base/numbers.hpp"
 #include "host/formats/xml_depth.hpp"
 #include "host/pictures/srgb.hpp"
 #include "host/robot/link_mesh.hpp"
@@ -37,6 +38,10 @@ class CollectLog : public console_bridge::OutputHandler {
 };
 
 // ---- what is checked in the XML itself, because urdfdom would say it less well or not at all
+
+void demand_identifier(const std::string& name, const std::string& owner) {
+  if (!is_identifier(name)) throw UsageError(owner + " '" + name.substr(0, 80) + "': its name " + IDENTIFIER_RULE);
+}
 
 std::string attribute(const TiXmlElement& element, const char* name, const std::string& owner) {
   const char* text = element.Attribute(name);
@@ -85,12 +90,15 @@ void check_joint(const TiXmlElement& joint, const std::set<std::string>& links, 
 
 void check_xml(const TiXmlElement& robot, const std::string& file) {
   std::set<std::string> links, children, joints;
-  for (const TiXmlElement* e = robot.FirstChildElement("link"); e; e = e->NextSiblingElement("link"))
+  for (const TiXmlElement* e = robot.FirstChildElement("link"); e; e = e->NextSiblingElement("link")) {
+    demand_identifier(attribute(*e, "name", file), file + ": link");
     if (const std::string name = attribute(*e, "name", file); !links.insert(name).second)
       throw UsageError(file + ": link '" + name + "' is there twice; rename one");
+  }
   if (links.empty()) throw UsageError(file + " has no links; add at least one <link>");
   for (const TiXmlElement* e = robot.FirstChildElement("joint"); e; e = e->NextSiblingElement("joint")) {
     check_joint(*e, links, children, file);
+    demand_identifier(e->Attribute("name"), file + ": joint");
     if (const std::string name = e->Attribute("name"); !joints.insert(name).second)
       throw UsageError(file + ": joint '" + name + "' is there twice; rename one");
   }

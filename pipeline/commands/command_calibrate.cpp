@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.hpp"
+#include "host/base/outputs.hpp"
 #include "host/formats/image_files.hpp"
 #include "host/formats/lut_file.hpp"
 #include "host/pictures/image_metrics.hpp"
@@ -116,6 +117,7 @@ Quality judge(const std::vector<PicturePair>& pairs, const std::vector<std::vect
 void run_calibrate_lut(const CalibrateLutOptions& options) {
   if (options.rendered.empty() || options.real.empty() || options.output.empty())
     throw UsageError("calibrate lut needs --render DIR, --real DIR and -o FILE.csv");
+  check_output_file(options.output, {".csv"});
   const std::vector<PicturePair> pairs = read_pairs(options.rendered, options.real);
   const std::vector<std::vector<bool>> held = held_out_pixels(pairs);
   std::vector<std::vector<bool>> uses;

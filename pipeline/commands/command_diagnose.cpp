@@ -5,7 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
+#include "host/base/outputs.hpp"
 #include "host/base/stop_signal.hpp"
 #include "host/identify/report/report.hpp"
 #include "pipeline/commands/commands.hpp"
@@ -84,7 +86,9 @@ void run_diagnose(const DiagnoseOptions& options) {
     std::fprintf(stderr, "phyvisgen: note: %s\n", sentence.c_str());
   if (std::all_of(problem.runs.begin(), problem.runs.end(), [](const diagnose::Run& run) { return run.is_held_out; }))
     throw UsageError(problem.recording.file.string() + ": every run is held out; give at least one the role `fit`");
-  fs::create_directories(options.folder);
+  make_writable_folder(options.folder);
+  for (const char* name : {"report.html", "report.json", "scene_amended.yaml"})
+    check_output_file(fs::path(options.folder) / name);
   prefer_short_waits();
   Device device(options.device);
   diagnose::Settings settings;

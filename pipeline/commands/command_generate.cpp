@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <optional>
 
@@ -65,6 +66,15 @@ EpisodeSet open_set(const GenerateOptions& options, const Task& task, const Devi
   return set;
 }
 
+// A folder that this run made and nothing came into goes again.
+void remove_empty(const EpisodeSet& set) {
+  const SetStatus status = read_status(set.folder);
+  if (!status.done.empty() || !status.failed.empty()) return;
+  std::error_code ignored;
+  fs::remove(set.folder / "set.json", ignored);
+  fs::remove(set.folder, ignored);
+}
+
 void explain(const EpisodeReport& report) {
   for (const MeshSize& mesh : report.meshes)
     std::fprintf(stderr, "  mesh %s: %zu nodes, %zu elements, %zu triangles\n", mesh.name.c_str(), mesh.nodes,
@@ -80,8 +90,8 @@ void explain(const EpisodeReport& report) {
 
 // Runs one episode; its folder appears when it is complete, or under failed/ with the reason, a sentence.
 bool make_episode(const GenerateOptions& options, const Task& task, const EpisodeSet& set, std::uint64_t episode,
-                  Device& physics, Device& rendering, const std::atomic<bool>& stop, const std::string& remark,
-                  std::string& reason) {
+                  Device& physics, Device& rendering, const std::atomic<bool>& stop,
+                  const std::function<std::string(int)>& set_line, std::string& reason) {
   EpisodeSettings settings;
   settings.seed = options.seed;
   settings.episode = episode;
@@ -94,7 +104,7 @@ bool make_episode(const GenerateOptions& options, const Task& task, const Episod
     const auto advance = [&](std::size_t done, std::size_t total) {
       if (!progress) {
         progress.emplace("episode " + std::to_string(episode), "frames", total);
-        progress->set_remark(remark);
+        if (set_line) progress->set_line_above(set_line);
       }
       progress->advance_to(done);
     };
@@ -135,7 +145,6 @@ void run_generate(const GenerateOptions& options) {
     throw UsageError("generate needs a task file; `phyvisgen generate --help` shows an example");
   if (options.folder.empty()) throw UsageError("generate needs an output folder: -o DIR");
   const Shard shard = parse_shard(options.shard);
-  stop_within(7);
   const std::atomic<bool>& stop = stop_on_signals();
   Task task = load_task(options.task);
   apply(options.pictures, task);
@@ -145,16 +154,19 @@ void run_generate(const GenerateOptions& options) {
   steps_per_frame(task.render.frames_per_second, task.solver.time_step);
   Device physics(options.device);
   Device rendering(std::to_string(choose_render_device(list_devices(), options.device, options.render_device).index));
+  const bool was_there = fs::exists(options.folder);
   const EpisodeSet set = open_set(options, task, physics, rendering);
 
   std::vector<std::string> reasons;  // of the episodes that failed
   SetProgress progress;
   const auto start = std::chrono::steady_clock::now();
-  const auto line = [&] {
+  const auto line = [&](int bar_width) {
     progress.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return progress.total > 1 ? set_progress_line(progress, 0) : "";
+    return set_progress_line(progress, bar_width);
   };
+  std::function<std::string(int)> set_line;
   progress.total = (options.n_episodes + shard.count - 1 - shard.index) / shard.count;
+  if (progress.total > 1) set_line = line;
   for (std::uint64_t episode = shard.index; episode < options.n_episodes; episode += shard.count) {
     if (is_done(set, episode)) {
       ++progress.done_before;
@@ -168,11 +180,13 @@ void run_generate(const GenerateOptions& options) {
     if (stop) throw TryAgain(STOPPED);
     std::string reason;
     try {
-      const bool is_made = make_episode(options, task, set, episode, physics, rendering, stop, line(), reason);
+      const bool is_made = make_episode(options, task, set, episode, physics, rendering, stop, set_line, reason);
       ++(is_made ? progress.done : progress.failed);
       if (!is_made) reasons.push_back(reason);
-      if (progress.total > 1) std::fprintf(stderr, "%s\n", line().c_str());
+      // on a terminal it stands above the next episode's
+      if (set_line && (!shows_on_terminal() || progress.left() == 0)) std::fprintf(stderr, "%s\n", line(0).c_str());
     } catch (const std::exception&) {
+      if (!was_there) remove_empty(set);
       if (!stop) throw;
       throw TryAgain(STOPPED);  // whatever went wrong after a stop, such as that its folder is gone, is of the stop
     }

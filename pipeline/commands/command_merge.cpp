@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/outputs.hpp"
 #include "pipeline/commands/commands.hpp"
 #include "pipeline/episode/episode_set.hpp"
 
@@ -77,6 +78,45 @@ void merge_one(const EpisodeSet& part, const EpisodeSet& whole, Merged& merged) 
   }
 }
 
+// A folder that is merged is neither around nor inside the whole, unless it is the whole, and stands there once.
+void check_folders(const MergeOptions& options) {
+  std::error_code ignored;
+  for (std::size_t i = 0; i < options.folders.size(); ++i) {
+    if (!fs::equivalent(options.folders[i], options.output, ignored))
+      check_apart(options.output, options.folders[i], "merge");
+    for (std::size_t k = 0; k < i; ++k)
+      if (fs::equivalent(options.folders[i], options.folders[k], ignored))
+        throw UsageError(options.folders[k] + " and " + options.folders[i] +
+                         " are the same folder twice; name it once");
+  }
+}
+
+bool is_ours(const fs::path& file) {
+  const std::string name = file.filename().string(), ending = file.extension().string();
+  return name == "summary.json" || name == "states.h5" || name == "contact_sheet.png" || ending == ".mp4" ||
+         name.ends_with("_masks.h5") || name.ends_with("_truth.h5");
+}
+
+// What generate made of a part; anything else that somebody has put there stays, and the folders around it.
+void remove_ours(const fs::path& part) {
+  std::error_code ignored;
+  const SetStatus status = read_status(part);
+  std::vector<fs::path> episodes;
+  for (const std::uint64_t episode : status.done) episodes.push_back(episode_folder(part, episode));
+  for (const FailedEpisode& failed : status.failed) episodes.push_back(failed_folder(part, failed.episode));
+  for (const fs::path& episode : episodes) {
+    std::vector<fs::path> files;
+    for (const fs::directory_entry& entry : fs::directory_iterator(episode, ignored))
+      if (entry.is_regular_file(ignored) && is_ours(entry.path())) files.push_back(entry.path());
+    for (const fs::path& file : files) fs::remove(file, ignored);
+    fs::remove(episode, ignored);  // where it is empty
+  }
+  fs::remove(part / "set.json", ignored);
+  fs::remove(part / "failed", ignored);
+  if (!fs::remove(part, ignored) && fs::exists(part, ignored))
+    std::fprintf(stderr, "phyvisgen: note: %s stays: it holds files that are not of generate\n", part.c_str());
+}
+
 }  // namespace
 
 void run_merge(const MergeOptions& options) {
@@ -85,6 +125,7 @@ void run_merge(const MergeOptions& options) {
   std::vector<EpisodeSet> parts;
   for (const std::string& folder : options.folders) parts.push_back(read_set(folder));
   if (fs::exists(fs::path(options.output) / "set.json")) parts.push_back(read_set(options.output));
+  check_folders(options);
   for (const EpisodeSet& part : parts) demand_same_origin(parts.front(), part, options.mixes_devices);
   EpisodeSet whole = parts.front();
   whole.folder = options.output;
@@ -100,7 +141,7 @@ void run_merge(const MergeOptions& options) {
   write_set(whole);
   if (options.removes)
     for (const EpisodeSet& part : parts)
-      if (!fs::equivalent(part.folder, whole.folder, ignored)) fs::remove_all(part.folder);
+      if (!fs::equivalent(part.folder, whole.folder, ignored)) remove_ours(part.folder);
   const SetStatus status = read_status(whole.folder);
   std::printf("%s: %zu merged, %zu there before; %zu done, %zu failed, %zu missing of %llu\n", whole.folder.c_str(),
               merged.n_put, merged.n_there, status.done.size(), status.failed.size(), missing(whole, status).size(),

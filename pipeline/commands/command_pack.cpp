@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/outputs.hpp"
 #include "host/base/progress.hpp"
 #include "host/dataset/act_files.hpp"
 #include "host/dataset/lerobot_dataset.hpp"
@@ -68,6 +69,7 @@ void run_pack(const PackOptions& options) {
   if (options.folder.empty())
     throw UsageError("pack needs the folder of a set; `phyvisgen pack --help` shows an example");
   if (options.output.empty()) throw UsageError("pack needs an output folder: -o OUT");
+  check_apart(options.output, options.folder, "pack");
   if (fs::exists(options.output))
     throw UsageError(options.output + " exists; remove it or choose another folder with -o");
   const EpisodeSet set = read_set(options.folder);

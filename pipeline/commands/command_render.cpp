@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -9,6 +7,7 @@
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
+#include "host/base/outputs.hpp"
 #include "host/base/progress.hpp"
 #include "host/base/stop_signal.hpp"
 #include "host/dataset/truth_file.hpp"
@@ -33,9 +32,10 @@ enum class Target { folder, picture, video };
 
 Target target_of(const fs::path& output) {
   const std::string suffix = output.extension().string();
+  if (suffix.empty()) return Target::folder;
   if (suffix == ".png" || suffix == ".jpg" || suffix == ".exr") return Target::picture;
   if (suffix == ".mp4") return Target::video;
-  if (suffix.empty() || fs::is_directory(output)) return Target::folder;
+  if (fs::is_directory(output)) return Target::folder;
   throw UsageError("-o " + output.string() + ": the suffix must be .png, .jpg, .exr or .mp4, or name a folder");
 }
 
@@ -49,7 +49,10 @@ std::vector<int> chosen_cameras(const Scene& scene, const std::vector<std::strin
     const auto at = std::find_if(scene.cameras.begin(), scene.cameras.end(),
                                  [&](const Camera& camera) { return camera.name == name; });
     if (at == scene.cameras.end()) throw UsageError("--camera " + name + ": the scene has the cameras " + known);
-    chosen.push_back(int(at - scene.cameras.begin()));
+    const int camera = int(at - scene.cameras.begin());
+    if (std::find(chosen.begin(), chosen.end(), camera) != chosen.end())
+      throw UsageError("--camera " + name + " stands there twice; name it once");
+    chosen.push_back(camera);
   }
   return chosen;
 }
@@ -68,19 +71,12 @@ void resize(Camera& camera, int width, int height) {
 
 // a file that appears complete or not at all
 void write_picture(const fs::path& file, const RenderedFrame& frame) {
-  const fs::path partial = file.parent_path() / ("." + file.stem().string() + ".partial-" + std::to_string(getpid()) +
-                                                 file.extension().string());
-  try {
-    if (file.extension() == ".exr")
-      write_linear_image(partial, frame.rgb, frame.width, frame.height);
-    else
-      write_image(partial, encode_srgb8(frame.rgb, frame.width, frame.height));
-    fs::rename(partial, file);
-  } catch (...) {
-    std::error_code ignored;
-    fs::remove(partial, ignored);
-    throw;
-  }
+  PartialFile partial(file);
+  if (file.extension() == ".exr")
+    write_linear_image(partial.path(), frame.rgb, frame.width, frame.height);
+  else
+    write_image(partial.path(), encode_srgb8(frame.rgb, frame.width, frame.height));
+  partial.finish();
 }
 
 // Where pictures go: each to its file, or all into one video.
@@ -89,13 +85,7 @@ class Pictures {
   Pictures(const RenderOptions& options, double rate)
       : output_(options.output), target_(target_of(output_)), rate_(rate) {
     if (target_ == Target::folder) make_writable_folder(output_);
-    const fs::path folder = output_.parent_path();
-    if (target_ != Target::folder && !folder.empty() && !fs::is_directory(folder))
-      throw UsageError("-o " + output_.string() + ": there is no folder " + folder.string());
-  }
-  ~Pictures() {
-    std::error_code ignored;
-    if (!partial_.empty()) fs::remove(partial_, ignored);
+    if (target_ != Target::folder) check_output_file(output_);
   }
 
   void check(std::size_t n_cameras, std::size_t n_frames) const {
@@ -116,9 +106,8 @@ class Pictures {
       return write_picture(output_ / (camera + name), frame);
     }
     if (!video_) {
-      partial_ =
-          output_.parent_path() / ("." + output_.stem().string() + ".partial-" + std::to_string(getpid()) + ".mp4");
-      video_ = std::make_unique<VideoWriter>(partial_, frame.width, frame.height, rate_);
+      partial_.emplace(output_);
+      video_ = std::make_unique<VideoWriter>(partial_->path(), frame.width, frame.height, rate_);
     }
     video_->write(encode_srgb8(frame.rgb, frame.width, frame.height).rgb);
   }
@@ -126,14 +115,14 @@ class Pictures {
   void finish() {
     if (!video_) return;
     video_->finish();
-    fs::rename(partial_, output_);
-    partial_.clear();
+    partial_->finish();
   }
 
  private:
-  fs::path output_, partial_;
+  fs::path output_;
   Target target_;
   double rate_;
+  std::optional<PartialFile> partial_;
   std::unique_ptr<VideoWriter> video_;
 };
 
@@ -169,21 +158,15 @@ void tell_of(const RenderedFrame& frame, const std::string& camera, std::size_t 
 class Truth {
  public:
   Truth(const fs::path& folder, const Scene& scene, const Camera& camera)
-      : file_(folder / (camera.name + "_truth.h5")),
-        partial_(folder / ("." + camera.name + ".partial-" + std::to_string(getpid()) + ".h5")),
-        writer_(partial_, scene, camera) {}
-  ~Truth() {
-    std::error_code ignored;
-    fs::remove(partial_, ignored);
-  }
+      : partial_(folder / (camera.name + "_truth.h5")), writer_(partial_.path(), scene, camera) {}
   TruthFile& writer() { return writer_; }
   void finish() {
     writer_.close();
-    fs::rename(partial_, file_);
+    partial_.finish();
   }
 
  private:
-  fs::path file_, partial_;
+  PartialFile partial_;
   TruthFile writer_;
 };
 
@@ -249,6 +232,7 @@ void run_render(const RenderOptions& options) {
   const double rate = options.frames_per_second > 0 ? options.frames_per_second : usual;
   const Frames frames(shown.scene, options.states, rate);
   const FrameRange range = parse_frames(options.frames, frames.size());
+  if (!options.gltf.empty()) check_output_file(options.gltf, {".glb"}, "--export");
   if (!options.gltf.empty()) write_scene_gltf(options.gltf, shown.scene, frames.state(range.begin));
   if (!options.output.empty()) render_frames(options, shown, frames, range, rate);
 }

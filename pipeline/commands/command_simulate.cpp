@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -8,7 +6,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
+#include "host/base/outputs.hpp"
 #include "host/base/progress.hpp"
 #include "host/base/stop_signal.hpp"
 #include "host/dataset/animation_file.hpp"
@@ -71,8 +71,18 @@ void explain(const StepReport& report, double time) {
                report.retries > 0 ? (", " + std::to_string(report.retries) + " retries").c_str() : "");
 }
 
-fs::path partial_of(const fs::path& file) {
-  return file.parent_path() / ("." + file.filename().string() + ".partial-" + std::to_string(getpid()));
+constexpr std::size_t MOST_STEPS = 1000000000;
+
+// Before anything is computed: no output may cost what is read, or another output.
+void check_outputs(const SimulateOptions& options) {
+  if (!options.resume.empty()) remember_read(options.resume);
+  check_output_file(options.file);
+  check_is_not_read(options.file + ".checkpoint.h5");
+  if (options.animation.empty()) return;
+  check_output_file(options.animation, {".glb"}, "--animation");
+  std::error_code ignored;
+  if (fs::weakly_canonical(options.animation, ignored) == fs::weakly_canonical(options.file, ignored))
+    throw UsageError("--animation " + options.animation + " is the same file as -o; name another");
 }
 
 void separate(Scene& scene) {
@@ -133,6 +143,13 @@ void run_simulate(const SimulateOptions& options) {
   const std::size_t n = run.n_steps();
   if (n == 0)
     throw UsageError(options.scene + ": the duration is shorter than half a time step; there is nothing to do");
+  if (run.duration / run.scene.solver.time_step > double(MOST_STEPS)) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", run.duration);
+    throw UsageError(options.scene + ": a duration of " + text + " s (--duration " + text +
+                     ", or `duration`) is more than " + std::to_string(MOST_STEPS) + " steps; give a shorter one");
+  }
+  check_outputs(options);
   separate(run.scene);
   Device device(options.device);
   Simulation simulation(device, run.scene);
@@ -141,31 +158,27 @@ void run_simulate(const SimulateOptions& options) {
     throw UsageError(options.resume + " was made at " + std::to_string(simulation.state().time) +
                      " s, at which the run ends; give a longer --duration");
 
-  const fs::path file = fs::absolute(options.file), partial = partial_of(file),
-                 saved = file.string() + ".checkpoint.h5";
+  const fs::path file = fs::absolute(options.file), saved = file.string() + ".checkpoint.h5";
+  PartialFile partial(file);
   const auto save = [&] { write_checkpoint(saved, {simulation.checkpoint(), run.configuration}); };
   Totals totals;
   AnimationFile animation(run.scene);
   animation.append(simulation.state());
-  try {
-    StatesFile states(partial, run.scene, header_of(run, device), disabled_pairs(run.scene));
+  {
+    StatesFile states(partial.path(), run.scene, header_of(run, device), disabled_pairs(run.scene));
     try {
       run_steps(options, run, simulation, first, n, save, states, animation, totals);
     } catch (const StepFailure& failure) {
       states.close();
-      fs::rename(partial, file);
+      partial.finish();
       save();
       if (!options.animation.empty()) animation.write(options.animation);
       throw Failure(std::string(failure.what()) + "; " + file.string() + " holds the " + std::to_string(totals.steps) +
                     " steps before it, " + saved.string() + " the last state");
     }
     states.close();
-  } catch (...) {
-    std::error_code ignored;
-    fs::remove(partial, ignored);
-    throw;
   }
-  fs::rename(partial, file);
+  partial.finish();
   if (!options.animation.empty()) animation.write(options.animation);
   if (options.as_json)
     print_json(options, run, totals);

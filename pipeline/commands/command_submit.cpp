@@ -52,6 +52,33 @@ std::string submit(const fs::path& sbatch, const std::vector<std::string>& argum
   return said.substr(0, said.find_first_of(";\n"));
 }
 
+fs::path this_program() { return fs::read_symlink("/proc/self/exe"); }
+
+// What generate would say of the options on the cluster shows here: it reads them, draws its graph and ends.
+void check_generate_options(const SubmitOptions& options) {
+  if (options.generate_options.empty()) return;
+  std::vector<std::string> all = {"generate", options.task, "-o", options.folder, "--shard=0/1", "-n", "1", "--graph"};
+  all.insert(all.end(), options.generate_options.begin(), options.generate_options.end());
+  ProgramPipe pipe(this_program(), all, ProgramPipe::Direction::from_program, "--generate");
+  try {
+    char graph[4096];
+    while (pipe.read(graph, sizeof graph) > 0) {
+    }
+    pipe.finish();
+  } catch (const Failure& failure) {
+    std::string said = failure.what();
+    if (const std::size_t at = said.find("phyvisgen: "); at != std::string::npos) said.erase(at, 11);
+    throw UsageError(said);
+  }
+}
+
+void check_sbatch_options(const SubmitOptions& options) {
+  for (const std::string& line : options.sbatch_options)
+    if (!line.starts_with("-") || line.find_first_of("\n\r") != std::string::npos)
+      throw UsageError("--sbatch `" + line.substr(0, line.find_first_of("\n\r")) +
+                       "` must be one option of sbatch in one line, such as --partition=gpu");
+}
+
 }  // namespace
 
 void run_submit(const SubmitOptions& options) {
@@ -60,6 +87,8 @@ void run_submit(const SubmitOptions& options) {
   if (options.n_shards > options.n_episodes)
     throw UsageError("--shards " + std::to_string(options.n_shards) + " is more than the set has episodes, " +
                      std::to_string(options.n_episodes));
+  check_sbatch_options(options);
+  check_generate_options(options);
   load_task(options.task);  // what is wrong with it shows here, not on the cluster
   const fs::path folder = fs::absolute(options.folder).lexically_normal(), jobs = folder / "jobs";
   make_writable_folder(jobs);
@@ -67,7 +96,7 @@ void run_submit(const SubmitOptions& options) {
   for (const std::string& option : options.generate_options) extra += " " + quoted(option);
   for (const std::string& directive : options.sbatch_options) directives += "#SBATCH " + directive + "\n";
   const std::map<std::string, std::string> values = {
-      {"PROGRAM", quoted(fs::read_symlink("/proc/self/exe").string())},
+      {"PROGRAM", quoted(this_program().string())},
       {"TASK", quoted(fs::absolute(options.task).lexically_normal().string())},
       {"FOLDER", quoted(folder.string())},
       {"JOBS", jobs.string()},

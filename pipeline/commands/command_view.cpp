@@ -3,6 +3,7 @@
 #include <iterator>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/outputs.hpp"
 #include "host/base/progress.hpp"
 #include "pipeline/commands/commands.hpp"
 #include "pipeline/commands/data_folder.hpp"
@@ -54,6 +55,9 @@ Json set_report(const fs::path& folder, std::uint64_t n_whole) {
 void run_view(const ViewOptions& options) {
   if (options.folder.empty()) throw UsageError("view needs the folder of a set or an episode; `phyvisgen view --help`");
   if (options.output.empty()) throw UsageError("view needs a page to write: -o FILE.html");
+  const fs::path output = fs::absolute(options.output);
+  if (output.extension() == ".html" || output.extension() == ".htm") make_writable_folder(output.parent_path());
+  check_output_file(options.output, {".html", ".htm"});
   const fs::path folder = fs::path(options.folder).lexically_normal();
   const fs::path named = folder.has_filename() ? folder : folder.parent_path();
   Json report;
@@ -69,8 +73,6 @@ void run_view(const ViewOptions& options) {
   replace(page, "/*SCRIPT*/", text_of(data_folder() / "view/report.js", ours));
   replace(page, "/*CONTROLS*/", text_of(fs::path(THREE) / "examples/js/controls/OrbitControls.js", package));
   replace(page, "/*THREE*/", safe_in_script(text_of(fs::path(THREE) / "three.min.js", package)));
-  const fs::path output = fs::absolute(options.output);
-  make_writable_folder(output.parent_path());
   write_text_atomically(output, page);
   std::printf("%s: %.1f MB\n", options.output.c_str(), double(page.size()) / 1e6);
 }

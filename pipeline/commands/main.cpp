@@ -4,10 +4,11 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
-#include <new>
 
 #include "host/base/error.hpp"
+#include "pipeline/commands/command_line.hpp"
 #include "pipeline/commands/commands.hpp"
+#include "pipeline/episode/episode_set.hpp"
 
 namespace {
 
@@ -28,7 +29,9 @@ void add_devices(CLI::App& program, pvg::DevicesOptions& o) {
 void add_generate(CLI::App& program, pvg::GenerateOptions& o) {
   CLI::App* command = program.add_subcommand("generate", "Simulate, render and record episodes of a task");
   command->add_option("TASK", o.task, "Task file (YAML)");
-  command->add_option("-n,--episodes", o.n_episodes, "How many episodes the set has")->capture_default_str();
+  command->add_option("-n,--episodes", o.n_episodes, "How many episodes the set has")
+      ->check(CLI::Range(std::uint64_t(1), pvg::MOST_EPISODES))
+      ->capture_default_str();
   command->add_option("--seed", o.seed, "Seed of the set; an episode depends on it and on its number alone")
       ->capture_default_str();
   command->add_option("--shard", o.shard, "i/n: make every n-th episode, from the i-th on")->capture_default_str();
@@ -39,7 +42,8 @@ void add_generate(CLI::App& program, pvg::GenerateOptions& o) {
   command->add_option("--width", o.pictures.width, "Width of all pictures [pixels]")->check(CLI::Range(2, 16384));
   command->add_option("--height", o.pictures.height, "Height of all pictures [pixels]")->check(CLI::Range(2, 16384));
   command->add_option("--samples", o.pictures.samples, "Paths per pixel")->check(CLI::Range(1, 1 << 20));
-  command->add_option("--fps", o.pictures.frames_per_second, "Frames per second of motion")->check(CLI::PositiveNumber);
+  command->add_option("--fps", o.pictures.frames_per_second, "Frames per second of motion")
+      ->check(CLI::Range(0.01, 1000.0));
   command->add_option("--frames-under-way", o.frames_under_way, "Frames in the stage graph at once")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
@@ -94,7 +98,8 @@ void add_submit(CLI::App& program, pvg::SubmitOptions& o) {
   CLI::App* command =
       program.add_subcommand("submit", "Make an episode set on a Slurm cluster: array job and merge job");
   command->add_option("TASK", o.task, "Task file (YAML)");
-  command->add_option("-n,--episodes", o.n_episodes, "How many episodes the set has")->check(CLI::PositiveNumber);
+  command->add_option("-n,--episodes", o.n_episodes, "How many episodes the set has")
+      ->check(CLI::Range(std::uint64_t(1), pvg::MOST_EPISODES));
   command->add_option("--shards", o.n_shards, "Into how many jobs it is split")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -350,6 +355,8 @@ int run(int argc, char** argv) {
   add_bench_solver(*bench, bench_solver);
   pvg::BenchRenderOptions bench_render;
   add_bench_render(*bench, bench_render);
+  pvg::make_numbers_strict(program);
+  pvg::check_command_names(program, argc, argv);
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& help) {
@@ -396,9 +403,9 @@ int main(int argc, char** argv) {
     return report(error.what(), WRONG_USE);
   } catch (const pvg::TryAgain& error) {
     return report(error.what(), TRY_AGAIN);
-  } catch (const std::bad_alloc&) {
-    return report("the memory of this machine is used up", FAILED);
-  } catch (const std::exception& error) {
+  } catch (const pvg::Failure& error) {
     return report(error.what(), FAILED);
+  } catch (const std::exception& error) {
+    return report(pvg::sentence_of(error).c_str(), FAILED);
   }
 }

@@ -10,6 +10,8 @@
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
+#include "host/base/numbers.hpp"
+#include "host/dataset/json_file.hpp"
 
 namespace pvg {
 namespace {
@@ -34,14 +36,6 @@ std::optional<std::uint64_t> episode_of(const std::string& name) {
   return number;
 }
 
-std::optional<Json> read_json(const fs::path& path) {
-  std::ifstream in(path);
-  if (!in) return std::nullopt;
-  Json json = Json::parse(in, nullptr, false);
-  if (json.is_discarded()) throw UsageError(path.string() + " is no JSON file; remove it to begin anew");
-  return json;
-}
-
 std::string utc_now() {
   const std::time_t now = std::time(nullptr);
   std::tm parts{};
@@ -60,6 +54,21 @@ std::vector<std::uint64_t> episodes_in(const fs::path& folder) {
   return episodes;
 }
 
+// What set.json says, checked: counts are loop bounds, names become names of files.
+EpisodeSet set_in(const Json& json, const fs::path& path) {
+  EpisodeSet set;
+  set.task = text_in(json, "task", path);
+  set.seed = whole_in(json, "seed", 0, UINT64_MAX, path);
+  set.n_asked = whole_in(json, "episodes", 0, MOST_EPISODES, path);
+  set.configuration = text_in(json, "configuration", path);
+  const Json versions = json.value("versions", Json());
+  if (!versions.is_object()) throw UsageError(path.string() + " has a key `versions` that is no mapping");
+  for (const auto& entry : versions.items())
+    set.versions.emplace_back(entry.key(), text_in(versions, entry.key(), path));
+  if (!is_identifier(set.task)) throw UsageError(path.string() + " names a task `" + set.task + "`, which is no name");
+  return set;
+}
+
 }  // namespace
 
 fs::path episode_folder(const fs::path& set, std::uint64_t episode) { return set / episode_name(episode); }
@@ -67,34 +76,25 @@ fs::path failed_folder(const fs::path& set, std::uint64_t episode) { return set 
 
 void join_set(EpisodeSet& set) {
   const fs::path path = set.folder / "set.json";
-  const std::optional<Json> old = read_json(path);
+  const std::optional<Json> old = read_json_file(path);
   if (!old) return;
   const auto demand = [&](bool is_same, const char* what) {
     if (!is_same)
       throw UsageError(path.string() + ": this folder holds episodes of another " + what +
                        "; choose another folder with -o");
   };
-  demand(old->value("task", "") == set.task, "task");
-  demand(old->value("seed", std::uint64_t(0)) == set.seed, "seed");
-  demand(old->value("configuration", "") == set.configuration, "configuration (the task file or an option differs)");
-  set.n_asked = std::max(set.n_asked, old->value("episodes", std::uint64_t(0)));
+  const EpisodeSet before = set_in(*old, path);
+  demand(before.task == set.task, "task");
+  demand(before.seed == set.seed, "seed");
+  demand(before.configuration == set.configuration, "configuration (the task file or an option differs)");
 }
 
 EpisodeSet read_set(const fs::path& folder) {
   const fs::path path = folder / "set.json";
-  const std::optional<Json> json = read_json(path);
+  const std::optional<Json> json = read_json_file(path);
   if (!json) throw UsageError(path.string() + " does not exist; name a folder that generate has filled");
-  EpisodeSet set;
+  EpisodeSet set = set_in(*json, path);
   set.folder = folder;
-  try {
-    set.task = json->at("task");
-    set.seed = json->at("seed");
-    set.n_asked = json->at("episodes");
-    set.configuration = json->at("configuration");
-    for (const auto& [name, version] : json->at("versions").items()) set.versions.emplace_back(name, version);
-  } catch (const Json::exception&) {
-    throw UsageError(path.string() + " is no set.json of generate: a key is missing or has the wrong type");
-  }
   return set;
 }
 
@@ -104,9 +104,9 @@ bool is_done(const EpisodeSet& set, std::uint64_t episode) {
 }
 
 std::optional<std::string> failure_of(const fs::path& folder, std::uint64_t episode) {
-  const std::optional<Json> summary = read_json(failed_folder(folder, episode) / "summary.json");
+  const std::optional<Json> summary = read_json_file(failed_folder(folder, episode) / "summary.json");
   if (!summary) return std::nullopt;
-  return summary->value("reason", "unknown");
+  return text_in(*summary, "reason", failed_folder(folder, episode) / "summary.json");
 }
 
 SetStatus read_status(const fs::path& folder) {

@@ -12,6 +12,8 @@
 
 namespace pvg {
 
+inline constexpr std::uint64_t MOST_EPISODES = 1000000000;  // of a set
+
 struct FailedEpisode {
   std::uint64_t episode = 0;
   std::string reason;
@@ -34,8 +36,8 @@ struct EpisodeSet {
 std::filesystem::path episode_folder(const std::filesystem::path& set, std::uint64_t episode);
 std::filesystem::path failed_folder(const std::filesystem::path& set, std::uint64_t episode);
 
-// A UsageError where the folder already holds episodes of another task, seed or configuration. n_asked becomes the
-// larger of what was asked before and now.
+// A UsageError where the folder already holds episodes of another task, seed or configuration. What
+// counts is how many are asked for last: a slip of a thousand too many does not stay.
 void join_set(EpisodeSet& set);
 
 // What set.json says; a UsageError where there is none.

@@ -7,6 +7,7 @@
 #include <set>
 #include <vector>
 
+#include "host/dataset/states_record.hpp"
 #include "host/formats/hdf5.hpp"
 #include "host/geometry/exact_intersection.hpp"
 
@@ -14,45 +15,29 @@ namespace pvg {
 namespace {
 
 using RowMap = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
-constexpr std::int64_t N_RIGID_SETS = 2;  // T_link and T_rigid stand first among the data sets
 
-struct Body {
-  std::size_t number = 0;    // of /bodies
+struct Shape {
+  std::size_t body = 0;
   std::vector<double> rest;  // [n x 3, m]
 };
 
 // The surfaces of all bodies as one list of triangles, and where their points are in each step.
 class Surfaces {
  public:
-  explicit Surfaces(const std::filesystem::path& states) : file_(hdf5::File::open(states)) {
-    names_ = file_.texts_attribute("/bodies", "names");
-    for (const std::string& set : file_.texts_attribute("/bodies", "data_sets"))
-      sets_.push_back(file_.read<double>(set));
-    source_ = file_.read<std::int64_t>("/bodies/source").values;
-    row_ = file_.read<std::int64_t>("/bodies/row").values;
-    is_fixed_ = file_.read<std::int64_t>("/bodies/is_fixed").values;
-    const auto pairs = file_.read<std::int64_t>("/bodies/noncolliding").values;
-    for (std::size_t i = 0; i + 1 < pairs.size(); i += 2)
-      free_pairs_.insert(std::minmax(std::size_t(pairs[i]), std::size_t(pairs[i + 1])));
-    n_steps_ = file_.shape("/time").at(0);
+  explicit Surfaces(const std::filesystem::path& states) {
+    const StatesRecord record(states);
+    bodies_ = record.bodies();
+    n_steps_ = record.n_steps();
+    for (const auto& pair : record.noncolliding(bodies_.size())) free_pairs_.insert(pair);
     std::uint32_t first = 0;
-    for (const std::string& name : names_) {  // of several robots with a slash: groups within groups
-      const std::string at = "/mesh/" + name;
-      if (!file_.has(at + "/triangles")) continue;
-      const auto body = std::size_t(file_.read<std::int64_t>(at + "/body").values.at(0));
-      const auto corners = file_.read<std::uint32_t>(at + "/triangles").values;
-      bodies_.push_back({body, file_.read<double>(at + "/rest").values});
-      std::set<Edge> edges;  // open surfaces have edges that stand in one triangle alone
-      for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
-        const Triangle t = {first + corners[i], first + corners[i + 1], first + corners[i + 2]};
-        triangles_.push_back(t);
-        triangle_body_.push_back(body);
-        for (std::size_t k = 0; k < 3; ++k)
-          edges.insert({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
-      }
-      edges_.insert(edges_.end(), edges.begin(), edges.end());
-      edge_body_.resize(edges_.size(), body);
-      first += std::uint32_t(bodies_.back().rest.size() / 3);
+    for (std::size_t body = 0; body < bodies_.size(); ++body) {
+      if (!record.has_mesh(bodies_[body])) continue;
+      StatesRecord::Mesh mesh = record.mesh(bodies_[body]);
+      const std::string& set = bodies_[body].data_set;
+      if (!sets_.contains(set)) sets_[set] = record.rows(set);
+      add_triangles(mesh.triangles, first, body);
+      first += std::uint32_t(mesh.rest.size() / 3);
+      shapes_.push_back({body, std::move(mesh.rest)});
     }
   }
 
@@ -63,36 +48,48 @@ class Surfaces {
     const std::vector<Vec3> points = points_at(step);
     const auto may_overlap = [&](std::uint32_t edge, std::uint32_t triangle) {
       const std::size_t a = edge_body_[edge], b = triangle_body_[triangle];
-      if (a == b) return source_[a] < N_RIGID_SETS;
-      return (is_fixed_[a] && is_fixed_[b]) || free_pairs_.contains(std::minmax(a, b));
+      if (a == b) return bodies_[a].is_rigid;
+      return (bodies_[a].is_fixed && bodies_[b].is_fixed) || free_pairs_.contains(std::minmax(a, b));
     };
     const auto found = find_intersection(points, edges_, triangles_, may_overlap);
-    return found ? names_[edge_body_[found->edge]] + " and " + names_[triangle_body_[found->triangle]] : "";
+    return found ? bodies_[edge_body_[found->edge]].name + " and " + bodies_[triangle_body_[found->triangle]].name : "";
   }
 
  private:
+  void add_triangles(const std::vector<std::uint32_t>& corners, std::uint32_t first, std::size_t body) {
+    std::set<Edge> edges;  // open surfaces have edges that stand in one triangle alone
+    for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+      const Triangle t = {first + corners[i], first + corners[i + 1], first + corners[i + 2]};
+      triangles_.push_back(t);
+      triangle_body_.push_back(body);
+      for (std::size_t k = 0; k < 3; ++k)
+        edges.insert({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
+    }
+    edges_.insert(edges_.end(), edges.begin(), edges.end());
+    edge_body_.resize(edges_.size(), body);
+  }
+
   std::vector<Vec3> points_at(std::size_t step) const {
     std::vector<Vec3> points;
-    for (const Body& body : bodies_) {
-      const auto& set = sets_[std::size_t(source_[body.number])];
-      if (source_[body.number] < N_RIGID_SETS) {
-        const Eigen::Map<const RowMap> map(&set.values[(step * set.shape[1] + std::size_t(row_[body.number])) * 12]);
-        for (std::size_t v = 0; v < body.rest.size(); v += 3)
-          points.push_back(map * Eigen::Vector4d(body.rest[v], body.rest[v + 1], body.rest[v + 2], 1));
+    for (const Shape& shape : shapes_) {
+      const StatesRecord::Body& body = bodies_[shape.body];
+      const std::vector<double>& set = sets_.at(body.data_set);
+      const std::size_t per_step = set.size() / n_steps_;
+      if (body.is_rigid) {
+        const Eigen::Map<const RowMap> map(&set[step * per_step + body.row * 12]);
+        for (std::size_t v = 0; v < shape.rest.size(); v += 3)
+          points.push_back(map * Eigen::Vector4d(shape.rest[v], shape.rest[v + 1], shape.rest[v + 2], 1));
       } else {
-        for (std::size_t v = 0; v < body.rest.size(); v += 3)
-          points.emplace_back(&set.values[step * body.rest.size() + v]);
+        for (std::size_t v = 0; v < shape.rest.size(); v += 3) points.emplace_back(&set[step * per_step + v]);
       }
     }
     return points;
   }
 
-  hdf5::File file_;
-  std::vector<std::string> names_;
-  std::vector<hdf5::Array<double>> sets_;
-  std::vector<std::int64_t> source_, row_, is_fixed_;
+  std::vector<StatesRecord::Body> bodies_;
+  std::map<std::string, std::vector<double>> sets_;  // of the bodies that have a surface
   std::set<std::pair<std::size_t, std::size_t>> free_pairs_;
-  std::vector<Body> bodies_;
+  std::vector<Shape> shapes_;
   std::vector<Triangle> triangles_;
   std::vector<Edge> edges_;
   std::vector<std::size_t> triangle_body_, edge_body_;

@@ -9,13 +9,13 @@
 #include <map>
 
 #include "host/base/error.hpp"
-#include "host/formats/hdf5.hpp"
+#include "host/dataset/json_file.hpp"
+#include "host/dataset/states_record.hpp"
 
 namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
-using hdf5::Array;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t MOST_KEYS = 150;    // moments of the motion, where there are no pictures
@@ -28,9 +28,8 @@ std::string base64_of(const std::vector<T>& values) {
 }
 
 // Steps that are shown: the pictures' where there are some.
-std::vector<std::size_t> key_steps(const hdf5::File& file, std::size_t n_steps) {
-  std::vector<std::size_t> steps;
-  for (const std::int64_t step : file.read<std::int64_t>("/frame_step").values) steps.push_back(std::size_t(step));
+std::vector<std::size_t> key_steps(const StatesRecord& record, std::size_t n_steps) {
+  std::vector<std::size_t> steps = record.filmed_steps();
   if (!steps.empty()) return steps;
   const std::size_t every = std::max<std::size_t>(1, (n_steps + MOST_KEYS - 1) / MOST_KEYS);
   for (std::size_t step = every - 1; step < n_steps; step += every) steps.push_back(step);
@@ -47,30 +46,28 @@ std::vector<std::size_t> curve_steps(std::size_t n_steps) {
   return steps;
 }
 
-Json joint_lines(const hdf5::File& file, const std::string& name, const std::vector<std::size_t>& steps, bool slides) {
-  const Array<double> series = file.read<double>(name);
-  const std::vector<std::string> names = file.texts_attribute(name, "names");
+Json joint_lines(const StatesRecord& record, const std::string& name, const std::vector<std::size_t>& steps,
+                 bool slides) {
+  const StatesRecord::Series series = record.series(name);
+  const std::vector<std::string>& names = series.names;
   Json lines = Json::array();
   for (std::size_t j = 0; j < names.size(); ++j) {
     if ((names[j].find("slide") != std::string::npos) != slides) continue;
     Json values = Json::array();
-    for (const std::size_t step : steps) values.push_back(rounded(series.values[step * names.size() + j]));
+    for (const std::size_t step : steps) values.push_back(rounded(series.at(step, j)));
     lines.push_back({{"name", names[j]}, {"values", values}});
   }
   return lines;
 }
 
 // How hard bodies press on each other, by pair; those with the most force over time.
-Json contact_lines(const hdf5::File& file, const std::vector<std::size_t>& steps) {
-  const std::vector<std::string> names = file.texts_attribute("/bodies", "names");
-  const auto offset = file.read<std::int64_t>("/pair_force/offset").values,
-             bodies = file.read<std::int64_t>("/pair_force/bodies").values;
-  const std::vector<double> normal = file.read<double>("/pair_force/normal").values;
+Json contact_lines(const StatesRecord& record, const std::vector<std::size_t>& steps) {
+  const std::vector<StatesRecord::Body> all = record.bodies();
+  const auto [offset, bodies, normal] = record.pair_forces();
   std::map<std::pair<std::int64_t, std::int64_t>, std::vector<double>> series;
   std::map<std::pair<std::int64_t, std::int64_t>, double> sum;
   for (std::size_t i = 0; i < steps.size(); ++i)
-    for (std::int64_t row = offset[steps[i]]; row < offset[steps[i] + 1]; ++row) {
-      const std::size_t at = std::size_t(row);
+    for (std::size_t at = offset[steps[i]]; at < offset[steps[i] + 1]; ++at) {
       const auto pair = std::minmax(bodies[2 * at], bodies[2 * at + 1]);
       const double force = std::hypot(normal[3 * at], normal[3 * at + 1], normal[3 * at + 2]);
       std::vector<double>& values = series.try_emplace(pair, steps.size(), 0.0).first->second;
@@ -82,7 +79,7 @@ Json contact_lines(const hdf5::File& file, const std::vector<std::size_t>& steps
   std::stable_sort(pairs.begin(), pairs.end(), [&](const auto& a, const auto& b) { return sum[a] > sum[b]; });
   if (pairs.size() > MOST_PAIRS) pairs.resize(MOST_PAIRS);
   const auto name_of = [&](std::int64_t body) {
-    return body >= 0 && std::size_t(body) < names.size() ? names[std::size_t(body)] : std::string("plane");
+    return body >= 0 && std::size_t(body) < all.size() ? all[std::size_t(body)].name : std::string("plane");
   };
   Json lines = Json::array();
   for (const auto& pair : pairs) {
@@ -113,11 +110,11 @@ Surface compact(const std::vector<std::uint32_t>& triangles) {
   return surface;
 }
 
-Json soft_motion(const hdf5::File& file, const std::string& data_set, const std::vector<std::size_t>& keys,
+Json soft_motion(const StatesRecord& record, const std::string& data_set, const std::vector<std::size_t>& keys,
                  const Surface& surface) {
   std::vector<float> all;
   for (const std::size_t step : keys) {
-    const std::vector<double> x = file.read_row<double>(data_set, step);
+    const std::vector<double> x = record.row(data_set, step);
     for (const std::uint32_t node : surface.nodes)
       for (std::size_t k = 0; k < 3; ++k) all.push_back(float(x.at(3 * node + k)));
   }
@@ -132,39 +129,33 @@ Json soft_motion(const hdf5::File& file, const std::string& data_set, const std:
   return {{"low", {low[0], low[1], low[2]}}, {"high", {high[0], high[1], high[2]}}, {"frames", base64_of(frames)}};
 }
 
-Json rigid_motion(const hdf5::File& file, const std::string& data_set, std::size_t row,
+Json rigid_motion(const StatesRecord& record, const std::string& data_set, std::size_t row,
                   const std::vector<std::size_t>& keys) {
   std::vector<float> poses;
   for (const std::size_t step : keys) {
-    const std::vector<double> all = file.read_row<double>(data_set, step);
+    const std::vector<double> all = record.row(data_set, step);
     for (std::size_t i = 0; i < 12; ++i) poses.push_back(float(all.at(12 * row + i)));
   }
   return {{"poses", base64_of(poses)}};
 }
 
-Json motion(const hdf5::File& file, const std::vector<double>& times, const std::vector<std::size_t>& keys) {
-  const auto names = file.texts_attribute("/bodies", "names"), data_sets = file.texts_attribute("/bodies", "data_sets");
-  const auto source = file.read<std::int64_t>("/bodies/source").values,
-             row = file.read<std::int64_t>("/bodies/row").values,
-             is_fixed = file.read<std::int64_t>("/bodies/is_fixed").values;
+Json motion(const StatesRecord& record, const std::vector<std::size_t>& keys) {
   Json bodies = Json::array(), key_times = Json::array();
-  for (const std::size_t step : keys) key_times.push_back(times[step]);
-  for (std::size_t b = 0; b < names.size(); ++b) {
-    const std::string mesh = "/mesh/" + names[b];
-    if (!file.has(mesh + "/triangles")) continue;
-    const Surface surface = compact(file.read<std::uint32_t>(mesh + "/triangles").values);
+  for (const std::size_t step : keys) key_times.push_back(record.times()[step]);
+  for (const StatesRecord::Body& shown : record.bodies()) {
+    if (!record.has_mesh(shown)) continue;
+    const auto [rest, triangles] = record.mesh(shown);
+    const Surface surface = compact(triangles);
     if (surface.triangles.empty()) continue;
-    const std::vector<double> rest = file.read<double>(mesh + "/rest").values;
     std::vector<float> points;
     for (const std::uint32_t node : surface.nodes)
       for (std::size_t k = 0; k < 3; ++k) points.push_back(float(rest.at(3 * node + k)));
-    Json body = {{"name", names[b]},
-                 {"is_fixed", is_fixed[b] != 0},
+    Json body = {{"name", shown.name},
+                 {"is_fixed", shown.is_fixed},
                  {"points", base64_of(points)},
                  {"triangles", base64_of(surface.triangles)}};
-    const std::string& data_set = data_sets.at(std::size_t(source[b]));
-    body.update(source[b] < 2 ? rigid_motion(file, data_set, std::size_t(row[b]), keys)
-                              : soft_motion(file, data_set, keys, surface));
+    body.update(shown.is_rigid ? rigid_motion(record, shown.data_set, shown.row, keys)
+                               : soft_motion(record, shown.data_set, keys, surface));
     bodies.push_back(std::move(body));
   }
   return {{"times", key_times}, {"bodies", bodies}};
@@ -201,34 +192,30 @@ std::string base64(std::span<const std::uint8_t> bytes) {
 }
 
 Json episode_report(const fs::path& folder, bool whole) {
-  std::ifstream in(folder / "summary.json");
-  Json summary = Json::parse(in, nullptr, false);
-  if (summary.is_discarded())
-    throw UsageError(folder.string() + " holds no summary.json that can be read; name an episode or a set of generate");
-  Json report = {{"folder", folder.filename().string()}, {"summary", std::move(summary)}};
+  std::optional<Json> summary = read_json_file(folder / "summary.json");
+  if (!summary) throw UsageError(folder.string() + " holds no summary.json; name an episode or a set of generate");
+  Json report = {{"folder", folder.filename().string()}, {"summary", std::move(*summary)}};
   const fs::path states = folder / "states.h5";
   if (!fs::exists(states)) return report;  // failed, and its record not kept
-  const hdf5::File file = hdf5::File::open(states);
-  if (file.has("/sampled")) {
-    const std::vector<double> values = file.read<double>("/sampled").values;
-    const std::vector<std::string> names = file.texts_attribute("/sampled", "names");
+  const StatesRecord record(states);
+  if (const auto drawn = record.sampled(); !drawn.empty()) {
     Json& sampled = report["sampled"] = Json::object();
-    for (std::size_t i = 0; i < values.size() && i < names.size(); ++i) sampled[names[i]] = values[i];
+    for (const auto& [name, value] : drawn) sampled[name] = value;
   }
-  const std::vector<double> times = file.read<double>("/time").values;
+  const std::vector<double>& times = record.times();
   if (!whole || times.empty()) return report;
   const std::vector<std::size_t> steps = curve_steps(times.size());
   Json curve_times = Json::array(), curves = Json::array();
   for (const std::size_t step : steps) curve_times.push_back(rounded(times[step]));
-  add_curve(curves, "Joints", "rad", joint_lines(file, "/q", steps, false));
-  add_curve(curves, "Fingers", "m", joint_lines(file, "/q", steps, true));
-  add_curve(curves, "Torques of the joints", "N m", joint_lines(file, "/torque", steps, false));
-  add_curve(curves, "Forces of the fingers' drives", "N", joint_lines(file, "/torque", steps, true));
-  add_curve(curves, "Normal force between bodies", "N", contact_lines(file, steps));
+  add_curve(curves, "Joints", "rad", joint_lines(record, "/q", steps, false));
+  add_curve(curves, "Fingers", "m", joint_lines(record, "/q", steps, true));
+  add_curve(curves, "Torques of the joints", "N m", joint_lines(record, "/torque", steps, false));
+  add_curve(curves, "Forces of the fingers' drives", "N", joint_lines(record, "/torque", steps, true));
+  add_curve(curves, "Normal force between bodies", "N", contact_lines(record, steps));
   report["times"] = curve_times;
   report["curves"] = curves;
   report["videos"] = videos(folder);
-  report["motion"] = motion(file, times, key_steps(file, times.size()));
+  report["motion"] = motion(record, key_steps(record, times.size()));
   return report;
 }
 

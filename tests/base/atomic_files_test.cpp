@@ -73,12 +73,46 @@ TEST_F(AtomicFiles, LeftoversOfEndedProcessesGoAndThoseOfLiveOnesAndOfOtherMachi
   EXPECT_FALSE(fs::exists(root / (".episode_000000.partial-" + gone + "." + host)));
 }
 
+// as in two containers that share a host name, where each process has the number 1
+TEST_F(AtomicFiles, TwoOfOneNumberDoNotMeetAndALockKeepsWhatIsInTheMaking) {
+  PartialFolder first(root / "episode_000000"), second(root / "episode_000000");
+  EXPECT_NE(first.path(), second.path());
+  EXPECT_EQ(remove_leftovers(root), 0u);
+  EXPECT_TRUE(fs::exists(first.path()));
+  first.finish();
+  second.finish();
+  EXPECT_EQ(n_entries(root), 1u);
+}
+
+TEST_F(AtomicFiles, AFolderWithoutItsLockIsALeftoverThoughAProcessOfItsNumberLives) {
+  char host[256] = "";
+  gethostname(host, sizeof host - 1);
+  const fs::path left =
+      root / (".episode_000000.partial-" + std::to_string(getpid()) + "." + host + ".0123456789abcdef");
+  fs::create_directory(left);
+  EXPECT_EQ(remove_leftovers(root), 1u);
+  EXPECT_FALSE(fs::exists(left));
+}
+
+TEST_F(AtomicFiles, AFileAppearsOnlyWhenItIsFinished) {
+  {
+    PartialFile file(root / "a.h5");
+    write(file.path(), "1");
+    EXPECT_EQ(file.path().extension(), ".h5");
+  }
+  EXPECT_EQ(n_entries(root), 0u);
+  PartialFile file(root / "a.h5");
+  write(file.path(), "1");
+  file.finish();
+  EXPECT_EQ(text_of(root / "a.h5"), "1");
+}
+
 TEST_F(AtomicFiles, WhatIsInTheMakingCanBeRemovedFromOutside) {
   fs::create_directory(root / "episode_000001");
   PartialFolder folder(root / "episode_000000");
   fs::create_directory(folder.path() / "inner");
   write(folder.path() / "inner" / "a", "1");
-  remove_unfinished_folders();
+  remove_unfinished();
   EXPECT_FALSE(fs::exists(folder.path()));
   EXPECT_TRUE(fs::exists(root / "episode_000001"));
 }

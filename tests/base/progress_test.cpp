@@ -28,5 +28,15 @@ TEST(Progress, ASetShowsItsSuccessItsRateAndWhatIsLeft) {
   EXPECT_EQ(set_progress_line(set, 0), "set  20/20 episodes  95 % succeeded  16 episodes/min  in 1 min 00 s");
 }
 
+TEST(Progress, ALineFitsTheTerminalWhateverItsWidth) {
+  const auto line = [](int bar) { return progress_line("episode 7", "frames", 12, 40, 4, bar); };
+  for (int width = 0; width <= 200; ++width) EXPECT_LE(int(fitted_line(line, width).size()), width);
+  // 80 columns: the longest bar; 60: a shorter one; 40: none; 20: cut
+  EXPECT_EQ(fitted_line(line, 80), line(24));
+  EXPECT_EQ(fitted_line(line, 60), line(60 - int(line(0).size()) - 4));
+  EXPECT_EQ(fitted_line(line, 50), line(0));
+  EXPECT_EQ(fitted_line(line, 20), line(0).substr(0, 20));
+}
+
 }  // namespace
 }  // namespace pvg

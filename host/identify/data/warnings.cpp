@@ -1,9 +1,49 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <numbers>
 
 #include "host/identify/data/problem.hpp"
 
 namespace pvg::diagnose {
+
+namespace {
+
+constexpr double TURN = 2 * std::numbers::pi;  // [rad]
+
+std::string shown(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+// Where one factor would explain what looks odd: seconds that are milliseconds, radians that are degrees.
+void add_hints_of_units(const Problem& problem, std::vector<std::string>& sentences) {
+  const double h = problem.scene.scene.solver.time_step, duration = problem.scene.duration;
+  for (const Run& run : problem.runs) {
+    const double length = run.t.back() - run.t.front(), spacing = length / double(run.t.size() - 1);
+    // thousands of steps between two samples, and a run far longer than the scene's
+    if (spacing > 200 * h && spacing > 0.5 && length > 100 * duration)
+      sentences.push_back(run.name + " lasts " + shown(length) + " s with a sample each " + shown(spacing) +
+                          " s: is its column t in milliseconds? One factor of 1000 would explain it; divide t by 1000");
+  }
+  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+    const RecordedChannel& recorded = problem.recording.channels[c];
+    if (problem.channels[c].joint < 0 || recorded.kind != RecordedChannel::Kind::position || recorded.unit == "deg" ||
+        problem.scene.scene.joints[std::size_t(problem.channels[c].joint)].type != Joint::Type::revolute)
+      continue;
+    double low = INFINITY, high = -INFINITY;
+    for (const Run& run : problem.runs)
+      for (const double value : run.values[c])
+        if (std::isfinite(value)) low = std::min(low, value), high = std::max(high, value);
+    if (high - low > TURN && std::max(std::abs(low), std::abs(high)) < 57.3 * TURN)
+      sentences.push_back("the " + problem.channels[c].name + " goes from " + shown(low) + " to " + shown(high) +
+                          " rad, more than a turn: is it in degrees? One factor of 57.3 would explain it; write `unit: "
+                          "deg`");
+  }
+}
+
+}  // namespace
 
 std::vector<std::string> warnings(const Problem& problem) {
   std::vector<std::string> sentences;
@@ -41,6 +81,7 @@ std::vector<std::string> warnings(const Problem& problem) {
     if (!changes && problem.channels[c].width == 1)
       sentences.push_back("the " + problem.channels[c].name + " is constant");
   }
+  add_hints_of_units(problem, sentences);
   for (const VideoSource& video : problem.recording.video_sources)
     for (const Camera& camera : problem.seen.cameras)
       if (camera.name == video.camera && (camera.exposure_time > 0 || camera.row_time > 0))

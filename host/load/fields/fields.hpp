@@ -125,10 +125,14 @@ class Fields {
     return custom({key, "", shown(std::invoke(member, DEFAULTS)), is_text ? "text" : "texts", meaning}, read, write);
   }
 
-  // the key `name`
+  // the key `name`, an identifier
   template <class Member>
   Fields& name(Member member, const std::string& meaning) {
-    return text("name", member, meaning).required();
+    text("name", member, meaning).required();
+    rows_.back().read = [=](YamlSection& s, T& t) {
+      std::invoke(member, t) = s.is_resolved() ? s.text_or_empty("name") : s.name();
+    };
+    return *this;
   }
 
   // one of these names; the member is an enumeration that counts them

@@ -7,6 +7,8 @@
 #include <stdexcept>
 
 #include "host/base/error.hpp"
+#include "host/base/numbers.hpp"
+#include "host/base/outputs.hpp"
 
 namespace pvg {
 namespace {
@@ -83,6 +85,7 @@ double parse_quantity(const std::string& text, Unit unit) {
 
 YamlSection YamlSection::load(const std::filesystem::path& file, const std::string& what) {
   if (!std::filesystem::is_regular_file(file)) throw UsageError(file.string() + ": there is no such " + what + ".");
+  remember_read(file);
   YAML::Node node;
   try {
     node = YAML::LoadFile(file.string());
@@ -199,6 +202,12 @@ std::string YamlSection::text(const std::string& key, const std::string& otherwi
   return has(key) ? text(key) : otherwise;
 }
 
+std::string YamlSection::name() {
+  const std::string given = text("name");
+  if (!is_identifier(given)) fail("name", std::string(IDENTIFIER_RULE) + ", but is `" + given.substr(0, 80) + "`");
+  return given;
+}
+
 std::string YamlSection::text_or_empty(const std::string& key) {
   const YAML::Node node = need(key, "a text");
   if (!node.IsScalar()) fail_at(node, "`" + full_name(key) + "` must be a text");
@@ -265,6 +274,7 @@ std::filesystem::path YamlSection::file(const std::string& key) {
   const std::filesystem::path full = (file_.parent_path() / given).lexically_normal();
   if (!is_resolved_ && !std::filesystem::is_regular_file(full))
     fail(key, "names the file " + full.string() + ", which does not exist");
+  if (!is_resolved_) remember_read(full);
   return full;
 }
 

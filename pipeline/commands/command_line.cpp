@@ -1,0 +1,89 @@
+#include "pipeline/commands/command_line.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <new>
+#include <stdexcept>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "host/base/numbers.hpp"
+
+namespace pvg {
+namespace {
+
+constexpr double LARGEST = 1e9;  // of an option that names no range of its own
+
+// What is wrong with the text; empty: nothing. kind: as CLI11 calls the type of the option and its range.
+std::string fault_of(const std::string& text, const std::string& kind) {
+  try {
+    if (kind.starts_with("UINT"))
+      parse_whole(text, kind.find("POSITIVE") != std::string::npos, std::numeric_limits<std::uint64_t>::max());
+    else if (kind.starts_with("INT"))
+      parse_whole(text, 0, std::uint64_t(std::numeric_limits<int>::max()));
+    else if (const double value = parse_real(text, 0, LARGEST);
+             kind.find("POSITIVE") != std::string::npos && !(value > 0))
+      return "must be above 0, but is `" + text + "`";
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+bool is_number(const std::string& kind) {
+  return kind.starts_with("UINT") || kind.starts_with("INT") || kind.starts_with("FLOAT");
+}
+
+void make_strict(CLI::App& command) {
+  for (CLI::Option* option : command.get_options()) {
+    const std::string kind = option->get_type_name();
+    if (!is_number(kind)) continue;
+    // in front of the range that the option may have, which would read `inf` and 0x10 as numbers
+    option->transform(CLI::Validator([kind](std::string& text) { return fault_of(text, kind); }, ""));
+  }
+  for (CLI::App* inner : command.get_subcommands({})) make_strict(*inner);
+}
+
+std::vector<std::string> names_in(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  return names;
+}
+
+}  // namespace
+
+void make_numbers_strict(CLI::App& program) { make_strict(program); }
+
+void check_command_names(const CLI::App& program, int argc, const char* const* argv) {
+  const CLI::App* app = &program;
+  std::string said;  // the commands so far
+  for (int i = 1; i < argc && app->get_require_subcommand_min() > 0; ++i) {
+    const std::string word = argv[i];
+    if (word.starts_with('-')) return;
+    const std::vector<std::string> names = names_in(*app);
+    if (std::find(names.begin(), names.end(), word) == names.end()) {
+      std::string all;
+      for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+      const std::string nearest = nearest_word(word, names);
+      throw UsageError("there is no command `" + said + word + "`" +
+                       (nearest.empty() ? "" : "; did you mean `" + nearest + "`?") + " The commands are: " + all);
+    }
+    said += word + " ";
+    app = app->get_subcommand(word);
+  }
+}
+
+std::string sentence_of(const std::exception& error) {
+  if (const auto* file = dynamic_cast<const std::filesystem::filesystem_error*>(&error))
+    return (file->path1().empty() ? std::string("a file") : file->path1().string()) +
+           (file->path2().empty() ? " could not be read or written: "
+                                  : " could not be brought to " + file->path2().string() + ": ") +
+           file->code().message();
+  if (dynamic_cast<const std::bad_alloc*>(&error) || dynamic_cast<const std::length_error*>(&error))
+    return "the memory of this machine is used up; a number in the input may be far too large";
+  return "this input met a fault of the program itself, which nothing was lost by; please report it with the command "
+         "and its files";
+}
+
+}  // namespace pvg
