@@ -1,7 +1,7 @@
 // A Camera of the scene as the device's, and its pose in the world.
 #pragma once
-#include "host/scene/scene.hpp"
-#include "host/scene/state.hpp"
+#include "host/model/scene.hpp"
+#include "host/model/state.hpp"
 #include "render/path.h"
 
 namespace pvg {

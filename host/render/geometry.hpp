@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "host/geometry/bvh.hpp"
-#include "host/scene/scene.hpp"
+#include "host/model/scene.hpp"
 #include "render/path.h"
 
 namespace pvg {

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "host/base/error.hpp"
+#include "host/pictures/srgb.hpp"
 
 namespace pvg {
 namespace {
@@ -177,8 +178,5 @@ Vec3f mean_emission(const Scene& scene, const VisualMaterial& material) {
     for (int c = 0; c < 3; ++c) sum[c] += srgb_to_linear(float(rgba[i + std::size_t(c)]) / 255.0f);
   return material.emission.cwiseProduct((sum * (4.0 / double(rgba.size()))).cast<float>());
 }
-
-float srgb_to_linear(float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); }
-float linear_to_srgb(float c) { return c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1.0f / 2.4f) - 0.055f; }
 
 }  // namespace pvg

@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "host/scene/scene.hpp"
+#include "host/model/scene.hpp"
 #include "materials/material.h"
 
 namespace pvg {
@@ -24,9 +24,5 @@ bool is_cut_out(const VisualMaterial& material);
 bool shines(const VisualMaterial& material);
 // over its texture [W/(sr m^2)]
 Vec3f mean_emission(const Scene& scene, const VisualMaterial& material);
-
-// sRGB to linear, both in [0, 1] (IEC 61966-2-1)
-float srgb_to_linear(float c);
-float linear_to_srgb(float c);
 
 }  // namespace pvg

@@ -2,7 +2,7 @@
 #pragma once
 #include <span>
 
-#include "host/scene/state.hpp"
+#include "host/model/state.hpp"
 
 namespace pvg {
 

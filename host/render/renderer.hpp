@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "host/device/device.hpp"
-#include "host/scene/scene.hpp"
-#include "host/scene/state.hpp"
+#include "host/model/scene.hpp"
+#include "host/model/state.hpp"
+#include "host/pictures/rendered_frame.hpp"
 
 namespace pvg {
 
@@ -21,24 +22,6 @@ struct RenderSettings {
   bool transparent_shadows = true;
   bool denoises = false;            // an edge-avoiding filter over the picture, for previews
   bool sees_through_glass = false;  // depth, normals, instances and flow: of what is behind glass
-};
-
-struct RenderedFrame {
-  int width = 0, height = 0;
-  std::vector<float> rgb;       // linear Rec. 709, exposure applied  [height x width x 3]
-  std::vector<float> depth;     // z in the camera's frame at the pixel's centre, lights included, infinite where
-                                // nothing is hit [m]
-  std::vector<float> distance;  // from the camera, likewise [m]
-  std::vector<std::uint32_t> instance;  // 1 + index of the Visual at the pixel's centre, 0: nothing or a light  [h x w]
-  std::vector<float> normal;  // of the surface at the pixel's centre, unit, world, toward the camera, or 0  [h x w x 3]
-  std::uint32_t dropped_samples = 0;  // samples that were not finite and were left out
-  std::uint64_t rays = 0;             // path segments traced, shadow rays not counted
-};
-
-// Where the points of a picture's pixel centres are in another picture of the same camera.
-struct FlowFrame {
-  std::vector<float> flow;          // [height x width x 2, pixels] right and down; 0 where nothing can be said
-  std::vector<std::uint8_t> state;  // [height x width] 0: seen there, 1: hidden by something, 2: outside the picture
 };
 
 // where everything is before anything moves

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/scene/scene.hpp"
+#include "host/model/scene.hpp"
 
 namespace pvg {
 

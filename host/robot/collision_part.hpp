@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "host/scene/scene.hpp"
+#include "host/model/scene.hpp"
 
 namespace pvg {
 

@@ -11,9 +11,9 @@
 #include <map>
 #include <numbers>
 
+#include "host/base/child_process.hpp"
 #include "host/base/error.hpp"
-#include "host/io/assimp_reader.hpp"
-#include "host/io/child_process.hpp"
+#include "host/formats/assimp_reader.hpp"
 
 namespace pvg {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "host/scene/scene.hpp"
+#include "host/model/scene.hpp"
 
 namespace pvg {
 

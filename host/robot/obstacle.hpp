@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "host/scene/scene.hpp"
+#include "host/model/scene.hpp"
 
 namespace pvg {
 

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "host/model/motion.hpp"
 #include "host/robot/kinematics.hpp"
-#include "host/scene/motion.hpp"
 
 namespace pvg {
 

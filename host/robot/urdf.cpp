@@ -12,7 +12,8 @@
 #include <sstream>
 
 #include "host/base/error.hpp"
-#include "host/io/xml_depth.hpp"
+#include "host/formats/xml_depth.hpp"
+#include "host/pictures/srgb.hpp"
 #include "host/robot/link_mesh.hpp"
 #include "host/robot/robot.hpp"
 
@@ -113,9 +114,7 @@ Pose pose(const urdf::Pose& p) {
   return result;
 }
 
-float linear_from_srgb(float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); }
-
-Vec3f linear_color(const Vec3f& c) { return {linear_from_srgb(c[0]), linear_from_srgb(c[1]), linear_from_srgb(c[2])}; }
+Vec3f linear_color(const Vec3f& c) { return {srgb_to_linear(c[0]), srgb_to_linear(c[1]), srgb_to_linear(c[2])}; }
 
 fs::path find_mesh(const std::string& name, const fs::path& folder, const std::string& owner) {
   if (name.starts_with("file://")) return name.substr(7);

@@ -7,7 +7,7 @@
 //     is a linear equation per corner pair; for sliding motion this is the whole way in one go.
 // Each turn leaves (1 - eta) of the gap; it ends where the gap would fall below (1 - eta) of the first one.
 #include "contact/distance.cl"
-#include "energies/barrier.h"
+#include "energies/contact/barrier.h"
 #define SLACK 0.9      // eta
 #define MAX_TURNS 100  // then the part certified so far is the answer
 

@@ -7,7 +7,7 @@
 #include "contact/distance.cl"
 #include "contact/mesh.h"
 #include "contact/tree.h"
-#include "energies/barrier.h"
+#include "energies/contact/barrier.h"
 #include "shared/mask.cl"
 #include "shared/real.h"
 

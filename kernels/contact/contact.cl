@@ -1,9 +1,9 @@
 // From candidates to contacts: gaps, what is active, lagged friction rows, reports; the smallest of a number per world.
 #include "contact/mesh.h"
 #include "contact/report.h"
-#include "energies/adhesion_law.cl"
-#include "energies/barrier_law.cl"
-#include "energies/friction.h"
+#include "energies/contact/adhesion_law.cl"
+#include "energies/contact/barrier_law.cl"
+#include "energies/contact/friction.h"
 #define N_LANES 64u  // partial minima per world
 
 static inline void load_sites(global const Barrier* row, global const real* restrict x, real3* xe) {
@@ -47,7 +47,7 @@ static inline real normal_force(const Barrier* p, const real3* x, const real d) 
          -barrier_slope(d - p->offset, barrier_range(p->adhesion, p->activation_distance));
 }
 
-// rows: [n] of energies/friction.cl
+// rows: [n] of energies/contact/friction.cl
 kernel void lag_friction(const uint n, global const Barrier* restrict contacts,
                          global const CollisionWorld* restrict worlds, global const real* restrict x,
                          global Friction* restrict rows) {

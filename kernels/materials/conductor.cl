@@ -1,7 +1,7 @@
 // Rough conductor: f = F D G2 / (4 cos_i cos_o) with GGX microfacets (microfacet.cl), Smith's height-correlated masking
 // G2. The Fresnel term from the coloured reflectance F_0 at normal incidence: Schlick's with a dip before the edge,
 //   F(c) = F_0 + (1 - F_0) (1 - c)^5 - a c (1 - c)^6
-// (Lazanyi and Szirmay-Kalos 2005), a = 0 or of a measured metal (host/scene/metals.cpp). Sampled by the visible
+// (Lazanyi and Szirmay-Kalos 2005), a = 0 or of a measured metal (host/model/metals.cpp). Sampled by the visible
 // normals, so the weight of a sample is F G2 / G1. Light that would bounce twice between facets is lost. Below MIRROR_ALPHA a
 // perfect mirror.
 #ifndef PVG_MATERIALS_CONDUCTOR_CL

@@ -1,7 +1,7 @@
 // The multilevel additive Schwarz preconditioner (Dryja, Widlund 1990; affine coarse functions on clusters):
 //   z = sum_l P_l B_l^-1 P_l^T r,   A_0 = A,  A_l+1 = W_l^T A_l W_l,  P_l = W_0 ... W_l-1,
 // B_l: the diagonal blocks of A_l that the clusters of level l cut out. A coarse function acts alike in the three
-// directions, so weights W are scalars and matrices consist of 3 x 3 blocks. host/physics/schwarz_hierarchy.hpp says
+// directions, so weights W are scalars and matrices consist of 3 x 3 blocks. host/physics/linear/schwarz_hierarchy.hpp says
 // what slots and clusters are.
 // A cluster's matrix has `stride` rows, 3 x width rounded up to four; rows that nothing uses have a 1 on the diagonal.
 // Matrices are summed and inverted in double precision, inverses and vectors kept in single: CG sees one fixed operator.

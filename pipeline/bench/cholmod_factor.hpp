@@ -4,7 +4,7 @@
 #include <memory>
 #include <span>
 
-#include "host/physics/block_matrix.hpp"
+#include "host/physics/linear/block_matrix.hpp"
 
 namespace pvg {
 

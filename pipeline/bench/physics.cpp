@@ -8,11 +8,11 @@
 #include <fstream>
 #include <numeric>
 
-#include "host/physics/simulation.hpp"
-#include "host/scene/build_scene.hpp"
-#include "host/scene/scene_file.hpp"
-#include "host/scene/task_file.hpp"
-#include "pipeline/motion_plan.hpp"
+#include "host/load/build_scene.hpp"
+#include "host/load/scene_file.hpp"
+#include "host/load/task_file.hpp"
+#include "host/physics/step/simulation.hpp"
+#include "pipeline/episode/motion_plan.hpp"
 
 namespace pvg {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "host/device/device.hpp"
-#include "host/physics/phase_clock.hpp"
-#include "host/scene/scene.hpp"
+#include "host/model/scene.hpp"
+#include "host/physics/step/phase_clock.hpp"
 
 namespace pvg {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "host/scene/scene.hpp"
+#include "host/model/scene.hpp"
 #include "render/path.h"
 
 namespace pvg {

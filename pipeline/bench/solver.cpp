@@ -5,11 +5,11 @@
 #include <ctime>
 #include <functional>
 
-#include "host/physics/conjugate_gradients.hpp"
-#include "host/physics/contact.hpp"
-#include "host/physics/potential.hpp"
-#include "host/physics/simulation.hpp"
-#include "host/physics/time_integration.hpp"
+#include "host/physics/contact/contact.hpp"
+#include "host/physics/linear/conjugate_gradients.hpp"
+#include "host/physics/step/potential.hpp"
+#include "host/physics/step/simulation.hpp"
+#include "host/physics/step/time_integration.hpp"
 #include "pipeline/bench/cholmod_factor.hpp"
 
 namespace pvg {
@@ -176,9 +176,9 @@ PreconditionerFigures time_cholmod(Device& device, const BenchmarkRun& run, std:
 // The terms of solids and cloths by both kinds of product.
 ProductFigures time_products(Device& device, LinearSystem& linear, std::size_t repeats) {
   const System& system = linear.system;
-  Term inertia(device, "point_inertia", 1), solid_4(device, "stable_neo_hookean_4", 4);
-  Term solid_10(device, "stable_neo_hookean_10", 10), membrane(device, "cloth_membrane", 3);
-  Term bending(device, "triangle_bending", 6);
+  Term inertia(device, "body", "point_inertia", 1), solid_4(device, "elastic", "stable_neo_hookean_4", 4);
+  Term solid_10(device, "elastic", "stable_neo_hookean_10", 10), membrane(device, "elastic", "cloth_membrane", 3);
+  Term bending(device, "elastic", "triangle_bending", 6);
   inertia.set(system.point_inertia.rows, system.point_inertia.world_first);
   solid_4.set(system.stable_neo_hookean_4.rows, system.stable_neo_hookean_4.world_first);
   solid_10.set(system.stable_neo_hookean_10.rows, system.stable_neo_hookean_10.world_first);

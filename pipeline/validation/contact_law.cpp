@@ -1,6 +1,7 @@
 // The force law that the barrier makes: pressure of a box on a floor by the gap between them, under growing weight.
 //   kappa |b'(g)|,  b' = -(g - d)(2 ln(g / d) + (g - d) / g) / d  for 0 < g < d      [Pa]
-// (kernels/energies/barrier_law.cl), d the activation distance; times how often the elements count the touching area.
+// (kernels/energies/contact/barrier_law.cl), d the activation distance; times how often the elements count the touching
+// area.
 #include <cmath>
 
 #include "pipeline/validation/cases.hpp"

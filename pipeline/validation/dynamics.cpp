@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "host/geometry/tet_mesh.hpp"
-#include "host/physics/system.hpp"
+#include "host/physics/energies/system.hpp"
 #include "pipeline/validation/cases.hpp"
 
 namespace pvg {

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "host/io/mesh_files.hpp"
-#include "host/io/tetgen.hpp"
-#include "host/physics/static_equilibrium.hpp"
-#include "host/scene/task_file.hpp"
+#include "host/formats/mesh_files.hpp"
+#include "host/formats/tetgen.hpp"
+#include "host/load/task_file.hpp"
+#include "host/physics/step/static_equilibrium.hpp"
 #include "pipeline/validation/cases.hpp"
 
 namespace pvg {

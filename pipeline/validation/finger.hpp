@@ -2,7 +2,7 @@
 #pragma once
 #include "host/device/device.hpp"
 #include "host/geometry/tet_mesh.hpp"
-#include "host/scene/task.hpp"
+#include "host/model/task.hpp"
 
 namespace pvg {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "host/io/table.hpp"
+#include "host/formats/table.hpp"
 #include "pipeline/validation/cases.hpp"
 
 namespace pvg {

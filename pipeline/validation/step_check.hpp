@@ -3,8 +3,8 @@
 #pragma once
 #include <string>
 
-#include "host/physics/simulation.hpp"
-#include "host/physics/system.hpp"
+#include "host/physics/energies/system.hpp"
+#include "host/physics/step/simulation.hpp"
 
 namespace pvg {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "host/device/device.hpp"
-#include "host/physics/simulation.hpp"
-#include "host/scene/scene_file.hpp"
+#include "host/load/scene_file.hpp"
+#include "host/physics/step/simulation.hpp"
 #include "pipeline/validation/plot.hpp"
 #include "pipeline/validation/step_check.hpp"
 

@@ -1,5 +1,5 @@
 // Mesh files, of the format that PVG_FUZZ_SUFFIX names, as surface, as picture and as a robot's link.
-#include "host/io/mesh_files.hpp"
+#include "host/formats/mesh_files.hpp"
 #include "host/robot/link_mesh.hpp"
 #include "tests/fuzz/input_file.hpp"
 

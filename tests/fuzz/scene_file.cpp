@@ -1,5 +1,5 @@
 // Scene files, up to the scene that is ready to run.
-#include "host/scene/scene_file.hpp"
+#include "host/load/scene_file.hpp"
 
 #include "tests/fuzz/input_file.hpp"
 

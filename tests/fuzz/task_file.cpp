@@ -1,7 +1,7 @@
 // Task files and gripper files.
-#include "host/scene/task_file.hpp"
+#include "host/load/task_file.hpp"
 
-#include "host/scene/build_scene.hpp"
+#include "host/load/build_scene.hpp"
 #include "tests/fuzz/input_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

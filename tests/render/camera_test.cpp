@@ -6,7 +6,8 @@
 #include <algorithm>
 
 #include "host/base/error.hpp"
-#include "host/render/image.hpp"
+#include "host/pictures/picture.hpp"
+#include "host/pictures/srgb.hpp"
 #include "host/render/look.hpp"
 #include "tests/render/test_scene.hpp"
 
@@ -319,9 +320,8 @@ TEST(Render, RefusesWhatCannotBeShown) {
 }
 
 TEST(Image, SrgbIsTheStandardCurve) {
-  RenderedFrame frame;
-  frame.rgb = {0, 1, 0.5f, 2, -1, 0.0031308f};
-  EXPECT_EQ(to_srgb8(frame), (std::vector<std::uint8_t>{0, 255, 188, 255, 0, 10}));
+  const std::vector<float> linear = {0, 1, 0.5f, 2, -1, 0.0031308f};
+  EXPECT_EQ(encode_srgb8(linear, 2, 1).rgb, (std::vector<std::uint8_t>{0, 255, 188, 255, 0, 10}));
   for (int byte = 0; byte < 256; ++byte)
     EXPECT_EQ(std::lround(255 * linear_to_srgb(srgb_to_linear(float(byte) / 255))), byte);
 }

@@ -3,7 +3,8 @@
 
 #include <algorithm>
 
-#include "host/render/image.hpp"
+#include "host/pictures/picture.hpp"
+#include "host/pictures/srgb.hpp"
 #include "host/render/look.hpp"
 #include "tests/render/test_scene.hpp"
 
@@ -68,7 +69,7 @@ TEST_F(Receiver, WithStrengthZeroThePictureIsTheTexture) {
   add(scene, box({-0.1f, -0.1f, 1.2f}, {0.1f, 0.1f, 1.3f}), material(Kind::diffuse));
   add_light(scene, {-0.5, -0.5, 2}, {0, 1, 0}, {1, 0, 0}, {50, 50, 50});
   look_at(scene, {0, 0, 1}, {0, 0, 0}, 64, 64, 64);  // one texel per pixel
-  const std::vector<std::uint8_t> bytes = to_srgb8(picture(scene, 16));
+  const std::vector<std::uint8_t> bytes = encode_srgb8(picture(scene, 16).rgb, 64, 64).rgb;
   // the texture's own borders repeat, so the rim is left out
   for (int y = 1; y < 63; ++y)
     for (int x = 1; x < 63; ++x)

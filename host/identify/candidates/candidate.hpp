@@ -1,0 +1,57 @@
+// What may explain a residual: an effect that the scene lacks, a number of the scene that is wrong, or a sensor that
+// does not tell what is there. Each has a name, a target, parameters with bounds, and changes a variant by them.
+#pragma once
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/identify/sensing/rollout.hpp"
+
+namespace pvg::diagnose {
+
+enum class Family { physical, parameter, measurement };
+const char* family_name(Family family);
+
+struct Parameter {
+  std::string name, unit;
+  double low = 0, high = 0, off = 0;  // with `off` the candidate changes nothing
+  double scale = 1;                   // a change of this size is worth trying first
+  double believed = 0;    // one standard deviation from `off` of what is believed before any data; 0: anything
+  bool is_shape = false;  // does nothing while the others are off
+  bool is_limit = false;  // does nothing where it is higher than what the runs reach (limits.hpp)
+};
+
+struct Candidate {
+  std::string name, target;
+  Family family = Family::physical;
+  std::string site, law, meaning, equation, experiment;
+  std::vector<Parameter> parameters;
+  std::function<void(Variant&, std::span<const double>)> apply;
+  double prior = 0;  // log of how likely it is before any data, relative to others that explain as much
+  std::string label() const { return name + " at " + target; }
+};
+
+// A kind of candidate, for the list of all.
+struct CandidateKind {
+  std::string name, site, law, meaning;
+  Family family = Family::physical;
+  std::vector<Parameter> parameters;
+};
+std::vector<CandidateKind> candidate_kinds();
+
+// All that this problem's scene and channels allow. touching: pairs of bodies that touch in the runs, FIRST/SECOND.
+std::vector<Candidate> make_candidates(const Problem& problem, const std::vector<std::string>& touching);
+
+// Of a number that acts on `target`, whose kind is listed with the unit that revolute joints have.
+std::string unit_on(const Scene& scene, const std::string& target, const std::string& unit);
+
+// physical_candidates.cpp, parameter_candidates.cpp, measurement_candidates.cpp
+void add_physical(const Problem& problem, const std::vector<std::string>& touching, std::vector<Candidate>& out);
+void add_parameters(const Problem& problem, const std::vector<std::string>& touching, std::vector<Candidate>& out);
+void add_measurement(const Problem& problem, std::vector<Candidate>& out);
+std::vector<CandidateKind> physical_kinds();
+std::vector<CandidateKind> parameter_kinds();
+std::vector<CandidateKind> measurement_kinds();
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,204 @@
+#include "host/identify/candidates/law_dictionary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace pvg::diagnose {
+namespace {
+
+constexpr double PART_OF_WEIGHT = 2e-3;  // an effort or force worth trying first
+constexpr double MOST = 1e4;             // of that, for a coefficient
+constexpr std::size_t APART = 5;         // samples between which a speed is taken
+constexpr int WAVES[] = {1, 2, 3, 4, 6, 8, 12, 16, 24};
+
+std::string number(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+// Of one measured number over all runs.
+struct Range {
+  double low = 0, high = 0, fastest = 0;  // [unit], [unit/s]
+  bool is_there = false;
+  double at(double share) const { return low + share * (high - low); }
+};
+
+template <class Value>
+Range range_of(const Problem& problem, const Value& value_of) {
+  Range range{INFINITY, -INFINITY, 0, false};
+  for (const Run& run : problem.runs) {
+    if (run.is_held_out) continue;
+    for (std::size_t i = 0; i < run.t.size(); ++i) {
+      const double value = value_of(run, i);
+      if (!std::isfinite(value)) continue;
+      range.low = std::min(range.low, value);
+      range.high = std::max(range.high, value);
+      if (i < APART || !(run.t[i] > run.t[i - APART])) continue;
+      const double speed = std::abs(value - value_of(run, i - APART)) / (run.t[i] - run.t[i - APART]);
+      if (std::isfinite(speed)) range.fastest = std::max(range.fastest, speed);
+    }
+  }
+  range.is_there = range.high > range.low;
+  return range;
+}
+
+// site joint position: constant, powers, waves, saturating, local and one-sided laws; site joint rate: drags and
+// frictions; and both
+std::vector<Law> joint_laws(const Range& q) {
+  std::vector<Law> laws;
+  const auto add = [&](const std::string& formula) { laws.push_back({{formula}, formula}); };
+  for (const char* power : {"1", "q", "q * q", "q * q * q"}) add(power);
+  for (const int n : WAVES) {
+    add("sin(" + std::to_string(n) + " * q)");
+    if (n > 1) add("cos(" + std::to_string(n) + " * q)");
+  }
+  const double reach = std::max(std::abs(q.low), std::abs(q.high));
+  for (const double share : {0.12, 0.22, 0.4}) add("q * exp(-q * q / " + number(share * share * reach * reach) + ")");
+  for (const double share : {0.25, 0.5, 0.75}) add("fmax(q - " + number(q.at(share)) + ", 0)");
+  const std::string sliding = "tanh(v / " + number(0.01 * q.fastest) + ")";
+  for (const std::string& law :
+       {std::string("v"), std::string("fabs(v) * v"), sliding, "q * " + sliding, std::string("q * q * v")})
+    add(law);
+  return laws;
+}
+
+// place: constant, linear in each direction, a pull that begins at a distance from the origin; velocity: linear in each
+// direction, drag, friction, and friction of a ring about the origin
+std::vector<Law> force_laws(const Range& distance, double fastest) {
+  std::vector<Law> laws;
+  const std::string place[] = {"x", "y", "z"}, velocity[] = {"vx", "vy", "vz"};
+  const auto add_component = [&](std::size_t i, const std::string& formula) {
+    Law law{{"0", "0", "0"}, ""};
+    law.formulas[i] = formula;
+    law.shown = "(" + law.formulas[0] + ", " + law.formulas[1] + ", " + law.formulas[2] + ")";
+    laws.push_back(law);
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    add_component(i, "1");
+    for (int k = 0; k < 3; ++k) {
+      add_component(i, place[k]);
+      add_component(i, velocity[k]);
+    }
+  }
+  // `factor` holds r and |v|, which are written out in the formula
+  const auto along = [&](const std::string& factor, const std::string(&direction)[3]) {
+    const std::pair<std::string, std::string> meant[] = {
+        {"|v|", "sqrt(vx * vx + vy * vy + vz * vz + " + number(1e-6 * fastest * fastest) + ")"},
+        {"{r}", "sqrt(x * x + y * y + z * z + 1e-12)"}};
+    Law law{{}, factor + " (" + direction[0] + ", " + direction[1] + ", " + direction[2] + ")"};
+    std::string text = factor;
+    for (const auto& [name, formula] : meant)
+      for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name))
+        text.replace(at, name.size(), formula);
+    for (const std::string& component : direction) law.formulas.push_back(text + " * " + component);
+    for (std::size_t at = law.shown.find("{r}"); at != std::string::npos; at = law.shown.find("{r}"))
+      law.shown.replace(at, 3, "r");
+    laws.push_back(law);
+  };
+  along("|v|", velocity);
+  along("1 / |v|", velocity);
+  for (const double share : {0.05, 0.15, 0.3, 0.5, 0.75})
+    along("fmax(1 - " + number(distance.at(share)) + " / {r}, 0)", place);
+  const std::string width = number(0.25 * (distance.high - distance.low));
+  for (const double share : {0.25, 0.5, 0.75})
+    along("exp(-pow(({r} - " + number(distance.at(share)) + ") / " + width + ", 2)) / |v|", velocity);
+  return laws;
+}
+
+// c_i * law, summed up, of each component
+std::vector<std::string> sums_of(const LawSite& site, std::span<const std::size_t> laws,
+                                 const std::vector<std::string>& coefficients) {
+  std::vector<std::string> sums(site.laws.front().formulas.size());
+  for (std::size_t k = 0; k < sums.size(); ++k) {
+    for (std::size_t i = 0; i < laws.size(); ++i) {
+      const std::string& formula = site.laws[laws[i]].formulas[k];
+      if (formula == "0") continue;
+      sums[k] += (sums[k].empty() ? "" : " + ") + coefficients[i] + (formula == "1" ? "" : " * " + formula);
+    }
+    if (sums[k].empty()) sums[k] = "0";
+  }
+  return sums;
+}
+
+bool may_move(const RigidBody& body) { return !body.is_fixed && !body.is_prescribed && !body.is_half_space; }
+
+void add_joint(const Problem& problem, std::size_t j, std::vector<LawSite>& sites) {
+  const Joint& joint = problem.scene.scene.joints[j];
+  const RigidBody& child = problem.scene.scene.rigid_bodies[std::size_t(joint.child)];
+  const auto channel = std::find_if(problem.channels.begin(), problem.channels.end(), [&](const Channel& c) {
+    return c.joint == int(j) && c.kind == RecordedChannel::Kind::position;
+  });
+  if (channel == problem.channels.end() || !may_move(child)) return;
+  const std::size_t c = std::size_t(channel - problem.channels.begin());
+  const Range q = range_of(problem, [&](const Run& run, std::size_t i) { return run.values[c][i]; });
+  const bool turns = joint.type == Joint::Type::revolute;
+  if (q.is_there)
+    sites.push_back(
+        {"regressed_effort", joint.name, turns ? "N m" : "N", PART_OF_WEIGHT * 9.81 * child.mass, joint_laws(q)});
+}
+
+void add_body(const Problem& problem, std::size_t b, std::vector<LawSite>& sites) {
+  const Scene& scene = problem.scene.scene;
+  const RigidBody& body = scene.rigid_bodies[b];
+  const bool is_carried =
+      std::any_of(scene.joints.begin(), scene.joints.end(), [&](const Joint& joint) { return joint.child == int(b); });
+  const auto channel = std::find_if(problem.channels.begin(), problem.channels.end(), [&](const Channel& c) {
+    return c.rigid == int(b) && c.kind == RecordedChannel::Kind::position && c.width == 3;
+  });
+  if (is_carried || !may_move(body) || channel == problem.channels.end()) return;
+  const std::size_t c = std::size_t(channel - problem.channels.begin());
+  const auto place = [&](const Run& run, std::size_t i) {
+    return Vec3(run.values[c][3 * i], run.values[c][3 * i + 1], run.values[c][3 * i + 2]);
+  };
+  const Range distance = range_of(problem, [&](const Run& run, std::size_t i) { return place(run, i).norm(); });
+  double fastest = 0;
+  for (int k = 0; k < 3; ++k)
+    fastest =
+        std::hypot(fastest, range_of(problem, [&](const Run& run, std::size_t i) { return place(run, i)[k]; }).fastest);
+  if (distance.is_there)
+    sites.push_back(
+        {"regressed_force", body.name, "N", PART_OF_WEIGHT * 9.81 * body.mass, force_laws(distance, fastest)});
+}
+
+}  // namespace
+
+std::vector<LawSite> law_sites(const Problem& problem) {
+  std::vector<LawSite> sites;
+  for (std::size_t j = 0; j < problem.scene.scene.joints.size(); ++j) add_joint(problem, j, sites);
+  for (std::size_t b = 0; b < problem.scene.scene.rigid_bodies.size(); ++b) add_body(problem, b, sites);
+  return sites;
+}
+
+Candidate law_candidate(const LawSite& site, std::span<const std::size_t> laws) {
+  Candidate candidate;
+  candidate.name = site.effect;
+  candidate.target = site.target;
+  candidate.meaning = "a law that a regression found";
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < laws.size(); ++i) {
+    names.push_back("c" + std::to_string(i));
+    candidate.parameters.push_back({names.back(), site.unit, -MOST * site.scale, MOST * site.scale, 0, site.scale});
+  }
+  const Effect law{site.effect, site.target, {}, sums_of(site, laws, names)};
+  candidate.equation = law.formulas[0];
+  candidate.apply = [law](Variant& variant, std::span<const double> values) {
+    variant.scene.effects.push_back(law);
+    variant.scene.effects.back().parameters.assign(values.begin(), values.end());
+  };
+  return candidate;
+}
+
+std::string shown_sum(const LawSite& site, std::span<const std::size_t> laws, std::span<const double> coefficients) {
+  std::string sum;
+  for (std::size_t i = 0; i < laws.size(); ++i) {
+    const std::string& law = site.laws[laws[i]].shown;
+    const double c = coefficients[i];
+    sum += sum.empty() ? number(c) : (c < 0 ? " - " : " + ") + number(std::abs(c));
+    if (law != "1") sum += " " + law;
+  }
+  return sum;
+}
+
+}  // namespace pvg::diagnose

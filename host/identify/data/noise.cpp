@@ -1,0 +1,137 @@
+#include "host/identify/data/noise.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "host/pictures/picture_cells.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The smallest step between values that differ, if most steps are whole multiples of it.
+double quantum_of(const std::vector<double>& values, std::size_t width) {
+  std::vector<double> steps;
+  for (std::size_t i = width; i < values.size(); ++i) {
+    const double step = std::abs(values[i] - values[i - width]);
+    if (std::isfinite(step) && step > 0) steps.push_back(step);
+  }
+  if (steps.size() < 20) return 0;
+  const double least = *std::min_element(steps.begin(), steps.end());
+  const auto whole = std::count_if(steps.begin(), steps.end(), [&](double step) {
+    return std::abs(step / least - std::round(step / least)) < 0.05 && step / least < 1000;
+  });
+  return whole > 0.9 * double(steps.size()) ? least : 0;
+}
+
+constexpr double TYPICAL = 1.4826;                     // sigma of a normal distribution over the median of its size
+constexpr std::size_t LEAST_DIFFERENCES = 8;           // that tell anything
+constexpr std::size_t LEAST_APART = 100;               // that tell more than those of neighbours do
+constexpr std::array LAGS = {1u, 2u, 3u, 4u, 6u, 8u};  // between the samples of a difference
+constexpr double INDEPENDENT = -0.5;  // neighbours correlate by less; of white noise by -15 / 20, a motion by up to 1
+constexpr double ASSUMED = 1e-2;      // of a channel's range, where its noise cannot be measured
+constexpr double SMOOTHED = 2;        // times the noise of neighbours, if that further apart is so much
+constexpr double LOUDER = 2;          // times the noise of most runs: this run has a noise of its own
+
+struct Differences {
+  double sigma = 0;        // of white noise that would make them
+  double correlation = 0;  // of neighbours
+};
+
+// Third differences of samples `lag` apart. What the neighbours have in common is taken of sizes up to three sigma, as
+// an impact is in four of them.
+std::optional<Differences> third_differences(const std::vector<double>& values, std::size_t width, std::size_t lag) {
+  const std::size_t step = lag * width;
+  std::vector<double> difference, size;
+  for (std::size_t i = 3 * step; i < values.size(); ++i) {
+    difference.push_back(values[i] - 3 * values[i - step] + 3 * values[i - 2 * step] - values[i - 3 * step]);
+    if (std::isfinite(difference.back())) size.push_back(std::abs(difference.back()));
+  }
+  if (size.size() < (lag == 1 ? LEAST_DIFFERENCES : LEAST_APART)) return std::nullopt;
+  Differences found;
+  const double typical = TYPICAL * median(std::move(size));
+  found.sigma = typical / std::sqrt(20.0);
+  double product = 0, square = 0;
+  for (std::size_t i = step; i < difference.size(); ++i) {
+    const double a = std::clamp(difference[i], -3 * typical, 3 * typical),
+                 b = std::clamp(difference[i - step], -3 * typical, 3 * typical);
+    if (!std::isfinite(difference[i] * difference[i - step])) continue;
+    product += a * b;
+    square += 0.5 * (a * a + b * b);
+  }
+  found.correlation = square > 0 ? product / square : INDEPENDENT;
+  return found;
+}
+
+// pictures come less often than rows
+std::vector<double> without_gaps(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  return values;
+}
+
+// Of white noise, where correlation < INDEPENDENT; else of a motion, or of too few samples (sigma: NaN).
+Differences differences_of(const std::vector<double>& values, std::size_t width) {
+  std::vector<Differences> found;
+  for (const unsigned lag : LAGS) {
+    const std::optional<Differences> here = third_differences(values, width, lag);
+    if (here) found.push_back(*here);
+    if (!here || here->correlation >= 0) break;  // a motion shows
+  }
+  if (found.empty()) return {std::nan(""), 0};
+  const auto hangs_less = [](const Differences& a, const Differences& b) { return a.correlation < b.correlation; };
+  Differences noise = *std::min_element(found.begin(), found.end(), hangs_less);
+  if (noise.correlation < INDEPENDENT) {
+    const Differences neighbours = found.front();
+    std::erase_if(found, [](const Differences& one) { return one.correlation >= INDEPENDENT; });
+    noise = *std::max_element(found.begin(), found.end(),
+                              [](const Differences& a, const Differences& b) { return a.sigma < b.sigma; });
+    if (neighbours.correlation < INDEPENDENT && noise.sigma < SMOOTHED * neighbours.sigma) noise = neighbours;
+  }
+  noise.sigma = std::max(noise.sigma, quantum_of(values, width) / std::sqrt(12.0));
+  return noise;
+}
+
+}  // namespace
+
+double noise_of(const std::vector<double>& values, std::size_t width) { return differences_of(values, width).sigma; }
+
+void measure_noise(Problem& problem) {
+  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+    Channel& channel = problem.channels[c];
+    const bool is_video = channel.kind == RecordedChannel::Kind::video;
+    if (channel.is_noise_known) continue;
+    std::vector<double> found;
+    std::vector<Differences> of_run;
+    double range = 0, brightest = 0;
+    for (const Run& run : problem.runs) {
+      // an orientation's numbers are half angles
+      Differences noise =
+          differences_of(is_video ? without_gaps(run.values[c]) : run.values[c], std::size_t(channel.width));
+      if (channel.kind == RecordedChannel::Kind::orientation) noise.sigma *= 2;
+      if (std::isfinite(noise.sigma)) found.push_back(noise.sigma);
+      of_run.push_back(noise);
+      double low = INFINITY, high = -INFINITY;
+      for (const double value : run.values[c])
+        if (std::isfinite(value)) low = std::min(low, value), high = std::max(high, value);
+      range = std::max(range, high - low);
+      brightest = std::max(brightest, high);
+    }
+    const double smallest = std::max(1e-4 * range, 1e-9);  // no sensor is better than that
+    channel.is_noise_assumed = found.empty();
+    channel.sigma = found.empty() ? std::max(ASSUMED * range, smallest) : std::max(median(found), smallest);
+    // an even surface has the same rounding error in all its pixels
+    if (is_video) channel.sigma = std::hypot(channel.sigma, srgb8_step_sigma(brightest));
+    for (std::size_t r = 0; r < problem.runs.size(); ++r)
+      if (of_run[r].correlation < INDEPENDENT && of_run[r].sigma > LOUDER * channel.sigma)
+        problem.runs[r].louder[c] = of_run[r].sigma / channel.sigma;
+  }
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,18 @@
+// Stage 1, the measurement first: the noise of each channel, where the recording does not say it.
+#pragma once
+#include "host/identify/data/problem.hpp"
+
+namespace pvg::diagnose {
+
+// One standard deviation of white noise on samples of a smooth motion, from third differences of even samples: those of
+// noise alone have the variance 20 sigma^2, and neighbours of them correlate by -15 / 20. Where they do not, as what a
+// tracker smooths or a clock repeats, they are taken of samples further apart until they do, at most eight. The median
+// over the differences leaves impacts out. At least the step of a quantised sensor divided by sqrt(12). NaN: too few
+// samples.
+double noise_of(const std::vector<double>& values, std::size_t width);
+
+// Fills in the sigma of channels whose noise is unknown, the median over the runs, and how much louder those runs are
+// whose own noise is more than twice that. That of video holds what 8 bits leave.
+void measure_noise(Problem& problem);
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,74 @@
+// A recording and its scene, resolved against each other: which numbers were measured, of what, with which noise, and
+// what drives and prescribed bodies were told in each run. SI units throughout; what was not measured is NaN.
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/load/recording.hpp"
+#include "host/load/scene_file.hpp"
+#include "host/pictures/lut.hpp"
+
+namespace pvg::diagnose {
+
+struct Channel {
+  RecordedChannel::Kind kind = RecordedChannel::Kind::position;
+  std::string name;                                     // "position of joint hinge", for people
+  std::string subject;                                  // the body that moves
+  std::string unit;                                     // SI
+  int joint = -1, rigid = -1, soft = -1, cloth = -1;    // which of them
+  Vec3 point = Vec3::Zero();                            // on a rigid body, in its frame [m]
+  std::vector<std::pair<std::uint32_t, double>> nodes;  // of a soft body or cloth, with weights
+  bool has_axis = false;
+  Vec3 axis = Vec3::Zero();  // the part along it is measured
+  int width = 1;             // numbers in the recording: 1, 3, or 4 for x, y, z, w
+  int n = 1;                 // numbers that are compared: 1 or 3
+  double sigma = 0;          // one standard deviation of the noise [unit]; measured by stage 1 if unknown
+  bool is_noise_known = false;
+  bool is_noise_assumed = false;      // unknown, and too few samples stand side by side to measure it
+  int mask_source = -1, moment = -1;  // of a mask, as in RecordedChannel
+  int video_source = -1, cell = -1;   // of a video, likewise
+};
+
+struct PrescribedPath {
+  int rigid = -1;
+  std::vector<PathPoint> path;  // times as in the run
+};
+
+struct Run {
+  std::string name;
+  bool is_held_out = false;
+  std::vector<double> t;                    // [n_samples, s]
+  std::vector<std::vector<double>> values;  // [n_channels][n_samples x width]
+  std::vector<double> louder;               // [n_channels] the noise of this run over the channel's, at least 1
+  std::vector<TargetTable> targets;         // [n_driven], times as in the run
+  std::vector<PrescribedPath> prescribed;
+};
+
+struct Problem {
+  Recording recording;
+  SceneRun scene;          // drives as the inputs ask for them
+  Scene seen;              // the same with all that a picture needs, where masks or videos were measured
+  RenderSection render;    // what the scene says of its pictures
+  std::optional<Lut> lut;  // likewise
+  std::vector<Channel> channels;
+  std::vector<Run> runs;
+  std::vector<int> coordinates;  // joints of open chains whose position may change, parents first
+  std::vector<int> free_bodies;  // rigid bodies that no joint carries
+  bool can_restart = false;      // the state at any time is measured: windows may begin anywhere
+};
+
+// One standard deviation of a channel's noise in a run [the channel's unit].
+inline double noise_in(const Problem& problem, const Run& run, std::size_t channel) {
+  return problem.channels[channel].sigma * run.louder[channel];
+}
+
+// Throws a UsageError that names the file, the key, the body or joint, and what to do.
+Problem make_problem(const std::filesystem::path& recording);
+
+// What is wrong or weak in the data though it can be used, as sentences.
+std::vector<std::string> warnings(const Problem& problem);
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,64 @@
+#include <algorithm>
+#include <cmath>
+
+#include "host/identify/data/problem.hpp"
+
+namespace pvg::diagnose {
+
+std::vector<std::string> warnings(const Problem& problem) {
+  std::vector<std::string> sentences;
+  const std::size_t n_held_out = std::size_t(
+      std::count_if(problem.runs.begin(), problem.runs.end(), [](const Run& run) { return run.is_held_out; }));
+  if (n_held_out == 0)
+    sentences.push_back(
+        "no run is held out: nothing can be proved on data that the fit has not seen, and no effect will be named; "
+        "give one run, of another motion, the role `held_out`");
+  if (n_held_out == problem.runs.size())
+    sentences.push_back("every run is held out: there is nothing to fit; give at least one run the role `fit`");
+  if (problem.runs.size() == 1)
+    sentences.push_back("there is one run only; two effects that look alike in it cannot be told apart");
+  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+    std::size_t gaps = 0, all = 0;
+    bool changes = false;
+    for (const Run& run : problem.runs) {
+      double first = std::nan("");
+      for (std::size_t i = 0; i < run.values[c].size(); ++i, ++all) {
+        if (!std::isfinite(run.values[c][i])) {
+          ++gaps;
+          continue;
+        }
+        if (i % std::size_t(problem.channels[c].width) == 0) {
+          if (!std::isfinite(first)) first = run.values[c][i];
+          changes = changes || run.values[c][i] != first;
+        }
+      }
+    }
+    // pictures come less often than rows
+    const bool is_of_pictures = problem.channels[c].mask_source >= 0 || problem.channels[c].video_source >= 0;
+    if (10 * gaps > all && !is_of_pictures)
+      sentences.push_back("the " + problem.channels[c].name + " has gaps in " + std::to_string(100 * gaps / all) +
+                          " % of its samples");
+    if (!changes && problem.channels[c].width == 1)
+      sentences.push_back("the " + problem.channels[c].name + " is constant");
+  }
+  for (const VideoSource& video : problem.recording.video_sources)
+    for (const Camera& camera : problem.seen.cameras)
+      if (camera.name == video.camera && (camera.exposure_time > 0 || camera.row_time > 0))
+        sentences.push_back("the camera " + camera.name +
+                            " has an exposure_time or row_time: videos are compared with pictures in which "
+                            "everything stands still");
+  for (const Run& run : problem.runs) {
+    double longest = 0, shortest = INFINITY;
+    for (std::size_t i = 1; i < run.t.size(); ++i) {
+      longest = std::max(longest, run.t[i] - run.t[i - 1]);
+      shortest = std::min(shortest, run.t[i] - run.t[i - 1]);
+    }
+    if (longest > 20 * (run.t.back() - run.t.front()) / double(run.t.size()))
+      sentences.push_back(run.name + " has a gap of " + std::to_string(longest) + " s in its clock");
+    if (problem.scene.scene.solver.time_step > 0.25 * (run.t.back() - run.t.front()))
+      sentences.push_back(run.name + " is shorter than four time steps of the scene");
+  }
+  return sentences;
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,58 @@
+// A window: a stretch of a run that is simulated by itself, from a start that is measured, or as the scene says.
+// Windows keep a wrong model, or an impact, from carrying its error through a whole run.
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include "host/identify/data/problem.hpp"
+
+namespace pvg::diagnose {
+
+// A start is known before the fit as well as its samples tell, times this: what is wrong in the model or the sensor
+// must not be held in place by it.
+inline constexpr double START_LOOSENESS = 20;
+
+// Where a window starts: coordinates of open chains and free bodies.
+struct InitialState {
+  std::vector<double> position, rate;  // [n_joints, rad or m], [rad/s or m/s]
+  std::vector<Pose> pose;              // [n_rigid], counts for free bodies
+  std::vector<Vec3> velocity, spin;    // [n_rigid] world [m/s], [rad/s]
+};
+
+// One number of a start that is known with an error only; it is fitted with everything else.
+struct Unknown {
+  enum class Kind { joint_position, joint_rate, position, rotation, velocity, spin };
+  Kind kind = Kind::joint_position;
+  int index = -1;                  // joint or rigid body
+  Vec3 direction = Vec3::UnitX();  // of the last four
+  double sigma = 1;                // how well it is known before the fit
+};
+
+// One number that is compared.
+struct Datum {
+  int channel = 0;
+  std::size_t sample = 0;
+  int component = 0;
+};
+
+struct Window {
+  int run = 0;
+  double start = 0, end = 0;  // [s] of the run's clock
+  InitialState initial;
+  std::vector<Unknown> unknowns;
+  std::vector<Datum> data;
+  bool is_settled = false;  // what rests on something starts on it (support.hpp)
+  // what finer steps would add to the residuals [n_data, noise]; empty: nothing
+  Eigen::VectorXd correction;
+};
+
+// Windows of about `length` [s] (0: whole runs) over the runs of one role, at most `most` of them, evenly chosen.
+std::vector<Window> make_windows(const Problem& problem, bool held_out, double length, std::size_t most);
+
+// `initial` moved by `by` along an unknown.
+void move(InitialState& initial, const Unknown& unknown, double by);
+
+// Places the bodies of `scene`, a variant of the problem's, as `initial` says.
+void start_at(const Problem& problem, const InitialState& initial, Scene& scene);
+
+}  // namespace pvg::diagnose

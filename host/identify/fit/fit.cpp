@@ -1,0 +1,301 @@
+#include "host/identify/fit/fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/identify/fit/fit_cost.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+using Eigen::MatrixXd, Eigen::VectorXd;
+constexpr int START_STEPS = 4;         // where only the windows' starts are fitted
+constexpr double SMALL_CHANGE = 1e-3;  // of the cost, relative: the fit has converged
+
+const std::vector<double> DAMPINGS = {1e-6, 0.5, 2.5, 8};  // of a step, relative
+const std::vector<double> START_DAMPINGS = {0, 0.1};       // likewise of the starts
+
+// of what a step changed beside what was promised, rms of a window: relative, and in units of noise
+constexpr double BROKEN_PROMISE = 0.05, LEAST_BROKEN = 0.02;
+constexpr double MISSED = 1.5;  // a window's scale over that of all: it is no longer fitted as others are
+constexpr int LAST_STEPS = 2;   // then
+
+VectorXd clamped(const Model& model, VectorXd x) {
+  const std::vector<const Parameter*> parameters = model.parameters();
+  for (Eigen::Index i = 0; i < x.size(); ++i)
+    x[i] = std::clamp(x[i], parameters[std::size_t(i)]->low, parameters[std::size_t(i)]->high);
+  return x;
+}
+
+// Whether the residuals of a window came out as the linear system had them, where its start can have to do with it.
+bool keeps_promise(const Fit& fit, std::size_t w, const VectorXd& x, const VectorXd& delta, const VectorXd& residual) {
+  if (delta.size() == 0) return true;
+  VectorXd promised = fit.of_start[w] * (delta - fit.delta[w]);
+  if (x != fit.model.x) promised += fit.slope[w] * (x - fit.model.x);
+  const VectorXd change = residual - fit.residual[w];
+  return rms({change - promised}) <= std::max(BROKEN_PROMISE * rms({change}), LEAST_BROKEN);
+}
+
+// The model after one Gauss-Newton step, damped; where it is if that step is none.
+Model stepped(const Fit& fit, double damping) {
+  const Reduced reduced = reduce(fit);
+  MatrixXd a = reduced.sum_a();
+  VectorXd g = reduced.sum_g();
+  const std::vector<const Parameter*> parameters = fit.model.parameters();
+  for (Eigen::Index i = 0; i < g.size(); ++i) {
+    const Parameter& p = *parameters[std::size_t(i)];
+    const double weight = 1 / (believed_of(p) * believed_of(p));
+    a(i, i) += weight;
+    g[i] += weight * (fit.model.x[i] - p.off);
+  }
+  a.diagonal() += VectorXd(damping * a.diagonal() + VectorXd::Constant(a.rows(), 1e-12 * a.trace()));
+  const VectorXd dx = -a.ldlt().solve(g);
+  Model model = fit.model;
+  if (dx.allFinite()) model.x = clamped(model, fit.model.x + dx);
+  return model;
+}
+
+bool any_start_is_stale(const Fit& fit) {
+  return std::find(fit.start_slope.begin(), fit.start_slope.end(), StartSlope::stale) != fit.start_slope.end();
+}
+
+}  // namespace
+
+std::vector<const Parameter*> Model::parameters() const {
+  std::vector<const Parameter*> all;
+  for (const Candidate* part : parts)
+    for (const Parameter& p : part->parameters) all.push_back(&p);
+  return all;
+}
+
+Variant variant_of(const Variant& base, const Model& model) {
+  Variant variant = base;
+  std::size_t first = 0;
+  for (const Candidate* part : model.parts) {
+    part->apply(variant, std::span<const double>(model.x.data() + first, part->parameters.size()));
+    first += part->parameters.size();
+  }
+  return variant;
+}
+
+std::vector<std::vector<Prediction>> Fitter::evaluate(const FitData& data, const std::vector<Model>& models,
+                                                      const std::vector<std::vector<VectorXd>>& delta,
+                                                      bool wants_phases) {
+  std::vector<Variant> variants;
+  for (const Model& model : models) variants.push_back(variant_of(base_, model));
+  std::vector<Job> jobs;
+  for (std::size_t m = 0; m < models.size(); ++m)
+    for (std::size_t w = 0; w < data.windows.size(); ++w) {
+      Job job{&variants[m], &data.windows[w], data.windows[w].initial, wants_phases};
+      if (!delta.empty())
+        for (std::size_t k = 0; k < job.window->unknowns.size(); ++k)
+          move(job.initial, job.window->unknowns[k], delta[m][w][Eigen::Index(k)] * job.window->unknowns[k].sigma);
+      jobs.push_back(std::move(job));
+    }
+  std::vector<Prediction> flat = predictor_.predict(jobs);
+  std::vector<std::vector<Prediction>> out(models.size());
+  for (std::size_t i = 0; i < flat.size(); ++i) out[i / data.windows.size()].push_back(std::move(flat[i]));
+  return out;
+}
+
+// One Gauss-Newton step of one fit under several dampings, as trials: each with the windows' starts moved along, in
+// full and damped. A body on the floor can be thrown into it and along it so that little changes: a full step goes far
+// that way.
+void Fitter::add_trials(const Fit& fit, std::size_t owner, bool only_starts, Trials& trials) const {
+  const bool moves_model = fit.model.x.size() > 0 && !only_starts;
+  for (const double damping : moves_model ? DAMPINGS : std::vector<double>{0}) {
+    const Model model = moves_model ? stepped(fit, damping) : fit.model;
+    const VectorXd dx = moves_model ? VectorXd(model.x - fit.model.x) : VectorXd();
+    for (const double start_damping : START_DAMPINGS) {
+      std::vector<VectorXd> delta = fit.delta;
+      bool any_moves = false;
+      for (std::size_t w = 0; w < delta.size(); ++w)
+        if (delta[w].size() > 0) {
+          delta[w] += best_start(fit, w, dx, start_damping);
+          any_moves = true;
+        }
+      if (start_damping == 0 || any_moves) trials.add(model, std::move(delta), owner);
+    }
+  }
+}
+
+// Each model of the trials once, with the best residuals of each window there: where models are the same the windows
+// have nothing to do with each other, and each takes the start that is best for it.
+std::vector<Fitter::Attempt> Fitter::attempts_of(const FitData& data, const Trials& trials,
+                                                 const std::vector<Fit>& fits) {
+  const std::vector<std::vector<Prediction>> found = evaluate(data, trials.models, trials.delta);
+  const std::size_t n_windows = data.windows.size();
+  std::vector<Attempt> attempts;
+  for (std::size_t first = 0, last = 0; first < found.size(); first = last) {
+    const Fit& fit = fits[trials.owner[first]];
+    while (last < found.size() && trials.owner[last] == trials.owner[first] &&
+           trials.models[last].x == trials.models[first].x)
+      ++last;
+    Attempt attempt{trials.models[first], std::vector<VectorXd>(n_windows), std::vector<VectorXd>(n_windows),
+                    trials.owner[first], belief_cost(trials.models[first])};
+    const bool is_same_model = attempt.model.x == fit.model.x;
+    for (std::size_t w = 0; w < n_windows; ++w) {
+      double least = std::numeric_limits<double>::infinity();
+      const auto take = [&](const VectorXd& r, const VectorXd& d) {
+        const double cost = robust_cost({r}, scale_of(fit, w)) + start_cost({d});
+        if (!(cost < least)) return;
+        least = cost;
+        attempt.residual[w] = r;
+        attempt.delta[w] = d;
+      };
+      if (is_same_model) take(fit.residual[w], fit.delta[w]);
+      for (std::size_t t = first; t < last; ++t)
+        if (found[t][w].is_well) take(found[t][w].residual, trials.delta[t][w]);
+      attempt.cost += least;
+    }
+    if (std::isfinite(attempt.cost)) attempts.push_back(std::move(attempt));
+  }
+  return attempts;
+}
+
+// Where a step did not do what was promised the starts that went with it are not the best ones there: each is corrected
+// by what is left, with the answers to the starts as they are known, lest the step leave a valley that bends.
+Fitter::Trials Fitter::corrected(const std::vector<Attempt>& attempts, const std::vector<Fit>& fits) const {
+  Trials trials;
+  for (const Attempt& attempt : attempts) {
+    const Fit& fit = fits[attempt.owner];
+    Fit there = fit;
+    there.residual = attempt.residual;
+    there.delta = attempt.delta;
+    bool any_broken = false;
+    std::vector<VectorXd> delta = attempt.delta;
+    for (std::size_t w = 0; w < delta.size(); ++w) {
+      if (keeps_promise(fit, w, attempt.model.x, attempt.delta[w], attempt.residual[w])) continue;
+      any_broken = true;
+      delta[w] += best_start(there, w, VectorXd());
+    }
+    if (any_broken) trials.add(attempt.model, std::move(delta), attempt.owner);
+  }
+  return trials;
+}
+
+// Takes the best attempt of each fit if it is better than where it is; which got better.
+std::vector<char> Fitter::take_best(const FitData& data, const Trials& trials, std::vector<Fit>& fits) {
+  std::vector<Attempt> attempts = attempts_of(data, trials, fits);
+  const Trials again = corrected(attempts, fits);
+  for (Attempt& attempt : attempts_of(data, again, fits)) attempts.push_back(std::move(attempt));
+  std::vector<char> is_better(fits.size(), false);
+  for (std::size_t m = 0; m < fits.size(); ++m) {
+    Fit& fit = fits[m];
+    Attempt* best = nullptr;
+    for (Attempt& attempt : attempts)
+      if (attempt.owner == m && (best == nullptr || attempt.cost < best->cost)) best = &attempt;
+    if (best == nullptr) continue;
+    is_better[m] = best->cost < fit.cost;
+    for (std::size_t w = 0; w < data.windows.size(); ++w) {
+      const bool is_kept = keeps_promise(fit, w, best->model.x, best->delta[w], best->residual[w]);
+      if (is_better[m])
+        fit.start_slope[w] = is_kept ? StartSlope::near : StartSlope::stale;
+      else if (!is_kept && fit.start_slope[w] == StartSlope::near)
+        fit.start_slope[w] = StartSlope::stale;
+    }
+    if (!is_better[m]) continue;
+    fit.cost = best->cost;
+    fit.model = std::move(best->model);
+    fit.delta = std::move(best->delta);
+    fit.residual = std::move(best->residual);
+  }
+  return is_better;
+}
+
+std::vector<Fit> Fitter::begin(const FitData& data, std::vector<Model> models) {
+  std::vector<Fit> fits(models.size());
+  std::vector<VectorXd> zeros;
+  for (const Window& window : data.windows) zeros.push_back(VectorXd::Zero(Eigen::Index(window.unknowns.size())));
+  std::vector<std::vector<Prediction>> found = evaluate(data, models, std::vector(models.size(), zeros));
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    const bool is_there = models[m].parts == data.at.parts && models[m].x == data.at.x;
+    fits[m].of_start = data.of_start;
+    fits[m].start_slope.assign(data.windows.size(), is_there ? StartSlope::here : StartSlope::stale);
+    fits[m].model = std::move(models[m]);
+    fits[m].delta = zeros;
+    fits[m].is_well = true;
+    for (Prediction& p : found[m]) {
+      fits[m].is_well = fits[m].is_well && p.is_well;
+      fits[m].residual.push_back(std::move(p.residual));
+    }
+  }
+  return fits;
+}
+
+void Fitter::improve(const FitData& data, std::vector<Fit>& fits, int n_steps, Scale scale, bool only_starts) {
+  for (int step = 0; step < n_steps; ++step) {
+    differentiate(data, fits, only_starts ? Which::open_starts : Which::open);
+    Trials trials;
+    std::vector<double> before(fits.size());
+    for (std::size_t m = 0; m < fits.size(); ++m) {
+      Fit& fit = fits[m];
+      if (!fit.is_well || fit.has_converged || fit.is_given_up) continue;
+      fit.scale = robust_scale(fit.residual);
+      fit.window_scale = scale == Scale::of_window ? window_scales(fit.residual) : std::vector<double>();
+      before[m] = fit.cost = cost_of(fit);
+      add_trials(fit, m, only_starts, trials);
+    }
+    if (trials.models.empty()) return;
+    const std::vector<char> is_better = take_best(data, trials, fits);
+    for (std::size_t m = 0; m < fits.size(); ++m) {
+      Fit& fit = fits[m];
+      if (!fit.is_well || fit.has_converged || fit.is_given_up) continue;
+      fit.is_stale = fit.is_stale || is_better[m];
+      fit.has_converged = is_better[m] ? before[m] - fit.cost <= SMALL_CHANGE * before[m] : !any_start_is_stale(fit);
+    }
+  }
+}
+
+std::vector<std::vector<VectorXd>> Fitter::promised(const FitData& data, std::vector<Fit>& fits) {
+  differentiate(data, fits, Which::open);
+  std::vector<std::vector<VectorXd>> residuals;
+  for (const Fit& fit : fits) {
+    residuals.push_back(fit.residual);
+    if (!fit.is_well || fit.is_stale || fit.model.x.size() == 0) continue;
+    const VectorXd dx = stepped(fit, 0).x - fit.model.x;
+    for (std::size_t w = 0; w < fit.residual.size(); ++w) {
+      residuals.back()[w] += fit.slope[w] * dx;
+      if (fit.delta[w].size() > 0) residuals.back()[w] += fit.of_start[w] * best_start(fit, w, dx);
+    }
+  }
+  return residuals;
+}
+
+void Fitter::finish(const FitData& data, std::vector<Fit>& fits) {
+  for (Fit& fit : fits) {
+    const std::vector<double> scales = window_scales(fit.residual);
+    const bool any_missed =
+        std::any_of(scales.begin(), scales.end(), [&](double s) { return s > MISSED * robust_scale(fit.residual); });
+    fit.has_converged = !any_missed;
+  }
+  improve(data, fits, LAST_STEPS, Scale::of_all);
+  conclude(data, fits);
+}
+
+void Fitter::conclude(const FitData& data, std::vector<Fit>& fits) {
+  differentiate(data, fits, Which::all);
+  for (Fit& fit : fits) {
+    if (!fit.is_well) continue;
+    fit.scale = robust_scale(fit.residual);
+    fit.window_scale.clear();
+    fit.cost = cost_of(fit);
+    fit.covariance = covariance_of(fit);
+  }
+}
+
+std::vector<Fit> Fitter::fit(const FitData& data, std::vector<Model> models, int n_steps) {
+  std::vector<Fit> fits = begin(data, std::move(models));
+  const bool any_unknown = std::any_of(data.windows.begin(), data.windows.end(),
+                                       [](const Window& window) { return !window.unknowns.empty(); });
+  if (n_steps == 0) {
+    if (any_unknown) improve(data, fits, START_STEPS, Scale::of_window, true);
+    return fits;
+  }
+  improve(data, fits, n_steps);
+  finish(data, fits);
+  return fits;
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,157 @@
+// Models fitted to windows by Gauss-Newton steps with damping, all models side by side. What is minimised is Student's
+// log-likelihood (4 degrees of freedom) of the residuals, so that single bad samples do not decide, plus what is known
+// of the windows' starts and believed of the parameters p:
+//   C = sum_i 5/2 s^2 log(1 + r_i^2 / (4 s^2)) + sum_w sum_k delta_wk^2 / (2 sigma_wk^2)
+//       + sum_p (x_p - off_p)^2 / (2 b_p^2)
+// with r the residuals in units of noise, s their scale, at least 1, and delta_w the errors of the start of window w,
+// which the linear system leaves to each window. How residuals answer to the starts is another matter where a model
+// brakes what another lets slide: it is found again wherever a step does not do what was promised. On the way s is each
+// window's own: while the model is still wrong a window that it misses is no outlier, and would else be given up. At
+// the end it is that of all.
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "host/identify/candidates/candidate.hpp"
+
+namespace pvg::diagnose {
+
+// Candidates together, and the values of all their parameters one after the other.
+struct Model {
+  std::vector<const Candidate*> parts;
+  Eigen::VectorXd x;
+  Eigen::VectorXd scale;  // changes worth trying
+  std::vector<const Parameter*> parameters() const;
+};
+
+// The base variant changed by a model.
+Variant variant_of(const Variant& base, const Model& model);
+
+// Windows, and how the residuals answer to what is not known of their starts: d r / d delta, in units of its sigma.
+struct FitData {
+  std::vector<Window> windows;
+  std::vector<Eigen::MatrixXd> of_start;  // [n_windows][n_data x n_unknowns]
+  Model at = {};                          // where
+};
+
+// How far the answers to a window's start can be trusted: found here, found near by, or not what they promise.
+enum class StartSlope { here, near, stale };
+
+struct Fit {
+  Model model;
+  std::vector<Eigen::VectorXd> delta;     // [n_windows][n_unknowns] in units of their sigma
+  std::vector<Eigen::VectorXd> residual;  // [n_windows][n_data]
+  std::vector<Eigen::MatrixXd> slope;     // [n_windows][n_data x n_parameters] d r / d x
+  std::vector<Eigen::MatrixXd> of_start;  // [n_windows][n_data x n_unknowns] d r / d delta
+  std::vector<StartSlope> start_slope;    // [n_windows]
+  Eigen::MatrixXd covariance;             // of x
+  double cost = 0, scale = 1;             // C; s of all windows
+  std::vector<double> window_scale;       // [n_windows] s of each; empty: that of all
+  bool is_well = false;                   // simulated to the end of every window
+  bool is_stale = true;                   // the slopes are not of where it is
+  bool has_converged = false;             // a step changes little
+  bool is_given_up = false;               // it is not worth further steps
+};
+
+class Fitter {
+ public:
+  Fitter(Predictor& predictor, const Variant& base) : predictor_(predictor), base_(base) {}
+
+  // The windows' answers to their starts, at a model, and what steps of half the length would change there: added
+  // to all residuals from then on, if asked for. Windows that cannot be simulated to their end are left out.
+  FitData prepare(std::vector<Window> windows, const Model& at, bool corrects = true);
+  // From now on nothing is corrected for the length of the steps.
+  void take_steps_as_they_are() { corrects_steps_ = false; }
+  // Likewise, and answers are looked for by larger changes: masks answer by whole pixels, and a small change tells more
+  // of which pixels turn than of how fast.
+  void expect_whole_pixels() {
+    corrects_steps_ = false;
+    difference_ = 0.3;
+  }
+  // The same about the starts that fit best there, not those that were measured: what rests on something answers to
+  // its start by kinks.
+  FitData prepare_near(std::vector<Window> windows, const Model& at);
+  // Likewise, of what was prepared already, about the starts of a fit of them.
+  FitData prepared_nearer(FitData data, const Fit& fit);
+  // Each model from where it is, starts fitted too, to the end. n_steps 0: only the starts are fitted.
+  std::vector<Fit> fit(const FitData& data, std::vector<Model> models, int n_steps);
+  // The same in parts: where the models are; at most n_steps from there, of those that have not converged; slopes and
+  // covariances there. `scale`: what is taken for an outlier.
+  enum class Scale { of_window, of_all };
+  std::vector<Fit> begin(const FitData& data, std::vector<Model> models);
+  void improve(const FitData& data, std::vector<Fit>& fits, int n_steps, Scale scale = Scale::of_window,
+               bool only_starts = false);
+  // Residuals of each fit that is not done yet as a full step from where it is promises them; of others as they are.
+  std::vector<std::vector<Eigen::VectorXd>> promised(const FitData& data, std::vector<Fit>& fits);
+  // The last steps, with outliers as of all windows, and conclude.
+  void finish(const FitData& data, std::vector<Fit>& fits);
+  void conclude(const FitData& data, std::vector<Fit>& fits);
+  // Residuals at given models; delta as in Fit, empty: zeros.
+  std::vector<std::vector<Prediction>> evaluate(const FitData& data, const std::vector<Model>& models,
+                                                const std::vector<std::vector<Eigen::VectorXd>>& delta,
+                                                bool wants_phases = false);
+
+ private:
+  struct Trials {
+    std::vector<Model> models;
+    std::vector<std::vector<Eigen::VectorXd>> delta;
+    std::vector<std::size_t> owner;  // number of the fit
+    void add(Model model, std::vector<Eigen::VectorXd> start, std::size_t of_fit) {
+      models.push_back(std::move(model));
+      delta.push_back(std::move(start));
+      owner.push_back(of_fit);
+    }
+  };
+  struct Attempt {  // a model that was tried, with the best starts found there
+    Model model;
+    std::vector<Eigen::VectorXd> delta, residual;
+    std::size_t owner = 0;
+    double cost = 0;
+  };
+  // What is stale of the slopes and of the answers to the starts (fit_slopes.cpp).
+  enum class Which { open, all, open_starts };
+  void differentiate(const FitData& data, std::vector<Fit>& fits, Which which);
+  void add_trials(const Fit& fit, std::size_t owner, bool only_starts, Trials& trials) const;
+  std::vector<Attempt> attempts_of(const FitData& data, const Trials& trials, const std::vector<Fit>& fits);
+  Trials corrected(const std::vector<Attempt>& attempts, const std::vector<Fit>& fits) const;
+  std::vector<char> take_best(const FitData& data, const Trials& trials, std::vector<Fit>& fits);
+  Predictor& predictor_;
+  const Variant& base_;
+  bool corrects_steps_ = true;
+  double difference_ = 0.03;  // by which slopes are found, of how far a parameter is from "off"
+};
+
+// What is left of `change` when each window's start may move.
+Eigen::VectorXd beside_starts(const Eigen::MatrixXd& of_start, const Eigen::VectorXd& change);
+
+// By how much a start moves where its answer is looked for, in units of its sigma: seen, yet small.
+inline constexpr double START_STEP = 0.05;
+
+// The variant with steps of half the length.
+Variant refined(const Variant& variant);
+// What the change from a step to its half is to be multiplied by to give the step's error (Richardson 1911): 4/3 where
+// it is of second order, 2 where it is of first order. What joints dissipate is of first order in every integrator.
+double richardson_factor(const Scene& scene);
+bool dissipates(const Scene& scene);
+
+// 1.48 times the median of |r|, at least 1.
+double robust_scale(const std::vector<Eigen::VectorXd>& residual);
+double robust_cost(const std::vector<Eigen::VectorXd>& residual, double scale);
+// robust_scale of each window alone
+std::vector<double> window_scales(const std::vector<Eigen::VectorXd>& residual);
+double robust_cost(const std::vector<Eigen::VectorXd>& residual, const std::vector<double>& scales);
+// Root of the mean square of all residuals.
+double rms(const std::vector<Eigen::VectorXd>& residual);
+
+// The normal equations of one fit with the windows' starts eliminated. parts: per window.
+struct Reduced {
+  std::vector<Eigen::MatrixXd> a;  // [n_windows][p x p]
+  std::vector<Eigen::VectorXd> g;  // [n_windows][p]
+  Eigen::MatrixXd sum_a() const;
+  Eigen::VectorXd sum_g() const;
+};
+Reduced reduce(const Fit& fit);
+// The change of a window's start that fits best when the parameters change by dx; damping: Levenberg and Marquardt's.
+Eigen::VectorXd best_start(const Fit& fit, std::size_t window, const Eigen::VectorXd& dx, double damping = 0);
+
+}  // namespace pvg::diagnose

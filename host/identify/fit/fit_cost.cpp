@@ -1,0 +1,157 @@
+#include "host/identify/fit/fit_cost.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pvg::diagnose {
+namespace {
+
+using Eigen::MatrixXd, Eigen::VectorXd;
+constexpr double FREEDOM = 4;  // degrees of, of Student's distribution
+
+VectorXd weights_of(const VectorXd& r, double s) {
+  return (1.0 / (1.0 + r.array().square() / (FREEDOM * s * s))).matrix() * ((FREEDOM + 1) / FREEDOM);
+}
+
+// the system of one window's start
+struct StartSystem {
+  MatrixXd weighted;             // W U
+  Eigen::LDLT<MatrixXd> factor;  // of U^T W U + 1
+};
+
+StartSystem start_system(const Fit& fit, std::size_t w, double damping = 0) {
+  const MatrixXd& u = fit.of_start[w];
+  StartSystem system;
+  system.weighted = weights_of(fit.residual[w], scale_of(fit, w)).asDiagonal() * u;
+  MatrixXd a = u.transpose() * system.weighted + MatrixXd::Identity(u.cols(), u.cols());
+  a.diagonal() *= 1 + damping;
+  system.factor.compute(a);
+  return system;
+}
+
+}  // namespace
+
+double start_cost(const std::vector<VectorXd>& delta) {
+  double sum = 0;
+  for (const VectorXd& d : delta) sum += 0.5 * d.squaredNorm();
+  return sum;
+}
+
+double believed_of(const Parameter& p) { return p.believed > 0 ? p.believed : p.high - p.low; }
+
+double belief_cost(const Model& model) {
+  const std::vector<const Parameter*> parameters = model.parameters();
+  double sum = 0;
+  for (Eigen::Index i = 0; i < model.x.size(); ++i) {
+    const Parameter& p = *parameters[std::size_t(i)];
+    sum += 0.5 * std::pow((model.x[i] - p.off) / believed_of(p), 2);
+  }
+  return sum;
+}
+
+double scale_of(const Fit& fit, std::size_t w) { return fit.window_scale.empty() ? fit.scale : fit.window_scale[w]; }
+
+double cost_of(const Fit& fit) {
+  double cost = start_cost(fit.delta) + belief_cost(fit.model);
+  for (std::size_t w = 0; w < fit.residual.size(); ++w) cost += robust_cost({fit.residual[w]}, scale_of(fit, w));
+  return cost;
+}
+
+double robust_scale(const std::vector<VectorXd>& residual) {
+  std::vector<double> all;
+  for (const VectorXd& r : residual)
+    for (const double value : r)
+      if (std::isfinite(value)) all.push_back(std::abs(value));
+  if (all.empty()) return 1;
+  std::nth_element(all.begin(), all.begin() + std::ptrdiff_t(all.size() / 2), all.end());
+  return std::max(1.0, 1.4826 * all[all.size() / 2]);
+}
+
+double robust_cost(const std::vector<VectorXd>& residual, double s) {
+  double sum = 0;
+  for (const VectorXd& r : residual)
+    sum += 0.5 * (FREEDOM + 1) * s * s * (1.0 + r.array().square() / (FREEDOM * s * s)).log().sum();
+  return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+}
+
+std::vector<double> window_scales(const std::vector<VectorXd>& residual) {
+  std::vector<double> scales;
+  for (const VectorXd& r : residual) scales.push_back(robust_scale({r}));
+  return scales;
+}
+
+double robust_cost(const std::vector<VectorXd>& residual, const std::vector<double>& scales) {
+  double sum = 0;
+  for (std::size_t w = 0; w < residual.size(); ++w) sum += robust_cost({residual[w]}, scales[w]);
+  return sum;
+}
+
+double rms(const std::vector<VectorXd>& residual) {
+  double sum = 0, n = 0;
+  for (const VectorXd& r : residual) {
+    sum += r.squaredNorm();
+    n += double(r.size());
+  }
+  return n > 0 ? std::sqrt(sum / n) : 0;
+}
+
+MatrixXd Reduced::sum_a() const {
+  MatrixXd sum = MatrixXd::Zero(a[0].rows(), a[0].cols());
+  for (const MatrixXd& one : a) sum += one;
+  return sum;
+}
+
+VectorXd Reduced::sum_g() const {
+  VectorXd sum = VectorXd::Zero(g[0].size());
+  for (const VectorXd& one : g) sum += one;
+  return sum;
+}
+
+Reduced reduce(const Fit& fit) {
+  Reduced reduced;
+  for (std::size_t w = 0; w < fit.residual.size(); ++w) {
+    const MatrixXd& j = fit.slope[w];
+    const StartSystem start = start_system(fit, w);
+    const MatrixXd wj = weights_of(fit.residual[w], scale_of(fit, w)).asDiagonal() * j;
+    const MatrixXd cross = start.weighted.transpose() * j;
+    MatrixXd a = j.transpose() * wj;
+    VectorXd g = wj.transpose() * fit.residual[w];
+    if (cross.rows() > 0) {
+      a -= cross.transpose() * start.factor.solve(cross);
+      g -= cross.transpose() * start.factor.solve(start.weighted.transpose() * fit.residual[w] + fit.delta[w]);
+    }
+    reduced.a.push_back(a);
+    reduced.g.push_back(g);
+  }
+  return reduced;
+}
+
+VectorXd best_start(const Fit& fit, std::size_t w, const VectorXd& dx, double damping) {
+  if (fit.of_start[w].cols() == 0) return VectorXd();
+  const StartSystem start = start_system(fit, w, damping);
+  VectorXd r = fit.residual[w];
+  if (dx.size() > 0) r += fit.slope[w] * dx;
+  return -start.factor.solve(start.weighted.transpose() * r + fit.delta[w]);
+}
+
+MatrixXd covariance_of(const Fit& fit) {
+  const Reduced reduced = reduce(fit);
+  const Eigen::Index p = fit.model.x.size();
+  MatrixXd a = reduced.sum_a();
+  const std::vector<const Parameter*> parameters = fit.model.parameters();
+  for (Eigen::Index i = 0; i < p; ++i) a(i, i) += 1 / std::pow(believed_of(*parameters[std::size_t(i)]), 2);
+  const MatrixXd inverse = a.completeOrthogonalDecomposition().pseudoInverse();
+  MatrixXd scores = MatrixXd::Zero(p, p);
+  const VectorXd mean = reduced.sum_g() / double(reduced.g.size());
+  for (const VectorXd& g : reduced.g) scores += (g - mean) * (g - mean).transpose();
+  const double n = double(reduced.g.size());
+  const MatrixXd noise = inverse * fit.scale * fit.scale;
+  if (n < 3) return noise;
+  const MatrixXd sandwich = inverse * scores * inverse * (n / (n - 1));
+  MatrixXd both = noise;
+  for (Eigen::Index i = 0; i < p; ++i) both(i, i) = std::max(noise(i, i), sandwich(i, i));
+  return both;
+}
+
+}  // namespace pvg::diagnose

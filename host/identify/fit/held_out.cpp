@@ -1,0 +1,147 @@
+#include "host/identify/fit/held_out.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pvg::diagnose {
+namespace {
+
+using Eigen::VectorXd;
+constexpr double LEAST_GAP_OF_SECOND = 0.2;  // of what is left, for a further effect to stay
+constexpr double DISTURBED = 5;              // times the median window's error
+constexpr double MOST_DISTURBED = 0.1;       // of all windows: where more are wrong, the model is
+constexpr double HALVED = 0.5;               // by a model, of the error before: it explains something there
+
+// Of the windows that count. in_noise: else in the channels' unit.
+double error_in(const Problem& problem, const FitData& data, const std::vector<VectorXd>& residual,
+                const std::vector<bool>& counts, bool in_noise) {
+  double sum = 0, n = 0;
+  for (std::size_t w = 0; w < data.windows.size(); ++w) {
+    if (!counts[w]) continue;
+    const Window& window = data.windows[w];
+    for (std::size_t i = 0; i < window.data.size(); ++i) {
+      const double unit =
+          in_noise ? 1 : noise_in(problem, problem.runs[std::size_t(window.run)], std::size_t(window.data[i].channel));
+      sum += std::pow(residual[w][Eigen::Index(i)] * unit, 2);
+      n += 1;
+    }
+  }
+  return n > 0 ? std::sqrt(sum / n) : 0;
+}
+
+double rms_of(const VectorXd& residual) {
+  return residual.size() > 0 ? std::sqrt(residual.squaredNorm() / double(residual.size())) : 0;
+}
+
+// 1 - mIoU over all windows that have masks
+double mask_gap(Fitter& fitter, const FitData& data, const Fit& fit) {
+  double sum = 0;
+  int n = 0;
+  const auto found = fitter.evaluate(data, {fit.model}, {fit.delta});
+  for (const Prediction& p : found.front())
+    if (std::isfinite(p.mask_overlap)) {
+      sum += p.mask_overlap;
+      ++n;
+    }
+  return n > 0 ? 1 - sum / n : std::nan("");
+}
+
+}  // namespace
+
+std::vector<bool> undisturbed(const std::vector<VectorXd>& before, const std::vector<VectorXd>& after) {
+  std::vector<double> error;
+  for (const VectorXd& r : after) error.push_back(rms_of(r));
+  std::vector<double> sorted = error;
+  std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
+  std::vector<bool> counts;
+  for (std::size_t w = 0; w < error.size(); ++w)
+    counts.push_back(error[w] <= DISTURBED * sorted[sorted.size() / 2] || error[w] < HALVED * rms_of(before[w]));
+  const auto n = std::count(counts.begin(), counts.end(), false);
+  return double(n) <= MOST_DISTURBED * double(counts.size()) ? counts : std::vector<bool>(counts.size(), true);
+}
+
+std::vector<Curve> curves_of(const Problem& problem, const FitData& data, const Fit& before, const Fit& after,
+                             std::size_t most) {
+  std::vector<Curve> curves;
+  for (std::size_t w = 0; w < data.windows.size() && curves.size() < most; ++w) {
+    const Window& window = data.windows[w];
+    const Run& run = problem.runs[std::size_t(window.run)];
+    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+      const Channel& channel = problem.channels[c];
+      for (int k = 0; k < channel.n; ++k) {
+        const double sigma = noise_in(problem, run, c);
+        Curve curve{run.name,     channel.name + (channel.n > 1 ? std::string(", ") + "xyz"[k] : ""),
+                    channel.unit, run.is_held_out,
+                    {},           {},
+                    {},           {}};
+        for (std::size_t i = 0; i < window.data.size(); ++i) {
+          const Datum& d = window.data[i];
+          if (d.channel != int(c) || d.component != k) continue;
+          const bool turn = channel.kind == RecordedChannel::Kind::orientation;  // shown as deviations
+          const double measured = turn ? 0 : run.values[c][d.sample * std::size_t(channel.width) + std::size_t(k)];
+          curve.t.push_back(run.t[d.sample]);
+          curve.measured.push_back(measured);
+          curve.before.push_back(measured - before.residual[w][Eigen::Index(i)] * sigma);
+          curve.after.push_back(measured - after.residual[w][Eigen::Index(i)] * sigma);
+        }
+        if (!curve.t.empty()) curves.push_back(std::move(curve));
+      }
+    }
+  }
+  return curves;
+}
+
+HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, std::size_t most_windows,
+                       const std::vector<Model>& grown, bool in_noise) {
+  HeldOut result;
+  result.kept = grown.size();
+  const std::vector<Window> windows = make_windows(problem, true, length, most_windows);
+  if (windows.empty()) return result;
+  // each model with its own starts and its own correction for the time step
+  std::vector<Model> models = grown;
+  models.insert(models.begin(), Model{{}, VectorXd(), VectorXd()});
+  std::vector<FitData> data;
+  std::vector<Fit> fits;
+  for (const Model& model : models) {
+    data.push_back(fitter.prepare_near(windows, model));
+    if (data.back().windows.empty() || data.back().windows.size() != data.front().windows.size()) break;
+    fits.push_back(fitter.fit(data.back(), {model}, 0).front());
+    if (!fits.back().is_well) break;
+  }
+  if (fits.empty() || !fits[0].is_well) return result;
+  std::vector<VectorXd> ones;
+  for (const Window& window : data[0].windows) ones.push_back(VectorXd::Ones(Eigen::Index(window.data.size())));
+  while (!fits.back().is_well) fits.pop_back();
+  const std::vector<bool> all(data[0].windows.size(), true);
+  const std::vector<bool> counts = fits.size() > 1 ? undisturbed(fits.front().residual, fits.back().residual) : all;
+  const auto error_of = [&](std::size_t m, const std::vector<bool>& counted) {
+    return error_in(problem, data[m], fits[m].residual, counted, in_noise);
+  };
+  result.floor = error_in(problem, data[0], ones, counts, in_noise);
+  result.before = result.after = error_of(0, counts);
+  result.kept = 0;
+  for (std::size_t m = 1; m < fits.size(); ++m) {
+    const double after = error_of(m, counts);
+    if (m > 1 && after - result.floor > (1 - LEAST_GAP_OF_SECOND) * (result.after - result.floor)) break;
+    result.after = after;
+    result.kept = m;
+  }
+  result.before_all = error_of(0, all);
+  result.after_all = error_of(result.kept, all);
+  for (std::size_t w = 0; w < counts.size(); ++w)
+    if (const Window& window = data[0].windows[w]; !counts[w])
+      result.disturbed.push_back({problem.runs[std::size_t(window.run)].name, window.start, window.end,
+                                  rms_of(fits[0].residual[w]), rms_of(fits[result.kept].residual[w])});
+  if (!problem.recording.mask_sources.empty()) {
+    result.mask_gap_before = mask_gap(fitter, data[0], fits[0]);
+    result.mask_gap_after = mask_gap(fitter, data[result.kept], fits[result.kept]);
+  }
+  result.curves = curves_of(problem, data[0], fits[0], fits[result.kept], 8);
+  return result;
+}
+
+double closed(double before, double after, double floor) {
+  return before > floor ? std::clamp(1 - (after - floor) / (before - floor), -10.0, 1.0) : 0;
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,52 @@
+// Stage 7: the runs that nothing has seen so far, simulated without and with what was found.
+#pragma once
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "host/identify/fit/fit.hpp"
+
+namespace pvg::diagnose {
+
+// Measured and simulated, of one channel's component over one window.
+struct Curve {
+  std::string run, channel, unit;
+  bool is_held_out = false;
+  std::vector<double> t, measured, before, after;  // [s], [unit]
+};
+
+// A window that nothing explains: someone pushed, a sensor failed.
+struct Disturbance {
+  std::string run;
+  double start = 0, end = 0;     // [s]
+  double before = 0, after = 0;  // [noise]
+};
+
+struct HeldOut {
+  double before = 0, after = 0, floor = 0;  // errors in the channels' unit, or in units of noise; floor 0: not judged
+  std::vector<Disturbance> disturbed;       // are left out of these errors
+  double before_all = 0, after_all = 0;     // with them
+  double mask_gap_before = NAN, mask_gap_after = NAN;  // 1 - mean intersection over union; NaN: no masks
+  std::size_t kept = 0;                                // of the models that were given
+  std::vector<Curve> curves;
+};
+
+// Which windows count, by their residuals [n_windows][n_data, noise] before and after: not those that are left wrong by
+// more than five times the median window and less than halved, if they are at most a tenth of all; else all.
+std::vector<bool> undisturbed(const std::vector<Eigen::VectorXd>& before, const std::vector<Eigen::VectorXd>& after);
+
+// grown: models that grow by one effect each; an effect stays only if it closes enough of what was left before it.
+// Windows that are disturbed by the last of them count in none of the errors.
+// length: of windows [s], 0: whole runs. in_noise: errors in units of noise, where channels have several units.
+HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, std::size_t most_windows,
+                       const std::vector<Model>& grown, bool in_noise);
+
+std::vector<Curve> curves_of(const Problem& problem, const FitData& data, const Fit& before, const Fit& after,
+                             std::size_t most);
+
+inline constexpr std::size_t CURVES_OF_FITTED_RUNS = 4;  // in a report, beside those of held-out ones
+
+// The share of a gap that was closed: 1 at the floor, 0 for none, less where it grew.
+double closed(double before, double after, double floor);
+
+}  // namespace pvg::diagnose

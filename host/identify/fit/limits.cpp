@@ -1,0 +1,61 @@
+#include "host/identify/fit/limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/identify/fit/fit_cost.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+constexpr double HIGHEST = 1, LOWEST = 1e-3;  // limits that are tried, in their units
+constexpr int N_BETWEEN = 7;                  // between one that is felt and its double
+constexpr double FELT = 1e-3;                 // rms in units of noise
+
+// Whether each value of the candidate's only parameter changes anything; what cannot be simulated surely does.
+std::vector<char> is_felt(Fitter& fitter, const FitData& data, const Fit& base, const Candidate& candidate,
+                          const std::vector<double>& values) {
+  std::vector<Model> models;
+  for (const double value : values)
+    models.push_back({{&candidate}, Eigen::VectorXd::Constant(1, value), Eigen::VectorXd::Constant(1, value)});
+  const auto found = fitter.evaluate(data, models, std::vector(models.size(), base.delta));
+  std::vector<char> felt;
+  for (const std::vector<Prediction>& windows : found) {
+    std::vector<Eigen::VectorXd> change;
+    bool is_well = true;
+    for (std::size_t w = 0; w < windows.size(); ++w) {
+      is_well = is_well && windows[w].is_well;
+      if (is_well) change.push_back(windows[w].residual - base.residual[w]);
+    }
+    felt.push_back(!is_well || rms(change) > FELT);
+  }
+  return felt;
+}
+
+// The highest of descending values that is felt, or their number.
+std::size_t first_felt(const std::vector<char>& felt) {
+  return std::size_t(std::find(felt.begin(), felt.end(), char(true)) - felt.begin());
+}
+
+}  // namespace
+
+void place_limits(Fitter& fitter, const FitData& data, const Fit& base, std::vector<Candidate>& candidates) {
+  for (Candidate& candidate : candidates) {
+    if (candidate.parameters.size() != 1 || !candidate.parameters[0].is_limit) continue;
+    Parameter& limit = candidate.parameters[0];
+    std::vector<double> values;
+    for (double value = std::min(limit.high, HIGHEST); value > std::max(limit.low, LOWEST); value /= 2)
+      values.push_back(value);
+    const std::size_t coarse = first_felt(is_felt(fitter, data, base, candidate, values));
+    if (coarse == values.size()) continue;
+    const double felt = values[coarse];
+    values.clear();
+    for (int k = N_BETWEEN; k >= 0; --k) values.push_back(felt * std::exp2(double(k) / (N_BETWEEN + 1)));
+    const std::size_t fine = first_felt(is_felt(fitter, data, base, candidate, values));
+    const double ratio = std::exp2(1.0 / (N_BETWEEN + 1));
+    limit.off = limit.high = values.at(fine) * ratio;  // the last of them is `felt` again
+    limit.scale = limit.off - limit.off / ratio;
+  }
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,104 @@
+// Windows made ready for fits: how they answer to their starts, and what their time step does wrong.
+#include <algorithm>
+#include <cmath>
+
+#include "host/identify/fit/fit.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+using Eigen::MatrixXd, Eigen::VectorXd;
+constexpr double NEAR_NOISE = 1.1;  // of residuals: the starts are good enough as measured
+// of a start that windows are prepared about, in units of its sigma: a wrong model must not take them far from what was
+// measured
+constexpr double MOST_SHIFT = 4 / START_LOOSENESS;
+constexpr double MOST_CORRECTION = 5;  // rms in units of noise; more is no small error of the integration
+
+}  // namespace
+
+VectorXd beside_starts(const MatrixXd& u, const VectorXd& change) {
+  if (u.cols() == 0) return change;
+  const MatrixXd a = u.transpose() * u + MatrixXd::Identity(u.cols(), u.cols());
+  return change - u * a.ldlt().solve(u.transpose() * change);
+}
+
+Variant refined(const Variant& variant) {
+  Variant fine = variant;
+  fine.scene.solver.time_step /= 2;
+  return fine;
+}
+
+bool dissipates(const Scene& scene) {
+  return std::any_of(scene.joints.begin(), scene.joints.end(), [](const Joint& joint) {
+    return joint.damping > 0 || (is_driven(joint) && joint.drive.damping > 0);
+  });
+}
+
+double richardson_factor(const Scene& scene) {
+  const bool is_second_order = scene.solver.integrator == SolverSettings::Integrator::bdf2 && !dissipates(scene);
+  return is_second_order ? 4.0 / 3 : 2;
+}
+
+FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corrects) {
+  corrects = corrects && corrects_steps_;
+  predictor_.settle(base_, windows);
+  FitData data{std::move(windows), {}, at};
+  const Variant variant = variant_of(base_, at);
+  std::vector<Job> jobs;
+  for (const Window& window : data.windows) {
+    jobs.push_back({&variant, &window, window.initial, false});
+    for (const Unknown& unknown : window.unknowns) {
+      jobs.push_back(jobs.back());
+      jobs.back().initial = window.initial;
+      move(jobs.back().initial, unknown, START_STEP * unknown.sigma);
+    }
+  }
+  const std::vector<Prediction> found = predictor_.predict(jobs);
+  const Variant fine = refined(variant);
+  std::vector<Job> fine_jobs;
+  if (corrects)
+    for (const Window& window : data.windows) fine_jobs.push_back({&fine, &window, window.initial, false});
+  const std::vector<Prediction> finer = predictor_.predict(fine_jobs);
+  std::vector<Window> well;
+  std::size_t at_job = 0, at_window = 0;
+  for (const Window& window : data.windows) {
+    const Prediction* better = corrects ? &finer[at_window++] : nullptr;
+    const Prediction& here = found[at_job++];
+    MatrixXd u(Eigen::Index(window.data.size()), Eigen::Index(window.unknowns.size()));
+    bool is_well = here.is_well;
+    for (std::size_t k = 0; k < window.unknowns.size(); ++k, ++at_job) {
+      is_well = is_well && found[at_job].is_well;
+      u.col(Eigen::Index(k)) = (found[at_job].residual - here.residual) / START_STEP;
+    }
+    if (!is_well) continue;
+    well.push_back(window);
+    if (better && better->is_well) {
+      const VectorXd change = richardson_factor(base_.scene) * (better->residual - here.residual),
+                     left = beside_starts(u, change);
+      if (left.norm() < MOST_CORRECTION * std::sqrt(double(left.size()))) well.back().correction = left;
+    }
+    data.of_start.push_back(std::move(u));
+  }
+  data.windows = std::move(well);
+  return data;
+}
+
+FitData Fitter::prepare_near(std::vector<Window> windows, const Model& at) {
+  FitData data = prepare(std::move(windows), at);
+  if (data.windows.empty()) return data;
+  const Fit starts = fit(data, {at}, 0).front();
+  return prepared_nearer(std::move(data), starts);
+}
+
+FitData Fitter::prepared_nearer(FitData data, const Fit& fit) {
+  if (!fit.is_well || rms(fit.residual) < NEAR_NOISE) return data;
+  for (std::size_t w = 0; w < data.windows.size(); ++w)
+    for (std::size_t k = 0; k < data.windows[w].unknowns.size(); ++k) {
+      const Unknown& unknown = data.windows[w].unknowns[k];
+      const double by = std::clamp(fit.delta[w][Eigen::Index(k)], -MOST_SHIFT, MOST_SHIFT);
+      move(data.windows[w].initial, unknown, by * unknown.sigma);
+    }
+  return prepare(std::move(data.windows), data.at);
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,135 @@
+#include "host/identify/fit/time_step.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+namespace pvg::diagnose {
+namespace {
+
+constexpr double MOST_ERROR = 2.5, MOST_FIRST_ORDER_ERROR =
+                                       0.4;  // rms in units of noise, beside what the starts take up; it is corrected
+// likewise where masks are what was measured: what is left is not corrected, and whole pixels alone make the second
+constexpr double MOST_ERROR_OF_MASKS = 0.3, ERROR_OF_PIXELS = 1;
+constexpr double SOLVED = 1e-6;  // Newton's tolerance, so that answers to small changes are exact [m/s]
+constexpr double QUIET = 0.1;    // rms of a column beside the one that differs most
+
+// a world that needs more is one of a change that was too much; it would hold up all others
+constexpr int MOST_HALVINGS = 1;
+
+constexpr int MOST_REFINEMENTS = 2;
+constexpr double CONVERGES = 0.6;  // of the step's error, after each halving; of first order it is a half
+
+struct Choice {
+  SolverSettings::Integrator integrator;
+  double time_step;
+};
+
+// rms of the difference of two predictions of the same windows [noise]; the largest tenth of each column of a window is
+// left out: an impact a step earlier is no error of the motion. Columns in which next to nothing happens would only
+// thin the error out of those that move, and are left out, too.
+double apart(const FitData& data, const std::vector<Prediction>& a, const std::vector<Prediction>& b) {
+  std::map<std::pair<int, int>, std::pair<double, double>> columns;  // channel, component: sum of squares, how many
+  for (std::size_t w = 0; w < a.size(); ++w) {
+    if (!a[w].is_well || !b[w].is_well) continue;
+    const Eigen::VectorXd d = beside_starts(data.of_start[w], a[w].residual - b[w].residual);
+    std::map<std::pair<int, int>, std::vector<double>> squares;
+    for (std::size_t i = 0; i < data.windows[w].data.size(); ++i) {
+      const Datum& datum = data.windows[w].data[i];
+      squares[{datum.channel, datum.component}].push_back(d[Eigen::Index(i)] * d[Eigen::Index(i)]);
+    }
+    for (auto& [column, values] : squares) {
+      std::sort(values.begin(), values.end());
+      const std::size_t kept = std::max<std::size_t>(1, 9 * values.size() / 10);
+      columns[column].first += std::accumulate(values.begin(), values.begin() + std::ptrdiff_t(kept), 0.0);
+      columns[column].second += double(kept);
+    }
+  }
+  double most = 0, sum = 0, n = 0;
+  for (const auto& [column, total] : columns) most = std::max(most, total.first / total.second);
+  for (const auto& [column, total] : columns) {
+    if (total.first / total.second < QUIET * QUIET * most) continue;
+    sum += total.first;
+    n += total.second;
+  }
+  return n > 0 ? std::sqrt(sum / n) : INFINITY;
+}
+
+// Median over the windows of what is left of the residuals beside what other starts take up, rms [noise].
+double misfit(const FitData& data, const std::vector<Prediction>& predictions) {
+  std::vector<double> of_window;
+  for (std::size_t w = 0; w < predictions.size(); ++w)
+    of_window.push_back(predictions[w].is_well ? rms({beside_starts(data.of_start[w], predictions[w].residual)})
+                                               : INFINITY);
+  if (of_window.empty()) return INFINITY;
+  const auto middle = of_window.begin() + std::ptrdiff_t(of_window.size() / 2);
+  std::nth_element(of_window.begin(), middle, of_window.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem& problem, Variant& base) {
+  SolverSettings& solver = base.scene.solver;
+  solver.velocity_tolerance = std::min(solver.velocity_tolerance, SOLVED);
+  solver.cg_tolerance = std::min(solver.cg_tolerance, 1e-8);
+  solver.max_step_halvings = std::min(solver.max_step_halvings, MOST_HALVINGS);
+  const SolverSettings as_given = solver;
+  const double h = solver.time_step;
+  const FitData data =
+      fitter.prepare(make_windows(problem, false, problem.can_restart ? 1 : 0, 3), {{}, {}, {}}, false);
+  const auto predict = [&](const Choice& choice) {
+    Variant variant = base;
+    variant.scene.solver.integrator = choice.integrator;
+    variant.scene.solver.time_step = choice.time_step;
+    std::vector<Job> jobs;
+    for (const Window& window : data.windows) jobs.push_back({&variant, &window, window.initial, false});
+    return predictor.predict(jobs);
+  };
+  const auto bdf2 = SolverSettings::Integrator::bdf2;
+  // each choice is compared with second order at half the step
+  std::vector<Prediction> fine = predict({bdf2, h / 2}), coarse = predict({solver.integrator, h});
+  const bool is_first_order = dissipates(base.scene);
+  double error = (is_first_order ? 2 : 1) * apart(data, coarse, fine);
+  // with soft bodies and cloth finer steps would take too long
+  const bool is_stiff = base.scene.soft_bodies.empty() && base.scene.cloths.empty();
+  const bool by_pixels = is_stiff && !problem.recording.mask_sources.empty();
+  const double allowed = by_pixels ? MOST_ERROR_OF_MASKS : is_first_order ? MOST_FIRST_ORDER_ERROR : MOST_ERROR;
+  const double small = by_pixels ? ERROR_OF_PIXELS : allowed;
+  const bool is_as_given = error < allowed;
+  if (!is_as_given) {
+    const bool was_bdf2 = solver.integrator == bdf2;
+    solver.integrator = bdf2;
+    if (!was_bdf2) error = richardson_factor(base.scene) * apart(data, predict({bdf2, h}), fine);
+  }
+  const double misfit_as_given = misfit(data, coarse);
+  bool converges = true;
+  for (int halving = 0; error >= allowed && converges && halving < MOST_REFINEMENTS; ++halving) {
+    const double before = error;
+    solver.time_step /= 2;
+    coarse = std::move(fine);
+    fine = predict({bdf2, solver.time_step / 2});
+    error = richardson_factor(base.scene) * apart(data, coarse, fine);
+    converges = error < std::max(small, CONVERGES * before);
+  }
+  const bool is_small = error < small, is_nearer = misfit(data, fine) < misfit_as_given;
+  const bool keeps_as_given = !is_small && !(converges && is_nearer);
+  if (keeps_as_given) {
+    solver = as_given;
+    fitter.take_steps_as_they_are();
+  }
+  if (by_pixels) fitter.expect_whole_pixels();
+  return fmt::format(
+      "simulated with steps of {:.4g} ms, {}, {}; finer steps differ by {:.2g} times the noise, {}",
+      1e3 * solver.time_step, solver.integrator == bdf2 ? "BDF2" : "implicit Euler",
+      is_as_given || keeps_as_given ? "as the scene says" : "since the scene's own would be taken for an effect", error,
+      is_small          ? (by_pixels ? "whole pixels among it, which is not corrected" : "which is corrected")
+      : !keeps_as_given ? "which is too much to be corrected: what depends on it is not known"
+      : converges       ? "and are farther from what was measured: the step is part of the scene's model"
+                  : "and do not come nearer to each other, as in hard impacts: the step is part of the scene's model");
+}
+
+}  // namespace pvg::diagnose

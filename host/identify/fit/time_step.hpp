@@ -1,0 +1,15 @@
+// The step and the integrator of the workflow's own simulations: the scene's, unless their error shows beside the
+// noise.
+#pragma once
+#include <string>
+
+#include "host/identify/fit/fit.hpp"
+
+namespace pvg::diagnose {
+
+// Sets the solver of `base` and says what it did. An error of the integration that the sensors can see would be taken
+// for an effect (implicit Euler damps), so predictions are compared with those of finer steps and of second order. An
+// error of a few times the noise is allowed: Fitter::prepare corrects it.
+std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem& problem, Variant& base);
+
+}  // namespace pvg::diagnose

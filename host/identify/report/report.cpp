@@ -1,0 +1,188 @@
+#include "host/identify/report/report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+using json = nlohmann::ordered_json;
+constexpr std::size_t MOST_RIVALS = 3;    // that a sentence holds
+constexpr double HELD_OUT_AGREES = 1.15;  // of the noise, as fitted runs that agree
+
+void write(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  if (!out) throw Failure(file.string() + " could not be written");
+}
+
+std::string with_interval(const NamedParameter& p) {
+  return p.name + " " + shown(p.value) + " +- " + shown((p.high - p.low) / 4) + (p.unit == "1" ? "" : " " + p.unit);
+}
+
+// " (these data cannot tell it from linear_drag at ball)": of the sets that hold the name, what is not named.
+std::string rivals_of(const Diagnosis& d, const std::string& label) {
+  std::vector<std::string> rivals;
+  for (const std::vector<std::string>& set : d.inseparable) {
+    if (std::find(set.begin(), set.end(), label) == set.end()) continue;
+    for (const std::string& other : set) {
+      const bool is_named = std::any_of(d.effects.begin(), d.effects.end(),
+                                        [&](const NamedEffect& e) { return e.candidate->label() == other; });
+      if (!is_named && std::find(rivals.begin(), rivals.end(), other) == rivals.end()) rivals.push_back(other);
+    }
+  }
+  if (rivals.empty()) return "";
+  std::string text = " (these data cannot tell it from " + rivals[0];
+  for (std::size_t i = 1; i < std::min(rivals.size(), MOST_RIVALS); ++i) text += " or " + rivals[i];
+  if (rivals.size() > MOST_RIVALS) text += " or " + std::to_string(rivals.size() - MOST_RIVALS) + " others";
+  return text + ")";
+}
+
+json parameters_of(const NamedEffect& effect) {
+  json all = json::object();
+  for (const NamedParameter& p : effect.parameters)
+    all[p.name] = {{"value", p.value}, {"low", p.low}, {"high", p.high}, {"unit", p.unit}};
+  return all;
+}
+
+json ranking_of(const Diagnosis& diagnosis) {
+  json list = json::array();
+  for (const RankedModel& model : diagnosis.ranking) {
+    json one;
+    std::string name, target;
+    for (const Candidate* part : model.parts) {
+      name += (name.empty() ? "" : " + ") + part->name;
+      target += (target.empty() ? "" : " + ") + part->target;
+    }
+    one["name"] = name;
+    one["target"] = target;
+    one["held_out_error"] = model.error;  // of left-out fitting runs, in units of noise
+    one["evidence"] = model.evidence;
+    one["probability"] = model.probability;
+    std::size_t at = 0;
+    for (const Candidate* part : model.parts)
+      for (const Parameter& p : part->parameters) one["parameters"][part->name + "." + p.name] = model.values[at++];
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+json report_of(const Diagnosis& d) {
+  json report = {{"schema", 1}, {"verdict", verdict_name(d.verdict)}, {"sentence", d.sentence}};
+  report["effects"] = json::array();
+  if (d.verdict != Verdict::none && d.verdict != Verdict::agrees)
+    for (const NamedEffect& e : d.effects)
+      report["effects"].push_back({{"name", e.candidate->name},
+                                   {"family", family_name(e.candidate->family)},
+                                   {"site", e.candidate->site},
+                                   {"law", e.candidate->law},
+                                   {"target", e.candidate->target},
+                                   {"parameters", parameters_of(e)}});
+  report["ranking"] = ranking_of(d);
+  report["inseparable"] = d.inseparable;
+  report["next_experiment"] = d.next_experiment;
+  report["where"] = json::array();
+  for (const Cell& cell : d.where)
+    report["where"].push_back({{"body", cell.body},
+                               {"phase", cell.phase},
+                               {"share", cell.share},
+                               {"onset_s", cell.onset >= 0 ? json(cell.onset) : json(nullptr)},
+                               {"rms_in_noise", cell.rms},
+                               {"p_value", cell.p_value},
+                               {"significant", cell.is_significant}});
+  report["held_out"] = {
+      {"before", d.before}, {"after", d.after}, {"floor", d.floor}, {"unit", d.unit}, {"gap_closed", d.gap_closed}};
+  if (std::isfinite(d.mask_gap_before))
+    report["held_out"]["mask_gap"] = {{"before", d.mask_gap_before}, {"after", d.mask_gap_after}, {"unit", "1 - mIoU"}};
+  if (d.regressed) {
+    const RegressedLaw& law = *d.regressed;
+    report["regressed"] = {{"effect", law.effect},
+                           {"target", law.target},
+                           {"formula", law.amended.formulas},
+                           {"coefficients", law.amended.parameters},
+                           {"unit", law.unit},
+                           {"held_out",
+                            {{"before", law.before},
+                             {"after", law.after},
+                             {"floor", law.floor},
+                             {"unit", d.unit},
+                             {"gap_closed", law.gap_closed}}},
+                           {"fit_after", law.error}};
+  }
+  report["fit"] = {{"before", d.fit_before}, {"after", d.fit_after}, {"unit", "noise"}};
+  report["notes"] = d.notes;
+  report["amended_scene"] = "scene_amended.yaml";
+  report["seconds"] = d.seconds;
+  report["simulations"] = d.simulations;
+  return report;
+}
+
+}  // namespace
+
+std::string shown(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string text_of(const RegressedLaw& law) {
+  const std::string what = law.effect == "regressed_effort" ? "effort at " : "force on ";
+  return what + law.target + " = " + law.shown + " " + law.unit;
+}
+
+std::string sentence_of(const Diagnosis& d) {
+  const std::string unit = d.unit == "noise" ? " times the noise" : " " + d.unit;
+  std::string judged = d.floor > 0
+                           ? std::string("the held-out error ") + (d.after < d.before ? "falls" : "rises") + " from " +
+                                 shown(d.before) + " to " + shown(d.after) + unit + ", noise floor " + shown(d.floor)
+                           : "no run was held out to prove it on";
+  if (d.floor > 0 && std::isfinite(d.mask_gap_before))
+    judged += "; the masks' gap, 1 - mIoU, from " + shown(d.mask_gap_before) + " to " + shown(d.mask_gap_after);
+  if (d.verdict == Verdict::agrees)
+    return "simulation and measurement agree within the noise: the error is " + shown(d.fit_before) +
+           " times the noise";
+  if (d.verdict == Verdict::none) {
+    std::string text = "none of the known effects explains the misfit of " + shown(d.fit_before) + " times the noise";
+    if (!d.where.empty()) text += ", most of which is of " + d.where[0].body + " (" + d.where[0].phase + ")";
+    if (d.floor > 0 && d.before < HELD_OUT_AGREES * d.floor) {
+      text += "; the held-out runs agree with the scene as it stands: their error is " + shown(d.before) + unit +
+              ", noise floor " + shown(d.floor);
+    } else if (!d.effects.empty()) {
+      text += "; best, but not enough: ";
+      for (std::size_t i = 0; i < d.effects.size(); ++i) text += (i ? " and " : "") + d.effects[i].candidate->label();
+      text += ", " + judged;
+    }
+    if (d.regressed)
+      text += "; a law without a name is in the amended scene: " + text_of(*d.regressed) +
+              ", with it the held-out error is " + shown(d.regressed->after) + unit + " (without " +
+              shown(d.regressed->before) + ", noise floor " + shown(d.regressed->floor) + ")";
+    return text;
+  }
+  std::string what;
+  for (const NamedEffect& e : d.effects) {
+    const char* word = e.candidate->family == Family::physical    ? "missing: "
+                       : e.candidate->family == Family::parameter ? "wrong in the scene: "
+                                                                  : "of the measurement: ";
+    std::string values;
+    for (const NamedParameter& p : e.parameters) values += (values.empty() ? "" : ", ") + with_interval(p);
+    what += (what.empty() ? "" : "; ") + std::string(word) + e.candidate->label() + ", " + values +
+            rivals_of(d, e.candidate->label());
+  }
+  std::string text = what + "; " + judged;
+  if (d.after > 1.5 * d.floor) text += "; partly explained";
+  return text;
+}
+
+void write_report(const Problem& problem, Diagnosis& diagnosis, const std::filesystem::path& folder) {
+  diagnosis.sentence = sentence_of(diagnosis);
+  write(folder / "scene_amended.yaml", amended_scene(problem, diagnosis, folder));
+  write(folder / "report.html", html_of(problem, diagnosis));
+  write(folder / "report.json", report_of(diagnosis).dump(2) + "\n");
+}
+
+}  // namespace pvg::diagnose

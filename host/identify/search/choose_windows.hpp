@@ -1,0 +1,25 @@
+// Whole runs, or shorter windows where the model as it stands parts too far from the measurement to be linearised.
+#pragma once
+#include "host/identify/fit/fit.hpp"
+
+namespace pvg::diagnose {
+
+struct ChosenWindows {
+  double length = 0;  // [s], 0: whole runs
+  FitData data;
+  Fit base;  // the scene as it stands, starts fitted
+};
+
+// simulated_seconds: of all windows of one evaluation, about. Throws a Failure where none can be simulated.
+ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simulated_seconds);
+
+// The scene as it stands, no parameters: starts alone are fitted.
+Fit fit_as_it_stands(Fitter& fitter, const FitData& data);
+
+// The same windows up to `share` of their lengths.
+FitData first_part(const Problem& problem, const FitData& data, double share);
+
+// How many windows of this length are affordable.
+std::size_t most_windows(const Problem& problem, double simulated_seconds, double length);
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,287 @@
+#include "host/identify/search/decide.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+namespace pvg::diagnose {
+namespace {
+
+using Eigen::MatrixXd, Eigen::VectorXd;
+constexpr double CUT = 4;                  // residuals count at most so many scales
+constexpr double LEAST_DIFFERENCE = 0.02;  // of errors, relative: less is the arithmetic's
+constexpr std::size_t MOST_GROUPS = 8;
+// logs: a number of the scene is wrong more often than its sensor, or than something is missing
+constexpr double FAMILY_PRIOR[] = {-1, 0, -0.5};  // physical, parameter, measurement
+constexpr double UNEXPLAINED = 1.5;               // left-out error, times the noise
+constexpr double NEARLY_AS_MUCH = 0.6;            // of what the best closes
+constexpr double CLEARLY_LESS = 10;               // of evidence, a log: no simpler model is as good then
+constexpr double HARDLY_BELIEVED = 5;             // likewise of belief: being simpler does not make up for it
+constexpr std::size_t MOST_LAG = 50;              // samples
+
+// windows -> groups that are left out together
+std::vector<std::size_t> groups_of(const FitData& data) {
+  std::map<int, std::size_t> runs;
+  for (const Window& window : data.windows) runs.emplace(window.run, runs.size());
+  std::vector<std::size_t> group;
+  const std::size_t n = data.windows.size();
+  for (std::size_t w = 0; w < n; ++w)
+    group.push_back(runs.size() >= 3 ? runs.at(data.windows[w].run) % MOST_GROUPS : w * std::min(n, MOST_GROUPS) / n);
+  return group;
+}
+
+// Residuals of each window by the fit that has not seen its group.
+std::vector<VectorXd> left_out(const Fit& fit, const std::vector<std::size_t>& group) {
+  const std::size_t n_groups = 1 + *std::max_element(group.begin(), group.end());
+  if (fit.model.x.size() == 0 || n_groups < 2) return fit.residual;
+  const Reduced reduced = reduce(fit);
+  std::vector<VectorXd> residual = fit.residual;
+  for (std::size_t k = 0; k < n_groups; ++k) {
+    MatrixXd a = 1e-12 * MatrixXd::Identity(fit.model.x.size(), fit.model.x.size());
+    VectorXd g = VectorXd::Zero(fit.model.x.size());
+    for (std::size_t w = 0; w < group.size(); ++w)
+      if (group[w] != k) a += reduced.a[w], g += reduced.g[w];
+    // where the others do not tell a parameter it stays where it is
+    a.diagonal().array() += 1e-6 * reduced.sum_a().diagonal().array();
+    VectorXd dx = -a.ldlt().solve(g);
+    for (Eigen::Index i = 0; i < dx.size(); ++i) {
+      const Parameter& p = *fit.model.parameters()[std::size_t(i)];
+      dx[i] = std::clamp(fit.model.x[i] + dx[i], p.low, p.high) - fit.model.x[i];
+    }
+    for (std::size_t w = 0; w < group.size(); ++w) {
+      if (group[w] != k) continue;
+      residual[w] += fit.slope[w] * dx;
+      const VectorXd start = best_start(fit, w, dx);
+      if (start.size() > 0) residual[w] += fit.of_start[w] * start;
+    }
+  }
+  return residual;
+}
+
+// How many samples in a row say the same: 1 for white residuals, else the integrated autocorrelation of each window's
+// channels, 1 + 2 sum_k rho_k up to the first lag at which it is lost in the noise of its estimate.
+double correlation_length(const FitData& data, const std::vector<VectorXd>& residual) {
+  std::vector<double> covariance(1 + MOST_LAG, 0);
+  double n = 0;
+  for (std::size_t w = 0; w < data.windows.size(); ++w) {
+    std::map<std::pair<int, int>, std::vector<double>> series;
+    for (std::size_t i = 0; i < data.windows[w].data.size(); ++i) {
+      const Datum& d = data.windows[w].data[i];
+      series[{d.channel, d.component}].push_back(residual[w][Eigen::Index(i)]);
+    }
+    for (const auto& [channel, r] : series) {
+      n += double(r.size());
+      for (std::size_t lag = 0; lag <= MOST_LAG; ++lag)
+        for (std::size_t i = lag; i < r.size(); ++i) covariance[lag] += r[i] * r[i - lag];
+    }
+  }
+  double length = 1;
+  for (std::size_t lag = 1; lag <= MOST_LAG && covariance[0] > 0; ++lag) {
+    const double rho = covariance[lag] / covariance[0];
+    if (rho < 3 / std::sqrt(n)) break;
+    length += 2 * rho;
+  }
+  return length;
+}
+
+// What is believed of the parameters' sizes and of the candidates before any data, as a log-likelihood.
+double belief_in(const Fit& fit) {
+  double belief = 0;
+  for (const Candidate* part : fit.model.parts) belief += part->prior + FAMILY_PRIOR[int(part->family)];
+  const std::vector<const Parameter*> parameters = fit.model.parameters();
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    if (parameters[i]->believed > 0) {
+      const double away = (fit.model.x[Eigen::Index(i)] - parameters[i]->off) / parameters[i]->believed;
+      belief -= 0.5 * away * away;
+    }
+  return belief;
+}
+
+struct GroupErrors {
+  std::vector<double> sum, n;  // per group: of squares, cut
+  double mean() const {
+    double s = 0, m = 0;
+    for (std::size_t k = 0; k < sum.size(); ++k) s += sum[k], m += n[k];
+    return m > 0 ? s / m : 0;
+  }
+};
+
+GroupErrors errors_of(const std::vector<VectorXd>& residual, const std::vector<std::size_t>& group, double cut) {
+  GroupErrors errors;
+  const std::size_t n = 1 + *std::max_element(group.begin(), group.end());
+  errors.sum.assign(n, 0);
+  errors.n.assign(n, 0);
+  for (std::size_t w = 0; w < group.size(); ++w) {
+    errors.sum[group[w]] += residual[w].array().square().min(cut * cut).sum();
+    errors.n[group[w]] += double(residual[w].size());
+  }
+  return errors;
+}
+
+// How much larger a's errors are than b's. relative: mean over the groups of (a - b) / max(a, b), so that a run with
+// large errors does not count for all; relative_sigma: its standard error from the groups' scatter; against: that of
+// the groups in which b is worse alone, since an effect that shows in one run only is no less an effect. noise: the
+// standard error of mean(a) - mean(b) that noise of scale s makes of two predictions that differ, `correlated` samples
+// saying the same; residuals that are cut feel no noise.
+struct Difference {
+  double absolute = 0, noise = 0, relative = 0, relative_sigma = 0, against = 0;
+  bool is_gain(double n_sigma) const {
+    return absolute > n_sigma * noise && relative > std::max(n_sigma * against, LEAST_DIFFERENCE);
+  }
+  bool is_more_than(double n_sigma) const {
+    return absolute > n_sigma * noise && relative > std::max(n_sigma * relative_sigma, LEAST_DIFFERENCE);
+  }
+};
+
+Difference difference(const GroupErrors& a, const GroupErrors& b, const std::vector<VectorXd>& ra,
+                      const std::vector<VectorXd>& rb, double s, double cut, double correlated) {
+  double n = 0, apart = 0;
+  for (std::size_t w = 0; w < ra.size(); ++w) {
+    n += double(ra[w].size());
+    apart += (ra[w].cwiseMax(-cut).cwiseMin(cut) - rb[w].cwiseMax(-cut).cwiseMin(cut)).squaredNorm();
+  }
+  Difference d;
+  d.absolute = a.mean() - b.mean();
+  d.noise = 2 * s * std::sqrt(correlated * apart) / std::max(n, 1.0);
+  std::vector<double> of;
+  for (std::size_t k = 0; k < a.sum.size(); ++k)
+    if (a.n[k] > 0) of.push_back((a.sum[k] - b.sum[k]) / std::max({a.sum[k], b.sum[k], 1e-300}));
+  for (const double x : of) d.relative += x / double(of.size());
+  for (const double x : of) d.against = std::hypot(d.against, std::min(x, 0.0) / double(of.size()));
+  for (const double x : of) d.relative_sigma += (x - d.relative) * (x - d.relative);
+  if (of.size() > 1) d.relative_sigma = std::sqrt(d.relative_sigma / double(of.size() * (of.size() - 1)));
+  return d;
+}
+
+bool excludes_off(const Fit& fit, std::size_t n_base) {
+  const std::vector<const Parameter*> parameters = fit.model.parameters();
+  bool any = false;
+  for (std::size_t i = n_base; i < parameters.size(); ++i) {
+    const double away = std::abs(fit.model.x[Eigen::Index(i)] - parameters[i]->off);
+    any = any || away > 2 * std::sqrt(std::max(fit.covariance(Eigen::Index(i), Eigen::Index(i)), 0.0));
+  }
+  return any;
+}
+
+// A parameter that ended at a bound other than "off" is no measurement of it.
+bool is_at_bound(const Fit& fit, std::size_t n_base) {
+  const std::vector<const Parameter*> parameters = fit.model.parameters();
+  for (std::size_t i = n_base; i < parameters.size(); ++i) {
+    const Parameter& p = *parameters[i];
+    const double x = fit.model.x[Eigen::Index(i)], near = 1e-6 * (p.high - p.low);
+    if ((x < p.low + near && std::abs(p.low - p.off) > near) || (x > p.high - near && std::abs(p.high - p.off) > near))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Decision decide_lowest(const Fit& base, const std::vector<Fit>& fits) {
+  Decision decision;
+  decision.base_error = rms(base.residual);
+  for (const Fit& fit : fits) {
+    Judged judged{&fit};
+    judged.error = rms(fit.residual);
+    judged.better_by = decision.base_error * decision.base_error - judged.error * judged.error;
+    judged.excludes_off = judged.passes = judged.better_by > 0;
+    decision.ranking.push_back(judged);
+  }
+  std::stable_sort(decision.ranking.begin(), decision.ranking.end(),
+                   [](const Judged& a, const Judged& b) { return a.error < b.error; });
+  if (!decision.ranking.empty() && decision.ranking[0].passes) decision.chosen = 0;
+  return decision;
+}
+
+Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fits) {
+  Decision decision;
+  const std::vector<std::size_t> group = groups_of(data);
+  double scale = base.scale;
+  for (const Fit& fit : fits)
+    if (fit.is_well) scale = std::min(scale, fit.scale);
+  const std::vector<VectorXd> base_residual = left_out(base, group);
+  const double cut = CUT * std::max(scale, base.scale);
+  const GroupErrors base_errors = errors_of(base_residual, group, cut);
+  const Fit* closest = &base;
+  for (const Fit& fit : fits)
+    if (fit.is_well && robust_cost(fit.residual, scale) < robust_cost(closest->residual, scale)) closest = &fit;
+  const double correlated = correlation_length(data, closest->residual);
+  decision.base_error = std::sqrt(base_errors.mean());
+  double n_data = 0;
+  for (const VectorXd& r : base.residual) n_data += double(r.size());
+  struct Entry {
+    Judged judged;
+    GroupErrors errors;
+    std::vector<VectorXd> residual;
+  };
+  std::vector<Entry> entries;
+  for (const Fit& fit : fits) {
+    if (!fit.is_well) continue;
+    Entry entry{{&fit}, {}, left_out(fit, group)};
+    entry.errors = errors_of(entry.residual, group, cut);
+    Judged& judged = entry.judged;
+    judged.error = std::sqrt(entry.errors.mean());
+    judged.better_by = base_errors.mean() - entry.errors.mean();
+    const Difference better =
+        difference(base_errors, entry.errors, base_residual, entry.residual, scale, cut, correlated);
+    judged.better_sigma = better.noise;
+    double squares = 0;
+    for (const VectorXd& r : fit.residual) squares += r.array().square().min(cut * cut).sum();
+    judged.evidence = -0.5 * squares / (scale * scale * correlated) -
+                      0.5 * double(fit.model.x.size()) * std::log(std::max(n_data / correlated, 2.0)) + belief_in(fit);
+    judged.excludes_off = excludes_off(fit, std::size_t(base.model.x.size()));
+    judged.passes = judged.excludes_off && !is_at_bound(fit, std::size_t(base.model.x.size())) && better.is_gain(2);
+    entries.push_back(std::move(entry));
+  }
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const Entry& a, const Entry& b) { return a.judged.error < b.judged.error; });
+  const double best_evidence = std::accumulate(entries.begin(), entries.end(), -1e300, [](double most, const Entry& e) {
+    return std::max(most, e.judged.evidence);
+  });
+  double sum = 0;
+  for (Entry& e : entries) sum += e.judged.probability = std::exp(e.judged.evidence - best_evidence);
+  for (Entry& e : entries) e.judged.probability /= sum;
+  // the simplest within one standard error of the best that passes
+  int best = -1;
+  for (std::size_t i = 0; i < entries.size() && best < 0; ++i)
+    if (entries[i].judged.passes) best = int(i);
+  decision.chosen = best;
+  const auto is_as_good = [&](const Entry& a, const Entry& than, double n_sigma) {
+    return !difference(a.errors, than.errors, a.residual, than.residual, scale, cut, correlated).is_more_than(n_sigma);
+  };
+  // with one group nothing is left out, and the scatter between groups is not known
+  const double near = *std::max_element(group.begin(), group.end()) == 0 ? 2 : 1;
+  for (std::size_t i = 0; best >= 0 && i < entries.size(); ++i) {
+    const Judged &now = entries[std::size_t(decision.chosen)].judged, &other = entries[i].judged;
+    if (!other.passes || !is_as_good(entries[i], entries[std::size_t(best)], near) ||
+        other.evidence < entries[std::size_t(best)].judged.evidence - CLEARLY_LESS)
+      continue;
+    const Eigen::Index p = other.fit->model.x.size(), q = now.fit->model.x.size();
+    const double more_believed = belief_in(*other.fit) - belief_in(*now.fit);
+    const bool has_more_evidence = other.evidence > now.evidence;
+    if ((p < q && more_believed > -HARDLY_BELIEVED) || (p == q && has_more_evidence) ||
+        (p > q && more_believed > HARDLY_BELIEVED && has_more_evidence))
+      decision.chosen = int(i);
+  }
+  // where the best leaves much, its lead may be its skill in standing in for what else is wrong: then what is believed
+  // before counts first among all that close nearly as much
+  if (best >= 0 && entries[std::size_t(best)].judged.error > UNEXPLAINED) {
+    const double most = decision.base_error - entries[std::size_t(best)].judged.error;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      const Judged &now = entries[std::size_t(decision.chosen)].judged, &other = entries[i].judged;
+      if (other.passes && decision.base_error - other.error > NEARLY_AS_MUCH * most &&
+          belief_in(*other.fit) > belief_in(*now.fit) + 1)
+        decision.chosen = int(i);
+    }
+  }
+  if (decision.chosen >= 0)
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      if (entries[i].judged.passes && is_as_good(entries[i], entries[std::size_t(decision.chosen)], 2))
+        decision.inseparable.push_back(i);
+  if (decision.inseparable.size() < 2) decision.inseparable.clear();
+  for (Entry& e : entries) decision.ranking.push_back(e.judged);
+  return decision;
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,84 @@
+// The workflow from a recording to a diagnosis: measure the noise, simulate, find where, screen, fit, decide, write.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/identify/fit/held_out.hpp"
+#include "host/identify/search/decide.hpp"
+#include "host/identify/search/localise.hpp"
+
+namespace pvg::diagnose {
+
+// How to choose: as the workflow does, or as simpler methods would, for comparison. retune: existing numbers only, the
+// lowest training error; lowest: the lowest training error of all candidates; weak: sparse regression of the residuals
+// on the candidates' signatures, nothing is fitted in the simulator.
+enum class Decide { workflow, retune, lowest, weak };
+
+struct Settings {
+  Decide decide = Decide::workflow;
+  int max_effects = 2;
+  double minutes = 10;            // after which no further effect, pair or law is looked for
+  std::size_t n_fitted = 9;       // candidates that are fitted, of those screened
+  double simulated_seconds = 12;  // of all windows of one evaluation, about
+  std::size_t n_processes = 1;    // that simulate, as Predictor has them
+};
+
+enum class Verdict { effect, retune, measurement, none, agrees };
+const char* verdict_name(Verdict verdict);
+
+// A parameter of a named effect with its interval of two standard deviations.
+struct NamedParameter {
+  std::string name, unit;
+  double value = 0, low = 0, high = 0;
+};
+struct NamedEffect {
+  const Candidate* candidate = nullptr;
+  std::vector<NamedParameter> parameters;
+};
+
+// What is missing where no known effect explains it, as a law without a name (regress.hpp).
+struct RegressedLaw {
+  std::string effect, target, unit;  // regressed_effort or regressed_force; of the effort or force
+  std::string shown;                 // with its numbers, for people
+  Effect amended;                    // as a scene has it
+  double before = 0, after = 0, floor = 0, gap_closed = 0;  // held-out error, as in Diagnosis
+  double error = 0;                                         // of the fitting runs, left out [noise]
+};
+
+// On held-out runs, for an effect to be named, or a law to be told.
+inline constexpr double LEAST_GAP_CLOSED = 0.6;
+
+struct RankedModel {
+  std::vector<const Candidate*> parts;
+  double error = 0;  // left out, in units of noise
+  double evidence = 0, probability = 0;
+  std::vector<double> values;
+};
+
+struct Diagnosis {
+  Verdict verdict = Verdict::agrees;
+  std::string sentence, next_experiment;
+  std::vector<NamedEffect> effects;
+  std::vector<RankedModel> ranking;
+  std::vector<std::vector<std::string>> inseparable;
+  std::vector<Cell> where;
+  std::vector<std::string> notes;                           // what the reader should know: noise, step, windows
+  double before = 0, after = 0, floor = 0, gap_closed = 0;  // held-out error [unit]
+  double fit_before = 0, fit_after = 0;                     // of the fitting runs, left out [noise]
+  std::string unit;
+  double mask_gap_before = NAN, mask_gap_after = NAN;  // as HeldOut has them
+  std::vector<Curve> curves;
+  std::optional<RegressedLaw> regressed;  // where the verdict is none
+  double seconds = 0;
+  std::size_t simulations = 0;
+  Scene used;                                          // the base scene with the solver as chosen
+  std::shared_ptr<std::vector<Candidate>> candidates;  // owns what the pointers above point to
+};
+
+// folder: of the stages' files; empty: none are written.
+Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, const std::filesystem::path& folder);
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,53 @@
+#include "host/identify/search/exchange.hpp"
+
+#include <algorithm>
+
+namespace pvg::diagnose {
+namespace {
+
+using Eigen::VectorXd;
+constexpr std::size_t MOST_EXCHANGED = 3;
+
+}  // namespace
+
+Model without(const Model& model, std::size_t left_out) {
+  Model less;
+  std::vector<double> x, scale;
+  Eigen::Index at = 0;
+  for (std::size_t i = 0; i < model.parts.size(); ++i) {
+    for (std::size_t k = 0; k < model.parts[i]->parameters.size(); ++k, ++at)
+      if (i != left_out) x.push_back(model.x[at]), scale.push_back(model.scale[at]);
+    if (i != left_out) less.parts.push_back(model.parts[i]);
+  }
+  less.x = Eigen::Map<const VectorXd>(x.data(), Eigen::Index(x.size()));
+  less.scale = Eigen::Map<const VectorXd>(scale.data(), Eigen::Index(scale.size()));
+  return less;
+}
+
+Model replaced(const Model& model, std::size_t place, const Model& other) {
+  Eigen::Index first = 0;
+  for (std::size_t i = 0; i < place; ++i) first += Eigen::Index(model.parts[i]->parameters.size());
+  const Eigen::Index n_old = Eigen::Index(model.parts[place]->parameters.size());
+  const Eigen::Index n_new = Eigen::Index(other.parts.back()->parameters.size());
+  const auto spliced = [&](const VectorXd& x, const VectorXd& with) {
+    VectorXd out(x.size() - n_old + n_new);
+    out << x.head(first), with.tail(n_new), x.tail(x.size() - first - n_old);
+    return out;
+  };
+  Model next = model;
+  next.parts[place] = other.parts.back();
+  next.x = spliced(model.x, other.x);
+  next.scale = spliced(model.scale, other.scale);
+  return next;
+}
+
+std::vector<Model> exchanged(const Model& model, std::size_t place, const std::vector<Fit>& others) {
+  std::vector<Model> models;
+  for (const Fit& other : others)
+    if (models.size() < MOST_EXCHANGED &&
+        std::find(model.parts.begin(), model.parts.end(), other.model.parts.back()) == model.parts.end())
+      models.push_back(replaced(model, place, other.model));
+  return models;
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,85 @@
+#include "host/identify/search/localise.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace pvg::diagnose {
+namespace {
+
+constexpr double FALSE_DISCOVERIES = 0.01;
+constexpr std::size_t STRETCH = 8;  // samples in a row that together mark an onset
+
+struct Sum {
+  double squares = 0;
+  std::size_t n = 0;
+  std::map<int, std::vector<std::pair<double, double>>> in_run;  // time, square
+};
+
+// The first time at which a few squares in a row are more than noise makes once in ten thousand times.
+double onset_of(Sum& sum) {
+  double first = -1;
+  for (auto& [run, squares] : sum.in_run) {
+    std::sort(squares.begin(), squares.end());
+    double stretch = 0;
+    for (std::size_t i = 0; i < squares.size(); ++i) {
+      stretch += squares[i].second - (i >= STRETCH ? squares[i - STRETCH].second : 0);
+      if (i + 1 < STRETCH || chi_squared_tail(stretch, double(STRETCH)) > 1e-4) continue;
+      const double time = squares[i + 1 - STRETCH].first;
+      if (first < 0 || time < first) first = time;
+      break;
+    }
+  }
+  return first;
+}
+
+}  // namespace
+
+double chi_squared_tail(double sum, double n) {
+  if (n <= 0) return 1;
+  const double spread = 2 / (9 * n);
+  const double z = (std::cbrt(sum / n) - (1 - spread)) / std::sqrt(spread);
+  return 0.5 * std::erfc(z / std::sqrt(2.0));
+}
+
+std::vector<Cell> localise(const Problem& problem, const std::vector<Window>& windows,
+                           const std::vector<Eigen::VectorXd>& residual,
+                           const std::vector<std::vector<Phase>>& phases) {
+  std::map<std::pair<std::string, std::string>, Sum> sums;
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const Run& run = problem.runs[std::size_t(windows[w].run)];
+    for (std::size_t i = 0; i < windows[w].data.size(); ++i) {
+      const Datum& datum = windows[w].data[i];
+      const double square = residual[w][Eigen::Index(i)] * residual[w][Eigen::Index(i)];
+      Sum& sum = sums[{problem.channels[std::size_t(datum.channel)].subject, phase_name(phases[w][i])}];
+      sum.squares += square;
+      ++sum.n;
+      sum.in_run[windows[w].run].push_back({run.t[datum.sample] - run.t.front(), square});
+    }
+  }
+  std::vector<Cell> cells;
+  double all = 0;
+  for (auto& [name, sum] : sums) {
+    Cell cell{name.first, name.second};
+    cell.n = sum.n;
+    cell.rms = std::sqrt(sum.squares / double(sum.n));
+    cell.share = std::max(0.0, sum.squares - double(sum.n));
+    cell.p_value = chi_squared_tail(sum.squares, double(sum.n));
+    cell.onset = onset_of(sum);
+    all += cell.share;
+    cells.push_back(cell);
+  }
+  std::sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return a.p_value < b.p_value; });
+  std::size_t n_significant = 0;
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (cells[i].p_value <= FALSE_DISCOVERIES * double(i + 1) / double(cells.size())) n_significant = i + 1;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    cells[i].is_significant = i < n_significant;
+    cells[i].share = all > 0 ? cells[i].share / all : 0;
+    if (!cells[i].is_significant) cells[i].onset = -1;
+  }
+  std::stable_sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return a.share > b.share; });
+  return cells;
+}
+
+}  // namespace pvg::diagnose

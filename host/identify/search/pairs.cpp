@@ -1,0 +1,129 @@
+#include "host/identify/search/pairs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "host/identify/search/round.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+using Eigen::VectorXd;
+using Columns = std::vector<std::size_t>;
+
+// What cannot start anew from a measured state is simulated as whole runs. A swing whose frequency is a tenth off is
+// out of step after some periods, where no small change tells what a large one does: pairs are looked for in the first
+// part of the runs, of this share, and fitted to longer and longer ones.
+const std::vector<double> FIRST_PARTS = {0.25, 0.5};
+
+Model model_of(const std::vector<const Candidate*>& parts) {
+  Model model{parts, {}, {}};
+  const std::vector<const Parameter*> parameters = model.parameters();
+  model.x.resize(Eigen::Index(parameters.size()));
+  model.scale.resize(model.x.size());
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    model.x[Eigen::Index(i)] = parameters[i]->off;
+    model.scale[Eigen::Index(i)] = parameters[i]->scale;
+  }
+  return model;
+}
+
+Pair pair_of(const Signatures& s, const Columns& first, const Columns& second, double n_data) {
+  Pair pair{s.candidate[first[0]], s.candidate[second[0]], {}, 0};
+  pair.model = model_of({pair.first, pair.second});
+  Columns both = first;
+  both.insert(both.end(), second.begin(), second.end());
+  VectorXd dx = optimum_of(s, both);
+  for (std::size_t i = 0; i < both.size(); ++i) {
+    const std::size_t column = both[i], k = s.parameter[column];
+    const Parameter& p = s.candidate[column]->parameters[k];
+    const Eigen::Index place = Eigen::Index(i < first.size() ? k : pair.first->parameters.size() + k);
+    const double x = std::clamp(p.off + dx[Eigen::Index(i)] * s.step[column], p.low, p.high);
+    dx[Eigen::Index(i)] = (x - p.off) / s.step[column];
+    pair.model.x[place] = x;
+    pair.model.scale[place] = std::abs(s.step[column]);
+  }
+  pair.gain = gain_at(s, both, dx) - 0.5 * double(pair.model.x.size()) * std::log(n_data);
+  return pair;
+}
+
+}  // namespace
+
+std::vector<Pair> best_pairs(const Signatures& signatures, double n_data) {
+  std::vector<Columns> columns;  // of each candidate
+  for (std::size_t i = 0; i < signatures.candidate.size(); ++i) {
+    if (i == 0 || signatures.candidate[i] != signatures.candidate[i - 1]) columns.emplace_back();
+    columns.back().push_back(i);
+  }
+  std::vector<Pair> all;
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    for (std::size_t k = i + 1; k < columns.size(); ++k) {
+      Pair pair = pair_of(signatures, columns[i], columns[k], n_data);
+      if (pair.gain > 0) all.push_back(std::move(pair));
+    }
+  std::stable_sort(all.begin(), all.end(), [](const Pair& a, const Pair& b) { return a.gain > b.gain; });
+  std::vector<Pair> best;
+  std::map<const Candidate*, std::size_t> n_of;
+  for (Pair& pair : all) {
+    if (best.size() >= MOST_PAIRS) break;
+    if (n_of[pair.first] >= MOST_OF_ONE || n_of[pair.second] >= MOST_OF_ONE) continue;
+    ++n_of[pair.first];
+    ++n_of[pair.second];
+    best.push_back(std::move(pair));
+  }
+  return best;
+}
+
+namespace {
+
+std::vector<Screened> pairs_to_fit(Workflow& flow, const FitData& data, const Fit& base) {
+  std::vector<const Candidate*> candidates;
+  for (const Candidate& c : *flow.out.candidates) candidates.push_back(&c);
+  double n_data = 0;
+  for (const VectorXd& r : base.residual) n_data += double(r.size());
+  std::vector<Screened> starts;
+  for (Pair& pair : best_pairs(signatures_of(flow.fitter, data, base, candidates), n_data))
+    starts.push_back({pair.first, std::move(pair.model), pair.gain, 0});
+  return starts;
+}
+
+// The pairs where they are best in ever longer first parts.
+std::vector<Screened> pairs_of_first_parts(Workflow& flow, const FitData& data) {
+  std::vector<Screened> starts;
+  for (const double share : FIRST_PARTS) {
+    const FitData part = first_part(flow.problem, data, share);
+    if (share == FIRST_PARTS.front()) starts = pairs_to_fit(flow, part, fit_as_it_stands(flow.fitter, part));
+    if (starts.empty()) break;
+    std::vector<Screened> next;
+    for (Fit& fit : fit_best(flow.fitter, part, starts))
+      if (fit.is_well && !fit.is_given_up) next.push_back({fit.model.parts.front(), std::move(fit.model), 0, 0});
+    starts = std::move(next);
+  }
+  return starts;
+}
+
+}  // namespace
+
+std::optional<Fit> find_pair(Workflow& flow, const FitData& data, const Fit& base, double most) {
+  const std::vector<Screened> starts =
+      flow.problem.can_restart ? pairs_to_fit(flow, data, base) : pairs_of_first_parts(flow, data);
+  if (starts.empty()) return std::nullopt;
+  flow.tell(5, 0.8, "fitting " + std::to_string(starts.size()) + " pairs of candidates");
+  const std::vector<Fit> fits = fit_best(flow.fitter, data, starts);
+  const Decision decision = decide(data, base, fits);
+  flow.files.write_fits("pairs", decision);
+  if (decision.chosen < 0) return std::nullopt;
+  const Judged& chosen = decision.ranking[std::size_t(decision.chosen)];
+  if (rms(chosen.fit->residual) >= most) return std::nullopt;
+  flow.out.ranking.insert(flow.out.ranking.begin(), ranked(chosen));
+  std::set<std::string> labels;
+  for (const std::size_t i : decision.inseparable)
+    for (const Candidate* part : decision.ranking[i].fit->model.parts) labels.insert(part->label());
+  flow.out.inseparable.clear();
+  if (!labels.empty()) flow.out.inseparable.push_back({labels.begin(), labels.end()});
+  return *chosen.fit;
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,138 @@
+#include "host/identify/search/regress.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+#include "host/identify/candidates/law_dictionary.hpp"
+#include "host/identify/search/round.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+using Eigen::VectorXd;
+constexpr std::size_t MOST_LAWS = 3, N_EACH = 2;  // in one sum; sums of each size that are fitted
+constexpr std::size_t MOST_SITES = 3;
+
+// all ascending sets of `size` numbers below n
+template <class Visit>
+void for_each_subset(std::size_t n, std::size_t size, std::vector<std::size_t>& chosen, const Visit& visit) {
+  if (chosen.size() == size) {
+    visit(chosen);
+    return;
+  }
+  for (std::size_t i = chosen.empty() ? 0 : chosen.back() + 1; i < n; ++i) {
+    chosen.push_back(i);
+    for_each_subset(n, size, chosen, visit);
+    chosen.pop_back();
+  }
+}
+
+// A sum of laws of a site, and the candidate that it is.
+struct Sum {
+  const LawSite* site;
+  std::vector<std::size_t> laws;
+  Candidate candidate;
+  VectorXd start, scale;  // of its coefficients
+};
+
+// the best sums of a site's laws, from their signatures
+void add_sums(Workflow& flow, const ChosenWindows& chosen, const LawSite& site, std::deque<Sum>& sums) {
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i < site.laws.size(); ++i) all.push_back(i);
+  const Candidate whole = law_candidate(site, all);
+  const Signatures found = signatures_of(flow.fitter, chosen.data, chosen.base, {&whole});
+  for (const std::vector<std::size_t>& columns : best_subsets(found, MOST_LAWS, N_EACH)) {
+    Sum sum{&site, {}, {}, VectorXd(Eigen::Index(columns.size())), VectorXd(Eigen::Index(columns.size()))};
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      sum.laws.push_back(found.parameter[columns[i]]);
+      sum.scale[Eigen::Index(i)] = std::abs(found.step[columns[i]]);
+    }
+    const VectorXd x = optimum_of(found, columns);
+    sum.candidate = law_candidate(site, sum.laws);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const Parameter& p = sum.candidate.parameters[i];
+      sum.start[Eigen::Index(i)] = std::clamp(x[Eigen::Index(i)] * found.step[columns[i]], p.low, p.high);
+    }
+    sums.push_back(std::move(sum));
+  }
+}
+
+// those where most of the misfit is
+std::vector<LawSite> worst_sites(const Workflow& flow) {
+  std::vector<LawSite> sites = law_sites(flow.problem);
+  const Scene& scene = flow.problem.scene.scene;
+  const auto share_of = [&](const LawSite& site) {
+    double share = 0;
+    for (const Cell& cell : flow.out.where)
+      for (const Joint& joint : scene.joints)
+        if (cell.body == site.target ||
+            (joint.name == site.target && scene.rigid_bodies[std::size_t(joint.child)].name == cell.body)) {
+          share += cell.share;
+          break;
+        }
+    return share;
+  };
+  std::stable_sort(sites.begin(), sites.end(),
+                   [&](const LawSite& a, const LawSite& b) { return share_of(a) > share_of(b); });
+  if (sites.size() > MOST_SITES) sites.resize(MOST_SITES);
+  return sites;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::size_t>> best_subsets(const Signatures& signatures, std::size_t most, std::size_t n_each) {
+  std::vector<std::vector<std::size_t>> best;
+  const std::size_t n = std::size_t(signatures.g.size());
+  for (std::size_t size = 1; size <= std::min(most, n); ++size) {
+    std::vector<std::pair<double, std::vector<std::size_t>>> found;
+    std::vector<std::size_t> chosen;
+    for_each_subset(n, size, chosen, [&](const std::vector<std::size_t>& columns) {
+      found.emplace_back(-gain_at(signatures, columns, optimum_of(signatures, columns)), columns);
+    });
+    const std::size_t kept = std::min(n_each, found.size());
+    std::partial_sort(found.begin(), found.begin() + std::ptrdiff_t(kept), found.end());
+    for (std::size_t i = 0; i < kept; ++i) best.push_back(found[i].second);
+  }
+  return best;
+}
+
+std::optional<RegressedLaw> regress(Workflow& flow, const ChosenWindows& chosen) {
+  const std::vector<LawSite> sites = worst_sites(flow);
+  std::deque<Sum> sums;  // candidates stay where they are
+  for (const LawSite& site : sites) add_sums(flow, chosen, site, sums);
+  std::vector<Screened> starts;
+  for (const Sum& sum : sums) starts.push_back({&sum.candidate, {{&sum.candidate}, sum.start, sum.scale}, 0, 0});
+  if (starts.empty()) return std::nullopt;
+  const std::vector<Fit> fits = fit_best(flow.fitter, chosen.data, starts);
+  const Decision decision = decide(chosen.data, chosen.base, fits);
+  if (decision.chosen < 0) return std::nullopt;
+  const Judged& best = decision.ranking[std::size_t(decision.chosen)];
+  const Sum& sum = *std::find_if(sums.begin(), sums.end(),
+                                 [&](const Sum& other) { return &other.candidate == best.fit->model.parts.front(); });
+  const std::size_t most = most_windows(flow.problem, flow.settings.simulated_seconds, chosen.length);
+  HeldOut judged =
+      judge_held_out(flow.fitter, flow.problem, chosen.length, most, {best.fit->model}, flow.out.unit == "noise");
+  const double gap_closed = closed(judged.before, judged.after, judged.floor);
+  if (judged.floor == 0 || gap_closed < LEAST_GAP_CLOSED) return std::nullopt;
+  const std::vector<double> coefficients(best.fit->model.x.begin(), best.fit->model.x.end());
+  RegressedLaw law{sum.site->effect,
+                   sum.site->target,
+                   sum.site->unit,
+                   shown_sum(*sum.site, sum.laws, coefficients),
+                   {},
+                   judged.before,
+                   judged.after,
+                   judged.floor,
+                   gap_closed,
+                   best.error};
+  flow.out.curves = std::move(judged.curves);
+  const std::vector<Curve> fitted = curves_of(flow.problem, chosen.data, chosen.base, *best.fit, CURVES_OF_FITTED_RUNS);
+  flow.out.curves.insert(flow.out.curves.end(), fitted.begin(), fitted.end());
+  Variant variant;
+  sum.candidate.apply(variant, coefficients);
+  law.amended = variant.scene.effects.back();
+  return law;
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,71 @@
+#include "host/identify/search/round.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace pvg::diagnose {
+namespace {
+
+using Eigen::VectorXd;
+constexpr std::size_t N_FINALISTS = 5;  // candidates that are fitted to the end
+constexpr int MORE_STEPS = 10;          // of these
+constexpr double HOPELESS = 100;        // by which a finalist's log-likelihood may be worse than the best one's
+
+}  // namespace
+
+std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector<Screened>& best) {
+  std::vector<Model> models;
+  for (const Screened& s : best) models.push_back(s.model);
+  std::vector<Fit> fits = fitter.begin(data, std::move(models));
+  std::erase_if(fits, [](const Fit& fit) { return !fit.is_well; });
+  fitter.improve(data, fits, 2);
+  std::vector<double> scales;  // of each window by the fit that has it best
+  for (const Fit& fit : fits) {
+    const std::vector<double> of = window_scales(fit.residual);
+    if (scales.empty()) scales = of;
+    for (std::size_t w = 0; w < of.size(); ++w) scales[w] = std::min(scales[w], of[w]);
+  }
+  // who is worth more steps is told by what the next one promises: the true effect may still be far from its best
+  const std::vector<std::vector<VectorXd>> promised = fitter.promised(data, fits);
+  std::vector<double> key;
+  for (std::size_t i = 0; i < fits.size(); ++i)
+    key.push_back(std::min(robust_cost(fits[i].residual, scales), robust_cost(promised[i], scales)));
+  std::vector<std::size_t> order(fits.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Fit& best = fits[order[0]];
+    fits[order[i]].is_given_up = i >= N_FINALISTS || key[order[i]] > key[order[0]] + HOPELESS * best.scale * best.scale;
+  }
+  fitter.improve(data, fits, MORE_STEPS);
+  fitter.finish(data, fits);
+  return fits;
+}
+
+Round run_round(Workflow& flow, const FitData& data, const Fit& base, const std::string& name, double share) {
+  std::vector<const Candidate*> candidates;
+  for (const Candidate& c : *flow.out.candidates)
+    if (std::find(base.model.parts.begin(), base.model.parts.end(), &c) == base.model.parts.end() &&
+        (flow.settings.decide != Decide::retune || c.family == Family::parameter))
+      candidates.push_back(&c);
+  const std::vector<Screened> screened = screen(flow.fitter, data, base, candidates);
+  flow.files.write_screen(name, screened);
+  const std::vector<Screened> best = shortlist(screened, flow.settings.n_fitted);
+  flow.tell(5, share,
+            "fitting " + std::to_string(best.size()) + " of " + std::to_string(candidates.size()) + " candidates");
+  Round round;
+  if (best.empty()) return round;
+  if (flow.settings.decide == Decide::weak) {  // as the linear regression has them
+    round.fits = flow.fitter.begin(data, {best[0].model});
+    std::erase_if(round.fits, [](const Fit& fit) { return !fit.is_well; });
+    flow.fitter.conclude(data, round.fits);
+  } else {
+    round.fits = fit_best(flow.fitter, data, best);
+  }
+  round.decision =
+      flow.settings.decide == Decide::workflow ? decide(data, base, round.fits) : decide_lowest(base, round.fits);
+  flow.files.write_fits(name, round.decision);
+  return round;
+}
+
+}  // namespace pvg::diagnose

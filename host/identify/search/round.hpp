@@ -1,0 +1,22 @@
+// One round of the search: all candidates are screened beside what a model has already, the best are fitted and judged.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "host/identify/search/decide.hpp"
+#include "host/identify/search/workflow.hpp"
+
+namespace pvg::diagnose {
+
+struct Round {
+  std::vector<Fit> fits;
+  Decision decision;  // points to them
+};
+
+// name: of the stages' files; share: of the whole work that is done when the fits begin.
+Round run_round(Workflow& flow, const FitData& data, const Fit& base, const std::string& name, double share);
+
+// The fits to the end of those that may still win, all with slopes and covariances.
+std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector<Screened>& best);
+
+}  // namespace pvg::diagnose

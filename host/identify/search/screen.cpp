@@ -1,0 +1,377 @@
+#include "host/identify/search/screen.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <span>
+
+namespace pvg::diagnose {
+namespace {
+
+using Eigen::MatrixXd, Eigen::VectorXd;
+constexpr double LEAST_ANSWER = 1e-3;            // rms in units of noise at the largest change tried: not seen
+constexpr double MOST_FACTOR = 30;               // between one change tried and the next
+constexpr std::size_t SOME_WINDOWS = 3;          // where an estimate will do
+constexpr std::size_t N_TRIED = 20;              // candidates that are simulated at their linear optimum
+const std::vector<double> SHARES = {0.4, 1, 2};  // of that optimum
+const std::vector<double> SHAPES = {0.2, 1, 5};  // of the usual number
+const std::vector<double> LIMITS = {0.95, 0.9, 0.8, 0.7, 0.6, 0.5, 0.35};  // of where a limit is first felt
+
+struct Trial {
+  const Candidate* candidate;
+  std::size_t parameter;
+  double step;
+};
+
+Model with(const Model& base, const Candidate& candidate) {
+  Model model = base;
+  model.parts.push_back(&candidate);
+  const Eigen::Index first = model.x.size(), n = Eigen::Index(candidate.parameters.size());
+  model.x.conservativeResize(first + n);
+  model.scale.conservativeResize(first + n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    model.x[first + i] = candidate.parameters[std::size_t(i)].off;
+    model.scale[first + i] = candidate.parameters[std::size_t(i)].scale;
+  }
+  return model;
+}
+
+// inside the bounds, away from them where that can be
+double allowed(const Parameter& p, double step) {
+  if (p.off + step > p.high) step = p.off - step >= p.low ? -step : p.high - p.off;
+  return std::clamp(p.off + step, p.low, p.high) - p.off;
+}
+
+// A number that only shapes an effect does nothing while the strengths are off: the first strength is on meanwhile.
+std::vector<std::vector<VectorXd>> answers(Fitter& fitter, const FitData& data, const Fit& base,
+                                           const std::vector<Trial>& trials) {
+  std::vector<Model> models;
+  for (const Trial& trial : trials) {
+    Model model = with(base.model, *trial.candidate);
+    model.x[base.model.x.size() + Eigen::Index(trial.parameter)] += trial.step;
+    models.push_back(std::move(model));
+  }
+  const auto found = fitter.evaluate(data, models, std::vector(models.size(), base.delta));
+  std::vector<std::vector<VectorXd>> out(trials.size());
+  for (std::size_t t = 0; t < trials.size(); ++t)
+    for (std::size_t w = 0; w < data.windows.size(); ++w) {
+      VectorXd change = found[t][w].residual - base.residual[w];
+      if (!found[t][w].is_well) change.setConstant(std::nan(""));
+      out[t].push_back(std::move(change));
+    }
+  return out;
+}
+
+double size_of(const std::vector<VectorXd>& answer) {
+  const double size = rms(answer);
+  return std::isfinite(size) ? size : -1;
+}
+
+FitData some_windows(const FitData& data, std::size_t most, Fit& base) {
+  FitData some;
+  Fit fit;
+  fit.model = base.model;
+  const std::size_t n = std::min(most, data.windows.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t w = i * data.windows.size() / n;
+    some.windows.push_back(data.windows[w]);
+    some.of_start.push_back(data.of_start[w]);
+    fit.delta.push_back(base.delta[w]);
+    fit.residual.push_back(base.residual[w]);
+  }
+  base = std::move(fit);
+  return some;
+}
+
+// A change for each parameter that the sensors see `wanted` times as well as their noise.
+std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& base, double wanted,
+                                const std::vector<const Candidate*>& candidates) {
+  std::vector<Trial> trials;
+  for (const Candidate* candidate : candidates)
+    for (std::size_t i = 0; i < candidate->parameters.size(); ++i)
+      trials.push_back({candidate, i, allowed(candidate->parameters[i], candidate->parameters[i].scale)});
+  Fit few = base;
+  const FitData some = some_windows(data, SOME_WINDOWS, few);
+  std::vector<std::size_t> open(trials.size());  // whose answer is not of about that size
+  for (std::size_t i = 0; i < open.size(); ++i) open[i] = i;
+  for (const bool is_last : {false, true}) {
+    std::vector<Trial> asked;
+    for (const std::size_t i : open) asked.push_back(trials[i]);
+    const std::vector<std::vector<VectorXd>> found = answers(fitter, some, few, asked);
+    std::vector<std::size_t> still_open;
+    for (std::size_t k = 0; k < open.size(); ++k) {
+      Trial& trial = trials[open[k]];
+      const double size = size_of(found[k]);  // negative: the change was too much to be simulated
+      const double factor = size < 0              ? 1 / MOST_FACTOR
+                            : size < LEAST_ANSWER ? MOST_FACTOR
+                                                  : std::clamp(wanted / size, 1 / MOST_FACTOR, MOST_FACTOR);
+      if (factor <= 1 / MOST_FACTOR || factor >= MOST_FACTOR) still_open.push_back(open[k]);
+      const bool is_seen = size >= LEAST_ANSWER;
+      const Parameter& p = trial.candidate->parameters[trial.parameter];
+      // a change that is nowhere seen may still be too much for the solver
+      const double most = MOST_FACTOR * p.scale;
+      trial.step = is_last && !is_seen ? 0 : allowed(p, std::clamp(factor * trial.step, -most, most));
+    }
+    open = std::move(still_open);
+  }
+  return trials;
+}
+
+// The base model where the starts are those that were measured: those that fit it best may have gone far to make up for
+// what is missing.
+Fit from_measured_starts(Fitter& fitter, const FitData& data, const Fit& base) {
+  Fit measured = fitter.begin(data, {base.model}).front();
+  if (!measured.is_well) return base;
+  measured.slope = base.slope;
+  measured.scale = robust_scale(measured.residual);
+  return measured;
+}
+
+bool is_limit(const Candidate& candidate) {
+  return candidate.parameters.size() == 1 && candidate.parameters[0].is_limit;
+}
+
+// Where a candidate is tried: shares of its linear optimum. A number that shapes a law answers to nothing where the law
+// is off, so that its optimum is not known, nor that of strengths beside the first: other shapes are tried, with the
+// law's strengths as they are and alike.
+std::vector<Model> trials_of(const Screened& screened, Eigen::Index n_base) {
+  const std::vector<Parameter>& parameters = screened.candidate->parameters;
+  std::vector<Model> models;
+  const auto add = [&](const auto& value_of) {
+    Model model = screened.model;
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+      double& x = model.x[n_base + Eigen::Index(k)];
+      x = std::clamp(value_of(k, x), parameters[k].low, parameters[k].high);
+    }
+    models.push_back(std::move(model));
+  };
+  const auto share_of = [&](std::size_t k, double x, double share) {
+    return parameters[k].off + share * (x - parameters[k].off);
+  };
+  for (const double share : SHARES) add([&](std::size_t k, double x) { return share_of(k, x, share); });
+  // what lies beyond a limit grows from nothing there: no slope tells how far
+  for (const double limit : is_limit(*screened.candidate) ? LIMITS : std::vector<double>())
+    add([&](std::size_t k, double) { return limit * parameters[k].off; });
+  if (std::none_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.is_shape; })) return models;
+  const double first = screened.model.x[n_base] - parameters[0].off;
+  for (const double shape : SHAPES)
+    for (const bool is_alike : {false, true}) {
+      if (shape == 1 && !is_alike) continue;  // as above
+      add([&](std::size_t k, double x) {
+        if (parameters[k].is_shape) return shape * x;
+        return is_alike && parameters[k].unit == parameters[0].unit ? parameters[k].off + first : x;
+      });
+    }
+  return models;
+}
+
+// What the robust cost of some windows falls by in truth, where each candidate is tried: laws with a dead zone or a
+// kink are not what their signature promises, nor less. The best trial becomes its model.
+void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_data, std::vector<Screened>& screened) {
+  Fit few = base;
+  const FitData some = some_windows(data, SOME_WINDOWS, few);
+  const std::vector<double> scales = window_scales(few.residual);
+  const auto cost_of = [&](const auto& residual_of) {
+    std::vector<VectorXd> left;
+    for (std::size_t w = 0; w < some.windows.size(); ++w)
+      left.push_back(beside_starts(some.of_start[w], residual_of(w)));
+    return robust_cost(left, scales);
+  };
+  const double before = cost_of([&](std::size_t w) { return few.residual[w]; });
+  double n_some = 0;
+  for (const VectorXd& r : few.residual) n_some += double(r.size());
+  const std::size_t n = std::min(N_TRIED, screened.size());
+  std::vector<Model> models;
+  std::vector<std::size_t> first = {0};  // [n + 1] of each candidate
+  for (std::size_t i = 0; i < n; ++i) {
+    for (Model& model : trials_of(screened[i], base.model.x.size())) models.push_back(std::move(model));
+    first.push_back(models.size());
+  }
+  const auto found = fitter.evaluate(some, models, std::vector(models.size(), few.delta));
+  for (std::size_t i = 0; i < n; ++i) {
+    const double penalty = 0.5 * double(screened[i].candidate->parameters.size()) * std::log(n_data);
+    double best = 0;
+    for (std::size_t m = first[i]; m < first[i + 1]; ++m) {
+      const double after = cost_of([&](std::size_t w) { return found[m][w].residual; });
+      const double gain = (before - after) * n_data / n_some - penalty;
+      if (!(gain > best)) continue;
+      best = gain;
+      screened[i].model.x = models[m].x;
+    }
+    screened[i].gain = best;
+  }
+}
+
+// The same changes to the other side, of numbers that the scene has: a frequency that rises by a quarter of a turn does
+// not tell what one that falls would do.
+std::vector<Trial> mirrored(const std::vector<Trial>& trials) {
+  std::vector<Trial> out;
+  for (Trial trial : trials) {
+    const Parameter& p = trial.candidate->parameters[trial.parameter];
+    trial.step = -trial.step;
+    const bool is_allowed = p.off + trial.step >= p.low && p.off + trial.step <= p.high;
+    if (trial.candidate->family == Family::parameter && is_allowed) out.push_back(trial);
+  }
+  return out;
+}
+
+// Trials whose answer is there.
+std::vector<std::size_t> seen_of(std::span<const std::vector<VectorXd>> found) {
+  std::vector<std::size_t> seen;
+  for (std::size_t t = 0; t < found.size(); ++t)
+    if (size_of(found[t]) > LEAST_ANSWER) seen.push_back(t);
+  return seen;
+}
+
+// The normal equations of `n_base` parameters of the base and of the trials that are seen, these in units of their
+// steps.
+Reduced normal_equations(const FitData& data, const Fit& base, Eigen::Index n_base, std::span<const std::size_t> seen,
+                         std::span<const std::vector<VectorXd>> found) {
+  Fit fit = base;
+  fit.window_scale = window_scales(base.residual);
+  const Eigen::Index n = n_base + Eigen::Index(seen.size());
+  fit.slope.assign(data.windows.size(), {});
+  for (std::size_t w = 0; w < data.windows.size(); ++w) {
+    fit.slope[w].resize(base.residual[w].size(), n);
+    for (Eigen::Index i = 0; i < n_base; ++i) fit.slope[w].col(i) = base.slope[w].col(i) * base.model.scale[i];
+    for (std::size_t i = 0; i < seen.size(); ++i) fit.slope[w].col(n_base + Eigen::Index(i)) = found[seen[i]][w];
+  }
+  fit.model.x = VectorXd::Zero(n);
+  return reduce(fit);
+}
+
+// The best sum of one candidate's signatures, starts and base model free; no gain where no answer is seen.
+Screened linear_optimum(const FitData& data, const Fit& base, double n_data, std::span<const Trial> trials,
+                        std::span<const std::vector<VectorXd>> found) {
+  const Candidate& candidate = *trials.front().candidate;
+  Screened one{&candidate, with(base.model, candidate), 0, 0};
+  const Eigen::Index n_base = base.model.x.size();
+  const std::vector<std::size_t> seen = seen_of(found);
+  if (seen.empty()) return one;
+  const Reduced reduced = normal_equations(data, base, n_base, seen, found);
+  MatrixXd a = reduced.sum_a();
+  a.diagonal().array() += 1e-9 * a.trace();
+  const VectorXd g = reduced.sum_g();
+  VectorXd dx = -a.ldlt().solve(g);  // in units of the steps
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const Trial& trial = trials[seen[i]];
+    const Parameter& p = candidate.parameters[trial.parameter];
+    double& d = dx[n_base + Eigen::Index(i)];
+    d = std::clamp(d, -20.0, 20.0);
+    d = (std::clamp(p.off + d * trial.step, p.low, p.high) - p.off) / trial.step;
+    one.model.x[n_base + Eigen::Index(trial.parameter)] = p.off + d * trial.step;
+    one.model.scale[n_base + Eigen::Index(trial.parameter)] = std::abs(trial.step);
+    one.answer = std::max(one.answer, size_of(found[seen[i]]));
+  }
+  for (Eigen::Index i = 0; i < n_base; ++i) dx[i] = std::clamp(dx[i], -1.0, 1.0);
+  one.model.x.head(n_base) += (dx.head(n_base).array() * base.model.scale.head(n_base).array()).matrix();
+  const std::vector<const Parameter*> bounds = base.model.parameters();
+  for (Eigen::Index i = 0; i < n_base; ++i)
+    one.model.x[i] = std::clamp(one.model.x[i], bounds[std::size_t(i)]->low, bounds[std::size_t(i)]->high);
+  one.gain = -(g.dot(dx) + 0.5 * dx.dot(a * dx)) - 0.5 * double(candidate.parameters.size()) * std::log(n_data);
+  return one;
+}
+
+}  // namespace
+
+std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fitted,
+                             const std::vector<const Candidate*>& candidates) {
+  const Fit base = from_measured_starts(fitter, data, fitted);
+  // the misfit itself
+  std::vector<Trial> trials = choose_steps(fitter, data, base, std::clamp(rms(fitted.residual), 2.0, 30.0), candidates);
+  std::erase_if(trials, [](const Trial& t) { return t.step == 0; });
+  const std::size_t n_first = trials.size();
+  const std::vector<Trial> other_side = mirrored(trials);
+  trials.insert(trials.end(), other_side.begin(), other_side.end());
+  const std::vector<std::vector<VectorXd>> found = answers(fitter, data, base, trials);
+  double n_data = 0;
+  for (const VectorXd& r : base.residual) n_data += double(r.size());
+  std::vector<Screened> screened;
+  for (std::size_t first = 0, last = 0; first < trials.size(); first = last) {
+    const std::size_t end = first < n_first ? n_first : trials.size();
+    while (last < end && trials[last].candidate == trials[first].candidate) ++last;
+    Screened one = linear_optimum(data, base, n_data, std::span(trials).subspan(first, last - first),
+                                  std::span(found).subspan(first, last - first));
+    if (!(one.gain > 0) && !(is_limit(*one.candidate) && one.answer > 0)) continue;
+    const auto before = std::find_if(screened.begin(), screened.end(),
+                                     [&](const Screened& other) { return other.candidate == one.candidate; });
+    if (before == screened.end())
+      screened.push_back(std::move(one));
+    else if (one.gain > before->gain)
+      *before = std::move(one);
+  }
+  const auto is_better = [](const Screened& a, const Screened& b) { return a.gain > b.gain; };
+  std::stable_sort(screened.begin(), screened.end(), is_better);
+  // limits are all tried, since their slope tells nothing
+  std::stable_partition(screened.begin(), screened.end(), [](const Screened& s) { return is_limit(*s.candidate); });
+  if (screened.empty()) return screened;
+  try_optima(fitter, data, base, n_data, screened);
+  std::stable_sort(screened.begin(), screened.begin() + std::ptrdiff_t(std::min(N_TRIED, screened.size())), is_better);
+  return screened;
+}
+
+Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& fitted,
+                         const std::vector<const Candidate*>& candidates) {
+  const Fit base = from_measured_starts(fitter, data, fitted);
+  std::vector<Trial> trials = choose_steps(fitter, data, base, std::clamp(rms(fitted.residual), 2.0, 10.0), candidates);
+  std::erase_if(trials, [](const Trial& t) { return t.step == 0; });
+  std::vector<std::vector<VectorXd>> found = answers(fitter, data, base, trials);
+  Signatures out;
+  const std::vector<std::size_t> seen = seen_of(found);
+  for (const std::size_t t : seen) {
+    out.candidate.push_back(trials[t].candidate);
+    out.parameter.push_back(trials[t].parameter);
+    out.step.push_back(trials[t].step);
+  }
+  const Reduced reduced = normal_equations(data, base, 0, seen, found);
+  out.a = reduced.sum_a();
+  out.g = reduced.sum_g();
+  return out;
+}
+
+namespace {
+
+struct Part {
+  MatrixXd a;
+  VectorXd g;
+};
+
+Part part_of(const Signatures& s, std::span<const std::size_t> columns) {
+  const Eigen::Index n = Eigen::Index(columns.size());
+  Part part{MatrixXd(n, n), VectorXd(n)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    part.g[i] = s.g[Eigen::Index(columns[std::size_t(i)])];
+    for (Eigen::Index k = 0; k < n; ++k)
+      part.a(i, k) = s.a(Eigen::Index(columns[std::size_t(i)]), Eigen::Index(columns[std::size_t(k)]));
+  }
+  return part;
+}
+
+}  // namespace
+
+VectorXd optimum_of(const Signatures& signatures, std::span<const std::size_t> columns) {
+  Part part = part_of(signatures, columns);
+  part.a.diagonal().array() *= 1 + 1e-6;  // columns that are nearly alike must not stand against each other
+  const VectorXd x = -part.a.ldlt().solve(part.g);
+  return x.allFinite() ? x : VectorXd::Zero(part.g.size());
+}
+
+double gain_at(const Signatures& signatures, std::span<const std::size_t> columns, const VectorXd& x) {
+  const Part part = part_of(signatures, columns);
+  return -(part.g.dot(x) + 0.5 * x.dot(part.a * x));
+}
+
+std::vector<Screened> shortlist(const std::vector<Screened>& screened, std::size_t most) {
+  std::vector<Screened> list;
+  std::map<Family, int> n_of;
+  for (std::size_t i = 0; i < screened.size(); ++i) {
+    int& n = n_of[screened[i].candidate->family];
+    if (i < most || n < 2) {
+      list.push_back(screened[i]);
+      ++n;
+    }
+  }
+  return list;
+}
+
+}  // namespace pvg::diagnose

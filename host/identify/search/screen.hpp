@@ -1,0 +1,43 @@
+// Stage 4: which candidates could explain the residual at all. Each one is switched on by a change that the sensors can
+// see, as worlds of one solve; the answer of the residuals is its signature, and the best sum of a candidate's
+// signatures, with every window's start free, tells how much of the misfit it could take away.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "host/identify/fit/fit.hpp"
+
+namespace pvg::diagnose {
+
+struct Screened {
+  const Candidate* candidate = nullptr;
+  Model model;        // the base model with the candidate at its linear optimum
+  double gain = 0;    // by which C would fall, less (number of parameters) / 2 log(number of data)
+  double answer = 0;  // rms of the residuals' answer to the change tried [noise]; 0: the data do not see it
+};
+
+// base: the fit of what is there already (perhaps nothing). Best first; candidates that fail or do nothing are left
+// out.
+std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& base,
+                             const std::vector<const Candidate*>& candidates);
+
+// How residuals answer to candidates' parameters, starts free:  C(x) ~ C(0) + g x + x A x / 2, x in units of steps.
+// Parameters that nothing answers to are left out; those of one candidate stand side by side.
+struct Signatures {
+  std::vector<const Candidate*> candidate;  // [n]
+  std::vector<std::size_t> parameter;       // [n] of the candidate
+  std::vector<double> step;                 // [n] [unit]
+  Eigen::MatrixXd a;                        // [n x n]
+  Eigen::VectorXd g;                        // [n]
+};
+// base: without any effect
+Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& base,
+                         const std::vector<const Candidate*>& candidates);
+// Where C is least with these columns alone, and by how much it falls at x.
+Eigen::VectorXd optimum_of(const Signatures& signatures, std::span<const std::size_t> columns);
+double gain_at(const Signatures& signatures, std::span<const std::size_t> columns, const Eigen::VectorXd& x);
+
+// The best ones to fit: `most` of them, yet always the best two of each family.
+std::vector<Screened> shortlist(const std::vector<Screened>& screened, std::size_t most);
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,200 @@
+#include "host/identify/sensing/rollout.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "host/base/stop_signal.hpp"
+#include "host/identify/sensing/forked.hpp"
+#include "host/identify/sensing/journal.hpp"
+#include "host/identify/sensing/mask_sight.hpp"
+#include "host/identify/sensing/prediction_bytes.hpp"
+#include "host/identify/sensing/sensor.hpp"
+#include "host/identify/sensing/support.hpp"
+#include "host/identify/sensing/video_sight.hpp"
+#include "host/identify/sensing/world.hpp"
+#include "host/physics/step/simulation.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+constexpr std::size_t MOST_WORLDS = 256;   // of one solve
+constexpr std::size_t MOST_NODES = 20000;  // likewise
+constexpr double MARGIN = 0.06;            // beyond a window's end, for clocks that are late [s]
+
+std::size_t n_nodes(const Scene& scene) {
+  std::size_t n = 4 * scene.rigid_bodies.size();
+  for (const SoftBody& body : scene.soft_bodies) n += body.mesh.points.size();
+  for (const Cloth& cloth : scene.cloths) n += cloth.mesh.points.size();
+  return n;
+}
+
+std::size_t steps_of(const Window& window, double h) {
+  return std::size_t(std::ceil((window.end - window.start + MARGIN) / h)) + 1;
+}
+
+using Hand = std::vector<std::size_t>;  // the jobs of one process
+
+// Neighbours in the order, which take as many steps, go to one process each.
+std::vector<Hand> dealt(std::span<const std::size_t> order, std::size_t n_processes) {
+  std::vector<Hand> hands(std::min(n_processes, order.size()));
+  for (std::size_t i = 0; i < order.size(); ++i) hands[i % hands.size()].push_back(order[i]);
+  return hands;
+}
+
+std::vector<Prediction> picked(std::span<const Prediction> all, const Hand& hand) {
+  std::vector<Prediction> some;
+  for (const std::size_t i : hand) some.push_back(all[i]);
+  return some;
+}
+
+}  // namespace
+
+const char* phase_name(Phase phase) {
+  constexpr const char* NAMES[] = {"free", "driven", "impact", "stick", "slide", "roll", "rest"};
+  return NAMES[int(phase)];
+}
+
+Predictor::Predictor(Device& device, const Problem& problem, std::size_t n_processes)
+    : device_(device), problem_(problem), n_processes_(n_processes) {}
+Predictor::~Predictor() = default;
+
+MaskSight* Predictor::sight() {
+  if (!sight_ && !problem_.recording.mask_sources.empty()) sight_ = std::make_unique<MaskSight>(device_, problem_);
+  return sight_.get();
+}
+
+VideoSight* Predictor::video() {
+  if (!video_ && !problem_.recording.video_sources.empty()) video_ = std::make_unique<VideoSight>(device_, problem_);
+  return video_.get();
+}
+
+void Predictor::settle(const Variant& variant, std::vector<Window>& windows) {
+  for (Window& window : windows) {
+    if (!window.is_settled) settle_on_support(device_, problem_, variant.scene, window);
+    window.is_settled = true;
+  }
+}
+
+std::vector<Prediction> Predictor::predict(std::span<const Job> jobs) {
+  const std::uint64_t question = journal_ ? question_of(jobs) : 0;
+  if (journal_)
+    if (std::optional<std::vector<Prediction>> known = journal_->answer_to(question);
+        known && known->size() == jobs.size())
+      return std::move(*known);
+  std::vector<Prediction> out(jobs.size());
+  std::vector<std::size_t> order(jobs.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  const double h = jobs.empty() ? 1 : jobs[0].variant->scene.solver.time_step;
+  // A batch waits in each step for the world that finds it hardest: those of one window have their impacts together.
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    const auto key = [&](const Window& window) {
+      return std::tuple(-double(steps_of(window, h)), window.run, window.start);
+    };
+    return key(*jobs[a].window) < key(*jobs[b].window);
+  });
+  const std::size_t per_batch =
+      std::clamp<std::size_t>(MOST_NODES / std::max<std::size_t>(1, n_nodes(problem_.scene.scene)), 1, MOST_WORLDS);
+  const std::vector<Hand> hands = dealt(order, n_processes_);
+  const auto work_off = [&](const Hand& hand) {
+    for (std::size_t i = 0; i < hand.size(); i += per_batch)
+      predict_batch(jobs, std::span(hand).subspan(i, std::min(per_batch, hand.size() - i)), out);
+  };
+  std::vector<Forked> others;
+  for (std::size_t i = 1; i < hands.size(); ++i)
+    others.emplace_back([&, i] {
+      work_off(hands[i]);
+      return packed(picked(out, hands[i]));
+    });
+  if (!hands.empty()) work_off(hands[0]);
+  for (std::size_t i = 1; i < hands.size(); ++i) {
+    std::optional<Unpacked> answer = unpacked(others[i - 1].result());
+    if (!answer || answer->predictions.size() != hands[i].size())
+      throw Failure("what another process simulated came back cut short");
+    for (std::size_t k = 0; k < hands[i].size(); ++k) out[hands[i][k]] = std::move(answer->predictions[k]);
+  }
+  for (const Job& job : jobs) world_seconds_ += double(steps_of(*job.window, h)) * h;
+  n_simulations_ += jobs.size();
+  if (journal_) journal_->add(question, out);
+  return out;
+}
+
+void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::size_t> which,
+                              std::vector<Prediction>& out) {
+  std::vector<Scene> worlds;
+  std::vector<SensorTrace> traces;
+  std::size_t n_steps = 0;
+  for (const std::size_t i : which) {
+    worlds.push_back(world_of(problem_, jobs[i].variant->scene, *jobs[i].window, jobs[i].initial));
+    traces.emplace_back(problem_, jobs[i], sight(), video());
+    n_steps = std::max(n_steps, steps_of(*jobs[i].window, worlds[0].solver.time_step));
+  }
+  const double h = worlds[0].solver.time_step;
+  std::unique_ptr<Simulation> made;
+  try {
+    made = std::make_unique<Simulation>(device_, worlds);
+  } catch (const UsageError& refused) {  // a start that cannot be: the others go on without it
+    const std::size_t n = which.size();
+    if (n > 1) {
+      predict_batch(jobs, which.subspan(0, n / 2), out);
+      predict_batch(jobs, which.subspan(n / 2), out);
+      return;
+    }
+    Prediction& none = out[which[0]];
+    none.residual = Eigen::VectorXd::Constant(Eigen::Index(jobs[which[0]].window->data.size()), std::nan(""));
+    none.phase.assign(jobs[which[0]].wants_phases ? jobs[which[0]].window->data.size() : 0, Phase::free);
+    none.is_well = false;
+    return;
+  }
+  Simulation& simulation = *made;
+  const auto targets_at = [&](std::size_t step) {
+    std::vector<std::vector<double>> targets;
+    for (std::size_t w = 0; w < which.size(); ++w) {
+      const Window& window = *jobs[which[w]].window;
+      targets.push_back(
+          targets_of(worlds[w], problem_.runs[std::size_t(window.run)], window.start + double(step) * h, h));
+    }
+    return targets;
+  };
+  Checkpoint begin = simulation.checkpoint();
+  for (std::size_t w = 0; w < which.size(); ++w) {  // so that no drive sees its reference jump in the first step
+    const Window& window = *jobs[which[w]].window;
+    DriveMemory memory = memory_of(worlds[w], problem_.runs[std::size_t(window.run)], window.start, h);
+    begin.targets[w] = std::move(memory.command);
+    begin.past_targets[w] = std::move(memory.past);
+  }
+  simulation.restore(begin);
+  std::vector<char> is_well(which.size(), true);
+  const auto look = [&](std::size_t step) {
+    for (std::size_t w = 0; w < which.size(); ++w)
+      if (is_well[w] && step <= steps_of(*jobs[which[w]].window, h)) traces[w].add(worlds[w], simulation.state(w));
+  };
+  look(0);
+  for (std::size_t step = 1; step <= n_steps; ++step) {
+    if (stop_on_signals()) throw TryAgain("stopped; what the finished stages found is kept, call again to continue");
+    try {
+      simulation.step(targets_at(step));
+    } catch (const StepFailure& failure) {
+      for (const StepEvent& event : failure.events) {
+        is_well[event.world] = false;
+        simulation.retire(event.world);
+      }
+      if (std::none_of(is_well.begin(), is_well.end(), [](char well) { return well; })) break;
+    }
+    look(step);
+    for (std::size_t w = 0; w < which.size(); ++w)
+      if (step == steps_of(*jobs[which[w]].window, h)) simulation.retire(w);
+  }
+  for (std::size_t w = 0; w < which.size(); ++w) {
+    Prediction& prediction = out[which[w]];
+    prediction.residual = traces[w].residual();
+    prediction.mask_overlap = traces[w].mask_overlap();
+    prediction.is_well = is_well[w] && prediction.residual.allFinite();
+    if (jobs[which[w]].wants_phases) {
+      prediction.phase = traces[w].phases();
+      prediction.touching = traces[w].touching();
+    }
+  }
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,82 @@
+// Windows simulated, many at a time as worlds of one solve, and what the sensors would have said: the residual of each
+// measured number in units of its noise. Everything else of the workflow stands on this.
+#pragma once
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/device/device.hpp"
+#include "host/identify/data/window.hpp"
+#include "host/identify/sensing/camera_error.hpp"
+
+namespace pvg::diagnose {
+
+// How what is measured differs from what is there; the default does not.
+struct Sensing {
+  double clock_offset = 0;             // the recording's clock shows the true time less this [s]
+  double clock_rate = 0;               // true seconds per second of the recording, less one
+  double length_scale = 0;             // measured lengths over true ones, less one
+  Vec3 frame_rotation = Vec3::Zero();  // rotation vector of the measurement's frame [rad]
+  std::vector<double> latency;         // [n_channels, s] empty: none
+  std::vector<Vec3> bias;              // [n_channels, SI] added to what is measured
+  std::vector<CameraError> camera;     // [n_cameras of Problem::seen] empty: none
+  std::vector<Vec3> marker_offset;     // [n_channels, m] of a marker from where it is said to be, in the body's frame
+};
+
+struct Variant {
+  Scene scene;
+  Sensing sensing;
+};
+
+enum class Phase { free, driven, impact, stick, slide, roll, rest };
+const char* phase_name(Phase phase);
+
+struct Job {
+  const Variant* variant = nullptr;
+  const Window* window = nullptr;
+  InitialState initial;
+  bool wants_phases = false;
+};
+
+struct Prediction {
+  Eigen::VectorXd residual;           // [n_data of the window] (measured - predicted) / sigma
+  std::vector<Phase> phase;           // [n_data] if asked for
+  std::vector<std::string> touching;  // pairs of bodies FIRST/SECOND that touched, if phases were asked for
+  double mask_overlap = 0;            // as SensorTrace has it
+  bool is_well = true;  // false: the simulation failed before the window's end, residuals are NaN from there
+};
+
+class Journal;
+class MaskSight;
+class VideoSight;
+
+class Predictor {
+ public:
+  // Worlds do not feel each other: they are dealt to `n_processes`, this one among them, and the answers are the same
+  // bits whatever their number is. More than one needs a device that works in the thread that asks (`basic` of PoCL).
+  Predictor(Device& device, const Problem& problem, std::size_t n_processes = 1);
+  ~Predictor();
+  // Throws TryAgain where the user stopped it.
+  std::vector<Prediction> predict(std::span<const Job> jobs);
+  // What rests on something starts on it, where that has not been seen to yet.
+  void settle(const Variant& variant, std::vector<Window>& windows);
+  void keep_in(Journal* journal) { journal_ = journal; }  // answers are read from there as far as they go
+  std::size_t n_simulations() const { return n_simulations_; }
+  VideoSight* video();                                     // null: no video was measured
+  double world_seconds() const { return world_seconds_; }  // simulated, summed over all worlds
+
+ private:
+  void predict_batch(std::span<const Job> jobs, std::span<const std::size_t> which, std::vector<Prediction>& out);
+  MaskSight* sight();
+  Device& device_;
+  const Problem& problem_;
+  std::size_t n_processes_;
+  std::unique_ptr<MaskSight> sight_;   // made when first needed
+  std::unique_ptr<VideoSight> video_;  // likewise
+  Journal* journal_ = nullptr;
+  std::size_t n_simulations_ = 0;
+  double world_seconds_ = 0;
+};
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,50 @@
+// What the sensors of one window see of its simulation: the channels' values step by step, and from them the residuals
+// at the times of the samples.
+#pragma once
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "host/identify/sensing/mask_sight.hpp"
+#include "host/identify/sensing/rollout.hpp"
+#include "host/identify/sensing/video_sight.hpp"
+#include "host/physics/step/simulation.hpp"
+
+namespace pvg::diagnose {
+
+class SensorTrace {
+ public:
+  // sight, video: where masks and videos were measured, else null
+  SensorTrace(const Problem& problem, const Job& job, MaskSight* sight, VideoSight* video);
+  void add(const Scene& world, const WorldState& state);  // at the next step's end, the start first
+  Eigen::VectorXd residual() const;
+  std::vector<Phase> phases() const;
+  // Intersection over union with the measured masks, mean over those of the window; NaN: there are none.
+  double mask_overlap() const { return n_overlaps_ > 0 ? overlap_sum_ / double(n_overlaps_) : std::nan(""); }
+  std::vector<std::string> touching() const { return {touching_.begin(), touching_.end()}; }
+
+ private:
+  void add_masks(const WorldState& state);
+  void add_videos(const WorldState& state);
+  int picture_near(const std::vector<int>& frame_of_row, double time) const;  // within a step; -1: none
+  CameraError error_of(int camera) const;
+  std::vector<double> value_at(std::size_t channel, double time) const;  // [width], empty: not simulated so far
+  double time_of(std::size_t channel, std::size_t sample) const;         // in the simulation [s]
+  Phase phase_of(const Scene& world, const WorldState& state, const Channel& channel) const;
+
+  const Problem* problem_;
+  const Job* job_;
+  MaskSight* sight_;
+  VideoSight* video_;
+  double h_;
+  std::size_t n_steps_ = 0;
+  double overlap_sum_ = 0;
+  std::size_t n_overlaps_ = 0;
+  std::vector<std::vector<double>> values_;  // [n_channels][n_steps x width]
+  std::vector<std::vector<Phase>> phase_;    // [n_channels][n_steps]
+  std::set<std::string> touching_;
+  std::vector<AffineMap> before_;  // rigid bodies one step before
+};
+
+}  // namespace pvg::diagnose

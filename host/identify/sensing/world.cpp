@@ -1,0 +1,57 @@
+#include "host/identify/sensing/world.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/physics/energies/effects.hpp"
+#include "host/physics/step/actuator.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+constexpr double LONGEST_MEMORY = 2;  // of drives; before that they are taken to have been told the same [s]
+
+}  // namespace
+
+Scene world_of(const Problem& problem, const Scene& variant, const Window& window, const InitialState& initial) {
+  Scene scene = variant;
+  start_at(problem, initial, scene);
+  scene.separates_start = true;  // a measured start may cut a little into what the body rests on
+  for (const PrescribedPath& prescribed : problem.runs[std::size_t(window.run)].prescribed) {
+    RigidBody& body = scene.rigid_bodies[std::size_t(prescribed.rigid)];
+    body.path.clear();
+    for (const PathPoint& point : prescribed.path) {
+      const double time = point.time - window.start;
+      if (time <= 0) body.path.clear();  // the last one before the start becomes the first
+      body.path.push_back({std::max(time, 0.0), point.pose});
+    }
+    if (!body.path.empty()) body.pose = body.path.front().pose;
+  }
+  return scene;
+}
+
+std::vector<double> targets_of(const Scene& scene, const Run& run, double time, double h) {
+  std::vector<double> targets;
+  std::size_t driven = 0;
+  for (const Joint& joint : scene.joints) {
+    if (!is_driven(joint)) continue;
+    targets.push_back(run.targets[driven++].at(joint.drive.mode == Drive::Mode::torque ? time - h / 2 : time));
+  }
+  return targets;
+}
+
+DriveMemory memory_of(const Scene& scene, const Run& run, double time, double h) {
+  const int n_steps = int(std::ceil(std::min(time - run.t.front(), LONGEST_MEMORY) / h));
+  const std::vector<double> first = targets_of(scene, run, time - n_steps * h, h);
+  Actuators actuators(with_effects(scene), first);
+  DriveMemory memory{first, {}};
+  for (int ago = n_steps - 1; ago >= 0; --ago) {
+    const std::vector<double> targets = targets_of(scene, run, time - ago * h, h);
+    memory.command = actuators.command(targets, memory.command);
+    actuators.accept(targets);
+  }
+  memory.past = actuators.past();
+  return memory;
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,150 @@
+#include "host/load/scene_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "host/base/error.hpp"
+#include "host/load/build_scene.hpp"
+#include "host/load/read_bodies.hpp"
+#include "host/load/read_sections.hpp"
+
+namespace pvg {
+namespace {
+
+constexpr double LARGEST_TIME_STEP = 1;  // scenes that only look for rest may take large ones [s]
+
+// `added` behind what the scene has, its indices moved by it
+void append(Scene& scene, const Scene& added) {
+  const int first_rigid = int(scene.rigid_bodies.size()), first_soft = int(scene.soft_bodies.size());
+  const auto append_list = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  append_list(scene.rigid_bodies, added.rigid_bodies);
+  append_list(scene.soft_bodies, added.soft_bodies);
+  for (Joint joint : added.joints) {
+    joint.parent += first_rigid;
+    joint.child += first_rigid;
+    scene.joints.push_back(joint);
+  }
+  for (Stitch stitch : added.stitches) {
+    stitch.rigid += first_rigid;
+    if (stitch.soft >= 0) stitch.soft += first_soft;
+    scene.stitches.push_back(stitch);
+  }
+}
+
+void add_body_visuals(Scene& scene, const BodyVisuals& body, int first_rigid, int first_soft) {
+  Visual visual;
+  if (body.rigid >= 0) visual.rigid = first_rigid + body.rigid;
+  if (body.soft >= 0) visual.soft = first_soft + body.soft;
+  visual.name = visual.part = body.rigid >= 0 ? scene.rigid_bodies[std::size_t(visual.rigid)].name
+                                              : scene.soft_bodies[std::size_t(visual.soft)].name;
+  add_visuals(scene, body.visuals, visual);
+}
+
+void read_cell(YamlSection& section, SceneFile& file) {
+  RobotCell cell = read_robot_cell(section, file.task);
+  RobotPath path;
+  for (YamlSection& point : section.sections("path")) {
+    path.time.push_back(point.number("time", Unit::time, 0, 1e6));
+    if (path.time.size() > 1 && !(path.time.back() > path.time.end()[-2])) point.fail("time", "must ascend");
+    path.joints.push_back(point.numbers("joints", Unit::angle, -1e3, 1e3));
+    if (path.joints.back().size() != cell.robot.home.size())
+      point.fail("joints", "must hold as many numbers as the robot's `home`");
+    if (cell.gripper) path.gripper.push_back(point.number("gripper", Unit::length, 0, 1, cell.gripper->open));
+    point.done();
+  }
+  section.done();
+  file.task.more_robots.push_back(std::move(cell));
+  file.paths.push_back(std::move(path));
+}
+
+// Of all driven joints of the robots: their paths, or where they start.
+std::vector<TargetTable> robot_targets(const TaskScene& built, const std::vector<RobotPath>& paths) {
+  const std::size_t n_before = built.robots.size() - paths.size();  // the one of the section `robot`
+  const std::vector<Joint>& joints = built.scene.joints;
+  std::vector<TargetTable> of_joint;
+  for (const Joint& joint : joints) of_joint.push_back({{0}, {joint.initial}});
+  for (std::size_t r = 0; r < paths.size(); ++r) {
+    if (paths[r].time.empty()) continue;
+    const BuiltRobot& robot = built.robots[r + n_before];
+    for (std::size_t k = 0; k < robot.arm.size(); ++k) {
+      TargetTable& table = of_joint[std::size_t(robot.arm[k])];
+      table = {paths[r].time, {}};
+      for (const std::vector<double>& point : paths[r].joints) table.value.push_back(point[k]);
+    }
+    for (const int joint : robot.gripper) of_joint[std::size_t(joint)] = {paths[r].time, paths[r].gripper};
+  }
+  std::vector<TargetTable> targets;
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    if (is_driven(joints[j])) targets.push_back(of_joint[j]);
+  return targets;
+}
+
+}  // namespace
+
+double TargetTable::at(double t) const {
+  const std::size_t after = std::size_t(std::upper_bound(time.begin(), time.end(), t) - time.begin());
+  if (after == 0) return value.front();
+  if (after == time.size()) return value.back();
+  const double share = (t - time[after - 1]) / (time[after] - time[after - 1]);
+  return value[after - 1] + share * (value[after] - value[after - 1]);
+}
+
+SceneFile load_scene_file(const std::filesystem::path& path) {
+  YamlSection root = YamlSection::load(path, "scene file");
+  SceneFile file;
+  file.task = read_scene_sections(root, LARGEST_TIME_STEP);
+  file.added.gravity = root.vector("gravity", Unit::acceleration, -1e6, 1e6, file.added.gravity);
+  file.added.separates_start = root.boolean("separate", false);
+  for (YamlSection& section : root.sections("robots")) read_cell(section, file);
+  file.duration = root.number("duration", Unit::time, 0, 1e5, 1);
+  for (YamlSection& section : root.sections("bodies")) read_body(section, file);
+  for (YamlSection& section : root.sections("joints")) read_joint(section, file);
+  for (YamlSection& section : root.sections("stitches")) read_stitch(section, file);
+  root.done();
+  std::vector<std::string> bodies;
+  for (const RigidBody& body : file.added.rigid_bodies) bodies.push_back(body.name);
+  for (const SoftBody& body : file.added.soft_bodies) bodies.push_back(body.name);
+  check_names(root, file.task, bodies);
+  return file;
+}
+
+std::size_t SceneRun::n_steps() const { return std::size_t(std::llround(duration / scene.solver.time_step)); }
+
+std::vector<double> SceneRun::targets_at(double time) const {
+  std::vector<double> values;
+  for (const TargetTable& table : targets) values.push_back(table.at(time));
+  return values;
+}
+
+SceneRun load_scene_run(const std::filesystem::path& path) {
+  const SceneFile file = load_scene_file(path);
+  SceneRun run;
+  const TaskScene built = build_scene_at_middle(file.task);
+  run.scene = built.scene;
+  run.targets = robot_targets(built, file.paths);
+  const int first_rigid = int(run.scene.rigid_bodies.size()), first_soft = int(run.scene.soft_bodies.size());
+  append(run.scene, file.added);
+  try {
+    for (const BodyVisuals& body : file.visuals) add_body_visuals(run.scene, body, first_rigid, first_soft);
+  } catch (const UsageError& error) {
+    throw UsageError(path.string() + ": " + error.what());
+  }
+  run.scene.gravity = file.added.gravity;
+  run.scene.separates_start = file.added.separates_start;
+  try {
+    check_effects(run.scene);
+  } catch (const UsageError& error) {
+    throw UsageError(path.string() + ": " + error.what());
+  }
+  run.targets.insert(run.targets.end(), file.targets.begin(), file.targets.end());
+  run.duration = file.duration;
+  std::ifstream in(path, std::ios::binary);
+  run.configuration = {std::istreambuf_iterator<char>(in), {}};
+  return run;
+}
+
+Scene load_scene(const std::filesystem::path& file) { return load_scene_run(file).scene; }
+
+}  // namespace pvg

@@ -1,0 +1,79 @@
+// Contact of all worlds on the device: which pairs can touch on a motion, how far the motion may go, which pairs touch,
+// and the lagged friction rows. The energies are those of energies/contact/barrier.cl and energies/contact/friction.cl,
+// evaluated by the solver over the parameter buffers that are kept here.
+//
+// In one Newton iteration:  find_contacts(x) -> gradient, Hessian over contacts();  solve for the direction;
+//   find_candidates(x, x + p);  step = largest_step(x, x + p);  line search, at each trial:  find_contacts(trial), the
+//   barrier energy over contacts().  Before the first: find_candidates(x, x), find_contacts(x).
+// Candidates are kept as long as they serve, so they may be more than are asked for; what is made of them does not
+// change.
+#pragma once
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "energies/contact/barrier.h"
+#include "energies/contact/friction.h"
+#include "host/device/device.hpp"
+#include "host/model/scene.hpp"
+#include "host/model/world_state.hpp"
+#include "host/physics/contact/collision_mesh.hpp"
+#include "host/physics/contact/friction_anchors.hpp"
+#include "host/physics/linear/world_rows.hpp"
+
+namespace pvg {
+
+class ContactSet {
+ public:
+  // settings: of each world. x: sites at the start [n_sites, m]; the order of the search trees comes from it, so two
+  // sets made from the same arguments give the same bits ever after. correction: how far the solver's last corrections
+  // move a site [m]; candidates are then looked for far enough to serve for several.
+  ContactSet(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
+             std::span<const Vec3> x, double correction = 0);
+  ~ContactSet();
+  ContactSet(ContactSet&&) noexcept;
+
+  // All x below: sites on the device [n_sites x 3, m].
+
+  // At least every pair that may come within activation distance while the sites move straight from x0 to x1.
+  void find_candidates(const Buffer<double>& x0, const Buffer<double>& x1);
+  const WorldRows<Barrier>& candidates() const;
+
+  // The largest part in [0, 1] of the motion x0 -> x1, of each world, that is certified to keep every candidate apart.
+  // x0, x1: as given to find_candidates, or any part of that motion. A pair that is already closer than its offset
+  // gives 0.
+  std::vector<double> largest_step(const Buffer<double>& x0, const Buffer<double>& x1);
+
+  // The candidates within activation distance at x: rows of energies/contact/barrier.cl.
+  void find_contacts(const Buffer<double>& x);
+  const WorldRows<Barrier>& contacts() const;
+
+  // Friction rows from the contacts of the last find_contacts, with normal forces at x (the same x) and anchors for a
+  // step of length h [s]. x0, x1: sites at its start and where they are thought to come; effects on friction go by it.
+  void lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0, const Buffer<double>& x1);
+  void clear_friction();  // no friction rows
+  const WorldRows<Friction>& friction() const;
+
+  // What the contacts of these worlds, as in the present friction rows, remember of a step of length h from x0 to x.
+  void renew_anchors(const Buffer<double>& x, const Buffer<double>& x0, double h, std::span<const char> worlds);
+  const std::vector<std::vector<FrictionAnchor>>& anchors() const;  // [n_worlds]
+  void restore_anchors(const std::vector<std::vector<FrictionAnchor>>& anchors);
+
+  // Smallest gap (distance minus offsets) of each world at x [m]; infinite where none is below its activation distance.
+  std::vector<double> min_gap(const Buffer<double>& x);
+
+  // Contacts at x with their forces, of one world each; friction from the present friction rows, x0: sites at the start
+  // of the step, h: its length [s]. Rows whose pair has parted since are left out. ContactForce::first and second are
+  // indices into CollisionMesh::bodies.
+  std::vector<std::vector<ContactForce>> forces(const Buffer<double>& x, const Buffer<double>& x0, double h);
+
+  // Nothing, or the first pair of bodies that cannot start like this. x: [n_sites, m]
+  std::optional<StartConflict> find_start_conflict(std::span<const Vec3> x);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pvg

@@ -1,0 +1,41 @@
+#include "host/physics/contact/continuous_collision.hpp"
+
+namespace pvg {
+namespace {
+constexpr std::size_t N_LANES = 64;  // as in contact/contact.cl
+}
+
+WorldMinimum::WorldMinimum(Device& device)
+    : program_(device, "contact/contact.cl"),
+      min_of_lanes_(program_.kernel("min_of_lanes")),
+      min_of_worlds_(program_.kernel("min_of_worlds")),
+      first_(device, 0, "first_of_world"),
+      partial_(device, 0, "partial_minimum"),
+      least_(device, 0, "world_minimum") {}
+
+std::vector<double> WorldMinimum::operator()(const std::vector<u32>& first, const Buffer<double>& values, double none) {
+  const std::size_t n_worlds = first.size() - 1;
+  if (first.back() == 0) return std::vector<double>(n_worlds, none);
+  first_.resize(first.size());
+  first_.write(first);
+  partial_.resize(n_worlds * N_LANES);
+  least_.resize(n_worlds);
+  min_of_lanes_(partial_.size(), u32(partial_.size()), first_, values, none, partial_);
+  min_of_worlds_(n_worlds, u32(n_worlds), partial_, least_);
+  return least_.read();
+}
+
+ContinuousCollision::ContinuousCollision(Device& device)
+    : program_(device, "contact/accd.cl"),
+      accd_steps_(program_.kernel("accd_steps")),
+      steps_(device, 0, "certified_steps"),
+      minimum_(device) {}
+
+std::vector<double> ContinuousCollision::largest_step(const WorldRows<Barrier>& pairs, const Buffer<double>& x0,
+                                                      const Buffer<double>& x1) {
+  steps_.resize(pairs.n());
+  accd_steps_(pairs.n(), pairs.n(), pairs.rows, x0, x1, steps_);
+  return minimum_(pairs.first, steps_, 1.0);
+}
+
+}  // namespace pvg

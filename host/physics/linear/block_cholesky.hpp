@@ -1,0 +1,79 @@
+// Exact Cholesky factor of a symmetric positive definite sparse matrix of 3 x 3 blocks, made again for new numbers with
+// the same pattern. Multifrontal (Duff, Reid 1983; Liu 1992): each supernode of the elimination tree assembles its rows
+// of the matrix and its children's updates into a dense front, factors its pivots and passes an update to its parent.
+// Subtrees are independent and may run on several threads; sums have one order, so the bits do not depend on them.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "host/base/workers.hpp"
+#include "host/physics/linear/elimination_tree.hpp"
+#include "host/physics/linear/front_kernels.hpp"
+
+namespace pvg {
+
+class BlockCholesky {
+ public:
+  // orders and allocates; everything after it allocates nothing. position: of each node [m], or nothing; order: the
+  // cheapest where none is asked for
+  explicit BlockCholesky(const BlockPattern& pattern, std::span<const Vec3> position = {},
+                         std::optional<NodeOrder> order = {});
+
+  // blocks: one 3 x 3 block for each of the pattern, row-major [n_blocks x 9]; of a diagonal block the lower triangle
+  // is read. False where the matrix is not positive definite or not finite; then solve() must not be called.
+  bool factorize(std::span<const double> blocks, Workers* workers = nullptr);
+  // x = A^-1 x in place [n_nodes x 3]; not from several threads at once, it needs the fronts' memory
+  void solve(std::span<double> x, Workers* workers = nullptr) const;
+
+  NodeOrder order() const { return tree_.kind; }
+  double cost() const { return tree_.cost; }  // of one factorisation, about the number of floating point operations
+  bool uses_threads() const { return subtrees_.size() > 1; }
+  std::size_t n_numbers() const { return 8 * panels_.size(); }  // stored in the factor
+
+ private:
+  struct alignas(64) CacheLine {
+    double values[8];
+  };
+  struct Entry {
+    u32 block;  // of the matrix
+    int first;  // index of its first number in the panel
+    bool is_transposed;
+  };
+  struct Front {
+    Panel panel;
+    double* update = nullptr;  // [panel.n_rows x panel.n_rows], lower triangle, passed to the parent
+    int update_stride = 0;
+    double* x = nullptr;         // [panel.stride] of solve()
+    std::vector<Run> to_parent;  // from the rows below its pivots to rows of the parent's panel
+    std::vector<Entry> entries;
+  };
+
+  void lay_out_panels();
+  void choose_subtrees();
+  void lay_out_updates();
+  void map_to_parents();
+  void map_entries(const BlockPattern& pattern);
+
+  bool factor(u32 front, std::span<const double> blocks) const;
+  static void assemble(const Front& front, std::span<const double> blocks);
+  enum class Part { PIVOTS, REST };  // columns of the parent
+  static void add_update(const Front& child, const Front& parent, Part part);
+  void forward(u32 front, std::span<const double> x) const;
+  void backward(u32 front, std::span<double> x) const;
+  template <class Task>
+  void for_each_subtree(Workers* workers, double least_cost, const Task& task) const;
+
+  // supernodes [first, last), the last of them the root
+  struct Subtree {
+    u32 first, last;
+    double cost;
+  };
+  EliminationTree tree_;
+  std::vector<Front> fronts_;      // of each supernode
+  std::vector<Subtree> subtrees_;  // independent of each other, the costliest first
+  std::vector<u32> top_;           // supernodes above them, children before parents
+  std::vector<char> has_failed_;   // of each subtree
+  std::vector<CacheLine> panels_, updates_, x_;
+};
+
+}  // namespace pvg

@@ -1,0 +1,62 @@
+#include "host/physics/linear/term.hpp"
+
+#include <cstring>
+
+namespace pvg {
+namespace {
+
+Program program_of(Device& device, const std::string& folder, const std::string& name, const std::string& front) {
+  const std::string file = "energies/" + folder + "/" + name + ".cl";
+  if (front.empty()) return Program(device, file);
+  return Program::from_text(device, name + " of this scene", front + "#include \"" + file + "\"\n");
+}
+
+}  // namespace
+
+Term::Kernels::Kernels(Device& device, const std::string& folder, const std::string& name, const std::string& front)
+    : program(program_of(device, folder, name, front)),
+      energy(program.kernel(name + "_energy_all")),
+      gradient(program.kernel(name + "_gradient_all")),
+      hessian(program.kernel(name + "_hessian_all")),
+      product(program.kernel(name + "_product_all")) {}
+
+Term::Term(Device& device, const std::string& folder, const std::string& name, std::size_t stencil,
+           const std::string& front)
+    : device_(&device),
+      folder_(folder),
+      name_(name),
+      front_(front),
+      stencil_(stencil),
+      params_(device, 0, name),
+      blocks_(device, 0, name + " blocks") {}
+
+Term::Kernels& Term::kernels() {
+  if (!kernels_) kernels_.emplace(*device_, folder_, name_, front_);
+  return *kernels_;
+}
+
+void Term::set_bytes(const void* params, std::size_t n, std::size_t bytes, std::vector<u32> world_first) {
+  n_ = n;
+  world_first_ = std::move(world_first);
+  const auto* first = static_cast<const unsigned char*>(params);
+  params_.resize(n * bytes);
+  params_.write(std::span(first, n * bytes));
+  blocks_.resize(n * 9 * stencil_ * stencil_);
+  sites_.resize(n * stencil_);
+  for (std::size_t e = 0; e < n; ++e) std::memcpy(&sites_[e * stencil_], first + e * bytes, stencil_ * sizeof(u32));
+}
+
+void Term::energy(const Buffer<f64>& x, const Buffer<f64>& x0, double h, std::size_t first, Buffer<f64>& energy) {
+  if (n_ > 0) kernels().energy(n_, u32(n_), params_, x, x0, h, u32(first), energy);
+}
+void Term::gradient(const Buffer<f64>& x, const Buffer<f64>& x0, double h, Buffer<f64>& rows) {
+  if (n_ > 0) kernels().gradient(n_, u32(n_), params_, x, x0, h, first_row, rows);
+}
+void Term::hessian(const Buffer<f64>& x, const Buffer<f64>& x0, double h) {
+  if (n_ > 0) kernels().hessian(n_, u32(n_), params_, x, x0, h, blocks_);
+}
+void Term::product(const Buffer<f64>& direction, Buffer<f64>& rows) {
+  if (n_ > 0) kernels().product(n_, u32(n_), params_, blocks_, direction, first_row, rows);
+}
+
+}  // namespace pvg

@@ -1,0 +1,251 @@
+#include "host/physics/step/potential.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <iterator>
+
+namespace pvg {
+namespace {
+
+constexpr std::size_t LARGEST_SURPLUS = 2;  // pairs held for each one in contact: the rest costs fill in vain
+constexpr double FEW = 0.02;                // of the pairs in contact are left to conjugate gradients within a step
+
+// appends the runs of each world in a list of elements, the first of which has the number `offset`
+void append_ranges(const std::vector<u32>& world_first, u32 offset, std::vector<WorldRange>& ranges) {
+  for (u32 w = 0; w + 1 < world_first.size(); ++w)
+    if (world_first[w] < world_first[w + 1])
+      ranges.push_back({w, offset + world_first[w], offset + world_first[w + 1]});
+}
+
+}  // namespace
+
+Potential::Potential(Device& device, const System& system)
+    : system_(system),
+      nodes_program_(device, "solve/nodes.cl"),
+      nodes_to_sites_(nodes_program_.kernel("nodes_to_sites")),
+      gather_rows_(nodes_program_.kernel("gather_rows")),
+      sites_(device, system.sites, "sites"),
+      node_is_fixed_(device, system.node_is_fixed, "is_fixed"),
+      terms_(device, system),
+      barrier_(device, "contact", "barrier", 4),
+      friction_(device, "contact", "friction", 4),
+      flows_4_(device, system.plastic_flow_4, "plastic_flow_4"),
+      flows_10_(device, system.plastic_flow_10, "plastic_flow_10"),
+      world_steps_(device, system.n_worlds(), "world steps"),
+      constant_(terms_.all()),
+      constant_gather_(device, system.sites, system.n_nodes()),
+      contact_gather_(device, system.sites, system.n_nodes()),
+      rows_(device, 0, "rows"),
+      element_energy_(device, 0, "energy"),
+      world_energy_(device, system.n_worlds(), "world energy"),
+      direction_site_(device, 3 * system.sites.size(), "direction sites"),
+      reduce_(device, system.n_worlds()),
+      energy_chunks_(device, system.n_worlds()) {
+  if (!system.force_law.empty()) force_laws_.emplace(device, system);
+  if (flows_4_.size() + flows_10_.size() > 0) {
+    Program program(device, "energies/plastic_flow.cl");
+    flow_4_.emplace(program.kernel("plastic_flow_4"));
+    flow_10_.emplace(program.kernel("plastic_flow_10"));
+  }
+  all_ = constant_;
+  all_.push_back(&barrier_);
+  all_.push_back(&friction_);
+
+  std::vector<RowBlock> blocks;
+  first_energy_.push_back(0);
+  for (Term* term : constant_) {
+    term->first_row = n_constant_rows_;
+    n_constant_rows_ += u32(term->size() * term->stencil());
+    blocks.push_back({term->sites(), term->first_row});
+    append_ranges(term->world_first(), first_energy_.back(), energy_ranges_);
+    first_energy_.push_back(u32(first_energy_.back() + term->size()));
+  }
+  constant_gather_.set(blocks);
+  rows_.resize(3 * n_constant_rows_);
+  matrix_ = std::make_unique<BlockMatrix>(device, system.sites, system.node_is_fixed, constant_);
+  preconditioner_ = std::make_unique<Preconditioner>(device, system, *matrix_);
+  couplings_.resize(system.n_worlds());
+}
+
+void Potential::update_sites(Positions& positions) {
+  nodes_to_sites_(system_.sites.size(), u32(system_.sites.size()), sites_, positions.node, positions.site);
+}
+
+void Potential::begin_step(const Positions& start, const Positions& predicted, double h, double inertia_h) {
+  start_ = &start;
+  predicted_ = &predicted;
+  h_ = h;
+  inertia_h_ = inertia_h;
+}
+
+void Potential::update_joints(const System& system) {
+  terms_.revolute_drive.update(system.revolute_drive.rows);
+  terms_.prismatic_drive.update(system.prismatic_drive.rows);
+  terms_.revolute_limit.update(system.revolute_limit.rows);
+  terms_.revolute_effect.update(system.revolute_effect.rows);
+  terms_.revolute_law.update(system.revolute_law.rows);
+}
+
+void Potential::update_spin(const System& system) { terms_.spin.update(system.spin.rows); }
+
+void Potential::set_forces(const Buffer<f64>& v) {
+  if (!force_laws_) return;
+  nodes_to_sites_(system_.sites.size(), u32(system_.sites.size()), sites_, v, direction_site_);
+  force_laws_->write(terms_.drag.params(), start_->site, direction_site_, h_);
+}
+
+void Potential::flow(const Positions& x, double h, std::span<const char> worlds) {
+  if (flows_4_.size() + flows_10_.size() == 0) return;
+  world_steps_.write(std::vector<u32>(worlds.begin(), worlds.end()));
+  const auto run = [&](Kernel& kernel, const Buffer<PlasticFlow>& flows, Term& term) {
+    kernel(flows.size(), u32(flows.size()), flows, term.params(), world_steps_, x.site, h);
+  };
+  run(*flow_4_, flows_4_, terms_.stable_neo_hookean_4);
+  run(*flow_10_, flows_10_, terms_.stable_neo_hookean_10);
+}
+
+namespace {
+
+// Carries rest_inverse between the elements that flow and a list of numbers, from number `at` on; either way.
+template <class Element, class Carry>
+void for_each_flow(Term& term, const std::vector<PlasticFlow>& flows, std::size_t& at, const Carry& carry) {
+  for (const PlasticFlow& flow : flows) {
+    const std::size_t place = flow.element * sizeof(Element) + offsetof(Element, rest_inverse);
+    carry(term.params(), place, at);
+    at += 9;
+  }
+}
+
+}  // namespace
+
+std::vector<double> Potential::flowed() {
+  std::vector<double> values(9 * (flows_4_.size() + flows_10_.size()));
+  const auto read = [&](Buffer<unsigned char>& params, std::size_t place, std::size_t at) {
+    const std::vector<unsigned char> bytes = params.read(place, 9 * sizeof(double));
+    std::memcpy(&values[at], bytes.data(), bytes.size());
+  };
+  std::size_t at = 0;
+  for_each_flow<StableNeoHookean4>(terms_.stable_neo_hookean_4, system_.plastic_flow_4, at, read);
+  for_each_flow<StableNeoHookean10>(terms_.stable_neo_hookean_10, system_.plastic_flow_10, at, read);
+  return values;
+}
+
+void Potential::restore_flowed(const std::vector<double>& values) {
+  const auto write = [&](Buffer<unsigned char>& params, std::size_t place, std::size_t at) {
+    const auto* first = reinterpret_cast<const unsigned char*>(&values[at]);
+    params.write(place, std::vector<unsigned char>(first, first + 9 * sizeof(double)));
+  };
+  std::size_t at = 0;
+  for_each_flow<StableNeoHookean4>(terms_.stable_neo_hookean_4, system_.plastic_flow_4, at, write);
+  for_each_flow<StableNeoHookean10>(terms_.stable_neo_hookean_10, system_.plastic_flow_10, at, write);
+}
+
+void Potential::set_friction(const WorldRows<Friction>& rows) {
+  friction_.set(rows.rows.read(0, rows.n()), rows.first);
+}
+
+const Buffer<f64>& Potential::origin(const Term& term) const {
+  return is_inertia(term) ? predicted_->site : start_->site;
+}
+
+std::vector<double> Potential::energy(const Positions& x, const WorldRows<Barrier>& contacts) {
+  const u32 first_friction = first_energy_.back(), first_barrier = u32(first_friction + friction_.size());
+  element_energy_.resize(first_barrier + contacts.n());
+  for (std::size_t t = 0; t < constant_.size(); ++t)
+    constant_[t]->energy(x.site, origin(*constant_[t]), step_length(*constant_[t]), first_energy_[t], element_energy_);
+  friction_.energy(x.site, start_->site, h_, first_friction, element_energy_);
+  barrier_.energy_over(contacts.rows, contacts.n(), x.site, start_->site, h_, first_barrier, element_energy_);
+  std::vector<WorldRange> ranges = energy_ranges_;
+  append_ranges(friction_.world_first(), first_friction, ranges);
+  append_ranges(contacts.first, first_barrier, ranges);
+  energy_chunks_.set(ranges);
+  reduce_.sum(energy_chunks_, element_energy_, world_energy_);
+  return world_energy_.read();
+}
+
+void Potential::set_contacts(const WorldRows<Barrier>& contacts) {
+  barrier_.set(contacts.rows.read(0, contacts.n()), contacts.first);
+  if (barrier_.size() + friction_.size() == 0) return;
+  barrier_.first_row = n_constant_rows_;
+  friction_.first_row = u32(n_constant_rows_ + barrier_.size() * barrier_.stencil());
+  const std::size_t n_rows = friction_.first_row + friction_.size() * friction_.stencil();
+  if (3 * n_rows > rows_.size()) rows_.resize(3 * n_rows);
+  const RowBlock blocks[] = {{barrier_.sites(), barrier_.first_row}, {friction_.sites(), friction_.first_row}};
+  contact_gather_.set(blocks);
+}
+
+void Potential::gather_contacts(Buffer<f64>& node) {
+  if (barrier_.size() + friction_.size() > 0) contact_gather_.apply(gather_rows_, node_is_fixed_, rows_, true, node);
+}
+
+void Potential::differentiate(const Positions& x, const WorldRows<Barrier>& contacts, Buffer<f64>& gradient) {
+  set_contacts(contacts);
+  for (Term* term : all_) {
+    term->gradient(x.site, origin(*term), step_length(*term), rows_);
+    term->hessian(x.site, origin(*term), step_length(*term));
+  }
+  matrix_->assemble(constant_);
+  constant_gather_.apply(gather_rows_, node_is_fixed_, rows_, false, gradient);
+  gather_contacts(gradient);
+}
+
+void Potential::product(const Buffer<f64>& direction, Buffer<f64>& out) {
+  matrix_->multiply(direction, out);
+  if (barrier_.size() + friction_.size() == 0) return;
+  nodes_to_sites_(system_.sites.size(), u32(system_.sites.size()), sites_, direction, direction_site_);
+  for (Term* term : {&barrier_, &friction_}) term->product(direction_site_, rows_);
+  gather_contacts(out);
+}
+
+std::optional<u32> Potential::factorize(std::span<const char> world_is_active) {
+  const Term* const contacts[] = {&barrier_, &friction_};
+  return preconditioner_->factorize(contacts, world_is_active);
+}
+
+void Potential::couple_contacts(std::span<const char> worlds, Coupling when) {
+  if (!preconditioner_->takes_contacts()) return;
+  bool is_changed = false;
+  for (std::size_t w = 0; w < worlds.size(); ++w) {
+    if (!worlds[w]) continue;
+    std::vector<NodePair> pairs;
+    for (const Term* term : {&barrier_, &friction_})
+      for (u32 e = term->world_first()[w]; e < term->world_first()[w + 1]; ++e)
+        append_coupled(std::span(term->sites()).subspan(4 * std::size_t(e), 4), pairs);
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    std::vector<NodePair> all;
+    std::set_union(couplings_[w].begin(), couplings_[w].end(), pairs.begin(), pairs.end(), std::back_inserter(all));
+    if (when == Coupling::step_begins && all.size() > LARGEST_SURPLUS * pairs.size()) all = std::move(pairs);
+    if (when == Coupling::before_solve && double(all.size() - couplings_[w].size()) <= FEW * double(pairs.size()))
+      continue;
+    if (all == couplings_[w]) continue;
+    couplings_[w] = std::move(all);
+    is_changed = true;
+  }
+  if (is_changed) restore_couplings(std::vector<std::vector<NodePair>>(couplings_));
+}
+
+// The pairs of moving nodes that carry these sites, without those that the matrix couples already.
+void Potential::append_coupled(std::span<const u32> sites, std::vector<NodePair>& pairs) const {
+  std::vector<u32> nodes;
+  for (const u32 site : sites)
+    for (int k = 0; k < 4; ++k)
+      if (const u32 node = system_.sites[site].node[k];
+          system_.sites[site].weight[k] != 0 && system_.node_group[node] != NO_GROUP)
+        nodes.push_back(node);
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    for (std::size_t j = i + 1; j < nodes.size(); ++j)
+      if (matrix_->pattern().find(nodes[i], nodes[j]) == NO_BLOCK) pairs.push_back({nodes[i], nodes[j]});
+}
+
+void Potential::restore_couplings(const std::vector<std::vector<NodePair>>& couplings) {
+  couplings_ = couplings;
+  std::vector<NodePair> all;
+  for (const std::vector<NodePair>& pairs : couplings_) all.insert(all.end(), pairs.begin(), pairs.end());
+  preconditioner_->couple(all);
+}
+
+}  // namespace pvg

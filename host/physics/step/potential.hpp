@@ -1,0 +1,107 @@
+// The incremental potential of all worlds: the sum of its terms, their gradient gathered to the nodes, and the product
+// of the Hessian with a direction. What never changes its elements is assembled into a sparse matrix, contact and
+// friction are not.
+#pragma once
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "host/physics/contact/contact.hpp"
+#include "host/physics/energies/terms.hpp"
+#include "host/physics/linear/gather.hpp"
+#include "host/physics/linear/term.hpp"
+#include "host/physics/linear/world_reduce.hpp"
+#include "host/physics/step/preconditioner.hpp"
+
+namespace pvg {
+
+// Positions of all nodes and of the sites that they carry.
+struct Positions {
+  Positions(Device& device, std::size_t n_nodes, std::size_t n_sites, const std::string& name)
+      : node(device, 3 * n_nodes, name), site(device, 3 * n_sites, name + " sites") {}
+  Buffer<f64> node, site;  // [n_nodes x 3], [n_sites x 3]
+};
+
+class Potential {
+ public:
+  enum class Coupling { step_begins, before_solve, solve_took_long };
+
+  Potential(Device& device, const System& system);
+
+  void update_sites(Positions& positions);  // site from node
+
+  // This step's numbers. start: positions at its beginning; predicted: where inertia leads; h: its length [s];
+  // inertia_h: what stands for h in the inertia, which depends on the integrator [s]
+  void begin_step(const Positions& start, const Positions& predicted, double h, double inertia_h);
+  void update_joints(const System& system);  // this step's numbers of drives and stops
+  void update_spin(const System& system);    // this step's torques of rolling resistance
+  // Forces that follow a law, from where bodies are at the start of this step and v: velocities there [n_nodes x 3,
+  // m/s]
+  void set_forces(const Buffer<f64>& v);
+  void set_friction(const WorldRows<Friction>& rows);
+
+  // Lets the rest shapes of solids that yield or creep follow a step of length h [s] that ended at x, in these worlds.
+  void flow(const Positions& x, double h, std::span<const char> worlds);
+  // These rest shapes: rest_inverse of the elements of System::plastic_flow_4, then _10  [n x 9, 1/m]
+  std::vector<double> flowed();
+  void restore_flowed(const std::vector<double>& rest_inverse);
+
+  // Sum of all terms per world [J], with these active contacts.
+  std::vector<double> energy(const Positions& x, const WorldRows<Barrier>& contacts);
+  // Gradient [n_nodes x 3, N] and Hessian blocks at x, with these active contacts.
+  void differentiate(const Positions& x, const WorldRows<Barrier>& contacts, Buffer<f64>& gradient);
+  // out = H direction;  [n_nodes x 3]
+  void product(const Buffer<f64>& direction, Buffer<f64>& out);
+  // Factors the preconditioner at the blocks of the last differentiate(). Returns a node of the first group of bodies
+  // whose matrix is not positive definite, or nothing.
+  std::optional<u32> factorize(std::span<const char> world_is_active);
+  // From now on the factors of these worlds hold the pairs of nodes that the contacts of the last differentiate()
+  // couple, besides those that they hold. At the beginning of a step those are given up where most are contacts no
+  // more; before a solve a few new ones are left out, for a new pattern has to be analysed.
+  void couple_contacts(std::span<const char> worlds, Coupling when);
+  const std::vector<std::vector<NodePair>>& couplings() const { return couplings_; }  // [n_worlds], sorted
+  void restore_couplings(const std::vector<std::vector<NodePair>>& couplings);
+  const BlockMatrix& matrix() const { return *matrix_; }  // of the terms whose elements never change
+  std::size_t preconditioner_bytes() const { return preconditioner_->n_bytes(); }
+  // out = M^-1 residual;  [n_nodes x 3]
+  void precondition(const Buffer<f64>& residual, Buffer<f64>& out) { preconditioner_->apply(residual, out); }
+
+ private:
+  void gather_contacts(Buffer<f64>& node);  // adds
+  void set_contacts(const WorldRows<Barrier>& contacts);
+  void append_coupled(std::span<const u32> sites, std::vector<NodePair>& pairs) const;
+  bool is_inertia(const Term& term) const { return &term == &terms_.point_inertia || &term == &terms_.affine_inertia; }
+  const Buffer<f64>& origin(const Term& term) const;  // what a term is told as x0
+  double step_length(const Term& term) const { return is_inertia(term) ? inertia_h_ : h_; }
+
+  const System& system_;
+  Program nodes_program_;
+  Kernel nodes_to_sites_, gather_rows_;
+  Buffer<Site> sites_;
+  Buffer<u32> node_is_fixed_;
+
+  Terms terms_;  // whose elements never change
+  std::optional<ForceLaws> force_laws_;
+  Term barrier_, friction_;
+  std::optional<Kernel> flow_4_, flow_10_;  // where something yields or creeps
+  Buffer<PlasticFlow> flows_4_, flows_10_;
+  Buffer<u32> world_steps_;
+  std::vector<Term*> constant_;  // those of terms_
+  std::vector<Term*> all_;
+
+  Gather constant_gather_, contact_gather_;
+  std::unique_ptr<BlockMatrix> matrix_;
+  std::unique_ptr<Preconditioner> preconditioner_;
+  std::vector<std::vector<NodePair>> couplings_;
+  Buffer<f64> rows_, element_energy_, world_energy_, direction_site_;
+  u32 n_constant_rows_ = 0;
+  WorldReduce reduce_;
+  std::vector<u32> first_energy_;          // of each constant term in element_energy_, and where they end
+  std::vector<WorldRange> energy_ranges_;  // of the constant terms
+  WorldChunks energy_chunks_;              // of all terms
+
+  const Positions *start_ = nullptr, *predicted_ = nullptr;
+  double h_ = 0, inertia_h_ = 0;
+};
+
+}  // namespace pvg

@@ -1,0 +1,110 @@
+#include "host/physics/step/preconditioner.hpp"
+
+#include <algorithm>
+
+namespace pvg {
+namespace {
+
+constexpr u32 CLUSTER_WIDTH = 32;  // nodes of a cluster
+constexpr std::size_t MOST_LEVELS = 12;
+// Operations of a factor up to which it is the faster one on two cores: on a compact solid the turn is between 3,000
+// nodes (1e9, 0.8 times the time of Schwarz) and 12,000 (2.3e10, 1.7 times); docs/measured/2026-11-22_bench_solver.md.
+constexpr double LARGEST_FACTOR = 5e9;
+
+using Kind = SolverSettings::Preconditioner;
+
+// Which nodes have a factor, and the world of each factor. Groups without any such node are gone.
+struct FactorGroups {
+  std::vector<u32> node_group, world;
+};
+
+// All nodes of groups that are exact, the rigid bodies' of the others.
+FactorGroups factor_groups(const System& system, const std::vector<char>& is_exact) {
+  std::vector<char> is_rigid(system.n_nodes(), false);
+  for (const std::vector<u32>& frames : system.rigid_first_node)
+    for (const u32 frame : frames) std::fill_n(&is_rigid[frame], 4, true);
+  FactorGroups groups{std::vector<u32>(system.n_nodes(), NO_GROUP), {}};
+  std::vector<u32> renumbered(system.group_world.size(), NO_GROUP);
+  for (std::size_t node = 0; node < system.n_nodes(); ++node) {
+    const u32 group = system.node_group[node];
+    if (group == NO_GROUP || !(is_exact[group] || is_rigid[node])) continue;
+    if (renumbered[group] == NO_GROUP) {
+      renumbered[group] = u32(groups.world.size());
+      groups.world.push_back(system.group_world[group]);
+    }
+    groups.node_group[node] = renumbered[group];
+  }
+  return groups;
+}
+
+std::vector<u32> first_frame_nodes(const System& system) {
+  std::vector<u32> first;
+  for (const std::vector<u32>& frames : system.rigid_first_node)
+    first.insert(first.end(), frames.begin(), frames.end());
+  return first;
+}
+
+}  // namespace
+
+Preconditioner::Preconditioner(Device& device, const System& system, const BlockMatrix& matrix)
+    : matrix_(matrix), factor_group_(system.node_group) {
+  const Kind kind = system.scenes[0].solver.preconditioner;
+  std::vector<char> is_exact(system.group_world.size(), kind == Kind::automatic || kind == Kind::factor);
+  if (kind == Kind::automatic || kind == Kind::factor)
+    groups_ = std::make_unique<GroupPreconditioner>(matrix.pattern(), system.sites, system.x, system.node_group,
+                                                    system.group_world, system.contact_couplings);
+  if (kind == Kind::automatic)
+    for (std::size_t group = 0; group < is_exact.size(); ++group)
+      is_exact[group] = groups_->cost(u32(group)) <= LARGEST_FACTOR;
+  if (std::all_of(is_exact.begin(), is_exact.end(), [](char exact) { return exact; })) return;
+
+  const FactorGroups kept = factor_groups(system, is_exact);
+  factor_group_ = kept.node_group;
+  takes_contacts_ = std::any_of(is_exact.begin(), is_exact.end(), [](char exact) { return exact; });
+  groups_.reset();
+  if (!kept.world.empty())
+    groups_ = std::make_unique<GroupPreconditioner>(matrix.pattern(), system.sites, system.x, kept.node_group,
+                                                    kept.world, system.contact_couplings);
+  std::vector<u32> is_left_out(system.n_nodes());
+  for (std::size_t node = 0; node < is_left_out.size(); ++node)
+    is_left_out[node] = system.node_group[node] == NO_GROUP || is_exact[system.node_group[node]];
+  const std::vector<u32> frames = first_frame_nodes(system);
+  const bool has_levels = kind != Kind::block_jacobi;
+  schwarz_ = std::make_unique<MultilevelSchwarz>(device, matrix, system.sites,
+                                                 SchwarzNodes{system.x, system.node_world, is_left_out, frames},
+                                                 has_levels ? CLUSTER_WIDTH : 1, has_levels ? MOST_LEVELS : 1);
+}
+
+std::optional<u32> Preconditioner::factorize(std::span<const Term* const> contacts,
+                                             std::span<const char> world_is_active) {
+  if (schwarz_)
+    if (const auto node = schwarz_->factorize(contacts)) return node;
+  return groups_ ? groups_->factorize(matrix_, contacts, world_is_active) : std::nullopt;
+}
+
+void Preconditioner::apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned) {
+  if (schwarz_) schwarz_->apply(residual, preconditioned);
+  if (!groups_) return;
+  const std::vector<double> r = residual.read();
+  std::vector<double> z(r.size());
+  groups_->apply(r, z);
+  if (schwarz_) {
+    const std::vector<double> of_schwarz = preconditioned.read();
+    std::transform(z.begin(), z.end(), of_schwarz.begin(), z.begin(), std::plus<>());
+  }
+  preconditioned.write(z);
+}
+
+std::size_t Preconditioner::n_bytes() const {
+  return (groups_ ? sizeof(double) * groups_->n_numbers() : 0) + (schwarz_ ? schwarz_->n_bytes() : 0);
+}
+
+void Preconditioner::couple(std::span<const NodePair> pairs) {
+  if (!takes_contacts()) return;
+  std::vector<NodePair> held;
+  for (const NodePair& pair : pairs)
+    if (factor_group_[pair[0]] != NO_GROUP && factor_group_[pair[1]] != NO_GROUP) held.push_back(pair);
+  groups_->couple(held);
+}
+
+}  // namespace pvg

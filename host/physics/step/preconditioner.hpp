@@ -1,0 +1,42 @@
+// What approximates the inverse of the Hessian for conjugate gradients, as `solver: preconditioner` says:
+//   factor        one exact sparse factor per group of connected bodies, on the host (group_preconditioner.hpp)
+//   schwarz       multilevel additive Schwarz on the device (multilevel_schwarz.hpp)
+//   block_jacobi  the inverse of each node's own 3 x 3 block, on the device
+//   automatic     factor, but schwarz for groups whose factor takes too many operations
+// With schwarz and block_jacobi the rigid bodies of a group have exact factors besides: the sum acts.
+#pragma once
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host/physics/energies/system.hpp"
+#include "host/physics/linear/group_preconditioner.hpp"
+#include "host/physics/linear/multilevel_schwarz.hpp"
+
+namespace pvg {
+
+class Preconditioner {
+ public:
+  // matrix must outlive this
+  Preconditioner(Device& device, const System& system, const BlockMatrix& matrix);
+
+  // At the matrix's present blocks and those of the contacts. Returns a node of what is not positive definite, or
+  // nothing.
+  std::optional<u32> factorize(std::span<const Term* const> contacts, std::span<const char> world_is_active);
+  // preconditioned = M^-1 residual;  [n_nodes x 3]
+  void apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned);
+  // Takes further pairs of nodes into the factors, if these hold soft bodies or cloths.
+  void couple(std::span<const NodePair> pairs);
+  std::size_t n_bytes() const;                             // of factors and inverses
+  bool takes_contacts() const { return takes_contacts_; }  // into its factors, by couple()
+
+ private:
+  const BlockMatrix& matrix_;
+  std::vector<u32> factor_group_;  // of each node; NO_GROUP: in no factor
+  bool takes_contacts_ = true;
+  std::unique_ptr<GroupPreconditioner> groups_;
+  std::unique_ptr<MultilevelSchwarz> schwarz_;
+};
+
+}  // namespace pvg

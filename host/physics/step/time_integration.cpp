@@ -1,0 +1,68 @@
+#include "host/physics/step/time_integration.hpp"
+
+namespace pvg {
+
+TimeIntegrator::TimeIntegrator(Device& device, const System& system)
+    : n_(u32(system.n_nodes())),
+      program_(device, "solve/nodes.cl"),
+      predict_(program_.kernel("predict")),
+      backward_difference_(program_.kernel("backward_difference")),
+      velocity_from_positions_(program_.kernel("velocity_from_positions")),
+      node_is_fixed_(device, system.node_is_fixed, "is_fixed"),
+      gravity_(device, system.gravity, "gravity"),
+      velocity_(device, system.v, "v"),
+      position_before_(device, system.x, "x before"),
+      velocity_before_(device, system.v, "v before"),
+      past_position_(device, system.x, "past x"),
+      past_velocity_(device, system.v, "past v"),
+      node_ranges_(system.node_ranges),
+      length_before_(system.n_worlds(), 0) {}
+
+double TimeIntegrator::predict(const Buffer<f64>& x, double h, SolverSettings::Integrator integrator, bool goes_on,
+                               Buffer<f64>& predicted) {
+  const bool is_second_order = integrator == SolverSettings::Integrator::bdf2 && goes_on;
+  if (is_second_order) {
+    backward_difference_(n_, n_, x, position_before_, past_position_);
+    backward_difference_(n_, n_, velocity_, velocity_before_, past_velocity_);
+  } else {
+    past_position_.copy_from(x);
+    past_velocity_.copy_from(velocity_);
+  }
+  length_ = h;
+  inertia_length_ = is_second_order ? 2 * h / 3 : h;
+  predict_(n_, n_, past_position_, past_velocity_, gravity_, node_is_fixed_, inertia_length_, predicted);
+  return inertia_length_;
+}
+
+void TimeIntegrator::accept(const Buffer<f64>& start, const Buffer<f64>& end, std::span<const char> stepped) {
+  // worlds that did not step keep what they had
+  struct Kept {
+    Buffer<f64>* buffer;
+    std::size_t first;
+    std::vector<double> values;
+  };
+  std::vector<Kept> kept;
+  for (const WorldRange& range : node_ranges_)
+    if (!stepped[range.world])
+      for (Buffer<f64>* buffer : {&position_before_, &velocity_before_, &velocity_})
+        kept.push_back({buffer, 3 * range.begin, buffer->read(3 * range.begin, 3 * (range.end - range.begin))});
+  position_before_.copy_from(start);
+  velocity_before_.copy_from(velocity_);
+  velocity_from_positions_(n_, n_, end, past_position_, inertia_length_, velocity_);
+  for (const Kept& k : kept) k.buffer->write(k.first, k.values);
+  for (std::size_t w = 0; w < length_before_.size(); ++w)
+    if (stepped[w]) length_before_[w] = length_;
+}
+
+MotionHistory TimeIntegrator::history() const {
+  return {velocity_.read(), position_before_.read(), velocity_before_.read(), length_before_};
+}
+
+void TimeIntegrator::restore(const MotionHistory& history) {
+  velocity_.write(history.velocity);
+  position_before_.write(history.position_before);
+  velocity_before_.write(history.velocity_before);
+  length_before_ = history.length_before;
+}
+
+}  // namespace pvg

@@ -1,0 +1,43 @@
+// Time integration as a prediction and a difference: with past positions x* and velocities v*,
+//   x~ = x* + h' v* + h'^2 g,   E_inertia = |x - x~|^2_M / (2 h'^2),   v = (x - x*) / h'
+// implicit Euler:  x* = x_n,  v* = v_n,  h' = h
+// BDF2:            x* = (4 x_n - x_{n-1}) / 3,  v* = (4 v_n - v_{n-1}) / 3,  h' = 2 h / 3   (Curtiss & Hirschfelder
+// 1952) BDF2 needs a step of the same length before it: the first one, and those after a change of length, are implicit
+// Euler.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "host/model/checkpoint.hpp"
+#include "host/physics/energies/system.hpp"
+
+namespace pvg {
+
+class TimeIntegrator {
+ public:
+  TimeIntegrator(Device& device, const System& system);
+
+  // Has the world had a step of this length just before?
+  bool goes_on(std::size_t world, double h) const { return length_before_[world] == h; }
+  // Where inertia and gravity lead from x in a step of length h [s]. Returns h'. goes_on: of all worlds that step
+  double predict(const Buffer<f64>& x, double h, SolverSettings::Integrator integrator, bool goes_on,
+                 Buffer<f64>& predicted);
+  // After the step of the worlds for which `stepped`: their new velocities, from the positions at its start and end.
+  void accept(const Buffer<f64>& start, const Buffer<f64>& end, std::span<const char> stepped);
+
+  const Buffer<f64>& velocity() const { return velocity_; }  // [n_nodes x 3, m/s]
+  MotionHistory history() const;
+  void restore(const MotionHistory& history);
+
+ private:
+  u32 n_;
+  Program program_;
+  Kernel predict_, backward_difference_, velocity_from_positions_;
+  Buffer<u32> node_is_fixed_;
+  Buffer<f64> gravity_, velocity_, position_before_, velocity_before_, past_position_, past_velocity_;
+  std::vector<WorldRange> node_ranges_;
+  std::vector<double> length_before_;       // [n_worlds, s]
+  double length_ = 0, inertia_length_ = 0;  // [s]
+};
+
+}  // namespace pvg

@@ -1,0 +1,96 @@
+// Smoothed Coulomb friction of a lagged contact: E = mu lambda f0(|u|) + chi lambda s^2 / (2 h)      [J]
+//   u = (I - n n^T) sum_i c_i (x_i - x0_i) + e        sliding within the step, plus the anchor's part [m]
+//   f0: smooth_coulomb.cl, eps = epsilon_v h
+//   s = n . sum_i c_i (x_i - x0_i)                    parting within the step [m]: N = lambda (1 - chi s / h)
+// Li et al. 2020, "Incremental Potential Contact"; the damping of the approach is that of Hunt and Crossley 1975. c, n,
+// lambda are lagged, so the Hessian is exact and positive semi-definite. e is what a sticking contact carries from step
+// to step (host/physics/contact/friction_anchors.hpp). Stencil: 4 sites.
+#include "energies/contact/friction.h"
+#include "energies/contact/smooth_coulomb.cl"
+
+// u [m]
+static inline real3 friction_sliding(const Friction* p, const real3* x, const real3* x0) {
+  const real3 n = vload3(0, p->normal);
+  real3 u = (real3)(0.0);
+  for (int i = 0; i < 4; ++i) u += p->coefficient[i] * (x[i] - x0[i]);
+  return u - dot(u, n) * n + vload3(0, p->anchor);
+}
+
+// s [m]
+static inline real friction_parting(const Friction* p, const real3* x, const real3* x0) {
+  real3 u = (real3)(0.0);
+  for (int i = 0; i < 4; ++i) u += p->coefficient[i] * (x[i] - x0[i]);
+  return dot(u, vload3(0, p->normal));
+}
+
+// chi lambda / h [N/m]
+static inline real friction_dissipation(const Friction* p, const real h) {
+  return p->dissipation * p->normal_force / h;
+}
+
+static inline real friction_energy(const Friction p, const real3* x, const real3* x0, const real h) {
+  const real s = p.dissipation > 0 ? friction_parting(&p, x, x0) : 0;
+  const real y = length(friction_sliding(&p, x, x0)), eps = p.friction_velocity * h;
+  return p.friction * p.normal_force * smooth_coulomb(y, eps) + 0.5 * friction_dissipation(&p, h) * s * s;
+}
+
+static inline void friction_gradient(const Friction p, const real3* x, const real3* x0, const real h, real3* g) {
+  const real3 n = vload3(0, p.normal), u = friction_sliding(&p, x, x0);
+  const real3 tangential = u - dot(u, n) * n;
+  const real scale = p.friction * p.normal_force * smooth_coulomb_slope_over(length(u), p.friction_velocity * h);
+  const real along = p.dissipation > 0 ? friction_dissipation(&p, h) * friction_parting(&p, x, x0) : 0;
+  for (int i = 0; i < 4; ++i) g[i] = p.coefficient[i] * (scale * tangential + along * n);
+}
+
+static inline void friction_hessian(const Friction p, const real3* x, const real3* x0, const real h, real* H) {
+  const real3 n3 = vload3(0, p.normal), u3 = friction_sliding(&p, x, x0);
+  const real3 tangential = u3 - dot(u3, n3) * n3;
+  const real y = length(u3), eps = p.friction_velocity * h, force = p.friction * p.normal_force;
+  const real across = force * smooth_coulomb_slope_over(y, eps);
+  const real less = force * smooth_coulomb_less_along(y, eps);
+  const real along = friction_dissipation(&p, h);
+  const real n[3] = {n3.x, n3.y, n3.z}, u[3] = {tangential.x, tangential.y, tangential.z};
+  for (int i = 0; i < 12; ++i)
+    for (int j = 0; j < 12; ++j) {
+      const int a = i % 3, b = j % 3;
+      const real projector = (a == b ? 1 : 0) - n[a] * n[b];
+      H[12 * i + j] =
+          p.coefficient[i / 3] * p.coefficient[j / 3] * (across * projector - less * u[a] * u[b] + along * n[a] * n[b]);
+    }
+}
+
+#define TERM friction
+#define PARAMS Friction
+#define STENCIL 4
+#include "energies/assemble.cl"
+
+// What the second body exerts on the first by friction. force: [n x 3, N]
+kernel void friction_force(const uint n, global const Friction* restrict params, global const real* restrict x,
+                           global const real* restrict x0, const real h, global real* restrict force) {
+  const uint e = get_global_id(0);
+  if (e >= n) return;
+  const Friction p = params[e];
+  real3 xe[4], x0e[4], g[4];
+  for (int s = 0; s < 4; ++s) {
+    xe[s] = vload3(p.site[s], x);
+    x0e[s] = vload3(p.site[s], x0);
+  }
+  friction_gradient(p, xe, x0e, h, g);
+  // the first primitive: a point, or the first two sites
+  vstore3(p.kind == 1u ? -(g[0] + g[1]) : -g[0], e, force);
+}
+
+// u / eps cut to length 1: how far each contact is strained at the end of a step. strain: [n x 3]
+kernel void friction_strain(const uint n, global const Friction* restrict params, global const real* restrict x,
+                            global const real* restrict x0, const real h, global real* restrict strain) {
+  const uint e = get_global_id(0);
+  if (e >= n) return;
+  const Friction p = params[e];
+  real3 xe[4], x0e[4];
+  for (int s = 0; s < 4; ++s) {
+    xe[s] = vload3(p.site[s], x);
+    x0e[s] = vload3(p.site[s], x0);
+  }
+  const real3 u = friction_sliding(&p, xe, x0e) / (p.friction_velocity * h);
+  vstore3(u / fmax(1.0, length(u)), e, strain);
+}

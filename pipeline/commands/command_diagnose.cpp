@@ -1,0 +1,101 @@
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "host/base/error.hpp"
+#include "host/base/stop_signal.hpp"
+#include "host/identify/report/report.hpp"
+#include "pipeline/commands/commands.hpp"
+#include "pipeline/commands/suite.hpp"
+
+namespace pvg {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr unsigned MOST_PROCESSES = 16;
+
+void list_effects(bool as_json) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const diagnose::CandidateKind& kind : diagnose::candidate_kinds()) {
+    if (!as_json) {
+      std::printf("%-28s %-12s %s\n", kind.name.c_str(), diagnose::family_name(kind.family), kind.meaning.c_str());
+      continue;
+    }
+    nlohmann::ordered_json one = {{"name", kind.name},
+                                  {"family", diagnose::family_name(kind.family)},
+                                  {"site", kind.site},
+                                  {"law", kind.law},
+                                  {"meaning", kind.meaning}};
+    one["parameters"] = nlohmann::ordered_json::array();
+    for (const diagnose::Parameter& p : kind.parameters)
+      one["parameters"].push_back(
+          {{"name", p.name}, {"unit", p.unit}, {"low", p.low}, {"high", p.high}, {"off", p.off}});
+    list.push_back(std::move(one));
+  }
+  if (as_json) std::printf("%s\n", nlohmann::ordered_json{{"schema", 1}, {"effects", list}}.dump(2).c_str());
+}
+
+diagnose::Decide decide_named(const std::string& name) {
+  using diagnose::Decide;
+  return name == "retune"   ? Decide::retune
+         : name == "lowest" ? Decide::lowest
+         : name == "weak"   ? Decide::weak
+                            : Decide::workflow;
+}
+
+// PoCL's usual device wakes its threads for every kernel, which takes longer than what small worlds compute. Its device
+// `basic` works in the thread that asks. Who has set POCL_DEVICES is obeyed; other drivers do not know the variable.
+void prefer_short_waits() { setenv("POCL_DEVICES", "basic", 0); }
+
+std::size_t n_processes(const DiagnoseOptions& options, const DeviceInfo& device) {
+  const bool works_in_this_thread = device.name.starts_with("basic");
+  if (options.n_jobs > 1 && !works_in_this_thread)
+    throw UsageError("--jobs " + std::to_string(options.n_jobs) + " needs PoCL's device `basic`, not " + device.name +
+                     "; leave out --device and POCL_DEVICES, or --jobs");
+  if (options.n_jobs > 0 || !works_in_this_thread) return std::size_t(std::max(options.n_jobs, 1));
+  return std::clamp(std::thread::hardware_concurrency(), 1u, MOST_PROCESSES);
+}
+
+void print_sizes(const diagnose::Problem& problem) {
+  std::printf("%s: %zu runs, %zu channels, scene %s\n", problem.recording.file.string().c_str(), problem.runs.size(),
+              problem.channels.size(), problem.recording.scene.filename().string().c_str());
+  for (const diagnose::Run& run : problem.runs)
+    std::printf("  %s, %s: %zu samples over %.4g s\n", run.name.c_str(), run.is_held_out ? "held out" : "fit",
+                run.t.size(), run.t.back() - run.t.front());
+  for (const std::string& sentence : diagnose::warnings(problem)) std::printf("  note: %s\n", sentence.c_str());
+}
+
+}  // namespace
+
+void run_diagnose(const DiagnoseOptions& options) {
+  if (options.lists_effects) return list_effects(options.as_json);
+  stop_on_signals();
+  if (!options.suite.empty()) return diagnose::run_suite(options);
+  if (options.recording.empty())
+    throw UsageError(
+        "diagnose needs a recording: a folder with recording.yaml; `phyvisgen diagnose --help` shows an example");
+  diagnose::Problem problem = diagnose::make_problem(options.recording);
+  if (options.only_checks) return print_sizes(problem);
+  if (options.folder.empty()) throw UsageError("diagnose needs a folder for its report: -o DIR");
+  for (const std::string& sentence : diagnose::warnings(problem))
+    std::fprintf(stderr, "phyvisgen: note: %s\n", sentence.c_str());
+  if (std::all_of(problem.runs.begin(), problem.runs.end(), [](const diagnose::Run& run) { return run.is_held_out; }))
+    throw UsageError(problem.recording.file.string() + ": every run is held out; give at least one the role `fit`");
+  fs::create_directories(options.folder);
+  prefer_short_waits();
+  Device device(options.device);
+  diagnose::Settings settings;
+  settings.max_effects = options.max_effects;
+  settings.minutes = options.minutes;
+  settings.decide = decide_named(options.decide);
+  settings.n_processes = n_processes(options, device.info());
+  diagnose::Diagnosis found = diagnose::diagnose(device, problem, settings, options.folder);
+  diagnose::write_report(problem, found, options.folder);
+  std::printf("%s\n", found.sentence.c_str());
+  std::fprintf(stderr, "%s\n", (fs::path(options.folder) / "report.html").string().c_str());
+}
+
+}  // namespace pvg

@@ -1,0 +1,195 @@
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include "host/base/atomic_files.hpp"
+#include "host/base/progress.hpp"
+#include "host/base/stop_signal.hpp"
+#include "host/device/choose_device.hpp"
+#include "host/formats/video.hpp"
+#include "host/load/task_file.hpp"
+#include "pipeline/commands/commands.hpp"
+#include "pipeline/episode/episode.hpp"
+#include "pipeline/episode/episode_set.hpp"
+#include "pipeline/episode/motion_plan.hpp"
+
+namespace pvg {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* STOPPED = "stopped; the episodes that were finished stay, the same command continues";
+
+struct Shard {
+  std::uint64_t index = 0, count = 1;
+};
+
+Shard parse_shard(const std::string& text) {
+  Shard shard;
+  const char *begin = text.data(), *end = begin + text.size();
+  const auto first = std::from_chars(begin, end, shard.index);
+  bool ok = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
+  if (ok) {
+    const auto second = std::from_chars(first.ptr + 1, end, shard.count);
+    ok = second.ec == std::errc() && second.ptr == end && shard.index < shard.count;
+  }
+  if (!ok) throw UsageError("--shard " + text + " is not i/n with i from 0 to n - 1, such as 0/4");
+  return shard;
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+EpisodeSet open_set(const GenerateOptions& options, const Task& task, const Device& physics, const Device& rendering) {
+  make_writable_folder(options.folder);
+  remove_leftovers(options.folder);
+  remove_leftovers(fs::path(options.folder) / "failed");
+  EpisodeSet set;
+  set.folder = options.folder;
+  set.task = task.name;
+  set.seed = options.seed;
+  set.n_asked = options.n_episodes;
+  const PictureOverrides& p = options.pictures;
+  set.configuration = fingerprint(text_of(task.file) + "\n" + std::to_string(p.width) + " " + std::to_string(p.height) +
+                                  " " + std::to_string(p.samples) + " " + std::to_string(p.frames_per_second) + " " +
+                                  std::to_string(options.no_render) + (options.is_rigid ? " rigid" : ""));
+  set.versions = versions(physics, rendering);
+  join_set(set);
+  write_set(set);
+  return set;
+}
+
+void explain(const EpisodeReport& report) {
+  for (const MeshSize& mesh : report.meshes)
+    std::fprintf(stderr, "  mesh %s: %zu nodes, %zu elements, %zu triangles\n", mesh.name.c_str(), mesh.nodes,
+                 mesh.elements, mesh.triangles);
+  const SolverTotals& solver = report.solver;
+  std::fprintf(
+      stderr, "  %lld steps of %g s: %.1f Newton iterations and %.0f of conjugate gradients per step, %lld retries\n",
+      static_cast<long long>(solver.steps), report.time_step,
+      double(solver.newton) / double(std::max<std::int64_t>(solver.steps, 1)),
+      double(solver.cg) / double(std::max<std::int64_t>(solver.steps, 1)), static_cast<long long>(solver.retries));
+  for (const auto& [stage, seconds] : report.seconds) std::fprintf(stderr, "  %-10s %7.1f s\n", stage.c_str(), seconds);
+}
+
+// Runs one episode; its folder appears when it is complete, or under failed/ with the reason, a sentence.
+bool make_episode(const GenerateOptions& options, const Task& task, const EpisodeSet& set, std::uint64_t episode,
+                  Device& physics, Device& rendering, const std::atomic<bool>& stop, const std::string& remark,
+                  std::string& reason) {
+  EpisodeSettings settings;
+  settings.seed = options.seed;
+  settings.episode = episode;
+  settings.renders = !options.no_render;
+  settings.frames_under_way = options.frames_under_way;
+  EpisodeReport report;
+  PartialFolder folder(episode_folder(set.folder, episode));
+  {
+    std::optional<Progress> progress;
+    const auto advance = [&](std::size_t done, std::size_t total) {
+      if (!progress) {
+        progress.emplace("episode " + std::to_string(episode), "frames", total);
+        progress->set_remark(remark);
+      }
+      progress->advance_to(done);
+    };
+    report = run_episode(task, settings, physics, rendering, folder.path(), stop, advance);
+  }
+  // a signal to the whole group ends a mesh's reader, too: that is no failure of the episode
+  if (!report.has_succeeded && stop) throw TryAgain(STOPPED);
+  if (options.is_verbose) explain(report);
+  const std::string summary = summary_json(task, settings, report);
+  const fs::path failed = failed_folder(set.folder, episode);
+  if (report.has_succeeded) {
+    write_text_atomically(folder.path() / "summary.json", summary);
+    folder.finish();
+    std::error_code ignored;
+    fs::remove_all(failed, ignored);
+  } else {
+    reason = "episode " + std::to_string(episode) + " failed: " + report.reason;
+    fs::create_directories(failed.parent_path());
+    PartialFolder kept(failed);
+    if (options.keep_failed)
+      for (const fs::directory_entry& entry : fs::directory_iterator(folder.path()))
+        fs::rename(entry.path(), kept.path() / entry.path().filename());
+    write_text_atomically(kept.path() / "summary.json", summary);
+    kept.finish();
+  }
+  write_set(set);
+  return report.has_succeeded;
+}
+
+}  // namespace
+
+void run_generate(const GenerateOptions& options) {
+  if (options.shows_graph) {
+    std::printf("%s", draw(episode_table()).c_str());
+    return;
+  }
+  if (options.task.empty())
+    throw UsageError("generate needs a task file; `phyvisgen generate --help` shows an example");
+  if (options.folder.empty()) throw UsageError("generate needs an output folder: -o DIR");
+  const Shard shard = parse_shard(options.shard);
+  stop_within(7);
+  const std::atomic<bool>& stop = stop_on_signals();
+  Task task = load_task(options.task);
+  apply(options.pictures, task);
+  if (options.is_rigid) make_grippers_rigid(task);
+  // what would only show after minutes of simulation
+  if (!options.no_render) find_program("ffmpeg", "ffmpeg");
+  steps_per_frame(task.render.frames_per_second, task.solver.time_step);
+  Device physics(options.device);
+  Device rendering(std::to_string(choose_render_device(list_devices(), options.device, options.render_device).index),
+                   Purpose::rendering);
+  const EpisodeSet set = open_set(options, task, physics, rendering);
+
+  std::vector<std::string> reasons;  // of the episodes that failed
+  SetProgress progress;
+  const auto start = std::chrono::steady_clock::now();
+  const auto line = [&] {
+    progress.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return progress.total > 1 ? set_progress_line(progress, 0) : "";
+  };
+  progress.total = (options.n_episodes + shard.count - 1 - shard.index) / shard.count;
+  for (std::uint64_t episode = shard.index; episode < options.n_episodes; episode += shard.count) {
+    if (is_done(set, episode)) {
+      ++progress.done_before;
+      continue;
+    }
+    if (const auto known = failure_of(set.folder, episode); known && !options.retries_failed) {
+      reasons.push_back("episode " + std::to_string(episode) + " failed: " + *known);
+      ++progress.failed_before;
+      continue;
+    }
+    if (stop) throw TryAgain(STOPPED);
+    std::string reason;
+    try {
+      const bool is_made = make_episode(options, task, set, episode, physics, rendering, stop, line(), reason);
+      ++(is_made ? progress.done : progress.failed);
+      if (!is_made) reasons.push_back(reason);
+      if (progress.total > 1) std::fprintf(stderr, "%s\n", line().c_str());
+    } catch (const std::exception&) {
+      if (!stop) throw;
+      throw TryAgain(STOPPED);  // whatever went wrong after a stop, such as that its folder is gone, is of the stop
+    }
+  }
+  write_set(set);
+  if (options.as_json)
+    std::printf("%s", status_json(set).c_str());
+  else
+    std::printf("%s: %llu made, %llu there before, %zu failed\n", set.folder.c_str(),
+                static_cast<unsigned long long>(progress.done), static_cast<unsigned long long>(progress.done_before),
+                reasons.size());
+  if (reasons.size() == 1) throw Failure(reasons.front());
+  if (!reasons.empty())
+    throw Failure(std::to_string(reasons.size()) + " of " + std::to_string(reasons.size() + progress.done) +
+                  " episodes failed, the first: " + reasons.front() + "; " + (set.folder / "set.json").string() +
+                  " names all");
+}
+
+}  // namespace pvg

@@ -1,0 +1,110 @@
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+
+#include "host/base/atomic_files.hpp"
+#include "pipeline/commands/commands.hpp"
+#include "pipeline/episode/episode_set.hpp"
+
+namespace pvg {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool are_equal(const fs::path& first, const fs::path& second) {
+  std::error_code missing;
+  if (fs::file_size(first, missing) != fs::file_size(second, missing) || missing) return false;
+  std::ifstream a(first, std::ios::binary), b(second, std::ios::binary);
+  using Bytes = std::istreambuf_iterator<char>;
+  return std::equal(Bytes(a), Bytes(), Bytes(b), Bytes());
+}
+
+void demand_same_origin(const EpisodeSet& first, const EpisodeSet& other, bool mixes_devices) {
+  const auto demand = [&](bool is_same, const std::string& what) {
+    if (!is_same)
+      throw UsageError(other.folder.string() + " and " + first.folder.string() +
+                       " are not parts of one set, which alone can be merged: they hold episodes of different " + what);
+  };
+  demand(other.task == first.task, "tasks (" + other.task + " and " + first.task + ")");
+  demand(other.seed == first.seed, "seeds (" + std::to_string(other.seed) + " and " + std::to_string(first.seed) + ")");
+  demand(other.configuration == first.configuration, "configurations (the task file or an option differs)");
+  for (const auto& version : other.versions)
+    if (!mixes_devices || !version.first.starts_with("opencl_"))
+      demand(std::find(first.versions.begin(), first.versions.end(), version) != first.versions.end(),
+             "versions (" + version.first + " " + version.second + ")" +
+                 (version.first.starts_with("opencl_") ? "; with --mixed-devices they are merged all the same" : ""));
+}
+
+// The same file by another name where the file system can, a copy elsewhere.
+void link_or_copy(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::create_hard_link(from, to, error);
+  if (error) fs::copy_file(from, to);
+}
+
+void put(const fs::path& from, const fs::path& to) {
+  fs::create_directories(to.parent_path());
+  PartialFolder folder(to);
+  for (const fs::directory_entry& entry : fs::directory_iterator(from))
+    link_or_copy(entry.path(), folder.path() / entry.path().filename());
+  folder.finish();
+}
+
+struct Merged {
+  std::size_t n_put = 0, n_there = 0;
+};
+
+void merge_one(const EpisodeSet& part, const EpisodeSet& whole, Merged& merged) {
+  const SetStatus status = read_status(part.folder);
+  for (const std::uint64_t episode : status.done) {
+    const fs::path from = episode_folder(part.folder, episode), to = episode_folder(whole.folder, episode);
+    if (is_done(whole, episode)) {
+      if (!are_equal(from / "states.h5", to / "states.h5"))
+        throw Failure("episode " + std::to_string(episode) + " differs in " + part.folder.string() + " and " +
+                      whole.folder.string() + ", though both are of one set; make one of them anew");
+      ++merged.n_there;
+      continue;
+    }
+    put(from, to);
+    std::error_code ignored;
+    fs::remove_all(failed_folder(whole.folder, episode), ignored);
+    ++merged.n_put;
+  }
+  for (const FailedEpisode& failed : status.failed) {
+    if (is_done(whole, failed.episode) || failure_of(whole.folder, failed.episode)) continue;
+    put(failed_folder(part.folder, failed.episode), failed_folder(whole.folder, failed.episode));
+  }
+}
+
+}  // namespace
+
+void run_merge(const MergeOptions& options) {
+  if (options.folders.empty()) throw UsageError("merge needs the folders to merge; `phyvisgen merge --help`");
+  if (options.output.empty()) throw UsageError("merge needs an output folder: -o DIR");
+  std::vector<EpisodeSet> parts;
+  for (const std::string& folder : options.folders) parts.push_back(read_set(folder));
+  if (fs::exists(fs::path(options.output) / "set.json")) parts.push_back(read_set(options.output));
+  for (const EpisodeSet& part : parts) demand_same_origin(parts.front(), part, options.mixes_devices);
+  EpisodeSet whole = parts.front();
+  whole.folder = options.output;
+  for (const EpisodeSet& part : parts) whole.n_asked = std::max(whole.n_asked, part.n_asked);
+
+  make_writable_folder(whole.folder);
+  remove_leftovers(whole.folder);
+  remove_leftovers(whole.folder / "failed");
+  std::error_code ignored;
+  Merged merged;
+  for (const EpisodeSet& part : parts)
+    if (!fs::equivalent(part.folder, whole.folder, ignored)) merge_one(part, whole, merged);
+  write_set(whole);
+  if (options.removes)
+    for (const EpisodeSet& part : parts)
+      if (!fs::equivalent(part.folder, whole.folder, ignored)) fs::remove_all(part.folder);
+  const SetStatus status = read_status(whole.folder);
+  std::printf("%s: %zu merged, %zu there before; %zu done, %zu failed, %zu missing of %llu\n", whole.folder.c_str(),
+              merged.n_put, merged.n_there, status.done.size(), status.failed.size(), missing(whole, status).size(),
+              static_cast<unsigned long long>(whole.n_asked));
+}
+
+}  // namespace pvg

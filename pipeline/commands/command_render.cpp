@@ -1,0 +1,256 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "host/base/atomic_files.hpp"
+#include "host/base/error.hpp"
+#include "host/base/progress.hpp"
+#include "host/base/stop_signal.hpp"
+#include "host/dataset/truth_file.hpp"
+#include "host/formats/image_files.hpp"
+#include "host/formats/lut_file.hpp"
+#include "host/formats/video.hpp"
+#include "host/load/overview.hpp"
+#include "host/load/task_file.hpp"
+#include "host/render/renderer.hpp"
+#include "pipeline/commands/commands.hpp"
+#include "pipeline/episode/scene_gltf.hpp"
+#include "pipeline/episode/shown_scene.hpp"
+
+namespace pvg {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double FRAMES_PER_SECOND = 25;  // of scenes; tasks say theirs
+
+enum class Target { folder, picture, video };
+
+Target target_of(const fs::path& output) {
+  const std::string suffix = output.extension().string();
+  if (suffix == ".png" || suffix == ".jpg" || suffix == ".exr") return Target::picture;
+  if (suffix == ".mp4") return Target::video;
+  if (suffix.empty() || fs::is_directory(output)) return Target::folder;
+  throw UsageError("-o " + output.string() + ": the suffix must be .png, .jpg, .exr or .mp4, or name a folder");
+}
+
+std::vector<int> chosen_cameras(const Scene& scene, const std::vector<std::string>& names) {
+  std::vector<int> chosen;
+  std::string known;
+  for (const Camera& camera : scene.cameras) known += (known.empty() ? "" : ", ") + camera.name;
+  for (int i = 0; i < int(scene.cameras.size()); ++i)
+    if (names.empty()) chosen.push_back(i);
+  for (const std::string& name : names) {
+    const auto at = std::find_if(scene.cameras.begin(), scene.cameras.end(),
+                                 [&](const Camera& camera) { return camera.name == name; });
+    if (at == scene.cameras.end()) throw UsageError("--camera " + name + ": the scene has the cameras " + known);
+    chosen.push_back(int(at - scene.cameras.begin()));
+  }
+  return chosen;
+}
+
+// the same view in other pixels: the vertical field of view stays
+void resize(Camera& camera, int width, int height) {
+  const int w = width ? width : camera.width, h = height ? height : camera.height;
+  const double scale = double(h) / camera.height;
+  camera.fx *= scale;
+  camera.fy *= scale;
+  camera.cx = (camera.cx + 0.5 - camera.width / 2.0) * scale + w / 2.0 - 0.5;
+  camera.cy = (camera.cy + 0.5 - camera.height / 2.0) * scale + h / 2.0 - 0.5;
+  camera.width = w;
+  camera.height = h;
+}
+
+// a file that appears complete or not at all
+void write_picture(const fs::path& file, const RenderedFrame& frame) {
+  const fs::path partial = file.parent_path() / ("." + file.stem().string() + ".partial-" + std::to_string(getpid()) +
+                                                 file.extension().string());
+  try {
+    if (file.extension() == ".exr")
+      write_linear_image(partial, frame.rgb, frame.width, frame.height);
+    else
+      write_image(partial, encode_srgb8(frame.rgb, frame.width, frame.height));
+    fs::rename(partial, file);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(partial, ignored);
+    throw;
+  }
+}
+
+// Where pictures go: each to its file, or all into one video.
+class Pictures {
+ public:
+  Pictures(const RenderOptions& options, double rate)
+      : output_(options.output), target_(target_of(output_)), rate_(rate) {
+    if (target_ == Target::folder) make_writable_folder(output_);
+    const fs::path folder = output_.parent_path();
+    if (target_ != Target::folder && !folder.empty() && !fs::is_directory(folder))
+      throw UsageError("-o " + output_.string() + ": there is no folder " + folder.string());
+  }
+  ~Pictures() {
+    std::error_code ignored;
+    if (!partial_.empty()) fs::remove(partial_, ignored);
+  }
+
+  void check(std::size_t n_cameras, std::size_t n_frames) const {
+    if (target_ == Target::picture && n_cameras * n_frames > 1)
+      throw UsageError("-o " + output_.string() + " is one picture, but " + std::to_string(n_cameras) +
+                       " cameras and " + std::to_string(n_frames) +
+                       " frames are asked for; choose one with --camera and --frames, or name a folder or an .mp4");
+    if (target_ == Target::video && n_cameras > 1)
+      throw UsageError("-o " + output_.string() + " is one video, but there are " + std::to_string(n_cameras) +
+                       " cameras; choose one with --camera");
+  }
+
+  void add(const RenderedFrame& frame, const std::string& camera, std::size_t number) {
+    if (target_ == Target::picture) return write_picture(output_, frame);
+    if (target_ == Target::folder) {
+      char name[32];
+      std::snprintf(name, sizeof name, "_%06zu.png", number);
+      return write_picture(output_ / (camera + name), frame);
+    }
+    if (!video_) {
+      partial_ =
+          output_.parent_path() / ("." + output_.stem().string() + ".partial-" + std::to_string(getpid()) + ".mp4");
+      video_ = std::make_unique<VideoWriter>(partial_, frame.width, frame.height, rate_);
+    }
+    video_->write(encode_srgb8(frame.rgb, frame.width, frame.height).rgb);
+  }
+
+  void finish() {
+    if (!video_) return;
+    video_->finish();
+    fs::rename(partial_, output_);
+    partial_.clear();
+  }
+
+ private:
+  fs::path output_, partial_;
+  Target target_;
+  double rate_;
+  std::unique_ptr<VideoWriter> video_;
+};
+
+void check_options(const RenderOptions& options) {
+  if (options.scene.empty())
+    throw UsageError("render needs a scene, task or glTF file; `phyvisgen render --help` shows an example");
+  if (options.output.empty() && options.gltf.empty())
+    throw UsageError("render needs an output: -o FILE.png, FILE.mp4 or a folder");
+}
+
+RenderSettings settings_of(const RenderOptions& options, const ShownScene& shown) {
+  RenderSettings settings;
+  settings.samples = options.samples ? options.samples : shown.render.samples;
+  settings.transparent_shadows = !options.caustics;
+  settings.max_depth = options.max_depth ? options.max_depth : shown.render.max_depth;
+  settings.seed = options.seed ? options.seed : shown.seed;
+  settings.sees_through_glass = options.sees_through_glass;
+  settings.denoises = options.denoises;
+  return settings;
+}
+
+void tell_of(const RenderedFrame& frame, const std::string& camera, std::size_t number, double seconds,
+             bool is_verbose) {
+  if (is_verbose)
+    std::fprintf(stderr, "  %s, frame %zu: %d x %d pixels, %.2f million path segments, %.1f s\n", camera.c_str(),
+                 number, frame.width, frame.height, double(frame.rays) * 1e-6, seconds);
+  if (frame.dropped_samples > 0)
+    std::fprintf(stderr, "phyvisgen: %s, frame %zu: %u samples were not finite and were left out\n", camera.c_str(),
+                 number, frame.dropped_samples);
+}
+
+// The ground truth of one camera: beside the pictures, complete or not at all.
+class Truth {
+ public:
+  Truth(const fs::path& folder, const Scene& scene, const Camera& camera)
+      : file_(folder / (camera.name + "_truth.h5")),
+        partial_(folder / ("." + camera.name + ".partial-" + std::to_string(getpid()) + ".h5")),
+        writer_(partial_, scene, camera) {}
+  ~Truth() {
+    std::error_code ignored;
+    fs::remove(partial_, ignored);
+  }
+  TruthFile& writer() { return writer_; }
+  void finish() {
+    writer_.close();
+    fs::rename(partial_, file_);
+  }
+
+ private:
+  fs::path file_, partial_;
+  TruthFile writer_;
+};
+
+void add_truth(Truth& truth, const RenderedFrame& picture, int camera, const Frames& frames, std::size_t frame,
+               Renderer& renderer) {
+  FlowFrame forward, backward;
+  if (frame + 1 < frames.size()) forward = renderer.flow(frames.state(frame + 1));
+  if (frame > 0) backward = renderer.flow(frames.state(frame - 1));
+  truth.writer().append(picture, forward, backward, frames.state(frame), renderer.camera_pose(camera));
+}
+
+void render_frames(const RenderOptions& options, const ShownScene& shown, const Frames& frames, FrameRange range,
+                   double rate) {
+  const std::vector<int> cameras = chosen_cameras(shown.scene, options.cameras);
+  Pictures pictures(options, rate);
+  pictures.check(cameras.size(), range.end - range.begin);
+  std::optional<Lut> lut;
+  const fs::path lut_file = options.lut.empty() ? shown.render.lut : fs::path(options.lut);
+  if (!lut_file.empty()) lut = read_lut(lut_file);
+  const fs::path output(options.output),
+      folder = target_of(output) == Target::folder ? output : fs::absolute(output).parent_path();
+  const std::atomic<bool>& stop = stop_on_signals();
+  Device device(options.device, Purpose::rendering);
+  Renderer renderer(device, shown.scene, settings_of(options, shown));
+  std::vector<std::unique_ptr<Truth>> truths;
+  for (const int camera : cameras)
+    if (options.writes_ground_truth)
+      truths.push_back(std::make_unique<Truth>(folder, shown.scene, shown.scene.cameras[std::size_t(camera)]));
+  Progress progress(shown.scene.name, "pictures", cameras.size() * (range.end - range.begin));
+  std::size_t done = 0;
+  for (std::size_t frame = range.begin; frame < range.end; ++frame) {
+    renderer.set_state(frames.state(frame));
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+      if (stop) throw TryAgain("stopped after " + std::to_string(done) + " pictures; those are complete");
+      const auto start = std::chrono::steady_clock::now();
+      RenderedFrame picture = renderer.render(
+          cameras[i], std::uint32_t(frame), [&](double time) { return frames.at(time); }, frames.state(frame).time);
+      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      const std::string& name = shown.scene.cameras[std::size_t(cameras[i])].name;
+      tell_of(picture, name, frame, seconds, options.is_verbose);
+      if (lut) apply_lut(*lut, picture.rgb);
+      pictures.add(picture, name, frame);
+      if (!truths.empty()) add_truth(*truths[i], picture, cameras[i], frames, frame, renderer);
+      progress.advance_to(++done);
+    }
+  }
+  pictures.finish();
+  for (const auto& truth : truths) truth->finish();
+}
+
+}  // namespace
+
+void run_render(const RenderOptions& options) {
+  check_options(options);
+  if (!options.output.empty()) target_of(options.output);
+  ShownScene shown = load_shown_scene(options.scene, options.states);
+  for (const std::string& sentence : shown.notes) std::fprintf(stderr, "phyvisgen: %s\n", sentence.c_str());
+  for (const std::string& sentence : complete_for_viewing(shown.scene))
+    std::fprintf(stderr, "phyvisgen: %s\n", sentence.c_str());
+  for (Camera& camera : shown.scene.cameras)
+    if (options.width || options.height) resize(camera, options.width, options.height);
+  const double usual = shown.is_task ? shown.render.frames_per_second : FRAMES_PER_SECOND;
+  const double rate = options.frames_per_second > 0 ? options.frames_per_second : usual;
+  const Frames frames(shown.scene, options.states, rate);
+  const FrameRange range = parse_frames(options.frames, frames.size());
+  if (!options.gltf.empty()) write_scene_gltf(options.gltf, shown.scene, frames.state(range.begin));
+  if (!options.output.empty()) render_frames(options, shown, frames, range, rate);
+}
+
+}  // namespace pvg

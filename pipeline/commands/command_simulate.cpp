@@ -1,0 +1,177 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.hpp"
+#include "host/base/progress.hpp"
+#include "host/base/stop_signal.hpp"
+#include "host/dataset/animation_file.hpp"
+#include "host/dataset/checkpoint_file.hpp"
+#include "host/dataset/states_file.hpp"
+#include "host/load/scene_file.hpp"
+#include "host/physics/step/separate_bodies.hpp"
+#include "pipeline/commands/commands.hpp"
+#include "pipeline/episode/disabled_pairs.hpp"
+
+namespace pvg {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Totals {
+  std::size_t steps = 0;
+  long long newton = 0, cg = 0, retries = 0;
+  int most_newton = 0, most_contacts = 0;
+  double min_gap = std::numeric_limits<double>::infinity();
+
+  void add(const StepReport& report) {
+    ++steps;
+    newton += report.newton;
+    cg += report.cg;
+    retries += report.retries;
+    most_newton = std::max(most_newton, report.newton);
+    most_contacts = std::max(most_contacts, report.contacts);
+    min_gap = std::min(min_gap, report.min_gap);
+  }
+};
+
+EpisodeHeader header_of(const SceneRun& run, const Device& device) {
+  EpisodeHeader header;
+  header.task = run.scene.name;
+  header.configuration = run.configuration;
+  header.versions = versions(device, device);
+  for (const RigidBody& body : run.scene.rigid_bodies) header.objects.push_back(body.name);
+  return header;
+}
+
+void print_json(const SimulateOptions& options, const SceneRun& run, const Totals& totals) {
+  nlohmann::ordered_json out = {{"schema", 1},
+                                {"scene", run.scene.name},
+                                {"file", options.file},
+                                {"time_step", run.scene.solver.time_step},
+                                {"steps", totals.steps},
+                                {"newton", totals.newton},
+                                {"most_newton", totals.most_newton},
+                                {"cg", totals.cg},
+                                {"retries", totals.retries},
+                                {"most_contacts", totals.most_contacts}};
+  if (totals.most_contacts > 0) out["min_gap"] = totals.min_gap;
+  std::printf("%s\n", out.dump(2).c_str());
+}
+
+void explain(const StepReport& report, double time) {
+  std::fprintf(stderr, "  t = %.6g s: %d Newton, %d cg, %d contacts, smallest gap %.3g m, last correction %.2g m/s%s\n",
+               time, report.newton, report.cg, report.contacts, report.min_gap, report.residual,
+               report.retries > 0 ? (", " + std::to_string(report.retries) + " retries").c_str() : "");
+}
+
+fs::path partial_of(const fs::path& file) {
+  return file.parent_path() / ("." + file.filename().string() + ".partial-" + std::to_string(getpid()));
+}
+
+void separate(Scene& scene) {
+  if (!scene.separates_start) return;
+  for (const Separation& moved : separate_bodies(scene))
+    std::fprintf(stderr, "phyvisgen: %s was moved by (%.6g, %.6g, %.6g) m, apart from what it started in\n",
+                 moved.body.c_str(), moved.by.x(), moved.by.y(), moved.by.z());
+}
+
+// Number of steps done already.
+std::size_t resume(Simulation& simulation, const SceneRun& run, const std::string& file) {
+  if (file.empty()) return 0;
+  const SavedCheckpoint saved = read_checkpoint(file);
+  if (saved.scene != run.configuration)
+    throw UsageError(file + " was made from another text of the scene; resume with the scene file as it was");
+  simulation.restore(saved.checkpoint);
+  return std::size_t(std::llround(simulation.state().time / run.scene.solver.time_step));
+}
+
+// Steps `first` + 1 to `last`, each on record; throws StepFailure with what was done on record.
+void run_steps(const SimulateOptions& options, const SceneRun& run, Simulation& simulation, std::size_t first,
+               std::size_t last, const std::function<void()>& save, StatesFile& states, AnimationFile& animation,
+               Totals& totals) {
+  const std::atomic<bool>& stop = stop_on_signals();
+  const double h = run.scene.solver.time_step;
+  const std::size_t every = options.checkpoint_every > 0
+                                ? std::max<std::size_t>(1, std::size_t(std::llround(options.checkpoint_every / h)))
+                                : 0;
+  const std::size_t per_picture =
+      std::max<std::size_t>(1, std::size_t(std::llround(1 / (h * options.pictures_per_second))));
+  Progress progress(run.scene.name, "steps", last);
+  for (std::size_t step = first + 1; step <= last; ++step) {
+    if (stop)
+      throw TryAgain("stopped after " + std::to_string(totals.steps) + " of " + std::to_string(last - first) +
+                     " steps; no file was written");
+    const std::vector<double> targets = run.targets_at(double(step) * h);
+    const StepReport report = simulation.step(targets);
+    states.append_step(simulation.state(), report, targets);
+    totals.add(report);
+    if (!options.animation.empty() && (step - first) % per_picture == 0) animation.append(simulation.state());
+    if (every > 0 && step % every == 0) save();
+    progress.advance_to(step);
+    if (options.is_verbose) explain(report, simulation.state().time);
+    for (const StepEvent& event : report.events)
+      if (options.is_verbose) std::fprintf(stderr, "  retried: %s\n", describe(event, run.scene.name).c_str());
+  }
+}
+
+}  // namespace
+
+void run_simulate(const SimulateOptions& options) {
+  if (options.scene.empty())
+    throw UsageError("simulate needs a scene file; `phyvisgen simulate --help` shows an example");
+  if (options.file.empty()) throw UsageError("simulate needs an output file: -o FILE.h5");
+  stop_on_signals();
+  SceneRun run = load_scene_run(options.scene);
+  if (options.duration >= 0) run.duration = options.duration;
+  const std::size_t n = run.n_steps();
+  if (n == 0)
+    throw UsageError(options.scene + ": the duration is shorter than half a time step; there is nothing to do");
+  separate(run.scene);
+  Device device(options.device);
+  Simulation simulation(device, run.scene);
+  const std::size_t first = resume(simulation, run, options.resume);
+  if (first >= n)
+    throw UsageError(options.resume + " was made at " + std::to_string(simulation.state().time) +
+                     " s, at which the run ends; give a longer --duration");
+
+  const fs::path file = fs::absolute(options.file), partial = partial_of(file),
+                 saved = file.string() + ".checkpoint.h5";
+  const auto save = [&] { write_checkpoint(saved, {simulation.checkpoint(), run.configuration}); };
+  Totals totals;
+  AnimationFile animation(run.scene);
+  animation.append(simulation.state());
+  try {
+    StatesFile states(partial, run.scene, header_of(run, device), disabled_pairs(run.scene));
+    try {
+      run_steps(options, run, simulation, first, n, save, states, animation, totals);
+    } catch (const StepFailure& failure) {
+      states.close();
+      fs::rename(partial, file);
+      save();
+      if (!options.animation.empty()) animation.write(options.animation);
+      throw Failure(std::string(failure.what()) + "; " + file.string() + " holds the " + std::to_string(totals.steps) +
+                    " steps before it, " + saved.string() + " the last state");
+    }
+    states.close();
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(partial, ignored);
+    throw;
+  }
+  fs::rename(partial, file);
+  if (!options.animation.empty()) animation.write(options.animation);
+  if (options.as_json)
+    print_json(options, run, totals);
+  else
+    std::printf("%s: %zu steps, %.1f Newton iterations per step\n", options.file.c_str(), totals.steps,
+                double(totals.newton) / double(totals.steps));
+}
+
+}  // namespace pvg

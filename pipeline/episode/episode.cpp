@@ -1,0 +1,327 @@
+// THE table: the one place that knows what runs when. Below it one function per row, of the same name.
+#include "pipeline/episode/episode.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "host/formats/lut_file.hpp"
+#include "host/physics/step/simulation.hpp"
+#include "host/render/motion.hpp"
+#include "host/render/renderer.hpp"
+#include "pipeline/episode/disabled_pairs.hpp"
+#include "pipeline/episode/force_grasp.hpp"
+#include "pipeline/episode/motion_plan.hpp"
+#include "pipeline/episode/record.hpp"
+
+namespace pvg {
+namespace {
+
+// ---- the fields -------------------------------------------------------------------------------------------------
+
+// Physics on the device, one step at a time.
+struct PhysicsState {
+  std::unique_ptr<Simulation> simulation;
+  std::unique_ptr<ForceGrasp> grasp;
+  std::size_t n_steps = 0;  // done so far
+};
+
+struct RenderState {
+  std::unique_ptr<Renderer> renderer;  // nothing: no pictures
+  std::vector<bool> records_mask;      // [n_cameras]
+  std::optional<Lut> lut;              // of the task
+};
+
+struct JudgeState {
+  std::unique_ptr<SuccessMonitor> monitor;
+  std::vector<std::vector<Phase>> phase;  // [n_steps][n_robots]
+  std::size_t n_steps = 0;                // judged so far
+  SolverTotals totals;
+};
+
+struct RecordState {
+  std::unique_ptr<EpisodeRecorder> recorder;
+  std::function<void(std::size_t)> advance;
+};
+
+struct Target {
+  std::vector<double> q;  // [n_driven, rad or m]
+  int element = 0;        // of Task::motion
+};
+
+struct Pictures {
+  std::vector<RenderedFrame> frames;            // [n_cameras]
+  std::vector<Eigen::Matrix4d> T_world_camera;  // [n_cameras]
+};
+
+// clang-format off
+//                                         name          shape                unit         state
+const Field<MotionPlan> motion            ("motion",     "n_step x n_driven", "rad or m",  true);
+const Field<PhysicsState> world           ("world",      "n_node x 3",        "m",         true);
+const Field<RenderState> renderer         ("renderer",   "n_camera",          "-",         true);
+const Field<JudgeState> verdict           ("verdict",    "1",                 "-",         true);
+const Field<RecordState> recording        ("recording",  "1",                 "-",         true);
+const Field<std::vector<Target>> targets  ("targets",    "steps x n_driven",  "rad or m");
+const Field<std::vector<StepRecord>> steps("steps",      "steps",             "SI");
+const Field<std::vector<SceneState>> shown("shown",      "steps x n_node x 3", "m");
+const Field<Pictures> pictures            ("pictures",   "n_camera x h x w",  "W/(sr m^2)");
+const Field<FramePictures> images         ("images",     "n_camera x h x w",  "sRGB");
+// clang-format on
+
+}  // namespace
+
+void plan(const Access&), simulate(const Access&), map(const Access&), render(const Access&), encode(const Access&),
+    judge(const Access&), record(const Access&);
+
+// clang-format off
+Table episode_table() {
+  return {
+      // stage      reads                         writes                width  does
+      {"plan",     {&motion},                    {&targets},            1,     plan},      // of all steps of the frame
+      {"simulate", {&targets, &world},           {&world, &steps},      1,     simulate},  // these steps
+      {"judge",    {&steps, &verdict},           {&verdict},            1,     judge},     // success and slip
+      {"map",      {&steps},                     {&shown},              1,     map},       // what the frame shows
+      {"render",   {&shown, &renderer},          {&pictures},           1,     render},    // every camera
+      {"encode",   {&pictures},                  {&images},             2,     encode},    // to 8 bits
+      {"record",   {&steps, &images, &recording}, {&recording},         1,     record},
+  };
+}
+// clang-format on
+
+void plan(const Access& access) {
+  const MotionPlan& whole = access.read(motion);
+  for (std::size_t i = 0; i < whole.steps_per_frame; ++i) {
+    const std::size_t step = access.frame() * whole.steps_per_frame + i;
+    access.write(targets).push_back({whole.targets.at(step), whole.element.at(step)});
+  }
+}
+
+void simulate(const Access& access) {
+  PhysicsState& physics = access.write(world);
+  Simulation& simulation = *physics.simulation;
+  for (const Target& target : access.read(targets)) {
+    access.stop_here_if_asked();
+    const std::vector<double> q = physics.grasp->target(physics.n_steps++, simulation.state());
+    const StepReport report = simulation.step(q);
+    access.write(steps).push_back({q, target.element, simulation.state(), report});
+  }
+}
+
+void map(const Access& access) {
+  for (const StepRecord& step : access.read(steps)) access.write(shown).push_back(step.state);
+}
+
+void render(const Access& access) {
+  const RenderState& state = access.read(renderer);
+  if (!state.renderer) return;
+  const std::vector<SceneState>& motion_shown = access.read(shown);
+  state.renderer->set_state(motion_shown.back());
+  for (int camera = 0; camera < int(state.records_mask.size()); ++camera) {
+    access.stop_here_if_asked();
+    RenderedFrame frame = state.renderer->render(
+        camera, std::uint32_t(access.frame()), [&](double time) { return state_at(motion_shown, time); },
+        motion_shown.back().time);
+    if (state.lut) apply_lut(*state.lut, frame.rgb);
+    if (!state.records_mask[std::size_t(camera)]) frame.instance.clear();
+    access.write(pictures).frames.push_back(std::move(frame));
+    access.write(pictures).T_world_camera.push_back(state.renderer->camera_pose(camera));
+  }
+}
+
+void encode(const Access& access) {
+  const Pictures& linear = access.read(pictures);
+  FramePictures& encoded = access.write(images);
+  encoded.T_world_camera = linear.T_world_camera;
+  for (const RenderedFrame& frame : linear.frames) {
+    encoded.images.push_back(encode_srgb8(frame.rgb, frame.width, frame.height));
+    encoded.instance.push_back(frame.instance);
+  }
+}
+
+void judge(const Access& access) {
+  JudgeState& state = access.write(verdict);
+  SolverTotals& totals = state.totals;
+  for (const StepRecord& step : access.read(steps)) {
+    state.monitor->observe(step.state, state.phase.at(state.n_steps++));
+    const StepReport& report = step.report;
+    totals.min_gap = totals.steps == 0 ? report.min_gap : std::min(totals.min_gap, report.min_gap);
+    ++totals.steps;
+    totals.newton += report.newton;
+    totals.cg += report.cg;
+    totals.retries += report.retries;
+    totals.most_newton = std::max(totals.most_newton, report.newton);
+    totals.most_contacts = std::max(totals.most_contacts, report.contacts);
+    totals.residual = std::max(totals.residual, report.residual);
+  }
+}
+
+void record(const Access& access) {
+  RecordState& state = access.write(recording);
+  state.recorder->append_steps(access.read(steps));
+  state.recorder->append_frame(access.read(images));
+  state.advance(access.frame() + 1);
+}
+
+// ---- an episode -------------------------------------------------------------------------------------------------
+
+namespace {
+
+// Spreads (seed, episode) over 64 bits (splitmix64), so that neighbouring episodes share no noise in their pictures.
+std::uint64_t picture_seed(std::uint64_t seed, std::uint64_t episode) {
+  std::uint64_t z = seed + 0x9e3779b97f4a7c15u * (episode + 1);
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+RecordSettings record_settings(const Task& task, const TaskScene& built, const EpisodeSettings& settings,
+                               const Device& physics, const Device& rendering, std::size_t n_frames,
+                               const std::vector<bool>& records_mask) {
+  RecordSettings record;
+  record.header.task = task.name;
+  record.header.seed = settings.seed;
+  record.header.episode = settings.episode;
+  record.header.configuration = resolved_yaml(task, built);
+  record.header.versions = versions(physics, rendering);
+  for (const SampledValue& sampled : built.sampled) record.header.sampled.emplace_back(sampled.name, sampled.value);
+  for (const ObjectSection& object : task.objects) record.header.objects.push_back(object.name);
+  record.frames_per_second = task.render.frames_per_second;
+  record.n_frames = n_frames;
+  record.records_mask = records_mask;
+  for (const MotionElement& element : task.motion) record.elements.push_back(name_of(element.type));
+  record.renders = settings.renders;
+  return record;
+}
+
+std::vector<bool> masks_asked(const Task& task, const Scene& scene) {
+  std::vector<bool> asked;
+  for (const Camera& camera : scene.cameras)
+    asked.push_back(std::any_of(task.cameras.begin(), task.cameras.end(), [&](const CameraSection& section) {
+      return section.name == camera.name && section.records_gripper_mask;
+    }));
+  return asked;
+}
+
+std::vector<MeshSize> mesh_sizes(const Scene& scene) {
+  std::vector<MeshSize> sizes;
+  for (const SoftBody& body : scene.soft_bodies)
+    sizes.push_back({body.name, body.mesh.points.size(), body.mesh.n_elements(), body.mesh.surface.size()});
+  for (const Cloth& cloth : scene.cloths)
+    sizes.push_back({cloth.name, cloth.mesh.points.size(), 0, cloth.mesh.triangles.size()});
+  for (const RigidBody& body : scene.rigid_bodies)
+    if (!body.collision.triangles.empty())
+      sizes.push_back({body.name, body.collision.points.size(), 0, body.collision.triangles.size()});
+  return sizes;
+}
+
+// A step that could not be done ends the episode, not the program; everything else goes on up.
+std::string reason_of_failed_step(const StageError& error) {
+  try {
+    std::rethrow_exception(error.cause);
+  } catch (const StepFailure& failure) {
+    return failure.what();
+  } catch (const UsageError& usage) {
+    throw UsageError(error.what());
+  } catch (...) {
+    throw error;
+  }
+}
+
+}  // namespace
+
+void apply(const PictureOverrides& overrides, Task& task) {
+  for (CameraSection& camera : task.cameras) {
+    if (overrides.width) camera.width = overrides.width;
+    if (overrides.height) camera.height = overrides.height;
+  }
+  if (overrides.samples) task.render.samples = overrides.samples;
+  if (overrides.frames_per_second > 0) task.render.frames_per_second = overrides.frames_per_second;
+}
+
+void make_grippers_rigid(Task& task) {
+  if (task.gripper) task.gripper->is_rigid = true;
+  for (RobotCell& robot : task.more_robots)
+    if (robot.gripper) robot.gripper->is_rigid = true;
+}
+
+EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Device& physics, Device& rendering,
+                          const std::filesystem::path& folder, const std::atomic<bool>& stop,
+                          const std::function<void(std::size_t, std::size_t)>& advance) {
+  EpisodeReport report;
+  const Stopwatch build_watch;
+  const TaskScene built = build_scene(task, settings.seed, settings.episode);
+  const Scene& scene = built.scene;
+  report.time_step = scene.solver.time_step;
+  report.frames_per_second = task.render.frames_per_second;
+  report.meshes = mesh_sizes(scene);
+  report.device = physics.info().name;
+  report.render_device = rendering.info().name;
+  report.seconds.emplace_back("build", build_watch.seconds());
+
+  const Table table = episode_table();
+  Store store(table, settings.frames_under_way);
+  const Stopwatch start_watch;
+  try {
+    store.state(motion) = plan_episode(task, built);
+    store.state(world).simulation = std::make_unique<Simulation>(physics, scene);
+  } catch (const DeviceError&) {
+    throw;
+  } catch (const UsageError& error) {  // out of reach, or an initial intersection: this draw of the start is no good
+    report.reason = error.what();
+    return report;
+  }
+  const MotionPlan& whole = store.state(motion);
+  store.state(world).grasp = std::make_unique<ForceGrasp>(whole);
+  const std::size_t n_frames = whole.targets.size() / whole.steps_per_frame;
+  RenderState& render_state = store.state(renderer);
+  render_state.records_mask = masks_asked(task, scene);
+  if (!task.render.lut.empty()) render_state.lut = read_lut(task.render.lut);
+  if (settings.renders) {
+    RenderSettings pictures_settings;
+    pictures_settings.samples = task.render.samples;
+    pictures_settings.max_depth = task.render.max_depth;
+    pictures_settings.seed = picture_seed(settings.seed, settings.episode);
+    render_state.renderer = std::make_unique<Renderer>(rendering, scene, pictures_settings);
+  }
+  JudgeState& judge_state = store.state(verdict);
+  judge_state.monitor =
+      std::make_unique<SuccessMonitor>(task, scene, hands_of(built), store.state(world).simulation->state());
+  judge_state.phase = phases(task.motion, whole.element, int(built.robots.size()));
+  RecordState& record_state = store.state(recording);
+  record_state.recorder = std::make_unique<EpisodeRecorder>(
+      folder, scene, record_settings(task, built, settings, physics, rendering, n_frames, render_state.records_mask),
+      disabled_pairs(scene));
+  record_state.advance = [&](std::size_t done) {
+    report.n_frames = done;
+    advance(done, n_frames);
+  };
+  report.seconds.emplace_back("start", start_watch.seconds());
+
+  advance(0, n_frames);
+  const Stopwatch stream_watch;
+  try {
+    const std::vector<double> seconds = stream(table, store, n_frames, stop);
+    for (std::size_t i = 0; i < table.size(); ++i) report.seconds.emplace_back(table[i].name, seconds[i]);
+  } catch (const StageError& error) {
+    report.reason = reason_of_failed_step(error);
+  }
+  record_state.recorder->finish();
+  report.seconds.emplace_back("all_stages", stream_watch.seconds());
+  report.measured = judge_state.monitor->measured();
+  report.solver = judge_state.totals;
+  if (report.reason.empty()) report.reason = judge_state.monitor->failure().value_or("");
+  report.has_succeeded = report.reason.empty();
+  return report;
+}
+
+}  // namespace pvg

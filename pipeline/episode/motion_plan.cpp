@@ -1,0 +1,186 @@
+#include "pipeline/episode/motion_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <sstream>
+
+#include "host/base/error.hpp"
+#include "host/dataset/states_file.hpp"
+#include "host/robot/plan_motion.hpp"
+#include "host/robot/robots_apart.hpp"
+#include "host/robot/way_search.hpp"
+
+namespace pvg {
+namespace {
+
+// What is there at the start, all but the cloths and the arm: what the robot's flange carries, and the rest.
+struct Surroundings {
+  std::vector<Obstacle> carried, obstacles;
+};
+
+Surroundings surroundings_of(const TaskScene& built, std::size_t own, const RobotCell& cell, const RobotModel& model) {
+  const Scene& scene = built.scene;
+  const BuiltRobot& robot = built.robots[own];
+  const Pose to_base = cell.robot.base.inverse();
+  const VectorXd home = Eigen::Map<const VectorXd>(cell.robot.home.data(), Eigen::Index(cell.robot.home.size()));
+  const Pose to_link = link_poses(model, home)[std::size_t(model.link(cell.robot.flange))].inverse() * to_base;
+  const auto holds = [](const std::vector<int>& list, int body) {
+    return std::find(list.begin(), list.end(), body) != list.end();
+  };
+  Surroundings found;
+  const auto add = [&](bool is_carried, const std::string& name, const TriangleMesh& mesh, const Pose& pose) {
+    (is_carried ? found.carried : found.obstacles).push_back({name, mesh, (is_carried ? to_link : to_base) * pose});
+  };
+  for (int b = 0; b < int(scene.rigid_bodies.size()); ++b) {
+    const RigidBody& body = scene.rigid_bodies[std::size_t(b)];
+    if (body.collision.triangles.empty() || holds(robot.arm_bodies, b)) continue;
+    add(holds(robot.gripper_bodies, b) || holds(robot.rigid_fingers, b), body.name, body.collision, body.pose);
+  }
+  for (int b = 0; b < int(scene.soft_bodies.size()); ++b) {
+    const SoftBody& body = scene.soft_bodies[std::size_t(b)];
+    add(holds(robot.soft_fingers, b), body.name, {body.mesh.points, body.mesh.surface}, body.pose);
+  }
+  return found;
+}
+
+MotionSetup motion_setup(const RobotCell& cell, const BuiltRobot& robot, const Scene& scene, const RobotModel& model) {
+  MotionSetup setup;
+  setup.base = cell.robot.base;
+  setup.tool_link = model.link(cell.robot.flange);
+  setup.flange_to_tool = robot.flange_to_tool;
+  setup.q_start = Eigen::Map<const VectorXd>(cell.robot.home.data(), Eigen::Index(cell.robot.home.size()));
+  setup.time_step = scene.solver.time_step;
+  if (cell.gripper) {
+    setup.n_gripper_joints = int(robot.gripper.size());
+    setup.gripper_start = cell.gripper->open;
+  }
+  for (const RigidBody& body : scene.rigid_bodies) setup.objects[body.name] = body.pose;
+  for (const Cloth& cloth : scene.cloths) setup.objects[cloth.name] = cloth.pose;
+  return setup;
+}
+
+// Of each joint with a drive: its robot and its column in that robot's trajectory (arm, then gripper).
+struct Column {
+  std::size_t robot = 0;
+  Eigen::Index column = 0;
+};
+std::vector<Column> columns_of_driven(const TaskScene& built) {
+  std::vector<Column> columns;
+  for (const std::size_t joint : driven_joints(built.scene)) {
+    bool is_planned = false;
+    for (std::size_t r = 0; r < built.robots.size() && !is_planned; ++r) {
+      std::vector<int> planned = built.robots[r].arm;
+      planned.insert(planned.end(), built.robots[r].gripper.begin(), built.robots[r].gripper.end());
+      const auto found = std::find(planned.begin(), planned.end(), int(joint));
+      is_planned = found != planned.end();
+      if (is_planned) columns.push_back({r, found - planned.begin()});
+    }
+    if (!is_planned)
+      throw UsageError("joint " + built.scene.joints[joint].name + " has a drive, but no motion reaches it");
+  }
+  return columns;
+}
+
+// Which steps are those of each element that moves a gripper. element: [n_steps] of elements, groups by their first
+std::vector<Grip> grips_of(const std::vector<MotionElement>& elements, const std::vector<int>& element,
+                           const std::vector<RobotCell>& robots) {
+  using Type = MotionElement::Type;
+  std::vector<double> position;
+  for (const RobotCell& robot : robots) position.push_back(robot.gripper ? robot.gripper->open : 0);
+  std::vector<Grip> grips;
+  std::size_t group = 0;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    if (!elements[i].is_with_previous) group = i;
+    if (elements[i].type != Type::close && elements[i].type != Type::open) continue;
+    double& at = position[std::size_t(elements[i].robot)];
+    const auto first = std::find(element.begin(), element.end(), int(group));
+    const auto last = std::find_if(first, element.end(), [&](int e) { return e != int(group); });
+    grips.push_back({elements[i].robot, std::size_t(first - element.begin()), std::size_t(last - element.begin()), at,
+                     elements[i].gripper, elements[i].force});
+    at = elements[i].gripper;
+  }
+  return grips;
+}
+
+// Refuses a motion in which an arm comes near to itself or to another one.
+void check_apart(const Task& task, const std::vector<RobotCell>& robots, const std::vector<PlannedRobot>& planned,
+                 const std::vector<Surroundings>& surroundings, const std::vector<JointTrajectory>& trajectories) {
+  std::vector<RobotShape> shapes;
+  std::vector<Eigen::MatrixXd> q;
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    const MotionSetup& setup = planned[r].setup;
+    shapes.push_back({robots[r].name, planned[r].model, setup.base, setup.tool_link, surroundings[r].carried});
+    q.push_back(trajectories[r].q);
+  }
+  const auto found = first_encounter(shapes, q);
+  if (!found) return;
+  const auto element = std::size_t(trajectories.front().element[found->step]);
+  std::ostringstream message;
+  message << task.file.string() << ": `" << found->first << "` and `" << found->second
+          << "` would come closer than 10 mm, " << double(found->step + 1) * trajectories.front().time_step
+          << " s after the start, in motion[" << element << "] (" << name_of(task.motion[element].type)
+          << "); move its target, the robots' bases or their `home`";
+  throw UsageError(message.str());
+}
+
+}  // namespace
+
+std::size_t steps_per_frame(double frames_per_second, double time_step) {
+  const double steps = 1 / (frames_per_second * time_step);
+  const double whole = std::round(steps);
+  if (!(whole >= 1) || !(std::abs(steps - whole) < 1e-6 * whole)) {
+    std::ostringstream message;
+    message << frames_per_second << " frames per second do not fall on steps of " << time_step
+            << " s: choose a rate (--fps or render/frames_per_second) that divides " << 1 / time_step;
+    throw UsageError(message.str());
+  }
+  return std::size_t(whole);
+}
+
+MotionPlan plan_episode(const Task& task, const TaskScene& built) {
+  MotionPlan plan;
+  plan.steps_per_frame = steps_per_frame(task.render.frames_per_second, built.scene.solver.time_step);
+  const std::vector<RobotCell> robots = robots_of(task);
+  std::vector<RobotModel> models;
+  std::vector<MotionSetup> setups;
+  std::vector<Surroundings> surroundings;
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    models.push_back(load_urdf(robots[r].robot.urdf));
+    surroundings.push_back(surroundings_of(built, r, robots[r], models.back()));
+    setups.push_back(motion_setup(robots[r], built.robots[r], built.scene, models.back()));
+    const bool searches = std::any_of(task.motion.begin(), task.motion.end(), [&](const MotionElement& element) {
+      return element.robot == int(r) && element.avoids_obstacles;
+    });
+    if (searches)
+      setups.back().search_way = [search =
+                                      std::make_shared<WaySearch>(models.back(), setups.back().tool_link,
+                                                                  surroundings[r].carried, surroundings[r].obstacles)](
+                                     const VectorXd& from, const VectorXd& to) { return search->search(from, to); };
+  }
+  std::vector<PlannedRobot> planned;
+  for (std::size_t r = 0; r < robots.size(); ++r) planned.push_back({models[r], setups[r]});
+  const std::vector<JointTrajectory> trajectories = plan_motion(planned, task.motion);
+  const std::vector<int>& element = trajectories.front().element;
+  if (element.empty()) throw UsageError(task.file.string() + ": the task's motion has no step");
+  check_apart(task, robots, planned, surroundings, trajectories);
+  const std::vector<Column> columns = columns_of_driven(built);
+  // the last frame is filled up by standing still
+  const std::size_t n = element.size(), frames = (n + plan.steps_per_frame - 1) / plan.steps_per_frame;
+  for (std::size_t step = 0; step < frames * plan.steps_per_frame; ++step) {
+    const std::size_t row = std::min(step, n - 1);
+    std::vector<double>& target = plan.targets.emplace_back();
+    for (const Column& at : columns) target.push_back(trajectories[at.robot].q(Eigen::Index(row), at.column));
+    plan.element.push_back(element.at(row));
+  }
+  plan.grips = grips_of(task.motion, plan.element, robots);
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    std::vector<int>& own = plan.gripper_columns.emplace_back();
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      if (columns[c].robot == r && columns[c].column >= Eigen::Index(built.robots[r].arm.size())) own.push_back(int(c));
+    plan.gripper_joints.push_back(built.robots[r].gripper);
+  }
+  return plan;
+}
+
+}  // namespace pvg

@@ -1,0 +1,130 @@
+#include "pipeline/episode/shown_scene.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <numbers>
+
+#include "host/base/error.hpp"
+#include "host/load/build_scene.hpp"
+#include "host/load/overview.hpp"
+#include "host/load/scene_file.hpp"
+#include "host/load/task_file.hpp"
+#include "host/render/motion.hpp"
+#include "host/render/renderer.hpp"
+
+namespace pvg {
+namespace {
+
+std::size_t parse_frame(const std::string& part, const std::string& text) {
+  std::size_t frame = 0;
+  const auto parsed = std::from_chars(part.data(), part.data() + part.size(), frame);
+  if (parsed.ec != std::errc() || parsed.ptr != part.data() + part.size())
+    throw UsageError("--frames " + text + " is not A:B with frame numbers, such as 0:10");
+  return frame;
+}
+
+bool is_gltf_file(const std::filesystem::path& file) {
+  const std::string suffix = file.extension().string();
+  return suffix == ".glb" || suffix == ".gltf" || suffix == ".GLB" || suffix == ".GLTF";
+}
+
+// Lights of a glTF file are in candela and lux, from a lamp's few to a sun's hundred thousand: cameras are opened for
+// the sum of what they bring to the middle of what is seen.
+void expose(ShownScene& shown) {
+  Scene& scene = shown.scene;
+  if (scene.sphere_lights.empty()) return;
+  Eigen::AlignedBox3d box;
+  for (const VisualMesh& mesh : scene.visual_meshes)
+    for (const Vec3f& point : mesh.points) box.extend(point.cast<double>());
+  double irradiance = 0;
+  for (const SphereLight& light : scene.sphere_lights) {
+    const double distance = std::max(light.radius, (light.center - box.center()).norm());
+    irradiance += std::numbers::pi * std::pow(light.radius / distance, 2) * double(light.radiance.maxCoeff());
+  }
+  if (!(irradiance > 0)) return;
+  const double exposure = std::numbers::pi / irradiance;
+  for (const std::string& sentence : complete_for_viewing(scene)) shown.notes.push_back(sentence);
+  for (Camera& camera : scene.cameras) camera.exposure = float(exposure);
+  char text[160];
+  std::snprintf(text, sizeof text, "its lights bring %.4g lux to its middle: pictures are exposed by the factor %.4g",
+                irradiance, exposure);
+  shown.notes.push_back(text);
+}
+
+}  // namespace
+
+ShownScene load_shown_scene(const std::string& file, const std::string& states) {
+  ShownScene shown;
+  if (is_gltf_file(file)) {
+    if (!states.empty()) throw UsageError("--states " + states + ": nothing moves in a glTF file such as " + file);
+    shown.scene = gltf_as_scene(file, &shown.notes);
+    expose(shown);
+  } else if (is_task_file(file)) {
+    shown.is_task = true;
+    const Task task = load_task(file);
+    shown.render = task.render;
+    if (states.empty()) {
+      shown.scene = build_scene_at_middle(task).scene;
+    } else {
+      const StatesOrigin origin = states_origin(states);
+      if (origin.name != task.name)
+        throw UsageError(states + " was made of `" + origin.name + "`, " + file + " is `" + task.name + "`");
+      shown.scene = build_scene(task, origin.seed, origin.episode).scene;
+      shown.seed = origin.seed;
+    }
+  } else {
+    const SceneFile scene = load_scene_file(file);
+    shown.render = scene.task.render;
+    shown.scene = load_scene_run(file).scene;
+  }
+  return shown;
+}
+
+Frames::Frames(const Scene& scene, const std::string& states, double rate) : start_(initial_state(scene)) {
+  if (states.empty()) {
+    times_ = {0};
+    return;
+  }
+  states_.emplace(states, scene);
+  for (const std::size_t step : states_->filmed_steps()) times_.push_back(states_->time(step));
+  if (!times_.empty()) return;
+  const double first = states_->time(0), last = states_->time(states_->n_steps() - 1);
+  for (std::size_t i = 0; double(i) / rate <= last - first + 1e-9; ++i) times_.push_back(first + double(i) / rate);
+}
+
+SceneState Frames::at(double time) const {
+  if (!states_) return start_;
+  std::size_t low = 0, high = states_->n_steps() - 1;
+  if (time <= states_->time(low)) return states_->state(low);
+  if (time >= states_->time(high)) return states_->state(high);
+  while (high - low > 1) {
+    const std::size_t middle = (low + high) / 2;
+    (states_->time(middle) <= time ? low : high) = middle;
+  }
+  const double share = (time - states_->time(low)) / (states_->time(high) - states_->time(low));
+  if (share < 1e-9) return states_->state(low);
+  return interpolate(states_->state(low), states_->state(high), share);
+}
+
+FrameRange parse_frames(const std::string& text, std::size_t n) {
+  if (text.empty()) return {0, n};
+  FrameRange range;
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos) {
+    range.begin = parse_frame(text, text);
+    range.end = range.begin + 1;
+  } else {
+    const std::string first = text.substr(0, colon), last = text.substr(colon + 1);
+    range.begin = first.empty() ? 0 : parse_frame(first, text);
+    range.end = last.empty() ? n : parse_frame(last, text);
+  }
+  if (range.begin >= range.end || range.end > n)
+    throw UsageError("--frames " + text + ": the motion has the frames 0 to " + std::to_string(n - 1) +
+                     "; A:B are those from A to B - 1");
+  return range;
+}
+
+}  // namespace pvg

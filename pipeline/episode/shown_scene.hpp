@@ -1,0 +1,50 @@
+// What `render` shows: a scene or task file, and the states that move it, if any.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/dataset/states_reader.hpp"
+#include "host/model/scene.hpp"
+#include "host/model/task.hpp"
+
+namespace pvg {
+
+struct ShownScene {
+  Scene scene;
+  RenderSection render;    // what the file says about pictures
+  std::uint64_t seed = 0;  // of the pictures' noise
+  bool is_task = false;
+  std::vector<std::string> notes;  // for the user, a sentence each
+};
+
+// file: a scene, a task or a glTF file, whose pictures are exposed for its KHR_lights_punctual: a white surface in its
+// middle that looks to all of them has the value 1. A task's start is drawn as in the episode that `states` holds;
+// without states every number is in the middle of its range.
+ShownScene load_shown_scene(const std::string& file, const std::string& states);
+
+// The pictures of a motion, in their order. Without a states file there is one: the start.
+class Frames {
+ public:
+  // rate: pictures per second where the states file names none [1/s]
+  Frames(const Scene& scene, const std::string& states, double rate);
+  std::size_t size() const { return times_.size(); }
+  double time(std::size_t frame) const { return times_.at(frame); }  // [s]
+  // at any time; straight lines between steps, at rest before and after
+  SceneState at(double time) const;
+  SceneState state(std::size_t frame) const { return at(time(frame)); }
+
+ private:
+  SceneState start_;
+  std::optional<StatesReader> states_;
+  std::vector<double> times_;  // of the frames
+};
+
+// "A:B" -> A, B: frames A to B - 1; either may be missing, a single number is one frame. Throws a UsageError where the
+// range is empty or beyond n.
+struct FrameRange {
+  std::size_t begin = 0, end = 0;
+};
+FrameRange parse_frames(const std::string& text, std::size_t n);
+
+}  // namespace pvg

@@ -1,0 +1,39 @@
+#include "host/formats/table.hpp"
+
+#include <gtest/gtest.h>
+
+#include "host/base/error.hpp"
+#include "tests/expect_error.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace pvg {
+namespace {
+
+TEST(MeasuredTable, ColumnsAreFoundByTheNamesOfTheHeader) {
+  const TestFolder folder;
+  const MeasuredTable r = read_table(folder.write("a.csv", "t,x_m\r\n0,-1.5e-3\r\n0.01,2\r\n"));
+  EXPECT_EQ(r.n_rows, 2u);
+  EXPECT_EQ(r["t"], (std::vector<double>{0, 0.01}));
+  EXPECT_EQ(r["x_m"], (std::vector<double>{-1.5e-3, 2}));
+  expect_error<Failure>([&] { r["y"]; }, {"a.csv", "`y`"});
+}
+
+TEST(MeasuredTable, WhatIsNoTableOfNumbersIsRefusedByLine) {
+  const TestFolder folder;
+  expect_error<Failure>([&] { read_table(folder.path / "b.csv"); }, {"b.csv"});
+  expect_error<Failure>([&] { read_table(folder.write("b.csv", "")); }, {"b.csv", "empty"});
+  expect_error<Failure>([&] { read_table(folder.write("b.csv", "t,x\n0,1\n1\n")); }, {"b.csv, line 3", "columns"});
+  expect_error<Failure>([&] { read_table(folder.write("b.csv", "t,x\n0,fast\n")); }, {"b.csv, line 2", "`fast`"});
+  expect_error<Failure>([&] { read_table(folder.write("b.csv", "t,x\n0,1 2\n")); }, {"b.csv, line 2", "`1 2`"});
+}
+
+TEST(MeasuredTable, AFoldersFilesAreThoseOfThePrefixInTheOrderOfTheirNames) {
+  const TestFolder folder;
+  for (const char* name : {"run_b.csv", "run_a.csv", "run_a.txt", "other.csv"}) folder.write(name, "t\n");
+  EXPECT_EQ(tables_in(folder.path, "run_"),
+            (std::vector<std::filesystem::path>{folder.path / "run_a.csv", folder.path / "run_b.csv"}));
+  EXPECT_TRUE(tables_in(folder.path / "nowhere", "run_").empty());
+}
+
+}  // namespace
+}  // namespace pvg

@@ -1,0 +1,177 @@
+#include "host/identify/search/decide.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace pvg::diagnose {
+namespace {
+
+using Eigen::VectorXd;
+
+constexpr int N = 2000;  // samples of one channel in one window
+
+FitData one_window() {
+  FitData data{{Window{}}, {Eigen::MatrixXd(N, 0)}};
+  for (std::size_t i = 0; i < N; ++i) data.windows[0].data.push_back({0, i, 0});
+  return data;
+}
+
+// Normal numbers, each `repeated` times, of unit mean square.
+VectorXd noise(int repeated) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  VectorXd values(N);
+  for (int i = 0; i < N; ++i) values[i] = i % repeated == 0 ? normal(random) : values[i - 1];
+  return values / std::sqrt(values.squaredNorm() / N);
+}
+
+// +1, -1, ...: no part of noise that is repeated an even number of times
+VectorXd alternating() {
+  VectorXd values(N);
+  for (int i = 0; i < N; ++i) values[i] = i % 2 ? -1 : 1;
+  return values;
+}
+
+Candidate candidate(const std::string& name, double prior) {
+  Candidate made;
+  made.name = name;
+  made.family = Family::parameter;
+  made.parameters = {{"size", "1", 0, 10, 0}};
+  made.prior = prior;
+  return made;
+}
+
+Fit fit_of(const Candidate* part, double x, double sigma, const VectorXd& residual) {
+  Fit fit;
+  if (part != nullptr) fit.model = {{part}, VectorXd::Constant(1, x), VectorXd::Ones(1)};
+  fit.residual = {residual};
+  fit.covariance = Eigen::MatrixXd::Constant(1, 1, sigma * sigma);
+  fit.slope = {Eigen::MatrixXd::Zero(N, fit.model.x.size())};
+  fit.of_start = {Eigen::MatrixXd(N, 0)};
+  fit.delta = {VectorXd(0)};
+  fit.scale = rms(fit.residual);
+  fit.is_well = true;
+  return fit;
+}
+
+// noise of 1 and what a model leaves besides, so that the root of the mean square is `error`
+VectorXd residual_of(double error) { return noise(2) + std::sqrt(error * error - 1) * alternating(); }
+
+TEST(Decide, OfModelsThatAreAsGoodTheBelievedOneIsNamedAndTheOtherBesideIt) {
+  const Candidate rare = candidate("rare", -3), common = candidate("common", 0);
+  const std::vector<Fit> fits{fit_of(&rare, 5, 0.1, residual_of(1)), fit_of(&common, 5, 0.1, residual_of(1))};
+  const Decision decision = decide(one_window(), fit_of(nullptr, 0, 0, residual_of(6)), fits);
+  ASSERT_GE(decision.chosen, 0);
+  EXPECT_EQ(decision.ranking[std::size_t(decision.chosen)].fit->model.parts[0]->name, "common");
+  EXPECT_EQ(decision.inseparable.size(), 2u);
+  EXPECT_NEAR(decision.base_error, 6, 1e-9);
+}
+
+TEST(Decide, NothingIsNamedWhereItsSizeIsNotMeasured) {
+  const Candidate some = candidate("some", 0);
+  const Fit base = fit_of(nullptr, 0, 0, residual_of(6));
+  EXPECT_EQ(decide(one_window(), base, {fit_of(&some, 5, 0.1, residual_of(1))}).chosen, 0);
+  EXPECT_EQ(decide(one_window(), base, {fit_of(&some, 5, 2.6, residual_of(1))}).chosen, -1) << "may be off";
+  EXPECT_EQ(decide(one_window(), base, {fit_of(&some, 10, 0.1, residual_of(1))}).chosen, -1) << "stands at a bound";
+  EXPECT_EQ(decide(one_window(), base, {fit_of(&some, 5, 0.1, residual_of(6))}).chosen, -1) << "closes nothing";
+}
+
+// residuals that are cut do not feel the noise, so a run that is missed by far is no reason to doubt a model that fits
+// it
+TEST(Decide, ARunThatIsMissedByFarDoesNotHideWhatExplainsIt) {
+  const Candidate some = candidate("some", 0);
+  FitData data;
+  Fit base = fit_of(nullptr, 0, 0, residual_of(1)), fit = fit_of(&some, 5, 0.1, residual_of(1));
+  for (int run = 0; run < 3; ++run) {
+    data.windows.push_back(one_window().windows[0]);
+    data.windows.back().run = run;
+    data.of_start.push_back(Eigen::MatrixXd(N, 0));
+  }
+  base.residual = {residual_of(1), residual_of(400), residual_of(1)};
+  base.slope.assign(3, Eigen::MatrixXd(N, 0));
+  fit.residual.assign(3, residual_of(1));
+  fit.slope.assign(3, Eigen::MatrixXd::Zero(N, 1));
+  base.of_start = fit.of_start = data.of_start;
+  base.delta = fit.delta = {VectorXd(0), VectorXd(0), VectorXd(0)};
+  base.scale = robust_scale(base.residual);
+  EXPECT_EQ(decide(data, base, {fit}).chosen, 0);
+}
+
+TEST(Decide, TheSimplerModelIsNamedUnlessItIsHardlyBelieved) {
+  const auto named = [&](double prior_of_simple) {
+    const Candidate simple = candidate("simple", prior_of_simple);
+    Candidate richer = candidate("richer", 0);
+    richer.parameters.push_back({"shape", "1", 0, 10, 0});
+    Fit rich = fit_of(nullptr, 0, 0, residual_of(1));
+    rich.model = {{&richer}, VectorXd::Constant(2, 5), VectorXd::Ones(2)};
+    rich.slope = {Eigen::MatrixXd::Zero(N, 2)};
+    rich.covariance = 0.01 * Eigen::MatrixXd::Identity(2, 2);
+    const std::vector<Fit> fits{fit_of(&simple, 5, 0.1, residual_of(1)), rich};
+    const Decision decision = decide(one_window(), fit_of(nullptr, 0, 0, residual_of(6)), fits);
+    return decision.ranking.at(std::size_t(decision.chosen)).fit->model.parts[0]->name;
+  };
+  EXPECT_EQ(named(-2), "simple");
+  EXPECT_EQ(named(-10), "richer");
+}
+
+TEST(Decide, BeliefComesFirstOnlyWhereTheBestLeavesMuch) {
+  const Candidate skilled = candidate("skilled", -4), believed = candidate("believed", 0);
+  const Fit base = fit_of(nullptr, 0, 0, residual_of(6));
+  const auto named = [&](double by_skilled, double by_believed) {
+    const std::vector<Fit> fits{fit_of(&skilled, 5, 0.1, residual_of(by_skilled)),
+                                fit_of(&believed, 5, 0.1, residual_of(by_believed))};
+    const Decision decision = decide(one_window(), base, fits);
+    return decision.ranking.at(std::size_t(decision.chosen)).fit->model.parts[0]->name;
+  };
+  EXPECT_EQ(named(2.0, 2.4), "believed");
+  EXPECT_EQ(named(1.0, 2.4), "skilled") << "reaches the noise";
+  EXPECT_EQ(named(2.0, 4.0), "skilled") << "the other closes half of what it closes";
+}
+
+TEST(Decide, SamplesThatHangTogetherCountAsOne) {
+  // by hand: the mean square falls by 0.25; its standard error is 2 sqrt(c 0.25 / n) with c samples saying the same:
+  // 0.022 for white noise, 0.16 for c = 50
+  const Candidate some = candidate("some", 0);
+  for (const auto& [repeated, chosen] : {std::pair(1, 0), std::pair(50, -1)}) {
+    const Fit base = fit_of(nullptr, 0, 0, noise(repeated) + 0.5 * alternating());
+    const Decision decision = decide(one_window(), base, {fit_of(&some, 5, 0.1, noise(repeated))});
+    EXPECT_EQ(decision.chosen, chosen);
+    EXPECT_NEAR(decision.ranking[0].better_sigma, repeated == 1 ? 0.0224 : 0.158, repeated == 1 ? 0.003 : 0.04);
+  }
+}
+
+TEST(Decide, AnEffectThatShowsInOneOfThreeRunsIsNamedUnlessTheOthersGetWorse) {
+  const Candidate some = candidate("some", 0);
+  FitData data;
+  for (int run = 0; run < 3; ++run) {
+    data.windows.push_back(one_window().windows[0]);
+    data.windows.back().run = run;
+    data.of_start.push_back(Eigen::MatrixXd(N, 0));
+  }
+  const auto fit_with = [&](const Candidate* part, std::vector<double> errors) {
+    Fit fit = fit_of(part, 5, 0.1, residual_of(errors[0]));
+    for (const double error : {errors[1], errors[2]}) {
+      fit.residual.push_back(residual_of(error));
+      fit.slope.push_back(fit.slope[0]);
+      fit.of_start.push_back(fit.of_start[0]);
+      fit.delta.push_back(VectorXd(0));
+    }
+    return fit;
+  };
+  const Fit base = fit_with(nullptr, {3, 1, 1});
+  EXPECT_EQ(decide(data, base, {fit_with(&some, {1, 1, 1})}).chosen, 0);
+  EXPECT_EQ(decide(data, base, {fit_with(&some, {1, 2, 2})}).chosen, -1);
+}
+
+TEST(Decide, TheLowestTrainingErrorNamesWhateverIsLower) {
+  const Candidate a = candidate("a", 0), b = candidate("b", 0);
+  const std::vector<Fit> fits{fit_of(&a, 5, 100, residual_of(1.999)), fit_of(&b, 10, 100, residual_of(1.998))};
+  const Decision decision = decide_lowest(fit_of(nullptr, 0, 0, residual_of(2)), fits);
+  ASSERT_EQ(decision.chosen, 0);
+  EXPECT_EQ(decision.ranking[0].fit->model.parts[0]->name, "b");
+}
+
+}  // namespace
+}  // namespace pvg::diagnose

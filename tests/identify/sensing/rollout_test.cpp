@@ -1,0 +1,118 @@
+// Windows simulated by several processes at once
+#include "host/identify/sensing/rollout.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <thread>
+
+#include "host/base/error.hpp"
+#include "host/identify/sensing/forked.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+// A block that falls on a floor, as a scene has it.
+Problem thrown_block(const TestFolder& folder) {
+  folder.write("scene.yaml", R"(schema: 1
+name: thrown_block
+time_step: 5 ms
+contact: {activation_distance: 1 mm, stiffness: 1 MPa}
+bodies:
+  - {name: floor, kind: half_space, normal: [0, 0, 1]}
+  - {name: block, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.04]}}, mass: 0.4, pose: {position: [0, 0, 0.05]}}
+)");
+  std::string run = "t,x,y,z\n";
+  for (int i = 0; i < 30; ++i) run += std::to_string(0.01 * i) + "," + std::to_string(0.01 * i) + ",0,0.05\n";
+  folder.write("a.csv", run);
+  folder.write("recording.yaml", R"(schema: 1
+scene: scene.yaml
+runs:
+  - {file: a.csv, role: fit}
+channels:
+  - {columns: [x, y, z], kind: position, body: block, unit: m, noise: 0.0005}
+)");
+  return make_problem(folder.path / "recording.yaml");
+}
+
+// One answer for each of `n` strengths of gravity.
+std::vector<Prediction> predict(Device& device, const Problem& problem, int n, std::size_t n_processes) {
+  Predictor predictor(device, problem, n_processes);
+  std::vector<Variant> variants;
+  for (int i = 0; i < n; ++i) {
+    variants.push_back({problem.scene.scene, {}});
+    variants.back().scene.gravity *= 1 + 0.1 * i;
+  }
+  const std::vector<Window> windows = make_windows(problem, false, 0, 1);
+  std::vector<Job> jobs;
+  for (const Variant& variant : variants) jobs.push_back({&variant, &windows.at(0), windows[0].initial, true});
+  return predictor.predict(jobs);
+}
+
+TEST(Rollout, SeveralProcessesFindTheSameBitsAsOne) {
+  const TestFolder folder;
+  const Problem problem = thrown_block(folder);
+  setenv("POCL_DEVICES", "basic", 1);
+  Device device;
+  // a process that has used another of PoCL's devices before keeps it; ctest runs each test in one of its own
+  if (!device.info().name.starts_with("basic")) GTEST_SKIP() << "needs POCL_DEVICES=basic, not " << device.info().name;
+  for (const int n : {1, 2, 7}) {
+    const std::vector<Prediction> one = predict(device, problem, n, 1), three = predict(device, problem, n, 3);
+    ASSERT_EQ(one.size(), std::size_t(n));
+    ASSERT_EQ(three.size(), std::size_t(n));
+    for (std::size_t i = 0; i < std::size_t(n); ++i) {
+      EXPECT_TRUE(one[i].is_well && three[i].is_well);
+      EXPECT_EQ(one[i].residual, three[i].residual) << i << " of " << n;
+      EXPECT_EQ(one[i].phase, three[i].phase);
+      EXPECT_EQ(one[i].touching, three[i].touching);
+    }
+    EXPECT_EQ(one[0].touching.size(), 1u);
+    if (n > 1) {
+      EXPECT_NE(one[0].residual, one[1].residual);
+    }
+  }
+}
+
+// It is recorded as flying along x with 1 m/s; a channel that is late by 20 ms shows it 20 mm behind, 40 times the
+// noise, from the first sample on.
+TEST(Rollout, ALateChannelSawWhatMovedBeforeTheStart) {
+  const TestFolder folder;
+  const Problem problem = thrown_block(folder);
+  Device device;
+  Predictor predictor(device, problem);
+  Variant late{problem.scene.scene, {}};
+  late.scene.gravity.setZero();
+  late.sensing.latency = {0.02};
+  const Window window = make_windows(problem, false, 0, 1).at(0);
+  const Job job{&late, &window, window.initial};
+  const Prediction prediction = predictor.predict({&job, 1}).at(0);
+  for (std::size_t i = 0; i < window.data.size(); ++i)
+    EXPECT_NEAR(prediction.residual[Eigen::Index(i)], window.data[i].component == 0 ? 40 : 0, 0.1) << i;
+}
+
+TEST(Forked, BytesComeBackAndSoDoesAReason) {
+  Forked large([] { return std::vector<char>(1 << 20, 'x'); });
+  Forked failing([]() -> std::vector<char> { throw Failure("the reason"); });
+  Forked ended([]() -> std::vector<char> { std::raise(SIGKILL), std::abort(); });
+  const Forked forgotten([] {
+    std::this_thread::sleep_for(std::chrono::hours(1));
+    return std::vector<char>();
+  });
+  EXPECT_EQ(large.result(), std::vector<char>(1 << 20, 'x'));
+  const auto reason_of = [](Forked& process) {
+    try {
+      process.result();
+    } catch (const Failure& failure) {
+      return std::string(failure.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(reason_of(failing), "the reason");
+  EXPECT_NE(reason_of(ended).find("ended by signal 9"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pvg::diagnose

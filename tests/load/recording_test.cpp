@@ -1,0 +1,101 @@
+#include "host/load/recording.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "host/base/error.hpp"
+#include "host/formats/hdf5.hpp"
+#include "tests/expect_error.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace pvg {
+namespace {
+
+const std::string RUN = "t,q\n0,1\n0.1,2\n0.2,\n0.3,nan\n0.4,5\n0.5,6\n0.6,7\n0.7,8\n";
+const std::string HEAD = "schema: 1\nscene: scene.yaml\nruns:\n  - {file: a.csv, role: fit}\nchannels:\n";
+
+std::filesystem::path recording(const TestFolder& folder, const std::string& channels, const std::string& run = RUN) {
+  folder.write("scene.yaml", "schema: 1\n");
+  folder.write("a.csv", run);
+  folder.write("recording.yaml", HEAD + channels);
+  return folder.path;
+}
+
+TEST(Recording, GapsAreNaNAndUnknownNoiseIsNegative) {
+  const TestFolder folder;
+  const Recording r =
+      load_recording(recording(folder, "  - {column: q, kind: position, joint: hinge, unit: deg, noise: unknown}\n"));
+  EXPECT_TRUE(std::isnan(r.runs[0].table["q"][2]));
+  EXPECT_TRUE(std::isnan(r.runs[0].table["q"][3]));
+  EXPECT_EQ(r.runs[0].table["q"][4], 5);
+  EXPECT_LT(r.channels[0].noise, 0);
+  EXPECT_EQ(r.initial, Recording::Initial::first_sample);
+}
+
+// n masks of 2 x 2 pixels in which frame i shows `finger` at pixel i mod 4
+void write_masks(const std::filesystem::path& path, std::size_t n, const std::vector<double>& time) {
+  hdf5::File file = hdf5::File::create(path);
+  std::vector<std::uint8_t> pixels(4 * n, 0);
+  for (std::size_t i = 0; i < n; ++i) pixels[4 * i + i % 4] = 2;
+  file.write("/part", {n, 2, 2}, pixels);
+  file.attribute("/part", "names", std::vector<std::string>{"nothing", "hand", "finger"});
+  if (!time.empty()) file.write("/time", {time.size()}, time);
+  file.close();
+}
+const std::string MASK = "  - {file: \"{run}.h5\", kind: mask, camera: wrist, part: finger}\n";
+
+TEST(Recording, AMaskBecomesOneChannelPerMoment) {
+  const TestFolder folder;
+  write_masks(folder.path / "a.h5", 3, {0.1, 0.35, 0.6});  // the second is of no row
+  const Recording r = load_recording(recording(folder, MASK));
+  ASSERT_EQ(r.channels.size(), 6u);
+  EXPECT_EQ(r.runs[0].masks[0].frame_of_row, (std::vector<int>{-1, 0, -1, -1, -1, -1, 2, -1}));
+  const auto value = [&](std::size_t channel, std::size_t row) {
+    return r.runs[0].table[r.channels[channel].columns[0]][row];
+  };
+  EXPECT_TRUE(std::isnan(value(0, 0)));
+  EXPECT_DOUBLE_EQ(value(0, 1), 0.25);
+  EXPECT_DOUBLE_EQ(value(1, 1), -0.125);  // pixel 0, upper left: x = y = -1/2
+  EXPECT_DOUBLE_EQ(value(2, 1), -0.125);
+  EXPECT_DOUBLE_EQ(value(1, 6), -0.125);  // frame 2, pixel 2, lower left
+  EXPECT_DOUBLE_EQ(value(2, 6), 0.125);
+}
+
+TEST(Recording, MasksThatDoNotFitAreNamed) {
+  const TestFolder folder;
+  const auto refused = [&](std::initializer_list<const char*> words, const std::string& channel = MASK) {
+    expect_error<UsageError>([&] { load_recording(recording(folder, channel)); }, words);
+  };
+  refused({"a.h5"});
+  write_masks(folder.path / "a.h5", 3, {});
+  refused({"a.h5", "holds 3 masks", "8 rows"});
+  write_masks(folder.path / "a.h5", 3, {5, 6, 7});
+  refused({"a.h5", "no mask has the time of a row"});
+  write_masks(folder.path / "a.h5", 3, {0.1, 0.2});
+  refused({"a.h5", "/time has 2 numbers for 3 masks"});
+  write_masks(folder.path / "a.h5", 8, {});
+  refused({"a.h5", "no part `thumb`", "hand, finger"}, "  - {file: a.h5, kind: mask, camera: wrist, part: thumb}\n");
+  folder.write("a.h5", "not HDF5");
+  refused({"a.h5"});
+}
+
+TEST(Recording, WhatIsWrongIsNamedWithFileAndKey) {
+  const TestFolder folder;
+  const auto refused = [&](const std::string& channels, std::initializer_list<const char*> words,
+                           const std::string& run = RUN) {
+    expect_error<UsageError>([&] { load_recording(recording(folder, channels, run)); }, words);
+  };
+  const std::string good = "  - {column: q, kind: position, joint: hinge}\n";
+  refused("  - {column: p, kind: position, joint: hinge}\n", {"channels", "`p`", "a.csv"});
+  refused("  - {column: q, kind: position, joint: hinge, noise: -1}\n", {"noise", "above 0"});
+  refused("  - {column: q, kind: position, joint: hinge, body: cube}\n", {"either a `joint` or a `body`"});
+  refused("  - {column: q, kind: position, body: cube}\n", {"3 columns", "axis"});
+  refused("  - {column: q, kind: marker, body: cube, axis: [0, 0, 1]}\n", {"point", "vertex"});
+  refused(good, {"a.csv", "row 3", "come after"}, "t,q\n0,1\n0.1,2\n0.1,3\n0.2,1\n0.3,1\n0.4,1\n0.5,1\n0.6,1\n");
+  refused(good, {"a.csv", "column `t`"}, "time,q\n0,1\n");
+  refused(good, {"a.csv", "at least 8"}, "t,q\n0,1\n");
+}
+
+}  // namespace
+}  // namespace pvg

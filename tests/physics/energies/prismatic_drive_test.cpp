@@ -1,0 +1,65 @@
+// Drives of prismatic joints: q = (c_j - c_i) . d_i, and what the drive does along it.
+#include "energies/joint/prismatic_drive.h"
+
+#include "tests/physics/energies/joint_check.hpp"
+
+namespace pvg {
+namespace {
+
+using Elements = std::vector<EnergyElement<PrismaticDrive>>;
+
+double coordinate(const PrismaticDrive&, const Vec3* x, const Vec3*) { return (x[1] - x[0]).dot(x[2]); }
+
+double energy(const PrismaticDrive& p, const Vec3* x, const Vec3* x0, double h) {
+  return drive_law(p, coordinate(p, x, x0), coordinate(p, x0, x0), h);
+}
+
+Elements drives(std::size_t n) {
+  Elements elements = prismatic_joints<PrismaticDrive>(n);
+  Random random(15);
+  for (auto& e : elements) set_random_law(e.params, random, 0.1);
+  return elements;
+}
+
+TEST(PrismaticDrive, EnergyAndGradientAgreeWithTheEnergyInDouble) {
+  EnergyCheck<PrismaticDrive> check("joint/prismatic_drive", energy, 1e-6);
+  check.set_energy_scale(1e-2);
+  const Elements elements = drives(1000);
+  check.expect_energy(elements);
+  check.expect_gradient(elements);
+  check.expect_rotation_invariance(elements);
+  check.expect_symmetric_positive_hessian(elements);
+  check.expect_awkward_sizes(elements);
+}
+
+TEST(PrismaticDrive, HessianIsGaussNewton) {
+  EnergyCheck<PrismaticDrive> check("joint/prismatic_drive", energy, 1e-6);
+  const Elements elements = drives(500);
+  expect_gauss_newton<PrismaticDrive>(
+      check, elements, [](const PrismaticDrive& p, const Vec3* x, const Vec3*) { return coordinate(p, x, x); },
+      drive_curvature<PrismaticDrive>);
+}
+
+// 30 mm out, wanted at 25 mm with 2000 N/m: the child is drawn back by 10 N, the parent forward, cut at 4 N
+TEST(PrismaticDrive, DrawsTheChildTowardTheTarget) {
+  EnergyCheck<PrismaticDrive> check("joint/prismatic_drive", energy, 1e-6);
+  EnergyElement<PrismaticDrive> e;
+  e.params.stiffness = 2000;
+  e.params.target = 0.025;
+  e.x = {Vec3(1, 2, 3), Vec3(1.2, 2.03, 3), Vec3(0, 1, 0)};
+  e.x0 = {Vec3(1, 2, 3), Vec3(1.2, 2.029, 3), Vec3(0, 1, 0)};
+  EnergyResult r = check.evaluate({e})[0];
+  EXPECT_NEAR(r.energy, 0.025, 1e-12);
+  EXPECT_NEAR(r.gradient(1), -10, 1e-9);
+  EXPECT_NEAR(r.gradient(4), 10, 1e-9);
+  e.params.effort_limit = 4;
+  EXPECT_NEAR(check.evaluate({e})[0].gradient(4), 4, 1e-9);
+  e.params.effort_limit = 0;
+  e.params.feed_forward = 3;
+  EXPECT_NEAR(check.evaluate({e})[0].gradient(4), 7, 1e-9);
+  e.params.damping = 10;  // against 1 mm in 12.5 ms: 0.8 N
+  EXPECT_NEAR(check.evaluate({e})[0].gradient(4), 7.8, 1e-9);
+}
+
+}  // namespace
+}  // namespace pvg

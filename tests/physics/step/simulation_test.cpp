@@ -1,0 +1,194 @@
+// The simulator as a whole on tiny scenes whose answer is known by hand.
+#include "host/physics/step/simulation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/physics/step/small_scenes.hpp"
+
+namespace pvg {
+namespace {
+
+Scene falling_box() {
+  Scene scene;
+  scene.name = "falling box";
+  scene.solver.time_step = 0.01;
+  scene.solver.velocity_tolerance = 1e-6;
+  scene.rigid_bodies = {box_body("cube", Vec3::Constant(0.05), 1000, Vec3(0, 0, 1))};
+  return scene;
+}
+
+TEST(Simulation, FreeFallFollowsImplicitEulerExactly) {
+  Device device;
+  Simulation simulation(device, falling_box());
+  const int n = 20;
+  for (int i = 0; i < n; ++i) simulation.step(std::vector<double>{});
+  // x_n = -g h^2 n (n + 1) / 2
+  EXPECT_NEAR(simulation.state().rigid[0](2, 3) - 1, -9.81 * 1e-4 * n * (n + 1) / 2, 1e-9);
+  EXPECT_NEAR(simulation.state().time, n * 0.01, 1e-12);
+}
+
+TEST(Simulation, ABoxRestsOnTheFloorWithItsWeight) {
+  Device device;
+  Scene scene = falling_box();
+  scene.rigid_bodies[0].pose.translation().z() = 0.0505;
+  RigidBody floor = box_body("floor", Vec3(0.5, 0.5, 0.05), 1000, Vec3(0, 0, -0.05));
+  floor.is_fixed = true;
+  scene.rigid_bodies.push_back(floor);
+  Simulation simulation(device, scene);
+  for (int i = 0; i < 60; ++i) simulation.step(std::vector<double>{});
+  double weight = 0;
+  for (const ContactForce& contact : simulation.state().contacts) {
+    weight += contact.normal_force * std::abs(contact.normal.z());
+    EXPECT_GT(contact.gap, 0);
+  }
+  EXPECT_NEAR(weight, 9.81, 1e-3 * 9.81);
+  EXPECT_GT(simulation.state().rigid[0](2, 3), 0.05);
+}
+
+Scene pendulum(double angle, Drive drive) {
+  Joint joint;
+  joint.drive = drive;
+  Scene scene = rod_on_hinge(angle, joint);
+  scene.solver = SolverSettings{};
+  scene.solver.time_step = 0.005;
+  scene.solver.velocity_tolerance = 1e-6;
+  return scene;
+}
+
+TEST(Simulation, PendulumSwingsWithItsPeriod) {
+  Device device;
+  Simulation simulation(device, pendulum(0.05, {}));
+  // T = 2 pi sqrt(I / (m g l)) with I about the hinge = m (0.4^2 + 0.02^2) / 12 + m 0.2^2
+  const double period = 2 * M_PI * std::sqrt(((0.16 + 0.0004) / 12 + 0.04) / (9.81 * 0.2));
+  double last = 0.05, crossing = 0;
+  for (int i = 1; crossing == 0 && i < 400; ++i) {
+    simulation.step(std::vector<double>{});
+    const double q = simulation.state().joint_position[0];
+    if (last > 0 && q <= 0) crossing = 0.005 * (i - 1 + last / (last - q));
+    last = q;
+  }
+  EXPECT_NEAR(crossing, period / 4, 0.02 * period / 4);
+}
+
+TEST(Simulation, DriveHoldsTheRodWithTheTorqueOfItsWeight) {
+  Device device;
+  Drive drive;
+  drive.stiffness = 100;
+  drive.damping = 1;
+  drive.compensates_gravity = false;
+  const double target = 0.5, mass = 1000 * 0.02 * 0.02 * 0.4;
+  Simulation simulation(device, pendulum(target, drive));
+  for (int i = 0; i < 300; ++i) simulation.step(std::vector<double>{target});
+  const double q = simulation.state().joint_position[0];
+  const double weight_torque = mass * 9.81 * 0.2 * std::sin(q);  // pulls the rod back to q = 0
+  EXPECT_NEAR(simulation.state().joint_effort[0], weight_torque, 1e-3 * weight_torque);
+  EXPECT_NEAR(target - q, weight_torque / 100, 1e-3 * weight_torque / 100);
+}
+
+TEST(Simulation, GravityFeedForwardLeavesNoSag) {
+  Device device;
+  Drive drive;
+  drive.stiffness = 100;
+  drive.damping = 1;
+  Simulation simulation(device, pendulum(0.5, drive));
+  for (int i = 0; i < 100; ++i) simulation.step(std::vector<double>{0.5});
+  EXPECT_NEAR(simulation.state().joint_position[0], 0.5, 1e-6);
+}
+
+TEST(Simulation, AWorldsBitsDoNotDependOnItsCompanions) {
+  Device device;
+  Scene falling = falling_box();
+  falling.solver.time_step = 0.005;
+  const std::vector<Scene> both = {falling, pendulum(0.3, {})};
+  Simulation together(device, both), alone(device, both[1]);
+  const std::vector<std::vector<double>> targets(2);
+  for (int i = 0; i < 10; ++i) {
+    together.step(targets);
+    alone.step(targets[1]);
+  }
+  EXPECT_EQ(together.state(1).rigid[1], alone.state().rigid[1]);
+}
+
+TEST(Simulation, Bdf2FallsAsTheParabolaAfterItsFirstStep) {
+  Device device;
+  Scene scene = falling_box();
+  scene.solver.integrator = SolverSettings::Integrator::bdf2;
+  Simulation simulation(device, scene);
+  // the recurrence by hand: one step of implicit Euler, then v_n = (3 x_n - 4 x_{n-1} + x_{n-2}) / (2 h), the same for
+  // g
+  const double h = 0.01, g = -9.81;
+  std::vector<double> x = {0, h * h * g}, v = {0, h * g};
+  for (int n = 2; n <= 20; ++n) {
+    const double past_x = (4 * x[n - 1] - x[n - 2]) / 3, past_v = (4 * v[n - 1] - v[n - 2]) / 3;
+    v.push_back(past_v + 2 * h / 3 * g);
+    x.push_back(past_x + 2 * h / 3 * v[n]);
+  }
+  for (int n = 1; n <= 20; ++n) {
+    simulation.step(std::vector<double>{});
+    ASSERT_NEAR(simulation.state().rigid[0](2, 3) - 1, x[n], 1e-9) << n;
+  }
+}
+
+TEST(Simulation, ACheckpointGoesOnWithTheSameBits) {
+  Device device;
+  Drive drive;
+  drive.stiffness = 20;
+  for (const auto integrator : {SolverSettings::Integrator::implicit_euler, SolverSettings::Integrator::bdf2}) {
+    Scene scene = pendulum(0.4, drive);
+    scene.solver.integrator = integrator;
+    scene.rigid_bodies.push_back(box_body("cube", Vec3::Constant(0.02), 1000, Vec3(0.05, 0, 0.58)));
+    RigidBody floor = box_body("floor", Vec3(0.5, 0.5, 0.05), 1000, Vec3(0, 0, 0.5));
+    floor.is_fixed = true;
+    scene.rigid_bodies.push_back(floor);
+    Simulation through(device, scene), resumed(device, scene);
+    const auto target = [](int i) { return std::vector<double>{0.4 * std::cos(0.3 * i)}; };
+    Checkpoint middle;
+    for (int i = 0; i < 24; ++i) {
+      through.step(target(i));
+      if (i == 11) middle = through.checkpoint();
+    }
+    resumed.restore(middle);
+    for (int i = 12; i < 24; ++i) resumed.step(target(i));
+    for (int b = 0; b < 3; ++b) EXPECT_EQ(through.state().rigid[b], resumed.state().rigid[b]);
+    EXPECT_EQ(through.state().joint_effort, resumed.state().joint_effort);
+    EXPECT_EQ(through.state().time, resumed.state().time);
+  }
+}
+
+TEST(Simulation, BodiesThatStandOnEachOtherAreSolvedInOneIteration) {
+  // the factor holds what contact couples: conjugate gradients find nothing left to do
+  Device device;
+  Scene scene;
+  scene.rigid_bodies.push_back(box_body("floor", Vec3(0.5, 0.5, 0.05), 1000, Vec3(0, 0, -0.05)));
+  scene.rigid_bodies[0].is_fixed = true;
+  for (int i = 0; i < 4; ++i)
+    scene.rigid_bodies.push_back(box_body("box", Vec3::Constant(0.05), 1000, Vec3(0, 0, 0.0509 + 0.1009 * i)));
+  Simulation simulation(device, scene);
+  int newton = 0, cg = 0, contacts = 0;
+  for (int i = 0; i < 10; ++i) {
+    const StepReport report = simulation.step(std::vector<double>{});
+    newton += report.newton;
+    cg += report.cg;
+    contacts = report.contacts;
+  }
+  EXPECT_GT(contacts, 4 * 4);
+  EXPECT_LE(cg, newton + 2);
+}
+
+TEST(Simulation, IntersectingBodiesAreRefusedByName) {
+  Device device;
+  Scene scene = falling_box();
+  scene.rigid_bodies.push_back(box_body("intruder", Vec3::Constant(0.05), 1000, Vec3(0.05, 0.02, 1.03)));
+  try {
+    Simulation simulation(device, scene);
+    FAIL() << "an intersection was accepted";
+  } catch (const UsageError& e) {
+    EXPECT_NE(std::string(e.what()).find("cube"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("intruder"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace pvg

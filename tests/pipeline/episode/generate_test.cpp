@@ -1,0 +1,131 @@
+// The command `generate` and the folder that it fills: stopping leaves nothing half-written, finished episodes are left
+// alone, what failed has its reason, and folders of another origin are refused.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include "host/base/error.hpp"
+#include "pipeline/episode/episode_set.hpp"
+
+namespace pvg {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Generate : testing::Test {
+  Generate() { fs::create_directories(out); }
+  ~Generate() override { fs::remove_all(out); }
+  std::vector<std::string> entries() const {
+    std::vector<std::string> names;
+    for (const fs::directory_entry& entry : fs::directory_iterator(out)) names.push_back(entry.path().filename());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+  void put(const fs::path& file, const std::string& text) {
+    fs::create_directories((out / file).parent_path());
+    std::ofstream(out / file) << text;
+  }
+  std::string text_of(const fs::path& file) const {
+    std::ifstream in(out / file);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  EpisodeSet a_set() const {
+    EpisodeSet set;
+    set.folder = out;
+    set.task = "weigh_beaker";
+    set.seed = 4;
+    set.n_asked = 3;
+    set.configuration = fingerprint("text");
+    return set;
+  }
+  const fs::path out = fs::temp_directory_path() / ("pvg_generate_" + std::to_string(getpid()));
+};
+
+TEST_F(Generate, AStopEndsWithCode75AndLeavesNothingHalfWritten) {
+  const std::string task = PVG_DATA_FOLDER "/tasks/weigh_beaker.yaml", folder = out.string();
+  const pid_t child = fork();
+  if (child == 0) {
+    if (!freopen("/dev/null", "w", stderr)) _exit(99);
+    execl(PVG_PROGRAM, "phyvisgen", "generate", task.c_str(), "-o", folder.c_str(), "--no-render", nullptr);
+    _exit(99);
+  }
+  // until its first states are being written
+  const auto is_under_way = [&] {
+    const std::vector<std::string> names = entries();
+    return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+      return name.starts_with(".episode_000000.partial-") && fs::exists(out / name / "states.h5");
+    });
+  };
+  for (int i = 0; i < 1200 && !is_under_way(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  ASSERT_TRUE(is_under_way());
+  kill(child, SIGUSR1);  // which LLVM, compiling kernels, takes to itself where it can
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 75);
+  EXPECT_EQ(entries(), std::vector<std::string>{"set.json"});
+}
+
+TEST_F(Generate, FinishedEpisodesAreLeftAlone) {
+  put("episode_000000/summary.json", "{}");
+  const std::string command = std::string(PVG_PROGRAM) + " generate " PVG_DATA_FOLDER "/tasks/weigh_beaker.yaml -o " +
+                              out.string() + " -n 1 --json >" + (out / "stdout").string() + " 2>/dev/null";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  EXPECT_EQ(text_of("episode_000000/summary.json"), "{}");
+  EXPECT_NE(text_of("stdout").find("\"done\": [\n    0\n  ]"), std::string::npos) << text_of("stdout");
+}
+
+TEST_F(Generate, WhatFailedBeforeIsCountedAndNotMadeAgain) {
+  put("failed/episode_000000/summary.json", R"({"reason": "the beaker fell"})");
+  const std::string command = std::string(PVG_PROGRAM) + " generate " PVG_DATA_FOLDER "/tasks/weigh_beaker.yaml -o " +
+                              out.string() + " -n 1 >/dev/null 2>" + (out / "stderr").string();
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_NE(text_of("stderr").find("episode 0 failed: the beaker fell"), std::string::npos) << text_of("stderr");
+  EXPECT_FALSE(fs::exists(out / "episode_000000"));
+}
+
+TEST_F(Generate, TheStatusIsReadOffTheFolder) {
+  put("episode_000002/summary.json", "{}");
+  put("episode_000000/summary.json", "{}");
+  put("failed/episode_000001/summary.json", "{\"reason\": \"dropped\"}");
+  put("failed/episode_000002/summary.json", "{\"reason\": \"old, made since\"}");
+  put("episode_7/summary.json", "{}");                  // no name of ours
+  put(".episode_000005.partial-1/summary.json", "{}");  // in the making
+  const SetStatus status = read_status(out);
+  EXPECT_EQ(status.done, (std::vector<std::uint64_t>{0, 2}));
+  ASSERT_EQ(status.failed.size(), 1u);
+  EXPECT_EQ(status.failed[0].episode, 1u);
+  EXPECT_EQ(status.failed[0].reason, "dropped");
+  write_set(a_set());
+  EXPECT_NE(text_of("set.json").find("\"reason\": \"dropped\""), std::string::npos);
+}
+
+TEST_F(Generate, AFolderOfAnotherOriginIsRefusedAndTheLargerNumberStays) {
+  write_set(a_set());
+  EpisodeSet same = a_set(), seed = a_set(), task = a_set(), configuration = a_set();
+  same.n_asked = 1;
+  join_set(same);
+  EXPECT_EQ(same.n_asked, 3u);
+  seed.seed = 5;
+  EXPECT_THROW(join_set(seed), UsageError);
+  task.task = "fold_cloth";
+  EXPECT_THROW(join_set(task), UsageError);
+  configuration.configuration = fingerprint("texts");
+  EXPECT_THROW(join_set(configuration), UsageError);
+}
+
+TEST(Fingerprint, HasThePublishedValues) {
+  EXPECT_EQ(fingerprint(""), "cbf29ce484222325");  // FNV-1a, 64 bits
+  EXPECT_EQ(fingerprint("a"), "af63dc4c8601ec8c");
+}
+
+}  // namespace
+}  // namespace pvg
