@@ -4,22 +4,16 @@
 #include <cmath>
 #include <limits>
 
+#include "host/identify/criteria.hpp"
 #include "host/identify/fit/fit_cost.hpp"
 
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
-constexpr int START_STEPS = 4;         // where only the windows' starts are fitted
-constexpr double SMALL_CHANGE = 1e-3;  // of the cost, relative: the fit has converged
 
 const std::vector<double> DAMPINGS = {1e-6, 0.5, 2.5, 8};  // of a step, relative
 const std::vector<double> START_DAMPINGS = {0, 0.1};       // likewise of the starts
-
-// of what a step changed beside what was promised, rms of a window: relative, and in units of noise
-constexpr double BROKEN_PROMISE = 0.05, LEAST_BROKEN = 0.02;
-constexpr double MISSED = 1.5;  // a window's scale over that of all: it is no longer fitted as others are
-constexpr int LAST_STEPS = 2;   // then
 
 VectorXd clamped(const Model& model, VectorXd x) {
   const std::vector<const Parameter*> parameters = model.parameters();
@@ -34,7 +28,8 @@ bool keeps_promise(const Fit& fit, std::size_t w, const VectorXd& x, const Vecto
   VectorXd promised = fit.of_start[w] * (delta - fit.delta[w]);
   if (x != fit.model.x) promised += fit.slope[w] * (x - fit.model.x);
   const VectorXd change = residual - fit.residual[w];
-  return rms({change - promised}) <= std::max(BROKEN_PROMISE * rms({change}), LEAST_BROKEN);
+  return rms({change - promised}) <=
+         std::max(criteria().reduction_missed * rms({change}), criteria().reduction_missed_floor);
 }
 
 // The model after one Gauss-Newton step, damped; where it is if that step is none.
@@ -243,7 +238,8 @@ void Fitter::improve(const FitData& data, std::vector<Fit>& fits, int n_steps, S
       Fit& fit = fits[m];
       if (!fit.is_well || fit.has_converged || fit.is_given_up) continue;
       fit.is_stale = fit.is_stale || is_better[m];
-      fit.has_converged = is_better[m] ? before[m] - fit.cost <= SMALL_CHANGE * before[m] : !any_start_is_stale(fit);
+      fit.has_converged =
+          is_better[m] ? before[m] - fit.cost <= criteria().fit_small_change * before[m] : !any_start_is_stale(fit);
     }
   }
 }
@@ -266,11 +262,12 @@ std::vector<std::vector<VectorXd>> Fitter::promised(const FitData& data, std::ve
 void Fitter::finish(const FitData& data, std::vector<Fit>& fits) {
   for (Fit& fit : fits) {
     const std::vector<double> scales = window_scales(fit.residual);
-    const bool any_missed =
-        std::any_of(scales.begin(), scales.end(), [&](double s) { return s > MISSED * robust_scale(fit.residual); });
+    const bool any_missed = std::any_of(scales.begin(), scales.end(), [&](double s) {
+      return s > criteria().window_scale_missed * robust_scale(fit.residual);
+    });
     fit.has_converged = !any_missed;
   }
-  improve(data, fits, LAST_STEPS, Scale::of_all);
+  improve(data, fits, criteria().n_last_steps, Scale::of_all);
   conclude(data, fits);
 }
 
@@ -290,7 +287,7 @@ std::vector<Fit> Fitter::fit(const FitData& data, std::vector<Model> models, int
   const bool any_unknown = std::any_of(data.windows.begin(), data.windows.end(),
                                        [](const Window& window) { return !window.unknowns.empty(); });
   if (n_steps == 0) {
-    if (any_unknown) improve(data, fits, START_STEPS, Scale::of_window, true);
+    if (any_unknown) improve(data, fits, criteria().n_start_steps, Scale::of_window, true);
     return fits;
   }
   improve(data, fits, n_steps);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/identify/candidates/candidate.hpp"
+#include "host/identify/criteria.hpp"
 
 namespace pvg::diagnose {
 
@@ -66,7 +67,7 @@ class Fitter {
   // of which pixels turn than of how fast.
   void expect_whole_pixels() {
     corrects_steps_ = false;
-    difference_ = 0.3;
+    difference_ = criteria().difference_share_pixels;
   }
   // The same about the starts that fit best there, not those that were measured: what rests on something answers to
   // its start by kinks.
@@ -118,14 +119,11 @@ class Fitter {
   Predictor& predictor_;
   const Variant& base_;
   bool corrects_steps_ = true;
-  double difference_ = 0.03;  // by which slopes are found, of how far a parameter is from "off"
+  double difference_ = criteria().difference_share;  // by which slopes are found, of how far a parameter is from "off"
 };
 
 // What is left of `change` when each window's start may move.
 Eigen::VectorXd beside_starts(const Eigen::MatrixXd& of_start, const Eigen::VectorXd& change);
-
-// By how much a start moves where its answer is looked for, in units of its sigma: seen, yet small.
-inline constexpr double START_STEP = 0.05;
 
 // The variant with steps of half the length.
 Variant refined(const Variant& variant);

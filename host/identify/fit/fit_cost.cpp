@@ -4,14 +4,16 @@
 #include <cmath>
 #include <limits>
 
+#include "host/identify/criteria.hpp"
+
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
-constexpr double FREEDOM = 4;  // degrees of, of Student's distribution
 
 VectorXd weights_of(const VectorXd& r, double s) {
-  return (1.0 / (1.0 + r.array().square() / (FREEDOM * s * s))).matrix() * ((FREEDOM + 1) / FREEDOM);
+  return (1.0 / (1.0 + r.array().square() / (criteria().student_freedom * s * s))).matrix() *
+         ((criteria().student_freedom + 1) / criteria().student_freedom);
 }
 
 // the system of one window's start
@@ -71,7 +73,8 @@ double robust_scale(const std::vector<VectorXd>& residual) {
 double robust_cost(const std::vector<VectorXd>& residual, double s) {
   double sum = 0;
   for (const VectorXd& r : residual)
-    sum += 0.5 * (FREEDOM + 1) * s * s * (1.0 + r.array().square() / (FREEDOM * s * s)).log().sum();
+    sum += 0.5 * (criteria().student_freedom + 1) * s * s *
+           (1.0 + r.array().square() / (criteria().student_freedom * s * s)).log().sum();
   return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
 }
 

@@ -7,13 +7,13 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.hpp"
+#include "host/identify/criteria.hpp"
 
 namespace pvg::diagnose {
 namespace {
 
 using json = nlohmann::ordered_json;
-constexpr std::size_t MOST_RIVALS = 3;    // that a sentence holds
-constexpr double HELD_OUT_AGREES = 1.15;  // of the noise, as fitted runs that agree
+constexpr std::size_t MOST_RIVALS = 3;  // that a sentence holds
 
 void write(const std::filesystem::path& file, const std::string& text) {
   std::ofstream out(file, std::ios::binary);
@@ -149,7 +149,7 @@ std::string sentence_of(const Diagnosis& d) {
   if (d.verdict == Verdict::none) {
     std::string text = "none of the known effects explains the misfit of " + shown(d.fit_before) + " times the noise";
     if (!d.where.empty()) text += ", most of which is of " + d.where[0].body + " (" + d.where[0].phase + ")";
-    if (d.floor > 0 && d.before < HELD_OUT_AGREES * d.floor) {
+    if (d.floor > 0 && d.before < criteria().agrees_rms * d.floor) {
       text += "; the held-out runs agree with the scene as it stands: their error is " + shown(d.before) + unit +
               ", noise floor " + shown(d.floor);
     } else if (!d.effects.empty()) {
@@ -174,7 +174,7 @@ std::string sentence_of(const Diagnosis& d) {
             rivals_of(d, e.candidate->label());
   }
   std::string text = what + "; " + judged;
-  if (d.after > 1.5 * d.floor) text += "; partly explained";
+  if (d.after > criteria().unexplained * d.floor) text += "; partly explained";
   return text;
 }
 

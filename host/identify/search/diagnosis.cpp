@@ -8,6 +8,7 @@
 #include <set>
 
 #include "host/base/error.hpp"
+#include "host/identify/criteria.hpp"
 #include "host/identify/data/noise.hpp"
 #include "host/identify/fit/limits.hpp"
 #include "host/identify/fit/time_step.hpp"
@@ -21,10 +22,7 @@ namespace pvg::diagnose {
 namespace {
 
 using Eigen::VectorXd;
-constexpr double SHORT_WINDOW = 0.25;                   // of localisation [s]
-constexpr double UNMOVED = 1e-6;                        // of its standard deviation: nothing answered to it
-constexpr double AGREES_RMS = 1.15, AGREES_CELL = 1.5;  // of residuals in units of noise
-constexpr double AGREES_HELD_OUT = 1.5;                 // likewise; beyond it is told
+constexpr double UNMOVED = 1e-6;  // of its standard deviation: nothing answered to it
 
 Model empty_model() { return {{}, VectorXd(), VectorXd()}; }
 
@@ -45,8 +43,9 @@ std::vector<std::string> find_where(Workflow& flow, const ChosenWindows& chosen)
     return localise(flow.problem, windows.windows, fit.residual, phases);
   };
   flow.out.where = where(chosen.data, chosen.base);
-  if (flow.problem.can_restart && chosen.length != SHORT_WINDOW) {
-    const FitData near = flow.fitter.prepare(make_windows(flow.problem, false, SHORT_WINDOW, 40), empty_model());
+  if (flow.problem.can_restart && chosen.length != criteria().locate_window) {
+    const FitData near = flow.fitter.prepare(
+        make_windows(flow.problem, false, criteria().locate_window, criteria().n_windows_most), empty_model());
     if (!near.windows.empty()) {
       const std::vector<Cell> cells = where(near, flow.fitter.fit(near, {empty_model()}, 0).front());
       if (any_significant(cells)) flow.out.where = cells;
@@ -56,11 +55,11 @@ std::vector<std::string> find_where(Workflow& flow, const ChosenWindows& chosen)
 }
 
 bool agrees(const Problem& problem, const FitData& data, const Fit& base) {
-  if (rms(base.residual) > AGREES_RMS) return false;
+  if (rms(base.residual) > criteria().agrees_rms) return false;
   std::vector<std::vector<Phase>> one;
   for (const Window& window : data.windows) one.push_back(std::vector<Phase>(window.data.size(), Phase::free));
   for (const Cell& cell : localise(problem, data.windows, base.residual, one))
-    if (cell.is_significant && cell.rms > AGREES_CELL) return false;
+    if (cell.is_significant && cell.rms > criteria().agrees_cell_rms) return false;
   return true;
 }
 
@@ -132,6 +131,9 @@ bool prove(Workflow& flow, const ChosenWindows& chosen, const std::vector<Fit>& 
 void measure(Workflow& flow) {
   Problem& problem = flow.problem;
   Diagnosis& out = flow.out;
+  for (const Criterion& one : list_criteria())
+    if (one.value != one.usual)
+      out.notes.push_back(fmt::format("criterion {}: {:g} instead of {:g}", one.name, one.value, one.usual));
   measure_noise(problem);
   if (VideoSight* video = flow.predictor.video()) add_noise_of_pictures(*video, problem);
   flow.base.scene = problem.scene.scene;
@@ -231,7 +233,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     out.verdict = Verdict::agrees;
     out.candidates = std::make_shared<std::vector<Candidate>>();
     prove(flow, chosen, {});
-    if (out.after > AGREES_HELD_OUT * out.floor && out.floor > 0)
+    if (out.after > criteria().agrees_held_out * out.floor && out.floor > 0)
       out.notes.push_back(
           fmt::format("the fitted runs agree with the scene, the held-out ones do not: {:.2g} times the noise",
                       out.after / out.floor));
@@ -243,7 +245,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     const bool is_judged = prove(flow, chosen, grown);
     bool is_proved = !out.effects.empty();
     if (settings.decide == Decide::workflow)
-      is_proved = is_proved && is_judged && out.gap_closed >= LEAST_GAP_CLOSED && out.after < out.before;
+      is_proved = is_proved && is_judged && out.gap_closed >= criteria().gap_closed_least && out.after < out.before;
     out.verdict = is_proved ? verdict_of(out.effects) : Verdict::none;
     if (out.verdict == Verdict::none && is_judged && settings.decide == Decide::workflow &&
         flow.has_time("a law without a name")) {
@@ -253,7 +255,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
   }
   out.seconds = flow.seconds();
   out.simulations = flow.predictor.n_simulations();
-  journal.remove();
+  if (!settings.keeps_simulations) journal.remove();
   return std::move(out);
 }
 

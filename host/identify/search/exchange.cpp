@@ -2,11 +2,12 @@
 
 #include <algorithm>
 
+#include "host/identify/criteria.hpp"
+
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::VectorXd;
-constexpr std::size_t MOST_EXCHANGED = 3;
 
 }  // namespace
 
@@ -44,7 +45,7 @@ Model replaced(const Model& model, std::size_t place, const Model& other) {
 std::vector<Model> exchanged(const Model& model, std::size_t place, const std::vector<Fit>& others) {
   std::vector<Model> models;
   for (const Fit& other : others)
-    if (models.size() < MOST_EXCHANGED &&
+    if (models.size() < criteria().n_swaps &&
         std::find(model.parts.begin(), model.parts.end(), other.model.parts.back()) == model.parts.end())
       models.push_back(replaced(model, place, other.model));
   return models;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/identify/criteria.hpp"
 #include "host/identify/search/exchange.hpp"
 #include "host/identify/search/pairs.hpp"
 #include "host/identify/search/rivals.hpp"
@@ -12,10 +13,6 @@ namespace pvg::diagnose {
 namespace {
 
 using Eigen::VectorXd;
-constexpr double LEAST_STEP =
-    0.2;  // of what is left on fitting runs, for a further effect to be tried on held-out ones
-constexpr double SECOND_LOOK = 1.5;  // times the noise floor: look for another effect
-constexpr int MORE_STEPS = 10;       // of a fit that is looked at again
 
 std::vector<std::string> labels_of(const Model& model, std::size_t after) {
   std::vector<std::string> labels;
@@ -26,7 +23,7 @@ std::vector<std::string> labels_of(const Model& model, std::size_t after) {
 Fit best_of(Workflow& flow, const FitData& data, const Fit& base, std::vector<Model> models, const Fit& fit) {
   std::vector<Fit> fits = flow.fitter.begin(data, std::move(models));
   std::erase_if(fits, [](const Fit& other) { return !other.is_well; });
-  flow.fitter.improve(data, fits, MORE_STEPS);
+  flow.fitter.improve(data, fits, criteria().n_more_steps);
   flow.fitter.finish(data, fits);
   fits.push_back(fit);
   const Decision decision = decide(data, base, fits);
@@ -52,7 +49,7 @@ Fit reconsidered(Workflow& flow, const FitData& data, const Fit& base, const Fit
 Fit settled(Workflow& flow, FitData& data, const Fit& fit) {
   FitData near = flow.fitter.prepare_near(data.windows, fit.model);
   if (near.windows.size() != data.windows.size()) return fit;
-  Fit better = flow.fitter.fit(near, {fit.model}, MORE_STEPS).front();
+  Fit better = flow.fitter.fit(near, {fit.model}, criteria().n_more_steps).front();
   if (!better.is_well || robust_cost(better.residual, fit.scale) > robust_cost(fit.residual, fit.scale)) return fit;
   data = std::move(near);
   return better;
@@ -87,7 +84,9 @@ std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base) {
     if (decision.chosen < 0) break;
     const Judged& chosen = decision.ranking[std::size_t(decision.chosen)];
     // beside an effect whose law is not quite right a second one helps, as another single one may as well
-    if (number > 1 && closed(std::min(decision.base_error, least_of_one), chosen.error, 1) < LEAST_STEP) break;
+    if (number > 1 &&
+        closed(std::min(decision.base_error, least_of_one), chosen.error, 1) < criteria().second_gain_least)
+      break;
     if (number > 1)
       out.ranking.insert(out.ranking.begin(), ranked(chosen));
     else
@@ -124,22 +123,22 @@ std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base) {
     }
     grown.push_back(named);
     out.fit_after = error;
-    if (error < SECOND_LOOK) break;
+    if (error < criteria().unexplained) break;
     if (int(named.model.parts.size()) < flow.settings.max_effects)
       flow.tell(4, 0.6,
                 "what " + named.model.parts.back()->label() + " leaves is " + std::to_string(error) +
                     " times the noise: looking for another effect");
   }
-  const bool is_explained = !grown.empty() && rms(named.residual) < SECOND_LOOK;
+  const bool is_explained = !grown.empty() && rms(named.residual) < criteria().unexplained;
   if (is_explained || flow.settings.max_effects < 2 || flow.settings.decide != Decide::workflow) return grown;
   if (const std::optional<Fit> pair =
-          find_beside_rivals(flow, as_it_stands, first_round, tried, SECOND_LOOK, of_round)) {
+          find_beside_rivals(flow, as_it_stands, first_round, tried, criteria().unexplained, of_round)) {
     grown = {settled(flow, data, *pair)};
     out.fit_after = rms(grown.back().residual);
     return grown;
   }
   if (!flow.has_time("a pair of effects", of_round)) return grown;
-  if (const std::optional<Fit> pair = find_pair(flow, data, base, SECOND_LOOK)) {
+  if (const std::optional<Fit> pair = find_pair(flow, data, base, criteria().unexplained)) {
     grown = {settled(flow, data, *pair)};
     out.fit_after = rms(grown.back().residual);
   }

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "host/identify/criteria.hpp"
 #include "host/identify/search/round.hpp"
 
 namespace pvg::diagnose {
@@ -16,7 +17,6 @@ using Columns = std::vector<std::size_t>;
 // What cannot start anew from a measured state is simulated as whole runs. A swing whose frequency is a tenth off is
 // out of step after some periods, where no small change tells what a large one does: pairs are looked for in the first
 // part of the runs, of this share, and fitted to longer and longer ones.
-const std::vector<double> FIRST_PARTS = {0.25, 0.5};
 
 Model model_of(const std::vector<const Candidate*>& parts) {
   Model model{parts, {}, {}};
@@ -67,8 +67,8 @@ std::vector<Pair> best_pairs(const Signatures& signatures, double n_data) {
   std::vector<Pair> best;
   std::map<const Candidate*, std::size_t> n_of;
   for (Pair& pair : all) {
-    if (best.size() >= MOST_PAIRS) break;
-    if (n_of[pair.first] >= MOST_OF_ONE || n_of[pair.second] >= MOST_OF_ONE) continue;
+    if (best.size() >= criteria().n_pairs) break;
+    if (n_of[pair.first] >= criteria().n_pairs_of_one || n_of[pair.second] >= criteria().n_pairs_of_one) continue;
     ++n_of[pair.first];
     ++n_of[pair.second];
     best.push_back(std::move(pair));
@@ -92,9 +92,10 @@ std::vector<Screened> pairs_to_fit(Workflow& flow, const FitData& data, const Fi
 // The pairs where they are best in ever longer first parts.
 std::vector<Screened> pairs_of_first_parts(Workflow& flow, const FitData& data) {
   std::vector<Screened> starts;
-  for (const double share : FIRST_PARTS) {
+  const double first_share = criteria().pair_first_part;
+  for (const double share : {first_share, criteria().pair_second_part}) {
     const FitData part = first_part(flow.problem, data, share);
-    if (share == FIRST_PARTS.front()) starts = pairs_to_fit(flow, part, fit_as_it_stands(flow.fitter, part));
+    if (share == first_share) starts = pairs_to_fit(flow, part, fit_as_it_stands(flow.fitter, part));
     if (starts.empty()) break;
     std::vector<Screened> next;
     for (Fit& fit : fit_best(flow.fitter, part, starts))

@@ -2,27 +2,23 @@
 
 #include <algorithm>
 
+#include "host/identify/criteria.hpp"
 #include "host/identify/search/round.hpp"
 
 namespace pvg::diagnose {
-namespace {
-
-constexpr std::size_t MOST_RIVALS = 2;
-constexpr double SAME = 1;  // rms of the difference of two residuals [noise]
-
-}  // namespace
+namespace {}  // namespace
 
 bool leave_the_same(const Fit& a, const Fit& b) {
   std::vector<Eigen::VectorXd> apart;
   for (std::size_t w = 0; w < a.residual.size(); ++w) apart.push_back(a.residual[w] - b.residual[w]);
-  return rms(apart) < SAME;
+  return rms(apart) < criteria().same_residual;
 }
 
 std::optional<Fit> find_beside_rivals(Workflow& flow, const FitData& data, const std::vector<Fit>& first_round,
                                       std::vector<Fit> tried, double most, double expected_seconds) {
   std::size_t n = 0;
   for (const Fit& rival : first_round) {
-    if (n == MOST_RIVALS) break;
+    if (n == criteria().n_alternatives) break;
     if (std::any_of(tried.begin(), tried.end(), [&](const Fit& other) { return leave_the_same(other, rival); }))
       continue;
     const std::string label = rival.model.parts.back()->label();

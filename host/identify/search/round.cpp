@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <numeric>
 
+#include "host/identify/criteria.hpp"
+
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::VectorXd;
-constexpr std::size_t N_FINALISTS = 5;  // candidates that are fitted to the end
-constexpr int MORE_STEPS = 10;          // of these
-constexpr double HOPELESS = 100;        // by which a finalist's log-likelihood may be worse than the best one's
 
 }  // namespace
 
@@ -18,7 +17,7 @@ std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector
   for (const Screened& s : best) models.push_back(s.model);
   std::vector<Fit> fits = fitter.begin(data, std::move(models));
   std::erase_if(fits, [](const Fit& fit) { return !fit.is_well; });
-  fitter.improve(data, fits, 2);
+  fitter.improve(data, fits, criteria().n_first_steps);
   std::vector<double> scales;  // of each window by the fit that has it best
   for (const Fit& fit : fits) {
     const std::vector<double> of = window_scales(fit.residual);
@@ -35,9 +34,11 @@ std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Fit& best = fits[order[0]];
-    fits[order[i]].is_given_up = i >= N_FINALISTS || key[order[i]] > key[order[0]] + HOPELESS * best.scale * best.scale;
+    fits[order[i]].is_given_up =
+        i >= criteria().n_finalists ||
+        key[order[i]] > key[order[0]] + criteria().finalist_behind_most * best.scale * best.scale;
   }
-  fitter.improve(data, fits, MORE_STEPS);
+  fitter.improve(data, fits, criteria().n_more_steps);
   fitter.finish(data, fits);
   return fits;
 }

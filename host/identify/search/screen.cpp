@@ -5,16 +5,12 @@
 #include <map>
 #include <span>
 
+#include "host/identify/criteria.hpp"
+
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
-constexpr double LEAST_ANSWER = 1e-3;            // rms in units of noise at the largest change tried: not seen
-constexpr double MOST_FACTOR = 30;               // between one change tried and the next
-constexpr std::size_t SOME_WINDOWS = 3;          // where an estimate will do
-constexpr std::size_t N_TRIED = 20;              // candidates that are simulated at their linear optimum
-const std::vector<double> SHARES = {0.4, 1, 2};  // of that optimum
-const std::vector<double> SHAPES = {0.2, 1, 5};  // of the usual number
 const std::vector<double> LIMITS = {0.95, 0.9, 0.8, 0.7, 0.6, 0.5, 0.35};  // of where a limit is first felt
 
 struct Trial {
@@ -91,7 +87,7 @@ std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& 
     for (std::size_t i = 0; i < candidate->parameters.size(); ++i)
       trials.push_back({candidate, i, allowed(candidate->parameters[i], candidate->parameters[i].scale)});
   Fit few = base;
-  const FitData some = some_windows(data, SOME_WINDOWS, few);
+  const FitData some = some_windows(data, criteria().screen_n_windows, few);
   std::vector<std::size_t> open(trials.size());  // whose answer is not of about that size
   for (std::size_t i = 0; i < open.size(); ++i) open[i] = i;
   for (const bool is_last : {false, true}) {
@@ -102,14 +98,17 @@ std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& 
     for (std::size_t k = 0; k < open.size(); ++k) {
       Trial& trial = trials[open[k]];
       const double size = size_of(found[k]);  // negative: the change was too much to be simulated
-      const double factor = size < 0              ? 1 / MOST_FACTOR
-                            : size < LEAST_ANSWER ? MOST_FACTOR
-                                                  : std::clamp(wanted / size, 1 / MOST_FACTOR, MOST_FACTOR);
-      if (factor <= 1 / MOST_FACTOR || factor >= MOST_FACTOR) still_open.push_back(open[k]);
-      const bool is_seen = size >= LEAST_ANSWER;
+      const double factor =
+          size < 0 ? 1 / criteria().screen_factor_most
+          : size < criteria().sensitivity_least
+              ? criteria().screen_factor_most
+              : std::clamp(wanted / size, 1 / criteria().screen_factor_most, criteria().screen_factor_most);
+      if (factor <= 1 / criteria().screen_factor_most || factor >= criteria().screen_factor_most)
+        still_open.push_back(open[k]);
+      const bool is_seen = size >= criteria().sensitivity_least;
       const Parameter& p = trial.candidate->parameters[trial.parameter];
       // a change that is nowhere seen may still be too much for the solver
-      const double most = MOST_FACTOR * p.scale;
+      const double most = criteria().screen_factor_most * p.scale;
       trial.step = is_last && !is_seen ? 0 : allowed(p, std::clamp(factor * trial.step, -most, most));
     }
     open = std::move(still_open);
@@ -148,13 +147,15 @@ std::vector<Model> trials_of(const Screened& screened, Eigen::Index n_base) {
   const auto share_of = [&](std::size_t k, double x, double share) {
     return parameters[k].off + share * (x - parameters[k].off);
   };
-  for (const double share : SHARES) add([&](std::size_t k, double x) { return share_of(k, x, share); });
+  const Criteria& c = criteria();
+  for (const double share : {c.screen_share_low, 1.0, c.screen_share_high})
+    add([&](std::size_t k, double x) { return share_of(k, x, share); });
   // what lies beyond a limit grows from nothing there: no slope tells how far
   for (const double limit : is_limit(*screened.candidate) ? LIMITS : std::vector<double>())
     add([&](std::size_t k, double) { return limit * parameters[k].off; });
   if (std::none_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.is_shape; })) return models;
   const double first = screened.model.x[n_base] - parameters[0].off;
-  for (const double shape : SHAPES)
+  for (const double shape : {c.screen_shape_low, 1.0, c.screen_shape_high})
     for (const bool is_alike : {false, true}) {
       if (shape == 1 && !is_alike) continue;  // as above
       add([&](std::size_t k, double x) {
@@ -169,7 +170,7 @@ std::vector<Model> trials_of(const Screened& screened, Eigen::Index n_base) {
 // kink are not what their signature promises, nor less. The best trial becomes its model.
 void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_data, std::vector<Screened>& screened) {
   Fit few = base;
-  const FitData some = some_windows(data, SOME_WINDOWS, few);
+  const FitData some = some_windows(data, criteria().screen_n_windows, few);
   const std::vector<double> scales = window_scales(few.residual);
   const auto cost_of = [&](const auto& residual_of) {
     std::vector<VectorXd> left;
@@ -180,7 +181,7 @@ void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_d
   const double before = cost_of([&](std::size_t w) { return few.residual[w]; });
   double n_some = 0;
   for (const VectorXd& r : few.residual) n_some += double(r.size());
-  const std::size_t n = std::min(N_TRIED, screened.size());
+  const std::size_t n = std::min(criteria().screen_n_tried, screened.size());
   std::vector<Model> models;
   std::vector<std::size_t> first = {0};  // [n + 1] of each candidate
   for (std::size_t i = 0; i < n; ++i) {
@@ -219,7 +220,7 @@ std::vector<Trial> mirrored(const std::vector<Trial>& trials) {
 std::vector<std::size_t> seen_of(std::span<const std::vector<VectorXd>> found) {
   std::vector<std::size_t> seen;
   for (std::size_t t = 0; t < found.size(); ++t)
-    if (size_of(found[t]) > LEAST_ANSWER) seen.push_back(t);
+    if (size_of(found[t]) > criteria().sensitivity_least) seen.push_back(t);
   return seen;
 }
 
@@ -278,7 +279,9 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fit
                              const std::vector<const Candidate*>& candidates) {
   const Fit base = from_measured_starts(fitter, data, fitted);
   // the misfit itself
-  std::vector<Trial> trials = choose_steps(fitter, data, base, std::clamp(rms(fitted.residual), 2.0, 30.0), candidates);
+  std::vector<Trial> trials = choose_steps(
+      fitter, data, base,
+      std::clamp(rms(fitted.residual), criteria().screen_change_least, criteria().screen_change_most), candidates);
   std::erase_if(trials, [](const Trial& t) { return t.step == 0; });
   const std::size_t n_first = trials.size();
   const std::vector<Trial> other_side = mirrored(trials);
@@ -306,14 +309,17 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fit
   std::stable_partition(screened.begin(), screened.end(), [](const Screened& s) { return is_limit(*s.candidate); });
   if (screened.empty()) return screened;
   try_optima(fitter, data, base, n_data, screened);
-  std::stable_sort(screened.begin(), screened.begin() + std::ptrdiff_t(std::min(N_TRIED, screened.size())), is_better);
+  std::stable_sort(screened.begin(),
+                   screened.begin() + std::ptrdiff_t(std::min(criteria().screen_n_tried, screened.size())), is_better);
   return screened;
 }
 
 Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& fitted,
                          const std::vector<const Candidate*>& candidates) {
   const Fit base = from_measured_starts(fitter, data, fitted);
-  std::vector<Trial> trials = choose_steps(fitter, data, base, std::clamp(rms(fitted.residual), 2.0, 10.0), candidates);
+  std::vector<Trial> trials = choose_steps(
+      fitter, data, base, std::clamp(rms(fitted.residual), criteria().screen_change_least, criteria().pair_change_most),
+      candidates);
   std::erase_if(trials, [](const Trial& t) { return t.step == 0; });
   std::vector<std::vector<VectorXd>> found = answers(fitter, data, base, trials);
   Signatures out;
@@ -366,7 +372,7 @@ std::vector<Screened> shortlist(const std::vector<Screened>& screened, std::size
   std::map<Family, int> n_of;
   for (std::size_t i = 0; i < screened.size(); ++i) {
     int& n = n_of[screened[i].candidate->family];
-    if (i < most || n < 2) {
+    if (i < most || n < int(criteria().n_fitted_per_family)) {
       list.push_back(screened[i]);
       ++n;
     }

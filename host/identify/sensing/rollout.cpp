@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "host/base/stop_signal.hpp"
+#include "host/identify/criteria.hpp"
 #include "host/identify/sensing/forked.hpp"
 #include "host/identify/sensing/journal.hpp"
 #include "host/identify/sensing/mask_sight.hpp"
@@ -20,7 +21,6 @@ namespace {
 
 constexpr std::size_t MOST_WORLDS = 256;   // of one solve
 constexpr std::size_t MOST_NODES = 20000;  // likewise
-constexpr double MARGIN = 0.06;            // beyond a window's end, for clocks that are late [s]
 
 std::size_t n_nodes(const Scene& scene) {
   std::size_t n = 4 * scene.rigid_bodies.size();
@@ -30,7 +30,7 @@ std::size_t n_nodes(const Scene& scene) {
 }
 
 std::size_t steps_of(const Window& window, double h) {
-  return std::size_t(std::ceil((window.end - window.start + MARGIN) / h)) + 1;
+  return std::size_t(std::ceil((window.end - window.start + criteria().late_clock_most) / h)) + 1;
 }
 
 using Hand = std::vector<std::size_t>;  // the jobs of one process
