@@ -111,6 +111,7 @@ void run_diagnose(const DiagnoseOptions& options) {
   settings.max_effects = options.max_effects;
   settings.minutes = options.minutes;
   settings.keeps_simulations = options.keeps_simulations;
+  settings.simulates = !options.does_not_simulate;
   settings.decide = decide_named(options.decide);
   settings.n_processes = n_processes(options, device.info());
   diagnose::Diagnosis found = diagnose::diagnose(device, problem, settings, options.folder);

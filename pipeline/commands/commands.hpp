@@ -168,6 +168,7 @@ struct DiagnoseOptions {
   bool lists_criteria = false;        // print the constants that decide and end
   std::vector<std::string> criteria;  // NAME=VALUE of such constants
   bool keeps_simulations = false;     // the journal is not removed at the end
+  bool does_not_simulate = false;     // end with an error where the journal does not hold a result
   std::string suite;                  // folder of cases instead of a recording
   int n_jobs = 0;                     // cases at once, or processes of one; 0: one case, as many processes as cores
   bool as_json = false;

@@ -258,6 +258,8 @@ void add_diagnose(CLI::App& program, pvg::DiagnoseOptions& o) {
   command->add_flag("--keep-simulations", o.keeps_simulations,
                     "Leave the simulated results in simulated.bin, so that the next diagnosis in this folder reads "
                     "those that it needs, too");
+  command->add_flag("--no-simulation", o.does_not_simulate,
+                    "Read simulated.bin only: an error where it does not hold a result that is needed");
   command->add_option("--suite", o.suite, "Folder of hidden-effect cases: diagnose all, print the table of scores");
   command
       ->add_option(

@@ -130,7 +130,7 @@ void measure_noise(Problem& problem) {
     for (std::size_t r = 0; r < problem.runs.size(); ++r)
       if (of_run[r].correlation < criteria().noise_white_correlation &&
           of_run[r].sigma > criteria().run_noise_scale * channel.sigma)
-        problem.runs[r].louder[c] = of_run[r].sigma / channel.sigma;
+        problem.runs[r].noise_scale[c] = of_run[r].sigma / channel.sigma;
   }
 }
 

@@ -1,5 +1,5 @@
-// How the residuals of fits answer to their parameters and to the starts of their windows, by differences: all in one
-// batch of worlds.
+// Sensitivities of the residuals to parameters and to the starts of windows by finite differences: all in one batch of
+// worlds.
 #include <algorithm>
 #include <cmath>
 
@@ -29,7 +29,7 @@ double step_of(const Parameter& p, double x, double scale, double share) {
 void Fitter::differentiate(const FitData& data, std::vector<Fit>& fits, Which which) {
   const std::size_t n_windows = data.windows.size();
   const auto is_open = [&](const Fit& fit) {
-    return fit.is_well && (which == Which::all || !(fit.has_converged || fit.is_given_up));
+    return fit.succeeded && (which == Which::all || !(fit.has_converged || fit.is_given_up));
   };
   const auto wants_slope = [&](const Fit& fit) { return is_open(fit) && fit.is_stale && which != Which::open_starts; };
   const auto wants_start = [&](const Fit& fit, std::size_t w) {
@@ -76,8 +76,9 @@ void Fitter::differentiate(const FitData& data, std::vector<Fit>& fits, Which wh
     for (std::size_t w = 0; w < n_windows; ++w) {
       if (!wants_start(fit, w)) continue;
       for (Eigen::Index k = 0; k < fit.delta[w].size(); ++k) {
-        const Prediction& answer = found[at++];
-        if (answer.is_well) fit.of_start[w].col(k) = (answer.residual - fit.residual[w]) / criteria().difference_start;
+        const Prediction& response = found[at++];
+        if (response.succeeded)
+          fit.of_start[w].col(k) = (response.residual - fit.residual[w]) / criteria().difference_start;
       }
       fit.start_slope[w] = StartSlope::here;
     }

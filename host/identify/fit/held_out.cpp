@@ -92,13 +92,13 @@ std::vector<Curve> curves_of(const Problem& problem, const FitData& data, const 
 }
 
 HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, std::size_t most_windows,
-                       const std::vector<Model>& grown, bool in_noise) {
+                       const std::vector<Model>& selected, bool in_noise) {
   HeldOut result;
-  result.kept = grown.size();
+  result.kept = selected.size();
   const std::vector<Window> windows = make_windows(problem, true, length, most_windows);
   if (windows.empty()) return result;
   // each model with its own starts and its own correction for the time step
-  std::vector<Model> models = grown;
+  std::vector<Model> models = selected;
   models.insert(models.begin(), Model{{}, VectorXd(), VectorXd()});
   std::vector<FitData> data;
   std::vector<Fit> fits;
@@ -106,12 +106,12 @@ HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, st
     data.push_back(fitter.prepare_near(windows, model));
     if (data.back().windows.empty() || data.back().windows.size() != data.front().windows.size()) break;
     fits.push_back(fitter.fit(data.back(), {model}, 0).front());
-    if (!fits.back().is_well) break;
+    if (!fits.back().succeeded) break;
   }
-  if (fits.empty() || !fits[0].is_well) return result;
+  if (fits.empty() || !fits[0].succeeded) return result;
   std::vector<VectorXd> ones;
   for (const Window& window : data[0].windows) ones.push_back(VectorXd::Ones(Eigen::Index(window.data.size())));
-  while (!fits.back().is_well) fits.pop_back();
+  while (!fits.back().succeeded) fits.pop_back();
   const std::vector<bool> all(data[0].windows.size(), true);
   const std::vector<bool> counts = fits.size() > 1 ? undisturbed(fits.front().residual, fits.back().residual) : all;
   const auto error_of = [&](std::size_t m, const std::vector<bool>& counted) {

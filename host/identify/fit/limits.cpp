@@ -21,12 +21,12 @@ std::vector<char> is_felt(Fitter& fitter, const FitData& data, const Fit& base, 
   std::vector<char> felt;
   for (const std::vector<Prediction>& windows : found) {
     std::vector<Eigen::VectorXd> change;
-    bool is_well = true;
+    bool succeeded = true;
     for (std::size_t w = 0; w < windows.size(); ++w) {
-      is_well = is_well && windows[w].is_well;
-      if (is_well) change.push_back(windows[w].residual - base.residual[w]);
+      succeeded = succeeded && windows[w].succeeded;
+      if (succeeded) change.push_back(windows[w].residual - base.residual[w]);
     }
-    felt.push_back(!is_well || rms(change) > criteria().limit_felt);
+    felt.push_back(!succeeded || rms(change) > criteria().limit_felt);
   }
   return felt;
 }

@@ -1,4 +1,4 @@
-// Windows made ready for fits: how they answer to their starts, and what their time step does wrong.
+// Windows made ready for fits: sensitivities to their starts, and the error of their time step.
 #include <algorithm>
 #include <cmath>
 
@@ -55,27 +55,27 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corre
   if (corrects)
     for (const Window& window : data.windows) fine_jobs.push_back({&fine, &window, window.initial, false});
   const std::vector<Prediction> finer = predictor_.predict(fine_jobs);
-  std::vector<Window> well;
+  std::vector<Window> kept;
   std::size_t at_job = 0, at_window = 0;
   for (const Window& window : data.windows) {
     const Prediction* better = corrects ? &finer[at_window++] : nullptr;
     const Prediction& here = found[at_job++];
     MatrixXd u(Eigen::Index(window.data.size()), Eigen::Index(window.unknowns.size()));
-    bool is_well = here.is_well;
+    bool succeeded = here.succeeded;
     for (std::size_t k = 0; k < window.unknowns.size(); ++k, ++at_job) {
-      is_well = is_well && found[at_job].is_well;
+      succeeded = succeeded && found[at_job].succeeded;
       u.col(Eigen::Index(k)) = (found[at_job].residual - here.residual) / criteria().difference_start;
     }
-    if (!is_well) continue;
-    well.push_back(window);
-    if (better && better->is_well) {
+    if (!succeeded) continue;
+    kept.push_back(window);
+    if (better && better->succeeded) {
       const VectorXd change = richardson_factor(base_.scene) * (better->residual - here.residual),
                      left = beside_starts(u, change);
-      if (left.norm() < criteria().step_correction_most * std::sqrt(double(left.size()))) well.back().correction = left;
+      if (left.norm() < criteria().step_correction_most * std::sqrt(double(left.size()))) kept.back().correction = left;
     }
     data.of_start.push_back(std::move(u));
   }
-  data.windows = std::move(well);
+  data.windows = std::move(kept);
   return data;
 }
 
@@ -87,7 +87,7 @@ FitData Fitter::prepare_near(std::vector<Window> windows, const Model& at) {
 }
 
 FitData Fitter::prepared_nearer(FitData data, const Fit& fit) {
-  if (!fit.is_well || rms(fit.residual) < criteria().start_good_enough) return data;
+  if (!fit.succeeded || rms(fit.residual) < criteria().start_good_enough) return data;
   // a wrong model must not take the starts far from what was measured
   const double most = criteria().start_shift_most / criteria().start_looseness;
   for (std::size_t w = 0; w < data.windows.size(); ++w)

@@ -23,7 +23,7 @@ struct Choice {
 double apart(const FitData& data, const std::vector<Prediction>& a, const std::vector<Prediction>& b) {
   std::map<std::pair<int, int>, std::pair<double, double>> columns;  // channel, component: sum of squares, how many
   for (std::size_t w = 0; w < a.size(); ++w) {
-    if (!a[w].is_well || !b[w].is_well) continue;
+    if (!a[w].succeeded || !b[w].succeeded) continue;
     const Eigen::VectorXd d = beside_starts(data.of_start[w], a[w].residual - b[w].residual);
     std::map<std::pair<int, int>, std::vector<double>> squares;
     for (std::size_t i = 0; i < data.windows[w].data.size(); ++i) {
@@ -51,8 +51,8 @@ double apart(const FitData& data, const std::vector<Prediction>& a, const std::v
 double misfit(const FitData& data, const std::vector<Prediction>& predictions) {
   std::vector<double> of_window;
   for (std::size_t w = 0; w < predictions.size(); ++w)
-    of_window.push_back(predictions[w].is_well ? rms({beside_starts(data.of_start[w], predictions[w].residual)})
-                                               : INFINITY);
+    of_window.push_back(predictions[w].succeeded ? rms({beside_starts(data.of_start[w], predictions[w].residual)})
+                                                 : INFINITY);
   if (of_window.empty()) return INFINITY;
   const auto middle = of_window.begin() + std::ptrdiff_t(of_window.size() / 2);
   std::nth_element(of_window.begin(), middle, of_window.end());

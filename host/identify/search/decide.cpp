@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 // a number of the scene is wrong more often than its sensor, or than something is missing
-double log_prior_of(Family family) {
+double family_log_prior(Family family) {
   const Criteria& c = criteria();
   return family == Family::physical    ? c.log_prior_physical
          : family == Family::parameter ? c.log_prior_parameter
@@ -42,7 +42,7 @@ std::vector<VectorXd> left_out(const Fit& fit, const std::vector<std::size_t>& g
     VectorXd g = VectorXd::Zero(fit.model.x.size());
     for (std::size_t w = 0; w < group.size(); ++w)
       if (group[w] != k) a += reduced.a[w], g += reduced.g[w];
-    // where the others do not tell a parameter it stays where it is
+    // a parameter to which the others are not sensitive stays where it is
     a.diagonal().array() += 1e-6 * reduced.sum_a().diagonal().array();
     VectorXd dx = -a.ldlt().solve(g);
     for (Eigen::Index i = 0; i < dx.size(); ++i) {
@@ -85,17 +85,17 @@ double correlation_length(const FitData& data, const std::vector<VectorXd>& resi
   return length;
 }
 
-// What is believed of the parameters' sizes and of the candidates before any data, as a log-likelihood.
-double belief_in(const Fit& fit) {
-  double belief = 0;
-  for (const Candidate* part : fit.model.parts) belief += part->prior + log_prior_of(part->family);
+// Log prior of the candidates and of the parameters' sizes.
+double log_prior_of(const Fit& fit) {
+  double log_prior = 0;
+  for (const Candidate* part : fit.model.parts) log_prior += part->prior + family_log_prior(part->family);
   const std::vector<const Parameter*> parameters = fit.model.parameters();
   for (std::size_t i = 0; i < parameters.size(); ++i)
     if (parameters[i]->believed > 0) {
       const double away = (fit.model.x[Eigen::Index(i)] - parameters[i]->off) / parameters[i]->believed;
-      belief -= 0.5 * away * away;
+      log_prior -= 0.5 * away * away;
     }
-  return belief;
+  return log_prior;
 }
 
 struct GroupErrors {
@@ -200,13 +200,13 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
   const std::vector<std::size_t> group = groups_of(data);
   double scale = base.scale;
   for (const Fit& fit : fits)
-    if (fit.is_well) scale = std::min(scale, fit.scale);
+    if (fit.succeeded) scale = std::min(scale, fit.scale);
   const std::vector<VectorXd> base_residual = left_out(base, group);
   const double cut = criteria().residual_cut * std::max(scale, base.scale);
   const GroupErrors base_errors = errors_of(base_residual, group, cut);
   const Fit* closest = &base;
   for (const Fit& fit : fits)
-    if (fit.is_well && robust_cost(fit.residual, scale) < robust_cost(closest->residual, scale)) closest = &fit;
+    if (fit.succeeded && robust_cost(fit.residual, scale) < robust_cost(closest->residual, scale)) closest = &fit;
   const double correlated = correlation_length(data, closest->residual);
   decision.base_error = std::sqrt(base_errors.mean());
   double n_data = 0;
@@ -218,7 +218,7 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
   };
   std::vector<Entry> entries;
   for (const Fit& fit : fits) {
-    if (!fit.is_well) continue;
+    if (!fit.succeeded) continue;
     Entry entry{{&fit}, {}, left_out(fit, group)};
     entry.errors = errors_of(entry.residual, group, cut);
     Judged& judged = entry.judged;
@@ -230,7 +230,8 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
     double squares = 0;
     for (const VectorXd& r : fit.residual) squares += r.array().square().min(cut * cut).sum();
     judged.evidence = -0.5 * squares / (scale * scale * correlated) -
-                      0.5 * double(fit.model.x.size()) * std::log(std::max(n_data / correlated, 2.0)) + belief_in(fit);
+                      0.5 * double(fit.model.x.size()) * std::log(std::max(n_data / correlated, 2.0)) +
+                      log_prior_of(fit);
     judged.excludes_off = excludes_off(fit, std::size_t(base.model.x.size()));
     judged.passes = judged.excludes_off && !is_at_bound(fit, std::size_t(base.model.x.size())) &&
                     better.is_gain(criteria().gain_sigma);
@@ -261,20 +262,20 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
         other.evidence < entries[std::size_t(best)].judged.evidence - criteria().evidence_margin)
       continue;
     const Eigen::Index p = other.fit->model.x.size(), q = now.fit->model.x.size();
-    const double more_believed = belief_in(*other.fit) - belief_in(*now.fit);
+    const double log_prior_gain = log_prior_of(*other.fit) - log_prior_of(*now.fit);
     const bool has_more_evidence = other.evidence > now.evidence;
-    if ((p < q && more_believed > -criteria().log_prior_margin_simpler) || (p == q && has_more_evidence) ||
-        (p > q && more_believed > criteria().log_prior_margin_simpler && has_more_evidence))
+    if ((p < q && log_prior_gain > -criteria().log_prior_margin_simpler) || (p == q && has_more_evidence) ||
+        (p > q && log_prior_gain > criteria().log_prior_margin_simpler && has_more_evidence))
       decision.chosen = int(i);
   }
-  // where the best leaves much, its lead may be its skill in standing in for what else is wrong: then what is believed
-  // before counts first among all that close nearly as much
+  // where the best leaves much unexplained its lead may come from standing in for something else: the log prior comes
+  // first among all models that close nearly as much
   if (best >= 0 && entries[std::size_t(best)].judged.error > criteria().unexplained) {
     const double most = decision.base_error - entries[std::size_t(best)].judged.error;
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const Judged &now = entries[std::size_t(decision.chosen)].judged, &other = entries[i].judged;
       if (other.passes && decision.base_error - other.error > criteria().nearly_as_much * most &&
-          belief_in(*other.fit) > belief_in(*now.fit) + criteria().log_prior_margin)
+          log_prior_of(*other.fit) > log_prior_of(*now.fit) + criteria().log_prior_margin)
         decision.chosen = int(i);
     }
   }

@@ -26,6 +26,7 @@ struct Settings {
   double simulated_seconds = criteria().simulated_seconds;  // of all windows of one evaluation, about
   std::size_t n_processes = 1;                              // that simulate, as Predictor has them
   bool keeps_simulations = false;  // the journal is left for the next diagnosis in the same folder
+  bool simulates = true;           // false: a Failure where the journal does not hold a result
 };
 
 enum class Verdict { effect, retune, measurement, none, agrees };

@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 using Columns = std::vector<std::size_t>;
 
 // What cannot start anew from a measured state is simulated as whole runs. A swing whose frequency is a tenth off is
-// out of step after some periods, where no small change tells what a large one does: pairs are looked for in the first
+// out of step after some periods, where a small change does not predict a large one: pairs are searched in the first
 // part of the runs, of this share, and fitted to longer and longer ones.
 
 Model model_of(const std::vector<const Candidate*>& parts) {
@@ -99,7 +99,7 @@ std::vector<Screened> pairs_of_first_parts(Workflow& flow, const FitData& data) 
     if (starts.empty()) break;
     std::vector<Screened> next;
     for (Fit& fit : fit_best(flow.fitter, part, starts))
-      if (fit.is_well && !fit.is_given_up) next.push_back({fit.model.parts.front(), std::move(fit.model), 0, 0});
+      if (fit.succeeded && !fit.is_given_up) next.push_back({fit.model.parts.front(), std::move(fit.model), 0, 0});
     starts = std::move(next);
   }
   return starts;
@@ -111,7 +111,7 @@ std::optional<Fit> find_pair(Workflow& flow, const FitData& data, const Fit& bas
   const std::vector<Screened> starts =
       flow.problem.can_restart ? pairs_to_fit(flow, data, base) : pairs_of_first_parts(flow, data);
   if (starts.empty()) return std::nullopt;
-  flow.tell(5, 0.8, "fitting " + std::to_string(starts.size()) + " pairs of candidates");
+  flow.report_progress(5, 0.8, "fitting " + std::to_string(starts.size()) + " pairs of candidates");
   const std::vector<Fit> fits = fit_best(flow.fitter, data, starts);
   const Decision decision = decide(data, base, fits);
   flow.files.write_fits("pairs", decision);

@@ -16,7 +16,7 @@ std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector
   std::vector<Model> models;
   for (const Screened& s : best) models.push_back(s.model);
   std::vector<Fit> fits = fitter.begin(data, std::move(models));
-  std::erase_if(fits, [](const Fit& fit) { return !fit.is_well; });
+  std::erase_if(fits, [](const Fit& fit) { return !fit.succeeded; });
   fitter.improve(data, fits, criteria().n_first_steps);
   std::vector<double> scales;  // of each window by the fit that has it best
   for (const Fit& fit : fits) {
@@ -24,11 +24,11 @@ std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector
     if (scales.empty()) scales = of;
     for (std::size_t w = 0; w < of.size(); ++w) scales[w] = std::min(scales[w], of[w]);
   }
-  // who is worth more steps is told by what the next one promises: the true effect may still be far from its best
-  const std::vector<std::vector<VectorXd>> promised = fitter.promised(data, fits);
+  // fits are ranked by the cost that their next step predicts: the true effect may still be far from its optimum
+  const std::vector<std::vector<VectorXd>> predicted = fitter.predicted(data, fits);
   std::vector<double> key;
   for (std::size_t i = 0; i < fits.size(); ++i)
-    key.push_back(std::min(robust_cost(fits[i].residual, scales), robust_cost(promised[i], scales)));
+    key.push_back(std::min(robust_cost(fits[i].residual, scales), robust_cost(predicted[i], scales)));
   std::vector<std::size_t> order(fits.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
@@ -52,13 +52,13 @@ Round run_round(Workflow& flow, const FitData& data, const Fit& base, const std:
   const std::vector<Screened> screened = screen(flow.fitter, data, base, candidates);
   flow.files.write_screen(name, screened);
   const std::vector<Screened> best = shortlist(screened, flow.settings.n_fitted);
-  flow.tell(5, share,
-            "fitting " + std::to_string(best.size()) + " of " + std::to_string(candidates.size()) + " candidates");
+  flow.report_progress(
+      5, share, "fitting " + std::to_string(best.size()) + " of " + std::to_string(candidates.size()) + " candidates");
   Round round;
   if (best.empty()) return round;
   if (flow.settings.decide == Decide::weak) {  // as the linear regression has them
     round.fits = flow.fitter.begin(data, {best[0].model});
-    std::erase_if(round.fits, [](const Fit& fit) { return !fit.is_well; });
+    std::erase_if(round.fits, [](const Fit& fit) { return !fit.succeeded; });
     flow.fitter.conclude(data, round.fits);
   } else {
     round.fits = fit_best(flow.fitter, data, best);

@@ -41,7 +41,7 @@ Support support_of(const WorldState& state, int body) {
   return support;
 }
 
-// How well the samples tell a body's unknown of this kind along a direction; infinite: they do not.
+// Standard deviation of a body's unknown of this kind along a direction; infinite: not measured.
 double sigma_along(const Window& window, int body, Unknown::Kind kind, const Vec3& direction) {
   double square = 0, covered = 0;
   for (const Unknown& unknown : window.unknowns)

@@ -1,4 +1,4 @@
-#include "host/identify/search/exchange.hpp"
+#include "host/identify/search/swap.hpp"
 
 #include <algorithm>
 
@@ -42,7 +42,7 @@ Model replaced(const Model& model, std::size_t place, const Model& other) {
   return next;
 }
 
-std::vector<Model> exchanged(const Model& model, std::size_t place, const std::vector<Fit>& others) {
+std::vector<Model> swapped(const Model& model, std::size_t place, const std::vector<Fit>& others) {
   std::vector<Model> models;
   for (const Fit& other : others)
     if (models.size() < criteria().n_swaps &&
