@@ -20,7 +20,9 @@ if(PVG_IO)
   pvg_library(host/load               base geometry pictures model formats robot load/fields                   )
   pvg_library(host/dataset            base geometry pictures model formats                                     )
   set(PHYSICS physics/linear physics/contact physics/energies physics/step)
-  set(IDENTIFY base device geometry pictures model ${PHYSICS} render formats robot load/fields load dataset)
+  pvg_library(host/identify           base                                                                     )
+  set(IDENTIFY base device geometry pictures model ${PHYSICS} render formats robot load/fields load dataset
+      identify)
   pvg_library(host/identify/data       ${IDENTIFY}                                                             )
   pvg_library(host/identify/sensing    ${IDENTIFY} identify/data                                               )
   pvg_library(host/identify/candidates ${IDENTIFY} identify/data identify/sensing                              )
@@ -33,6 +35,6 @@ if(PVG_IO)
   pvg_library(pipeline/episode         ${EPISODE}                                                              )
   pvg_library(pipeline/validation      ${EPISODE} episode                                                      )
   pvg_library(pipeline/bench           ${EPISODE} episode                                                      )
-  pvg_library(pipeline/commands        ${EPISODE} episode validation bench identify/data identify/sensing
+  pvg_library(pipeline/commands        ${EPISODE} episode validation bench identify identify/data identify/sensing
                                        identify/candidates identify/fit identify/search identify/report        )
 endif()

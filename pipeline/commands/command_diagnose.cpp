@@ -9,6 +9,7 @@
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/base/stop_signal.hpp"
+#include "host/identify/criteria.hpp"
 #include "host/identify/report/report.hpp"
 #include "pipeline/commands/commands.hpp"
 #include "pipeline/commands/suite.hpp"
@@ -38,6 +39,23 @@ void list_effects(bool as_json) {
     list.push_back(std::move(one));
   }
   if (as_json) std::printf("%s\n", nlohmann::ordered_json{{"schema", 1}, {"effects", list}}.dump(2).c_str());
+}
+
+void list_criteria(bool as_json) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const diagnose::Criterion& one : diagnose::list_criteria()) {
+    if (as_json)
+      list.push_back({{"name", one.name},
+                      {"stage", one.stage},
+                      {"value", one.usual},
+                      {"unit", one.unit},
+                      {"is_count", one.is_count},
+                      {"meaning", one.meaning},
+                      {"evidence", one.evidence}});
+    else
+      std::printf("%-28s %8g %-14s %s\n", one.name.c_str(), one.usual, one.unit.c_str(), one.meaning.c_str());
+  }
+  if (as_json) std::printf("%s\n", nlohmann::ordered_json{{"schema", 1}, {"criteria", list}}.dump(2).c_str());
 }
 
 diagnose::Decide decide_named(const std::string& name) {
@@ -74,6 +92,8 @@ void print_sizes(const diagnose::Problem& problem) {
 
 void run_diagnose(const DiagnoseOptions& options) {
   if (options.lists_effects) return list_effects(options.as_json);
+  if (options.lists_criteria) return list_criteria(options.as_json);
+  for (const std::string& text : options.criteria) diagnose::set_criterion(text);
   stop_on_signals();
   if (!options.suite.empty()) return diagnose::run_suite(options);
   if (options.recording.empty())
@@ -94,6 +114,8 @@ void run_diagnose(const DiagnoseOptions& options) {
   diagnose::Settings settings;
   settings.max_effects = options.max_effects;
   settings.minutes = options.minutes;
+  settings.keeps_simulations = options.keeps_simulations;
+  settings.simulates = !options.does_not_simulate;
   settings.decide = decide_named(options.decide);
   settings.n_processes = n_processes(options, device.info());
   diagnose::Diagnosis found = diagnose::diagnose(device, problem, settings, options.folder);

@@ -160,13 +160,17 @@ void run_validate(const ValidateOptions& options);
 struct DiagnoseOptions {
   std::string recording, folder;  // folder of recording.yaml, folder of the report
   std::string device;
-  int max_effects = 2;              // named together
-  double minutes = 10;              // after which nothing further is looked for
-  std::string decide = "workflow";  // or, to compare: retune, lowest, weak
-  bool only_checks = false;         // say what is wrong with the recording and end
-  bool lists_effects = false;       // print the names of all candidates and end
-  std::string suite;                // folder of cases instead of a recording
-  int n_jobs = 0;                   // cases at once, or processes of one; 0: one case, as many processes as cores
+  int max_effects = 2;                // named together
+  double minutes = 10;                // after which nothing further is looked for
+  std::string decide = "workflow";    // or, to compare: retune, lowest, weak
+  bool only_checks = false;           // say what is wrong with the recording and end
+  bool lists_effects = false;         // print the names of all candidates and end
+  bool lists_criteria = false;        // print the constants that decide and end
+  std::vector<std::string> criteria;  // NAME=VALUE of such constants
+  bool keeps_simulations = false;     // the journal is not removed at the end
+  bool does_not_simulate = false;     // end with an error where the journal does not hold a result
+  std::string suite;                  // folder of cases instead of a recording
+  int n_jobs = 0;                     // cases at once, or processes of one; 0: one case, as many processes as cores
   bool as_json = false;
 };
 

@@ -258,6 +258,13 @@ void add_diagnose(CLI::App& program, pvg::DiagnoseOptions& o) {
       ->capture_default_str();
   command->add_flag("--check", o.only_checks, "Say what is wrong with the recording and end");
   command->add_flag("--list-effects", o.lists_effects, "Print all that can be named and end");
+  command->add_flag("--list-criteria", o.lists_criteria, "Print the constants that decide a diagnosis and end");
+  command->add_option("--set-criterion", o.criteria, "NAME=VALUE: another value of such a constant, for studies");
+  command->add_flag("--keep-simulations", o.keeps_simulations,
+                    "Leave the simulated results in simulated.bin, so that the next diagnosis in this folder reads "
+                    "those that it needs, too");
+  command->add_flag("--no-simulation", o.does_not_simulate,
+                    "Read simulated.bin only: an error where it does not hold a result that is needed");
   command->add_option("--suite", o.suite, "Folder of hidden-effect cases: diagnose all, print the table of scores");
   command
       ->add_option(

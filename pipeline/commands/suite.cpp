@@ -30,6 +30,8 @@ int diagnose_case(const fs::path& recording, const fs::path& folder, const Diagn
                                     "--max-effects", effects,    "--decide",         options.decide, "--minutes",
                                     minutes};
   if (options.n_jobs > 1) words.insert(words.end(), {"--jobs", "1"});
+  for (const std::string& text : options.criteria) words.insert(words.end(), {"--set-criterion", text});
+  if (options.keeps_simulations) words.push_back("--keep-simulations");
   if (!options.device.empty()) words.insert(words.end(), {"--device", options.device});
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
