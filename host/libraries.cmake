@@ -16,10 +16,13 @@ pvg_library(host/render               base device geometry pictures model       
 if(PVG_IO)
   pvg_library(host/formats            base geometry pictures                                                   )
   pvg_library(host/robot              base geometry pictures model formats                                     )
-  pvg_library(host/load               base geometry pictures model formats robot                               )
+  pvg_library(host/load/fields        base geometry pictures model                                             )
+  pvg_library(host/load               base geometry pictures model formats robot load/fields                   )
   pvg_library(host/dataset            base geometry pictures model formats                                     )
   set(PHYSICS physics/linear physics/contact physics/energies physics/step)
-  set(IDENTIFY base device geometry pictures model ${PHYSICS} render formats robot load dataset)
+  pvg_library(host/identify           base                                                                     )
+  set(IDENTIFY base device geometry pictures model ${PHYSICS} render formats robot load/fields load dataset
+      identify)
   pvg_library(host/identify/data       ${IDENTIFY}                                                             )
   pvg_library(host/identify/sensing    ${IDENTIFY} identify/data                                               )
   pvg_library(host/identify/candidates ${IDENTIFY} identify/data identify/sensing                              )
@@ -28,12 +31,12 @@ if(PVG_IO)
   pvg_library(host/identify/report     ${IDENTIFY} identify/data identify/sensing identify/candidates identify/fit
                                        identify/search                                                         )
   pvg_library(pipeline/graph           base                                                                    )
-  set(EPISODE base device geometry pictures model ${PHYSICS} render formats robot load dataset graph)
+  set(EPISODE base device geometry pictures model ${PHYSICS} render formats robot load/fields load dataset graph)
   pvg_library(pipeline/episode         ${EPISODE}                                                              )
   pvg_library(pipeline/validation      ${EPISODE} episode identify/report                                      )
   pvg_library(pipeline/bench           ${EPISODE} episode                                                      )
   pvg_library(pipeline/command_line    base                                                                    )
-  pvg_library(pipeline/commands        ${EPISODE} episode validation bench command_line identify/data
-                                       identify/sensing identify/candidates identify/fit identify/search
+  pvg_library(pipeline/commands        ${EPISODE} episode validation bench command_line identify
+                                       identify/data identify/sensing identify/candidates identify/fit identify/search
                                        identify/report                                                         )
 endif()

@@ -5,7 +5,6 @@
 
 #include "host/geometry/mass_properties.hpp"
 #include "host/geometry/mesh_parts.hpp"
-#include "host/load/read_cloth.hpp"
 #include "host/load/read_sections.hpp"
 #include "host/load/read_shapes.hpp"
 

@@ -1,7 +1,7 @@
 // The sections `bodies`, `joints` and `stitches` of a scene file. Internal to the loaders.
 #pragma once
+#include "host/load/fields/yaml_section.hpp"
 #include "host/load/scene_file.hpp"
-#include "host/load/yaml_section.hpp"
 
 namespace pvg {
 

@@ -1,4 +1,4 @@
-// The sections `success`, `failure` and `vary` of a task file.
+// The sections `success` and `failure` of a task file.
 #include "host/load/read_sections.hpp"
 
 namespace pvg {
@@ -52,22 +52,6 @@ Condition read_condition(Section& section, const std::vector<std::string>& robot
   if (!condition.at_least && !condition.at_most) section.fail("", "lacks a bound: give `at_least`, `at_most` or both");
   section.done();
   return condition;
-}
-
-Variation read_variation(Section& section) {
-  using Varied = Variation::Quantity;
-  Variation variation;
-  variation.quantity = Varied(section.choice("quantity", {"size", "mass", "friction", "stiffness", "color", "light",
-                                                          "exposure", "camera_position", "camera_rotation"}));
-  variation.of = section.text("of");
-  if (variation.quantity == Varied::camera_position)
-    variation.range = section.range("by", Unit::length, -1, 1, 0);
-  else if (variation.quantity == Varied::camera_rotation)
-    variation.range = section.range("by", Unit::angle, -1, 1, 0);
-  else
-    variation.range = section.range("factor", Unit::none, 1e-3, 1e3, 1);
-  section.done();
-  return variation;
 }
 
 }  // namespace pvg

@@ -155,4 +155,16 @@ TetMesh read_solid_shape(YamlSection shape) {
   return read_one<TetMesh>(shape, {{"bar", read_bar}, {"ball_octant", read_ball_octant}, {"filled", read_filled}});
 }
 
+std::vector<std::uint32_t> read_points_within(YamlSection& section, const std::vector<Vec3>& points,
+                                              const std::string& body) {
+  const Vec3 low = section.vector("low", Unit::length, -2 * REACH, 2 * REACH);
+  const Vec3 high = section.vector("high", Unit::length, -2 * REACH, 2 * REACH);
+  std::vector<std::uint32_t> within;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if ((points[i].array() >= low.array()).all() && (points[i].array() <= high.array()).all())
+      within.push_back(std::uint32_t(i));
+  if (within.empty()) section.fail("low", "and `high` hold no node of the " + body + " (in its own frame)");
+  return within;
+}
+
 }  // namespace pvg

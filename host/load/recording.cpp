@@ -8,8 +8,8 @@
 
 #include "host/base/error.hpp"
 #include "host/formats/picture_series.hpp"
+#include "host/load/fields/yaml_section.hpp"
 #include "host/load/read_sections.hpp"
-#include "host/load/yaml_section.hpp"
 #include "host/pictures/mask_metrics.hpp"
 
 namespace pvg {

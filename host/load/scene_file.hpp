@@ -25,7 +25,7 @@
 //     - {name: left, robot: {.. as in tasks ..}, gripper: FILE, path: [{time: 1 s, joints: [..], gripper: 40 mm}, ..]}
 //
 // Shapes of rigid and static bodies: mesh (a file), box, sphere, cylinder, hexahedron, square (static only); of soft
-// ones: bar, ball_octant, or a closed one, which tetgen fills (`solid`). Cloths: read_cloth.hpp.
+// ones: bar, ball_octant, or a closed one, which tetgen fills (`solid`). Cloths: table_physics.cpp.
 #pragma once
 #include <filesystem>
 #include <vector>

@@ -1,6 +1,5 @@
 #include "host/load/task_file.hpp"
 
-#include "host/load/read_cloth.hpp"
 #include "host/load/read_sections.hpp"
 
 namespace pvg {
@@ -11,37 +10,17 @@ constexpr double LARGEST_TIME_STEP = 0.02;  // of an episode [s]
 
 using Section = YamlSection;
 
-RenderSection read_render(Section& root) {
-  RenderSection render;
-  if (!root.has("render")) return render;
-  Section section = root.section("render");
-  render.frames_per_second = section.number("frames_per_second", Unit::frequency, 0.1, 1000, render.frames_per_second);
-  render.samples = section.integer("samples", 1, 65536, render.samples);
-  render.max_depth = section.integer("max_depth", 1, 64, render.max_depth);
-  if (section.has("lut")) render.lut = section.file("lut");
-  section.done();
-  return render;
+template <class T>
+void read_if_there(Section& root, const std::string& key, const Fields<T>& fields, T& value) {
+  if (root.has(key)) value = read_all(fields, root.section(key));
+}
+
+template <class T>
+void read_list(Section& root, const std::string& key, const Fields<T>& fields, std::vector<T>& list) {
+  for (const Section& section : root.sections(key)) list.push_back(read_all(fields, section));
 }
 
 }  // namespace
-
-RobotSection read_robot(Section section) {
-  RobotSection robot;
-  robot.urdf = section.file("urdf");
-  robot.base = read_pose(section, "base");
-  robot.home = section.numbers("home", Unit::angle, -1e3, 1e3);
-  robot.flange = section.text("flange");
-  if (section.has("drive")) {
-    Section drive = section.section("drive");
-    robot.drive_stiffness = drive.number("stiffness", Unit::angular_stiffness, 1e-3, 1e9);
-    robot.drive_damping = drive.number("damping", Unit::angular_damping, 0, 1e6, 0);
-    drive.done();
-  }
-  robot.friction = section.number("friction", Unit::none, 0, 10, robot.friction);
-  if (section.has("collision_links")) robot.collision_links = section.texts("collision_links");
-  section.done();
-  return robot;
-}
 
 void check_names(const Section& root, const Task& task, const std::vector<std::string>& bodies) {
   check_distinct(root, "objects", task.objects);
@@ -130,23 +109,20 @@ Task read_scene_sections(Section& root, double largest_time_step) {
   task.file = root.path();
   check_schema(root);
   task.name = root.name();
-  task.solver = read_solver(root, largest_time_step);
-  task.contact = read_contact(root);
-  if (root.has("robot")) task.robot = read_robot(root.section("robot"));
+  read_if_there(root, "solver", solver_fields(), task.solver);
+  task.solver.time_step = root.number("time_step", Unit::time, 1e-6, largest_time_step);
+  read_if_there(root, "contact", contact_fields(), task.contact);
+  read_if_there(root, "robot", robot_fields(), task.robot);
   add_materials(root, task.materials, &task.textures);
   if (root.has("gripper")) {
     if (task.robot.urdf.empty()) root.fail("gripper", "needs a `robot` that carries it");
     task.gripper = read_gripper(root, task);
   }
-  for (Section& section : root.sections("objects")) task.objects.push_back(read_object(section));
-  for (Section& section : root.sections("cloths")) task.cloths.push_back(read_cloth(section));
-  for (Section& section : root.sections("pair_friction")) {
-    task.pair_friction.push_back(
-        {section.text("first"), section.text("second"), section.number("coefficient", Unit::none, 0, 10)});
-    section.done();
-  }
+  read_list(root, "objects", object_fields(), task.objects);
+  read_list(root, "cloths", cloth_fields(), task.cloths);
+  read_list(root, "pair_friction", pair_friction_fields(), task.pair_friction);
   for (Section& section : root.sections("effects")) task.effects.push_back(read_effect(section));
-  if (root.has("background")) task.background = read_background(root.section("background"));
+  read_if_there(root, "background", background_fields(), task.background);
   for (Section& section : root.sections("lights")) read_light(section, task);
   if (root.has("environment_map")) {
     Section section = root.section("environment_map");
@@ -155,9 +131,9 @@ Task read_scene_sections(Section& root, double largest_time_step) {
     section.done();
   }
   const Vec3f sky = task.environment_map.empty() ? Vec3f::Zero() : Vec3f::Ones();
-  task.environment = read_color(root, "environment", sky, 1e6, Unit::radiance);
-  for (Section& section : root.sections("cameras")) task.cameras.push_back(read_camera(section));
-  task.render = read_render(root);
+  task.environment = root.vector("environment", Unit::radiance, 0, 1e6, sky.cast<double>()).cast<float>();
+  read_list(root, "cameras", camera_fields(), task.cameras);
+  read_if_there(root, "render", render_fields(), task.render);
   return task;
 }
 
@@ -201,7 +177,7 @@ RobotCell read_robot_cell(Section& section, Task& task) {
   RobotCell cell;
   cell.name = section.name();
   if (find_named(task.more_robots, cell.name)) section.fail("name", "`" + cell.name + "` is taken by a robot above");
-  cell.robot = read_robot(section.section("robot"));
+  cell.robot = read_all(robot_fields(), section.section("robot"));
   if (section.has("gripper")) cell.gripper = read_gripper(section, task);
   return cell;
 }
@@ -230,7 +206,7 @@ Task load_task(const std::filesystem::path& file) {
   if (task.success.empty()) root.fail("", "lacks `success`: a task has at least one condition");
   for (Section& section : root.sections("failure"))
     task.failure.push_back(read_condition(section, robots, Condition::When::some_time));
-  for (Section& section : root.sections("vary")) task.variations.push_back(read_variation(section));
+  read_list(root, "vary", variation_fields(), task.variations);
   root.done();
   check_names(root, task, {});
   check_condition_names(root, task);

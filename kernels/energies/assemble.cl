@@ -7,7 +7,7 @@
 //        x: site positions now, x0: at the start of the step [STENCIL, m], h: time step [s];
 //        H: row-major (3 STENCIL)^2, positive semi-definite
 //   out: kernels TERM_energy_all, TERM_gradient_all, TERM_hessian_all, TERM_product_all
-// Rows: each element writes STENCIL rows of its own, gathered to the nodes later in a fixed order (solve/gather.cl).
+// Rows: each element writes STENCIL rows of its own, gathered to the nodes later in a fixed order (solve/nodes.cl).
 #include "shared/real.h"
 #define JOIN_(a, b) a##b
 #define JOIN(a, b) JOIN_(a, b)

@@ -170,7 +170,7 @@ RayFigure compare_shadow(const BenchRays& rays, int repeats, RayBench& bench, Em
 // ---- trees and frames
 
 void bench_rays(const RenderBenchSettings& settings, std::size_t n, RenderFigures& figures) {
-  Device device(settings.device);
+  Device device(settings.device, Purpose::rendering);
   const VisualMesh mesh = bench_room(n);
   RayBench bench(device, mesh);
   std::optional<EmbreeRays> embree;
@@ -187,7 +187,7 @@ void bench_rays(const RenderBenchSettings& settings, std::size_t n, RenderFigure
 
 // a mesh of 100k triangles that moves: its tree refitted on the device, and made anew and sent there
 void bench_trees(const RenderBenchSettings& settings, RenderFigures& figures) {
-  Device device(settings.device);
+  Device device(settings.device, Purpose::rendering);
   const VisualMesh mesh = bench_room(100000);
   GeometryArrays geometry;
   MeshRange range = geometry.add(mesh, "bench", true);
@@ -217,7 +217,7 @@ Scene weigh_beaker(const std::filesystem::path& data, int& max_depth) {
 
 void bench_frame(const RenderBenchSettings& settings, const std::string& name, const Scene& scene, int samples,
                  int max_depth, RenderFigures& figures) {
-  Device device(settings.device);
+  Device device(settings.device, Purpose::rendering);
   RenderSettings render;
   render.samples = samples;
   render.max_depth = max_depth;

@@ -93,7 +93,7 @@ void run_bench_render(const BenchRenderOptions& options) {
       throw UsageError("--scene " + name + ": there is no such scene; there are: " + names);
   }
   RenderFigures figures;
-  figures.device = Device(options.device).info().name;
+  figures.device = Device(options.device, Purpose::rendering).info().name;
   for (const RenderBenchmark& bench : render_benchmarks())
     if (options.scenes.empty() ||
         std::find(options.scenes.begin(), options.scenes.end(), bench.name) != options.scenes.end())

@@ -11,6 +11,7 @@
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/base/stop_signal.hpp"
+#include "host/identify/criteria.hpp"
 #include "host/identify/report/report.hpp"
 #include "pipeline/command_line/command.hpp"
 #include "pipeline/validation/hidden_suite.hpp"
@@ -23,13 +24,17 @@ namespace fs = std::filesystem;
 struct DiagnoseOptions {
   std::string recording, folder;  // folder of recording.yaml, folder of the report
   std::string device;
-  int max_effects = 2;              // named together
-  double minutes = 10;              // after which nothing further is looked for
-  std::string decide = "workflow";  // or, to compare: retune, lowest, weak
-  bool only_checks = false;         // say what is wrong with the recording and end
-  bool lists_effects = false;       // print the names of all candidates and end
-  std::string suite;                // folder of cases instead of a recording
-  int n_jobs = 0;                   // cases at once, or processes of one; 0: one case, as many processes as cores
+  int max_effects = 2;                // named together
+  double minutes = 10;                // after which nothing further is looked for
+  std::string decide = "workflow";    // or, to compare: retune, lowest, weak
+  bool only_checks = false;           // say what is wrong with the recording and end
+  bool lists_effects = false;         // print the names of all candidates and end
+  bool lists_criteria = false;        // print the constants that decide and end
+  std::vector<std::string> criteria;  // NAME=VALUE of such constants
+  bool keeps_simulations = false;     // the journal is not removed at the end
+  bool does_not_simulate = false;     // end with an error where the journal does not hold a result
+  std::string suite;                  // folder of cases instead of a recording
+  int n_jobs = 0;                     // cases at once, or processes of one; 0: one case, as many processes as cores
   bool as_json = false;
 };
 
@@ -54,6 +59,23 @@ void list_effects(bool as_json) {
     list.push_back(std::move(one));
   }
   if (as_json) std::printf("%s\n", nlohmann::ordered_json{{"schema", 1}, {"effects", list}}.dump(2).c_str());
+}
+
+void list_criteria(bool as_json) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const diagnose::Criterion& one : diagnose::list_criteria()) {
+    if (as_json)
+      list.push_back({{"name", one.name},
+                      {"stage", one.stage},
+                      {"value", one.usual},
+                      {"unit", one.unit},
+                      {"is_count", one.is_count},
+                      {"meaning", one.meaning},
+                      {"evidence", one.evidence}});
+    else
+      std::printf("%-28s %8g %-14s %s\n", one.name.c_str(), one.usual, one.unit.c_str(), one.meaning.c_str());
+  }
+  if (as_json) std::printf("%s\n", nlohmann::ordered_json{{"schema", 1}, {"criteria", list}}.dump(2).c_str());
 }
 
 diagnose::Decide decide_named(const std::string& name) {
@@ -93,6 +115,8 @@ HiddenSuite hidden_suite(const DiagnoseOptions& options) {
   suite.options = {"--max-effects", std::to_string(options.max_effects), "--decide", options.decide,
                    "--minutes",     std::to_string(options.minutes)};
   if (options.n_jobs > 1) suite.options.insert(suite.options.end(), {"--jobs", "1"});
+  for (const std::string& text : options.criteria) suite.options.insert(suite.options.end(), {"--set-criterion", text});
+  if (options.keeps_simulations) suite.options.push_back("--keep-simulations");
   if (!options.device.empty()) suite.options.insert(suite.options.end(), {"--device", options.device});
   suite.n_jobs = options.n_jobs;
   suite.as_json = options.as_json;
@@ -101,6 +125,8 @@ HiddenSuite hidden_suite(const DiagnoseOptions& options) {
 
 void run_diagnose(const DiagnoseOptions& options) {
   if (options.lists_effects) return list_effects(options.as_json);
+  if (options.lists_criteria) return list_criteria(options.as_json);
+  for (const std::string& text : options.criteria) diagnose::set_criterion(text);
   stop_on_signals();
   if (!options.suite.empty()) return run_hidden_suite(hidden_suite(options));
   if (options.recording.empty())
@@ -121,6 +147,8 @@ void run_diagnose(const DiagnoseOptions& options) {
   diagnose::Settings settings;
   settings.max_effects = options.max_effects;
   settings.minutes = options.minutes;
+  settings.keeps_simulations = options.keeps_simulations;
+  settings.simulates = !options.does_not_simulate;
   settings.decide = decide_named(options.decide);
   settings.n_processes = n_processes(options, device.info());
   diagnose::Diagnosis found = diagnose::diagnose(device, problem, settings, options.folder);
@@ -154,6 +182,13 @@ void add_diagnose(CLI::App& program) {
       ->capture_default_str();
   command->add_flag("--check", o.only_checks, "Say what is wrong with the recording and end");
   command->add_flag("--list-effects", o.lists_effects, "Print all that can be named and end");
+  command->add_flag("--list-criteria", o.lists_criteria, "Print the constants that decide a diagnosis and end");
+  command->add_option("--set-criterion", o.criteria, "NAME=VALUE: another value of such a constant, for studies");
+  command->add_flag("--keep-simulations", o.keeps_simulations,
+                    "Leave the simulated results in simulated.bin, so that the next diagnosis in this folder reads "
+                    "those that it needs, too");
+  command->add_flag("--no-simulation", o.does_not_simulate,
+                    "Read simulated.bin only: an error where it does not hold a result that is needed");
   command->add_option("--suite", o.suite, "Folder of hidden-effect cases: diagnose all, print the table of scores");
   command
       ->add_option(

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "host/base/atomic_files.hpp"
-#include "pipeline/command_line/command.hpp"
 #include "host/base/outputs.hpp"
+#include "pipeline/command_line/command.hpp"
 #include "pipeline/episode/episode_set.hpp"
 
 namespace pvg {

@@ -10,9 +10,9 @@
 
 #include "host/base/error.hpp"
 #include "host/base/files.hpp"
-#include "host/formats/hdf5.hpp"
 #include "host/dataset/json_file.hpp"
 #include "host/dataset/states_record.hpp"
+#include "host/formats/hdf5.hpp"
 
 namespace pvg {
 namespace {

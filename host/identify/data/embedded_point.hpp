@@ -1,16 +1,3 @@
-// A point of a soft body or cloth as a few of its nodes with weights that sum to one.
+// Markers on soft bodies and cloth: the embedding of host/geometry.
 #pragma once
-#include <utility>
-#include <vector>
-
-#include "host/geometry/mesh.hpp"
-
-namespace pvg::diagnose {
-
-using NodeWeights = std::vector<std::pair<std::uint32_t, double>>;
-
-// The corners of the element that holds the point, or nearly does: a point outside is carried on linearly.
-NodeWeights embed(const TetMesh& mesh, const Vec3& point);
-NodeWeights embed(const TriangleMesh& mesh, const Vec3& point);
-
-}  // namespace pvg::diagnose
+#include "host/geometry/embedded_point.hpp"

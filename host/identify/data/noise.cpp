@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "host/identify/criteria.hpp"
 #include "host/pictures/picture_cells.hpp"
 
 namespace pvg::diagnose {
@@ -32,13 +33,7 @@ double quantum_of(const std::vector<double>& values, std::size_t width) {
 }
 
 constexpr double TYPICAL = 1.4826;                     // sigma of a normal distribution over the median of its size
-constexpr std::size_t LEAST_DIFFERENCES = 8;           // that tell anything
-constexpr std::size_t LEAST_APART = 100;               // that tell more than those of neighbours do
 constexpr std::array LAGS = {1u, 2u, 3u, 4u, 6u, 8u};  // between the samples of a difference
-constexpr double INDEPENDENT = -0.5;  // neighbours correlate by less; of white noise by -15 / 20, a motion by up to 1
-constexpr double ASSUMED = 1e-2;      // of a channel's range, where its noise cannot be measured
-constexpr double SMOOTHED = 2;        // times the noise of neighbours, if that further apart is so much
-constexpr double LOUDER = 2;          // times the noise of most runs: this run has a noise of its own
 
 struct Differences {
   double sigma = 0;        // of white noise that would make them
@@ -54,7 +49,7 @@ std::optional<Differences> third_differences(const std::vector<double>& values, 
     difference.push_back(values[i] - 3 * values[i - step] + 3 * values[i - 2 * step] - values[i - 3 * step]);
     if (std::isfinite(difference.back())) size.push_back(std::abs(difference.back()));
   }
-  if (size.size() < (lag == 1 ? LEAST_DIFFERENCES : LEAST_APART)) return std::nullopt;
+  if (size.size() < (lag == 1 ? criteria().noise_n_neighbours : criteria().noise_n_apart)) return std::nullopt;
   Differences found;
   const double typical = TYPICAL * median(std::move(size));
   found.sigma = typical / std::sqrt(20.0);
@@ -66,7 +61,7 @@ std::optional<Differences> third_differences(const std::vector<double>& values, 
     product += a * b;
     square += 0.5 * (a * a + b * b);
   }
-  found.correlation = square > 0 ? product / square : INDEPENDENT;
+  found.correlation = square > 0 ? product / square : criteria().noise_white_correlation;
   return found;
 }
 
@@ -76,7 +71,8 @@ std::vector<double> without_gaps(std::vector<double> values) {
   return values;
 }
 
-// Of white noise, where correlation < INDEPENDENT; else of a motion, or of too few samples (sigma: NaN).
+// Of white noise, where the correlation is below noise_white_correlation; else of a motion, or of too few samples
+// (sigma: NaN).
 Differences differences_of(const std::vector<double>& values, std::size_t width) {
   std::vector<Differences> found;
   for (const unsigned lag : LAGS) {
@@ -87,12 +83,14 @@ Differences differences_of(const std::vector<double>& values, std::size_t width)
   if (found.empty()) return {std::nan(""), 0};
   const auto hangs_less = [](const Differences& a, const Differences& b) { return a.correlation < b.correlation; };
   Differences noise = *std::min_element(found.begin(), found.end(), hangs_less);
-  if (noise.correlation < INDEPENDENT) {
+  if (noise.correlation < criteria().noise_white_correlation) {
     const Differences neighbours = found.front();
-    std::erase_if(found, [](const Differences& one) { return one.correlation >= INDEPENDENT; });
+    std::erase_if(found, [](const Differences& one) { return one.correlation >= criteria().noise_white_correlation; });
     noise = *std::max_element(found.begin(), found.end(),
                               [](const Differences& a, const Differences& b) { return a.sigma < b.sigma; });
-    if (neighbours.correlation < INDEPENDENT && noise.sigma < SMOOTHED * neighbours.sigma) noise = neighbours;
+    if (neighbours.correlation < criteria().noise_white_correlation &&
+        noise.sigma < criteria().noise_smoothed * neighbours.sigma)
+      noise = neighbours;
   }
   noise.sigma = std::max(noise.sigma, quantum_of(values, width) / std::sqrt(12.0));
   return noise;
@@ -125,12 +123,14 @@ void measure_noise(Problem& problem) {
     }
     const double smallest = std::max(1e-4 * range, 1e-9);  // no sensor is better than that
     channel.is_noise_assumed = found.empty();
-    channel.sigma = found.empty() ? std::max(ASSUMED * range, smallest) : std::max(median(found), smallest);
+    channel.sigma =
+        found.empty() ? std::max(criteria().noise_assumed * range, smallest) : std::max(median(found), smallest);
     // an even surface has the same rounding error in all its pixels
     if (is_video) channel.sigma = std::hypot(channel.sigma, srgb8_step_sigma(brightest));
     for (std::size_t r = 0; r < problem.runs.size(); ++r)
-      if (of_run[r].correlation < INDEPENDENT && of_run[r].sigma > LOUDER * channel.sigma)
-        problem.runs[r].louder[c] = of_run[r].sigma / channel.sigma;
+      if (of_run[r].correlation < criteria().noise_white_correlation &&
+          of_run[r].sigma > criteria().run_noise_scale * channel.sigma)
+        problem.runs[r].noise_scale[c] = of_run[r].sigma / channel.sigma;
   }
 }
 

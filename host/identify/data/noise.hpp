@@ -11,8 +11,8 @@ namespace pvg::diagnose {
 // samples.
 double noise_of(const std::vector<double>& values, std::size_t width);
 
-// Fills in the sigma of channels whose noise is unknown, the median over the runs, and how much louder those runs are
-// whose own noise is more than twice that. That of video holds what 8 bits leave.
+// Fills in the sigma of channels whose noise is unknown, the median over the runs, and the noise scale of those
+// runs whose own noise is more than twice that. That of video holds what 8 bits leave.
 void measure_noise(Problem& problem);
 
 }  // namespace pvg::diagnose

@@ -56,7 +56,7 @@ Run make_run(const Problem& problem, const RecordedRun& recorded, const std::vec
         values[i * channel.columns.size() + k] = to_si[c] * (std::isfinite(column[i]) ? column[i] : std::nan(""));
     }
     run.values.push_back(std::move(values));
-    run.louder.push_back(1);
+    run.noise_scale.push_back(1);
   }
   const Scene& scene = problem.scene.scene;
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
@@ -73,16 +73,14 @@ Run make_run(const Problem& problem, const RecordedRun& recorded, const std::vec
   return run;
 }
 
-bool may_move(const RigidBody& body) { return !body.is_fixed && !body.is_prescribed; }
-
 // Joints in an order in which parents come first; what closes a loop is left out.
 void find_coordinates(Problem& problem) {
   const Scene& scene = problem.scene.scene;
   std::vector<char> is_child(scene.rigid_bodies.size()), is_placed(scene.rigid_bodies.size());
   for (const Joint& joint : scene.joints) is_child[std::size_t(joint.child)] = true;
   for (std::size_t b = 0; b < is_placed.size(); ++b) {
-    is_placed[b] = !is_child[b] || !may_move(scene.rigid_bodies[b]);
-    if (is_placed[b] && may_move(scene.rigid_bodies[b])) problem.free_bodies.push_back(int(b));
+    is_placed[b] = !is_child[b] || !can_move(scene.rigid_bodies[b]);
+    if (is_placed[b] && can_move(scene.rigid_bodies[b])) problem.free_bodies.push_back(int(b));
   }
   for (bool found = true; found;) {
     found = false;
@@ -131,7 +129,7 @@ void check_motion(const Problem& problem) {
   bool any_moves = false, any_changes = false;
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Channel& channel = problem.channels[c];
-    any_moves = any_moves || channel.rigid < 0 || may_move(scene.rigid_bodies[std::size_t(channel.rigid)]);
+    any_moves = any_moves || channel.rigid < 0 || can_move(scene.rigid_bodies[std::size_t(channel.rigid)]);
     bool any = false;
     for (const Run& run : problem.runs) {
       std::vector<double> low(std::size_t(channel.width), INFINITY), high(std::size_t(channel.width), -INFINITY);

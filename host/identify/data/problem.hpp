@@ -1,5 +1,5 @@
 // A recording and its scene, resolved against each other: which numbers were measured, of what, with which noise, and
-// what drives and prescribed bodies were told in each run. SI units throughout; what was not measured is NaN.
+// the commands of drives and prescribed bodies in each run. SI units throughout; what was not measured is NaN.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -27,7 +27,7 @@ struct Channel {
   int n = 1;                 // numbers that are compared: 1 or 3
   double sigma = 0;          // one standard deviation of the noise [unit]; measured by stage 1 if unknown
   bool is_noise_known = false;
-  bool is_noise_assumed = false;      // unknown, and too few samples stand side by side to measure it
+  bool is_noise_assumed = false;      // unknown, and there are too few neighbouring samples to measure it
   int mask_source = -1, moment = -1;  // of a mask, as in RecordedChannel
   int video_source = -1, cell = -1;   // of a video, likewise
 };
@@ -42,7 +42,7 @@ struct Run {
   bool is_held_out = false;
   std::vector<double> t;                    // [n_samples, s]
   std::vector<std::vector<double>> values;  // [n_channels][n_samples x width]
-  std::vector<double> louder;               // [n_channels] the noise of this run over the channel's, at least 1
+  std::vector<double> noise_scale;          // [n_channels] the noise of this run over the channel's, at least 1
   std::vector<TargetTable> targets;         // [n_driven], times as in the run
   std::vector<PrescribedPath> prescribed;
 };
@@ -62,8 +62,11 @@ struct Problem {
 
 // One standard deviation of a channel's noise in a run [the channel's unit].
 inline double noise_in(const Problem& problem, const Run& run, std::size_t channel) {
-  return problem.channels[channel].sigma * run.louder[channel];
+  return problem.channels[channel].sigma * run.noise_scale[channel];
 }
+
+// Whether forces can move a body: one that is fixed, prescribed or a half space does not.
+inline bool can_move(const RigidBody& body) { return !body.is_fixed && !body.is_prescribed && !body.is_half_space; }
 
 // Throws a UsageError that names the file, the key, the body or joint, and what to do.
 Problem make_problem(const std::filesystem::path& recording);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/identify/data/problem.hpp"
-#include "host/load/yaml_section.hpp"
+#include "host/load/fields/yaml_section.hpp"
 
 namespace pvg::diagnose {
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/identify/criteria.hpp"
+
 namespace pvg::diagnose {
 namespace {
 
 using Kind = RecordedChannel::Kind;
-constexpr double FIT_SPAN = 0.1;              // of the samples that tell a start and its rate [s]
-constexpr std::size_t FEWEST = 5, MOST = 15;  // samples of such a fit
 
 struct LocalFit {
   double value = 0, slope = 0, value_sigma = 0, slope_sigma = 0;
@@ -22,8 +22,8 @@ LocalFit fit_around(const std::vector<double>& t, const std::vector<double>& val
   for (std::size_t i = 0; i < t.size(); ++i)
     if (std::isfinite(values[i * width + k])) near.push_back({std::abs(t[i] - t0), double(i)});
   std::sort(near.begin(), near.end());
-  std::size_t n = std::min(FEWEST, near.size());
-  while (n < std::min(MOST, near.size()) && near[n].first < FIT_SPAN / 2) ++n;
+  std::size_t n = std::min(criteria().start_n_least, near.size());
+  while (n < std::min(criteria().start_n_most, near.size()) && near[n].first < criteria().start_fit_span / 2) ++n;
   LocalFit fit;
   if (n < 3) return fit;
   Eigen::MatrixXd a(n, 3);
@@ -98,16 +98,16 @@ void start_joint(const Problem& problem, const Run& run, int j, double t0, bool 
     if (!fit.is_there) continue;
     if (channel.kind == Kind::rate) {
       start.state.rate[std::size_t(j)] = fit.value;
-      rate_sigma = START_LOOSENESS * fit.value_sigma;
+      rate_sigma = criteria().start_looseness * fit.value_sigma;
       is_rate_measured = true;
       continue;
     }
     is_measured = true;
     start.state.position[std::size_t(j)] = fit.value;
-    position_sigma = START_LOOSENESS * fit.value_sigma;
+    position_sigma = criteria().start_looseness * fit.value_sigma;
     if (!is_rate_measured) {
       start.state.rate[std::size_t(j)] = fit.slope;
-      rate_sigma = START_LOOSENESS * fit.slope_sigma;
+      rate_sigma = criteria().start_looseness * fit.slope_sigma;
     }
   }
   if (is_given || (!is_measured && problem.recording.initial != Recording::Initial::fitted)) return;
@@ -127,8 +127,8 @@ void start_body(const Problem& problem, const Run& run, int b, double t0, bool i
       pose.linear() = fit.rotation;
       start.state.spin[std::size_t(b)] = fit.spin;
       for (int k = 0; k < 3; ++k) {
-        unknowns.push_back({Unknown::Kind::rotation, b, Vec3::Unit(k), START_LOOSENESS * fit.sigma});
-        unknowns.push_back({Unknown::Kind::spin, b, Vec3::Unit(k), START_LOOSENESS * fit.spin_sigma});
+        unknowns.push_back({Unknown::Kind::rotation, b, Vec3::Unit(k), criteria().start_looseness * fit.sigma});
+        unknowns.push_back({Unknown::Kind::spin, b, Vec3::Unit(k), criteria().start_looseness * fit.spin_sigma});
       }
     }
     if (channel.kind != Kind::position) continue;
@@ -139,8 +139,8 @@ void start_body(const Problem& problem, const Run& run, int b, double t0, bool i
       const Vec3 direction = channel.has_axis ? channel.axis : Vec3(Vec3::Unit(k));
       pose.translation() += direction * (fit.value - direction.dot(pose.translation()));
       velocity += direction * (fit.slope - direction.dot(velocity));
-      unknowns.push_back({Unknown::Kind::position, b, direction, START_LOOSENESS * fit.value_sigma});
-      unknowns.push_back({Unknown::Kind::velocity, b, direction, START_LOOSENESS * fit.slope_sigma});
+      unknowns.push_back({Unknown::Kind::position, b, direction, criteria().start_looseness * fit.value_sigma});
+      unknowns.push_back({Unknown::Kind::velocity, b, direction, criteria().start_looseness * fit.slope_sigma});
     }
   }
   if (!is_given) start.unknowns.insert(start.unknowns.end(), unknowns.begin(), unknowns.end());

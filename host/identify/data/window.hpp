@@ -8,10 +8,6 @@
 
 namespace pvg::diagnose {
 
-// A start is known before the fit as well as its samples tell, times this: what is wrong in the model or the sensor
-// must not be held in place by it.
-inline constexpr double START_LOOSENESS = 20;
-
 // Where a window starts: coordinates of open chains and free bodies.
 struct InitialState {
   std::vector<double> position, rate;  // [n_joints, rad or m], [rad/s or m/s]

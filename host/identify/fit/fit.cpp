@@ -4,22 +4,16 @@
 #include <cmath>
 #include <limits>
 
+#include "host/identify/criteria.hpp"
 #include "host/identify/fit/fit_cost.hpp"
 
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
-constexpr int START_STEPS = 4;         // where only the windows' starts are fitted
-constexpr double SMALL_CHANGE = 1e-3;  // of the cost, relative: the fit has converged
 
 const std::vector<double> DAMPINGS = {1e-6, 0.5, 2.5, 8};  // of a step, relative
 const std::vector<double> START_DAMPINGS = {0, 0.1};       // likewise of the starts
-
-// of what a step changed beside what was promised, rms of a window: relative, and in units of noise
-constexpr double BROKEN_PROMISE = 0.05, LEAST_BROKEN = 0.02;
-constexpr double MISSED = 1.5;  // a window's scale over that of all: it is no longer fitted as others are
-constexpr int LAST_STEPS = 2;   // then
 
 VectorXd clamped(const Model& model, VectorXd x) {
   const std::vector<const Parameter*> parameters = model.parameters();
@@ -29,12 +23,14 @@ VectorXd clamped(const Model& model, VectorXd x) {
 }
 
 // Whether the residuals of a window came out as the linear system had them, where its start can have to do with it.
-bool keeps_promise(const Fit& fit, std::size_t w, const VectorXd& x, const VectorXd& delta, const VectorXd& residual) {
+bool is_as_predicted(const Fit& fit, std::size_t w, const VectorXd& x, const VectorXd& delta,
+                     const VectorXd& residual) {
   if (delta.size() == 0) return true;
-  VectorXd promised = fit.of_start[w] * (delta - fit.delta[w]);
-  if (x != fit.model.x) promised += fit.slope[w] * (x - fit.model.x);
+  VectorXd predicted = fit.of_start[w] * (delta - fit.delta[w]);
+  if (x != fit.model.x) predicted += fit.slope[w] * (x - fit.model.x);
   const VectorXd change = residual - fit.residual[w];
-  return rms({change - promised}) <= std::max(BROKEN_PROMISE * rms({change}), LEAST_BROKEN);
+  return rms({change - predicted}) <=
+         std::max(criteria().reduction_missed * rms({change}), criteria().reduction_missed_floor);
 }
 
 // The model after one Gauss-Newton step, damped; where it is if that step is none.
@@ -45,7 +41,7 @@ Model stepped(const Fit& fit, double damping) {
   const std::vector<const Parameter*> parameters = fit.model.parameters();
   for (Eigen::Index i = 0; i < g.size(); ++i) {
     const Parameter& p = *parameters[std::size_t(i)];
-    const double weight = 1 / (believed_of(p) * believed_of(p));
+    const double weight = 1 / (prior_sigma_of(p) * prior_sigma_of(p));
     a(i, i) += weight;
     g[i] += weight * (fit.model.x[i] - p.off);
   }
@@ -133,7 +129,7 @@ std::vector<Fitter::Attempt> Fitter::attempts_of(const FitData& data, const Tria
            trials.models[last].x == trials.models[first].x)
       ++last;
     Attempt attempt{trials.models[first], std::vector<VectorXd>(n_windows), std::vector<VectorXd>(n_windows),
-                    trials.owner[first], belief_cost(trials.models[first])};
+                    trials.owner[first], prior_cost(trials.models[first])};
     const bool is_same_model = attempt.model.x == fit.model.x;
     for (std::size_t w = 0; w < n_windows; ++w) {
       double least = std::numeric_limits<double>::infinity();
@@ -146,7 +142,7 @@ std::vector<Fitter::Attempt> Fitter::attempts_of(const FitData& data, const Tria
       };
       if (is_same_model) take(fit.residual[w], fit.delta[w]);
       for (std::size_t t = first; t < last; ++t)
-        if (found[t][w].is_well) take(found[t][w].residual, trials.delta[t][w]);
+        if (found[t][w].succeeded) take(found[t][w].residual, trials.delta[t][w]);
       attempt.cost += least;
     }
     if (std::isfinite(attempt.cost)) attempts.push_back(std::move(attempt));
@@ -154,8 +150,8 @@ std::vector<Fitter::Attempt> Fitter::attempts_of(const FitData& data, const Tria
   return attempts;
 }
 
-// Where a step did not do what was promised the starts that went with it are not the best ones there: each is corrected
-// by what is left, with the answers to the starts as they are known, lest the step leave a valley that bends.
+// Where a step did not change what was predicted its starts are not the best ones there: each is corrected by the
+// residuals that are left and the known sensitivities, so that the step follows a curved valley.
 Fitter::Trials Fitter::corrected(const std::vector<Attempt>& attempts, const std::vector<Fit>& fits) const {
   Trials trials;
   for (const Attempt& attempt : attempts) {
@@ -166,7 +162,7 @@ Fitter::Trials Fitter::corrected(const std::vector<Attempt>& attempts, const std
     bool any_broken = false;
     std::vector<VectorXd> delta = attempt.delta;
     for (std::size_t w = 0; w < delta.size(); ++w) {
-      if (keeps_promise(fit, w, attempt.model.x, attempt.delta[w], attempt.residual[w])) continue;
+      if (is_as_predicted(fit, w, attempt.model.x, attempt.delta[w], attempt.residual[w])) continue;
       any_broken = true;
       delta[w] += best_start(there, w, VectorXd());
     }
@@ -189,7 +185,7 @@ std::vector<char> Fitter::take_best(const FitData& data, const Trials& trials, s
     if (best == nullptr) continue;
     is_better[m] = best->cost < fit.cost;
     for (std::size_t w = 0; w < data.windows.size(); ++w) {
-      const bool is_kept = keeps_promise(fit, w, best->model.x, best->delta[w], best->residual[w]);
+      const bool is_kept = is_as_predicted(fit, w, best->model.x, best->delta[w], best->residual[w]);
       if (is_better[m])
         fit.start_slope[w] = is_kept ? StartSlope::near : StartSlope::stale;
       else if (!is_kept && fit.start_slope[w] == StartSlope::near)
@@ -215,9 +211,9 @@ std::vector<Fit> Fitter::begin(const FitData& data, std::vector<Model> models) {
     fits[m].start_slope.assign(data.windows.size(), is_there ? StartSlope::here : StartSlope::stale);
     fits[m].model = std::move(models[m]);
     fits[m].delta = zeros;
-    fits[m].is_well = true;
+    fits[m].succeeded = true;
     for (Prediction& p : found[m]) {
-      fits[m].is_well = fits[m].is_well && p.is_well;
+      fits[m].succeeded = fits[m].succeeded && p.succeeded;
       fits[m].residual.push_back(std::move(p.residual));
     }
   }
@@ -231,7 +227,7 @@ void Fitter::improve(const FitData& data, std::vector<Fit>& fits, int n_steps, S
     std::vector<double> before(fits.size());
     for (std::size_t m = 0; m < fits.size(); ++m) {
       Fit& fit = fits[m];
-      if (!fit.is_well || fit.has_converged || fit.is_given_up) continue;
+      if (!fit.succeeded || fit.has_converged || fit.is_given_up) continue;
       fit.scale = robust_scale(fit.residual);
       fit.window_scale = scale == Scale::of_window ? window_scales(fit.residual) : std::vector<double>();
       before[m] = fit.cost = cost_of(fit);
@@ -241,19 +237,20 @@ void Fitter::improve(const FitData& data, std::vector<Fit>& fits, int n_steps, S
     const std::vector<char> is_better = take_best(data, trials, fits);
     for (std::size_t m = 0; m < fits.size(); ++m) {
       Fit& fit = fits[m];
-      if (!fit.is_well || fit.has_converged || fit.is_given_up) continue;
+      if (!fit.succeeded || fit.has_converged || fit.is_given_up) continue;
       fit.is_stale = fit.is_stale || is_better[m];
-      fit.has_converged = is_better[m] ? before[m] - fit.cost <= SMALL_CHANGE * before[m] : !any_start_is_stale(fit);
+      fit.has_converged =
+          is_better[m] ? before[m] - fit.cost <= criteria().fit_small_change * before[m] : !any_start_is_stale(fit);
     }
   }
 }
 
-std::vector<std::vector<VectorXd>> Fitter::promised(const FitData& data, std::vector<Fit>& fits) {
+std::vector<std::vector<VectorXd>> Fitter::predicted(const FitData& data, std::vector<Fit>& fits) {
   differentiate(data, fits, Which::open);
   std::vector<std::vector<VectorXd>> residuals;
   for (const Fit& fit : fits) {
     residuals.push_back(fit.residual);
-    if (!fit.is_well || fit.is_stale || fit.model.x.size() == 0) continue;
+    if (!fit.succeeded || fit.is_stale || fit.model.x.size() == 0) continue;
     const VectorXd dx = stepped(fit, 0).x - fit.model.x;
     for (std::size_t w = 0; w < fit.residual.size(); ++w) {
       residuals.back()[w] += fit.slope[w] * dx;
@@ -266,18 +263,19 @@ std::vector<std::vector<VectorXd>> Fitter::promised(const FitData& data, std::ve
 void Fitter::finish(const FitData& data, std::vector<Fit>& fits) {
   for (Fit& fit : fits) {
     const std::vector<double> scales = window_scales(fit.residual);
-    const bool any_missed =
-        std::any_of(scales.begin(), scales.end(), [&](double s) { return s > MISSED * robust_scale(fit.residual); });
+    const bool any_missed = std::any_of(scales.begin(), scales.end(), [&](double s) {
+      return s > criteria().window_scale_missed * robust_scale(fit.residual);
+    });
     fit.has_converged = !any_missed;
   }
-  improve(data, fits, LAST_STEPS, Scale::of_all);
+  improve(data, fits, criteria().n_last_steps, Scale::of_all);
   conclude(data, fits);
 }
 
 void Fitter::conclude(const FitData& data, std::vector<Fit>& fits) {
   differentiate(data, fits, Which::all);
   for (Fit& fit : fits) {
-    if (!fit.is_well) continue;
+    if (!fit.succeeded) continue;
     fit.scale = robust_scale(fit.residual);
     fit.window_scale.clear();
     fit.cost = cost_of(fit);
@@ -290,7 +288,7 @@ std::vector<Fit> Fitter::fit(const FitData& data, std::vector<Model> models, int
   const bool any_unknown = std::any_of(data.windows.begin(), data.windows.end(),
                                        [](const Window& window) { return !window.unknowns.empty(); });
   if (n_steps == 0) {
-    if (any_unknown) improve(data, fits, START_STEPS, Scale::of_window, true);
+    if (any_unknown) improve(data, fits, criteria().n_start_steps, Scale::of_window, true);
     return fits;
   }
   improve(data, fits, n_steps);

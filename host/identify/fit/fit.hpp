@@ -1,18 +1,18 @@
-// Models fitted to windows by Gauss-Newton steps with damping, all models side by side. What is minimised is Student's
-// log-likelihood (4 degrees of freedom) of the residuals, so that single bad samples do not decide, plus what is known
-// of the windows' starts and believed of the parameters p:
+// Stage 5: models fitted to windows by damped Gauss-Newton steps, all models side by side. The objective is Student's
+// log-likelihood (4 degrees of freedom) of the residuals, so that single bad samples do not decide, plus the log priors
+// of the windows' starts and of the parameters p:
 //   C = sum_i 5/2 s^2 log(1 + r_i^2 / (4 s^2)) + sum_w sum_k delta_wk^2 / (2 sigma_wk^2)
 //       + sum_p (x_p - off_p)^2 / (2 b_p^2)
 // with r the residuals in units of noise, s their scale, at least 1, and delta_w the errors of the start of window w,
-// which the linear system leaves to each window. How residuals answer to the starts is another matter where a model
-// brakes what another lets slide: it is found again wherever a step does not do what was promised. On the way s is each
-// window's own: while the model is still wrong a window that it misses is no outlier, and would else be given up. At
-// the end it is that of all.
+// which the linear system eliminates per window. Sensitivities to the starts differ between models, so they are renewed
+// wherever the actual change of a step differs from the predicted one. On the way each window has its own scale s:
+// while the model is wrong a window that it misses is no outlier. The last steps use one scale.
 #pragma once
 #include <functional>
 #include <vector>
 
 #include "host/identify/candidates/candidate.hpp"
+#include "host/identify/criteria.hpp"
 
 namespace pvg::diagnose {
 
@@ -27,14 +27,14 @@ struct Model {
 // The base variant changed by a model.
 Variant variant_of(const Variant& base, const Model& model);
 
-// Windows, and how the residuals answer to what is not known of their starts: d r / d delta, in units of its sigma.
+// Windows with the sensitivities of their residuals to the unknowns of their starts: d r / d delta, in units of sigma.
 struct FitData {
   std::vector<Window> windows;
   std::vector<Eigen::MatrixXd> of_start;  // [n_windows][n_data x n_unknowns]
   Model at = {};                          // where
 };
 
-// How far the answers to a window's start can be trusted: found here, found near by, or not what they promise.
+// Whether the sensitivities to a window's start were found here, near by, or no longer predict what a step changes.
 enum class StartSlope { here, near, stale };
 
 struct Fit {
@@ -47,7 +47,7 @@ struct Fit {
   Eigen::MatrixXd covariance;             // of x
   double cost = 0, scale = 1;             // C; s of all windows
   std::vector<double> window_scale;       // [n_windows] s of each; empty: that of all
-  bool is_well = false;                   // simulated to the end of every window
+  bool succeeded = false;                 // simulated to the end of every window
   bool is_stale = true;                   // the slopes are not of where it is
   bool has_converged = false;             // a step changes little
   bool is_given_up = false;               // it is not worth further steps
@@ -57,19 +57,18 @@ class Fitter {
  public:
   Fitter(Predictor& predictor, const Variant& base) : predictor_(predictor), base_(base) {}
 
-  // The windows' answers to their starts, at a model, and what steps of half the length would change there: added
-  // to all residuals from then on, if asked for. Windows that cannot be simulated to their end are left out.
+  // The windows' sensitivities to their starts at a model, and the change by time steps of half the length there, which
+  // is added to all residuals from then on if `corrects`. Windows that cannot be simulated to their end are left out.
   FitData prepare(std::vector<Window> windows, const Model& at, bool corrects = true);
   // From now on nothing is corrected for the length of the steps.
   void take_steps_as_they_are() { corrects_steps_ = false; }
-  // Likewise, and answers are looked for by larger changes: masks answer by whole pixels, and a small change tells more
-  // of which pixels turn than of how fast.
+  // Likewise, with larger finite differences: masks change by whole pixels.
   void expect_whole_pixels() {
     corrects_steps_ = false;
-    difference_ = 0.3;
+    difference_ = criteria().difference_share_pixels;
   }
-  // The same about the starts that fit best there, not those that were measured: what rests on something answers to
-  // its start by kinks.
+  // The same about the starts that fit best there instead of the measured ones: the response of a body that rests on
+  // something has kinks.
   FitData prepare_near(std::vector<Window> windows, const Model& at);
   // Likewise, of what was prepared already, about the starts of a fit of them.
   FitData prepared_nearer(FitData data, const Fit& fit);
@@ -81,8 +80,8 @@ class Fitter {
   std::vector<Fit> begin(const FitData& data, std::vector<Model> models);
   void improve(const FitData& data, std::vector<Fit>& fits, int n_steps, Scale scale = Scale::of_window,
                bool only_starts = false);
-  // Residuals of each fit that is not done yet as a full step from where it is promises them; of others as they are.
-  std::vector<std::vector<Eigen::VectorXd>> promised(const FitData& data, std::vector<Fit>& fits);
+  // Residuals of each fit as a full step from where it is predicts them; of fits that are done as they are.
+  std::vector<std::vector<Eigen::VectorXd>> predicted(const FitData& data, std::vector<Fit>& fits);
   // The last steps, with outliers as of all windows, and conclude.
   void finish(const FitData& data, std::vector<Fit>& fits);
   void conclude(const FitData& data, std::vector<Fit>& fits);
@@ -108,7 +107,7 @@ class Fitter {
     std::size_t owner = 0;
     double cost = 0;
   };
-  // What is stale of the slopes and of the answers to the starts (fit_slopes.cpp).
+  // Renews slopes and sensitivities to the starts that are stale (fit_slopes.cpp).
   enum class Which { open, all, open_starts };
   void differentiate(const FitData& data, std::vector<Fit>& fits, Which which);
   void add_trials(const Fit& fit, std::size_t owner, bool only_starts, Trials& trials) const;
@@ -118,14 +117,11 @@ class Fitter {
   Predictor& predictor_;
   const Variant& base_;
   bool corrects_steps_ = true;
-  double difference_ = 0.03;  // by which slopes are found, of how far a parameter is from "off"
+  double difference_ = criteria().difference_share;  // by which slopes are found, of how far a parameter is from "off"
 };
 
 // What is left of `change` when each window's start may move.
 Eigen::VectorXd beside_starts(const Eigen::MatrixXd& of_start, const Eigen::VectorXd& change);
-
-// By how much a start moves where its answer is looked for, in units of its sigma: seen, yet small.
-inline constexpr double START_STEP = 0.05;
 
 // The variant with steps of half the length.
 Variant refined(const Variant& variant);

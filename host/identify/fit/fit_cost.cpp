@@ -4,14 +4,16 @@
 #include <cmath>
 #include <limits>
 
+#include "host/identify/criteria.hpp"
+
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
-constexpr double FREEDOM = 4;  // degrees of, of Student's distribution
 
 VectorXd weights_of(const VectorXd& r, double s) {
-  return (1.0 / (1.0 + r.array().square() / (FREEDOM * s * s))).matrix() * ((FREEDOM + 1) / FREEDOM);
+  return (1.0 / (1.0 + r.array().square() / (criteria().student_freedom * s * s))).matrix() *
+         ((criteria().student_freedom + 1) / criteria().student_freedom);
 }
 
 // the system of one window's start
@@ -38,14 +40,14 @@ double start_cost(const std::vector<VectorXd>& delta) {
   return sum;
 }
 
-double believed_of(const Parameter& p) { return p.believed > 0 ? p.believed : p.high - p.low; }
+double prior_sigma_of(const Parameter& p) { return p.believed > 0 ? p.believed : p.high - p.low; }
 
-double belief_cost(const Model& model) {
+double prior_cost(const Model& model) {
   const std::vector<const Parameter*> parameters = model.parameters();
   double sum = 0;
   for (Eigen::Index i = 0; i < model.x.size(); ++i) {
     const Parameter& p = *parameters[std::size_t(i)];
-    sum += 0.5 * std::pow((model.x[i] - p.off) / believed_of(p), 2);
+    sum += 0.5 * std::pow((model.x[i] - p.off) / prior_sigma_of(p), 2);
   }
   return sum;
 }
@@ -53,7 +55,7 @@ double belief_cost(const Model& model) {
 double scale_of(const Fit& fit, std::size_t w) { return fit.window_scale.empty() ? fit.scale : fit.window_scale[w]; }
 
 double cost_of(const Fit& fit) {
-  double cost = start_cost(fit.delta) + belief_cost(fit.model);
+  double cost = start_cost(fit.delta) + prior_cost(fit.model);
   for (std::size_t w = 0; w < fit.residual.size(); ++w) cost += robust_cost({fit.residual[w]}, scale_of(fit, w));
   return cost;
 }
@@ -71,7 +73,8 @@ double robust_scale(const std::vector<VectorXd>& residual) {
 double robust_cost(const std::vector<VectorXd>& residual, double s) {
   double sum = 0;
   for (const VectorXd& r : residual)
-    sum += 0.5 * (FREEDOM + 1) * s * s * (1.0 + r.array().square() / (FREEDOM * s * s)).log().sum();
+    sum += 0.5 * (criteria().student_freedom + 1) * s * s *
+           (1.0 + r.array().square() / (criteria().student_freedom * s * s)).log().sum();
   return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
 }
 
@@ -140,7 +143,7 @@ MatrixXd covariance_of(const Fit& fit) {
   const Eigen::Index p = fit.model.x.size();
   MatrixXd a = reduced.sum_a();
   const std::vector<const Parameter*> parameters = fit.model.parameters();
-  for (Eigen::Index i = 0; i < p; ++i) a(i, i) += 1 / std::pow(believed_of(*parameters[std::size_t(i)]), 2);
+  for (Eigen::Index i = 0; i < p; ++i) a(i, i) += 1 / std::pow(prior_sigma_of(*parameters[std::size_t(i)]), 2);
   const MatrixXd inverse = a.completeOrthogonalDecomposition().pseudoInverse();
   MatrixXd scores = MatrixXd::Zero(p, p);
   const VectorXd mean = reduced.sum_g() / double(reduced.g.size());

@@ -1,14 +1,14 @@
-// What a fit minimises, taken apart, and what its normal equations tell (the formula stands in fit.hpp).
+// The objective of a fit in its parts, and what follows from its normal equations (formula: fit.hpp).
 #pragma once
 #include "host/identify/fit/fit.hpp"
 
 namespace pvg::diagnose {
 
 double start_cost(const std::vector<Eigen::VectorXd>& delta);
-// One standard deviation of what is believed of a parameter, at most its bounds: what nothing in the data answers to
-// stays where it is.
-double believed_of(const Parameter& p);
-double belief_cost(const Model& model);
+// Standard deviation of a parameter's prior, by default the width of its bounds: a parameter to which nothing is
+// sensitive stays where it is.
+double prior_sigma_of(const Parameter& p);
+double prior_cost(const Model& model);
 double scale_of(const Fit& fit, std::size_t window);  // s of its residuals
 double cost_of(const Fit& fit);                       // C
 

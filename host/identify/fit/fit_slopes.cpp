@@ -1,18 +1,15 @@
-// How the residuals of fits answer to their parameters and to the starts of their windows, by differences: all in one
-// batch of worlds.
+// Sensitivities of the residuals to parameters and to the starts of windows by finite differences: all in one batch of
+// worlds.
 #include <algorithm>
 #include <cmath>
 
+#include "host/identify/criteria.hpp"
 #include "host/identify/fit/fit.hpp"
 
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::VectorXd;
-
-// of a change by a thirtieth of what is worth trying, rms in units of noise; less is the solver's: what the data do not
-// tell stays as it is believed
-constexpr double UNSEEN = 2e-3;
 
 Job job_of(const Variant& variant, const Window& window, const VectorXd& delta) {
   Job job{&variant, &window, window.initial, false};
@@ -32,7 +29,7 @@ double step_of(const Parameter& p, double x, double scale, double share) {
 void Fitter::differentiate(const FitData& data, std::vector<Fit>& fits, Which which) {
   const std::size_t n_windows = data.windows.size();
   const auto is_open = [&](const Fit& fit) {
-    return fit.is_well && (which == Which::all || !(fit.has_converged || fit.is_given_up));
+    return fit.succeeded && (which == Which::all || !(fit.has_converged || fit.is_given_up));
   };
   const auto wants_slope = [&](const Fit& fit) { return is_open(fit) && fit.is_stale && which != Which::open_starts; };
   const auto wants_start = [&](const Fit& fit, std::size_t w) {
@@ -56,7 +53,7 @@ void Fitter::differentiate(const FitData& data, std::vector<Fit>& fits, Which wh
     for (std::size_t w = 0; w < n_windows; ++w)
       for (Eigen::Index k = 0; wants_start(fit, w) && k < fit.delta[w].size(); ++k) {
         VectorXd moved = fit.delta[w];
-        moved[k] += START_STEP;
+        moved[k] += criteria().difference_start;
         jobs.push_back(job_of(variants.back(), data.windows[w], moved));
       }
   }
@@ -71,7 +68,7 @@ void Fitter::differentiate(const FitData& data, std::vector<Fit>& fits, Which wh
         const double step = step_of(*parameters[std::size_t(i)], fit.model.x[i], fit.model.scale[i], difference_);
         std::vector<VectorXd> change;
         for (std::size_t w = 0; w < n_windows; ++w) change.push_back(found[at++].residual - fit.residual[w]);
-        for (std::size_t w = 0; w < n_windows && !(rms(change) < UNSEEN); ++w)
+        for (std::size_t w = 0; w < n_windows && !(rms(change) < criteria().unseen_change); ++w)
           if (change[w].allFinite()) fit.slope[w].col(i) = change[w] / step;
       }
       fit.is_stale = false;
@@ -79,8 +76,9 @@ void Fitter::differentiate(const FitData& data, std::vector<Fit>& fits, Which wh
     for (std::size_t w = 0; w < n_windows; ++w) {
       if (!wants_start(fit, w)) continue;
       for (Eigen::Index k = 0; k < fit.delta[w].size(); ++k) {
-        const Prediction& answer = found[at++];
-        if (answer.is_well) fit.of_start[w].col(k) = (answer.residual - fit.residual[w]) / START_STEP;
+        const Prediction& response = found[at++];
+        if (response.succeeded)
+          fit.of_start[w].col(k) = (response.residual - fit.residual[w]) / criteria().difference_start;
       }
       fit.start_slope[w] = StartSlope::here;
     }

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/identify/criteria.hpp"
+
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::VectorXd;
-constexpr double LEAST_GAP_OF_SECOND = 0.2;  // of what is left, for a further effect to stay
-constexpr double DISTURBED = 5;              // times the median window's error
-constexpr double MOST_DISTURBED = 0.1;       // of all windows: where more are wrong, the model is
-constexpr double HALVED = 0.5;               // by a model, of the error before: it explains something there
 
 // Of the windows that count. in_noise: else in the channels' unit.
 double error_in(const Problem& problem, const FitData& data, const std::vector<VectorXd>& residual,
@@ -55,9 +53,11 @@ std::vector<bool> undisturbed(const std::vector<VectorXd>& before, const std::ve
   std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
   std::vector<bool> counts;
   for (std::size_t w = 0; w < error.size(); ++w)
-    counts.push_back(error[w] <= DISTURBED * sorted[sorted.size() / 2] || error[w] < HALVED * rms_of(before[w]));
+    counts.push_back(error[w] <= criteria().disturbed * sorted[sorted.size() / 2] ||
+                     error[w] < criteria().disturbed_halved * rms_of(before[w]));
   const auto n = std::count(counts.begin(), counts.end(), false);
-  return double(n) <= MOST_DISTURBED * double(counts.size()) ? counts : std::vector<bool>(counts.size(), true);
+  return double(n) <= criteria().disturbed_share_most * double(counts.size()) ? counts
+                                                                              : std::vector<bool>(counts.size(), true);
 }
 
 std::vector<Curve> curves_of(const Problem& problem, const FitData& data, const Fit& before, const Fit& after,
@@ -92,13 +92,13 @@ std::vector<Curve> curves_of(const Problem& problem, const FitData& data, const 
 }
 
 HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, std::size_t most_windows,
-                       const std::vector<Model>& grown, bool in_noise) {
+                       const std::vector<Model>& selected, bool in_noise) {
   HeldOut result;
-  result.kept = grown.size();
+  result.kept = selected.size();
   const std::vector<Window> windows = make_windows(problem, true, length, most_windows);
   if (windows.empty()) return result;
   // each model with its own starts and its own correction for the time step
-  std::vector<Model> models = grown;
+  std::vector<Model> models = selected;
   models.insert(models.begin(), Model{{}, VectorXd(), VectorXd()});
   std::vector<FitData> data;
   std::vector<Fit> fits;
@@ -106,12 +106,12 @@ HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, st
     data.push_back(fitter.prepare_near(windows, model));
     if (data.back().windows.empty() || data.back().windows.size() != data.front().windows.size()) break;
     fits.push_back(fitter.fit(data.back(), {model}, 0).front());
-    if (!fits.back().is_well) break;
+    if (!fits.back().succeeded) break;
   }
-  if (fits.empty() || !fits[0].is_well) return result;
+  if (fits.empty() || !fits[0].succeeded) return result;
   std::vector<VectorXd> ones;
   for (const Window& window : data[0].windows) ones.push_back(VectorXd::Ones(Eigen::Index(window.data.size())));
-  while (!fits.back().is_well) fits.pop_back();
+  while (!fits.back().succeeded) fits.pop_back();
   const std::vector<bool> all(data[0].windows.size(), true);
   const std::vector<bool> counts = fits.size() > 1 ? undisturbed(fits.front().residual, fits.back().residual) : all;
   const auto error_of = [&](std::size_t m, const std::vector<bool>& counted) {
@@ -122,7 +122,7 @@ HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, st
   result.kept = 0;
   for (std::size_t m = 1; m < fits.size(); ++m) {
     const double after = error_of(m, counts);
-    if (m > 1 && after - result.floor > (1 - LEAST_GAP_OF_SECOND) * (result.after - result.floor)) break;
+    if (m > 1 && after - result.floor > (1 - criteria().second_gap_closed_least) * (result.after - result.floor)) break;
     result.after = after;
     result.kept = m;
   }

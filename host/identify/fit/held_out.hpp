@@ -35,11 +35,11 @@ struct HeldOut {
 // more than five times the median window and less than halved, if they are at most a tenth of all; else all.
 std::vector<bool> undisturbed(const std::vector<Eigen::VectorXd>& before, const std::vector<Eigen::VectorXd>& after);
 
-// grown: models that grow by one effect each; an effect stays only if it closes enough of what was left before it.
+// selected: models with one effect more each; an effect stays only if it closes enough of the gap before it.
 // Windows that are disturbed by the last of them count in none of the errors.
 // length: of windows [s], 0: whole runs. in_noise: errors in units of noise, where channels have several units.
 HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, std::size_t most_windows,
-                       const std::vector<Model>& grown, bool in_noise);
+                       const std::vector<Model>& selected, bool in_noise);
 
 std::vector<Curve> curves_of(const Problem& problem, const FitData& data, const Fit& before, const Fit& after,
                              std::size_t most);

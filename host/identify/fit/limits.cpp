@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/identify/criteria.hpp"
 #include "host/identify/fit/fit_cost.hpp"
 
 namespace pvg::diagnose {
 namespace {
 
-constexpr double HIGHEST = 1, LOWEST = 1e-3;  // limits that are tried, in their units
-constexpr int N_BETWEEN = 7;                  // between one that is felt and its double
-constexpr double FELT = 1e-3;                 // rms in units of noise
+constexpr int N_BETWEEN = 7;  // between one that is felt and its double
 
 // Whether each value of the candidate's only parameter changes anything; what cannot be simulated surely does.
 std::vector<char> is_felt(Fitter& fitter, const FitData& data, const Fit& base, const Candidate& candidate,
@@ -22,12 +21,12 @@ std::vector<char> is_felt(Fitter& fitter, const FitData& data, const Fit& base, 
   std::vector<char> felt;
   for (const std::vector<Prediction>& windows : found) {
     std::vector<Eigen::VectorXd> change;
-    bool is_well = true;
+    bool succeeded = true;
     for (std::size_t w = 0; w < windows.size(); ++w) {
-      is_well = is_well && windows[w].is_well;
-      if (is_well) change.push_back(windows[w].residual - base.residual[w]);
+      succeeded = succeeded && windows[w].succeeded;
+      if (succeeded) change.push_back(windows[w].residual - base.residual[w]);
     }
-    felt.push_back(!is_well || rms(change) > FELT);
+    felt.push_back(!succeeded || rms(change) > criteria().limit_felt);
   }
   return felt;
 }
@@ -44,7 +43,8 @@ void place_limits(Fitter& fitter, const FitData& data, const Fit& base, std::vec
     if (candidate.parameters.size() != 1 || !candidate.parameters[0].is_limit) continue;
     Parameter& limit = candidate.parameters[0];
     std::vector<double> values;
-    for (double value = std::min(limit.high, HIGHEST); value > std::max(limit.low, LOWEST); value /= 2)
+    for (double value = std::min(limit.high, criteria().limit_highest);
+         value > std::max(limit.low, criteria().limit_lowest); value /= 2)
       values.push_back(value);
     const std::size_t coarse = first_felt(is_felt(fitter, data, base, candidate, values));
     if (coarse == values.size()) continue;

@@ -1,18 +1,14 @@
-// Windows made ready for fits: how they answer to their starts, and what their time step does wrong.
+// Windows made ready for fits: sensitivities to their starts, and the error of their time step.
 #include <algorithm>
 #include <cmath>
 
+#include "host/identify/criteria.hpp"
 #include "host/identify/fit/fit.hpp"
 
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
-constexpr double NEAR_NOISE = 1.1;  // of residuals: the starts are good enough as measured
-// of a start that windows are prepared about, in units of its sigma: a wrong model must not take them far from what was
-// measured
-constexpr double MOST_SHIFT = 4 / START_LOOSENESS;
-constexpr double MOST_CORRECTION = 5;  // rms in units of noise; more is no small error of the integration
 
 }  // namespace
 
@@ -50,7 +46,7 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corre
     for (const Unknown& unknown : window.unknowns) {
       jobs.push_back(jobs.back());
       jobs.back().initial = window.initial;
-      move(jobs.back().initial, unknown, START_STEP * unknown.sigma);
+      move(jobs.back().initial, unknown, criteria().difference_start * unknown.sigma);
     }
   }
   const std::vector<Prediction> found = predictor_.predict(jobs);
@@ -59,27 +55,27 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corre
   if (corrects)
     for (const Window& window : data.windows) fine_jobs.push_back({&fine, &window, window.initial, false});
   const std::vector<Prediction> finer = predictor_.predict(fine_jobs);
-  std::vector<Window> well;
+  std::vector<Window> kept;
   std::size_t at_job = 0, at_window = 0;
   for (const Window& window : data.windows) {
     const Prediction* better = corrects ? &finer[at_window++] : nullptr;
     const Prediction& here = found[at_job++];
     MatrixXd u(Eigen::Index(window.data.size()), Eigen::Index(window.unknowns.size()));
-    bool is_well = here.is_well;
+    bool succeeded = here.succeeded;
     for (std::size_t k = 0; k < window.unknowns.size(); ++k, ++at_job) {
-      is_well = is_well && found[at_job].is_well;
-      u.col(Eigen::Index(k)) = (found[at_job].residual - here.residual) / START_STEP;
+      succeeded = succeeded && found[at_job].succeeded;
+      u.col(Eigen::Index(k)) = (found[at_job].residual - here.residual) / criteria().difference_start;
     }
-    if (!is_well) continue;
-    well.push_back(window);
-    if (better && better->is_well) {
+    if (!succeeded) continue;
+    kept.push_back(window);
+    if (better && better->succeeded) {
       const VectorXd change = richardson_factor(base_.scene) * (better->residual - here.residual),
                      left = beside_starts(u, change);
-      if (left.norm() < MOST_CORRECTION * std::sqrt(double(left.size()))) well.back().correction = left;
+      if (left.norm() < criteria().step_correction_most * std::sqrt(double(left.size()))) kept.back().correction = left;
     }
     data.of_start.push_back(std::move(u));
   }
-  data.windows = std::move(well);
+  data.windows = std::move(kept);
   return data;
 }
 
@@ -91,11 +87,13 @@ FitData Fitter::prepare_near(std::vector<Window> windows, const Model& at) {
 }
 
 FitData Fitter::prepared_nearer(FitData data, const Fit& fit) {
-  if (!fit.is_well || rms(fit.residual) < NEAR_NOISE) return data;
+  if (!fit.succeeded || rms(fit.residual) < criteria().start_good_enough) return data;
+  // a wrong model must not take the starts far from what was measured
+  const double most = criteria().start_shift_most / criteria().start_looseness;
   for (std::size_t w = 0; w < data.windows.size(); ++w)
     for (std::size_t k = 0; k < data.windows[w].unknowns.size(); ++k) {
       const Unknown& unknown = data.windows[w].unknowns[k];
-      const double by = std::clamp(fit.delta[w][Eigen::Index(k)], -MOST_SHIFT, MOST_SHIFT);
+      const double by = std::clamp(fit.delta[w][Eigen::Index(k)], -most, most);
       move(data.windows[w].initial, unknown, by * unknown.sigma);
     }
   return prepare(std::move(data.windows), data.at);

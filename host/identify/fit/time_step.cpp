@@ -7,21 +7,10 @@
 #include <map>
 #include <numeric>
 
+#include "host/identify/criteria.hpp"
+
 namespace pvg::diagnose {
 namespace {
-
-constexpr double MOST_ERROR = 2.5, MOST_FIRST_ORDER_ERROR =
-                                       0.4;  // rms in units of noise, beside what the starts take up; it is corrected
-// likewise where masks are what was measured: what is left is not corrected, and whole pixels alone make the second
-constexpr double MOST_ERROR_OF_MASKS = 0.3, ERROR_OF_PIXELS = 1;
-constexpr double SOLVED = 1e-6;  // Newton's tolerance, so that answers to small changes are exact [m/s]
-constexpr double QUIET = 0.1;    // rms of a column beside the one that differs most
-
-// a world that needs more is one of a change that was too much; it would hold up all others
-constexpr int MOST_HALVINGS = 1;
-
-constexpr int MOST_REFINEMENTS = 2;
-constexpr double CONVERGES = 0.6;  // of the step's error, after each halving; of first order it is a half
 
 struct Choice {
   SolverSettings::Integrator integrator;
@@ -34,7 +23,7 @@ struct Choice {
 double apart(const FitData& data, const std::vector<Prediction>& a, const std::vector<Prediction>& b) {
   std::map<std::pair<int, int>, std::pair<double, double>> columns;  // channel, component: sum of squares, how many
   for (std::size_t w = 0; w < a.size(); ++w) {
-    if (!a[w].is_well || !b[w].is_well) continue;
+    if (!a[w].succeeded || !b[w].succeeded) continue;
     const Eigen::VectorXd d = beside_starts(data.of_start[w], a[w].residual - b[w].residual);
     std::map<std::pair<int, int>, std::vector<double>> squares;
     for (std::size_t i = 0; i < data.windows[w].data.size(); ++i) {
@@ -51,7 +40,7 @@ double apart(const FitData& data, const std::vector<Prediction>& a, const std::v
   double most = 0, sum = 0, n = 0;
   for (const auto& [column, total] : columns) most = std::max(most, total.first / total.second);
   for (const auto& [column, total] : columns) {
-    if (total.first / total.second < QUIET * QUIET * most) continue;
+    if (total.first / total.second < criteria().step_quiet_column * criteria().step_quiet_column * most) continue;
     sum += total.first;
     n += total.second;
   }
@@ -62,8 +51,8 @@ double apart(const FitData& data, const std::vector<Prediction>& a, const std::v
 double misfit(const FitData& data, const std::vector<Prediction>& predictions) {
   std::vector<double> of_window;
   for (std::size_t w = 0; w < predictions.size(); ++w)
-    of_window.push_back(predictions[w].is_well ? rms({beside_starts(data.of_start[w], predictions[w].residual)})
-                                               : INFINITY);
+    of_window.push_back(predictions[w].succeeded ? rms({beside_starts(data.of_start[w], predictions[w].residual)})
+                                                 : INFINITY);
   if (of_window.empty()) return INFINITY;
   const auto middle = of_window.begin() + std::ptrdiff_t(of_window.size() / 2);
   std::nth_element(of_window.begin(), middle, of_window.end());
@@ -74,9 +63,9 @@ double misfit(const FitData& data, const std::vector<Prediction>& predictions) {
 
 std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem& problem, Variant& base) {
   SolverSettings& solver = base.scene.solver;
-  solver.velocity_tolerance = std::min(solver.velocity_tolerance, SOLVED);
+  solver.velocity_tolerance = std::min(solver.velocity_tolerance, criteria().newton_tolerance);
   solver.cg_tolerance = std::min(solver.cg_tolerance, 1e-8);
-  solver.max_step_halvings = std::min(solver.max_step_halvings, MOST_HALVINGS);
+  solver.max_step_halvings = std::min(solver.max_step_halvings, criteria().step_n_halvings);
   const SolverSettings as_given = solver;
   const double h = solver.time_step;
   const FitData data =
@@ -97,8 +86,10 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   // with soft bodies and cloth finer steps would take too long
   const bool is_stiff = base.scene.soft_bodies.empty() && base.scene.cloths.empty();
   const bool by_pixels = is_stiff && !problem.recording.mask_sources.empty();
-  const double allowed = by_pixels ? MOST_ERROR_OF_MASKS : is_first_order ? MOST_FIRST_ORDER_ERROR : MOST_ERROR;
-  const double small = by_pixels ? ERROR_OF_PIXELS : allowed;
+  const double allowed = by_pixels        ? criteria().step_error_most_masks
+                         : is_first_order ? criteria().step_error_most_dissipative
+                                          : criteria().step_error_most;
+  const double small = by_pixels ? criteria().step_error_pixels : allowed;
   const bool is_as_given = error < allowed;
   if (!is_as_given) {
     const bool was_bdf2 = solver.integrator == bdf2;
@@ -107,13 +98,13 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   }
   const double misfit_as_given = misfit(data, coarse);
   bool converges = true;
-  for (int halving = 0; error >= allowed && converges && halving < MOST_REFINEMENTS; ++halving) {
+  for (int halving = 0; error >= allowed && converges && halving < criteria().step_n_refinements; ++halving) {
     const double before = error;
     solver.time_step /= 2;
     coarse = std::move(fine);
     fine = predict({bdf2, solver.time_step / 2});
     error = richardson_factor(base.scene) * apart(data, coarse, fine);
-    converges = error < std::max(small, CONVERGES * before);
+    converges = error < std::max(small, criteria().step_converges * before);
   }
   const bool is_small = error < small, is_nearer = misfit(data, fine) < misfit_as_given;
   const bool keeps_as_given = !is_small && !(converges && is_nearer);

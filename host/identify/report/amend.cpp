@@ -1,5 +1,5 @@
 // The scene file with what was found: effects added by name, wrong numbers replaced. What the measurement has wrong
-// stands in a comment; only a lens is the scene's, too.
+// is written as a comment; only a lens is the scene's, too.
 #include <yaml-cpp/yaml.h>
 
 #include "host/identify/report/report.hpp"
@@ -163,7 +163,8 @@ std::string amended_scene(const Problem& problem, const Diagnosis& diagnosis, co
                                                              : set_number(root, candidate.name, candidate.target, value,
                                                                           value / candidate.parameters[0].off);
       if (!is_set)
-        head += "# to set by hand, where the scene's files say it: " + candidate.label() + " = " + shown(value) + "\n";
+        head +=
+            "# to set by packet, where the scene's files say it: " + candidate.label() + " = " + shown(value) + "\n";
     } else {
       head += "# the measurement: " + candidate.label();
       for (const NamedParameter& p : effect.parameters) head += ", " + p.name + " " + shown(p.value) + " " + p.unit;

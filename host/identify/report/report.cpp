@@ -7,13 +7,13 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.hpp"
+#include "host/identify/criteria.hpp"
 
 namespace pvg::diagnose {
 namespace {
 
 using json = nlohmann::ordered_json;
-constexpr std::size_t MOST_RIVALS = 3;    // that a sentence holds
-constexpr double HELD_OUT_AGREES = 1.15;  // of the noise, as fitted runs that agree
+constexpr std::size_t MOST_ALTERNATIVES = 3;  // that a sentence holds
 
 void write(const std::filesystem::path& file, const std::string& text) {
   std::ofstream out(file, std::ios::binary);
@@ -26,20 +26,20 @@ std::string with_interval(const NamedParameter& p) {
 }
 
 // " (these data cannot tell it from linear_drag at ball)": of the sets that hold the name, what is not named.
-std::string rivals_of(const Diagnosis& d, const std::string& label) {
-  std::vector<std::string> rivals;
+std::string alternatives_of(const Diagnosis& d, const std::string& label) {
+  std::vector<std::string> others;
   for (const std::vector<std::string>& set : d.inseparable) {
     if (std::find(set.begin(), set.end(), label) == set.end()) continue;
     for (const std::string& other : set) {
       const bool is_named = std::any_of(d.effects.begin(), d.effects.end(),
                                         [&](const NamedEffect& e) { return e.candidate->label() == other; });
-      if (!is_named && std::find(rivals.begin(), rivals.end(), other) == rivals.end()) rivals.push_back(other);
+      if (!is_named && std::find(others.begin(), others.end(), other) == others.end()) others.push_back(other);
     }
   }
-  if (rivals.empty()) return "";
-  std::string text = " (these data cannot tell it from " + rivals[0];
-  for (std::size_t i = 1; i < std::min(rivals.size(), MOST_RIVALS); ++i) text += " or " + rivals[i];
-  if (rivals.size() > MOST_RIVALS) text += " or " + std::to_string(rivals.size() - MOST_RIVALS) + " others";
+  if (others.empty()) return "";
+  std::string text = " (these data cannot tell it from " + others[0];
+  for (std::size_t i = 1; i < std::min(others.size(), MOST_ALTERNATIVES); ++i) text += " or " + others[i];
+  if (others.size() > MOST_ALTERNATIVES) text += " or " + std::to_string(others.size() - MOST_ALTERNATIVES) + " others";
   return text + ")";
 }
 
@@ -149,7 +149,7 @@ std::string sentence_of(const Diagnosis& d) {
   if (d.verdict == Verdict::none) {
     std::string text = "none of the known effects explains the misfit of " + shown(d.fit_before) + " times the noise";
     if (!d.where.empty()) text += ", most of which is of " + d.where[0].body + " (" + d.where[0].phase + ")";
-    if (d.floor > 0 && d.before < HELD_OUT_AGREES * d.floor) {
+    if (d.floor > 0 && d.before < criteria().agrees_rms * d.floor) {
       text += "; the held-out runs agree with the scene as it stands: their error is " + shown(d.before) + unit +
               ", noise floor " + shown(d.floor);
     } else if (!d.effects.empty()) {
@@ -171,10 +171,10 @@ std::string sentence_of(const Diagnosis& d) {
     std::string values;
     for (const NamedParameter& p : e.parameters) values += (values.empty() ? "" : ", ") + with_interval(p);
     what += (what.empty() ? "" : "; ") + std::string(word) + e.candidate->label() + ", " + values +
-            rivals_of(d, e.candidate->label());
+            alternatives_of(d, e.candidate->label());
   }
   std::string text = what + "; " + judged;
-  if (d.after > 1.5 * d.floor) text += "; partly explained";
+  if (d.after > criteria().unexplained * d.floor) text += "; partly explained";
   return text;
 }
 

@@ -4,14 +4,10 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
+#include "host/identify/criteria.hpp"
 
 namespace pvg::diagnose {
 namespace {
-
-constexpr double COHERENT = 0.35;    // misfit over signal up to which a window's model is near enough to be linearised
-constexpr double HOPELESS = 2;       // times that: better starts will not help
-constexpr double LONGEST_WHOLE = 8;  // of a run that is one window [s]
-constexpr double MOST_WORLDS = 208;  // that a slope of all starts takes, those with impacts counted twice
 
 double longest_run(const Problem& problem) {
   double longest = 0;
@@ -19,7 +15,7 @@ double longest_run(const Problem& problem) {
   return longest;
 }
 
-// That a window takes, to see how it answers to its start.
+// Worlds that a window takes for the sensitivities to its start.
 double n_worlds(const Problem& problem) {
   double n = 1 + 2 * double(problem.coordinates.size()) + 12 * double(problem.free_bodies.size());
   const auto can_hit = [&](int b) {
@@ -52,8 +48,10 @@ double signal_of(const Problem& problem, const Window& window) {
 bool is_coherent(const Problem& problem, const FitData& data, const Fit& fit, double times = 1) {
   std::size_t n_near = 0;
   for (std::size_t w = 0; w < data.windows.size(); ++w)
-    n_near += rms({fit.residual[w]}) < times * std::max(COHERENT * signal_of(problem, data.windows[w]), 3.0);
-  return 4 * n_near >= 3 * data.windows.size();
+    n_near +=
+        rms({fit.residual[w]}) < times * std::max(criteria().window_coherent * signal_of(problem, data.windows[w]),
+                                                  criteria().window_coherent_floor);
+  return double(n_near) >= criteria().windows_coherent_share * double(data.windows.size());
 }
 
 // A fit of the starts alone, with what a base of candidates needs.
@@ -70,8 +68,8 @@ Fit of_no_effect(const FitData& data, Fit fit) {
 
 std::size_t most_windows(const Problem& problem, double simulated_seconds, double length) {
   const double each = length > 0 ? length : longest_run(problem);
-  const double most = std::min(simulated_seconds / std::max(each, 1e-6), MOST_WORLDS / n_worlds(problem));
-  return std::clamp<std::size_t>(std::size_t(most), 4, 40);
+  const double most = std::min(simulated_seconds / std::max(each, 1e-6), criteria().n_worlds_most / n_worlds(problem));
+  return std::clamp(std::size_t(most), criteria().n_windows_least, criteria().n_windows_most);
 }
 
 Fit fit_as_it_stands(Fitter& fitter, const FitData& data) {
@@ -101,8 +99,9 @@ ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simu
   std::vector<double> lengths = {0};
   if (problem.can_restart) {
     lengths = {0, 2, 1, 0.5, 0.25};
-    std::erase_if(lengths,
-                  [&](double length) { return length > 0.8 * longest || (length == 0 && longest > LONGEST_WHOLE); });
+    std::erase_if(lengths, [&](double length) {
+      return length > 0.8 * longest || (length == 0 && longest > criteria().whole_run_longest);
+    });
   }
   for (const double length : lengths) {
     FitData data = fitter.prepare(
@@ -110,7 +109,8 @@ ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simu
     if (data.windows.empty()) continue;
     Fit base = of_no_effect(data, fitter.fit(data, {as_it_stands}, 0).front());
     chosen = {length, std::move(data), std::move(base)};
-    if (length != lengths.back() && !is_coherent(problem, chosen.data, chosen.base, HOPELESS)) continue;
+    if (length != lengths.back() && !is_coherent(problem, chosen.data, chosen.base, criteria().window_hopeless))
+      continue;
     data = fitter.prepared_nearer(chosen.data, chosen.base);
     if (data.windows.empty()) continue;
     base = fit_as_it_stands(fitter, data);

@@ -1,4 +1,4 @@
-// Whole runs, or shorter windows where the model as it stands parts too far from the measurement to be linearised.
+// Whole runs, or shorter windows where the present model is too far from the measurement to be linearised.
 #pragma once
 #include "host/identify/fit/fit.hpp"
 

@@ -5,20 +5,19 @@
 #include <map>
 #include <numeric>
 
+#include "host/identify/criteria.hpp"
+
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
-constexpr double CUT = 4;                  // residuals count at most so many scales
-constexpr double LEAST_DIFFERENCE = 0.02;  // of errors, relative: less is the arithmetic's
-constexpr std::size_t MOST_GROUPS = 8;
-// logs: a number of the scene is wrong more often than its sensor, or than something is missing
-constexpr double FAMILY_PRIOR[] = {-1, 0, -0.5};  // physical, parameter, measurement
-constexpr double UNEXPLAINED = 1.5;               // left-out error, times the noise
-constexpr double NEARLY_AS_MUCH = 0.6;            // of what the best closes
-constexpr double CLEARLY_LESS = 10;               // of evidence, a log: no simpler model is as good then
-constexpr double HARDLY_BELIEVED = 5;             // likewise of belief: being simpler does not make up for it
-constexpr std::size_t MOST_LAG = 50;              // samples
+// a number of the scene is wrong more often than its sensor, or than something is missing
+double family_log_prior(Family family) {
+  const Criteria& c = criteria();
+  return family == Family::physical    ? c.log_prior_physical
+         : family == Family::parameter ? c.log_prior_parameter
+                                       : c.log_prior_measurement;
+}
 
 // windows -> groups that are left out together
 std::vector<std::size_t> groups_of(const FitData& data) {
@@ -27,7 +26,8 @@ std::vector<std::size_t> groups_of(const FitData& data) {
   std::vector<std::size_t> group;
   const std::size_t n = data.windows.size();
   for (std::size_t w = 0; w < n; ++w)
-    group.push_back(runs.size() >= 3 ? runs.at(data.windows[w].run) % MOST_GROUPS : w * std::min(n, MOST_GROUPS) / n);
+    group.push_back(runs.size() >= criteria().n_runs_as_groups ? runs.at(data.windows[w].run) % criteria().n_groups_most
+                                                               : w * std::min(n, criteria().n_groups_most) / n);
   return group;
 }
 
@@ -42,7 +42,7 @@ std::vector<VectorXd> left_out(const Fit& fit, const std::vector<std::size_t>& g
     VectorXd g = VectorXd::Zero(fit.model.x.size());
     for (std::size_t w = 0; w < group.size(); ++w)
       if (group[w] != k) a += reduced.a[w], g += reduced.g[w];
-    // where the others do not tell a parameter it stays where it is
+    // a parameter to which the others are not sensitive stays where it is
     a.diagonal().array() += 1e-6 * reduced.sum_a().diagonal().array();
     VectorXd dx = -a.ldlt().solve(g);
     for (Eigen::Index i = 0; i < dx.size(); ++i) {
@@ -62,7 +62,7 @@ std::vector<VectorXd> left_out(const Fit& fit, const std::vector<std::size_t>& g
 // How many samples in a row say the same: 1 for white residuals, else the integrated autocorrelation of each window's
 // channels, 1 + 2 sum_k rho_k up to the first lag at which it is lost in the noise of its estimate.
 double correlation_length(const FitData& data, const std::vector<VectorXd>& residual) {
-  std::vector<double> covariance(1 + MOST_LAG, 0);
+  std::vector<double> covariance(1 + criteria().correlation_lag_most, 0);
   double n = 0;
   for (std::size_t w = 0; w < data.windows.size(); ++w) {
     std::map<std::pair<int, int>, std::vector<double>> series;
@@ -72,12 +72,12 @@ double correlation_length(const FitData& data, const std::vector<VectorXd>& resi
     }
     for (const auto& [channel, r] : series) {
       n += double(r.size());
-      for (std::size_t lag = 0; lag <= MOST_LAG; ++lag)
+      for (std::size_t lag = 0; lag <= criteria().correlation_lag_most; ++lag)
         for (std::size_t i = lag; i < r.size(); ++i) covariance[lag] += r[i] * r[i - lag];
     }
   }
   double length = 1;
-  for (std::size_t lag = 1; lag <= MOST_LAG && covariance[0] > 0; ++lag) {
+  for (std::size_t lag = 1; lag <= criteria().correlation_lag_most && covariance[0] > 0; ++lag) {
     const double rho = covariance[lag] / covariance[0];
     if (rho < 3 / std::sqrt(n)) break;
     length += 2 * rho;
@@ -85,17 +85,17 @@ double correlation_length(const FitData& data, const std::vector<VectorXd>& resi
   return length;
 }
 
-// What is believed of the parameters' sizes and of the candidates before any data, as a log-likelihood.
-double belief_in(const Fit& fit) {
-  double belief = 0;
-  for (const Candidate* part : fit.model.parts) belief += part->prior + FAMILY_PRIOR[int(part->family)];
+// Log prior of the candidates and of the parameters' sizes.
+double log_prior_of(const Fit& fit) {
+  double log_prior = 0;
+  for (const Candidate* part : fit.model.parts) log_prior += part->prior + family_log_prior(part->family);
   const std::vector<const Parameter*> parameters = fit.model.parameters();
   for (std::size_t i = 0; i < parameters.size(); ++i)
     if (parameters[i]->believed > 0) {
       const double away = (fit.model.x[Eigen::Index(i)] - parameters[i]->off) / parameters[i]->believed;
-      belief -= 0.5 * away * away;
+      log_prior -= 0.5 * away * away;
     }
-  return belief;
+  return log_prior;
 }
 
 struct GroupErrors {
@@ -127,10 +127,10 @@ GroupErrors errors_of(const std::vector<VectorXd>& residual, const std::vector<s
 struct Difference {
   double absolute = 0, noise = 0, relative = 0, relative_sigma = 0, against = 0;
   bool is_gain(double n_sigma) const {
-    return absolute > n_sigma * noise && relative > std::max(n_sigma * against, LEAST_DIFFERENCE);
+    return absolute > n_sigma * noise && relative > std::max(n_sigma * against, criteria().relative_gain_least);
   }
   bool is_more_than(double n_sigma) const {
-    return absolute > n_sigma * noise && relative > std::max(n_sigma * relative_sigma, LEAST_DIFFERENCE);
+    return absolute > n_sigma * noise && relative > std::max(n_sigma * relative_sigma, criteria().relative_gain_least);
   }
 };
 
@@ -159,7 +159,8 @@ bool excludes_off(const Fit& fit, std::size_t n_base) {
   bool any = false;
   for (std::size_t i = n_base; i < parameters.size(); ++i) {
     const double away = std::abs(fit.model.x[Eigen::Index(i)] - parameters[i]->off);
-    any = any || away > 2 * std::sqrt(std::max(fit.covariance(Eigen::Index(i), Eigen::Index(i)), 0.0));
+    any = any ||
+          away > criteria().gain_sigma * std::sqrt(std::max(fit.covariance(Eigen::Index(i), Eigen::Index(i)), 0.0));
   }
   return any;
 }
@@ -199,13 +200,13 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
   const std::vector<std::size_t> group = groups_of(data);
   double scale = base.scale;
   for (const Fit& fit : fits)
-    if (fit.is_well) scale = std::min(scale, fit.scale);
+    if (fit.succeeded) scale = std::min(scale, fit.scale);
   const std::vector<VectorXd> base_residual = left_out(base, group);
-  const double cut = CUT * std::max(scale, base.scale);
+  const double cut = criteria().residual_cut * std::max(scale, base.scale);
   const GroupErrors base_errors = errors_of(base_residual, group, cut);
   const Fit* closest = &base;
   for (const Fit& fit : fits)
-    if (fit.is_well && robust_cost(fit.residual, scale) < robust_cost(closest->residual, scale)) closest = &fit;
+    if (fit.succeeded && robust_cost(fit.residual, scale) < robust_cost(closest->residual, scale)) closest = &fit;
   const double correlated = correlation_length(data, closest->residual);
   decision.base_error = std::sqrt(base_errors.mean());
   double n_data = 0;
@@ -217,7 +218,7 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
   };
   std::vector<Entry> entries;
   for (const Fit& fit : fits) {
-    if (!fit.is_well) continue;
+    if (!fit.succeeded) continue;
     Entry entry{{&fit}, {}, left_out(fit, group)};
     entry.errors = errors_of(entry.residual, group, cut);
     Judged& judged = entry.judged;
@@ -229,9 +230,11 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
     double squares = 0;
     for (const VectorXd& r : fit.residual) squares += r.array().square().min(cut * cut).sum();
     judged.evidence = -0.5 * squares / (scale * scale * correlated) -
-                      0.5 * double(fit.model.x.size()) * std::log(std::max(n_data / correlated, 2.0)) + belief_in(fit);
+                      0.5 * double(fit.model.x.size()) * std::log(std::max(n_data / correlated, 2.0)) +
+                      log_prior_of(fit);
     judged.excludes_off = excludes_off(fit, std::size_t(base.model.x.size()));
-    judged.passes = judged.excludes_off && !is_at_bound(fit, std::size_t(base.model.x.size())) && better.is_gain(2);
+    judged.passes = judged.excludes_off && !is_at_bound(fit, std::size_t(base.model.x.size())) &&
+                    better.is_gain(criteria().gain_sigma);
     entries.push_back(std::move(entry));
   }
   std::stable_sort(entries.begin(), entries.end(),
@@ -251,33 +254,35 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
     return !difference(a.errors, than.errors, a.residual, than.residual, scale, cut, correlated).is_more_than(n_sigma);
   };
   // with one group nothing is left out, and the scatter between groups is not known
-  const double near = *std::max_element(group.begin(), group.end()) == 0 ? 2 : 1;
+  const double near =
+      *std::max_element(group.begin(), group.end()) == 0 ? criteria().gain_sigma : criteria().as_good_sigma;
   for (std::size_t i = 0; best >= 0 && i < entries.size(); ++i) {
     const Judged &now = entries[std::size_t(decision.chosen)].judged, &other = entries[i].judged;
     if (!other.passes || !is_as_good(entries[i], entries[std::size_t(best)], near) ||
-        other.evidence < entries[std::size_t(best)].judged.evidence - CLEARLY_LESS)
+        other.evidence < entries[std::size_t(best)].judged.evidence - criteria().evidence_margin)
       continue;
     const Eigen::Index p = other.fit->model.x.size(), q = now.fit->model.x.size();
-    const double more_believed = belief_in(*other.fit) - belief_in(*now.fit);
+    const double log_prior_gain = log_prior_of(*other.fit) - log_prior_of(*now.fit);
     const bool has_more_evidence = other.evidence > now.evidence;
-    if ((p < q && more_believed > -HARDLY_BELIEVED) || (p == q && has_more_evidence) ||
-        (p > q && more_believed > HARDLY_BELIEVED && has_more_evidence))
+    if ((p < q && log_prior_gain > -criteria().log_prior_margin_simpler) || (p == q && has_more_evidence) ||
+        (p > q && log_prior_gain > criteria().log_prior_margin_simpler && has_more_evidence))
       decision.chosen = int(i);
   }
-  // where the best leaves much, its lead may be its skill in standing in for what else is wrong: then what is believed
-  // before counts first among all that close nearly as much
-  if (best >= 0 && entries[std::size_t(best)].judged.error > UNEXPLAINED) {
+  // where the best leaves much unexplained its lead may come from standing in for something else: the log prior comes
+  // first among all models that close nearly as much
+  if (best >= 0 && entries[std::size_t(best)].judged.error > criteria().unexplained) {
     const double most = decision.base_error - entries[std::size_t(best)].judged.error;
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const Judged &now = entries[std::size_t(decision.chosen)].judged, &other = entries[i].judged;
-      if (other.passes && decision.base_error - other.error > NEARLY_AS_MUCH * most &&
-          belief_in(*other.fit) > belief_in(*now.fit) + 1)
+      if (other.passes && decision.base_error - other.error > criteria().nearly_as_much * most &&
+          log_prior_of(*other.fit) > log_prior_of(*now.fit) + criteria().log_prior_margin)
         decision.chosen = int(i);
     }
   }
   if (decision.chosen >= 0)
     for (std::size_t i = 0; i < entries.size(); ++i)
-      if (entries[i].judged.passes && is_as_good(entries[i], entries[std::size_t(decision.chosen)], 2))
+      if (entries[i].judged.passes &&
+          is_as_good(entries[i], entries[std::size_t(decision.chosen)], criteria().gain_sigma))
         decision.inseparable.push_back(i);
   if (decision.inseparable.size() < 2) decision.inseparable.clear();
   for (Entry& e : entries) decision.ranking.push_back(e.judged);

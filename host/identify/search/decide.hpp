@@ -24,7 +24,7 @@ struct Judged {
 struct Decision {
   std::vector<Judged> ranking;           // best first
   int chosen = -1;                       // of ranking; -1: none passes
-  std::vector<std::size_t> inseparable;  // of ranking, the chosen one among them; empty: it stands alone
+  std::vector<std::size_t> inseparable;  // of ranking, the chosen one among them; empty: nothing is as good
   double base_error = 0;
 };
 

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "host/base/error.hpp"
+#include "host/identify/criteria.hpp"
 #include "host/identify/data/noise.hpp"
 #include "host/identify/fit/limits.hpp"
 #include "host/identify/fit/time_step.hpp"
@@ -21,10 +22,7 @@ namespace pvg::diagnose {
 namespace {
 
 using Eigen::VectorXd;
-constexpr double SHORT_WINDOW = 0.25;                   // of localisation [s]
-constexpr double UNMOVED = 1e-6;                        // of its standard deviation: nothing answered to it
-constexpr double AGREES_RMS = 1.15, AGREES_CELL = 1.5;  // of residuals in units of noise
-constexpr double AGREES_HELD_OUT = 1.5;                 // likewise; beyond it is told
+constexpr double UNMOVED = 1e-6;  // of its standard deviation: nothing is sensitive to it
 
 Model empty_model() { return {{}, VectorXd(), VectorXd()}; }
 
@@ -45,8 +43,9 @@ std::vector<std::string> find_where(Workflow& flow, const ChosenWindows& chosen)
     return localise(flow.problem, windows.windows, fit.residual, phases);
   };
   flow.out.where = where(chosen.data, chosen.base);
-  if (flow.problem.can_restart && chosen.length != SHORT_WINDOW) {
-    const FitData near = flow.fitter.prepare(make_windows(flow.problem, false, SHORT_WINDOW, 40), empty_model());
+  if (flow.problem.can_restart && chosen.length != criteria().locate_window) {
+    const FitData near = flow.fitter.prepare(
+        make_windows(flow.problem, false, criteria().locate_window, criteria().n_windows_most), empty_model());
     if (!near.windows.empty()) {
       const std::vector<Cell> cells = where(near, flow.fitter.fit(near, {empty_model()}, 0).front());
       if (any_significant(cells)) flow.out.where = cells;
@@ -56,11 +55,11 @@ std::vector<std::string> find_where(Workflow& flow, const ChosenWindows& chosen)
 }
 
 bool agrees(const Problem& problem, const FitData& data, const Fit& base) {
-  if (rms(base.residual) > AGREES_RMS) return false;
+  if (rms(base.residual) > criteria().agrees_rms) return false;
   std::vector<std::vector<Phase>> one;
   for (const Window& window : data.windows) one.push_back(std::vector<Phase>(window.data.size(), Phase::free));
   for (const Cell& cell : localise(problem, data.windows, base.residual, one))
-    if (cell.is_significant && cell.rms > AGREES_CELL) return false;
+    if (cell.is_significant && cell.rms > criteria().agrees_cell_rms) return false;
   return true;
 }
 
@@ -88,19 +87,19 @@ Verdict verdict_of(const std::vector<NamedEffect>& effects) {
   return any_physical ? Verdict::effect : any_parameter ? Verdict::retune : Verdict::measurement;
 }
 
-// Stage 7: what stays of what has grown, and the curves. Returns whether there was a held-out run to judge by.
-bool prove(Workflow& flow, const ChosenWindows& chosen, const std::vector<Fit>& grown) {
+// Stage 7: what stays of what has selected, and the curves. Returns whether there was a held-out run to judge by.
+bool prove(Workflow& flow, const ChosenWindows& chosen, const std::vector<Fit>& selected) {
   const Problem& problem = flow.problem;
   Diagnosis& out = flow.out;
   std::vector<Model> models;
-  for (const Fit& fit : grown) models.push_back(fit.model);
+  for (const Fit& fit : selected) models.push_back(fit.model);
   const std::size_t most = most_windows(problem, flow.settings.simulated_seconds, chosen.length);
   HeldOut judged = judge_held_out(flow.fitter, problem, chosen.length, most, models, out.unit == "noise");
-  const Fit& named = grown.empty() ? chosen.base : grown[std::max<std::size_t>(judged.kept, 1) - 1];
+  const Fit& named = selected.empty() ? chosen.base : selected[std::max<std::size_t>(judged.kept, 1) - 1];
   out.effects = named_of(named);
   if (const std::size_t left = std::max<std::size_t>(judged.kept, 1);
-      left < grown.size()) {  // the others proved nothing
-    out.ranking.erase(out.ranking.begin(), out.ranking.begin() + std::ptrdiff_t(grown.size() - left));
+      left < selected.size()) {  // the others proved nothing
+    out.ranking.erase(out.ranking.begin(), out.ranking.begin() + std::ptrdiff_t(selected.size() - left));
     out.inseparable.resize(std::min(out.inseparable.size(), left));
     out.fit_after = out.ranking.front().error;
   }
@@ -132,6 +131,9 @@ bool prove(Workflow& flow, const ChosenWindows& chosen, const std::vector<Fit>& 
 void measure(Workflow& flow) {
   Problem& problem = flow.problem;
   Diagnosis& out = flow.out;
+  for (const Criterion& one : list_criteria())
+    if (one.value != one.usual)
+      out.notes.push_back(fmt::format("criterion {}: {:g} instead of {:g}", one.name, one.value, one.usual));
   measure_noise(problem);
   if (VideoSight* video = flow.predictor.video()) add_noise_of_pictures(*video, problem);
   flow.base.scene = problem.scene.scene;
@@ -146,18 +148,18 @@ void measure(Workflow& flow) {
     out.notes.push_back(text);
     units.insert(c.unit);
     for (const Run& run : problem.runs)
-      if (const double louder = run.louder[std::size_t(&c - problem.channels.data())]; louder > 1) {
+      if (const double noise_scale = run.noise_scale[std::size_t(&c - problem.channels.data())]; noise_scale > 1) {
         std::snprintf(text, sizeof text, "noise of the %s in run %s: %.3g %s", c.name.c_str(), run.name.c_str(),
-                      c.sigma * louder, c.unit.c_str());
+                      c.sigma * noise_scale, c.unit.c_str());
         out.notes.push_back(text);
       }
   }
   // the moments of a mask have no common size, nor have the cells of a picture
   const bool has_pictures = !problem.recording.mask_sources.empty() || !problem.recording.video_sources.empty();
   out.unit = units.size() > 1 || has_pictures ? "noise" : *units.begin();
-  flow.tell(1, 0,
-            "noise of " + std::to_string(problem.channels.size()) + " channels, " +
-                std::to_string(problem.runs.size()) + " runs");
+  flow.report_progress(1, 0,
+                       "noise of " + std::to_string(problem.channels.size()) + " channels, " +
+                           std::to_string(problem.runs.size()) + " runs");
   out.notes.push_back(choose_time_step(flow.fitter, flow.predictor, problem, flow.base));
   out.used = flow.base.scene;
   flow.files.write_notes("1_measurement.json", out.notes);
@@ -173,7 +175,7 @@ ChosenWindows find_residual(Workflow& flow) {
                 chosen.length > 0 ? (std::to_string(chosen.length).substr(0, 4) + " s").c_str() : "whole runs",
                 flow.out.fit_before);
   flow.out.notes.push_back(text);
-  flow.tell(2, 0.15, text);
+  flow.report_progress(2, 0.15, text);
   flow.files.write_notes("2_residual.json", flow.out.notes);
   return chosen;
 }
@@ -184,15 +186,15 @@ void locate(Workflow& flow, const ChosenWindows& chosen) {
   flow.files.write_where(out.where);
   out.candidates = std::make_shared<std::vector<Candidate>>(make_candidates(flow.problem, touching));
   place_limits(flow.fitter, chosen.data, chosen.base, *out.candidates);
-  flow.tell(3, 0.2,
-            out.where.empty() ? "nothing located"
-                              : out.where[0].body + ", " + out.where[0].phase + ": " +
-                                    std::to_string(int(100 * out.where[0].share)) + " % of the misfit");
+  flow.report_progress(3, 0.2,
+                       out.where.empty() ? "nothing located"
+                                         : out.where[0].body + ", " + out.where[0].phase + ": " +
+                                               std::to_string(int(100 * out.where[0].share)) + " % of the misfit");
 }
 
 }  // namespace
 
-void Workflow::tell(int stage, double share, const std::string& text) const {
+void Workflow::report_progress(int stage, double share, const std::string& text) const {
   const double since = seconds();
   std::fprintf(stderr, "diagnose %d/7: %s  (%.0f s%s)\n", stage, text.c_str(), since,
                share > 0.02 && share < 1
@@ -223,6 +225,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     journal = Journal(folder / "simulated.bin",
                       journal_key(problem, std::to_string(settings.max_effects) + std::to_string(int(settings.decide)) +
                                                device.info().name));
+    if (!settings.simulates) journal.set_read_only();
     flow.predictor.keep_in(&journal);
   }
   measure(flow);
@@ -231,29 +234,29 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     out.verdict = Verdict::agrees;
     out.candidates = std::make_shared<std::vector<Candidate>>();
     prove(flow, chosen, {});
-    if (out.after > AGREES_HELD_OUT * out.floor && out.floor > 0)
+    if (out.after > criteria().agrees_held_out * out.floor && out.floor > 0)
       out.notes.push_back(
           fmt::format("the fitted runs agree with the scene, the held-out ones do not: {:.2g} times the noise",
                       out.after / out.floor));
   } else {
     locate(flow, chosen);
-    flow.tell(4, 0.25, "screening " + std::to_string(out.candidates->size()) + " candidates");
-    const std::vector<Fit> grown = grow(flow, chosen.data, chosen.base);
-    flow.tell(6, 0.9, "judging on the held-out runs");
-    const bool is_judged = prove(flow, chosen, grown);
+    flow.report_progress(4, 0.25, "screening " + std::to_string(out.candidates->size()) + " candidates");
+    const std::vector<Fit> selected = forward_selection(flow, chosen.data, chosen.base);
+    flow.report_progress(7, 0.9, "judging on the held-out runs");
+    const bool is_judged = prove(flow, chosen, selected);
     bool is_proved = !out.effects.empty();
     if (settings.decide == Decide::workflow)
-      is_proved = is_proved && is_judged && out.gap_closed >= LEAST_GAP_CLOSED && out.after < out.before;
+      is_proved = is_proved && is_judged && out.gap_closed >= criteria().gap_closed_least && out.after < out.before;
     out.verdict = is_proved ? verdict_of(out.effects) : Verdict::none;
     if (out.verdict == Verdict::none && is_judged && settings.decide == Decide::workflow &&
         flow.has_time("a law without a name")) {
-      flow.tell(6, 0.6, "none of the known effects: looking for a law of the motion");
+      flow.report_progress(7, 0.6, "none of the known effects: looking for a law of the motion");
       out.regressed = regress(flow, chosen);
     }
   }
   out.seconds = flow.seconds();
   out.simulations = flow.predictor.n_simulations();
-  journal.remove();
+  if (!settings.keeps_simulations) journal.remove();
   return std::move(out);
 }
 

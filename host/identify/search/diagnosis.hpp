@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/identify/criteria.hpp"
 #include "host/identify/fit/held_out.hpp"
 #include "host/identify/search/decide.hpp"
 #include "host/identify/search/localise.hpp"
@@ -20,10 +21,12 @@ enum class Decide { workflow, retune, lowest, weak };
 struct Settings {
   Decide decide = Decide::workflow;
   int max_effects = 2;
-  double minutes = 10;            // after which no further effect, pair or law is looked for
-  std::size_t n_fitted = 9;       // candidates that are fitted, of those screened
-  double simulated_seconds = 12;  // of all windows of one evaluation, about
-  std::size_t n_processes = 1;    // that simulate, as Predictor has them
+  double minutes = 10;                                      // after which no further effect, pair or law is looked for
+  std::size_t n_fitted = criteria().n_fitted;               // candidates that are fitted, of those screened
+  double simulated_seconds = criteria().simulated_seconds;  // of all windows of one evaluation, about
+  std::size_t n_processes = 1;                              // that simulate, as Predictor has them
+  bool keeps_simulations = false;  // the journal is left for the next diagnosis in the same folder
+  bool simulates = true;           // false: a Failure where the journal does not hold a result
 };
 
 enum class Verdict { effect, retune, measurement, none, agrees };
@@ -47,9 +50,6 @@ struct RegressedLaw {
   double before = 0, after = 0, floor = 0, gap_closed = 0;  // held-out error, as in Diagnosis
   double error = 0;                                         // of the fitting runs, left out [noise]
 };
-
-// On held-out runs, for an effect to be named, or a law to be told.
-inline constexpr double LEAST_GAP_CLOSED = 0.6;
 
 struct RankedModel {
   std::vector<const Candidate*> parts;

@@ -4,11 +4,10 @@
 #include <cmath>
 #include <map>
 
+#include "host/identify/criteria.hpp"
+
 namespace pvg::diagnose {
 namespace {
-
-constexpr double FALSE_DISCOVERIES = 0.01;
-constexpr std::size_t STRETCH = 8;  // samples in a row that together mark an onset
 
 struct Sum {
   double squares = 0;
@@ -23,9 +22,12 @@ double onset_of(Sum& sum) {
     std::sort(squares.begin(), squares.end());
     double stretch = 0;
     for (std::size_t i = 0; i < squares.size(); ++i) {
-      stretch += squares[i].second - (i >= STRETCH ? squares[i - STRETCH].second : 0);
-      if (i + 1 < STRETCH || chi_squared_tail(stretch, double(STRETCH)) > 1e-4) continue;
-      const double time = squares[i + 1 - STRETCH].first;
+      stretch +=
+          squares[i].second - (i >= criteria().onset_n_samples ? squares[i - criteria().onset_n_samples].second : 0);
+      if (i + 1 < criteria().onset_n_samples ||
+          chi_squared_tail(stretch, double(criteria().onset_n_samples)) > criteria().onset_p_value)
+        continue;
+      const double time = squares[i + 1 - criteria().onset_n_samples].first;
       if (first < 0 || time < first) first = time;
       break;
     }
@@ -72,7 +74,7 @@ std::vector<Cell> localise(const Problem& problem, const std::vector<Window>& wi
   std::sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return a.p_value < b.p_value; });
   std::size_t n_significant = 0;
   for (std::size_t i = 0; i < cells.size(); ++i)
-    if (cells[i].p_value <= FALSE_DISCOVERIES * double(i + 1) / double(cells.size())) n_significant = i + 1;
+    if (cells[i].p_value <= criteria().false_discoveries * double(i + 1) / double(cells.size())) n_significant = i + 1;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     cells[i].is_significant = i < n_significant;
     cells[i].share = all > 0 ? cells[i].share / all : 0;

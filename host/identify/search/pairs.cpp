@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "host/identify/criteria.hpp"
 #include "host/identify/search/round.hpp"
 
 namespace pvg::diagnose {
@@ -14,9 +15,8 @@ using Eigen::VectorXd;
 using Columns = std::vector<std::size_t>;
 
 // What cannot start anew from a measured state is simulated as whole runs. A swing whose frequency is a tenth off is
-// out of step after some periods, where no small change tells what a large one does: pairs are looked for in the first
+// out of step after some periods, where a small change does not predict a large one: pairs are searched in the first
 // part of the runs, of this share, and fitted to longer and longer ones.
-const std::vector<double> FIRST_PARTS = {0.25, 0.5};
 
 Model model_of(const std::vector<const Candidate*>& parts) {
   Model model{parts, {}, {}};
@@ -67,8 +67,8 @@ std::vector<Pair> best_pairs(const Signatures& signatures, double n_data) {
   std::vector<Pair> best;
   std::map<const Candidate*, std::size_t> n_of;
   for (Pair& pair : all) {
-    if (best.size() >= MOST_PAIRS) break;
-    if (n_of[pair.first] >= MOST_OF_ONE || n_of[pair.second] >= MOST_OF_ONE) continue;
+    if (best.size() >= criteria().n_pairs) break;
+    if (n_of[pair.first] >= criteria().n_pairs_of_one || n_of[pair.second] >= criteria().n_pairs_of_one) continue;
     ++n_of[pair.first];
     ++n_of[pair.second];
     best.push_back(std::move(pair));
@@ -92,13 +92,14 @@ std::vector<Screened> pairs_to_fit(Workflow& flow, const FitData& data, const Fi
 // The pairs where they are best in ever longer first parts.
 std::vector<Screened> pairs_of_first_parts(Workflow& flow, const FitData& data) {
   std::vector<Screened> starts;
-  for (const double share : FIRST_PARTS) {
+  const double first_share = criteria().pair_first_part;
+  for (const double share : {first_share, criteria().pair_second_part}) {
     const FitData part = first_part(flow.problem, data, share);
-    if (share == FIRST_PARTS.front()) starts = pairs_to_fit(flow, part, fit_as_it_stands(flow.fitter, part));
+    if (share == first_share) starts = pairs_to_fit(flow, part, fit_as_it_stands(flow.fitter, part));
     if (starts.empty()) break;
     std::vector<Screened> next;
     for (Fit& fit : fit_best(flow.fitter, part, starts))
-      if (fit.is_well && !fit.is_given_up) next.push_back({fit.model.parts.front(), std::move(fit.model), 0, 0});
+      if (fit.succeeded && !fit.is_given_up) next.push_back({fit.model.parts.front(), std::move(fit.model), 0, 0});
     starts = std::move(next);
   }
   return starts;
@@ -110,7 +111,7 @@ std::optional<Fit> find_pair(Workflow& flow, const FitData& data, const Fit& bas
   const std::vector<Screened> starts =
       flow.problem.can_restart ? pairs_to_fit(flow, data, base) : pairs_of_first_parts(flow, data);
   if (starts.empty()) return std::nullopt;
-  flow.tell(5, 0.8, "fitting " + std::to_string(starts.size()) + " pairs of candidates");
+  flow.report_progress(5, 0.8, "fitting " + std::to_string(starts.size()) + " pairs of candidates");
   const std::vector<Fit> fits = fit_best(flow.fitter, data, starts);
   const Decision decision = decide(data, base, fits);
   flow.files.write_fits("pairs", decision);

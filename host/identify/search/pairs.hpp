@@ -1,5 +1,5 @@
-// Two effects that only explain together: one after the other, the first may stand in for both and the second never be
-// looked for. The best sums of two candidates' signatures are fitted together.
+// Two effects that explain the misfit only together. If they are searched one after the other the first may stand in
+// for both, and the second is never searched. So the best sums of two candidates' signatures are fitted together.
 #pragma once
 #include <optional>
 
@@ -13,9 +13,8 @@ struct Pair {
   double gain = 0;  // by which the cost would fall there, less (number of parameters) / 2 log(number of data)
 };
 
-// The best pairs, best first; no candidate stands in more than MOST_OF_ONE of them, lest all be one effect with
-// whatever stands beside it.
-inline constexpr std::size_t MOST_PAIRS = 8, MOST_OF_ONE = 3;
+// The best pairs, best first. No candidate is in more than n_pairs_of_one of them, so that not all pairs are one effect
+// with whatever is beside it.
 std::vector<Pair> best_pairs(const Signatures& signatures, double n_data);
 
 // The pair that is decided for, if it leaves less than `most` times the noise, into `out.ranking` and

@@ -5,14 +5,13 @@
 #include <deque>
 
 #include "host/identify/candidates/law_dictionary.hpp"
+#include "host/identify/criteria.hpp"
 #include "host/identify/search/round.hpp"
 
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::VectorXd;
-constexpr std::size_t MOST_LAWS = 3, N_EACH = 2;  // in one sum; sums of each size that are fitted
-constexpr std::size_t MOST_SITES = 3;
 
 // all ascending sets of `size` numbers below n
 template <class Visit>
@@ -42,7 +41,7 @@ void add_sums(Workflow& flow, const ChosenWindows& chosen, const LawSite& site, 
   for (std::size_t i = 0; i < site.laws.size(); ++i) all.push_back(i);
   const Candidate whole = law_candidate(site, all);
   const Signatures found = signatures_of(flow.fitter, chosen.data, chosen.base, {&whole});
-  for (const std::vector<std::size_t>& columns : best_subsets(found, MOST_LAWS, N_EACH)) {
+  for (const std::vector<std::size_t>& columns : best_subsets(found, criteria().n_laws, criteria().n_sums)) {
     Sum sum{&site, {}, {}, VectorXd(Eigen::Index(columns.size())), VectorXd(Eigen::Index(columns.size()))};
     for (std::size_t i = 0; i < columns.size(); ++i) {
       sum.laws.push_back(found.parameter[columns[i]]);
@@ -75,7 +74,7 @@ std::vector<LawSite> worst_sites(const Workflow& flow) {
   };
   std::stable_sort(sites.begin(), sites.end(),
                    [&](const LawSite& a, const LawSite& b) { return share_of(a) > share_of(b); });
-  if (sites.size() > MOST_SITES) sites.resize(MOST_SITES);
+  if (sites.size() > criteria().n_law_sites) sites.resize(criteria().n_law_sites);
   return sites;
 }
 
@@ -114,7 +113,7 @@ std::optional<RegressedLaw> regress(Workflow& flow, const ChosenWindows& chosen)
   HeldOut judged =
       judge_held_out(flow.fitter, flow.problem, chosen.length, most, {best.fit->model}, flow.out.unit == "noise");
   const double gap_closed = closed(judged.before, judged.after, judged.floor);
-  if (judged.floor == 0 || gap_closed < LEAST_GAP_CLOSED) return std::nullopt;
+  if (judged.floor == 0 || gap_closed < criteria().gap_closed_least) return std::nullopt;
   const std::vector<double> coefficients(best.fit->model.x.begin(), best.fit->model.x.end());
   RegressedLaw law{sum.site->effect,
                    sum.site->target,

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <numeric>
 
+#include "host/identify/criteria.hpp"
+
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::VectorXd;
-constexpr std::size_t N_FINALISTS = 5;  // candidates that are fitted to the end
-constexpr int MORE_STEPS = 10;          // of these
-constexpr double HOPELESS = 100;        // by which a finalist's log-likelihood may be worse than the best one's
 
 }  // namespace
 
@@ -17,27 +16,29 @@ std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector
   std::vector<Model> models;
   for (const Screened& s : best) models.push_back(s.model);
   std::vector<Fit> fits = fitter.begin(data, std::move(models));
-  std::erase_if(fits, [](const Fit& fit) { return !fit.is_well; });
-  fitter.improve(data, fits, 2);
+  std::erase_if(fits, [](const Fit& fit) { return !fit.succeeded; });
+  fitter.improve(data, fits, criteria().n_first_steps);
   std::vector<double> scales;  // of each window by the fit that has it best
   for (const Fit& fit : fits) {
     const std::vector<double> of = window_scales(fit.residual);
     if (scales.empty()) scales = of;
     for (std::size_t w = 0; w < of.size(); ++w) scales[w] = std::min(scales[w], of[w]);
   }
-  // who is worth more steps is told by what the next one promises: the true effect may still be far from its best
-  const std::vector<std::vector<VectorXd>> promised = fitter.promised(data, fits);
+  // fits are ranked by the cost that their next step predicts: the true effect may still be far from its optimum
+  const std::vector<std::vector<VectorXd>> predicted = fitter.predicted(data, fits);
   std::vector<double> key;
   for (std::size_t i = 0; i < fits.size(); ++i)
-    key.push_back(std::min(robust_cost(fits[i].residual, scales), robust_cost(promised[i], scales)));
+    key.push_back(std::min(robust_cost(fits[i].residual, scales), robust_cost(predicted[i], scales)));
   std::vector<std::size_t> order(fits.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Fit& best = fits[order[0]];
-    fits[order[i]].is_given_up = i >= N_FINALISTS || key[order[i]] > key[order[0]] + HOPELESS * best.scale * best.scale;
+    fits[order[i]].is_given_up =
+        i >= criteria().n_finalists ||
+        key[order[i]] > key[order[0]] + criteria().finalist_behind_most * best.scale * best.scale;
   }
-  fitter.improve(data, fits, MORE_STEPS);
+  fitter.improve(data, fits, criteria().n_more_steps);
   fitter.finish(data, fits);
   return fits;
 }
@@ -51,13 +52,13 @@ Round run_round(Workflow& flow, const FitData& data, const Fit& base, const std:
   const std::vector<Screened> screened = screen(flow.fitter, data, base, candidates);
   flow.files.write_screen(name, screened);
   const std::vector<Screened> best = shortlist(screened, flow.settings.n_fitted);
-  flow.tell(5, share,
-            "fitting " + std::to_string(best.size()) + " of " + std::to_string(candidates.size()) + " candidates");
+  flow.report_progress(
+      5, share, "fitting " + std::to_string(best.size()) + " of " + std::to_string(candidates.size()) + " candidates");
   Round round;
   if (best.empty()) return round;
   if (flow.settings.decide == Decide::weak) {  // as the linear regression has them
     round.fits = flow.fitter.begin(data, {best[0].model});
-    std::erase_if(round.fits, [](const Fit& fit) { return !fit.is_well; });
+    std::erase_if(round.fits, [](const Fit& fit) { return !fit.succeeded; });
     flow.fitter.conclude(data, round.fits);
   } else {
     round.fits = fit_best(flow.fitter, data, best);

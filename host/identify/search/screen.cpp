@@ -5,16 +5,12 @@
 #include <map>
 #include <span>
 
+#include "host/identify/criteria.hpp"
+
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
-constexpr double LEAST_ANSWER = 1e-3;            // rms in units of noise at the largest change tried: not seen
-constexpr double MOST_FACTOR = 30;               // between one change tried and the next
-constexpr std::size_t SOME_WINDOWS = 3;          // where an estimate will do
-constexpr std::size_t N_TRIED = 20;              // candidates that are simulated at their linear optimum
-const std::vector<double> SHARES = {0.4, 1, 2};  // of that optimum
-const std::vector<double> SHAPES = {0.2, 1, 5};  // of the usual number
 const std::vector<double> LIMITS = {0.95, 0.9, 0.8, 0.7, 0.6, 0.5, 0.35};  // of where a limit is first felt
 
 struct Trial {
@@ -43,8 +39,8 @@ double allowed(const Parameter& p, double step) {
 }
 
 // A number that only shapes an effect does nothing while the strengths are off: the first strength is on meanwhile.
-std::vector<std::vector<VectorXd>> answers(Fitter& fitter, const FitData& data, const Fit& base,
-                                           const std::vector<Trial>& trials) {
+std::vector<std::vector<VectorXd>> responses(Fitter& fitter, const FitData& data, const Fit& base,
+                                             const std::vector<Trial>& trials) {
   std::vector<Model> models;
   for (const Trial& trial : trials) {
     Model model = with(base.model, *trial.candidate);
@@ -56,14 +52,14 @@ std::vector<std::vector<VectorXd>> answers(Fitter& fitter, const FitData& data, 
   for (std::size_t t = 0; t < trials.size(); ++t)
     for (std::size_t w = 0; w < data.windows.size(); ++w) {
       VectorXd change = found[t][w].residual - base.residual[w];
-      if (!found[t][w].is_well) change.setConstant(std::nan(""));
+      if (!found[t][w].succeeded) change.setConstant(std::nan(""));
       out[t].push_back(std::move(change));
     }
   return out;
 }
 
-double size_of(const std::vector<VectorXd>& answer) {
-  const double size = rms(answer);
+double size_of(const std::vector<VectorXd>& response) {
+  const double size = rms(response);
   return std::isfinite(size) ? size : -1;
 }
 
@@ -91,25 +87,28 @@ std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& 
     for (std::size_t i = 0; i < candidate->parameters.size(); ++i)
       trials.push_back({candidate, i, allowed(candidate->parameters[i], candidate->parameters[i].scale)});
   Fit few = base;
-  const FitData some = some_windows(data, SOME_WINDOWS, few);
-  std::vector<std::size_t> open(trials.size());  // whose answer is not of about that size
+  const FitData some = some_windows(data, criteria().screen_n_windows, few);
+  std::vector<std::size_t> open(trials.size());  // whose response is not of about that size
   for (std::size_t i = 0; i < open.size(); ++i) open[i] = i;
   for (const bool is_last : {false, true}) {
     std::vector<Trial> asked;
     for (const std::size_t i : open) asked.push_back(trials[i]);
-    const std::vector<std::vector<VectorXd>> found = answers(fitter, some, few, asked);
+    const std::vector<std::vector<VectorXd>> found = responses(fitter, some, few, asked);
     std::vector<std::size_t> still_open;
     for (std::size_t k = 0; k < open.size(); ++k) {
       Trial& trial = trials[open[k]];
       const double size = size_of(found[k]);  // negative: the change was too much to be simulated
-      const double factor = size < 0              ? 1 / MOST_FACTOR
-                            : size < LEAST_ANSWER ? MOST_FACTOR
-                                                  : std::clamp(wanted / size, 1 / MOST_FACTOR, MOST_FACTOR);
-      if (factor <= 1 / MOST_FACTOR || factor >= MOST_FACTOR) still_open.push_back(open[k]);
-      const bool is_seen = size >= LEAST_ANSWER;
+      const double factor =
+          size < 0 ? 1 / criteria().screen_factor_most
+          : size < criteria().sensitivity_least
+              ? criteria().screen_factor_most
+              : std::clamp(wanted / size, 1 / criteria().screen_factor_most, criteria().screen_factor_most);
+      if (factor <= 1 / criteria().screen_factor_most || factor >= criteria().screen_factor_most)
+        still_open.push_back(open[k]);
+      const bool is_seen = size >= criteria().sensitivity_least;
       const Parameter& p = trial.candidate->parameters[trial.parameter];
       // a change that is nowhere seen may still be too much for the solver
-      const double most = MOST_FACTOR * p.scale;
+      const double most = criteria().screen_factor_most * p.scale;
       trial.step = is_last && !is_seen ? 0 : allowed(p, std::clamp(factor * trial.step, -most, most));
     }
     open = std::move(still_open);
@@ -121,7 +120,7 @@ std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& 
 // what is missing.
 Fit from_measured_starts(Fitter& fitter, const FitData& data, const Fit& base) {
   Fit measured = fitter.begin(data, {base.model}).front();
-  if (!measured.is_well) return base;
+  if (!measured.succeeded) return base;
   measured.slope = base.slope;
   measured.scale = robust_scale(measured.residual);
   return measured;
@@ -131,7 +130,7 @@ bool is_limit(const Candidate& candidate) {
   return candidate.parameters.size() == 1 && candidate.parameters[0].is_limit;
 }
 
-// Where a candidate is tried: shares of its linear optimum. A number that shapes a law answers to nothing where the law
+// Where a candidate is tried: shares of its linear optimum. Nothing is sensitive to a shape parameter where the law
 // is off, so that its optimum is not known, nor that of strengths beside the first: other shapes are tried, with the
 // law's strengths as they are and alike.
 std::vector<Model> trials_of(const Screened& screened, Eigen::Index n_base) {
@@ -148,13 +147,15 @@ std::vector<Model> trials_of(const Screened& screened, Eigen::Index n_base) {
   const auto share_of = [&](std::size_t k, double x, double share) {
     return parameters[k].off + share * (x - parameters[k].off);
   };
-  for (const double share : SHARES) add([&](std::size_t k, double x) { return share_of(k, x, share); });
-  // what lies beyond a limit grows from nothing there: no slope tells how far
+  const Criteria& c = criteria();
+  for (const double share : {c.screen_share_low, 1.0, c.screen_share_high})
+    add([&](std::size_t k, double x) { return share_of(k, x, share); });
+  // what lies beyond a limit starts from zero there: no slope says how far
   for (const double limit : is_limit(*screened.candidate) ? LIMITS : std::vector<double>())
     add([&](std::size_t k, double) { return limit * parameters[k].off; });
   if (std::none_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.is_shape; })) return models;
   const double first = screened.model.x[n_base] - parameters[0].off;
-  for (const double shape : SHAPES)
+  for (const double shape : {c.screen_shape_low, 1.0, c.screen_shape_high})
     for (const bool is_alike : {false, true}) {
       if (shape == 1 && !is_alike) continue;  // as above
       add([&](std::size_t k, double x) {
@@ -166,10 +167,10 @@ std::vector<Model> trials_of(const Screened& screened, Eigen::Index n_base) {
 }
 
 // What the robust cost of some windows falls by in truth, where each candidate is tried: laws with a dead zone or a
-// kink are not what their signature promises, nor less. The best trial becomes its model.
+// kink are not what their signature predicts. The best trial becomes its model.
 void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_data, std::vector<Screened>& screened) {
   Fit few = base;
-  const FitData some = some_windows(data, SOME_WINDOWS, few);
+  const FitData some = some_windows(data, criteria().screen_n_windows, few);
   const std::vector<double> scales = window_scales(few.residual);
   const auto cost_of = [&](const auto& residual_of) {
     std::vector<VectorXd> left;
@@ -180,7 +181,7 @@ void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_d
   const double before = cost_of([&](std::size_t w) { return few.residual[w]; });
   double n_some = 0;
   for (const VectorXd& r : few.residual) n_some += double(r.size());
-  const std::size_t n = std::min(N_TRIED, screened.size());
+  const std::size_t n = std::min(criteria().screen_n_tried, screened.size());
   std::vector<Model> models;
   std::vector<std::size_t> first = {0};  // [n + 1] of each candidate
   for (std::size_t i = 0; i < n; ++i) {
@@ -203,7 +204,7 @@ void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_d
 }
 
 // The same changes to the other side, of numbers that the scene has: a frequency that rises by a quarter of a turn does
-// not tell what one that falls would do.
+// not predict what one that falls would do.
 std::vector<Trial> mirrored(const std::vector<Trial>& trials) {
   std::vector<Trial> out;
   for (Trial trial : trials) {
@@ -215,11 +216,11 @@ std::vector<Trial> mirrored(const std::vector<Trial>& trials) {
   return out;
 }
 
-// Trials whose answer is there.
+// Trials that change the residuals.
 std::vector<std::size_t> seen_of(std::span<const std::vector<VectorXd>> found) {
   std::vector<std::size_t> seen;
   for (std::size_t t = 0; t < found.size(); ++t)
-    if (size_of(found[t]) > LEAST_ANSWER) seen.push_back(t);
+    if (size_of(found[t]) > criteria().sensitivity_least) seen.push_back(t);
   return seen;
 }
 
@@ -240,7 +241,7 @@ Reduced normal_equations(const FitData& data, const Fit& base, Eigen::Index n_ba
   return reduce(fit);
 }
 
-// The best sum of one candidate's signatures, starts and base model free; no gain where no answer is seen.
+// The best sum of one candidate's signatures, starts and base model free; no gain where the residuals do not change.
 Screened linear_optimum(const FitData& data, const Fit& base, double n_data, std::span<const Trial> trials,
                         std::span<const std::vector<VectorXd>> found) {
   const Candidate& candidate = *trials.front().candidate;
@@ -261,7 +262,7 @@ Screened linear_optimum(const FitData& data, const Fit& base, double n_data, std
     d = (std::clamp(p.off + d * trial.step, p.low, p.high) - p.off) / trial.step;
     one.model.x[n_base + Eigen::Index(trial.parameter)] = p.off + d * trial.step;
     one.model.scale[n_base + Eigen::Index(trial.parameter)] = std::abs(trial.step);
-    one.answer = std::max(one.answer, size_of(found[seen[i]]));
+    one.sensitivity = std::max(one.sensitivity, size_of(found[seen[i]]));
   }
   for (Eigen::Index i = 0; i < n_base; ++i) dx[i] = std::clamp(dx[i], -1.0, 1.0);
   one.model.x.head(n_base) += (dx.head(n_base).array() * base.model.scale.head(n_base).array()).matrix();
@@ -278,12 +279,14 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fit
                              const std::vector<const Candidate*>& candidates) {
   const Fit base = from_measured_starts(fitter, data, fitted);
   // the misfit itself
-  std::vector<Trial> trials = choose_steps(fitter, data, base, std::clamp(rms(fitted.residual), 2.0, 30.0), candidates);
+  std::vector<Trial> trials = choose_steps(
+      fitter, data, base,
+      std::clamp(rms(fitted.residual), criteria().screen_change_least, criteria().screen_change_most), candidates);
   std::erase_if(trials, [](const Trial& t) { return t.step == 0; });
   const std::size_t n_first = trials.size();
   const std::vector<Trial> other_side = mirrored(trials);
   trials.insert(trials.end(), other_side.begin(), other_side.end());
-  const std::vector<std::vector<VectorXd>> found = answers(fitter, data, base, trials);
+  const std::vector<std::vector<VectorXd>> found = responses(fitter, data, base, trials);
   double n_data = 0;
   for (const VectorXd& r : base.residual) n_data += double(r.size());
   std::vector<Screened> screened;
@@ -292,7 +295,7 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fit
     while (last < end && trials[last].candidate == trials[first].candidate) ++last;
     Screened one = linear_optimum(data, base, n_data, std::span(trials).subspan(first, last - first),
                                   std::span(found).subspan(first, last - first));
-    if (!(one.gain > 0) && !(is_limit(*one.candidate) && one.answer > 0)) continue;
+    if (!(one.gain > 0) && !(is_limit(*one.candidate) && one.sensitivity > 0)) continue;
     const auto before = std::find_if(screened.begin(), screened.end(),
                                      [&](const Screened& other) { return other.candidate == one.candidate; });
     if (before == screened.end())
@@ -302,20 +305,23 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fit
   }
   const auto is_better = [](const Screened& a, const Screened& b) { return a.gain > b.gain; };
   std::stable_sort(screened.begin(), screened.end(), is_better);
-  // limits are all tried, since their slope tells nothing
+  // all limits are tried, since their slope is zero
   std::stable_partition(screened.begin(), screened.end(), [](const Screened& s) { return is_limit(*s.candidate); });
   if (screened.empty()) return screened;
   try_optima(fitter, data, base, n_data, screened);
-  std::stable_sort(screened.begin(), screened.begin() + std::ptrdiff_t(std::min(N_TRIED, screened.size())), is_better);
+  std::stable_sort(screened.begin(),
+                   screened.begin() + std::ptrdiff_t(std::min(criteria().screen_n_tried, screened.size())), is_better);
   return screened;
 }
 
 Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& fitted,
                          const std::vector<const Candidate*>& candidates) {
   const Fit base = from_measured_starts(fitter, data, fitted);
-  std::vector<Trial> trials = choose_steps(fitter, data, base, std::clamp(rms(fitted.residual), 2.0, 10.0), candidates);
+  std::vector<Trial> trials = choose_steps(
+      fitter, data, base, std::clamp(rms(fitted.residual), criteria().screen_change_least, criteria().pair_change_most),
+      candidates);
   std::erase_if(trials, [](const Trial& t) { return t.step == 0; });
-  std::vector<std::vector<VectorXd>> found = answers(fitter, data, base, trials);
+  std::vector<std::vector<VectorXd>> found = responses(fitter, data, base, trials);
   Signatures out;
   const std::vector<std::size_t> seen = seen_of(found);
   for (const std::size_t t : seen) {
@@ -351,7 +357,7 @@ Part part_of(const Signatures& s, std::span<const std::size_t> columns) {
 
 VectorXd optimum_of(const Signatures& signatures, std::span<const std::size_t> columns) {
   Part part = part_of(signatures, columns);
-  part.a.diagonal().array() *= 1 + 1e-6;  // columns that are nearly alike must not stand against each other
+  part.a.diagonal().array() *= 1 + 1e-6;  // columns that are nearly alike must not cancel each other
   const VectorXd x = -part.a.ldlt().solve(part.g);
   return x.allFinite() ? x : VectorXd::Zero(part.g.size());
 }
@@ -366,7 +372,7 @@ std::vector<Screened> shortlist(const std::vector<Screened>& screened, std::size
   std::map<Family, int> n_of;
   for (std::size_t i = 0; i < screened.size(); ++i) {
     int& n = n_of[screened[i].candidate->family];
-    if (i < most || n < 2) {
+    if (i < most || n < int(criteria().n_fitted_per_family)) {
       list.push_back(screened[i]);
       ++n;
     }

@@ -1,6 +1,6 @@
 // Stage 4: which candidates could explain the residual at all. Each one is switched on by a change that the sensors can
-// see, as worlds of one solve; the answer of the residuals is its signature, and the best sum of a candidate's
-// signatures, with every window's start free, tells how much of the misfit it could take away.
+// see, as worlds of one solve; the change of the residuals is its signature, and the best sum of a candidate's
+// signatures, with every window's start free, bounds how much of the misfit it explains.
 #pragma once
 #include <span>
 #include <vector>
@@ -11,9 +11,9 @@ namespace pvg::diagnose {
 
 struct Screened {
   const Candidate* candidate = nullptr;
-  Model model;        // the base model with the candidate at its linear optimum
-  double gain = 0;    // by which C would fall, less (number of parameters) / 2 log(number of data)
-  double answer = 0;  // rms of the residuals' answer to the change tried [noise]; 0: the data do not see it
+  Model model;             // the base model with the candidate at its linear optimum
+  double gain = 0;         // by which C would fall, less (number of parameters) / 2 log(number of data)
+  double sensitivity = 0;  // rms change of the residuals by the change tried [noise]; 0: not visible in the data
 };
 
 // base: the fit of what is there already (perhaps nothing). Best first; candidates that fail or do nothing are left
@@ -21,8 +21,8 @@ struct Screened {
 std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& base,
                              const std::vector<const Candidate*>& candidates);
 
-// How residuals answer to candidates' parameters, starts free:  C(x) ~ C(0) + g x + x A x / 2, x in units of steps.
-// Parameters that nothing answers to are left out; those of one candidate stand side by side.
+// Sensitivities of residuals to candidates' parameters, starts free:  C(x) ~ C(0) + g x + x A x / 2, x in units of
+// steps. Parameters without sensitivity are left out; those of one candidate are neighbours.
 struct Signatures {
   std::vector<const Candidate*> candidate;  // [n]
   std::vector<std::size_t> parameter;       // [n] of the candidate

@@ -49,8 +49,10 @@ void StageFiles::write_where(const std::vector<Cell>& cells) const {
 void StageFiles::write_screen(const std::string& round, const std::vector<Screened>& screened) const {
   json list = json::array();
   for (const Screened& s : screened)
-    list.push_back(
-        {{"candidate", s.candidate->label()}, {"gain", s.gain}, {"answer", s.answer}, {"start", values_of(s.model)}});
+    list.push_back({{"candidate", s.candidate->label()},
+                    {"gain", s.gain},
+                    {"answer", s.sensitivity},
+                    {"start", values_of(s.model)}});
   write(folder, "4_screen_" + round + ".json", {{"schema", 1}, {"screened", list}});
 }
 

@@ -29,12 +29,13 @@ struct Workflow {
   // Whether there is time to look for something further, which takes about so many seconds; else a note says that it
   // was not looked for.
   bool has_time(const std::string& something, double expected_seconds = 0);
-  void tell(int stage, double share, const std::string& text) const;  // how far it is, and how long it will take
+  void report_progress(int stage, double share,
+                       const std::string& text) const;  // how far it is, and how long it will take
 };
 
 RankedModel ranked(const Judged& judged);
 
-// Looks for one effect after the other, each beside those before. Returns the fits that grew by one effect each.
-std::vector<Fit> grow(Workflow& flow, FitData data, const Fit& base);
+// Adds one effect after the other, each beside those before. Returns the fits, one effect more each.
+std::vector<Fit> forward_selection(Workflow& flow, const FitData& data, const Fit& base);
 
 }  // namespace pvg::diagnose

@@ -42,15 +42,15 @@ std::vector<char> read_all(int file) {
 }
 
 std::vector<char> outcome_of(const std::function<std::vector<char>()>& work) {
-  const auto told = [](Outcome outcome, const auto& content) {
+  const auto message = [](Outcome outcome, const auto& content) {
     std::vector<char> bytes = {char(outcome)};
     bytes.insert(bytes.end(), content.begin(), content.end());
     return bytes;
   };
   try {
-    return told(Outcome::returned, work());
+    return message(Outcome::returned, work());
   } catch (const std::exception& failure) {
-    return told(Outcome::threw, std::string(failure.what()));
+    return message(Outcome::threw, std::string(failure.what()));
   }
 }
 

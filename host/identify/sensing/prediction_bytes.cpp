@@ -37,7 +37,7 @@ std::vector<char> packed(std::span<const Prediction> predictions) {
   std::vector<char> bytes;
   put(bytes, std::uint64_t(predictions.size()));
   for (const Prediction& p : predictions) {
-    put(bytes, p.is_well);
+    put(bytes, p.succeeded);
     put(bytes, p.mask_overlap);
     put(bytes, std::uint64_t(p.residual.size()));
     for (const double r : p.residual) put(bytes, r);
@@ -57,7 +57,7 @@ std::optional<Unpacked> unpacked(std::span<const char> bytes) {
   Unpacked out;
   out.predictions.resize(reader.take_count(1));
   for (Prediction& p : out.predictions) {
-    p.is_well = reader.take<bool>();
+    p.succeeded = reader.take<bool>();
     p.mask_overlap = reader.take<double>();
     p.residual.resize(Eigen::Index(reader.take_count(sizeof(double))));
     for (double& r : p.residual) r = reader.take<double>();

@@ -20,7 +20,7 @@ void put(std::vector<char>& bytes, const T& value) {
 
 std::vector<char> packed(std::span<const Prediction> predictions);
 
-// What stands at the beginning of `bytes`, and how many of them it is; nothing where they are cut short.
+// What is at the beginning of `bytes`, and how many of them it is; nothing where they are cut short.
 struct Unpacked {
   std::vector<Prediction> predictions;
   std::size_t n_bytes = 0;

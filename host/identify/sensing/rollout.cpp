@@ -4,7 +4,9 @@
 #include <cmath>
 #include <tuple>
 
+#include "host/base/error.hpp"
 #include "host/base/stop_signal.hpp"
+#include "host/identify/criteria.hpp"
 #include "host/identify/sensing/forked.hpp"
 #include "host/identify/sensing/journal.hpp"
 #include "host/identify/sensing/mask_sight.hpp"
@@ -20,7 +22,6 @@ namespace {
 
 constexpr std::size_t MOST_WORLDS = 256;   // of one solve
 constexpr std::size_t MOST_NODES = 20000;  // likewise
-constexpr double MARGIN = 0.06;            // beyond a window's end, for clocks that are late [s]
 
 std::size_t n_nodes(const Scene& scene) {
   std::size_t n = 4 * scene.rigid_bodies.size();
@@ -30,21 +31,21 @@ std::size_t n_nodes(const Scene& scene) {
 }
 
 std::size_t steps_of(const Window& window, double h) {
-  return std::size_t(std::ceil((window.end - window.start + MARGIN) / h)) + 1;
+  return std::size_t(std::ceil((window.end - window.start + criteria().late_clock_most) / h)) + 1;
 }
 
-using Hand = std::vector<std::size_t>;  // the jobs of one process
+using WorkPacket = std::vector<std::size_t>;  // the jobs of one process
 
 // Neighbours in the order, which take as many steps, go to one process each.
-std::vector<Hand> dealt(std::span<const std::size_t> order, std::size_t n_processes) {
-  std::vector<Hand> hands(std::min(n_processes, order.size()));
-  for (std::size_t i = 0; i < order.size(); ++i) hands[i % hands.size()].push_back(order[i]);
-  return hands;
+std::vector<WorkPacket> work_packets(std::span<const std::size_t> order, std::size_t n_processes) {
+  std::vector<WorkPacket> packets(std::min(n_processes, order.size()));
+  for (std::size_t i = 0; i < order.size(); ++i) packets[i % packets.size()].push_back(order[i]);
+  return packets;
 }
 
-std::vector<Prediction> picked(std::span<const Prediction> all, const Hand& hand) {
+std::vector<Prediction> picked(std::span<const Prediction> all, const WorkPacket& packet) {
   std::vector<Prediction> some;
-  for (const std::size_t i : hand) some.push_back(all[i]);
+  for (const std::size_t i : packet) some.push_back(all[i]);
   return some;
 }
 
@@ -77,11 +78,13 @@ void Predictor::settle(const Variant& variant, std::vector<Window>& windows) {
 }
 
 std::vector<Prediction> Predictor::predict(std::span<const Job> jobs) {
-  const std::uint64_t question = journal_ ? question_of(jobs) : 0;
+  const std::uint64_t question = journal_ ? question_of(problem_, jobs) : 0;
   if (journal_)
-    if (std::optional<std::vector<Prediction>> known = journal_->answer_to(question);
+    if (std::optional<std::vector<Prediction>> known = journal_->result_for(question);
         known && known->size() == jobs.size())
       return std::move(*known);
+  if (journal_ && journal_->is_read_only())
+    throw Failure("this diagnosis needs a simulation that simulated.bin does not hold; leave out --no-simulation");
   std::vector<Prediction> out(jobs.size());
   std::vector<std::size_t> order(jobs.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -95,23 +98,23 @@ std::vector<Prediction> Predictor::predict(std::span<const Job> jobs) {
   });
   const std::size_t per_batch =
       std::clamp<std::size_t>(MOST_NODES / std::max<std::size_t>(1, n_nodes(problem_.scene.scene)), 1, MOST_WORLDS);
-  const std::vector<Hand> hands = dealt(order, n_processes_);
-  const auto work_off = [&](const Hand& hand) {
-    for (std::size_t i = 0; i < hand.size(); i += per_batch)
-      predict_batch(jobs, std::span(hand).subspan(i, std::min(per_batch, hand.size() - i)), out);
+  const std::vector<WorkPacket> packets = work_packets(order, n_processes_);
+  const auto work_off = [&](const WorkPacket& packet) {
+    for (std::size_t i = 0; i < packet.size(); i += per_batch)
+      predict_batch(jobs, std::span(packet).subspan(i, std::min(per_batch, packet.size() - i)), out);
   };
   std::vector<Forked> others;
-  for (std::size_t i = 1; i < hands.size(); ++i)
+  for (std::size_t i = 1; i < packets.size(); ++i)
     others.emplace_back([&, i] {
-      work_off(hands[i]);
-      return packed(picked(out, hands[i]));
+      work_off(packets[i]);
+      return packed(picked(out, packets[i]));
     });
-  if (!hands.empty()) work_off(hands[0]);
-  for (std::size_t i = 1; i < hands.size(); ++i) {
-    std::optional<Unpacked> answer = unpacked(others[i - 1].result());
-    if (!answer || answer->predictions.size() != hands[i].size())
+  if (!packets.empty()) work_off(packets[0]);
+  for (std::size_t i = 1; i < packets.size(); ++i) {
+    std::optional<Unpacked> result = unpacked(others[i - 1].result());
+    if (!result || result->predictions.size() != packets[i].size())
       throw Failure("what another process simulated came back cut short");
-    for (std::size_t k = 0; k < hands[i].size(); ++k) out[hands[i][k]] = std::move(answer->predictions[k]);
+    for (std::size_t k = 0; k < packets[i].size(); ++k) out[packets[i][k]] = std::move(result->predictions[k]);
   }
   for (const Job& job : jobs) world_seconds_ += double(steps_of(*job.window, h)) * h;
   n_simulations_ += jobs.size();
@@ -143,7 +146,7 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::si
     Prediction& none = out[which[0]];
     none.residual = Eigen::VectorXd::Constant(Eigen::Index(jobs[which[0]].window->data.size()), std::nan(""));
     none.phase.assign(jobs[which[0]].wants_phases ? jobs[which[0]].window->data.size() : 0, Phase::free);
-    none.is_well = false;
+    none.succeeded = false;
     return;
   }
   Simulation& simulation = *made;
@@ -164,10 +167,10 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::si
     begin.past_targets[w] = std::move(memory.past);
   }
   simulation.restore(begin);
-  std::vector<char> is_well(which.size(), true);
+  std::vector<char> succeeded(which.size(), true);
   const auto look = [&](std::size_t step) {
     for (std::size_t w = 0; w < which.size(); ++w)
-      if (is_well[w] && step <= steps_of(*jobs[which[w]].window, h)) traces[w].add(worlds[w], simulation.state(w));
+      if (succeeded[w] && step <= steps_of(*jobs[which[w]].window, h)) traces[w].add(worlds[w], simulation.state(w));
   };
   look(0);
   for (std::size_t step = 1; step <= n_steps; ++step) {
@@ -176,10 +179,10 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::si
       simulation.step(targets_at(step));
     } catch (const StepFailure& failure) {
       for (const StepEvent& event : failure.events) {
-        is_well[event.world] = false;
+        succeeded[event.world] = false;
         simulation.retire(event.world);
       }
-      if (std::none_of(is_well.begin(), is_well.end(), [](char well) { return well; })) break;
+      if (std::none_of(succeeded.begin(), succeeded.end(), [](char well) { return well; })) break;
     }
     look(step);
     for (std::size_t w = 0; w < which.size(); ++w)
@@ -189,7 +192,7 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::si
     Prediction& prediction = out[which[w]];
     prediction.residual = traces[w].residual();
     prediction.mask_overlap = traces[w].mask_overlap();
-    prediction.is_well = is_well[w] && prediction.residual.allFinite();
+    prediction.succeeded = succeeded[w] && prediction.residual.allFinite();
     if (jobs[which[w]].wants_phases) {
       prediction.phase = traces[w].phases();
       prediction.touching = traces[w].touching();

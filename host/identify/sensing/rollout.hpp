@@ -1,5 +1,5 @@
 // Windows simulated, many at a time as worlds of one solve, and what the sensors would have said: the residual of each
-// measured number in units of its noise. Everything else of the workflow stands on this.
+// measured number in units of its noise. The whole workflow is built on this.
 #pragma once
 #include <memory>
 #include <span>
@@ -44,7 +44,7 @@ struct Prediction {
   std::vector<Phase> phase;           // [n_data] if asked for
   std::vector<std::string> touching;  // pairs of bodies FIRST/SECOND that touched, if phases were asked for
   double mask_overlap = 0;            // as SensorTrace has it
-  bool is_well = true;  // false: the simulation failed before the window's end, residuals are NaN from there
+  bool succeeded = true;  // false: the simulation failed before the window's end, residuals are NaN from there
 };
 
 class Journal;
@@ -53,15 +53,16 @@ class VideoSight;
 
 class Predictor {
  public:
-  // Worlds do not feel each other: they are dealt to `n_processes`, this one among them, and the answers are the same
-  // bits whatever their number is. More than one needs a device that works in the thread that asks (`basic` of PoCL).
+  // Worlds are independent, so they are split into work packets for `n_processes`, this one among them; the results
+  // have the same bits whatever their number is. More than one needs a device that works in the calling thread (`basic`
+  // of PoCL).
   Predictor(Device& device, const Problem& problem, std::size_t n_processes = 1);
   ~Predictor();
   // Throws TryAgain where the user stopped it.
   std::vector<Prediction> predict(std::span<const Job> jobs);
   // What rests on something starts on it, where that has not been seen to yet.
   void settle(const Variant& variant, std::vector<Window>& windows);
-  void keep_in(Journal* journal) { journal_ = journal; }  // answers are read from there as far as they go
+  void keep_in(Journal* journal) { journal_ = journal; }  // results are read from there as far as they go
   std::size_t n_simulations() const { return n_simulations_; }
   VideoSight* video();                                     // null: no video was measured
   double world_seconds() const { return world_seconds_; }  // simulated, summed over all worlds

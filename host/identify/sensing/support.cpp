@@ -5,17 +5,12 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
+#include "host/identify/criteria.hpp"
 #include "host/identify/sensing/world.hpp"
 #include "host/physics/step/simulation.hpp"
 
 namespace pvg::diagnose {
 namespace {
-
-constexpr double SETTLING = 0.06;    // simulated from rest [s]
-constexpr double STILL = 2e-3;       // along the normal after that [m/s]
-constexpr double SAME_NORMAL = 0.9;  // cosine up to which contacts are of one plane
-constexpr double FACE = 0.1;         // least share of a support's width in its length, for a face and no edge
-constexpr double CERTAIN = 4;        // standard deviations
 
 struct Support {
   Vec3 normal = Vec3::Zero();  // zero: it rests on nothing, or on several sides
@@ -36,23 +31,23 @@ Support support_of(const WorldState& state, int body) {
   if (force <= 0) return {};
   support.normal.normalize();
   for (const Vec3& normal : normals)
-    if (normal.dot(support.normal) < SAME_NORMAL) return {};
+    if (normal.dot(support.normal) < criteria().support_same_normal) return {};
   Vec3 middle = Vec3::Zero();
   for (const Vec3& point : points) middle += point / double(points.size());
   Mat3 spread = Mat3::Zero();
   for (const Vec3& point : points) spread += (point - middle) * (point - middle).transpose();
   const Vec3 widths = Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvalues().cwiseMax(0).cwiseSqrt();
-  support.is_face = widths[1] > FACE * widths[2] && widths[2] > 0;
+  support.is_face = widths[1] > criteria().support_face_width * widths[2] && widths[2] > 0;
   return support;
 }
 
-// How well the samples tell a body's unknown of this kind along a direction; infinite: they do not.
+// Standard deviation of a body's unknown of this kind along a direction; infinite: not measured.
 double sigma_along(const Window& window, int body, Unknown::Kind kind, const Vec3& direction) {
   double square = 0, covered = 0;
   for (const Unknown& unknown : window.unknowns)
     if (unknown.index == body && unknown.kind == kind) {
       const double share = unknown.direction.dot(direction);
-      square += std::pow(share * unknown.sigma / START_LOOSENESS, 2);
+      square += std::pow(share * unknown.sigma / criteria().start_looseness, 2);
       covered += share * share;
     }
   return covered > 0.5 ? std::sqrt(square) : INFINITY;
@@ -91,7 +86,7 @@ void start_settled(Window& window, int body, const RigidBody& shape, const Suppo
   Pose& pose = window.initial.pose[b];
   Vec3 &velocity = window.initial.velocity[b], &spin = window.initial.spin[b];
   const auto is_near = [&](Kind kind, const Vec3& by, const Vec3& direction) {
-    return std::abs(by.dot(direction)) <= CERTAIN * sigma_along(window, body, kind, direction);
+    return std::abs(by.dot(direction)) <= criteria().support_sigma * sigma_along(window, body, kind, direction);
   };
   const Vec3 shift = rest.translation() - pose.translation();
   if (!is_near(Kind::position, shift, n) || !is_near(Kind::velocity, velocity, n)) return;
@@ -129,7 +124,7 @@ Rest rest_of(const Problem& problem, const WorldState& before, const WorldState&
   for (const int b : problem.free_bodies) {
     const AffineMap &then = before.rigid[std::size_t(b)], &now = after.rigid[std::size_t(b)];
     Support support = support_of(after, b);
-    if (std::abs(support.normal.dot(now.col(3) - then.col(3))) > STILL * h) support.normal.setZero();
+    if (std::abs(support.normal.dot(now.col(3) - then.col(3))) > criteria().settle_speed * h) support.normal.setZero();
     Pose pose = Pose::Identity();
     pose.linear() = Eigen::Quaterniond(Mat3(now.leftCols<3>())).normalized().toRotationMatrix();
     pose.translation() = now.col(3);
@@ -139,7 +134,7 @@ Rest rest_of(const Problem& problem, const WorldState& before, const WorldState&
   return rest;
 }
 
-// One window's scene with everything at rest and the drives holding still, simulated for SETTLING.
+// One window's scene with everything at rest and the drives holding still, simulated for settle_time.
 Rest settled(Device& device, const Problem& problem, const Scene& scene, const Window& window) {
   InitialState initial = window.initial;
   std::fill(initial.rate.begin(), initial.rate.end(), 0.0);
@@ -152,7 +147,7 @@ Rest settled(Device& device, const Problem& problem, const Scene& scene, const W
   try {
     Simulation simulation(device, world);
     WorldState before;
-    for (int step = 0; step < int(std::ceil(SETTLING / h)); ++step) {
+    for (int step = 0; step < int(std::ceil(criteria().settle_time / h)); ++step) {
       before = simulation.state();
       simulation.step(targets);
     }

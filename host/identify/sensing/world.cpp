@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/identify/criteria.hpp"
 #include "host/physics/energies/effects.hpp"
 #include "host/physics/step/actuator.hpp"
 
 namespace pvg::diagnose {
-namespace {
-
-constexpr double LONGEST_MEMORY = 2;  // of drives; before that they are taken to have been told the same [s]
-
-}  // namespace
+namespace {}  // namespace
 
 Scene world_of(const Problem& problem, const Scene& variant, const Window& window, const InitialState& initial) {
   Scene scene = variant;
@@ -41,7 +38,7 @@ std::vector<double> targets_of(const Scene& scene, const Run& run, double time, 
 }
 
 DriveMemory memory_of(const Scene& scene, const Run& run, double time, double h) {
-  const int n_steps = int(std::ceil(std::min(time - run.t.front(), LONGEST_MEMORY) / h));
+  const int n_steps = int(std::ceil(std::min(time - run.t.front(), criteria().drive_memory) / h));
   const std::vector<double> first = targets_of(scene, run, time - n_steps * h, h);
   Actuators actuators(with_effects(scene), first);
   DriveMemory memory{first, {}};

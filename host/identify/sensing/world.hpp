@@ -1,5 +1,5 @@
-// A window as a world of the simulator: where its bodies start, what its drives are told, and what they still obey of
-// what they were told before.
+// A window as a world of the simulator: where its bodies start, the commands of its drives, and earlier commands that
+// they still follow.
 #pragma once
 #include <vector>
 
@@ -11,11 +11,11 @@ namespace pvg::diagnose {
 // of the window's run.
 Scene world_of(const Problem& problem, const Scene& scene, const Window& window, const InitialState& initial);
 
-// What the drives are told in the step of length h that ends at `time` of the run's clock. A torque acts over the
-// whole step, so its value in the middle stands for it.  [n_driven]
+// The drives' commands in the step of length h that ends at `time` of the run's clock. A torque acts over the
+// whole step, so its value in the middle is used.  [n_driven]
 std::vector<double> targets_of(const Scene& scene, const Run& run, double time, double h);
 
-// Of drives that follow late: what they obey at `time`, and what they were told before, the last step's first.
+// Of drives that follow late: the command at `time`, and those before, the last step's first.
 struct DriveMemory {
   std::vector<double> command, past;  // as a Checkpoint has them
 };

@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/identify/search/choose_windows.hpp"
+#include "host/identify/search/prepared.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg::diagnose {
@@ -67,14 +69,38 @@ TEST(Fit, ResidualsOfALoudRunAreInUnitsOfItsOwnNoise) {
   Predictor predictor(device, problem);
   const Variant base{problem.scene.scene, {}};
   Fitter fitter(predictor, base);
-  const auto residual = [&](double louder) {
-    problem.runs[0].louder = {louder};
+  const auto residual = [&](double noise_scale) {
+    problem.runs[0].noise_scale = {louder};
     const FitData data = fitter.prepare(make_windows(problem, false, 0, 1), Model{});
     return fitter.evaluate(data, {Model{}}, {})[0][0].residual;
   };
   const Eigen::VectorXd usual = residual(1), loud = residual(4);
   ASSERT_GT(usual.norm(), 1);
   EXPECT_LT((4 * loud - usual).norm(), 1e-4 * usual.norm());  // the correction for the time step follows within 1e-5
+}
+
+// A new preparation changes the residuals, so the scene as it stands must be fitted to it, too, before errors are
+// compared.
+TEST(Prepared, TheBaseIsFittedToThePresentPreparation) {
+  const TestFolder folder;
+  const Problem problem = sliding(folder);
+  Device device;
+  Predictor predictor(device, problem);
+  const Variant base{problem.scene.scene, {}};
+  Fitter fitter(predictor, base);
+  const std::vector<Candidate> candidates = make_candidates(problem, {"floor/block"});
+  const auto drag =
+      std::find_if(candidates.begin(), candidates.end(), [](const Candidate& c) { return c.name == "quadratic_drag"; });
+  ASSERT_NE(drag, candidates.end());
+  Prepared prepared(fitter.prepare(make_windows(problem, false, 0, 1), Model{}));
+  const Fit before = prepared.base(fitter);
+  const Model model{{&*drag}, Eigen::VectorXd::Constant(1, 0.6), Eigen::VectorXd::Constant(1, 0.1)};
+  const Fit found = prepared_again(fitter, prepared, fitter.fit(prepared.data(), {model}, 5).front());
+  EXPECT_NEAR(found.model.x[0], 0.8, 0.05);
+  const Fit again = fit_as_it_stands(fitter, prepared.data());
+  ASSERT_EQ(prepared.base(fitter).residual.size(), 1u);
+  EXPECT_EQ(prepared.base(fitter).residual[0], again.residual[0]);
+  EXPECT_NE(before.residual[0], again.residual[0]);
 }
 
 TEST(Fit, OfTheFirstPartOfAWindowIsThatOfItsFirstSamples) {
@@ -117,7 +143,7 @@ TEST(Fit, FindsTheDragOfASlidingBlockThoughItsStartMustMoveWithIt) {
   ASSERT_NE(drag, candidates.end());
   const Model far{{&*drag}, Eigen::VectorXd::Constant(1, 0.2), Eigen::VectorXd::Constant(1, 0.02)};
   const Fit fit = fitter.fit(data, {far}, 4).front();
-  ASSERT_TRUE(fit.is_well);
+  ASSERT_TRUE(fit.succeeded);
   EXPECT_NEAR(fit.model.x[0], 0.8, 0.04);  // steps of 5 ms add 0.025; the start as it was known leaves 0.13
   EXPECT_LT(rms(fit.residual), 0.3);       // the data have no noise
 }

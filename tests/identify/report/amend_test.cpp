@@ -111,7 +111,7 @@ TEST(AmendedScene, SaysWhatIsToBeSetByHandWhereANumberHasItsUnit) {
   diagnosis.effects = {{&*stretch, {{"value", "N/m", 3000, 2900, 3100}}}};
   diagnosis.used = problem.scene.scene;
   const std::string text = amended_scene(problem, diagnosis, folder.path);
-  EXPECT_NE(text.find("# to set by hand, where the scene's files say it: retune_stretch_stiffness at strip = 3"),
+  EXPECT_NE(text.find("# to set by packet, where the scene's files say it: retune_stretch_stiffness at strip = 3"),
             std::string::npos)
       << text;
 }

@@ -52,7 +52,7 @@ Fit fit_of(const Candidate* part, double x, double sigma, const VectorXd& residu
   fit.of_start = {Eigen::MatrixXd(N, 0)};
   fit.delta = {VectorXd(0)};
   fit.scale = rms(fit.residual);
-  fit.is_well = true;
+  fit.succeeded = true;
   return fit;
 }
 

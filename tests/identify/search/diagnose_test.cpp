@@ -7,9 +7,11 @@
 #include <random>
 
 #include "host/base/error.hpp"
+#include "host/geometry/embedded_point.hpp"
 #include "host/geometry/primitive_shapes.hpp"
+#include "host/geometry/tet_embedding.hpp"
+#include "host/geometry/tet_mesh.hpp"
 #include "host/identify/candidates/candidate.hpp"
-#include "host/identify/data/embedded_point.hpp"
 #include "host/identify/data/noise.hpp"
 #include "host/identify/data/window.hpp"
 #include "host/identify/fit/held_out.hpp"
@@ -63,16 +65,16 @@ TEST(Noise, ARunThatIsLouderHasANoiseOfItsOwn) {
   for (const double sigma : {1e-3, 4e-3, 1e-3}) {
     std::normal_distribution<double> noise(0, sigma);
     diagnose::Run run;
-    run.louder = {1};
+    run.noise_scale = {1};
     run.values.emplace_back();
     for (int i = 0; i < 2000; ++i) run.values[0].push_back(0.1 * std::sin(0.01 * i) + noise(engine));
     problem.runs.push_back(std::move(run));
   }
   measure_noise(problem);
   EXPECT_NEAR(problem.channels[0].sigma, 1e-3, 1e-4);
-  EXPECT_EQ(problem.runs[0].louder[0], 1);
-  EXPECT_NEAR(problem.runs[1].louder[0], 4, 0.4);
-  EXPECT_EQ(problem.runs[2].louder[0], 1);
+  EXPECT_EQ(problem.runs[0].noise_scale[0], 1);
+  EXPECT_NEAR(problem.runs[1].noise_scale[0], 4, 0.4);
+  EXPECT_EQ(problem.runs[2].noise_scale[0], 1);
 }
 
 // A fast motion that is seen well has large third differences, which hang together: no noise of its own.
@@ -81,13 +83,13 @@ TEST(Noise, ARunThatIsFasterIsNotLouder) {
   problem.channels.resize(1);
   for (const double rate : {0.02, 0.6, 0.02}) {
     diagnose::Run run;
-    run.louder = {1};
+    run.noise_scale = {1};
     run.values.emplace_back();
     for (int i = 0; i < 2000; ++i) run.values[0].push_back(std::sin(rate * i));
     problem.runs.push_back(std::move(run));
   }
   measure_noise(problem);
-  EXPECT_EQ(problem.runs[1].louder[0], 1);
+  EXPECT_EQ(problem.runs[1].noise_scale[0], 1);
 }
 
 // Twenty windows that a model brings from 10 to 1, one that it cannot bring below 60: someone pushed. Where it halves
@@ -122,6 +124,29 @@ TEST(EmbeddedPoint, WeightsReproduceThePointEvenOutside) {
     Vec3 sum = Vec3::Zero();
     for (const auto& [node, weight] : embed(bar, point)) sum += weight * bar.points[node];
     EXPECT_LT((sum - point).norm(), 1e-12);
+  }
+}
+
+// A marker that lies on a bent surface must stay on it, also where an element has nodes between its corners.
+TEST(EmbeddedPoint, AMarkerMovesWithTheSeenSurface) {
+  const TetMesh bar = make_quadratic(box_solid(Vec3(0.2, 0.1, 0.1), {3, 2, 2}, 4));
+  std::vector<Vec3> bent = bar.points;
+  for (Vec3& p : bent) p.z() += 4 * p.x() * p.x();
+  for (const Vec3& point : {Vec3(0.031, -0.022, 0.05), Vec3(0.083, 0.05, 0.011), Vec3(0.104, 0.03, 0)}) {
+    Vec3 marker = Vec3::Zero();
+    for (const auto& [node, weight] : embed(bar, point)) marker += weight * bent[node];
+    const Vec3 seen = multiply(embed_points(bar, std::span(&point, 1)).weights, bent)[0];
+    EXPECT_LT((marker - seen).norm(), 1e-12);
+  }
+}
+
+TEST(CanMove, WhatIsFixedOrPrescribedOrAHalfSpaceCannot) {
+  RigidBody body;
+  EXPECT_TRUE(can_move(body));
+  for (bool RigidBody::*flag : {&RigidBody::is_fixed, &RigidBody::is_prescribed, &RigidBody::is_half_space}) {
+    RigidBody other;
+    other.*flag = true;
+    EXPECT_FALSE(can_move(other));
   }
 }
 

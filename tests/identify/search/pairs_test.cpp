@@ -67,9 +67,9 @@ TEST(Pairs, NoCandidateStandsInAllOfThem) {
     s.step.push_back(1);
   }
   const std::vector<Pair> best = best_pairs(s, 1);
-  EXPECT_EQ(best.size(), MOST_PAIRS);
+  EXPECT_EQ(best.size(), criteria().n_pairs);
   for (const Pair& pair : best) n_of_first += pair.first == &many[0];
-  EXPECT_EQ(n_of_first, MOST_OF_ONE);
+  EXPECT_EQ(n_of_first, criteria().n_pairs_of_one);
 }
 
 }  // namespace

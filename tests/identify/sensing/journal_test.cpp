@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "tests/temporary_folder.hpp"
 
 namespace pvg::diagnose {
@@ -26,18 +28,18 @@ TEST(Journal, WhatWasAskedBeforeIsAnsweredToTheBit) {
   const std::filesystem::path file = folder.path / "simulated.bin";
   write_two(file, 7);
   Journal again(file, 7);
-  const auto first = again.answer_to(11);
+  const auto first = again.result_for(11);
   ASSERT_TRUE(first);
   ASSERT_EQ(first->size(), 2u);
   EXPECT_EQ((*first)[0].residual, Eigen::VectorXd::LinSpaced(5, 0, 1.0 / 3));
   EXPECT_EQ((*first)[0].phase, (std::vector<Phase>{Phase::slide, Phase::rest}));
   EXPECT_EQ((*first)[0].touching, std::vector<std::string>{"floor/block"});
   EXPECT_EQ((*first)[1].residual.size(), 0);
-  EXPECT_TRUE(again.answer_to(12));
-  EXPECT_FALSE(again.answer_to(13));
+  EXPECT_TRUE(again.result_for(12));
+  EXPECT_FALSE(again.result_for(13));
   again.add(13, answer(3, "x"));
   Journal third(file, 7);
-  for (const std::uint64_t question : {11, 12, 13}) EXPECT_TRUE(third.answer_to(question)) << question;
+  for (const std::uint64_t question : {11, 12, 13}) EXPECT_TRUE(third.result_for(question)) << question;
 }
 
 TEST(Journal, AnotherKeyOrAnotherQuestionVoidsWhatFollows) {
@@ -45,16 +47,16 @@ TEST(Journal, AnotherKeyOrAnotherQuestionVoidsWhatFollows) {
   const std::filesystem::path file = folder.path / "simulated.bin";
   write_two(file, 7);
   Journal other(file, 8);
-  EXPECT_FALSE(other.answer_to(11));
+  EXPECT_FALSE(other.result_for(11));
   write_two(file, 7);
   Journal strays(file, 7);
-  EXPECT_TRUE(strays.answer_to(11));
-  EXPECT_FALSE(strays.answer_to(99));
+  EXPECT_TRUE(strays.result_for(11));
+  EXPECT_FALSE(strays.result_for(99));
   strays.add(99, answer(1, "y"));
   Journal after(file, 7);
-  EXPECT_TRUE(after.answer_to(11));
-  EXPECT_TRUE(after.answer_to(99));
-  EXPECT_FALSE(after.answer_to(12));
+  EXPECT_TRUE(after.result_for(11));
+  EXPECT_TRUE(after.result_for(99));
+  EXPECT_FALSE(after.result_for(12));
 }
 
 TEST(Journal, AnAnswerThatWasCutShortIsForgotten) {
@@ -63,8 +65,70 @@ TEST(Journal, AnAnswerThatWasCutShortIsForgotten) {
   write_two(file, 7);
   std::filesystem::resize_file(file, std::filesystem::file_size(file) - 3);
   Journal journal(file, 7);
-  EXPECT_TRUE(journal.answer_to(11));
-  EXPECT_FALSE(journal.answer_to(12));
+  EXPECT_TRUE(journal.result_for(11));
+  EXPECT_FALSE(journal.result_for(12));
+}
+
+// Two answers must not be taken for each other: whatever a simulation or a sensor depends on is part of the question.
+TEST(Journal, AQuestionHoldsSceneSensingStartsAndNoise) {
+  Problem problem;
+  problem.channels.resize(1);
+  problem.channels[0].sigma = 0.1;
+  problem.runs.resize(1);
+  problem.runs[0].noise_scale = {1};
+  Variant variant;
+  variant.scene.rigid_bodies.resize(1);
+  variant.scene.joints.resize(1);
+  variant.scene.pair_friction = {{"floor", "block", 0.3}};
+  variant.scene.effects = {{"linear_drag", "ball", {0.1}}};
+  variant.sensing.latency = {0};
+  variant.sensing.bias = {Vec3::Zero()};
+  variant.sensing.marker_offset = {Vec3::Zero()};
+  variant.sensing.camera = {{}};
+  Window window;
+  window.data = {{0, 3, 0}};
+  window.correction = Eigen::VectorXd::Zero(1);
+  InitialState start{{0}, {0}, {Pose::Identity()}, {Vec3::Zero()}, {Vec3::Zero()}};
+  std::map<std::uint64_t, int> seen;
+  int number = 0;
+  const auto ask = [&] {
+    const Job job{&variant, &window, start, false};
+    const std::uint64_t question = question_of(problem, std::span(&job, 1));
+    EXPECT_TRUE(seen.emplace(question, number).second) << number << " is as " << seen[question];
+    ++number;
+  };
+  ask();
+  const auto changed = [&](double& value) {
+    const double before = value;
+    value += 0.01;
+    ask();
+    value = before;
+  };
+  changed(start.spin[0].z());  // 1
+  changed(start.velocity[0].x());
+  changed(variant.scene.gravity.z());  // 3
+  changed(variant.scene.rigid_bodies[0].mass);
+  changed(variant.scene.rigid_bodies[0].inertia(0, 1));
+  changed(variant.scene.rigid_bodies[0].center_of_mass.y());
+  changed(variant.scene.pair_friction[0].coefficient);
+  changed(variant.scene.joints[0].damping);
+  changed(variant.scene.joints[0].drive.stiffness);
+  changed(variant.scene.contact.stiffness);  // 10
+  changed(variant.scene.solver.time_step);
+  changed(variant.scene.effects[0].parameters[0]);
+  changed(variant.sensing.clock_rate);
+  changed(variant.sensing.clock_offset);
+  changed(variant.sensing.length_scale);
+  changed(variant.sensing.frame_rotation.x());
+  changed(variant.sensing.latency[0]);
+  changed(variant.sensing.bias[0].x());
+  changed(variant.sensing.marker_offset[0].x());
+  changed(variant.sensing.camera[0].gain);  // 20
+  changed(window.correction[0]);
+  changed(problem.channels[0].sigma);
+  changed(problem.runs[0].noise_scale[0]);
+  window.data[0].sample = 4;
+  ask();
 }
 
 }  // namespace

@@ -153,7 +153,7 @@ TEST(MaskSight, MasksTellTheDistortionOfTheirCamerasLensToAFewPerCent) {
   const Model off{{&*lens}, Eigen::VectorXd::Zero(1), Eigen::VectorXd::Constant(1, 0.3)};
   const Fit before = fitter.begin(data, {off}).front();
   const Fit fit = fitter.fit(data, {off}, 6).front();
-  ASSERT_TRUE(fit.is_well);
+  ASSERT_TRUE(fit.succeeded);
   EXPECT_NEAR(fit.model.x[0], -0.1, 0.002);
   EXPECT_LT(std::sqrt(fit.covariance(0, 0)), 0.02);
   EXPECT_LT(rms(fit.residual), 0.2 * rms(before.residual));

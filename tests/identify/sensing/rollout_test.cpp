@@ -64,7 +64,7 @@ TEST(Rollout, SeveralProcessesFindTheSameBitsAsOne) {
     ASSERT_EQ(one.size(), std::size_t(n));
     ASSERT_EQ(three.size(), std::size_t(n));
     for (std::size_t i = 0; i < std::size_t(n); ++i) {
-      EXPECT_TRUE(one[i].is_well && three[i].is_well);
+      EXPECT_TRUE(one[i].succeeded && three[i].succeeded);
       EXPECT_EQ(one[i].residual, three[i].residual) << i << " of " << n;
       EXPECT_EQ(one[i].phase, three[i].phase);
       EXPECT_EQ(one[i].touching, three[i].touching);

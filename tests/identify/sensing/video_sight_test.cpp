@@ -112,7 +112,7 @@ void expect_named(const std::string& camera, const std::string& name, double val
     ++n_tried;
     EXPECT_EQ(candidate.target, "wrist");
     const Fit fit = fit_of(fitter, data, candidate);
-    ASSERT_TRUE(fit.is_well);
+    ASSERT_TRUE(fit.succeeded);
     if (candidate.name != name) {
       EXPECT_GT(rms(fit.residual), 2) << candidate.name;
       continue;

@@ -1,4 +1,4 @@
-#include "host/load/yaml_section.hpp"
+#include "host/load/fields/yaml_section.hpp"
 
 #include <charconv>
 #include <cmath>
@@ -94,11 +94,19 @@ YamlSection YamlSection::load(const std::filesystem::path& file, const std::stri
   } catch (const YAML::Exception& e) {
     throw UsageError(file.string() + ": cannot be read: " + e.msg + ".");
   }
-  return YamlSection(node, std::filesystem::absolute(file).lexically_normal(), "");
+  return YamlSection(node, std::filesystem::absolute(file).lexically_normal(), "", false);
 }
 
-YamlSection::YamlSection(YAML::Node node, std::filesystem::path file, std::string name)
-    : node_(std::move(node)), file_(std::move(file)), name_(std::move(name)) {
+YamlSection YamlSection::resolved(const std::string& text, const std::filesystem::path& file) {
+  try {
+    return YamlSection(YAML::Load(text), file, "", true);
+  } catch (const YAML::Exception& e) {
+    throw UsageError(file.string() + ": its configuration is not YAML: " + e.msg + "; make the record again.");
+  }
+}
+
+YamlSection::YamlSection(YAML::Node node, std::filesystem::path file, std::string name, bool is_resolved)
+    : node_(std::move(node)), file_(std::move(file)), name_(std::move(name)), is_resolved_(is_resolved) {
   if (!node_.IsMap())
     fail_at(node_, (name_.empty() ? "the file" : "`" + name_ + "`") + " must be a mapping of keys to values");
   std::set<std::string> seen;
@@ -149,7 +157,7 @@ double YamlSection::number_of(const YAML::Node& node, const std::string& key, Un
   } catch (const std::invalid_argument& e) {
     fail_at(node, "`" + full_name(key) + "` " + e.what());
   }
-  if (!(value >= low && value <= high)) {
+  if (!is_resolved_ && !(value >= low && value <= high)) {
     const std::string range =
         std::isinf(high) ? "at least " + shown(low) : "between " + shown(low) + " and " + shown(high);
     fail_at(node, "`" + full_name(key) + "` must be " + range + " [" + si_unit(unit) + "], but is " + shown(value));
@@ -198,6 +206,12 @@ std::string YamlSection::name() {
   const std::string given = text("name");
   if (!is_identifier(given)) fail("name", std::string(IDENTIFIER_RULE) + ", but is `" + given.substr(0, 80) + "`");
   return given;
+}
+
+std::string YamlSection::text_or_empty(const std::string& key) {
+  const YAML::Node node = need(key, "a text");
+  if (!node.IsScalar()) fail_at(node, "`" + full_name(key) + "` must be a text");
+  return node.Scalar();
 }
 
 std::size_t YamlSection::choice(const std::string& key, const std::vector<std::string>& allowed) {
@@ -258,13 +272,14 @@ Range YamlSection::range(const std::string& key, Unit unit, double low, double h
 std::filesystem::path YamlSection::file(const std::string& key) {
   const std::string given = text(key);
   const std::filesystem::path full = (file_.parent_path() / given).lexically_normal();
-  if (!std::filesystem::is_regular_file(full)) fail(key, "names the file " + full.string() + ", which does not exist");
-  remember_read(full);
+  if (!is_resolved_ && !std::filesystem::is_regular_file(full))
+    fail(key, "names the file " + full.string() + ", which does not exist");
+  if (!is_resolved_) remember_read(full);
   return full;
 }
 
 YamlSection YamlSection::section(const std::string& key) {
-  return YamlSection(need(key, "a mapping"), file_, full_name(key));
+  return YamlSection(need(key, "a mapping"), file_, full_name(key), is_resolved_);
 }
 
 std::vector<YamlSection> YamlSection::sections(const std::string& key) {
@@ -273,7 +288,7 @@ std::vector<YamlSection> YamlSection::sections(const std::string& key) {
   if (!node->IsSequence()) fail_at(*node, "`" + full_name(key) + "` must be a list of mappings");
   std::vector<YamlSection> all;
   for (std::size_t i = 0; i < node->size(); ++i) {
-    all.push_back(YamlSection((*node)[i], file_, full_name(key) + "[" + std::to_string(i) + "]"));
+    all.push_back(YamlSection((*node)[i], file_, full_name(key) + "[" + std::to_string(i) + "]", is_resolved_));
   }
   return all;
 }

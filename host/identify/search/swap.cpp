@@ -1,12 +1,13 @@
-#include "host/identify/search/exchange.hpp"
+#include "host/identify/search/swap.hpp"
 
 #include <algorithm>
+
+#include "host/identify/criteria.hpp"
 
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::VectorXd;
-constexpr std::size_t MOST_EXCHANGED = 3;
 
 }  // namespace
 
@@ -41,10 +42,10 @@ Model replaced(const Model& model, std::size_t place, const Model& other) {
   return next;
 }
 
-std::vector<Model> exchanged(const Model& model, std::size_t place, const std::vector<Fit>& others) {
+std::vector<Model> swapped(const Model& model, std::size_t place, const std::vector<Fit>& others) {
   std::vector<Model> models;
   for (const Fit& other : others)
-    if (models.size() < MOST_EXCHANGED &&
+    if (models.size() < criteria().n_swaps &&
         std::find(model.parts.begin(), model.parts.end(), other.model.parts.back()) == model.parts.end())
       models.push_back(replaced(model, place, other.model));
   return models;

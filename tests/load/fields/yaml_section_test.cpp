@@ -1,5 +1,5 @@
 // What a file may say: units, ranges, types; every mistake is named with file, line and key.
-#include "host/load/yaml_section.hpp"
+#include "host/load/fields/yaml_section.hpp"
 
 #include <gtest/gtest.h>
 

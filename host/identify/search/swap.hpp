@@ -12,6 +12,6 @@ Model without(const Model& model, std::size_t left_out);
 Model replaced(const Model& model, std::size_t place, const Model& other);
 
 // Likewise of the first three of `others` (best first) whose last part the model does not have.
-std::vector<Model> exchanged(const Model& model, std::size_t place, const std::vector<Fit>& others);
+std::vector<Model> swapped(const Model& model, std::size_t place, const std::vector<Fit>& others);
 
 }  // namespace pvg::diagnose

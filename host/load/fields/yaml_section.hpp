@@ -51,7 +51,13 @@ class YamlSection {
   // The root of a file. what: such as "task file", for messages.
   static YamlSection load(const std::filesystem::path& file, const std::string& what);
 
+  // The root of a configuration that resolved_yaml wrote. file: what messages name; paths are relative to its folder.
+  // Such a text holds drawn numbers and files that may have moved since: bounds and files are not checked.
+  static YamlSection resolved(const std::string& text, const std::filesystem::path& file);
+  bool is_resolved() const { return is_resolved_; }
+
   bool has(const std::string& key);
+  void skip(const std::string& key) { asked_.insert(key); }  // done() accepts it
 
   // low <= value <= high
   double number(const std::string& key, Unit unit, double low, double high);
@@ -61,7 +67,8 @@ class YamlSection {
   bool boolean(const std::string& key, bool otherwise);
   std::string text(const std::string& key);
   std::string text(const std::string& key, const std::string& otherwise);
-  std::string name();  // the key `name`, of what may name files: see is_identifier
+  std::string name();                                 // the key `name`, of what may name files: see is_identifier
+  std::string text_or_empty(const std::string& key);  // as a resolved configuration may have it
   std::size_t choice(const std::string& key, const std::vector<std::string>& allowed);  // index
   std::size_t choice(const std::string& key, const std::vector<std::string>& allowed, std::size_t otherwise);
   std::vector<double> numbers(const std::string& key, Unit unit, double low, double high);
@@ -82,7 +89,7 @@ class YamlSection {
   const std::filesystem::path& path() const { return file_; }
 
  private:
-  YamlSection(YAML::Node node, std::filesystem::path file, std::string name);
+  YamlSection(YAML::Node node, std::filesystem::path file, std::string name, bool is_resolved);
   std::optional<YAML::Node> find(const std::string& key);
   YAML::Node need(const std::string& key, const std::string& kind);
   double number_of(const YAML::Node& node, const std::string& key, Unit unit, double low, double high) const;
@@ -93,6 +100,7 @@ class YamlSection {
   std::filesystem::path file_;
   std::string name_;  // such as objects[1].pose; empty: the root
   std::set<std::string> asked_;
+  bool is_resolved_ = false;
 };
 
 }  // namespace pvg

@@ -1,23 +1,17 @@
-#include "host/identify/data/embedded_point.hpp"
+#include "host/geometry/embedded_point.hpp"
 
+#include <Eigen/QR>
 #include <limits>
 
-namespace pvg::diagnose {
+#include "host/geometry/tet_embedding.hpp"
+
+namespace pvg {
 
 NodeWeights embed(const TetMesh& mesh, const Vec3& point) {
-  NodeWeights best;
-  double least = -std::numeric_limits<double>::infinity();  // weight; 0 or more: inside
-  for (std::size_t e = 0; e < mesh.n_elements(); ++e) {
-    const std::uint32_t* node = &mesh.elements[e * std::size_t(mesh.nodes_per_element)];
-    Eigen::Matrix3d edges;
-    for (int k = 0; k < 3; ++k) edges.col(k) = mesh.points[node[k + 1]] - mesh.points[node[0]];
-    const Vec3 w = edges.inverse() * (point - mesh.points[node[0]]);
-    const double w0 = 1 - w.sum(), lowest = std::min(w0, w.minCoeff());
-    if (!(lowest > least)) continue;
-    least = lowest;
-    best = {{node[0], w0}, {node[1], w.x()}, {node[2], w.y()}, {node[3], w.z()}};
-  }
-  return best;
+  const SparseRows weights = embed_points(mesh, std::span(&point, 1)).weights;
+  NodeWeights nodes;
+  for (std::size_t i = 0; i < weights.column.size(); ++i) nodes.push_back({weights.column[i], weights.weight[i]});
+  return nodes;
 }
 
 NodeWeights embed(const TriangleMesh& mesh, const Vec3& point) {
@@ -37,4 +31,4 @@ NodeWeights embed(const TriangleMesh& mesh, const Vec3& point) {
   return best;
 }
 
-}  // namespace pvg::diagnose
+}  // namespace pvg

@@ -1,8 +1,8 @@
-#include "host/identify/search/exchange.hpp"
+#include "host/identify/search/swap.hpp"
 
 #include <gtest/gtest.h>
 
-#include "host/identify/search/rivals.hpp"
+#include "host/identify/search/alternatives.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -47,7 +47,7 @@ TEST_F(Exchange, AnotherPartComesWithItsOwnNumbersAndTheRestKeepsIts) {
 TEST_F(Exchange, NoPartStandsInAModelTwice) {
   const std::vector<Fit> others = {of(delay, spring, Eigen::Vector3d(7, 8, 8)),
                                    of(spring, delay, Eigen::Vector3d(8, 8, 7))};
-  const std::vector<Model> models = exchanged(lag_and_spring, 0, others);
+  const std::vector<Model> models = swapped(lag_and_spring, 0, others);
   ASSERT_EQ(models.size(), 1u);
   EXPECT_EQ(models[0].parts, (std::vector<const Candidate*>{&delay, &spring}));
 }

@@ -1,0 +1,363 @@
+// The constants that decide a diagnosis: one row each, read by search, verdict and report alike.
+//   X(stage, type, name, value, unit, meaning, evidence)
+// stage: 1 measurement, 2 residual, 3 localisation, 4 screening, 5 fit, 6 decision, 7 proof
+// (docs/theory/identification.md). evidence: what the value was chosen on. "not recorded": nobody wrote it down. How
+// much the verdicts depend on each value: scripts/perturb_criteria.py.
+#pragma once
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+// clang-format off
+#define PVG_CRITERIA(X) \
+  X(1, double, noise_white_correlation, -0.5, "1", \
+    "third differences of neighbours that correlate by less are those of white noise", \
+    "white noise gives -15/20, a smooth motion up to 1") \
+  X(1, std::size_t, noise_n_neighbours, 8, "1", \
+    "fewest third differences of neighbouring samples that give a noise", \
+    "not recorded") \
+  X(1, std::size_t, noise_n_apart, 100, "1", \
+    "fewest third differences of samples further apart that give a noise", \
+    "falls seen by video (commit 6ac6366)") \
+  X(1, double, noise_smoothed, 2, "1", \
+    "noise of samples apart over that of neighbours from which a channel counts as smoothed", \
+    "not recorded") \
+  X(1, double, noise_assumed, 1e-2, "range", \
+    "noise of a channel whose noise cannot be measured", \
+    "not recorded") \
+  X(1, double, run_noise_scale, 2, "1", \
+    "noise of a run over its channel's from which the run has a noise of its own", \
+    "the DFKI pendulum, one run of which was pushed by hand (commit 39d942d)") \
+  X(1, double, start_fit_span, 0.1, "s", \
+    "span of the samples that give a start and its rate", \
+    "not recorded") \
+  X(1, std::size_t, start_n_least, 5, "1", \
+    "fewest samples that give a start", \
+    "not recorded") \
+  X(1, std::size_t, start_n_most, 15, "1", \
+    "most samples that give a start", \
+    "not recorded") \
+  X(1, double, start_looseness, 20, "1", \
+    "sigma of a start over what its samples give: a wrong model must not be held in place by it", \
+    "not recorded; from the change that let resting bodies start on their support (commit bac2ea0)") \
+  X(1, double, settle_time, 0.06, "s", \
+    "time that is simulated to see what a body rests on", \
+    "not recorded; from the change that let resting bodies start on their support (commit bac2ea0)") \
+  X(1, double, settle_speed, 2e-3, "m/s", \
+    "speed along the normal after that time below which a body rests", \
+    "not recorded; from the change that let resting bodies start on their support (commit bac2ea0)") \
+  X(1, double, support_same_normal, 0.9, "1", \
+    "cosine from which contact normals belong to one plane", \
+    "not recorded") \
+  X(1, double, support_face_width, 0.1, "1", \
+    "width over length of a support from which it is a face and no edge", \
+    "not recorded") \
+  X(1, double, support_sigma, 4, "sigma", \
+    "a measured start farther from rest than this does not rest", \
+    "not recorded") \
+  X(1, double, drive_memory, 2, "s", \
+    "longest history of a drive that is computed before a window", \
+    "not recorded") \
+  X(1, double, step_error_most, 2.5, "noise", \
+    "error of the integration up to which the scene's step is kept and corrected", \
+    "not recorded (commit 3058b6d)") \
+  X(1, double, step_error_most_dissipative, 0.4, "noise", \
+    "the same where joints dissipate, whose error is of first order", \
+    "not recorded") \
+  X(1, double, step_error_most_masks, 0.3, "noise", \
+    "the same where masks are measured, whose error is not corrected", \
+    "the two camera cases of data/hidden (commit 894648e)") \
+  X(1, double, step_error_pixels, 1, "noise", \
+    "error of masks that whole pixels alone explain", \
+    "a pendulum seen by a camera (commit 5303c3a)") \
+  X(1, double, step_quiet_column, 0.1, "1", \
+    "error of a column over the largest one below which the column does not move", \
+    "not recorded (commit 4a03c1c)") \
+  X(1, double, step_converges, 0.6, "1", \
+    "error after a halving of the step over that before, up to which the steps converge", \
+    "hard impacts; first order gives 1/2 (commits bde408a, 0c3d581)") \
+  X(1, int, step_n_refinements, 2, "1", \
+    "most halvings of the scene's step", \
+    "hard impacts (commit bde408a)") \
+  X(1, double, late_clock_most, 0.06, "s", \
+    "time simulated beyond a window's end, for clocks and sensors that are late", \
+    "not recorded") \
+  X(1, int, step_n_halvings, 1, "1", \
+    "halvings of a step that does not converge; a world that needs more counts as failed", \
+    "not recorded") \
+  X(1, double, newton_tolerance, 1e-6, "m/s", \
+    "tolerance of the simulations, so that responses to small changes are exact", \
+    "not recorded") \
+  X(2, double, simulated_seconds, 12, "s", \
+    "simulated time of all windows of one evaluation, about", \
+    "not recorded") \
+  X(2, double, n_worlds_most, 208, "1", \
+    "worlds of a derivative by all starts, twice where bodies can collide", \
+    "a pair of effects in flight (commit 8ba33ac)") \
+  X(2, std::size_t, n_windows_least, 4, "1", \
+    "fewest windows", \
+    "not recorded") \
+  X(2, std::size_t, n_windows_most, 40, "1", \
+    "most windows", \
+    "not recorded") \
+  X(2, double, whole_run_longest, 8, "s", \
+    "longest run that is one window", \
+    "not recorded") \
+  X(2, double, window_coherent, 0.35, "signal", \
+    "misfit up to which a window can be linearised", \
+    "not recorded") \
+  X(2, double, window_coherent_floor, 3, "noise", \
+    "misfit that always counts as small enough", \
+    "not recorded") \
+  X(2, double, windows_coherent_share, 0.75, "1", \
+    "share of the windows that must be coherent", \
+    "not recorded") \
+  X(2, double, window_hopeless, 2, "1", \
+    "times window_coherent beyond which better starts do not help", \
+    "not recorded (commit 0c3d581)") \
+  X(2, double, start_good_enough, 1.1, "noise", \
+    "residuals below which measured starts are kept", \
+    "bodies that rest on something (commit 6f0c4d0)") \
+  X(2, double, start_shift_most, 4, "measured sigma", \
+    "how far the start of a window that is prepared anew may move", \
+    "not recorded; from the change that let resting bodies start on their support (commit bac2ea0)") \
+  X(2, double, step_correction_most, 5, "noise", \
+    "largest error of the integration that is corrected", \
+    "not recorded (commit 3058b6d)") \
+  X(2, double, agrees_rms, 1.15, "noise", \
+    "error below which scene and runs agree", \
+    "not recorded; all 152 rigid nulls of the hidden suite agree") \
+  X(2, double, agrees_cell_rms, 1.5, "noise", \
+    "error of a significant cell above which they do not", \
+    "not recorded; all 152 rigid nulls of the hidden suite agree") \
+  X(7, double, agrees_held_out, 1.5, "noise", \
+    "held-out error above which a note says that these runs disagree", \
+    "not recorded (commit 323f15f)") \
+  X(3, double, locate_window, 0.25, "s", \
+    "window in which a cell is located", \
+    "not recorded") \
+  X(3, double, false_discoveries, 0.01, "1", \
+    "false discovery rate of cells", \
+    "convention (Benjamini, Hochberg 1995)") \
+  X(3, std::size_t, onset_n_samples, 8, "1", \
+    "samples in a row that mark an onset", \
+    "not recorded") \
+  X(3, double, onset_p_value, 1e-4, "1", \
+    "p-value of such a stretch", \
+    "not recorded") \
+  X(4, double, sensitivity_least, 1e-3, "noise", \
+    "change of the residuals below which a candidate is not seen", \
+    "not recorded") \
+  X(4, double, screen_factor_most, 30, "1", \
+    "factor between one change tried and the next, and of a parameter's scale", \
+    "not recorded") \
+  X(4, std::size_t, screen_n_windows, 3, "1", \
+    "windows in which an estimate is enough", \
+    "not recorded") \
+  X(4, std::size_t, screen_n_tried, 20, "1", \
+    "candidates that are simulated at their linear optimum", \
+    "not recorded") \
+  X(4, double, screen_change_least, 2, "noise", \
+    "smallest change of the residuals that a step should make", \
+    "not recorded") \
+  X(4, double, screen_change_most, 30, "noise", \
+    "largest change of the residuals that a step should make", \
+    "not recorded") \
+  X(4, double, pair_change_most, 10, "noise", \
+    "the same for the signatures of pairs and laws", \
+    "not recorded") \
+  X(4, double, screen_share_low, 0.4, "linear optimum", \
+    "where a candidate is tried besides its optimum", \
+    "not recorded") \
+  X(4, double, screen_share_high, 2, "linear optimum", \
+    "where a candidate is tried besides its optimum", \
+    "not recorded") \
+  X(4, double, screen_shape_low, 0.2, "1", \
+    "factor on a shape parameter that is tried", \
+    "a Stribeck curve named Coulomb friction (commit ae8853e)") \
+  X(4, double, screen_shape_high, 5, "1", \
+    "factor on a shape parameter that is tried", \
+    "a Stribeck curve named Coulomb friction (commit ae8853e)") \
+  X(4, double, limit_felt, 1e-3, "noise", \
+    "change of the residuals from which a limit is reached", \
+    "soft bodies that yield (commit 1db744e)") \
+  X(4, double, limit_highest, 1, "parameter", \
+    "highest limit that is tried", \
+    "soft bodies that yield (commit 1db744e)") \
+  X(4, double, limit_lowest, 1e-3, "parameter", \
+    "lowest limit that is tried", \
+    "soft bodies that yield (commit 1db744e)") \
+  X(5, std::size_t, n_fitted, 9, "1", \
+    "candidates of a round that are fitted", \
+    "not recorded") \
+  X(5, std::size_t, n_fitted_per_family, 2, "1", \
+    "candidates that each family always sends to the fit", \
+    "not recorded") \
+  X(5, double, student_freedom, 4, "1", \
+    "degrees of freedom of the residuals' distribution", \
+    "not recorded") \
+  X(5, double, fit_small_change, 1e-3, "1", \
+    "relative change of the cost at which a fit has converged", \
+    "not recorded") \
+  X(5, double, reduction_missed, 0.05, "1", \
+    "deviation from the predicted change that makes sensitivities stale", \
+    "sliding blocks with drag (commit 911d5e5)") \
+  X(5, double, reduction_missed_floor, 0.02, "noise", \
+    "deviation that never does", \
+    "sliding blocks with drag (commit 911d5e5)") \
+  X(5, double, window_scale_missed, 1.5, "1", \
+    "scale of a window over that of all from which the last steps are repeated", \
+    "not recorded; from the change that let resting bodies start on their support (commit bac2ea0)") \
+  X(5, double, unseen_change, 2e-3, "noise", \
+    "change below which a parameter stays at its prior", \
+    "not recorded (commit bac2ea0)") \
+  X(5, double, difference_share, 0.03, "1", \
+    "finite difference of a parameter over its distance from off", \
+    "not recorded") \
+  X(5, double, difference_share_pixels, 0.3, "1", \
+    "the same where whole pixels are measured", \
+    "a pendulum seen by a camera (commit 5303c3a)") \
+  X(5, double, difference_start, 0.05, "sigma", \
+    "finite difference of a start", \
+    "sliding blocks with drag (commit 911d5e5)") \
+  X(5, int, n_start_steps, 4, "1", \
+    "steps where only starts are fitted", \
+    "not recorded (commit 1f29049)") \
+  X(5, int, n_first_steps, 2, "1", \
+    "steps of all fits before the finalists are chosen", \
+    "not recorded") \
+  X(5, int, n_more_steps, 10, "1", \
+    "further steps of the finalists, and of a fit that is revised", \
+    "sliding blocks with drag (commit 911d5e5)") \
+  X(5, int, n_last_steps, 2, "1", \
+    "last steps, with one scale for all windows", \
+    "not recorded; from the change that let resting bodies start on their support (commit bac2ea0)") \
+  X(5, std::size_t, n_finalists, 5, "1", \
+    "candidates that are fitted to the end", \
+    "not recorded") \
+  X(5, double, finalist_behind_most, 100, "log-likelihood", \
+    "how far a finalist may be behind the best", \
+    "not recorded") \
+  X(6, double, residual_cut, 4, "scale", \
+    "size at which residuals are cut in left-out errors", \
+    "not recorded") \
+  X(6, double, relative_gain_least, 0.02, "1", \
+    "relative difference of errors that is more than arithmetic", \
+    "not recorded (commit 1f29049)") \
+  X(6, double, gain_sigma, 2, "sigma", \
+    "by how much a gain, and a parameter's distance from off, must exceed its error", \
+    "convention") \
+  X(6, double, as_good_sigma, 1, "sigma", \
+    "within how much of the best a simpler model is as good", \
+    "one-standard-error rule (Breiman et al. 1984)") \
+  X(6, std::size_t, n_groups_most, 8, "1", \
+    "groups of windows that are left out in turn", \
+    "not recorded") \
+  X(6, std::size_t, n_runs_as_groups, 3, "1", \
+    "fitting runs from which a run is a group", \
+    "not recorded") \
+  X(6, std::size_t, correlation_lag_most, 50, "samples", \
+    "longest lag of the residuals' autocorrelation", \
+    "not recorded") \
+  X(6, double, log_prior_physical, -1, "log", \
+    "log prior of a missing effect against a wrong number", \
+    "not recorded (commit 0fd3dd3)") \
+  X(6, double, log_prior_parameter, 0, "log", \
+    "log prior of a wrong number", \
+    "reference of the others") \
+  X(6, double, log_prior_measurement, -0.5, "log", \
+    "log prior of a sensor's error", \
+    "not recorded (commit 0fd3dd3)") \
+  X(6, double, evidence_margin, 10, "log", \
+    "log-evidence margin beyond which simplicity no longer decides", \
+    "not recorded; from the change that let resting bodies start on their support (commit bac2ea0)") \
+  X(6, double, log_prior_margin_simpler, 5, "log", \
+    "log prior by which a simpler model may be behind", \
+    "adhesion of a rigid block (commit 0c3346e)") \
+  X(6, double, log_prior_margin, 1, "log", \
+    "log prior that decides between models that close nearly as much", \
+    "not recorded") \
+  X(6, double, unexplained, 1.5, "noise", \
+    "error above which something is left to explain", \
+    "not recorded") \
+  X(6, double, nearly_as_much, 0.6, "1", \
+    "share of the best model's gain from which a model closes nearly as much", \
+    "not recorded") \
+  X(6, double, second_gain_least, 0.2, "1", \
+    "share of the rest that a second effect must close on fitting runs", \
+    "not recorded (commit 0c3d581)") \
+  X(6, std::size_t, n_swaps, 3, "1", \
+    "alternatives that replace the first effect", \
+    "not recorded; from the change that let resting bodies start on their support (commit bac2ea0)") \
+  X(6, std::size_t, n_alternatives, 2, "1", \
+    "alternatives to the first effect beside which a second one is searched", \
+    "backlash beside friction, spring beside delay (commit 0ec3434)") \
+  X(6, double, same_residual, 1, "noise", \
+    "difference below which two fits leave the same", \
+    "backlash beside friction, spring beside delay (commit 0ec3434)") \
+  X(6, std::size_t, n_pairs, 8, "1", \
+    "pairs that are fitted", \
+    "two effects of the hidden suite (commit b878db3)") \
+  X(6, std::size_t, n_pairs_of_one, 3, "1", \
+    "pairs that may hold the same candidate", \
+    "two effects of the hidden suite (commit b878db3)") \
+  X(6, double, pair_first_part, 0.25, "1", \
+    "first share of the runs in which pairs of soft bodies are searched", \
+    "not recorded (commit 8fc1ec6)") \
+  X(6, double, pair_second_part, 0.5, "1", \
+    "second share", \
+    "not recorded (commit 8fc1ec6)") \
+  X(7, double, gap_closed_least, 0.6, "1", \
+    "share of the held-out gap that a named effect, or a law, must close", \
+    "not recorded") \
+  X(7, double, second_gap_closed_least, 0.2, "1", \
+    "share of the rest of the held-out gap that a second effect must close", \
+    "not recorded (commit 0c3d581)") \
+  X(7, double, disturbed, 5, "median window", \
+    "error from which a held-out window may be disturbed", \
+    "the DFKI pendulum, one window of which is disturbed (commit 39d942d)") \
+  X(7, double, disturbed_share_most, 0.1, "1", \
+    "share of disturbed windows above which the model is wrong instead", \
+    "the DFKI pendulum, one window of which is disturbed (commit 39d942d)") \
+  X(7, double, disturbed_halved, 0.5, "1", \
+    "error after over error before below which a window is explained", \
+    "the DFKI pendulum, one window of which is disturbed (commit 39d942d)") \
+  X(7, std::size_t, n_laws, 3, "1", \
+    "laws in one sum", \
+    "not recorded (commit a8ca8f8)") \
+  X(7, std::size_t, n_sums, 2, "1", \
+    "sums of each size that are fitted", \
+    "not recorded (commit a8ca8f8)") \
+  X(7, std::size_t, n_law_sites, 3, "1", \
+    "places at which laws are searched", \
+    "not recorded (commit a8ca8f8)")
+// clang-format on
+
+namespace pvg::diagnose {
+
+struct Criteria {
+#define PVG_CRITERION(stage, type, name, value, unit, meaning, evidence) type name = value;
+  PVG_CRITERIA(PVG_CRITERION)
+#undef PVG_CRITERION
+};
+
+// Those of this process: the values above unless set_criterion() was called before the first diagnosis.
+const Criteria& criteria();
+
+// For studies of how much a verdict depends on a value. A count is rounded to a whole number, at least 1. Throws a
+// UsageError that lists similar names where there is no such criterion.
+void set_criterion(std::string_view name, double value);
+// "NAME=VALUE", as on the command line.
+void set_criterion(const std::string& text);
+void reset_criteria();
+
+struct Criterion {
+  int stage = 0;
+  std::string name, unit, meaning, evidence;
+  double value = 0, usual = 0;  // now; as in the table
+  bool is_count = false;
+};
+std::vector<Criterion> list_criteria();
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,20 @@
+// A second effect beside another first one: where two effects explain nearly as much by themselves the better one may
+// be the wrong one, and beside it the second effect is never seen.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "host/identify/search/workflow.hpp"
+
+namespace pvg::diagnose {
+
+// Whether two fits to the same windows leave the same, within the noise.
+bool leave_the_same(const Fit& a, const Fit& b);
+
+// A round beside each of the first two fits of the first round (best first) that leave another residual than those that
+// were tried. Returns the first pair that leaves less than `most` times the noise, and puts it into `out.ranking` and
+// `out.inseparable`. expected_seconds: of a round.
+std::optional<Fit> find_beside_alternatives(Workflow& flow, const FitData& data, const std::vector<Fit>& first_round,
+                                            std::vector<Fit> tried, double most, double expected_seconds);
+
+}  // namespace pvg::diagnose

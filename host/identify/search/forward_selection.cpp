@@ -1,0 +1,152 @@
+#include <algorithm>
+#include <cmath>
+
+#include "host/identify/criteria.hpp"
+#include "host/identify/search/alternatives.hpp"
+#include "host/identify/search/pairs.hpp"
+#include "host/identify/search/prepared.hpp"
+#include "host/identify/search/round.hpp"
+#include "host/identify/search/screen.hpp"
+#include "host/identify/search/swap.hpp"
+#include "host/identify/search/workflow.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+using Eigen::VectorXd;
+
+std::vector<std::string> labels_of(const Model& model, std::size_t after) {
+  std::vector<std::string> labels;
+  for (std::size_t i = after; i < model.parts.size(); ++i) labels.push_back(model.parts[i]->label());
+  return labels;
+}
+
+Fit best_of(Workflow& flow, Prepared& prepared, std::vector<Model> models, const Fit& fit) {
+  const FitData& data = prepared.data();
+  std::vector<Fit> fits = flow.fitter.begin(data, std::move(models));
+  std::erase_if(fits, [](const Fit& other) { return !other.succeeded; });
+  flow.fitter.improve(data, fits, criteria().n_more_steps);
+  flow.fitter.finish(data, fits);
+  fits.push_back(fit);
+  const Decision decision = decide(data, prepared.base(flow.fitter), fits);
+  return decision.chosen >= 0 ? *decision.ranking[std::size_t(decision.chosen)].fit : fit;
+}
+
+// Backward check: drop the first effect if the model without it fits equally well. Swap: replace it by another effect
+// of the first round if that is better beside the later one; beside that alternative the later effect may be swapped
+// for one of its own round.
+Fit reconsidered(Workflow& flow, Prepared& prepared, const Fit& fit, const std::vector<Fit>& first_round,
+                 const std::vector<Fit>& this_round) {
+  std::vector<Model> models = swapped(fit.model, 0, first_round);
+  for (std::size_t i = 0; i + 1 < fit.model.parts.size(); ++i) models.push_back(without(fit.model, i));
+  const Fit first = best_of(flow, prepared, std::move(models), fit);
+  const std::vector<const Candidate*>& parts = first.model.parts;
+  const auto later = std::find(parts.begin(), parts.end(), fit.model.parts.back());
+  if (parts.size() < 2 || parts == fit.model.parts || later == parts.end()) return first;
+  return best_of(flow, prepared, swapped(first.model, std::size_t(later - parts.begin()), this_round), first);
+}
+
+// The left-out error of another single effect in the present preparation: infinite where it fails there.
+double error_of_single(Workflow& flow, Prepared& prepared, const Model& model) {
+  std::vector<Fit> fits = flow.fitter.begin(prepared.data(), {model});
+  flow.fitter.improve(prepared.data(), fits, criteria().n_more_steps);
+  flow.fitter.finish(prepared.data(), fits);
+  const Decision decision = decide(prepared.data(), prepared.base(flow.fitter), fits);
+  return decision.ranking.empty() ? INFINITY : decision.ranking.front().error;
+}
+
+}  // namespace
+
+RankedModel ranked(const Judged& judged) {
+  RankedModel model{judged.fit->model.parts, judged.error, judged.evidence, judged.probability, {}};
+  for (const double x : judged.fit->model.x) model.values.push_back(x);
+  return model;
+}
+
+std::vector<Fit> forward_selection(Workflow& flow, const FitData& data, const Fit& base) {
+  Diagnosis& out = flow.out;
+  Prepared prepared(data, base);
+  std::vector<Fit> selected, first_round, tried;  // tried: single ones beside which a second was looked for
+  std::optional<Model> best_single;               // least left-out error of those that pass in the first round
+  double of_round = 0;                            // how long the last one took [s]
+  Fit named = base;
+  // one round more than effects, since a swap takes one
+  for (int number = 1; number <= flow.settings.max_effects + (flow.settings.max_effects > 1); ++number) {
+    if (int(named.model.parts.size()) >= flow.settings.max_effects) break;
+    if (number > 1 && !flow.has_time("an effect beside " + named.model.parts.back()->label(), of_round))
+      return selected;
+    const double since = flow.seconds();
+    if (named.model.parts.size() == 1) tried.push_back(named);
+    const Round round = run_round(flow, prepared.data(), named, std::to_string(number), number == 1 ? 0.4 : 0.75);
+    of_round = flow.seconds() - since;
+    const Decision& decision = round.decision;
+    if (number == 1)
+      for (const Judged& judged : decision.ranking) out.ranking.push_back(ranked(judged));
+    if (decision.chosen < 0) break;
+    const Judged& chosen = decision.ranking[std::size_t(decision.chosen)];
+    // a second effect also helps where the law of the first is not quite right; another single effect may help as much
+    if (number > 1) {
+      const bool is_another = best_single && best_single->parts != named.model.parts;
+      const double of_another = is_another ? error_of_single(flow, prepared, *best_single) : INFINITY;
+      if (closed(std::min(decision.base_error, of_another), chosen.error, 1) < criteria().second_gain_least) break;
+    }
+    if (number > 1)
+      out.ranking.insert(out.ranking.begin(), ranked(chosen));
+    else
+      std::rotate(out.ranking.begin(), out.ranking.begin() + decision.chosen,
+                  out.ranking.begin() + decision.chosen + 1);
+    std::vector<std::string> set;
+    for (const std::size_t i : decision.inseparable) {
+      const std::vector<std::string> labels = labels_of(decision.ranking[i].fit->model, named.model.parts.size());
+      set.insert(set.end(), labels.begin(), labels.end());
+    }
+    if (!set.empty()) out.inseparable.push_back(set);
+    if (!decision.inseparable.empty() && out.next_experiment.empty())
+      out.next_experiment = chosen.fit->model.parts.back()->experiment;
+    const std::size_t n_parts = chosen.fit->model.parts.size();
+    std::vector<Fit> passed;  // best first
+    for (const Judged& judged : decision.ranking)
+      if (judged.passes) passed.push_back(*judged.fit);
+    if (number == 1) {
+      first_round = passed;
+      if (!passed.empty()) best_single = passed.front().model;
+    }
+    named = n_parts > 1 && flow.settings.decide == Decide::workflow
+                ? reconsidered(flow, prepared, *chosen.fit, first_round, passed)
+                : *chosen.fit;
+    if (flow.settings.decide == Decide::workflow) named = prepared_again(flow.fitter, prepared, named);
+    const double error = rms(named.residual);
+    if (named.model.parts != chosen.fit->model.parts)
+      out.ranking.front() = {
+          named.model.parts, error, chosen.evidence, chosen.probability, {named.model.x.begin(), named.model.x.end()}};
+    if (named.model.parts.size() < n_parts) {  // the first effect was dropped
+      selected.clear();
+      out.inseparable.clear();
+    }
+    selected.push_back(named);
+    out.fit_after = error;
+    if (error < criteria().unexplained) break;
+    if (int(named.model.parts.size()) < flow.settings.max_effects)
+      flow.report_progress(4, 0.6,
+                           "what " + named.model.parts.back()->label() + " leaves is " + std::to_string(error) +
+                               " times the noise: looking for another effect");
+  }
+  const bool is_explained = !selected.empty() && rms(named.residual) < criteria().unexplained;
+  if (is_explained || flow.settings.max_effects < 2 || flow.settings.decide != Decide::workflow) return selected;
+  if (const std::optional<Fit> pair =
+          find_beside_alternatives(flow, data, first_round, tried, criteria().unexplained, of_round)) {
+    Prepared first(data, base);
+    selected = {prepared_again(flow.fitter, first, *pair)};
+    out.fit_after = rms(selected.back().residual);
+    return selected;
+  }
+  if (!flow.has_time("a pair of effects", of_round)) return selected;
+  if (const std::optional<Fit> pair = find_pair(flow, data, base, criteria().unexplained)) {
+    Prepared first(data, base);
+    selected = {prepared_again(flow.fitter, first, *pair)};
+    out.fit_after = rms(selected.back().residual);
+  }
+  return selected;
+}
+
+}  // namespace pvg::diagnose

@@ -1,0 +1,230 @@
+// The sections `robot` and `objects`, and gripper files.
+#include <cmath>
+#include <numbers>
+
+#include "host/load/read_sections.hpp"
+#include "host/load/tables.hpp"
+#include "host/load/task_file.hpp"
+
+namespace pvg {
+namespace {
+
+using Section = YamlSection;
+constexpr double PI = std::numbers::pi;
+
+const Fields<RobotSection>& robot_drive_fields() {
+  using R = RobotSection;
+  static const Fields<R> FIELDS =
+      Fields<R>()
+          .number("stiffness", &R::drive_stiffness, Unit::angular_stiffness, 1e-3, 1e9,
+                  "of every joint's drive; required in this mapping")
+          .required()
+          .otherwise("1e5")
+          .number("damping", &R::drive_damping, Unit::angular_damping, 0, 1e6, "of every joint's drive");
+  return FIELDS;
+}
+
+const Fields<GripperSection>& gripper_drive_fields() {
+  using G = GripperSection;
+  static const Fields<G> FIELDS =
+      Fields<G>()
+          .number("stiffness", &G::drive_stiffness, Unit::stiffness, 1e-3, 1e12,
+                  "of every joint's drive; required in this mapping")
+          .required()
+          .otherwise("2e4")
+          .number("damping", &G::drive_damping, Unit::damping, 0, 1e9, "of every joint's drive");
+  return FIELDS;
+}
+
+const Fields<FingerSection>& stitch_fields() {
+  using F = FingerSection;
+  static const Fields<F> FIELDS =
+      Fields<F>()
+          .number("low", &F::stitch_low, Unit::length, -REACH, REACH,
+                  "lowest corner of a box in the finger's frame; nodes inside are tied to the carriage")
+          .required()
+          .number("high", &F::stitch_high, Unit::length, -REACH, REACH, "its highest corner")
+          .required()
+          .number("stiffness", &F::stitch_stiffness, Unit::stiffness, 1e-3, 1e12, "of each node's spring")
+          .required();
+  return FIELDS;
+}
+
+const Fields<FingerSection>& tetgen_fields() {
+  using F = FingerSection;
+  static const Fields<F> FIELDS =
+      Fields<F>()
+          .number("max_volume", &F::max_tetrahedron_volume, Unit::volume, 0, INFINITY,
+                  "bound of a tetrahedron's volume; 0: none")
+          .number("radius_edge_ratio", &F::radius_edge_ratio, Unit::none, 1.1, 100, "TetGen's -q")
+          .flag("keeps_surface", &F::keeps_surface, "TetGen's -Y: adds no vertices on the surface")
+          .number("nodes_per_element", &F::nodes_per_element, Unit::none, 4, 10,
+                  "4 or 10; four-node tetrahedra make thin ribs several times too stiff")
+          .check([](Section& section, F& finger) {
+            if (finger.nodes_per_element != 4 && finger.nodes_per_element != 10)
+              section.fail("nodes_per_element", "must be 4 or 10");
+          });
+  return FIELDS;
+}
+
+void check_object(Section& section, ObjectSection& object) {
+  const bool needs_mass = !object.is_fixed && !object.mesh.empty();
+  if (needs_mass && (object.density > 0) == (object.mass > 0)) {
+    section.fail("", "must have either `density` or `mass`, because it can move");
+  }
+  if (!needs_mass && (object.density > 0 || object.mass > 0))
+    section.fail("", "has a mass but cannot move: leave `density` and `mass` out");
+  if (object.mesh.empty() && object.visuals.empty())
+    section.fail("", "has neither `mesh` nor `visuals`: there is nothing to do with it");
+  if (!object.is_visible && !object.visuals.empty())
+    section.fail("visible", "is false, but the object has `visuals`; leave one of them out");
+}
+
+}  // namespace
+
+const Fields<RobotSection>& robot_fields() {
+  using R = RobotSection;
+  static const Fields<R> FIELDS =
+      Fields<R>()
+          .file("urdf", &R::urdf, "the arm")
+          .required()
+          .pose("base", &R::base, "base link to world")
+          .number("home", &R::home, Unit::angle, -1e3, 1e3, "start configuration, a number per joint")
+          .required()
+          .text("flange", &R::flange, "link that carries the gripper")
+          .required()
+          .section("drive", std::identity{}, robot_drive_fields(), "of all joints")
+          .number("friction", &R::friction, Unit::none, 0, 10, "coefficient of friction of all links")
+          .text("collision_links", &R::collision_links, "links that collide")
+          .otherwise("all that have a shape for it");
+  return FIELDS;
+}
+
+const Fields<FingerSection>& finger_fields() {
+  using F = FingerSection;
+  static const Fields<F> FIELDS =
+      Fields<F>()
+          .name(&F::name, "of the finger")
+          .file("mesh", &F::mesh, "closed surface, in the finger's frame")
+          .required()
+          .section("material", &F::material, solid_material_fields(), "of the finger")
+          .required()
+          .number("friction", &F::friction, Unit::none, 0, 10, "coefficient of friction")
+          .text("carriage", &F::carriage, "link of the URDF that carries it")
+          .required()
+          .pose("pose", &F::pose, "finger to carriage")
+          .section("stitch", std::identity{}, stitch_fields(), "what holds it on the carriage")
+          .required()
+          .section("tetgen", std::identity{}, tetgen_fields(), "how it is filled with tetrahedra")
+          .list("visuals", &F::visuals, visual_fields(), "carried by its tetrahedra; none: its own surface is seen");
+  return FIELDS;
+}
+
+const Fields<GripperSection>& gripper_fields() {
+  using G = GripperSection;
+  static const Fields<G> FIELDS =
+      Fields<G>()
+          .flag("is_rigid", &G::is_rigid, "its fingers do not bend")
+          .only_resolved()
+          .file("file", &G::file, "of the gripper")
+          .only_resolved()
+          .file("urdf", &G::urdf, "the rigid parts")
+          .required()
+          .text("base_link", &G::base_link, "link that is fixed to the robot's flange")
+          .required()
+          .pose("mount", &G::mount, "gripper base to flange")
+          .pose("tool_center", &G::tool_center,
+                "tool frame in the gripper base: z along the fingers, y from finger to finger")
+          .text("joints", &G::joints, "the prismatic ones, one per finger")
+          .required()
+          .number("open", &G::open, Unit::length, 0, 10, "position of the joints when open")
+          .required()
+          .number("closed", &G::closed, Unit::length, 0, 10, "position of the joints when closed")
+          .required()
+          .number("width_at_zero", &G::width_at_zero, Unit::length, -1, 1,
+                  "between the unbent fingertips at position 0; each joint adds its own position")
+          .section("drive", std::identity{}, gripper_drive_fields(), "of its joints")
+          .text("finger_material", &G::finger_material, "name of the fingers' visual material")
+          .required()
+          .number("subdivision_levels", &G::subdivision_levels, Unit::none, 0, 4, "of the fingers' visual surface")
+          .custom(
+              {"materials", "", "none", "list", "as in scenes, without textures"},
+              [](Section& s, G& g) { add_materials(s, g.materials, nullptr); }, nullptr)
+          .list("fingers", &G::fingers, finger_fields(), "the soft fingers, at least one")
+          .otherwise("required")
+          .check([](Section& root, G& gripper) {
+            if (gripper.open == gripper.closed) root.fail("open", "must differ from `closed`");
+            if (gripper.fingers.empty()) root.fail("", "must hold at least one finger under `fingers`");
+            check_distinct(root, "fingers", gripper.fingers);
+          });
+  return FIELDS;
+}
+
+const Fields<SampledPose>& sampled_pose_fields() {
+  using P = SampledPose;
+  static const Fields<P> FIELDS =
+      Fields<P>()
+          .text("object", &P::object, "whose frame it is in, an object further up in the list; none: the world's")
+          .written_when([](const P& p) { return !p.object.empty(); })
+          .number("x", &P::x, Unit::length, -REACH, REACH, "a number or a range `[low, high]`, drawn per episode")
+          .number("y", &P::y, Unit::length, -REACH, REACH, "likewise")
+          .number("z", &P::z, Unit::length, -REACH, REACH, "likewise")
+          .number("roll", &P::roll, Unit::angle, -2 * PI, 2 * PI, "about the fixed axis x, first; likewise")
+          .number("pitch", &P::pitch, Unit::angle, -2 * PI, 2 * PI, "about the fixed axis y; likewise")
+          .number("yaw", &P::yaw, Unit::angle, -2 * PI, 2 * PI, "about the fixed axis z, last; likewise");
+  return FIELDS;
+}
+
+const Fields<VisualSection>& visual_fields() {
+  using V = VisualSection;
+  static const Fields<V> FIELDS =
+      Fields<V>()
+          .file("mesh", &V::mesh, "OBJ, STL, PLY or glTF, in the frame of the body")
+          .required()
+          .text("material", &V::material, "name of a material; glTF files may keep their own")
+          .otherwise("required, of glTF its own")
+          .number("crease_angle", &V::crease_angle, Unit::angle, 0, PI, "edges sharper than this stay sharp")
+          .check([](Section& section, V& visual) {
+            const bool has_own = visual.mesh.extension() == ".glb" || visual.mesh.extension() == ".gltf";
+            if (!has_own) section.text("material");  // says that it is missing
+          });
+  return FIELDS;
+}
+
+const Fields<ObjectSection>& object_fields() {
+  using O = ObjectSection;
+  static const Fields<O> FIELDS =
+      Fields<O>()
+          .name(&O::name, "of the object")
+          .file("mesh", &O::mesh, "closed surface for the simulation; none: seen only")
+          .list("visuals", &O::visuals, visual_fields(), "what is seen; none: `mesh` in plain grey")
+          .flag("visible", &O::is_visible, "false: an object without `visuals` is not seen")
+          .written_when([](const O& o) { return !o.is_visible; })
+          .flag("fixed", &O::is_fixed, "never moves")
+          .number("density", &O::density, Unit::density, 1e-3, 1e5, "this or `mass`, if it can move")
+          .otherwise("required")
+          .written_when([](const O& o) { return o.density > 0; })
+          .number("mass", &O::mass, Unit::mass, 1e-6, 1e5, "this or `density`")
+          .otherwise("required")
+          .written_when([](const O& o) { return o.mass > 0; })
+          .number("friction", &O::friction, Unit::none, 0, 10, "coefficient of friction")
+          .number("affine_modulus", &O::affine_modulus, Unit::pressure, 1e3, 1e12,
+                  "keeps it rigid. For small strains it is as stiff as a solid of 8 times this modulus")
+          .number("size", &O::size, Unit::none, 0, 1e3, "factor on its meshes")
+          .only_resolved()
+          .section("pose", &O::pose, sampled_pose_fields(), "to the world or to another object")
+          .check(check_object);
+  return FIELDS;
+}
+
+GripperSection load_gripper(const std::filesystem::path& file) {
+  Section root = Section::load(file, "gripper file");
+  check_schema(root);
+  GripperSection gripper;
+  gripper.file = root.path();
+  gripper_fields().read(root, gripper);
+  root.done();
+  return gripper;
+}
+
+}  // namespace pvg
