@@ -140,7 +140,7 @@ class File {
   void write_raw(const std::string& object, const Shape& shape, Type type, const void* values, std::size_t n);
   void read_raw(const std::string& object, Type type, void* values) const;
   void read_row_raw(const std::string& object, std::uint64_t row, Type type, void* values) const;
-  // a damaged file may guarantee more values than memory holds
+  // a damaged file may claim more values than memory holds
   void demand_plausible(const std::string& object, const Shape& shape, std::size_t bytes_per_value) const;
   Handle open_object(const std::string& object) const;
   [[noreturn]] void fail(const std::string& what, const std::string& object) const;

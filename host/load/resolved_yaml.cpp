@@ -93,8 +93,6 @@ void write_condition(YamlWriter& w, const Condition& condition) {
     w.vector("first_end", condition.first_end);
     w.vector("second_end", condition.second_end);
   }
-  if (condition.quantity == Quantity::moved_in_hand || condition.quantity == Quantity::slip_in_hand)
-    w.entry("robot", condition.robot);
   if (condition.at_least) w.entry("at_least", *condition.at_least);
   if (condition.at_most) w.entry("at_most", *condition.at_most);
 }
