@@ -99,7 +99,7 @@ YamlSection YamlSection::load(const std::filesystem::path& file, const std::stri
 
 YamlSection YamlSection::resolved(const std::string& text, const std::filesystem::path& file) {
   try {
-    return YamlSection(YAML::Load(text), file, "", true);
+    return YamlSection(YAML::Load(text), file, "configuration", true);
   } catch (const YAML::Exception& e) {
     throw UsageError(file.string() + ": its configuration is not YAML: " + e.msg + "; make the record again.");
   }

@@ -67,7 +67,7 @@ class YamlSection {
   bool boolean(const std::string& key, bool otherwise);
   std::string text(const std::string& key);
   std::string text(const std::string& key, const std::string& otherwise);
-  std::string name();  // the key `name`, of what may name files: see is_identifier
+  std::string name();                                 // the key `name`, of what may name files: see is_identifier
   std::string text_or_empty(const std::string& key);  // as a resolved configuration may have it
   std::size_t choice(const std::string& key, const std::vector<std::string>& allowed);  // index
   std::size_t choice(const std::string& key, const std::vector<std::string>& allowed, std::size_t otherwise);
