@@ -7,12 +7,13 @@
 
 namespace pvg {
 
-// As Device's constructor says; throws a UsageError where nothing fits or the choice lacks double precision.
-const DeviceInfo& choose_device(const std::vector<DeviceInfo>& devices, const std::string& which);
+// As Device's constructor says.
+const DeviceInfo& choose_device(const std::vector<DeviceInfo>& devices, const std::string& which,
+                                Purpose purpose = Purpose::physics);
 
 // The one that renders beside another that simulates. Where neither is named: the second of two GPUs of the same name
-// and driver, so that both work at once and an episode's bits stay the same; else `render`, or `physics` where that is
-// empty.
+// and driver, so that both work at once and an episode's bits stay the same; a GPU without double precision beside a
+// CPU that simulates; else `render`, or `physics` where that is empty.
 const DeviceInfo& choose_render_device(const std::vector<DeviceInfo>& devices, const std::string& physics,
                                        const std::string& render);
 

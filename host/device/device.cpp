@@ -105,11 +105,13 @@ std::string lower(std::string text) {
 
 namespace {
 
-// the device that the text names; empty: the first GPU with double precision, else the first device
-const DeviceInfo& find_named(const std::vector<DeviceInfo>& devices, const std::string& which) {
+// the device that the text names; empty: the first GPU with double precision, for rendering any, else the first device
+const DeviceInfo& find_named(const std::vector<DeviceInfo>& devices, const std::string& which, Purpose purpose) {
   if (which.empty()) {
     for (const DeviceInfo& device : devices)
       if (device.is_gpu && device.has_fp64) return device;
+    for (const DeviceInfo& device : devices)
+      if (device.is_gpu && purpose == Purpose::rendering) return device;
     return devices.front();
   }
   const bool is_index = which.find_first_not_of("0123456789") == std::string::npos && which.size() < 6;
@@ -124,12 +126,12 @@ const DeviceInfo& find_named(const std::vector<DeviceInfo>& devices, const std::
 
 }  // namespace
 
-const DeviceInfo& choose_device(const std::vector<DeviceInfo>& devices, const std::string& which) {
+const DeviceInfo& choose_device(const std::vector<DeviceInfo>& devices, const std::string& which, Purpose purpose) {
   if (devices.empty())
     throw UsageError(
         "no OpenCL device was found: install a driver (pocl-opencl-icd for the CPU), then try `phyvisgen devices`");
-  const DeviceInfo& device = find_named(devices, which);
-  if (!device.has_fp64)
+  const DeviceInfo& device = find_named(devices, which, purpose);
+  if (purpose == Purpose::physics && !device.has_fp64)
     throw UsageError(
         "device " + device.name +
         " has no double precision (cl_khr_fp64), which the contact solver needs; choose another with --device");
@@ -139,8 +141,13 @@ const DeviceInfo& choose_device(const std::vector<DeviceInfo>& devices, const st
 const DeviceInfo& choose_render_device(const std::vector<DeviceInfo>& devices, const std::string& physics,
                                        const std::string& render) {
   const DeviceInfo& simulates = choose_device(devices, physics);
-  if (!render.empty()) return choose_device(devices, render);
-  if (!physics.empty() || !simulates.is_gpu) return simulates;
+  if (!render.empty()) return choose_device(devices, render, Purpose::rendering);
+  if (!physics.empty()) return simulates;
+  if (!simulates.is_gpu) {
+    for (const DeviceInfo& device : devices)
+      if (device.is_gpu) return device;
+    return simulates;
+  }
   for (const DeviceInfo& device : devices)
     if (device.index != simulates.index && device.name == simulates.name && device.driver == simulates.driver)
       return device;
@@ -153,11 +160,11 @@ std::vector<DeviceInfo> list_devices() {
   return infos;
 }
 
-Device::Device(const std::string& which) : impl_(std::make_unique<Impl>()) {
+Device::Device(const std::string& which, Purpose purpose) : impl_(std::make_unique<Impl>()) {
   const std::vector<FoundDevice> devices = find_devices();
   std::vector<DeviceInfo> infos;
   for (const FoundDevice& found : devices) infos.push_back(found.info);
-  const FoundDevice& device = devices.at(choose_device(infos, which).index);
+  const FoundDevice& device = devices.at(choose_device(infos, which, purpose).index);
   impl_->info = device.info;
   impl_->id = device.id;
   cl_int code = 0;
@@ -165,6 +172,7 @@ Device::Device(const std::string& which) : impl_(std::make_unique<Impl>()) {
   require(code, "open device " + device.info.name);
   impl_->queue = clCreateCommandQueue(impl_->context, device.id, 0, &code);
   require(code, "open a queue on device " + device.info.name);
+  if (!platform_keeps_programs(device.info.platform)) impl_->cache = ProgramCache(program_cache_folder());
 }
 Device::~Device() = default;
 Device::Device(Device&&) noexcept = default;
@@ -176,6 +184,8 @@ void Device::finish() {
 }
 std::size_t Device::peak_bytes() const { return impl_->peak_bytes; }
 std::size_t Device::transferred_bytes() const { return impl_->transferred_bytes; }
+void Device::keep_programs_in(const std::string& folder) { impl_->cache = ProgramCache(folder); }
+std::size_t Device::n_compiled() const { return impl_->n_compiled; }
 
 namespace detail {
 namespace {

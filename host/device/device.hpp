@@ -27,11 +27,15 @@ struct DeviceInfo {
 // All devices that the OpenCL loader knows; empty where there is none.
 std::vector<DeviceInfo> list_devices();
 
+// What a device is wanted for: the contact solver computes in double precision, rendering takes none.
+enum class Purpose { physics, rendering };
+
 class Device {
  public:
-  // `which`: an index, a part of a name or platform, "cpu" or "gpu"; empty: the first GPU with double precision, else
-  // the first device. Throws a UsageError where nothing fits, or where the chosen one lacks double precision.
-  explicit Device(const std::string& which = "");
+  // `which`: an index, a part of a name or platform, "cpu" or "gpu"; empty: the first GPU with double precision, for
+  // rendering any GPU, else the first device. Throws a UsageError where nothing fits, or where the chosen one lacks
+  // the double precision that physics needs.
+  explicit Device(const std::string& which = "", Purpose purpose = Purpose::physics);
   ~Device();
   Device(Device&&) noexcept;
   Device(const Device&) = delete;
@@ -39,6 +43,10 @@ class Device {
   void finish();                          // waits for everything that was started
   std::size_t peak_bytes() const;         // largest sum of live buffers so far
   std::size_t transferred_bytes() const;  // read and written by the host so far
+  // Compiled programs are kept in this folder from now on. Without this call: in the user's cache, where the platform
+  // keeps none itself.
+  void keep_programs_in(const std::string& folder);
+  std::size_t n_compiled() const;  // programs so far that were not found compiled
 
   struct Impl;
   Impl& impl() { return *impl_; }

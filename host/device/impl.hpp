@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/device/device.hpp"
+#include "host/device/program_cache.hpp"
 
 namespace pvg {
 
@@ -43,10 +44,13 @@ struct Device::Impl {
   // Programs that were built on this device, by options and text: who asks for the same again shares it.
   std::mutex building;
   std::map<std::string, cl_program> built;
+  ProgramCache cache{{}};  // on disk; keeps nothing where the platform does so itself
+  std::size_t n_compiled = 0;
 
   ~Impl() {
     if (queue) clFinish(queue), clReleaseCommandQueue(queue);
-    for (const auto& [text, program] : built) clReleaseProgram(program);
+    for (const auto& [text, program] : built)
+      if (program) clReleaseProgram(program);
     if (context) clReleaseContext(context);
   }
 };

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "host/device/impl.hpp"
 
@@ -59,6 +60,48 @@ Program Program::from_text(Device& device, const std::string& name, const std::s
   return program;
 }
 
+namespace {
+
+// The program that was kept, ready to run; null where the driver does not take it.
+cl_program load(Device::Impl& impl, const std::vector<unsigned char>& kept, const std::string& options) {
+  const unsigned char* bytes = kept.data();
+  const std::size_t size = kept.size();
+  cl_int code = 0;
+  const cl_program program = clCreateProgramWithBinary(impl.context, 1, &impl.id, &size, &bytes, nullptr, &code);
+  if (code != CL_SUCCESS) return nullptr;
+  if (clBuildProgram(program, 1, &impl.id, options.c_str(), nullptr, nullptr) == CL_SUCCESS) return program;
+  clReleaseProgram(program);
+  return nullptr;
+}
+
+// empty where the driver does not tell
+std::vector<unsigned char> compiled_bytes(cl_program program) {
+  std::size_t size = 0;
+  if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof size, &size, nullptr) != CL_SUCCESS) return {};
+  std::vector<unsigned char> bytes(size);
+  unsigned char* to = bytes.data();
+  if (clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof to, &to, nullptr) != CL_SUCCESS) return {};
+  return bytes;
+}
+
+cl_program compile(Device::Impl& impl, const std::string& name, const std::string& source, const std::string& options) {
+  const char* pointer = source.c_str();
+  cl_int code = 0;
+  const cl_program program = clCreateProgramWithSource(impl.context, 1, &pointer, nullptr, &code);
+  if (code != CL_SUCCESS) throw DeviceError("kernel file " + name + " could not be given to the driver");
+  ++impl.n_compiled;
+  code = clBuildProgram(program, 1, &impl.id, options.c_str(), nullptr, nullptr);
+  if (code == CL_SUCCESS) return program;
+  std::size_t bytes = 0;
+  clGetProgramBuildInfo(program, impl.id, CL_PROGRAM_BUILD_LOG, 0, nullptr, &bytes);
+  std::string log(bytes, '\0');
+  clGetProgramBuildInfo(program, impl.id, CL_PROGRAM_BUILD_LOG, bytes, log.data(), nullptr);
+  clReleaseProgram(program);
+  throw DeviceError("kernel file " + name + " does not build on " + impl.info.name + ":\n" + log);
+}
+
+}  // namespace
+
 void Program::build(const std::string& name, const std::string& text, const std::string& defines) {
   std::ostringstream expanded;
   expand(name, text, expanded);
@@ -66,27 +109,19 @@ void Program::build(const std::string& name, const std::string& text, const std:
   const std::string options = "-cl-std=CL1.2 " + defines;
   Device::Impl& impl = device_->impl();
   const std::lock_guard lock(impl.building);
-  if (const auto known = impl.built.find(options + "\n" + source); known != impl.built.end()) {
-    handle_ = known->second;
-    clRetainProgram(known->second);
-    return;
+  const auto known = impl.built.try_emplace(options + "\n" + source, nullptr).first;
+  if (!known->second) {
+    const DeviceInfo& info = impl.info;
+    const std::string key =
+        info.platform + "\n" + info.name + "\n" + info.driver + "\n" + info.version + "\n" + known->first;
+    if (const auto kept = impl.cache.find(key)) known->second = load(impl, *kept, options);
+    if (!known->second) {
+      known->second = compile(impl, name, source, options);
+      impl.cache.keep(key, compiled_bytes(known->second));
+    }
   }
-  const char* pointer = source.c_str();
-  cl_int code = 0;
-  handle_ = clCreateProgramWithSource(impl.context, 1, &pointer, nullptr, &code);
-  if (code != CL_SUCCESS) throw DeviceError("kernel file " + name + " could not be given to the driver");
-  const cl_device_id id = impl.id;
-  code = clBuildProgram(static_cast<cl_program>(handle_), 1, &id, options.c_str(), nullptr, nullptr);
-  if (code == CL_SUCCESS) {
-    impl.built.emplace(options + "\n" + source, static_cast<cl_program>(handle_));
-    clRetainProgram(static_cast<cl_program>(handle_));
-    return;
-  }
-  std::size_t bytes = 0;
-  clGetProgramBuildInfo(static_cast<cl_program>(handle_), id, CL_PROGRAM_BUILD_LOG, 0, nullptr, &bytes);
-  std::string log(bytes, '\0');
-  clGetProgramBuildInfo(static_cast<cl_program>(handle_), id, CL_PROGRAM_BUILD_LOG, bytes, log.data(), nullptr);
-  throw DeviceError("kernel file " + name + " does not build on " + device_->info().name + ":\n" + log);
+  handle_ = known->second;
+  clRetainProgram(known->second);
 }
 
 Program::~Program() {

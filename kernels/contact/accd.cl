@@ -12,7 +12,7 @@
 #define MAX_TURNS 100  // then the part certified so far is the answer
 
 // how far the motion may go, at most, until the corners' gap along n falls to `least`; 0 where it is there already
-static real plane_step(const uint kind, const real3* x, const real3* v, const real3 n, const real least) {
+static inline real plane_step(const uint kind, const real3* x, const real3* v, const real3 n, const real least) {
   const int n_first = kind == EDGE_EDGE ? 2 : 1;
   real step = INFINITY;
   for (int a = 0; a < n_first; ++a)
@@ -25,7 +25,7 @@ static real plane_step(const uint kind, const real3* x, const real3* v, const re
 }
 
 // x: at the start, v: motion over the whole step [4, m]
-static real certified_step(const uint kind, const real3* x, real3* v, const real offset) {
+static inline real certified_step(const uint kind, const real3* x, real3* v, const real offset) {
   // what rounding of the positions may take from a gap
   real size = 0;
   for (int i = 0; i < 4; ++i) size = fmax(size, fmax(length(x[i]), length(v[i])));

@@ -15,42 +15,43 @@ typedef struct {
   float3 low, high;
 } Box;
 
-static Box empty_box() {
+static inline Box empty_box() {
   const Box box = {(float3)(INFINITY), (float3)(-INFINITY)};
   return box;
 }
 
-static Box box_of_site(const uint site, global const real* restrict x0, global const real* restrict x1, const Box box) {
+static inline Box box_of_site(const uint site, global const real* restrict x0, global const real* restrict x1,
+                              const Box box) {
   const real3 a = vload3(site, x0), b = vload3(site, x1);
   const Box grown = {fmin(box.low, convert_float3(fmin(a, b))), fmax(box.high, convert_float3(fmax(a, b)))};
   return grown;
 }
 
 // rounding to float moved the box by less than 2^-24 of its coordinates; 2^-22 outward covers it and the margin's own
-static Box grow(const Box box, const real margin) {
+static inline Box grow(const Box box, const real margin) {
   const float m = (float)margin * 1.000001f;
   const Box grown = {box.low - m - (fabs(box.low) + m) * 2.4e-7f, box.high + m + (fabs(box.high) + m) * 2.4e-7f};
   return grown;
 }
 
-static Box box_of_point(const uint i, global const CollisionPoint* restrict points, global const real* restrict x0,
-                        global const real* restrict x1) {
+static inline Box box_of_point(const uint i, global const CollisionPoint* restrict points,
+                               global const real* restrict x0, global const real* restrict x1) {
   return box_of_site(points[i].site, x0, x1, empty_box());
 }
 
-static Box box_of_edge(const uint i, global const CollisionEdge* restrict edges, global const real* restrict x0,
-                       global const real* restrict x1) {
+static inline Box box_of_edge(const uint i, global const CollisionEdge* restrict edges, global const real* restrict x0,
+                              global const real* restrict x1) {
   return box_of_site(edges[i].site[1], x0, x1, box_of_site(edges[i].site[0], x0, x1, empty_box()));
 }
 
-static Box box_of_triangle(const uint i, global const CollisionTriangle* restrict triangles,
-                           global const real* restrict x0, global const real* restrict x1) {
+static inline Box box_of_triangle(const uint i, global const CollisionTriangle* restrict triangles,
+                                  global const real* restrict x0, global const real* restrict x1) {
   Box box = empty_box();
   for (int k = 0; k < 3; ++k) box = box_of_site(triangles[i].site[k], x0, x1, box);
   return box;
 }
 
-static void store_box(const Box box, global TreeNode* node) {
+static inline void store_box(const Box box, global TreeNode* node) {
   vstore3(box.low, 0, node->low);
   vstore3(-box.high, 0, node->minus_high);
 }
@@ -80,7 +81,7 @@ kernel void refit_leaves(const uint n, const uint log2_leaves, global TreeNode* 
   store_box(grow(box, 0.5 * (worlds[tree >> 1].activation_distance + margin) + bodies[body].offset), node);
 }
 
-static void refit_node(global TreeNode* tree, const uint k) {
+static inline void refit_node(global TreeNode* tree, const uint k) {
   global const TreeNode *a = tree + 2 * k, *b = tree + 2 * k + 1;
   vstore3(fmin(vload3(0, a->low), vload3(0, b->low)), 0, tree[k].low);
   vstore3(fmin(vload3(0, a->minus_high), vload3(0, b->minus_high)), 0, tree[k].minus_high);
@@ -116,12 +117,12 @@ typedef struct {
 } Search;
 
 // one comparison of the whole node with (high, -low); its last two words are no numbers and never exceed infinity
-static bool overlaps(const float8 limit, global const TreeNode* node) {
+static inline bool overlaps(const float8 limit, global const TreeNode* node) {
   return !mask8(vload8(0, (global const float*)node) > limit);
 }
 
 // can anything below node k be a partner?
-static bool is_worth(const Search* search, global const TreeNode* tree, const uint k, const uint log2_leaves) {
+static inline bool is_worth(const Search* search, global const TreeNode* tree, const uint k, const uint log2_leaves) {
   global const TreeNode* node = tree + k;
   if (!overlaps(search->limit, node)) return false;
   if (node->body != MANY_BODIES && search->may_touch[node->body] < 0) return false;
@@ -131,8 +132,8 @@ static bool is_worth(const Search* search, global const TreeNode* tree, const ui
 }
 
 // a pair that shares a site or that was recorded as never touching
-static bool is_excluded(const Search* search, global const u32* site, const uint other,
-                        global const u32* restrict disabled) {
+static inline bool is_excluded(const Search* search, global const u32* site, const uint other,
+                               global const u32* restrict disabled) {
   const uint n_corners = search->is_edge ? 2 : 3;
   for (uint k = 0; k < n_corners; ++k)
     if (site[k] == search->site[0] || site[k] == search->site[1]) return true;
@@ -142,13 +143,13 @@ static bool is_excluded(const Search* search, global const u32* site, const uint
 }
 
 // a point against a triangle of this body
-static uint kind_of_triangle(global const CollisionBodyRow* body) {
+static inline uint kind_of_triangle(global const CollisionBodyRow* body) {
   return body->is_half_space ? POINT_PLANE : POINT_TRIANGLE;
 }
 
 // Can they come within `reach` [m]? From halfway each moves by half its way, less what all four sites do together.
-static bool comes_near(const Search* search, const uint kind, global const u32* site, const real reach,
-                       global const real* restrict x0, global const real* restrict x1) {
+static inline bool comes_near(const Search* search, const uint kind, global const u32* site, const real reach,
+                              global const real* restrict x0, global const real* restrict x1) {
   const uint n_first = search->is_edge ? 2 : 1;
   real3 half_way[4], motion[4], mean = (real3)(0.0);
   for (uint i = 0; i < 4; ++i) {
@@ -177,8 +178,8 @@ typedef struct {
 
 // of two primitives of one body; site: of the pair, rest: of all sites in their bodies' rest shapes [n_sites x 3, m],
 // NaN where there is none
-static Reach reach_at_rest(const uint is_edge, const uint* site, const real activation_distance, const real offset,
-                           global const real* restrict rest) {
+static inline Reach reach_at_rest(const uint is_edge, const uint* site, const real activation_distance,
+                                  const real offset, global const real* restrict rest) {
   real3 x[4];
   for (int i = 0; i < 4; ++i) x[i] = vload3(site[i], rest);
   const real distance = pair_distance(is_edge, x).d;
@@ -188,10 +189,11 @@ static Reach reach_at_rest(const uint is_edge, const uint* site, const real acti
   return reach;
 }
 
-static bool may_pair(const Search* search, const uint other, global const CollisionEdge* restrict edges,
-                     global const CollisionTriangle* restrict triangles, global const CollisionBodyRow* restrict bodies,
-                     global const real* restrict rest, global const u32* restrict disabled,
-                     global const real* restrict x0, global const real* restrict x1) {
+static inline bool may_pair(const Search* search, const uint other, global const CollisionEdge* restrict edges,
+                            global const CollisionTriangle* restrict triangles,
+                            global const CollisionBodyRow* restrict bodies, global const real* restrict rest,
+                            global const u32* restrict disabled, global const real* restrict x0,
+                            global const real* restrict x1) {
   global const u32* site = search->is_edge ? edges[other].site : triangles[other].site;
   const uint body = search->is_edge ? edges[other].body : triangles[other].body;
   if (is_excluded(search, site, other, disabled)) return false;
@@ -207,12 +209,14 @@ static bool may_pair(const Search* search, const uint other, global const Collis
 }
 
 // What a found pair becomes.
-static Barrier barrier_row(const uint is_edge, const uint first, const uint second,
-                           global const CollisionPoint* restrict points, global const CollisionEdge* restrict edges,
-                           global const CollisionTriangle* restrict triangles,
-                           global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
-                           global const real* restrict rest, global const real* restrict pair_friction,
-                           global const real* restrict pair_adhesion) {
+static inline Barrier barrier_row(const uint is_edge, const uint first, const uint second,
+                                  global const CollisionPoint* restrict points,
+                                  global const CollisionEdge* restrict edges,
+                                  global const CollisionTriangle* restrict triangles,
+                                  global const CollisionBodyRow* restrict bodies,
+                                  global const CollisionWorld* restrict worlds, global const real* restrict rest,
+                                  global const real* restrict pair_friction,
+                                  global const real* restrict pair_adhesion) {
   Barrier row;
   if (is_edge) {
     const CollisionEdge a = edges[first], b = edges[second];
@@ -247,11 +251,12 @@ static Barrier barrier_row(const uint is_edge, const uint first, const uint seco
   return row;
 }
 
-static Search make_search(const Query query, const uint q, global const CollisionPoint* restrict points,
-                          global const CollisionEdge* restrict edges, global const CollisionBodyRow* restrict bodies,
-                          global const CollisionWorld* restrict worlds, global const real* restrict pair_friction,
-                          global const u32* restrict disabled_first, const real margin,
-                          global const real* restrict x0, global const real* restrict x1) {
+static inline Search make_search(const Query query, const uint q, global const CollisionPoint* restrict points,
+                                 global const CollisionEdge* restrict edges,
+                                 global const CollisionBodyRow* restrict bodies,
+                                 global const CollisionWorld* restrict worlds,
+                                 global const real* restrict pair_friction, global const u32* restrict disabled_first,
+                                 const real margin, global const real* restrict x0, global const real* restrict x1) {
   Search search;
   search.is_edge = (query.primitive & IS_EDGE) != 0;
   search.primitive = query.primitive & ~IS_EDGE;
@@ -281,11 +286,12 @@ typedef struct {
   int n;
 } Walk;
 
-static uint next_partner(const Search* search, Walk* walk, global const TreeNode* tree, const uint log2_leaves,
-                         global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
-                         global const CollisionBodyRow* restrict bodies, global const real* restrict rest,
-                         global const u32* restrict disabled, global const real* restrict x0,
-                         global const real* restrict x1) {
+static inline uint next_partner(const Search* search, Walk* walk, global const TreeNode* tree, const uint log2_leaves,
+                                global const CollisionEdge* restrict edges,
+                                global const CollisionTriangle* restrict triangles,
+                                global const CollisionBodyRow* restrict bodies, global const real* restrict rest,
+                                global const u32* restrict disabled, global const real* restrict x0,
+                                global const real* restrict x1) {
   const uint n_leaves = 1u << log2_leaves;
   // every turn takes one node off for good, and no node is put on twice
   while (walk->n > 0) {
@@ -301,7 +307,7 @@ static uint next_partner(const Search* search, Walk* walk, global const TreeNode
   return NOTHING;
 }
 
-static void begin_walk(Walk* walk, const Search* search, global const TreeNode* tree, const uint log2_leaves) {
+static inline void begin_walk(Walk* walk, const Search* search, global const TreeNode* tree, const uint log2_leaves) {
   walk->n = 0;
   if (is_worth(search, tree, 1, log2_leaves)) walk->stack[walk->n++] = 1;
 }

@@ -6,7 +6,7 @@
 #include "energies/contact/friction.h"
 #define N_LANES 64u  // partial minima per world
 
-static void load_sites(global const Barrier* row, global const real* restrict x, real3* xe) {
+static inline void load_sites(global const Barrier* row, global const real* restrict x, real3* xe) {
   for (int i = 0; i < 4; ++i) xe[i] = vload3(row->site[i], x);
 }
 
@@ -42,7 +42,7 @@ kernel void fill_contacts(const uint n, global const Barrier* restrict pairs, gl
 }
 
 // lambda = kappa w m |b'|  [N]
-static real normal_force(const Barrier* p, const real3* x, const real d) {
+static inline real normal_force(const Barrier* p, const real3* x, const real d) {
   return p->stiffness * p->area * pair_mollifier(p, x).value *
          -barrier_slope(d - p->offset, barrier_range(p->adhesion, p->activation_distance));
 }

@@ -16,7 +16,7 @@ typedef struct {
 } Distance;
 
 // parameter in [0, 1] of the point of segment ab closest to p, all relative to p (p = 0)
-static real closest_on_segment(const real3 a, const real3 b) {
+static inline real closest_on_segment(const real3 a, const real3 b) {
   const real3 e = b - a;
   const real ee = dot(e, e);
   // a segment without length: either end
@@ -24,8 +24,8 @@ static real closest_on_segment(const real3 a, const real3 b) {
 }
 
 // keeps the nearer of what is known and the difference `diff` with coefficients c0..c3
-static void keep_nearer(Distance* best, real* best_dd, real3* best_diff, const real3 diff, const real c0, const real c1,
-                        const real c2, const real c3) {
+static inline void keep_nearer(Distance* best, real* best_dd, real3* best_diff, const real3 diff, const real c0,
+                               const real c1, const real c2, const real c3) {
   const real dd = dot(diff, diff);
   if (!(dd < *best_dd)) return;
   *best_dd = dd;
@@ -37,13 +37,13 @@ static void keep_nearer(Distance* best, real* best_dd, real3* best_diff, const r
   best->interior = 0;
 }
 
-static void finish_distance(Distance* best, const real3 diff) {
+static inline void finish_distance(Distance* best, const real3 diff) {
   best->d = length(diff);
   best->n = best->d > 0 ? diff / best->d : (real3)(0.0);
 }
 
 // x: point, triangle corners. c = (1, -b0, -b1, -b2)
-static Distance point_triangle_distance(const real3* x) {
+static inline Distance point_triangle_distance(const real3* x) {
   const real3 t0 = x[1] - x[0], t1 = x[2] - x[0], t2 = x[3] - x[0];
   Distance best = {{0, 0, 0, 0}, (real3)(0.0), 0, 0};
   real3 diff = (real3)(NAN);  // stays where a coordinate is NaN: so does the distance
@@ -70,7 +70,7 @@ static Distance point_triangle_distance(const real3* x) {
 }
 
 // x: ends of the first edge, ends of the second. c = (1-s, s, -(1-t), -t)
-static Distance edge_edge_distance(const real3* x) {
+static inline Distance edge_edge_distance(const real3* x) {
   const real3 e0 = x[1] - x[0], e1 = x[3] - x[2], r = x[2] - x[0];
   Distance best = {{0, 0, 0, 0}, (real3)(0.0), 0, 0};
   real3 diff = (real3)(NAN);  // stays where a coordinate is NaN: so does the distance
@@ -104,7 +104,7 @@ static Distance edge_edge_distance(const real3* x) {
 
 // x: point, three points of a plane, counterclockwise seen from outside. d is negative below the plane.
 // c = (1, -b0, -b1, -b2) with barycentric coordinates that may be of any size
-static Distance point_plane_distance(const real3* x) {
+static inline Distance point_plane_distance(const real3* x) {
   const real3 e1 = x[2] - x[1], e2 = x[3] - x[1], r = x[0] - x[1], area = cross(e1, e2);
   const real aa = dot(area, area), b1 = dot(cross(r, e2), area) / aa, b2 = dot(cross(e1, r), area) / aa;
   const real3 n = normalize(area);
@@ -113,7 +113,7 @@ static Distance point_plane_distance(const real3* x) {
 }
 
 // kind: POINT_TRIANGLE (0), EDGE_EDGE (1) or POINT_PLANE (2)
-static Distance pair_distance(const uint kind, const real3* x) {
+static inline Distance pair_distance(const uint kind, const real3* x) {
   return kind == 0u ? point_triangle_distance(x) : kind == 1u ? edge_edge_distance(x) : point_plane_distance(x);
 }
 

@@ -4,7 +4,7 @@
 #include "shared/real.h"
 
 // Fills what lies below the diagonal from what lies above it. H: row-major [size x size]
-void mirror_upper(const int size, real* H) {
+static inline void mirror_upper(const int size, real* H) {
   for (int i = 1; i < size; ++i)
     for (int j = 0; j < i; ++j) H[i * size + j] = H[j * size + i];
 }

@@ -19,7 +19,7 @@ constant float sheen_albedo_table[SHEEN_ROUGHNESS_ROWS][SHEEN_COSINE_COLUMNS] = 
     {0.6600f, 0.6115f, 0.5280f, 0.4417f, 0.3584f, 0.2786f, 0.2014f, 0.1246f},
     {0.6321f, 0.5875f, 0.5109f, 0.4322f, 0.3564f, 0.2837f, 0.2129f, 0.1415f}};
 
-inline float sheen_albedo(const float cosine, const float roughness) {
+static inline float sheen_albedo(const float cosine, const float roughness) {
   const float row = clamp((roughness - 0.5f) / 0.5f, 0.0f, 1.0f) * (SHEEN_ROUGHNESS_ROWS - 1);
   const float column = sqrt(clamp(cosine, 0.0f, 1.0f)) * (SHEEN_COSINE_COLUMNS - 1);
   const int i = min((int)row, SHEEN_ROUGHNESS_ROWS - 2), k = min((int)column, SHEEN_COSINE_COLUMNS - 2);
@@ -29,8 +29,8 @@ inline float sheen_albedo(const float cosine, const float roughness) {
 }
 
 // f cos [1/sr]
-inline float3 cloth_eval(const float3 color, const float3 sheen, const float roughness, const float3 wo,
-                         const float3 wi) {
+static inline float3 cloth_eval(const float3 color, const float3 sheen, const float roughness, const float3 wo,
+                                const float3 wi) {
   if (wo.z <= 0 || wi.z <= 0) return (float3)(0.0f);
   const float3 m = reflecting_normal(wo, wi);
   const float power = 1.0f / (roughness * roughness);
@@ -42,12 +42,12 @@ inline float3 cloth_eval(const float3 color, const float3 sheen, const float rou
 }
 
 // half of the samples by the cosine, half evenly: the sheen has no peak
-inline float cloth_pdf(const float3 wo, const float3 wi) {
+static inline float cloth_pdf(const float3 wo, const float3 wi) {
   return wo.z > 0 && wi.z > 0 ? 0.5f * wi.z * M_1_PI_F + 0.25f * M_1_PI_F : 0.0f;
 }
 
-inline MaterialSample cloth_sample(const float3 color, const float3 sheen, const float roughness, const float3 wo,
-                                   const float2 u, const float choice) {
+static inline MaterialSample cloth_sample(const float3 color, const float3 sheen, const float roughness,
+                                          const float3 wo, const float2 u, const float choice) {
   MaterialSample s = diffuse_sample(color, wo, u);
   if (choice < 0.5f) {
     const float z = max(1e-4f, u.x), r = sqrt(1.0f - z * z), phi = 2.0f * M_PI_F * u.y;

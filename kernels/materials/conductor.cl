@@ -9,35 +9,35 @@
 #include "materials/material.h"
 #include "materials/microfacet.cl"
 
-inline float3 fresnel_schlick(const float3 reflectance, const float cosine) {
+static inline float3 fresnel_schlick(const float3 reflectance, const float cosine) {
   const float x = clamp(1.0f - cosine, 0.0f, 1.0f);
   return reflectance + (1.0f - reflectance) * (x * x * x * x * x);
 }
 
 // dip: a
-inline float3 fresnel_conductor(const float3 reflectance, const float3 dip, const float cosine) {
+static inline float3 fresnel_conductor(const float3 reflectance, const float3 dip, const float cosine) {
   const float x = clamp(1.0f - cosine, 0.0f, 1.0f), x3 = x * x * x;
   return fresnel_schlick(reflectance, cosine) - dip * ((1.0f - x) * x3 * x3);
 }
 
 // f cos [1/sr]
-inline float3 conductor_eval(const float3 reflectance, const float3 dip, const float alpha, const float3 wo,
-                             const float3 wi) {
+static inline float3 conductor_eval(const float3 reflectance, const float3 dip, const float alpha, const float3 wo,
+                                    const float3 wi) {
   if (wo.z <= 0 || wi.z <= 0 || alpha < MIRROR_ALPHA) return (float3)(0.0f);
   const float3 m = normalize(wo + wi);
   const float G2 = 1.0f / (1.0f + ggx_lambda(wo, alpha) + ggx_lambda(wi, alpha));
   return fresnel_conductor(reflectance, dip, dot(wi, m)) * (ggx_density(m, alpha) * G2 / (4.0f * wo.z));
 }
 
-inline float conductor_pdf(const float alpha, const float3 wo, const float3 wi) {
+static inline float conductor_pdf(const float alpha, const float3 wo, const float3 wi) {
   if (wo.z <= 0 || wi.z <= 0 || alpha < MIRROR_ALPHA) return 0.0f;
   const float3 m = normalize(wo + wi);
   const float G1 = 1.0f / (1.0f + ggx_lambda(wo, alpha));
   return ggx_density(m, alpha) * G1 / (4.0f * wo.z);
 }
 
-inline MaterialSample conductor_sample(const float3 reflectance, const float3 dip, const float alpha, const float3 wo,
-                                       const float2 u) {
+static inline MaterialSample conductor_sample(const float3 reflectance, const float3 dip, const float alpha,
+                                              const float3 wo, const float2 u) {
   MaterialSample s;
   s.weight = 0.0f;
   s.pdf = 0.0f;

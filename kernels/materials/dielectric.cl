@@ -8,7 +8,7 @@
 #include "materials/frame.cl"
 
 // share that is reflected; cosine: of the incident direction, >= 0; eta: index behind / index in front of the interface
-inline float fresnel_dielectric(const float cosine, const float eta) {
+static inline float fresnel_dielectric(const float cosine, const float eta) {
   const float sin2 = (1.0f - cosine * cosine) / (eta * eta);
   if (sin2 >= 1.0f) return 1.0f;  // total reflection
   const float cos_t = sqrt(1.0f - sin2);
@@ -18,12 +18,12 @@ inline float fresnel_dielectric(const float cosine, const float eta) {
 }
 
 // of both faces of a thin sheet together
-inline float fresnel_sheet(const float cosine, const float eta) {
+static inline float fresnel_sheet(const float cosine, const float eta) {
   const float R = fresnel_dielectric(cosine, eta);
   return 2.0f * R / (1.0f + R);
 }
 
-inline MaterialSample sheet_sample(const float3 tint, const float eta, const float3 wo, const float u) {
+static inline MaterialSample sheet_sample(const float3 tint, const float eta, const float3 wo, const float u) {
   MaterialSample s;
   s.pdf = 0.0f;
   const bool reflects = u < fresnel_sheet(wo.z, eta);
@@ -33,7 +33,7 @@ inline MaterialSample sheet_sample(const float3 tint, const float eta, const flo
 }
 
 // z: the normal on the side of wo. direction.z < 0: refracted, and tinted
-inline MaterialSample dielectric_sample(const float3 tint, const float eta, const float3 wo, const float u) {
+static inline MaterialSample dielectric_sample(const float3 tint, const float eta, const float3 wo, const float u) {
   MaterialSample s;
   s.weight = 1.0f;
   s.pdf = 0.0f;

@@ -5,22 +5,24 @@
 #include "materials/frame.cl"
 
 // f cos [1/sr]
-inline float3 diffuse_eval(const float3 albedo, const float3 wo, const float3 wi) {
+static inline float3 diffuse_eval(const float3 albedo, const float3 wo, const float3 wi) {
   return wo.z > 0 && wi.z > 0 ? albedo * (wi.z * M_1_PI_F) : (float3)(0.0f);
 }
 
-inline float diffuse_pdf(const float3 wo, const float3 wi) { return wo.z > 0 && wi.z > 0 ? wi.z * M_1_PI_F : 0.0f; }
+static inline float diffuse_pdf(const float3 wo, const float3 wi) {
+  return wo.z > 0 && wi.z > 0 ? wi.z * M_1_PI_F : 0.0f;
+}
 
 // sine and cosine within pi/4, by Taylor's series: all that a disc takes. Those of the language also serve large angles,
 // which takes longer
-inline float2 small_sin_cos(const float x) {
+static inline float2 small_sin_cos(const float x) {
   const float x2 = x * x;
   return (float2)(x * (1 - x2 * (1 / 6.0f - x2 * (1 / 120.0f - x2 * (1 / 5040.0f - x2 * (1 / 362880.0f))))),
                   1 - x2 * (1 / 2.0f - x2 * (1 / 24.0f - x2 * (1 / 720.0f - x2 * (1 / 40320.0f)))));
 }
 
 // a square onto a disc, concentric (Shirley and Chiu 1997)
-inline float2 uniform_disc(const float2 u) {
+static inline float2 uniform_disc(const float2 u) {
   const float a = 2 * u.x - 1, b = 2 * u.y - 1;
   if (a == 0 && b == 0) return (float2)(0.0f);
   const bool is_wide = fabs(a) > fabs(b);
@@ -29,7 +31,7 @@ inline float2 uniform_disc(const float2 u) {
   return is_wide ? turn.yx : turn;
 }
 
-inline MaterialSample diffuse_sample(const float3 albedo, const float3 wo, const float2 u) {
+static inline MaterialSample diffuse_sample(const float3 albedo, const float3 wo, const float2 u) {
   const float2 disc = uniform_disc(u);
   // never exactly in the surface, so that the density stays positive
   const float z = sqrt(max(1e-8f, 1.0f - dot(disc, disc)));

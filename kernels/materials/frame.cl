@@ -7,7 +7,7 @@ typedef struct {
   float3 x, y, z;
 } Frame;
 
-inline Frame make_frame(const float3 n) {
+static inline Frame make_frame(const float3 n) {
   const float sign = n.z >= 0 ? 1.0f : -1.0f;
   const float a = -1.0f / (sign + n.z), b = n.x * n.y * a;
   Frame frame;
@@ -16,8 +16,8 @@ inline Frame make_frame(const float3 n) {
   frame.z = n;
   return frame;
 }
-inline float3 to_local(const Frame f, const float3 w) { return (float3)(dot(f.x, w), dot(f.y, w), dot(f.z, w)); }
-inline float3 to_world(const Frame f, const float3 w) { return f.x * w.x + f.y * w.y + f.z * w.z; }
+static inline float3 to_local(const Frame f, const float3 w) { return (float3)(dot(f.x, w), dot(f.y, w), dot(f.z, w)); }
+static inline float3 to_world(const Frame f, const float3 w) { return f.x * w.x + f.y * w.y + f.z * w.z; }
 
 // What a material's sample function gives: a direction in the local frame, the weight f cos / pdf of the path, and the
 // density of the direction; pdf = 0 marks a mirror-like direction that no light sample could find. Weight 0: absorbed.

@@ -10,7 +10,7 @@
 #include "materials/rough_dielectric.cl"
 
 // f cos [1/sr]
-inline float3 material_eval(const PointMaterial p, const float3 wo, const float3 wi) {
+static inline float3 material_eval(const PointMaterial p, const float3 wo, const float3 wi) {
   switch (p.kind) {
     case MATERIAL_DIFFUSE:
       return diffuse_eval(p.color, wo, wi);
@@ -27,7 +27,7 @@ inline float3 material_eval(const PointMaterial p, const float3 wo, const float3
   }
 }
 
-inline float material_pdf(const PointMaterial p, const float3 wo, const float3 wi) {
+static inline float material_pdf(const PointMaterial p, const float3 wo, const float3 wi) {
   switch (p.kind) {
     case MATERIAL_DIFFUSE:
       return diffuse_pdf(wo, wi);
@@ -45,7 +45,8 @@ inline float material_pdf(const PointMaterial p, const float3 wo, const float3 w
 }
 
 // choice: a third random number. direction.z < 0: what passed through the surface
-inline MaterialSample material_sample(const PointMaterial p, const float3 wo, const float2 u, const float choice) {
+static inline MaterialSample material_sample(const PointMaterial p, const float3 wo, const float2 u,
+                                             const float choice) {
   switch (p.kind) {
     case MATERIAL_CONDUCTOR:
       return conductor_sample(p.color, p.sheen, p.alpha, wo, u);
@@ -63,18 +64,18 @@ inline MaterialSample material_sample(const PointMaterial p, const float3 wo, co
 }
 
 // a light sample can reach the eye by this material
-inline bool material_scatters(const PointMaterial p) {
+static inline bool material_scatters(const PointMaterial p) {
   return p.kind != MATERIAL_DIELECTRIC && (p.kind != MATERIAL_CONDUCTOR || p.alpha >= MIRROR_ALPHA);
 }
 
 // light goes through the surface
-inline bool material_transmits(const PointMaterial p) {
+static inline bool material_transmits(const PointMaterial p) {
   return p.kind == MATERIAL_DIELECTRIC || p.kind == MATERIAL_ROUGH_DIELECTRIC ||
          (p.kind == MATERIAL_METALLIC_ROUGHNESS && p.transmission > 0);
 }
 
 // lit evenly enough that a straight shadow through clear glass will do for it, see shade.cl
-inline bool material_is_matte(const PointMaterial p) {
+static inline bool material_is_matte(const PointMaterial p) {
   return p.kind == MATERIAL_DIFFUSE || p.kind == MATERIAL_CLOTH ||
          (p.kind == MATERIAL_METALLIC_ROUGHNESS && p.metallic < 0.5f && p.transmission < 0.5f);
 }

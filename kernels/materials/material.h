@@ -72,7 +72,7 @@ typedef struct {
   float sheen_roughness;
 } PointMaterial;
 
-inline PointMaterial point_material(const Material m, const float eta) {
+static inline PointMaterial point_material(const Material m, const float eta) {
   PointMaterial p;
   p.kind = m.kind;
   p.flags = m.flags;

@@ -14,24 +14,24 @@
 #include "materials/material.h"
 #include "materials/rough_dielectric.cl"
 
-inline float coat_fresnel(const PointMaterial p, const float cosine) {
+static inline float coat_fresnel(const PointMaterial p, const float cosine) {
   const float c = clamp(cosine, 0.0f, 1.0f);
   return p.flags & MATERIAL_THIN ? fresnel_sheet(c, p.eta) : fresnel_dielectric(c, p.eta);
 }
 
 // share of the facets' light that is transmitted when chosen by luminance; F: of the coat
-inline float transmitted_share(const PointMaterial p, const float F, const float3 reflected) {
+static inline float transmitted_share(const PointMaterial p, const float F, const float3 reflected) {
   const float3 luminance = (float3)(0.2126f, 0.7152f, 0.0722f);
   const float passes = (1.0f - p.metallic) * p.transmission * (1.0f - F) * dot(luminance, p.color);
   return passes > 0 ? passes / (passes + dot(luminance, reflected)) : 0.0f;
 }
 
-inline float3 coat_reflectance(const PointMaterial p, const float cosine, const float F) {
+static inline float3 coat_reflectance(const PointMaterial p, const float cosine, const float F) {
   return mix((float3)(F), fresnel_schlick(p.color, cosine), p.metallic);
 }
 
 // probability of the diffuse lobe
-inline float diffuse_share(const PointMaterial p, const float3 wo) {
+static inline float diffuse_share(const PointMaterial p, const float3 wo) {
   const float3 luminance = (float3)(0.2126f, 0.7152f, 0.0722f);
   const float F = coat_fresnel(p, wo.z);
   const float diffuse = (1.0f - p.metallic) * (1.0f - p.transmission) * (1.0f - F) * dot(luminance, p.color);
@@ -41,7 +41,7 @@ inline float diffuse_share(const PointMaterial p, const float3 wo) {
 }
 
 // f cos [1/sr]
-inline float3 metallic_roughness_eval(const PointMaterial p, const float3 wo, const float3 wi) {
+static inline float3 metallic_roughness_eval(const PointMaterial p, const float3 wo, const float3 wi) {
   if (wo.z <= 0 || wi.z == 0) return (float3)(0.0f);
   const float base = 1.0f - p.metallic;
   if (wi.z < 0) {
@@ -64,7 +64,7 @@ inline float3 metallic_roughness_eval(const PointMaterial p, const float3 wo, co
   return coat + p.color * (below * wi.z * M_1_PI_F);
 }
 
-inline float metallic_roughness_pdf(const PointMaterial p, const float3 wo, const float3 wi) {
+static inline float metallic_roughness_pdf(const PointMaterial p, const float3 wo, const float3 wi) {
   if (wo.z <= 0 || wi.z == 0) return 0.0f;
   const float diffuse = diffuse_share(p, wo);
   const bool is_sheet = p.flags & MATERIAL_THIN;
@@ -80,8 +80,8 @@ inline float metallic_roughness_pdf(const PointMaterial p, const float3 wo, cons
   return dot(wi, m) < 0 ? (1.0f - diffuse) * through * facets * refraction_jacobian(wo, wi, m, p.eta) : 0.0f;
 }
 
-inline MaterialSample metallic_roughness_sample(const PointMaterial p, const float3 wo, const float2 u,
-                                                const float choice) {
+static inline MaterialSample metallic_roughness_sample(const PointMaterial p, const float3 wo, const float2 u,
+                                                       const float choice) {
   MaterialSample s;
   s.weight = 0.0f;
   s.pdf = 0.0f;

@@ -5,24 +5,24 @@
 #define PVG_MATERIALS_MICROFACET_CL
 #include "materials/frame.cl"
 
-inline float ggx_density(const float3 m, const float alpha) {
+static inline float ggx_density(const float3 m, const float alpha) {
   const float a2 = alpha * alpha, k = (a2 - 1.0f) * m.z * m.z + 1.0f;
   return a2 / (M_PI_F * k * k);
 }
 
 // Smith's Lambda(w)
-inline float ggx_lambda(const float3 w, const float alpha) {
+static inline float ggx_lambda(const float3 w, const float alpha) {
   const float tan2 = (w.x * w.x + w.y * w.y) / (w.z * w.z);
   return 0.5f * (sqrt(1.0f + alpha * alpha * tan2) - 1.0f);
 }
 
 // density of the normals that wo sees, times wo . m:  D G1 (wo . m) / wo_z  [1/sr]
-inline float ggx_visible_density(const float3 wo, const float3 m, const float alpha) {
+static inline float ggx_visible_density(const float3 wo, const float3 m, const float alpha) {
   return ggx_density(m, alpha) * max(0.0f, dot(wo, m)) / (wo.z * (1.0f + ggx_lambda(wo, alpha)));
 }
 
 // a normal of the facets that wo sees
-inline float3 ggx_visible_normal(const float3 wo, const float alpha, const float2 u) {
+static inline float3 ggx_visible_normal(const float3 wo, const float alpha, const float2 u) {
   const float3 v = normalize((float3)(alpha * wo.x, alpha * wo.y, wo.z));
   const float length2 = v.x * v.x + v.y * v.y;
   // seen from above every tangent will do
@@ -36,20 +36,20 @@ inline float3 ggx_visible_normal(const float3 wo, const float alpha, const float
 }
 
 // the facet normal that reflects wo to wi, or refracts it there, eta: index on wi's side / on wo's side
-inline float3 reflecting_normal(const float3 wo, const float3 wi) { return normalize(wo + wi); }
-inline float3 refracting_normal(const float3 wo, const float3 wi, const float eta) {
+static inline float3 reflecting_normal(const float3 wo, const float3 wi) { return normalize(wo + wi); }
+static inline float3 refracting_normal(const float3 wo, const float3 wi, const float eta) {
   const float3 m = normalize(wo + eta * wi);
   return m.z < 0 ? -m : m;
 }
 
 // solid angle of facet normals per solid angle of refracted directions: eta^2 |wi . m| / (wo . m + eta wi . m)^2
-inline float refraction_jacobian(const float3 wo, const float3 wi, const float3 m, const float eta) {
+static inline float refraction_jacobian(const float3 wo, const float3 wi, const float3 m, const float eta) {
   const float d = dot(wo, m) + eta * dot(wi, m);
   return eta * eta * fabs(dot(wi, m)) / max(d * d, 1e-12f);
 }
 
 // false: total reflection
-inline bool refract_about(const float3 wo, const float3 m, const float eta, float3* wi) {
+static inline bool refract_about(const float3 wo, const float3 m, const float eta, float3* wi) {
   const float cosine = dot(wo, m), sin2 = (1.0f - cosine * cosine) / (eta * eta);
   if (sin2 >= 1.0f) return false;
   *wi = (cosine / eta - sqrt(1.0f - sin2)) * m - wo / eta;

@@ -10,17 +10,18 @@
 #include "materials/microfacet.cl"
 
 // refracted part; also that of metallic_roughness.cl, which has another F
-inline float ggx_refraction(const float alpha, const float eta, const float3 wo, const float3 wi, const float3 m) {
+static inline float ggx_refraction(const float alpha, const float eta, const float3 wo, const float3 wi,
+                                   const float3 m) {
   if (dot(wo, m) <= 0 || dot(wi, m) >= 0) return 0.0f;
   return ggx_visible_density(wo, m, alpha) * refraction_jacobian(wo, wi, m, eta) / (1.0f + ggx_lambda(wi, alpha));
 }
-inline float ggx_reflection(const float alpha, const float3 wo, const float3 wi, const float3 m) {
+static inline float ggx_reflection(const float alpha, const float3 wo, const float3 wi, const float3 m) {
   return ggx_density(m, alpha) / (4.0f * wo.z * (1.0f + ggx_lambda(wo, alpha) + ggx_lambda(wi, alpha)));
 }
 
 // f cos [1/sr]
-inline float3 rough_dielectric_eval(const float3 color, const float alpha, const float eta, const float3 wo,
-                                    const float3 wi) {
+static inline float3 rough_dielectric_eval(const float3 color, const float alpha, const float eta, const float3 wo,
+                                           const float3 wi) {
   if (wo.z <= 0 || wi.z == 0) return (float3)(0.0f);
   if (wi.z > 0) {
     const float3 m = reflecting_normal(wo, wi);
@@ -30,7 +31,7 @@ inline float3 rough_dielectric_eval(const float3 color, const float alpha, const
   return color * ((1.0f - fresnel_dielectric(clamp(dot(wo, m), 0.0f, 1.0f), eta)) * ggx_refraction(alpha, eta, wo, wi, m));
 }
 
-inline float rough_dielectric_pdf(const float alpha, const float eta, const float3 wo, const float3 wi) {
+static inline float rough_dielectric_pdf(const float alpha, const float eta, const float3 wo, const float3 wi) {
   if (wo.z <= 0 || wi.z == 0) return 0.0f;
   if (wi.z > 0) {
     const float3 m = reflecting_normal(wo, wi);
@@ -44,8 +45,8 @@ inline float rough_dielectric_pdf(const float alpha, const float eta, const floa
 }
 
 // choice: a third random number
-inline MaterialSample rough_dielectric_sample(const float3 color, const float alpha, const float eta, const float3 wo,
-                                              const float2 u, const float choice) {
+static inline MaterialSample rough_dielectric_sample(const float3 color, const float alpha, const float eta,
+                                                     const float3 wo, const float2 u, const float choice) {
   MaterialSample s;
   s.weight = 0.0f;
   s.pdf = 0.0f;

@@ -5,7 +5,7 @@
 #define PVG_MATERIALS_TEXTURE_CL
 #include "materials/material.h"
 
-inline float3 texel(global const uchar4* texels, constant float* decode, const uint i) {
+static inline float3 texel(global const uchar4* texels, constant float* decode, const uint i) {
   const uchar4 c = texels[i];
   return (float3)(decode[c.x], decode[c.y], decode[c.z]);
 }
@@ -17,7 +17,7 @@ typedef struct {
 } TexelSquare;
 
 // uv: (0, 0) is the outer corner of the first texel of the top row
-inline TexelSquare texel_square(const TextureInfo info, const float2 uv) {
+static inline TexelSquare texel_square(const TextureInfo info, const float2 uv) {
   const float x = (uv.x - floor(uv.x)) * (float)info.width - 0.5f, y = (uv.y - floor(uv.y)) * (float)info.height - 0.5f;
   const float x_floor = floor(x), y_floor = floor(y);
   const uint x0 = x_floor < 0 ? info.width - 1 : min((uint)x_floor, info.width - 1);
@@ -28,8 +28,8 @@ inline TexelSquare texel_square(const TextureInfo info, const float2 uv) {
   return s;
 }
 
-inline float3 texture_color(const TextureInfo info, global const uchar4* texels, constant float* decode_bytes,
-                            const float2 uv) {
+static inline float3 texture_color(const TextureInfo info, global const uchar4* texels, constant float* decode_bytes,
+                                   const float2 uv) {
   constant float* decode = decode_bytes + (info.is_linear ? 256 : 0);
   const TexelSquare s = texel_square(info, uv);
   const float3 top = mix(texel(texels, decode, s.top_left), texel(texels, decode, s.top_right), s.right);
@@ -38,7 +38,7 @@ inline float3 texture_color(const TextureInfo info, global const uchar4* texels,
 }
 
 // alpha, a plain value, 0 to 1
-inline float texture_alpha(const TextureInfo info, global const uchar4* texels, const float2 uv) {
+static inline float texture_alpha(const TextureInfo info, global const uchar4* texels, const float2 uv) {
   const TexelSquare s = texel_square(info, uv);
   const float top = mix((float)texels[s.top_left].w, (float)texels[s.top_right].w, s.right);
   const float bottom = mix((float)texels[s.bottom_left].w, (float)texels[s.bottom_right].w, s.right);

@@ -22,8 +22,8 @@ typedef struct {
 } Cutouts;
 
 // where a texture is looked up; bit: SECOND_UVS_...
-inline float2 texture_uv(const Cutouts c, global const Instance* instance, const uint material_flags, const uint bit,
-                         const uint triangle, const float u, const float v) {
+static inline float2 texture_uv(const Cutouts c, global const Instance* instance, const uint material_flags,
+                                const uint bit, const uint triangle, const float u, const float v) {
   if ((material_flags & bit) && (instance->flags & INSTANCE_SECOND_UVS))
     return second_uv_at(instance, c.triangles, c.second_uvs, triangle, u, v);
   const uint3 corner = vload3(triangle, c.triangles);
@@ -32,7 +32,7 @@ inline float2 texture_uv(const Cutouts c, global const Instance* instance, const
 }
 
 // the share of the light that goes straight on: 0 or 1 of a mask
-inline float opening(const Cutouts c, const uint instance, const uint triangle, const float u, const float v) {
+static inline float opening(const Cutouts c, const uint instance, const uint triangle, const float u, const float v) {
   global const Material* m = c.materials + c.instances[instance].material;
   float alpha = m->opacity;
   if (m->texture >= 0)
@@ -43,7 +43,7 @@ inline float opening(const Cutouts c, const uint instance, const uint triangle, 
 }
 
 // whether a ray goes on past its hit; chance: uniform, for what blends
-inline bool is_open(const Cutouts c, const Hit hit, const float chance) {
+static inline bool is_open(const Cutouts c, const Hit hit, const float chance) {
   return hit.triangle != NO_TRIANGLE && (c.instances[hit.instance].flags & INSTANCE_CUTOUT) &&
          chance < opening(c, hit.instance, hit.triangle, hit.u, hit.v);
 }

@@ -8,7 +8,7 @@
 #define NOISE_WIDTH 3.0f      // standard deviations
 #define COLOR_EDGE 0.1f       // difference of two neighbours' colours, as a share
 
-inline float luminance(const float3 c) { return dot(c, (float3)(0.2126f, 0.7152f, 0.0722f)); }
+static inline float luminance(const float3 c) { return dot(c, (float3)(0.2126f, 0.7152f, 0.0722f)); }
 
 // film: sums, w: samples;  squares: sum of squared luminance;  light: [height x width] mean without albedo, w: variance
 // of its luminance

@@ -5,13 +5,13 @@
 #define PVG_RENDER_ENVIRONMENT_CL
 #include "render/path.h"
 
-inline float2 environment_uv(const Launch launch, const float3 d) {
+static inline float2 environment_uv(const Launch launch, const float3 d) {
   const float u = 0.5f - (atan2(d.y, d.x) - launch.environment_turn) * (0.5f * M_1_PI_F);
   return (float2)(u - floor(u), acos(clamp(d.z, -1.0f, 1.0f)) * M_1_PI_F);
 }
 
 // texels: [height x width x 3, W/(sr m^2)], linear between their centres; d: unit
-inline float3 environment_radiance(const Launch launch, global const float* texels, const float3 d) {
+static inline float3 environment_radiance(const Launch launch, global const float* texels, const float3 d) {
   const float3 scale = vload3(0, launch.environment);
   const uint w = launch.environment_width, h = launch.environment_height;
   if (w == 0) return scale;
@@ -27,7 +27,7 @@ inline float3 environment_radiance(const Launch launch, global const float* texe
 }
 
 // density over directions [1/sr]
-inline float environment_pdf(const Launch launch, global const EnvironmentCell* cells, const float3 d) {
+static inline float environment_pdf(const Launch launch, global const EnvironmentCell* cells, const float3 d) {
   const float2 uv = environment_uv(launch, d);
   const float w = ENVIRONMENT_COLUMNS, h = ENVIRONMENT_ROWS;
   const uint i = min((uint)(uv.x * w), ENVIRONMENT_COLUMNS - 1), k = min((uint)(uv.y * h), ENVIRONMENT_ROWS - 1);
@@ -35,8 +35,8 @@ inline float environment_pdf(const Launch launch, global const EnvironmentCell* 
 }
 
 // choice: uniform, apart from u
-inline float3 environment_sample(const Launch launch, global const EnvironmentCell* cells, const float2 u,
-                                 const float choice) {
+static inline float3 environment_sample(const Launch launch, global const EnvironmentCell* cells, const float2 u,
+                                        const float choice) {
   const float place = u.x * (float)(ENVIRONMENT_COLUMNS * ENVIRONMENT_ROWS);
   uint cell = min((uint)place, ENVIRONMENT_COLUMNS * ENVIRONMENT_ROWS - 1);
   const float across = clamp(place - (float)cell, 0.0f, 0x1.fffffep-1f);

@@ -1,6 +1,7 @@
 // Stage 1: starts the paths of a batch, one per sample, at the camera. A pixel's samples are spread over its square
 // (box filter), and over the lens, which throws every point of the plane in focus to one point of the picture. Neighbouring slots are samples of one pixel, then pixels of one 8 x 8 tile.
-#include "shared/inline_all.h"
+#define PVG_INLINE_ALL
+#include "shared/pocl.h"
 
 #include "render/path.h"
 #include "render/tiles.cl"

@@ -8,7 +8,7 @@
 #define HOLES_KEY 0x51ed270bu
 
 // plain random number: strata gain nothing where the layers differ from path to path
-inline float chance_of_layer(const uint key, const uint sample, const uint layer) {
+static inline float chance_of_layer(const uint key, const uint sample, const uint layer) {
   return unit_float(hash_combine(hash_combine(key, layer), sample));
 }
 

@@ -29,14 +29,14 @@ typedef struct {
   float material_choice, roulette;
 } Chance;
 
-inline Chance draw_chance(const uint2 stream, const uint depth) {
+static inline Chance draw_chance(const uint2 stream, const uint depth) {
   const float8 u = sample_2d_4(stream.x, stream.y, 2 + 4 * depth);  // 0 and 1: generate.cl
   const Chance chance = {u.s04, u.s15, u.s26, u.s3, u.s7};
   return chance;
 }
 
 // light that a path met; pdf: with which a light sample of the last surface would have found it, 0: never
-inline void meet_emission(const Launch launch, const float3 radiance, const float pdf, Path* path) {
+static inline void meet_emission(const Launch launch, const float3 radiance, const float pdf, Path* path) {
   float weight = 1.0f;
   if (path->flags & PATH_SCATTERED) {
     if (path->pdf > 0)
@@ -47,7 +47,7 @@ inline void meet_emission(const Launch launch, const float3 radiance, const floa
   path->radiance += path->throughput * radiance * weight;
 }
 
-inline void meet_environment(const Launch launch, const Shading scene, Path* path) {
+static inline void meet_environment(const Launch launch, const Shading scene, Path* path) {
   path->is_alive = false;
   const float pdf = launch.environment_light < 0 ? 0.0f
                                                  : scene.lights[launch.environment_light].probability *
@@ -56,7 +56,8 @@ inline void meet_environment(const Launch launch, const Shading scene, Path* pat
 }
 
 // a rectangle or sphere
-inline void meet_light(const Launch launch, global const Light* light, const Surface s, const float t, Path* path) {
+static inline void meet_light(const Launch launch, global const Light* light, const Surface s, const float t,
+                              Path* path) {
   path->is_alive = false;
   if (dot(s.face, path->direction) >= 0) return;
   const bool is_sphere = light->kind == LIGHT_SPHERE;
@@ -66,8 +67,8 @@ inline void meet_light(const Launch launch, global const Light* light, const Sur
 }
 
 // a mesh that shines, on both sides
-inline void meet_shining(const Launch launch, const Shading scene, global const Instance* instance, const Material m,
-                         const uint triangle, const Surface s, const float t, Path* path) {
+static inline void meet_shining(const Launch launch, const Shading scene, global const Instance* instance,
+                                const Material m, const uint triangle, const Surface s, const float t, Path* path) {
   float pdf = 0.0f;
   if (instance->flags & INSTANCE_SHINES) {
     float3 p[3];
@@ -79,8 +80,8 @@ inline void meet_shining(const Launch launch, const Shading scene, global const 
   meet_emission(launch, emitted(scene, m, uv_for(s, m.flags, emission_bit(m))), pdf, path);
 }
 
-inline void meet_receiver(const Launch launch, const Shading scene, const Material m, const float3 color,
-                          const Surface s, const Chance chance, Path* path, ShadowRay* shadow) {
+static inline void meet_receiver(const Launch launch, const Shading scene, const Material m, const float3 color,
+                                 const Surface s, const Chance chance, Path* path, ShadowRay* shadow) {
   path->is_alive = false;
   const float3 shown = path->throughput * color * launch.receiver_scale;
   path->radiance += shown * (1.0f - m.shadow_strength);
@@ -104,9 +105,9 @@ inline void meet_receiver(const Launch launch, const Shading scene, const Materi
 }
 
 // one light sample, weighted against the material's own sampling
-inline void light_surface(const Launch launch, const Shading scene, const PointMaterial m, const Surface s,
-                          const float3 face, const Frame frame, const float3 wo, const Chance chance, const Path* path,
-                          ShadowRay* shadow) {
+static inline void light_surface(const Launch launch, const Shading scene, const PointMaterial m, const Surface s,
+                                 const float3 face, const Frame frame, const float3 wo, const Chance chance,
+                                 const Path* path, ShadowRay* shadow) {
   if (launch.n_lights == 0 || !material_scatters(m)) return;
   const LightSample sample = sample_light(launch, scene, s.point, chance.light_choice, chance.light_point);
   const float side = dot(face, sample.to_light);
@@ -123,7 +124,7 @@ inline void light_surface(const Launch launch, const Shading scene, const PointM
 }
 
 // The solid behind this surface is not there, see media.cl: the path goes straight on, as if through clear glass.
-inline void pass_hidden(const Boundary boundary, const Surface s, const float3 face, Path* path) {
+static inline void pass_hidden(const Boundary boundary, const Surface s, const float3 face, Path* path) {
   path->origin = leave_surface(s.point, -face);
   path->pdf = 0.0f;
   path->flags |= PATH_REFRACTED;
@@ -131,8 +132,8 @@ inline void pass_hidden(const Boundary boundary, const Surface s, const float3 f
 }
 
 // reflection and refraction at clear glass, solid or thin; normal and face look to the path
-inline void pass_glass(const PointMaterial m, const Boundary boundary, const Surface s, const float3 face,
-                       const float3 normal, const float choice, Path* path) {
+static inline void pass_glass(const PointMaterial m, const Boundary boundary, const Surface s, const float3 face,
+                              const float3 normal, const float choice, Path* path) {
   Frame frame = make_frame(normal);
   MaterialSample sample = material_sample(m, to_local(frame, -path->direction), (float2)(0.0f), choice);
   const bool is_refracted = sample.direction.z < 0;
@@ -153,8 +154,8 @@ inline void pass_glass(const PointMaterial m, const Boundary boundary, const Sur
   if (m.flags & MATERIAL_HAS_INSIDE) path->media = boundary.inner;
 }
 
-inline void scatter(const PointMaterial m, const Boundary boundary, const Surface s, const float3 face,
-                    const Frame frame, const float3 wo, const Chance chance, Path* path) {
+static inline void scatter(const PointMaterial m, const Boundary boundary, const Surface s, const float3 face,
+                           const Frame frame, const float3 wo, const Chance chance, Path* path) {
   const MaterialSample sample = material_sample(m, wo, chance.material_point, chance.material_choice);
   const float3 direction = to_world(frame, sample.direction);
   const bool passes = sample.direction.z < 0;
@@ -169,7 +170,7 @@ inline void scatter(const PointMaterial m, const Boundary boundary, const Surfac
 }
 
 // paths that carry little end early, the others carry more for them
-inline void roulette(const uint depth, const float u, Path* path) {
+static inline void roulette(const uint depth, const float u, Path* path) {
   const float largest = max(path->throughput.x, max(path->throughput.y, path->throughput.z));
   if (!(largest > 0)) path->is_alive = false;
   if (depth < 2 || !path->is_alive || largest >= 1.0f) return;

@@ -39,8 +39,8 @@ typedef struct {
 #define SPHERE_SHELL 1.005f
 
 // the surface at a hit with all its texture coordinates
-inline Surface surface_with_uvs(const Shading scene, const uint instance, const uint triangle, const float u,
-                                const float v) {
+static inline Surface surface_with_uvs(const Shading scene, const uint instance, const uint triangle, const float u,
+                                       const float v) {
   global const Instance* shown = scene.instances + instance;
   Surface s = surface_at(shown, scene.triangles, scene.vertices, triangle, u, v);
   if (shown->flags & INSTANCE_SECOND_UVS)
@@ -49,41 +49,42 @@ inline Surface surface_with_uvs(const Shading scene, const uint instance, const 
 }
 
 // SECOND_UVS_... of the texture that shines
-inline uint emission_bit(const Material m) {
+static inline uint emission_bit(const Material m) {
   return m.kind == MATERIAL_EMISSIVE ? SECOND_UVS_COLOR : SECOND_UVS_EMISSION;
 }
-inline float3 emitted(const Shading scene, const Material m, const float2 uv) {
+static inline float3 emitted(const Shading scene, const Material m, const float2 uv) {
   const float3 emission = vload3(0, m.emission);
   const int texture = m.kind == MATERIAL_EMISSIVE ? m.texture : m.emission_texture;
   return texture < 0 ? emission
                      : emission * texture_color(scene.textures[texture], scene.texels, scene.decode, uv);
 }
 
-inline Cutouts cutouts_of(const Shading scene) {
+static inline Cutouts cutouts_of(const Shading scene) {
   const Cutouts c = {scene.instances, scene.materials, scene.textures,  scene.texels,
                      scene.triangles, scene.vertices,  scene.second_uvs};
   return c;
 }
 
 // corners of a mesh's triangle in the world
-inline void world_triangle(const Shading scene, global const Instance* instance, const uint triangle, float3 p[3]) {
+static inline void world_triangle(const Shading scene, global const Instance* instance, const uint triangle,
+                                  float3 p[3]) {
   const uint3 corner = vload3(triangle, scene.triangles);
   p[0] = affine_point(instance->to_world, vload3(0, scene.vertices[corner.x].point));
   p[1] = affine_point(instance->to_world, vload3(0, scene.vertices[corner.y].point));
   p[2] = affine_point(instance->to_world, vload3(0, scene.vertices[corner.z].point));
 }
 
-inline float area_pdf(const float probability, const float area, const float cosine, const float distance2) {
+static inline float area_pdf(const float probability, const float area, const float cosine, const float distance2) {
   return cosine > 0 && area > 0 ? probability * distance2 / (area * cosine) : 0.0f;
 }
 
 // 1 - cosine of half the angle that a sphere fills, seen from squared distance d2; exact where it is small
-inline float cone_height(const float radius, const float d2) {
+static inline float cone_height(const float radius, const float d2) {
   const float sin2 = radius * radius / d2;
   return sin2 / (1.0f + sqrt(max(0.0f, 1.0f - sin2)));
 }
 
-inline float sphere_pdf(global const Light* light, const float3 origin) {
+static inline float sphere_pdf(global const Light* light, const float3 origin) {
   const float3 d = vload3(0, light->corner) - origin;
   const float d2 = dot(d, d);
   return d2 > light->area * light->area
@@ -92,12 +93,12 @@ inline float sphere_pdf(global const Light* light, const float3 origin) {
 }
 
 // a spot's share of the radiance in a direction away from it (KHR_lights_punctual); 1 of what is none
-inline float spot_share(global const Light* light, const float3 away) {
+static inline float spot_share(global const Light* light, const float3 away) {
   const float x = clamp((dot(vload3(0, light->edge_u), away) - light->edge_v[0]) * light->edge_v[1], 0.0f, 1.0f);
   return x * x;
 }
 
-inline LightSample sample_sphere(global const Light* light, const float3 origin, const float2 u) {
+static inline LightSample sample_sphere(global const Light* light, const float3 origin, const float2 u) {
   LightSample s;
   const float3 center = vload3(0, light->corner) - origin;
   const float d2 = dot(center, center), radius = light->area;
@@ -115,7 +116,8 @@ inline LightSample sample_sphere(global const Light* light, const float3 origin,
   return s;
 }
 
-inline LightSample sample_triangle(const Shading scene, global const Light* light, const float3 origin, const float2 u) {
+static inline LightSample sample_triangle(const Shading scene, global const Light* light, const float3 origin,
+                                          const float2 u) {
   LightSample s;
   global const Instance* instance = scene.instances + light->instance;
   float3 p[3];
@@ -135,14 +137,14 @@ inline LightSample sample_triangle(const Shading scene, global const Light* ligh
   return s;
 }
 
-inline float rectangle_pdf(global const Light* light, const float3 to_light) {
+static inline float rectangle_pdf(global const Light* light, const float3 to_light) {
   const float d2 = dot(to_light, to_light);
   return area_pdf(light->probability, light->area, -dot(vload3(0, light->normal), to_light) * rsqrt(d2), d2);
 }
 
 // choice: of the light and by its alias; u: of the point
-inline LightSample sample_light(const Launch launch, const Shading scene, const float3 origin, const float2 choice,
-                                const float2 u) {
+static inline LightSample sample_light(const Launch launch, const Shading scene, const float3 origin,
+                                       const float2 choice, const float2 u) {
   uint i = min((uint)(choice.x * (float)launch.n_lights), launch.n_lights - 1);
   const float keep = scene.lights[i].keep;
   const bool keeps = choice.y < keep;
@@ -167,7 +169,7 @@ inline LightSample sample_light(const Launch launch, const Shading scene, const 
 }
 
 // power heuristic of multiple importance sampling (Veach 1997)
-inline float mis_weight(const float pdf, const float other) {
+static inline float mis_weight(const float pdf, const float other) {
   const float a = pdf * pdf, b = other * other;
   return a > 0 ? a / (a + b) : 0.0f;
 }

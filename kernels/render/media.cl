@@ -6,16 +6,16 @@
 #define PVG_RENDER_MEDIA_CL
 #include "materials/material.h"
 
-inline uint media_enter(const uint media, const uint material) { return (media << 8) | (material + 1); }
+static inline uint media_enter(const uint media, const uint material) { return (media << 8) | (material + 1); }
 
-inline bool media_holds(const uint media, const uint material) {
+static inline bool media_holds(const uint media, const uint material) {
   for (uint i = 0; i < 4; ++i)
     if (((media >> (8 * i)) & 0xffu) == material + 1) return true;
   return false;
 }
 
 // takes the last entry of that material away
-inline uint media_leave(const uint media, const uint material) {
+static inline uint media_leave(const uint media, const uint material) {
   for (uint i = 0; i < 4; ++i) {
     if (((media >> (8 * i)) & 0xffu) != material + 1) continue;
     const uint below = i == 0 ? 0u : media & ((1u << (8 * i)) - 1u);
@@ -26,7 +26,7 @@ inline uint media_leave(const uint media, const uint material) {
 }
 
 // 1 + the material that is there, 0: air
-inline uint media_current(const uint media, global const Material* materials) {
+static inline uint media_current(const uint media, global const Material* materials) {
   uint current = 0, priority = 0;
   for (uint i = 0; i < 4; ++i) {
     const uint entry = (media >> (8 * i)) & 0xffu;
@@ -37,11 +37,11 @@ inline uint media_current(const uint media, global const Material* materials) {
   return current;
 }
 
-inline float medium_ior(const uint current, global const Material* materials) {
+static inline float medium_ior(const uint current, global const Material* materials) {
   return current ? materials[current - 1].ior : 1.0f;
 }
 
-inline float3 media_transmission(const uint media, global const Material* materials, const float distance) {
+static inline float3 media_transmission(const uint media, global const Material* materials, const float distance) {
   if (media == 0) return (float3)(1.0f);
   const uint current = media_current(media, materials);
   return exp(-distance * vload3(0, materials[current - 1].absorption));
@@ -55,8 +55,8 @@ typedef struct {
 } Boundary;
 
 // A path that leaves what it never entered started inside.
-inline Boundary boundary_of(const uint media, const uint material, global const Material* materials,
-                            const bool enters) {
+static inline Boundary boundary_of(const uint media, const uint material, global const Material* materials,
+                                   const bool enters) {
   const uint outer = enters || media_holds(media, material) ? media : media_enter(media, material);
   Boundary b;
   b.inner = enters ? media_enter(outer, material) : media_leave(outer, material);

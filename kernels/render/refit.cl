@@ -21,7 +21,7 @@ kernel void refit_blocks(const uint n, const uint first, global const uint* rest
   }
 }
 
-inline void block_box(global const TriangleBlock* block, float* lo, float* hi) {
+static inline void block_box(global const TriangleBlock* block, float* lo, float* hi) {
   for (int c = 0; c < 3; ++c) {
     lo[c] = INFINITY;
     hi[c] = -INFINITY;
@@ -35,7 +35,7 @@ inline void block_box(global const TriangleBlock* block, float* lo, float* hi) {
 }
 
 // empty slots are inside out and change nothing
-inline void node_box(global const BvhNode* node, float* lo, float* hi) {
+static inline void node_box(global const BvhNode* node, float* lo, float* hi) {
   for (int c = 0; c < 3; ++c) {
     lo[c] = INFINITY;
     hi[c] = -INFINITY;

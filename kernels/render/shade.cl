@@ -6,12 +6,13 @@
 //     refracted paths and their shadow rays stop at glass. Launch::transparent_shadows = 0: glass stops all shadow rays
 //     and every refracted path counts
 //   shadow receiver: C = C_tex (1 - lambda_s (1 - V)), and the path ends; V from one light sample per path
-#include "shared/inline_all.h"
+#define PVG_INLINE_ALL
+#include "shared/pocl.h"
 
 #include "render/interact.cl"
 
-inline Path load_path(const uint slot, global const float4* origin, global const float4* direction,
-                      global const float4* throughput) {
+static inline Path load_path(const uint slot, global const float4* origin, global const float4* direction,
+                             global const float4* throughput) {
   const float4 o = origin[slot], d = direction[slot], t = throughput[slot];
   Path path;
   path.origin = o.xyz;
@@ -25,14 +26,14 @@ inline Path load_path(const uint slot, global const float4* origin, global const
   return path;
 }
 
-inline float3 texture_at(const Shading scene, const int texture, const float2 uv) {
+static inline float3 texture_at(const Shading scene, const int texture, const float2 uv) {
   return texture < 0 ? (float3)(1.0f)
                      : texture_color(scene.textures[texture], scene.texels, scene.decode, uv);
 }
 
 // the texture coordinates of a triangle's corners that lay out the normal map
-inline void normal_map_corners(const Shading scene, global const Instance* instance, const uint flags,
-                               const uint triangle, float2 uv[3]) {
+static inline void normal_map_corners(const Shading scene, global const Instance* instance, const uint flags,
+                                      const uint triangle, float2 uv[3]) {
   const uint3 corner = vload3(triangle, scene.triangles);
   const uint corners[3] = {corner.x, corner.y, corner.z};
   const bool is_second = (flags & SECOND_UVS_NORMAL) && (instance->flags & INSTANCE_SECOND_UVS);
@@ -41,8 +42,8 @@ inline void normal_map_corners(const Shading scene, global const Instance* insta
                       : vload2(0, scene.vertices[corners[k]].uv);
 }
 
-inline PointMaterial material_at(const Shading scene, const Material m, const float3 color, const Surface s,
-                                 const float eta) {
+static inline PointMaterial material_at(const Shading scene, const Material m, const float3 color, const Surface s,
+                                        const float eta) {
   PointMaterial p = point_material(m, eta);
   p.color = color;
   if (m.metallic_roughness_texture >= 0) {
@@ -54,9 +55,9 @@ inline PointMaterial material_at(const Shading scene, const Material m, const fl
 }
 
 // glass or a surface that scatters: light sample, then the path goes on. triangle: index into those of all meshes
-inline void meet_surface(const Launch launch, const Shading scene, global const Instance* instance,
-                         const uint triangle, const Material m, const float3 color, const Surface s,
-                         const Chance chance, Path* path, ShadowRay* shadow) {
+static inline void meet_surface(const Launch launch, const Shading scene, global const Instance* instance,
+                                const uint triangle, const Material m, const float3 color, const Surface s,
+                                const Chance chance, Path* path, ShadowRay* shadow) {
   const bool enters = dot(s.face, path->direction) < 0;
   const float3 face = enters ? s.face : -s.face;
   Boundary boundary = {m.ior, path->media, false};
@@ -88,8 +89,8 @@ inline void meet_surface(const Launch launch, const Shading scene, global const 
 }
 
 // hit: t, u, v, triangle
-inline void meet(const Launch launch, const Shading scene, const Chance chance, const uint depth, const float4 hit,
-                 const uint hit_instance, Path* path, ShadowRay* shadow) {
+static inline void meet(const Launch launch, const Shading scene, const Chance chance, const uint depth,
+                        const float4 hit, const uint hit_instance, Path* path, ShadowRay* shadow) {
   global const Instance* instance = scene.instances + hit_instance;
   const uint triangle = as_uint(hit.w);
   const Surface s = surface_with_uvs(scene, hit_instance, triangle, hit.y, hit.z);

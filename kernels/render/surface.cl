@@ -11,17 +11,17 @@ typedef struct {
 } Surface;
 
 // without the care that the language takes of lengths near the ends of the range
-inline float3 unit(const float3 v) { return v * rsqrt(max(dot(v, v), 1e-37f)); }
+static inline float3 unit(const float3 v) { return v * rsqrt(max(dot(v, v), 1e-37f)); }
 
 // normals go with the transposed inverse
-inline float3 affine_normal(global const float* to_object, const float3 n) {
+static inline float3 affine_normal(global const float* to_object, const float3 n) {
   return (float3)(to_object[0] * n.x + to_object[4] * n.y + to_object[8] * n.z,
                   to_object[1] * n.x + to_object[5] * n.y + to_object[9] * n.z,
                   to_object[2] * n.x + to_object[6] * n.y + to_object[10] * n.z);
 }
 
-inline Surface surface_at(global const Instance* instance, global const uint* triangles, global const Vertex* vertices,
-                          const uint triangle, const float u, const float v) {
+static inline Surface surface_at(global const Instance* instance, global const uint* triangles,
+                                 global const Vertex* vertices, const uint triangle, const float u, const float v) {
   const uint3 corner = vload3(triangle, triangles);
   // a vertex is eight floats: point, normal, uv
   const float8 a = vload8(corner.x, (global const float*)vertices), b = vload8(corner.y, (global const float*)vertices),
@@ -49,14 +49,17 @@ inline Surface surface_at(global const Instance* instance, global const uint* tr
 }
 
 // the texture coordinates that a texture's bit of the material's flags asks for
-inline float2 uv_for(const Surface s, const uint flags, const uint bit) { return flags & bit ? s.second_uv : s.uv; }
+static inline float2 uv_for(const Surface s, const uint flags, const uint bit) {
+  return flags & bit ? s.second_uv : s.uv;
+}
 
 // second texture coordinates, of meshes that have them
-inline float2 second_uv_of_corner(global const Instance* instance, global const float* second_uvs, const uint corner) {
+static inline float2 second_uv_of_corner(global const Instance* instance, global const float* second_uvs,
+                                         const uint corner) {
   return vload2((uint)(instance->first_second_uv + (int)corner), second_uvs);
 }
-inline float2 second_uv_at(global const Instance* instance, global const uint* triangles,
-                           global const float* second_uvs, const uint triangle, const float u, const float v) {
+static inline float2 second_uv_at(global const Instance* instance, global const uint* triangles,
+                                  global const float* second_uvs, const uint triangle, const float u, const float v) {
   const uint3 corner = vload3(triangle, triangles);
   return (1.0f - u - v) * second_uv_of_corner(instance, second_uvs, corner.x) +
          u * second_uv_of_corner(instance, second_uvs, corner.y) +
@@ -64,16 +67,17 @@ inline float2 second_uv_at(global const Instance* instance, global const uint* t
 }
 
 // colour of the vertices between them
-inline float3 vertex_color(global const Instance* instance, global const uint* triangles, global const float* colors,
-                           const uint triangle, const float u, const float v) {
+static inline float3 vertex_color(global const Instance* instance, global const uint* triangles,
+                                  global const float* colors, const uint triangle, const float u, const float v) {
   const uint3 corner = vload3(triangle, triangles) + (uint3)((uint)instance->first_color);
   return (1.0f - u - v) * vload3(corner.x, colors) + u * vload3(corner.y, colors) + v * vload3(corner.z, colors);
 }
 
 // The shading normal bent by a normal map; bend: x along growing u, y along falling v, z out; uv: of the triangle's
 // corners. Where they have no direction the normal stays.
-inline float3 bent_normal(global const Instance* instance, global const uint* triangles, global const Vertex* vertices,
-                          const uint triangle, const float2 uv[3], const float3 normal, const float3 bend) {
+static inline float3 bent_normal(global const Instance* instance, global const uint* triangles,
+                                 global const Vertex* vertices, const uint triangle, const float2 uv[3],
+                                 const float3 normal, const float3 bend) {
   const uint3 corner = vload3(triangle, triangles);
   const float3 p = vload3(0, vertices[corner.x].point);
   const float3 e = affine_vector(instance->to_world, vload3(0, vertices[corner.y].point) - p);
@@ -91,8 +95,10 @@ inline float3 bent_normal(global const Instance* instance, global const uint* tr
 
 // how far a new ray starts off its surface: more than the rounding of the point and of the change of frames (half a
 // micrometre at 1 m), much less than a wall of glass or a contact gap
-inline float ray_offset(const float3 point) {
+static inline float ray_offset(const float3 point) {
   return 4e-6f * max(1.0f, max(fabs(point.x), max(fabs(point.y), fabs(point.z))));
 }
-inline float3 leave_surface(const float3 point, const float3 normal) { return point + normal * ray_offset(point); }
+static inline float3 leave_surface(const float3 point, const float3 normal) {
+  return point + normal * ray_offset(point);
+}
 #endif

@@ -4,7 +4,7 @@
 #define TILE 8u
 
 // a bijection of 0 .. width * height - 1; tiles at the right and lower border are narrower
-inline uint2 tile_pixel(const uint i, const uint width, const uint height) {
+static inline uint2 tile_pixel(const uint i, const uint width, const uint height) {
   const uint strip = i / (TILE * width), y0 = strip * TILE;
   const uint tile_height = min(TILE, height - y0);
   const uint in_strip = i - y0 * width;

@@ -15,14 +15,14 @@ typedef struct {
   int has_crossed;  // glass was met
 } Transmittance;
 
-inline float3 block_corner(global const float4* block, const uint corner, const uint k) {
+static inline float3 block_corner(global const float4* block, const uint corner, const uint k) {
   global const float* p = (global const float*)(block + 3 * corner) + k;
   return (float3)(p[0], p[4], p[8]);
 }
 
 // the glass of one block; direction_length turns t into metres. r in the mesh's frame, but t is the same in every frame
-inline void cross_block(global const float4* block, const LeafRay r, const float3 direction, const float t_max,
-                        global const Material* material, const float direction_length, Transmittance* T) {
+static inline void cross_block(global const float4* block, const LeafRay r, const float3 direction, const float t_max,
+                               global const Material* material, const float direction_length, Transmittance* T) {
   float4 t;
   int4 is_front;
   uint hits = block_crossings(block, r, t_max, &t, &is_front);

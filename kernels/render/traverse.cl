@@ -7,15 +7,7 @@
 #include "render/bvh.h"
 #include "render/path.h"
 #include "shared/mask.cl"
-
-#define ALWAYS_INLINE inline __attribute__((always_inline))
-// A function with a stack of visits. PoCL keeps the arrays of a kernel's body behind pointers; in a function of its own
-// they lie at fixed places of the frame
-#ifdef PVG_X86_AVX
-#define TREE_FUNCTION __attribute__((noinline))
-#else
-#define TREE_FUNCTION inline
-#endif
+#include "shared/pocl.h"
 
 // where the trees lie in memory
 typedef struct {
@@ -81,11 +73,11 @@ ALWAYS_INLINE LeafRay make_leaf_ray(const float3 origin, const float3 direction)
   return r;
 }
 
-inline float3 affine_point(global const float* m, const float3 x) {
+static inline float3 affine_point(global const float* m, const float3 x) {
   return (float3)(m[0] * x.x + m[1] * x.y + m[2] * x.z + m[3], m[4] * x.x + m[5] * x.y + m[6] * x.z + m[7],
                   m[8] * x.x + m[9] * x.y + m[10] * x.z + m[11]);
 }
-inline float3 affine_vector(global const float* m, const float3 x) {
+static inline float3 affine_vector(global const float* m, const float3 x) {
   return (float3)(m[0] * x.x + m[1] * x.y + m[2] * x.z, m[4] * x.x + m[5] * x.y + m[6] * x.z,
                   m[8] * x.x + m[9] * x.y + m[10] * x.z);
 }
@@ -110,7 +102,7 @@ ALWAYS_INLINE uint node_hits(global const float8* node, const BoxRay r, const fl
 }
 
 // an edge met exactly belongs to one of its two triangles, which walk along it in opposite directions.
-inline int4 owns_edge(const float4 px, const float4 py, const float4 qx, const float4 qy) {
+static inline int4 owns_edge(const float4 px, const float4 py, const float4 qx, const float4 qy) {
   return (qy > py) | ((qy == py) & (qx > px));
 }
 
@@ -165,7 +157,8 @@ ALWAYS_INLINE uint block_hits(global const float4* b, const LeafRay r, const flo
 }
 
 // The same where a common edge must count once, for its owner alone; is_front: met against its normal.
-inline uint block_crossings(global const float4* b, const LeafRay r, const float t_max, float4* t, int4* is_front) {
+static inline uint block_crossings(global const float4* b, const LeafRay r, const float t_max, float4* t,
+                                   int4* is_front) {
   Sheared s;
   int4 inside = shear_block(b, r, &s);
   if (!mask4(inside)) return 0;
@@ -181,7 +174,7 @@ inline uint block_crossings(global const float4* b, const LeafRay r, const float
 // What is yet to visit: where it begins above, a child below, so that the order of the numbers is the order of the
 // visits (t >= 0).
 typedef ulong Visit;
-inline Visit make_visit(const float t, const int child) { return ((ulong)as_uint(t) << 32) | (uint)child; }
+static inline Visit make_visit(const float t, const int child) { return ((ulong)as_uint(t) << 32) | (uint)child; }
 
 // the children that are met: the nearest becomes *current, the others go onto the stack, the nearest on top; false:
 // none is met. One to three, the usual, are sorted without branches

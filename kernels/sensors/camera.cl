@@ -5,7 +5,7 @@
 #include "sensors/pinhole.cl"
 
 // direction in the camera's frame, of any length; false: nothing is seen there
-inline bool pixel_direction(const PinholeCamera c, const float2 pixel, float3* direction) {
+static inline bool pixel_direction(const PinholeCamera c, const float2 pixel, float3* direction) {
   const float2 seen = (float2)((pixel.x - c.cx) / c.fx, (pixel.y - c.cy) / c.fy);
   if (c.model == CAMERA_FISHEYE) return fisheye_direction(c, seen, direction);
   float2 q = seen;
@@ -15,7 +15,7 @@ inline bool pixel_direction(const PinholeCamera c, const float2 pixel, float3* d
 }
 
 // p: in the camera's frame [m]; false: a pinhole camera does not see behind itself
-inline bool project(const PinholeCamera c, const float3 p, float2* pixel) {
+static inline bool project(const PinholeCamera c, const float3 p, float2* pixel) {
   float2 seen;
   if (c.model == CAMERA_FISHEYE) {
     seen = fisheye_project(c, p);
@@ -27,14 +27,14 @@ inline bool project(const PinholeCamera c, const float3 p, float2* pixel) {
   return true;
 }
 
-inline float3 camera_vector(const PinholeCamera c, const float3 v) {
+static inline float3 camera_vector(const PinholeCamera c, const float3 v) {
   return (float3)(c.to_world[0] * v.x + c.to_world[1] * v.y + c.to_world[2] * v.z,
                   c.to_world[4] * v.x + c.to_world[5] * v.y + c.to_world[6] * v.z,
                   c.to_world[8] * v.x + c.to_world[9] * v.y + c.to_world[10] * v.z);
 }
 
 // a point of the world in the camera's frame; the axes are orthonormal
-inline float3 in_camera(const PinholeCamera c, const float3 world) {
+static inline float3 in_camera(const PinholeCamera c, const float3 world) {
   const float3 v = world - (float3)(c.to_world[3], c.to_world[7], c.to_world[11]);
   return (float3)(c.to_world[0] * v.x + c.to_world[4] * v.y + c.to_world[8] * v.z,
                   c.to_world[1] * v.x + c.to_world[5] * v.y + c.to_world[9] * v.z,

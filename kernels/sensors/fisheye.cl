@@ -8,13 +8,13 @@
 #define FISHEYE_ITERATIONS 12
 #define FISHEYE_TOLERANCE 1e-5f
 
-inline float fisheye_radius(const PinholeCamera c, const float theta) {
+static inline float fisheye_radius(const PinholeCamera c, const float theta) {
   const float t = theta * theta;
   return theta * (1.0f + t * (c.k[0] + t * (c.k[1] + t * (c.k[2] + t * c.k[3]))));
 }
 
 // false: nothing is seen there (beyond half a turn, or where the polynomial turns back)
-inline bool fisheye_direction(const PinholeCamera c, const float2 seen, float3* direction) {
+static inline bool fisheye_direction(const PinholeCamera c, const float2 seen, float3* direction) {
   const float radius = length(seen);
   float theta = radius;
   for (int i = 0; i < FISHEYE_ITERATIONS; ++i) {
@@ -31,7 +31,7 @@ inline bool fisheye_direction(const PinholeCamera c, const float2 seen, float3* 
 }
 
 // d: in the camera's frame, not zero
-inline float2 fisheye_project(const PinholeCamera c, const float3 d) {
+static inline float2 fisheye_project(const PinholeCamera c, const float3 d) {
   const float across = length(d.xy), theta = atan2(across, d.z);
   return d.xy * (across > 1e-12f ? fisheye_radius(c, theta) / across : 0.0f);
 }

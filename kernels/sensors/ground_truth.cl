@@ -4,15 +4,15 @@
 #include "render/tiles.cl"
 
 // a surface that is looked through where glass is
-inline bool is_glass(global const Instance* instance, global const Material* materials) {
+static inline bool is_glass(global const Instance* instance, global const Material* materials) {
   if (instance->visual == 0) return false;
   global const Material* m = materials + instance->material;
   return m->kind == MATERIAL_DIELECTRIC || m->kind == MATERIAL_ROUGH_DIELECTRIC || m->transmission > 0.5f;
 }
 
 // the first surface along the ray; the return value is its distance [m]. direction: unit
-inline float seen_surface(const Trees trees, const Cutouts c, const uint sees_through_glass, const float3 from,
-                          const float3 direction, Hit* hit, Surface* surface) {
+static inline float seen_surface(const Trees trees, const Cutouts c, const uint sees_through_glass, const float3 from,
+                                 const float3 direction, Hit* hit, Surface* surface) {
   float3 origin = from;
   for (int layer = 0; layer < MOST_LAYERS; ++layer) {
     const Hit nothing = {INFINITY, 0, 0, NO_TRIANGLE, 0};
@@ -30,8 +30,8 @@ inline float seen_surface(const Trees trees, const Cutouts c, const uint sees_th
 }
 
 // the colour that a surface gives to light that it scatters; 1 where it has none of its own
-inline float3 surface_color(const Cutouts c, const Material m, const Hit hit, constant float* decode,
-                            global const float* colors) {
+static inline float3 surface_color(const Cutouts c, const Material m, const Hit hit, constant float* decode,
+                                   global const float* colors) {
   global const Instance* instance = c.instances + hit.instance;
   const bool has_color = m.kind == MATERIAL_DIFFUSE || m.kind == MATERIAL_SHADOW_RECEIVER || m.kind == MATERIAL_CLOTH ||
                          (m.kind == MATERIAL_METALLIC_ROUGHNESS && m.transmission < 0.5f);

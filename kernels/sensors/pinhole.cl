@@ -10,7 +10,7 @@
 #define UNDISTORT_ITERATIONS 12
 #define UNDISTORT_TOLERANCE 1e-5f
 
-inline float2 distort(const PinholeCamera c, const float2 q) {
+static inline float2 distort(const PinholeCamera c, const float2 q) {
   const float r2 = dot(q, q);
   const float radial =
       (1.0f + r2 * (c.k[0] + r2 * (c.k[1] + r2 * c.k[2]))) / (1.0f + r2 * (c.k[3] + r2 * (c.k[4] + r2 * c.k[5])));
@@ -19,7 +19,7 @@ inline float2 distort(const PinholeCamera c, const float2 q) {
 }
 
 // false: no point of the scene is seen there (beyond the turning point of the distortion)
-inline bool undistort(const PinholeCamera c, const float2 seen, float2* point) {
+static inline bool undistort(const PinholeCamera c, const float2 seen, float2* point) {
   float2 q = seen;
   float2 residual = distort(c, q) - seen;
   for (int i = 0; i < UNDISTORT_ITERATIONS; ++i) {

@@ -1,13 +1,13 @@
 // Eight comparisons to eight bits. OpenCL C has no such word, so the portable way is an AND with the powers of two and
-// a reduction by OR; on x86 with AVX under PoCL one instruction does it (13 to 19 % of a traversal), chosen by the host
-// with -DPVG_X86_AVX.
+// a reduction by OR; where PoCL compiles for x86, one instruction (shared/pocl.h).
 #ifndef PVG_SHARED_MASK_CL
 #define PVG_SHARED_MASK_CL
+#include "shared/pocl.h"
 
 // bit k of the result: element k is true (-1)
-inline uint mask8(const int8 is_true) {
-#ifdef PVG_X86_AVX
-  return (uint)__builtin_ia32_movmskps256(as_float8(is_true));
+static inline uint mask8(const int8 is_true) {
+#ifdef POCL_MASK8
+  return (uint)POCL_MASK8(is_true);
 #else
   const int8 bits = is_true & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
   const int4 a = bits.lo | bits.hi;
@@ -16,9 +16,9 @@ inline uint mask8(const int8 is_true) {
 #endif
 }
 
-inline uint mask4(const int4 is_true) {
-#ifdef PVG_X86_AVX
-  return (uint)__builtin_ia32_movmskps(as_float4(is_true));
+static inline uint mask4(const int4 is_true) {
+#ifdef POCL_MASK4
+  return (uint)POCL_MASK4(is_true);
 #else
   const int4 bits = is_true & (int4)(1, 2, 4, 8);
   const int2 a = bits.lo | bits.hi;
@@ -27,9 +27,9 @@ inline uint mask4(const int4 is_true) {
 }
 
 // index of the lowest set bit, m != 0
-inline uint lowest_bit(const uint m) {
-#ifdef PVG_X86_AVX
-  return (uint)__builtin_ctz(m);
+static inline uint lowest_bit(const uint m) {
+#ifdef POCL_LOWEST_BIT
+  return (uint)POCL_LOWEST_BIT(m);
 #else
   return 31u - clz(m & (0u - m));
 #endif

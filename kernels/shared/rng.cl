@@ -9,12 +9,12 @@
 
 // One number, or as many as a vector has: PVG_RANDOM(T, ) and PVG_RANDOM(uint8, _8) are the same functions.
 #define PVG_RANDOM(T, SUFFIX)                                                                                       \
-  inline T hash_u32##SUFFIX(const T x) {                                                                            \
+  static inline T hash_u32##SUFFIX(const T x) {                                                                     \
     const T state = x * 747796405u + 2891336453u;                                                                   \
     const T word = ((state >> ((state >> 28) + 4u)) ^ state) * 277803737u;                                          \
     return (word >> 22) ^ word;                                                                                     \
   }                                                                                                                 \
-  inline T reverse_bits##SUFFIX(T x) {                                                                              \
+  static inline T reverse_bits##SUFFIX(T x) {                                                                       \
     x = (x >> 16) | (x << 16);                                                                                      \
     x = ((x & 0x00ff00ffu) << 8) | ((x & 0xff00ff00u) >> 8);                                                        \
     x = ((x & 0x0f0f0f0fu) << 4) | ((x & 0xf0f0f0f0u) >> 4);                                                        \
@@ -22,7 +22,7 @@
     return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);                                                     \
   }                                                                                                                 \
   /* a bijection in which every bit depends on the lower bits alone (Laine and Karras 2011, constants: Burley 2020) */ \
-  inline T laine_karras##SUFFIX(T x, const T seed) {                                                                \
+  static inline T laine_karras##SUFFIX(T x, const T seed) {                                                         \
     x += seed;                                                                                                      \
     x ^= x * 0x6c50b47cu;                                                                                           \
     x ^= x * 0xb82f1e52u;                                                                                           \
@@ -31,7 +31,7 @@
   }                                                                                                                 \
   /* second dimension of Sobol's sequence with its bits reversed: the generator matrix is Pascal's triangle modulo */ \
   /* 2, a product of five sparse factors */                                                                         \
-  inline T sobol_second_reversed##SUFFIX(T x) {                                                                     \
+  static inline T sobol_second_reversed##SUFFIX(T x) {                                                              \
     x ^= (x >> 1) & 0x55555555u;                                                                                    \
     x ^= (x >> 2) & 0x33333333u;                                                                                    \
     x ^= (x >> 4) & 0x0f0f0f0fu;                                                                                    \
@@ -42,16 +42,16 @@ PVG_RANDOM(uint, )
 PVG_RANDOM(uint4, _4)
 PVG_RANDOM(uint8, _8)
 
-inline uint hash_combine(const uint h, const uint x) { return hash_u32(h ^ hash_u32(x)); }
+static inline uint hash_combine(const uint h, const uint x) { return hash_u32(h ^ hash_u32(x)); }
 
 // in [0, 1): 24 bits, so that it never rounds to 1
-inline float unit_float(const uint x) { return (float)(x >> 8) * 0x1p-24f; }
+static inline float unit_float(const uint x) { return (float)(x >> 8) * 0x1p-24f; }
 
 #define SCRAMBLE_X 0x9e3779b9u
 #define SCRAMBLE_Y 0x3c6ef372u
 
 // point number `sample` of the set that belongs to (key, dimension), in [0, 1)^2
-inline float2 sample_2d(const uint key, const uint sample, const uint dimension) {
+static inline float2 sample_2d(const uint key, const uint sample, const uint dimension) {
   const uint seed = hash_combine(key, dimension);
   const uint index = reverse_bits(laine_karras(reverse_bits(sample), seed));
   const uint x = reverse_bits(laine_karras(index, hash_u32(seed ^ SCRAMBLE_X)));
@@ -61,7 +61,7 @@ inline float2 sample_2d(const uint key, const uint sample, const uint dimension)
 
 // The same points of dimension, dimension + 1, + 2 and + 3 at once, which takes vector units little more than one of
 // them: first their four x, then their four y.
-inline float8 sample_2d_4(const uint key, const uint sample, const uint dimension) {
+static inline float8 sample_2d_4(const uint key, const uint sample, const uint dimension) {
   const uint4 seed = hash_u32_4(key ^ hash_u32_4(dimension + (uint4)(0, 1, 2, 3)));
   const uint4 index = reverse_bits_4(laine_karras_4((uint4)(reverse_bits(sample)), seed));
   const uint8 points = (uint8)(index, sobol_second_reversed_4(index));

@@ -11,7 +11,7 @@ typedef struct {
 } Svd3;
 
 // Turns columns p and q of B (and of V with it) until they are orthogonal; false where they already were.
-bool svd3_orthogonalize(Mat3* b, Mat3* v, const int p, const int q) {
+static inline bool svd3_orthogonalize(Mat3* b, Mat3* v, const int p, const int q) {
   const real3 bp = b->column[p], bq = b->column[q];
   const real pp = dot(bp, bp), qq = dot(bq, bq), pq = dot(bp, bq);
   // also leaves alone columns that are zero
@@ -28,7 +28,7 @@ bool svd3_orthogonalize(Mat3* b, Mat3* v, const int p, const int q) {
 }
 
 // Puts the longer column first by a quarter turn, which keeps det(V) = +1.
-void svd3_order(Mat3* b, Mat3* v, const int p, const int q) {
+static inline void svd3_order(Mat3* b, Mat3* v, const int p, const int q) {
   if (dot(b->column[p], b->column[p]) >= dot(b->column[q], b->column[q])) return;
   const real3 bp = b->column[p], vp = v->column[p];
   b->column[p] = b->column[q];
@@ -38,12 +38,12 @@ void svd3_order(Mat3* b, Mat3* v, const int p, const int q) {
 }
 
 // Some unit vector at right angles to the unit vector a.
-real3 perpendicular(const real3 a) {
+static inline real3 perpendicular(const real3 a) {
   const real3 other = fabs(a.x) < 0.6 ? (real3)(1, 0, 0) : (real3)(0, 1, 0);
   return normalize(cross(a, other));
 }
 
-Svd3 svd3(const Mat3 f) {
+static inline Svd3 svd3(const Mat3 f) {
   Mat3 b = f, v = mat3_identity();
   // converges quadratically: 4 to 6 sweeps; the bound is never met by finite numbers
   for (int sweep = 0; sweep < 16; ++sweep) {
@@ -71,7 +71,7 @@ Svd3 svd3(const Mat3 f) {
 }
 
 // One Jacobi rotation of the symmetric matrix A in the plane (p, q), r the third index: A <- R^T A R, V <- V R.
-void symmetric3_rotate(real a[3][3], Mat3* v, const int p, const int q, const int r) {
+static inline void symmetric3_rotate(real a[3][3], Mat3* v, const int p, const int q, const int r) {
   if (a[p][q] == 0) return;
   const real theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
   const real t = copysign((real)1, theta) / (fabs(theta) + sqrt(1 + theta * theta));
@@ -88,7 +88,7 @@ void symmetric3_rotate(real a[3][3], Mat3* v, const int p, const int q, const in
 }
 
 // The nearest positive semi-definite matrix to the symmetric M: negative eigenvalues become zero.
-Mat3 mat3_nearest_positive(const Mat3 m) {
+static inline Mat3 mat3_nearest_positive(const Mat3 m) {
   const real minor1 = m.column[0].x;
   const real minor2 = m.column[0].x * m.column[1].y - m.column[1].x * m.column[1].x;
   // positive leading minors: positive definite already (Sylvester), which is the rule

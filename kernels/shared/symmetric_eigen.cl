@@ -11,7 +11,7 @@
 #define EIGEN_JOIN(a, b) EIGEN_JOIN_(a, b)
 
 // On return A is diagonal (to rounding) with the eigenvalues, V holds the eigenvectors as columns: A_in = V A V^T.
-static void EIGEN_JOIN(symmetric_eigen_, EIGEN_N)(real* A, real* V) {
+static inline void EIGEN_JOIN(symmetric_eigen_, EIGEN_N)(real* A, real* V) {
   for (int i = 0; i < EIGEN_N; ++i)
     for (int j = 0; j < EIGEN_N; ++j) V[i * EIGEN_N + j] = i == j ? 1 : 0;
   // Jacobi converges quadratically: 6 sweeps do for doubles, the bound is for safety
@@ -52,7 +52,7 @@ static void EIGEN_JOIN(symmetric_eigen_, EIGEN_N)(real* A, real* V) {
 }
 
 // A becomes V max(Lambda, 0) V^T, exactly symmetric.
-static void EIGEN_JOIN(project_to_psd_, EIGEN_N)(real* A) {
+static inline void EIGEN_JOIN(project_to_psd_, EIGEN_N)(real* A) {
   real D[EIGEN_N * EIGEN_N], V[EIGEN_N * EIGEN_N];
   for (int k = 0; k < EIGEN_N * EIGEN_N; ++k) D[k] = A[k];
   EIGEN_JOIN(symmetric_eigen_, EIGEN_N)(D, V);

@@ -75,8 +75,10 @@ kernel void schwarz_add_contacts(const uint n, const uint width, const uint stri
 // Inverts each cluster's matrix in place by Gauss-Jordan elimination, which needs no pivoting: it is positive definite.
 // One work-group of 64 per cluster; each work-item owns rows.
 // failed: [n_clusters] 1 where a pivot is not positive;  inverse: the same in single precision, exactly symmetric
-kernel void schwarz_invert(const uint n, const uint stride, global real* restrict matrices,
-                           global float* restrict inverse, global uint* restrict failed) {
+kernel __attribute__((reqd_work_group_size(64, 1, 1))) void schwarz_invert(const uint n, const uint stride,
+                                                                           global real* restrict matrices,
+                                                                           global float* restrict inverse,
+                                                                           global uint* restrict failed) {
   local real pivot_row[96];
   const uint cluster = get_group_id(0), item = get_local_id(0);
   if (cluster * 64 >= n) return;  // whole groups

@@ -210,7 +210,7 @@ struct RenderFigures {
 };
 
 void bench_rays(const BenchRenderOptions& options, std::size_t n, RenderFigures& figures) {
-  Device device(options.device);
+  Device device(options.device, Purpose::rendering);
   const VisualMesh mesh = bench_room(n);
   RayBench bench(device, mesh);
   std::optional<EmbreeRays> embree;
@@ -228,7 +228,7 @@ void bench_rays(const BenchRenderOptions& options, std::size_t n, RenderFigures&
 
 // a mesh of 100k triangles that moves: its tree refitted on the device, and made anew and sent there
 void bench_trees(const BenchRenderOptions& options, RenderFigures& figures) {
-  Device device(options.device);
+  Device device(options.device, Purpose::rendering);
   const VisualMesh mesh = bench_room(100000);
   GeometryArrays geometry;
   MeshRange range = geometry.add(mesh, "bench", true);
@@ -258,7 +258,7 @@ Scene weigh_beaker(int& max_depth) {
 
 void bench_frame(const BenchRenderOptions& options, const std::string& name, const Scene& scene, int samples,
                  int max_depth, RenderFigures& figures) {
-  Device device(options.device);
+  Device device(options.device, Purpose::rendering);
   RenderSettings settings;
   settings.samples = samples;
   settings.max_depth = max_depth;
@@ -381,7 +381,7 @@ void run_bench_render(const BenchRenderOptions& options) {
       throw UsageError("--scene " + name + ": there is no such scene; there are: " + names);
   }
   RenderFigures figures;
-  figures.device = Device(options.device).info().name;
+  figures.device = Device(options.device, Purpose::rendering).info().name;
   for (const NamedBench& bench : benches())
     if (options.scenes.empty() ||
         std::find(options.scenes.begin(), options.scenes.end(), bench.name) != options.scenes.end())

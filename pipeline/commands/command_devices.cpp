@@ -12,7 +12,7 @@ void print_table(const std::vector<DeviceInfo>& devices) {
     std::printf("%zu  %s\n   %s, %s, %u compute units, %.1f GiB, %s, driver %s\n", device.index, device.name.c_str(),
                 device.platform.c_str(), device.is_gpu ? "GPU" : "CPU", device.compute_units,
                 double(device.memory_bytes) / double(1u << 30),
-                device.has_fp64 ? "double precision" : "no double precision: cannot be used", device.driver.c_str());
+                device.has_fp64 ? "double precision" : "no double precision: renders only", device.driver.c_str());
 }
 
 void print_json(const std::vector<DeviceInfo>& devices) {

@@ -153,7 +153,8 @@ void run_generate(const GenerateOptions& options) {
   if (!options.no_render) find_program("ffmpeg", "ffmpeg");
   steps_per_frame(task.render.frames_per_second, task.solver.time_step);
   Device physics(options.device);
-  Device rendering(std::to_string(choose_render_device(list_devices(), options.device, options.render_device).index));
+  Device rendering(std::to_string(choose_render_device(list_devices(), options.device, options.render_device).index),
+                   Purpose::rendering);
   const bool was_there = fs::exists(options.folder);
   const EpisodeSet set = open_set(options, task, physics, rendering);
 

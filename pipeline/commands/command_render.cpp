@@ -189,7 +189,7 @@ void render_frames(const RenderOptions& options, const ShownScene& shown, const 
   const fs::path output(options.output),
       folder = target_of(output) == Target::folder ? output : fs::absolute(output).parent_path();
   const std::atomic<bool>& stop = stop_on_signals();
-  Device device(options.device);
+  Device device(options.device, Purpose::rendering);
   Renderer renderer(device, shown.scene, settings_of(options, shown));
   std::vector<std::unique_ptr<Truth>> truths;
   for (const int camera : cameras)

@@ -47,6 +47,15 @@ TEST(ChooseDevice, ADeviceWithoutDoublePrecisionIsRefusedByName) {
   EXPECT_NE(complaint({machine[1]}, "").find("no double precision"), std::string::npos);
 }
 
+TEST(ChooseDevice, RenderingTakesADeviceWithoutDoublePrecision) {
+  EXPECT_EQ(choose_device(machine, "1", Purpose::rendering).index, 1u);
+  EXPECT_EQ(choose_device({machine[0], machine[1]}, "", Purpose::rendering).index, 1u) << "a GPU before a CPU";
+  EXPECT_EQ(choose_device(machine, "", Purpose::rendering).index, 2u) << "the one that can do more";
+  EXPECT_EQ(choose_render_device(machine, "", "1").index, 1u);
+  EXPECT_EQ(choose_render_device({machine[0], machine[1]}, "", "").index, 1u) << "beside a CPU that simulates";
+  EXPECT_EQ(choose_render_device({machine[0], machine[1]}, "cpu", "").index, 0u) << "who names one gets that one";
+}
+
 TEST(ChooseDevice, ASecondGpuOfTheSameKindRendersWhereNoneIsNamed) {
   std::vector<DeviceInfo> node = machine;
   EXPECT_EQ(choose_render_device(node, "", "").index, 2u) << "alone";

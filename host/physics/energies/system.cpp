@@ -368,26 +368,9 @@ System make_system(std::span<const Scene> worlds) {
     add_body_effects(system, w);
     add_collision_bodies(system, w);
     add_contact_effects(system, w);
-    system.point_inertia.end_world();
-    system.affine_inertia.end_world();
-    system.stable_neo_hookean_4.end_world();
-    system.stable_neo_hookean_10.end_world();
-    system.affine_orthogonality.end_world();
-    system.stitch_spring.end_world();
-    system.cloth_membrane.end_world();
-    system.triangle_bending.end_world();
-    system.revolute_drive.end_world();
-    system.prismatic_drive.end_world();
-    system.revolute_limit.end_world();
-    system.prismatic_limit.end_world();
-    system.revolute_effect.end_world();
-    system.prismatic_effect.end_world();
-    system.revolute_law.end_world();
-    system.prismatic_law.end_world();
-    system.drag.end_world();
-    system.spin.end_world();
-    system.strain_effect_4.end_world();
-    system.strain_effect_10.end_world();
+#define END_WORLD(folder, name, Struct, stencil) system.name.end_world();
+    ENERGY_TERMS(END_WORLD)
+#undef END_WORLD
   }
   disable_stitched_pairs(system);
   check_collision_mesh(system.collision, system.sites.size());

@@ -3,27 +3,9 @@
 #include <span>
 #include <vector>
 
-#include "energies/body/affine_orthogonality.h"
-#include "energies/body/drag.h"
 #include "energies/body/force_law.h"
-#include "energies/body/inertia.h"
-#include "energies/body/spin.h"
-#include "energies/elastic/cloth_membrane.h"
 #include "energies/elastic/plastic_flow.h"
-#include "energies/elastic/stable_neo_hookean_10.h"
-#include "energies/elastic/stable_neo_hookean_4.h"
-#include "energies/elastic/strain_effect_10.h"
-#include "energies/elastic/strain_effect_4.h"
-#include "energies/elastic/triangle_bending.h"
-#include "energies/joint/prismatic_drive.h"
-#include "energies/joint/prismatic_effect.h"
-#include "energies/joint/prismatic_law.h"
-#include "energies/joint/prismatic_limit.h"
-#include "energies/joint/revolute_drive.h"
-#include "energies/joint/revolute_effect.h"
-#include "energies/joint/revolute_law.h"
-#include "energies/joint/revolute_limit.h"
-#include "energies/joint/stitch_spring.h"
+#include "energy_terms.h"
 #include "host/model/scene.hpp"
 #include "host/model/state.hpp"
 #include "host/physics/contact/collision_mesh.hpp"
@@ -78,26 +60,9 @@ struct System {
   std::vector<WorldRange> speed_ranges;  // sites whose motion decides on convergence: points of bodies
 
   // terms
-  Rows<PointInertia> point_inertia;
-  Rows<AffineInertia> affine_inertia;
-  Rows<StableNeoHookean4> stable_neo_hookean_4;
-  Rows<StableNeoHookean10> stable_neo_hookean_10;
-  Rows<AffineOrthogonality> affine_orthogonality;
-  Rows<StitchSpring> stitch_spring;
-  Rows<ClothMembrane> cloth_membrane;
-  Rows<TriangleBending> triangle_bending;
-  Rows<RevoluteDrive> revolute_drive;
-  Rows<PrismaticDrive> prismatic_drive;
-  Rows<RevoluteLimit> revolute_limit;
-  Rows<PrismaticLimit> prismatic_limit;
-  Rows<RevoluteEffect> revolute_effect;
-  Rows<PrismaticEffect> prismatic_effect;
-  Rows<RevoluteLaw> revolute_law;
-  Rows<PrismaticLaw> prismatic_law;
-  Rows<Drag> drag;
-  Rows<Spin> spin;
-  Rows<StrainEffect4> strain_effect_4;
-  Rows<StrainEffect10> strain_effect_10;
+#define MEMBER(folder, name, Struct, stencil) Rows<Struct> name;
+  ENERGY_TERMS(MEMBER)
+#undef MEMBER
   std::vector<PlasticFlow> plastic_flow_4, plastic_flow_10;  // of elements of stable_neo_hookean_4 and _10
   std::vector<RollingResistance> rolling_resistance;
   std::vector<ForceLaw> force_law;                 // of rows of drag

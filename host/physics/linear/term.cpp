@@ -13,17 +13,27 @@ Program program_of(Device& device, const std::string& folder, const std::string&
 
 }  // namespace
 
+Term::Kernels::Kernels(Device& device, const std::string& folder, const std::string& name, const std::string& front)
+    : program(program_of(device, folder, name, front)),
+      energy(program.kernel(name + "_energy_all")),
+      gradient(program.kernel(name + "_gradient_all")),
+      hessian(program.kernel(name + "_hessian_all")),
+      product(program.kernel(name + "_product_all")) {}
+
 Term::Term(Device& device, const std::string& folder, const std::string& name, std::size_t stencil,
            const std::string& front)
-    : name_(name),
+    : device_(&device),
+      folder_(folder),
+      name_(name),
+      front_(front),
       stencil_(stencil),
-      program_(program_of(device, folder, name, front)),
-      energy_(program_.kernel(name + "_energy_all")),
-      gradient_(program_.kernel(name + "_gradient_all")),
-      hessian_(program_.kernel(name + "_hessian_all")),
-      product_(program_.kernel(name + "_product_all")),
       params_(device, 0, name),
       blocks_(device, 0, name + " blocks") {}
+
+Term::Kernels& Term::kernels() {
+  if (!kernels_) kernels_.emplace(*device_, folder_, name_, front_);
+  return *kernels_;
+}
 
 void Term::set_bytes(const void* params, std::size_t n, std::size_t bytes, std::vector<u32> world_first) {
   n_ = n;
@@ -37,16 +47,16 @@ void Term::set_bytes(const void* params, std::size_t n, std::size_t bytes, std::
 }
 
 void Term::energy(const Buffer<f64>& x, const Buffer<f64>& x0, double h, std::size_t first, Buffer<f64>& energy) {
-  energy_(n_, u32(n_), params_, x, x0, h, u32(first), energy);
+  if (n_ > 0) kernels().energy(n_, u32(n_), params_, x, x0, h, u32(first), energy);
 }
 void Term::gradient(const Buffer<f64>& x, const Buffer<f64>& x0, double h, Buffer<f64>& rows) {
-  gradient_(n_, u32(n_), params_, x, x0, h, first_row, rows);
+  if (n_ > 0) kernels().gradient(n_, u32(n_), params_, x, x0, h, first_row, rows);
 }
 void Term::hessian(const Buffer<f64>& x, const Buffer<f64>& x0, double h) {
-  hessian_(n_, u32(n_), params_, x, x0, h, blocks_);
+  if (n_ > 0) kernels().hessian(n_, u32(n_), params_, x, x0, h, blocks_);
 }
 void Term::product(const Buffer<f64>& direction, Buffer<f64>& rows) {
-  product_(n_, u32(n_), params_, blocks_, direction, first_row, rows);
+  if (n_ > 0) kernels().product(n_, u32(n_), params_, blocks_, direction, first_row, rows);
 }
 
 }  // namespace pvg

@@ -1,6 +1,8 @@
 // One energy term of the incremental potential on the device: the launcher around kernels/energies/<folder>/<term>.cl.
-// Elements are sorted by world; each has `stencil` sites and writes that many rows (see kernels/energies/assemble.cl).
+// Nothing is compiled before there are elements. Elements are sorted by world; each has `stencil` sites and writes that
+// many rows (see kernels/energies/assemble.cl).
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,7 +38,7 @@ class Term {
   template <class Params>
   void energy_over(const Buffer<Params>& params, std::size_t n, const Buffer<f64>& x, const Buffer<f64>& x0, double h,
                    std::size_t first, Buffer<f64>& energy) {
-    energy_(n, u32(n), params, x, x0, h, u32(first), energy);
+    if (n > 0) kernels().energy(n, u32(n), params, x, x0, h, u32(first), energy);
   }
   void gradient(const Buffer<f64>& x, const Buffer<f64>& x0, double h, Buffer<f64>& rows);  // [N]
   void hessian(const Buffer<f64>& x, const Buffer<f64>& x0, double h);                      // kept in blocks()
@@ -52,11 +54,17 @@ class Term {
   u32 first_row = 0;  // where its rows begin in the row buffer
 
  private:
+  struct Kernels {
+    Kernels(Device& device, const std::string& folder, const std::string& name, const std::string& front);
+    Program program;
+    Kernel energy, gradient, hessian, product;
+  };
+  Kernels& kernels();  // compiled when they are first asked for
   void set_bytes(const void* params, std::size_t n, std::size_t bytes, std::vector<u32> world_first);
-  std::string name_;
+  Device* device_;
+  std::string folder_, name_, front_;
   std::size_t stencil_, n_ = 0;
-  Program program_;
-  Kernel energy_, gradient_, hessian_, product_;
+  std::optional<Kernels> kernels_;
   Buffer<unsigned char> params_;
   Buffer<f64> blocks_;
   std::vector<u32> sites_, world_first_;

@@ -27,36 +27,13 @@ Potential::Potential(Device& device, const System& system)
       gather_rows_(nodes_program_.kernel("gather_rows")),
       sites_(device, system.sites, "sites"),
       node_is_fixed_(device, system.node_is_fixed, "is_fixed"),
-      point_inertia_(device, "body", "point_inertia", 1),
-      affine_inertia_(device, "body", "affine_inertia", 4),
-      neo_hookean_4_(device, "elastic", "stable_neo_hookean_4", 4),
-      neo_hookean_10_(device, "elastic", "stable_neo_hookean_10", 10),
-      orthogonality_(device, "body", "affine_orthogonality", 3),
-      stitch_(device, "joint", "stitch_spring", 2),
-      revolute_(device, "joint", "revolute_drive", 4),
-      prismatic_(device, "joint", "prismatic_drive", 3),
-      revolute_limit_(device, "joint", "revolute_limit", 4),
-      prismatic_limit_(device, "joint", "prismatic_limit", 3),
-      revolute_effect_(device, "joint", "revolute_effect", 4),
-      prismatic_effect_(device, "joint", "prismatic_effect", 3),
-      drag_(device, "body", "drag", 1),
-      spin_(device, "body", "spin", 3),
-      strain_effect_4_(device, "elastic", "strain_effect_4", 4),
-      strain_effect_10_(device, "elastic", "strain_effect_10", 10),
-      membrane_(device, "elastic", "cloth_membrane", 3),
-      bending_(device, "elastic", "triangle_bending", 6),
+      terms_(device, system),
       barrier_(device, "contact", "barrier", 4),
       friction_(device, "contact", "friction", 4),
-      flow_program_(device, "energies/elastic/plastic_flow.cl"),
-      flow_4_(flow_program_.kernel("plastic_flow_4")),
-      flow_10_(flow_program_.kernel("plastic_flow_10")),
       flows_4_(device, system.plastic_flow_4, "plastic_flow_4"),
       flows_10_(device, system.plastic_flow_10, "plastic_flow_10"),
       world_steps_(device, system.n_worlds(), "world steps"),
-      constant_{&point_inertia_,    &affine_inertia_,   &neo_hookean_4_, &neo_hookean_10_, &orthogonality_,
-                &stitch_,           &revolute_,         &prismatic_,     &revolute_limit_, &prismatic_limit_,
-                &revolute_effect_,  &prismatic_effect_, &drag_,          &spin_,           &strain_effect_4_,
-                &strain_effect_10_, &membrane_,         &bending_},
+      constant_(terms_.all()),
       constant_gather_(device, system.sites, system.n_nodes()),
       contact_gather_(device, system.sites, system.n_nodes()),
       rows_(device, 0, "rows"),
@@ -65,36 +42,15 @@ Potential::Potential(Device& device, const System& system)
       direction_site_(device, 3 * system.sites.size(), "direction sites"),
       reduce_(device, system.n_worlds()),
       energy_chunks_(device, system.n_worlds()) {
-  const auto set = [](Term& term, const auto& rows) { term.set(rows.rows, rows.world_first); };
-  const auto add_laws = [&](std::optional<Term>& term, const char* name, std::size_t stencil, const auto& rows) {
-    if (rows.rows.empty()) return;
-    set(term.emplace(device, "joint", name, stencil, law_cases("JOINT_LAWS", system.joint_laws)), rows);
-    constant_.push_back(&*term);
-  };
-  add_laws(revolute_law_, "revolute_law", 4, system.revolute_law);
-  add_laws(prismatic_law_, "prismatic_law", 3, system.prismatic_law);
   if (!system.force_law.empty()) force_laws_.emplace(device, system);
+  if (flows_4_.size() + flows_10_.size() > 0) {
+    Program program(device, "energies/plastic_flow.cl");
+    flow_4_.emplace(program.kernel("plastic_flow_4"));
+    flow_10_.emplace(program.kernel("plastic_flow_10"));
+  }
   all_ = constant_;
   all_.push_back(&barrier_);
   all_.push_back(&friction_);
-  set(point_inertia_, system.point_inertia);
-  set(affine_inertia_, system.affine_inertia);
-  set(neo_hookean_4_, system.stable_neo_hookean_4);
-  set(neo_hookean_10_, system.stable_neo_hookean_10);
-  set(orthogonality_, system.affine_orthogonality);
-  set(stitch_, system.stitch_spring);
-  set(revolute_, system.revolute_drive);
-  set(prismatic_, system.prismatic_drive);
-  set(revolute_limit_, system.revolute_limit);
-  set(prismatic_limit_, system.prismatic_limit);
-  set(revolute_effect_, system.revolute_effect);
-  set(prismatic_effect_, system.prismatic_effect);
-  set(drag_, system.drag);
-  set(spin_, system.spin);
-  set(strain_effect_4_, system.strain_effect_4);
-  set(strain_effect_10_, system.strain_effect_10);
-  set(membrane_, system.cloth_membrane);
-  set(bending_, system.triangle_bending);
 
   std::vector<RowBlock> blocks;
   first_energy_.push_back(0);
@@ -124,19 +80,19 @@ void Potential::begin_step(const Positions& start, const Positions& predicted, d
 }
 
 void Potential::update_joints(const System& system) {
-  revolute_.update(system.revolute_drive.rows);
-  prismatic_.update(system.prismatic_drive.rows);
-  revolute_limit_.update(system.revolute_limit.rows);
-  revolute_effect_.update(system.revolute_effect.rows);
-  if (revolute_law_) revolute_law_->update(system.revolute_law.rows);
+  terms_.revolute_drive.update(system.revolute_drive.rows);
+  terms_.prismatic_drive.update(system.prismatic_drive.rows);
+  terms_.revolute_limit.update(system.revolute_limit.rows);
+  terms_.revolute_effect.update(system.revolute_effect.rows);
+  terms_.revolute_law.update(system.revolute_law.rows);
 }
 
-void Potential::update_spin(const System& system) { spin_.update(system.spin.rows); }
+void Potential::update_spin(const System& system) { terms_.spin.update(system.spin.rows); }
 
 void Potential::set_forces(const Buffer<f64>& v) {
   if (!force_laws_) return;
   nodes_to_sites_(system_.sites.size(), u32(system_.sites.size()), sites_, v, direction_site_);
-  force_laws_->write(drag_.params(), start_->site, direction_site_, h_);
+  force_laws_->write(terms_.drag.params(), start_->site, direction_site_, h_);
 }
 
 void Potential::flow(const Positions& x, double h, std::span<const char> worlds) {
@@ -145,8 +101,8 @@ void Potential::flow(const Positions& x, double h, std::span<const char> worlds)
   const auto run = [&](Kernel& kernel, const Buffer<PlasticFlow>& flows, Term& term) {
     kernel(flows.size(), u32(flows.size()), flows, term.params(), world_steps_, x.site, h);
   };
-  run(flow_4_, flows_4_, neo_hookean_4_);
-  run(flow_10_, flows_10_, neo_hookean_10_);
+  run(*flow_4_, flows_4_, terms_.stable_neo_hookean_4);
+  run(*flow_10_, flows_10_, terms_.stable_neo_hookean_10);
 }
 
 namespace {
@@ -170,8 +126,8 @@ std::vector<double> Potential::flowed() {
     std::memcpy(&values[at], bytes.data(), bytes.size());
   };
   std::size_t at = 0;
-  for_each_flow<StableNeoHookean4>(neo_hookean_4_, system_.plastic_flow_4, at, read);
-  for_each_flow<StableNeoHookean10>(neo_hookean_10_, system_.plastic_flow_10, at, read);
+  for_each_flow<StableNeoHookean4>(terms_.stable_neo_hookean_4, system_.plastic_flow_4, at, read);
+  for_each_flow<StableNeoHookean10>(terms_.stable_neo_hookean_10, system_.plastic_flow_10, at, read);
   return values;
 }
 
@@ -181,8 +137,8 @@ void Potential::restore_flowed(const std::vector<double>& values) {
     params.write(place, std::vector<unsigned char>(first, first + 9 * sizeof(double)));
   };
   std::size_t at = 0;
-  for_each_flow<StableNeoHookean4>(neo_hookean_4_, system_.plastic_flow_4, at, write);
-  for_each_flow<StableNeoHookean10>(neo_hookean_10_, system_.plastic_flow_10, at, write);
+  for_each_flow<StableNeoHookean4>(terms_.stable_neo_hookean_4, system_.plastic_flow_4, at, write);
+  for_each_flow<StableNeoHookean10>(terms_.stable_neo_hookean_10, system_.plastic_flow_10, at, write);
 }
 
 void Potential::set_friction(const WorldRows<Friction>& rows) {

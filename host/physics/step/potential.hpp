@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "host/physics/contact/contact.hpp"
-#include "host/physics/energies/laws.hpp"
-#include "host/physics/energies/system.hpp"
+#include "host/physics/energies/terms.hpp"
 #include "host/physics/linear/gather.hpp"
 #include "host/physics/linear/term.hpp"
 #include "host/physics/linear/world_reduce.hpp"
@@ -71,7 +70,7 @@ class Potential {
   void gather_contacts(Buffer<f64>& node);  // adds
   void set_contacts(const WorldRows<Barrier>& contacts);
   void append_coupled(std::span<const u32> sites, std::vector<NodePair>& pairs) const;
-  bool is_inertia(const Term& term) const { return &term == &point_inertia_ || &term == &affine_inertia_; }
+  bool is_inertia(const Term& term) const { return &term == &terms_.point_inertia || &term == &terms_.affine_inertia; }
   const Buffer<f64>& origin(const Term& term) const;  // what a term is told as x0
   double step_length(const Term& term) const { return is_inertia(term) ? inertia_h_ : h_; }
 
@@ -81,18 +80,13 @@ class Potential {
   Buffer<Site> sites_;
   Buffer<u32> node_is_fixed_;
 
-  Term point_inertia_, affine_inertia_, neo_hookean_4_, neo_hookean_10_, orthogonality_, stitch_, revolute_, prismatic_;
-  Term revolute_limit_, prismatic_limit_;
-  Term revolute_effect_, prismatic_effect_, drag_, spin_, strain_effect_4_, strain_effect_10_;
-  Term membrane_, bending_;
-  std::optional<Term> revolute_law_, prismatic_law_;  // where the scene has such laws, as these have to be compiled
+  Terms terms_;  // whose elements never change
   std::optional<ForceLaws> force_laws_;
   Term barrier_, friction_;
-  Program flow_program_;
-  Kernel flow_4_, flow_10_;
+  std::optional<Kernel> flow_4_, flow_10_;  // where something yields or creeps
   Buffer<PlasticFlow> flows_4_, flows_10_;
   Buffer<u32> world_steps_;
-  std::vector<Term*> constant_;  // whose elements never change
+  std::vector<Term*> constant_;  // those of terms_
   std::vector<Term*> all_;
 
   Gather constant_gather_, contact_gather_;

@@ -3,19 +3,20 @@
 #include "energies/body/inertia.h"
 #include "shared/real.h"
 
-real affine_mass(const AffineInertia p, int a, int b) {
+static inline real affine_mass(const AffineInertia p, int a, int b) {
   const int i = min(a, b), j = max(a, b);
   return p.mass[4 * i - i * (i + 1) / 2 + j];
 }
 
-void affine_inertia_gradient(const AffineInertia p, const real3* x, const real3* x0, const real h, real3* g) {
+static inline void affine_inertia_gradient(const AffineInertia p, const real3* x, const real3* x0, const real h,
+                                           real3* g) {
   for (int a = 0; a < 4; ++a) {
     g[a] = (real3)(0);
     for (int b = 0; b < 4; ++b) g[a] += affine_mass(p, a, b) / (h * h) * (x[b] - x0[b]);
   }
 }
 
-real affine_inertia_energy(const AffineInertia p, const real3* x, const real3* x0, const real h) {
+static inline real affine_inertia_energy(const AffineInertia p, const real3* x, const real3* x0, const real h) {
   real3 g[4];
   affine_inertia_gradient(p, x, x0, h, g);
   real energy = 0;
@@ -23,7 +24,8 @@ real affine_inertia_energy(const AffineInertia p, const real3* x, const real3* x
   return energy;
 }
 
-void affine_inertia_hessian(const AffineInertia p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void affine_inertia_hessian(const AffineInertia p, const real3* x, const real3* x0, const real h,
+                                          real* H) {
   for (int i = 0; i < 12; ++i)
     for (int j = 0; j < 12; ++j) H[12 * i + j] = i % 3 == j % 3 ? affine_mass(p, i / 3, j / 3) / (h * h) : 0;
 }

@@ -4,7 +4,8 @@
 #include "energies/body/affine_orthogonality.h"
 #include "energies/elastic/isotropic.cl"
 
-real affine_orthogonality_energy(const AffineOrthogonality p, const real3* a, const real3* a0, const real h) {
+static inline real affine_orthogonality_energy(const AffineOrthogonality p, const real3* a, const real3* a0,
+                                               const real h) {
   real sum = 0;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
@@ -15,8 +16,8 @@ real affine_orthogonality_energy(const AffineOrthogonality p, const real3* a, co
 }
 
 // 4 k A (A^T A - 1)
-void affine_orthogonality_gradient(const AffineOrthogonality p, const real3* a, const real3* a0, const real h,
-                                   real3* g) {
+static inline void affine_orthogonality_gradient(const AffineOrthogonality p, const real3* a, const real3* a0,
+                                                 const real h, real3* g) {
   for (int i = 0; i < 3; ++i) {
     real3 sum = (real3)(0, 0, 0);
     for (int j = 0; j < 3; ++j) sum += (dot(a[i], a[j]) - (i == j ? 1 : 0)) * a[j];
@@ -24,7 +25,8 @@ void affine_orthogonality_gradient(const AffineOrthogonality p, const real3* a, 
   }
 }
 
-void affine_orthogonality_hessian(const AffineOrthogonality p, const real3* a, const real3* a0, const real h, real* H) {
+static inline void affine_orthogonality_hessian(const AffineOrthogonality p, const real3* a, const real3* a0,
+                                                const real h, real* H) {
   const Svd3 s = svd3(mat3_of_columns(a[0], a[1], a[2]));
   const real3 square = s.sigma * s.sigma;
   const real3 product = (real3)(s.sigma.y * s.sigma.z, s.sigma.z * s.sigma.x, s.sigma.x * s.sigma.y);

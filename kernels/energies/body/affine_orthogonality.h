@@ -10,5 +10,6 @@ typedef struct {
   f64 unused_too;
 } AffineOrthogonality;
 SHARED_SIZE(AffineOrthogonality, 32);
+ENERGY_TERM(5, affine_orthogonality, AffineOrthogonality, 3);
 SHARED_END
 #endif

@@ -3,18 +3,18 @@
 #include "energies/body/drag.h"
 #include "shared/real.h"
 
-real drag_energy(const Drag p, const real3* x, const real3* x0, const real h) {
+static inline real drag_energy(const Drag p, const real3* x, const real3* x0, const real h) {
   const real3 d = x[0] - x0[0];
   const real y = length(d);
   return -dot(vload3(0, p.force), d) + y * y * (p.linear / (2 * h) + p.quadratic * y / (3 * h * h));
 }
 
-void drag_gradient(const Drag p, const real3* x, const real3* x0, const real h, real3* g) {
+static inline void drag_gradient(const Drag p, const real3* x, const real3* x0, const real h, real3* g) {
   const real3 d = x[0] - x0[0];
   g[0] = -vload3(0, p.force) + (p.linear / h + p.quadratic * length(d) / (h * h)) * d;
 }
 
-void drag_hessian(const Drag p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void drag_hessian(const Drag p, const real3* x, const real3* x0, const real h, real* H) {
   const real3 d3 = x[0] - x0[0];
   const real y = length(d3), k = p.quadratic / (h * h), d[3] = {d3.x, d3.y, d3.z};
   for (int i = 0; i < 3; ++i)

@@ -11,5 +11,6 @@ typedef struct {
   f64 quadratic;  // k [N s^2/m^2], >= 0
 } Drag;
 SHARED_SIZE(Drag, 48);
+ENERGY_TERM(13, drag, Drag, 1);
 SHARED_END
 #endif

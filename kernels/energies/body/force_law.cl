@@ -11,8 +11,8 @@
 #endif
 
 // c: coefficients
-static real3 force_of(const uint law, const real x, const real y, const real z, const real vx, const real vy,
-                      const real vz, const real* c) {
+static inline real3 force_of(const uint law, const real x, const real y, const real z, const real vx, const real vy,
+                             const real vz, const real* c) {
   switch (law) { FORCE_LAWS }
   return (real3)(0);
 }

@@ -4,28 +4,28 @@
 #include "energies/contact/smooth_coulomb.cl"
 #include "energies/body/spin.h"
 
-static real spin_turned(const real3* x, const real3* x0) {
+static inline real spin_turned(const real3* x, const real3* x0) {
   real sum = 0;
   for (int k = 0; k < 3; ++k) sum += dot(x[k] - x0[k], x[k] - x0[k]);
   return sqrt(0.5 * sum);
 }
 
-real spin_energy(const Spin p, const real3* x, const real3* x0, const real h) {
+static inline real spin_energy(const Spin p, const real3* x, const real3* x0, const real h) {
   const real y = spin_turned(x, x0);
   return 0.5 * p.drag / h * y * y + (p.torque > 0 ? p.torque * smooth_coulomb(y, p.velocity * h) : 0);
 }
 
 // (dE/dy) / y [N m]
-static real spin_slope_over(const Spin* p, const real y, const real h) {
+static inline real spin_slope_over(const Spin* p, const real y, const real h) {
   return p->drag / h + (p->torque > 0 ? p->torque * smooth_coulomb_slope_over(y, p->velocity * h) : 0);
 }
 
-void spin_gradient(const Spin p, const real3* x, const real3* x0, const real h, real3* g) {
+static inline void spin_gradient(const Spin p, const real3* x, const real3* x0, const real h, real3* g) {
   const real slope = spin_slope_over(&p, spin_turned(x, x0), h);
   for (int k = 0; k < 3; ++k) g[k] = 0.5 * slope * (x[k] - x0[k]);
 }
 
-void spin_hessian(const Spin p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void spin_hessian(const Spin p, const real3* x, const real3* x0, const real h, real* H) {
   const real y = spin_turned(x, x0), across = 0.5 * spin_slope_over(&p, y, h);
   const real less = p.torque > 0 ? 0.25 * p.torque * smooth_coulomb_less_along(y, p.velocity * h) : 0;
   real d[9];

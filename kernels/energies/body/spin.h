@@ -12,5 +12,6 @@ typedef struct {
   f64 unused_;
 } Spin;
 SHARED_SIZE(Spin, 48);
+ENERGY_TERM(14, spin, Spin, 3);
 SHARED_END
 #endif

@@ -7,21 +7,21 @@
 #include "shared/real.h"
 
 // where the barrier acts [m]
-static real barrier_range(const real adhesion, const real d) { return adhesion > 0 ? 0.5 * d : d; }
+static inline real barrier_range(const real adhesion, const real d) { return adhesion > 0 ? 0.5 * d : d; }
 
-static real adhesion_value(const real g, const real d) {
+static inline real adhesion_value(const real g, const real d) {
   const real s = g / d;
   return s < 1 ? -(1 - s) * (1 - s) * (1 + 2 * s) : 0;
 }
 
 // a' [1/m], >= 0
-static real adhesion_slope(const real g, const real d) {
+static inline real adhesion_slope(const real g, const real d) {
   const real s = g / d;
   return s < 1 ? 6 * s * (1 - s) / d : 0;
 }
 
 // a'' [1/m^2], negative in the outer half
-static real adhesion_curvature(const real g, const real d) {
+static inline real adhesion_curvature(const real g, const real d) {
   const real s = g / d;
   return s < 1 ? 6 * (1 - 2 * s) / (d * d) : 0;
 }

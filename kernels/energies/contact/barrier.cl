@@ -8,26 +8,26 @@
 #include "shared/symmetric_eigen.cl"
 
 // kappa b + gamma a and its derivatives [J/m^2, J/m^3, J/m^4]
-static real contact_value(const Barrier* p, const real gap) {
+static inline real contact_value(const Barrier* p, const real gap) {
   const real b = p->stiffness * barrier_value(gap, barrier_range(p->adhesion, p->activation_distance));
   return p->adhesion > 0 ? b + p->adhesion * adhesion_value(gap, p->activation_distance) : b;
 }
-static real contact_slope(const Barrier* p, const real gap) {
+static inline real contact_slope(const Barrier* p, const real gap) {
   const real b = p->stiffness * barrier_slope(gap, barrier_range(p->adhesion, p->activation_distance));
   return p->adhesion > 0 ? b + p->adhesion * adhesion_slope(gap, p->activation_distance) : b;
 }
-static real contact_curvature(const Barrier* p, const real gap) {
+static inline real contact_curvature(const Barrier* p, const real gap) {
   const real b = p->stiffness * barrier_curvature(gap, barrier_range(p->adhesion, p->activation_distance));
   return p->adhesion > 0 ? fmax(b + p->adhesion * adhesion_curvature(gap, p->activation_distance), 0) : b;
 }
 
 // c = |e0 x e1|^2 by the edges e0 = x1 - x0, e1 = x3 - x2 [m^3]
-static void parallelism_gradient(const real3 e0, const real3 e1, real3* g0, real3* g1) {
+static inline void parallelism_gradient(const real3 e0, const real3 e1, real3* g0, real3* g1) {
   *g0 = 2 * (dot(e1, e1) * e0 - dot(e0, e1) * e1);
   *g1 = 2 * (dot(e0, e0) * e1 - dot(e0, e1) * e0);
 }
 
-real barrier_energy(const Barrier p, const real3* x, const real3* x0, const real h) {
+static inline real barrier_energy(const Barrier p, const real3* x, const real3* x0, const real h) {
   const real gap = pair_distance(p.kind, x).d - p.offset;
   if (gap >= p.activation_distance) return 0;
   // penetration costs without end, even where the mollifier vanishes
@@ -35,7 +35,7 @@ real barrier_energy(const Barrier p, const real3* x, const real3* x0, const real
   return p.area * pair_mollifier(&p, x).value * contact_value(&p, gap);
 }
 
-void barrier_gradient(const Barrier p, const real3* x, const real3* x0, const real h, real3* g) {
+static inline void barrier_gradient(const Barrier p, const real3* x, const real3* x0, const real h, real3* g) {
   const Distance distance = pair_distance(p.kind, x);
   const real gap = distance.d - p.offset;
   const Mollifier m = pair_mollifier(&p, x);
@@ -52,13 +52,13 @@ void barrier_gradient(const Barrier p, const real3* x, const real3* x0, const re
 }
 
 // H += scale (a b^T), 9 x 9, over (r, e0, e1)
-static void add_outer(real* H, const real scale, const real* a, const real* b) {
+static inline void add_outer(real* H, const real scale, const real* a, const real* b) {
   for (int i = 0; i < 9; ++i)
     for (int j = 0; j < 9; ++j) H[9 * i + j] += scale * a[i] * b[j];
 }
 
 // H += scale hess c: blocks of e0 and e1
-static void add_parallelism_hessian(real* H, const real scale, const real3 e0, const real3 e1) {
+static inline void add_parallelism_hessian(real* H, const real scale, const real3 e0, const real3 e1) {
   const real u[3] = {e0.x, e0.y, e0.z}, v[3] = {e1.x, e1.y, e1.z};
   const real uu = dot(e0, e0), vv = dot(e1, e1), uv = dot(e0, e1);
   for (int i = 0; i < 3; ++i)
@@ -74,8 +74,8 @@ static void add_parallelism_hessian(real* H, const real scale, const real3 e0, c
 
 // The mollified energy depends on r = x0 - x2, e0 and e1 only: closest difference r + s e0 - t e1. Its Hessian over
 // these nine is projected, then carried to the sites, which keeps it positive semi-definite.
-static void mollified_hessian(const Barrier* p, const real3* x, const Distance* distance, const real gap,
-                              const Mollifier m, real* H) {
+static inline void mollified_hessian(const Barrier* p, const real3* x, const Distance* distance, const real gap,
+                                     const Mollifier m, real* H) {
   const real3 e0 = x[1] - x[0], e1 = x[3] - x[2];
   real3 g0, g1;
   parallelism_gradient(e0, e1, &g0, &g1);
@@ -104,7 +104,7 @@ static void mollified_hessian(const Barrier* p, const real3* x, const Distance* 
     }
 }
 
-void barrier_hessian(const Barrier p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void barrier_hessian(const Barrier p, const real3* x, const real3* x0, const real h, real* H) {
   const Distance distance = pair_distance(p.kind, x);
   const real gap = distance.d - p.offset;
   const Mollifier m = pair_mollifier(&p, x);

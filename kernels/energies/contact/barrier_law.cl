@@ -8,20 +8,20 @@
 #include "contact/distance.cl"
 #include "energies/contact/barrier.h"
 
-static real barrier_value(const real g, const real d_hat) {
+static inline real barrier_value(const real g, const real d_hat) {
   // written so that NaN counts as penetration
   if (!(g > 0)) return INFINITY;
   return g < d_hat ? -(g - d_hat) * (g - d_hat) * log(g / d_hat) / d_hat : 0;
 }
 
 // b' [-], <= 0
-static real barrier_slope(const real g, const real d_hat) {
+static inline real barrier_slope(const real g, const real d_hat) {
   if (!(g > 0)) return -INFINITY;
   return g < d_hat ? -(g - d_hat) * (2 * log(g / d_hat) + (g - d_hat) / g) / d_hat : 0;
 }
 
 // b'' [1/m], >= 0
-static real barrier_curvature(const real g, const real d_hat) {
+static inline real barrier_curvature(const real g, const real d_hat) {
   if (!(g > 0)) return INFINITY;
   const real q = (g - d_hat) / g;
   return g < d_hat ? -(2 * log(g / d_hat) + 4 * q - q * q) / d_hat : 0;
@@ -33,7 +33,7 @@ typedef struct {
 } Mollifier;
 
 // where an edge pair is not mollified, and for a point and a triangle: {1, 0, 0}
-static Mollifier mollifier_at(const real c, const real threshold) {
+static inline Mollifier mollifier_at(const real c, const real threshold) {
   const Mollifier one = {1, 0, 0};
   if (!(c < threshold)) return one;
   const real q = c / threshold;
@@ -42,12 +42,12 @@ static Mollifier mollifier_at(const real c, const real threshold) {
 }
 
 // c = |e0 x e1|^2 of an edge pair
-static real parallelism(const real3* x) {
+static inline real parallelism(const real3* x) {
   const real3 normal = cross(x[1] - x[0], x[3] - x[2]);
   return dot(normal, normal);
 }
 
-static Mollifier pair_mollifier(const Barrier* p, const real3* x) {
+static inline Mollifier pair_mollifier(const Barrier* p, const real3* x) {
   return mollifier_at(p->kind == EDGE_EDGE ? parallelism(x) : INFINITY, p->mollifier_threshold);
 }
 

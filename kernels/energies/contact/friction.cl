@@ -9,7 +9,7 @@
 #include "energies/contact/smooth_coulomb.cl"
 
 // u [m]
-static real3 friction_sliding(const Friction* p, const real3* x, const real3* x0) {
+static inline real3 friction_sliding(const Friction* p, const real3* x, const real3* x0) {
   const real3 n = vload3(0, p->normal);
   real3 u = (real3)(0.0);
   for (int i = 0; i < 4; ++i) u += p->coefficient[i] * (x[i] - x0[i]);
@@ -17,22 +17,24 @@ static real3 friction_sliding(const Friction* p, const real3* x, const real3* x0
 }
 
 // s [m]
-static real friction_parting(const Friction* p, const real3* x, const real3* x0) {
+static inline real friction_parting(const Friction* p, const real3* x, const real3* x0) {
   real3 u = (real3)(0.0);
   for (int i = 0; i < 4; ++i) u += p->coefficient[i] * (x[i] - x0[i]);
   return dot(u, vload3(0, p->normal));
 }
 
 // chi lambda / h [N/m]
-static real friction_dissipation(const Friction* p, const real h) { return p->dissipation * p->normal_force / h; }
+static inline real friction_dissipation(const Friction* p, const real h) {
+  return p->dissipation * p->normal_force / h;
+}
 
-real friction_energy(const Friction p, const real3* x, const real3* x0, const real h) {
+static inline real friction_energy(const Friction p, const real3* x, const real3* x0, const real h) {
   const real s = p.dissipation > 0 ? friction_parting(&p, x, x0) : 0;
   const real y = length(friction_sliding(&p, x, x0)), eps = p.friction_velocity * h;
   return p.friction * p.normal_force * smooth_coulomb(y, eps) + 0.5 * friction_dissipation(&p, h) * s * s;
 }
 
-void friction_gradient(const Friction p, const real3* x, const real3* x0, const real h, real3* g) {
+static inline void friction_gradient(const Friction p, const real3* x, const real3* x0, const real h, real3* g) {
   const real3 n = vload3(0, p.normal), u = friction_sliding(&p, x, x0);
   const real3 tangential = u - dot(u, n) * n;
   const real scale = p.friction * p.normal_force * smooth_coulomb_slope_over(length(u), p.friction_velocity * h);
@@ -40,7 +42,7 @@ void friction_gradient(const Friction p, const real3* x, const real3* x0, const 
   for (int i = 0; i < 4; ++i) g[i] = p.coefficient[i] * (scale * tangential + along * n);
 }
 
-void friction_hessian(const Friction p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void friction_hessian(const Friction p, const real3* x, const real3* x0, const real h, real* H) {
   const real3 n3 = vload3(0, p.normal), u3 = friction_sliding(&p, x, x0);
   const real3 tangential = u3 - dot(u3, n3) * n3;
   const real y = length(u3), eps = p.friction_velocity * h, force = p.friction * p.normal_force;

@@ -5,14 +5,18 @@
 #define PVG_ENERGIES_SMOOTH_COULOMB_CL
 #include "shared/real.h"
 
-real smooth_coulomb(const real y, const real eps) { return y < eps ? y * y * (1 - y / (3 * eps)) / eps + eps / 3 : y; }
+static inline real smooth_coulomb(const real y, const real eps) {
+  return y < eps ? y * y * (1 - y / (3 * eps)) / eps + eps / 3 : y;
+}
 
 // f0'(y) / y [1/m], finite at y = 0
-real smooth_coulomb_slope_over(const real y, const real eps) { return y < eps ? (2 - y / eps) / eps : 1 / y; }
+static inline real smooth_coulomb_slope_over(const real y, const real eps) {
+  return y < eps ? (2 - y / eps) / eps : 1 / y;
+}
 
 // (f0'/y - f0'') / y^2 [1/m^3]: what the second derivative of f0(|u|) lacks along u, times u u^T; 0 at y = 0, where
 // there is no direction
-real smooth_coulomb_less_along(const real y, const real eps) {
+static inline real smooth_coulomb_less_along(const real y, const real eps) {
   return y > 0 ? (y < eps ? 1 / (eps * eps * y) : 1 / (y * y * y)) : 0;
 }
 

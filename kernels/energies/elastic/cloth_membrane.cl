@@ -17,29 +17,29 @@
 // without bound.
 #define SHORTEST_FIBRE 1e-6
 
-void cloth_membrane_gradients(const ClothMembrane p, real2 b[3]) {
+static inline void cloth_membrane_gradients(const ClothMembrane p, real2 b[3]) {
   b[1] = (real2)(p.rest_inverse[0], p.rest_inverse[1]);
   b[2] = (real2)(p.rest_inverse[2], p.rest_inverse[3]);
   b[0] = -(b[1] + b[2]);
 }
 
 // f_u and f_v
-void cloth_membrane_fibres(const real3* x, const real2 b[3], real3 f[2]) {
+static inline void cloth_membrane_fibres(const real3* x, const real2 b[3], real3 f[2]) {
   // differences first: coordinates far from the origin cost no digits
   const real3 e1 = x[1] - x[0], e2 = x[2] - x[0];
   f[0] = e1 * b[1].x + e2 * b[2].x;
   f[1] = e1 * b[1].y + e2 * b[2].y;
 }
 
-real fibre_energy(const ClothMembrane p, const real strain) {
+static inline real fibre_energy(const ClothMembrane p, const real strain) {
   const real excess = fmax(strain - p.limit_strain, (real)0);
   return 0.5 * strain * strain + p.stiffening * excess * excess * excess;
 }
-real fibre_slope(const ClothMembrane p, const real strain) {
+static inline real fibre_slope(const ClothMembrane p, const real strain) {
   const real excess = fmax(strain - p.limit_strain, (real)0);
   return strain + 3 * p.stiffening * excess * excess;
 }
-real fibre_curvature(const ClothMembrane p, const real strain) {
+static inline real fibre_curvature(const ClothMembrane p, const real strain) {
   return 1 + 6 * p.stiffening * fmax(strain - p.limit_strain, (real)0);
 }
 
@@ -48,7 +48,7 @@ typedef struct {
   real strain[2], tension[2];
 } Fibres;
 
-Fibres fibres_at(const ClothMembrane p, const real3 f[2]) {
+static inline Fibres fibres_at(const ClothMembrane p, const real3 f[2]) {
   Fibres at;
   for (int i = 0; i < 2; ++i) at.strain[i] = length(f[i]) - 1;
   at.tension[0] = p.stretch_warp * fibre_slope(p, at.strain[0]) + p.coupling * at.strain[1];
@@ -57,16 +57,16 @@ Fibres fibres_at(const ClothMembrane p, const real3 f[2]) {
 }
 
 // d2 / df2 of one fibre direction alone: `along` it, and tension / |f| across where that is positive
-Mat3 fibre_hessian(const real3 n, const real strain, const real along, const real tension) {
+static inline Mat3 fibre_hessian(const real3 n, const real strain, const real along, const real tension) {
   const real across = fmax(tension, (real)0) / fmax(strain + 1, (real)SHORTEST_FIBRE);
   return mat3_plus(mat3_scaled(mat3_outer(n, n), along - across), mat3_scaled(mat3_identity(), across));
 }
 
-real3 fibre_direction(const real3 f) { return f / fmax(length(f), (real)SHORTEST_FIBRE); }
+static inline real3 fibre_direction(const real3 f) { return f / fmax(length(f), (real)SHORTEST_FIBRE); }
 
 // Adds the nearest positive matrix to d2 (I^2/2), I = f_u . f_v. With g = (f_v, f_u) and T the swap of both halves it
 // is g g^T + I T: one positive eigenvalue in the plane of g and T g, and +-I on what is left of (a, +-a).
-void shear_add_hessian(const real k, const real3 f[2], Mat3* uu, Mat3* uv, Mat3* vv) {
+static inline void shear_add_hessian(const real k, const real3 f[2], Mat3* uu, Mat3* uv, Mat3* vv) {
   const real i = dot(f[0], f[1]), square = dot(f[0], f[0]) + dot(f[1], f[1]);
   if (!(square > 0)) return;
   const real first = 0.5 * (square + sqrt(square * square + 12 * i * i));
@@ -84,7 +84,7 @@ void shear_add_hessian(const real k, const real3 f[2], Mat3* uu, Mat3* uv, Mat3*
   *vv = mat3_plus(*vv, mat3_scaled(rest, half_i));
 }
 
-real cloth_membrane_energy(const ClothMembrane p, const real3* x, const real3* x0, const real h) {
+static inline real cloth_membrane_energy(const ClothMembrane p, const real3* x, const real3* x0, const real h) {
   real2 b[3];
   real3 f[2];
   cloth_membrane_gradients(p, b);
@@ -94,7 +94,8 @@ real cloth_membrane_energy(const ClothMembrane p, const real3* x, const real3* x
                    p.coupling * warp * weft + 0.5 * p.shear * shear * shear);
 }
 
-void cloth_membrane_gradient(const ClothMembrane p, const real3* x, const real3* x0, const real h, real3* g) {
+static inline void cloth_membrane_gradient(const ClothMembrane p, const real3* x, const real3* x0, const real h,
+                                           real3* g) {
   real2 b[3];
   real3 f[2];
   cloth_membrane_gradients(p, b);
@@ -106,7 +107,8 @@ void cloth_membrane_gradient(const ClothMembrane p, const real3* x, const real3*
   for (int a = 0; a < 3; ++a) g[a] = p.area * (b[a].x * warp + b[a].y * weft);
 }
 
-void cloth_membrane_hessian(const ClothMembrane p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void cloth_membrane_hessian(const ClothMembrane p, const real3* x, const real3* x0, const real h,
+                                          real* H) {
   real2 b[3];
   real3 f[2];
   cloth_membrane_gradients(p, b);

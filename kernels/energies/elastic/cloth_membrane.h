@@ -16,5 +16,6 @@ typedef struct {
   f64 padding;
 } ClothMembrane;
 SHARED_SIZE(ClothMembrane, 112);
+ENERGY_TERM(17, cloth_membrane, ClothMembrane, 3);
 SHARED_END
 #endif

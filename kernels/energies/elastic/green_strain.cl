@@ -22,7 +22,7 @@ typedef struct {
 #define STRAIN_LAW_OF(p) \
   { (p).stiffening, (p).viscosity, (p).hysteresis, (p).strain_rate }
 
-Mat3 green_strain(const Mat3 f) {
+static inline Mat3 green_strain(const Mat3 f) {
   Mat3 e;
   for (int k = 0; k < 3; ++k) e.column[k] = 0.5 * mat3_transposed_times(f, f.column[k]);
   e.column[0].x -= 0.5;
@@ -31,10 +31,10 @@ Mat3 green_strain(const Mat3 f) {
   return e;
 }
 
-static Mat3 mat3_minus(const Mat3 a, const Mat3 b) { return mat3_plus(a, mat3_scaled(b, -1)); }
+static inline Mat3 mat3_minus(const Mat3 a, const Mat3 b) { return mat3_plus(a, mat3_scaled(b, -1)); }
 
 // psi [Pa] at strain e from e0
-real strain_density(const StrainLaw law, const Mat3 e, const Mat3 e0, const real h) {
+static inline real strain_density(const StrainLaw law, const Mat3 e, const Mat3 e0, const real h) {
   const real square = mat3_square_norm(e), change = mat3_square_norm(mat3_minus(e, e0));
   real psi = law.stiffening * square * square + law.viscosity / h * change;
   if (law.hysteresis > 0)
@@ -47,7 +47,7 @@ typedef struct {
   real stiff, over, same, strain, less;  // [Pa]
 } StrainDerivatives;
 
-StrainDerivatives strain_derivatives(const StrainLaw law, const Mat3 e, const Mat3 e0, const real h) {
+static inline StrainDerivatives strain_derivatives(const StrainLaw law, const Mat3 e, const Mat3 e0, const real h) {
   const real y = sqrt(mat3_square_norm(mat3_minus(e, e0))), eps = law.strain_rate * h;
   const real dry = law.hysteresis > 0 ? law.hysteresis * sqrt(mat3_square_norm(e0)) : 0;
   StrainDerivatives d;
@@ -60,7 +60,7 @@ StrainDerivatives strain_derivatives(const StrainLaw law, const Mat3 e, const Ma
 }
 
 // first Piola-Kirchhoff stress [Pa]
-Mat3 strain_stress(const StrainLaw law, const Mat3 f, const Mat3 e0, const real h) {
+static inline Mat3 strain_stress(const StrainLaw law, const Mat3 f, const Mat3 e0, const real h) {
   const Mat3 e = green_strain(f);
   const StrainDerivatives d = strain_derivatives(law, e, e0, h);
   const Mat3 s = mat3_plus(mat3_scaled(e, d.stiff), mat3_scaled(mat3_minus(e, e0), d.over));
@@ -70,8 +70,8 @@ Mat3 strain_stress(const StrainLaw law, const Mat3 f, const Mat3 e0, const real 
 // H += weight d2psi/dx dx for F = sum_a x_a b_a^T. For dF = dx b^T: |dE|^2 is half of |F^T dF|^2 + F^T dF : dF^T F, and
 // E:dE = dx . (F E b).  b: [n <= 10, 1/m];  H: row-major [3 n x 3 n], of which the blocks on and above the diagonal are
 // added to
-void strain_add_hessian(const StrainLaw law, const Mat3 f, const Mat3 e0, const real h, const real weight, const int n,
-                        const real3* b, real* H) {
+static inline void strain_add_hessian(const StrainLaw law, const Mat3 f, const Mat3 e0, const real h, const real weight,
+                                      const int n, const real3* b, real* H) {
   const Mat3 e = green_strain(f), change = mat3_minus(e, e0);
   const StrainDerivatives d = strain_derivatives(law, e, e0, h);
   const real same = 0.5 * weight * d.same, strain = weight * d.strain, less = weight * d.less;

@@ -17,14 +17,14 @@ typedef struct {
 } IsotropicHessian;
 
 // Clamps every eigenvalue at zero.
-void isotropic_project(IsotropicHessian* e) {
+static inline void isotropic_project(IsotropicHessian* e) {
   e->stretch = mat3_nearest_positive(e->stretch);
   e->twist = fmax(e->twist, (real3)(0, 0, 0));
   e->flip = fmax(e->flip, (real3)(0, 0, 0));
 }
 
 // c[k][l]: the 3 x 3 block that couples the vectors dF v_k and dF v_l; c[l][k] is its transpose.
-void isotropic_column_blocks(const IsotropicHessian e, Mat3 c[3][3]) {
+static inline void isotropic_column_blocks(const IsotropicHessian e, Mat3 c[3][3]) {
   // factors of d_ij^2 and of 2 d_ij d_ji
   const real3 same = 0.5 * (e.twist + e.flip), cross_term = 0.5 * (e.flip - e.twist);
   const real3 u0 = e.u.column[0], u1 = e.u.column[1], u2 = e.u.column[2];
@@ -49,7 +49,8 @@ void isotropic_column_blocks(const IsotropicHessian e, Mat3 c[3][3]) {
 
 // H += weight d2Psi(F) / dx_a dx_b for F = sum_a x_a b_a^T, blocks a <= b only.
 // b: [n, 1/m or 1];  weight [m^3];  H: row-major [3 n x 3 n]
-void isotropic_add_hessian(const IsotropicHessian e, const real weight, const int n, const real3* b, real* H) {
+static inline void isotropic_add_hessian(const IsotropicHessian e, const real weight, const int n, const real3* b,
+                                         real* H) {
   Mat3 c[3][3];
   isotropic_column_blocks(e, c);
   for (int i = 0; i < n; ++i) {

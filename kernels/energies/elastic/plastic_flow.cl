@@ -8,8 +8,8 @@
 #include "energies/elastic/stable_neo_hookean_4.h"
 #include "shared/svd.cl"
 
-static void flow(const PlasticFlow p, global const u32* site, global real* rest_inverse, global const real* x,
-                 const real h) {
+static inline void flow(const PlasticFlow p, global const u32* site, global real* rest_inverse, global const real* x,
+                        const real h) {
   Mat3 shape, inverse;  // columns: edges; rows of Dm^-1
   const real3 x0 = vload3(site[0], x);
   for (int k = 0; k < 3; ++k) {

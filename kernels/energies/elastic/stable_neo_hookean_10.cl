@@ -5,7 +5,8 @@
 #include "energies/elastic/stable_neo_hookean_density.cl"
 #include "energies/elastic/tetrahedron.cl"
 
-real stable_neo_hookean_10_energy(const StableNeoHookean10 p, const real3* x, const real3* x0, const real h) {
+static inline real stable_neo_hookean_10_energy(const StableNeoHookean10 p, const real3* x, const real3* x0,
+                                                const real h) {
   // the corners may fold over while every quadrature point is still upright
   if (!(dot(x[1] - x[0], cross(x[2] - x[0], x[3] - x[0])) > 0)) return INFINITY;
   real sum = 0;
@@ -17,8 +18,8 @@ real stable_neo_hookean_10_energy(const StableNeoHookean10 p, const real3* x, co
   return 0.25 * p.volume * sum;
 }
 
-void stable_neo_hookean_10_gradient(const StableNeoHookean10 p, const real3* x, const real3* x0, const real h,
-                                    real3* g) {
+static inline void stable_neo_hookean_10_gradient(const StableNeoHookean10 p, const real3* x, const real3* x0,
+                                                  const real h, real3* g) {
   for (int a = 0; a < 10; ++a) g[a] = (real3)(0, 0, 0);
   for (int q = 0; q < 4; ++q) {
     real3 b[10];
@@ -29,7 +30,8 @@ void stable_neo_hookean_10_gradient(const StableNeoHookean10 p, const real3* x, 
   }
 }
 
-void stable_neo_hookean_10_hessian(const StableNeoHookean10 p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void stable_neo_hookean_10_hessian(const StableNeoHookean10 p, const real3* x, const real3* x0,
+                                                 const real h, real* H) {
   for (int k = 0; k < 900; ++k) H[k] = 0;
   for (int q = 0; q < 4; ++q) {
     real3 b[10];

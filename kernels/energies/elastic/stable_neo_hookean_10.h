@@ -11,5 +11,6 @@ typedef struct {
   f64 unused;
 } StableNeoHookean10;
 SHARED_SIZE(StableNeoHookean10, 144);
+ENERGY_TERM(4, stable_neo_hookean_10, StableNeoHookean10, 10);
 SHARED_END
 #endif

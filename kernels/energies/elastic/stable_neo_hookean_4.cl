@@ -4,20 +4,23 @@
 #include "energies/elastic/stable_neo_hookean_density.cl"
 #include "energies/elastic/tetrahedron.cl"
 
-real stable_neo_hookean_4_energy(const StableNeoHookean4 p, const real3* x, const real3* x0, const real h) {
+static inline real stable_neo_hookean_4_energy(const StableNeoHookean4 p, const real3* x, const real3* x0,
+                                               const real h) {
   real3 b[4];
   tetrahedron_4_gradients(p.rest_inverse, b);
   return p.volume * stable_neo_hookean_density(tetrahedron_deformation(4, x, b), p.mu, p.lambda);
 }
 
-void stable_neo_hookean_4_gradient(const StableNeoHookean4 p, const real3* x, const real3* x0, const real h, real3* g) {
+static inline void stable_neo_hookean_4_gradient(const StableNeoHookean4 p, const real3* x, const real3* x0,
+                                                 const real h, real3* g) {
   real3 b[4];
   tetrahedron_4_gradients(p.rest_inverse, b);
   const Mat3 stress = stable_neo_hookean_stress(tetrahedron_deformation(4, x, b), p.mu, p.lambda);
   for (int a = 0; a < 4; ++a) g[a] = p.volume * mat3_times(stress, b[a]);
 }
 
-void stable_neo_hookean_4_hessian(const StableNeoHookean4 p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void stable_neo_hookean_4_hessian(const StableNeoHookean4 p, const real3* x, const real3* x0,
+                                                const real h, real* H) {
   real3 b[4];
   tetrahedron_4_gradients(p.rest_inverse, b);
   for (int k = 0; k < 144; ++k) H[k] = 0;

@@ -10,5 +10,6 @@ typedef struct {
   f64 mu, lambda;       // Lame parameters: mu = E / (2 (1 + nu)), lambda = E nu / ((1 + nu)(1 - 2 nu)) [Pa]
 } StableNeoHookean4;
 SHARED_SIZE(StableNeoHookean4, 112);
+ENERGY_TERM(3, stable_neo_hookean_4, StableNeoHookean4, 4);
 SHARED_END
 #endif

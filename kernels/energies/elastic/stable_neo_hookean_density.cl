@@ -8,7 +8,7 @@
 
 // In terms of F - 1, where the large summands that cancel at rest have been cancelled by hand. Infinite where J <= 0:
 // the line search refuses an inverted element.
-real stable_neo_hookean_density(const Mat3 f, const real mu, const real lambda) {
+static inline real stable_neo_hookean_density(const Mat3 f, const real mu, const real lambda) {
   const Mat3 g = mat3_plus(f, mat3_scaled(mat3_identity(), -1));
   const Mat3 cofactor = mat3_cofactor(g);
   // J - 1 = tr G + II(G) + det G, and |F|^2 - 3 = |G|^2 + 2 tr G
@@ -19,13 +19,13 @@ real stable_neo_hookean_density(const Mat3 f, const real mu, const real lambda) 
 }
 
 // dPsi/dF [Pa]
-Mat3 stable_neo_hookean_stress(const Mat3 f, const real mu, const real lambda) {
+static inline Mat3 stable_neo_hookean_stress(const Mat3 f, const real mu, const real lambda) {
   const real c = (lambda + mu) * (mat3_determinant(f) - 1) - mu;
   return mat3_plus(mat3_scaled(f, mu), mat3_scaled(mat3_cofactor(f), c));
 }
 
 // d2Psi/dF2, positive semi-definite [Pa]
-IsotropicHessian stable_neo_hookean_hessian(const Mat3 f, const real mu, const real lambda) {
+static inline IsotropicHessian stable_neo_hookean_hessian(const Mat3 f, const real mu, const real lambda) {
   const Svd3 s = svd3(f);
   const real3 sigma = s.sigma;
   const real stiffened = lambda + mu, J = sigma.x * sigma.y * sigma.z;

@@ -4,7 +4,7 @@
 #include "energies/elastic/strain_effect_10.h"
 #include "energies/elastic/tetrahedron.cl"
 
-real strain_effect_10_energy(const StrainEffect10 p, const real3* x, const real3* x0, const real h) {
+static inline real strain_effect_10_energy(const StrainEffect10 p, const real3* x, const real3* x0, const real h) {
   const StrainLaw law = STRAIN_LAW_OF(p);
   real sum = 0;
   for (int q = 0; q < 4; ++q) {
@@ -16,7 +16,8 @@ real strain_effect_10_energy(const StrainEffect10 p, const real3* x, const real3
   return 0.25 * p.volume * sum;
 }
 
-void strain_effect_10_gradient(const StrainEffect10 p, const real3* x, const real3* x0, const real h, real3* g) {
+static inline void strain_effect_10_gradient(const StrainEffect10 p, const real3* x, const real3* x0, const real h,
+                                             real3* g) {
   const StrainLaw law = STRAIN_LAW_OF(p);
   for (int a = 0; a < 10; ++a) g[a] = (real3)(0, 0, 0);
   for (int q = 0; q < 4; ++q) {
@@ -28,7 +29,8 @@ void strain_effect_10_gradient(const StrainEffect10 p, const real3* x, const rea
   }
 }
 
-void strain_effect_10_hessian(const StrainEffect10 p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void strain_effect_10_hessian(const StrainEffect10 p, const real3* x, const real3* x0, const real h,
+                                            real* H) {
   const StrainLaw law = STRAIN_LAW_OF(p);
   for (int k = 0; k < 900; ++k) H[k] = 0;
   for (int q = 0; q < 4; ++q) {

@@ -14,5 +14,6 @@ typedef struct {
   f64 unused_;
 } StrainEffect10;
 SHARED_SIZE(StrainEffect10, 160);
+ENERGY_TERM(16, strain_effect_10, StrainEffect10, 10);
 SHARED_END
 #endif

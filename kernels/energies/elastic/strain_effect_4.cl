@@ -4,7 +4,7 @@
 #include "energies/elastic/strain_effect_4.h"
 #include "energies/elastic/tetrahedron.cl"
 
-real strain_effect_4_energy(const StrainEffect4 p, const real3* x, const real3* x0, const real h) {
+static inline real strain_effect_4_energy(const StrainEffect4 p, const real3* x, const real3* x0, const real h) {
   const StrainLaw law = STRAIN_LAW_OF(p);
   real sum = 0;
   real3 b[4];
@@ -14,7 +14,8 @@ real strain_effect_4_energy(const StrainEffect4 p, const real3* x, const real3* 
   return p.volume * sum;
 }
 
-void strain_effect_4_gradient(const StrainEffect4 p, const real3* x, const real3* x0, const real h, real3* g) {
+static inline void strain_effect_4_gradient(const StrainEffect4 p, const real3* x, const real3* x0, const real h,
+                                            real3* g) {
   const StrainLaw law = STRAIN_LAW_OF(p);
   for (int a = 0; a < 4; ++a) g[a] = (real3)(0, 0, 0);
   real3 b[4];
@@ -24,7 +25,8 @@ void strain_effect_4_gradient(const StrainEffect4 p, const real3* x, const real3
   for (int a = 0; a < 4; ++a) g[a] += p.volume * mat3_times(stress, b[a]);
 }
 
-void strain_effect_4_hessian(const StrainEffect4 p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void strain_effect_4_hessian(const StrainEffect4 p, const real3* x, const real3* x0, const real h,
+                                           real* H) {
   const StrainLaw law = STRAIN_LAW_OF(p);
   for (int k = 0; k < 144; ++k) H[k] = 0;
   real3 b[4];

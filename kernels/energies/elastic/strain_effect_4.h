@@ -13,5 +13,6 @@ typedef struct {
   f64 strain_rate;      // where hysteresis is fully developed [1/s]
 } StrainEffect4;
 SHARED_SIZE(StrainEffect4, 128);
+ENERGY_TERM(15, strain_effect_4, StrainEffect4, 4);
 SHARED_END
 #endif

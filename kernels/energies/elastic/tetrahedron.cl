@@ -13,13 +13,13 @@
 #define TETRAHEDRON_FAR 0.13819660112501051518
 
 // b: gradients of the 4 shape functions [1/m]
-void tetrahedron_4_gradients(const real* rest_inverse, real3 b[4]) {
+static inline void tetrahedron_4_gradients(const real* rest_inverse, real3 b[4]) {
   for (int a = 0; a < 3; ++a) b[a + 1] = vload3(a, rest_inverse);
   b[0] = -(b[1] + b[2] + b[3]);
 }
 
 // b: gradients of the 10 shape functions at quadrature point q [1/m]
-void tetrahedron_10_gradients(const real* rest_inverse, const int q, real3 b[10]) {
+static inline void tetrahedron_10_gradients(const real* rest_inverse, const int q, real3 b[10]) {
   real3 l[4];
   tetrahedron_4_gradients(rest_inverse, l);
   real at[4];
@@ -34,7 +34,7 @@ void tetrahedron_10_gradients(const real* rest_inverse, const int q, real3 b[10]
 }
 
 // F = sum_a x_a b_a^T
-Mat3 tetrahedron_deformation(const int n, const real3* x, const real3* b) {
+static inline Mat3 tetrahedron_deformation(const int n, const real3* x, const real3* b) {
   Mat3 f = mat3_outer(x[0], b[0]);
   for (int a = 1; a < n; ++a) f = mat3_plus(f, mat3_outer(x[a], b[a]));
   return f;

@@ -18,20 +18,20 @@
 #include "energies/elastic/triangle_bending.h"
 #include "shared/real.h"
 
-real triangle_bending_stiffness(const TriangleBending* p, const int i, const int j) {
+static inline real triangle_bending_stiffness(const TriangleBending* p, const int i, const int j) {
   const int a = min(i, j), b = max(i, j);
   return p->stiffness[a == 0 ? b : a + b + 1];
 }
 
 // normals of the triangle and of its neighbour across from corner i, twice their areas long, both of one orientation
-void triangle_bending_normals(const real3* x, const int i, real3* own, real3* other) {
+static inline void triangle_bending_normals(const real3* x, const int i, real3* own, real3* other) {
   const real3 from = x[(i + 1) % 3], edge = x[(i + 2) % 3] - from;
   *own = cross(edge, x[i] - from);
   *other = cross(x[i + 3] - from, edge);
 }
 
 // theta - rest of each edge, 0 where there is no neighbour
-void triangle_bending_angles(const TriangleBending* p, const real3* x, real angle[3]) {
+static inline void triangle_bending_angles(const TriangleBending* p, const real3* x, real angle[3]) {
   for (int i = 0; i < 3; ++i) {
     angle[i] = 0;
     if (!(triangle_bending_stiffness(p, i, i) > 0)) continue;
@@ -46,7 +46,7 @@ void triangle_bending_angles(const TriangleBending* p, const real3* x, real angl
 
 // d theta_i / dx of the six nodes. The apex of a triangle of height h turns the edge by 1/h per length along its
 // normal; the ends of the edge share the opposite by the foot of the height, so that neither a shift nor a turn bends.
-void triangle_bending_angle_gradient(const TriangleBending* p, const real3* x, const int i, real3 g[6]) {
+static inline void triangle_bending_angle_gradient(const TriangleBending* p, const real3* x, const int i, real3 g[6]) {
   for (int a = 0; a < 6; ++a) g[a] = (real3)(0, 0, 0);
   if (!(triangle_bending_stiffness(p, i, i) > 0)) return;
   real3 normal[2];
@@ -66,7 +66,7 @@ void triangle_bending_angle_gradient(const TriangleBending* p, const real3* x, c
   }
 }
 
-real triangle_bending_energy(const TriangleBending p, const real3* x, const real3* x0, const real h) {
+static inline real triangle_bending_energy(const TriangleBending p, const real3* x, const real3* x0, const real h) {
   real angle[3], sum = 0;
   triangle_bending_angles(&p, x, angle);
   for (int i = 0; i < 3; ++i)
@@ -74,7 +74,8 @@ real triangle_bending_energy(const TriangleBending p, const real3* x, const real
   return 0.5 * sum;
 }
 
-void triangle_bending_gradient(const TriangleBending p, const real3* x, const real3* x0, const real h, real3* g) {
+static inline void triangle_bending_gradient(const TriangleBending p, const real3* x, const real3* x0, const real h,
+                                             real3* g) {
   real angle[3];
   triangle_bending_angles(&p, x, angle);
   for (int a = 0; a < 6; ++a) g[a] = (real3)(0, 0, 0);
@@ -87,7 +88,8 @@ void triangle_bending_gradient(const TriangleBending p, const real3* x, const re
   }
 }
 
-void triangle_bending_hessian(const TriangleBending p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void triangle_bending_hessian(const TriangleBending p, const real3* x, const real3* x0, const real h,
+                                            real* H) {
   real d[3][18];  // d theta_i / dx
   for (int i = 0; i < 3; ++i) {
     real3 of_angle[6];

@@ -9,5 +9,6 @@ typedef struct {
   f64 stiffness[6];   // K, upper triangle 00 01 02 11 12 22 [J]; rows of missing neighbours are 0
 } TriangleBending;
 SHARED_SIZE(TriangleBending, 96);
+ENERGY_TERM(18, triangle_bending, TriangleBending, 6);
 SHARED_END
 #endif

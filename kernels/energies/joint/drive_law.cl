@@ -21,17 +21,17 @@ typedef struct {
 #define DRIVE_LAW_OF(p) \
   { (p).stiffness, (p).damping, (p).target, (p).target_change, (p).effort_limit, (p).feed_forward, (p).play }
 
-real drive_cut(const DriveLaw d, const real effort) {
+static inline real drive_cut(const DriveLaw d, const real effort) {
   return d.effort_limit > 0 ? clamp(effort, -d.effort_limit, d.effort_limit) : effort;
 }
 
 // u [rad or m], for k > 0
-static real drive_strain(const DriveLaw d, const real q) {
+static inline real drive_strain(const DriveLaw d, const real q) {
   const real e = q - d.target - d.feed_forward / d.stiffness;
   return e - clamp(e, -0.5 * d.play, 0.5 * d.play);
 }
 
-real drive_energy(const DriveLaw d, const real q, const real q0, const real h) {
+static inline real drive_energy(const DriveLaw d, const real q, const real q0, const real h) {
   const real lag = q - q0 - d.target_change;
   const real damped = 0.5 * d.damping / h * lag * lag;
   if (d.stiffness == 0) return damped - drive_cut(d, d.feed_forward) * (q - d.target);
@@ -41,7 +41,7 @@ real drive_energy(const DriveLaw d, const real q, const real q0, const real h) {
 }
 
 // dV/dq: minus the effort
-real drive_slope(const DriveLaw d, const real q, const real q0, const real h) {
+static inline real drive_slope(const DriveLaw d, const real q, const real q0, const real h) {
   const real effort = d.stiffness == 0 ? d.feed_forward : -d.stiffness * drive_strain(d, q);
   return d.damping / h * (q - q0 - d.target_change) - drive_cut(d, effort);
 }
@@ -49,7 +49,7 @@ real drive_slope(const DriveLaw d, const real q, const real q0, const real h) {
 // Curvature for Newton's method: d2V/dq2 where the effort is not cut. Where it is, V is straight and d2V/dq2 = 0 would
 // send the joint off without bound; the secant V'(u) / u = L / |u| bounds V from above instead (iteratively reweighted
 // least squares).
-real drive_curvature(const DriveLaw d, const real q, const real q0, const real h) {
+static inline real drive_curvature(const DriveLaw d, const real q, const real q0, const real h) {
   if (d.stiffness == 0) return d.damping / h;
   const real u = fabs(drive_strain(d, q));
   if (u == 0 && d.play > 0) return d.damping / h;

@@ -9,17 +9,17 @@
 #include "shared/real.h"
 
 // x: n_i, b_i, n_j, b_j
-real revolute_angle(const real3* x) {
+static inline real revolute_angle(const real3* x) {
   return atan2(dot(x[1], x[2]) - dot(x[0], x[3]), dot(x[0], x[2]) + dot(x[1], x[3]));
 }
 
 // The angle at x, given that it was angle0 at x0 and has changed by less than half a turn since.
-real revolute_coordinate(const real3* x, const real3* x0, const real angle0) {
+static inline real revolute_coordinate(const real3* x, const real3* x0, const real angle0) {
   const real change = revolute_angle(x) - revolute_angle(x0);
   return angle0 + change - 2 * M_PI * rint(change / (2 * M_PI));
 }
 
-void revolute_derivatives(const real3* x, real3 dq[4]) {
+static inline void revolute_derivatives(const real3* x, real3 dq[4]) {
   const real c = 0.5 * (dot(x[0], x[2]) + dot(x[1], x[3]));
   const real s = 0.5 * (dot(x[1], x[2]) - dot(x[0], x[3]));
   // 1 for rigid bodies; 0 only where the axes of the bodies are opposed, and no angle is defined
@@ -32,16 +32,16 @@ void revolute_derivatives(const real3* x, real3 dq[4]) {
 }
 
 // x: c_i, c_j, d_i
-real prismatic_coordinate(const real3* x) { return dot(x[1] - x[0], x[2]); }
+static inline real prismatic_coordinate(const real3* x) { return dot(x[1] - x[0], x[2]); }
 
-void prismatic_derivatives(const real3* x, real3 dq[3]) {
+static inline void prismatic_derivatives(const real3* x, real3 dq[3]) {
   dq[0] = -x[2];
   dq[1] = x[2];
   dq[2] = x[1] - x[0];
 }
 
 // H = k dq dq^T: Gauss-Newton, positive semi-definite. dq: [n];  H: row-major [3 n x 3 n]
-void joint_hessian(const real k, const int n, const real3* dq, real* H) {
+static inline void joint_hessian(const real k, const int n, const real3* dq, real* H) {
   for (int a = 0; a < n; ++a)
     for (int i = 0; i < 3; ++i) {
       const real left = k * (i == 0 ? dq[a].x : i == 1 ? dq[a].y : dq[a].z);

@@ -23,12 +23,12 @@ typedef struct {
   { (p).stiffness, (p).preload, (p).damping, (p).coulomb, (p).extra, (p).stribeck_velocity, (p).velocity }
 
 // friction once it slides at v >= eps [N m or N]
-static real joint_sliding_friction(const JointEffectLaw d, const real v) {
+static inline real joint_sliding_friction(const JointEffectLaw d, const real v) {
   return d.coulomb + d.extra * exp(-(v / d.stribeck_velocity) * (v / d.stribeck_velocity));
 }
 
 // R(v) [W]
-static real joint_friction_power(const JointEffectLaw d, const real v) {
+static inline real joint_friction_power(const JointEffectLaw d, const real v) {
   const real y = fabs(v), eps = d.velocity;
   if (y < eps) return joint_sliding_friction(d, eps) * (smooth_coulomb(y, eps) - eps / 3);
   const real u = d.stribeck_velocity;
@@ -37,28 +37,28 @@ static real joint_friction_power(const JointEffectLaw d, const real v) {
 }
 
 // R'(v) / v [N m s/rad or N s/m]
-static real joint_friction_over_rate(const JointEffectLaw d, const real v) {
+static inline real joint_friction_over_rate(const JointEffectLaw d, const real v) {
   const real y = fabs(v);
   return joint_sliding_friction(d, fmax(y, d.velocity)) * smooth_coulomb_slope_over(y, d.velocity);
 }
 
 // R''(v), never below zero [N m s/rad or N s/m]
-static real joint_friction_curvature(const JointEffectLaw d, const real v) {
+static inline real joint_friction_curvature(const JointEffectLaw d, const real v) {
   const real y = fabs(v), eps = d.velocity;
   return y < eps ? joint_sliding_friction(d, eps) * 2 * (1 - y / eps) / eps : 0;
 }
 
-real joint_effect_energy(const JointEffectLaw d, const real q, const real q0, const real h) {
+static inline real joint_effect_energy(const JointEffectLaw d, const real q, const real q0, const real h) {
   const real v = (q - q0) / h;
   return q * (0.5 * d.stiffness * q - d.preload) + h * (0.5 * d.damping * v * v + joint_friction_power(d, v));
 }
 
-real joint_effect_slope(const JointEffectLaw d, const real q, const real q0, const real h) {
+static inline real joint_effect_slope(const JointEffectLaw d, const real q, const real q0, const real h) {
   const real v = (q - q0) / h;
   return d.stiffness * q - d.preload + (d.damping + joint_friction_over_rate(d, v)) * v;
 }
 
-real joint_effect_curvature(const JointEffectLaw d, const real q, const real q0, const real h) {
+static inline real joint_effect_curvature(const JointEffectLaw d, const real q, const real q0, const real h) {
   const real v = (q - q0) / h;
   return d.stiffness + (d.damping + joint_friction_curvature(d, v)) / h;
 }

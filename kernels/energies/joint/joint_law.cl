@@ -21,12 +21,12 @@ constant real JOINT_LAW_WEIGHT[5] = {0.236926885056189087514264040719917, 0.4786
                                      0.236926885056189087514264040719917};
 
 // c: coefficients;  effort [N m or N]
-real joint_law_effort(const uint law, const real q, const real v, const real* c) {
+static inline real joint_law_effort(const uint law, const real q, const real v, const real* c) {
   switch (law) { JOINT_LAWS }
   return 0;
 }
 
-real joint_law_energy(const uint law, const real q, const real q0, const real h, const real* c) {
+static inline real joint_law_energy(const uint law, const real q, const real q0, const real h, const real* c) {
   real sum = 0, far = q - q0;
   for (int panel = 1; panel <= JOINT_LAW_PANELS; ++panel) {
     const real near = panel < JOINT_LAW_PANELS ? 0.5 * far : 0;
@@ -40,11 +40,11 @@ real joint_law_energy(const uint law, const real q, const real q0, const real h,
   return -sum;
 }
 
-real joint_law_slope(const uint law, const real q, const real q0, const real h, const real* c) {
+static inline real joint_law_slope(const uint law, const real q, const real q0, const real h, const real* c) {
   return -joint_law_effort(law, q, (q - q0) / h, c);
 }
 
-real joint_law_curvature(const uint law, const real q, const real q0, const real h, const real* c) {
+static inline real joint_law_curvature(const uint law, const real q, const real q0, const real h, const real* c) {
   const real step = 1e-4 * h;  // v differs by 2e-4 rad/s or m/s
   const real change = joint_law_slope(law, q + step, q0, h, c) - joint_law_slope(law, q - step, q0, h, c);
   return fmax((real)0, change / (2 * step));

@@ -16,5 +16,6 @@ typedef struct {
   f64 unused_;
 } PrismaticDrive;
 SHARED_SIZE(PrismaticDrive, 80);
+ENERGY_TERM(8, prismatic_drive, PrismaticDrive, 3);
 SHARED_END
 #endif

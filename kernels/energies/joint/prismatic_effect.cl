@@ -3,19 +3,21 @@
 #include "energies/joint/joint_effect_law.cl"
 #include "energies/joint/prismatic_effect.h"
 
-real prismatic_effect_energy(const PrismaticEffect p, const real3* x, const real3* x0, const real h) {
+static inline real prismatic_effect_energy(const PrismaticEffect p, const real3* x, const real3* x0, const real h) {
   const JointEffectLaw law = JOINT_EFFECT_LAW_OF(p);
   return joint_effect_energy(law, prismatic_coordinate(x), prismatic_coordinate(x0), h);
 }
 
-void prismatic_effect_gradient(const PrismaticEffect p, const real3* x, const real3* x0, const real h, real3* g) {
+static inline void prismatic_effect_gradient(const PrismaticEffect p, const real3* x, const real3* x0, const real h,
+                                             real3* g) {
   const JointEffectLaw law = JOINT_EFFECT_LAW_OF(p);
   const real slope = joint_effect_slope(law, prismatic_coordinate(x), prismatic_coordinate(x0), h);
   prismatic_derivatives(x, g);
   for (int s = 0; s < 3; ++s) g[s] *= slope;
 }
 
-void prismatic_effect_hessian(const PrismaticEffect p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void prismatic_effect_hessian(const PrismaticEffect p, const real3* x, const real3* x0, const real h,
+                                            real* H) {
   const JointEffectLaw law = JOINT_EFFECT_LAW_OF(p);
   real3 dq[3];
   prismatic_derivatives(x, dq);

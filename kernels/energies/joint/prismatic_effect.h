@@ -15,5 +15,6 @@ typedef struct {
   f64 unused_;
 } PrismaticEffect;
 SHARED_SIZE(PrismaticEffect, 80);
+ENERGY_TERM(12, prismatic_effect, PrismaticEffect, 3);
 SHARED_END
 #endif

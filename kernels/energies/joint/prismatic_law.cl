@@ -3,17 +3,18 @@
 #include "energies/joint/joint_law.cl"
 #include "energies/joint/prismatic_law.h"
 
-real prismatic_law_energy(const PrismaticLaw p, const real3* x, const real3* x0, const real h) {
+static inline real prismatic_law_energy(const PrismaticLaw p, const real3* x, const real3* x0, const real h) {
   return joint_law_energy(p.law, prismatic_coordinate(x), prismatic_coordinate(x0), h, p.coefficient);
 }
 
-void prismatic_law_gradient(const PrismaticLaw p, const real3* x, const real3* x0, const real h, real3* g) {
+static inline void prismatic_law_gradient(const PrismaticLaw p, const real3* x, const real3* x0, const real h,
+                                          real3* g) {
   const real slope = joint_law_slope(p.law, prismatic_coordinate(x), prismatic_coordinate(x0), h, p.coefficient);
   prismatic_derivatives(x, g);
   for (int s = 0; s < 3; ++s) g[s] *= slope;
 }
 
-void prismatic_law_hessian(const PrismaticLaw p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void prismatic_law_hessian(const PrismaticLaw p, const real3* x, const real3* x0, const real h, real* H) {
   real3 dq[3];
   prismatic_derivatives(x, dq);
   const real curvature = joint_law_curvature(p.law, prismatic_coordinate(x), prismatic_coordinate(x0), h, p.coefficient);

@@ -9,5 +9,6 @@ typedef struct {
   f64 coefficient[32];  // c0, c1, ... [SI]
 } PrismaticLaw;
 SHARED_SIZE(PrismaticLaw, 272);
+ENERGY_TERM(20, prismatic_law, PrismaticLaw, 3);
 SHARED_END
 #endif

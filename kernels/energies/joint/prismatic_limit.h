@@ -11,5 +11,6 @@ typedef struct {
   f64 unused_too;
 } PrismaticLimit;
 SHARED_SIZE(PrismaticLimit, 48);
+ENERGY_TERM(10, prismatic_limit, PrismaticLimit, 3);
 SHARED_END
 #endif

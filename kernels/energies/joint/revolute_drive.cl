@@ -3,19 +3,21 @@
 #include "energies/joint/joint_coordinate.cl"
 #include "energies/joint/revolute_drive.h"
 
-real revolute_drive_energy(const RevoluteDrive p, const real3* x, const real3* x0, const real h) {
+static inline real revolute_drive_energy(const RevoluteDrive p, const real3* x, const real3* x0, const real h) {
   const DriveLaw law = DRIVE_LAW_OF(p);
   return drive_energy(law, revolute_coordinate(x, x0, p.angle0), p.angle0, h);
 }
 
-void revolute_drive_gradient(const RevoluteDrive p, const real3* x, const real3* x0, const real h, real3* g) {
+static inline void revolute_drive_gradient(const RevoluteDrive p, const real3* x, const real3* x0, const real h,
+                                           real3* g) {
   const DriveLaw law = DRIVE_LAW_OF(p);
   const real slope = drive_slope(law, revolute_coordinate(x, x0, p.angle0), p.angle0, h);
   revolute_derivatives(x, g);
   for (int s = 0; s < 4; ++s) g[s] *= slope;
 }
 
-void revolute_drive_hessian(const RevoluteDrive p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void revolute_drive_hessian(const RevoluteDrive p, const real3* x, const real3* x0, const real h,
+                                          real* H) {
   const DriveLaw law = DRIVE_LAW_OF(p);
   real3 dq[4];
   revolute_derivatives(x, dq);

@@ -15,5 +15,6 @@ typedef struct {
   f64 play;           // within which a loose drive does not act [rad]
 } RevoluteDrive;
 SHARED_SIZE(RevoluteDrive, 80);
+ENERGY_TERM(7, revolute_drive, RevoluteDrive, 4);
 SHARED_END
 #endif

@@ -14,5 +14,6 @@ typedef struct {
   f64 angle0;             // q at the start of the step, whole turns included [rad]
 } RevoluteEffect;
 SHARED_SIZE(RevoluteEffect, 80);
+ENERGY_TERM(11, revolute_effect, RevoluteEffect, 4);
 SHARED_END
 #endif

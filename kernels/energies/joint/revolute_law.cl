@@ -3,17 +3,17 @@
 #include "energies/joint/joint_law.cl"
 #include "energies/joint/revolute_law.h"
 
-real revolute_law_energy(const RevoluteLaw p, const real3* x, const real3* x0, const real h) {
+static inline real revolute_law_energy(const RevoluteLaw p, const real3* x, const real3* x0, const real h) {
   return joint_law_energy(p.law, revolute_coordinate(x, x0, p.angle0), p.angle0, h, p.coefficient);
 }
 
-void revolute_law_gradient(const RevoluteLaw p, const real3* x, const real3* x0, const real h, real3* g) {
+static inline void revolute_law_gradient(const RevoluteLaw p, const real3* x, const real3* x0, const real h, real3* g) {
   const real slope = joint_law_slope(p.law, revolute_coordinate(x, x0, p.angle0), p.angle0, h, p.coefficient);
   revolute_derivatives(x, g);
   for (int s = 0; s < 4; ++s) g[s] *= slope;
 }
 
-void revolute_law_hessian(const RevoluteLaw p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void revolute_law_hessian(const RevoluteLaw p, const real3* x, const real3* x0, const real h, real* H) {
   real3 dq[4];
   revolute_derivatives(x, dq);
   const real q = revolute_coordinate(x, x0, p.angle0);

@@ -11,5 +11,6 @@ typedef struct {
   f64 coefficient[32];  // c0, c1, ... [SI]
 } RevoluteLaw;
 SHARED_SIZE(RevoluteLaw, 288);
+ENERGY_TERM(19, revolute_law, RevoluteLaw, 4);
 SHARED_END
 #endif

@@ -3,23 +3,25 @@
 #include "energies/joint/joint_coordinate.cl"
 #include "energies/joint/revolute_limit.h"
 
-real revolute_limit_excess(const RevoluteLimit p, const real3* x, const real3* x0) {
+static inline real revolute_limit_excess(const RevoluteLimit p, const real3* x, const real3* x0) {
   const real q = revolute_coordinate(x, x0, p.angle0);
   return fmax(q - p.upper, (real)0) + fmin(q - p.lower, (real)0);
 }
 
-real revolute_limit_energy(const RevoluteLimit p, const real3* x, const real3* x0, const real h) {
+static inline real revolute_limit_energy(const RevoluteLimit p, const real3* x, const real3* x0, const real h) {
   const real excess = revolute_limit_excess(p, x, x0);
   return 0.5 * p.stiffness * excess * excess;
 }
 
-void revolute_limit_gradient(const RevoluteLimit p, const real3* x, const real3* x0, const real h, real3* g) {
+static inline void revolute_limit_gradient(const RevoluteLimit p, const real3* x, const real3* x0, const real h,
+                                           real3* g) {
   const real slope = p.stiffness * revolute_limit_excess(p, x, x0);
   revolute_derivatives(x, g);
   for (int s = 0; s < 4; ++s) g[s] *= slope;
 }
 
-void revolute_limit_hessian(const RevoluteLimit p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void revolute_limit_hessian(const RevoluteLimit p, const real3* x, const real3* x0, const real h,
+                                          real* H) {
   real3 dq[4];
   revolute_derivatives(x, dq);
   joint_hessian(revolute_limit_excess(p, x, x0) != 0 ? p.stiffness : 0, 4, dq, H);

@@ -10,5 +10,6 @@ typedef struct {
   f64 angle0;        // q at the start of the step, whole turns included [rad]
 } RevoluteLimit;
 SHARED_SIZE(RevoluteLimit, 48);
+ENERGY_TERM(9, revolute_limit, RevoluteLimit, 4);
 SHARED_END
 #endif

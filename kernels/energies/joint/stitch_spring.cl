@@ -3,17 +3,18 @@
 #include "energies/joint/stitch_spring.h"
 #include "shared/real.h"
 
-real stitch_spring_energy(const StitchSpring p, const real3* x, const real3* x0, const real h) {
+static inline real stitch_spring_energy(const StitchSpring p, const real3* x, const real3* x0, const real h) {
   const real3 gap = x[0] - x[1];
   return 0.5 * p.stiffness * dot(gap, gap);
 }
 
-void stitch_spring_gradient(const StitchSpring p, const real3* x, const real3* x0, const real h, real3* g) {
+static inline void stitch_spring_gradient(const StitchSpring p, const real3* x, const real3* x0, const real h,
+                                          real3* g) {
   g[0] = p.stiffness * (x[0] - x[1]);
   g[1] = -g[0];
 }
 
-void stitch_spring_hessian(const StitchSpring p, const real3* x, const real3* x0, const real h, real* H) {
+static inline void stitch_spring_hessian(const StitchSpring p, const real3* x, const real3* x0, const real h, real* H) {
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < 6; ++j) H[6 * i + j] = i % 3 != j % 3 ? 0 : i == j ? p.stiffness : -p.stiffness;
 }

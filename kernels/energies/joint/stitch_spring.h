@@ -8,5 +8,6 @@ typedef struct {
   f64 stiffness;  // k [N/m], >= 0
 } StitchSpring;
 SHARED_SIZE(StitchSpring, 16);
+ENERGY_TERM(6, stitch_spring, StitchSpring, 2);
 SHARED_END
 #endif
