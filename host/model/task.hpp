@@ -59,8 +59,8 @@ struct ObjectSection {
   std::vector<VisualSection> visuals;  // empty: not seen
   bool is_fixed = false;
   bool is_visible = true;  // without visuals: whether the collision surface is shown
-  double density = 0;  // [kg/m^3]; either this or mass, neither if fixed
-  double mass = 0;     // [kg]
+  double density = 0;      // [kg/m^3]; either this or mass, neither if fixed
+  double mass = 0;         // [kg]
   double friction = 0.5;
   double affine_modulus = 1e9;  // [Pa]
   double size = 1;              // factor on its meshes

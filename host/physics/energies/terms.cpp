@@ -20,7 +20,7 @@ Terms::Terms(Device& device, const System& system)
     : ENERGY_TERMS(MAKE)
 #undef MAKE
 #define POINTER(folder, name, Struct, stencil) &name,
-      all_{ENERGY_TERMS(POINTER)} {
+          all_{ENERGY_TERMS(POINTER)} {
 #undef POINTER
 #define SET(folder, name, Struct, stencil) name.set(system.name.rows, system.name.world_first);
   ENERGY_TERMS(SET)
