@@ -1,4 +1,5 @@
-// The job scripts that `submit` writes, without --generate, whose options the program itself checks. That a cluster runs them is shown by scripts/test_slurm.sh.
+// The job scripts that `submit` writes, without --generate, whose options the program itself checks. That a cluster
+// runs them is shown by scripts/test_slurm.sh.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
