@@ -12,8 +12,8 @@
 #include <sstream>
 
 #include "host/base/error.hpp"
-#include "host/base/outputs.hpp"
 #include "host/base/numbers.hpp"
+#include "host/base/outputs.hpp"
 #include "host/formats/xml_depth.hpp"
 #include "host/pictures/srgb.hpp"
 #include "host/robot/link_mesh.hpp"
