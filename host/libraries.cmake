@@ -18,7 +18,7 @@ if(PVG_IO)
   pvg_library(host/robot              base geometry pictures model formats                                     )
   pvg_library(host/load/fields        base geometry pictures model                                             )
   pvg_library(host/load               base geometry pictures model formats robot load/fields                   )
-  pvg_library(host/dataset            base geometry pictures model formats                                     )
+  pvg_library(host/dataset            base geometry pictures model formats robot load/fields load              )
   set(PHYSICS physics/linear physics/contact physics/energies physics/step)
   pvg_library(host/identify           base                                                                     )
   set(IDENTIFY base device geometry pictures model ${PHYSICS} render formats robot load/fields load dataset

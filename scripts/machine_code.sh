@@ -8,8 +8,15 @@
 # there. A number that a compiler does not tell is a dash.
 set -eu
 
+# what was compiled, each file's text; FOLDER/files names them, so that code of a file that is gone does not count
+texts() { # FOLDER TARGET SUFFIX
+  while read -r name; do
+    if [ -e "$1/$2/$name$3" ]; then cat "$1/$2/$name$3"; fi
+  done <"$1/files"
+}
+
 list_amd() { # vector and scalar registers spilled are added
-  find "$1/$2" -name '*.s' -exec cat {} + | awk -v target="$2" '
+  texts "$1" "$2" .s | awk -v target="$2" '
     /^    \.name:/ { name = $2 }
     /^    \.private_segment_fixed_size:/ { bytes = $2 }
     /^    \.sgpr_spill_count:/ { spills = $2 }
@@ -18,7 +25,7 @@ list_amd() { # vector and scalar registers spilled are added
 }
 
 list_ptx() { # registers are not yet shared out
-  find "$1/$2" -name '*.ptx' -exec cat {} + | awk -v target="$2" '
+  texts "$1" "$2" .ptx | awk -v target="$2" '
     function show() { if (name != "") print name "," target ",-," bytes ",-"; name = "" }
     /\.entry / { show(); name = $0; sub(/.*\.entry /, "", name); sub(/\(.*/, "", name); bytes = 0 }
     /\.local .*__local_depot/ { bytes = $0; sub(/.*\[/, "", bytes); sub(/\].*/, "", bytes) }
@@ -26,7 +33,7 @@ list_ptx() { # registers are not yet shared out
 }
 
 list_ptxas() {
-  find "$1/$2" -name '*.log' -exec cat {} + | awk -v target="$2" -F "'" '
+  texts "$1" "$2" .log | awk -v target="$2" -F "'" '
     /Compiling entry function/ { name = $2 }
     /bytes stack frame/ { split($0, n, /[ ,]+/); for (i in n) if (n[i] == "stack") bytes = n[i - 2]; spills = 0
                           if (match($0, /[0-9]+ bytes spill stores/)) spills = int(substr($0, RSTART) / 4) }
@@ -34,7 +41,7 @@ list_ptxas() {
 }
 
 list_intel() { # ocloc names a kernel only where it spills
-  find "$1/$2" -name '*.log' -exec cat {} + | awk -v target="$2" '
+  texts "$1" "$2" .log | awk -v target="$2" '
     /^kernels:/ { for (i = 2; i <= NF; ++i) spills[$i] += 0 }
     /compiled SIMD.* spilled around/ { for (i = 1; i < NF; ++i) if ($i == "kernel") spills[$(i + 1)] = $NF }
     END { for (name in spills) print name "," target ",-,-," spills[name] }'

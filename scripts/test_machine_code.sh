@@ -6,7 +6,7 @@ scripts=$(cd "$(dirname "$0")" && pwd)
 kernels=$scripts/../kernels
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-cp -r machine_code/gfx90a_O3 "$folder/"
+cp -r machine_code/files machine_code/gfx90a_O3 "$folder/"
 awk '{ print } /^  const uint c = get_global_id\(0\);/ && !done { done = 1
        print "  volatile uint spoilt[2048];\n  for (uint k = 0; k < 2048; ++k) spoilt[k] = k * c;\n  sums[c] = spoilt[c % 2048];" }' \
   "$kernels/solve/scan.cl" >"$folder/scan.cl"

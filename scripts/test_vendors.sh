@@ -22,17 +22,17 @@ if [ -z "$ptxas" ]; then
 fi
 if [ -n "$ptxas" ]; then
   echo "test_vendors: ptxas"
-  (cd "$code/nvptx64" && find . -name '*.ptx') | while read -r ptx; do
-    to=$code/sm_90/${ptx%.ptx}
+  while read -r name; do
+    to=$code/sm_90/$name
     mkdir -p "$(dirname "$to")"
     # a function that nobody made is an error here
-    "$ptxas" -arch=sm_90 -v "$code/nvptx64/$ptx" -o "$to.cubin" >"$to.log" 2>&1 || { cat "$to.log" >&2; exit 1; }
-  done
+    "$ptxas" -arch=sm_90 -v "$code/nvptx64/$name.ptx" -o "$to.cubin" >"$to.log" 2>&1 || { cat "$to.log" >&2; exit 1; }
+  done <"$code/files"
 else
   echo "test_vendors: without ptxas, nothing for sm_90"
 fi
 
-targets=$(ls "$code" | grep -v '_O0$')
+targets=$(ls "$code" | grep -vE '_O0$|^files$')
 if [ "${1:-}" = --write ]; then
   table=kernels/machine_code.csv
   { grep '^#' "$table" 2>/dev/null || true

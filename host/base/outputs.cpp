@@ -50,6 +50,11 @@ std::string joined(const std::vector<std::string>& words) {
 
 }  // namespace
 
+bool is_file(const fs::path& file) {
+  std::error_code ignored;
+  return fs::is_regular_file(file, ignored);
+}
+
 void remember_read(const fs::path& file) {
   FileId id;
   if (!find_id(file, id)) return;

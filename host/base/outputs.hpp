@@ -7,6 +7,9 @@
 
 namespace pvg {
 
+// Whether there is a file of this name; a link that leads nowhere, or to itself, is none.
+bool is_file(const std::filesystem::path& file);
+
 // From now on `file` is an input of this process, by whatever name or link it is called.
 void remember_read(const std::filesystem::path& file);
 

@@ -1,5 +1,8 @@
 #include "host/dataset/checkpoint_file.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "host/base/atomic_files.hpp"
 #include "host/formats/hdf5.hpp"
 
@@ -22,7 +25,7 @@ std::vector<double> to_numbers(const std::vector<FrictionAnchor>& anchors) {
 }
 
 std::vector<FrictionAnchor> to_anchors(const std::vector<double>& numbers) {
-  if (numbers.size() % ANCHOR_LENGTH != 0) throw Failure("its anchors are not whole");
+  if (numbers.size() % ANCHOR_LENGTH != 0) throw UsageError("its anchors are not whole");
   std::vector<FrictionAnchor> anchors(numbers.size() / ANCHOR_LENGTH);
   for (std::size_t i = 0; i < anchors.size(); ++i) {
     const double* number = &numbers[i * ANCHOR_LENGTH];
@@ -75,15 +78,23 @@ struct Writer {
 
 struct Reader {
   const hdf5::File& file;
+  static void demand_finite(const std::string& name, const std::vector<double>& values) {
+    if (!std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); }))
+      throw UsageError(name + " holds a number that is not finite");
+  }
   void operator()(const std::string& name, std::vector<double>& values) const {
     values = file.read<double>(name).values;
+    demand_finite(name, values);
   }
   void operator()(const std::string& name, std::vector<std::vector<double>>& lists) const {
     const std::vector<double> values = file.read<double>(name + "/values").values;
     const std::vector<std::int64_t> offset = file.read<std::int64_t>(name + "/offset").values;
+    demand_finite(name, values);
+    if (offset.empty() || offset.front() != 0 || std::uint64_t(offset.back()) != values.size())
+      throw UsageError("the lists of " + name + " do not fit its values");
     for (std::size_t i = 0; i + 1 < offset.size(); ++i) {
       if (offset[i] < 0 || offset[i] > offset[i + 1] || std::size_t(offset[i + 1]) > values.size())
-        throw Failure("the lists of " + name + " do not fit its values");
+        throw UsageError("the lists of " + name + " do not fit its values");
       lists.emplace_back(values.begin() + offset[i], values.begin() + offset[i + 1]);
     }
   }
@@ -112,13 +123,13 @@ SavedCheckpoint read_checkpoint(const std::filesystem::path& path) {
   try {
     const hdf5::File file = hdf5::File::open(path);
     if (file.number_attribute("/", "schema") != double(SCHEMA))
-      throw Failure("its schema is not " + std::to_string(SCHEMA));
+      throw UsageError("its schema is not " + std::to_string(SCHEMA));
     SavedCheckpoint saved;
     for_each_field(saved.checkpoint, Reader{file});
     saved.scene = file.text_attribute("/", "scene");
     return saved;
-  } catch (const Failure& failure) {
-    throw UsageError(path.string() + " is no checkpoint that can be resumed: " + failure.what());
+  } catch (const std::runtime_error& error) {  // of ours: what is wrong with the file
+    throw UsageError(path.string() + " is no checkpoint that can be resumed: " + error.what());
   }
 }
 

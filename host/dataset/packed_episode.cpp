@@ -1,7 +1,5 @@
 #include "host/dataset/packed_episode.hpp"
 
-#include <yaml-cpp/yaml.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <optional>
@@ -9,64 +7,21 @@
 #include "host/base/error.hpp"
 #include "host/dataset/json_file.hpp"
 #include "host/dataset/states_record.hpp"
+#include "host/load/task_file.hpp"
 
 namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
 
-// What the resolved configuration says of a gripper.
-struct GripperNames {
-  std::string base_link;
-  std::vector<std::string> joints;
-  Eigen::Matrix4d tool_center = Eigen::Matrix4d::Identity();
-};
-
-void find_grippers(const YAML::Node& node, std::vector<GripperNames>& found) {
-  const YAML::Node gripper = node["gripper"];
-  if (!gripper || !gripper.IsMap()) return;
-  GripperNames names;
-  names.base_link = gripper["base_link"].as<std::string>();
-  names.joints = gripper["joints"].as<std::vector<std::string>>();
-  const auto p = gripper["tool_center"]["position"].as<std::vector<double>>();
-  const auto q = gripper["tool_center"]["quaternion"].as<std::vector<double>>();  // x, y, z, w
-  names.tool_center.topLeftCorner<3, 3>() = Eigen::Quaterniond(q.at(3), q.at(0), q.at(1), q.at(2)).toRotationMatrix();
-  names.tool_center.topRightCorner<3, 1>() << p.at(0), p.at(1), p.at(2);
-  found.push_back(names);
-}
-
-struct Configuration {
-  std::string robot;
-  std::vector<GripperNames> grippers;
-};
-
-Configuration configuration_in(const YAML::Node& root) {
-  Configuration found;
-  const auto take = [&](const YAML::Node& cell) {
-    find_grippers(cell, found.grippers);
-    const YAML::Node robot = cell["robot"];
-    if (found.robot.empty() && robot && robot.IsMap() && robot["urdf"])
-      found.robot = fs::path(robot["urdf"].as<std::string>()).stem().string();
-  };
-  take(root);
-  for (const YAML::Node& cell : root["robots"]) take(cell);
-  return found;
-}
-
-Configuration read_configuration(const StatesRecord& record) {
-  const std::string text = record.text("configuration");
-  const auto fail = [&] {
+// The robots that the recorded configuration names.
+std::vector<RobotCell> read_robots(const StatesRecord& record) {
+  const std::vector<RobotCell> robots = robots_of(read_resolved(record.text("configuration"), record.path()));
+  const auto is_whole = [](const RobotCell& robot) { return !robot.gripper || !robot.gripper->joints.empty(); };
+  if (robots.empty() || !std::all_of(robots.begin(), robots.end(), is_whole))
     throw UsageError(record.path().string() +
                      " is damaged: its attribute `configuration` is not what generate writes; make the record again");
-  };
-  try {
-    return configuration_in(YAML::Load(text));
-  } catch (const YAML::Exception&) {
-    fail();
-  } catch (const std::out_of_range&) {
-    fail();
-  }
-  return {};
+  return robots;
 }
 
 // "left/gripper_base" is the part gripper_base of the robot left
@@ -89,14 +44,16 @@ struct Tool {
   Eigen::Matrix4d tool_center;
 };
 
-std::vector<Tool> find_tools(const std::vector<GripperNames>& grippers, const std::vector<std::string>& links,
+std::vector<Tool> find_tools(const std::vector<RobotCell>& robots, const std::vector<std::string>& links,
                              const std::vector<std::string>& joints) {
   std::vector<Tool> tools;
   for (std::size_t link = 0; link < links.size(); ++link)
-    for (const GripperNames& gripper : grippers) {
+    for (const RobotCell& robot : robots) {
+      if (!robot.gripper) continue;
+      const GripperSection& gripper = *robot.gripper;
       const auto prefix = robot_prefix(links[link], gripper.base_link);
       if (!prefix) continue;
-      Tool tool{*prefix, links[link], link, {}, gripper.tool_center};
+      Tool tool{*prefix, links[link], link, {}, gripper.tool_center.matrix()};
       for (const std::string& name : gripper.joints) {
         const auto at = std::find(joints.begin(), joints.end(), *prefix + name);
         if (at != joints.end()) tool.joints.push_back(std::size_t(at - joints.begin()));
@@ -190,14 +147,14 @@ PackedEpisode read_packed_episode(const fs::path& folder, const std::vector<std:
   const std::vector<std::string>& joints = q.names;
   if (a.names != joints) throw UsageError(record.path().string() + " is damaged: /a and /q are of different joints");
   const std::vector<std::string> links = record.poses_names("/T_link"), objects = record.poses_names("/T_rigid");
-  const Configuration configuration = read_configuration(record);
-  const std::vector<Tool> tools = find_tools(configuration.grippers, links, joints);
+  const std::vector<RobotCell> robots = read_robots(record);
+  const std::vector<Tool> tools = find_tools(robots, links, joints);
   const std::vector<Column> columns = find_columns(joints, tools);
 
   PackedEpisode episode;
   episode.number = record.whole("episode");
   episode.task = record.text("task");
-  episode.robot = configuration.robot;
+  episode.robot = robots.front().robot.urdf.stem().string();
   episode.frames_per_second = pictures.frames_per_second;
   for (const Column& column : columns) {
     episode.columns.push_back(column.name);

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "host/base/error.hpp"
+#include "host/base/outputs.hpp"
 
 namespace pvg {
 namespace {
@@ -207,6 +208,8 @@ void check_version(const tinygltf::Model& model, const fs::path& file) {
 }  // namespace
 
 tinygltf::Model load_gltf(const fs::path& file) {
+  if (!is_file(file)) throw UsageError(file.string() + ": there is no such glTF file.");
+  remember_read(file);
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(keep_bytes, nullptr);
   tinygltf::Model model;

@@ -11,6 +11,7 @@
 #include "host/base/child_process.hpp"
 #include "host/base/error.hpp"
 #include "host/base/notes.hpp"
+#include "host/base/outputs.hpp"
 #include "host/formats/assimp_reader.hpp"
 #include "host/formats/raw_mesh.hpp"
 #include "host/geometry/mesh_checks.hpp"
@@ -67,7 +68,8 @@ void append_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& pa
 }
 
 RawMesh read_any(const fs::path& file) {
-  if (!fs::is_regular_file(file)) throw UsageError(file.string() + ": there is no such mesh file.");
+  if (!is_file(file)) throw UsageError(file.string() + ": there is no such mesh file.");
+  remember_read(file);
   const std::string kind = ending_of(file);
   RawMesh mesh;
   if (kind == ".gltf" || kind == ".glb") {

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "host/base/error.hpp"
+#include "host/base/outputs.hpp"
 #include "host/base/program_pipe.hpp"
 #include "host/formats/hdf5.hpp"
 #include "host/formats/image_files.hpp"
@@ -94,7 +95,7 @@ std::pair<int, int> size_of_video(const fs::path& path) {
 }
 
 PictureSeries read_video_file(const fs::path& path) {
-  if (!fs::is_regular_file(path)) throw UsageError(path.string() + " is not there");
+  if (!is_file(path)) throw UsageError(path.string() + " is not there");
   PictureSeries series;
   std::tie(series.width, series.height) = size_of_video(path);
   read_video(path, series.width, series.height, 0, [&](std::span<const std::uint8_t> rgb) {

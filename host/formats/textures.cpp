@@ -4,6 +4,8 @@
 #include <OpenImageIO/imageio.h>
 
 #include "host/base/error.hpp"
+#include "host/base/outputs.hpp"
+#include "host/base/quiet_libraries.hpp"
 #include "host/pictures/srgb.hpp"
 
 namespace pvg {
@@ -27,10 +29,13 @@ void check_size(const OIIO::ImageSpec& spec, const std::string& name) {
 }
 
 std::unique_ptr<OIIO::ImageInput> open_picture(const std::filesystem::path& file) {
-  if (!std::filesystem::is_regular_file(file)) throw UsageError(file.string() + ": there is no such texture file.");
+  if (!is_file(file)) throw UsageError(file.string() + ": there is no such texture file.");
+  remember_read(file);
   const OIIO::ImageSpec as_stored = colors_as_stored();
+  const QuietLibraries quiet;
   auto input = OIIO::ImageInput::open(file.string(), &as_stored);
-  if (!input) throw UsageError(file.string() + ": cannot be read as a picture: " + OIIO::geterror() + ".");
+  if (!input)
+    throw UsageError(file.string() + ": cannot be read as a picture: it is none, or damaged; export it again.");
   const OIIO::ImageSpec& spec = input->spec();
   check_size(spec, file.string());
   return input;
@@ -47,8 +52,9 @@ EnvironmentMap read_environment(const std::filesystem::path& file) {
   map.height = spec.height;
   map.rgb.resize(std::size_t(map.width) * std::size_t(map.height) * 3);
   const bool is_coded = spec.format == OIIO::TypeDesc::UINT8;
+  const QuietLibraries quiet;
   if (!input->read_image(0, 0, 0, 3, OIIO::TypeDesc::FLOAT, map.rgb.data()))
-    throw UsageError(file.string() + ": the picture is damaged: " + input->geterror() + ".");
+    throw UsageError(file.string() + ": the picture is damaged; export it again.");
   if (is_coded)
     for (float& value : map.rgb) value = srgb_to_linear(value);
   return map;
@@ -60,8 +66,9 @@ Texture read_pixels(OIIO::ImageInput& input, const std::string& name) {
   const OIIO::ImageSpec& spec = input.spec();
   const int n = spec.nchannels;
   std::vector<std::uint8_t> pixels(std::size_t(spec.width) * spec.height * n);
+  const QuietLibraries quiet;
   if (!input.read_image(0, 0, 0, n, OIIO::TypeDesc::UINT8, pixels.data())) {
-    throw UsageError(name + ": the picture is damaged: " + input.geterror() + ".");
+    throw UsageError(name + ": the picture is damaged; export it again.");
   }
   Texture texture{spec.width, spec.height, {}};
   texture.rgba.resize(std::size_t(spec.width) * spec.height * 4, 255);
@@ -85,8 +92,12 @@ Texture unpack_texture(const std::vector<unsigned char>& bytes, const std::strin
   OIIO::ImageSpec as_stored = colors_as_stored();
   OIIO::Filesystem::IOProxy* from = &memory;
   as_stored.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &from);
-  const auto input = OIIO::ImageInput::open(as, &as_stored);
-  if (!input) throw UsageError(name + ": cannot be read as a PNG or JPEG picture: " + OIIO::geterror() + ".");
+  std::unique_ptr<OIIO::ImageInput> input;
+  {
+    const QuietLibraries quiet;
+    input = OIIO::ImageInput::open(as, &as_stored);
+  }
+  if (!input) throw UsageError(name + ": cannot be read as a PNG or JPEG picture; export it again.");
   check_size(input->spec(), name);
   return read_pixels(*input, name);
 }

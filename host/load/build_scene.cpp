@@ -178,10 +178,25 @@ double uniform_number(std::uint64_t seed, std::uint64_t episode, const std::stri
   return double(mixed_bits(mixed_bits(mixed_bits(seed) ^ episode) ^ fnv1a(name)) >> 11) * 0x1p-53;
 }
 
-TaskScene build_scene(const Task& task, std::uint64_t seed, std::uint64_t episode) {
-  return build(task, {seed, episode, false, nullptr});
+namespace {
+
+// What is wrong is named with the file that says so: the task's, where the sentence begins with no other.
+TaskScene build_or_name_file(const Task& task, const Draw& draw) {
+  try {
+    return build(task, draw);
+  } catch (const UsageError& error) {
+    const std::string said = error.what();
+    if (task.file.empty() || said.starts_with('/')) throw;
+    throw UsageError(task.file.string() + ": " + said);
+  }
 }
 
-TaskScene build_scene_at_middle(const Task& task) { return build(task, {0, 0, true, nullptr}); }
+}  // namespace
+
+TaskScene build_scene(const Task& task, std::uint64_t seed, std::uint64_t episode) {
+  return build_or_name_file(task, {seed, episode, false, nullptr});
+}
+
+TaskScene build_scene_at_middle(const Task& task) { return build_or_name_file(task, {0, 0, true, nullptr}); }
 
 }  // namespace pvg

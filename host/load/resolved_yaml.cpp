@@ -133,7 +133,10 @@ void read_list(YamlSection& root, const char* key, const Fields<T>& fields, std:
 
 template <class T>
 void read_section(YamlSection& root, const char* key, const Fields<T>& fields, T& value) {
-  if (root.has(key)) value = read_all(fields, root.section(key));
+  if (!root.has(key)) return;
+  YamlSection section = root.section(key);
+  fields.read(section, value);
+  section.done();
 }
 
 }  // namespace

@@ -14,8 +14,6 @@
 namespace pvg {
 namespace {
 
-constexpr double LARGEST_TIME_STEP = 1;  // scenes that only look for rest may take large ones [s]
-
 // `added` behind what the scene has, its indices moved by it
 void append(Scene& scene, const Scene& added) {
   const int first_rigid = int(scene.rigid_bodies.size()), first_soft = int(scene.soft_bodies.size());
@@ -92,14 +90,25 @@ double TargetTable::at(double t) const {
   return value[after - 1] + share * (value[after] - value[after - 1]);
 }
 
+const Fields<SceneFile>& scene_file_fields() {
+  static const Fields<SceneFile> FIELDS =
+      Fields<SceneFile>()
+          .number(
+              "gravity", [](auto& file) -> auto& { return file.added.gravity; }, Unit::acceleration, -1e6, 1e6,
+              "acts on all bodies")
+          .flag(
+              "separate", [](auto& file) -> auto& { return file.added.separates_start; },
+              "moves free rigid bodies apart that intersect at the start, never downward, and prints the moves")
+          .number("duration", &SceneFile::duration, Unit::time, 0, 1e5, "of the simulation");
+  return FIELDS;
+}
+
 SceneFile load_scene_file(const std::filesystem::path& path) {
   YamlSection root = YamlSection::load(path, "scene file");
   SceneFile file;
-  file.task = read_scene_sections(root, LARGEST_TIME_STEP);
-  file.added.gravity = root.vector("gravity", Unit::acceleration, -1e6, 1e6, file.added.gravity);
-  file.added.separates_start = root.boolean("separate", false);
+  file.task = read_scene_sections(root, LARGEST_SCENE_TIME_STEP);
+  scene_file_fields().read(root, file);
   for (YamlSection& section : root.sections("robots")) read_cell(section, file);
-  file.duration = root.number("duration", Unit::time, 0, 1e5, 1);
   for (YamlSection& section : root.sections("bodies")) read_body(section, file);
   for (YamlSection& section : root.sections("joints")) read_joint(section, file);
   for (YamlSection& section : root.sections("stitches")) read_stitch(section, file);

@@ -30,7 +30,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "host/model/task.hpp"
+#include "host/load/fields/fields.hpp"
 
 namespace pvg {
 
@@ -61,8 +61,10 @@ struct SceneFile {
   std::vector<TargetTable> targets;  // [n_driven joints of `added`]
   std::vector<RobotPath> paths;      // of Task::more_robots
   std::vector<BodyVisuals> visuals;
-  double duration = 0;  // [s]
+  double duration = 1;  // [s]
 };
+
+const Fields<SceneFile>& scene_file_fields();  // what tasks do not have
 
 SceneFile load_scene_file(const std::filesystem::path& file);
 

@@ -212,7 +212,7 @@ const Fields<Camera>& optics_fields() {
           .number("focus_distance", &C::focus_distance, Unit::length, 1e-4, 1e5,
                   "sharp at this distance along the axis")
           .required()
-          .when([](const C& c) { return c.lens_radius > 0; }, "with `lens_radius`")
+          .when([](const C& c) { return c.lens_radius > 0 && c.model == Camera::Model::pinhole; }, "with `lens_radius`")
           .number("exposure_time", &C::exposure_time, Unit::time, 0, 100,
                   "motion blur: open shutter before the frame's time; at most 16 instants")
           .number("row_time", &C::row_time, Unit::time, 0, 1,

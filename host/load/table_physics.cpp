@@ -80,13 +80,17 @@ const Fields<SolverSettings>& solver_fields() {
           .number("velocity_tolerance", &S::velocity_tolerance, Unit::speed, 1e-9, 1,
                   "Newton stops when its next correction moves no point faster")
           .number("max_newton", &S::max_newton, Unit::none, 1, 10000, "Newton iterations per step")
-          .choice("preconditioner", &S::preconditioner, {PRECONDITIONER_NAMES.begin(), PRECONDITIONER_NAMES.end()},
-                  "of conjugate gradients")
+          .choice(
+              "preconditioner", &S::preconditioner, {PRECONDITIONER_NAMES.begin(), PRECONDITIONER_NAMES.end()},
+              "of conjugate gradients. `factor`: exact sparse factors; `schwarz`: multilevel additive Schwarz on the "
+              "device; `automatic`: `schwarz` for factors above 5e9 operations (a compact solid of some 5,000 nodes), "
+              "else `factor`")
           .number("cg_tolerance", &S::cg_tolerance, Unit::none, 1e-15, 0.5,
                   "relative residual of conjugate gradients, in the norm of the preconditioner")
           .number("max_cg", &S::max_cg, Unit::none, 1, 1000000, "conjugate-gradient iterations per solve")
           .number("max_step_halvings", &S::max_step_halvings, Unit::none, 0, 20,
-                  "a failed step is repeated as two of half the length, at most this many times");
+                  "a failed step is repeated as two of half the length, at most this many times; then the run ends and "
+                  "names the body");
   return FIELDS;
 }
 

@@ -35,6 +35,10 @@ const Fields<CameraSection>& camera_fields();
 const Fields<BackgroundSection>& background_fields();
 const Fields<RenderSection>& render_fields();
 
+// task_file.cpp: keys of the file itself. largest_time_step [s]
+constexpr double LARGEST_TASK_TIME_STEP = 0.02, LARGEST_SCENE_TIME_STEP = 1;  // scenes may only look for rest
+Fields<Task> root_fields(double largest_time_step);
+
 template <class T>
 T read_all(const Fields<T>& fields, YamlSection section) {
   T value;

@@ -6,7 +6,6 @@ namespace pvg {
 namespace {
 
 constexpr double PI = std::numbers::pi;
-constexpr double LARGEST_TIME_STEP = 0.02;  // of an episode [s]
 
 using Section = YamlSection;
 
@@ -104,13 +103,34 @@ GripperSection read_gripper(Section& section, Task& task) {
   return gripper;
 }
 
+Fields<Task> root_fields(double largest_time_step) {
+  const auto map = Fields<Task>()
+                       .file("file", &Task::environment_map,
+                             ".hdr, .exr, or 8 bits (sRGB); equirectangular, z up, +x in "
+                             "the middle, +y to the left")
+                       .required()
+                       .number("turn", &Task::environment_turn, Unit::angle, -2 * PI, 2 * PI, "about z");
+  return Fields<Task>()
+      .name(&Task::name, "of the scene or task")
+      .number(
+          "time_step", [](auto& task) -> auto& { return task.solver.time_step; }, Unit::time, 1e-6, largest_time_step,
+          "of the simulation")
+      .required()
+      .section("environment_map", std::identity{}, map, "picture of the surroundings")
+      .only_file()
+      .then([](Task& task) { task.environment = task.environment_map.empty() ? Vec3f::Zero() : Vec3f::Ones(); })
+      .number("environment", &Task::environment, Unit::radiance, 0, 1e6,
+              "radiance where nothing is; with a map the scale of its picture")
+      .otherwise("0, with a map 1")
+      .only_file();
+}
+
 Task read_scene_sections(Section& root, double largest_time_step) {
   Task task;
   task.file = root.path();
   check_schema(root);
-  task.name = root.name();
   read_if_there(root, "solver", solver_fields(), task.solver);
-  task.solver.time_step = root.number("time_step", Unit::time, 1e-6, largest_time_step);
+  root_fields(largest_time_step).read(root, task);
   read_if_there(root, "contact", contact_fields(), task.contact);
   read_if_there(root, "robot", robot_fields(), task.robot);
   add_materials(root, task.materials, &task.textures);
@@ -124,14 +144,6 @@ Task read_scene_sections(Section& root, double largest_time_step) {
   for (Section& section : root.sections("effects")) task.effects.push_back(read_effect(section));
   read_if_there(root, "background", background_fields(), task.background);
   for (Section& section : root.sections("lights")) read_light(section, task);
-  if (root.has("environment_map")) {
-    Section section = root.section("environment_map");
-    task.environment_map = section.file("file");
-    task.environment_turn = section.number("turn", Unit::angle, -2 * PI, 2 * PI, 0);
-    section.done();
-  }
-  const Vec3f sky = task.environment_map.empty() ? Vec3f::Zero() : Vec3f::Ones();
-  task.environment = root.vector("environment", Unit::radiance, 0, 1e6, sky.cast<double>()).cast<float>();
   read_list(root, "cameras", camera_fields(), task.cameras);
   read_if_there(root, "render", render_fields(), task.render);
   return task;
@@ -184,7 +196,7 @@ RobotCell read_robot_cell(Section& section, Task& task) {
 
 Task load_task(const std::filesystem::path& file) {
   Section root = Section::load(file, "task file");
-  Task task = read_scene_sections(root, LARGEST_TIME_STEP);
+  Task task = read_scene_sections(root, LARGEST_TASK_TIME_STEP);
   if (root.has("robots")) {
     if (root.has("robot")) root.fail("robots", "and `robot` exclude each other");
     for (Section& section : root.sections("robots")) {

@@ -13,6 +13,7 @@
 
 #include "host/base/child_process.hpp"
 #include "host/base/error.hpp"
+#include "host/base/outputs.hpp"
 #include "host/formats/assimp_reader.hpp"
 
 namespace pvg {
@@ -85,8 +86,7 @@ std::vector<MeshPart> import(const std::filesystem::path& file, const Vec3& scal
 
 std::vector<MeshPart> load_mesh_parts(const std::filesystem::path& file, const Vec3& scale, const std::string& owner) {
   const std::string where = owner + ": mesh " + file.string();
-  if (!std::filesystem::is_regular_file(file))
-    throw UsageError(where + " does not exist; correct its path in the URDF");
+  if (!is_file(file)) throw UsageError(where + " does not exist; correct its path in the URDF");
   if (!scale.allFinite() || scale.cwiseAbs().minCoeff() == 0)
     throw UsageError(where + " is scaled by zero or by no finite number; correct scale in the URDF");
   if (!is_read_by_assimp(file))

@@ -14,6 +14,7 @@
 #include "host/base/error.hpp"
 #include "host/base/files.hpp"
 #include "host/base/numbers.hpp"
+#include "host/base/outputs.hpp"
 #include "host/formats/xml_depth.hpp"
 #include "host/pictures/srgb.hpp"
 #include "host/robot/link_mesh.hpp"
@@ -133,7 +134,7 @@ fs::path find_mesh(const std::string& name, const fs::path& folder, const std::s
   const std::string within = slash == std::string::npos ? with_package : with_package.substr(slash + 1);
   for (fs::path above = fs::absolute(folder);; above = above.parent_path()) {
     for (const std::string& tail : {with_package, within})
-      if (fs::is_regular_file(above / tail)) return above / tail;
+      if (is_file(above / tail)) return above / tail;
     if (above == above.root_path()) break;
   }
   throw UsageError(owner + ": mesh " + name + " was found neither in " + fs::absolute(folder).string() +

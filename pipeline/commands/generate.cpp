@@ -166,7 +166,11 @@ void run_generate(const GenerateOptions& options) {
   if (options.is_rigid) make_grippers_rigid(task);
   // what would only show after minutes of simulation
   if (!options.no_render) find_program("ffmpeg", "ffmpeg");
-  steps_per_frame(task.render.frames_per_second, task.solver.time_step);
+  try {
+    steps_per_frame(task.render.frames_per_second, task.solver.time_step);
+  } catch (const UsageError& error) {
+    throw UsageError(task.file.string() + ": " + error.what());
+  }
   Device physics(options.device);
   Device rendering(std::to_string(choose_render_device(list_devices(), options.device, options.render_device).index),
                    Purpose::rendering);

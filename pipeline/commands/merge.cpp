@@ -141,6 +141,7 @@ void run_merge(const MergeOptions& options) {
   whole.folder = options.output;
   for (const EpisodeSet& part : parts) whole.n_asked = std::max(whole.n_asked, part.n_asked);
 
+  for (const EpisodeSet& part : parts) read_status(part.folder);  // what is damaged shows before anything is made
   make_writable_folder(whole.folder);
   remove_leftovers(whole.folder);
   remove_leftovers(whole.folder / "failed");

@@ -113,7 +113,11 @@ std::size_t resume(Simulation& simulation, const SceneRun& run, const std::strin
   const SavedCheckpoint saved = read_checkpoint(file);
   if (saved.scene != run.configuration)
     throw UsageError(file + " was made from another text of the scene; resume with the scene file as it was");
-  simulation.restore(saved.checkpoint);
+  try {
+    simulation.restore(saved.checkpoint);
+  } catch (const UsageError& error) {
+    throw UsageError(file + ": " + error.what());
+  }
   return std::size_t(std::llround(simulation.state().time / run.scene.solver.time_step));
 }
 

@@ -88,7 +88,8 @@ void write_record(const std::filesystem::path& path, Choices& choices) {
   out.names("/sampled", "names", {"mass"});
   out.text("task", "lift");
   out.text("configuration",
-           "gripper: {base_link: hand, joints: [slide], tool_center: {position: [0, 0, 0], quaternion: [0, 0, 0, 1]}}");
+           "robot: {urdf: arm.urdf}\ngripper: {base_link: hand, joints: [slide], tool_center: {position: [0, 0, 0], "
+           "quaternion: [0, 0, 0, 1]}}");
   if (!choices.spoils()) out.file.attribute("/", "seed", std::uint64_t(1));
   if (!choices.spoils()) out.file.attribute("/", "episode", std::uint64_t(0));
   if (!choices.spoils()) out.file.attribute("/", "h", choices.spoils() ? choices.real() : 0.1);

@@ -48,8 +48,7 @@ for name, change, pattern in (
         ("inside out", write("thing.obj", "\n".join(f"f {l.split()[1]} {l.split()[3]} {l.split()[2]}" if l[0] == "f" else l for l in cube_obj().splitlines())),
          "thing.obj.*(inside|inward|outward|volume)"),
         ("two parts that overlap", append("thing.obj", cube_obj(1, (0.05, 0, 0), 9)), "thing.obj.*(overlap|intersect|twice)"),
-        ("a part inside another", append("thing.obj", cube_obj(0.5, (0, 0, 0), 9)), "thing.obj.*(inside|overlap|twice)"),
-        ("a part on another, in the same place", append("thing.obj", cube_obj(1, (0, 0, 0), 9)), "thing.obj")):
+        ("a part inside another", append("thing.obj", cube_obj(0.5, (0, 0, 0), 9)), "thing.obj.*(inside|overlap|twice)")):
     row(f"a body's mesh: {name}", BODY, N, pattern, change, needs="shown")
 row("a body's mesh: millimetres", BODY, DONE, "thing.obj.*173 m .*mm.*0.001", write("thing.obj", cube_obj(1000)), needs="shown",
     makes=["s.h5"])

@@ -29,7 +29,7 @@ for name, *steps in (("none", remove(YAML)), ("empty", write(YAML)), ("words", w
     row(f"recording.yaml: {name}", CHECK, N, "recording.yaml", *steps, needs="rec")
 for old, new, key in (
         ("schema: 1", "schema: 2", "schema"), ("schema: 1\n", "", "schema"), ("scene: scene.yaml", "scene: none.yaml", "none.yaml"), ("scene: scene.yaml", "scene: .", "scene"),
-        ("scene: scene.yaml", "scene: recording.yaml", "recording.yaml"), ("scene: scene.yaml", "scene: /etc/hostname", "hostname|"), ("scene: scene.yaml\n", "", "scene"),
+        ("scene: scene.yaml", "scene: recording.yaml", "recording.yaml"), ("scene: scene.yaml", "scene: run_0.csv", "run_0"), ("scene: scene.yaml\n", "", "scene"),
         ("file: run_0.csv", "file: none.csv", "none.csv"), ("file: run_0.csv", "file: ../../../../etc/passwd", "passwd"), ("role: fit", "role: maybe", "role.*maybe"),
         ("role: fit", "rolle: fit", "role"), ("channels:", "chanels:", "chan"), ("column: q,", "column: nope,", "nope"), ("column: q,", "columns: [q, q],", "column"),
         ("column: q,", "", "column"), ("kind: position", "kind: smell", "smell"), ("joint: hinge", "joint: knee", "knee"), ("joint: hinge", "body: moon", "moon|columns"),
@@ -46,7 +46,7 @@ for old, new, key in (
 row("every run held out", "diagnose rec -o r", N, "recording.yaml.*held out.*fit", edit(YAML, "role: fit", "role: held_out", 9), needs="rec", notes=9)
 row("the same run twice to fit", CHECK, N, "run_0.csv.*(twice|same)", edit(YAML, "run_1.csv", "run_0.csv"), needs="rec")
 row("a run that is fitted and held out", CHECK, N, "run_0.csv.*held", edit(YAML, "run_3.csv", "run_0.csv"), needs="rec")
-row("a held-out run that is a copy of a fitted one", CHECK, N, "run_3.csv.*run_0.csv.*(same|identical)|(same|identical).*run_3", remove("rec/run_3.csv"),
+row("a held-out run that is a copy of a fitted one", CHECK, N, "run_0.csv.*run_3.csv.*same.*proves nothing", remove("rec/run_3.csv"),
     copy(RUN, "rec/run_3.csv"), needs="rec")
 row("a recording that is not there", "diagnose nowhere --check", N, "nowhere")
 row("an empty suite", "diagnose --suite empty -o r", N, "empty", make_folder("empty"))
@@ -61,12 +61,12 @@ for name, step, pattern in (
         ("a word in a cell", table(lambda r: r[:5] + [[r[5][0], "abc"]] + r[6:]), "run_0.csv.*line 6.*abc"), ("a decimal comma", edit(RUN, ".", ","), "run_0.csv.*line 2"),
         ("semicolons", lambda f: (f / RUN).write_text((f / RUN).read_text().replace(",", ";")), "run_0.csv.*(;|semicolon|`t`)"), ("time that goes back", table(lambda r: r[:5] + [r[4]] + r[5:]), "run_0.csv.*time"),
         ("time that stands still", table(lambda r: r[:1] + [["1.0"] + x[1:] for x in r[1:]]), "run_0.csv.*time"), ("a time of nan", table(lambda r: r[:5] + [["nan", r[5][1]]] + r[6:]), "run_0.csv.*time"),
-        ("a time of inf", table(lambda r: r[:-1] + [["inf", r[-1][1]]]), "run_0.csv.*time"), ("no number in a column", table(lambda r: r[:1] + [[x[0], ""] for x in r[1:]]), "run_0.csv|no number"),
+        ("a time of inf", table(lambda r: r[:-1] + [["inf", r[-1][1]]]), "run_0.csv.*line.*inf"), ("no number in a column", table(lambda r: r[:1] + [[x[0], ""] for x in r[1:]]), "run_0.csv|no number"),
         ("a value of 1e300", table(lambda r: r[:5] + [[r[5][0], "1e300"]] + r[6:]), "run_0.csv|large"), ("a value of inf", table(lambda r: r[:5] + [[r[5][0], "inf"]] + r[6:]), "run_0.csv.*line 6")):
     for_all = name == "no number in a column"
     steps = [step] if not for_all else [table(lambda r: r[:1] + [[x[0], ""] for x in r[1:]], f) for f in ALL_RUNS]
     row(f"a run: {name}", CHECK, N, pattern, *steps, needs="rec")
-row("nothing that moves", CHECK, N, "constant|motion", *[table(lambda r: r[:1] + [[x[0], "0.5"] for x in r[1:]], f) for f in ALL_RUNS], needs="rec")
+row("nothing that moves", CHECK, N, "constant|motion", *[table(lambda r, i=i: r[:1] + [[x[0], f"0.{i + 1}"] for x in r[1:]], f) for i, f in enumerate(ALL_RUNS)], needs="rec")
 row("time in milliseconds", CHECK, DONE, r"run_0.csv.*milliseconds.*1000", *[table(scaled(0, 1000), f) for f in ALL_RUNS], needs="rec")
 row("angles in degrees", CHECK, DONE, r"degrees.*57\.3", *[table(scaled(1, 57.29577951), f) for f in ALL_RUNS], needs="rec")
 row("a byte-order mark", CHECK, DONE, "4 runs", *[lambda f, n=n: (f / n).write_bytes(b"\xef\xbb\xbf" + (f / n).read_bytes()) for n in ALL_RUNS], needs="rec")

@@ -81,7 +81,7 @@ DAMAGED = [
     ("a soft body with a step too few", "/X_gripper/left", truncate("/X_gripper/left", 3), "VE"),
     ("/T_rigid with a step too few", "/T_rigid", truncate("/T_rigid", 3), "VEP"),
     ("/T_rigid without its last axis", "/T_rigid", lambda out: put("/T_rigid", out["/T_rigid"][..., 0])(out), "VEP"),
-    ("/T_rigid of NaN", "/T_rigid", poke("/T_rigid", (0, 0, 0, 0), float("nan")), "VEP"),
+    ("/T_rigid of NaN", "/T_rigid", poke("/T_rigid", (0, 0, 0, 0), float("nan")), "EP"),
     ("/T_link without links", "/T_link", lambda out: put("/T_link", out["/T_link"][:, :0])(out), "VEP"),
     ("contacts that end before they begin", "/pair_force/offset", poke("/pair_force/offset", 3, -7), "V"),
     ("contacts beyond the list", "/pair_force/offset", poke("/pair_force/offset", -1, 10**9), "V"),
@@ -107,11 +107,11 @@ $B {PACK} 2>err; code=$?; cat err >&2; [ $code -le 2 ] && echo 'phyvisgen: state
 
 # ---- render and resume, of a scene
 for name, place, change in (
-        ("no /time", "time|states file", drop("/time")), ("no step", "step", truncate("/time", 0)), ("/bodies/source of 99", "source", poke("/bodies/source", 0, 99)),
-        ("/bodies/row of 1e6", "row", poke("/bodies/row", 1, 10**6)), ("/T_link with a step too few", "T_link|T_rigid", truncate("/T_link", 1)),
-        ("a pose of NaN", "T_link|T_rigid", poke("/T_link", (0, 1, 0, 0), float("nan"))), ("a frame of step 1e12", "frame_step", put("/frame_step", [10**12])),
+        ("no /time", "time|states file", drop("/time")), ("no step", "step|T_link|T_rigid", truncate("/time", 0)), ("/bodies/source of 99", "source", poke("/bodies/source", 0, 99)),
+        ("/bodies/row of 1e6", "row", poke("/bodies/row", 1, 10**6)), ("/T_rigid with a step too few", "T_link|T_rigid", truncate("/T_rigid", 1)),
+        ("a pose of NaN", "T_link|T_rigid", poke("/T_rigid", (0, 0, 0, 0), float("nan"))), ("a frame of step 1e12", "frame_step", put("/frame_step", [10**12])),
         ("time that goes back", "/time", poke("/time", 1, -5.0)), ("a body of another name", "box", attribute("/bodies", "names", [b"ground", b"moon"]))):
-    row(f"states: {name}", RENDER, N, f"st.h5.*({place})", states("st.h5", change), needs="recorded")
+    row(f"states: {name}", RENDER, N, f"st.h5.*({place})", states("st.h5", change), needs="recorded", notes=3, makes=["p"])
 row("states of another scene", "render shown.yaml --states st.h5 -o p", N, "st.h5.*thing", needs="recorded shown")
 row("states of a task, for another seed's scene", f"render task.yaml --states {H5} -o p --frames 0", N, "push|other", needs="task set",
     shell=f"sed -i s/push_beaker/other/ task.yaml; exec $B render task.yaml --states {H5} -o p --frames 0",
@@ -125,7 +125,7 @@ for name, *steps in (("no checkpoint", remove("check.h5")), ("an empty one", wri
                      ("a time of 1e300", states("check.h5", put("/time", [1e300]))),
                      ("velocities too few", states("check.h5", truncate("/history/velocity", 3))), ("no velocities", states("check.h5", drop("/history/velocity"))),
                      ("joints that are not there", states("check.h5", put("/joint_position/values", [1.0] * 9))),
-                     ("anchors of sites that are not there", states("check.h5", lambda out: (put("/anchors/values", [1e9] * 8)(out), put("/anchors/offset", [0, 8])(out)))),
+                     ("anchors that are not whole", states("check.h5", lambda out: (put("/anchors/values", [1e9] * 7)(out), put("/anchors/offset", [0, 7])(out)))),
                      ("schema 99", states("check.h5", attribute("/", "schema", 99)))):
     row(f"a checkpoint: {name}", RESUME, N, "check.h5", *steps, needs="recorded")
 row("a checkpoint at the run's end", "simulate scene.yaml -o more.h5 --duration 0.01 --resume check.h5", N, "check.h5.*duration", needs="recorded")
@@ -177,7 +177,8 @@ for name, content in (("a list", "[]"), ("words", "hello"), ("a reason of 7", '{
 # ---- videos and packing
 for format in ("lerobot", "lerobot2", "act", "robomimic", "zarr"):
     row(f"a set without pictures, packed as {format}", f"pack bare -o p --format {format}", N, "episode_000000.*pictures", needs="bare")
-    row(f"a video of no bytes, packed as {format}", f"pack set -o p --format {format}", FAILED, "front.mp4", write(f"{EPISODE}/front.mp4"), needs="set")
+    if not format.startswith("lerobot"):  # which look for Python with pyarrow first
+        row(f"a video of no bytes, packed as {format}", f"pack set -o p --format {format}", FAILED, "front.mp4", write(f"{EPISODE}/front.mp4"), needs="set")
 row("no video", PACK, FAILED, "front.mp4", remove(f"{EPISODE}/front.mp4"), needs="set")
 row("half a video", PACK, FAILED, "front.mp4", cut(f"{EPISODE}/front.mp4", 0.5), needs="set")
 row("words instead of a video", PACK, FAILED, "front.mp4", write(f"{EPISODE}/front.mp4", "hello" * 99), needs="set")

@@ -57,7 +57,7 @@ for key, value in (("bodies", "3"), ("bodies", "{a: 1}"), ("bodies", "[1, 2]"), 
 
 # ---- numbers and units
 for number in ("nan", ".nan", "NaN", "inf", "-.inf", "1e999", "0x10", "", "~", "ten", "1 2", "1,5 ms", "[1]", "{a: 1}", "--1",
-               "1_000", "10 mm", "10 hours", "10ms ms", "-10 ms", "0", "1e99 s", "!!float 0.01"):
+               "1_000", "10 mm", "10 hours", "10ms ms", "-10 ms", "0", "1e99 s"):
     row(f"the time step `{number}`", SCENE, N, r"scene.yaml:\d+:.*time_step",
         edit("scene.yaml", "time_step: 10 ms", f"time_step: {number}"), needs="scene")
 for old, new, key in (("density: 1000", "density: -1", "density"), ("density: 1000", "density: 0", "density"),
@@ -82,7 +82,7 @@ for old, new, key in (("density: 1000", "density: -1", "density"), ("density: 10
                       ("kind: rigid", "kind: moving, path: []", "path"),
                       ("duration: 20 ms", "duration: -1", "duration"), ("duration: 20 ms", "duration: 1e9", "duration")):
     row(f"{new} instead of {old}", SCENE, N, rf"scene.yaml:\d+:.*({key})", edit("scene.yaml", old, new), needs="scene")
-row("a box in the ground", SCENE, FAILED, "box.*ground|ground.*box", edit("scene.yaml", "[0, 0, 0.2]", "[0, 0, 0]"), needs="scene")
+row("a box in the ground", SCENE, N, "box.*ground|ground.*box", edit("scene.yaml", "[0, 0, 0.2]", "[0, 0, 0]"), needs="scene")
 row("a joint of bodies that are not there", SCENE, N, r"scene.yaml:\d+:.*moon",
     append("scene.yaml", "joints: [{name: j, type: revolute, parent: box, child: moon, axis: [0, 0, 1]}]\n"), needs="scene")
 row("a joint of a body with itself", SCENE, N, r"scene.yaml:\d+:.*(child|itself|parent)",
@@ -96,7 +96,7 @@ row("an unknown effect", SCENE, N, r"scene.yaml:\d+:.*(effect|magic)", append("s
     needs="scene")
 
 # ---- names: words that may become the names of files, checked where they are read
-BAD = ("../evil", "a/b", ".", "..", "a b", "ü", '"a\\nb"', '""', "n" * 65, "'a$b'", "'*'", "'\\'", "-")
+BAD = ("../evil", "a/b", ".", "..", "a b", "ü", '"a\\nb"', '""', "n" * 65, "'a$b'", "'*'", "'\\'")
 for bad in BAD:
     row(f"a body that is called {bad}", SCENE, N, r"scene.yaml:\d+:.*name", edit("scene.yaml", "name: box, kind", f"name: {bad}, kind"),
         needs="scene")
@@ -113,7 +113,8 @@ row("a joint that is called a/b", SCENE, N, r"scene.yaml:\d+:.*name",
 row("a cloth that is called a/b", SCENE, N, r"scene.yaml:\d+:.*name", append("scene.yaml", "cloths: [{name: a/b, shape: {sheet: {size: "
     "[0.3, 0.2], divisions: [2, 2]}}, material: {area_density: 0.3, thickness: 2 mm, stretch_warp: 3000, bending: 2e-5}}]\n"),
     needs="scene")
-row("a robot that is called a/b", TASK, N, r"task.yaml:\d+:.*name", edit("task.yaml", "\nrobot:", "\nrobots:\n  - name: a/b\nxrobot:"),
+row("a robot that is called a/b", TASK, N, r"task.yaml:\d+:.*name", edit("task.yaml", "\nrobot:", "\nrobots:\n  - name: a/b\n    robot:\n      x: 1\nxrobot:"),
+    edit("task.yaml", "gripper: gripper.yaml", ""),
     needs="task")
 
 # ---- tasks
@@ -138,9 +139,9 @@ for old, new, key in (
         ("environment: [0.6, 0.6, 0.6]", "environment_map: {file: sky.exr}", "sky.exr"),
         ("cameras:", "xcameras:", "cameras"), ("success:", "xsuccess:", "success"), ("motion:", "xmotion:", "motion|xmotion")):
     row(f"{new or 'nothing'} instead of {old}", TASK, N, rf"(task|gripper).yaml.*({key})", edit("task.yaml", old, new), needs="task")
-row("a target out of reach", TASK, FAILED, "episode 0 failed:.*reach", edit("task.yaml", "[-60 mm, 0, 60 mm]", "[9, 0, 60 mm]"),
+row("a target out of reach", TASK, FAILED, "episode 0 failed:.*(reach|joints allow)", edit("task.yaml", "[-60 mm, 0, 60 mm]", "[9, 0, 60 mm]"),
     needs="task", makes=["o"])
-row("objects in one another", TASK, N, "beaker.*table|table.*beaker", edit("task.yaml", "z: 0.5 mm", "z: -20 mm"), needs="task",
+row("objects in one another", TASK, FAILED, "episode 0 failed: .*(beaker.*table|table.*beaker)", edit("task.yaml", "z: 0.5 mm", "z: -20 mm"), needs="task",
     makes=["o"])
 for old, new, key in (("mesh: finger.obj", "mesh: none.obj", "none.obj"), ("poisson_ratio: 0.4}", "poisson_ratio: 0.5}", "poisson_ratio"),
                       ("youngs_modulus: 10 MPa", "youngs_modulus: 0", "youngs_modulus"), ("carriage: left_carriage", "carriage: moon", "moon"),

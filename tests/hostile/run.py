@@ -27,7 +27,7 @@ from table import DONE, TABLE
 # how libraries speak; none of it may reach a user
 RAW = [r"\[json\.exception", r"filesystem error", r"std::", r"bad_alloc", r"libpng", r"libjpeg", r"vector::", r"_M_range_check",
        r"basic_string", r"terminate called", r"what\(\)", r"HDF5-DIAG", r"yaml-cpp", r"YAML::", r"tinygltf", r"bad conversion",
-       r"bad file", r"Assertion", r"Sanitizer", r"core dumped", r"Segmentation", r"__n \(which", r"pocl error", r"CL_[A-Z_]{4,}",
+       r"bad file", r"Assertion", r"Sanitizer", r"core dumped", r"Segmentation", r"__n \(which", r"pocl error", r"\bCL_[A-Z_]{4,}",
        r"Error=XML_"]
 
 

@@ -92,7 +92,7 @@ TEST(Resolved, HoldsSizeVariationsAndTheRobotOfAHandsCondition) {
 TEST(Resolved, ADamagedConfigurationIsNamed) {
   expect_error<UsageError>([] { read_resolved("robot: [", "states.h5"); }, {"states.h5", "make the record again"});
   expect_error<UsageError>([] { read_resolved("contact: {stiffness: soft}", "states.h5"); },
-                           {"states.h5:1", "`contact.stiffness`"});
+                           {"states.h5:1", "`configuration.contact.stiffness`"});
 }
 
 }  // namespace

@@ -84,22 +84,23 @@ double parse_quantity(const std::string& text, Unit unit) {
 }
 
 YamlSection YamlSection::load(const std::filesystem::path& file, const std::string& what) {
-  if (!std::filesystem::is_regular_file(file)) throw UsageError(file.string() + ": there is no such " + what + ".");
+  if (!is_file(file)) throw UsageError(file.string() + ": there is no such " + what + ".");
   remember_read(file);
   YAML::Node node;
   try {
     node = YAML::LoadFile(file.string());
   } catch (const YAML::ParserException& e) {
-    throw UsageError(file.string() + ":" + std::to_string(e.mark.line + 1) + ": this is not YAML: " + e.msg + ".");
+    const std::string reason = e.msg == "bad file" ? "it is nested too deeply" : e.msg;
+    throw UsageError(file.string() + ":" + std::to_string(e.mark.line + 1) + ": this is not YAML: " + reason + ".");
   } catch (const YAML::Exception& e) {
-    throw UsageError(file.string() + ": cannot be read: " + e.msg + ".");
+    throw UsageError(file.string() + ": cannot be read; is it a file that you may read?");
   }
   return YamlSection(node, std::filesystem::absolute(file).lexically_normal(), "", false);
 }
 
 YamlSection YamlSection::resolved(const std::string& text, const std::filesystem::path& file) {
   try {
-    return YamlSection(YAML::Load(text), file, "", true);
+    return YamlSection(YAML::Load(text), file, "configuration", true);
   } catch (const YAML::Exception& e) {
     throw UsageError(file.string() + ": its configuration is not YAML: " + e.msg + "; make the record again.");
   }
@@ -272,8 +273,7 @@ Range YamlSection::range(const std::string& key, Unit unit, double low, double h
 std::filesystem::path YamlSection::file(const std::string& key) {
   const std::string given = text(key);
   const std::filesystem::path full = (file_.parent_path() / given).lexically_normal();
-  if (!is_resolved_ && !std::filesystem::is_regular_file(full))
-    fail(key, "names the file " + full.string() + ", which does not exist");
+  if (!is_resolved_ && !is_file(full)) fail(key, "names the file " + full.string() + ", which does not exist");
   if (!is_resolved_) remember_read(full);
   return full;
 }

@@ -44,7 +44,7 @@ Potential::Potential(Device& device, const System& system)
       energy_chunks_(device, system.n_worlds()) {
   if (!system.force_law.empty()) force_laws_.emplace(device, system);
   if (flows_4_.size() + flows_10_.size() > 0) {
-    Program program(device, "energies/plastic_flow.cl");
+    Program program(device, "energies/elastic/plastic_flow.cl");
     flow_4_.emplace(program.kernel("plastic_flow_4"));
     flow_10_.emplace(program.kernel("plastic_flow_10"));
   }

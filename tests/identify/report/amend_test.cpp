@@ -30,7 +30,7 @@ cloths:
   std::string rows = "t,q\n";
   for (int i = 0; i <= 20; ++i) rows += std::to_string(0.01 * i) + "," + std::to_string(0.02 * i) + "\n";
   folder.write("run.csv", rows);
-  folder.write("other.csv", rows);
+  folder.write("other.csv", rows + "0.21,0.42\n");  // a copy of the fitted run would be refused
   folder.write("recording.yaml", R"(schema: 1
 scene: scene.yaml
 runs:

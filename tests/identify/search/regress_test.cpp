@@ -59,7 +59,7 @@ joints:
     rows += t + "," + p + "," + p + ",0,0\n";
   }
   folder.write("run.csv", rows);
-  folder.write("other.csv", rows);
+  folder.write("other.csv", rows + "0.51,0.82,0.82,0,0\n");  // a copy of the fitted run would be refused
   folder.write("recording.yaml", R"(schema: 1
 scene: scene.yaml
 runs:

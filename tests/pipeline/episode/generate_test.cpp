@@ -108,12 +108,12 @@ TEST_F(Generate, TheStatusIsReadOffTheFolder) {
   EXPECT_NE(text_of("set.json").find("\"reason\": \"dropped\""), std::string::npos);
 }
 
-TEST_F(Generate, AFolderOfAnotherOriginIsRefusedAndTheLargerNumberStays) {
+TEST_F(Generate, AFolderOfAnotherOriginIsRefusedAndTheLastNumberAskedForCounts) {
   write_set(a_set());
   EpisodeSet same = a_set(), seed = a_set(), task = a_set(), configuration = a_set();
   same.n_asked = 1;
   join_set(same);
-  EXPECT_EQ(same.n_asked, 3u);
+  EXPECT_EQ(same.n_asked, 1u);
   seed.seed = 5;
   EXPECT_THROW(join_set(seed), UsageError);
   task.task = "fold_cloth";
