@@ -5,8 +5,8 @@ and the cases whose verdict or named effects turn are printed.
     scripts/perturb_criteria.py PROGRAM SUITE WORK [--by 0.2] [--only NAME ...] [--stages 6 7] [--simulate]
 
 PROGRAM: build/bin/phyvisgen. SUITE: a folder of cases, such as data/hidden. WORK: a folder for reports and simulated
-results; what is there already is used again. A varied diagnosis reads the results of the usual one. Where it needs another
-simulation it counts as open, unless --simulate is given, which takes minutes for each case.
+results; what is there already is used again. A varied diagnosis reads the results of the usual one. Where it needs
+another simulation it counts as open, unless --simulate is given, which takes minutes for each case.
 """
 import argparse
 import json

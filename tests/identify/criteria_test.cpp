@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "host/base/error.hpp"
 #include "tests/expect_error.hpp"
 
 namespace pvg::diagnose {

@@ -70,7 +70,7 @@ TEST(Fit, ResidualsOfALoudRunAreInUnitsOfItsOwnNoise) {
   const Variant base{problem.scene.scene, {}};
   Fitter fitter(predictor, base);
   const auto residual = [&](double noise_scale) {
-    problem.runs[0].noise_scale = {louder};
+    problem.runs[0].noise_scale = {noise_scale};
     const FitData data = fitter.prepare(make_windows(problem, false, 0, 1), Model{});
     return fitter.evaluate(data, {Model{}}, {})[0][0].residual;
   };
