@@ -1,10 +1,9 @@
 #include "host/dataset/json_file.hpp"
 
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "host/base/error.hpp"
+#include "host/base/files.hpp"
 #include "host/base/numbers.hpp"
 
 namespace pvg {
@@ -41,12 +40,10 @@ const Json& value_in(const Json& json, const std::string& key, const std::filesy
 std::optional<Json> read_json_file(const std::filesystem::path& file) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) fail(file, "is a folder");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return std::nullopt;
-  std::ostringstream text;
-  text << in.rdbuf();
+  const std::optional<std::string> text = read_whole_file(file);
+  if (!text) return std::nullopt;
   Json json;
-  if (!is_deep(text.str())) json = Json::parse(text.str(), nullptr, false);
+  if (!is_deep(*text)) json = Json::parse(*text, nullptr, false);
   if (!json.is_object()) fail(file, "is no JSON file with one mapping");
   return json;
 }

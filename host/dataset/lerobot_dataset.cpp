@@ -1,8 +1,9 @@
 #include "host/dataset/lerobot_dataset.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
@@ -19,12 +20,6 @@ constexpr std::size_t PER_CHUNK = 1000;  // files in a folder; readers sort file
 // What is below this hardly moves, and dividing by less would make noise of a real joint loud.
 constexpr double LEAST_STD = 1e-2, LEAST_STD_OF_WIDTH = 1e-3;  // [rad], [m]
 constexpr std::size_t MOST_SAMPLED = 100;                      // pictures of an episode that its statistics look at
-
-std::string number(const char* pattern, std::size_t first, std::size_t second = 0) {
-  char text[80];
-  std::snprintf(text, sizeof text, pattern, first, second);
-  return text;
-}
 
 std::string in_words(std::string name) {
   std::replace(name.begin(), name.end(), '_', ' ');
@@ -116,13 +111,14 @@ class LeRobotWriter : public DataSetWriter {
   bool is_v3() const { return settings_.version == LeRobotVersion::v3_0; }
   static std::string video_key(const PackedCamera& camera) { return "observation.images." + camera.name; }
   std::string data_path(std::size_t episode) const {
-    return number(is_v3() ? "data/chunk-%03zu/file-%03zu.parquet" : "data/chunk-%03zu/episode_%06zu.parquet",
-                  episode / PER_CHUNK, is_v3() ? episode % PER_CHUNK : episode);
+    const std::size_t chunk = episode / PER_CHUNK;
+    return is_v3() ? fmt::format("data/chunk-{:03}/file-{:03}.parquet", chunk, episode % PER_CHUNK)
+                   : fmt::format("data/chunk-{:03}/episode_{:06}.parquet", chunk, episode);
   }
   std::string video_path(std::size_t episode, const std::string& key) const {
     const std::size_t chunk = episode / PER_CHUNK;
-    return is_v3() ? "videos/" + key + number("/chunk-%03zu/file-%03zu.mp4", chunk, episode % PER_CHUNK)
-                   : number("videos/chunk-%03zu/", chunk) + key + number("/episode_%06zu.mp4", episode);
+    return is_v3() ? fmt::format("videos/{}/chunk-{:03}/file-{:03}.mp4", key, chunk, episode % PER_CHUNK)
+                   : fmt::format("videos/chunk-{:03}/{}/episode_{:06}.mp4", chunk, key, episode);
   }
   fs::path made(const std::string& path) const {
     fs::create_directories((folder_ / path).parent_path());

@@ -10,6 +10,8 @@
 #include <fstream>
 #include <string_view>
 
+#include "host/base/hash.hpp"
+
 namespace fs = std::filesystem;
 
 namespace pvg {
@@ -22,12 +24,6 @@ struct Head {
 };
 constexpr char MAGIC[8] = {'P', 'V', 'G', 'P', 'R', 'G', '1', '\n'};
 
-// FNV-1a: finds damage; keys are compared in full, so it need not be safe against anybody
-std::uint64_t hash(std::string_view bytes, std::uint64_t value = 14695981039346656037u) {
-  for (const char byte : bytes) value = (value ^ static_cast<unsigned char>(byte)) * 1099511628211u;
-  return value;
-}
-
 std::string_view as_text(std::span<const unsigned char> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
@@ -36,7 +32,7 @@ std::string_view as_text(std::span<const unsigned char> bytes) {
 
 fs::path ProgramCache::file_of(const std::string& key) const {
   char name[32];
-  std::snprintf(name, sizeof name, "%016llx.bin", static_cast<unsigned long long>(hash(key)));
+  std::snprintf(name, sizeof name, "%016llx.bin", static_cast<unsigned long long>(fnv1a(key)));
   return folder_ / name;
 }
 
@@ -48,7 +44,7 @@ std::optional<std::vector<unsigned char>> ProgramCache::find(const std::string& 
   if (std::memcmp(head.magic, MAGIC, sizeof MAGIC) != 0 || head.key_bytes != key.size()) return std::nullopt;
   const std::string rest{std::istreambuf_iterator<char>(in), {}};
   if (rest.size() < key.size() || rest.size() - key.size() != head.program_bytes) return std::nullopt;
-  if (hash(rest) != head.checksum || rest.compare(0, key.size(), key) != 0) return std::nullopt;
+  if (fnv1a(rest) != head.checksum || rest.compare(0, key.size(), key) != 0) return std::nullopt;
   return std::vector<unsigned char>(rest.begin() + std::ptrdiff_t(key.size()), rest.end());
 }
 
@@ -60,7 +56,7 @@ void ProgramCache::keep(const std::string& key, std::span<const unsigned char> p
   // a name of its own for each process and thread that may write the same program at once
   const fs::path unfinished = file.string() + "." + std::to_string(getpid()) + "." +
                               std::to_string(reinterpret_cast<std::uintptr_t>(&failed)) + ".part";
-  Head head{{}, key.size(), program.size(), hash(as_text(program), hash(key))};
+  Head head{{}, key.size(), program.size(), fnv1a(as_text(program), fnv1a(key))};
   std::copy(std::begin(MAGIC), std::end(MAGIC), head.magic);
   std::ofstream out(unfinished, std::ios::binary);
   out.write(reinterpret_cast<const char*>(&head), sizeof head);

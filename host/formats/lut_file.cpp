@@ -1,7 +1,8 @@
 #include "host/formats/lut_file.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <string>
 
@@ -12,12 +13,9 @@ namespace pvg {
 
 void write_lut(const std::filesystem::path& file, const Lut& lut) {
   std::string text = "input,red,green,blue\n";
-  for (std::size_t i = 0; i < LUT_SIZE; ++i) {
-    char line[96];
-    std::snprintf(line, sizeof line, "%.9g,%.9g,%.9g,%.9g\n", double(i) / (LUT_SIZE - 1), double(lut.value[i][0]),
-                  double(lut.value[i][1]), double(lut.value[i][2]));
-    text += line;
-  }
+  for (std::size_t i = 0; i < LUT_SIZE; ++i)
+    text += fmt::format("{:.9g},{:.9g},{:.9g},{:.9g}\n", double(i) / (LUT_SIZE - 1), double(lut.value[i][0]),
+                        double(lut.value[i][1]), double(lut.value[i][2]));
   write_text_atomically(file, text);
 }
 

@@ -1,5 +1,7 @@
 #include "host/formats/mesh_files.hpp"
 
+#include <fmt/format.h>
+
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -218,9 +220,8 @@ TriangleMesh read_closed_surface(const fs::path& file) {
 void tell_of_size(const TriangleMesh& mesh, const std::string& file) {
   const double size = mesh.points.empty() ? 0 : size_of(mesh.points);
   if (!(size > LARGE)) return;
-  char text[96];
-  std::snprintf(text, sizeof text, " is %.0f m large: is it in mm? Lengths in meshes are metres; ", size);
-  tell_note(file + text + "scale it by 0.001 where it is");
+  tell_note(fmt::format(
+      "{} is {:.0f} m large: is it in mm? Lengths in meshes are metres; scale it by 0.001 where it is", file, size));
 }
 
 VisualMesh read_visual_mesh(const fs::path& file, double crease_angle) {

@@ -1,8 +1,9 @@
 #include "host/formats/video.hpp"
 
+#include <fmt/format.h>
+
 #include <unistd.h>
 
-#include <cstdio>
 #include <cstdlib>
 #include <sstream>
 #include <vector>
@@ -13,12 +14,10 @@ namespace pvg {
 namespace {
 
 std::vector<std::string> ffmpeg_arguments(const std::filesystem::path& path, int width, int height, double rate) {
-  char rate_text[32];
-  std::snprintf(rate_text, sizeof rate_text, "%.12g", rate);
   return {"-hide_banner", "-loglevel", "error", "-y",
           // what comes in
           "-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size", std::to_string(width) + "x" + std::to_string(height),
-          "-framerate", rate_text, "-i", "pipe:0",
+          "-framerate", fmt::format("{:.12g}", rate), "-i", "pipe:0",
           // sRGB to the colours of HD video, exactly rounded; the file says so
           "-vf", "scale=flags=accurate_rnd+full_chroma_int+bitexact:out_color_matrix=bt709:out_range=tv", "-pix_fmt",
           "yuv420p", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv",

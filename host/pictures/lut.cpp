@@ -5,6 +5,7 @@
 #include <string>
 
 #include "host/base/error.hpp"
+#include "host/base/statistics.hpp"
 #include "host/pictures/srgb.hpp"
 
 namespace pvg {
@@ -71,10 +72,8 @@ Curve fit_channel(const Pixels& pixels) {
     if (round == REFITS) break;
     std::vector<float> residual(pixels.x.size());
     for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = std::abs(pixels.y[i] - look_up(curve, pixels.x[i]));
-    std::vector<float> sorted = residual;
-    std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
-    // standard deviation of a normal distribution from the median of its magnitude; never below a bin
-    const float limit = 4 * std::max(1.4826f * sorted[sorted.size() / 2], 0.5f / (LUT_SIZE - 1));
+    // four standard deviations; never below a bin
+    const float limit = 4 * std::max(float(SIGMA_OVER_MEDIAN) * upper_median(residual), 0.5f / (LUT_SIZE - 1));
     for (std::size_t i = 0; i < residual.size(); ++i) is_used[i] = residual[i] <= limit;
   }
   return curve;

@@ -1,4 +1,4 @@
-// The shapes of a robot's links: mesh files read by assimp, and the primitives of URDF. Lengths in metres.
+// The shapes of a robot's links: mesh files read by assimp. Lengths in metres.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -15,11 +15,6 @@ struct MeshPart {
 
 // One part per mesh of the file. `owner` ("arm.urdf: link 'wrist'") begins the message of a UsageError.
 std::vector<MeshPart> load_mesh_parts(const std::filesystem::path& file, const Vec3& scale, const std::string& owner);
-
-// Primitives about the origin, as URDF has them: axis z, flat shaded corners shared nowhere.
-VisualMesh box_mesh(const Vec3& size);
-VisualMesh cylinder_mesh(double radius, double length, int segments = 24);
-VisualMesh sphere_mesh(double radius, int segments = 24);
 
 VisualMesh moved(const VisualMesh& mesh, const Pose& pose);
 

@@ -1,8 +1,9 @@
 #include "host/robot/motion_check.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "host/robot/joint_path.hpp"
 
@@ -12,9 +13,7 @@ namespace {
 constexpr double ROUNDING = 1e-9;  // share of a limit
 
 std::string sentence(const RobotJoint& joint, double time, const char* what, double value, double limit) {
-  char text[160];
-  std::snprintf(text, sizeof text, " at %.3f s: its %s is %.6g, the limit is %.6g", time, what, value, limit);
-  return joint.name + text;
+  return fmt::format("{} at {:.3f} s: its {} is {:.6g}, the limit is {:.6g}", joint.name, time, what, value, limit);
 }
 
 }  // namespace

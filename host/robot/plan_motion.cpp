@@ -1,9 +1,10 @@
 #include "host/robot/plan_motion.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "host/base/error.hpp"
 #include "host/robot/joint_path.hpp"
@@ -43,12 +44,6 @@ struct Planner {
   std::string failure;
   int attempts = 0;
 };
-
-std::string text(const char* format, double a, double b = 0, double c = 0, double d = 0) {
-  std::array<char, 200> buffer;
-  std::snprintf(buffer.data(), buffer.size(), format, a, b, c, d);
-  return buffer.data();
-}
 
 std::string describe(const Planner& planner, std::size_t index) {
   const MotionElement& element = planner.elements[index];
@@ -186,8 +181,8 @@ std::vector<JointPath> find_paths(Planner& planner, std::size_t index, const Rob
   const std::optional<ToolWay> way = tool_way(planner, index, state);
   const Pose target = way ? way->at(1) : given_frame(planner, index, state) * planner.elements[index].target;
   const Vec3 p = target.translation();
-  const std::string where =
-      text("(%.3f, %.3f, %.3f) m in the robot's base frame, %.3f m from the base", p.x(), p.y(), p.z(), p.norm());
+  const std::string where = fmt::format("({:.3f}, {:.3f}, {:.3f}) m in the robot's base frame, {:.3f} m from the base",
+                                        p.x(), p.y(), p.z(), p.norm());
   if (way) {
     const std::vector<VectorXd> line = follow_way(planner, state.q, *way);
     if (int(line.size()) == way->knots + 1) {
@@ -197,8 +192,8 @@ std::vector<JointPath> find_paths(Planner& planner, std::size_t index, const Rob
     }
     fail(planner, index,
          std::string("the tool's ") + (planner.elements[index].is_straight ? "straight line" : "way") + " to " + where +
-             text(", leaves what the joints allow after %.0f %% of its length",
-                  100.0 * double(line.size() - 1) / way->knots) +
+             fmt::format(", leaves what the joints allow after {:.0f} % of its length",
+                         100.0 * double(line.size() - 1) / way->knots) +
              "; move the target, or let the tool go on a line that is not straight");
     return {};
   }
@@ -233,9 +228,9 @@ bool has_time(Planner& planner, std::size_t index, double needed) {
                 "a joint would have to move where its velocity limit is zero, next to its end; move the target");
   if (wanted > 0 && wanted < needed)
     return fail(planner, index,
-                text("its duration of %.3f s is shorter than the %.3f s that the limits of velocity and "
-                     "acceleration ask for; give more time",
-                     wanted, needed));
+                fmt::format("its duration of {:.3f} s is shorter than the {:.3f} s that the limits of velocity and "
+                            "acceleration ask for; give more time",
+                            wanted, needed));
   return true;
 }
 

@@ -16,6 +16,7 @@
 #include "host/base/numbers.hpp"
 #include "host/base/outputs.hpp"
 #include "host/formats/xml_depth.hpp"
+#include "host/geometry/primitive_visuals.hpp"
 #include "host/pictures/srgb.hpp"
 #include "host/robot/link_mesh.hpp"
 #include "host/robot/robot.hpp"
@@ -149,12 +150,12 @@ std::vector<MeshPart> shape(const urdf::Geometry& geometry, const Pose& origin, 
     const auto& mesh = static_cast<const urdf::Mesh&>(geometry);
     parts = load_mesh_parts(find_mesh(mesh.filename, folder, owner), vector(mesh.scale), owner);
   } else if (geometry.type == urdf::Geometry::BOX) {
-    parts.push_back({box_mesh(vector(static_cast<const urdf::Box&>(geometry).dim))});
+    parts.push_back({box_visual(vector(static_cast<const urdf::Box&>(geometry).dim))});
   } else if (geometry.type == urdf::Geometry::CYLINDER) {
     const auto& cylinder = static_cast<const urdf::Cylinder&>(geometry);
-    parts.push_back({cylinder_mesh(cylinder.radius, cylinder.length)});
+    parts.push_back({cylinder_visual(cylinder.radius, cylinder.length)});
   } else {
-    parts.push_back({sphere_mesh(static_cast<const urdf::Sphere&>(geometry).radius)});
+    parts.push_back({sphere_visual(static_cast<const urdf::Sphere&>(geometry).radius)});
   }
   for (MeshPart& part : parts) part.mesh = moved(part.mesh, origin);
   return parts;

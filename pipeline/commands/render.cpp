@@ -1,4 +1,6 @@
 // phyvisgen render: pictures of a scene, or of a recorded motion.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -124,9 +126,7 @@ class Pictures {
   void add(const RenderedFrame& frame, const std::string& camera, std::size_t number) {
     if (target_ == Target::picture) return write_picture(output_, frame);
     if (target_ == Target::folder) {
-      char name[32];
-      std::snprintf(name, sizeof name, "_%06zu.png", number);
-      return write_picture(output_ / (camera + name), frame);
+      return write_picture(output_ / fmt::format("{}_{:06}.png", camera, number), frame);
     }
     if (!video_) {
       partial_.emplace(output_);

@@ -1,5 +1,7 @@
 // phyvisgen simulate: a scene file to states.h5. Checkpoints are written to FILE.checkpoint.h5, each over the one
 // before; after a step that failed, FILE holds what there is and the checkpoint the last state that was well.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -160,12 +162,10 @@ void run_simulate(const SimulateOptions& options) {
   const std::size_t n = run.n_steps();
   if (n == 0)
     throw UsageError(options.scene + ": the duration is shorter than half a time step; there is nothing to do");
-  if (run.duration / run.scene.solver.time_step > double(MOST_STEPS)) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%g", run.duration);
-    throw UsageError(options.scene + ": a duration of " + text + " s (--duration " + text +
-                     ", or `duration`) is more than " + std::to_string(MOST_STEPS) + " steps; give a shorter one");
-  }
+  if (run.duration / run.scene.solver.time_step > double(MOST_STEPS))
+    throw UsageError(fmt::format(
+        "{}: a duration of {:g} s (--duration {:g}, or `duration`) is more than {} steps; give a shorter one",
+        options.scene, run.duration, run.duration, MOST_STEPS));
   check_outputs(options);
   separate(run.scene);
   Device device(options.device);

@@ -1,8 +1,9 @@
 #include "pipeline/episode/episode_set.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -22,11 +23,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view PREFIX = "episode_";
 
-std::string episode_name(std::uint64_t episode) {
-  char name[40];
-  std::snprintf(name, sizeof name, "episode_%06llu", static_cast<unsigned long long>(episode));
-  return name;
-}
+std::string episode_name(std::uint64_t episode) { return fmt::format("episode_{:06}", episode); }
 
 std::optional<std::uint64_t> episode_of(const std::string& name) {
   std::uint64_t number = 0;
@@ -177,10 +174,6 @@ void write_set(const EpisodeSet& set) {
   write_text_atomically(set.folder / "set.json", json.dump(2) + "\n");
 }
 
-std::string fingerprint(const std::string& text) {
-  char hex[24];
-  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(fnv1a(text)));
-  return hex;
-}
+std::string fingerprint(const std::string& text) { return fmt::format("{:016x}", fnv1a(text)); }
 
 }  // namespace pvg

@@ -1,5 +1,7 @@
 #include "pipeline/episode/motion_plan.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -115,12 +117,12 @@ void check_apart(const Task& task, const std::vector<RobotCell>& robots, const s
   const auto found = first_encounter(shapes, q);
   if (!found) return;
   const auto element = std::size_t(trajectories.front().element[found->step]);
-  std::ostringstream message;
-  message << task.file.string() << ": `" << found->first << "` and `" << found->second
-          << "` would come closer than 10 mm, " << double(found->step + 1) * trajectories.front().time_step
-          << " s after the start, in motion[" << element << "] (" << kind_of(task.motion[element]).name
-          << "); move its target, the robots' bases or their `home`";
-  throw UsageError(message.str());
+  throw UsageError(fmt::format(
+      "{}: `{}` and `{}` would come closer than 10 mm, {:g} s after the start, in motion[{}] ({}); move its target, "
+      "the "
+      "robots' bases or their `home`",
+      task.file.string(), found->first, found->second, double(found->step + 1) * trajectories.front().time_step,
+      element, kind_of(task.motion[element]).name));
 }
 
 }  // namespace
@@ -129,10 +131,10 @@ std::size_t steps_per_frame(double frames_per_second, double time_step) {
   const double steps = 1 / (frames_per_second * time_step);
   const double whole = std::round(steps);
   if (!(whole >= 1) || !(std::abs(steps - whole) < 1e-6 * whole)) {
-    std::ostringstream message;
-    message << frames_per_second << " frames per second do not fall on steps of " << time_step
-            << " s: choose a rate (--fps or render/frames_per_second) that divides " << 1 / time_step;
-    throw UsageError(message.str());
+    throw UsageError(fmt::format(
+        "{:g} frames per second do not fall on steps of {:g} s: choose a rate (--fps or render/frames_per_second) that "
+        "divides {:g}",
+        frames_per_second, time_step, 1 / time_step));
   }
   return std::size_t(whole);
 }

@@ -1,7 +1,8 @@
 #include "pipeline/episode/record.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cstdio>
 
 namespace pvg {
 namespace {
@@ -49,9 +50,7 @@ void EpisodeRecorder::append_frame(FramePictures pictures) {
     if (cameras_[i].masks) cameras_[i].masks->append(pictures.instance[i]);
   }
   if (std::find(shown_.begin(), shown_.end(), n_frames_) != shown_.end()) {
-    char time[32];
-    std::snprintf(time, sizeof time, "%.2f s  ", time_);
-    sheet_.columns.push_back(time + settings_.elements.at(std::size_t(element_)));
+    sheet_.columns.push_back(fmt::format("{:.2f} s  {}", time_, settings_.elements.at(std::size_t(element_))));
     for (std::size_t i = 0; i < cameras_.size(); ++i) sheet_.images[i].push_back(std::move(pictures.images[i]));
   }
   ++n_frames_;

@@ -1,9 +1,10 @@
 #include "pipeline/episode/shown_scene.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <numbers>
 
@@ -48,10 +49,8 @@ void expose(ShownScene& shown) {
   const double exposure = std::numbers::pi / irradiance;
   for (const std::string& sentence : complete_for_viewing(scene)) shown.notes.push_back(sentence);
   for (Camera& camera : scene.cameras) camera.exposure = float(exposure);
-  char text[160];
-  std::snprintf(text, sizeof text, "its lights bring %.4g lux to its middle: pictures are exposed by the factor %.4g",
-                irradiance, exposure);
-  shown.notes.push_back(text);
+  shown.notes.push_back(fmt::format(
+      "its lights bring {:.4g} lux to its middle: pictures are exposed by the factor {:.4g}", irradiance, exposure));
 }
 
 }  // namespace

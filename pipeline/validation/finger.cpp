@@ -1,5 +1,7 @@
 #include "pipeline/validation/finger.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "host/formats/mesh_files.hpp"
@@ -72,8 +74,7 @@ void validate_finger(Validation& v) {
   Plot plot{"finger", "Fin-ray finger: force on the pad", "deflection [mm]", "force [N]", {}};
   Curve of_task{"mesh of the task", {0}, {0}}, of_fine{"every element split into eight", {0}, {0}, true};
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    char name[64];
-    std::snprintf(name, sizeof name, "deflection of the pad under %.1f N", forces[i]);
+    const std::string name = fmt::format("deflection of the pad under {:.1f} N", forces[i]);
     v.check_relative(name, "m", fine[i], task[i], 0.10, "the same finger, every element split into eight");
     of_task.x.push_back(1e3 * task[i]), of_task.y.push_back(forces[i]);
     of_fine.x.push_back(1e3 * fine[i]), of_fine.y.push_back(forces[i]);
