@@ -275,6 +275,24 @@ void Memory::copy_from(const Memory& other, std::size_t bytes) {
 
 }  // namespace detail
 
+namespace {
+
+// empty where the driver does not tell all of them
+std::vector<std::string> argument_names(cl_kernel kernel, unsigned n) {
+  std::vector<std::string> names;
+  for (unsigned i = 0; i < n; ++i) {
+    std::size_t size = 0;
+    if (clGetKernelArgInfo(kernel, i, CL_KERNEL_ARG_NAME, 0, nullptr, &size) != CL_SUCCESS || size == 0) return {};
+    std::string name(size, 0);
+    if (clGetKernelArgInfo(kernel, i, CL_KERNEL_ARG_NAME, size, name.data(), nullptr) != CL_SUCCESS) return {};
+    name.resize(size - 1);  // the terminating zero
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
+}  // namespace
+
 Kernel::Kernel(Device& device, void* program, const std::string& name) : device_(&device), name_(name) {
   cl_int code = 0;
   handle_ = clCreateKernel(static_cast<cl_program>(program), name.c_str(), &code);
@@ -283,6 +301,7 @@ Kernel::Kernel(Device& device, void* program, const std::string& name) : device_
       clGetKernelInfo(static_cast<cl_kernel>(handle_), CL_KERNEL_NUM_ARGS, sizeof n_arguments_, &n_arguments_, nullptr),
       "ask kernel " + name + " for its arguments");
   given_.resize(n_arguments_);
+  argument_names_ = argument_names(static_cast<cl_kernel>(handle_), n_arguments_);
 }
 Kernel::~Kernel() {
   if (handle_) clReleaseKernel(static_cast<cl_kernel>(handle_));
@@ -292,6 +311,7 @@ Kernel::Kernel(Kernel&& other) noexcept
       handle_(std::exchange(other.handle_, nullptr)),
       name_(other.name_),
       n_arguments_(other.n_arguments_),
+      argument_names_(std::move(other.argument_names_)),
       given_(std::move(other.given_)) {}
 
 void Kernel::begin(std::size_t n_arguments) {
@@ -306,9 +326,15 @@ bool Kernel::is_known(unsigned i, const void* value, std::size_t bytes) {
   given.assign(first, first + bytes);
   return false;
 }
+void Kernel::check_name(unsigned i, const std::string& buffer) const {
+  if (argument_names_.empty() || argument_names_[i] == buffer) return;
+  if (std::find(argument_names_.begin(), argument_names_.end(), buffer) != argument_names_.end())
+    throw std::logic_error("kernel " + name_ + ": argument " + argument_names_[i] + " was given buffer " + buffer);
+}
 void Kernel::set_memory(unsigned i, const detail::Memory& memory) {
   const std::size_t serial = memory.serial();
   if (is_known(i, &serial, sizeof serial)) return;
+  check_name(i, memory.name());
   const cl_int code = clSetKernelArg(static_cast<cl_kernel>(handle_), i, sizeof(cl_mem), memory.handle());
   if (code != CL_SUCCESS)  // the message only where it is needed: this is called for each launch
     require(code, "give " + memory.name() + " to kernel " + name_ + " as argument " + std::to_string(i));

@@ -107,7 +107,7 @@ void Program::build(const std::string& name, const std::string& text, const std:
   std::ostringstream expanded;
   expand(name, text, expanded);
   const std::string source = expanded.str();
-  const std::string options = "-cl-std=CL1.2 " + defines;
+  const std::string options = "-cl-std=CL1.2 -cl-kernel-arg-info " + defines;
   Device::Impl& impl = device_->impl();
   const std::lock_guard lock(impl.building);
   const auto known = impl.built.try_emplace(options + "\n" + source, nullptr).first;

@@ -39,6 +39,20 @@ TEST(Device, WrongNumberOfArgumentsNamesTheKernel) {
   }
 }
 
+TEST(Device, SwappedBuffersAreNamed) {
+  Device device;
+  Program program = Program::from_text(device, "twice", doubling);
+  Kernel twice = program.kernel("twice");
+  Buffer<double> x(device, 1, "x"), y(device, 1, "y"), force(device, 1, "force");
+  try {
+    twice(1, 1u, y, x);
+    FAIL() << "swapped buffers were accepted";
+  } catch (const std::logic_error& e) {
+    EXPECT_STREQ(e.what(), "kernel twice: argument x was given buffer y");
+  }
+  EXPECT_NO_THROW(twice(1, 1u, force, y));
+}
+
 TEST(Device, BrokenKernelNamesFileAndLine) {
   if (std::getenv("PVG_OCLGRIND")) GTEST_SKIP() << "Oclgrind's compiler names its own file and line";
   Device device;
