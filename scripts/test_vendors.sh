@@ -1,18 +1,24 @@
 #!/bin/sh
 # Makes and links machine code of every kernel with every compiler that is here (clang for AMD and NVIDIA, Intel's ocloc,
 # NVIDIA's ptxas) and compares what it takes with kernels/machine_code.csv. About three minutes of a processor.
-#   test_vendors.sh           ptxas, if it is not installed, comes from PyPI (47 MB) into build/vendors
-#   test_vendors.sh --write   renews the table instead
+#   test_vendors.sh                      ptxas, if it is not installed, comes from PyPI (47 MB) into build/vendors
+#   test_vendors.sh --write              renews the table instead
+#   test_vendors.sh --installed FOLDER   in that build folder, with the compilers that are installed: a test
 set -eu
 cd "$(dirname "$0")/.."
-scripts/install.sh
-[ -f build/CMakeCache.txt ] || cmake -S . -B build -G Ninja -DPVG_IO=OFF >build/configure.log 2>&1
+build=build
+if [ "${1:-}" = --installed ]; then
+  build=$2
+else
+  scripts/install.sh
+  [ -f build/CMakeCache.txt ] || cmake -S . -B build -G Ninja -DPVG_IO=OFF >build/configure.log 2>&1
+fi
 echo "test_vendors: compiling"
-cmake --build build -j "$(nproc)" --target machine_code >build/machine_code.log || { tail -50 build/machine_code.log >&2; exit 1; }
-code=build/machine_code
+cmake --build "$build" -j "$(nproc)" --target machine_code >"$build/machine_code.log" || { tail -50 "$build/machine_code.log" >&2; exit 1; }
+code=$build/machine_code
 
-ptxas=$(command -v ptxas || find build/vendors -path '*/bin/ptxas' 2>/dev/null | head -1)
-if [ -z "$ptxas" ]; then
+ptxas=$(command -v ptxas || find "$build/vendors" -path '*/bin/ptxas' 2>/dev/null | head -1)
+if [ -z "$ptxas" ] && [ "${1:-}" != --installed ]; then
   mkdir -p build/vendors
   if python3 -m pip download -q --no-deps -d build/vendors nvidia-cuda-nvcc; then
     python3 -m zipfile -e build/vendors/nvidia_cuda_nvcc*.whl build/vendors
