@@ -34,7 +34,7 @@ std::vector<std::string> warnings(const Problem& problem) {
       }
     }
     // pictures come less often than rows
-    const bool is_of_pictures = problem.channels[c].mask_source >= 0 || problem.channels[c].video_source >= 0;
+    const bool is_of_pictures = problem.channels[c].sensor->is_of_pictures;
     if (10 * gaps > all && !is_of_pictures)
       sentences.push_back("the " + problem.channels[c].name + " has gaps in " + std::to_string(100 * gaps / all) +
                           " % of its samples");

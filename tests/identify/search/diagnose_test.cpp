@@ -9,7 +9,7 @@
 #include "host/base/error.hpp"
 #include "host/geometry/primitive_shapes.hpp"
 #include "host/identify/candidates/candidate.hpp"
-#include "host/identify/data/embedded_point.hpp"
+#include "host/identify/channels/embedded_point.hpp"
 #include "host/identify/data/noise.hpp"
 #include "host/identify/data/window.hpp"
 #include "host/identify/fit/held_out.hpp"

@@ -1,4 +1,4 @@
-#include "host/identify/data/embedded_point.hpp"
+#include "host/identify/channels/embedded_point.hpp"
 
 #include <limits>
 
