@@ -8,6 +8,10 @@
 
 #include "host/identify/sensing/rollout.hpp"
 
+namespace YAML {
+class Node;
+}
+
 namespace pvg::diagnose {
 
 enum class Family { physical, parameter, measurement };
@@ -22,6 +26,13 @@ struct Parameter {
   bool is_limit = false;  // does nothing where it is higher than what the runs reach (limits.hpp)
 };
 
+// The scene file to which a diagnosis writes what it found.
+struct SceneFile {
+  YAML::Node& root;
+  const Problem& problem;
+  const Scene& amended;  // the scene with what was found
+};
+
 struct Candidate {
   std::string name, target;
   Family family = Family::physical;
@@ -29,6 +40,8 @@ struct Candidate {
   std::vector<Parameter> parameters;
   std::function<void(Variant&, std::span<const double>)> apply;
   double prior = 0;  // log of how likely it is before any data, relative to others that explain as much
+  // Writes the values into the scene file. False where the file does not say such a number itself.
+  std::function<bool(const SceneFile&, std::span<const double>)> amend = {};
   std::string label() const { return name + " at " + target; }
 };
 
@@ -45,6 +58,15 @@ std::vector<Candidate> make_candidates(const Problem& problem, const std::vector
 
 // Of a number that acts on `target`, whose kind is listed with the unit that revolute joints have.
 std::string unit_on(const Scene& scene, const std::string& target, const std::string& unit);
+
+// Adds an effect to the section `effects` of a scene file.
+void write_effect(YAML::Node& root, const Effect& effect);
+
+// The amendment of a candidate that adds an effect to the scene.
+bool amend_last_effect(const SceneFile& file, std::span<const double> values);
+
+// The entry of a list with this name; undefined where there is none.
+YAML::Node entry_named(const YAML::Node& list, const std::string& name);
 
 // physical_candidates.cpp, parameter_candidates.cpp, measurement_candidates.cpp
 void add_physical(const Problem& problem, const std::vector<std::string>& touching, std::vector<Candidate>& out);

@@ -122,15 +122,13 @@ std::vector<std::string> sums_of(const LawSite& site, std::span<const std::size_
   return sums;
 }
 
-bool may_move(const RigidBody& body) { return !body.is_fixed && !body.is_prescribed && !body.is_half_space; }
-
 void add_joint(const Problem& problem, std::size_t j, std::vector<LawSite>& sites) {
   const Joint& joint = problem.scene.scene.joints[j];
   const RigidBody& child = problem.scene.scene.rigid_bodies[std::size_t(joint.child)];
   const auto channel = std::find_if(problem.channels.begin(), problem.channels.end(), [&](const Channel& c) {
-    return c.joint == int(j) && c.kind == RecordedChannel::Kind::position;
+    return c.joint == int(j) && c.sensor->start == StartRole::place;
   });
-  if (channel == problem.channels.end() || !may_move(child)) return;
+  if (channel == problem.channels.end() || !can_move(child)) return;
   const std::size_t c = std::size_t(channel - problem.channels.begin());
   const Range q = range_of(problem, [&](const Run& run, std::size_t i) { return run.values[c][i]; });
   const bool turns = joint.type == Joint::Type::revolute;
@@ -145,9 +143,9 @@ void add_body(const Problem& problem, std::size_t b, std::vector<LawSite>& sites
   const bool is_carried =
       std::any_of(scene.joints.begin(), scene.joints.end(), [&](const Joint& joint) { return joint.child == int(b); });
   const auto channel = std::find_if(problem.channels.begin(), problem.channels.end(), [&](const Channel& c) {
-    return c.rigid == int(b) && c.kind == RecordedChannel::Kind::position && c.width == 3;
+    return c.rigid == int(b) && c.sensor->start == StartRole::place && c.width == 3;
   });
-  if (is_carried || !may_move(body) || channel == problem.channels.end()) return;
+  if (is_carried || !can_move(body) || channel == problem.channels.end()) return;
   const std::size_t c = std::size_t(channel - problem.channels.begin());
   const auto place = [&](const Run& run, std::size_t i) {
     return Vec3(run.values[c][3 * i], run.values[c][3 * i + 1], run.values[c][3 * i + 2]);
@@ -187,6 +185,7 @@ Candidate law_candidate(const LawSite& site, std::span<const std::size_t> laws) 
     variant.scene.effects.push_back(law);
     variant.scene.effects.back().parameters.assign(values.begin(), values.end());
   };
+  candidate.amend = amend_last_effect;
   return candidate;
 }
 

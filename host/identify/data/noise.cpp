@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "host/identify/criteria.hpp"
-#include "host/pictures/picture_cells.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -103,16 +102,15 @@ double noise_of(const std::vector<double>& values, std::size_t width) { return d
 void measure_noise(Problem& problem) {
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     Channel& channel = problem.channels[c];
-    const bool is_video = channel.kind == RecordedChannel::Kind::video;
+    const NoiseModel& model = channel.sensor->noise;
     if (channel.is_noise_known) continue;
     std::vector<double> found;
     std::vector<Differences> of_run;
     double range = 0, brightest = 0;
     for (const Run& run : problem.runs) {
-      // an orientation's numbers are half angles
       Differences noise =
-          differences_of(is_video ? without_gaps(run.values[c]) : run.values[c], std::size_t(channel.width));
-      if (channel.kind == RecordedChannel::Kind::orientation) noise.sigma *= 2;
+          differences_of(model.has_gaps ? without_gaps(run.values[c]) : run.values[c], std::size_t(channel.width));
+      noise.sigma *= model.per_number;
       if (std::isfinite(noise.sigma)) found.push_back(noise.sigma);
       of_run.push_back(noise);
       double low = INFINITY, high = -INFINITY;
@@ -125,8 +123,7 @@ void measure_noise(Problem& problem) {
     channel.is_noise_assumed = found.empty();
     channel.sigma =
         found.empty() ? std::max(criteria().noise_assumed * range, smallest) : std::max(median(found), smallest);
-    // an even surface has the same rounding error in all its pixels
-    if (is_video) channel.sigma = std::hypot(channel.sigma, srgb8_step_sigma(brightest));
+    if (model.rounding != nullptr) channel.sigma = std::hypot(channel.sigma, model.rounding(brightest));
     for (std::size_t r = 0; r < problem.runs.size(); ++r)
       if (of_run[r].correlation < criteria().noise_white_correlation &&
           of_run[r].sigma > criteria().run_noise_scale * channel.sigma)

@@ -8,8 +8,6 @@
 namespace pvg::diagnose {
 namespace {
 
-using Kind = RecordedChannel::Kind;
-
 struct LocalFit {
   double value = 0, slope = 0, value_sigma = 0, slope_sigma = 0;
   bool is_there = false;
@@ -93,10 +91,11 @@ void start_joint(const Problem& problem, const Run& run, int j, double t0, bool 
   bool is_measured = false, is_rate_measured = false;
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Channel& channel = problem.channels[c];
-    if (channel.joint != j || (channel.kind != Kind::position && channel.kind != Kind::rate)) continue;
+    const StartRole role = channel.sensor->start;
+    if (channel.joint != j || (role != StartRole::place && role != StartRole::rate)) continue;
     const LocalFit fit = fit_around(run.t, run.values[c], 1, 0, t0, noise_in(problem, run, c));
     if (!fit.is_there) continue;
-    if (channel.kind == Kind::rate) {
+    if (role == StartRole::rate) {
       start.state.rate[std::size_t(j)] = fit.value;
       rate_sigma = criteria().start_looseness * fit.value_sigma;
       is_rate_measured = true;
@@ -122,7 +121,7 @@ void start_body(const Problem& problem, const Run& run, int b, double t0, bool i
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Channel& channel = problem.channels[c];
     if (channel.rigid != b) continue;
-    if (channel.kind == Kind::orientation) {
+    if (channel.sensor->start == StartRole::turn) {
       const TurnFit fit = turn_around(run, run.values[c], t0, noise_in(problem, run, c));
       pose.linear() = fit.rotation;
       start.state.spin[std::size_t(b)] = fit.spin;
@@ -131,7 +130,7 @@ void start_body(const Problem& problem, const Run& run, int b, double t0, bool i
         unknowns.push_back({Unknown::Kind::spin, b, Vec3::Unit(k), criteria().start_looseness * fit.spin_sigma});
       }
     }
-    if (channel.kind != Kind::position) continue;
+    if (channel.sensor->start != StartRole::place) continue;
     for (int k = 0; k < channel.width; ++k) {
       const LocalFit fit =
           fit_around(run.t, run.values[c], std::size_t(channel.width), std::size_t(k), t0, noise_in(problem, run, c));

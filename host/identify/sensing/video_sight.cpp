@@ -110,8 +110,8 @@ void add_noise_of_pictures(VideoSight& sight, Problem& problem) {
   for (std::size_t source = 0; source < problem.recording.video_sources.size(); ++source) {
     const PictureCells noise = sight.noise(source, start);
     for (Channel& channel : problem.channels)
-      if (channel.video_source == int(source))
-        channel.sigma = std::hypot(channel.sigma, noise[std::size_t(channel.cell)]);
+      if (channel.sensor == &video_sensor && channel.source == int(source))
+        channel.sigma = std::hypot(channel.sigma, noise[std::size_t(channel.part)]);
   }
 }
 
