@@ -1,6 +1,6 @@
 // A measured channel, found in its scene, and what its kind of sensor does. Each kind is one file of this folder, which
-// defines its row of functions; the list of kinds is in host/load/channel_kinds.hpp, their keys in
-// host/load/recording_channels.cpp.
+// defines its row of functions; the list of kinds is in host/load/recording/channel_kinds.hpp, their keys in
+// host/load/recording/channels.cpp.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "host/identify/channels/sensing.hpp"
-#include "host/load/recording.hpp"
+#include "host/load/recording/recording.hpp"
 
 namespace pvg {
 struct WorldState;

@@ -1,5 +1,5 @@
 // The list of kinds of measured channels. From it follow the enumeration, the names in files and messages, the table of
-// keys (recording_channels.cpp) and the table of sensors (host/identify/channels: one file per kind).
+// keys (channels.cpp) and the table of sensors (host/identify/channels: one file per kind).
 #pragma once
 #include <cstddef>
 

@@ -4,7 +4,7 @@
 
 #include "host/base/error.hpp"
 #include "host/formats/picture_series.hpp"
-#include "host/load/recording_channels.hpp"
+#include "host/load/recording/channels.hpp"
 #include "host/pictures/mask_metrics.hpp"
 #include "host/pictures/picture_cells.hpp"
 

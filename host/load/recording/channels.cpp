@@ -1,5 +1,5 @@
 // The entries of `channels`: one row of keys per kind.
-#include "host/load/recording_channels.hpp"
+#include "host/load/recording/channels.hpp"
 
 #include <charconv>
 #include <cmath>

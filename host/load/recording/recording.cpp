@@ -1,4 +1,4 @@
-#include "host/load/recording.hpp"
+#include "host/load/recording/recording.hpp"
 
 #include <yaml-cpp/yaml.h>
 
@@ -7,7 +7,7 @@
 #include "host/base/error.hpp"
 #include "host/load/fields/yaml_section.hpp"
 #include "host/load/read_sections.hpp"
-#include "host/load/recording_channels.hpp"
+#include "host/load/recording/channels.hpp"
 
 namespace pvg {
 namespace {

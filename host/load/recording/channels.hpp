@@ -1,7 +1,7 @@
 // The parts of reading a recording that depend on the kind of a channel.
 #pragma once
 #include "host/load/fields/yaml_section.hpp"
-#include "host/load/recording.hpp"
+#include "host/load/recording/recording.hpp"
 
 namespace pvg {
 

@@ -26,7 +26,7 @@
 
 #include "host/formats/part_masks.hpp"
 #include "host/formats/table.hpp"
-#include "host/load/channel_kinds.hpp"
+#include "host/load/recording/channel_kinds.hpp"
 #include "host/model/scene.hpp"
 
 namespace pvg {
