@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "host/identify/candidates/candidate.hpp"
+#include "host/identify/criteria.hpp"
 #include "host/render/camera.hpp"
 
 namespace pvg::diagnose {
@@ -87,9 +88,9 @@ void scale_bias(const Channel& channel, std::vector<Parameter>& parameters) {
   parameters.resize(std::size_t(channel.n));
   for (Parameter& p : parameters) {
     p.unit = channel.unit;
-    p.scale = 3 * channel.sigma;
-    p.low = -1e4 * channel.sigma;
-    p.high = 1e4 * channel.sigma;
+    p.scale = criteria().change_bias * channel.sigma;
+    p.low = -criteria().bias_most * channel.sigma;
+    p.high = criteria().bias_most * channel.sigma;
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "host/identify/candidates/scene_number.hpp"
+#include "host/identify/criteria.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -15,18 +16,18 @@ std::string as_the_scene_says(double value, const std::string& unit) {
 
 Candidate candidate_of(const Scene& scene, const SceneNumber& number, const NumberPlace& place) {
   const std::string unit = unit_on(scene, place.target, number.unit);
-  Candidate candidate{
-      number.name,
-      place.target,
-      Family::parameter,
-      "scene",
-      "another value",
-      number.meaning,
-      as_the_scene_says(place.value, unit),
-      "a second motion in which this number matters differently",
-      {{"value", unit, number.low * place.value, number.high * place.value, place.value, 0.1 * place.value}},
-      {},
-      number.prior};
+  Candidate candidate{number.name,
+                      place.target,
+                      Family::parameter,
+                      "scene",
+                      "another value",
+                      number.meaning,
+                      as_the_scene_says(place.value, unit),
+                      "a second motion in which this number matters differently",
+                      {{"value", unit, number.low * place.value, number.high * place.value, place.value,
+                        criteria().change_number * place.value}},
+                      {},
+                      number.prior};
   candidate.parameters[0].believed = number.believed_share > 0 ? number.believed_share * place.value : number.believed;
   candidate.apply = [set = place.set](Variant& variant, std::span<const double> values) {
     set(variant.scene, values[0]);

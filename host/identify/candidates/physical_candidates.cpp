@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "host/identify/candidates/candidate.hpp"
+#include "host/identify/criteria.hpp"
 #include "host/model/effect_row.hpp"
 
 namespace pvg::diagnose {
@@ -12,34 +13,35 @@ double mass_of(const Scene& scene, const std::string& target) {
     if (body.name == target) return body.mass;
   for (const Joint& joint : scene.joints)
     if (joint.name == target) return scene.rigid_bodies[std::size_t(joint.child)].mass;
-  return 0.3;
+  return criteria().change_unknown_mass;
 }
 
 // A change worth trying first, from the parameter's unit and the mass of what it acts on.
 double scale_of(const EffectParameter& p, double mass) {
   const double weight = 9.81 * mass;
-  const std::pair<const char*, double> known[] = {{"N m s/rad", 2e-3 * mass},
-                                                  {"N m", 2e-3 * weight},
-                                                  {"N m/rad", 1e-2 * weight},
-                                                  {"N/m", weight},
-                                                  {"N", 0.02 * weight},
-                                                  {"N s/m", 0.05 * mass},
-                                                  {"N s^2/m^2", 0.05 * mass},
-                                                  {"kg", 0.1 * mass},
-                                                  {"m", 3e-3},
-                                                  {"rad", 0.02},
-                                                  {"s", 0.01},
-                                                  {"Pa s", 100},
-                                                  {"1/s", 0.5},
-                                                  {"1/m", 0.2},
-                                                  {"J/m^2", 0.1},
-                                                  {"s/m", 0.1},
-                                                  {"m/s", 0.1},
-                                                  {"rad/s", 0.1},
-                                                  {"1", 0.1}};
+  const Criteria& c = criteria();
+  const std::pair<const char*, double> known[] = {{"N m s/rad", c.change_joint_damping * mass},
+                                                  {"N m", c.change_torque * weight},
+                                                  {"N m/rad", c.change_joint_stiffness * weight},
+                                                  {"N/m", c.change_stiffness * weight},
+                                                  {"N", c.change_force * weight},
+                                                  {"N s/m", c.change_drag * mass},
+                                                  {"N s^2/m^2", c.change_drag * mass},
+                                                  {"kg", c.change_mass * mass},
+                                                  {"m", c.change_shift},
+                                                  {"rad", c.change_turn},
+                                                  {"s", c.change_time},
+                                                  {"Pa s", c.change_viscosity},
+                                                  {"1/s", c.change_decay},
+                                                  {"1/m", c.change_curvature},
+                                                  {"J/m^2", c.change_adhesion},
+                                                  {"s/m", c.change_dissipation},
+                                                  {"m/s", c.change_speed},
+                                                  {"rad/s", c.change_spin},
+                                                  {"1", c.change_share}};
   for (const auto& [unit, scale] : known)
     if (p.unit == unit) return scale;
-  return 0.01 * (p.high - p.low);
+  return c.change_other * (p.high - p.low);
 }
 
 Parameter parameter_of(const EffectParameter& p, double mass) {

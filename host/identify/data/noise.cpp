@@ -23,16 +23,26 @@ double quantum_of(const std::vector<double>& values, std::size_t width) {
     const double step = std::abs(values[i] - values[i - width]);
     if (std::isfinite(step) && step > 0) steps.push_back(step);
   }
-  if (steps.size() < 20) return 0;
+  if (steps.size() < criteria().quantum_n_least) return 0;
   const double least = *std::min_element(steps.begin(), steps.end());
   const auto whole = std::count_if(steps.begin(), steps.end(), [&](double step) {
-    return std::abs(step / least - std::round(step / least)) < 0.05 && step / least < 1000;
+    return std::abs(step / least - std::round(step / least)) < criteria().quantum_near_whole &&
+           step / least < criteria().quantum_n_most;
   });
-  return whole > 0.9 * double(steps.size()) ? least : 0;
+  return whole > criteria().quantum_share * double(steps.size()) ? least : 0;
 }
 
-constexpr double TYPICAL = 1.4826;                     // sigma of a normal distribution over the median of its size
-constexpr std::array LAGS = {1u, 2u, 3u, 4u, 6u, 8u};  // between the samples of a difference
+constexpr double TYPICAL = 1.4826;  // sigma of a normal distribution over the median of its size
+
+// 1, 2, 3, 4, 6, 8, ...: powers of two and the whole numbers half way between them, as distances of samples.
+std::vector<unsigned> lags() {
+  std::vector<unsigned> all;
+  for (unsigned power = 1; power <= criteria().noise_lag_most; power *= 2) {
+    all.push_back(power);
+    if (power > 1 && power + power / 2 <= criteria().noise_lag_most) all.push_back(power + power / 2);
+  }
+  return all;
+}
 
 struct Differences {
   double sigma = 0;        // of white noise that would make them
@@ -51,11 +61,11 @@ std::optional<Differences> third_differences(const std::vector<double>& values, 
   if (size.size() < (lag == 1 ? criteria().noise_n_neighbours : criteria().noise_n_apart)) return std::nullopt;
   Differences found;
   const double typical = TYPICAL * median(std::move(size));
+  const double most = criteria().noise_cut * typical;
   found.sigma = typical / std::sqrt(20.0);
   double product = 0, square = 0;
   for (std::size_t i = step; i < difference.size(); ++i) {
-    const double a = std::clamp(difference[i], -3 * typical, 3 * typical),
-                 b = std::clamp(difference[i - step], -3 * typical, 3 * typical);
+    const double a = std::clamp(difference[i], -most, most), b = std::clamp(difference[i - step], -most, most);
     if (!std::isfinite(difference[i] * difference[i - step])) continue;
     product += a * b;
     square += 0.5 * (a * a + b * b);
@@ -74,7 +84,7 @@ std::vector<double> without_gaps(std::vector<double> values) {
 // (sigma: NaN).
 Differences differences_of(const std::vector<double>& values, std::size_t width) {
   std::vector<Differences> found;
-  for (const unsigned lag : LAGS) {
+  for (const unsigned lag : lags()) {
     const std::optional<Differences> here = third_differences(values, width, lag);
     if (here) found.push_back(*here);
     if (!here || here->correlation >= 0) break;  // a motion shows
@@ -119,7 +129,7 @@ void measure_noise(Problem& problem) {
       range = std::max(range, high - low);
       brightest = std::max(brightest, high);
     }
-    const double smallest = std::max(1e-4 * range, 1e-9);  // no sensor is better than that
+    const double smallest = std::max(criteria().noise_least * range, criteria().noise_floor);
     channel.is_noise_assumed = found.empty();
     channel.sigma =
         found.empty() ? std::max(criteria().noise_assumed * range, smallest) : std::max(median(found), smallest);

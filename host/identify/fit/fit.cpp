@@ -12,9 +12,6 @@ namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 
-const std::vector<double> DAMPINGS = {1e-6, 0.5, 2.5, 8};  // of a step, relative
-const std::vector<double> START_DAMPINGS = {0, 0.1};       // likewise of the starts
-
 VectorXd clamped(const Model& model, VectorXd x) {
   const std::vector<const Parameter*> parameters = model.parameters();
   for (Eigen::Index i = 0; i < x.size(); ++i)
@@ -100,10 +97,10 @@ std::vector<std::vector<Prediction>> Fitter::evaluate(const FitData& data, const
 // that way.
 void Fitter::add_trials(const Fit& fit, std::size_t owner, bool only_starts, Trials& trials) const {
   const bool moves_model = fit.model.x.size() > 0 && !only_starts;
-  for (const double damping : moves_model ? DAMPINGS : std::vector<double>{0}) {
+  for (const double damping : moves_model ? criteria().fit_dampings : Series{0}) {
     const Model model = moves_model ? stepped(fit, damping) : fit.model;
     const VectorXd dx = moves_model ? VectorXd(model.x - fit.model.x) : VectorXd();
-    for (const double start_damping : START_DAMPINGS) {
+    for (const double start_damping : {0.0, criteria().start_damping}) {
       std::vector<VectorXd> delta = fit.delta;
       bool any_moves = false;
       for (std::size_t w = 0; w < delta.size(); ++w)

@@ -32,7 +32,8 @@ double apart(const FitData& data, const std::vector<Prediction>& a, const std::v
     }
     for (auto& [column, values] : squares) {
       std::sort(values.begin(), values.end());
-      const std::size_t kept = std::max<std::size_t>(1, 9 * values.size() / 10);
+      const std::size_t kept =
+          std::max<std::size_t>(1, std::size_t(criteria().step_kept_share * double(values.size())));
       columns[column].first += std::accumulate(values.begin(), values.begin() + std::ptrdiff_t(kept), 0.0);
       columns[column].second += double(kept);
     }
@@ -64,12 +65,13 @@ double misfit(const FitData& data, const std::vector<Prediction>& predictions) {
 std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem& problem, Variant& base) {
   SolverSettings& solver = base.scene.solver;
   solver.velocity_tolerance = std::min(solver.velocity_tolerance, criteria().newton_tolerance);
-  solver.cg_tolerance = std::min(solver.cg_tolerance, 1e-8);
+  solver.cg_tolerance = std::min(solver.cg_tolerance, criteria().cg_tolerance_most);
   solver.max_step_halvings = std::min(solver.max_step_halvings, criteria().step_n_halvings);
   const SolverSettings as_given = solver;
   const double h = solver.time_step;
-  const FitData data =
-      fitter.prepare(make_windows(problem, false, problem.can_restart ? 1 : 0, 3), {{}, {}, {}}, false);
+  const FitData data = fitter.prepare(
+      make_windows(problem, false, problem.can_restart ? criteria().step_window : 0, criteria().step_n_windows),
+      {{}, {}, {}}, false);
   const auto predict = [&](const Choice& choice) {
     Variant variant = base;
     variant.scene.solver.integrator = choice.integrator;

@@ -43,7 +43,7 @@ std::vector<VectorXd> left_out(const Fit& fit, const std::vector<std::size_t>& g
     for (std::size_t w = 0; w < group.size(); ++w)
       if (group[w] != k) a += reduced.a[w], g += reduced.g[w];
     // a parameter to which the others are not sensitive stays where it is
-    a.diagonal().array() += 1e-6 * reduced.sum_a().diagonal().array();
+    a.diagonal().array() += criteria().left_out_ridge * reduced.sum_a().diagonal().array();
     VectorXd dx = -a.ldlt().solve(g);
     for (Eigen::Index i = 0; i < dx.size(); ++i) {
       const Parameter& p = *fit.model.parameters()[std::size_t(i)];
@@ -79,7 +79,7 @@ double correlation_length(const FitData& data, const std::vector<VectorXd>& resi
   double length = 1;
   for (std::size_t lag = 1; lag <= criteria().correlation_lag_most && covariance[0] > 0; ++lag) {
     const double rho = covariance[lag] / covariance[0];
-    if (rho < 3 / std::sqrt(n)) break;
+    if (rho < criteria().correlation_significant / std::sqrt(n)) break;
     length += 2 * rho;
   }
   return length;

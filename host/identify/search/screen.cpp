@@ -11,7 +11,6 @@ namespace pvg::diagnose {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
-const std::vector<double> LIMITS = {0.95, 0.9, 0.8, 0.7, 0.6, 0.5, 0.35};  // of where a limit is first felt
 
 struct Trial {
   const Candidate* candidate;
@@ -151,7 +150,7 @@ std::vector<Model> trials_of(const Screened& screened, Eigen::Index n_base) {
   for (const double share : {c.screen_share_low, 1.0, c.screen_share_high})
     add([&](std::size_t k, double x) { return share_of(k, x, share); });
   // what lies beyond a limit starts from zero there: no slope says how far
-  for (const double limit : is_limit(*screened.candidate) ? LIMITS : std::vector<double>())
+  for (const double limit : is_limit(*screened.candidate) ? c.screen_limits : Series())
     add([&](std::size_t k, double) { return limit * parameters[k].off; });
   if (std::none_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.is_shape; })) return models;
   const double first = screened.model.x[n_base] - parameters[0].off;
@@ -251,20 +250,21 @@ Screened linear_optimum(const FitData& data, const Fit& base, double n_data, std
   if (seen.empty()) return one;
   const Reduced reduced = normal_equations(data, base, n_base, seen, found);
   MatrixXd a = reduced.sum_a();
-  a.diagonal().array() += 1e-9 * a.trace();
+  a.diagonal().array() += criteria().screen_ridge * a.trace();
   const VectorXd g = reduced.sum_g();
   VectorXd dx = -a.ldlt().solve(g);  // in units of the steps
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const Trial& trial = trials[seen[i]];
     const Parameter& p = candidate.parameters[trial.parameter];
     double& d = dx[n_base + Eigen::Index(i)];
-    d = std::clamp(d, -20.0, 20.0);
+    d = std::clamp(d, -criteria().screen_steps_most, criteria().screen_steps_most);
     d = (std::clamp(p.off + d * trial.step, p.low, p.high) - p.off) / trial.step;
     one.model.x[n_base + Eigen::Index(trial.parameter)] = p.off + d * trial.step;
     one.model.scale[n_base + Eigen::Index(trial.parameter)] = std::abs(trial.step);
     one.sensitivity = std::max(one.sensitivity, size_of(found[seen[i]]));
   }
-  for (Eigen::Index i = 0; i < n_base; ++i) dx[i] = std::clamp(dx[i], -1.0, 1.0);
+  for (Eigen::Index i = 0; i < n_base; ++i)
+    dx[i] = std::clamp(dx[i], -criteria().screen_base_steps_most, criteria().screen_base_steps_most);
   one.model.x.head(n_base) += (dx.head(n_base).array() * base.model.scale.head(n_base).array()).matrix();
   const std::vector<const Parameter*> bounds = base.model.parameters();
   for (Eigen::Index i = 0; i < n_base; ++i)
@@ -357,7 +357,7 @@ Part part_of(const Signatures& s, std::span<const std::size_t> columns) {
 
 VectorXd optimum_of(const Signatures& signatures, std::span<const std::size_t> columns) {
   Part part = part_of(signatures, columns);
-  part.a.diagonal().array() *= 1 + 1e-6;  // columns that are nearly alike must not cancel each other
+  part.a.diagonal().array() *= 1 + criteria().signature_ridge;
   const VectorXd x = -part.a.ldlt().solve(part.g);
   return x.allFinite() ? x : VectorXd::Zero(part.g.size());
 }

@@ -3,16 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/identify/criteria.hpp"
 #include "host/physics/energies/system.hpp"
 
 namespace pvg::diagnose {
-namespace {
-
-constexpr double REST_SPEED = 2e-3, REST_SPIN = 2e-2;    // [m/s], [rad/s] and of a joint
-constexpr double SLIP_SPEED = 5e-3, IMPACT_SPEED = 0.1;  // [m/s]
-
-}  // namespace
-
 SensorTrace::SensorTrace(const Problem& problem, const Job& job, MaskSight* sight, VideoSight* video)
     : problem_(&problem), job_(&job), sight_(sight), video_(video), h_(job.variant->scene.solver.time_step) {
   values_.resize(problem.channels.size());
@@ -150,14 +144,14 @@ Phase SensorTrace::phase_of(const Scene& world, const WorldState& state, const C
     const Vec3 apart = velocity(contact.first, contact.point) - velocity(contact.second, contact.point);
     const double along = apart.dot(contact.normal);
     touches = true;
-    hits = hits || std::abs(along) > IMPACT_SPEED;
-    slips = slips || (apart - along * contact.normal).norm() > SLIP_SPEED;
+    hits = hits || std::abs(along) > criteria().impact_speed;
+    slips = slips || (apart - along * contact.normal).norm() > criteria().slip_speed;
   }
   if (hits) return Phase::impact;
-  if (speed < REST_SPEED && spin < REST_SPIN) return Phase::rest;
+  if (speed < criteria().rest_speed && spin < criteria().rest_spin) return Phase::rest;
   if (!touches) return without;
   if (slips) return Phase::slide;
-  return spin > 0.2 ? Phase::roll : Phase::stick;
+  return spin > criteria().roll_spin ? Phase::roll : Phase::stick;
 }
 
 std::vector<Phase> SensorTrace::phases() const {

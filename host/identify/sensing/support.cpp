@@ -50,7 +50,7 @@ double sigma_along(const Window& window, int body, Unknown::Kind kind, const Vec
       square += std::pow(share * unknown.sigma / criteria().start_looseness, 2);
       covered += share * share;
     }
-  return covered > 0.5 ? std::sqrt(square) : INFINITY;
+  return covered > criteria().support_covered ? std::sqrt(square) : INFINITY;
 }
 
 // The body's unknowns of a kind lose their part along `normal`, or all but that.
@@ -62,7 +62,7 @@ void keep_unknowns(Window& window, int body, Unknown::Kind kind, const Vec3& nor
       const Vec3 along = unknown.direction.dot(normal) * normal;
       Vec3 left = keeps_normal ? along : Vec3(unknown.direction - along);
       for (const Vec3& other : directions) left -= other.dot(left) * other;
-      if (left.norm() < 0.3) continue;  // of unit vectors; three that span space leave two such, or one
+      if (left.norm() < criteria().support_direction_left) continue;
       unknown.direction = left.normalized();
       directions.push_back(unknown.direction);
     }
