@@ -17,8 +17,8 @@ struct Pair {
 // with whatever is beside it.
 std::vector<Pair> best_pairs(const Signatures& signatures, double n_data);
 
-// The pair that is decided for, if it leaves less than `most` times the noise, into `out.ranking` and
-// `out.inseparable`.
-std::optional<Fit> find_pair(Workflow& flow, const FitData& data, const Fit& base, double most);
+// The pair that the decision names, if it leaves less than `most` times the noise.
+std::optional<FoundPair> find_pair(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
+                                   const Fit& base, double most);
 
 }  // namespace pvg::diagnose

@@ -230,12 +230,12 @@ TEST(Workflow, SaysWhatItHadNoTimeToLookFor) {
   Settings settings;
   Workflow hurried(device, problem, settings);
   EXPECT_TRUE(hurried.has_time("a pair of effects"));
-  EXPECT_TRUE(hurried.out.notes.empty());
+  EXPECT_TRUE(hurried.notes.empty());
   settings.minutes = 1;
   EXPECT_TRUE(hurried.has_time("a pair of effects", 30));
   EXPECT_FALSE(hurried.has_time("a pair of effects", 61));
-  ASSERT_EQ(hurried.out.notes.size(), 1u);
-  EXPECT_EQ(hurried.out.notes[0],
+  ASSERT_EQ(hurried.notes.size(), 1u);
+  EXPECT_EQ(hurried.notes[0],
             "a pair of effects was not looked for: 0 s were over and it takes some 61 s more; `--minutes`, which is 1, "
             "gives it more");
 }
