@@ -1,5 +1,5 @@
-// What may explain a residual: an effect that the scene lacks, a number of the scene that is wrong, or a sensor that
-// does not tell what is there. Each has a name, a target, parameters with bounds, and changes a variant by them.
+// What may explain a residual: an effect that the scene lacks, a number of the scene that is wrong, or an error of a
+// sensor. Each has a name, a target, parameters with bounds, and changes a variant by them.
 #pragma once
 #include <functional>
 #include <span>
@@ -21,9 +21,9 @@ struct Parameter {
   std::string name, unit;
   double low = 0, high = 0, off = 0;  // with `off` the candidate changes nothing
   double scale = 1;                   // a change of this size is worth trying first
-  double believed = 0;    // one standard deviation from `off` of what is believed before any data; 0: anything
-  bool is_shape = false;  // does nothing while the others are off
-  bool is_limit = false;  // does nothing where it is higher than what the runs reach (limits.hpp)
+  double prior_sigma = 0;             // one standard deviation from `off` of what is known before any data; 0: anything
+  bool is_shape = false;              // does nothing while the others are off
+  bool is_limit = false;              // does nothing where it is higher than what the runs reach (limits.hpp)
 };
 
 // The scene file to which a diagnosis writes what it found.
@@ -39,7 +39,7 @@ struct Candidate {
   std::string site, law, meaning, equation, experiment;
   std::vector<Parameter> parameters;
   std::function<void(Variant&, std::span<const double>)> apply;
-  double prior = 0;  // log of how likely it is before any data, relative to others that explain as much
+  double log_prior = 0;  // log of how likely it is before any data, relative to others that explain as much
   // Writes the values into the scene file. False where the file does not say such a number itself.
   std::function<bool(const SceneFile&, std::span<const double>)> amend = {};
   std::string label() const { return name + " at " + target; }

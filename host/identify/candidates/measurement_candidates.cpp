@@ -46,7 +46,7 @@ Vec3 vector_of(std::span<const double> values) {
 bool is_length(const Channel& channel) { return channel.joint < 0 && channel.sensor->is_length; }
 
 bool has_time_input(const Problem& problem, std::size_t) {
-  // without commands or prescribed motions only the start tells the time, and that is fitted
+  // without commands or prescribed motions only the start fixes the time, and starts are fitted
   return !problem.recording.inputs.empty() || !problem.can_restart ||
          std::any_of(problem.scene.targets.begin(), problem.scene.targets.end(),
                      [](const TargetTable& t) { return t.time.size() > 1; });

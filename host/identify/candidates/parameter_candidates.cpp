@@ -1,5 +1,5 @@
-// Numbers that the scene has and that may be wrong: "retune". A number of zero is not there: what it would stand for is
-// then an effect.
+// Numbers of the scene that may be wrong: "retune". A number that is zero is none of them: what it describes is an
+// effect that the scene lacks.
 #include <cstdio>
 
 #include "host/identify/candidates/scene_number.hpp"
@@ -27,8 +27,9 @@ Candidate candidate_of(const Scene& scene, const SceneNumber& number, const Numb
                       {{"value", unit, number.low * place.value, number.high * place.value, place.value,
                         criteria().change_number * place.value}},
                       {},
-                      number.prior};
-  candidate.parameters[0].believed = number.believed_share > 0 ? number.believed_share * place.value : number.believed;
+                      number.log_prior};
+  candidate.parameters[0].prior_sigma =
+      number.prior_sigma_share > 0 ? number.prior_sigma_share * place.value : number.prior_sigma;
   candidate.apply = [set = place.set](Variant& variant, std::span<const double> values) {
     set(variant.scene, values[0]);
   };

@@ -65,7 +65,7 @@ Candidate candidate_of(const Scene& scene, const EffectRow& row, const std::stri
     here.unit = unit_on(scene, target, p.unit);
     candidate.parameters.push_back(parameter_of(here, mass_of(scene, target)));
     if (row.prior_sigma != nullptr)
-      candidate.parameters.back().believed = row.prior_sigma(scene, here.unit, mass_of(scene, target));
+      candidate.parameters.back().prior_sigma = row.prior_sigma(scene, here.unit, mass_of(scene, target));
   }
   candidate.apply = [effect, place](Variant& variant, std::span<const double> values) {
     Effect added = effect;
@@ -73,7 +73,7 @@ Candidate candidate_of(const Scene& scene, const EffectRow& row, const std::stri
     variant.scene.effects.push_back(added);
   };
   candidate.amend = amend_last_effect;
-  candidate.prior = row.log_prior != nullptr ? row.log_prior(scene, target) : 0;
+  candidate.log_prior = row.log_prior != nullptr ? row.log_prior(scene, target) : 0;
   return candidate;
 }
 

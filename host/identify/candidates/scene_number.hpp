@@ -36,9 +36,9 @@ struct SceneNumber {
   // touching: pairs of bodies that touch in the runs
   std::vector<NumberPlace> (&places)(const Scene&, const std::vector<std::string>& touching);
   bool (&write)(const NumberInFile&);  // false where the file does not say this number itself
-  double believed = 0;                 // one standard deviation before any data [unit]; 0: anything
-  double believed_share = 0;           // the same as a share of the scene's value
-  double prior = 0;                    // log of how likely it is before any data
+  double prior_sigma = 0;              // one standard deviation before any data [unit]; 0: anything
+  double prior_sigma_share = 0;        // the same as a share of the scene's value
+  double log_prior = 0;                // log of how likely it is before any data
 };
 
 std::span<const SceneNumber> scene_numbers();

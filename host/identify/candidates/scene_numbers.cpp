@@ -32,7 +32,7 @@ bool write_mass(const NumberInFile& number) {
   return true;
 }
 
-// ---- inertia: the mean of the three moments stands for all, which keep their ratios
+// ---- inertia: the mean of the three moments is corrected, and they keep their ratios
 
 Places inertias(const Scene& scene, const Touching&) {
   Places places;
@@ -90,7 +90,7 @@ double* of_drive(Joint& joint) {
 
 double* area_density_of(Cloth& cloth) { return &cloth.material.area_density; }
 
-// ---- stiffness of cloth: that of the warp stands for both, which keep their ratio
+// ---- stiffness of cloth: that of the warp is corrected, and warp and weft keep their ratio
 
 template <double ClothMaterial::*warp, double ClothMaterial::*weft>
 Places cloth_stiffnesses(const Scene& scene, const Touching&) {
@@ -186,7 +186,7 @@ std::span<const SceneNumber> scene_numbers() {
   static const SceneNumber NUMBERS[] = {
       {"retune_mass", "kg", "the body's mass is not what the scene says, its inertia with it", 0.2, 5, masses,
        write_mass},
-      // shape and mass mostly tell it; and it is wrong alone less often than other numbers are
+      // it mostly follows from shape and mass, so it is wrong alone less often than other numbers
       {.name = "retune_inertia",
        .unit = "kg m^2",
        .meaning = "the body's mean moment of inertia is not what the scene says, its mass is",
@@ -194,8 +194,8 @@ std::span<const SceneNumber> scene_numbers() {
        .high = 3,
        .places = inertias,
        .write = write_inertia,
-       .believed_share = 0.1,
-       .prior = -1},
+       .prior_sigma_share = 0.1,
+       .log_prior = -1},
       {.name = "retune_gravity",
        .unit = "m/s^2",
        .meaning = "gravity is not as strong as the scene says",
@@ -203,7 +203,7 @@ std::span<const SceneNumber> scene_numbers() {
        .high = 1.1,
        .places = gravities,
        .write = write_gravity,
-       .believed = 0.2},
+       .prior_sigma = 0.2},
       {"retune_youngs_modulus", "Pa", "the material is softer or stiffer than the scene says", 0.05, 20,
        in_each<&Scene::soft_bodies, of_material<&SolidMaterial::youngs_modulus>>,
        write_in_section<"bodies", "material", "youngs_modulus">},

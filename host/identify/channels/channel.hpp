@@ -34,7 +34,7 @@ struct Channel {
   int n = 1;                 // numbers that are compared: 1 or 3
   double sigma = 0;          // one standard deviation of the noise [unit]; measured by stage 1 if unknown
   bool is_noise_known = false;
-  bool is_noise_assumed = false;  // unknown, and too few samples stand side by side to measure it
+  bool is_noise_assumed = false;  // unknown, and there are too few neighbouring samples to measure it
   int source = -1, part = -1;     // of pictures, as in RecordedChannel
 };
 

@@ -6,7 +6,7 @@
 namespace pvg::diagnose {
 namespace {
 
-// the first body of that part's name stands for it
+// the first body with that part's name represents it
 Resolved resolve(const ChannelPlace& where, const RecordedChannel& recorded) {
   const MaskSource& source = where.recording.mask_sources[std::size_t(recorded.source)];
   const ChannelPlace place{where.recording, where.scene, where.seen, where.recording.file.string() + ": a mask"};

@@ -7,7 +7,7 @@ namespace pvg::diagnose {
 
 Mat3 rotation_of(const Vec3& vector);  // of a rotation vector [rad]
 
-// The channel's entry of a list that may be empty: zero then.
+// The channel's entry of a list; zero where the list is empty.
 Vec3 entry_of(const std::vector<Vec3>& list, std::size_t channel);
 
 // One number of a joint with its bias.

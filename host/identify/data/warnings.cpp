@@ -88,7 +88,7 @@ std::vector<std::string> warnings(const Problem& problem) {
       if (camera.name == video.camera && (camera.exposure_time > 0 || camera.row_time > 0))
         sentences.push_back("the camera " + camera.name +
                             " has an exposure_time or row_time: videos are compared with pictures in which "
-                            "everything stands still");
+                            "nothing moves");
   for (const Run& run : problem.runs) {
     double longest = 0, shortest = INFINITY;
     for (std::size_t i = 1; i < run.t.size(); ++i) {

@@ -176,7 +176,8 @@ std::string html_of(const Problem& problem, const Diagnosis& d) {
   html += "<h2>What these data cannot tell apart</h2>";
   if (d.inseparable.empty()) html += "<p>Nothing that came near was left.</p>";
   for (const std::vector<std::string>& set : d.inseparable) html += list_html(set);
-  if (!d.next_experiment.empty()) html += "<p>What would tell: " + escaped(d.next_experiment) + ".</p>";
+  if (!d.next_experiment.empty())
+    html += "<p>An experiment that separates them: " + escaped(d.next_experiment) + ".</p>";
   html += "<h2>What remains</h2><p>Held-out error " + shown(d.before) + " before, " + shown(d.after) +
           " after, noise floor " + shown(d.floor) + " " + escaped(d.unit) + "; of the gap " +
           shown(100 * d.gap_closed) + " % closed. Fitting runs, each left out in turn: " + shown(d.fit_before) +

@@ -88,11 +88,11 @@ double correlation_length(const FitData& data, const std::vector<VectorXd>& resi
 // Log prior of the candidates and of the parameters' sizes.
 double log_prior_of(const Fit& fit) {
   double log_prior = 0;
-  for (const Candidate* part : fit.model.parts) log_prior += part->prior + family_log_prior(part->family);
+  for (const Candidate* part : fit.model.parts) log_prior += part->log_prior + family_log_prior(part->family);
   const std::vector<const Parameter*> parameters = fit.model.parameters();
   for (std::size_t i = 0; i < parameters.size(); ++i)
-    if (parameters[i]->believed > 0) {
-      const double away = (fit.model.x[Eigen::Index(i)] - parameters[i]->off) / parameters[i]->believed;
+    if (parameters[i]->prior_sigma > 0) {
+      const double away = (fit.model.x[Eigen::Index(i)] - parameters[i]->off) / parameters[i]->prior_sigma;
       log_prior -= 0.5 * away * away;
     }
   return log_prior;

@@ -148,7 +148,7 @@ std::string measure(Workflow& flow) {
     std::snprintf(text, sizeof text, "noise of the %s: %.3g %s%s", c.name.c_str(), c.sigma, c.unit.c_str(),
                   c.is_noise_known ? ", as given"
                   : c.is_noise_assumed
-                      ? ", taken as a hundredth of the range, too few samples stand side by side to measure it"
+                      ? ", taken as a hundredth of the range: too few neighbouring samples to measure it"
                       : ", measured from third differences");
     flow.notes.push_back(text);
     units.insert(c.unit);

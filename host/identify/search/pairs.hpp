@@ -1,5 +1,6 @@
-// Two effects that explain the misfit only together. If they are searched one after the other the first may stand in
-// for both, and the second is never searched. So the best sums of two candidates' signatures are fitted together.
+// Two effects that explain the misfit only together. If they are searched one after the other, the first may
+// explain part of both, and the second is never searched. So the best sums of two candidates' signatures are fitted
+// together.
 #pragma once
 #include <optional>
 

@@ -8,7 +8,7 @@ namespace pvg {
 // The names of one column, or of several.
 std::vector<std::string> read_columns(YamlSection& section);
 
-// Adds the channels of one entry of `channels`: one of a table's columns, or one per number that stands for a picture.
+// Adds the channels of one entry of `channels`: one of a table's columns, or one per number of a picture.
 void read_channel(YamlSection& section, Recording& recording);
 
 // Reads the pictures of a run and adds their numbers to its table, as columns.

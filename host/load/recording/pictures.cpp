@@ -13,7 +13,7 @@ namespace {
 
 constexpr double SAME_TIME = 1e-4;  // of a picture and a row [s]
 
-// the pictures' file of a run: beside its table, {run} stands for the table's name without its ending
+// the pictures' file of a run: beside its table, {run} is replaced by the table's name without its ending
 std::filesystem::path pictures_of(const RecordedRun& run, std::string name) {
   const std::string token = "{run}";
   if (const std::size_t at = name.find(token); at != std::string::npos)

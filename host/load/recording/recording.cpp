@@ -65,7 +65,7 @@ bool is_same(const MeasuredTable& a, const MeasuredTable& b) {
       });
 }
 
-// A held-out run that the fit has seen proves nothing, and a run that stands twice counts twice.
+// A held-out run that the fit has seen proves nothing, and a run that is listed twice would count twice.
 void demand_different_runs(const Recording& recording) {
   const std::vector<RecordedRun>& runs = recording.runs;
   for (std::size_t i = 0; i < runs.size(); ++i)
@@ -74,7 +74,7 @@ void demand_different_runs(const Recording& recording) {
         throw UsageError(recording.file.string() + ": the runs " + runs[k].name + " and " + runs[i].name +
                          " hold the same numbers" +
                          (runs[i].is_held_out != runs[k].is_held_out
-                              ? ", so the held out one proves nothing; record another motion for it"
+                              ? ", so the held-out one proves nothing; record another motion for it"
                               : "; leave one of them away"));
 }
 

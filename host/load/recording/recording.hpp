@@ -77,7 +77,7 @@ struct MaskSource {
 // What a camera saw.
 struct VideoSource {
   std::string file, camera;
-  double frames_per_second = 0;  // 0: the file tells its times, or has a picture per row
+  double frames_per_second = 0;  // 0: the file holds its times, or has a picture per row
   double first_frame = 0;        // time of the first picture [s]
 };
 const char* kind_name(ChannelKind kind);
