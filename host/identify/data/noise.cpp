@@ -49,8 +49,8 @@ struct Differences {
   double correlation = 0;  // of neighbours
 };
 
-// Third differences of samples `lag` apart. What the neighbours have in common is taken of sizes up to three sigma, as
-// an impact is in four of them.
+// Third differences of samples `lag` apart. Their correlation uses sizes cut at noise_cut, since an impact is in four
+// of them.
 std::optional<Differences> third_differences(const std::vector<double>& values, std::size_t width, std::size_t lag) {
   const std::size_t step = lag * width;
   std::vector<double> difference, size;

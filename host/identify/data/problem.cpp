@@ -121,7 +121,7 @@ void check_given(const Problem& problem) {
   }
 }
 
-// At least one channel must be of something that can move, and change.
+// At least one channel must measure something that moves, and change.
 void check_motion(const Problem& problem) {
   const Scene& scene = problem.scene.scene;
   bool any_moves = false, any_changes = false;

@@ -52,7 +52,7 @@ inline bool can_move(const RigidBody& body) { return !body.is_fixed && !body.is_
 // Throws a UsageError that names the file, the key, the body or joint, and what to do.
 Problem make_problem(const std::filesystem::path& recording);
 
-// What is wrong or weak in the data though it can be used, as sentences.
+// Weaknesses of data that can still be used, as sentences.
 std::vector<std::string> warnings(const Problem& problem);
 
 }  // namespace pvg::diagnose

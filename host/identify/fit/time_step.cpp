@@ -18,8 +18,8 @@ struct Choice {
 };
 
 // rms of the difference of two predictions of the same windows [noise]; the largest tenth of each column of a window is
-// left out: an impact a step earlier is no error of the motion. Columns in which next to nothing happens would only
-// thin the error out of those that move, and are left out, too.
+// left out: an impact one step earlier is no error of the motion. Columns in which almost nothing happens are left out,
+// too: they would only dilute the error of those that move.
 double apart(const FitData& data, const std::vector<Prediction>& a, const std::vector<Prediction>& b) {
   std::map<std::pair<int, int>, std::pair<double, double>> columns;  // channel, component: sum of squares, how many
   for (std::size_t w = 0; w < a.size(); ++w) {
@@ -48,7 +48,7 @@ double apart(const FitData& data, const std::vector<Prediction>& a, const std::v
   return n > 0 ? std::sqrt(sum / n) : INFINITY;
 }
 
-// Median over the windows of what is left of the residuals beside what other starts take up, rms [noise].
+// Median over the windows of the rms of the residuals with the best starts [noise].
 double misfit(const FitData& data, const std::vector<Prediction>& predictions) {
   std::vector<double> of_window;
   for (std::size_t w = 0; w < predictions.size(); ++w)

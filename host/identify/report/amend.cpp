@@ -1,5 +1,5 @@
-// The scene file with what was found: effects added by name, wrong numbers replaced. What the measurement has wrong
-// is written as a comment; only a lens is the scene's, too.
+// The scene file with what was found: effects added by name, wrong numbers replaced. Errors of the measurement become
+// comments; only that of a lens is also an error of the scene.
 #include <yaml-cpp/yaml.h>
 
 #include "host/identify/candidates/candidate.hpp"

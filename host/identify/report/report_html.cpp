@@ -1,4 +1,4 @@
-// The report as one page without anything outside itself: the sentence, the curves, where, the ranking, what is left.
+// The report as one self-contained page: sentence, curves, where the misfit is, ranking, notes.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -93,7 +93,7 @@ std::string curves_html(const Diagnosis& d) {
   return html;
 }
 
-// bodies down, phases across, darker where more of the misfit is
+// one row per body, one column per phase, darker where the share of the misfit is larger
 std::string map_html(const Diagnosis& d) {
   std::set<std::string> bodies, phases;
   for (const Cell& c : d.where) bodies.insert(c.body), phases.insert(c.phase);

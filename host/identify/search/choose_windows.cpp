@@ -15,7 +15,7 @@ double longest_run(const Problem& problem) {
   return longest;
 }
 
-// Worlds that a window takes for the sensitivities to its start.
+// Worlds that a window needs for the sensitivities to its start.
 double n_worlds(const Problem& problem) {
   double n = 1 + 2 * double(problem.coordinates.size()) + 12 * double(problem.free_bodies.size());
   const auto can_hit = [&](int b) {

@@ -35,7 +35,8 @@ struct Located {
   std::vector<std::string> touching;  // pairs of bodies
 };
 
-// Where, and which bodies touch. What is too weak to show in short windows is looked for in those of the fit.
+// The cells of the misfit, and the bodies that touch. Cells are of short windows; of those of the fit if none of the
+// short ones is significant.
 Located find_where(Workflow& flow, const ChosenWindows& chosen) {
   std::set<std::string> touching;
   const auto where = [&](const FitData& windows, const Fit& fit) {

@@ -14,9 +14,9 @@ namespace {
 using Eigen::VectorXd;
 using Columns = std::vector<std::size_t>;
 
-// What cannot start anew from a measured state is simulated as whole runs. A swing whose frequency is a tenth off is
-// out of step after some periods, where a small change does not predict a large one: pairs are searched in the first
-// part of the runs, of this share, and fitted to longer and longer ones.
+// Scenes that cannot restart from a measured state are simulated as whole runs. A swing whose frequency is a tenth off
+// is out of phase after some periods, where a small change does not predict a large one: pairs are searched in the
+// first part of the runs and fitted to longer and longer parts.
 
 Model model_of(const std::vector<const Candidate*>& parts) {
   Model model{parts, {}, {}};
@@ -90,7 +90,7 @@ std::vector<Screened> pairs_to_fit(Workflow& flow, const std::vector<Candidate>&
   return starts;
 }
 
-// The pairs where they are best in ever longer first parts.
+// The pairs, each fitted to longer and longer first parts.
 std::vector<Screened> pairs_of_first_parts(Workflow& flow, const std::vector<Candidate>& all, const FitData& data) {
   std::vector<Screened> starts;
   const double first_share = criteria().pair_first_part;

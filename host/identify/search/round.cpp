@@ -21,7 +21,7 @@ std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector
     if (scales.empty()) scales = of;
     for (std::size_t w = 0; w < of.size(); ++w) scales[w] = std::min(scales[w], of[w]);
   }
-  // fits are ranked by the cost that their next step predicts: the true effect may still be far from its optimum
+  // fits are ranked by the predicted cost of their next step: the true effect may still be far from its optimum
   const std::vector<std::vector<VectorXd>> predicted = fitter.predicted(data, fits);
   std::vector<double> key;
   for (std::size_t i = 0; i < fits.size(); ++i)

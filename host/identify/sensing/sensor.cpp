@@ -31,12 +31,12 @@ void SensorTrace::add(const Scene& world, const WorldState& state) {
     touching_.insert(body_name(world, std::size_t(pair.first)) + "/" + body_name(world, std::size_t(pair.second)));
 }
 
-// Pictures cost more than steps: only those are looked at that the values at their times are found from.
+// Pictures cost more than steps: only those at the times of samples are taken.
 int SensorTrace::picture_near(const std::vector<int>& frame_of_row, double time) const {
   int frame = -1;
   double nearest = (1 - 1e-6) * h_;
   for (std::size_t row = 0; row < frame_of_row.size(); ++row) {
-    // before the start everything is where it starts, as value_at has it
+    // before the start everything is at its start, as in value_at
     const double apart = std::abs(std::max(time_of(0, row), 0.0) - time);
     if (frame_of_row[row] < 0 || apart >= nearest) continue;
     nearest = apart;

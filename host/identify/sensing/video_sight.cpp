@@ -27,7 +27,7 @@ RenderSettings settings_of(const Problem& problem) {
   return settings;
 }
 
-// what comes behind the lens is applied to the light that was seen (cells_of)
+// effects behind the lens are applied to the traced light (cells_of)
 Scene without_sensors(Scene scene) {
   for (Camera& camera : scene.cameras) {
     camera.vignetting.clear();
