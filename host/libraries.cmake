@@ -18,17 +18,20 @@ if(PVG_IO)
   pvg_library(host/robot              base geometry pictures model formats                                     )
   pvg_library(host/load/fields        base geometry pictures model                                             )
   pvg_library(host/load               base geometry pictures model formats robot load/fields                   )
+  pvg_library(host/load/recording     base geometry pictures model formats robot load/fields load              )
   pvg_library(host/dataset            base geometry pictures model formats robot load/fields load              )
   set(PHYSICS physics/linear physics/contact physics/energies physics/step)
   pvg_library(host/identify           base                                                                     )
-  set(IDENTIFY base device geometry pictures model ${PHYSICS} render formats robot load/fields load dataset
-      identify)
-  pvg_library(host/identify/data       ${IDENTIFY}                                                             )
-  pvg_library(host/identify/sensing    ${IDENTIFY} identify/data                                               )
-  pvg_library(host/identify/candidates ${IDENTIFY} identify/data identify/sensing                              )
-  pvg_library(host/identify/fit        ${IDENTIFY} identify/data identify/sensing identify/candidates          )
-  pvg_library(host/identify/search     ${IDENTIFY} identify/data identify/sensing identify/candidates identify/fit)
-  pvg_library(host/identify/report     ${IDENTIFY} identify/data identify/sensing identify/candidates identify/fit
+  set(IDENTIFY base device geometry pictures model ${PHYSICS} render formats robot load/fields load load/recording
+      dataset identify)
+  pvg_library(host/identify/channels   ${IDENTIFY}                                                             )
+  set(MEASURED ${IDENTIFY} identify/channels)
+  pvg_library(host/identify/data       ${MEASURED}                                                             )
+  pvg_library(host/identify/sensing    ${MEASURED} identify/data                                               )
+  pvg_library(host/identify/candidates ${MEASURED} identify/data identify/sensing                              )
+  pvg_library(host/identify/fit        ${MEASURED} identify/data identify/sensing identify/candidates          )
+  pvg_library(host/identify/search     ${MEASURED} identify/data identify/sensing identify/candidates identify/fit)
+  pvg_library(host/identify/report     ${MEASURED} identify/data identify/sensing identify/candidates identify/fit
                                        identify/search                                                         )
   pvg_library(pipeline/graph           base                                                                    )
   set(EPISODE base device geometry pictures model ${PHYSICS} render formats robot load/fields load dataset graph)
@@ -36,7 +39,7 @@ if(PVG_IO)
   pvg_library(pipeline/validation      ${EPISODE} episode identify/report                                      )
   pvg_library(pipeline/bench           ${EPISODE} episode                                                      )
   pvg_library(pipeline/command_line    base                                                                    )
-  pvg_library(pipeline/commands        ${EPISODE} episode validation bench command_line identify
+  pvg_library(pipeline/commands        ${EPISODE} episode validation bench command_line identify identify/channels
                                        identify/data identify/sensing identify/candidates identify/fit identify/search
                                        identify/report                                                         )
 endif()

@@ -16,12 +16,24 @@ Criteria& mutable_criteria() {
 }
 
 template <class T>
-T rounded(double value) {
+void assign(T& field, double value) {
   if constexpr (std::is_integral_v<T>)
-    return T(std::max(1.0, std::round(value)));
+    field = T(std::max(1.0, std::round(value)));
   else
-    return value;
+    field = value;
 }
+
+void assign(Series& field, double first) {
+  const double ratio = first / field.front();
+  for (double& value : field) value *= ratio;
+  field.front() = first;
+}
+
+double first_of(double value) { return value; }
+double first_of(const Series& series) { return series.front(); }
+
+Series series_of(double) { return {}; }
+Series series_of(const Series& series) { return series; }
 
 }  // namespace
 
@@ -34,7 +46,7 @@ void set_criterion(std::string_view name, double value) {
   Criteria& all = mutable_criteria();
 #define PVG_CRITERION(stage, type, field, usual, unit, meaning, evidence) \
   if (name == #field) {                                                   \
-    all.field = rounded<type>(value);                                     \
+    assign(all.field, value);                                             \
     return;                                                               \
   }
   PVG_CRITERIA(PVG_CRITERION)
@@ -60,9 +72,9 @@ std::vector<Criterion> list_criteria() {
   const Criteria& now = criteria();
   const Criteria table;
   std::vector<Criterion> list;
-#define PVG_CRITERION(stage, type, field, usual, unit, meaning, evidence) \
-  list.push_back(                                                         \
-      {stage, #field, unit, meaning, evidence, double(now.field), double(table.field), std::is_integral_v<type>});
+#define PVG_CRITERION(stage, type, field, usual, unit, meaning, evidence)                             \
+  list.push_back({stage, #field, unit, meaning, evidence, first_of(now.field), first_of(table.field), \
+                  series_of(table.field), std::is_integral_v<type>});
   PVG_CRITERIA(PVG_CRITERION)
 #undef PVG_CRITERION
   return list;

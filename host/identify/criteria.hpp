@@ -2,9 +2,12 @@
 //   X(stage, type, name, value, unit, meaning, evidence)
 // stage: 1 measurement, 2 residual, 3 localisation, 4 screening, 5 fit, 6 decision, 7 proof
 // (docs/theory/identification.md). evidence: what the value was chosen on. "not recorded": nobody wrote it down. How
-// much the verdicts depend on each value: scripts/perturb_criteria.py.
+// much the verdicts depend on each value: scripts/perturb_criteria.py. Bounds and log priors of a single effect, number
+// of the scene or error of a sensor are in its own row (host/model/effect_list.hpp, candidates/scene_numbers.cpp,
+// candidates/measurement_candidates.cpp).
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,6 +32,30 @@
   X(1, double, run_noise_scale, 2, "1", \
     "noise of a run over its channel's from which the run has a noise of its own", \
     "the DFKI pendulum, one run of which was pushed by hand (commit 39d942d)") \
+  X(1, unsigned, noise_lag_most, 8, "samples", \
+    "longest distance between the samples of a difference: 1, 2, 3, 4, 6, 8, ...", \
+    "chosen by judgement, not measured") \
+  X(1, double, noise_cut, 3, "typical size", \
+    "size at which differences are cut before they are correlated", \
+    "chosen by judgement, not measured") \
+  X(1, double, noise_least, 1e-4, "range", \
+    "least noise of a channel: no sensor is better than that", \
+    "chosen by judgement, not measured") \
+  X(1, double, noise_floor, 1e-9, "channel's", \
+    "least noise of a channel that does not move", \
+    "chosen by judgement, not measured") \
+  X(1, std::size_t, quantum_n_least, 20, "1", \
+    "fewest unequal neighbours from which a quantum is found", \
+    "chosen by judgement, not measured") \
+  X(1, double, quantum_near_whole, 0.05, "quantum", \
+    "distance from a whole number within which a step is a multiple of the quantum", \
+    "chosen by judgement, not measured") \
+  X(1, double, quantum_n_most, 1000, "1", \
+    "largest such multiple", \
+    "chosen by judgement, not measured") \
+  X(1, double, quantum_share, 0.9, "1", \
+    "share of the steps that must be multiples of the quantum", \
+    "chosen by judgement, not measured") \
   X(1, double, start_fit_span, 0.1, "s", \
     "span of the samples that give a start and its rate", \
     "not recorded") \
@@ -38,6 +65,18 @@
   X(1, std::size_t, start_n_most, 15, "1", \
     "most samples that give a start", \
     "not recorded") \
+  X(1, double, start_turn_span, 1, "s", \
+    "time from the start within which orientations are read", \
+    "chosen by judgement, not measured") \
+  X(1, double, start_unmeasured_turn, 0.3, "rad", \
+    "sigma of a start that no channel measures, of a revolute joint", \
+    "chosen by judgement, not measured") \
+  X(1, double, start_unmeasured_shift, 0.03, "m", \
+    "the same of a prismatic joint", \
+    "chosen by judgement, not measured") \
+  X(1, double, start_unmeasured_rate, 3, "1/s", \
+    "sigma of its rate over that of its start", \
+    "chosen by judgement, not measured") \
   X(1, double, start_looseness, 20, "1", \
     "sigma of a start over what its samples give: a wrong model must not be held in place by it", \
     "not recorded; from the change that let resting bodies start on their support (commit bac2ea0)") \
@@ -56,9 +95,36 @@
   X(1, double, support_sigma, 4, "sigma", \
     "a measured start farther from rest than this does not rest", \
     "not recorded") \
+  X(1, double, support_covered, 0.5, "1", \
+    "share of a direction that unknowns must cover for it to count as measured", \
+    "chosen by judgement, not measured") \
+  X(1, double, support_direction_left, 0.3, "1", \
+    "length left of a unit direction without its part along the normal, below which it is dropped", \
+    "three unit vectors that span space leave two longer ones, or one") \
+  X(1, int, video_n_paths, 32768, "1", \
+    "paths of a picture, about", \
+    "the luminance of a cell is then good to a per cent") \
+  X(1, int, video_samples_most, 256, "1", \
+    "most paths of a pixel", \
+    "chosen by judgement, not measured") \
+  X(1, std::uint32_t, video_n_noise, 8, "1", \
+    "pictures of one state from which the renderer's noise is measured", \
+    "chosen by judgement, not measured") \
   X(1, double, drive_memory, 2, "s", \
     "longest history of a drive that is computed before a window", \
     "not recorded") \
+  X(1, double, step_window, 1, "s", \
+    "length of the windows in which time steps are compared", \
+    "chosen by judgement, not measured") \
+  X(1, std::size_t, step_n_windows, 3, "1", \
+    "how many of them", \
+    "chosen by judgement, not measured") \
+  X(1, double, step_kept_share, 0.9, "1", \
+    "share of the smallest differences that are compared: an impact one step earlier is no error of the motion", \
+    "chosen by judgement, not measured") \
+  X(1, double, cg_tolerance_most, 1e-8, "1", \
+    "largest relative residual of conjugate gradients, so that responses to small changes are exact", \
+    "chosen by judgement, not measured") \
   X(1, double, step_error_most, 2.5, "noise", \
     "error of the integration up to which the scene's step is kept and corrected", \
     "not recorded (commit 3058b6d)") \
@@ -104,6 +170,15 @@
   X(2, double, whole_run_longest, 8, "s", \
     "longest run that is one window", \
     "not recorded") \
+  X(2, Series, window_lengths, (Series{2, 1, 0.5, 0.25}), "s", \
+    "lengths of windows, tried after whole runs", \
+    "chosen by judgement, not measured") \
+  X(2, double, window_longest_share, 0.8, "longest run", \
+    "longest window besides whole runs", \
+    "chosen by judgement, not measured") \
+  X(2, double, window_missing, 0.25, "window", \
+    "what the last window of a run may lack", \
+    "chosen by judgement, not measured") \
   X(2, double, window_coherent, 0.35, "signal", \
     "misfit up to which a window can be linearised", \
     "not recorded") \
@@ -134,6 +209,21 @@
   X(7, double, agrees_held_out, 1.5, "noise", \
     "held-out error above which a note says that these runs disagree", \
     "not recorded (commit 323f15f)") \
+  X(3, double, rest_speed, 2e-3, "m/s", \
+    "speed below which a body is at rest", \
+    "chosen by judgement, not measured") \
+  X(3, double, rest_spin, 2e-2, "rad/s", \
+    "spin below which a body is at rest", \
+    "chosen by judgement, not measured") \
+  X(3, double, slip_speed, 5e-3, "m/s", \
+    "speed across the normal above which a contact slips", \
+    "chosen by judgement, not measured") \
+  X(3, double, impact_speed, 0.1, "m/s", \
+    "speed along the normal above which a contact is an impact", \
+    "chosen by judgement, not measured") \
+  X(3, double, roll_spin, 0.2, "rad/s", \
+    "spin above which a body on a contact that does not slip rolls", \
+    "chosen by judgement, not measured") \
   X(3, double, locate_window, 0.25, "s", \
     "window in which a cell is located", \
     "not recorded") \
@@ -179,6 +269,90 @@
   X(4, double, screen_shape_high, 5, "1", \
     "factor on a shape parameter that is tried", \
     "a Stribeck curve named Coulomb friction (commit ae8853e)") \
+  X(4, Series, screen_limits, (Series{0.95, 0.9, 0.8, 0.7, 0.6, 0.5, 0.35}), "1", \
+    "limits that are tried, over where the limit is first reached", \
+    "chosen by judgement, not measured") \
+  X(4, double, screen_steps_most, 20, "change tried", \
+    "farthest linear optimum of a candidate", \
+    "chosen by judgement, not measured") \
+  X(4, double, screen_base_steps_most, 1, "scale", \
+    "farthest change of the base's parameters beside it", \
+    "chosen by judgement, not measured") \
+  X(4, double, screen_ridge, 1e-9, "trace", \
+    "ridge of the normal equations of one candidate", \
+    "chosen by judgement, not measured") \
+  X(4, double, signature_ridge, 1e-6, "diagonal", \
+    "ridge of those of pairs and laws: columns that are nearly alike must not cancel each other", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_torque, 2e-3, "weight m", \
+    "first change that is tried of a torque", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_joint_damping, 2e-3, "mass m^2/s", \
+    "first change that is tried of a joint's damping", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_joint_stiffness, 1e-2, "weight m/rad", \
+    "first change that is tried of a stiffness in torque", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_stiffness, 1, "weight/m", \
+    "first change that is tried of a stiffness in force", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_force, 0.02, "weight", \
+    "first change that is tried of a force", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_drag, 0.05, "mass/s, mass/m", \
+    "first change that is tried of linear and quadratic drag", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_mass, 0.1, "mass", \
+    "first change that is tried of a mass", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_shift, 3e-3, "m", \
+    "first change that is tried of a length", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_turn, 0.02, "rad", \
+    "first change that is tried of an angle", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_time, 0.01, "s", \
+    "first change that is tried of a time", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_viscosity, 100, "Pa s", \
+    "first change that is tried of a viscosity", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_decay, 0.5, "1/s", \
+    "first change that is tried of a rate of decay", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_curvature, 0.2, "1/m", \
+    "first change that is tried of a curvature", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_adhesion, 0.1, "J/m^2", \
+    "first change that is tried of an adhesion", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_dissipation, 0.1, "s/m", \
+    "first change that is tried of a contact's dissipation", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_speed, 0.1, "m/s", \
+    "first change that is tried of a speed", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_spin, 0.1, "rad/s", \
+    "first change that is tried of a spin", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_share, 0.1, "1", \
+    "first change that is tried of a number without a unit", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_other, 0.01, "range", \
+    "the same of all other units", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_unknown_mass, 0.3, "kg", \
+    "mass that counts for these where the target is no rigid body", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_number, 0.1, "value", \
+    "first change that is tried of a number of the scene", \
+    "chosen by judgement, not measured") \
+  X(4, double, change_bias, 3, "noise", \
+    "first change that is tried of a bias", \
+    "chosen by judgement, not measured") \
+  X(4, double, bias_most, 1e4, "noise", \
+    "largest bias", \
+    "chosen by judgement, not measured") \
   X(4, double, limit_felt, 1e-3, "noise", \
     "change of the residuals from which a limit is reached", \
     "soft bodies that yield (commit 1db744e)") \
@@ -224,6 +398,12 @@
   X(5, int, n_start_steps, 4, "1", \
     "steps where only starts are fitted", \
     "not recorded (commit 1f29049)") \
+  X(5, Series, fit_dampings, (Series{1e-6, 0.5, 2.5, 8}), "diagonal", \
+    "dampings of the steps that are tried", \
+    "chosen by judgement, not measured") \
+  X(5, double, start_damping, 0.1, "diagonal", \
+    "damping of the starts that is tried besides none", \
+    "chosen by judgement, not measured") \
   X(5, int, n_first_steps, 2, "1", \
     "steps of all fits before the finalists are chosen", \
     "not recorded") \
@@ -260,6 +440,12 @@
   X(6, std::size_t, correlation_lag_most, 50, "samples", \
     "longest lag of the residuals' autocorrelation", \
     "not recorded") \
+  X(6, double, correlation_significant, 3, "1/sqrt(n)", \
+    "autocorrelation of the residuals below which it counts as ended", \
+    "chosen by judgement, not measured") \
+  X(6, double, left_out_ridge, 1e-6, "diagonal", \
+    "ridge of a fit without one group, as a share of that of all", \
+    "chosen by judgement, not measured") \
   X(6, double, log_prior_physical, -1, "log", \
     "log prior of a missing effect against a wrong number", \
     "not recorded (commit 0fd3dd3)") \
@@ -331,10 +517,43 @@
     "not recorded (commit a8ca8f8)") \
   X(7, std::size_t, n_law_sites, 3, "1", \
     "places at which laws are searched", \
-    "not recorded (commit a8ca8f8)")
+    "not recorded (commit a8ca8f8)") \
+  X(7, double, law_change, 2e-3, "weight", \
+    "effort or force of a law that is tried first", \
+    "chosen by judgement, not measured") \
+  X(7, double, law_coefficient_most, 1e4, "law_change", \
+    "largest coefficient of a law", \
+    "chosen by judgement, not measured") \
+  X(7, std::size_t, law_speed_n_samples, 5, "samples", \
+    "samples between which a speed is taken", \
+    "chosen by judgement, not measured") \
+  X(7, Series, law_waves, (Series{1, 2, 3, 4, 6, 8, 12, 16, 24}), "1/turn", \
+    "waves of an effort over its joint's turn", \
+    "chosen by judgement, not measured") \
+  X(7, Series, law_bump_widths, (Series{0.12, 0.22, 0.4}), "reach", \
+    "widths of an effort around the zero of its joint", \
+    "chosen by judgement, not measured") \
+  X(7, Series, law_onsets, (Series{0.25, 0.5, 0.75}), "range", \
+    "places where a one-sided effort begins", \
+    "chosen by judgement, not measured") \
+  X(7, double, law_sliding_speed, 0.01, "fastest", \
+    "rate over which friction turns its sign", \
+    "chosen by judgement, not measured") \
+  X(7, Series, law_pull_distances, (Series{0.05, 0.15, 0.3, 0.5, 0.75}), "range", \
+    "distances at which a pull to the origin begins", \
+    "chosen by judgement, not measured") \
+  X(7, Series, law_ring_distances, (Series{0.25, 0.5, 0.75}), "range", \
+    "radii of a ring with friction", \
+    "chosen by judgement, not measured") \
+  X(7, double, law_ring_width, 0.25, "range", \
+    "width of such a ring", \
+    "chosen by judgement, not measured")
 // clang-format on
 
 namespace pvg::diagnose {
+
+// Varied as a whole: set_criterion() gives the first value, and the others keep their ratios to it.
+using Series = std::vector<double>;
 
 struct Criteria {
 #define PVG_CRITERION(stage, type, name, value, unit, meaning, evidence) type name = value;
@@ -355,7 +574,8 @@ void reset_criteria();
 struct Criterion {
   int stage = 0;
   std::string name, unit, meaning, evidence;
-  double value = 0, usual = 0;  // now; as in the table
+  double value = 0, usual = 0;  // now; as in the table; of a series its first
+  Series series;                // all values, as in the table; empty: no series
   bool is_count = false;
 };
 std::vector<Criterion> list_criteria();

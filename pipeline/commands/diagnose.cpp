@@ -64,16 +64,18 @@ void list_effects(bool as_json) {
 void list_criteria(bool as_json) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const diagnose::Criterion& one : diagnose::list_criteria()) {
-    if (as_json)
-      list.push_back({{"name", one.name},
-                      {"stage", one.stage},
-                      {"value", one.usual},
-                      {"unit", one.unit},
-                      {"is_count", one.is_count},
-                      {"meaning", one.meaning},
-                      {"evidence", one.evidence}});
-    else
+    if (!as_json) {
       std::printf("%-28s %8g %-14s %s\n", one.name.c_str(), one.usual, one.unit.c_str(), one.meaning.c_str());
+      continue;
+    }
+    list.push_back({{"name", one.name},
+                    {"stage", one.stage},
+                    {"value", one.usual},
+                    {"unit", one.unit},
+                    {"is_count", one.is_count},
+                    {"meaning", one.meaning},
+                    {"evidence", one.evidence}});
+    if (!one.series.empty()) list.back()["series"] = one.series;
   }
   if (as_json) std::printf("%s\n", nlohmann::ordered_json{{"schema", 1}, {"criteria", list}}.dump(2).c_str());
 }

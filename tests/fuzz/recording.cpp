@@ -1,6 +1,6 @@
 // recording.yaml and its tables by structure: sound lines of which the input takes some out, changes values, and spoils
 // cells of the run.
-#include "host/load/recording.hpp"
+#include "host/load/recording/recording.hpp"
 
 #include <string>
 #include <vector>

@@ -32,6 +32,15 @@ TEST(Criteria, OneThatIsSetIsReadByAll) {
   EXPECT_EQ(criteria().unexplained, 1.5);
 }
 
+TEST(Criteria, ASeriesKeepsItsRatios) {
+  const Series usual = criteria().window_lengths;
+  set_criterion("window_lengths=3");
+  ASSERT_EQ(criteria().window_lengths.size(), usual.size());
+  for (std::size_t i = 0; i < usual.size(); ++i) EXPECT_DOUBLE_EQ(criteria().window_lengths[i], 1.5 * usual[i]);
+  reset_criteria();
+  EXPECT_EQ(criteria().window_lengths, usual);
+}
+
 TEST(Criteria, ANameThatIsNoneListsSimilarOnes) {
   expect_error<UsageError>([] { set_criterion("agrees_rmss=1"); }, {"agrees_rms", "agrees_cell_rms"});
   expect_error<UsageError>([] { set_criterion("agrees_rms"); }, {"NAME=VALUE"});

@@ -1,5 +1,5 @@
-// What may explain a residual: an effect that the scene lacks, a number of the scene that is wrong, or a sensor that
-// does not tell what is there. Each has a name, a target, parameters with bounds, and changes a variant by them.
+// What may explain a residual: an effect that the scene lacks, a number of the scene that is wrong, or an error of a
+// sensor. Each has a name, a target, parameters with bounds, and changes a variant by them.
 #pragma once
 #include <functional>
 #include <span>
@@ -7,6 +7,10 @@
 #include <vector>
 
 #include "host/identify/sensing/rollout.hpp"
+
+namespace YAML {
+class Node;
+}
 
 namespace pvg::diagnose {
 
@@ -17,9 +21,16 @@ struct Parameter {
   std::string name, unit;
   double low = 0, high = 0, off = 0;  // with `off` the candidate changes nothing
   double scale = 1;                   // a change of this size is worth trying first
-  double believed = 0;    // one standard deviation from `off` of what is believed before any data; 0: anything
-  bool is_shape = false;  // does nothing while the others are off
-  bool is_limit = false;  // does nothing where it is higher than what the runs reach (limits.hpp)
+  double prior_sigma = 0;             // one standard deviation from `off` of what is known before any data; 0: anything
+  bool is_shape = false;              // does nothing while the others are off
+  bool is_limit = false;              // does nothing where it is higher than what the runs reach (limits.hpp)
+};
+
+// The scene file to which a diagnosis writes what it found.
+struct SceneFile {
+  YAML::Node& root;
+  const Problem& problem;
+  const Scene& amended;  // the scene with what was found
 };
 
 struct Candidate {
@@ -28,7 +39,9 @@ struct Candidate {
   std::string site, law, meaning, equation, experiment;
   std::vector<Parameter> parameters;
   std::function<void(Variant&, std::span<const double>)> apply;
-  double prior = 0;  // log of how likely it is before any data, relative to others that explain as much
+  double log_prior = 0;  // log of how likely it is before any data, relative to others that explain as much
+  // Writes the values into the scene file. False where the file does not say such a number itself.
+  std::function<bool(const SceneFile&, std::span<const double>)> amend = {};
   std::string label() const { return name + " at " + target; }
 };
 
@@ -45,6 +58,15 @@ std::vector<Candidate> make_candidates(const Problem& problem, const std::vector
 
 // Of a number that acts on `target`, whose kind is listed with the unit that revolute joints have.
 std::string unit_on(const Scene& scene, const std::string& target, const std::string& unit);
+
+// Adds an effect to the section `effects` of a scene file.
+void write_effect(YAML::Node& root, const Effect& effect);
+
+// The amendment of a candidate that adds an effect to the scene.
+bool amend_last_effect(const SceneFile& file, std::span<const double> values);
+
+// The entry of a list with this name; undefined where there is none.
+YAML::Node entry_named(const YAML::Node& list, const std::string& name);
 
 // physical_candidates.cpp, parameter_candidates.cpp, measurement_candidates.cpp
 void add_physical(const Problem& problem, const std::vector<std::string>& touching, std::vector<Candidate>& out);

@@ -4,13 +4,10 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/identify/criteria.hpp"
+
 namespace pvg::diagnose {
 namespace {
-
-constexpr double PART_OF_WEIGHT = 2e-3;  // an effort or force worth trying first
-constexpr double MOST = 1e4;             // of that, for a coefficient
-constexpr std::size_t APART = 5;         // samples between which a speed is taken
-constexpr int WAVES[] = {1, 2, 3, 4, 6, 8, 12, 16, 24};
 
 std::string number(double value) {
   char text[40];
@@ -27,6 +24,7 @@ struct Range {
 
 template <class Value>
 Range range_of(const Problem& problem, const Value& value_of) {
+  const std::size_t apart = criteria().law_speed_n_samples;
   Range range{INFINITY, -INFINITY, 0, false};
   for (const Run& run : problem.runs) {
     if (run.is_held_out) continue;
@@ -35,8 +33,8 @@ Range range_of(const Problem& problem, const Value& value_of) {
       if (!std::isfinite(value)) continue;
       range.low = std::min(range.low, value);
       range.high = std::max(range.high, value);
-      if (i < APART || !(run.t[i] > run.t[i - APART])) continue;
-      const double speed = std::abs(value - value_of(run, i - APART)) / (run.t[i] - run.t[i - APART]);
+      if (i < apart || !(run.t[i] > run.t[i - apart])) continue;
+      const double speed = std::abs(value - value_of(run, i - apart)) / (run.t[i] - run.t[i - apart]);
       if (std::isfinite(speed)) range.fastest = std::max(range.fastest, speed);
     }
   }
@@ -50,14 +48,15 @@ std::vector<Law> joint_laws(const Range& q) {
   std::vector<Law> laws;
   const auto add = [&](const std::string& formula) { laws.push_back({{formula}, formula}); };
   for (const char* power : {"1", "q", "q * q", "q * q * q"}) add(power);
-  for (const int n : WAVES) {
-    add("sin(" + std::to_string(n) + " * q)");
-    if (n > 1) add("cos(" + std::to_string(n) + " * q)");
+  for (const double n : criteria().law_waves) {
+    add("sin(" + number(n) + " * q)");
+    if (n > 1) add("cos(" + number(n) + " * q)");
   }
   const double reach = std::max(std::abs(q.low), std::abs(q.high));
-  for (const double share : {0.12, 0.22, 0.4}) add("q * exp(-q * q / " + number(share * share * reach * reach) + ")");
-  for (const double share : {0.25, 0.5, 0.75}) add("fmax(q - " + number(q.at(share)) + ", 0)");
-  const std::string sliding = "tanh(v / " + number(0.01 * q.fastest) + ")";
+  for (const double share : criteria().law_bump_widths)
+    add("q * exp(-q * q / " + number(share * share * reach * reach) + ")");
+  for (const double share : criteria().law_onsets) add("fmax(q - " + number(q.at(share)) + ", 0)");
+  const std::string sliding = "tanh(v / " + number(criteria().law_sliding_speed * q.fastest) + ")";
   for (const std::string& law :
        {std::string("v"), std::string("fabs(v) * v"), sliding, "q * " + sliding, std::string("q * q * v")})
     add(law);
@@ -99,10 +98,10 @@ std::vector<Law> force_laws(const Range& distance, double fastest) {
   };
   along("|v|", velocity);
   along("1 / |v|", velocity);
-  for (const double share : {0.05, 0.15, 0.3, 0.5, 0.75})
+  for (const double share : criteria().law_pull_distances)
     along("fmax(1 - " + number(distance.at(share)) + " / {r}, 0)", place);
-  const std::string width = number(0.25 * (distance.high - distance.low));
-  for (const double share : {0.25, 0.5, 0.75})
+  const std::string width = number(criteria().law_ring_width * (distance.high - distance.low));
+  for (const double share : criteria().law_ring_distances)
     along("exp(-pow(({r} - " + number(distance.at(share)) + ") / " + width + ", 2)) / |v|", velocity);
   return laws;
 }
@@ -122,21 +121,19 @@ std::vector<std::string> sums_of(const LawSite& site, std::span<const std::size_
   return sums;
 }
 
-bool may_move(const RigidBody& body) { return !body.is_fixed && !body.is_prescribed && !body.is_half_space; }
-
 void add_joint(const Problem& problem, std::size_t j, std::vector<LawSite>& sites) {
   const Joint& joint = problem.scene.scene.joints[j];
   const RigidBody& child = problem.scene.scene.rigid_bodies[std::size_t(joint.child)];
   const auto channel = std::find_if(problem.channels.begin(), problem.channels.end(), [&](const Channel& c) {
-    return c.joint == int(j) && c.kind == RecordedChannel::Kind::position;
+    return c.joint == int(j) && c.sensor->start == StartRole::place;
   });
-  if (channel == problem.channels.end() || !may_move(child)) return;
+  if (channel == problem.channels.end() || !can_move(child)) return;
   const std::size_t c = std::size_t(channel - problem.channels.begin());
   const Range q = range_of(problem, [&](const Run& run, std::size_t i) { return run.values[c][i]; });
   const bool turns = joint.type == Joint::Type::revolute;
   if (q.is_there)
-    sites.push_back(
-        {"regressed_effort", joint.name, turns ? "N m" : "N", PART_OF_WEIGHT * 9.81 * child.mass, joint_laws(q)});
+    sites.push_back({"regressed_effort", joint.name, turns ? "N m" : "N", criteria().law_change * 9.81 * child.mass,
+                     joint_laws(q)});
 }
 
 void add_body(const Problem& problem, std::size_t b, std::vector<LawSite>& sites) {
@@ -145,9 +142,9 @@ void add_body(const Problem& problem, std::size_t b, std::vector<LawSite>& sites
   const bool is_carried =
       std::any_of(scene.joints.begin(), scene.joints.end(), [&](const Joint& joint) { return joint.child == int(b); });
   const auto channel = std::find_if(problem.channels.begin(), problem.channels.end(), [&](const Channel& c) {
-    return c.rigid == int(b) && c.kind == RecordedChannel::Kind::position && c.width == 3;
+    return c.rigid == int(b) && c.sensor->start == StartRole::place && c.width == 3;
   });
-  if (is_carried || !may_move(body) || channel == problem.channels.end()) return;
+  if (is_carried || !can_move(body) || channel == problem.channels.end()) return;
   const std::size_t c = std::size_t(channel - problem.channels.begin());
   const auto place = [&](const Run& run, std::size_t i) {
     return Vec3(run.values[c][3 * i], run.values[c][3 * i + 1], run.values[c][3 * i + 2]);
@@ -159,7 +156,7 @@ void add_body(const Problem& problem, std::size_t b, std::vector<LawSite>& sites
         std::hypot(fastest, range_of(problem, [&](const Run& run, std::size_t i) { return place(run, i)[k]; }).fastest);
   if (distance.is_there)
     sites.push_back(
-        {"regressed_force", body.name, "N", PART_OF_WEIGHT * 9.81 * body.mass, force_laws(distance, fastest)});
+        {"regressed_force", body.name, "N", criteria().law_change * 9.81 * body.mass, force_laws(distance, fastest)});
 }
 
 }  // namespace
@@ -179,7 +176,8 @@ Candidate law_candidate(const LawSite& site, std::span<const std::size_t> laws) 
   std::vector<std::string> names;
   for (std::size_t i = 0; i < laws.size(); ++i) {
     names.push_back("c" + std::to_string(i));
-    candidate.parameters.push_back({names.back(), site.unit, -MOST * site.scale, MOST * site.scale, 0, site.scale});
+    candidate.parameters.push_back({names.back(), site.unit, -criteria().law_coefficient_most * site.scale,
+                                    criteria().law_coefficient_most * site.scale, 0, site.scale});
   }
   const Effect law{site.effect, site.target, {}, sums_of(site, laws, names)};
   candidate.equation = law.formulas[0];
@@ -187,6 +185,7 @@ Candidate law_candidate(const LawSite& site, std::span<const std::size_t> laws) 
     variant.scene.effects.push_back(law);
     variant.scene.effects.back().parameters.assign(values.begin(), values.end());
   };
+  candidate.amend = amend_last_effect;
   return candidate;
 }
 

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "host/identify/criteria.hpp"
-#include "host/pictures/picture_cells.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -24,24 +23,34 @@ double quantum_of(const std::vector<double>& values, std::size_t width) {
     const double step = std::abs(values[i] - values[i - width]);
     if (std::isfinite(step) && step > 0) steps.push_back(step);
   }
-  if (steps.size() < 20) return 0;
+  if (steps.size() < criteria().quantum_n_least) return 0;
   const double least = *std::min_element(steps.begin(), steps.end());
   const auto whole = std::count_if(steps.begin(), steps.end(), [&](double step) {
-    return std::abs(step / least - std::round(step / least)) < 0.05 && step / least < 1000;
+    return std::abs(step / least - std::round(step / least)) < criteria().quantum_near_whole &&
+           step / least < criteria().quantum_n_most;
   });
-  return whole > 0.9 * double(steps.size()) ? least : 0;
+  return whole > criteria().quantum_share * double(steps.size()) ? least : 0;
 }
 
-constexpr double TYPICAL = 1.4826;                     // sigma of a normal distribution over the median of its size
-constexpr std::array LAGS = {1u, 2u, 3u, 4u, 6u, 8u};  // between the samples of a difference
+constexpr double TYPICAL = 1.4826;  // sigma of a normal distribution over the median of its size
+
+// 1, 2, 3, 4, 6, 8, ...: powers of two and the whole numbers half way between them, as distances of samples.
+std::vector<unsigned> lags() {
+  std::vector<unsigned> all;
+  for (unsigned power = 1; power <= criteria().noise_lag_most; power *= 2) {
+    all.push_back(power);
+    if (power > 1 && power + power / 2 <= criteria().noise_lag_most) all.push_back(power + power / 2);
+  }
+  return all;
+}
 
 struct Differences {
   double sigma = 0;        // of white noise that would make them
   double correlation = 0;  // of neighbours
 };
 
-// Third differences of samples `lag` apart. What the neighbours have in common is taken of sizes up to three sigma, as
-// an impact is in four of them.
+// Third differences of samples `lag` apart. Their correlation uses sizes cut at noise_cut, since an impact is in four
+// of them.
 std::optional<Differences> third_differences(const std::vector<double>& values, std::size_t width, std::size_t lag) {
   const std::size_t step = lag * width;
   std::vector<double> difference, size;
@@ -52,11 +61,11 @@ std::optional<Differences> third_differences(const std::vector<double>& values, 
   if (size.size() < (lag == 1 ? criteria().noise_n_neighbours : criteria().noise_n_apart)) return std::nullopt;
   Differences found;
   const double typical = TYPICAL * median(std::move(size));
+  const double most = criteria().noise_cut * typical;
   found.sigma = typical / std::sqrt(20.0);
   double product = 0, square = 0;
   for (std::size_t i = step; i < difference.size(); ++i) {
-    const double a = std::clamp(difference[i], -3 * typical, 3 * typical),
-                 b = std::clamp(difference[i - step], -3 * typical, 3 * typical);
+    const double a = std::clamp(difference[i], -most, most), b = std::clamp(difference[i - step], -most, most);
     if (!std::isfinite(difference[i] * difference[i - step])) continue;
     product += a * b;
     square += 0.5 * (a * a + b * b);
@@ -75,7 +84,7 @@ std::vector<double> without_gaps(std::vector<double> values) {
 // (sigma: NaN).
 Differences differences_of(const std::vector<double>& values, std::size_t width) {
   std::vector<Differences> found;
-  for (const unsigned lag : LAGS) {
+  for (const unsigned lag : lags()) {
     const std::optional<Differences> here = third_differences(values, width, lag);
     if (here) found.push_back(*here);
     if (!here || here->correlation >= 0) break;  // a motion shows
@@ -103,16 +112,15 @@ double noise_of(const std::vector<double>& values, std::size_t width) { return d
 void measure_noise(Problem& problem) {
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     Channel& channel = problem.channels[c];
-    const bool is_video = channel.kind == RecordedChannel::Kind::video;
+    const NoiseModel& model = channel.sensor->noise;
     if (channel.is_noise_known) continue;
     std::vector<double> found;
     std::vector<Differences> of_run;
     double range = 0, brightest = 0;
     for (const Run& run : problem.runs) {
-      // an orientation's numbers are half angles
       Differences noise =
-          differences_of(is_video ? without_gaps(run.values[c]) : run.values[c], std::size_t(channel.width));
-      if (channel.kind == RecordedChannel::Kind::orientation) noise.sigma *= 2;
+          differences_of(model.has_gaps ? without_gaps(run.values[c]) : run.values[c], std::size_t(channel.width));
+      noise.sigma *= model.per_number;
       if (std::isfinite(noise.sigma)) found.push_back(noise.sigma);
       of_run.push_back(noise);
       double low = INFINITY, high = -INFINITY;
@@ -121,12 +129,11 @@ void measure_noise(Problem& problem) {
       range = std::max(range, high - low);
       brightest = std::max(brightest, high);
     }
-    const double smallest = std::max(1e-4 * range, 1e-9);  // no sensor is better than that
+    const double smallest = std::max(criteria().noise_least * range, criteria().noise_floor);
     channel.is_noise_assumed = found.empty();
     channel.sigma =
         found.empty() ? std::max(criteria().noise_assumed * range, smallest) : std::max(median(found), smallest);
-    // an even surface has the same rounding error in all its pixels
-    if (is_video) channel.sigma = std::hypot(channel.sigma, srgb8_step_sigma(brightest));
+    if (model.rounding != nullptr) channel.sigma = std::hypot(channel.sigma, model.rounding(brightest));
     for (std::size_t r = 0; r < problem.runs.size(); ++r)
       if (of_run[r].correlation < criteria().noise_white_correlation &&
           of_run[r].sigma > criteria().run_noise_scale * channel.sigma)

@@ -11,8 +11,6 @@
 namespace pvg::diagnose {
 namespace {
 
-using Kind = RecordedChannel::Kind;
-
 TargetTable table_of(const std::vector<double>& t, const std::vector<double>& values, double to_si) {
   TargetTable table;
   for (std::size_t i = 0; i < t.size(); ++i)
@@ -95,7 +93,7 @@ void find_coordinates(Problem& problem) {
 
 bool is_measured(const Problem& problem, bool of_joint, int index) {
   return std::any_of(problem.channels.begin(), problem.channels.end(), [&](const Channel& c) {
-    return c.kind == Kind::position && (of_joint ? c.joint : c.rigid) == index;
+    return c.sensor->start == StartRole::place && (of_joint ? c.joint : c.rigid) == index;
   });
 }
 
@@ -123,7 +121,7 @@ void check_given(const Problem& problem) {
   }
 }
 
-// At least one channel must be of something that can move, and change.
+// At least one channel must measure something that moves, and change.
 void check_motion(const Problem& problem) {
   const Scene& scene = problem.scene.scene;
   bool any_moves = false, any_changes = false;
@@ -174,7 +172,12 @@ Problem make_problem(const std::filesystem::path& path) {
   }
   std::vector<double> to_si;
   for (std::size_t c = 0; c < problem.recording.channels.size(); ++c) {
-    Resolved resolved = resolve_channel(problem, c);
+    const RecordedChannel& recorded = problem.recording.channels[c];
+    const SensorKind& sensor = sensor_of(recorded.kind);
+    Resolved resolved = sensor.resolve({problem.recording, scene, problem.seen,
+                                        problem.recording.file.string() + ": channels[" + std::to_string(c) + "]"},
+                                       recorded);
+    resolved.channel.sensor = &sensor;
     problem.channels.push_back(std::move(resolved.channel));
     to_si.push_back(resolved.to_si);
   }

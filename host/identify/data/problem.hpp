@@ -7,30 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "host/load/recording.hpp"
+#include "host/identify/channels/channel.hpp"
 #include "host/load/scene_file.hpp"
 #include "host/pictures/lut.hpp"
 
 namespace pvg::diagnose {
-
-struct Channel {
-  RecordedChannel::Kind kind = RecordedChannel::Kind::position;
-  std::string name;                                     // "position of joint hinge", for people
-  std::string subject;                                  // the body that moves
-  std::string unit;                                     // SI
-  int joint = -1, rigid = -1, soft = -1, cloth = -1;    // which of them
-  Vec3 point = Vec3::Zero();                            // on a rigid body, in its frame [m]
-  std::vector<std::pair<std::uint32_t, double>> nodes;  // of a soft body or cloth, with weights
-  bool has_axis = false;
-  Vec3 axis = Vec3::Zero();  // the part along it is measured
-  int width = 1;             // numbers in the recording: 1, 3, or 4 for x, y, z, w
-  int n = 1;                 // numbers that are compared: 1 or 3
-  double sigma = 0;          // one standard deviation of the noise [unit]; measured by stage 1 if unknown
-  bool is_noise_known = false;
-  bool is_noise_assumed = false;      // unknown, and there are too few neighbouring samples to measure it
-  int mask_source = -1, moment = -1;  // of a mask, as in RecordedChannel
-  int video_source = -1, cell = -1;   // of a video, likewise
-};
 
 struct PrescribedPath {
   int rigid = -1;
@@ -71,7 +52,7 @@ inline bool can_move(const RigidBody& body) { return !body.is_fixed && !body.is_
 // Throws a UsageError that names the file, the key, the body or joint, and what to do.
 Problem make_problem(const std::filesystem::path& recording);
 
-// What is wrong or weak in the data though it can be used, as sentences.
+// Weaknesses of data that can still be used, as sentences.
 std::vector<std::string> warnings(const Problem& problem);
 
 }  // namespace pvg::diagnose

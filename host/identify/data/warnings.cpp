@@ -29,7 +29,8 @@ void add_hints_of_units(const Problem& problem, std::vector<std::string>& senten
   }
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const RecordedChannel& recorded = problem.recording.channels[c];
-    if (problem.channels[c].joint < 0 || recorded.kind != RecordedChannel::Kind::position || recorded.unit == "deg" ||
+    if (problem.channels[c].joint < 0 || problem.channels[c].sensor->start != StartRole::place ||
+        recorded.unit == "deg" ||
         problem.scene.scene.joints[std::size_t(problem.channels[c].joint)].type != Joint::Type::revolute)
       continue;
     double low = INFINITY, high = -INFINITY;
@@ -74,7 +75,7 @@ std::vector<std::string> warnings(const Problem& problem) {
       }
     }
     // pictures come less often than rows
-    const bool is_of_pictures = problem.channels[c].mask_source >= 0 || problem.channels[c].video_source >= 0;
+    const bool is_of_pictures = problem.channels[c].sensor->is_of_pictures;
     if (10 * gaps > all && !is_of_pictures)
       sentences.push_back("the " + problem.channels[c].name + " has gaps in " + std::to_string(100 * gaps / all) +
                           " % of its samples");
@@ -87,7 +88,7 @@ std::vector<std::string> warnings(const Problem& problem) {
       if (camera.name == video.camera && (camera.exposure_time > 0 || camera.row_time > 0))
         sentences.push_back("the camera " + camera.name +
                             " has an exposure_time or row_time: videos are compared with pictures in which "
-                            "everything stands still");
+                            "nothing moves");
   for (const Run& run : problem.runs) {
     double longest = 0, shortest = INFINITY;
     for (std::size_t i = 1; i < run.t.size(); ++i) {

@@ -8,8 +8,6 @@
 namespace pvg::diagnose {
 namespace {
 
-using Kind = RecordedChannel::Kind;
-
 struct LocalFit {
   double value = 0, slope = 0, value_sigma = 0, slope_sigma = 0;
   bool is_there = false;
@@ -62,7 +60,7 @@ TurnFit turn_around(const Run& run, const std::vector<double>& values, double t0
   const Mat3 at = rotation(nearest);
   std::vector<double> turned(3 * run.t.size(), std::nan(""));
   for (std::size_t i = 0; i < run.t.size(); ++i) {
-    if (!std::isfinite(values[4 * i]) || std::abs(run.t[i] - t0) > 1) continue;
+    if (!std::isfinite(values[4 * i]) || std::abs(run.t[i] - t0) > criteria().start_turn_span) continue;
     const Mat3 apart = rotation(i) * at.transpose();
     const Eigen::AngleAxisd turn(apart);
     Vec3::Map(&turned[3 * i]) = turn.angle() * turn.axis();
@@ -88,15 +86,16 @@ struct Start {
 
 void start_joint(const Problem& problem, const Run& run, int j, double t0, bool is_given, Start& start) {
   const bool turns = problem.scene.scene.joints[std::size_t(j)].type == Joint::Type::revolute;
-  const double usual = turns ? 0.3 : 0.03;
-  double position_sigma = usual, rate_sigma = 3 * usual;
+  const double usual = turns ? criteria().start_unmeasured_turn : criteria().start_unmeasured_shift;
+  double position_sigma = usual, rate_sigma = criteria().start_unmeasured_rate * usual;
   bool is_measured = false, is_rate_measured = false;
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Channel& channel = problem.channels[c];
-    if (channel.joint != j || (channel.kind != Kind::position && channel.kind != Kind::rate)) continue;
+    const StartRole role = channel.sensor->start;
+    if (channel.joint != j || (role != StartRole::place && role != StartRole::rate)) continue;
     const LocalFit fit = fit_around(run.t, run.values[c], 1, 0, t0, noise_in(problem, run, c));
     if (!fit.is_there) continue;
-    if (channel.kind == Kind::rate) {
+    if (role == StartRole::rate) {
       start.state.rate[std::size_t(j)] = fit.value;
       rate_sigma = criteria().start_looseness * fit.value_sigma;
       is_rate_measured = true;
@@ -122,7 +121,7 @@ void start_body(const Problem& problem, const Run& run, int b, double t0, bool i
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Channel& channel = problem.channels[c];
     if (channel.rigid != b) continue;
-    if (channel.kind == Kind::orientation) {
+    if (channel.sensor->start == StartRole::turn) {
       const TurnFit fit = turn_around(run, run.values[c], t0, noise_in(problem, run, c));
       pose.linear() = fit.rotation;
       start.state.spin[std::size_t(b)] = fit.spin;
@@ -131,7 +130,7 @@ void start_body(const Problem& problem, const Run& run, int b, double t0, bool i
         unknowns.push_back({Unknown::Kind::spin, b, Vec3::Unit(k), criteria().start_looseness * fit.spin_sigma});
       }
     }
-    if (channel.kind != Kind::position) continue;
+    if (channel.sensor->start != StartRole::place) continue;
     for (int k = 0; k < channel.width; ++k) {
       const LocalFit fit =
           fit_around(run.t, run.values[c], std::size_t(channel.width), std::size_t(k), t0, noise_in(problem, run, c));
@@ -198,7 +197,7 @@ std::vector<Window> make_windows(const Problem& problem, bool held_out, double l
     const Run& run = problem.runs[r];
     if (run.is_held_out != held_out) continue;
     const double begin = run.t.front(), all = run.t.back() - begin;
-    const int n = length > 0 && problem.can_restart ? std::max(1, int(all / length + 0.25)) : 1;
+    const int n = length > 0 && problem.can_restart ? std::max(1, int(all / length + criteria().window_missing)) : 1;
     for (int i = 0; i < n; ++i) spans.push_back({double(r), begin + all * i / n, begin + all * (i + 1) / n});
   }
   std::vector<Window> windows;

@@ -1,5 +1,5 @@
 // A window: a stretch of a run that is simulated by itself, from a start that is measured, or as the scene says.
-// Windows keep a wrong model, or an impact, from carrying its error through a whole run.
+// With windows the error of a wrong model or of an impact does not spread over a whole run.
 #pragma once
 #include <cstddef>
 #include <vector>

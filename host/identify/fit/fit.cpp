@@ -12,9 +12,6 @@ namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 
-const std::vector<double> DAMPINGS = {1e-6, 0.5, 2.5, 8};  // of a step, relative
-const std::vector<double> START_DAMPINGS = {0, 0.1};       // likewise of the starts
-
 VectorXd clamped(const Model& model, VectorXd x) {
   const std::vector<const Parameter*> parameters = model.parameters();
   for (Eigen::Index i = 0; i < x.size(); ++i)
@@ -22,7 +19,7 @@ VectorXd clamped(const Model& model, VectorXd x) {
   return x;
 }
 
-// Whether the residuals of a window came out as the linear system had them, where its start can have to do with it.
+// Whether the residuals of a window came out as the linear system predicted, where its start matters.
 bool is_as_predicted(const Fit& fit, std::size_t w, const VectorXd& x, const VectorXd& delta,
                      const VectorXd& residual) {
   if (delta.size() == 0) return true;
@@ -33,7 +30,7 @@ bool is_as_predicted(const Fit& fit, std::size_t w, const VectorXd& x, const Vec
          std::max(criteria().reduction_missed * rms({change}), criteria().reduction_missed_floor);
 }
 
-// The model after one Gauss-Newton step, damped; where it is if that step is none.
+// The model after one damped Gauss-Newton step; unchanged where the step is not finite.
 Model stepped(const Fit& fit, double damping) {
   const Reduced reduced = reduce(fit);
   MatrixXd a = reduced.sum_a();
@@ -95,15 +92,15 @@ std::vector<std::vector<Prediction>> Fitter::evaluate(const FitData& data, const
   return out;
 }
 
-// One Gauss-Newton step of one fit under several dampings, as trials: each with the windows' starts moved along, in
-// full and damped. A body on the floor can be thrown into it and along it so that little changes: a full step goes far
-// that way.
+// One Gauss-Newton step of one fit with several dampings, as trials. In each, the windows' starts take a full and a
+// damped step: moves of a body into the floor and along it can cancel, so that a full step of the starts may go far
+// without changing the residuals.
 void Fitter::add_trials(const Fit& fit, std::size_t owner, bool only_starts, Trials& trials) const {
   const bool moves_model = fit.model.x.size() > 0 && !only_starts;
-  for (const double damping : moves_model ? DAMPINGS : std::vector<double>{0}) {
+  for (const double damping : moves_model ? criteria().fit_dampings : Series{0}) {
     const Model model = moves_model ? stepped(fit, damping) : fit.model;
     const VectorXd dx = moves_model ? VectorXd(model.x - fit.model.x) : VectorXd();
-    for (const double start_damping : START_DAMPINGS) {
+    for (const double start_damping : {0.0, criteria().start_damping}) {
       std::vector<VectorXd> delta = fit.delta;
       bool any_moves = false;
       for (std::size_t w = 0; w < delta.size(); ++w)
@@ -116,8 +113,8 @@ void Fitter::add_trials(const Fit& fit, std::size_t owner, bool only_starts, Tri
   }
 }
 
-// Each model of the trials once, with the best residuals of each window there: where models are the same the windows
-// have nothing to do with each other, and each takes the start that is best for it.
+// Each model of the trials once, with the best residuals of each window: for one model the windows are independent, so
+// each takes the start that is best for it.
 std::vector<Fitter::Attempt> Fitter::attempts_of(const FitData& data, const Trials& trials,
                                                  const std::vector<Fit>& fits) {
   const std::vector<std::vector<Prediction>> found = evaluate(data, trials.models, trials.delta);
@@ -150,8 +147,8 @@ std::vector<Fitter::Attempt> Fitter::attempts_of(const FitData& data, const Tria
   return attempts;
 }
 
-// Where a step did not change what was predicted its starts are not the best ones there: each is corrected by the
-// residuals that are left and the known sensitivities, so that the step follows a curved valley.
+// Where the actual change of a step differs from the predicted one, its starts are not the best ones: each is corrected
+// by the remaining residuals and the known sensitivities, so that the step follows a curved valley.
 Fitter::Trials Fitter::corrected(const std::vector<Attempt>& attempts, const std::vector<Fit>& fits) const {
   Trials trials;
   for (const Attempt& attempt : attempts) {
@@ -171,7 +168,7 @@ Fitter::Trials Fitter::corrected(const std::vector<Attempt>& attempts, const std
   return trials;
 }
 
-// Takes the best attempt of each fit if it is better than where it is; which got better.
+// Moves each fit to its best attempt if that lowers its cost. Returns which fits moved.
 std::vector<char> Fitter::take_best(const FitData& data, const Trials& trials, std::vector<Fit>& fits) {
   std::vector<Attempt> attempts = attempts_of(data, trials, fits);
   const Trials again = corrected(attempts, fits);

@@ -27,7 +27,7 @@ struct Model {
 // The base variant changed by a model.
 Variant variant_of(const Variant& base, const Model& model);
 
-// Windows with the sensitivities of their residuals to the unknowns of their starts: d r / d delta, in units of sigma.
+// Windows with the sensitivities of their residuals to the unknowns of their starts, d r / d delta, in units of sigma.
 struct FitData {
   std::vector<Window> windows;
   std::vector<Eigen::MatrixXd> of_start;  // [n_windows][n_data x n_unknowns]
@@ -48,7 +48,7 @@ struct Fit {
   double cost = 0, scale = 1;             // C; s of all windows
   std::vector<double> window_scale;       // [n_windows] s of each; empty: that of all
   bool succeeded = false;                 // simulated to the end of every window
-  bool is_stale = true;                   // the slopes are not of where it is
+  bool is_stale = true;                   // the slopes are not those of the present model
   bool has_converged = false;             // a step changes little
   bool is_given_up = false;               // it is not worth further steps
 };
@@ -120,7 +120,7 @@ class Fitter {
   double difference_ = criteria().difference_share;  // by which slopes are found, of how far a parameter is from "off"
 };
 
-// What is left of `change` when each window's start may move.
+// The part of `change` that no shift of each window's start removes.
 Eigen::VectorXd beside_starts(const Eigen::MatrixXd& of_start, const Eigen::VectorXd& change);
 
 // The variant with steps of half the length.

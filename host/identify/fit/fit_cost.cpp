@@ -40,7 +40,7 @@ double start_cost(const std::vector<VectorXd>& delta) {
   return sum;
 }
 
-double prior_sigma_of(const Parameter& p) { return p.believed > 0 ? p.believed : p.high - p.low; }
+double prior_sigma_of(const Parameter& p) { return p.prior_sigma > 0 ? p.prior_sigma : p.high - p.low; }
 
 double prior_cost(const Model& model) {
   const std::vector<const Parameter*> parameters = model.parameters();

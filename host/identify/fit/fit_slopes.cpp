@@ -18,7 +18,7 @@ Job job_of(const Variant& variant, const Window& window, const VectorXd& delta) 
   return job;
 }
 
-// share: of how far the parameter is from "off", or of what is worth trying
+// share: of the parameter's distance from "off", or of its scale
 double step_of(const Parameter& p, double x, double scale, double share) {
   const double by = share * std::max(std::abs(x - p.off), scale);
   return x + by > p.high ? -by : by;

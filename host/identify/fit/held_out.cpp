@@ -77,7 +77,7 @@ std::vector<Curve> curves_of(const Problem& problem, const FitData& data, const 
         for (std::size_t i = 0; i < window.data.size(); ++i) {
           const Datum& d = window.data[i];
           if (d.channel != int(c) || d.component != k) continue;
-          const bool turn = channel.kind == RecordedChannel::Kind::orientation;  // shown as deviations
+          const bool turn = channel.sensor->is_shown_as_deviation;
           const double measured = turn ? 0 : run.values[c][d.sample * std::size_t(channel.width) + std::size_t(k)];
           curve.t.push_back(run.t[d.sample]);
           curve.measured.push_back(measured);

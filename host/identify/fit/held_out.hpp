@@ -1,4 +1,4 @@
-// Stage 7: the runs that nothing has seen so far, simulated without and with what was found.
+// Stage 7: the held-out runs, simulated without and with what was found.
 #pragma once
 #include <cmath>
 #include <string>
@@ -15,7 +15,7 @@ struct Curve {
   std::vector<double> t, measured, before, after;  // [s], [unit]
 };
 
-// A window that nothing explains: someone pushed, a sensor failed.
+// A window that no model explains: someone pushed, a sensor failed.
 struct Disturbance {
   std::string run;
   double start = 0, end = 0;     // [s]
@@ -23,9 +23,10 @@ struct Disturbance {
 };
 
 struct HeldOut {
-  double before = 0, after = 0, floor = 0;  // errors in the channels' unit, or in units of noise; floor 0: not judged
-  std::vector<Disturbance> disturbed;       // are left out of these errors
-  double before_all = 0, after_all = 0;     // with them
+  double before = 0, after = 0,
+         floor = 0;                      // errors in the channels' unit, or in units of noise; floor: 0 if not judged
+  std::vector<Disturbance> disturbed;    // are left out of these errors
+  double before_all = 0, after_all = 0;  // with them
   double mask_gap_before = NAN, mask_gap_after = NAN;  // 1 - mean intersection over union; NaN: no masks
   std::size_t kept = 0;                                // of the models that were given
   std::vector<Curve> curves;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int N_BETWEEN = 7;  // between one that is felt and its double
 
-// Whether each value of the candidate's only parameter changes anything; what cannot be simulated surely does.
+// Whether each value of the candidate's only parameter changes the residuals; a failed simulation counts as a change.
 std::vector<char> is_felt(Fitter& fitter, const FitData& data, const Fit& base, const Candidate& candidate,
                           const std::vector<double>& values) {
   std::vector<Model> models;
@@ -31,7 +31,7 @@ std::vector<char> is_felt(Fitter& fitter, const FitData& data, const Fit& base, 
   return felt;
 }
 
-// The highest of descending values that is felt, or their number.
+// The index of the highest of descending values that changes the residuals; their number if none does.
 std::size_t first_felt(const std::vector<char>& felt) {
   return std::size_t(std::find(felt.begin(), felt.end(), char(true)) - felt.begin());
 }

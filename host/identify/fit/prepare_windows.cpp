@@ -88,7 +88,7 @@ FitData Fitter::prepare_near(std::vector<Window> windows, const Model& at) {
 
 FitData Fitter::prepared_nearer(FitData data, const Fit& fit) {
   if (!fit.succeeded || rms(fit.residual) < criteria().start_good_enough) return data;
-  // a wrong model must not take the starts far from what was measured
+  // a wrong model must not move the starts far from the measured ones
   const double most = criteria().start_shift_most / criteria().start_looseness;
   for (std::size_t w = 0; w < data.windows.size(); ++w)
     for (std::size_t k = 0; k < data.windows[w].unknowns.size(); ++k) {

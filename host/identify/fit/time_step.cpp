@@ -18,8 +18,8 @@ struct Choice {
 };
 
 // rms of the difference of two predictions of the same windows [noise]; the largest tenth of each column of a window is
-// left out: an impact a step earlier is no error of the motion. Columns in which next to nothing happens would only
-// thin the error out of those that move, and are left out, too.
+// left out: an impact one step earlier is no error of the motion. Columns in which almost nothing happens are left out,
+// too: they would only dilute the error of those that move.
 double apart(const FitData& data, const std::vector<Prediction>& a, const std::vector<Prediction>& b) {
   std::map<std::pair<int, int>, std::pair<double, double>> columns;  // channel, component: sum of squares, how many
   for (std::size_t w = 0; w < a.size(); ++w) {
@@ -32,7 +32,8 @@ double apart(const FitData& data, const std::vector<Prediction>& a, const std::v
     }
     for (auto& [column, values] : squares) {
       std::sort(values.begin(), values.end());
-      const std::size_t kept = std::max<std::size_t>(1, 9 * values.size() / 10);
+      const std::size_t kept =
+          std::max<std::size_t>(1, std::size_t(criteria().step_kept_share * double(values.size())));
       columns[column].first += std::accumulate(values.begin(), values.begin() + std::ptrdiff_t(kept), 0.0);
       columns[column].second += double(kept);
     }
@@ -47,7 +48,7 @@ double apart(const FitData& data, const std::vector<Prediction>& a, const std::v
   return n > 0 ? std::sqrt(sum / n) : INFINITY;
 }
 
-// Median over the windows of what is left of the residuals beside what other starts take up, rms [noise].
+// Median over the windows of the rms of the residuals with the best starts [noise].
 double misfit(const FitData& data, const std::vector<Prediction>& predictions) {
   std::vector<double> of_window;
   for (std::size_t w = 0; w < predictions.size(); ++w)
@@ -64,12 +65,13 @@ double misfit(const FitData& data, const std::vector<Prediction>& predictions) {
 std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem& problem, Variant& base) {
   SolverSettings& solver = base.scene.solver;
   solver.velocity_tolerance = std::min(solver.velocity_tolerance, criteria().newton_tolerance);
-  solver.cg_tolerance = std::min(solver.cg_tolerance, 1e-8);
+  solver.cg_tolerance = std::min(solver.cg_tolerance, criteria().cg_tolerance_most);
   solver.max_step_halvings = std::min(solver.max_step_halvings, criteria().step_n_halvings);
   const SolverSettings as_given = solver;
   const double h = solver.time_step;
-  const FitData data =
-      fitter.prepare(make_windows(problem, false, problem.can_restart ? 1 : 0, 3), {{}, {}, {}}, false);
+  const FitData data = fitter.prepare(
+      make_windows(problem, false, problem.can_restart ? criteria().step_window : 0, criteria().step_n_windows),
+      {{}, {}, {}}, false);
   const auto predict = [&](const Choice& choice) {
     Variant variant = base;
     variant.scene.solver.integrator = choice.integrator;

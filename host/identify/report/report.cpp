@@ -25,7 +25,7 @@ std::string with_interval(const NamedParameter& p) {
   return p.name + " " + shown(p.value) + " +- " + shown((p.high - p.low) / 4) + (p.unit == "1" ? "" : " " + p.unit);
 }
 
-// " (these data cannot tell it from linear_drag at ball)": of the sets that hold the name, what is not named.
+// " (these data cannot tell it from linear_drag at ball)": the other names of the sets that hold this one.
 std::string alternatives_of(const Diagnosis& d, const std::string& label) {
   std::vector<std::string> others;
   for (const std::vector<std::string>& set : d.inseparable) {

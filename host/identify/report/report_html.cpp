@@ -1,4 +1,4 @@
-// The report as one page without anything outside itself: the sentence, the curves, where, the ranking, what is left.
+// The report as one self-contained page: sentence, curves, where the misfit is, ranking, notes.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -93,7 +93,7 @@ std::string curves_html(const Diagnosis& d) {
   return html;
 }
 
-// bodies down, phases across, darker where more of the misfit is
+// one row per body, one column per phase, darker where the share of the misfit is larger
 std::string map_html(const Diagnosis& d) {
   std::set<std::string> bodies, phases;
   for (const Cell& c : d.where) bodies.insert(c.body), phases.insert(c.phase);
@@ -176,7 +176,8 @@ std::string html_of(const Problem& problem, const Diagnosis& d) {
   html += "<h2>What these data cannot tell apart</h2>";
   if (d.inseparable.empty()) html += "<p>Nothing that came near was left.</p>";
   for (const std::vector<std::string>& set : d.inseparable) html += list_html(set);
-  if (!d.next_experiment.empty()) html += "<p>What would tell: " + escaped(d.next_experiment) + ".</p>";
+  if (!d.next_experiment.empty())
+    html += "<p>An experiment that separates them: " + escaped(d.next_experiment) + ".</p>";
   html += "<h2>What remains</h2><p>Held-out error " + shown(d.before) + " before, " + shown(d.after) +
           " after, noise floor " + shown(d.floor) + " " + escaped(d.unit) + "; of the gap " +
           shown(100 * d.gap_closed) + " % closed. Fitting runs, each left out in turn: " + shown(d.fit_before) +

@@ -6,7 +6,6 @@
 #include "host/identify/search/round.hpp"
 
 namespace pvg::diagnose {
-namespace {}  // namespace
 
 bool leave_the_same(const Fit& a, const Fit& b) {
   std::vector<Eigen::VectorXd> apart;
@@ -14,8 +13,9 @@ bool leave_the_same(const Fit& a, const Fit& b) {
   return rms(apart) < criteria().same_residual;
 }
 
-std::optional<Fit> find_beside_alternatives(Workflow& flow, const FitData& data, const std::vector<Fit>& first_round,
-                                            std::vector<Fit> tried, double most, double expected_seconds) {
+std::optional<FoundPair> find_beside_alternatives(Workflow& flow, const std::vector<Candidate>& candidates,
+                                                  const FitData& data, const std::vector<Fit>& first_round,
+                                                  std::vector<Fit> tried, double most, double expected_seconds) {
   std::size_t n = 0;
   for (const Fit& alternative : first_round) {
     if (n == criteria().n_alternatives) break;
@@ -25,17 +25,15 @@ std::optional<Fit> find_beside_alternatives(Workflow& flow, const FitData& data,
     if (!flow.has_time("an effect beside " + label, expected_seconds)) break;
     tried.push_back(alternative);
     flow.report_progress(4, 0.7, "looking for an effect beside " + label + " instead");
-    const Round round = run_round(flow, data, alternative, "beside_alternative_" + std::to_string(++n), 0.75);
+    const Round round =
+        run_round(flow, candidates, data, alternative, "beside_alternative_" + std::to_string(++n), 0.75);
     if (round.decision.chosen < 0) continue;
     const Judged& chosen = round.decision.ranking[std::size_t(round.decision.chosen)];
     if (rms(chosen.fit->residual) >= most) continue;
-    flow.out.ranking.insert(flow.out.ranking.begin(), ranked(chosen));
-    flow.out.inseparable.resize(std::min<std::size_t>(flow.out.inseparable.size(), 1));  // of the first effect
-    std::vector<std::string> set;
+    FoundPair found{*chosen.fit, ranked(chosen), {}};
     for (const std::size_t i : round.decision.inseparable)
-      set.push_back(round.decision.ranking[i].fit->model.parts.back()->label());
-    if (!set.empty()) flow.out.inseparable.push_back(std::move(set));
-    return *chosen.fit;
+      found.inseparable.push_back(round.decision.ranking[i].fit->model.parts.back()->label());
+    return found;
   }
   return std::nullopt;
 }

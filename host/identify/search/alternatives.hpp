@@ -12,9 +12,9 @@ namespace pvg::diagnose {
 bool leave_the_same(const Fit& a, const Fit& b);
 
 // A round beside each of the first two fits of the first round (best first) that leave another residual than those that
-// were tried. Returns the first pair that leaves less than `most` times the noise, and puts it into `out.ranking` and
-// `out.inseparable`. expected_seconds: of a round.
-std::optional<Fit> find_beside_alternatives(Workflow& flow, const FitData& data, const std::vector<Fit>& first_round,
-                                            std::vector<Fit> tried, double most, double expected_seconds);
+// were tried. Returns the first pair that leaves less than `most` times the noise. expected_seconds: of a round.
+std::optional<FoundPair> find_beside_alternatives(Workflow& flow, const std::vector<Candidate>& candidates,
+                                                  const FitData& data, const std::vector<Fit>& first_round,
+                                                  std::vector<Fit> tried, double most, double expected_seconds);
 
 }  // namespace pvg::diagnose

@@ -15,7 +15,7 @@ double longest_run(const Problem& problem) {
   return longest;
 }
 
-// Worlds that a window takes for the sensitivities to its start.
+// Worlds that a window needs for the sensitivities to its start.
 double n_worlds(const Problem& problem) {
   double n = 1 + 2 * double(problem.coordinates.size()) + 12 * double(problem.free_bodies.size());
   const auto can_hit = [&](int b) {
@@ -98,9 +98,10 @@ ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simu
   ChosenWindows chosen;
   std::vector<double> lengths = {0};
   if (problem.can_restart) {
-    lengths = {0, 2, 1, 0.5, 0.25};
+    lengths.insert(lengths.end(), criteria().window_lengths.begin(), criteria().window_lengths.end());
     std::erase_if(lengths, [&](double length) {
-      return length > 0.8 * longest || (length == 0 && longest > criteria().whole_run_longest);
+      return length > criteria().window_longest_share * longest ||
+             (length == 0 && longest > criteria().whole_run_longest);
     });
   }
   for (const double length : lengths) {

@@ -11,7 +11,7 @@ namespace pvg::diagnose {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
-// a number of the scene is wrong more often than its sensor, or than something is missing
+// a wrong number of the scene is more common than a sensor's error or a missing effect
 double family_log_prior(Family family) {
   const Criteria& c = criteria();
   return family == Family::physical    ? c.log_prior_physical
@@ -31,7 +31,7 @@ std::vector<std::size_t> groups_of(const FitData& data) {
   return group;
 }
 
-// Residuals of each window by the fit that has not seen its group.
+// Residuals of each window by the fit without its group.
 std::vector<VectorXd> left_out(const Fit& fit, const std::vector<std::size_t>& group) {
   const std::size_t n_groups = 1 + *std::max_element(group.begin(), group.end());
   if (fit.model.x.size() == 0 || n_groups < 2) return fit.residual;
@@ -43,7 +43,7 @@ std::vector<VectorXd> left_out(const Fit& fit, const std::vector<std::size_t>& g
     for (std::size_t w = 0; w < group.size(); ++w)
       if (group[w] != k) a += reduced.a[w], g += reduced.g[w];
     // a parameter to which the others are not sensitive stays where it is
-    a.diagonal().array() += 1e-6 * reduced.sum_a().diagonal().array();
+    a.diagonal().array() += criteria().left_out_ridge * reduced.sum_a().diagonal().array();
     VectorXd dx = -a.ldlt().solve(g);
     for (Eigen::Index i = 0; i < dx.size(); ++i) {
       const Parameter& p = *fit.model.parameters()[std::size_t(i)];
@@ -59,8 +59,8 @@ std::vector<VectorXd> left_out(const Fit& fit, const std::vector<std::size_t>& g
   return residual;
 }
 
-// How many samples in a row say the same: 1 for white residuals, else the integrated autocorrelation of each window's
-// channels, 1 + 2 sum_k rho_k up to the first lag at which it is lost in the noise of its estimate.
+// The number of samples that count as one: 1 for white residuals, else the integrated autocorrelation of each window's
+// channels, 1 + 2 sum_k rho_k up to the first lag at which rho_k is below the noise of its estimate.
 double correlation_length(const FitData& data, const std::vector<VectorXd>& residual) {
   std::vector<double> covariance(1 + criteria().correlation_lag_most, 0);
   double n = 0;
@@ -79,7 +79,7 @@ double correlation_length(const FitData& data, const std::vector<VectorXd>& resi
   double length = 1;
   for (std::size_t lag = 1; lag <= criteria().correlation_lag_most && covariance[0] > 0; ++lag) {
     const double rho = covariance[lag] / covariance[0];
-    if (rho < 3 / std::sqrt(n)) break;
+    if (rho < criteria().correlation_significant / std::sqrt(n)) break;
     length += 2 * rho;
   }
   return length;
@@ -88,11 +88,11 @@ double correlation_length(const FitData& data, const std::vector<VectorXd>& resi
 // Log prior of the candidates and of the parameters' sizes.
 double log_prior_of(const Fit& fit) {
   double log_prior = 0;
-  for (const Candidate* part : fit.model.parts) log_prior += part->prior + family_log_prior(part->family);
+  for (const Candidate* part : fit.model.parts) log_prior += part->log_prior + family_log_prior(part->family);
   const std::vector<const Parameter*> parameters = fit.model.parameters();
   for (std::size_t i = 0; i < parameters.size(); ++i)
-    if (parameters[i]->believed > 0) {
-      const double away = (fit.model.x[Eigen::Index(i)] - parameters[i]->off) / parameters[i]->believed;
+    if (parameters[i]->prior_sigma > 0) {
+      const double away = (fit.model.x[Eigen::Index(i)] - parameters[i]->off) / parameters[i]->prior_sigma;
       log_prior -= 0.5 * away * away;
     }
   return log_prior;
@@ -122,8 +122,8 @@ GroupErrors errors_of(const std::vector<VectorXd>& residual, const std::vector<s
 // How much larger a's errors are than b's. relative: mean over the groups of (a - b) / max(a, b), so that a run with
 // large errors does not count for all; relative_sigma: its standard error from the groups' scatter; against: that of
 // the groups in which b is worse alone, since an effect that shows in one run only is no less an effect. noise: the
-// standard error of mean(a) - mean(b) that noise of scale s makes of two predictions that differ, `correlated` samples
-// saying the same; residuals that are cut feel no noise.
+// standard error of mean(a) - mean(b) under noise of scale s for two predictions that differ, `correlated` samples
+// counting as one; residuals that are cut add no noise.
 struct Difference {
   double absolute = 0, noise = 0, relative = 0, relative_sigma = 0, against = 0;
   bool is_gain(double n_sigma) const {
@@ -165,7 +165,7 @@ bool excludes_off(const Fit& fit, std::size_t n_base) {
   return any;
 }
 
-// A parameter that ended at a bound other than "off" is no measurement of it.
+// A parameter that ended at a bound other than "off" was not measured.
 bool is_at_bound(const Fit& fit, std::size_t n_base) {
   const std::vector<const Parameter*> parameters = fit.model.parameters();
   for (std::size_t i = n_base; i < parameters.size(); ++i) {
@@ -268,8 +268,8 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
         (p > q && log_prior_gain > criteria().log_prior_margin_simpler && has_more_evidence))
       decision.chosen = int(i);
   }
-  // where the best leaves much unexplained its lead may come from standing in for something else: the log prior comes
-  // first among all models that close nearly as much
+  // where the best model leaves much unexplained, its lead may come from another effect that it imitates: the log prior
+  // comes first among all models that close nearly as much
   if (best >= 0 && entries[std::size_t(best)].judged.error > criteria().unexplained) {
     const double most = decision.base_error - entries[std::size_t(best)].judged.error;
     for (std::size_t i = 0; i < entries.size(); ++i) {

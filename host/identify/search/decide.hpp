@@ -31,7 +31,7 @@ struct Decision {
 // base: the fit of what was there before. n_base: number of its parameters.
 Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fits);
 
-// The lowest training error, without doubt.
+// The lowest training error, without a test.
 Decision decide_lowest(const Fit& base, const std::vector<Fit>& fits);
 
 }  // namespace pvg::diagnose

@@ -63,21 +63,23 @@ RankedModel ranked(const Judged& judged) {
   return model;
 }
 
-std::vector<Fit> forward_selection(Workflow& flow, const FitData& data, const Fit& base) {
-  Diagnosis& out = flow.out;
+Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
+                            const Fit& base) {
+  Selection out;
+  out.error = rms(base.residual);
   Prepared prepared(data, base);
-  std::vector<Fit> selected, first_round, tried;  // tried: single ones beside which a second was looked for
-  std::optional<Model> best_single;               // least left-out error of those that pass in the first round
-  double of_round = 0;                            // how long the last one took [s]
+  std::vector<Fit> first_round, tried;  // tried: single ones beside which a second was looked for
+  std::optional<Model> best_single;     // least left-out error of those that pass in the first round
+  double of_round = 0;                  // how long the last one took [s]
   Fit named = base;
   // one round more than effects, since a swap takes one
   for (int number = 1; number <= flow.settings.max_effects + (flow.settings.max_effects > 1); ++number) {
     if (int(named.model.parts.size()) >= flow.settings.max_effects) break;
-    if (number > 1 && !flow.has_time("an effect beside " + named.model.parts.back()->label(), of_round))
-      return selected;
+    if (number > 1 && !flow.has_time("an effect beside " + named.model.parts.back()->label(), of_round)) return out;
     const double since = flow.seconds();
     if (named.model.parts.size() == 1) tried.push_back(named);
-    const Round round = run_round(flow, prepared.data(), named, std::to_string(number), number == 1 ? 0.4 : 0.75);
+    const Round round =
+        run_round(flow, candidates, prepared.data(), named, std::to_string(number), number == 1 ? 0.4 : 0.75);
     of_round = flow.seconds() - since;
     const Decision& decision = round.decision;
     if (number == 1)
@@ -120,33 +122,38 @@ std::vector<Fit> forward_selection(Workflow& flow, const FitData& data, const Fi
       out.ranking.front() = {
           named.model.parts, error, chosen.evidence, chosen.probability, {named.model.x.begin(), named.model.x.end()}};
     if (named.model.parts.size() < n_parts) {  // the first effect was dropped
-      selected.clear();
+      out.fits.clear();
       out.inseparable.clear();
     }
-    selected.push_back(named);
-    out.fit_after = error;
+    out.fits.push_back(named);
+    out.error = error;
     if (error < criteria().unexplained) break;
     if (int(named.model.parts.size()) < flow.settings.max_effects)
       flow.report_progress(4, 0.6,
                            "what " + named.model.parts.back()->label() + " leaves is " + std::to_string(error) +
                                " times the noise: looking for another effect");
   }
-  const bool is_explained = !selected.empty() && rms(named.residual) < criteria().unexplained;
-  if (is_explained || flow.settings.max_effects < 2 || flow.settings.decide != Decide::workflow) return selected;
-  if (const std::optional<Fit> pair =
-          find_beside_alternatives(flow, data, first_round, tried, criteria().unexplained, of_round)) {
+  const bool is_explained = !out.fits.empty() && rms(named.residual) < criteria().unexplained;
+  if (is_explained || flow.settings.max_effects < 2 || flow.settings.decide != Decide::workflow) return out;
+  const auto select = [&](const FoundPair& pair) {
     Prepared first(data, base);
-    selected = {prepared_again(flow.fitter, first, *pair)};
-    out.fit_after = rms(selected.back().residual);
-    return selected;
+    out.fits = {prepared_again(flow.fitter, first, pair.fit)};
+    out.error = rms(out.fits.back().residual);
+    out.ranking.insert(out.ranking.begin(), pair.model);
+    if (!pair.inseparable.empty()) out.inseparable.push_back(pair.inseparable);
+  };
+  if (const std::optional<FoundPair> pair =
+          find_beside_alternatives(flow, candidates, data, first_round, tried, criteria().unexplained, of_round)) {
+    out.inseparable.resize(std::min<std::size_t>(out.inseparable.size(), 1));  // of the first effect
+    select(*pair);
+    return out;
   }
-  if (!flow.has_time("a pair of effects", of_round)) return selected;
-  if (const std::optional<Fit> pair = find_pair(flow, data, base, criteria().unexplained)) {
-    Prepared first(data, base);
-    selected = {prepared_again(flow.fitter, first, *pair)};
-    out.fit_after = rms(selected.back().residual);
+  if (!flow.has_time("a pair of effects", of_round)) return out;
+  if (const std::optional<FoundPair> pair = find_pair(flow, candidates, data, base, criteria().unexplained)) {
+    out.inseparable.clear();
+    select(*pair);
   }
-  return selected;
+  return out;
 }
 
 }  // namespace pvg::diagnose

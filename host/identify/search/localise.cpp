@@ -15,7 +15,7 @@ struct Sum {
   std::map<int, std::vector<std::pair<double, double>>> in_run;  // time, square
 };
 
-// The first time at which a few squares in a row are more than noise makes once in ten thousand times.
+// The first time at which some squares in a row exceed what noise reaches with probability onset_p_value.
 double onset_of(Sum& sum) {
   double first = -1;
   for (auto& [run, squares] : sum.in_run) {

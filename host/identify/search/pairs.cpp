@@ -14,9 +14,9 @@ namespace {
 using Eigen::VectorXd;
 using Columns = std::vector<std::size_t>;
 
-// What cannot start anew from a measured state is simulated as whole runs. A swing whose frequency is a tenth off is
-// out of step after some periods, where a small change does not predict a large one: pairs are searched in the first
-// part of the runs, of this share, and fitted to longer and longer ones.
+// Scenes that cannot restart from a measured state are simulated as whole runs. A swing whose frequency is a tenth off
+// is out of phase after some periods, where a small change does not predict a large one: pairs are searched in the
+// first part of the runs and fitted to longer and longer parts.
 
 Model model_of(const std::vector<const Candidate*>& parts) {
   Model model{parts, {}, {}};
@@ -78,9 +78,10 @@ std::vector<Pair> best_pairs(const Signatures& signatures, double n_data) {
 
 namespace {
 
-std::vector<Screened> pairs_to_fit(Workflow& flow, const FitData& data, const Fit& base) {
+std::vector<Screened> pairs_to_fit(Workflow& flow, const std::vector<Candidate>& all, const FitData& data,
+                                   const Fit& base) {
   std::vector<const Candidate*> candidates;
-  for (const Candidate& c : *flow.out.candidates) candidates.push_back(&c);
+  for (const Candidate& c : all) candidates.push_back(&c);
   double n_data = 0;
   for (const VectorXd& r : base.residual) n_data += double(r.size());
   std::vector<Screened> starts;
@@ -89,13 +90,13 @@ std::vector<Screened> pairs_to_fit(Workflow& flow, const FitData& data, const Fi
   return starts;
 }
 
-// The pairs where they are best in ever longer first parts.
-std::vector<Screened> pairs_of_first_parts(Workflow& flow, const FitData& data) {
+// The pairs, each fitted to longer and longer first parts.
+std::vector<Screened> pairs_of_first_parts(Workflow& flow, const std::vector<Candidate>& all, const FitData& data) {
   std::vector<Screened> starts;
   const double first_share = criteria().pair_first_part;
   for (const double share : {first_share, criteria().pair_second_part}) {
     const FitData part = first_part(flow.problem, data, share);
-    if (share == first_share) starts = pairs_to_fit(flow, part, fit_as_it_stands(flow.fitter, part));
+    if (share == first_share) starts = pairs_to_fit(flow, all, part, fit_as_it_stands(flow.fitter, part));
     if (starts.empty()) break;
     std::vector<Screened> next;
     for (Fit& fit : fit_best(flow.fitter, part, starts))
@@ -107,9 +108,10 @@ std::vector<Screened> pairs_of_first_parts(Workflow& flow, const FitData& data) 
 
 }  // namespace
 
-std::optional<Fit> find_pair(Workflow& flow, const FitData& data, const Fit& base, double most) {
-  const std::vector<Screened> starts =
-      flow.problem.can_restart ? pairs_to_fit(flow, data, base) : pairs_of_first_parts(flow, data);
+std::optional<FoundPair> find_pair(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
+                                   const Fit& base, double most) {
+  const std::vector<Screened> starts = flow.problem.can_restart ? pairs_to_fit(flow, candidates, data, base)
+                                                                : pairs_of_first_parts(flow, candidates, data);
   if (starts.empty()) return std::nullopt;
   flow.report_progress(5, 0.8, "fitting " + std::to_string(starts.size()) + " pairs of candidates");
   const std::vector<Fit> fits = fit_best(flow.fitter, data, starts);
@@ -118,13 +120,10 @@ std::optional<Fit> find_pair(Workflow& flow, const FitData& data, const Fit& bas
   if (decision.chosen < 0) return std::nullopt;
   const Judged& chosen = decision.ranking[std::size_t(decision.chosen)];
   if (rms(chosen.fit->residual) >= most) return std::nullopt;
-  flow.out.ranking.insert(flow.out.ranking.begin(), ranked(chosen));
   std::set<std::string> labels;
   for (const std::size_t i : decision.inseparable)
     for (const Candidate* part : decision.ranking[i].fit->model.parts) labels.insert(part->label());
-  flow.out.inseparable.clear();
-  if (!labels.empty()) flow.out.inseparable.push_back({labels.begin(), labels.end()});
-  return *chosen.fit;
+  return FoundPair{*chosen.fit, ranked(chosen), {labels.begin(), labels.end()}};
 }
 
 }  // namespace pvg::diagnose

@@ -1,5 +1,6 @@
-// Two effects that explain the misfit only together. If they are searched one after the other the first may stand in
-// for both, and the second is never searched. So the best sums of two candidates' signatures are fitted together.
+// Two effects that explain the misfit only together. If they are searched one after the other, the first may
+// explain part of both, and the second is never searched. So the best sums of two candidates' signatures are fitted
+// together.
 #pragma once
 #include <optional>
 
@@ -17,8 +18,8 @@ struct Pair {
 // with whatever is beside it.
 std::vector<Pair> best_pairs(const Signatures& signatures, double n_data);
 
-// The pair that is decided for, if it leaves less than `most` times the noise, into `out.ranking` and
-// `out.inseparable`.
-std::optional<Fit> find_pair(Workflow& flow, const FitData& data, const Fit& base, double most);
+// The pair that the decision names, if it leaves less than `most` times the noise.
+std::optional<FoundPair> find_pair(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
+                                   const Fit& base, double most);
 
 }  // namespace pvg::diagnose

@@ -58,12 +58,12 @@ void add_sums(Workflow& flow, const ChosenWindows& chosen, const LawSite& site, 
 }
 
 // those where most of the misfit is
-std::vector<LawSite> worst_sites(const Workflow& flow) {
-  std::vector<LawSite> sites = law_sites(flow.problem);
-  const Scene& scene = flow.problem.scene.scene;
+std::vector<LawSite> worst_sites(const Problem& problem, const std::vector<Cell>& where) {
+  std::vector<LawSite> sites = law_sites(problem);
+  const Scene& scene = problem.scene.scene;
   const auto share_of = [&](const LawSite& site) {
     double share = 0;
-    for (const Cell& cell : flow.out.where)
+    for (const Cell& cell : where)
       for (const Joint& joint : scene.joints)
         if (cell.body == site.target ||
             (joint.name == site.target && scene.rigid_bodies[std::size_t(joint.child)].name == cell.body)) {
@@ -96,8 +96,9 @@ std::vector<std::vector<std::size_t>> best_subsets(const Signatures& signatures,
   return best;
 }
 
-std::optional<RegressedLaw> regress(Workflow& flow, const ChosenWindows& chosen) {
-  const std::vector<LawSite> sites = worst_sites(flow);
+std::optional<Regressed> regress(Workflow& flow, const ChosenWindows& chosen, const std::vector<Cell>& where,
+                                 bool in_noise) {
+  const std::vector<LawSite> sites = worst_sites(flow.problem, where);
   std::deque<Sum> sums;  // candidates stay where they are
   for (const LawSite& site : sites) add_sums(flow, chosen, site, sums);
   std::vector<Screened> starts;
@@ -110,8 +111,7 @@ std::optional<RegressedLaw> regress(Workflow& flow, const ChosenWindows& chosen)
   const Sum& sum = *std::find_if(sums.begin(), sums.end(),
                                  [&](const Sum& other) { return &other.candidate == best.fit->model.parts.front(); });
   const std::size_t most = most_windows(flow.problem, flow.settings.simulated_seconds, chosen.length);
-  HeldOut judged =
-      judge_held_out(flow.fitter, flow.problem, chosen.length, most, {best.fit->model}, flow.out.unit == "noise");
+  HeldOut judged = judge_held_out(flow.fitter, flow.problem, chosen.length, most, {best.fit->model}, in_noise);
   const double gap_closed = closed(judged.before, judged.after, judged.floor);
   if (judged.floor == 0 || gap_closed < criteria().gap_closed_least) return std::nullopt;
   const std::vector<double> coefficients(best.fit->model.x.begin(), best.fit->model.x.end());
@@ -125,13 +125,13 @@ std::optional<RegressedLaw> regress(Workflow& flow, const ChosenWindows& chosen)
                    judged.floor,
                    gap_closed,
                    best.error};
-  flow.out.curves = std::move(judged.curves);
+  std::vector<Curve> curves = std::move(judged.curves);
   const std::vector<Curve> fitted = curves_of(flow.problem, chosen.data, chosen.base, *best.fit, CURVES_OF_FITTED_RUNS);
-  flow.out.curves.insert(flow.out.curves.end(), fitted.begin(), fitted.end());
+  curves.insert(curves.end(), fitted.begin(), fitted.end());
   Variant variant;
   sum.candidate.apply(variant, coefficients);
   law.amended = variant.scene.effects.back();
-  return law;
+  return Regressed{std::move(law), std::move(curves)};
 }
 
 }  // namespace pvg::diagnose

@@ -12,7 +12,14 @@ namespace pvg::diagnose {
 // Sets of up to `most` columns by which the cost falls most, for each size the best `n_each`, smallest sets first.
 std::vector<std::vector<std::size_t>> best_subsets(const Signatures& signatures, std::size_t most, std::size_t n_each);
 
-// The law that is found, or nothing where none closes enough of the gap on held-out runs.
-std::optional<RegressedLaw> regress(Workflow& flow, const ChosenWindows& chosen);
+struct Regressed {
+  RegressedLaw law;
+  std::vector<Curve> curves;  // of the held-out runs, then of the fitted ones
+};
+
+// The law that is found, or nothing where none closes enough of the gap on held-out runs. where: cells of the misfit;
+// in_noise: errors are in units of the noise.
+std::optional<Regressed> regress(Workflow& flow, const ChosenWindows& chosen, const std::vector<Cell>& where,
+                                 bool in_noise);
 
 }  // namespace pvg::diagnose

@@ -6,11 +6,8 @@
 #include "host/identify/criteria.hpp"
 
 namespace pvg::diagnose {
-namespace {
 
 using Eigen::VectorXd;
-
-}  // namespace
 
 std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector<Screened>& best) {
   std::vector<Model> models;
@@ -24,7 +21,7 @@ std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector
     if (scales.empty()) scales = of;
     for (std::size_t w = 0; w < of.size(); ++w) scales[w] = std::min(scales[w], of[w]);
   }
-  // fits are ranked by the cost that their next step predicts: the true effect may still be far from its optimum
+  // fits are ranked by the predicted cost of their next step: the true effect may still be far from its optimum
   const std::vector<std::vector<VectorXd>> predicted = fitter.predicted(data, fits);
   std::vector<double> key;
   for (std::size_t i = 0; i < fits.size(); ++i)
@@ -43,9 +40,10 @@ std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector
   return fits;
 }
 
-Round run_round(Workflow& flow, const FitData& data, const Fit& base, const std::string& name, double share) {
+Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
+                const std::string& name, double share) {
   std::vector<const Candidate*> candidates;
-  for (const Candidate& c : *flow.out.candidates)
+  for (const Candidate& c : all)
     if (std::find(base.model.parts.begin(), base.model.parts.end(), &c) == base.model.parts.end() &&
         (flow.settings.decide != Decide::retune || c.family == Family::parameter))
       candidates.push_back(&c);

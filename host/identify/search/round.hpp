@@ -14,7 +14,8 @@ struct Round {
 };
 
 // name: of the stages' files; share: of the whole work that is done when the fits begin.
-Round run_round(Workflow& flow, const FitData& data, const Fit& base, const std::string& name, double share);
+Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
+                const std::string& name, double share);
 
 // The fits to the end of those that may still win, all with slopes and covariances.
 std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector<Screened>& best);

@@ -11,7 +11,6 @@ namespace pvg::diagnose {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
-const std::vector<double> LIMITS = {0.95, 0.9, 0.8, 0.7, 0.6, 0.5, 0.35};  // of where a limit is first felt
 
 struct Trial {
   const Candidate* candidate;
@@ -32,13 +31,13 @@ Model with(const Model& base, const Candidate& candidate) {
   return model;
 }
 
-// inside the bounds, away from them where that can be
+// inside the bounds, away from them where possible
 double allowed(const Parameter& p, double step) {
   if (p.off + step > p.high) step = p.off - step >= p.low ? -step : p.high - p.off;
   return std::clamp(p.off + step, p.low, p.high) - p.off;
 }
 
-// A number that only shapes an effect does nothing while the strengths are off: the first strength is on meanwhile.
+// A shape parameter changes nothing while the strengths are off, so the first strength is on when it is varied.
 std::vector<std::vector<VectorXd>> responses(Fitter& fitter, const FitData& data, const Fit& base,
                                              const std::vector<Trial>& trials) {
   std::vector<Model> models;
@@ -79,7 +78,7 @@ FitData some_windows(const FitData& data, std::size_t most, Fit& base) {
   return some;
 }
 
-// A change for each parameter that the sensors see `wanted` times as well as their noise.
+// A change of each parameter that changes the residuals by `wanted` times the noise.
 std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& base, double wanted,
                                 const std::vector<const Candidate*>& candidates) {
   std::vector<Trial> trials;
@@ -107,7 +106,7 @@ std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& 
         still_open.push_back(open[k]);
       const bool is_seen = size >= criteria().sensitivity_least;
       const Parameter& p = trial.candidate->parameters[trial.parameter];
-      // a change that is nowhere seen may still be too much for the solver
+      // a change that no sensor sees may still be too large for the solver
       const double most = criteria().screen_factor_most * p.scale;
       trial.step = is_last && !is_seen ? 0 : allowed(p, std::clamp(factor * trial.step, -most, most));
     }
@@ -116,8 +115,8 @@ std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& 
   return trials;
 }
 
-// The base model where the starts are those that were measured: those that fit it best may have gone far to make up for
-// what is missing.
+// The base model with the measured starts: those that fit it best may be far off, to make up for the missing
+// effect.
 Fit from_measured_starts(Fitter& fitter, const FitData& data, const Fit& base) {
   Fit measured = fitter.begin(data, {base.model}).front();
   if (!measured.succeeded) return base;
@@ -130,9 +129,9 @@ bool is_limit(const Candidate& candidate) {
   return candidate.parameters.size() == 1 && candidate.parameters[0].is_limit;
 }
 
-// Where a candidate is tried: shares of its linear optimum. Nothing is sensitive to a shape parameter where the law
-// is off, so that its optimum is not known, nor that of strengths beside the first: other shapes are tried, with the
-// law's strengths as they are and alike.
+// Where a candidate is tried: shares of its linear optimum. Where the law is off, residuals are not sensitive to its
+// shape parameter, so neither its optimum nor that of strengths beside the first is known: other shapes are tried, with
+// the strengths unchanged and with all of them equal.
 std::vector<Model> trials_of(const Screened& screened, Eigen::Index n_base) {
   const std::vector<Parameter>& parameters = screened.candidate->parameters;
   std::vector<Model> models;
@@ -150,8 +149,8 @@ std::vector<Model> trials_of(const Screened& screened, Eigen::Index n_base) {
   const Criteria& c = criteria();
   for (const double share : {c.screen_share_low, 1.0, c.screen_share_high})
     add([&](std::size_t k, double x) { return share_of(k, x, share); });
-  // what lies beyond a limit starts from zero there: no slope says how far
-  for (const double limit : is_limit(*screened.candidate) ? LIMITS : std::vector<double>())
+  // beyond a limit the change starts from zero: no slope predicts how far to go
+  for (const double limit : is_limit(*screened.candidate) ? c.screen_limits : Series())
     add([&](std::size_t k, double) { return limit * parameters[k].off; });
   if (std::none_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.is_shape; })) return models;
   const double first = screened.model.x[n_base] - parameters[0].off;
@@ -166,8 +165,8 @@ std::vector<Model> trials_of(const Screened& screened, Eigen::Index n_base) {
   return models;
 }
 
-// What the robust cost of some windows falls by in truth, where each candidate is tried: laws with a dead zone or a
-// kink are not what their signature predicts. The best trial becomes its model.
+// The actual reduction of the robust cost of some windows at each trial: laws with a dead zone or a kink differ from
+// the linear prediction. The best trial becomes the candidate's model.
 void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_data, std::vector<Screened>& screened) {
   Fit few = base;
   const FitData some = some_windows(data, criteria().screen_n_windows, few);
@@ -203,8 +202,8 @@ void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_d
   }
 }
 
-// The same changes to the other side, of numbers that the scene has: a frequency that rises by a quarter of a turn does
-// not predict what one that falls would do.
+// The same changes in the other direction, of numbers of the scene: a frequency that rises by a quarter of a turn does
+// not predict the change of one that falls.
 std::vector<Trial> mirrored(const std::vector<Trial>& trials) {
   std::vector<Trial> out;
   for (Trial trial : trials) {
@@ -216,7 +215,7 @@ std::vector<Trial> mirrored(const std::vector<Trial>& trials) {
   return out;
 }
 
-// Trials that change the residuals.
+// Indices of the trials that change the residuals.
 std::vector<std::size_t> seen_of(std::span<const std::vector<VectorXd>> found) {
   std::vector<std::size_t> seen;
   for (std::size_t t = 0; t < found.size(); ++t)
@@ -224,7 +223,7 @@ std::vector<std::size_t> seen_of(std::span<const std::vector<VectorXd>> found) {
   return seen;
 }
 
-// The normal equations of `n_base` parameters of the base and of the trials that are seen, these in units of their
+// The normal equations of `n_base` parameters of the base and of the trials in `seen`; trials in units of their
 // steps.
 Reduced normal_equations(const FitData& data, const Fit& base, Eigen::Index n_base, std::span<const std::size_t> seen,
                          std::span<const std::vector<VectorXd>> found) {
@@ -251,20 +250,21 @@ Screened linear_optimum(const FitData& data, const Fit& base, double n_data, std
   if (seen.empty()) return one;
   const Reduced reduced = normal_equations(data, base, n_base, seen, found);
   MatrixXd a = reduced.sum_a();
-  a.diagonal().array() += 1e-9 * a.trace();
+  a.diagonal().array() += criteria().screen_ridge * a.trace();
   const VectorXd g = reduced.sum_g();
   VectorXd dx = -a.ldlt().solve(g);  // in units of the steps
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const Trial& trial = trials[seen[i]];
     const Parameter& p = candidate.parameters[trial.parameter];
     double& d = dx[n_base + Eigen::Index(i)];
-    d = std::clamp(d, -20.0, 20.0);
+    d = std::clamp(d, -criteria().screen_steps_most, criteria().screen_steps_most);
     d = (std::clamp(p.off + d * trial.step, p.low, p.high) - p.off) / trial.step;
     one.model.x[n_base + Eigen::Index(trial.parameter)] = p.off + d * trial.step;
     one.model.scale[n_base + Eigen::Index(trial.parameter)] = std::abs(trial.step);
     one.sensitivity = std::max(one.sensitivity, size_of(found[seen[i]]));
   }
-  for (Eigen::Index i = 0; i < n_base; ++i) dx[i] = std::clamp(dx[i], -1.0, 1.0);
+  for (Eigen::Index i = 0; i < n_base; ++i)
+    dx[i] = std::clamp(dx[i], -criteria().screen_base_steps_most, criteria().screen_base_steps_most);
   one.model.x.head(n_base) += (dx.head(n_base).array() * base.model.scale.head(n_base).array()).matrix();
   const std::vector<const Parameter*> bounds = base.model.parameters();
   for (Eigen::Index i = 0; i < n_base; ++i)
@@ -357,7 +357,7 @@ Part part_of(const Signatures& s, std::span<const std::size_t> columns) {
 
 VectorXd optimum_of(const Signatures& signatures, std::span<const std::size_t> columns) {
   Part part = part_of(signatures, columns);
-  part.a.diagonal().array() *= 1 + 1e-6;  // columns that are nearly alike must not cancel each other
+  part.a.diagonal().array() *= 1 + criteria().signature_ridge;
   const VectorXd x = -part.a.ldlt().solve(part.g);
   return x.allFinite() ? x : VectorXd::Zero(part.g.size());
 }

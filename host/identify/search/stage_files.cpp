@@ -51,7 +51,7 @@ void StageFiles::write_screen(const std::string& round, const std::vector<Screen
   for (const Screened& s : screened)
     list.push_back({{"candidate", s.candidate->label()},
                     {"gain", s.gain},
-                    {"answer", s.sensitivity},
+                    {"sensitivity", s.sensitivity},
                     {"start", values_of(s.model)}});
   write(folder, "4_screen_" + round + ".json", {{"schema", 1}, {"screened", list}});
 }

@@ -1,4 +1,4 @@
-// Models of several effects with one of them left out, or another one in its place.
+// Models of several effects with one of them left out or replaced.
 #pragma once
 #include <vector>
 

@@ -1,4 +1,5 @@
-// What the stages of a diagnosis share, and the search for effects, one after the other (stages 4 to 6).
+// What the stages of a diagnosis work with, and the search for effects, one after the other (stages 4 to 6). Results
+// travel as values: each stage returns its own.
 #pragma once
 #include <chrono>
 #include <string>
@@ -20,8 +21,8 @@ struct Workflow {
   Predictor predictor;
   Variant base;
   Fitter fitter{predictor, base};
-  Diagnosis out;
   StageFiles files;
+  std::vector<std::string> notes;  // for the reader, as Diagnosis has them
 
   double seconds() const {  // since it began
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -35,7 +36,24 @@ struct Workflow {
 
 RankedModel ranked(const Judged& judged);
 
-// Adds one effect after the other, each beside those before. Returns the fits, one effect more each.
-std::vector<Fit> forward_selection(Workflow& flow, const FitData& data, const Fit& base);
+// What stages 4 to 6 select.
+struct Selection {
+  std::vector<Fit> fits;             // one effect more each; empty: none is better than the scene as it is
+  std::vector<RankedModel> ranking;  // best first
+  std::vector<std::vector<std::string>> inseparable;
+  std::string next_experiment;
+  double error = 0;  // of the last fit [noise]
+};
+
+// A model of two effects that another search than forward selection found.
+struct FoundPair {
+  Fit fit;
+  RankedModel model;
+  std::vector<std::string> inseparable;  // what fits as well; of alternatives: beside the first effect
+};
+
+// Adds one effect after the other, each beside those before.
+Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
+                            const Fit& base);
 
 }  // namespace pvg::diagnose

@@ -89,7 +89,7 @@ std::vector<Prediction> Predictor::predict(std::span<const Job> jobs) {
   std::vector<std::size_t> order(jobs.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   const double h = jobs.empty() ? 1 : jobs[0].variant->scene.solver.time_step;
-  // A batch waits in each step for the world that finds it hardest: those of one window have their impacts together.
+  // A batch waits in each step for its slowest world: worlds of one window have their impacts at the same time.
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     const auto key = [&](const Window& window) {
       return std::tuple(-double(steps_of(window, h)), window.run, window.start);

@@ -7,22 +7,10 @@
 #include <vector>
 
 #include "host/device/device.hpp"
+#include "host/identify/channels/sensing.hpp"
 #include "host/identify/data/window.hpp"
-#include "host/identify/sensing/camera_error.hpp"
 
 namespace pvg::diagnose {
-
-// How what is measured differs from what is there; the default does not.
-struct Sensing {
-  double clock_offset = 0;             // the recording's clock shows the true time less this [s]
-  double clock_rate = 0;               // true seconds per second of the recording, less one
-  double length_scale = 0;             // measured lengths over true ones, less one
-  Vec3 frame_rotation = Vec3::Zero();  // rotation vector of the measurement's frame [rad]
-  std::vector<double> latency;         // [n_channels, s] empty: none
-  std::vector<Vec3> bias;              // [n_channels, SI] added to what is measured
-  std::vector<CameraError> camera;     // [n_cameras of Problem::seen] empty: none
-  std::vector<Vec3> marker_offset;     // [n_channels, m] of a marker from where it is said to be, in the body's frame
-};
 
 struct Variant {
   Scene scene;

@@ -1,7 +1,9 @@
 // What the sensors of one window see of its simulation: the channels' values step by step, and from them the residuals
 // at the times of the samples.
 #pragma once
+#include <array>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -10,10 +12,11 @@
 #include "host/identify/sensing/rollout.hpp"
 #include "host/identify/sensing/video_sight.hpp"
 #include "host/physics/step/simulation.hpp"
+#include "host/pictures/mask_metrics.hpp"
 
 namespace pvg::diagnose {
 
-class SensorTrace {
+class SensorTrace : private Pictures {
  public:
   // sight, video: where masks and videos were measured, else null
   SensorTrace(const Problem& problem, const Job& job, MaskSight* sight, VideoSight* video);
@@ -25,11 +28,13 @@ class SensorTrace {
   std::vector<std::string> touching() const { return {touching_.begin(), touching_.end()}; }
 
  private:
-  void add_masks(const WorldState& state);
-  void add_videos(const WorldState& state);
+  double mask_moment(std::size_t source, std::size_t moment) override;
+  double luminance(std::size_t source, std::size_t cell) override;
+  std::array<double, N_MASK_MOMENTS> moments_of(std::size_t source);
+  PictureCells cells_of(std::size_t source);
   int picture_near(const std::vector<int>& frame_of_row, double time) const;  // within a step; -1: none
   CameraError error_of(int camera) const;
-  std::vector<double> value_at(std::size_t channel, double time) const;  // [width], empty: not simulated so far
+  std::vector<double> value_at(std::size_t channel, double time) const;  // [width], empty: not simulated to there
   double time_of(std::size_t channel, std::size_t sample) const;         // in the simulation [s]
   Phase phase_of(const Scene& world, const WorldState& state, const Channel& channel) const;
 
@@ -39,6 +44,9 @@ class SensorTrace {
   VideoSight* video_;
   double h_;
   std::size_t n_steps_ = 0;
+  const WorldState* state_ = nullptr;                                       // of the present step
+  std::vector<std::optional<std::array<double, N_MASK_MOMENTS>>> moments_;  // [n_mask_sources] seen in the present step
+  std::vector<std::optional<PictureCells>> cells_;                          // [n_video_sources] likewise
   double overlap_sum_ = 0;
   std::size_t n_overlaps_ = 0;
   std::vector<std::vector<double>> values_;  // [n_channels][n_steps x width]

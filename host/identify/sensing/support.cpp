@@ -50,10 +50,10 @@ double sigma_along(const Window& window, int body, Unknown::Kind kind, const Vec
       square += std::pow(share * unknown.sigma / criteria().start_looseness, 2);
       covered += share * share;
     }
-  return covered > 0.5 ? std::sqrt(square) : INFINITY;
+  return covered > criteria().support_covered ? std::sqrt(square) : INFINITY;
 }
 
-// The body's unknowns of a kind lose their part along `normal`, or all but that.
+// Removes from a body's unknowns of one kind the part along `normal`, or keeps that part alone.
 void keep_unknowns(Window& window, int body, Unknown::Kind kind, const Vec3& normal, bool keeps_normal) {
   std::vector<Unknown> kept;
   std::vector<Vec3> directions;
@@ -62,7 +62,7 @@ void keep_unknowns(Window& window, int body, Unknown::Kind kind, const Vec3& nor
       const Vec3 along = unknown.direction.dot(normal) * normal;
       Vec3 left = keeps_normal ? along : Vec3(unknown.direction - along);
       for (const Vec3& other : directions) left -= other.dot(left) * other;
-      if (left.norm() < 0.3) continue;  // of unit vectors; three that span space leave two such, or one
+      if (left.norm() < criteria().support_direction_left) continue;
       unknown.direction = left.normalized();
       directions.push_back(unknown.direction);
     }
@@ -95,7 +95,7 @@ void start_settled(Window& window, int body, const RigidBody& shape, const Suppo
   const bool is_turn_measured = std::isfinite(sigma_along(window, body, Kind::rotation, n));
   const bool is_flat = support.is_face && is_turn_measured && is_near(Kind::rotation, tilt, tilt.stableNormalized()) &&
                        is_near(Kind::spin, rocking, rocking.stableNormalized());
-  // as it is turned: what is round rolls at one height, what is not rocks
+  // in its measured orientation: a round body rolls at one height, others rock
   const double higher = reach_of(shape, pose.linear(), n) - reach_of(shape, rest.linear(), n);
   const bool is_round = std::abs(higher) <= sigma_along(window, body, Kind::position, n);
   if (is_turn_measured && support.is_face && !is_flat && !is_round) return;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/identify/criteria.hpp"
 #include "host/identify/data/resolve.hpp"
 #include "host/render/camera.hpp"
 #include "host/render/sensor.hpp"
@@ -11,10 +12,7 @@ namespace pvg::diagnose {
 namespace {
 
 constexpr std::uint64_t SEED = 0x766964656f;  // others than of recordings that `render` made
-constexpr int N_PATHS = 1 << 15;              // of a picture, about: a cell is then good to a per cent
-constexpr int MOST_SAMPLES = 256;             // per pixel
 constexpr std::size_t MOST_KEPT = 1 << 26;    // numbers of 4 bytes
-constexpr std::uint32_t N_NOISY = 8;
 
 RenderSettings settings_of(const Problem& problem) {
   RenderSettings settings;
@@ -25,11 +23,11 @@ RenderSettings settings_of(const Problem& problem) {
     const Camera& camera = problem.seen.cameras[std::size_t(index_named(problem.seen.cameras, video.camera))];
     most_pixels = std::max(most_pixels, camera.width * camera.height);
   }
-  settings.samples = std::clamp(N_PATHS / most_pixels, 1, MOST_SAMPLES);
+  settings.samples = std::clamp(criteria().video_n_paths / most_pixels, 1, criteria().video_samples_most);
   return settings;
 }
 
-// what comes behind the lens is applied to the light that was seen (cells_of)
+// effects behind the lens are applied to the traced light (cells_of)
 Scene without_sensors(Scene scene) {
   for (Camera& camera : scene.cameras) {
     camera.vignetting.clear();
@@ -92,8 +90,9 @@ PictureCells VideoSight::noise(std::size_t source, const SceneState& state) {
   const int number = camera(source);
   renderer_.set_distortion(number, problem_->seen.cameras[std::size_t(number)].distortion);
   renderer_.set_state(state);
+  const std::uint32_t n = criteria().video_n_noise;
   PictureCells sum{}, squares{};
-  for (std::uint32_t frame = 1; frame <= N_NOISY; ++frame) {
+  for (std::uint32_t frame = 1; frame <= n; ++frame) {
     const PictureCells cells = cells_of(number, renderer_.render(number, frame).rgb, {});
     for (std::size_t i = 0; i < cells.size(); ++i) {
       sum[i] += cells[i];
@@ -101,7 +100,7 @@ PictureCells VideoSight::noise(std::size_t source, const SceneState& state) {
     }
   }
   for (std::size_t i = 0; i < sum.size(); ++i)
-    squares[i] = std::sqrt(std::max(0.0, squares[i] - sum[i] * sum[i] / N_NOISY) / (N_NOISY - 1));
+    squares[i] = std::sqrt(std::max(0.0, squares[i] - sum[i] * sum[i] / n) / (n - 1));
   return squares;
 }
 
@@ -110,8 +109,8 @@ void add_noise_of_pictures(VideoSight& sight, Problem& problem) {
   for (std::size_t source = 0; source < problem.recording.video_sources.size(); ++source) {
     const PictureCells noise = sight.noise(source, start);
     for (Channel& channel : problem.channels)
-      if (channel.video_source == int(source))
-        channel.sigma = std::hypot(channel.sigma, noise[std::size_t(channel.cell)]);
+      if (channel.sensor == &video_sensor && channel.source == int(source))
+        channel.sigma = std::hypot(channel.sigma, noise[std::size_t(channel.part)]);
   }
 }
 

@@ -5,8 +5,8 @@
 #include <map>
 #include <vector>
 
+#include "host/identify/channels/sensing.hpp"
 #include "host/identify/data/problem.hpp"
-#include "host/identify/sensing/camera_error.hpp"
 #include "host/pictures/picture_cells.hpp"
 #include "host/render/renderer.hpp"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/geometry/tet_mesh.hpp"
+#include "host/model/effect_list.hpp"
 #include "host/physics/energies/cloth.hpp"
 #include "host/physics/energies/laws.hpp"
 
@@ -13,59 +14,6 @@ template <class List>
 auto named(List& list, const std::string& name) -> decltype(&list.front()) {
   const auto at = std::find_if(list.begin(), list.end(), [&](const auto& item) { return item.name == name; });
   return at == list.end() ? nullptr : &*at;
-}
-
-Vec3 vector_of(const Effect& effect) {
-  return {parameter_of(effect, "x"), parameter_of(effect, "y"), parameter_of(effect, "z")};
-}
-
-// Where along the axis a soft body is fastened: the mean of the nodes of its first stitch. Its middle if it is free.
-double fastened_at(const Scene& scene, const SoftBody& body, Eigen::Index axis, double middle) {
-  for (const Stitch& stitch : scene.stitches) {
-    if (stitch.soft < 0 || &scene.soft_bodies[std::size_t(stitch.soft)] != &body) continue;
-    double sum = 0;
-    for (const std::uint32_t node : stitch.nodes) sum += body.mesh.points[node][axis];
-    return sum / double(stitch.nodes.size());
-  }
-  return middle;
-}
-
-// Bends the rest shape in the body's frame: along its longest axis, at s from where it is fastened, by curvature
-// s^2 / 2 across it. What holds it keeps its place and direction.
-void bend_rest_shape(const Scene& scene, SoftBody& body, double curvature_1, double curvature_2) {
-  Vec3 low = body.mesh.points[0], high = low;
-  for (const Vec3& point : body.mesh.points) {
-    low = low.cwiseMin(point);
-    high = high.cwiseMax(point);
-  }
-  Eigen::Index axis = 0;
-  (high - low).maxCoeff(&axis);
-  const double origin = fastened_at(scene, body, axis, 0.5 * (low[axis] + high[axis]));
-  for (Vec3& point : body.mesh.points) {
-    const double s = point[axis] - origin;
-    point[(axis + 1) % 3] += 0.5 * curvature_1 * s * s;
-    point[(axis + 2) % 3] += 0.5 * curvature_2 * s * s;
-  }
-}
-
-void apply(const Effect& effect, Scene& scene) {
-  const auto value = [&](const char* name) { return parameter_of(effect, name); };
-  if (Joint* joint = named(scene.joints, effect.target)) {
-    Drive& drive = joint->drive;
-    if (effect.name == "backlash") drive.play += value("play");
-    if (effect.name == "actuator_gain") drive.gain *= value("gain");
-    if (effect.name == "actuator_lag") drive.time_constant += value("time_constant");
-    if (effect.name == "actuator_delay") drive.delay += value("delay");
-  }
-  if (RigidBody* body = named(scene.rigid_bodies, effect.target)) {
-    if (effect.name == "payload_mass") body->mass += value("mass");
-    if (effect.name == "center_of_mass_offset") body->center_of_mass += vector_of(effect);
-  }
-  if (effect.name == "gravity_tilt")
-    scene.gravity = Eigen::AngleAxisd(value("about_y"), Vec3::UnitY()) *
-                    (Eigen::AngleAxisd(value("about_x"), Vec3::UnitX()) * scene.gravity);
-  if (effect.name == "rest_shape_error")
-    bend_rest_shape(scene, *named(scene.soft_bodies, effect.target), value("curvature_1"), value("curvature_2"));
 }
 
 // force and drags of a whole body, shared by its nodes as its mass is
@@ -85,14 +33,16 @@ void add_drag(System& system, u32 first_node, const std::vector<double>& masses,
 
 void add_drag(System& system, std::size_t world, const Effect& effect) {
   const Scene& scene = system.scenes[world];
+  DragNumbers numbers;
+  add_numbers(effect, numbers);
   Drag whole{};
-  if (effect.name == "linear_drag") whole.linear = parameter_of(effect, "drag");
-  if (effect.name == "quadratic_drag") whole.quadratic = parameter_of(effect, "drag");
-  if (effect.name == "constant_force") Eigen::Map<Vec3>(whole.force) = vector_of(effect);
+  Eigen::Map<Vec3>(whole.force) = numbers.force;
+  whole.linear = numbers.linear;
+  whole.quadratic = numbers.quadratic;
   const auto of_particles = [&](u32 first_node, const std::vector<double>& masses) {
     double total = 0;
     for (const double mass : masses) total += mass;
-    if (effect.name == "mass_proportional_damping") whole.linear = parameter_of(effect, "rate") * total;
+    whole.linear += numbers.linear_per_mass * total;
     add_drag(system, first_node, masses, whole);
   };
   if (const RigidBody* body = named(scene.rigid_bodies, effect.target)) {
@@ -106,8 +56,12 @@ void add_drag(System& system, std::size_t world, const Effect& effect) {
   }
 }
 
+template <EffectTerm>
+void add_term(System&, std::size_t world, const Effect&);  // a term without a maker does not link
+
 // its row of drag gets its force before each step
-void add_force_law(System& system, std::size_t world, const Effect& effect) {
+template <>
+void add_term<EffectTerm::force_law>(System& system, std::size_t world, const Effect& effect) {
   const std::vector<Formula> law = law_of(effect);
   const std::string text =
       "(real3)(" + law[0].kernel_text + ", " + law[1].kernel_text + ", " + law[2].kernel_text + ")";
@@ -117,7 +71,8 @@ void add_force_law(System& system, std::size_t world, const Effect& effect) {
   add_drag(system, world, effect);
 }
 
-void add_spin_drag(System& system, std::size_t world, const Effect& effect) {
+template <>
+void add_term<EffectTerm::spin_drag>(System& system, std::size_t world, const Effect& effect) {
   const Scene& scene = system.scenes[world];
   const std::size_t body = std::size_t(named(scene.rigid_bodies, effect.target) - scene.rigid_bodies.data());
   const u32 first = system.rigid_first_node[world][body];
@@ -132,22 +87,22 @@ void for_each_element(const Rows& rows, u32 first_node, std::size_t n_nodes, con
 }
 
 template <class Row, class Element>
-Row strain_row(const Element& element, const Effect& effect) {
+Row strain_row(const Element& element, const StrainNumbers& numbers) {
   Row row{};
   std::copy(std::begin(element.site), std::end(element.site), row.site);
   std::copy_n(element.rest_inverse, 9, row.rest_inverse);
   row.volume = element.volume;
-  row.strain_rate = 1;
-  if (effect.name == "strain_stiffening") row.stiffening = element.mu * parameter_of(effect, "stiffening");
-  if (effect.name == "kelvin_voigt_damping") row.viscosity = parameter_of(effect, "viscosity");
-  if (effect.name == "hysteretic_damping") {
-    row.hysteresis = 2 * element.mu * parameter_of(effect, "loss");
-    row.strain_rate = parameter_of(effect, "strain_rate");
-  }
+  row.stiffening = element.mu * numbers.stiffening;
+  row.viscosity = numbers.viscosity;
+  row.hysteresis = 2 * element.mu * numbers.loss;
+  row.strain_rate = numbers.strain_rate;
   return row;
 }
 
-bool is_flow(const Effect& effect) { return effect.name == "plastic_yield" || effect.name == "creep"; }
+bool is_flow(const Effect& effect) {
+  FlowNumbers ignored;
+  return add_numbers(effect, ignored);
+}
 
 const Effect& first_flow(const Scene& scene, const std::string& target) {
   return *std::find_if(scene.effects.begin(), scene.effects.end(),
@@ -155,12 +110,12 @@ const Effect& first_flow(const Scene& scene, const std::string& target) {
 }
 
 PlasticFlow flow_of(const Scene& scene, const std::string& target, u32 world) {
+  FlowNumbers numbers;
+  for (const Effect& effect : scene.effects)
+    if (effect.target == target) add_numbers(effect, numbers);
   PlasticFlow flow{0, world, 0, 0, 0};
-  for (const Effect& effect : scene.effects) {
-    if (effect.target != target || !is_flow(effect)) continue;
-    if (effect.name == "creep") flow.rate += parameter_of(effect, "rate");
-    if (effect.name == "plastic_yield") flow.yield_strain = parameter_of(effect, "yield_strain");
-  }
+  flow.rate = numbers.rate;
+  flow.yield_strain = numbers.yield_strain;
   return flow;
 }
 
@@ -182,11 +137,13 @@ void add_solid_effect(System& system, std::size_t world, const Effect& effect) {
     for_each_element(system.stable_neo_hookean_10, first, n, add_to(system.plastic_flow_10));
     return;
   }
+  StrainNumbers numbers;
+  add_numbers(effect, numbers);
   for_each_element(system.stable_neo_hookean_4, first, n, [&](const StableNeoHookean4& element, u32) {
-    system.strain_effect_4.rows.push_back(strain_row<StrainEffect4>(element, effect));
+    system.strain_effect_4.rows.push_back(strain_row<StrainEffect4>(element, numbers));
   });
   for_each_element(system.stable_neo_hookean_10, first, n, [&](const StableNeoHookean10& element, u32) {
-    system.strain_effect_10.rows.push_back(strain_row<StrainEffect10>(element, effect));
+    system.strain_effect_10.rows.push_back(strain_row<StrainEffect10>(element, numbers));
   });
 }
 
@@ -201,7 +158,9 @@ std::array<int, 2> pair_of(const Scene& scene, const std::string& target) {
   return {body_number(scene, sides[0]), body_number(scene, sides[1])};
 }
 
-void add_rolling_resistance(System& system, std::size_t world, const Effect& effect, const std::array<int, 2>& pair) {
+template <>
+void add_term<EffectTerm::rolling_resistance>(System& system, std::size_t world, const Effect& effect) {
+  const std::array<int, 2> pair = pair_of(system.scenes[world], effect.target);
   if (std::size_t(pair[0]) >= system.scenes[world].rigid_bodies.size())
     throw UsageError("effect rolling_resistance on " + effect.target + ": the first body must be a rigid one");
   const u32 first = system.rigid_first_node[world][std::size_t(pair[0])];
@@ -210,53 +169,62 @@ void add_rolling_resistance(System& system, std::size_t world, const Effect& eff
   system.spin.rows.push_back({{first + 1, first + 2, first + 3}, 0, 0, 0, parameter_of(effect, "velocity"), 0});
 }
 
+template <>
+void add_term<EffectTerm::joint_law>(System&, std::size_t, const Effect&) {}  // added with its joint (joint.cpp)
+
+void add_term_of(System& system, std::size_t world, const Effect& effect, EffectTerm term) {
+#define PVG_MAKER(name) add_term<EffectTerm::name>,
+  static constexpr void (*MAKERS[])(System&, std::size_t, const Effect&) = {PVG_EFFECT_TERMS(PVG_MAKER)};
+#undef PVG_MAKER
+  MAKERS[std::size_t(term)](system, world, effect);
+}
+
+void add_contact(System& system, std::size_t world, const Effect& effect, const ContactNumbers& numbers) {
+  const Scene& scene = system.scenes[world];
+  const u32 first_body = u32(system.collision.bodies.size() - n_bodies(scene));
+  const std::array<int, 2> pair = pair_of(scene, effect.target);
+  ContactEffect contact;
+  contact.first = first_body + u32(pair[0]);
+  contact.second = first_body + u32(pair[1]);
+  contact.adhesion = numbers.adhesion;
+  contact.dissipation = numbers.dissipation;
+  contact.across_change = numbers.across_change;
+  contact.slip_change = numbers.slip_change;
+  contact.slip_velocity = numbers.slip_velocity;
+  contact.has_direction = std::size_t(pair[0]) < scene.rigid_bodies.size();
+  if (contact.has_direction) contact.direction_site = system.rigid_first_node[world][std::size_t(pair[0])] + 1;
+  system.collision.effects.push_back(contact);
+}
+
+bool is_on_contact(const Effect& effect) { return effect_kind(effect.name).target == EffectTarget::contact; }
+
 }  // namespace
 
 Scene with_effects(const Scene& scene) {
   check_effects(scene);
   Scene changed = scene;
-  for (const Effect& effect : scene.effects) apply(effect, changed);
+  for (const Effect& effect : scene.effects) add_numbers(effect, changed);
   return changed;
 }
 
 void add_body_effects(System& system, std::size_t world) {
   for (const Effect& effect : system.scenes[world].effects) {
-    const std::string& name = effect.name;
-    if (name == "linear_drag" || name == "quadratic_drag" || name == "constant_force" ||
-        name == "mass_proportional_damping")
-      add_drag(system, world, effect);
-    if (name == "regressed_force") add_force_law(system, world, effect);
-    if (name == "spin_drag") add_spin_drag(system, world, effect);
-    if (name == "kelvin_voigt_damping" || name == "hysteretic_damping" || name == "strain_stiffening" ||
-        name == "plastic_yield" || name == "creep")
+    if (is_on_contact(effect)) continue;
+    const EffectAction& action = effect_row(effect.name).action;
+    if (const EffectTerm* term = std::get_if<EffectTerm>(&action)) add_term_of(system, world, effect, *term);
+    if (std::holds_alternative<void (*)(DragNumbers&, const Effect&)>(action)) add_drag(system, world, effect);
+    if (std::holds_alternative<void (*)(StrainNumbers&, const Effect&)>(action) || is_flow(effect))
       add_solid_effect(system, world, effect);
   }
 }
 
 void add_contact_effects(System& system, std::size_t world) {
-  const Scene& scene = system.scenes[world];
-  const u32 first_body = u32(system.collision.bodies.size() - n_bodies(scene));
-  for (const Effect& effect : scene.effects) {
-    if (effect_kind(effect.name).target != EffectTarget::contact) continue;
-    const auto value = [&](const char* name) { return parameter_of(effect, name); };
-    const std::array<int, 2> pair = pair_of(scene, effect.target);
-    if (effect.name == "rolling_resistance") {
-      add_rolling_resistance(system, world, effect, pair);
-      continue;
-    }
-    ContactEffect contact;
-    contact.first = first_body + u32(pair[0]);
-    contact.second = first_body + u32(pair[1]);
-    if (effect.name == "adhesion") contact.adhesion = value("energy");
-    if (effect.name == "contact_dissipation") contact.dissipation = value("dissipation");
-    if (effect.name == "anisotropic_friction") contact.across_change = value("change");
-    if (effect.name == "velocity_dependent_friction") {
-      contact.slip_change = value("change");
-      contact.slip_velocity = value("velocity");
-    }
-    contact.has_direction = std::size_t(pair[0]) < scene.rigid_bodies.size();
-    if (contact.has_direction) contact.direction_site = system.rigid_first_node[world][std::size_t(pair[0])] + 1;
-    system.collision.effects.push_back(contact);
+  for (const Effect& effect : system.scenes[world].effects) {
+    if (!is_on_contact(effect)) continue;
+    ContactNumbers numbers;
+    if (add_numbers(effect, numbers)) add_contact(system, world, effect, numbers);
+    if (const EffectTerm* term = std::get_if<EffectTerm>(&effect_row(effect.name).action))
+      add_term_of(system, world, effect, *term);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/model/effect_row.hpp"
 #include "host/physics/energies/laws.hpp"
 
 namespace pvg {
@@ -93,21 +94,15 @@ int add_limit(System& system, std::size_t world, const Joint& joint, const Mat3&
 // the row of an effect on a joint, without its numbers
 template <class Row>
 int fill_effect(Rows<Row>& rows, Row row, const Effect& effect) {
-  const auto value = [&](const char* name) { return parameter_of(effect, name); };
-  row.velocity = row.stribeck_velocity = 1;
-  if (effect.name == "joint_viscous_friction") row.damping = value("damping");
-  if (effect.name == "joint_spring") {
-    row.stiffness = value("stiffness");
-    row.preload = value("preload");
-  }
-  if (effect.name == "joint_coulomb_friction" || effect.name == "joint_stribeck_friction") {
-    row.coulomb = value("effort");
-    row.velocity = value("velocity");
-  }
-  if (effect.name == "joint_stribeck_friction") {
-    row.extra = value("extra");
-    row.stribeck_velocity = value("stribeck_velocity");
-  }
+  JointNumbers numbers;
+  add_numbers(effect, numbers);
+  row.damping = numbers.damping;
+  row.stiffness = numbers.stiffness;
+  row.preload = numbers.preload;
+  row.coulomb = numbers.coulomb;
+  row.extra = numbers.extra;
+  row.velocity = numbers.velocity;
+  row.stribeck_velocity = numbers.stribeck_velocity;
   rows.rows.push_back(row);
   return int(rows.rows.size()) - 1;
 }

@@ -62,7 +62,7 @@ TEST(Fit, EverySampleOfASlideIsOfTheSlideTheFirstAmongThem) {
     }
 }
 
-TEST(Fit, ResidualsOfALoudRunAreInUnitsOfItsOwnNoise) {
+TEST(Fit, ResidualsOfANoisyRunAreInUnitsOfItsOwnNoise) {
   const TestFolder folder;
   Problem problem = sliding(folder);
   Device device;
@@ -74,9 +74,9 @@ TEST(Fit, ResidualsOfALoudRunAreInUnitsOfItsOwnNoise) {
     const FitData data = fitter.prepare(make_windows(problem, false, 0, 1), Model{});
     return fitter.evaluate(data, {Model{}}, {})[0][0].residual;
   };
-  const Eigen::VectorXd usual = residual(1), loud = residual(4);
+  const Eigen::VectorXd usual = residual(1), noisy = residual(4);
   ASSERT_GT(usual.norm(), 1);
-  EXPECT_LT((4 * loud - usual).norm(), 1e-4 * usual.norm());  // the correction for the time step follows within 1e-5
+  EXPECT_LT((4 * noisy - usual).norm(), 1e-4 * usual.norm());  // the correction for the time step follows within 1e-5
 }
 
 // A new preparation changes the residuals, so the scene as it stands must be fitted to it, too, before errors are

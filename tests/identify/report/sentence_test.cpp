@@ -56,8 +56,8 @@ TEST(Sentence, SaysWhereOnlyTheFittedRunsDoNotAgree) {
             "scene as it stands: their error is 1.1 times the noise, noise floor 1");
 }
 
-// two named effects that stand in one set are no rivals of each other
-TEST(Sentence, OfTwoEffectsNeitherIsTheOthersRival) {
+// two named effects of one set are no alternatives to each other
+TEST(Sentence, OfTwoEffectsNeitherIsAnAlternativeToTheOther) {
   const Candidate mass = candidate("retune_mass", Family::parameter), drag = candidate("drag", Family::physical);
   Diagnosis d = heavy(mass);
   d.effects.push_back({&drag, {{"drag", "N s/m", 1, 0.9, 1.1}}});

@@ -34,12 +34,12 @@ VectorXd alternating() {
   return values;
 }
 
-Candidate candidate(const std::string& name, double prior) {
+Candidate candidate(const std::string& name, double log_prior) {
   Candidate made;
   made.name = name;
   made.family = Family::parameter;
   made.parameters = {{"size", "1", 0, 10, 0}};
-  made.prior = prior;
+  made.log_prior = log_prior;
   return made;
 }
 
@@ -59,7 +59,7 @@ Fit fit_of(const Candidate* part, double x, double sigma, const VectorXd& residu
 // noise of 1 and what a model leaves besides, so that the root of the mean square is `error`
 VectorXd residual_of(double error) { return noise(2) + std::sqrt(error * error - 1) * alternating(); }
 
-TEST(Decide, OfModelsThatAreAsGoodTheBelievedOneIsNamedAndTheOtherBesideIt) {
+TEST(Decide, OfEquallyGoodModelsTheLikelierOneIsNamedAndTheOtherBesideIt) {
   const Candidate rare = candidate("rare", -3), common = candidate("common", 0);
   const std::vector<Fit> fits{fit_of(&rare, 5, 0.1, residual_of(1)), fit_of(&common, 5, 0.1, residual_of(1))};
   const Decision decision = decide(one_window(), fit_of(nullptr, 0, 0, residual_of(6)), fits);
@@ -74,7 +74,7 @@ TEST(Decide, NothingIsNamedWhereItsSizeIsNotMeasured) {
   const Fit base = fit_of(nullptr, 0, 0, residual_of(6));
   EXPECT_EQ(decide(one_window(), base, {fit_of(&some, 5, 0.1, residual_of(1))}).chosen, 0);
   EXPECT_EQ(decide(one_window(), base, {fit_of(&some, 5, 2.6, residual_of(1))}).chosen, -1) << "may be off";
-  EXPECT_EQ(decide(one_window(), base, {fit_of(&some, 10, 0.1, residual_of(1))}).chosen, -1) << "stands at a bound";
+  EXPECT_EQ(decide(one_window(), base, {fit_of(&some, 10, 0.1, residual_of(1))}).chosen, -1) << "at a bound";
   EXPECT_EQ(decide(one_window(), base, {fit_of(&some, 5, 0.1, residual_of(6))}).chosen, -1) << "closes nothing";
 }
 
@@ -99,7 +99,7 @@ TEST(Decide, ARunThatIsMissedByFarDoesNotHideWhatExplainsIt) {
   EXPECT_EQ(decide(data, base, {fit}).chosen, 0);
 }
 
-TEST(Decide, TheSimplerModelIsNamedUnlessItIsHardlyBelieved) {
+TEST(Decide, TheSimplerModelIsNamedUnlessItsLogPriorIsLow) {
   const auto named = [&](double prior_of_simple) {
     const Candidate simple = candidate("simple", prior_of_simple);
     Candidate richer = candidate("richer", 0);
@@ -116,16 +116,16 @@ TEST(Decide, TheSimplerModelIsNamedUnlessItIsHardlyBelieved) {
   EXPECT_EQ(named(-10), "richer");
 }
 
-TEST(Decide, BeliefComesFirstOnlyWhereTheBestLeavesMuch) {
-  const Candidate skilled = candidate("skilled", -4), believed = candidate("believed", 0);
+TEST(Decide, TheLogPriorComesFirstOnlyWhereTheBestLeavesMuch) {
+  const Candidate skilled = candidate("skilled", -4), likely = candidate("likely", 0);
   const Fit base = fit_of(nullptr, 0, 0, residual_of(6));
-  const auto named = [&](double by_skilled, double by_believed) {
+  const auto named = [&](double by_skilled, double by_likely) {
     const std::vector<Fit> fits{fit_of(&skilled, 5, 0.1, residual_of(by_skilled)),
-                                fit_of(&believed, 5, 0.1, residual_of(by_believed))};
+                                fit_of(&likely, 5, 0.1, residual_of(by_likely))};
     const Decision decision = decide(one_window(), base, fits);
     return decision.ranking.at(std::size_t(decision.chosen)).fit->model.parts[0]->name;
   };
-  EXPECT_EQ(named(2.0, 2.4), "believed");
+  EXPECT_EQ(named(2.0, 2.4), "likely");
   EXPECT_EQ(named(1.0, 2.4), "skilled") << "reaches the noise";
   EXPECT_EQ(named(2.0, 4.0), "skilled") << "the other closes half of what it closes";
 }

@@ -32,7 +32,7 @@ TEST(Noise, ThirdDifferencesOfANoisyParabolaTellItsSigma) {
 }
 
 // What a moving mean over five samples leaves of white noise is sigma / sqrt(5); neighbours, which share four of the
-// five, differ by less: third differences of neighbours alone would tell a fifth of it.
+// five, differ by less: third differences of neighbours alone would give a fifth of it.
 TEST(Noise, OfASmoothedRecordingIsToldFromSamplesThatAreApart) {
   std::mt19937 engine(1);
   std::normal_distribution<double> noise(0, 0.003);
@@ -57,8 +57,8 @@ TEST(Noise, ACoarseSensorIsNoBetterThanItsDigits) {
   EXPECT_GE(noise_of(values, 1), 0.01 / std::sqrt(12.0) * 0.999);
 }
 
-// Two runs with noise of 1 mrad, one with 4: the channel has what most runs have, the loud run four times as much.
-TEST(Noise, ARunThatIsLouderHasANoiseOfItsOwn) {
+// Two runs with noise of 1 mrad, one with 4: the channel has what most runs have, the noisy run four times as much.
+TEST(Noise, ARunWithMoreNoiseHasANoiseScaleOfItsOwn) {
   std::mt19937 engine(1);
   Problem problem;
   problem.channels.resize(1);
@@ -78,7 +78,7 @@ TEST(Noise, ARunThatIsLouderHasANoiseOfItsOwn) {
 }
 
 // A fast motion that is seen well has large third differences, which hang together: no noise of its own.
-TEST(Noise, ARunThatIsFasterIsNotLouder) {
+TEST(Noise, AFasterRunHasNoNoiseScaleOfItsOwn) {
   Problem problem;
   problem.channels.resize(1);
   for (const double rate : {0.02, 0.6, 0.02}) {
@@ -230,12 +230,12 @@ TEST(Workflow, SaysWhatItHadNoTimeToLookFor) {
   Settings settings;
   Workflow hurried(device, problem, settings);
   EXPECT_TRUE(hurried.has_time("a pair of effects"));
-  EXPECT_TRUE(hurried.out.notes.empty());
+  EXPECT_TRUE(hurried.notes.empty());
   settings.minutes = 1;
   EXPECT_TRUE(hurried.has_time("a pair of effects", 30));
   EXPECT_FALSE(hurried.has_time("a pair of effects", 61));
-  ASSERT_EQ(hurried.out.notes.size(), 1u);
-  EXPECT_EQ(hurried.out.notes[0],
+  ASSERT_EQ(hurried.notes.size(), 1u);
+  EXPECT_EQ(hurried.notes[0],
             "a pair of effects was not looked for: 0 s were over and it takes some 61 s more; `--minutes`, which is 1, "
             "gives it more");
 }
@@ -244,19 +244,19 @@ TEST(Candidates, OfAJointThatSlidesHaveUnitsOfForcesAndLengths) {
   const TestFolder folder;
   const Problem problem = make_problem(chain(folder, BOTH));
   std::map<std::string, std::string> units;
-  std::map<std::string, double> believed;
+  std::map<std::string, double> prior_sigma;
   for (const Candidate& candidate : make_candidates(problem, {}))
     for (const Parameter& p : candidate.parameters) {
       units[candidate.label() + " " + p.name] = p.unit;
-      believed[candidate.label() + " " + p.name] = p.believed;
+      prior_sigma[candidate.label() + " " + p.name] = p.prior_sigma;
     }
   EXPECT_EQ(units["joint_viscous_friction at hinge damping"], "N m s/rad");
   EXPECT_EQ(units["joint_viscous_friction at rail damping"], "N s/m");
   EXPECT_EQ(units["joint_spring at rail stiffness"], "N/m");
   EXPECT_EQ(units["joint_spring at rail preload"], "N");
   const RigidBody& slider = problem.scene.scene.rigid_bodies[std::size_t(problem.scene.scene.joints[1].child)];
-  EXPECT_DOUBLE_EQ(believed["joint_spring at rail preload"], 9.81 * slider.mass);  // its weight
-  EXPECT_EQ(believed["joint_spring at hinge preload"], 0);                         // nothing is known
+  EXPECT_DOUBLE_EQ(prior_sigma["joint_spring at rail preload"], 9.81 * slider.mass);  // its weight
+  EXPECT_EQ(prior_sigma["joint_spring at hinge preload"], 0);                         // nothing is known
   EXPECT_EQ(units["joint_stribeck_friction at rail stribeck_velocity"], "m/s");
 }
 

@@ -14,7 +14,7 @@ Candidate with_parameters(const char* name, std::size_t n) {
   return candidate;
 }
 
-struct Exchange : testing::Test {
+struct Swap : testing::Test {
   Candidate lag = with_parameters("lag", 1), spring = with_parameters("spring", 2), delay = with_parameters("delay", 1),
             force = with_parameters("force", 3);
   Model lag_and_spring{{&lag, &spring}, Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(0.1, 0.2, 0.3)};
@@ -25,7 +25,7 @@ struct Exchange : testing::Test {
   }
 };
 
-TEST_F(Exchange, WhatIsLeftOutTakesItsNumbersAlong) {
+TEST_F(Swap, WhatIsLeftOutTakesItsNumbersAlong) {
   const Model spring_alone = without(lag_and_spring, 0);
   EXPECT_EQ(spring_alone.parts, std::vector<const Candidate*>{&spring});
   EXPECT_EQ(spring_alone.x, Eigen::Vector2d(2, 3));
@@ -33,18 +33,18 @@ TEST_F(Exchange, WhatIsLeftOutTakesItsNumbersAlong) {
   EXPECT_EQ(without(lag_and_spring, 1).x, Eigen::VectorXd::Constant(1, 1));
 }
 
-TEST_F(Exchange, AnotherPartComesWithItsOwnNumbersAndTheRestKeepsIts) {
+TEST_F(Swap, AnotherPartComesWithItsOwnNumbersAndTheRestKeepsIts) {
   const Fit lag_and_force = of(lag, force, Eigen::Vector4d(9, 4, 5, 6));
-  const Model lag_exchanged = replaced(lag_and_spring, 0, lag_and_force.model);
-  EXPECT_EQ(lag_exchanged.parts, (std::vector<const Candidate*>{&force, &spring}));
-  EXPECT_EQ(lag_exchanged.x, (Eigen::VectorXd(5) << 4, 5, 6, 2, 3).finished());
-  const Model spring_exchanged = replaced(lag_and_spring, 1, lag_and_force.model);
-  EXPECT_EQ(spring_exchanged.parts, (std::vector<const Candidate*>{&lag, &force}));
-  EXPECT_EQ(spring_exchanged.x, Eigen::Vector4d(1, 4, 5, 6));
-  EXPECT_TRUE(spring_exchanged.scale.isApprox(Eigen::Vector4d(0.1, 0.4, 0.5, 0.6)));
+  const Model lag_swapped_in = replaced(lag_and_spring, 0, lag_and_force.model);
+  EXPECT_EQ(lag_swapped_in.parts, (std::vector<const Candidate*>{&force, &spring}));
+  EXPECT_EQ(lag_swapped_in.x, (Eigen::VectorXd(5) << 4, 5, 6, 2, 3).finished());
+  const Model spring_swapped_in = replaced(lag_and_spring, 1, lag_and_force.model);
+  EXPECT_EQ(spring_swapped_in.parts, (std::vector<const Candidate*>{&lag, &force}));
+  EXPECT_EQ(spring_swapped_in.x, Eigen::Vector4d(1, 4, 5, 6));
+  EXPECT_TRUE(spring_swapped_in.scale.isApprox(Eigen::Vector4d(0.1, 0.4, 0.5, 0.6)));
 }
 
-TEST_F(Exchange, NoPartStandsInAModelTwice) {
+TEST_F(Swap, NoPartIsInAModelTwice) {
   const std::vector<Fit> others = {of(delay, spring, Eigen::Vector3d(7, 8, 8)),
                                    of(spring, delay, Eigen::Vector3d(8, 8, 7))};
   const std::vector<Model> models = swapped(lag_and_spring, 0, others);
@@ -52,7 +52,7 @@ TEST_F(Exchange, NoPartStandsInAModelTwice) {
   EXPECT_EQ(models[0].parts, (std::vector<const Candidate*>{&delay, &spring}));
 }
 
-TEST(Rivals, LeaveTheSameIfTheyDifferByLessThanTheNoise) {
+TEST(Alternatives, LeaveTheSameIfTheyDifferByLessThanTheNoise) {
   Fit a, b;
   a.residual = {Eigen::Vector2d(10, -10)};
   b.residual = {Eigen::Vector2d(10.9, -10.9)};

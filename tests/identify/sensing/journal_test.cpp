@@ -9,7 +9,7 @@
 namespace pvg::diagnose {
 namespace {
 
-std::vector<Prediction> answer(double value, const std::string& pair) {
+std::vector<Prediction> result(double value, const std::string& pair) {
   Prediction p;
   p.residual = Eigen::VectorXd::LinSpaced(5, 0, value);
   p.phase = {Phase::slide, Phase::rest};
@@ -19,11 +19,11 @@ std::vector<Prediction> answer(double value, const std::string& pair) {
 
 void write_two(const std::filesystem::path& file, std::uint64_t key) {
   Journal journal(file, key);
-  journal.add(11, answer(1.0 / 3, "floor/block"));
-  journal.add(12, answer(2, ""));
+  journal.add(11, result(1.0 / 3, "floor/block"));
+  journal.add(12, result(2, ""));
 }
 
-TEST(Journal, WhatWasAskedBeforeIsAnsweredToTheBit) {
+TEST(Journal, AResultIsReadBackToTheBit) {
   const TestFolder folder;
   const std::filesystem::path file = folder.path / "simulated.bin";
   write_two(file, 7);
@@ -37,7 +37,7 @@ TEST(Journal, WhatWasAskedBeforeIsAnsweredToTheBit) {
   EXPECT_EQ((*first)[1].residual.size(), 0);
   EXPECT_TRUE(again.result_for(12));
   EXPECT_FALSE(again.result_for(13));
-  again.add(13, answer(3, "x"));
+  again.add(13, result(3, "x"));
   Journal third(file, 7);
   for (const std::uint64_t question : {11, 12, 13}) EXPECT_TRUE(third.result_for(question)) << question;
 }
@@ -52,14 +52,14 @@ TEST(Journal, AnotherKeyOrAnotherQuestionVoidsWhatFollows) {
   Journal strays(file, 7);
   EXPECT_TRUE(strays.result_for(11));
   EXPECT_FALSE(strays.result_for(99));
-  strays.add(99, answer(1, "y"));
+  strays.add(99, result(1, "y"));
   Journal after(file, 7);
   EXPECT_TRUE(after.result_for(11));
   EXPECT_TRUE(after.result_for(99));
   EXPECT_FALSE(after.result_for(12));
 }
 
-TEST(Journal, AnAnswerThatWasCutShortIsForgotten) {
+TEST(Journal, AResultThatWasCutShortIsForgotten) {
   const TestFolder folder;
   const std::filesystem::path file = folder.path / "simulated.bin";
   write_two(file, 7);
@@ -69,7 +69,7 @@ TEST(Journal, AnAnswerThatWasCutShortIsForgotten) {
   EXPECT_FALSE(journal.result_for(12));
 }
 
-// Two answers must not be taken for each other: whatever a simulation or a sensor depends on is part of the question.
+// Two results must not be confused: whatever a simulation or a sensor depends on is part of the question.
 TEST(Journal, AQuestionHoldsSceneSensingStartsAndNoise) {
   Problem problem;
   problem.channels.resize(1);

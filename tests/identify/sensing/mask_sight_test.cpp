@@ -142,7 +142,7 @@ TEST(MaskSight, MasksTellTheDistortionOfTheirCamerasLensToAFewPerCent) {
   Predictor predictor(device, problem);
   const Variant base{problem.scene.scene, {}};
   Fitter fitter(predictor, base);
-  fitter.expect_whole_pixels();  // a small change answers by few pixels, and found -0.0950 +- 0.0003 here
+  fitter.expect_whole_pixels();  // a small change moves few pixels, and found -0.0950 +- 0.0003 here
   const FitData data = fitter.prepare(make_windows(problem, false, 0, 1), Model{});
   ASSERT_EQ(data.windows.size(), 1u);
   const std::vector<Candidate> candidates = make_candidates(problem, {});

@@ -38,7 +38,7 @@ channels:
   return make_problem(folder.path / "recording.yaml");
 }
 
-// One answer for each of `n` strengths of gravity.
+// One result for each of `n` strengths of gravity.
 std::vector<Prediction> predict(Device& device, const Problem& problem, int n, std::size_t n_processes) {
   Predictor predictor(device, problem, n_processes);
   std::vector<Variant> variants;

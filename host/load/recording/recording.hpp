@@ -26,6 +26,7 @@
 
 #include "host/formats/part_masks.hpp"
 #include "host/formats/table.hpp"
+#include "host/load/recording/channel_kinds.hpp"
 #include "host/model/scene.hpp"
 
 namespace pvg {
@@ -57,18 +58,15 @@ struct RecordedInput {
 };
 
 struct RecordedChannel {
-  enum class Kind { position, rate, torque, orientation, marker, force, mask, video };
-  Kind kind = Kind::position;
+  ChannelKind kind = {};
   std::vector<std::string> columns;
   std::string joint, body, unit;
   std::optional<Vec3> point;  // of a marker, rest position in the body's frame [m]
   int vertex = -1;            // of a marker instead
   std::optional<Vec3> axis;   // of a position or marker with one column: its part along this direction
   double noise = -1;          // one sigma, in `unit`; negative: unknown
-  int mask_source = -1;       // of a mask: which of Recording::mask_sources; a channel for each of its moments
-  int moment = -1;            // then: which (mask_metrics.hpp)
-  int video_source = -1;      // of a video: which of Recording::video_sources; a channel for each cell of its pictures
-  int cell = -1;              // then: which (picture_cells.hpp)
+  int source = -1;            // of pictures: which of Recording::mask_sources or video_sources
+  int part = -1;              // then: which moment (mask_metrics.hpp) or cell (picture_cells.hpp), a channel for each
 };
 
 // What a camera saw of a part.
@@ -79,10 +77,10 @@ struct MaskSource {
 // What a camera saw.
 struct VideoSource {
   std::string file, camera;
-  double frames_per_second = 0;  // 0: the file tells its times, or has a picture per row
+  double frames_per_second = 0;  // 0: the file holds its times, or has a picture per row
   double first_frame = 0;        // time of the first picture [s]
 };
-const char* kind_name(RecordedChannel::Kind kind);
+const char* kind_name(ChannelKind kind);
 
 struct Recording {
   enum class Initial { first_sample, fitted, given };

@@ -1,4 +1,4 @@
-#include "host/load/recording.hpp"
+#include "host/load/recording/recording.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,235 @@
+// The numbers of the scene that a diagnosis may correct: one row each, with what it needs beside.
+#include <cmath>
+
+#include "host/identify/candidates/scene_number.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+using Places = std::vector<NumberPlace>;
+using Touching = std::vector<std::string>;
+
+// ---- mass: the inertia keeps its proportion to it
+
+Places masses(const Scene& scene, const Touching&) {
+  Places places;
+  for (std::size_t b = 0; b < scene.rigid_bodies.size(); ++b)
+    if (can_move(scene.rigid_bodies[b]))
+      places.push_back({scene.rigid_bodies[b].name, scene.rigid_bodies[b].mass, [b](Scene& s, double value) {
+                          RigidBody& body = s.rigid_bodies[b];
+                          body.inertia *= value / body.mass;
+                          body.mass = value;
+                        }});
+  return places;
+}
+
+bool write_mass(const NumberInFile& number) {
+  YAML::Node entry = entry_named(number.root["bodies"], number.target);
+  if (!entry.IsDefined() || !entry.IsMap()) entry.reset(entry_named(number.root["objects"], number.target));
+  if (!entry.IsDefined() || !entry.IsMap()) return false;
+  entry.remove("density");
+  entry["mass"] = number.value;
+  return true;
+}
+
+// ---- inertia: the mean of the three moments is corrected, and they keep their ratios
+
+Places inertias(const Scene& scene, const Touching&) {
+  Places places;
+  for (std::size_t b = 0; b < scene.rigid_bodies.size(); ++b)
+    if (can_move(scene.rigid_bodies[b]))
+      places.push_back(
+          {scene.rigid_bodies[b].name, scene.rigid_bodies[b].inertia.trace() / 3, [b](Scene& s, double value) {
+             Mat3& inertia = s.rigid_bodies[b].inertia;
+             inertia *= value / (inertia.trace() / 3);
+           }});
+  return places;
+}
+
+// false also where three moments along the body's axes do not say all
+bool write_inertia(const NumberInFile& number) {
+  YAML::Node body = entry_named(number.root["bodies"], number.target);
+  if (!body.IsDefined() || !body.IsMap()) return false;
+  for (const RigidBody& rigid : number.amended.rigid_bodies) {
+    if (rigid.name != number.target) continue;
+    const Vec3 moments = rigid.inertia.diagonal();
+    if (!rigid.inertia.isApprox(Mat3(moments.asDiagonal()), 1e-9)) return false;
+    body["inertia"] = std::vector<double>(moments.begin(), moments.end());
+    return true;
+  }
+  return false;
+}
+
+// ---- gravity: its direction stays
+
+Places gravities(const Scene& scene, const Touching&) {
+  if (scene.gravity.norm() == 0) return {};
+  return {{"scene", scene.gravity.norm(), [](Scene& s, double value) { s.gravity *= value / s.gravity.norm(); }}};
+}
+
+bool write_gravity(const NumberInFile& number) {
+  YAML::Node g = number.root["gravity"];
+  if (!g) g = number.root["gravity"] = std::vector<double>{0, 0, -9.81};
+  for (std::size_t k = 0; k < 3; ++k) g[k] = g[k].as<double>() * number.ratio;
+  return true;
+}
+
+// ---- numbers that one key says
+
+template <double SolidMaterial::*member>
+double* of_material(SoftBody& body) {
+  return &(body.material.*member);
+}
+
+double* damping_of(Joint& joint) { return &joint.damping; }
+
+template <double Drive::*member>
+double* of_drive(Joint& joint) {
+  return is_driven(joint) ? &(joint.drive.*member) : nullptr;
+}
+
+double* area_density_of(Cloth& cloth) { return &cloth.material.area_density; }
+
+// ---- stiffness of cloth: that of the warp is corrected, and warp and weft keep their ratio
+
+template <double ClothMaterial::*warp, double ClothMaterial::*weft>
+Places cloth_stiffnesses(const Scene& scene, const Touching&) {
+  Places places;
+  for (std::size_t c = 0; c < scene.cloths.size(); ++c)
+    places.push_back({scene.cloths[c].name, scene.cloths[c].material.*warp, [c](Scene& s, double value) {
+                        ClothMaterial& m = s.cloths[c].material;
+                        const double ratio = value / (m.*warp);
+                        m.*warp *= ratio;
+                        m.*weft *= ratio;
+                      }});
+  return places;
+}
+
+// Scales key, key_warp and key_weft, as many as the file says; false where it says none, or one with a unit.
+template <Key key>
+bool write_cloth_stiffness(const NumberInFile& number) {
+  YAML::Node cloth = entry_named(number.root["cloths"], number.target);
+  if (!cloth.IsDefined() || !cloth.IsMap() || !cloth["material"]) return false;
+  YAML::Node material = cloth["material"];
+  std::vector<std::pair<std::string, double>> said;
+  for (const char* ending : {"", "_warp", "_weft"}) {
+    const std::string name = std::string(key.text) + ending;
+    if (!material[name]) continue;
+    said.emplace_back(name, 0);
+    if (!YAML::convert<double>::decode(material[name], said.back().second)) return false;
+  }
+  for (const auto& [name, value] : said) material[name] = value * number.ratio;
+  return !said.empty();
+}
+
+// ---- contact
+
+double friction_of(const Scene& scene, const std::string& body) {
+  for (const RigidBody& b : scene.rigid_bodies)
+    if (b.name == body) return b.friction;
+  for (const SoftBody& b : scene.soft_bodies)
+    if (b.name == body) return b.friction;
+  for (const Cloth& b : scene.cloths)
+    if (b.name == body) return b.friction;
+  return 0;
+}
+
+Places frictions(const Scene& scene, const Touching& touching) {
+  Places places;
+  for (const std::string& pair : touching) {
+    const std::size_t cut = pair.find('/');
+    const std::string first = pair.substr(0, cut), second = pair.substr(cut + 1);
+    double value = std::sqrt(friction_of(scene, first) * friction_of(scene, second));
+    for (const PairFriction& given : scene.pair_friction)
+      if ((given.first == first && given.second == second) || (given.first == second && given.second == first))
+        value = given.coefficient;
+    places.push_back({pair, value, [first, second](Scene& s, double coefficient) {
+                        std::erase_if(s.pair_friction, [&](const PairFriction& p) {
+                          return (p.first == first && p.second == second) || (p.first == second && p.second == first);
+                        });
+                        s.pair_friction.push_back({first, second, coefficient});
+                      }});
+  }
+  return places;
+}
+
+bool write_friction(const NumberInFile& number) {
+  const std::size_t cut = number.target.find('/');
+  const std::string first = number.target.substr(0, cut), second = number.target.substr(cut + 1);
+  YAML::Node list(YAML::NodeType::Sequence);
+  for (const auto& pair : number.root["pair_friction"]) {
+    const std::string a = pair["first"].Scalar(), b = pair["second"].Scalar();
+    if ((a != first || b != second) && (a != second || b != first)) list.push_back(pair);
+  }
+  YAML::Node pair;
+  pair["first"] = first;
+  pair["second"] = second;
+  pair["coefficient"] = number.value;
+  list.push_back(pair);
+  number.root["pair_friction"] = list;
+  return true;
+}
+
+Places contact_stiffnesses(const Scene& scene, const Touching& touching) {
+  if (touching.empty()) return {};
+  return {{"scene", scene.contact.stiffness, [](Scene& s, double value) { s.contact.stiffness = value; }}};
+}
+
+bool write_contact_stiffness(const NumberInFile& number) {
+  number.root["contact"]["stiffness"] = number.value;
+  return true;
+}
+
+}  // namespace
+
+std::span<const SceneNumber> scene_numbers() {
+  static const SceneNumber NUMBERS[] = {
+      {"retune_mass", "kg", "the body's mass is not what the scene says, its inertia with it", 0.2, 5, masses,
+       write_mass},
+      // it mostly follows from shape and mass, so it is wrong alone less often than other numbers
+      {.name = "retune_inertia",
+       .unit = "kg m^2",
+       .meaning = "the body's mean moment of inertia is not what the scene says, its mass is",
+       .low = 0.3,
+       .high = 3,
+       .places = inertias,
+       .write = write_inertia,
+       .prior_sigma_share = 0.1,
+       .log_prior = -1},
+      {.name = "retune_gravity",
+       .unit = "m/s^2",
+       .meaning = "gravity is not as strong as the scene says",
+       .low = 0.9,
+       .high = 1.1,
+       .places = gravities,
+       .write = write_gravity,
+       .prior_sigma = 0.2},
+      {"retune_youngs_modulus", "Pa", "the material is softer or stiffer than the scene says", 0.05, 20,
+       in_each<&Scene::soft_bodies, of_material<&SolidMaterial::youngs_modulus>>,
+       write_in_section<"bodies", "material", "youngs_modulus">},
+      {"retune_density", "kg/m^3", "the material is lighter or heavier than the scene says", 0.2, 5,
+       in_each<&Scene::soft_bodies, of_material<&SolidMaterial::density>>,
+       write_in_section<"bodies", "material", "density">},
+      {"retune_joint_damping", "N m s/rad", "the joint's damping is not what the scene says", 0, 20,
+       in_each<&Scene::joints, damping_of>, write_in_entry<"joints", "damping">},
+      {"retune_drive_stiffness", "N m/rad", "the drive's stiffness is not what the scene says", 0.05, 20,
+       in_each<&Scene::joints, of_drive<&Drive::stiffness>>, write_in_section<"joints", "drive", "stiffness">},
+      {"retune_drive_damping", "N m s/rad", "the drive's damping is not what the scene says", 0, 20,
+       in_each<&Scene::joints, of_drive<&Drive::damping>>, write_in_section<"joints", "drive", "damping">},
+      {"retune_effort_limit", "N m", "the drive's effort limit is not what the scene says", 0.05, 20,
+       in_each<&Scene::joints, of_drive<&Drive::effort_limit>>, write_in_section<"joints", "drive", "effort_limit">},
+      {"retune_friction", "1", "the coefficient of friction is not what the scene says", 0, 5, frictions,
+       write_friction},
+      {"retune_contact_stiffness", "Pa", "contacts are softer or stiffer than the scene says", 0.01, 100,
+       contact_stiffnesses, write_contact_stiffness},
+      {"retune_area_density", "kg/m^2", "the cloth is lighter or heavier than the scene says", 0.2, 5,
+       in_each<&Scene::cloths, area_density_of>, write_in_section<"cloths", "material", "area_density">},
+      {"retune_bending_stiffness", "N m", "the cloth bends more or less easily than the scene says", 0.05, 20,
+       cloth_stiffnesses<&ClothMaterial::bending_warp, &ClothMaterial::bending_weft>, write_cloth_stiffness<"bending">},
+      {"retune_stretch_stiffness", "N/m", "the cloth stretches more or less than the scene says", 0.05, 20,
+       cloth_stiffnesses<&ClothMaterial::stretch_warp, &ClothMaterial::stretch_weft>, write_cloth_stiffness<"stretch">},
+  };
+  return NUMBERS;
+}
+
+}  // namespace pvg::diagnose
