@@ -1,7 +1,8 @@
 #!/bin/bash
 # Ends `phyvisgen generate` at random moments and completes the set: it must be the same bits as one that was never
 # disturbed. Argument: how often it is killed with -9 (default 50); a fifth as often it is asked to stop by SIGTERM or
-# SIGUSR1, which must take less than 10 s and end with code 75. As root also with a full disk.
+# SIGUSR1, which must take less than 10 s and end with code 75. As root also with a full disk, and by two "containers"
+# of one host name, each process 1, that fill one folder.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 program=$PWD/build/bin/phyvisgen
@@ -88,4 +89,17 @@ if [ "$(id -u)" = 0 ]; then
   generate "$disk/set"
   same "$disk/set"
   echo "test_kill: the disk was full after $done_before episodes, then completed: the same bits"
+
+  pids=()
+  for i in 1 2; do
+    unshare --pid --fork --mount-proc "$program" $options "$folder/containers" >>"$folder/log" 2>&1 &
+    pids+=($!)
+  done
+  for pid in "${pids[@]}"; do
+    code=0
+    wait "$pid" || code=$?
+    [ $code = 0 ] || { echo "test_kill: one of two containers ended with code $code" >&2; tail -3 "$folder/log" >&2; exit 1; }
+  done
+  same "$folder/containers"
+  echo "test_kill: two containers, each process 1 of one host name, filled one folder: the same bits"
 fi

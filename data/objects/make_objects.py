@@ -228,20 +228,6 @@ def scale_display():
     return on_slope(-0.045, 0.030, 0.006, 0.036, 0.0006)
 
 
-def scale_digits():
-    """Seven-segment figures "0.00" on the display."""
-    segments = {"0": "abcdef", ".": "."}
-    places = {"a": (0.1, 0.9, 0.0, 0.12), "d": (0.1, 0.9, 0.88, 1.0), "f": (0.0, 0.16, 0.06, 0.46), "b": (0.84, 1.0, 0.06, 0.46),
-              "e": (0.0, 0.16, 0.54, 0.94), "c": (0.84, 1.0, 0.54, 0.94), ".": (0.0, 0.16, 0.86, 1.0)}
-    width, height, parts, y = 0.011, 0.020, [], -0.030
-    for figure in "0.00":
-        for name in segments[figure]:
-            a, b, c, d = places[name]
-            parts.append(on_slope(y + a * width, y + b * width, 0.011 + c * height, 0.011 + d * height, 0.0009))
-        y += 0.006 if figure == "." else 0.0155
-    return tools.joined(*parts)
-
-
 def table():
     """Top at z = 0."""
     return tools.box((-0.40, -0.75, -0.04), (0.95, 0.75, 0.0))
@@ -252,7 +238,7 @@ def main():
              "dish": dish(), "dish_visual": dish_visual(), "plate": plate(), "plate_visual": plate_visual(),
              "mat_visual": mat_visual(), "cabinet": cabinet(), "cabinet_visual": cabinet_visual(), "door": door(),
              "door_visual": door_visual(), "handle_visual": handle_visual(), "scale": scale(), "scale_body_visual": scale_body_visual(),
-             "scale_pan_visual": scale_pan_visual(), "scale_display": scale_display(), "scale_digits": scale_digits(), "table": table()}
+             "scale_pan_visual": scale_pan_visual(), "scale_display": scale_display(), "table": table()}
     for name, part in parts.items():
         tools.write_obj(os.path.join(HERE, name + ".obj"), part, f"{name}, written by make_objects.py [m]")
         print(f"{name}: {len(part.points)} points, volume {tools.volume(part) * 1e6:.3f} cm^3")

@@ -17,25 +17,35 @@ function drawing(tag, attributes = {}, text) {
   if (text !== undefined) made.textContent = text;
   return made;
 }
+// Round numbers (1, 2 or 5 times a power of ten) that cut [low, high] into about n parts; the first and the last enclose it.
+function ticks(low, high, n) {
+  const rough = (high - low) / n, power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * [1, 2, 5, 10].find((factor) => factor * power >= rough * 0.999);
+  const first = Math.floor(low / step + 1e-9), last = Math.ceil(high / step - 1e-9);
+  return Array.from({ length: last - first + 1 }, (_, i) => +((first + i) * step).toPrecision(12));
+}
 const short = (x) => (x === 0 ? "0" : Math.abs(x) >= 1000 || Math.abs(x) < 0.001 ? x.toExponential(1) : String(+x.toPrecision(3)));
 
 // ---- curves --------------------------------------------------------------------------------------------------------
 
 // Lines over time with a cursor; returns the box and what moves the cursor to a time.
 function curveChart(times, curve) {
-  const W = 520, H = 170, left = 44, right = 8, top = 8, bottom = 20;
+  const W = 520, H = 190, left = 52, right = 14, top = 8, bottom = 24;
   const all = curve.lines.flatMap((line) => line.values);
   let low = Math.min(0, ...all.slice(0, 1), ...[all.reduce((a, b) => Math.min(a, b), Infinity)]);
   let high = all.reduce((a, b) => Math.max(a, b), -Infinity);
   if (!(high > low)) high = low + 1;
+  const marks = ticks(low, high, 4);
+  [low, high] = [marks[0], marks[marks.length - 1]];
   const end = times[times.length - 1], x = (t) => left + ((W - left - right) * t) / end;
   const y = (v) => H - bottom - ((H - top - bottom) * (v - low)) / (high - low);
   const svg = drawing("svg", { viewBox: `0 0 ${W} ${H}`, role: "img" });
-  for (const v of [low, (low + high) / 2, high]) {
-    svg.append(drawing("line", { x1: left, x2: W - right, y1: y(v), y2: y(v), stroke: "#e3e8ed" }));
-    svg.append(drawing("text", { x: left - 5, y: y(v) + 3, "text-anchor": "end" }, short(v)));
+  for (const v of marks) {
+    svg.append(drawing("line", { x1: left, x2: W - right, y1: y(v), y2: y(v), stroke: v === 0 ? "#aab4be" : "#e3e8ed" }));
+    svg.append(drawing("text", { x: left - 6, y: y(v) + 4, "text-anchor": "end" }, short(v)));
   }
-  for (let i = 0; i <= 4; ++i) svg.append(drawing("text", { x: x((end * i) / 4), y: H - 6, "text-anchor": "middle" }, `${short((end * i) / 4)} s`));
+  for (const t of ticks(0, end, 5).filter((t) => t <= end))
+    svg.append(drawing("text", { x: x(t), y: H - 6, "text-anchor": "middle" }, `${short(t)} s`));
   curve.lines.forEach((line, i) => {
     const points = line.values.map((v, k) => `${x(times[k]).toFixed(1)},${y(v).toFixed(1)}`).join(" ");
     svg.append(drawing("polyline", { points, fill: "none", stroke: COLORS[i % COLORS.length], "stroke-width": 1.4 }));
@@ -49,9 +59,9 @@ function curveChart(times, curve) {
   return { box: element("div", {}, element("h3", { text: `${curve.title} [${curve.unit}]` }), svg, legend), move };
 }
 
-// Bars: [[label, value, text]] lying, or a histogram of numbers.
+// Bars: [[label, value, text]] lying.
 function bars(rows) {
-  const H = 20, most = Math.max(...rows.map((row) => row[1]), 1e-12);
+  const H = 22, most = Math.max(...rows.map((row) => row[1]), 1e-12);
   const svg = drawing("svg", { viewBox: `0 0 520 ${H * rows.length + 4}`, style: "max-width:620px" });
   rows.forEach(([label, value, text], i) => {
     svg.append(drawing("text", { x: 112, y: H * i + 14, "text-anchor": "end" }, label));
@@ -60,15 +70,23 @@ function bars(rows) {
   });
   return svg;
 }
-function histogram(values) {
-  const low = Math.min(...values), high = Math.max(...values), n = Math.min(12, Math.max(4, Math.ceil(Math.sqrt(values.length))));
-  const counts = new Array(n).fill(0);
-  for (const v of values) ++counts[Math.min(n - 1, Math.floor(((v - low) / (high - low || 1)) * n))];
-  const W = 240, H = 80, most = Math.max(...counts), svg = drawing("svg", { viewBox: `0 0 ${W} ${H + 14}` });
-  counts.forEach((count, i) =>
-    svg.append(drawing("rect", { x: (W * i) / n + 1, width: W / n - 2, y: H - (H * count) / most, height: (H * count) / most, fill: COLORS[0] })));
-  svg.append(drawing("text", { x: 0, y: H + 12 }, short(low)));
-  svg.append(drawing("text", { x: W, y: H + 12, "text-anchor": "end" }, short(high)));
+// How numbers are spread: bars of a histogram, of a few a dot each. One value alone is written, not drawn.
+function spread(values) {
+  const low = Math.min(...values), high = Math.max(...values);
+  if (!(high > low)) return element("div", { text: short(low) + (values.length > 1 ? ` (all ${values.length})` : "") });
+  const FEW = 10, W = 240, H = 80, svg = drawing("svg", { viewBox: `0 0 ${W} ${H + 18}` });
+  if (values.length < FEW) {
+    svg.append(drawing("line", { x1: 6, x2: W - 6, y1: H / 2, y2: H / 2, stroke: "#e3e8ed" }));
+    for (const v of values) svg.append(drawing("circle", { cx: 6 + ((W - 12) * (v - low)) / (high - low), cy: H / 2, r: 5, fill: COLORS[0], "fill-opacity": 0.6 }));
+  } else {
+    const n = Math.min(12, Math.max(4, Math.ceil(Math.sqrt(values.length)))), counts = new Array(n).fill(0);
+    for (const v of values) ++counts[Math.min(n - 1, Math.floor(((v - low) / (high - low)) * n))];
+    const most = Math.max(...counts);
+    counts.forEach((count, i) =>
+      svg.append(drawing("rect", { x: (W * i) / n + 1, width: W / n - 2, y: H - (H * count) / most, height: (H * count) / most, fill: COLORS[0] })));
+  }
+  svg.append(drawing("text", { x: 0, y: H + 14 }, short(low)));
+  svg.append(drawing("text", { x: W, y: H + 14, "text-anchor": "end" }, short(high)));
   return svg;
 }
 
@@ -169,7 +187,7 @@ function episodeCard(episode, isOpen) {
     const end = summary.duration_s, slider = element("input", { type: "range", min: 0, max: end, step: 0.01, value: 0, "aria-label": "time" });
     const button = element("button", { text: "play" }), clock = element("span", { class: "quiet", text: "0.00 s" });
     body.append(element("div", { class: "controls" }, button, slider, clock));
-    const charts = element("div", { class: "row" });
+    const charts = element("div", { class: "charts" });
     for (const curve of episode.curves) {
       const chart = curveChart(episode.times, curve);
       charts.append(chart.box);
@@ -225,12 +243,14 @@ function episodeCard(episode, isOpen) {
 
 // ---- a set ---------------------------------------------------------------------------------------------------------
 
+const percent = (share) => `${(100 * share).toFixed(1)} %`;
+
 function setHead(status, episodes) {
   const head = element("div");
   head.append(element("h1", { text: `${status.task}, seed ${status.seed}` }));
   const made = status.done.length + status.failed.length;
-  head.append(element("div", { class: "card" }, element("div", { class: "big", text: `${(100 * status.success_rate).toFixed(1)} %` }),
-    `success: ${status.done.length} of ${made} episodes; ${status.missing.length} of ${status.episodes} still to be made`));
+  head.append(element("div", { class: "card" }, element("div", { class: "big", text: made ? percent(status.success_rate) : "no episode yet" }),
+    `success: ${status.done.length} of ${made} episodes` + (made ? `, 95 % interval by Wilson ${percent(status.success_low)} to ${percent(status.success_high)}` : "") + `; ${status.missing.length} of ${status.episodes} still to be made`));
   if (status.failed.length) {
     const table = element("table", {}, element("tr", {}, element("th", { text: "episode" }), element("th", { text: "why it failed" })));
     for (const failed of status.failed) table.append(element("tr", {}, element("td", { text: failed.episode }), element("td", { text: failed.reason })));
@@ -243,7 +263,7 @@ function setHead(status, episodes) {
   }
   if (Object.keys(drawn).length) {
     const row = element("div", { class: "row card" });
-    for (const [name, values] of Object.entries(drawn)) row.append(element("div", { style: "flex:0 1 240px" }, element("h3", { text: name }), histogram(values)));
+    for (const [name, values] of Object.entries(drawn)) row.append(element("div", { style: "flex:0 1 240px" }, element("h3", { text: name }), spread(values)));
     head.append(element("h2", { text: "What was drawn by chance (SI)" }), row);
   }
   const mean = (values) => values.reduce((a, b) => a + b, 0) / values.length;

@@ -44,7 +44,7 @@ bool shows_on_terminal() { return isatty(STDERR_FILENO); }
 std::string fitted_line(const std::function<std::string(int)>& line, int width) {
   constexpr int AROUND = 4;  // brackets and blanks of a bar
   const int free = width - int(line(0).size()) - AROUND;
-  std::string text = line(free >= LEAST_BAR ? std::min(free, MOST_BAR) : 0);
+  std::string text = line(free >= LEAST_BAR ? std::min({free, MOST_BAR, std::max(width / 8, LEAST_BAR)}) : 0);
   if (int(text.size()) > width) text.resize(std::size_t(std::max(width, 0)));
   return text;
 }
@@ -61,7 +61,7 @@ std::string set_progress_line(const SetProgress& set, int bar_width) {
   }
   if (made == 0 || !(set.seconds > 0)) return line;
   const double rate = double(made) / set.seconds;
-  std::snprintf(text, sizeof text, "  %.*f episodes/min", rate < 10 / 60.0 ? 2 : 0, 60 * rate);
+  std::snprintf(text, sizeof text, "  %.*f/min", rate < 10 / 60.0 ? 2 : 0, 60 * rate);
   line += text;
   line += there < set.total ? "  " + time_text(double(set.total - there) / rate) + " left"
                             : "  in " + time_text(set.seconds);
@@ -101,17 +101,40 @@ std::string away_with(const std::vector<std::size_t>& widths, int width) {
 }
 }  // namespace
 
+void Progress::take_away() {
+  if (widths_.empty()) return;
+  std::fputs(away_with(widths_, terminal_width()).c_str(), stderr);
+  std::fflush(stderr);
+  widths_.clear();
+}
+
 Progress::~Progress() {
   if (!is_terminal_ || widths_.empty()) return;
   if (line_above_)
-    std::fputs(away_with(widths_, terminal_width()).c_str(), stderr);
+    take_away();
   else
     std::fputc('\n', stderr);
   std::fflush(stderr);
 }
 
+void Progress::begin(std::string label, std::size_t total) {
+  const std::lock_guard lock(mutex_);
+  label_ = std::move(label);
+  total_ = total;
+  start_ = std::chrono::steady_clock::now();
+  last_ = start_ - std::chrono::hours(1);
+  if (is_terminal_) show(0, 0);
+}
+
+void Progress::clear() {
+  const std::lock_guard lock(mutex_);
+  if (is_terminal_) take_away();
+}
+
 void Progress::show(std::size_t done, double seconds) {
-  const auto line = [&](int bar_width) { return progress_line(label_, unit_, done, total_, seconds, bar_width); };
+  const auto line = [&](int bar_width) {
+    return total_ > 0 ? progress_line(label_, unit_, done, total_, seconds, bar_width) : label_ + "  starts";
+  };
   if (!is_terminal_) {
     std::fprintf(stderr, "%s\n", line(0).c_str());
     return;

@@ -16,12 +16,17 @@ class Progress {
   ~Progress();  // ends the line
   Progress(const Progress&) = delete;
   void advance_to(std::size_t done);  // from any thread
+  // Counts anew under another name in the same place. total 0: is not known yet; a terminal shows that it starts.
+  void begin(std::string label, std::size_t total);
+  // Takes the lines off a terminal: what is printed next stands in their place.
+  void clear();
   // A line above this one on a terminal, such as that of the set an episode is of, given the width of its bar. With it,
-  // both lines are taken away at the end: the next episode stands where this one stood.
+  // both lines are taken away at the end.
   void set_line_above(std::function<std::string(int)> line) { line_above_ = std::move(line); }
 
  private:
   void show(std::size_t done, double seconds);
+  void take_away();
   std::string label_, unit_;
   std::function<std::string(int)> line_above_;
   std::vector<std::size_t> widths_;  // of the lines that stand there
@@ -40,15 +45,15 @@ struct SetProgress {
   std::size_t left() const { return total - done_before - failed_before - done - failed; }
 };
 
-// "set  [####----]  12/40 episodes  92 % succeeded  3.1 episodes/min  9 min 02 s left"; the rate and the time left are
-// those of this run.
+// "set  [####----]  12/40 episodes  92 % succeeded  3.10/min  9 min 02 s left"; the rate and the time left are those of
+// this run.
 std::string set_progress_line(const SetProgress& set, int bar_width);
 
 // Whether stderr is a terminal.
 bool shows_on_terminal();
 
-// A line that fits `width` columns: `line` is asked for it with the width of its bar, at most 24, none where there is
-// little room; what is still too long is cut.
+// A line that fits `width` columns: `line` is asked for it with the width of its bar, an eighth of the line and at most
+// 24, so that bars of lines below each other are alike; none where there is little room; what is still too long is cut.
 std::string fitted_line(const std::function<std::string(int)>& line, int width);
 
 // One line of progress: "episode 0  [####----]  12/40 frames  3.1 frames/s  9 s left".

@@ -9,7 +9,7 @@
 namespace pvg {
 namespace {
 
-constexpr std::int64_t SCHEMA = 3;
+constexpr std::int64_t SCHEMA = 4;
 
 // An anchor as numbers: kind and sites of its pair, strain.
 constexpr std::size_t ANCHOR_LENGTH = 8;
@@ -51,6 +51,7 @@ void for_each_field(Checkpoint& checkpoint, const Visit& visit) {
   visit("/past_targets", checkpoint.past_targets);
   visit("/pressing", checkpoint.pressing);
   visit("/flowed", checkpoint.flowed);
+  visit("/reading", checkpoint.reading);
 }
 
 struct Writer {

@@ -103,6 +103,7 @@ struct StatesFile::Impl {
       add<std::int64_t>(name, {});
     add<std::int64_t>("/contact/bodies", {2});
     put<std::int64_t>("/contact/offset", {0});
+    if (!scene.displays.empty()) add<double>("/reading", {scene.displays.size()});
     for (const Camera& camera : scene.cameras) {
       cameras.push_back(camera);
       add<double>("/camera/" + camera.name + "/K", {3, 3});
@@ -257,6 +258,9 @@ StatesFile::StatesFile(const std::filesystem::path& path, const Scene& scene, co
   std::vector<std::string> all_joints;
   for (const Joint& joint : scene.joints) all_joints.push_back(joint.name);
   file.attribute("/joint", "names", all_joints);
+  std::vector<std::string> displays;
+  for (const Display& display : scene.displays) displays.push_back(display.name);
+  if (!displays.empty()) file.attribute("/reading", "names", displays);
   file.attribute("/T_link", "names", names_of(scene, impl_->links));
   file.attribute("/T_rigid", "names", names_of(scene, impl_->rigids));
 
@@ -317,6 +321,7 @@ void StatesFile::append_step(const WorldState& state, const StepReport& report, 
   to.put("/T_rigid", T_rigid);
   for (std::size_t i = 0; i < to.soft.size(); ++i) to.put(to.soft[i], flat(state.soft.at(i)));
   for (std::size_t i = 0; i < to.cloths.size(); ++i) to.put(to.cloths[i], flat(state.cloth.at(i)));
+  if (!state.reading.empty()) to.put("/reading", state.reading);
   to.put_contacts(state);
   to.put_forces(state);
   to.put<std::int64_t>("/solver/newton", {report.newton});

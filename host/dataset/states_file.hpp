@@ -14,6 +14,7 @@
 //   /joint/{position, drive, stop, damping} [T, J of all joints]   coordinate [rad or m] and efforts along it [N m or
 //   N] /force/{net [T, B, 3, N], torque [T, B, 3, N m]}   of all contacts on each body, in the order of /bodies
 //   /pair_force/{offset [T + 1], bodies [P, 2], normal [P, 3, N], friction [P, 3, N]}   on the first body of each pair
+//   /reading [T, D, kg]   of the objects with a display, before it is rounded; missing where there is none
 //   /solver/{newton, cg, contacts, retries, residual [m/s], min_gap [m]} [T]
 //   /camera/<name>/{K [F, 3, 3], distortion, T_world_camera [F, 4, 4]}
 #pragma once

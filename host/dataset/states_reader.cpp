@@ -25,6 +25,9 @@ StatesReader::StatesReader(const std::filesystem::path& path, const Scene& scene
                        "` is soft there, rigid in the scene; it was made of another "
                        "scene");
   }
+  for (const Display& display : scene.displays) displays_.push_back(display.name);
+  if (!displays_.empty() && (!record_.has("/reading") || record_.series("/reading").names != displays_))
+    throw UsageError(path.string() + " holds no readings of the scene's displays; it was made of another scene");
   for (const SoftBody& body : scene.soft_bodies) {
     soft_.push_back(find(body.name));
     check_nodes(body.name, soft_.back(), body.mesh.points.size());
@@ -62,6 +65,7 @@ SceneState StatesReader::state(std::size_t step) const {
   }
   for (const StatesRecord::Body& place : soft_) state.soft.push_back(nodes(place, step));
   for (const StatesRecord::Body& place : cloth_) state.cloth.push_back(nodes(place, step));
+  if (!displays_.empty()) state.reading = record_.row("/reading", step);
   return state;
 }
 

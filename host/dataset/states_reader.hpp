@@ -36,6 +36,7 @@ class StatesReader {
   std::vector<StatesRecord::Body> bodies_;
   std::vector<std::size_t> filmed_;
   std::vector<StatesRecord::Body> rigid_, soft_, cloth_;
+  std::vector<std::string> displays_;
 };
 
 }  // namespace pvg

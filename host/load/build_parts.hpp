@@ -15,6 +15,9 @@ RigidBody rigid_body(const ObjectSection& object, const Pose& pose);
 // The surface of an object without visuals in plain grey, so that nothing is there and unseen.
 void add_plain_visual(Scene& scene, const std::filesystem::path& mesh, const Visual& body, double size);
 
+// A display on a rigid body of the scene: its face, its picture of the start.
+void add_display(Scene& scene, const Display& display, int rigid, double size);
+
 // the captured room, if the task has one
 void add_background(Scene& scene, const BackgroundSection& background);
 

@@ -93,6 +93,7 @@ void add_object(Scene& scene, const ObjectSection& object, const Draw& draw, boo
     add_plain_visual(scene, object.mesh, visual, object.size);
   else
     add_visuals(scene, object.visuals, visual, object.size);
+  if (object.display.width > 0) add_display(scene, object.display, visual.rigid, object.size);
 }
 
 int rigid_index(const Scene& scene, const std::string& name) {

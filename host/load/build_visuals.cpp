@@ -6,6 +6,7 @@
 #include "host/formats/textures.hpp"
 #include "host/load/build_parts.hpp"
 #include "host/load/gltf_scene.hpp"
+#include "host/model/display.hpp"
 
 namespace pvg {
 
@@ -92,6 +93,49 @@ void add_plain_visual(Scene& scene, const std::filesystem::path& mesh, const Vis
   scene.visual_meshes.push_back(read_visual_mesh(mesh, CREASE_ANGLE));
   for (Vec3f& point : scene.visual_meshes.back().points) point *= float(size);
   scene.visuals.push_back(visual);
+}
+
+namespace {
+
+// a rectangle of the plane z = 0 that looks along z; the texture upright
+VisualMesh face_mesh(double width, double height) {
+  const float x = float(width / 2), y = float(height / 2);
+  VisualMesh mesh;
+  mesh.points = {{-x, -y, 0}, {x, -y, 0}, {x, y, 0}, {-x, y, 0}};
+  mesh.uvs = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return mesh;
+}
+
+}  // namespace
+
+void add_display(Scene& scene, const Display& section, int rigid, double size) {
+  Display display = section;
+  display.rigid = rigid;
+  display.name = scene.rigid_bodies[std::size_t(rigid)].name;
+  display.width *= size;
+  display.height *= size;
+  display.pose.translation() *= size;
+  display.texture = int(scene.textures.size());
+  VisualMaterial material;
+  material.name = display.name + "/display";
+  material.kind = VisualMaterial::Kind::metallic_roughness;
+  material.color = display.color;
+  material.roughness = 0.4f;
+  material.emission = display.radiance;
+  material.emission_texture = display.texture;
+  Visual visual;
+  visual.name = display.name + "/display";
+  visual.part = display.name;
+  visual.rigid = rigid;
+  visual.pose = display.pose;
+  visual.mesh = int(scene.visual_meshes.size());
+  visual.material = int(scene.materials.size());
+  scene.textures.push_back(face_picture(display, shown_figures(display, -display.tare)));
+  scene.materials.push_back(material);
+  scene.visual_meshes.push_back(face_mesh(display.width, display.height));
+  scene.visuals.push_back(visual);
+  scene.displays.push_back(display);
 }
 
 void add_background(Scene& scene, const BackgroundSection& background) {

@@ -7,6 +7,7 @@
 #include "host/geometry/mesh_parts.hpp"
 #include "host/load/read_sections.hpp"
 #include "host/load/read_shapes.hpp"
+#include "host/load/tables.hpp"
 
 namespace pvg {
 namespace {
@@ -217,7 +218,9 @@ void read_body(Section& section, SceneFile& file) {
   (kind == SOFT ? visuals.soft : visuals.rigid) =
       int(kind == SOFT ? scene.soft_bodies.size() : scene.rigid_bodies.size()) - 1;
   visuals.visuals = read_visuals(section);
-  if (!visuals.visuals.empty()) file.visuals.push_back(std::move(visuals));
+  if (visuals.rigid >= 0 && section.has("display"))
+    visuals.display = read_all(display_fields(), section.section("display"));
+  if (!visuals.visuals.empty() || visuals.display.width > 0) file.visuals.push_back(std::move(visuals));
   section.done();
 }
 

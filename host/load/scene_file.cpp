@@ -7,6 +7,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/files.hpp"
+#include "host/load/build_parts.hpp"
 #include "host/load/build_scene.hpp"
 #include "host/load/read_bodies.hpp"
 #include "host/load/read_sections.hpp"
@@ -39,6 +40,7 @@ void add_body_visuals(Scene& scene, const BodyVisuals& body, int first_rigid, in
   visual.name = visual.part = body.rigid >= 0 ? scene.rigid_bodies[std::size_t(visual.rigid)].name
                                               : scene.soft_bodies[std::size_t(visual.soft)].name;
   add_visuals(scene, body.visuals, visual);
+  if (body.display.width > 0) add_display(scene, body.display, visual.rigid, 1);
 }
 
 void read_cell(YamlSection& section, SceneFile& file) {

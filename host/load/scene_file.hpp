@@ -52,6 +52,7 @@ struct RobotPath {
 struct BodyVisuals {
   int rigid = -1, soft = -1;  // of SceneFile::added
   std::vector<VisualSection> visuals;
+  Display display;  // width 0: none
 };
 
 // What a scene file says.

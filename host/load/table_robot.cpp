@@ -76,6 +76,8 @@ void check_object(Section& section, ObjectSection& object) {
     section.fail("", "has a mass but cannot move: leave `density` and `mass` out");
   if (object.mesh.empty() && object.visuals.empty())
     section.fail("", "has neither `mesh` nor `visuals`: there is nothing to do with it");
+  if (object.mesh.empty() && object.display.width > 0)
+    section.fail("display", "weighs what presses on the body, but the object has no `mesh`; give it one");
   if (!object.is_visible && !object.visuals.empty())
     section.fail("visible", "is false, but the object has `visuals`; leave one of them out");
 }
@@ -191,6 +193,24 @@ const Fields<VisualSection>& visual_fields() {
   return FIELDS;
 }
 
+const Fields<Display>& display_fields() {
+  using D = Display;
+  static const Fields<D> FIELDS =
+      Fields<D>()
+          .own_pose(&D::pose, "middle of the face in the frame of the body; x right, y up, z out of it")
+          .number("width", &D::width, Unit::length, 1e-3, 10, "of the face")
+          .required()
+          .number("height", &D::height, Unit::length, 1e-3, 10, "of the face")
+          .required()
+          .number("digits", &D::digits, Unit::none, 1, 12, "places; dashes where the figures are more")
+          .number("resolution", &D::resolution, Unit::mass, 1e-9, 1e3, "of the figures, which are grams")
+          .number("tare", &D::tare, Unit::mass, -1e3, 1e3, "is taken from what presses on the body")
+          .number("time_constant", &D::time_constant, Unit::time, 0, 60, "of the first-order lag of the reading")
+          .number("color", &D::color, Unit::none, 0, 1, "of the face, linear red, green, blue")
+          .number("radiance", &D::radiance, Unit::radiance, 0, 1e4, "of a lit segment: red, green, blue");
+  return FIELDS;
+}
+
 const Fields<ObjectSection>& object_fields() {
   using O = ObjectSection;
   static const Fields<O> FIELDS =
@@ -198,6 +218,8 @@ const Fields<ObjectSection>& object_fields() {
           .name(&O::name, "of the object")
           .file("mesh", &O::mesh, "closed surface for the simulation; none: seen only")
           .list("visuals", &O::visuals, visual_fields(), "what is seen; none: `mesh` in plain grey")
+          .section("display", &O::display, display_fields(), "seven-segment figures of the mass that presses on it")
+          .written_when([](const O& o) { return o.display.width > 0; })
           .flag("visible", &O::is_visible, "false: an object without `visuals` is not seen")
           .written_when([](const O& o) { return !o.is_visible; })
           .flag("fixed", &O::is_fixed, "never moves")

@@ -24,6 +24,7 @@ const Fields<FingerSection>& finger_fields();
 const Fields<GripperSection>& gripper_fields();
 const Fields<SampledPose>& sampled_pose_fields();
 const Fields<VisualSection>& visual_fields();
+const Fields<Display>& display_fields();
 const Fields<ObjectSection>& object_fields();
 
 // table_looks.cpp

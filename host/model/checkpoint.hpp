@@ -33,6 +33,7 @@ struct Checkpoint {
   std::vector<std::vector<double>> couplings;        // [n_worlds][n_pairs x 2] nodes, as the preconditioner holds them
   std::vector<std::vector<double>> past_targets;     // [n_worlds][n_past x n_driven] that delayed drives still obey
   std::vector<double> pressing;                      // normal forces that rolling resistance goes by [N]
+  std::vector<std::vector<double>> reading;          // [n_worlds][n_displays, kg]
   std::vector<double> flowed;                        // rest shapes of elements that yield or creep [n x 9, 1/m]
 };
 

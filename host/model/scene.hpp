@@ -210,6 +210,21 @@ struct Visual {
   bool casts_shadow_on_receivers = true;  // false for the captured background itself
 };
 
+// Figures on an object that is a scale: the mass that presses on it, as seven segments (display.hpp).
+struct Display {
+  std::string name;                            // of the object
+  int rigid = -1;                              // body that weighs
+  Pose pose = Pose::Identity();                // middle of the face in the body's frame; x right, y up, z out
+  double width = 0, height = 0;                // of the face [m]; 0: none
+  int digits = 5;                              // places
+  double resolution = 1e-4;                    // of what is shown [kg]
+  double tare = 0;                             // is taken from what presses [kg]
+  double time_constant = 0.25;                 // of the reading's first-order lag [s]
+  Vec3f color = Vec3f::Constant(0.02f);        // of the face, linear Rec. 709
+  Vec3f radiance = Vec3f(0.25f, 1.2f, 0.45f);  // of a lit segment [W/(sr m^2)]
+  int texture = -1;                            // of Scene::textures: its picture
+};
+
 // A rectangular area light, emitting on the side of cross(edge_u, edge_v).
 struct RectangleLight {
   std::string name;
@@ -270,6 +285,7 @@ struct Scene {
   std::vector<VisualMaterial> materials;
   std::vector<VisualMesh> visual_meshes;
   std::vector<Visual> visuals;
+  std::vector<Display> displays;
   std::vector<RectangleLight> lights;
   std::vector<SphereLight> sphere_lights;
   Vec3f environment = Vec3f::Zero();  // radiance of every direction that no surface covers [W/(sr m^2)]

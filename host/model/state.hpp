@@ -15,6 +15,7 @@ struct SceneState {
   std::vector<AffineMap> rigid;          // [n_rigid_bodies] body to world
   std::vector<std::vector<Vec3>> soft;   // [n_soft_bodies][n_nodes] world positions [m]
   std::vector<std::vector<Vec3>> cloth;  // [n_cloths][n_points] world positions [m]
+  std::vector<double> reading;           // [n_displays] of scales [kg]
 };
 
 }  // namespace pvg

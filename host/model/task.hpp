@@ -64,6 +64,7 @@ struct ObjectSection {
   double friction = 0.5;
   double affine_modulus = 1e9;  // [Pa]
   double size = 1;              // factor on its meshes
+  Display display;              // of what it weighs; its name, body and texture come with the scene
   SampledPose pose;             // to world
 };
 

@@ -40,6 +40,8 @@ SceneState interpolate(const SceneState& a, const SceneState& b, double share) {
   for (std::size_t i = 0; i < a.rigid.size(); ++i) state.rigid.push_back(between(a.rigid[i], b.rigid[i], share));
   state.soft = between(a.soft, b.soft, share);
   state.cloth = between(a.cloth, b.cloth, share);
+  for (std::size_t i = 0; i < a.reading.size(); ++i)
+    state.reading.push_back((1 - share) * a.reading[i] + share * b.reading[i]);
   return state;
 }
 

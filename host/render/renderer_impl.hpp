@@ -29,6 +29,7 @@ struct Renderer::Impl {
   Instance visual_instance(std::size_t visual, const SceneState& state) const;
   Instance light_instance(std::size_t light) const;  // rectangles, then spheres
   void move_to(const SceneState& state);
+  void show_readings(const SceneState& state);
 
   // renderer.cpp
   Launch begin_launch(int camera, std::uint32_t frame);
@@ -51,7 +52,8 @@ struct Renderer::Impl {
   std::vector<Instance> instances;
   std::vector<Box> boxes;
   std::vector<Eigen::Matrix4d> camera_poses;
-  SceneState state;  // that everything stands in
+  SceneState state;                  // that everything stands in
+  std::vector<std::string> figures;  // [Scene::displays] shown
   Look look;
   LightList lights;
   bool has_insides = false;  // of materials that a camera could be inside of

@@ -1,6 +1,8 @@
 // What a renderer makes of a scene, and how it moves: geometry, instances, lights.
 #include <algorithm>
+#include <cstring>
 
+#include "host/model/display.hpp"
 #include "host/render/camera.hpp"
 #include "host/render/renderer_impl.hpp"
 
@@ -24,6 +26,7 @@ SceneState initial_state(const Scene& scene) {
     state.cloth.emplace_back();
     for (const Vec3& point : cloth.mesh.points) state.cloth.back().push_back(cloth.pose * point);
   }
+  state.reading = unloaded_readings(scene);
   return state;
 }
 
@@ -168,6 +171,21 @@ Instance Renderer::Impl::light_instance(std::size_t i) const {
   return instance;
 }
 
+// Lights are chosen by their mean emission at the start, which only weighs the samples: other figures have no bias.
+void Renderer::Impl::show_readings(const SceneState& target) {
+  figures.resize(scene.displays.size());
+  for (std::size_t i = 0; i < scene.displays.size(); ++i) {
+    const Display& display = scene.displays[i];
+    std::string now = shown_figures(display, target.reading[i]);
+    if (now == figures[i]) continue;
+    figures[i] = std::move(now);
+    const Texture picture = face_picture(display, figures[i]);
+    std::vector<std::uint32_t> texels(picture.rgba.size() / 4);
+    std::memcpy(texels.data(), picture.rgba.data(), picture.rgba.size());
+    on_device->texels.write(look.textures[std::size_t(display.texture)].first, std::span<const std::uint32_t>(texels));
+  }
+}
+
 void Renderer::Impl::move_to(const SceneState& target) {
   if (target.rigid.size() != scene.rigid_bodies.size() || target.soft.size() != scene.soft_bodies.size() ||
       target.cloth.size() != scene.cloths.size())
@@ -175,6 +193,9 @@ void Renderer::Impl::move_to(const SceneState& target) {
                      std::to_string(target.soft.size()) + " soft bodies and " + std::to_string(target.cloth.size()) +
                      " cloths, the scene to be rendered " + std::to_string(scene.rigid_bodies.size()) + ", " +
                      std::to_string(scene.soft_bodies.size()) + " and " + std::to_string(scene.cloths.size()));
+  if (target.reading.size() != scene.displays.size())
+    throw UsageError("the state has " + std::to_string(target.reading.size()) + " readings, the scene to be rendered " +
+                     std::to_string(scene.displays.size()) + " displays");
   const std::size_t n_visuals = scene.visuals.size();
   for (std::size_t i = 0; i < shown.size(); ++i) {
     Shown& entry = shown[i];
@@ -191,6 +212,7 @@ void Renderer::Impl::move_to(const SceneState& target) {
   on_device->trees.top.resize(top.size());
   on_device->trees.top.write(top);
   on_device->trees.instances.write(instances);
+  show_readings(target);
   camera_poses.clear();
   for (const Camera& camera : scene.cameras) camera_poses.push_back(camera_to_world(camera, target));
   state = target;

@@ -107,8 +107,8 @@ void explain(const EpisodeReport& report) {
 
 // Runs one episode; its folder appears when it is complete, or under failed/ with the reason, a sentence.
 bool make_episode(const GenerateOptions& options, const Task& task, const EpisodeSet& set, std::uint64_t episode,
-                  Device& physics, Device& rendering, const std::atomic<bool>& stop,
-                  const std::function<std::string(int)>& set_line, std::string& reason) {
+                  Device& physics, Device& rendering, const std::atomic<bool>& stop, Progress& frames,
+                  std::string& reason) {
   EpisodeSettings settings;
   settings.seed = options.seed;
   settings.episode = episode;
@@ -116,20 +116,19 @@ bool make_episode(const GenerateOptions& options, const Task& task, const Episod
   settings.frames_under_way = options.frames_under_way;
   EpisodeReport report;
   PartialFolder folder(episode_folder(set.folder, episode));
-  {
-    std::optional<Progress> progress;
-    const auto advance = [&](std::size_t done, std::size_t total) {
-      if (!progress) {
-        progress.emplace("episode " + std::to_string(episode), "frames", total);
-        if (set_line) progress->set_line_above(set_line);
-      }
-      progress->advance_to(done);
-    };
-    report = run_episode(task, settings, physics, rendering, folder.path(), stop, advance);
-  }
+  const std::string label = "episode " + std::to_string(episode);
+  frames.begin(label, 0);
+  report =
+      run_episode(task, settings, physics, rendering, folder.path(), stop, [&](std::size_t done, std::size_t total) {
+        if (done == 0) frames.begin(label, total);
+        frames.advance_to(done);
+      });
   // a signal to the whole group ends a mesh's reader, too: that is no failure of the episode
   if (!report.has_succeeded && stop) throw TryAgain(STOPPED);
-  if (options.is_verbose) explain(report);
+  if (options.is_verbose) {
+    frames.clear();
+    explain(report);
+  }
   const std::string summary = summary_json(task, settings, report);
   const fs::path failed = failed_folder(set.folder, episode);
   if (report.has_succeeded) {
@@ -184,9 +183,9 @@ void run_generate(const GenerateOptions& options) {
     progress.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return set_progress_line(progress, bar_width);
   };
-  std::function<std::string(int)> set_line;
   progress.total = (options.n_episodes + shard.count - 1 - shard.index) / shard.count;
-  if (progress.total > 1) set_line = line;
+  Progress frames("episode", "frames", 0);
+  if (progress.total > 1) frames.set_line_above(line);
   for (std::uint64_t episode = shard.index; episode < options.n_episodes; episode += shard.count) {
     if (is_done(set, episode)) {
       ++progress.done_before;
@@ -200,11 +199,14 @@ void run_generate(const GenerateOptions& options) {
     if (stop) throw TryAgain(STOPPED);
     std::string reason;
     try {
-      const bool is_made = make_episode(options, task, set, episode, physics, rendering, stop, set_line, reason);
+      const bool is_made = make_episode(options, task, set, episode, physics, rendering, stop, frames, reason);
       ++(is_made ? progress.done : progress.failed);
       if (!is_made) reasons.push_back(reason);
       // on a terminal it stands above the next episode's
-      if (set_line && (!shows_on_terminal() || progress.left() == 0)) std::fprintf(stderr, "%s\n", line(0).c_str());
+      if (progress.total > 1 && (!shows_on_terminal() || progress.left() == 0)) {
+        frames.clear();
+        std::fprintf(stderr, "%s\n", line(0).c_str());
+      }
     } catch (const std::exception&) {
       if (!was_there) remove_empty(set);
       if (!stop) throw;

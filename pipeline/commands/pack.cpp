@@ -33,9 +33,9 @@ fs::path python_with_pyarrow() {
   if (const char* named = std::getenv("PVG_PYTHON")) return named;
   const fs::path python = data_folder().parent_path() / ".venv-pack/bin/python";
   if (fs::exists(python)) return python;
-  throw UsageError(
-      "LeRobot's formats need Python with pyarrow: run scripts/install_pack.sh, or name an interpreter in "
-      "the variable PVG_PYTHON");
+  throw UsageError("LeRobot's formats need Python with pyarrow: run " +
+                   (data_folder().parent_path() / "scripts/install_pack.sh").string() +
+                   ", which installs it beside the program, or name an interpreter in the variable PVG_PYTHON");
 }
 
 std::unique_ptr<ParquetTables> open_parquet() {

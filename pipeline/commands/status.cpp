@@ -41,8 +41,10 @@ void run_status(const StatusOptions& options) {
               static_cast<unsigned long long>(set.seed), static_cast<unsigned long long>(set.n_asked));
   std::printf("  done     %6zu\n  failed   %6zu\n  missing  %6zu\n", status.done.size(), status.failed.size(),
               n_missing);
+  const RateInterval interval = success_interval(status);
   if (!status.done.empty() || !status.failed.empty())
-    std::printf("  success rate %.1f %%\n", 100 * success_rate(status));
+    std::printf("  success rate %.1f %% (95 %% interval by Wilson: %.1f to %.1f %%)\n", 100 * success_rate(status),
+                100 * interval.low, 100 * interval.high);
   std::map<std::string, std::size_t> reasons;
   for (const FailedEpisode& failed : status.failed) ++reasons[without_numbers(failed.reason)];
   std::vector<std::pair<std::string, std::size_t>> by_number(reasons.begin(), reasons.end());

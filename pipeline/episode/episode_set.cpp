@@ -144,8 +144,13 @@ double success_rate(const SetStatus& status) {
   return n ? double(status.done.size()) / double(n) : 0;
 }
 
+RateInterval success_interval(const SetStatus& status) {
+  return wilson_interval(status.done.size(), status.done.size() + status.failed.size());
+}
+
 std::string status_json(const EpisodeSet& set) {
   const SetStatus status = read_status(set.folder);
+  const RateInterval interval = success_interval(status);
   const Json json = {{"schema", 1},
                      {"folder", set.folder.string()},
                      {"task", set.task},
@@ -154,7 +159,9 @@ std::string status_json(const EpisodeSet& set) {
                      {"done", status.done},
                      {"failed", to_json(status.failed)},
                      {"missing", missing(set, status)},
-                     {"success_rate", success_rate(status)}};
+                     {"success_rate", success_rate(status)},
+                     {"success_low", interval.low},
+                     {"success_high", interval.high}};
   return json.dump(2) + "\n";
 }
 

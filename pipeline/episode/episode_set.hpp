@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "host/base/statistics.hpp"
+
 namespace pvg {
 
 inline constexpr std::uint64_t MOST_EPISODES = 1000000000;  // of a set
@@ -53,6 +55,7 @@ void write_set(const EpisodeSet& set);
 // none).
 std::vector<std::uint64_t> missing(const EpisodeSet& set, const SetStatus& status);
 double success_rate(const SetStatus& status);
+RateInterval success_interval(const SetStatus& status);
 
 // For --json: the set and its status.
 std::string status_json(const EpisodeSet& set);

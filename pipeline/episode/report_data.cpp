@@ -92,6 +92,18 @@ Json contact_lines(const StatesRecord& record, const std::vector<std::size_t>& s
   return lines;
 }
 
+Json reading_lines(const StatesRecord& record, const std::vector<std::size_t>& steps) {
+  constexpr double GRAMS = 1e3;  // in a kilogram
+  const StatesRecord::Series series = record.series("/reading");
+  Json lines = Json::array();
+  for (std::size_t i = 0; i < series.names.size(); ++i) {
+    Json values = Json::array();
+    for (const std::size_t step : steps) values.push_back(rounded(GRAMS * series.at(step, i)));
+    lines.push_back({{"name", series.names[i]}, {"values", values}});
+  }
+  return lines;
+}
+
 void add_curve(Json& curves, const char* title, const char* unit, Json lines) {
   if (!lines.empty()) curves.push_back({{"title", title}, {"unit", unit}, {"lines", std::move(lines)}});
 }
@@ -213,6 +225,7 @@ Json episode_report(const fs::path& folder, bool whole) {
   add_curve(curves, "Torques of the joints", "N m", joint_lines(record, "/torque", steps, false));
   add_curve(curves, "Forces of the fingers' drives", "N", joint_lines(record, "/torque", steps, true));
   add_curve(curves, "Normal force between bodies", "N", contact_lines(record, steps));
+  if (record.has("/reading")) add_curve(curves, "Readings of scales", "g", reading_lines(record, steps));
   report["times"] = curve_times;
   report["curves"] = curves;
   report["videos"] = videos(folder);

@@ -22,20 +22,29 @@ TEST(Progress, ASetShowsItsSuccessItsRateAndWhatIsLeft) {
   EXPECT_EQ(set_progress_line(set, 4), "set  [----]  4/20 episodes  100 % succeeded");
   // 9 of 10 succeeded; this run made 6 in 90 s, 4 a minute: 10 more take 150 s
   set.done = 5, set.failed = 1, set.seconds = 90;
-  EXPECT_EQ(set_progress_line(set, 4),
-            "set  [##--]  10/20 episodes  90 % succeeded  4.00 episodes/min  2 min 30 s left");
+  EXPECT_EQ(set_progress_line(set, 4), "set  [##--]  10/20 episodes  90 % succeeded  4.00/min  2 min 30 s left");
   set.done = 15, set.seconds = 60;
-  EXPECT_EQ(set_progress_line(set, 0), "set  20/20 episodes  95 % succeeded  16 episodes/min  in 1 min 00 s");
+  EXPECT_EQ(set_progress_line(set, 0), "set  20/20 episodes  95 % succeeded  16/min  in 1 min 00 s");
 }
 
 TEST(Progress, ALineFitsTheTerminalWhateverItsWidth) {
   const auto line = [](int bar) { return progress_line("episode 7", "frames", 12, 40, 4, bar); };
   for (int width = 0; width <= 200; ++width) EXPECT_LE(int(fitted_line(line, width).size()), width);
-  // 80 columns: the longest bar; 60: a shorter one; 40: none; 20: cut
-  EXPECT_EQ(fitted_line(line, 80), line(24));
-  EXPECT_EQ(fitted_line(line, 60), line(60 - int(line(0).size()) - 4));
-  EXPECT_EQ(fitted_line(line, 50), line(0));
+  // an eighth of the width, at most 24; 56: the least of 6; 50: none; 20: cut
+  EXPECT_EQ(fitted_line(line, 400), line(24));
+  EXPECT_EQ(fitted_line(line, 80), line(10));
+  EXPECT_EQ(fitted_line(line, int(line(0).size()) + 4 + 6), line(6));
+  EXPECT_EQ(fitted_line(line, int(line(0).size()) + 4 + 5), line(0));
   EXPECT_EQ(fitted_line(line, 20), line(0).substr(0, 20));
+}
+
+TEST(Progress, BarsOfASetAndItsEpisodeAreAlikeIn80Columns) {
+  SetProgress set;
+  set.total = 100, set.done = 12, set.seconds = 12 * 47;  // "1.28/min  1 h 08 min left"
+  const auto above = [&](int bar) { return set_progress_line(set, bar); };
+  const auto line = [](int bar) { return progress_line("episode 12", "frames", 120, 140, 4, bar); };
+  EXPECT_EQ(fitted_line(above, 79), above(9));
+  EXPECT_EQ(fitted_line(line, 79), line(9));
 }
 
 }  // namespace

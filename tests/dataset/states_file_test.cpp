@@ -8,7 +8,9 @@
 #include <iterator>
 #include <limits>
 
+#include "host/base/error.hpp"
 #include "host/dataset/masks_file.hpp"
+#include "host/dataset/states_reader.hpp"
 #include "host/formats/hdf5.hpp"
 
 namespace pvg {
@@ -206,6 +208,31 @@ TEST(StatesFile, AReaderCanRebuildEveryVertexOfARigidBody) {
 std::string bytes_of(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(StatesFile, ReadingsOfDisplaysComeBackAndAreMissedWhereTheSceneHasSome) {
+  Scene scene = example_scene();
+  const auto path = scratch("reading.h5");
+  write_example(path);
+  EXPECT_FALSE(hdf5::File::open(path).has("/reading"));
+  scene.displays.resize(2);
+  scene.displays[0].name = "beaker";
+  scene.displays[1].name = "link0";
+  EXPECT_THROW(StatesReader(path, scene), UsageError);
+  {
+    StatesFile file(path, scene, {}, {});
+    for (int step = 0; step < 3; ++step) {
+      WorldState state = example_state(0.01 * step);
+      state.reading = {0.1 * step, 1.5};
+      file.append_step(state, {}, std::vector<double>{0.2, 0.4});
+    }
+    file.close();
+  }
+  EXPECT_EQ(hdf5::File::open(path).shape("/reading"), (Shape{3, 2}));
+  EXPECT_EQ(StatesReader(path, scene).state(2).reading, (std::vector<double>{0.2, 1.5}));
+  scene.displays[1].name = "hand";
+  EXPECT_THROW(StatesReader(path, scene), UsageError);
+  std::filesystem::remove(path);
 }
 
 TEST(StatesFile, EqualEpisodesAreEqualBytes) {

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Runs every block of shell commands in the README and the guide as it stands; the first one that fails is printed.
+"""Runs every block of commands in the README and the guide as it stands; the first one that fails is printed.
 
-    tests/documentation/run_commands.py SOURCE PROGRAM [PAGE ...]      PAGE: such as docs/guide/tasks.md; all without
+    tests/documentation/run_commands.py [--all] SOURCE PROGRAM [PAGE ...]     PAGE: such as docs/guide/tasks.md; all without
 
 The blocks of a page run one after the other in a folder that looks like the checkout after scripts/demo.sh: build/bin
-holds PROGRAM, out/demo an episode, and what commands write stays in that folder.
+holds PROGRAM, out/demo an episode, and what commands write stays in that folder. Blocks of `sh` run whole but for the
+commands of SLOW, which --all (scripts/test_documentation.sh) runs too; blocks of `python` where Python has h5py; commands
+of other blocks, whose prompt is `console`, are those of ELSEWHERE.
 """
 import pathlib
 import re
@@ -14,13 +16,22 @@ import sys
 import tempfile
 import time
 
-LEFT_OUT = [  # lines that install, build for long, or need what scripts/install_pack.sh fetches
-    r"scripts/(demo|install|install_pack|build|test|test_\w+|fuzz|compare_cycles|task_success|format)\.sh.*",
-    r"scripts/(python_env|check_lerobot|check_packed|recordings/\S+)\.sh.*",
-    r".*\bpack\b.*--format lerobot.*",
-    r"(cmake|ctest|ninja|make)\b.*",
-]
-BLOCK = re.compile(r"^```sh\n(.*?)^```", re.M | re.S)
+BEFORE = r"scripts/demo\.sh"  # what this folder looks like; scripts/test_documentation.sh runs it
+SLOW = {  # what only --all runs, and why
+    r"scripts/install_pack\.sh": "fetches pyarrow from PyPI",
+    r".*\bpack\b.*--format lerobot.*": "needs what scripts/install_pack.sh fetches",
+}
+ELSEWHERE = {  # what a block of `console` shows and why no test of one machine runs it
+    r".* --device 0 --render-device 1 .*": "needs two GPUs",
+    r"apt-get install .*": "changes the machine",
+    r"scripts/hidden_suite/make_cases\.py .*": "needs the packages above it; minutes",
+    r".* diagnose --suite out/cases .*": "reads what the command above it makes",
+    r".* calibrate lut --render rendered --real photos .*": "needs photos of one's own",
+    r".* render SCENE --lut lut\.csv .*": "needs the table of the command above it",
+    r"lerobot-train .*": "needs lerobot, several GB; scripts/check_lerobot.sh trains",
+}
+PYTHON = "/usr/bin/python3"  # Debian's
+BLOCK = re.compile(r"^```(sh|python|console)\n(.*?)^```", re.M | re.S)
 
 
 def make_checkout(source, program, folder):
@@ -50,25 +61,46 @@ def run(text, folder, where):
         sys.exit(f"{where}: exit code {done.returncode} of\n{text}\n{done.stdout[-3000:]}")
 
 
-def commands_of(block):
+def reason_in(table, command):
+    return next((why for pattern, why in table.items() if re.fullmatch(pattern, command.strip())), None)
+
+
+def commands_of(block, runs_all):
     """the block without the commands that are left out; a command goes on over lines that end with a backslash"""
-    commands = re.sub(r"\\\n\s*", "", block).splitlines(keepends=True)
-    return "".join(c for c in commands if not any(re.fullmatch(out, c.strip()) for out in LEFT_OUT))
+    commands = re.sub(r"\\\n\s*", " ", block).splitlines(keepends=True)
+    return "".join(c for c in commands if not re.fullmatch(BEFORE, c.strip()) and (runs_all or not reason_in(SLOW, c)))
+
+
+def check_elsewhere(block, where):
+    for command in re.sub(r"\\\n\s*", " ", block).splitlines():
+        if command.strip() and not reason_in(ELSEWHERE, command):
+            sys.exit(f"{where}: no reason is stated why no test runs\n{command}")
+
+
+def has_h5py():
+    return subprocess.run([PYTHON, "-c", "import h5py"], capture_output=True).returncode == 0
 
 
 def main():
-    source, program = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-    pages = [source / page for page in sys.argv[3:]]
+    words = sys.argv[1:]
+    runs_all = words[:1] == ["--all"]
+    words = words[runs_all:]
+    source, program = pathlib.Path(words[0]).resolve(), pathlib.Path(words[1]).resolve()
+    pages = [source / page for page in words[2:]]
     pages = pages or [source / "README.md"] + sorted((source / "docs/guide").glob("*.md"))
     with tempfile.TemporaryDirectory() as folder:
         make_checkout(source, program, pathlib.Path(folder))
         for page in pages:
             text = page.read_text()
             for block in BLOCK.finditer(text):
-                commands = commands_of(block[1])
-                if commands.strip():
-                    line = text.count("\n", 0, block.start()) + 1
-                    run(commands, folder, f"{page.relative_to(source)}:{line}")
+                kind, commands = block.groups()
+                where = f"{page.relative_to(source)}:{text.count(chr(10), 0, block.start()) + 1}"
+                if kind == "console":
+                    check_elsewhere(commands, where)
+                elif kind == "sh" and commands_of(commands, runs_all).strip():
+                    run(commands_of(commands, runs_all), folder, where)
+                elif kind == "python" and (runs_all or has_h5py()):
+                    run(f"{PYTHON} - <<'END'\n{commands}END", folder, where)
 
 
 if __name__ == "__main__":

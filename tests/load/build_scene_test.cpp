@@ -2,9 +2,11 @@
 #include "host/load/build_scene.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
+#include <fstream>
 #include <map>
 
 #include "host/base/error.hpp"
@@ -108,6 +110,35 @@ TEST(BuildScene, BeakerHasTheMassOfItsGlass) {
   EXPECT_NEAR(beaker.volume, glass, 1e-5 * glass);  // the file has single precision
   EXPECT_NEAR(beaker.mass, 2230 * beaker.volume, 1e-12);
   EXPECT_NEAR(beaker.center_of_mass.head<2>().norm(), 0, 1e-9);
+}
+
+TEST(BuildScene, TheScalesDisplayLiesOnItsSlopeAndLooksOut) {
+  const Scene& scene = built().scene;
+  ASSERT_EQ(scene.displays.size(), 1u);
+  const Display& display = scene.displays[0];
+  EXPECT_EQ(display.name, "scale");
+  EXPECT_EQ(scene.rigid_bodies.at(std::size_t(display.rigid)).name, "scale");
+  EXPECT_EQ(scene.textures.at(std::size_t(display.texture)).rgba.size(), 4u * 240 * 96);  // 60 mm x 24 mm
+  // the slope falls 21 mm over 41.5 mm toward +x; figures are read from there, left to right along +y
+  const Vec3 normal = Vec3(21, 0, 41.5).normalized();
+  EXPECT_LT((display.pose.linear().col(0) - Vec3::UnitY()).norm(), 1e-12);
+  EXPECT_LT((display.pose.linear().col(2) - normal).norm(), 1e-4);
+  EXPECT_NEAR((display.pose.translation() - Vec3(0.072, 0, 0.035)).dot(normal), 0.9e-3, 0.1e-3);  // above the plate
+  const Visual& face = scene.visuals.at(scene.visuals.size() - 3);  // before the beaker and the background
+  EXPECT_EQ(face.name, "scale/display");
+  EXPECT_EQ(face.rigid, display.rigid);
+  EXPECT_EQ(scene.materials.at(std::size_t(face.material)).emission_texture, display.texture);
+}
+
+TEST(BuildScene, AnObjectWithoutABodyHasNoDisplay) {
+  const std::string text = "schema: 1\nname: t\ntime_step: 20 ms\nobjects:\n  - {name: mark, visuals: [{mesh: " +
+                           std::string(PVG_DATA_FOLDER) +
+                           "/objects/mat_visual.obj, material: grey}], display: {width: 0.1, height: 0.1}}\n";
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("pvg_display_" + std::to_string(getpid()) + ".yaml");
+  std::ofstream(file) << text;
+  expect_error<UsageError>([&] { load_task(file); }, {"display", "no `mesh`"});
+  std::filesystem::remove(file);
 }
 
 TEST(BuildScene, FingersFaceEachOtherAcrossTheTool) {

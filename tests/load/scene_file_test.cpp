@@ -93,6 +93,23 @@ TEST_F(SceneFiles, HoldBodiesJointsAndStitches) {
   EXPECT_EQ(load_scene(path).joints.size(), 1u);
 }
 
+TEST_F(SceneFiles, HoldDisplaysOfRigidBodies) {
+  std::string text = SCENE;
+  const std::string ball = "mass: 2, collides: false";
+  text.replace(
+      text.find(ball), ball.size(),
+      ball + ", display: {position: [0, 0, 50 mm], width: 40 mm, height: 20 mm, resolution: 10 mg, tare: 2 g}");
+  EXPECT_THROW(load(text), UsageError);  // mg is no unit of a mass here
+  text.replace(text.find("10 mg"), 5, "0.01 g");
+  const Scene scene = load(text).scene;
+  ASSERT_EQ(scene.displays.size(), 1u);
+  EXPECT_EQ(scene.displays[0].name, "ball");
+  EXPECT_EQ(scene.displays[0].rigid, 2);
+  EXPECT_DOUBLE_EQ(scene.displays[0].resolution, 1e-5);
+  EXPECT_DOUBLE_EQ(scene.displays[0].tare, 2e-3);
+  EXPECT_DOUBLE_EQ(scene.displays[0].pose.translation().z(), 0.05);
+}
+
 TEST_F(SceneFiles, HoldMomentsOfInertia) {
   std::string text = SCENE;
   text.replace(text.find("mass: 2,"), 8, "mass: 2, inertia: [3e-3, 20000 g cm^2, 4e-3],");

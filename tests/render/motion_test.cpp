@@ -15,6 +15,7 @@ SceneState turned(double angle, double x) {
   state.rigid = {map};
   state.soft = {{Vec3(x, 1, 2), Vec3(0, 0, 0)}};
   state.cloth = {{Vec3(0, x, 0)}};
+  state.reading = {x};
   return state;
 }
 
@@ -26,6 +27,7 @@ TEST(Motion, HalfwayIsHalfTheWayAndHalfTheTurn) {
   EXPECT_NEAR(middle.rigid[0](0, 3), 2, 1e-12);
   EXPECT_EQ(middle.soft[0][0], Vec3(2, 1, 2));
   EXPECT_EQ(middle.cloth[0][0], Vec3(0, 2, 0));
+  EXPECT_EQ(middle.reading, std::vector<double>{2});
   EXPECT_EQ(interpolate(a, b, 0).rigid[0], a.rigid[0]);
   EXPECT_EQ(interpolate(a, b, 1).rigid[0], b.rigid[0]);
 }

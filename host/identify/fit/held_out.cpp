@@ -73,7 +73,8 @@ std::vector<Curve> curves_of(const Problem& problem, const FitData& data, const 
         Curve curve{run.name,     channel.name + (channel.n > 1 ? std::string(", ") + "xyz"[k] : ""),
                     channel.unit, run.is_held_out,
                     {},           {},
-                    {},           {}};
+                    {},           {},
+                    sigma};
         for (std::size_t i = 0; i < window.data.size(); ++i) {
           const Datum& d = window.data[i];
           if (d.channel != int(c) || d.component != k) continue;

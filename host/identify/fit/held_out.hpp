@@ -13,6 +13,7 @@ struct Curve {
   std::string run, channel, unit;
   bool is_held_out = false;
   std::vector<double> t, measured, before, after;  // [s], [unit]
+  double sigma = 0;                                // of the noise [unit]
 };
 
 // A window that no model explains: someone pushed, a sensor failed.

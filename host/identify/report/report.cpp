@@ -66,7 +66,11 @@ json ranking_of(const Diagnosis& diagnosis) {
     one["probability"] = model.probability;
     std::size_t at = 0;
     for (const Candidate* part : model.parts)
-      for (const Parameter& p : part->parameters) one["parameters"][part->name + "." + p.name] = model.values[at++];
+      for (const Parameter& p : part->parameters) {
+        one["parameters"][part->name + "." + p.name] = model.values[at];
+        if (std::isfinite(model.deviations[at])) one["deviations"][part->name + "." + p.name] = model.deviations[at];
+        ++at;
+      }
     list.push_back(std::move(one));
   }
   return list;

@@ -19,6 +19,17 @@ std::string escaped(const std::string& text) {
 
 std::string cell(const std::string& text) { return "<td>" + escaped(text) + "</td>"; }
 
+// Round numbers (1, 2 or 5 times a power of ten) within [low, high], about n of them.
+std::vector<double> ticks(double low, double high, int n) {
+  const double rough = (high - low) / n, power = std::pow(10, std::floor(std::log10(rough)));
+  double step = 10 * power;
+  for (const double factor : {5.0, 2.0, 1.0})
+    if (factor * power >= rough) step = factor * power;
+  std::vector<double> marks;
+  for (double i = std::ceil(low / step); i * step <= high; ++i) marks.push_back(i * step + 0.0);  // + 0: no "-0"
+  return marks;
+}
+
 struct Axis {
   double low = INFINITY, high = -INFINITY;
   void hold(const std::vector<double>& values) {
@@ -56,22 +67,28 @@ struct Line {
   const char* style;
 };
 
+// noise: one standard deviation about 0 is shaded; 0: none
 std::string plot(const std::string& title, const std::vector<double>& t, const std::vector<Line>& lines,
-                 const std::string& unit) {
+                 const std::string& unit, double noise = 0) {
   Axis ax, ay;
   ax.hold(t);
   for (const Line& line : lines) ay.hold(*line.y);
+  if (noise > 0) ay.hold({-noise, noise});
   if (!(ax.high > ax.low)) ax.high = ax.low + 1;
   ay.widen();
   std::string svg = "<svg viewBox='0 0 " + shown(WIDTH) + " " + shown(HEIGHT) + "'>";
   svg += "<rect x='" + shown(LEFT) + "' y='" + shown(TOP) + "' width='" + shown(WIDTH - LEFT - RIGHT) + "' height='" +
          shown(HEIGHT - BOTTOM - TOP) + "' class='frame'/>";
+  const auto column = [&](double v) { return LEFT + (WIDTH - LEFT - RIGHT) * (v - ax.low) / (ax.high - ax.low); };
+  const auto row = [&](double v) {
+    return HEIGHT - BOTTOM - (HEIGHT - BOTTOM - TOP) * (v - ay.low) / (ay.high - ay.low);
+  };
+  if (noise > 0)
+    svg += "<rect x='" + shown(LEFT) + "' y='" + shown(row(noise)) + "' width='" + shown(WIDTH - LEFT - RIGHT) +
+           "' height='" + shown(row(-noise) - row(noise)) + "' class='noise'/>";
   svg += text_at(LEFT, 15, "start", title);
-  for (int i = 0; i <= 4; ++i) {
-    const double y = ay.low + (ay.high - ay.low) * i / 4, x = ax.low + (ax.high - ax.low) * i / 4;
-    svg += text_at(LEFT - 5, HEIGHT - BOTTOM - (HEIGHT - BOTTOM - TOP) * i / 4 + 4, "end", shown(y));
-    svg += text_at(LEFT + (WIDTH - LEFT - RIGHT) * i / 4, HEIGHT - BOTTOM + 14, "middle", shown(x));
-  }
+  for (const double v : ticks(ay.low, ay.high, 4)) svg += text_at(LEFT - 5, row(v) + 4, "end", shown(v));
+  for (const double v : ticks(ax.low, ax.high, 5)) svg += text_at(column(v), HEIGHT - BOTTOM + 14, "middle", shown(v));
   svg += text_at(WIDTH - RIGHT, 15, "end", unit + " over s");
   for (const Line& line : lines) svg += "<path d='" + path_of(t, *line.y, ax, ay) + "' class='" + line.style + "'/>";
   return svg + "</svg>";
@@ -88,7 +105,8 @@ std::string curves_html(const Diagnosis& d) {
     const std::string title = curve.run + (curve.is_held_out ? ", held out: " : ", fitted: ") + curve.channel;
     html += "<div class='pair'>" +
             plot(title, curve.t, {{&curve.measured, "m"}, {&curve.before, "b"}, {&curve.after, "a"}}, curve.unit) +
-            plot("measured less simulated", curve.t, {{&before, "b"}, {&after, "a"}}, curve.unit) + "</div>\n";
+            plot("measured less simulated", curve.t, {{&before, "b"}, {&after, "a"}}, curve.unit, curve.sigma) +
+            "</div>\n";
   }
   return html;
 }
@@ -122,15 +140,20 @@ std::string map_html(const Diagnosis& d) {
 
 std::string ranking_html(const Diagnosis& d) {
   std::string html =
-      "<table><tr><th>model</th><th>left-out error, times noise</th><th>probability</th><th>values</th></tr>";
+      "<table><tr><th>model</th><th>left-out error, times noise</th><th>probability</th><th>values, one standard "
+      "deviation</th></tr>";
   for (std::size_t i = 0; i < d.ranking.size() && i < 12; ++i) {
     const RankedModel& model = d.ranking[i];
     std::string name, values;
     std::size_t at = 0;
     for (const Candidate* part : model.parts) {
       name += (name.empty() ? "" : " + ") + part->label();
-      for (const Parameter& p : part->parameters)
-        values += (values.empty() ? "" : ", ") + p.name + " " + shown(model.values[at++]) + " " + p.unit;
+      for (const Parameter& p : part->parameters) {
+        const bool is_known = std::isfinite(model.deviations[at]);
+        values += (values.empty() ? "" : ", ") + p.name + " " + shown(model.values[at]) +
+                  (is_known ? " ± " + shown(model.deviations[at]) : "") + " " + p.unit;
+        ++at;
+      }
     }
     html += "<tr>" + cell(name) + cell(shown(model.error)) + cell(shown(model.probability)) + cell(values) + "</tr>";
   }
@@ -148,7 +171,8 @@ constexpr const char* STYLE =
     "1em;color:#222}h1{font-size:1.25em}h2{font-size:1.05em;"
     "margin-top:1.8em}table{border-collapse:collapse}td,th{border:1px solid #ccc;padding:.25em .6em;text-align:left}"
     ".map td{text-align:center}.pair{display:flex;flex-wrap:wrap}svg{width:30em;max-width:100%}svg text{font-size:10px}"
-    ".frame{fill:none;stroke:#bbb}path{fill:none;stroke-width:1.3}.m{stroke:#222;stroke-width:2.2;opacity:.45}.b{"
+    ".frame{fill:none;stroke:#bbb}.noise{fill:#777;opacity:.2}path{fill:none;stroke-width:1.3}.m{stroke:#222;stroke-"
+    "width:2.2;opacity:.45}.b{"
     "stroke:#c83c1e}"
     ".a{stroke:#1b6fb3}.verdict{font-size:1.15em;border-left:5px solid #1b6fb3;padding:.4em .8em;background:#f2f6fa}";
 
@@ -169,7 +193,8 @@ std::string html_of(const Problem& problem, const Diagnosis& d) {
       "<h2>Before and after</h2><p><span style='color:#777'>grey: measured</span>, <span style='color:#c83c1e'>red: "
       "the scene as it was</span>, "
       "<span style='color:#1b6fb3'>blue: with " +
-      std::string(d.regressed ? "the law that was regressed" : "what was found") + "</span></p>\n" + curves_html(d);
+      std::string(d.regressed ? "the law that was regressed" : "what was found") +
+      "</span>; shaded: one standard deviation of the noise</p>\n" + curves_html(d);
   html += "<h2>Where</h2><p>Share of the misfit by body and phase of motion, and its size in units of the noise.</p>" +
           map_html(d);
   html += "<h2>What was compared</h2>" + ranking_html(d);

@@ -55,7 +55,7 @@ struct RankedModel {
   std::vector<const Candidate*> parts;
   double error = 0;  // left out, in units of noise
   double evidence = 0, probability = 0;
-  std::vector<double> values;
+  std::vector<double> values, deviations;  // of all parameters; one standard deviation each, by the fit's covariance
 };
 
 struct Diagnosis {

@@ -57,10 +57,20 @@ double error_of_single(Workflow& flow, Prepared& prepared, const Model& model) {
 
 }  // namespace
 
-RankedModel ranked(const Judged& judged) {
-  RankedModel model{judged.fit->model.parts, judged.error, judged.evidence, judged.probability, {}};
-  for (const double x : judged.fit->model.x) model.values.push_back(x);
+namespace {
+RankedModel ranked(const Fit& fit, double error, double evidence, double probability) {
+  RankedModel model{fit.model.parts, error, evidence, probability, {}, {}};
+  for (Eigen::Index i = 0; i < fit.model.x.size(); ++i) {
+    model.values.push_back(fit.model.x[i]);
+    const bool is_known = i < fit.covariance.rows();
+    model.deviations.push_back(is_known ? std::sqrt(std::max(fit.covariance(i, i), 0.0)) : NAN);
+  }
   return model;
+}
+}  // namespace
+
+RankedModel ranked(const Judged& judged) {
+  return ranked(*judged.fit, judged.error, judged.evidence, judged.probability);
 }
 
 Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
@@ -119,8 +129,7 @@ Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candid
     if (flow.settings.decide == Decide::workflow) named = prepared_again(flow.fitter, prepared, named);
     const double error = rms(named.residual);
     if (named.model.parts != chosen.fit->model.parts)
-      out.ranking.front() = {
-          named.model.parts, error, chosen.evidence, chosen.probability, {named.model.x.begin(), named.model.x.end()}};
+      out.ranking.front() = ranked(named, error, chosen.evidence, chosen.probability);
     if (named.model.parts.size() < n_parts) {  // the first effect was dropped
       out.fits.clear();
       out.inseparable.clear();

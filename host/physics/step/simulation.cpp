@@ -1,6 +1,7 @@
 #include "host/physics/step/simulation.hpp"
 
 #include "host/geometry/tet_mesh.hpp"
+#include "host/model/display.hpp"
 #include "host/physics/energies/prescribed_motion.hpp"
 #include "host/physics/step/separate_bodies.hpp"
 #include "host/physics/step/simulation_impl.hpp"
@@ -103,6 +104,7 @@ Simulation::Impl::Impl(Device& device_, std::span<const Scene> worlds)
       soft_masses[w].push_back(node_masses(body.mesh, body.material.density));
     const std::size_t n_joints = scene.joints.size();
     drives.emplace_back(n_joints);
+    states[w].reading = unloaded_readings(nominal[w]);
     states[w].joint_position.resize(n_joints);
     states[w].joint_effort.resize(n_joints);
     states[w].joint_stop_effort.resize(n_joints);
@@ -170,9 +172,17 @@ std::vector<StepReport> Simulation::step(std::span<const std::vector<double>> ta
 void Simulation::retire(std::size_t world) { impl_->is_retired.at(world) = true; }
 
 Checkpoint Simulation::checkpoint() const {
-  Checkpoint checkpoint{
-      impl_->x.node.read(), impl_->integrator.history(), impl_->contacts.anchors(), {}, {}, impl_->last_targets, {}, {},
-      impl_->pressing,      impl_->potential.flowed()};
+  Checkpoint checkpoint{impl_->x.node.read(),
+                        impl_->integrator.history(),
+                        impl_->contacts.anchors(),
+                        {},
+                        {},
+                        impl_->last_targets,
+                        {},
+                        {},
+                        impl_->pressing,
+                        {},
+                        impl_->potential.flowed()};
   for (const Actuators& actuators : impl_->actuators) checkpoint.past_targets.push_back(actuators.past());
   for (const std::vector<NodePair>& pairs : impl_->potential.couplings()) {
     checkpoint.couplings.emplace_back();
@@ -182,6 +192,7 @@ Checkpoint Simulation::checkpoint() const {
   for (const WorldState& state : impl_->states) {
     checkpoint.time.push_back(state.time);
     checkpoint.joint_position.push_back(state.joint_position);
+    checkpoint.reading.push_back(state.reading);
   }
   return checkpoint;
 }
@@ -191,14 +202,15 @@ void Simulation::restore(const Checkpoint& checkpoint) {
   const MotionHistory& history = checkpoint.history;
   bool fits = checkpoint.time.size() == n_worlds() && checkpoint.joint_position.size() == n_worlds() &&
               checkpoint.targets.size() == n_worlds() && checkpoint.anchors.size() == n_worlds() &&
-              checkpoint.couplings.size() == n_worlds() && checkpoint.past_targets.size() == n_worlds() &&
-              checkpoint.pressing.size() == impl.pressing.size() &&
+              checkpoint.couplings.size() == n_worlds() && checkpoint.reading.size() == n_worlds() &&
+              checkpoint.past_targets.size() == n_worlds() && checkpoint.pressing.size() == impl.pressing.size() &&
               checkpoint.flowed.size() == impl.potential.flowed().size() && history.length_before.size() == n_worlds();
   for (const std::vector<double>* nodes :
        {&checkpoint.position, &history.velocity, &history.position_before, &history.velocity_before})
     fits = fits && nodes->size() == impl.x.node.size();
   for (std::size_t w = 0; fits && w < n_worlds(); ++w)
     fits = checkpoint.joint_position[w].size() == impl.system.scenes[w].joints.size() &&
+           checkpoint.reading[w].size() == impl.nominal[w].displays.size() &&
            checkpoint.targets[w].size() == impl.last_targets[w].size() &&
            impl.actuators[w].restore(checkpoint.past_targets[w]);
   if (!fits) throw UsageError("the checkpoint was made from another scene; resume with the scene that it came from");
@@ -213,6 +225,7 @@ void Simulation::restore(const Checkpoint& checkpoint) {
   for (std::size_t w = 0; w < n_worlds(); ++w) {
     impl.states[w].time = checkpoint.time[w];
     impl.states[w].joint_position = checkpoint.joint_position[w];
+    impl.states[w].reading = checkpoint.reading[w];
     impl.states[w].contacts.clear();
     impl.is_well[w] = true;
   }

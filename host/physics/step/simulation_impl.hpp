@@ -55,6 +55,7 @@ struct Simulation::Impl {
   void read_state(double h);
   void read_joints(double h);
   void read_pressing();
+  void read_displays(std::size_t world, double h);
 
   double h() const { return system.scenes[0].solver.time_step; }
   const SolverSettings& solver() const { return system.scenes[0].solver; }

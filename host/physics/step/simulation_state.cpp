@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "host/model/display.hpp"
 #include "host/physics/energies/body_forces.hpp"
 #include "host/physics/step/simulation_impl.hpp"
 
@@ -64,6 +65,14 @@ void Simulation::Impl::read_pressing() {
   }
 }
 
+void Simulation::Impl::read_displays(std::size_t w, double h) {
+  const Scene& scene = nominal[w];
+  for (std::size_t i = 0; i < scene.displays.size(); ++i) {
+    double& reading = states[w].reading[i];
+    reading = settled(scene.displays[i], reading, load_on(scene.displays[i], scene, states[w]), h);
+  }
+}
+
 void Simulation::Impl::read_joints(double h) {
   for (std::size_t w = 0; w < system.n_worlds(); ++w) {
     if (!is_well[w]) continue;
@@ -121,6 +130,7 @@ void Simulation::Impl::read_state(double h) {
     }
     states[w].contacts = std::move(forces[w]);
     sum_forces(system.scenes[w], states[w]);
+    read_displays(w, h);
     reports[w].contacts = int(states[w].contacts.size());
     reports[w].min_gap = gap[w];
   }

@@ -1,5 +1,5 @@
-// The job scripts that `submit` writes; without --generate, which asks the program itself and not this test. That a
-// cluster runs them is shown by scripts/test_slurm.sh.
+// The job scripts that `submit` writes; submit_quoting.sh has --generate, which asks the program itself and not this
+// test. That a cluster runs them is shown by scripts/test_slurm.sh.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
