@@ -199,7 +199,7 @@ void read_limits(Section& section, Unit unit, double largest, Joint& joint) {
 }  // namespace
 
 void read_body(Section& section, SceneFile& file) {
-  Scene& scene = file.added;
+  PhysicalScene& scene = file.added;
   const std::string name = section.name();
   const std::size_t kind = section.choice("kind", {"rigid", "soft", "static", "moving", "half_space"});
   const bool is_taken = find_named(scene.rigid_bodies, name) || find_named(scene.soft_bodies, name) ||
@@ -222,7 +222,7 @@ void read_body(Section& section, SceneFile& file) {
 }
 
 void read_joint(Section& section, SceneFile& file) {
-  Scene& scene = file.added;
+  PhysicalScene& scene = file.added;
   Joint joint;
   joint.name = section.name();
   if (find_named(scene.joints, joint.name)) section.fail("name", "`" + joint.name + "` is taken by a joint above");
@@ -257,7 +257,7 @@ void read_joint(Section& section, SceneFile& file) {
 }
 
 void read_stitch(Section& section, SceneFile& file) {
-  Scene& scene = file.added;
+  PhysicalScene& scene = file.added;
   Stitch stitch;
   if (section.has("soft") == section.has("cloth"))
     section.fail("", "must name either a `soft` body or a `cloth`, which is held");

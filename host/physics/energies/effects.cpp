@@ -20,7 +20,7 @@ Vec3 vector_of(const Effect& effect) {
 }
 
 // Where along the axis a soft body is fastened: the mean of the nodes of its first stitch. Its middle if it is free.
-double fastened_at(const Scene& scene, const SoftBody& body, Eigen::Index axis, double middle) {
+double fastened_at(const PhysicalScene& scene, const SoftBody& body, Eigen::Index axis, double middle) {
   for (const Stitch& stitch : scene.stitches) {
     if (stitch.soft < 0 || &scene.soft_bodies[std::size_t(stitch.soft)] != &body) continue;
     double sum = 0;
@@ -32,7 +32,7 @@ double fastened_at(const Scene& scene, const SoftBody& body, Eigen::Index axis, 
 
 // Bends the rest shape in the body's frame: along its longest axis, at s from where it is fastened, by curvature
 // s^2 / 2 across it. What holds it keeps its place and direction.
-void bend_rest_shape(const Scene& scene, SoftBody& body, double curvature_1, double curvature_2) {
+void bend_rest_shape(const PhysicalScene& scene, SoftBody& body, double curvature_1, double curvature_2) {
   Vec3 low = body.mesh.points[0], high = low;
   for (const Vec3& point : body.mesh.points) {
     low = low.cwiseMin(point);
@@ -48,7 +48,7 @@ void bend_rest_shape(const Scene& scene, SoftBody& body, double curvature_1, dou
   }
 }
 
-void apply(const Effect& effect, Scene& scene) {
+void apply(const Effect& effect, PhysicalScene& scene) {
   const auto value = [&](const char* name) { return parameter_of(effect, name); };
   if (Joint* joint = named(scene.joints, effect.target)) {
     Drive& drive = joint->drive;
@@ -68,24 +68,24 @@ void apply(const Effect& effect, Scene& scene) {
     bend_rest_shape(scene, *named(scene.soft_bodies, effect.target), value("curvature_1"), value("curvature_2"));
 }
 
-// force and drags of a whole body, shared by its nodes as its mass is
-void add_drag(System& system, u32 first_node, const std::vector<double>& masses, const Drag& whole) {
+// force and drag of a whole body, shared by its nodes as its mass is
+void add_point_force(System& system, u32 first_node, const std::vector<double>& masses, const PointForce& whole) {
   double total = 0;
   for (const double mass : masses) total += mass;
   for (u32 i = 0; i < masses.size(); ++i) {
-    Drag row = whole;
+    PointForce row = whole;
     const double share = masses[i] / total;
     row.site[0] = first_node + i;
     for (double& f : row.force) f *= share;
     row.linear *= share;
     row.quadratic *= share;
-    system.drag.rows.push_back(row);
+    system.point_force.rows.push_back(row);
   }
 }
 
-void add_drag(System& system, std::size_t world, const Effect& effect) {
-  const Scene& scene = system.scenes[world];
-  Drag whole{};
+void add_point_force(System& system, std::size_t world, const Effect& effect) {
+  const PhysicalScene& scene = system.scenes[world];
+  PointForce whole{};
   if (effect.name == "linear_drag") whole.linear = parameter_of(effect, "drag");
   if (effect.name == "quadratic_drag") whole.quadratic = parameter_of(effect, "drag");
   if (effect.name == "constant_force") Eigen::Map<Vec3>(whole.force) = vector_of(effect);
@@ -93,11 +93,11 @@ void add_drag(System& system, std::size_t world, const Effect& effect) {
     double total = 0;
     for (const double mass : masses) total += mass;
     if (effect.name == "mass_proportional_damping") whole.linear = parameter_of(effect, "rate") * total;
-    add_drag(system, first_node, masses, whole);
+    add_point_force(system, first_node, masses, whole);
   };
   if (const RigidBody* body = named(scene.rigid_bodies, effect.target)) {
     whole.site[0] = add_point_site(system, world, int(body - scene.rigid_bodies.data()), body->center_of_mass);
-    system.drag.rows.push_back(whole);
+    system.point_force.rows.push_back(whole);
   } else if (const SoftBody* solid = named(scene.soft_bodies, effect.target)) {
     of_particles(system.soft_first_node[world][std::size_t(solid - scene.soft_bodies.data())],
                  node_masses(solid->mesh, solid->material.density));
@@ -106,19 +106,19 @@ void add_drag(System& system, std::size_t world, const Effect& effect) {
   }
 }
 
-// its row of drag gets its force before each step
+// its row of point_force gets its force before each step
 void add_force_law(System& system, std::size_t world, const Effect& effect) {
   const std::vector<Formula> law = law_of(effect);
   const std::string text =
       "(real3)(" + law[0].kernel_text + ", " + law[1].kernel_text + ", " + law[2].kernel_text + ")";
-  ForceLaw row{u32(system.drag.rows.size()), number_of(system.force_laws, text), 0, {}};
+  ForceLaw row{u32(system.point_force.rows.size()), number_of(system.force_laws, text), 0, {}};
   std::copy(effect.parameters.begin(), effect.parameters.end(), row.coefficient);
   system.force_law.push_back(row);
-  add_drag(system, world, effect);
+  add_point_force(system, world, effect);
 }
 
 void add_spin_drag(System& system, std::size_t world, const Effect& effect) {
-  const Scene& scene = system.scenes[world];
+  const PhysicalScene& scene = system.scenes[world];
   const std::size_t body = std::size_t(named(scene.rigid_bodies, effect.target) - scene.rigid_bodies.data());
   const u32 first = system.rigid_first_node[world][body];
   system.spin.rows.push_back({{first + 1, first + 2, first + 3}, 0, parameter_of(effect, "drag"), 0, 1, 0});
@@ -149,12 +149,12 @@ Row strain_row(const Element& element, const Effect& effect) {
 
 bool is_flow(const Effect& effect) { return effect.name == "plastic_yield" || effect.name == "creep"; }
 
-const Effect& first_flow(const Scene& scene, const std::string& target) {
+const Effect& first_flow(const PhysicalScene& scene, const std::string& target) {
   return *std::find_if(scene.effects.begin(), scene.effects.end(),
                        [&](const Effect& effect) { return is_flow(effect) && effect.target == target; });
 }
 
-PlasticFlow flow_of(const Scene& scene, const std::string& target, u32 world) {
+PlasticFlow flow_of(const PhysicalScene& scene, const std::string& target, u32 world) {
   PlasticFlow flow{0, world, 0, 0, 0};
   for (const Effect& effect : scene.effects) {
     if (effect.target != target || !is_flow(effect)) continue;
@@ -165,7 +165,7 @@ PlasticFlow flow_of(const Scene& scene, const std::string& target, u32 world) {
 }
 
 void add_solid_effect(System& system, std::size_t world, const Effect& effect) {
-  const Scene& scene = system.scenes[world];
+  const PhysicalScene& scene = system.scenes[world];
   const SoftBody* solid = named(scene.soft_bodies, effect.target);
   const u32 first = system.soft_first_node[world][std::size_t(solid - scene.soft_bodies.data())];
   const std::size_t n = solid->mesh.points.size();
@@ -190,13 +190,13 @@ void add_solid_effect(System& system, std::size_t world, const Effect& effect) {
   });
 }
 
-int body_number(const Scene& scene, const std::string& name) {
+int body_number(const PhysicalScene& scene, const std::string& name) {
   for (std::size_t b = 0; b < n_bodies(scene); ++b)
     if (body_name(scene, b) == name) return int(b);
   return -1;
 }
 
-std::array<int, 2> pair_of(const Scene& scene, const std::string& target) {
+std::array<int, 2> pair_of(const PhysicalScene& scene, const std::string& target) {
   const std::array<std::string, 2> sides = sides_of(scene, target).value();  // checked before
   return {body_number(scene, sides[0]), body_number(scene, sides[1])};
 }
@@ -212,9 +212,9 @@ void add_rolling_resistance(System& system, std::size_t world, const Effect& eff
 
 }  // namespace
 
-Scene with_effects(const Scene& scene) {
+PhysicalScene with_effects(const PhysicalScene& scene) {
   check_effects(scene);
-  Scene changed = scene;
+  PhysicalScene changed = scene;
   for (const Effect& effect : scene.effects) apply(effect, changed);
   return changed;
 }
@@ -224,7 +224,7 @@ void add_body_effects(System& system, std::size_t world) {
     const std::string& name = effect.name;
     if (name == "linear_drag" || name == "quadratic_drag" || name == "constant_force" ||
         name == "mass_proportional_damping")
-      add_drag(system, world, effect);
+      add_point_force(system, world, effect);
     if (name == "regressed_force") add_force_law(system, world, effect);
     if (name == "spin_drag") add_spin_drag(system, world, effect);
     if (name == "kelvin_voigt_damping" || name == "hysteretic_damping" || name == "strain_stiffening" ||
@@ -234,7 +234,7 @@ void add_body_effects(System& system, std::size_t world) {
 }
 
 void add_contact_effects(System& system, std::size_t world) {
-  const Scene& scene = system.scenes[world];
+  const PhysicalScene& scene = system.scenes[world];
   const u32 first_body = u32(system.collision.bodies.size() - n_bodies(scene));
   for (const Effect& effect : scene.effects) {
     if (effect_kind(effect.name).target != EffectTarget::contact) continue;

@@ -9,7 +9,7 @@ namespace pvg {
 void Simulation::Impl::set_joints(double h, const std::vector<std::vector<double>>& previous,
                                   const std::vector<std::vector<double>>& targets) {
   for (std::size_t w = 0; w < system.n_worlds(); ++w) {
-    const Scene& scene = system.scenes[w];
+    const PhysicalScene& scene = system.scenes[w];
     std::size_t driven = 0;
     for (std::size_t j = 0; j < scene.joints.size(); ++j) {
       const Joint& joint = scene.joints[j];
@@ -87,7 +87,7 @@ void Simulation::Impl::read_state(double h) {
   for (std::size_t w = 0; w < system.n_worlds(); ++w) {
     if (!is_well[w]) continue;
     WorldState& state = states[w];
-    const Scene& scene = system.scenes[w];
+    const PhysicalScene& scene = system.scenes[w];
     state.time += h;
     state.rigid.resize(scene.rigid_bodies.size());
     for (std::size_t b = 0; b < state.rigid.size(); ++b) {
