@@ -35,20 +35,20 @@ Duration measure(const std::function<void()>& job) {
   return {wall, cpu_seconds() - cpu};
 }
 
-Duration median(const std::vector<Duration>& durations) {
+Duration median_of(const std::vector<Duration>& durations) {
   std::vector<double> wall, cpu;
   for (const Duration& d : durations) {
     wall.push_back(d.wall);
     cpu.push_back(d.cpu);
   }
-  return {pvg::median(wall), pvg::median(cpu)};
+  return {median(wall), median(cpu)};
 }
 
 Duration measure(int repeats, const std::function<void()>& job) {
   job();
   std::vector<Duration> durations;
   for (int i = 0; i < repeats; ++i) durations.push_back(measure(job));
-  return median(durations);
+  return median_of(durations);
 }
 
 // ---- rays
@@ -133,9 +133,9 @@ RayFigure compare(const std::string& kind, const BenchRays& rays, int repeats, c
     ratios.push_back(b.wall / a.wall);
     cpu_ratios.push_back(b.cpu / a.cpu);
   }
-  figure.ours = median(our_durations);
+  figure.ours = median_of(our_durations);
   if (!embree) return figure;
-  figure.embree = median(embree_durations);
+  figure.embree = median_of(embree_durations);
   figure.ratio = median(ratios);
   figure.cpu_ratio = median(cpu_ratios);
   return figure;

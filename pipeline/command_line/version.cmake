@@ -9,9 +9,8 @@ if(GIT_FOUND)
     set(commit ${described})
   endif()
 endif()
-set(text "#include \"pipeline/command_line/program.hpp\"\n\n"
-         "std::string pvg::program_version() { return \"${VERSION} (commit ${commit})\"; }\n")
-string(JOIN "" text ${text})
+string(CONCAT text "#include \"pipeline/command_line/program.hpp\"\n\n"
+       "std::string pvg::program_version() { return \"${VERSION} (commit ${commit})\"; }\n")
 set(before "")
 if(EXISTS ${OUTPUT})
   file(READ ${OUTPUT} before)
