@@ -4,7 +4,8 @@
     scripts/check_layers.py [FOLDER]      FOLDER: of the project; exit code 1 where an include breaks a rule
 
 Rules: a library includes its own headers and those of the libraries in its row; kernels include kernels alone; OpenCL's
-headers stay in host/device; libraries of others stay in the folders named below; no folder has more than 40 files.
+headers stay in host/device; libraries of others stay in the folders named below; physics sees nothing of what is seen;
+no folder has more than 40 files.
 """
 import collections
 import pathlib
@@ -24,6 +25,10 @@ OTHERS = {  # header of another library: the folders that may include it
     "oneapi/": ["pipeline/graph"],
     "tbb/": ["pipeline/graph"],
     "CLI/": ["pipeline/command_line"],
+}
+HIDDEN = {  # header: the folder whose libraries may not include it, though they may use its library
+    "host/model/appearance.hpp": "host/physics/",
+    "host/model/scene.hpp": "host/physics/",
 }
 LARGEST_FOLDER = 40  # source files
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.M)
@@ -84,6 +89,8 @@ def check(root):
                         findings.append(f"{where}: kernels include kernels alone")
                     elif target not in table.get(folder, set()):
                         findings.append(f"{where}: {folder} may not use {target} (host/libraries.cmake)")
+                if folder.startswith(HIDDEN.get(name, "-")):
+                    findings.append(f"{where}: physics reads host/model/physical_scene.hpp alone")
                 for prefix, homes in OTHERS.items():
                     if mark == "<" and name.startswith(prefix) and folder not in homes and top != "tests":
                         findings.append(f"{where}: it stays in {', '.join(homes)}")

@@ -44,14 +44,14 @@ void write_mesh(hdf5::File& file, const std::string& name, std::int64_t body, st
 
 }  // namespace
 
-std::vector<bool> is_stitched(const Scene& scene) {
+std::vector<bool> is_stitched(const PhysicalScene& scene) {
   std::vector<bool> stitched(scene.soft_bodies.size(), false);
   for (const Stitch& stitch : scene.stitches)
     if (stitch.soft >= 0) stitched.at(std::size_t(stitch.soft)) = true;
   return stitched;
 }
 
-std::vector<std::size_t> driven_joints(const Scene& scene) {
+std::vector<std::size_t> driven_joints(const PhysicalScene& scene) {
   std::vector<std::size_t> driven;
   for (std::size_t i = 0; i < scene.joints.size(); ++i)
     if (is_driven(scene.joints[i])) driven.push_back(i);
@@ -189,7 +189,7 @@ struct StatesFile::Impl {
 
 namespace {
 
-void write_header(hdf5::File& file, const Scene& scene, const EpisodeHeader& header) {
+void write_header(hdf5::File& file, const PhysicalScene& scene, const EpisodeHeader& header) {
   file.attribute("/", "schema", SCHEMA);
   file.attribute("/", "task", header.task);
   file.attribute("/", "seed", header.seed);
@@ -207,7 +207,7 @@ void write_header(hdf5::File& file, const Scene& scene, const EpisodeHeader& hea
   file.attribute("/sampled", "names", names);
 }
 
-void write_meshes(hdf5::File& file, const Scene& scene) {
+void write_meshes(hdf5::File& file, const PhysicalScene& scene) {
   file.make_group("/mesh");
   for (std::size_t i = 0; i < scene.rigid_bodies.size(); ++i) {
     const RigidBody& body = scene.rigid_bodies[i];
@@ -236,7 +236,7 @@ void write_disabled(hdf5::File& file, std::span<const DisabledPair> disabled) {
   file.write<std::int64_t>("/contact_disabled", {disabled.size(), 9}, rows);
 }
 
-std::vector<std::string> names_of(const Scene& scene, const std::vector<std::size_t>& bodies) {
+std::vector<std::string> names_of(const PhysicalScene& scene, const std::vector<std::size_t>& bodies) {
   std::vector<std::string> names;
   for (const std::size_t i : bodies) names.push_back(scene.rigid_bodies[i].name);
   return names;

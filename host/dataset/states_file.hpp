@@ -67,9 +67,9 @@ class StatesFile {
 };
 
 // Soft bodies that a stitch ties to a rigid body: the gripper's.
-std::vector<bool> is_stitched(const Scene& scene);
+std::vector<bool> is_stitched(const PhysicalScene& scene);
 
 // Indices of Scene::joints that have a drive: the columns of q, a and torque.
-std::vector<std::size_t> driven_joints(const Scene& scene);
+std::vector<std::size_t> driven_joints(const PhysicalScene& scene);
 
 }  // namespace pvg

@@ -9,7 +9,7 @@ StatesOrigin states_origin(const std::filesystem::path& path) {
   return {record.text("task"), record.whole("seed"), record.whole("episode")};
 }
 
-StatesReader::StatesReader(const std::filesystem::path& path, const Scene& scene)
+StatesReader::StatesReader(const std::filesystem::path& path, const PhysicalScene& scene)
     : record_(path), bodies_(record_.bodies()) {
   if (record_.n_steps() == 0) throw UsageError(path.string() + " holds no step; there is nothing to show");
   if (record_.has("/frame_step")) filmed_ = record_.filmed_steps();

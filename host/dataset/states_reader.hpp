@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "host/dataset/states_record.hpp"
-#include "host/model/scene.hpp"
+#include "host/model/physical_scene.hpp"
 #include "host/model/state.hpp"
 
 namespace pvg {
@@ -20,7 +20,7 @@ StatesOrigin states_origin(const std::filesystem::path& file);
 class StatesReader {
  public:
   // Throws a UsageError that names a body which the file lacks, or which has another number of nodes there.
-  StatesReader(const std::filesystem::path& file, const Scene& scene);
+  StatesReader(const std::filesystem::path& file, const PhysicalScene& scene);
 
   std::size_t n_steps() const { return record_.n_steps(); }
   double time(std::size_t step) const { return record_.times().at(step); }  // [s]

@@ -183,8 +183,8 @@ class Kernel {
   std::vector<std::vector<unsigned char>> given_;  // [n_arguments] as last set
 };
 
-// The kernels of one file; `file` is relative to kernels/, as in "energies/joint/stitch_spring.cl". Its #include lines
-// are resolved here, so that the driver sees one text. `defines` as in "-DREAL_IS_DOUBLE".
+// The kernels of one file; `file` is relative to kernels/, as in "energies/joint/zero_length_spring.cl". Its #include
+// lines are resolved here, so that the driver sees one text. `defines` as in "-DREAL_IS_DOUBLE".
 class Program {
  public:
   Program(Device& device, const std::string& file, const std::string& defines = "");

@@ -19,15 +19,12 @@ void add_materials(YamlSection& root, std::vector<VisualMaterial>& materials,
 // The same material with the names of its textures' files.
 MaterialSection with_files(const VisualMaterial& material, const std::vector<std::filesystem::path>& textures);
 
-Effect read_effect(YamlSection& section);                       // read_effect.cpp
 GripperSection read_gripper(YamlSection& section, Task& task);  // its materials become the task's (task_file.cpp)
 std::vector<VisualSection> read_visuals(YamlSection& section);  // the key `visuals`, if it is there
 void read_light(YamlSection& section, Task& task);
 
 RobotCell read_robot_cell(YamlSection& section, Task& task);  // `name`, `robot` and `gripper` of one of `robots`
 std::vector<MotionElement> read_motion(YamlSection& root, const std::vector<RobotCell>& robots);
-JointSection read_task_joint(YamlSection& section);
-Condition read_condition(YamlSection& section, const std::vector<std::string>& robots, Condition::When otherwise);
 
 // What tasks and plain scenes share (task_file.cpp).
 Task read_scene_sections(YamlSection& root, double largest_time_step);

@@ -159,6 +159,11 @@ std::vector<std::uint32_t> read_points_within(YamlSection& section, const std::v
                                               const std::string& body) {
   const Vec3 low = section.vector("low", Unit::length, -2 * REACH, 2 * REACH);
   const Vec3 high = section.vector("high", Unit::length, -2 * REACH, 2 * REACH);
+  return points_within(section, low, high, points, body);
+}
+
+std::vector<std::uint32_t> points_within(const YamlSection& section, const Vec3& low, const Vec3& high,
+                                         const std::vector<Vec3>& points, const std::string& body) {
   std::vector<std::uint32_t> within;
   for (std::size_t i = 0; i < points.size(); ++i)
     if ((points[i].array() >= low.array()).all() && (points[i].array() <= high.array()).all())

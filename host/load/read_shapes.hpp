@@ -13,5 +13,8 @@ TriangleMesh read_sheet_shape(YamlSection section);  // of a cloth: open or clos
 // Indices of the points inside a box: `low` and `high` of this section, in the frame of the points.
 std::vector<std::uint32_t> read_points_within(YamlSection& section, const std::vector<Vec3>& points,
                                               const std::string& body);
+// The same of a box that has been read.
+std::vector<std::uint32_t> points_within(const YamlSection& section, const Vec3& low, const Vec3& high,
+                                         const std::vector<Vec3>& points, const std::string& body);
 
 }  // namespace pvg

@@ -1,5 +1,6 @@
 #include "host/load/reference.hpp"
 
+#include "host/load/read_bodies.hpp"
 #include "host/load/read_sections.hpp"
 #include "host/load/scene_file.hpp"
 
@@ -28,16 +29,18 @@ std::string scene_page() {
   return Page("Scene files: keys")
       .section("The file", "Also of tasks, with `schema: 1`; the time step of a task is at most 20 ms.",
                root_fields(LARGEST_SCENE_TIME_STEP))
-      .section(
-          "Scene files alone",
-          "`bodies`, `joints` and `stitches`: [scenes](../guide/scenes.md). A scene file may also hold `robots` as "
-          "[tasks](task.md) do.",
-          scene_file_fields())
+      .section("Scene files alone",
+               "Besides `bodies`, `joints` and `stitches`, a scene file may hold `robots` as [tasks](task.md) do.",
+               scene_file_fields())
+      .section("`bodies[]`", "", body_fields())
+      .section("`joints[]`", "Between two bodies.", scene_joint_fields())
+      .section("`stitches[]`", "Springs that hold a soft body or cloth.", stitch_fields())
       .section("`contact`", "", contact_fields())
       .section("`solver`", "", solver_fields())
       .section("`objects[]`", "Rigid bodies of a mesh. A body that can move has `density` or `mass`.", object_fields())
       .section("`cloths[]`", "", cloth_fields())
       .section("`pair_friction[]`", "", pair_friction_fields())
+      .section("`effects[]`", "What else acts, by name.", effect_fields())
       .section("`materials[]`", "", material_fields())
       .section("`lights[]` of kind `rectangle`", "The default of the key `kind`.", rectangle_light_fields())
       .section("`lights[]` of kind `sphere`", "", sphere_light_fields())
@@ -51,9 +54,13 @@ std::string task_page() {
   return Page("Task files: keys")
       .section("`robot`",
                "One arm, with `gripper: FILE` ([gripper](gripper.md)) beside it; or `robots`, a list of `{name, robot, "
-               "gripper}`. All sections of [scenes](scene.md) may stand in a task; `motion`, `joints`, `success` and "
-               "`failure` are in [tasks](../guide/tasks.md).",
+               "gripper}`. All sections of [scenes](scene.md) may stand in a task.",
                robot_fields())
+      .section("`joints[]`", "Between two objects.", task_joint_fields())
+      .section("`motion[]`", "One after the other; `{together: [..]}` holds what several robots do at the same time.",
+               motion_fields({}))
+      .section("`success[]` and `failure[]`", "All of `success` must hold; one of `failure` ends the episode.",
+               condition_fields({}, Condition::When::end))
       .section("`vary[]`", "What is drawn per episode beside poses.", variation_fields())
       .text;
 }

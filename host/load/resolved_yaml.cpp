@@ -19,90 +19,6 @@ void write_section(YamlWriter& w, const char* key, const Fields<T>& fields, cons
   w.end();
 }
 
-void write_effects(YamlWriter& w, const Task& task) {
-  w.list("effects", task.effects, [&](const Effect& effect) {
-    w.entry("effect", effect.name);
-    w.entry("target", effect.target);
-    if (effect.formulas.size() == 1) w.entry("formula", effect.formulas[0]);
-    if (effect.formulas.size() > 1) w.flow("formula", effect.formulas);
-    if (!effect.formulas.empty()) {
-      w.flow("coefficients", effect.parameters);
-      return;
-    }
-    const std::vector<EffectParameter>& parameters = effect_kind(effect.name).parameters;
-    for (std::size_t i = 0; i < parameters.size(); ++i) w.entry(parameters[i].name, effect.parameters[i]);
-  });
-}
-
-void write_joint(YamlWriter& w, const JointSection& section) {
-  constexpr const char* TYPES[] = {"fixed", "revolute", "prismatic", "spherical"};
-  const Joint& joint = section.joint;
-  w.entry("name", joint.name);
-  w.entry("type", TYPES[int(joint.type)]);
-  w.entry("parent", section.parent);
-  w.entry("child", section.child);
-  w.vector("axis", joint.axis);
-  w.entry("lower", joint.lower);
-  w.entry("upper", joint.upper);
-  w.entry("damping", joint.damping);
-  w.pose("parent_frame", joint.parent_frame);
-}
-
-void write_element(YamlWriter& w, const MotionElement& element) {
-  const MotionKind& kind = kind_of(element);
-  w.entry("do", kind.name);
-  w.entry("robot", element.robot);
-  w.entry("is_with_previous", element.is_with_previous);
-  w.entry("object", element.object);
-  w.entry("frame", element.is_in_tool_frame ? "tool" : "object");
-  if (kind.given == GivenMotion::arc) {
-    w.vector("center", element.center);
-    w.vector("axis", element.axis);
-    w.entry("angle", element.angle);
-    w.entry("turns", element.turns_with_arc);
-  } else if (kind.given == GivenMotion::path) {
-    w.list("path", element.path, [&](const Pose& pose) { w.pose("pose", pose); });
-  } else {
-    w.pose("target", element.target);
-  }
-  w.entry("gripper", element.gripper);
-  w.entry("force", element.force);
-  w.entry("duration", element.duration);
-  w.entry("speed", element.speed);
-  w.entry("straight", element.is_straight);
-  w.entry("plan", element.avoids_obstacles);
-}
-
-void write_condition(YamlWriter& w, const Condition& condition) {
-  constexpr const char* WHEN[] = {"end", "some_time", "always"};
-  w.entry("quantity", kind_of(condition).name);
-  w.entry("of", condition.of);
-  w.entry("when", WHEN[int(condition.when)]);
-  const int keys = kind_of(condition).keys;
-  if ((keys & ROBOT_KEY) == ROBOT_KEY) w.entry("robot", condition.robot);
-  if ((keys & TARGET_KEYS) == TARGET_KEYS) {
-    w.entry("target", condition.target);
-    w.vector("target_position", condition.target_position);
-    w.vector("point", condition.point);
-  }
-  if ((keys & POINT_KEYS) == POINT_KEYS) {
-    w.vector("first", condition.first);
-    w.vector("second", condition.second);
-  }
-  if ((keys & EDGE_KEYS) == EDGE_KEYS) {
-    w.vector("first_end", condition.first_end);
-    w.vector("second_end", condition.second_end);
-  }
-  if (condition.at_least) w.entry("at_least", *condition.at_least);
-  if (condition.at_most) w.entry("at_most", *condition.at_most);
-}
-
-void write_motion(YamlWriter& w, const Task& task) {
-  w.list("motion", task.motion, [&](const MotionElement& element) { write_element(w, element); });
-  w.list("success", task.success, [&](const Condition& condition) { write_condition(w, condition); });
-  w.list("failure", task.failure, [&](const Condition& condition) { write_condition(w, condition); });
-}
-
 void write_robot(YamlWriter& w, const RobotSection& robot, const std::optional<GripperSection>& gripper) {
   if (!robot.urdf.empty()) write_section(w, "robot", robot_fields(), robot);
   if (gripper) write_section(w, "gripper", gripper_fields(), *gripper);
@@ -127,11 +43,6 @@ void write_looks(YamlWriter& w, const Task& task) {
 }
 
 template <class T>
-void read_list(YamlSection& root, const char* key, const Fields<T>& fields, std::vector<T>& list) {
-  for (const YamlSection& section : root.sections(key)) list.push_back(read_all(fields, section));
-}
-
-template <class T>
 void read_section(YamlSection& root, const char* key, const Fields<T>& fields, T& value) {
   if (!root.has(key)) return;
   YamlSection section = root.section(key);
@@ -152,13 +63,15 @@ std::string resolved_yaml(const Task& task, const TaskScene& built) {
     write_robot(w, cell.robot, cell.gripper);
   });
   write_list(w, "objects", object_fields(), task.objects);
-  w.list("joints", task.joints, [&](const JointSection& joint) { write_joint(w, joint); });
+  write_list(w, "joints", task_joint_fields(), task.joints);
   write_list(w, "cloths", cloth_fields(), task.cloths);
   write_list(w, "pair_friction", pair_friction_fields(), task.pair_friction);
-  write_effects(w, task);
+  write_list(w, "effects", effect_fields(), task.effects);
   write_section(w, "contact", contact_fields(), task.contact);
   write_section(w, "solver", solver_fields(), task.solver);
-  write_motion(w, task);
+  write_list(w, "motion", motion_fields({}), task.motion);
+  write_list(w, "success", condition_fields({}, Condition::When::end), task.success);
+  write_list(w, "failure", condition_fields({}, Condition::When::some_time), task.failure);
   if (!task.variations.empty()) write_list(w, "vary", variation_fields(), task.variations);
   write_looks(w, task);
   w.begin("drawn");
@@ -182,11 +95,15 @@ Task read_resolved(const std::string& text, const std::filesystem::path& file) {
     task.more_robots.push_back(std::move(cell));
   }
   read_list(root, "objects", object_fields(), task.objects);
+  read_list(root, "joints", task_joint_fields(), task.joints);
   read_list(root, "cloths", cloth_fields(), task.cloths);
   read_list(root, "pair_friction", pair_friction_fields(), task.pair_friction);
-  for (YamlSection& section : root.sections("effects")) task.effects.push_back(read_effect(section));
+  read_list(root, "effects", effect_fields(), task.effects);
   read_section(root, "contact", contact_fields(), task.contact);
   read_section(root, "solver", solver_fields(), task.solver);
+  read_list(root, "motion", motion_fields({}), task.motion);
+  read_list(root, "success", condition_fields({}, Condition::When::end), task.success);
+  read_list(root, "failure", condition_fields({}, Condition::When::some_time), task.failure);
   read_list(root, "vary", variation_fields(), task.variations);
   read_section(root, "background", background_fields(), task.background);
   add_materials(root, task.materials, &task.textures);
@@ -197,7 +114,7 @@ Task read_resolved(const std::string& text, const std::filesystem::path& file) {
   if (root.has("environment_turn")) task.environment_turn = root.number("environment_turn", Unit::angle, 0, 1);
   read_list(root, "cameras", camera_fields(), task.cameras);
   read_section(root, "render", render_fields(), task.render);
-  for (const char* key : {"schema", "joints", "motion", "success", "failure", "drawn"}) root.skip(key);
+  for (const char* key : {"schema", "drawn"}) root.skip(key);
   root.done();
   return task;
 }

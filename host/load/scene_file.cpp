@@ -16,7 +16,7 @@ namespace pvg {
 namespace {
 
 // `added` behind what the scene has, its indices moved by it
-void append(Scene& scene, const Scene& added) {
+void append(PhysicalScene& scene, const PhysicalScene& added) {
   const int first_rigid = int(scene.rigid_bodies.size()), first_soft = int(scene.soft_bodies.size());
   const auto append_list = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
   append_list(scene.rigid_bodies, added.rigid_bodies);
@@ -152,6 +152,7 @@ SceneRun load_scene_run(const std::filesystem::path& path) {
   }
   run.targets.insert(run.targets.end(), file.targets.begin(), file.targets.end());
   run.duration = file.duration;
+  run.render = file.task.render;
   run.configuration = read_whole_file(path).value_or("");
   return run;
 }

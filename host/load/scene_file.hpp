@@ -58,7 +58,7 @@ struct BodyVisuals {
 // What a scene file says.
 struct SceneFile {
   Task task;                         // the sections that tasks have too; its solver, contact and pair_friction hold
-  Scene added;                       // only gravity, bodies, joints and stitches; indices among themselves
+  PhysicalScene added;               // only gravity, bodies, joints and stitches; indices among themselves
   std::vector<TargetTable> targets;  // [n_driven joints of `added`]
   std::vector<RobotPath> paths;      // of Task::more_robots
   std::vector<BodyVisuals> visuals;
@@ -72,6 +72,7 @@ SceneFile load_scene_file(const std::filesystem::path& file);
 // A scene that is ready to run.
 struct SceneRun {
   Scene scene;
+  RenderSection render;
   std::vector<TargetTable> targets;  // [n_driven joints], in the order of Scene::joints
   double duration = 0;               // [s]
   std::string configuration;         // for the record: the file's text

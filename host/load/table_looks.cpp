@@ -13,6 +13,18 @@ using Material = MaterialSection;
 using Kind = VisualMaterial::Kind;
 using AlphaMode = VisualMaterial::AlphaMode;
 
+std::vector<std::string> kind_names() {
+  std::vector<std::string> names;
+  for (const MaterialKind& kind : MATERIAL_KINDS) names.push_back(kind.name);
+  return names;
+}
+
+std::string kind_meanings() {
+  std::string all;
+  for (const MaterialKind& kind : MATERIAL_KINDS) all += (all.empty() ? "" : "; ") + std::string(kind.meaning);
+  return all;
+}
+
 // defaults that follow from the kind
 void set_defaults(Material& material) {
   if (material.kind == Kind::dielectric) material.color = Vec3f::Ones();
@@ -105,11 +117,7 @@ const Fields<MaterialSection>& material_fields() {
   static const Fields<M> FIELDS =
       Fields<M>()
           .name(&M::name, "of the material")
-          .choice("kind", &M::kind,
-                  {"diffuse", "conductor", "dielectric", "emissive", "shadow_receiver", "metallic_roughness", "cloth"},
-                  "Lambert; metal; clear or frosted glass and water; shines on both sides; a captured surface that "
-                  "keeps its look and receives shadows; glTF's model: a coat over a base; diffuse below fibres that "
-                  "shine at grazing angles")
+          .choice("kind", &M::kind, kind_names(), kind_meanings())
           .required()
           .then(set_defaults)
           .number("color", &M::color, Unit::none, 0, 1,

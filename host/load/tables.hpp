@@ -36,6 +36,14 @@ const Fields<CameraSection>& camera_fields();
 const Fields<BackgroundSection>& background_fields();
 const Fields<RenderSection>& render_fields();
 
+// table_effect.cpp
+const Fields<Effect>& effect_fields();
+
+// table_task.cpp. robots: of the task. otherwise: the default of `when`
+const Fields<JointSection>& task_joint_fields();
+Fields<MotionElement> motion_fields(const std::vector<RobotCell>& robots);
+Fields<Condition> condition_fields(const std::vector<std::string>& robots, Condition::When otherwise);
+
 // task_file.cpp: keys of the file itself. largest_time_step [s]
 constexpr double LARGEST_TASK_TIME_STEP = 0.02, LARGEST_SCENE_TIME_STEP = 1;  // scenes may only look for rest
 Fields<Task> root_fields(double largest_time_step);
@@ -46,6 +54,11 @@ T read_all(const Fields<T>& fields, YamlSection section) {
   fields.read(section, value);
   section.done();
   return value;
+}
+
+template <class T>
+void read_list(YamlSection& root, const std::string& key, const Fields<T>& fields, std::vector<T>& list) {
+  for (const YamlSection& section : root.sections(key)) list.push_back(read_all(fields, section));
 }
 
 }  // namespace pvg

@@ -14,11 +14,6 @@ void read_if_there(Section& root, const std::string& key, const Fields<T>& field
   if (root.has(key)) value = read_all(fields, root.section(key));
 }
 
-template <class T>
-void read_list(Section& root, const std::string& key, const Fields<T>& fields, std::vector<T>& list) {
-  for (const Section& section : root.sections(key)) list.push_back(read_all(fields, section));
-}
-
 }  // namespace
 
 void check_names(const Section& root, const Task& task, const std::vector<std::string>& bodies) {
@@ -141,7 +136,7 @@ Task read_scene_sections(Section& root, double largest_time_step) {
   read_list(root, "objects", object_fields(), task.objects);
   read_list(root, "cloths", cloth_fields(), task.cloths);
   read_list(root, "pair_friction", pair_friction_fields(), task.pair_friction);
-  for (Section& section : root.sections("effects")) task.effects.push_back(read_effect(section));
+  read_list(root, "effects", effect_fields(), task.effects);
   read_if_there(root, "background", background_fields(), task.background);
   for (Section& section : root.sections("lights")) read_light(section, task);
   read_list(root, "cameras", camera_fields(), task.cameras);
@@ -211,13 +206,11 @@ Task load_task(const std::filesystem::path& file) {
   }
   if (robots.empty()) root.fail("", "lacks the key `robot`: a task needs one, or several in `robots`");
   if (task.cameras.empty()) root.fail("", "lacks `cameras`: a task is filmed by at least one");
-  for (Section& section : root.sections("joints")) task.joints.push_back(read_task_joint(section));
+  read_list(root, "joints", task_joint_fields(), task.joints);
   task.motion = read_motion(root, robots_of(task));
-  for (Section& section : root.sections("success"))
-    task.success.push_back(read_condition(section, robots, Condition::When::end));
+  read_list(root, "success", condition_fields(robots, Condition::When::end), task.success);
   if (task.success.empty()) root.fail("", "lacks `success`: a task has at least one condition");
-  for (Section& section : root.sections("failure"))
-    task.failure.push_back(read_condition(section, robots, Condition::When::some_time));
+  read_list(root, "failure", condition_fields(robots, Condition::When::some_time), task.failure);
   read_list(root, "vary", variation_fields(), task.variations);
   root.done();
   check_names(root, task, {});

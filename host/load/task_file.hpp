@@ -12,7 +12,7 @@ bool is_task_file(const std::filesystem::path& file);
 
 GripperSection load_gripper(const std::filesystem::path& file);
 
-// What resolved_yaml (build_scene.hpp) wrote, without meshes of cloths, `joints`, `motion`, `success` and `failure`.
+// What resolved_yaml (build_scene.hpp) wrote, without meshes of cloths.
 // file: its paths are relative to its folder; messages name it.
 Task read_resolved(const std::string& text, const std::filesystem::path& file);
 

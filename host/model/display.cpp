@@ -8,7 +8,7 @@
 
 namespace pvg {
 
-double load_on(const Display& display, const Scene& scene, const WorldState& state) {
+double load_on(const Display& display, const PhysicalScene& scene, const WorldState& state) {
   const double g = scene.gravity.norm();
   double load = 0;
   for (const PairForce& pair : state.pair_force) {
@@ -24,7 +24,7 @@ double settled(const Display& display, double reading, double load, double h) {
   return reading + share * (load - reading);
 }
 
-std::vector<double> unloaded_readings(const Scene& scene) {
+std::vector<double> unloaded_readings(const PhysicalScene& scene) {
   std::vector<double> readings;
   for (const Display& display : scene.displays) readings.push_back(-display.tare);
   return readings;

@@ -11,13 +11,13 @@
 namespace pvg {
 
 // m [kg]; without gravity: -tare
-double load_on(const Display& display, const Scene& scene, const WorldState& state);
+double load_on(const Display& display, const PhysicalScene& scene, const WorldState& state);
 
 // the reading a time h [s] after `reading` [kg]
 double settled(const Display& display, double reading, double load, double h);
 
 // Of an unloaded scale: [n_displays, kg]
-std::vector<double> unloaded_readings(const Scene& scene);
+std::vector<double> unloaded_readings(const PhysicalScene& scene);
 
 // The reading in grams, rounded to the resolution, such as "104.2"; what has more places than there are is dashes.
 std::string shown_figures(const Display& display, double reading);

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "host/base/error.hpp"
-#include "host/model/scene.hpp"
+#include "host/model/physical_scene.hpp"
 
 namespace pvg {
 namespace {
@@ -15,12 +15,12 @@ bool holds(const List& list, const std::string& name) {
   return std::any_of(list.begin(), list.end(), [&](const auto& item) { return item.name == name; });
 }
 
-bool is_body(const Scene& scene, const std::string& name) {
+bool is_body(const PhysicalScene& scene, const std::string& name) {
   return holds(scene.rigid_bodies, name) || holds(scene.soft_bodies, name) || holds(scene.cloths, name);
 }
 
 // empty: it is there; else what must be named
-std::string lacking(const Scene& scene, const EffectKind& kind, const std::string& target) {
+std::string lacking(const PhysicalScene& scene, const EffectKind& kind, const std::string& target) {
   switch (kind.target) {
     case EffectTarget::joint:
     case EffectTarget::driven_joint:
@@ -99,7 +99,7 @@ double parameter_of(const Effect& effect, const std::string& name) {
   throw std::logic_error(effect.name + " has no parameter " + name);
 }
 
-std::optional<std::array<std::string, 2>> sides_of(const Scene& scene, const std::string& contact) {
+std::optional<std::array<std::string, 2>> sides_of(const PhysicalScene& scene, const std::string& contact) {
   for (std::size_t cut = contact.find('/'); cut != std::string::npos; cut = contact.find('/', cut + 1)) {
     std::array<std::string, 2> sides = {contact.substr(0, cut), contact.substr(cut + 1)};
     if (is_body(scene, sides[0]) && is_body(scene, sides[1])) return sides;
@@ -107,7 +107,7 @@ std::optional<std::array<std::string, 2>> sides_of(const Scene& scene, const std
   return std::nullopt;
 }
 
-void check_effects(const Scene& scene) {
+void check_effects(const PhysicalScene& scene) {
   for (const Effect& effect : scene.effects) {
     const EffectKind& kind = effect_kind(effect.name);
     if (const std::string what = lacking(scene, kind, effect.target); !what.empty())

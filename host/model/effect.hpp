@@ -58,11 +58,11 @@ std::vector<Formula> law_of(const Effect& effect);
 // Value of the parameter `name` of an effect. Throws std::logic_error where its kind has none such.
 double parameter_of(const Effect& effect, const std::string& name);
 
-struct Scene;
+struct PhysicalScene;
 // The two bodies of the scene that `contact`, "first/second", names; names may hold slashes. Nothing where it does not.
-std::optional<std::array<std::string, 2>> sides_of(const Scene& scene, const std::string& contact);
+std::optional<std::array<std::string, 2>> sides_of(const PhysicalScene& scene, const std::string& contact);
 
 // Throws a UsageError where an effect names what the scene does not have, or a parameter is outside its bounds.
-void check_effects(const Scene& scene);
+void check_effects(const PhysicalScene& scene);
 
 }  // namespace pvg

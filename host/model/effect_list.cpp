@@ -11,12 +11,12 @@ auto named(List& list, const std::string& name) {
   return std::find_if(list.begin(), list.end(), [&](const auto& item) { return item.name == name; });
 }
 
-bool is_carried(const Scene& scene, const std::string& body) {
+bool is_carried(const PhysicalScene& scene, const std::string& body) {
   return std::any_of(scene.joints.begin(), scene.joints.end(),
                      [&](const Joint& joint) { return scene.rigid_bodies[std::size_t(joint.child)].name == body; });
 }
 
-bool has_soft_side(const Scene& scene, const std::string& contact) {
+bool has_soft_side(const PhysicalScene& scene, const std::string& contact) {
   const std::array<std::string, 2> sides = sides_of(scene, contact).value();
   const auto is_side = [&](const auto& body) { return body.name == sides[0] || body.name == sides[1]; };
   return std::any_of(scene.soft_bodies.begin(), scene.soft_bodies.end(), is_side) ||
@@ -24,7 +24,7 @@ bool has_soft_side(const Scene& scene, const std::string& contact) {
 }
 
 // Where along the axis a soft body is fastened: the mean of the nodes of its first stitch. Its middle if it is free.
-double fastened_at(const Scene& scene, const SoftBody& body, Eigen::Index axis, double middle) {
+double fastened_at(const PhysicalScene& scene, const SoftBody& body, Eigen::Index axis, double middle) {
   for (const Stitch& stitch : scene.stitches) {
     if (stitch.soft < 0 || &scene.soft_bodies[std::size_t(stitch.soft)] != &body) continue;
     double sum = 0;
@@ -44,15 +44,15 @@ EffectParameter shape(const char* name, const char* unit, double low, double hig
   return {name, unit, low, high, usual, false, usual};
 }
 
-Drive& drive_of(Scene& scene, const Effect& effect) { return named(scene.joints, effect.target)->drive; }
+Drive& drive_of(PhysicalScene& scene, const Effect& effect) { return named(scene.joints, effect.target)->drive; }
 
-RigidBody& rigid_of(Scene& scene, const Effect& effect) { return *named(scene.rigid_bodies, effect.target); }
+RigidBody& rigid_of(PhysicalScene& scene, const Effect& effect) { return *named(scene.rigid_bodies, effect.target); }
 
 Vec3 vector(const Effect& effect) {
   return {parameter_of(effect, "x"), parameter_of(effect, "y"), parameter_of(effect, "z")};
 }
 
-void bend_rest_shape(Scene& scene, const std::string& target, double curvature_1, double curvature_2) {
+void bend_rest_shape(PhysicalScene& scene, const std::string& target, double curvature_1, double curvature_2) {
   SoftBody& body = *named(scene.soft_bodies, target);
   Vec3 low = body.mesh.points[0], high = low;
   for (const Vec3& point : body.mesh.points) {
@@ -69,34 +69,34 @@ void bend_rest_shape(Scene& scene, const std::string& target, double curvature_1
   }
 }
 
-bool holds_position(const Scene& scene, const std::string& joint) {
+bool holds_position(const PhysicalScene& scene, const std::string& joint) {
   const auto found = named(scene.joints, joint);
   return found != scene.joints.end() && found->drive.mode == Drive::Mode::position;
 }
 
-bool is_not_carried(const Scene& scene, const std::string& body) { return !is_carried(scene, body); }
+bool is_not_carried(const PhysicalScene& scene, const std::string& body) { return !is_carried(scene, body); }
 
 // where two explain alike, a number of the scene is wrong more often
-double less_common(const Scene&, const std::string&) { return -0.5; }
+double less_common(const PhysicalScene&, const std::string&) { return -0.5; }
 
 // A carried body is more often braked by its joint. Stokes' law ends at Reynolds numbers of about 1, a mote in air:
 // what one sees move has quadratic drag.
-double rare_in_sight(const Scene& scene, const std::string& body) { return is_carried(scene, body) ? -0.5 : -6; }
+double rare_in_sight(const PhysicalScene& scene, const std::string& body) { return is_carried(scene, body) ? -0.5 : -6; }
 
 // roughness of a micrometre ends even rubber's adhesion (Fuller and Tabor 1975)
-double rare_between_stiff_bodies(const Scene& scene, const std::string& contact) {
+double rare_between_stiff_bodies(const PhysicalScene& scene, const std::string& contact) {
   return has_soft_side(scene, contact) ? -0.5 : -10;
 }
 
-double tilt_of_a_level_base(const Scene&, const std::string&, double) { return 0.05; }  // [rad]
+double tilt_of_a_level_base(const PhysicalScene&, const std::string&, double) { return 0.05; }  // [rad]
 
 // a spring that pulls a sliding part with more than its weight would be seen
-double weight_of_what_slides(const Scene&, const std::string& unit, double mass) {
+double weight_of_what_slides(const PhysicalScene&, const std::string& unit, double mass) {
   return unit == "N" ? 9.81 * mass : 0;
 }
 
 // nothing that one sees is pulled by much more of its weight
-double part_of_the_weight(const Scene& scene, const std::string&, double mass) {
+double part_of_the_weight(const PhysicalScene& scene, const std::string&, double mass) {
   return 0.05 * mass * scene.gravity.norm();
 }
 

@@ -21,24 +21,24 @@ inline constexpr const char* REGRESSED = "regressed";  // the law of those that 
 EffectParameter strength(const char* name, const char* unit, double low, double high, double off = 0);
 EffectParameter shape(const char* name, const char* unit, double low, double high, double usual);
 
-Drive& drive_of(Scene& scene, const Effect& effect);
-RigidBody& rigid_of(Scene& scene, const Effect& effect);
+Drive& drive_of(PhysicalScene& scene, const Effect& effect);
+RigidBody& rigid_of(PhysicalScene& scene, const Effect& effect);
 Vec3 vector(const Effect& effect);  // its parameters x, y, z
 
 // Bends the rest shape in the body's frame: along its longest axis, at s from where it is fastened, by curvature
 // s^2 / 2 across it. What holds it keeps its place and direction.
-void bend_rest_shape(Scene& scene, const std::string& target, double curvature_1, double curvature_2);
+void bend_rest_shape(PhysicalScene& scene, const std::string& target, double curvature_1, double curvature_2);
 
-bool holds_position(const Scene& scene, const std::string& joint);
-bool is_not_carried(const Scene& scene, const std::string& body);  // what is carried has its joint's friction
+bool holds_position(const PhysicalScene& scene, const std::string& joint);
+bool is_not_carried(const PhysicalScene& scene, const std::string& body);  // what is carried has its joint's friction
 
-double less_common(const Scene& scene, const std::string& target);
-double rare_in_sight(const Scene& scene, const std::string& body);
-double rare_between_stiff_bodies(const Scene& scene, const std::string& contact);
+double less_common(const PhysicalScene& scene, const std::string& target);
+double rare_in_sight(const PhysicalScene& scene, const std::string& body);
+double rare_between_stiff_bodies(const PhysicalScene& scene, const std::string& contact);
 
-double tilt_of_a_level_base(const Scene& scene, const std::string& unit, double mass);
-double weight_of_what_slides(const Scene& scene, const std::string& unit, double mass);
-double part_of_the_weight(const Scene& scene, const std::string& unit, double mass);
+double tilt_of_a_level_base(const PhysicalScene& scene, const std::string& unit, double mass);
+double weight_of_what_slides(const PhysicalScene& scene, const std::string& unit, double mass);
+double part_of_the_weight(const PhysicalScene& scene, const std::string& unit, double mass);
 
 inline std::vector<EffectRow> joint_effects() {
   using T = EffectTarget;
@@ -91,7 +91,7 @@ inline std::vector<EffectRow> joint_effects() {
                 "effort = stiffness (e - clamp(e, -play/2, play/2)), e = target - q",
                 "a slow reversal under both signs of load",
                 {strength("play", "rad", 0, 1)}},
-       .action = +[](Scene& s, const Effect& e) { drive_of(s, e).play += parameter_of(e, "play"); },
+       .action = +[](PhysicalScene& s, const Effect& e) { drive_of(s, e).play += parameter_of(e, "play"); },
        .is_possible = holds_position},
       {.kind = {"joint_spring",
                 T::joint,
@@ -115,7 +115,7 @@ inline std::vector<EffectRow> joint_effects() {
                 "command' = (given - command) / time_constant",
                 "a step and a chirp",
                 {strength("time_constant", "s", 0, 1)}},
-       .action = +[](Scene& s, const Effect& e) { drive_of(s, e).time_constant += parameter_of(e, "time_constant"); }},
+       .action = +[](PhysicalScene& s, const Effect& e) { drive_of(s, e).time_constant += parameter_of(e, "time_constant"); }},
       {.kind = {"actuator_delay",
                 T::driven_joint,
                 "command",
@@ -124,7 +124,7 @@ inline std::vector<EffectRow> joint_effects() {
                 "command(t) = given(t - delay)",
                 "a step",
                 {strength("delay", "s", 0, 1)}},
-       .action = +[](Scene& s, const Effect& e) { drive_of(s, e).delay += parameter_of(e, "delay"); }},
+       .action = +[](PhysicalScene& s, const Effect& e) { drive_of(s, e).delay += parameter_of(e, "delay"); }},
       {.kind = {"actuator_gain",
                 T::driven_joint,
                 "drive",
@@ -133,7 +133,7 @@ inline std::vector<EffectRow> joint_effects() {
                 "effort = gain x effort of the drive",
                 "a static load at two efforts",
                 {strength("gain", "1", 0, 5, 1)}},
-       .action = +[](Scene& s, const Effect& e) { drive_of(s, e).gain *= parameter_of(e, "gain"); }},
+       .action = +[](PhysicalScene& s, const Effect& e) { drive_of(s, e).gain *= parameter_of(e, "gain"); }},
   };
 }
 
@@ -148,7 +148,7 @@ inline std::vector<EffectRow> body_effects() {
                 "mass = given + mass",
                 "two poses and an acceleration",
                 {strength("mass", "kg", -0.9, 100)}},
-       .action = +[](Scene& s, const Effect& e) { rigid_of(s, e).mass += parameter_of(e, "mass"); },
+       .action = +[](PhysicalScene& s, const Effect& e) { rigid_of(s, e).mass += parameter_of(e, "mass"); },
        .log_prior = less_common},
       {.kind = {"center_of_mass_offset",
                 T::rigid_body,
@@ -158,7 +158,7 @@ inline std::vector<EffectRow> body_effects() {
                 "c = given + (x, y, z)",
                 "rest torque in two poses",
                 {strength("x", "m", -1, 1), strength("y", "m", -1, 1), strength("z", "m", -1, 1)}},
-       .action = +[](Scene& s, const Effect& e) { rigid_of(s, e).center_of_mass += vector(e); }},
+       .action = +[](PhysicalScene& s, const Effect& e) { rigid_of(s, e).center_of_mass += vector(e); }},
       {.kind = {"gravity_tilt",
                 T::scene,
                 "gravity",
@@ -168,7 +168,7 @@ inline std::vector<EffectRow> body_effects() {
                 "free motion in two directions",
                 {strength("about_x", "rad", -0.5, 0.5), strength("about_y", "rad", -0.5, 0.5)}},
        .action =
-           +[](Scene& s, const Effect& e) {
+           +[](PhysicalScene& s, const Effect& e) {
              s.gravity = Eigen::AngleAxisd(parameter_of(e, "about_y"), Vec3::UnitY()) *
                          (Eigen::AngleAxisd(parameter_of(e, "about_x"), Vec3::UnitX()) * s.gravity);
            },
@@ -269,7 +269,7 @@ inline std::vector<EffectRow> solid_effects() {
                 "the same body turned over",
                 {strength("curvature_1", "1/m", -20, 20), strength("curvature_2", "1/m", -20, 20)}},
        .action =
-           +[](Scene& s, const Effect& e) {
+           +[](PhysicalScene& s, const Effect& e) {
              bend_rest_shape(s, e.target, parameter_of(e, "curvature_1"), parameter_of(e, "curvature_2"));
            }},
       {.kind = {"plastic_yield",

@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-#include "host/model/scene.hpp"
+#include "host/model/physical_scene.hpp"
 
 namespace pvg {
 
@@ -47,7 +47,7 @@ struct ContactNumbers {
 enum class EffectTerm : int;  // a term that only this effect has (effect_list.hpp)
 
 using EffectAction =
-    std::variant<void (*)(Scene&, const Effect&), void (*)(JointNumbers&, const Effect&),
+    std::variant<void (*)(PhysicalScene&, const Effect&), void (*)(JointNumbers&, const Effect&),
                  void (*)(DragNumbers&, const Effect&), void (*)(StrainNumbers&, const Effect&),
                  void (*)(FlowNumbers&, const Effect&), void (*)(ContactNumbers&, const Effect&), EffectTerm>;
 
@@ -55,9 +55,9 @@ struct EffectRow {
   EffectKind kind;
   EffectAction action;
   // What a diagnosis holds of it before any data. Left out: possible at every target, a log prior of 0, any size.
-  bool (*is_possible)(const Scene&, const std::string& target) = nullptr;
-  double (*log_prior)(const Scene&, const std::string& target) = nullptr;
-  double (*prior_sigma)(const Scene&, const std::string& unit, double mass) = nullptr;  // of a parameter; 0: any size
+  bool (*is_possible)(const PhysicalScene&, const std::string& target) = nullptr;
+  double (*log_prior)(const PhysicalScene&, const std::string& target) = nullptr;
+  double (*prior_sigma)(const PhysicalScene&, const std::string& unit, double mass) = nullptr;  // of a parameter; 0: any size
   const char* rounding = nullptr;  // a parameter that only rounds off a corner of the law, and is not fitted
   bool acts_on_first = false;      // of a contact: on its first body alone, so both orders are candidates
 };

@@ -48,7 +48,7 @@ Light sphere(const SphereLight& light) {
   l.kind = LIGHT_SPHERE;
   copy(light.center.cast<float>(), l.corner);
   copy(light.radiance, l.radiance);
-  l.area = float(light.radius);
+  l.radius = float(light.radius);
   if (!is_spot(light)) {
     l.edge_v[0] = -2;  // below every cosine: 1 in all directions
     l.edge_v[1] = 1;
@@ -72,14 +72,14 @@ Light triangle(const ShiningMesh& mesh, std::size_t i) {
 
 }  // namespace
 
-LightList make_lights(const Scene& scene, std::span<const ShiningMesh> meshes) {
+LightList make_lights(const Appearance& seen, std::span<const ShiningMesh> meshes) {
   LightList list;
   std::vector<double> power;  // radiance times area, up to a factor
-  for (const RectangleLight& light : scene.lights) {
+  for (const RectangleLight& light : seen.lights) {
     list.lights.push_back(rectangle(light));
     power.push_back(list.lights.back().area * luminance(light.radiance));
   }
-  for (const SphereLight& light : scene.sphere_lights) {
+  for (const SphereLight& light : seen.sphere_lights) {
     list.lights.push_back(sphere(light));
     const double share = is_spot(light) ? (1 - std::cos(light.outer_angle)) / 2 : 1;
     power.push_back(4 * std::numbers::pi * light.radius * light.radius * luminance(light.radiance) * share);
@@ -94,7 +94,7 @@ LightList make_lights(const Scene& scene, std::span<const ShiningMesh> meshes) {
       power.push_back(2 * mesh.areas[i] * luminance(mesh.emission));
     }
   }
-  if (scene.environment_map.width > 0 && luminance(scene.environment) > 0) {
+  if (seen.environment_map.width > 0 && luminance(seen.environment) > 0) {
     // how far it reaches is not known: as often as all other lights together
     double others = 0;
     for (const double p : power) others += p;

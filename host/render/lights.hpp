@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "host/model/scene.hpp"
+#include "host/model/appearance.hpp"
 #include "render/path.h"
 
 namespace pvg {
@@ -23,7 +23,7 @@ struct LightList {
 };
 
 // Refuses lights without area or radiance, naming them.
-LightList make_lights(const Scene& scene, std::span<const ShiningMesh> meshes);
+LightList make_lights(const Appearance& seen, std::span<const ShiningMesh> meshes);
 
 // What rays meet of a light: the unit square, which a rectangle's edges carry to its place, and a unit sphere of
 // triangles as large as the true one from all sides together.

@@ -1,7 +1,7 @@
 // Cloth: a diffuse ground under fibres that stand up and shine at grazing angles. Sheen of Estevez and Kulla 2017,
 //   D(m) = (2 + 1/alpha) sin(m)^(1/alpha) / (2 pi) [1/sr],  V = 1 / (4 (cos_i + cos_o - cos_i cos_o)) (Neubelt),
 //   f cos = color / pi (1 - s E(o)) (1 - s E(i)) cos_i + sheen D V cos_i,
-// with E the directional albedo of the sheen (as in KHR_materials_sheen), s its largest channel, alpha = roughness^2.
+// with E the directional albedo of the sheen (as in KHR_materials_sheen), s its largest channel, alpha = roughness^2; own_color: sheen, own_number: roughness.
 // Roughness 0.5 to 1: below it D V would reflect more light than there is.
 #ifndef PVG_MATERIALS_CLOTH_CL
 #define PVG_MATERIALS_CLOTH_CL
@@ -29,32 +29,32 @@ static inline float sheen_albedo(const float cosine, const float roughness) {
 }
 
 // f cos [1/sr]
-static inline float3 cloth_eval(const float3 color, const float3 sheen, const float roughness, const float3 wo,
-                                const float3 wi) {
+static inline float3 cloth_eval(const PointMaterial p, const float3 wo, const float3 wi) {
   if (wo.z <= 0 || wi.z <= 0) return (float3)(0.0f);
+  const float3 sheen = p.own_color;
+  const float roughness = p.own_number;
   const float3 m = reflecting_normal(wo, wi);
   const float power = 1.0f / (roughness * roughness);
   const float D = (2.0f + power) * pow(max(0.0f, 1.0f - m.z * m.z), 0.5f * power) * (0.5f * M_1_PI_F);
   const float V = 1.0f / (4.0f * (wi.z + wo.z - wi.z * wo.z));
   const float s = max(sheen.x, max(sheen.y, sheen.z));
   const float ground = (1.0f - s * sheen_albedo(wo.z, roughness)) * (1.0f - s * sheen_albedo(wi.z, roughness));
-  return color * (ground * wi.z * M_1_PI_F) + sheen * (D * V * wi.z);
+  return p.color * (ground * wi.z * M_1_PI_F) + sheen * (D * V * wi.z);
 }
 
 // half of the samples by the cosine, half evenly: the sheen has no peak
-static inline float cloth_pdf(const float3 wo, const float3 wi) {
+static inline float cloth_pdf(const PointMaterial p, const float3 wo, const float3 wi) {
   return wo.z > 0 && wi.z > 0 ? 0.5f * wi.z * M_1_PI_F + 0.25f * M_1_PI_F : 0.0f;
 }
 
-static inline MaterialSample cloth_sample(const float3 color, const float3 sheen, const float roughness,
-                                          const float3 wo, const float2 u, const float choice) {
-  MaterialSample s = diffuse_sample(color, wo, u);
+static inline MaterialSample cloth_sample(const PointMaterial p, const float3 wo, const float2 u, const float choice) {
+  MaterialSample s = diffuse_sample(p, wo, u, choice);
   if (choice < 0.5f) {
     const float z = max(1e-4f, u.x), r = sqrt(1.0f - z * z), phi = 2.0f * M_PI_F * u.y;
     s.direction = (float3)(r * cos(phi), r * sin(phi), z);
   }
-  s.pdf = cloth_pdf(wo, s.direction);
-  s.weight = s.pdf > 0 ? cloth_eval(color, sheen, roughness, wo, s.direction) / s.pdf : (float3)(0.0f);
+  s.pdf = cloth_pdf(p, wo, s.direction);
+  s.weight = s.pdf > 0 ? cloth_eval(p, wo, s.direction) / s.pdf : (float3)(0.0f);
   return s;
 }
 #endif

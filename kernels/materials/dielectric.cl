@@ -6,6 +6,7 @@
 #ifndef PVG_MATERIALS_DIELECTRIC_CL
 #define PVG_MATERIALS_DIELECTRIC_CL
 #include "materials/frame.cl"
+#include "materials/material.h"
 
 // share that is reflected; cosine: of the incident direction, >= 0; eta: index behind / index in front of the interface
 static inline float fresnel_dielectric(const float cosine, const float eta) {
@@ -32,16 +33,23 @@ static inline MaterialSample sheet_sample(const float3 tint, const float eta, co
   return s;
 }
 
+// no light sample finds its two directions
+static inline float3 dielectric_eval(const PointMaterial p, const float3 wo, const float3 wi) { return (float3)(0.0f); }
+static inline float dielectric_pdf(const PointMaterial p, const float3 wo, const float3 wi) { return 0.0f; }
+
 // z: the normal on the side of wo. direction.z < 0: refracted, and tinted
-static inline MaterialSample dielectric_sample(const float3 tint, const float eta, const float3 wo, const float u) {
+static inline MaterialSample dielectric_sample(const PointMaterial p, const float3 wo, const float2 u,
+                                               const float choice) {
+  if (p.flags & MATERIAL_THIN) return sheet_sample(p.color, p.eta, wo, choice);
+  const float eta = p.eta;
   MaterialSample s;
   s.weight = 1.0f;
   s.pdf = 0.0f;
-  if (u < fresnel_dielectric(wo.z, eta)) {
+  if (choice < fresnel_dielectric(wo.z, eta)) {
     s.direction = (float3)(-wo.x, -wo.y, wo.z);
     return s;
   }
-  s.weight = tint;
+  s.weight = p.color;
   const float sin2 = (wo.x * wo.x + wo.y * wo.y) / (eta * eta);
   s.direction = (float3)(-wo.x / eta, -wo.y / eta, -sqrt(max(0.0f, 1.0f - sin2)));
   return s;

@@ -1,15 +1,16 @@
-// Diffuse (Lambert) reflection: f = albedo / pi [1/sr], sampled by the cosine: a uniform disc lifted to the hemisphere
+// Diffuse (Lambert) reflection: f = color / pi [1/sr], sampled by the cosine: a uniform disc lifted to the hemisphere
 // (Malley's method; concentric map of Shirley and Chiu 1997). Directions point away from the surface, z is the normal.
 #ifndef PVG_MATERIALS_DIFFUSE_CL
 #define PVG_MATERIALS_DIFFUSE_CL
 #include "materials/frame.cl"
+#include "materials/material.h"
 
 // f cos [1/sr]
-static inline float3 diffuse_eval(const float3 albedo, const float3 wo, const float3 wi) {
-  return wo.z > 0 && wi.z > 0 ? albedo * (wi.z * M_1_PI_F) : (float3)(0.0f);
+static inline float3 diffuse_eval(const PointMaterial p, const float3 wo, const float3 wi) {
+  return wo.z > 0 && wi.z > 0 ? p.color * (wi.z * M_1_PI_F) : (float3)(0.0f);
 }
 
-static inline float diffuse_pdf(const float3 wo, const float3 wi) {
+static inline float diffuse_pdf(const PointMaterial p, const float3 wo, const float3 wi) {
   return wo.z > 0 && wi.z > 0 ? wi.z * M_1_PI_F : 0.0f;
 }
 
@@ -31,14 +32,15 @@ static inline float2 uniform_disc(const float2 u) {
   return is_wide ? turn.yx : turn;
 }
 
-static inline MaterialSample diffuse_sample(const float3 albedo, const float3 wo, const float2 u) {
+static inline MaterialSample diffuse_sample(const PointMaterial p, const float3 wo, const float2 u,
+                                            const float choice) {
   const float2 disc = uniform_disc(u);
   // never exactly in the surface, so that the density stays positive
   const float z = sqrt(max(1e-8f, 1.0f - dot(disc, disc)));
   MaterialSample s;
   s.direction = (float3)(disc.x, disc.y, z);
-  s.pdf = diffuse_pdf(wo, s.direction);
-  s.weight = wo.z > 0 ? albedo : (float3)(0.0f);
+  s.pdf = diffuse_pdf(p, wo, s.direction);
+  s.weight = wo.z > 0 ? p.color : (float3)(0.0f);
   return s;
 }
 #endif

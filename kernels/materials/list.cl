@@ -1,27 +1,32 @@
-// The list of materials that scatter: id to function. A new one: its file, and one line in each switch.
+// The functions of a material by its id, made from the list of materials.
 #ifndef PVG_MATERIALS_LIST_CL
 #define PVG_MATERIALS_LIST_CL
-#include "materials/cloth.cl"
-#include "materials/conductor.cl"
-#include "materials/dielectric.cl"
-#include "materials/diffuse.cl"
-#include "materials/material.h"
-#include "materials/metallic_roughness.cl"
-#include "materials/rough_dielectric.cl"
+#include "materials/list.h"
+
+#define NOTHING(...)
+
+static inline uint material_traits(const uint kind) {
+  switch (kind) {
+#define CASE(ID, name, traits, ...) \
+  case MATERIAL_##ID:               \
+    return traits;
+    PVG_MATERIALS(CASE, CASE)
+    PVG_DERIVED_MATERIALS(CASE)
+#undef CASE
+    default:
+      return 0u;
+  }
+}
 
 // f cos [1/sr]
 static inline float3 material_eval(const PointMaterial p, const float3 wo, const float3 wi) {
   switch (p.kind) {
-    case MATERIAL_DIFFUSE:
-      return diffuse_eval(p.color, wo, wi);
-    case MATERIAL_CONDUCTOR:
-      return conductor_eval(p.color, p.sheen, p.alpha, wo, wi);
-    case MATERIAL_METALLIC_ROUGHNESS:
-      return metallic_roughness_eval(p, wo, wi);
-    case MATERIAL_CLOTH:
-      return cloth_eval(p.color, p.sheen, p.sheen_roughness, wo, wi);
-    case MATERIAL_ROUGH_DIELECTRIC:
-      return rough_dielectric_eval(p.color, p.alpha, p.eta, wo, wi);
+#define CASE(ID, name, ...) \
+  case MATERIAL_##ID:       \
+    return name##_eval(p, wo, wi);
+    PVG_MATERIALS(CASE, NOTHING)
+    PVG_DERIVED_MATERIALS(CASE)
+#undef CASE
     default:
       return (float3)(0.0f);
   }
@@ -29,16 +34,12 @@ static inline float3 material_eval(const PointMaterial p, const float3 wo, const
 
 static inline float material_pdf(const PointMaterial p, const float3 wo, const float3 wi) {
   switch (p.kind) {
-    case MATERIAL_DIFFUSE:
-      return diffuse_pdf(wo, wi);
-    case MATERIAL_CONDUCTOR:
-      return conductor_pdf(p.alpha, wo, wi);
-    case MATERIAL_METALLIC_ROUGHNESS:
-      return metallic_roughness_pdf(p, wo, wi);
-    case MATERIAL_CLOTH:
-      return cloth_pdf(wo, wi);
-    case MATERIAL_ROUGH_DIELECTRIC:
-      return rough_dielectric_pdf(p.alpha, p.eta, wo, wi);
+#define CASE(ID, name, ...) \
+  case MATERIAL_##ID:       \
+    return name##_pdf(p, wo, wi);
+    PVG_MATERIALS(CASE, NOTHING)
+    PVG_DERIVED_MATERIALS(CASE)
+#undef CASE
     default:
       return 0.0f;
   }
@@ -48,35 +49,31 @@ static inline float material_pdf(const PointMaterial p, const float3 wo, const f
 static inline MaterialSample material_sample(const PointMaterial p, const float3 wo, const float2 u,
                                              const float choice) {
   switch (p.kind) {
-    case MATERIAL_CONDUCTOR:
-      return conductor_sample(p.color, p.sheen, p.alpha, wo, u);
-    case MATERIAL_DIELECTRIC:
-      return p.flags & MATERIAL_THIN ? sheet_sample(p.color, p.eta, wo, choice) : dielectric_sample(p.color, p.eta, wo, choice);
-    case MATERIAL_METALLIC_ROUGHNESS:
-      return metallic_roughness_sample(p, wo, u, choice);
-    case MATERIAL_CLOTH:
-      return cloth_sample(p.color, p.sheen, p.sheen_roughness, wo, u, choice);
-    case MATERIAL_ROUGH_DIELECTRIC:
-      return rough_dielectric_sample(p.color, p.alpha, p.eta, wo, u, choice);
+#define CASE(ID, name, ...) \
+  case MATERIAL_##ID:       \
+    return name##_sample(p, wo, u, choice);
+    PVG_MATERIALS(CASE, NOTHING)
+    PVG_DERIVED_MATERIALS(CASE)
+#undef CASE
     default:
-      return diffuse_sample(p.color, wo, u);
+      return diffuse_sample(p, wo, u, choice);  // never asked: paths end there
   }
 }
+#undef NOTHING
 
 // a light sample can reach the eye by this material
 static inline bool material_scatters(const PointMaterial p) {
-  return p.kind != MATERIAL_DIELECTRIC && (p.kind != MATERIAL_CONDUCTOR || p.alpha >= MIRROR_ALPHA);
+  return !(material_traits(p.kind) & MATERIAL_MIRROR) || p.alpha >= MIRROR_ALPHA;
 }
 
 // light goes through the surface
 static inline bool material_transmits(const PointMaterial p) {
-  return p.kind == MATERIAL_DIELECTRIC || p.kind == MATERIAL_ROUGH_DIELECTRIC ||
-         (p.kind == MATERIAL_METALLIC_ROUGHNESS && p.transmission > 0);
+  const uint traits = material_traits(p.kind);
+  return (traits & MATERIAL_CLEAR) || ((traits & MATERIAL_TRANSMITS) && p.transmission > 0);
 }
 
 // lit evenly enough that a straight shadow through clear glass will do for it, see shade.cl
 static inline bool material_is_matte(const PointMaterial p) {
-  return p.kind == MATERIAL_DIFFUSE || p.kind == MATERIAL_CLOTH ||
-         (p.kind == MATERIAL_METALLIC_ROUGHNESS && p.metallic < 0.5f && p.transmission < 0.5f);
+  return (material_traits(p.kind) & MATERIAL_MATTE) && p.metallic < 0.5f && p.transmission < 0.5f;
 }
 #endif

@@ -1,17 +1,7 @@
-// A material on the device. Kinds are those of VisualMaterial::Kind, in the same order, then those that the host makes
-// of them.
+// A material on the device. Kinds: list.h.
 #ifndef PVG_MATERIALS_MATERIAL_H
 #define PVG_MATERIALS_MATERIAL_H
 #include "shared/types.h"
-
-#define MATERIAL_DIFFUSE 0u
-#define MATERIAL_CONDUCTOR 1u
-#define MATERIAL_DIELECTRIC 2u  // smooth
-#define MATERIAL_EMISSIVE 3u
-#define MATERIAL_SHADOW_RECEIVER 4u
-#define MATERIAL_METALLIC_ROUGHNESS 5u
-#define MATERIAL_CLOTH 6u
-#define MATERIAL_ROUGH_DIELECTRIC 7u
 
 // below this GGX alpha a conductor is a mirror and a dielectric is clear
 #define MIRROR_ALPHA 1e-3f
@@ -41,8 +31,8 @@ typedef struct {
   f32 metallic;         // 0: dielectric, 1: metal
   f32 emission[3];      // [W/(sr m^2)]
   f32 transmission;     // share of the light below the surface that passes instead of being scattered back
-  f32 sheen[3];         // reflectance scale of the fibres; of a conductor a of conductor.cl
-  f32 sheen_roughness;
+  f32 own_color[3];     // what its kind alone reads: PVG_OWN_COLORS and PVG_OWN_NUMBERS of list.h
+  f32 own_number;
   i32 metallic_roughness_texture;  // green: multiplies roughness, blue: metallic; -1: none
   i32 normal_texture, emission_texture;
   f32 normal_scale;
@@ -68,8 +58,8 @@ typedef struct {
   float3 color;
   float alpha, metallic, transmission;
   float eta;  // index of refraction behind / in front of the surface
-  float3 sheen;
-  float sheen_roughness;
+  float3 own_color;
+  float own_number;
 } PointMaterial;
 
 static inline PointMaterial point_material(const Material m, const float eta) {
@@ -81,8 +71,8 @@ static inline PointMaterial point_material(const Material m, const float eta) {
   p.metallic = m.metallic;
   p.transmission = m.transmission;
   p.eta = eta;
-  p.sheen = vload3(0, m.sheen);
-  p.sheen_roughness = m.sheen_roughness;
+  p.own_color = vload3(0, m.own_color);
+  p.own_number = m.own_number;
   return p;
 }
 #endif

@@ -90,7 +90,7 @@ static inline MaterialSample metallic_roughness_sample(const PointMaterial p, co
   const float diffuse = diffuse_share(p, wo);
   float3 wi;
   if (choice < diffuse) {
-    wi = diffuse_sample(p.color, wo, u).direction;
+    wi = diffuse_sample(p, wo, u, choice).direction;
   } else {
     const float3 m = ggx_visible_normal(wo, p.alpha, u);
     const float cosine = dot(wo, m), F = coat_fresnel(p, cosine);

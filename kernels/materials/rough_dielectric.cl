@@ -20,18 +20,19 @@ static inline float ggx_reflection(const float alpha, const float3 wo, const flo
 }
 
 // f cos [1/sr]
-static inline float3 rough_dielectric_eval(const float3 color, const float alpha, const float eta, const float3 wo,
-                                           const float3 wi) {
+static inline float3 rough_dielectric_eval(const PointMaterial p, const float3 wo, const float3 wi) {
+  const float alpha = p.alpha, eta = p.eta;
   if (wo.z <= 0 || wi.z == 0) return (float3)(0.0f);
   if (wi.z > 0) {
     const float3 m = reflecting_normal(wo, wi);
     return (float3)(fresnel_dielectric(dot(wo, m), eta) * ggx_reflection(alpha, wo, wi, m));
   }
   const float3 m = refracting_normal(wo, wi, eta);
-  return color * ((1.0f - fresnel_dielectric(clamp(dot(wo, m), 0.0f, 1.0f), eta)) * ggx_refraction(alpha, eta, wo, wi, m));
+  return p.color * ((1.0f - fresnel_dielectric(clamp(dot(wo, m), 0.0f, 1.0f), eta)) * ggx_refraction(alpha, eta, wo, wi, m));
 }
 
-static inline float rough_dielectric_pdf(const float alpha, const float eta, const float3 wo, const float3 wi) {
+static inline float rough_dielectric_pdf(const PointMaterial p, const float3 wo, const float3 wi) {
+  const float alpha = p.alpha, eta = p.eta;
   if (wo.z <= 0 || wi.z == 0) return 0.0f;
   if (wi.z > 0) {
     const float3 m = reflecting_normal(wo, wi);
@@ -45,8 +46,9 @@ static inline float rough_dielectric_pdf(const float alpha, const float eta, con
 }
 
 // choice: a third random number
-static inline MaterialSample rough_dielectric_sample(const float3 color, const float alpha, const float eta,
-                                                     const float3 wo, const float2 u, const float choice) {
+static inline MaterialSample rough_dielectric_sample(const PointMaterial p, const float3 wo, const float2 u,
+                                                     const float choice) {
+  const float alpha = p.alpha, eta = p.eta;
   MaterialSample s;
   s.weight = 0.0f;
   s.pdf = 0.0f;
@@ -60,8 +62,8 @@ static inline MaterialSample rough_dielectric_sample(const float3 color, const f
   if (reflects != (wi.z > 0) || wi.z == 0) return s;  // would meet a second facet: lost
   const float lambda_o = ggx_lambda(wo, alpha), lambda_i = ggx_lambda(wi, alpha);
   s.direction = wi;
-  s.pdf = rough_dielectric_pdf(alpha, eta, wo, wi);
-  s.weight = reflects ? (float3)((1.0f + lambda_o) / (1.0f + lambda_o + lambda_i)) : color / (1.0f + lambda_i);
+  s.pdf = rough_dielectric_pdf(p, wo, wi);
+  s.weight = reflects ? (float3)((1.0f + lambda_o) / (1.0f + lambda_o + lambda_i)) : p.color / (1.0f + lambda_i);
   return s;
 }
 #endif

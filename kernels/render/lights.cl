@@ -6,6 +6,7 @@
 #ifndef PVG_RENDER_LIGHTS_CL
 #define PVG_RENDER_LIGHTS_CL
 #include "materials/frame.cl"
+#include "materials/list.h"
 #include "materials/texture.cl"
 #include "render/cutout.cl"
 #include "render/environment.cl"
@@ -87,8 +88,8 @@ static inline float cone_height(const float radius, const float d2) {
 static inline float sphere_pdf(global const Light* light, const float3 origin) {
   const float3 d = vload3(0, light->corner) - origin;
   const float d2 = dot(d, d);
-  return d2 > light->area * light->area
-             ? light->probability / (2.0f * M_PI_F * cone_height(light->area, d2))
+  return d2 > light->radius * light->radius
+             ? light->probability / (2.0f * M_PI_F * cone_height(light->radius, d2))
              : 0.0f;  // inside there is no light
 }
 
@@ -101,7 +102,7 @@ static inline float spot_share(global const Light* light, const float3 away) {
 static inline LightSample sample_sphere(global const Light* light, const float3 origin, const float2 u) {
   LightSample s;
   const float3 center = vload3(0, light->corner) - origin;
-  const float d2 = dot(center, center), radius = light->area;
+  const float d2 = dot(center, center), radius = light->radius;
   s.pdf = sphere_pdf(light, origin);
   s.radiance = vload3(0, light->radiance);
   const float z = 1.0f - u.x * cone_height(radius, d2), r = sqrt(max(0.0f, 1.0f - z * z)), phi = 2.0f * M_PI_F * u.y;

@@ -73,15 +73,15 @@ typedef struct {
   f32 keep;          // alias table: chosen with this probability where its place is drawn,
   u32 other;         // else this one is
   f32 corner[3];     // of a rectangle; centre of a sphere [m]
-  f32 area;          // of a rectangle [m^2]; radius of a sphere [m]
+  f32 area;          // of a rectangle [m^2]
   f32 edge_u[3];     // of a rectangle; of a sphere the direction of a spot
   u32 instance;      // of a triangle
   f32 edge_v[3];     // of a rectangle; of a sphere: cosine of a spot's outer angle, 1 / (that of the inner one - it)
   u32 triangle;      // index into the triangles of all meshes
   f32 normal[3];     // of a rectangle, unit
-  f32 unused0;
+  f32 radius;        // of a sphere [m]
   f32 radiance[3];   // of rectangles and spheres [W/(sr m^2)]
-  f32 unused1;
+  f32 unused;
 } Light;
 SHARED_SIZE(Light, 96);
 

@@ -1,5 +1,6 @@
 // What is exactly at the middle of each pixel: depth along the optical axis, distance, instance and normal, with no
 // mixing at edges. Glass is a surface like any other, or is looked through, straight on; holes of masks are not there.
+#include "materials/list.cl"
 #include "render/cutout.cl"
 #include "render/tiles.cl"
 
@@ -7,7 +8,7 @@
 static inline bool is_glass(global const Instance* instance, global const Material* materials) {
   if (instance->visual == 0) return false;
   global const Material* m = materials + instance->material;
-  return m->kind == MATERIAL_DIELECTRIC || m->kind == MATERIAL_ROUGH_DIELECTRIC || m->transmission > 0.5f;
+  return (material_traits(m->kind) & MATERIAL_CLEAR) || m->transmission > 0.5f;
 }
 
 // the first surface along the ray; the return value is its distance [m]. direction: unit
@@ -33,8 +34,7 @@ static inline float seen_surface(const Trees trees, const Cutouts c, const uint 
 static inline float3 surface_color(const Cutouts c, const Material m, const Hit hit, constant float* decode,
                                    global const float* colors) {
   global const Instance* instance = c.instances + hit.instance;
-  const bool has_color = m.kind == MATERIAL_DIFFUSE || m.kind == MATERIAL_SHADOW_RECEIVER || m.kind == MATERIAL_CLOTH ||
-                         (m.kind == MATERIAL_METALLIC_ROUGHNESS && m.transmission < 0.5f);
+  const bool has_color = (material_traits(m.kind) & MATERIAL_COLORED) && m.transmission < 0.5f;
   if (!has_color) return (float3)(1.0f);
   float3 color = vload3(0, m.color);
   if (m.texture >= 0)

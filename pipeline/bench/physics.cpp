@@ -45,7 +45,7 @@ struct Repeat {
 
 Repeat repeat(Device& device, const BenchmarkRun& run, std::size_t n_worlds, bool measures_phases,
               const std::atomic<bool>& stop) {
-  const std::vector<Scene> scenes(n_worlds, run.scene);
+  const std::vector<PhysicalScene> scenes(n_worlds, run.scene);
   Simulation simulation(device, scenes);
   const auto step = [&](std::size_t i) {
     const std::vector<std::vector<double>> targets(n_worlds, run.targets[i]);

@@ -47,7 +47,7 @@ std::vector<Vec3> to_points(const std::vector<double>& values) {
 // The linear system of a step's first Newton iteration, begun at a checkpoint.
 struct LinearSystem {
   LinearSystem(Device& device, const BenchmarkRun& run, std::size_t n_worlds, const Checkpoint& checkpoint)
-      : system(make_system(std::vector<Scene>(n_worlds, run.scene))),
+      : system(make_system(std::vector<PhysicalScene>(n_worlds, run.scene))),
         potential(device, system),
         x(device, system.n_nodes(), system.sites.size(), "x"),
         predicted(device, system.n_nodes(), system.sites.size(), "predicted"),
@@ -81,7 +81,7 @@ struct LinearSystem {
 };
 
 Checkpoint last_state(Device& device, const BenchmarkRun& run, std::size_t n_worlds, const std::atomic<bool>& stop) {
-  Simulation simulation(device, std::vector<Scene>(n_worlds, run.scene));
+  Simulation simulation(device, std::vector<PhysicalScene>(n_worlds, run.scene));
   for (const std::vector<double>& target : run.targets) {
     if (stop) throw TryAgain("stopped; nothing was measured");
     simulation.step(std::vector<std::vector<double>>(n_worlds, target));

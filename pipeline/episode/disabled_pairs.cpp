@@ -9,7 +9,7 @@ namespace {
 
 // Vertex of the body's mesh that a site of its surface is.
 int vertex_of(const System& system, int body, u32 site) {
-  const Scene& scene = system.scenes.front();
+  const PhysicalScene& scene = system.scenes.front();
   const int n_rigid = int(scene.rigid_bodies.size());
   const int n_soft = int(scene.soft_bodies.size());
   if (body >= n_rigid + n_soft)
@@ -32,7 +32,7 @@ std::array<int, 3> vertices_of(const System& system, int body, const u32 (&site)
 
 }  // namespace
 
-std::vector<DisabledPair> disabled_pairs(const Scene& scene) {
+std::vector<DisabledPair> disabled_pairs(const PhysicalScene& scene) {
   const System system = make_system(std::span(&scene, 1));
   const CollisionMesh& mesh = system.collision;
   std::vector<DisabledPair> pairs;

@@ -7,6 +7,6 @@
 namespace pvg {
 
 // They follow from the scene alone, as the simulation makes them.
-std::vector<DisabledPair> disabled_pairs(const Scene& scene);
+std::vector<DisabledPair> disabled_pairs(const PhysicalScene& scene);
 
 }  // namespace pvg

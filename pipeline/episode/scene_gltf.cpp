@@ -14,7 +14,6 @@ namespace {
 
 using Floats = GltfWriter::Floats;
 using Value = tinygltf::Value;
-using Kind = VisualMaterial::Kind;
 
 std::vector<double> doubles(const Vec3f& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -65,37 +64,38 @@ class SceneWriter {
   void add_material(const VisualMaterial& from) {
     tinygltf::Material to;
     to.name = from.name;
-    const bool is_glass = from.kind == Kind::dielectric, is_coated = from.kind == Kind::metallic_roughness;
+    const GltfModel model = kind_of(from).gltf;
+    const bool is_glass = model == GltfModel::glass, is_coated = model == GltfModel::coated;
+    const bool is_metal = model == GltfModel::metal, shines = model == GltfModel::shining;
     tinygltf::PbrMetallicRoughness& pbr = to.pbrMetallicRoughness;
     pbr.baseColorFactor = {from.color.x(), from.color.y(), from.color.z(), from.opacity};
     to.alphaMode = std::array{"OPAQUE", "MASK", "BLEND"}[std::size_t(from.alpha_mode)];
     to.alphaCutoff = from.alpha_cutoff;
-    pbr.metallicFactor = from.kind == Kind::conductor ? 1 : is_coated ? from.metallic : 0;
-    pbr.roughnessFactor = from.kind == Kind::conductor || is_glass || is_coated ? from.roughness : 1;
-    if (from.texture >= 0 && from.kind != Kind::emissive) pbr.baseColorTexture.index = texture(from.texture);
+    pbr.metallicFactor = is_metal ? 1 : is_coated ? from.metallic : 0;
+    pbr.roughnessFactor = is_metal || is_glass || is_coated ? from.roughness : 1;
+    if (from.texture >= 0 && !shines) pbr.baseColorTexture.index = texture(from.texture);
     if (from.metallic_roughness_texture >= 0)
       pbr.metallicRoughnessTexture.index = texture(from.metallic_roughness_texture);
     if (from.normal_texture >= 0) {
       to.normalTexture.index = texture(from.normal_texture);
       to.normalTexture.scale = from.normal_scale;
     }
-    if (from.kind == Kind::diffuse) extend(to, "KHR_materials_specular", {{"specularFactor", Value(0.0)}});
-    if (from.kind == Kind::shadow_receiver) extend(to, "KHR_materials_unlit", {});
-    if (from.kind == Kind::cloth)
+    if (model == GltfModel::plain) extend(to, "KHR_materials_specular", {{"specularFactor", Value(0.0)}});
+    if (model == GltfModel::unlit) extend(to, "KHR_materials_unlit", {});
+    if (model == GltfModel::cloth)
       extend(
           to, "KHR_materials_sheen",
           {{"sheenColorFactor", value_of(from.sheen)}, {"sheenRoughnessFactor", Value(double(from.sheen_roughness))}});
     if (is_glass || is_coated) add_inside(from, is_glass ? 1 : from.transmission, to);
-    if (from.kind == Kind::emissive || is_coated) add_emission(from.emission, to);
-    if (from.kind == Kind::emissive) pbr.baseColorFactor = {0, 0, 0, from.opacity};
-    const int shining = from.kind == Kind::emissive ? from.texture : from.emission_texture;
+    if (shines || is_coated) add_emission(from.emission, to);
+    if (shines) pbr.baseColorFactor = {0, 0, 0, from.opacity};
+    const int shining = shines ? from.texture : from.emission_texture;
     if (shining >= 0) to.emissiveTexture.index = texture(shining);
     const auto set = [&](unsigned bit) { return from.on_second_uvs & bit ? 1 : 0; };
     pbr.baseColorTexture.texCoord = set(VisualMaterial::color_bit);
     pbr.metallicRoughnessTexture.texCoord = set(VisualMaterial::metallic_roughness_bit);
     to.normalTexture.texCoord = set(VisualMaterial::normal_bit);
-    to.emissiveTexture.texCoord =
-        set(from.kind == Kind::emissive ? VisualMaterial::color_bit : VisualMaterial::emission_bit);
+    to.emissiveTexture.texCoord = set(shines ? VisualMaterial::color_bit : VisualMaterial::emission_bit);
     to.doubleSided = !is_glass;
     out_.model.materials.push_back(to);
   }

@@ -64,7 +64,7 @@ struct TossError {
 // All tosses side by side, as worlds of one simulation.
 std::vector<TossError> simulate_tosses(Validation& v, const SceneRun& run, const std::vector<Toss>& tosses) {
   const int cube = rigid_index(run.scene, "cube");
-  std::vector<Scene> worlds;
+  std::vector<PhysicalScene> worlds;
   std::size_t n_frames = 0;
   for (const Toss& toss : tosses) {
     worlds.push_back(run.scene);

@@ -55,7 +55,7 @@ bool is_upright(const TetMesh& mesh, std::size_t element, const std::vector<Vec3
   return true;
 }
 
-StepCheck::StepCheck(const Scene& scene) : system_(make_system(std::vector<Scene>{scene})) {
+StepCheck::StepCheck(const PhysicalScene& scene) : system_(make_system(std::vector<PhysicalScene>{scene})) {
   const CollisionMesh& mesh = system_.collision;
   const BodyPairTable table = make_body_pair_table(mesh);
   std::vector<bool> has_surface(mesh.bodies.size(), false);
@@ -65,7 +65,7 @@ StepCheck::StepCheck(const Scene& scene) : system_(make_system(std::vector<Scene
 }
 
 void StepCheck::look(const WorldState& state, const StepReport& report, StepCounts& counts) const {
-  const Scene& scene = system_.scenes[0];
+  const PhysicalScene& scene = system_.scenes[0];
   const auto blame = [&](const std::string& what) {
     if (counts.first_fault.empty()) counts.first_fault = what + " at " + std::to_string(state.time) + " s";
   };

@@ -20,7 +20,7 @@ struct StepCounts {
 // makes one of these per world.
 class StepCheck {
  public:
-  explicit StepCheck(const Scene& scene);
+  explicit StepCheck(const PhysicalScene& scene);
   void look(const WorldState& state, const StepReport& report, StepCounts& counts) const;
 
  private:

@@ -17,7 +17,7 @@ std::vector<CandidateKind> candidate_kinds() {
   return all;
 }
 
-std::string unit_on(const Scene& scene, const std::string& target, const std::string& unit) {
+std::string unit_on(const PhysicalScene& scene, const std::string& target, const std::string& unit) {
   static const std::map<std::string, std::string> ALONG = {
       {"N m", "N"}, {"N m s/rad", "N s/m"}, {"N m/rad", "N/m"}, {"rad", "m"}, {"rad/s", "m/s"}};
   const auto joint = std::find_if(scene.joints.begin(), scene.joints.end(),

@@ -57,7 +57,7 @@ std::vector<CandidateKind> candidate_kinds();
 std::vector<Candidate> make_candidates(const Problem& problem, const std::vector<std::string>& touching);
 
 // Of a number that acts on `target`, whose kind is listed with the unit that revolute joints have.
-std::string unit_on(const Scene& scene, const std::string& target, const std::string& unit);
+std::string unit_on(const PhysicalScene& scene, const std::string& target, const std::string& unit);
 
 // Adds an effect to the section `effects` of a scene file.
 void write_effect(YAML::Node& root, const Effect& effect);

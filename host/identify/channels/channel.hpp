@@ -47,7 +47,7 @@ struct Resolved {
 // Where a channel is looked up.
 struct ChannelPlace {
   const Recording& recording;
-  const Scene& scene;
+  const PhysicalScene& scene;
   const Scene& seen;  // the same with all that a picture needs
   std::string entry;  // of the channel in the file, for messages
 };

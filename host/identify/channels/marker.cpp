@@ -16,7 +16,7 @@ void refuse_beyond(const ChannelPlace& where, const RecordedChannel& recorded, s
 
 Resolved resolve(const ChannelPlace& where, const RecordedChannel& recorded) {
   Channel channel = find_subject(where, recorded);
-  const Scene& scene = where.scene;
+  const PhysicalScene& scene = where.scene;
   if (channel.rigid >= 0) {
     const TriangleMesh& mesh = scene.rigid_bodies[std::size_t(channel.rigid)].collision;
     refuse_beyond(where, recorded, mesh.points.size());

@@ -8,7 +8,7 @@ namespace pvg::diagnose {
 namespace {
 
 void find_body(const ChannelPlace& where, const RecordedChannel& recorded, Channel& channel) {
-  const Scene& scene = where.scene;
+  const PhysicalScene& scene = where.scene;
   channel.rigid = index_named(scene.rigid_bodies, recorded.body);
   channel.soft = index_named(scene.soft_bodies, recorded.body);
   channel.cloth = index_named(scene.cloths, recorded.body);
@@ -37,7 +37,7 @@ double factor_of(const std::string& unit, Unit dimension, const std::string& pla
 }
 
 Channel find_subject(const ChannelPlace& where, const RecordedChannel& recorded) {
-  const Scene& scene = where.scene;
+  const PhysicalScene& scene = where.scene;
   Channel channel;
   if (recorded.joint.empty()) {
     find_body(where, recorded, channel);

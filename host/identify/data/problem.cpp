@@ -167,7 +167,7 @@ Problem make_problem(const std::filesystem::path& path) {
     complete_for_viewing(problem.seen);
   }
   if (!problem.recording.video_sources.empty()) {
-    problem.render = load_scene_file(problem.recording.scene).task.render;
+    problem.render = problem.scene.render;
     if (!problem.render.lut.empty()) problem.lut = read_lut(problem.render.lut);
   }
   std::vector<double> to_si;

@@ -234,7 +234,7 @@ void move(InitialState& initial, const Unknown& unknown, double by) {
   }
 }
 
-void start_at(const Problem& problem, const InitialState& initial, Scene& scene) {
+void start_at(const Problem& problem, const InitialState& initial, PhysicalScene& scene) {
   std::vector<Pose> before;
   for (const RigidBody& body : scene.rigid_bodies) before.push_back(body.pose);
   for (const int b : problem.free_bodies) {

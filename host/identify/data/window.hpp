@@ -49,6 +49,6 @@ std::vector<Window> make_windows(const Problem& problem, bool held_out, double l
 void move(InitialState& initial, const Unknown& unknown, double by);
 
 // Places the bodies of `scene`, a variant of the problem's, as `initial` says.
-void start_at(const Problem& problem, const InitialState& initial, Scene& scene);
+void start_at(const Problem& problem, const InitialState& initial, PhysicalScene& scene);
 
 }  // namespace pvg::diagnose

@@ -127,8 +127,8 @@ Eigen::VectorXd beside_starts(const Eigen::MatrixXd& of_start, const Eigen::Vect
 Variant refined(const Variant& variant);
 // What the change from a step to its half is to be multiplied by to give the step's error (Richardson 1911): 4/3 where
 // it is of second order, 2 where it is of first order. What joints dissipate is of first order in every integrator.
-double richardson_factor(const Scene& scene);
-bool dissipates(const Scene& scene);
+double richardson_factor(const PhysicalScene& scene);
+bool dissipates(const PhysicalScene& scene);
 
 // 1.48 times the median of |r|, at least 1.
 double robust_scale(const std::vector<Eigen::VectorXd>& residual);

@@ -24,13 +24,13 @@ Variant refined(const Variant& variant) {
   return fine;
 }
 
-bool dissipates(const Scene& scene) {
+bool dissipates(const PhysicalScene& scene) {
   return std::any_of(scene.joints.begin(), scene.joints.end(), [](const Joint& joint) {
     return joint.damping > 0 || (is_driven(joint) && joint.drive.damping > 0);
   });
 }
 
-double richardson_factor(const Scene& scene) {
+double richardson_factor(const PhysicalScene& scene) {
   const bool is_second_order = scene.solver.integrator == SolverSettings::Integrator::bdf2 && !dissipates(scene);
   return is_second_order ? 4.0 / 3 : 2;
 }

@@ -89,8 +89,8 @@ void put_joint(std::vector<char>& bytes, const Joint& j) {
   put_vector(bytes, j.axis);
 }
 
-// All that physics reads of a scene; what only cameras see is in the scene file, which is part of the journal's key.
-void put_scene(std::vector<char>& bytes, const Scene& scene) {
+// All that physics reads of a scene; what is seen only is the scene file's, which the journal's key holds.
+void put_scene(std::vector<char>& bytes, const PhysicalScene& scene) {
   put_vector(bytes, scene.gravity);
   for (const RigidBody& body : scene.rigid_bodies) put_body(bytes, body);
   for (const SoftBody& body : scene.soft_bodies) put_body(bytes, body);

@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t MOST_WORLDS = 256;   // of one solve
 constexpr std::size_t MOST_NODES = 20000;  // likewise
 
-std::size_t n_nodes(const Scene& scene) {
+std::size_t n_nodes(const PhysicalScene& scene) {
   std::size_t n = 4 * scene.rigid_bodies.size();
   for (const SoftBody& body : scene.soft_bodies) n += body.mesh.points.size();
   for (const Cloth& cloth : scene.cloths) n += cloth.mesh.points.size();
@@ -124,7 +124,7 @@ std::vector<Prediction> Predictor::predict(std::span<const Job> jobs) {
 
 void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::size_t> which,
                               std::vector<Prediction>& out) {
-  std::vector<Scene> worlds;
+  std::vector<PhysicalScene> worlds;
   std::vector<SensorTrace> traces;
   std::size_t n_steps = 0;
   for (const std::size_t i : which) {

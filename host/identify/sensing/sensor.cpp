@@ -13,7 +13,7 @@ SensorTrace::SensorTrace(const Problem& problem, const Job& job, MaskSight* sigh
   phase_.resize(problem.channels.size());
 }
 
-void SensorTrace::add(const Scene& world, const WorldState& state) {
+void SensorTrace::add(const PhysicalScene& world, const WorldState& state) {
   state_ = &state;
   const RecordedRun& recorded = problem_->recording.runs[std::size_t(job_->window->run)];
   moments_.assign(recorded.masks.size(), std::nullopt);
@@ -122,7 +122,7 @@ Eigen::VectorXd SensorTrace::residual() const {
   return residual;
 }
 
-Phase SensorTrace::phase_of(const Scene& world, const WorldState& state, const Channel& channel) const {
+Phase SensorTrace::phase_of(const PhysicalScene& world, const WorldState& state, const Channel& channel) const {
   const int body = channel.joint >= 0 ? world.joints[std::size_t(channel.joint)].child : channel.rigid;
   bool is_driven_body = false;
   for (const Joint& joint : world.joints) is_driven_body = is_driven_body || (joint.child == body && is_driven(joint));

@@ -20,7 +20,7 @@ class SensorTrace : private Pictures {
  public:
   // sight, video: where masks and videos were measured, else null
   SensorTrace(const Problem& problem, const Job& job, MaskSight* sight, VideoSight* video);
-  void add(const Scene& world, const WorldState& state);  // at the next step's end, the start first
+  void add(const PhysicalScene& world, const WorldState& state);  // at the next step's end, the start first
   Eigen::VectorXd residual() const;
   std::vector<Phase> phases() const;
   // Intersection over union with the measured masks, mean over those of the window; NaN: there are none.
@@ -36,7 +36,7 @@ class SensorTrace : private Pictures {
   CameraError error_of(int camera) const;
   std::vector<double> value_at(std::size_t channel, double time) const;  // [width], empty: not simulated to there
   double time_of(std::size_t channel, std::size_t sample) const;         // in the simulation [s]
-  Phase phase_of(const Scene& world, const WorldState& state, const Channel& channel) const;
+  Phase phase_of(const PhysicalScene& world, const WorldState& state, const Channel& channel) const;
 
   const Problem* problem_;
   const Job* job_;

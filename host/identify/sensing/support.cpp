@@ -135,12 +135,12 @@ Rest rest_of(const Problem& problem, const WorldState& before, const WorldState&
 }
 
 // One window's scene with everything at rest and the drives holding still, simulated for settle_time.
-Rest settled(Device& device, const Problem& problem, const Scene& scene, const Window& window) {
+Rest settled(Device& device, const Problem& problem, const PhysicalScene& scene, const Window& window) {
   InitialState initial = window.initial;
   std::fill(initial.rate.begin(), initial.rate.end(), 0.0);
   std::fill(initial.velocity.begin(), initial.velocity.end(), Vec3::Zero());
   std::fill(initial.spin.begin(), initial.spin.end(), Vec3::Zero());
-  Scene world = world_of(problem, scene, window, initial);
+  PhysicalScene world = world_of(problem, scene, window, initial);
   world.solver.integrator = SolverSettings::Integrator::implicit_euler;  // which damps
   const double h = world.solver.time_step;
   const std::vector<double> targets = targets_of(world, problem.runs[std::size_t(window.run)], window.start, h);
@@ -161,7 +161,7 @@ Rest settled(Device& device, const Problem& problem, const Scene& scene, const W
 
 }  // namespace
 
-void settle_on_support(Device& device, const Problem& problem, const Scene& scene, Window& window) {
+void settle_on_support(Device& device, const Problem& problem, const PhysicalScene& scene, Window& window) {
   if (problem.free_bodies.empty() || window.unknowns.empty()) return;
   const Rest rest = settled(device, problem, scene, window);
   for (std::size_t i = 0; i < rest.support.size(); ++i)

@@ -10,6 +10,6 @@ namespace pvg::diagnose {
 // Lets the bodies of a window come to rest from their measured start, and moves that start along the support's normal
 // if it is as near to it as its samples say. Unknowns along the normal are no unknowns any more; on a face those of
 // tilting neither. scene: a variant of the problem's.
-void settle_on_support(Device& device, const Problem& problem, const Scene& scene, Window& window);
+void settle_on_support(Device& device, const Problem& problem, const PhysicalScene& scene, Window& window);
 
 }  // namespace pvg::diagnose

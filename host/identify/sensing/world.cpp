@@ -10,8 +10,9 @@
 namespace pvg::diagnose {
 namespace {}  // namespace
 
-Scene world_of(const Problem& problem, const Scene& variant, const Window& window, const InitialState& initial) {
-  Scene scene = variant;
+PhysicalScene world_of(const Problem& problem, const PhysicalScene& variant, const Window& window,
+                       const InitialState& initial) {
+  PhysicalScene scene = variant;
   start_at(problem, initial, scene);
   scene.separates_start = true;  // a measured start may cut a little into what the body rests on
   for (const PrescribedPath& prescribed : problem.runs[std::size_t(window.run)].prescribed) {
@@ -27,7 +28,7 @@ Scene world_of(const Problem& problem, const Scene& variant, const Window& windo
   return scene;
 }
 
-std::vector<double> targets_of(const Scene& scene, const Run& run, double time, double h) {
+std::vector<double> targets_of(const PhysicalScene& scene, const Run& run, double time, double h) {
   std::vector<double> targets;
   std::size_t driven = 0;
   for (const Joint& joint : scene.joints) {
@@ -37,7 +38,7 @@ std::vector<double> targets_of(const Scene& scene, const Run& run, double time, 
   return targets;
 }
 
-DriveMemory memory_of(const Scene& scene, const Run& run, double time, double h) {
+DriveMemory memory_of(const PhysicalScene& scene, const Run& run, double time, double h) {
   const int n_steps = int(std::ceil(std::min(time - run.t.front(), criteria().drive_memory) / h));
   const std::vector<double> first = targets_of(scene, run, time - n_steps * h, h);
   Actuators actuators(with_effects(scene), first);

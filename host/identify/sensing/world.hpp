@@ -9,16 +9,17 @@ namespace pvg::diagnose {
 
 // `scene`, a variant of the problem's, with the bodies where `initial` says and those that are prescribed on the paths
 // of the window's run.
-Scene world_of(const Problem& problem, const Scene& scene, const Window& window, const InitialState& initial);
+PhysicalScene world_of(const Problem& problem, const PhysicalScene& scene, const Window& window,
+                       const InitialState& initial);
 
 // The drives' commands in the step of length h that ends at `time` of the run's clock. A torque acts over the
 // whole step, so its value in the middle is used.  [n_driven]
-std::vector<double> targets_of(const Scene& scene, const Run& run, double time, double h);
+std::vector<double> targets_of(const PhysicalScene& scene, const Run& run, double time, double h);
 
 // Of drives that follow late: the command at `time`, and those before, the last step's first.
 struct DriveMemory {
   std::vector<double> command, past;  // as a Checkpoint has them
 };
-DriveMemory memory_of(const Scene& scene, const Run& run, double time, double h);
+DriveMemory memory_of(const PhysicalScene& scene, const Run& run, double time, double h);
 
 }  // namespace pvg::diagnose

@@ -69,15 +69,26 @@ class Fields {
   using Read = std::function<void(YamlSection&, T&)>;
   using Write = std::function<void(YamlWriter&, const T&)>;
   using Applies = std::function<bool(const T&)>;
+  using UnitOf = std::function<Unit(const T&)>;
   inline static const T DEFAULTS = {};
 
   // low <= every number <= high
   template <class Member>
   Fields& number(const std::string& key, Member member, Unit unit, double low, double high,
                  const std::string& meaning) {
+    const std::string unit_text = unit == Unit::none ? "" : si_unit(unit);
+    return number(
+        key, member, [unit](const T&) { return unit; }, unit_text, low, high, meaning);
+  }
+
+  // the same of a unit that rows above decide; unit_text: in words
+  template <class Member>
+  Fields& number(const std::string& key, Member member, const UnitOf& unit_of, const std::string& unit_text, double low,
+                 double high, const std::string& meaning) {
     using M = std::remove_cvref_t<std::invoke_result_t<Member, T&>>;
-    const NumberBounds bounds{unit, low, high};
-    const auto read = [=](YamlSection& s, T& t) { read_value(s, key, bounds, std::invoke(member, t)); };
+    const auto read = [=](YamlSection& s, T& t) {
+      read_value(s, key, {unit_of(t), low, high}, std::invoke(member, t));
+    };
     const auto write = [=](YamlWriter& w, const T& t) {
       const M& value = std::invoke(member, t);
       if constexpr (std::is_same_v<M, Range>)
@@ -91,8 +102,9 @@ class Fields {
       } else
         w.entry(key, value);
     };
-    const std::string unit_text = unit == Unit::none ? "" : si_unit(unit);
-    return custom({key, unit_text, shown(std::invoke(member, DEFAULTS)), shown_bounds(bounds), meaning}, read, write);
+    return custom(
+        {key, unit_text, shown(std::invoke(member, DEFAULTS)), shown_bounds({Unit::none, low, high}), meaning}, read,
+        write);
   }
 
   template <class Member>
@@ -255,6 +267,11 @@ class Fields {
   Fields& when(const Applies& applies, const std::string& text) {
     rows_.back().applies = applies;
     if (!text.empty()) rows_.back().text.meaning = text + ": " + rows_.back().text.meaning;
+    return *this;
+  }
+  // read even where its key is absent: a row of several keys, which it reads itself
+  Fields& always_read() {
+    rows_.back().is_always_read = true;
     return *this;
   }
   Fields& written_when(const Applies& applies) {

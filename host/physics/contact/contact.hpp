@@ -16,7 +16,7 @@
 #include "energies/contact/barrier.h"
 #include "energies/contact/friction.h"
 #include "host/device/device.hpp"
-#include "host/model/scene.hpp"
+#include "host/model/physical_scene.hpp"
 #include "host/model/world_state.hpp"
 #include "host/physics/contact/collision_mesh.hpp"
 #include "host/physics/contact/friction_anchors.hpp"

@@ -12,7 +12,7 @@ Vec3 mean(const std::vector<Vec3>& points) {
 }
 
 // about which torques are taken, of all bodies
-std::vector<Vec3> centres(const Scene& scene, const WorldState& state) {
+std::vector<Vec3> centres(const PhysicalScene& scene, const WorldState& state) {
   std::vector<Vec3> centre;
   for (std::size_t b = 0; b < state.rigid.size(); ++b)
     centre.push_back(state.rigid[b].leftCols<3>() * scene.rigid_bodies[b].center_of_mass + state.rigid[b].col(3));
@@ -23,7 +23,7 @@ std::vector<Vec3> centres(const Scene& scene, const WorldState& state) {
 
 }  // namespace
 
-void sum_forces(const Scene& scene, WorldState& state) {
+void sum_forces(const PhysicalScene& scene, WorldState& state) {
   const std::vector<Vec3> centre = centres(scene, state);
   state.body_force.assign(centre.size(), {});
   std::map<std::pair<int, int>, PairForce> pairs;

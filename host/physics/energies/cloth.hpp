@@ -4,7 +4,7 @@
 
 #include "energies/elastic/cloth_membrane.h"
 #include "energies/elastic/triangle_bending.h"
-#include "host/model/scene.hpp"
+#include "host/model/physical_scene.hpp"
 
 namespace pvg {
 

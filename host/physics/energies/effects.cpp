@@ -17,25 +17,25 @@ auto named(List& list, const std::string& name) -> decltype(&list.front()) {
 }
 
 // force and drags of a whole body, shared by its nodes as its mass is
-void add_drag(System& system, u32 first_node, const std::vector<double>& masses, const Drag& whole) {
+void add_point_force(System& system, u32 first_node, const std::vector<double>& masses, const PointForce& whole) {
   double total = 0;
   for (const double mass : masses) total += mass;
   for (u32 i = 0; i < masses.size(); ++i) {
-    Drag row = whole;
+    PointForce row = whole;
     const double share = masses[i] / total;
     row.site[0] = first_node + i;
     for (double& f : row.force) f *= share;
     row.linear *= share;
     row.quadratic *= share;
-    system.drag.rows.push_back(row);
+    system.point_force.rows.push_back(row);
   }
 }
 
-void add_drag(System& system, std::size_t world, const Effect& effect) {
-  const Scene& scene = system.scenes[world];
+void add_point_force(System& system, std::size_t world, const Effect& effect) {
+  const PhysicalScene& scene = system.scenes[world];
   DragNumbers numbers;
   add_numbers(effect, numbers);
-  Drag whole{};
+  PointForce whole{};
   Eigen::Map<Vec3>(whole.force) = numbers.force;
   whole.linear = numbers.linear;
   whole.quadratic = numbers.quadratic;
@@ -43,11 +43,11 @@ void add_drag(System& system, std::size_t world, const Effect& effect) {
     double total = 0;
     for (const double mass : masses) total += mass;
     whole.linear += numbers.linear_per_mass * total;
-    add_drag(system, first_node, masses, whole);
+    add_point_force(system, first_node, masses, whole);
   };
   if (const RigidBody* body = named(scene.rigid_bodies, effect.target)) {
     whole.site[0] = add_point_site(system, world, int(body - scene.rigid_bodies.data()), body->center_of_mass);
-    system.drag.rows.push_back(whole);
+    system.point_force.rows.push_back(whole);
   } else if (const SoftBody* solid = named(scene.soft_bodies, effect.target)) {
     of_particles(system.soft_first_node[world][std::size_t(solid - scene.soft_bodies.data())],
                  node_masses(solid->mesh, solid->material.density));
@@ -59,21 +59,21 @@ void add_drag(System& system, std::size_t world, const Effect& effect) {
 template <EffectTerm>
 void add_term(System&, std::size_t world, const Effect&);  // a term without a maker does not link
 
-// its row of drag gets its force before each step
+// its row of point_force gets its force before each step
 template <>
 void add_term<EffectTerm::force_law>(System& system, std::size_t world, const Effect& effect) {
   const std::vector<Formula> law = law_of(effect);
   const std::string text =
       "(real3)(" + law[0].kernel_text + ", " + law[1].kernel_text + ", " + law[2].kernel_text + ")";
-  ForceLaw row{u32(system.drag.rows.size()), number_of(system.force_laws, text), 0, {}};
+  ForceLaw row{u32(system.point_force.rows.size()), number_of(system.force_laws, text), 0, {}};
   std::copy(effect.parameters.begin(), effect.parameters.end(), row.coefficient);
   system.force_law.push_back(row);
-  add_drag(system, world, effect);
+  add_point_force(system, world, effect);
 }
 
 template <>
 void add_term<EffectTerm::spin_drag>(System& system, std::size_t world, const Effect& effect) {
-  const Scene& scene = system.scenes[world];
+  const PhysicalScene& scene = system.scenes[world];
   const std::size_t body = std::size_t(named(scene.rigid_bodies, effect.target) - scene.rigid_bodies.data());
   const u32 first = system.rigid_first_node[world][body];
   system.spin.rows.push_back({{first + 1, first + 2, first + 3}, 0, parameter_of(effect, "drag"), 0, 1, 0});
@@ -104,12 +104,12 @@ bool is_flow(const Effect& effect) {
   return add_numbers(effect, ignored);
 }
 
-const Effect& first_flow(const Scene& scene, const std::string& target) {
+const Effect& first_flow(const PhysicalScene& scene, const std::string& target) {
   return *std::find_if(scene.effects.begin(), scene.effects.end(),
                        [&](const Effect& effect) { return is_flow(effect) && effect.target == target; });
 }
 
-PlasticFlow flow_of(const Scene& scene, const std::string& target, u32 world) {
+PlasticFlow flow_of(const PhysicalScene& scene, const std::string& target, u32 world) {
   FlowNumbers numbers;
   for (const Effect& effect : scene.effects)
     if (effect.target == target) add_numbers(effect, numbers);
@@ -120,7 +120,7 @@ PlasticFlow flow_of(const Scene& scene, const std::string& target, u32 world) {
 }
 
 void add_solid_effect(System& system, std::size_t world, const Effect& effect) {
-  const Scene& scene = system.scenes[world];
+  const PhysicalScene& scene = system.scenes[world];
   const SoftBody* solid = named(scene.soft_bodies, effect.target);
   const u32 first = system.soft_first_node[world][std::size_t(solid - scene.soft_bodies.data())];
   const std::size_t n = solid->mesh.points.size();
@@ -147,13 +147,13 @@ void add_solid_effect(System& system, std::size_t world, const Effect& effect) {
   });
 }
 
-int body_number(const Scene& scene, const std::string& name) {
+int body_number(const PhysicalScene& scene, const std::string& name) {
   for (std::size_t b = 0; b < n_bodies(scene); ++b)
     if (body_name(scene, b) == name) return int(b);
   return -1;
 }
 
-std::array<int, 2> pair_of(const Scene& scene, const std::string& target) {
+std::array<int, 2> pair_of(const PhysicalScene& scene, const std::string& target) {
   const std::array<std::string, 2> sides = sides_of(scene, target).value();  // checked before
   return {body_number(scene, sides[0]), body_number(scene, sides[1])};
 }
@@ -180,7 +180,7 @@ void add_term_of(System& system, std::size_t world, const Effect& effect, Effect
 }
 
 void add_contact(System& system, std::size_t world, const Effect& effect, const ContactNumbers& numbers) {
-  const Scene& scene = system.scenes[world];
+  const PhysicalScene& scene = system.scenes[world];
   const u32 first_body = u32(system.collision.bodies.size() - n_bodies(scene));
   const std::array<int, 2> pair = pair_of(scene, effect.target);
   ContactEffect contact;
@@ -200,9 +200,9 @@ bool is_on_contact(const Effect& effect) { return effect_kind(effect.name).targe
 
 }  // namespace
 
-Scene with_effects(const Scene& scene) {
+PhysicalScene with_effects(const PhysicalScene& scene) {
   check_effects(scene);
-  Scene changed = scene;
+  PhysicalScene changed = scene;
   for (const Effect& effect : scene.effects) add_numbers(effect, changed);
   return changed;
 }
@@ -212,7 +212,7 @@ void add_body_effects(System& system, std::size_t world) {
     if (is_on_contact(effect)) continue;
     const EffectAction& action = effect_row(effect.name).action;
     if (const EffectTerm* term = std::get_if<EffectTerm>(&action)) add_term_of(system, world, effect, *term);
-    if (std::holds_alternative<void (*)(DragNumbers&, const Effect&)>(action)) add_drag(system, world, effect);
+    if (std::holds_alternative<void (*)(DragNumbers&, const Effect&)>(action)) add_point_force(system, world, effect);
     if (std::holds_alternative<void (*)(StrainNumbers&, const Effect&)>(action) || is_flow(effect))
       add_solid_effect(system, world, effect);
   }

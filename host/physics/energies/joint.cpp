@@ -22,13 +22,13 @@ Mat3 joint_triad(const Joint& joint) {
 }
 
 void add_anchor(System& system, std::size_t world, const Joint& joint, const Vec3& point) {
-  system.stitch_spring.rows.push_back({{add_point_site(system, world, joint.parent, joint.parent_frame * point),
-                                        add_point_site(system, world, joint.child, joint.child_frame * point)},
-                                       joint.stiffness});
+  system.zero_length_spring.rows.push_back({{add_point_site(system, world, joint.parent, joint.parent_frame * point),
+                                             add_point_site(system, world, joint.child, joint.child_frame * point)},
+                                            joint.stiffness});
 }
 
 void add_direction_lock(System& system, std::size_t world, const Joint& joint, const Vec3& direction) {
-  system.stitch_spring.rows.push_back(
+  system.zero_length_spring.rows.push_back(
       {{add_direction_site(system, world, joint.parent, joint.parent_frame.linear() * direction),
         add_direction_site(system, world, joint.child, joint.child_frame.linear() * direction)},
        joint.stiffness * ANCHOR_LEVER * ANCHOR_LEVER});
@@ -151,7 +151,7 @@ JointRows add_coordinate_rows(System& system, std::size_t world, const Joint& jo
   return rows;
 }
 
-void check_joint(const Scene& scene, const Joint& joint) {
+void check_joint(const PhysicalScene& scene, const Joint& joint) {
   const int n = int(scene.rigid_bodies.size());
   if (joint.parent < 0 || joint.child < 0 || joint.parent >= n || joint.child >= n || joint.parent == joint.child)
     throw UsageError("joint " + joint.name + " must join two different rigid bodies");
@@ -164,7 +164,7 @@ void check_joint(const Scene& scene, const Joint& joint) {
 }  // namespace
 
 void add_joints(System& system, std::size_t world) {
-  const Scene& scene = system.scenes[world];
+  const PhysicalScene& scene = system.scenes[world];
   system.joint_rows.emplace_back(scene.joints.size());
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const Joint& joint = scene.joints[j];
@@ -245,7 +245,7 @@ double stop_effort(const Joint& joint, double q) {
   return -stop_stiffness(joint) * (std::max(q - joint.upper, 0.0) + std::min(q - joint.lower, 0.0));
 }
 
-std::vector<Carried> carried_bodies(const Scene& scene) {
+std::vector<Carried> carried_bodies(const PhysicalScene& scene) {
   std::vector<Carried> carried(scene.joints.size());
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     std::vector<int>& rigid = carried[j].rigid;
@@ -262,8 +262,8 @@ std::vector<Carried> carried_bodies(const Scene& scene) {
   return carried;
 }
 
-double gravity_feed_forward(const Scene& scene, const Joint& joint, const Carried& carried, const SceneState& state,
-                            std::span<const std::vector<double>> soft_masses) {
+double gravity_feed_forward(const PhysicalScene& scene, const Joint& joint, const Carried& carried,
+                            const SceneState& state, std::span<const std::vector<double>> soft_masses) {
   const AffineMap& parent = state.rigid[joint.parent];
   const Vec3 axis = (parent.leftCols<3>() * joint.parent_frame.linear() * joint.axis).normalized();
   const Vec3 centre = parent.leftCols<3>() * joint.parent_frame.translation() + parent.col(3);

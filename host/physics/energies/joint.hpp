@@ -42,11 +42,11 @@ double stop_effort(const Joint& joint, double q);
 struct Carried {
   std::vector<int> rigid, soft;
 };
-std::vector<Carried> carried_bodies(const Scene& scene);  // [n_joints]
+std::vector<Carried> carried_bodies(const PhysicalScene& scene);  // [n_joints]
 
 // Effort along the coordinate that holds the carried bodies against gravity, at this state [N m or N].
 // soft_masses: [n_soft_bodies][n_nodes, kg]
-double gravity_feed_forward(const Scene& scene, const Joint& joint, const Carried& carried, const SceneState& state,
-                            std::span<const std::vector<double>> soft_masses);
+double gravity_feed_forward(const PhysicalScene& scene, const Joint& joint, const Carried& carried,
+                            const SceneState& state, std::span<const std::vector<double>> soft_masses);
 
 }  // namespace pvg

@@ -24,8 +24,8 @@ ForceLaws::ForceLaws(Device& device, const System& system)
       force_law_(program_.kernel("force_law")),
       laws_(device, system.force_law, "force_law") {}
 
-void ForceLaws::write(Buffer<unsigned char>& drags, const Buffer<f64>& x, const Buffer<f64>& v, double h) {
-  force_law_(laws_.size(), u32(laws_.size()), laws_, drags, x, v, h);
+void ForceLaws::write(Buffer<unsigned char>& forces, const Buffer<f64>& x, const Buffer<f64>& v, double h) {
+  force_law_(laws_.size(), u32(laws_.size()), laws_, forces, x, v, h);
 }
 
 }  // namespace pvg

@@ -1,5 +1,6 @@
 // Laws that a scene gives by formulas (regressed_effort, regressed_force), as text for their kernels.
-//   joints: terms revolute_law and prismatic_law       bodies: force_law, which writes the force of rows of `drag`
+//   joints: terms revolute_law and prismatic_law       bodies: force_law, which writes the force of rows of
+//   `point_force`
 #pragma once
 #include <string>
 
@@ -16,9 +17,9 @@ std::string law_cases(const std::string& name, const LawTexts& laws);
 class ForceLaws {
  public:
   ForceLaws(Device& device, const System& system);
-  // This step's forces into the elements of `drag`. x, v: sites at its start [n_sites x 3] [m], [m/s]; h: its length
-  // [s]
-  void write(Buffer<unsigned char>& drags, const Buffer<f64>& x, const Buffer<f64>& v, double h);
+  // This step's forces into the elements of `point_force`. x, v: sites at its start [n_sites x 3] [m], [m/s]; h: its
+  // length [s]
+  void write(Buffer<unsigned char>& forces, const Buffer<f64>& x, const Buffer<f64>& v, double h);
 
  private:
   Program program_;

@@ -43,14 +43,14 @@ Eigen::Matrix4d prescribed_mass_matrix(const RigidBody& body) {
 }
 
 bool has_prescribed_bodies(const System& system) {
-  return std::any_of(system.scenes.begin(), system.scenes.end(), [](const Scene& scene) {
+  return std::any_of(system.scenes.begin(), system.scenes.end(), [](const PhysicalScene& scene) {
     return std::any_of(scene.rigid_bodies.begin(), scene.rigid_bodies.end(),
                        [](const RigidBody& body) { return body.is_prescribed; });
   });
 }
 
 void write_prescribed(const System& system, std::size_t world, double time, std::vector<double>& nodes) {
-  const Scene& scene = system.scenes[world];
+  const PhysicalScene& scene = system.scenes[world];
   for (std::size_t b = 0; b < scene.rigid_bodies.size(); ++b) {
     if (!scene.rigid_bodies[b].is_prescribed) continue;
     const Pose pose = prescribed_pose(scene.rigid_bodies[b], time);

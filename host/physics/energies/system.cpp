@@ -27,7 +27,7 @@ void add_node(System& system, std::size_t world, const Vec3& x, const Vec3& v, c
 }
 
 void add_nodes(System& system, std::size_t world) {
-  const Scene& scene = system.scenes[world];
+  const PhysicalScene& scene = system.scenes[world];
   const u32 first = u32(system.n_nodes());
   for (const SoftBody& body : scene.soft_bodies) {
     system.soft_first_node[world].push_back(u32(system.n_nodes()));
@@ -53,7 +53,7 @@ void add_nodes(System& system, std::size_t world) {
 }
 
 // the body that a stitch draws to its rigid one
-std::size_t stitched_body(const Scene& scene, const Stitch& stitch) {
+std::size_t stitched_body(const PhysicalScene& scene, const Stitch& stitch) {
   if ((stitch.soft >= 0) == (stitch.cloth >= 0))
     throw UsageError("a stitch of scene " + scene.name + " must name one soft body or one cloth");
   const std::size_t n_rigid = scene.rigid_bodies.size();
@@ -73,7 +73,7 @@ void couple_by_contact(System& system, std::size_t world, const std::vector<std:
 }
 
 void add_groups(System& system, std::size_t world) {
-  const Scene& scene = system.scenes[world];
+  const PhysicalScene& scene = system.scenes[world];
   const std::size_t n_rigid = scene.rigid_bodies.size(), n = n_bodies(scene);
   std::vector<std::size_t> root(n);
   std::iota(root.begin(), root.end(), 0);
@@ -148,7 +148,7 @@ Element elastic_element(const SoftBody& body, std::size_t e, u32 first_node) {
 }
 
 void add_soft_terms(System& system, std::size_t world) {
-  const Scene& scene = system.scenes[world];
+  const PhysicalScene& scene = system.scenes[world];
   for (std::size_t b = 0; b < scene.soft_bodies.size(); ++b) {
     const SoftBody& body = scene.soft_bodies[b];
     check_material(body);
@@ -166,7 +166,7 @@ void add_soft_terms(System& system, std::size_t world) {
 }
 
 void add_cloth_terms(System& system, std::size_t world) {
-  const Scene& scene = system.scenes[world];
+  const PhysicalScene& scene = system.scenes[world];
   for (std::size_t b = 0; b < scene.cloths.size(); ++b) {
     const Cloth& cloth = scene.cloths[b];
     check_cloth(cloth);
@@ -182,7 +182,7 @@ void add_cloth_terms(System& system, std::size_t world) {
 }
 
 void add_rigid_terms(System& system, std::size_t world) {
-  const Scene& scene = system.scenes[world];
+  const PhysicalScene& scene = system.scenes[world];
   for (std::size_t b = 0; b < scene.rigid_bodies.size(); ++b) {
     const RigidBody& body = scene.rigid_bodies[b];
     if (body.is_fixed) continue;
@@ -201,7 +201,7 @@ void add_rigid_terms(System& system, std::size_t world) {
 }
 
 void add_stitches(System& system, std::size_t world) {
-  const Scene& scene = system.scenes[world];
+  const PhysicalScene& scene = system.scenes[world];
   for (const Stitch& stitch : scene.stitches) {
     stitched_body(scene, stitch);
     const bool is_cloth = stitch.cloth >= 0;
@@ -216,7 +216,7 @@ void add_stitches(System& system, std::size_t world) {
       const Vec3 start = Eigen::Map<const Vec3>(&system.x[3 * soft_site]);
       const u32 rigid_site = add_point_site(system, world, stitch.rigid, to_rigid * start);
       if (!has_direction) {
-        system.stitch_spring.rows.push_back({{soft_site, rigid_site}, stitch.stiffness});
+        system.zero_length_spring.rows.push_back({{soft_site, rigid_site}, stitch.stiffness});
         continue;
       }
       PrismaticDrive row{};  // its law along one direction is what rollers do
@@ -232,7 +232,7 @@ void add_stitches(System& system, std::size_t world) {
 // ---- collision --------------------------------------------------------------------------------------------------
 
 void add_collision_bodies(System& system, std::size_t world) {
-  const Scene& scene = system.scenes[world];
+  const PhysicalScene& scene = system.scenes[world];
   CollisionMesh& mesh = system.collision;
   const u32 first_body = u32(mesh.bodies.size()), n_rigid = u32(scene.rigid_bodies.size());
   for (const RigidBody& body : scene.rigid_bodies)
@@ -298,7 +298,7 @@ void disable_stitched_pairs(System& system) {
     x.push_back(sum);
   }
   u32 first_body = 0;
-  for (const Scene& scene : system.scenes) {
+  for (const PhysicalScene& scene : system.scenes) {
     for (const Stitch& stitch : scene.stitches)
       disable_pairs_within(system.collision, first_body + stitch.rigid, first_body + u32(stitched_body(scene, stitch)),
                            x, 2 * scene.contact.activation_distance);
@@ -308,11 +308,11 @@ void disable_stitched_pairs(System& system) {
 
 }  // namespace
 
-std::size_t n_bodies(const Scene& scene) {
+std::size_t n_bodies(const PhysicalScene& scene) {
   return scene.rigid_bodies.size() + scene.soft_bodies.size() + scene.cloths.size();
 }
 
-const std::string& body_name(const Scene& scene, std::size_t body) {
+const std::string& body_name(const PhysicalScene& scene, std::size_t body) {
   const std::size_t n_rigid = scene.rigid_bodies.size(), n_soft = scene.soft_bodies.size();
   if (body < n_rigid) return scene.rigid_bodies[body].name;
   return body < n_rigid + n_soft ? scene.soft_bodies[body - n_rigid].name : scene.cloths[body - n_rigid - n_soft].name;
@@ -345,9 +345,9 @@ Eigen::Matrix4d affine_mass_matrix(const RigidBody& body) {
   return mass;
 }
 
-System make_system(std::span<const Scene> worlds) {
+System make_system(std::span<const PhysicalScene> worlds) {
   System system;
-  for (const Scene& world : worlds) system.scenes.push_back(with_effects(world));
+  for (const PhysicalScene& world : worlds) system.scenes.push_back(with_effects(world));
   const std::size_t n = worlds.size();
   system.soft_first_node.resize(n);
   system.cloth_first_node.resize(n);

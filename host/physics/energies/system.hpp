@@ -1,4 +1,4 @@
-// A Scene (or several, as worlds) turned into nodes, sites and the rows of every energy term: what the solver works on.
+// A scene (or several, as worlds) turned into nodes, sites and the rows of every energy term: what the solver works on.
 #pragma once
 #include <span>
 #include <vector>
@@ -6,7 +6,7 @@
 #include "energies/body/force_law.h"
 #include "energies/elastic/plastic_flow.h"
 #include "energy_terms.h"
-#include "host/model/scene.hpp"
+#include "host/model/physical_scene.hpp"
 #include "host/model/state.hpp"
 #include "host/physics/contact/collision_mesh.hpp"
 #include "host/physics/linear/group_preconditioner.hpp"
@@ -42,7 +42,7 @@ struct RollingResistance {
 
 // Nodes of each world: those of its soft bodies first, then of its cloths, then (p, a1, a2, a3) of each rigid body.
 struct System {
-  std::vector<Scene> scenes;  // [n_worlds]
+  std::vector<PhysicalScene> scenes;  // [n_worlds]
 
   // nodes
   std::vector<double> x, v, gravity;                  // [n_nodes x 3]  [m], [m/s], [m/s^2]
@@ -65,7 +65,7 @@ struct System {
 #undef MEMBER
   std::vector<PlasticFlow> plastic_flow_4, plastic_flow_10;  // of elements of stable_neo_hookean_4 and _10
   std::vector<RollingResistance> rolling_resistance;
-  std::vector<ForceLaw> force_law;                 // of rows of drag
+  std::vector<ForceLaw> force_law;                 // of rows of point_force
   LawTexts joint_laws, force_laws;                 // what revolute_law and prismatic_law, and what force_law number
   std::vector<std::vector<JointRows>> joint_rows;  // [n_worlds][n_joints]
 
@@ -76,11 +76,11 @@ struct System {
 };
 
 // Throws a UsageError naming the body or joint where a scene cannot be simulated.
-System make_system(std::span<const Scene> worlds);
+System make_system(std::span<const PhysicalScene> worlds);
 
 // Bodies of a scene, counted rigid, then soft, then cloth.
-std::size_t n_bodies(const Scene& scene);
-const std::string& body_name(const Scene& scene, std::size_t body);
+std::size_t n_bodies(const PhysicalScene& scene);
+const std::string& body_name(const PhysicalScene& scene, std::size_t body);
 
 // Site ids of points and directions of rigid bodies, appended to System::sites.
 u32 add_point_site(System& system, std::size_t world, int rigid, const Vec3& point);          // in the body's frame [m]

@@ -5,7 +5,7 @@
 
 namespace pvg {
 
-Actuators::Actuators(const Scene& scene, std::vector<double> start)
+Actuators::Actuators(const PhysicalScene& scene, std::vector<double> start)
     : h_(scene.solver.time_step), start_(std::move(start)) {
   for (const Joint& joint : scene.joints) {
     if (!is_driven(joint)) continue;

@@ -5,14 +5,14 @@
 #pragma once
 #include <vector>
 
-#include "host/model/scene.hpp"
+#include "host/model/physical_scene.hpp"
 
 namespace pvg {
 
 // One world's drives. Its past is a plain list, so that a checkpoint can hold it.
 class Actuators {
  public:
-  Actuators(const Scene& scene, std::vector<double> start);  // start: of each driven joint
+  Actuators(const PhysicalScene& scene, std::vector<double> start);  // start: of each driven joint
 
   // What the drives obey in a step that ends with these targets.  [n_driven, rad or m]
   std::vector<double> command(const std::vector<double>& targets, const std::vector<double>& last_command) const;

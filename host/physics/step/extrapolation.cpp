@@ -50,7 +50,7 @@ std::vector<double> extrapolated_motion(const System& system, const std::vector<
     return Nodes(&values[3 * first], 3, Eigen::Index(n));
   };
   for (std::size_t w = 0; w < system.n_worlds(); ++w) {
-    const Scene& scene = system.scenes[w];
+    const PhysicalScene& scene = system.scenes[w];
     for (std::size_t b = 0; b < scene.soft_bodies.size(); ++b) {
       const u32 first = system.soft_first_node[w][b];
       const std::size_t n = scene.soft_bodies[b].mesh.points.size();

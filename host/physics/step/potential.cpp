@@ -92,7 +92,7 @@ void Potential::update_spin(const System& system) { terms_.spin.update(system.sp
 void Potential::set_forces(const Buffer<f64>& v) {
   if (!force_laws_) return;
   nodes_to_sites_(system_.sites.size(), u32(system_.sites.size()), sites_, v, direction_site_);
-  force_laws_->write(terms_.drag.params(), start_->site, direction_site_, h_);
+  force_laws_->write(terms_.point_force.params(), start_->site, direction_site_, h_);
 }
 
 void Potential::flow(const Positions& x, double h, std::span<const char> worlds) {

@@ -19,13 +19,13 @@ struct Surface {
 };
 
 // Where the body's pose stands: rigid bodies first, then soft ones, then cloths.
-Pose& pose_of(Scene& scene, std::size_t body) {
+Pose& pose_of(PhysicalScene& scene, std::size_t body) {
   const std::size_t n_rigid = scene.rigid_bodies.size(), n_soft = scene.soft_bodies.size();
   if (body < n_rigid) return scene.rigid_bodies[body].pose;
   return body < n_rigid + n_soft ? scene.soft_bodies[body - n_rigid].pose : scene.cloths[body - n_rigid - n_soft].pose;
 }
 
-bool is_free(const Scene& scene, std::size_t body) {
+bool is_free(const PhysicalScene& scene, std::size_t body) {
   const std::size_t n_rigid = scene.rigid_bodies.size(), n_soft = scene.soft_bodies.size();
   if (body < n_rigid && (scene.rigid_bodies[body].is_fixed || scene.rigid_bodies[body].is_prescribed)) return false;
   for (const Joint& joint : scene.joints)
@@ -92,11 +92,11 @@ double way_apart(const Surface& moved, const Surface& other, const Vec3& directi
   return apart;
 }
 
-Vec3 up_of(const Scene& scene) {
+Vec3 up_of(const PhysicalScene& scene) {
   return scene.gravity.norm() > 0 ? Vec3(-scene.gravity.normalized()) : Vec3(Vec3::UnitZ());
 }
 
-Vec3 shortest_way(const Scene& scene, const Surface& moved, const Surface& other, double clearance) {
+Vec3 shortest_way(const PhysicalScene& scene, const Surface& moved, const Surface& other, double clearance) {
   const Vec3 up = up_of(scene), side = up.unitOrthogonal(), across = up.cross(side);
   double shortest = std::numeric_limits<double>::infinity();
   Vec3 best = up;
@@ -120,8 +120,8 @@ struct Move {
   std::size_t body;
   Vec3 by;
 };
-std::optional<Move> next_move(const Scene& scene) {
-  const System system = make_system(std::vector<Scene>{scene});
+std::optional<Move> next_move(const PhysicalScene& scene) {
+  const System system = make_system(std::vector<PhysicalScene>{scene});
   const std::vector<Vec3> x = site_positions(system);
   const std::vector<CollisionBody>& bodies = system.collision.bodies;
   const auto clearance = [&](std::size_t a, std::size_t b) {
@@ -147,7 +147,7 @@ std::optional<Move> next_move(const Scene& scene) {
 
 }  // namespace
 
-std::vector<Separation> separate_bodies(Scene& scene) {
+std::vector<Separation> separate_bodies(PhysicalScene& scene) {
   std::vector<Vec3> moved(n_bodies(scene), Vec3::Zero());
   for (int i = 0; i < MAX_MOVES; ++i) {
     const auto move = next_move(scene);

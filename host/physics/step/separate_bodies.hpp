@@ -1,7 +1,7 @@
 // Moves free bodies apart that intersect at the start: bounded, in a fixed order, the shorter way first. What is still
 // in conflict afterwards is refused as ever, so nothing depends on this being clever.
 #pragma once
-#include "host/model/scene.hpp"
+#include "host/model/physical_scene.hpp"
 
 namespace pvg {
 
@@ -13,6 +13,6 @@ struct Separation {
 // Changes the poses in `scene`. A body is free that neither joints, stitches nor a prescribed motion hold; it moves up
 // against gravity or sideways, as little as it takes to touch the other body no more, and half the activation distance
 // on. Returns what was moved, in the order of bodies.
-std::vector<Separation> separate_bodies(Scene& scene);
+std::vector<Separation> separate_bodies(PhysicalScene& scene);
 
 }  // namespace pvg

@@ -11,7 +11,7 @@ namespace {
 
 std::vector<ContactSettings> contact_settings(const System& system) {
   std::vector<ContactSettings> settings;
-  for (const Scene& scene : system.scenes) settings.push_back(scene.contact);
+  for (const PhysicalScene& scene : system.scenes) settings.push_back(scene.contact);
   return settings;
 }
 
@@ -21,15 +21,15 @@ std::vector<Vec3> to_points(const std::vector<double>& values) {
   return points;
 }
 
-std::vector<Scene> separated(std::span<const Scene> worlds) {
-  std::vector<Scene> scenes(worlds.begin(), worlds.end());
-  for (Scene& scene : scenes)
+std::vector<PhysicalScene> separated(std::span<const PhysicalScene> worlds) {
+  std::vector<PhysicalScene> scenes(worlds.begin(), worlds.end());
+  for (PhysicalScene& scene : scenes)
     if (scene.separates_start) separate_bodies(scene);
   return scenes;
 }
 
 std::string body_name(const System& system, u32 body) {
-  for (const Scene& scene : system.scenes) {
+  for (const PhysicalScene& scene : system.scenes) {
     if (body < n_bodies(scene)) return body_name(scene, body);
     body -= u32(n_bodies(scene));
   }
@@ -51,13 +51,13 @@ std::vector<std::vector<NodePair>> node_pairs(const std::vector<std::vector<doub
 // with which Newton's method may end [m]
 double largest_correction(const System& system) {
   double largest = 0;
-  for (const Scene& scene : system.scenes)
+  for (const PhysicalScene& scene : system.scenes)
     largest = std::max(largest, scene.solver.velocity_tolerance * scene.solver.time_step);
   return largest;
 }
 
 }  // namespace
-Simulation::Impl::Impl(Device& device_, std::span<const Scene> worlds)
+Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
     : device(device_),
       clock(device_),
       nominal(separated(worlds)),
@@ -95,7 +95,7 @@ Simulation::Impl::Impl(Device& device_, std::span<const Scene> worlds)
   pressing.resize(system.rolling_resistance.size());
   reports.resize(n);
   for (std::size_t w = 0; w < n; ++w) {
-    const Scene& scene = system.scenes[w];
+    const PhysicalScene& scene = system.scenes[w];
     if (scene.solver.time_step != system.scenes[0].solver.time_step)
       throw UsageError("worlds that are simulated together must have the same time step");
     carried.push_back(carried_bodies(scene));
@@ -130,7 +130,7 @@ void Simulation::Impl::refuse_start_conflicts() {
                    (conflict->intersects ? " intersect at the start" : " start closer than their contact offsets") +
                    "; move them apart");
 }
-Simulation::Simulation(Device& device, std::span<const Scene> worlds) {
+Simulation::Simulation(Device& device, std::span<const PhysicalScene> worlds) {
   if (worlds.empty()) throw UsageError("a simulation needs at least one scene");
   impl_ = std::make_unique<Impl>(device, worlds);
 }

@@ -10,7 +10,7 @@
 #include "host/base/error.hpp"
 #include "host/device/device.hpp"
 #include "host/model/checkpoint.hpp"
-#include "host/model/scene.hpp"
+#include "host/model/physical_scene.hpp"
 #include "host/model/world_state.hpp"
 #include "host/physics/step/phase_clock.hpp"
 
@@ -29,12 +29,13 @@ struct StepFailure : Failure {
 class Simulation {
  public:
   // Refuses scenes that begin with intersections, naming the bodies. Worlds share the device and the time step.
-  Simulation(Device& device, std::span<const Scene> worlds);
-  Simulation(Device& device, const Scene& world) : Simulation(device, std::span(&world, 1)) {}
+  Simulation(Device& device, std::span<const PhysicalScene> worlds);
+  Simulation(Device& device, const PhysicalScene& world) : Simulation(device, std::span(&world, 1)) {}
   ~Simulation();
   Simulation(Simulation&&) noexcept;
 
-  // targets: for each world, one absolute target for each joint with a drive, in the order of Scene::joints [rad or m]
+  // targets: for each world, one absolute target for each joint with a drive, in the order of PhysicalScene::joints
+  // [rad or m]
   std::vector<StepReport> step(std::span<const std::vector<double>> targets);
   StepReport step(const std::vector<double>& targets) { return step(std::span(&targets, 1)).front(); }
 

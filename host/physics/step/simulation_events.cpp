@@ -14,7 +14,7 @@ struct NodeOwner {
 };
 
 NodeOwner owner_of_node(const System& system, std::size_t world, u32 node) {
-  const Scene& scene = system.scenes[world];
+  const PhysicalScene& scene = system.scenes[world];
   const auto within = [&](u32 first, std::size_t n) { return node >= first && node < first + n; };
   for (std::size_t b = 0; b < scene.soft_bodies.size(); ++b)
     if (const u32 first = system.soft_first_node[world][b]; within(first, scene.soft_bodies[b].mesh.points.size()))

@@ -15,7 +15,7 @@
 namespace pvg {
 
 struct Simulation::Impl {
-  Impl(Device& device, std::span<const Scene> worlds);
+  Impl(Device& device, std::span<const PhysicalScene> worlds);
 
   // One step of length h of these worlds toward `targets`, from `previous` targets. Those that are not well after it
   // have x and v as they were before. goes_on: of all of them, as the integrator says.
@@ -62,7 +62,7 @@ struct Simulation::Impl {
 
   Device& device;
   PhaseClock clock;
-  std::vector<Scene> nominal;  // [n_worlds] as given, without effects: what drives know of what they carry
+  std::vector<PhysicalScene> nominal;  // [n_worlds] as given, without effects: what drives know of what they carry
   System system;
   Potential potential;
   Program nodes_program;

@@ -10,7 +10,7 @@ namespace pvg {
 void Simulation::Impl::set_joints(double h, const std::vector<std::vector<double>>& previous,
                                   const std::vector<std::vector<double>>& targets) {
   for (std::size_t w = 0; w < system.n_worlds(); ++w) {
-    const Scene& scene = system.scenes[w];
+    const PhysicalScene& scene = system.scenes[w];
     std::size_t driven = 0;
     for (std::size_t j = 0; j < scene.joints.size(); ++j) {
       const Joint& joint = scene.joints[j];
@@ -66,7 +66,7 @@ void Simulation::Impl::read_pressing() {
 }
 
 void Simulation::Impl::read_displays(std::size_t w, double h) {
-  const Scene& scene = nominal[w];
+  const PhysicalScene& scene = nominal[w];
   for (std::size_t i = 0; i < scene.displays.size(); ++i) {
     double& reading = states[w].reading[i];
     reading = settled(scene.displays[i], reading, load_on(scene.displays[i], scene, states[w]), h);
@@ -96,7 +96,7 @@ void Simulation::Impl::read_state(double h) {
   for (std::size_t w = 0; w < system.n_worlds(); ++w) {
     if (!is_well[w]) continue;
     WorldState& state = states[w];
-    const Scene& scene = system.scenes[w];
+    const PhysicalScene& scene = system.scenes[w];
     state.time += h;
     state.rigid.resize(scene.rigid_bodies.size());
     for (std::size_t b = 0; b < state.rigid.size(); ++b) {

@@ -12,8 +12,8 @@ namespace {
 
 constexpr int MAX_NEWTON = 200, MAX_HALVINGS = 30;
 
-Scene scene_of(const StaticProblem& problem) {
-  Scene scene;
+PhysicalScene scene_of(const StaticProblem& problem) {
+  PhysicalScene scene;
   scene.name = "static equilibrium";
   scene.soft_bodies.resize(1);
   scene.soft_bodies[0].name = "body";
@@ -26,7 +26,7 @@ Scene scene_of(const StaticProblem& problem) {
 class Balance {
  public:
   Balance(Device& device, const StaticProblem& problem)
-      : system_(make_system(std::vector<Scene>{scene_of(problem)})),
+      : system_(make_system(std::vector<PhysicalScene>{scene_of(problem)})),
         problem_(problem),
         term_(device, "elastic",
               problem.mesh.nodes_per_element == 10 ? "stable_neo_hookean_10" : "stable_neo_hookean_4",

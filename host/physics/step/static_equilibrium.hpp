@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "host/device/device.hpp"
-#include "host/model/scene.hpp"
+#include "host/model/physical_scene.hpp"
 
 namespace pvg {
 

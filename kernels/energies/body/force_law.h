@@ -4,7 +4,7 @@
 #include "shared/types.h"
 SHARED_BEGIN
 typedef struct {
-  u32 row;  // of drag, at whose site the force acts
+  u32 row;  // of point_force, at whose site the force acts
   u32 law;  // number of the three formulas
   f64 unused;
   f64 coefficient[32];  // c0, c1, ... [SI]

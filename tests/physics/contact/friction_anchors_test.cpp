@@ -14,8 +14,8 @@ namespace {
 constexpr double G = 9.81;
 
 // A cube of 0.1 m on a floor, clear of the diagonals of its faces; gravity is tilted as on a slope.
-Scene cube_on_slope(double tangent, double friction) {
-  Scene scene = empty_scene("slope", 0.01);
+PhysicalScene cube_on_slope(double tangent, double friction) {
+  PhysicalScene scene = empty_scene("slope", 0.01);
   scene.gravity = G * Vec3(tangent, 0, -1).normalized();
   scene.solver.velocity_tolerance = 1e-6;
   scene.rigid_bodies = {box_body("cube", Vec3::Constant(0.05), 1000, Vec3(0, -0.7, 0.0509)),
@@ -72,7 +72,7 @@ TEST(FrictionAnchors, ACubeSlidesBelowTheCriticalFriction) {
 
 TEST(FrictionAnchors, FrictionStopsACubeWhereCoulombSays) {
   Device device;
-  Scene scene = cube_on_slope(0, 0.5);
+  PhysicalScene scene = cube_on_slope(0, 0.5);
   const double h = 0.0025, v = 0.5;
   scene.solver.time_step = h;
   scene.rigid_bodies[0].velocity = Vec3(v, 0, 0);
@@ -87,7 +87,7 @@ TEST(FrictionAnchors, FrictionStopsACubeWhereCoulombSays) {
 // A plate on a rail drags a soft block over the floor: friction is mu times the normal force in every step.
 TEST(FrictionAnchors, AShearedBlockIsBrakedByTheCoefficientTimesItsNormalForce) {
   Device device;
-  Scene scene = cube_on_slope(0, 0.6);
+  PhysicalScene scene = cube_on_slope(0, 0.6);
   scene.contact.activation_distance = 5e-4;
   scene.rigid_bodies[1].friction = 0.6;
   scene.rigid_bodies[0] = box_body("plate", Vec3(0.02, 0.02, 0.005), 1000, Vec3(0.3, -0.7, 0.03));
@@ -137,7 +137,7 @@ TEST(FrictionAnchors, AShearedBlockIsBrakedByTheCoefficientTimesItsNormalForce) 
 
 TEST(FrictionAnchors, ACheckpointGoesOnWithTheSameBits) {
   Device device;
-  const Scene scene = cube_on_slope(0.5, 0.6);
+  const PhysicalScene scene = cube_on_slope(0.5, 0.6);
   Simulation through(device, scene), resumed(device, scene), forgetful(device, scene);
   run(through, 30);
   Checkpoint middle = through.checkpoint();
@@ -154,7 +154,7 @@ TEST(FrictionAnchors, ACheckpointGoesOnWithTheSameBits) {
 
 TEST(FrictionAnchors, AFailedStepLeavesThemAsTheyWere) {
   Device device;
-  Scene scene = cube_on_slope(0.5, 0.6);
+  PhysicalScene scene = cube_on_slope(0.5, 0.6);
   // a second cube hits the sticking one after 0.32 s
   scene.rigid_bodies.push_back(box_body("hammer", Vec3::Constant(0.05), 1000, Vec3(0, -0.7, 0.63)));
   scene.gravity = G * Vec3(0, 0, -1);
@@ -181,7 +181,7 @@ TEST(FrictionAnchors, AFailedStepLeavesThemAsTheyWere) {
 
 TEST(FrictionAnchors, AWorldThatSlidesDoesNotChangeTheBitsOfOneThatSticks) {
   Device device;
-  const std::vector<Scene> both = {cube_on_slope(0.5, 0.4), cube_on_slope(0.5, 0.6)};
+  const std::vector<PhysicalScene> both = {cube_on_slope(0.5, 0.4), cube_on_slope(0.5, 0.6)};
   Simulation together(device, both), alone(device, both[1]);
   const std::vector<std::vector<double>> targets(2);
   for (int i = 0; i < 15; ++i) {

@@ -11,7 +11,7 @@ namespace {
 // 1 kg on 1 kg on the floor: each feels its own weight back, the floor feels both
 TEST(BodyForces, OfARestingStackAreItsWeights) {
   Device device;
-  Scene scene = empty_scene("stack", 0.01);
+  PhysicalScene scene = empty_scene("stack", 0.01);
   scene.rigid_bodies = {fixed_box("floor", Vec3(0.5, 0.5, 0.05), Vec3(0, 0, -0.05)),
                         box_body("low", Vec3::Constant(0.05), 1000, Vec3(0, 0, 0.0506)),
                         box_body("high", Vec3::Constant(0.05), 1000, Vec3(0.01, 0, 0.1512))};
@@ -35,7 +35,7 @@ TEST(BodyForces, OfARestingStackAreItsWeights) {
 
 // two contacts by hand: pushes along +z at x = +-1 with 3 N and 1 N, the second with friction of 2 N along y
 TEST(BodyForces, AddUpWithTheirLevers) {
-  Scene scene = empty_scene("levers", 0.01);
+  PhysicalScene scene = empty_scene("levers", 0.01);
   scene.rigid_bodies = {box_body("a", Vec3::Ones(), 1, Vec3::Zero()), box_body("b", Vec3::Ones(), 1, Vec3(0, 0, 5))};
   scene.rigid_bodies[0].center_of_mass = Vec3(0, 0, 1);
   WorldState state;

@@ -1,6 +1,6 @@
 // Sheets of cloth for tests.
 #pragma once
-#include "host/model/scene.hpp"
+#include "host/model/physical_scene.hpp"
 
 namespace pvg {
 

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double G = 9.81;  // [m/s^2]
 
-Scene free_box(const Vec3& velocity = Vec3::Zero()) {
-  Scene scene = empty_scene("free", 0.01);
+PhysicalScene free_box(const Vec3& velocity = Vec3::Zero()) {
+  PhysicalScene scene = empty_scene("free", 0.01);
   scene.gravity.setZero();
   scene.rigid_bodies = {box_body("box", Vec3::Constant(0.05), 1000, Vec3::Zero())};  // 1 kg
   scene.rigid_bodies[0].velocity = velocity;
@@ -33,7 +33,7 @@ Device& device() {
 }
 
 // runs `n` steps; the last state
-WorldState run(const Scene& scene, int n, const std::vector<double>& targets = {}) {
+WorldState run(const PhysicalScene& scene, int n, const std::vector<double>& targets = {}) {
   Simulation simulation(device(), scene);
   for (int i = 0; i < n; ++i) simulation.step(targets);
   return simulation.state();
@@ -45,7 +45,7 @@ Vec3 place(const WorldState& state, std::size_t body = 0) { return state.rigid[b
 double resting_place(const std::vector<Effect>& effects, double damping = 100) {
   Joint joint = driven(1000);
   joint.drive.damping = damping;
-  Scene scene = box_on_rail(joint);
+  PhysicalScene scene = box_on_rail(joint);
   scene.effects = effects;
   return run(scene, 100, {0}).joint_position[0];
 }
@@ -65,7 +65,7 @@ TEST(Effects, AnOffsetOfTheCentreOfMassChangesTheSag) {
   const auto sag = [](const std::vector<Effect>& effects) {
     Joint joint = driven(100);
     joint.drive.damping = 5;
-    Scene scene = rod_on_hinge(M_PI / 2, joint);
+    PhysicalScene scene = rod_on_hinge(M_PI / 2, joint);
     scene.solver.time_step = 0.01;
     scene.effects = effects;
     return std::abs(run(scene, 150, {M_PI / 2}).joint_position[0] - M_PI / 2);
@@ -76,7 +76,7 @@ TEST(Effects, AnOffsetOfTheCentreOfMassChangesTheSag) {
 
 // the implicit step of a viscous law is v1 = v0 / (1 + c h / m), exactly
 TEST(Effects, LinearDragSlowsByTheSameFactorEachStep) {
-  Scene scene = free_box(Vec3(1, 0, 0));
+  PhysicalScene scene = free_box(Vec3(1, 0, 0));
   scene.effects = {{"linear_drag", "box", {2}}};
   const double factor = 1 / (1 + 2 * 0.01);
   double x = 0, v = 1;
@@ -85,7 +85,7 @@ TEST(Effects, LinearDragSlowsByTheSameFactorEachStep) {
 }
 
 TEST(Effects, QuadraticDragEndsAtTheTerminalSpeed) {
-  Scene scene = free_box();
+  PhysicalScene scene = free_box();
   scene.gravity = Vec3(0, 0, -G);
   scene.effects = {{"quadratic_drag", "box", {4}}};
   Simulation simulation(device(), scene);
@@ -97,7 +97,7 @@ TEST(Effects, QuadraticDragEndsAtTheTerminalSpeed) {
 
 // a cube of 0.1 m and 1 kg: I = m a^2 / 6
 TEST(Effects, SpinDragSlowsByTheSameFactorEachStep) {
-  Scene scene = free_box();
+  PhysicalScene scene = free_box();
   scene.rigid_bodies[0].angular_velocity = Vec3(0, 0, 2);
   scene.effects = {{"spin_drag", "box", {0.01}}};
   const double factor = 1 / (1 + 0.01 * 0.01 * 6 / 0.01);
@@ -116,7 +116,7 @@ TEST(Effects, SpinDragSlowsByTheSameFactorEachStep) {
 }
 
 double slide_on_rail(const Effect& effect, double speed, int n) {
-  Scene scene = box_on_rail({});
+  PhysicalScene scene = box_on_rail({});
   scene.gravity.setZero();
   scene.rigid_bodies[1].velocity = Vec3(0, 0, speed);
   scene.effects = {effect};
@@ -148,7 +148,7 @@ TEST(Effects, StribeckFrictionBrakesSlowMotionHarder) {
 TEST(Effects, LagAndDelayReachTheDrive) {
   const auto after = [](const std::vector<Effect>& effects, int n) {
     Joint joint = driven(1e6);
-    Scene scene = box_on_rail(joint);
+    PhysicalScene scene = box_on_rail(joint);
     scene.gravity.setZero();
     scene.effects = effects;
     return run(scene, n, {0.01}).joint_position[0];
@@ -164,7 +164,7 @@ TEST(Effects, LagAndDelayReachTheDrive) {
 
 // a box of 1 kg sliding on a half-space with friction 0.5; speed lost in a step at this speed
 double braking(const std::vector<Effect>& effects, const Vec3& velocity) {
-  Scene scene = free_box();
+  PhysicalScene scene = free_box();
   scene.gravity = Vec3(0, 0, -G);
   RigidBody ground;
   ground.name = "ground";
@@ -201,7 +201,7 @@ TEST(Effects, FrictionDependsOnSpeedAndDirection) {
 
 // what a box that turns about the vertical at 5 rad/s on smooth ground loses of its spin [rad/s^2]
 double lost_spin(const std::vector<Effect>& effects) {
-  Scene scene = free_box();
+  PhysicalScene scene = free_box();
   scene.gravity = Vec3(0, 0, -G);
   RigidBody ground;
   ground.name = "ground";
@@ -237,7 +237,7 @@ TEST(Effects, RollingResistanceBrakesASpinByTheForceItIsPressedWith) {
 
 // hung below a ceiling by adhesion: it holds up to 1.5 gamma / d times the area of 0.01 m^2
 double hanging_place(double energy) {
-  Scene scene = free_box();
+  PhysicalScene scene = free_box();
   scene.gravity = Vec3(0, 0, -G);
   scene.rigid_bodies.push_back(fixed_box("ceiling", Vec3(0.2, 0.2, 0.05), Vec3(0, 0, 0.1 + 3e-4)));
   scene.effects = {{"adhesion", "box/ceiling", {energy}}};
@@ -254,7 +254,7 @@ TEST(Effects, AdhesionHoldsABoxUnderACeiling) {
 // a box that is pressed into the barrier and let go leaves slower with dissipation
 TEST(Effects, DissipationOfContactTakesFromTheRebound) {
   const auto rebound = [](const std::vector<Effect>& effects) {
-    Scene scene = free_box();
+    PhysicalScene scene = free_box();
     RigidBody ground;
     ground.name = "ground";
     ground.is_half_space = ground.is_fixed = true;
@@ -284,8 +284,8 @@ TetMesh one_tetrahedron(int nodes) {
   return mesh;
 }
 
-Scene pulled_solid(const std::vector<Effect>& effects, double force) {
-  Scene scene = empty_scene("solid", 0.01);
+PhysicalScene pulled_solid(const std::vector<Effect>& effects, double force) {
+  PhysicalScene scene = empty_scene("solid", 0.01);
   scene.gravity.setZero();
   scene.rigid_bodies = {fixed_box("base", Vec3(0.05, 0.05, 0.01), Vec3(0, 0, -0.02))};
   SoftBody solid;
@@ -306,7 +306,7 @@ Scene pulled_solid(const std::vector<Effect>& effects, double force) {
 double height(const WorldState& state) { return state.soft[0][3].z(); }
 
 TEST(Effects, AFreeSolidIsBrakedByMassProportionalDamping) {
-  Scene scene = pulled_solid({{"mass_proportional_damping", "solid", {5}}}, 0);
+  PhysicalScene scene = pulled_solid({{"mass_proportional_damping", "solid", {5}}}, 0);
   scene.stitches.clear();
   scene.soft_bodies[0].velocity = Vec3(0, 0, 1);
   double x = 0.05, v = 1;
@@ -316,7 +316,7 @@ TEST(Effects, AFreeSolidIsBrakedByMassProportionalDamping) {
 
 // its longest axis is z, 0.05 long: the tip and the foot, half of it from the middle, move by curvature s^2 / 2
 TEST(Effects, ARestShapeErrorBendsTheBody) {
-  Scene scene = pulled_solid({{"rest_shape_error", "solid", {2, -1}}}, 0);
+  PhysicalScene scene = pulled_solid({{"rest_shape_error", "solid", {2, -1}}}, 0);
   scene.stitches.clear();
   const Vec3 tip = run(scene, 2).soft[0][3];
   EXPECT_NEAR(tip.x(), 2 * 0.025 * 0.025 / 2, 1e-9);
@@ -381,7 +381,7 @@ TEST(Effects, YieldKeepsWhatIsBeyondItsLimit) {
 }
 
 TEST(Effects, RefuseWhatTheSceneDoesNotHave) {
-  Scene scene = free_box();
+  PhysicalScene scene = free_box();
   const auto refusal = [&](const Effect& effect) -> std::string {
     scene.effects = {effect};
     try {

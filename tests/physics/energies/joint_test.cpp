@@ -70,7 +70,7 @@ TEST(JointLimit, ActsOnJointsThatAreDrivenToo) {
 
 TEST(Drive, CannotExceedItsEffortLimit) {
   Device device;
-  const Scene scene = rod_on_hinge(0.5, with_drive(Drive::Mode::position, 1000, 10, 0.05));
+  const PhysicalScene scene = rod_on_hinge(0.5, with_drive(Drive::Mode::position, 1000, 10, 0.05));
   Simulation simulation(device, scene);
   simulation.step(std::vector<double>{0.5});
   // from rest, the part of the weight that is too much for the drive accelerates the rod
@@ -85,7 +85,7 @@ TEST(Drive, CannotExceedItsEffortLimit) {
 TEST(Drive, OfAVelocityFollowsItsRecurrenceAndItsLimit) {
   Device device;
   for (const double limit : {0.0, 5.0}) {
-    Scene scene = box_on_rail(with_drive(Drive::Mode::velocity, 0, 100, limit));
+    PhysicalScene scene = box_on_rail(with_drive(Drive::Mode::velocity, 0, 100, limit));
     scene.gravity = Vec3::Zero();
     Simulation simulation(device, scene);
     const double h = 0.01, mass = 1;
@@ -111,7 +111,7 @@ TEST(Drive, OfAVelocityFollowsItsRecurrenceAndItsLimit) {
 TEST(Drive, OfATorqueAcceleratesByForceOverMassAndIsCut) {
   Device device;
   for (const double limit : {0.0, 1.5}) {
-    Scene scene = box_on_rail(with_drive(Drive::Mode::torque, 0, 0, limit));
+    PhysicalScene scene = box_on_rail(with_drive(Drive::Mode::torque, 0, 0, limit));
     scene.gravity = Vec3::Zero();
     Simulation simulation(device, scene);
     const int n = 20;
@@ -137,7 +137,7 @@ TEST(Joint, DampingSlowsItsCoordinateByTheRecurrence) {
   Device device;
   Joint joint;
   joint.damping = 20;
-  Scene scene = box_on_rail(joint);
+  PhysicalScene scene = box_on_rail(joint);
   scene.gravity = Vec3::Zero();
   scene.rigid_bodies[1].velocity = Vec3(0, 0, 0.5);
   Simulation simulation(device, scene);

@@ -19,23 +19,23 @@ Device& device() {
   return one;
 }
 
-Scene with(Scene scene, const std::vector<Effect>& effects) {
+PhysicalScene with(PhysicalScene scene, const std::vector<Effect>& effects) {
   scene.effects = effects;
   return scene;
 }
 
-WorldState run(const Scene& scene, int n) {
+WorldState run(const PhysicalScene& scene, int n) {
   Simulation simulation(device(), scene);
   for (int i = 0; i < n; ++i) simulation.step(std::vector<double>{});
   return simulation.state();
 }
 
-double joint_after(const Scene& scene, int n, const std::vector<Effect>& effects) {
+double joint_after(const PhysicalScene& scene, int n, const std::vector<Effect>& effects) {
   return run(with(scene, effects), n).joint_position[0];
 }
 
 // thrown around its hinge or along its rail
-Scene thrown(Scene scene) {
+PhysicalScene thrown(PhysicalScene scene) {
   RigidBody& moving = scene.rigid_bodies[1];
   if (scene.joints[0].type == Joint::Type::prismatic) {
     moving.velocity = Vec3(0, 0, 1);
@@ -47,7 +47,7 @@ Scene thrown(Scene scene) {
 }
 
 TEST(LawEffects, ALinearLawIsTheViscousFrictionOrSpringThatSaysTheSame) {
-  for (const Scene& scene : {thrown(rod_on_hinge(0.5, {})), rod_on_hinge(1, {}), thrown(box_on_rail({}))}) {
+  for (const PhysicalScene& scene : {thrown(rod_on_hinge(0.5, {})), rod_on_hinge(1, {}), thrown(box_on_rail({}))}) {
     const std::string joint = scene.joints[0].name;
     const double free = joint_after(scene, 100, {});
     const double braked = joint_after(scene, 100, {{"joint_viscous_friction", joint, {0.01}}});
@@ -63,24 +63,25 @@ TEST(LawEffects, ALinearLawIsTheViscousFrictionOrSpringThatSaysTheSame) {
 
 // the fast hinge has turned more than once by then: whole turns count
 TEST(LawEffects, ALawOfAHingeKnowsWholeTurns) {
-  Scene scene = thrown(rod_on_hinge(0.5, {}));
+  PhysicalScene scene = thrown(rod_on_hinge(0.5, {}));
   EXPECT_GT(joint_after(scene, 100, {law("regressed_effort", "hinge", {"-0.001 * q"})}), 7);
 }
 
 // a steep law, as friction is: it stops where Coulomb's friction does, 2 N on 1 kg at 1 m/s
 TEST(LawEffects, ASteepLawStopsASlide) {
-  Scene scene = thrown(box_on_rail({}));
+  PhysicalScene scene = thrown(box_on_rail({}));
   scene.gravity.setZero();
   const double stopped = joint_after(scene, 80, {law("regressed_effort", "rail", {"-2 * tanh(v / 0.002)"})});
   EXPECT_NEAR(stopped, 0.25 - 0.005, 1e-3);
 }
 
 TEST(LawEffects, LawsAddUpAndWorldsOfABatchHaveTheirOwn) {
-  const Scene scene = rod_on_hinge(1, {});
-  const std::vector<Scene> worlds = {with(scene, {law("regressed_effort", "hinge", {"c0 * v"}, {-0.02})}),
-                                     with(scene, {law("regressed_effort", "hinge", {"c0*v"}, {-0.01})}), scene,
-                                     with(scene, {law("regressed_effort", "hinge", {"c0 * v"}, {-0.01}),
-                                                  law("regressed_effort", "hinge", {"c1 * sin(q)"}, {0, 0.1})})};
+  const PhysicalScene scene = rod_on_hinge(1, {});
+  const std::vector<PhysicalScene> worlds = {
+      with(scene, {law("regressed_effort", "hinge", {"c0 * v"}, {-0.02})}),
+      with(scene, {law("regressed_effort", "hinge", {"c0*v"}, {-0.01})}), scene,
+      with(scene, {law("regressed_effort", "hinge", {"c0 * v"}, {-0.01}),
+                   law("regressed_effort", "hinge", {"c1 * sin(q)"}, {0, 0.1})})};
   Simulation together(device(), worlds);
   for (int i = 0; i < 60; ++i) together.step(std::vector<std::vector<double>>(worlds.size()));
   for (std::size_t w = 0; w < worlds.size(); ++w) {
@@ -91,8 +92,8 @@ TEST(LawEffects, LawsAddUpAndWorldsOfABatchHaveTheirOwn) {
   }
 }
 
-Scene free_box(double time_step) {
-  Scene scene = empty_scene("free", time_step);
+PhysicalScene free_box(double time_step) {
+  PhysicalScene scene = empty_scene("free", time_step);
   scene.gravity.setZero();
   scene.rigid_bodies = {box_body("box", Vec3::Constant(0.05), 1000, Vec3::Zero())};  // 1 kg
   return scene;
@@ -103,7 +104,7 @@ Vec3 place(const WorldState& state) { return state.rigid[0].col(3); }
 // m v' = -k v:  x = v0 (1 - exp(-k t)) for 1 kg
 TEST(LawEffects, AForceIsExactToTheFirstOrderOfTheTimeStep) {
   const auto error = [](double h) {
-    Scene scene = free_box(h);
+    PhysicalScene scene = free_box(h);
     scene.rigid_bodies[0].velocity = Vec3(2, 0, 0);
     scene.effects = {law("regressed_force", "box", {"-c0 * vx", "0", "0"}, {3})};
     const Vec3 at = place(run(scene, int(std::lround(0.5 / h))));
@@ -118,7 +119,7 @@ TEST(LawEffects, AForceIsExactToTheFirstOrderOfTheTimeStep) {
 
 // the first step from rest moves 1 kg by F h^2, F = 5 (x, y, z) at the centre of mass
 TEST(LawEffects, AForceGoesByTheCentreOfMass) {
-  Scene scene = free_box(0.01);
+  PhysicalScene scene = free_box(0.01);
   RigidBody& box = scene.rigid_bodies[0];
   box.pose.translation() = Vec3(0.3, -0.2, 0.1);
   box.center_of_mass = Vec3(0.01, 0, 0);
@@ -130,7 +131,7 @@ TEST(LawEffects, AForceGoesByTheCentreOfMass) {
 
 // at x + h v / 2: a box that flies at 1 m/s through F = 100 x from 0 feels 100 h / 2
 TEST(LawEffects, AForceIsThatOfTheMiddleOfTheStep) {
-  Scene scene = free_box(0.01);
+  PhysicalScene scene = free_box(0.01);
   scene.rigid_bodies[0].velocity = Vec3(1, 0, 0);
   scene.effects = {law("regressed_force", "box", {"100 * x", "0", "0"})};
   EXPECT_NEAR(place(run(scene, 1)).x(), 0.01 + 100 * 0.005 * 1e-4, 1e-9);
@@ -140,8 +141,8 @@ TEST(LawEffects, ForcesOfABatchAreThoseOfEachWorld) {
   const auto box = [](const std::vector<std::string>& formulas, double c) {
     return with(free_box(0.01), {law("regressed_force", "box", formulas, {c})});
   };
-  const std::vector<Scene> worlds = {box({"c0", "0", "0"}, 1), box({"c0", "0", "0"}, 2), free_box(0.01),
-                                     box({"0", "c0", "0"}, 2)};
+  const std::vector<PhysicalScene> worlds = {box({"c0", "0", "0"}, 1), box({"c0", "0", "0"}, 2), free_box(0.01),
+                                             box({"0", "c0", "0"}, 2)};
   Simulation together(device(), worlds);
   for (int i = 0; i < 10; ++i) together.step(std::vector<std::vector<double>>(worlds.size()));
   const double way = 55 * 1e-4;  // h^2 (1 + 2 + ... + 10)
@@ -153,7 +154,7 @@ TEST(LawEffects, ForcesOfABatchAreThoseOfEachWorld) {
 
 TEST(LawEffects, ACheckpointGoesOnWithTheSameBits) {
   for (const auto integrator : {SolverSettings::Integrator::implicit_euler, SolverSettings::Integrator::bdf2}) {
-    Scene scene =
+    PhysicalScene scene =
         with(thrown(rod_on_hinge(0.5, {})), {law("regressed_effort", "hinge", {"c0 * v + 0.1 * sin(q)"}, {-0.01}),
                                              law("regressed_force", "rod", {"c0 * vz", "0", "-z"}, {0.3})});
     scene.solver.integrator = integrator;
@@ -171,7 +172,7 @@ TEST(LawEffects, ACheckpointGoesOnWithTheSameBits) {
 }
 
 TEST(LawEffects, RefuseWhatCannotBeALaw) {
-  const Scene scene = rod_on_hinge(0.5, {});
+  const PhysicalScene scene = rod_on_hinge(0.5, {});
   const auto expect_refused = [&](const Effect& effect, const std::string& sentence) {
     try {
       Simulation simulation(device(), with(scene, {effect}));

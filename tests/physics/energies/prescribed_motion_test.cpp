@@ -32,7 +32,7 @@ TEST(PrescribedMotion, RunsStraightBetweenThePointsOfItsPath) {
 
 TEST(PrescribedMotion, OfConstantVelocitiesIsFollowedByTheSimulation) {
   Device device;
-  Scene scene = empty_scene("turntable", 0.01);
+  PhysicalScene scene = empty_scene("turntable", 0.01);
   scene.rigid_bodies = {moving_box("plate", Vec3(0.1, 0.1, 0.01), Vec3::Zero())};
   scene.rigid_bodies[0].velocity = Vec3(0.5, 0, 0.1);
   scene.rigid_bodies[0].angular_velocity = Vec3(0, 0, 3);
@@ -46,7 +46,7 @@ TEST(PrescribedMotion, OfConstantVelocitiesIsFollowedByTheSimulation) {
 // A belt accelerates a box by friction: v grows by mu g h a step until it is the belt's.
 TEST(PrescribedMotion, ABeltDragsABoxByFriction) {
   Device device;
-  Scene scene = empty_scene("belt", 0.005);
+  PhysicalScene scene = empty_scene("belt", 0.005);
   scene.contact.friction_lag_passes = -1;
   scene.rigid_bodies = {moving_box("belt", Vec3(1, 0.2, 0.02), Vec3(0, 0, -0.02)),
                         box_body("box", Vec3::Constant(0.05), 1000, Vec3(0, 0, 0.0506))};
@@ -72,7 +72,7 @@ TEST(PrescribedMotion, ABeltDragsABoxByFriction) {
 // A wall pushes a box into a corner that does not yield: the wall stays behind its path, gaps stay open.
 TEST(PrescribedMotion, NothingIsCutIntoWhereTheWayIsBlocked) {
   Device device;
-  Scene scene = empty_scene("press", 0.01);
+  PhysicalScene scene = empty_scene("press", 0.01);
   scene.gravity = Vec3::Zero();
   scene.solver.velocity_tolerance = 1e-4;
   scene.rigid_bodies = {moving_box("wall", Vec3(0.02, 0.1, 0.1), Vec3(-0.1, 0, 0)),
@@ -93,7 +93,7 @@ TEST(PrescribedMotion, NothingIsCutIntoWhereTheWayIsBlocked) {
 
 TEST(HalfSpace, ABoxRestsOnAPlaneWithoutEndWithItsWeight) {
   Device device;
-  Scene scene = empty_scene("plane", 0.01);
+  PhysicalScene scene = empty_scene("plane", 0.01);
   RigidBody ground;
   ground.name = "ground";
   ground.is_fixed = ground.is_half_space = true;
@@ -111,7 +111,7 @@ TEST(HalfSpace, ABoxRestsOnAPlaneWithoutEndWithItsWeight) {
 // A box slides down a plane of tan 0.5 at mu 0.3 with a = g (sin - mu cos), from velocities after each step.
 TEST(HalfSpace, ABoxSlidesDownASlopeWithItsFriction) {
   Device device;
-  Scene scene = empty_scene("slope", 0.005);
+  PhysicalScene scene = empty_scene("slope", 0.005);
   scene.contact.friction_lag_passes = -1;
   const double angle = std::atan(0.5);
   const Mat3 tilt = Eigen::AngleAxisd(angle, Vec3::UnitY()).toRotationMatrix();
@@ -137,7 +137,7 @@ TEST(HalfSpace, ABoxSlidesDownASlopeWithItsFriction) {
 
 TEST(HalfSpace, IsNeverPassedHoweverFast) {
   Device device;
-  Scene scene = empty_scene("shot", 0.02);
+  PhysicalScene scene = empty_scene("shot", 0.02);
   scene.solver.velocity_tolerance = 1e-3;
   RigidBody ground;
   ground.name = "ground";
@@ -154,7 +154,7 @@ TEST(HalfSpace, IsNeverPassedHoweverFast) {
 
 TEST(HalfSpace, ABodyBelowItIsRefusedByName) {
   Device device;
-  Scene scene = empty_scene("buried", 0.01);
+  PhysicalScene scene = empty_scene("buried", 0.01);
   RigidBody ground;
   ground.name = "ground";
   ground.is_fixed = ground.is_half_space = true;

@@ -6,7 +6,7 @@
 #include <Eigen/Dense>
 
 #include "energies/body/inertia.h"
-#include "energies/joint/stitch_spring.h"
+#include "energies/joint/zero_length_spring.h"
 
 namespace pvg {
 namespace {
@@ -19,9 +19,9 @@ TEST(BlockMatrix, IsTheSumOfItsElements) {
                                    {{2, 0, 0, 0}, {1, 0, 0, 0}},
                                    {{3, 4, 0, 0}, {0.25, 0.75, 0, 0}}};
   const std::vector<u32> is_fixed = {0, 0, 1, 0, 0};
-  Term mass(device, "body", "point_inertia", 1), spring(device, "joint", "stitch_spring", 2);
+  Term mass(device, "body", "point_inertia", 1), spring(device, "joint", "zero_length_spring", 2);
   mass.set(std::vector<PointInertia>{{{0}, 0, 2.0}, {{1}, 0, 3.0}}, {0, 2});
-  spring.set(std::vector<StitchSpring>{{{0, 1}, 10.0}, {{1, 2}, 20.0}, {{0, 3}, 16.0}}, {0, 3});
+  spring.set(std::vector<ZeroLengthSpring>{{{0, 1}, 10.0}, {{1, 2}, 20.0}, {{0, 3}, 16.0}}, {0, 3});
   const Buffer<f64> x(device, std::vector<double>(12, 0.0), "x");
   Term* const terms[] = {&mass, &spring};
   for (Term* term : terms) term->hessian(x, x, 1.0);

@@ -6,7 +6,7 @@
 #include <Eigen/Dense>
 
 #include "energies/body/inertia.h"
-#include "energies/joint/stitch_spring.h"
+#include "energies/joint/zero_length_spring.h"
 #include "host/physics/linear/block_matrix.hpp"
 #include "host/physics/linear/gather.hpp"
 #include "host/physics/linear/group_preconditioner.hpp"
@@ -22,14 +22,14 @@ struct Chain {
         to_sites(nodes.kernel("nodes_to_sites")),
         gather_rows(nodes.kernel("gather_rows")),
         mass(device, "body", "point_inertia", 1),
-        inner(device, "joint", "stitch_spring", 2),
-        outer(device, "joint", "stitch_spring", 2),
+        inner(device, "joint", "zero_length_spring", 2),
+        outer(device, "joint", "zero_length_spring", 2),
         rows(device, 0, "rows"),
         is_fixed(device, std::vector<u32>(n, 0), "is_fixed"),
         gather(device, make_sites(n), n),
         n(n) {
     std::vector<PointInertia> masses;
-    std::vector<StitchSpring> within, across;
+    std::vector<ZeroLengthSpring> within, across;
     std::vector<u32> group;
     for (u32 i = 0; i < n; ++i) {
       masses.push_back({{i}, 0, 1.0});

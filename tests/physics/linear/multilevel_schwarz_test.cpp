@@ -30,8 +30,8 @@ SoftBody soft_block(const std::string& name, int divisions, const Vec3& at) {
   return body;
 }
 
-Scene blocks_and_box(int divisions, Kind kind) {
-  Scene scene = empty_scene("blocks", 0.01);
+PhysicalScene blocks_and_box(int divisions, Kind kind) {
+  PhysicalScene scene = empty_scene("blocks", 0.01);
   scene.solver.preconditioner = kind;
   scene.soft_bodies = {soft_block("one", divisions, Vec3(0, 0, 0)), soft_block("two", 2, Vec3(0.3, 0, 0))};
   scene.rigid_bodies = {box_body("box", Vec3::Constant(0.02), 500, Vec3(0, 0.3, 0)),
@@ -41,7 +41,7 @@ Scene blocks_and_box(int divisions, Kind kind) {
 
 // The potential of a scene at its start, differentiated there.
 struct AtStart {
-  AtStart(Device& device, const Scene& scene)
+  AtStart(Device& device, const PhysicalScene& scene)
       : system(make_system(std::span(&scene, 1))),
         potential(device, system),
         x(device, system.n_nodes(), system.sites.size(), "x"),
@@ -81,7 +81,7 @@ MatrixPattern chain_pattern(u32 n) {
 }
 
 TEST(SchwarzHierarchy, EveryMovingNodeHasOneSlotAndTheCoarseFunctionsCarryAffineFields) {
-  const Scene scene = blocks_and_box(5, Kind::schwarz);
+  const PhysicalScene scene = blocks_and_box(5, Kind::schwarz);
   const System system = make_system(std::span(&scene, 1));
   Device device;
   Potential potential(device, system);
@@ -138,7 +138,7 @@ TEST(SchwarzHierarchy, PartsThatNothingConnectsAreNotInOneClusterAtFirst) {
 
 TEST(MultilevelSchwarz, OneClusterIsTheExactInverse) {
   Device device;
-  Scene scene = empty_scene("small", 0.01);
+  PhysicalScene scene = empty_scene("small", 0.01);
   scene.solver.preconditioner = Kind::schwarz;
   scene.soft_bodies = {soft_block("one", 2, Vec3::Zero())};  // 27 nodes, one cluster of at most 32
   AtStart problem(device, scene);
@@ -181,7 +181,7 @@ TEST(MultilevelSchwarz, IsSymmetricWithRigidBodiesInIt) {
 // The coarsest level corrects a translation u exactly and no level takes away: (A u) . M^-1 (A u) >= u . A u.
 TEST(MultilevelSchwarz, TheCoarsestLevelCorrectsATranslation) {
   Device device;
-  Scene scene = empty_scene("block", 0.01);
+  PhysicalScene scene = empty_scene("block", 0.01);
   scene.solver.preconditioner = Kind::schwarz;
   scene.soft_bodies = {soft_block("one", 8, Vec3::Zero())};
   AtStart problem(device, scene);
@@ -203,7 +203,7 @@ TEST(MultilevelSchwarz, TheCoarsestLevelCorrectsATranslation) {
 TEST(MultilevelSchwarz, IterationsHardlyGrowWithTheMesh) {
   Device device;
   const auto iterations = [&](int divisions, Kind kind) {
-    Scene scene = empty_scene("block", 0.01);
+    PhysicalScene scene = empty_scene("block", 0.01);
     scene.solver.preconditioner = kind;
     scene.soft_bodies = {soft_block("one", divisions, Vec3::Zero())};
     return AtStart(device, scene).iterations(device);
@@ -218,7 +218,7 @@ TEST(MultilevelSchwarz, IterationsHardlyGrowWithTheMesh) {
 TEST(MultilevelSchwarz, MotionDoesNotDependOnThePreconditioner) {
   Device device;
   const auto run = [&](Kind kind) {
-    Scene scene = empty_scene("landing", 0.01);
+    PhysicalScene scene = empty_scene("landing", 0.01);
     scene.solver.preconditioner = kind;
     scene.soft_bodies = {soft_block("soft", 3, Vec3(0, 0, 0.052))};
     scene.rigid_bodies = {fixed_box("table", Vec3(0.2, 0.2, 0.01), Vec3(0, 0, -0.01)),
@@ -239,7 +239,7 @@ TEST(MultilevelSchwarz, MotionDoesNotDependOnThePreconditioner) {
 // Groups whose factor is too costly go to Schwarz, the others keep theirs: with 10,648 nodes that is so.
 TEST(MultilevelSchwarz, AutomaticDividesByTheCostOfTheFactor) {
   Device device;
-  Scene scene = blocks_and_box(21, Kind::automatic);
+  PhysicalScene scene = blocks_and_box(21, Kind::automatic);
   AtStart mixed(device, scene);
   scene.solver.preconditioner = Kind::factor;
   AtStart exact(device, scene);
@@ -252,13 +252,13 @@ TEST(MultilevelSchwarz, AutomaticDividesByTheCostOfTheFactor) {
 TEST(MultilevelSchwarz, AWorldHasTheSameBitsAsAlone) {
   Device device;
   const auto scene = [](double height) {
-    Scene world = empty_scene("world", 0.01);
+    PhysicalScene world = empty_scene("world", 0.01);
     world.solver.preconditioner = Kind::schwarz;
     world.soft_bodies = {soft_block("soft", 3, Vec3(0, 0, 0.05 + height))};
     world.rigid_bodies = {fixed_box("table", Vec3(0.2, 0.2, 0.01), Vec3(0, 0, -0.01))};
     return world;
   };
-  const Scene both[] = {scene(0.03), scene(0.002)};
+  const PhysicalScene both[] = {scene(0.03), scene(0.002)};
   Simulation together(device, both), alone(device, std::span(&both[1], 1));
   for (int step = 0; step < 5; ++step) {
     together.step(std::vector<std::vector<double>>{{}, {}});

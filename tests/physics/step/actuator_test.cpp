@@ -8,8 +8,8 @@
 namespace pvg {
 namespace {
 
-Scene driven(double delay, double time_constant) {
-  Scene scene;
+PhysicalScene driven(double delay, double time_constant) {
+  PhysicalScene scene;
   scene.solver.time_step = 0.01;
   Joint joint;
   joint.type = Joint::Type::revolute;

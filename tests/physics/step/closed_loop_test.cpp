@@ -35,7 +35,7 @@ RigidBody bar(const std::string& name, const Eigen::Vector2d& from, const Eigen:
   return body;
 }
 
-Joint hinge(const Scene& scene, int parent, int child, const Eigen::Vector2d& at) {
+Joint hinge(const PhysicalScene& scene, int parent, int child, const Eigen::Vector2d& at) {
   Joint joint;
   joint.name = "hinge" + std::to_string(scene.joints.size());
   joint.type = Joint::Type::revolute;
@@ -48,10 +48,10 @@ Joint hinge(const Scene& scene, int parent, int child, const Eigen::Vector2d& at
   return joint;
 }
 
-Scene four_bar(double start) {
+PhysicalScene four_bar(double start) {
   const Linkage at = closed_form(start);
   const Eigen::Vector2d origin(0, 0), ground(D, 0);
-  Scene scene = empty_scene("four-bar", 0.01);
+  PhysicalScene scene = empty_scene("four-bar", 0.01);
   scene.gravity = Vec3::Zero();
   scene.solver.velocity_tolerance = 1e-9;
   scene.rigid_bodies = {fixed_box("ground", Vec3::Constant(0.01), Vec3::Zero()), bar("crank", origin, at.crank_end),
@@ -82,7 +82,7 @@ TEST(ClosedLoop, AFourBarLinkageFollowsItsClosedForm) {
 // At rest the crank's torque holds a torque on the rocker's drive by virtual work: tau_crank dt + tau_rocker dr = 0.
 TEST(ClosedLoop, AFourBarLinkagePassesTorqueOnByVirtualWork) {
   Device device;
-  Scene scene = four_bar(1.0);
+  PhysicalScene scene = four_bar(1.0);
   scene.joints[3].drive.mode = Drive::Mode::torque;
   scene.joints[3].drive.compensates_gravity = false;
   Simulation simulation(device, scene);

@@ -45,7 +45,7 @@ void settle(Simulation& simulation, double h, double speed, int most_steps) {
 
 TEST(Cloth, AHangingStripStretchesByItsWeightAsTheStretchStiffnessTells) {
   Device device;
-  Scene scene;
+  PhysicalScene scene;
   scene.name = "hanging strip";
   scene.contact.activation_distance = 1e-4;
   scene.solver.time_step = 0.05;
@@ -78,7 +78,7 @@ struct Deflection {
 };
 Deflection heavy_cantilever(ClothGrid kind, double gamma, std::uint32_t n) {
   Device device;
-  Scene scene;
+  PhysicalScene scene;
   scene.name = "heavy cantilever";
   scene.contact.activation_distance = 1e-6;
   scene.solver.time_step = 0.1;
@@ -125,7 +125,7 @@ TEST(Cloth, AStripOfIrregularTrianglesSagsAlmostAsTheHeavyElasticaDoes) {
 // ---- contact ------------------------------------------------------------------------------------------------------
 
 // All surfaces of the scene in one list, as the exact test wants them.
-bool has_intersection(const Scene& scene, const SceneState& state) {
+bool has_intersection(const PhysicalScene& scene, const SceneState& state) {
   std::vector<Vec3> points;
   std::vector<Triangle> triangles;
   std::vector<std::uint32_t> group;
@@ -153,7 +153,7 @@ bool has_intersection(const Scene& scene, const SceneState& state) {
 
 TEST(Cloth, ASquareFallsOverASphereAndComesToRestWithoutIntersection) {
   Device device;
-  Scene scene;
+  PhysicalScene scene;
   scene.name = "cloth over a sphere";
   scene.solver.time_step = 0.02;
   scene.solver.velocity_tolerance = 2e-3;
@@ -189,7 +189,7 @@ TEST(Cloth, ASquareFallsOverASphereAndComesToRestWithoutIntersection) {
 // the preconditioner must not make it indefinite.
 TEST(Cloth, ALimpSquareThatFoldsFinelyIsSolved) {
   Device device;
-  Scene scene;
+  PhysicalScene scene;
   scene.name = "limp cloth over a sphere";
   scene.solver.time_step = 0.01;
   Cloth cloth = cloth_sheet(ClothGrid::right, 16, 16, 0.0125);
@@ -206,7 +206,7 @@ TEST(Cloth, ALimpSquareThatFoldsFinelyIsSolved) {
 
 TEST(Cloth, AStripThatFallsOnEndPilesUpOnItselfAndKeepsItsThickness) {
   Device device;
-  Scene scene;
+  PhysicalScene scene;
   scene.name = "piling strip";
   scene.solver.time_step = 0.02;
   scene.solver.velocity_tolerance = 2e-3;
@@ -234,7 +234,7 @@ TEST(Cloth, AStripThatFallsOnEndPilesUpOnItselfAndKeepsItsThickness) {
 // thicker than its triangles are high: neighbours must not push each other apart, far parts must
 TEST(Cloth, AThickSheetOfFineTrianglesStaysFlatAloneAndFarApartOnAnother) {
   Device device;
-  Scene scene;
+  PhysicalScene scene;
   scene.name = "thick sheets";
   scene.solver.time_step = 0.01;
   Cloth lower = cloth_sheet(ClothGrid::irregular, 6, 6, 0.004);
@@ -262,7 +262,7 @@ TEST(Cloth, AThickSheetOfFineTrianglesStaysFlatAloneAndFarApartOnAnother) {
 
 TEST(Cloth, ATowelUnderLoadStretchesLittleBeyondTheLimit) {
   Device device;
-  Scene scene;
+  PhysicalScene scene;
   scene.name = "loaded towel";
   scene.solver.time_step = 0.1;
   scene.solver.velocity_tolerance = 1e-6;
@@ -297,7 +297,7 @@ TEST(Cloth, ATowelUnderLoadStretchesLittleBeyondTheLimit) {
 
 TEST(Cloth, CarriesASoftBlockAndARigidOneWithoutIntersection) {
   Device device;
-  Scene scene;
+  PhysicalScene scene;
   scene.name = "blocks on a sheet";
   scene.solver.time_step = 0.02;
   scene.solver.velocity_tolerance = 2e-3;
@@ -337,7 +337,7 @@ TEST(Cloth, CarriesASoftBlockAndARigidOneWithoutIntersection) {
 
 TEST(Cloth, WhatCannotBeSimulatedIsNamed) {
   Device device;
-  const auto message = [&](const Scene& scene) -> std::string {
+  const auto message = [&](const PhysicalScene& scene) -> std::string {
     try {
       Simulation simulation(device, scene);
     } catch (const UsageError& error) {
@@ -345,10 +345,10 @@ TEST(Cloth, WhatCannotBeSimulatedIsNamed) {
     }
     return "";
   };
-  Scene good;
+  PhysicalScene good;
   good.cloths = {cloth_sheet(ClothGrid::right, 2, 2, 0.01)};
   EXPECT_EQ(message(good), "");
-  Scene scene = good;
+  PhysicalScene scene = good;
   scene.cloths[0].material.area_density = 0;
   EXPECT_NE(message(scene).find("cloth sheet: its area density"), std::string::npos);
   scene = good;

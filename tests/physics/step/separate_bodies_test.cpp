@@ -9,8 +9,8 @@
 namespace pvg {
 namespace {
 
-Scene pile() {
-  Scene scene = empty_scene("pile", 0.01);
+PhysicalScene pile() {
+  PhysicalScene scene = empty_scene("pile", 0.01);
   scene.separates_start = true;
   scene.rigid_bodies = {fixed_box("floor", Vec3(1, 1, 0.05), Vec3(0, 0, -0.05)),
                         box_body("low", Vec3::Constant(0.05), 1000, Vec3(0, 0, 0.04)),
@@ -20,7 +20,7 @@ Scene pile() {
 
 TEST(SeparateBodies, GoTheShorterWayAndAreThenAccepted) {
   Device device;
-  Scene scene = pile();
+  PhysicalScene scene = pile();
   const std::vector<Separation> moved = separate_bodies(scene);
   ASSERT_EQ(moved.size(), 2u);
   // 10 mm out of the floor, and half the activation distance of 1 mm
@@ -32,7 +32,7 @@ TEST(SeparateBodies, GoTheShorterWayAndAreThenAccepted) {
 
 TEST(SeparateBodies, ComeOutOfAHalfSpaceAlongItsNormal) {
   Device device;
-  Scene scene = pile();
+  PhysicalScene scene = pile();
   scene.rigid_bodies[0].is_half_space = true;
   scene.rigid_bodies[0].collision = {};
   scene.rigid_bodies[0].pose.translation().setZero();
@@ -43,7 +43,7 @@ TEST(SeparateBodies, ComeOutOfAHalfSpaceAlongItsNormal) {
 
 TEST(SeparateBodies, WithoutTheRequestOrWithoutAFreeBodyAreRefusedByName) {
   Device device;
-  Scene not_asked = pile(), held = pile();
+  PhysicalScene not_asked = pile(), held = pile();
   not_asked.separates_start = false;
   held.rigid_bodies[1].is_fixed = held.rigid_bodies[2].is_fixed = true;
   held.rigid_bodies.push_back(box_body("rod", Vec3::Constant(0.03), 1000, Vec3(0, 0, 0.1)));
@@ -54,7 +54,7 @@ TEST(SeparateBodies, WithoutTheRequestOrWithoutAFreeBodyAreRefusedByName) {
   hinge.child = 3;
   hinge.parent_frame.translation() = Vec3(0, 0, 0.15);
   held.joints = {hinge};
-  for (const Scene& scene : {not_asked, held}) {
+  for (const PhysicalScene& scene : {not_asked, held}) {
     try {
       Simulation simulation(device, scene);
       FAIL() << "an intersection was accepted";

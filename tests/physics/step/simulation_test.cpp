@@ -10,8 +10,8 @@
 namespace pvg {
 namespace {
 
-Scene falling_box() {
-  Scene scene;
+PhysicalScene falling_box() {
+  PhysicalScene scene;
   scene.name = "falling box";
   scene.solver.time_step = 0.01;
   scene.solver.velocity_tolerance = 1e-6;
@@ -31,7 +31,7 @@ TEST(Simulation, FreeFallFollowsImplicitEulerExactly) {
 
 TEST(Simulation, ABoxRestsOnTheFloorWithItsWeight) {
   Device device;
-  Scene scene = falling_box();
+  PhysicalScene scene = falling_box();
   scene.rigid_bodies[0].pose.translation().z() = 0.0505;
   RigidBody floor = box_body("floor", Vec3(0.5, 0.5, 0.05), 1000, Vec3(0, 0, -0.05));
   floor.is_fixed = true;
@@ -47,10 +47,10 @@ TEST(Simulation, ABoxRestsOnTheFloorWithItsWeight) {
   EXPECT_GT(simulation.state().rigid[0](2, 3), 0.05);
 }
 
-Scene pendulum(double angle, Drive drive) {
+PhysicalScene pendulum(double angle, Drive drive) {
   Joint joint;
   joint.drive = drive;
-  Scene scene = rod_on_hinge(angle, joint);
+  PhysicalScene scene = rod_on_hinge(angle, joint);
   scene.solver = SolverSettings{};
   scene.solver.time_step = 0.005;
   scene.solver.velocity_tolerance = 1e-6;
@@ -99,9 +99,9 @@ TEST(Simulation, GravityFeedForwardLeavesNoSag) {
 
 TEST(Simulation, AWorldsBitsDoNotDependOnItsCompanions) {
   Device device;
-  Scene falling = falling_box();
+  PhysicalScene falling = falling_box();
   falling.solver.time_step = 0.005;
-  const std::vector<Scene> both = {falling, pendulum(0.3, {})};
+  const std::vector<PhysicalScene> both = {falling, pendulum(0.3, {})};
   Simulation together(device, both), alone(device, both[1]);
   const std::vector<std::vector<double>> targets(2);
   for (int i = 0; i < 10; ++i) {
@@ -113,7 +113,7 @@ TEST(Simulation, AWorldsBitsDoNotDependOnItsCompanions) {
 
 TEST(Simulation, Bdf2FallsAsTheParabolaAfterItsFirstStep) {
   Device device;
-  Scene scene = falling_box();
+  PhysicalScene scene = falling_box();
   scene.solver.integrator = SolverSettings::Integrator::bdf2;
   Simulation simulation(device, scene);
   // the recurrence by hand: one step of implicit Euler, then v_n = (3 x_n - 4 x_{n-1} + x_{n-2}) / (2 h), the same for
@@ -136,7 +136,7 @@ TEST(Simulation, ACheckpointGoesOnWithTheSameBits) {
   Drive drive;
   drive.stiffness = 20;
   for (const auto integrator : {SolverSettings::Integrator::implicit_euler, SolverSettings::Integrator::bdf2}) {
-    Scene scene = pendulum(0.4, drive);
+    PhysicalScene scene = pendulum(0.4, drive);
     scene.solver.integrator = integrator;
     scene.rigid_bodies.push_back(box_body("cube", Vec3::Constant(0.02), 1000, Vec3(0.05, 0, 0.58)));
     RigidBody floor = box_body("floor", Vec3(0.5, 0.5, 0.05), 1000, Vec3(0, 0, 0.5));
@@ -160,7 +160,7 @@ TEST(Simulation, ACheckpointGoesOnWithTheSameBits) {
 TEST(Simulation, BodiesThatStandOnEachOtherAreSolvedInOneIteration) {
   // the factor holds what contact couples: conjugate gradients find nothing left to do
   Device device;
-  Scene scene;
+  PhysicalScene scene;
   scene.rigid_bodies.push_back(box_body("floor", Vec3(0.5, 0.5, 0.05), 1000, Vec3(0, 0, -0.05)));
   scene.rigid_bodies[0].is_fixed = true;
   for (int i = 0; i < 4; ++i)
@@ -179,7 +179,7 @@ TEST(Simulation, BodiesThatStandOnEachOtherAreSolvedInOneIteration) {
 
 TEST(Simulation, IntersectingBodiesAreRefusedByName) {
   Device device;
-  Scene scene = falling_box();
+  PhysicalScene scene = falling_box();
   scene.rigid_bodies.push_back(box_body("intruder", Vec3::Constant(0.05), 1000, Vec3(0.05, 0.02, 1.03)));
   try {
     Simulation simulation(device, scene);

@@ -33,8 +33,8 @@ inline RigidBody fixed_box(const std::string& name, const Vec3& half, const Vec3
   return body;
 }
 
-inline Scene empty_scene(const std::string& name, double time_step) {
-  Scene scene;
+inline PhysicalScene empty_scene(const std::string& name, double time_step) {
+  PhysicalScene scene;
   scene.name = name;
   scene.solver.time_step = time_step;
   scene.solver.velocity_tolerance = 1e-7;
@@ -43,8 +43,8 @@ inline Scene empty_scene(const std::string& name, double time_step) {
 }
 
 // a rod of 0.16 kg and 0.4 m hanging from a hinge about y at its end, turned by `angle` [rad]
-inline Scene rod_on_hinge(double angle, const Joint& like) {
-  Scene scene = empty_scene("rod", 0.005);
+inline PhysicalScene rod_on_hinge(double angle, const Joint& like) {
+  PhysicalScene scene = empty_scene("rod", 0.005);
   RigidBody rod = box_body("rod", Vec3(0.01, 0.01, 0.2), 1000, Vec3::Zero());
   const Mat3 turn = Eigen::AngleAxisd(angle, Vec3::UnitY()).toRotationMatrix();
   rod.pose.linear() = turn;
@@ -63,8 +63,8 @@ inline Scene rod_on_hinge(double angle, const Joint& like) {
 }
 
 // a box of 1 kg on a rail along z through its centre, where q = 0
-inline Scene box_on_rail(const Joint& like) {
-  Scene scene = empty_scene("rail", 0.01);
+inline PhysicalScene box_on_rail(const Joint& like) {
+  PhysicalScene scene = empty_scene("rail", 0.01);
   scene.rigid_bodies = {fixed_box("base", Vec3::Constant(0.01), Vec3::Zero()),
                         box_body("box", Vec3::Constant(0.05), 1000, Vec3::Zero())};
   Joint joint = like;

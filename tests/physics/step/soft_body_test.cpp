@@ -56,7 +56,7 @@ std::vector<std::uint32_t> nodes_at(const TetMesh& mesh, int axis, double value)
 
 TEST(SoftBody, ABarHangingByItsWeightStretchesAsTheoryTells) {
   Device device;
-  Scene scene;
+  PhysicalScene scene;
   scene.name = "hanging bar";
   scene.solver.time_step = 0.05;
   scene.solver.velocity_tolerance = 1e-7;
@@ -81,7 +81,7 @@ TEST(SoftBody, ABarHangingByItsWeightStretchesAsTheoryTells) {
 TEST(SoftBody, ABlockRestsOnTheFloorWithItsWeight) {
   Device device;
   for (const bool quadratic : {false, true}) {
-    Scene scene;
+    PhysicalScene scene;
     scene.name = "resting block";
     scene.solver.time_step = 0.02;
     scene.solver.velocity_tolerance = 1e-6;

@@ -13,16 +13,16 @@ namespace {
 using Kind = StepEvent::Kind;
 const std::vector<double> NO_TARGETS;
 
-Scene falling_box(double speed) {
-  Scene scene = empty_scene("fall", 0.005);
+PhysicalScene falling_box(double speed) {
+  PhysicalScene scene = empty_scene("fall", 0.005);
   scene.rigid_bodies = {box_body("cube", Vec3::Constant(0.05), 1000, Vec3(0, 0, 1))};
   scene.rigid_bodies[0].velocity.x() = speed;
   return scene;
 }
 
 // One tetrahedron whose base is held and whose tip is drawn through the base by a moving body; nothing collides.
-Scene pierced_tetrahedron() {
-  Scene scene = empty_scene("pierced", 0.005);
+PhysicalScene pierced_tetrahedron() {
+  PhysicalScene scene = empty_scene("pierced", 0.005);
   scene.gravity = Vec3::Zero();
   RigidBody base = fixed_box("base", Vec3::Constant(0.01), Vec3(0, 0, -0.1));
   RigidBody hook = box_body("hook", Vec3::Constant(0.01), 1000, Vec3(0, 0, 0.3));
@@ -84,7 +84,7 @@ TEST(StepFailure, AnInvertedElementIsNamedAndTheStateBeforeItKept) {
 
 TEST(StepFailure, AStalledSolveIsNamedAfterABoundedNumberOfRetries) {
   Device device;
-  Scene scene = rod_on_hinge(1.5, {});
+  PhysicalScene scene = rod_on_hinge(1.5, {});
   scene.solver.max_newton = 1;
   scene.solver.max_step_halvings = 2;
   Simulation simulation(device, scene);
@@ -97,7 +97,7 @@ TEST(StepFailure, AStalledSolveIsNamedAfterABoundedNumberOfRetries) {
 
 TEST(StepFailure, AnExhaustedLineSearchIsNamed) {
   Device device;
-  const Scene scene = falling_box(0);
+  const PhysicalScene scene = falling_box(0);
   Simulation::Impl impl(device, std::span(&scene, 1));
   // the energy is least where the body is: whichever way it goes, it rises
   impl.predicted.node.copy_from(impl.x.node);
@@ -118,7 +118,7 @@ TEST(StepFailure, AnExhaustedLineSearchIsNamed) {
 
 TEST(StepFailure, ARetiredWorldStaysAndCostsNothing) {
   Device device;
-  const Scene worlds[] = {falling_box(std::numeric_limits<double>::infinity()), falling_box(0.5)};
+  const PhysicalScene worlds[] = {falling_box(std::numeric_limits<double>::infinity()), falling_box(0.5)};
   Simulation together(device, worlds), alone(device, worlds[1]);
   const std::vector<std::vector<double>> targets(2);
   EXPECT_THROW(together.step(targets), StepFailure);
@@ -137,7 +137,7 @@ TEST(StepFailure, ARetiredWorldStaysAndCostsNothing) {
 
 TEST(StepFailure, AStepThatFailsIsDoneInSmallerOnes) {
   Device device;
-  Scene scene = rod_on_hinge(1.5, {});
+  PhysicalScene scene = rod_on_hinge(1.5, {});
   scene.solver.time_step = 0.05;
   scene.solver.max_newton = 4;
   Simulation simulation(device, scene);
@@ -156,13 +156,14 @@ TEST(StepFailure, AStepThatFailsIsDoneInSmallerOnes) {
 TEST(StepFailure, OfOneWorldDoesNotChangeItsCompanions) {
   Device device;
   for (const auto integrator : {SolverSettings::Integrator::implicit_euler, SolverSettings::Integrator::bdf2}) {
-    Scene hard = rod_on_hinge(1.5, {}), easy = falling_box(1), hopeless = falling_box(INFINITY);
-    for (Scene* scene : {&hard, &easy, &hopeless}) {
+    PhysicalScene hard = rod_on_hinge(1.5, {}), easy = falling_box(1), hopeless = falling_box(INFINITY);
+    for (PhysicalScene* scene : {&hard, &easy, &hopeless}) {
       scene->solver.time_step = 0.05;
       scene->solver.max_newton = 4;
       scene->solver.integrator = integrator;
     }
-    Simulation together(device, std::vector<Scene>{hard, easy, hopeless}), first(device, hard), second(device, easy);
+    Simulation together(device, std::vector<PhysicalScene>{hard, easy, hopeless}), first(device, hard),
+        second(device, easy);
     for (int i = 0; i < 10; ++i) {
       try {
         together.step(std::vector<std::vector<double>>(3));

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "energies/joint/stitch_spring.h"
+#include "energies/joint/zero_length_spring.h"
 #include "tests/physics/step/small_scenes.hpp"
 
 namespace pvg {
@@ -13,14 +13,14 @@ TEST(Term, NothingIsCompiledWithoutElements) {
   Device device;
   device.keep_programs_in("");  // of an earlier run
   Buffer<f64> x(device, std::vector<f64>{0, 0, 0, 0, 0, 2}, "x"), rows(device, 6, "rows"), energy(device, 1, "energy");
-  Term term(device, "joint", "stitch_spring", 2);
-  term.set(std::vector<StitchSpring>{}, {0, 0});
+  Term term(device, "joint", "zero_length_spring", 2);
+  term.set(std::vector<ZeroLengthSpring>{}, {0, 0});
   term.energy(x, x, 1, 0, energy);
   term.gradient(x, x, 1, rows);
   term.hessian(x, x, 1);
   term.product(x, rows);
   EXPECT_EQ(device.n_compiled(), 0u);
-  term.set(std::vector<StitchSpring>{{{0, 1}, 3.0}}, {0, 1});
+  term.set(std::vector<ZeroLengthSpring>{{{0, 1}, 3.0}}, {0, 1});
   term.energy(x, x, 1, 0, energy);
   EXPECT_EQ(energy.read().at(0), 6.0) << "k/2 l^2";
   EXPECT_EQ(device.n_compiled(), 1u);
@@ -29,7 +29,7 @@ TEST(Term, NothingIsCompiledWithoutElements) {
 TEST(Term, AFallingBoxCompilesNoTermThatItHasNot) {
   Device device;
   device.keep_programs_in("");  // of an earlier run
-  Scene scene = empty_scene("falling box", 0.01);
+  PhysicalScene scene = empty_scene("falling box", 0.01);
   scene.rigid_bodies = {box_body("cube", Vec3::Constant(0.05), 1000, Vec3(0, 0, 1))};
   Simulation simulation(device, scene);
   simulation.step(std::vector<double>{});
@@ -38,7 +38,7 @@ TEST(Term, AFallingBoxCompilesNoTermThatItHasNot) {
   for (const char* has : {"body/affine_inertia", "body/affine_orthogonality"})
     Program(device, "energies/" + std::string(has) + ".cl");
   EXPECT_EQ(device.n_compiled(), before);
-  for (const char* lacks : {"joint/stitch_spring", "elastic/cloth_membrane", "contact/barrier"})
+  for (const char* lacks : {"joint/zero_length_spring", "elastic/cloth_membrane", "contact/barrier"})
     Program(device, "energies/" + std::string(lacks) + ".cl");
   EXPECT_EQ(device.n_compiled(), before + 3);
 }

@@ -35,6 +35,7 @@ TEST(Layers, EveryKindOfForbiddenIncludeIsFound) {
                                                        {"host/load/a.cpp", "\"pipeline/graph/graph.hpp\""},
                                                        {"pipeline/episode/a.cpp", "\"tests/fake.hpp\""},
                                                        {"host/physics/step/a.cpp", "<CL/cl.h>"},
+                                                       {"host/physics/step/b.hpp", "\"host/model/scene.hpp\""},
                                                        {"host/render/a.cpp", "\"host/formats/hdf5.hpp\""},
                                                        {"host/base/b.hpp", "\"host/model/task.hpp\""},
                                                        {"host/geometry/a.cpp", "<yaml-cpp/yaml.h>"},

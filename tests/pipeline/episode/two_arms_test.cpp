@@ -12,7 +12,7 @@ TEST(TwoArms, AreOneGroupEachAndMoveWithoutIntersections) {
   const SceneRun run = load_scene_run(std::string(PVG_DATA_FOLDER) + "/scenes/two_arms.yaml");
   EXPECT_GE(n_bodies(run.scene), 25u);
   // one exact block per robot with its fingers, one for the cube
-  EXPECT_EQ(make_system(std::vector<Scene>{run.scene}).group_world.size(), 3u);
+  EXPECT_EQ(make_system(std::vector<PhysicalScene>{run.scene}).group_world.size(), 3u);
   Device device;
   Simulation simulation(device, run.scene);
   std::vector<double> targets;

@@ -1,20 +1,20 @@
 // Force and drag at a point: E = -F . d + c |d|^2 / (2 h) + k |d|^3 / (3 h^2)
-#include "energies/body/drag.h"
+#include "energies/body/point_force.h"
 
 #include "tests/physics/energies/energy_check.hpp"
 
 namespace pvg {
 namespace {
 
-using Elements = std::vector<EnergyElement<Drag>>;
+using Elements = std::vector<EnergyElement<PointForce>>;
 
-double energy(const Drag& p, const Vec3* x, const Vec3* x0, double h) {
+double energy(const PointForce& p, const Vec3* x, const Vec3* x0, double h) {
   const Vec3 v = (x[0] - x0[0]) / h;
   return -Eigen::Map<const Vec3>(p.force).dot(h * v) +
          h * (p.linear * v.squaredNorm() / 2 + p.quadratic * std::pow(v.norm(), 3) / 3);
 }
 
-Elements drags(std::size_t n) {
+Elements forces(std::size_t n) {
   Random random(21);
   Elements elements(n);
   for (auto& e : elements) {
@@ -28,10 +28,10 @@ Elements drags(std::size_t n) {
   return elements;
 }
 
-TEST(Drag, EnergyGradientAndHessianAgreeWithTheEnergyInDouble) {
-  EnergyCheck<Drag> check("body/drag", energy, 1e-6);
+TEST(PointForce, EnergyGradientAndHessianAgreeWithTheEnergyInDouble) {
+  EnergyCheck<PointForce> check("body/point_force", energy, 1e-6);
   check.set_energy_scale(1e-3);
-  const Elements elements = drags(1000);
+  const Elements elements = forces(1000);
   check.expect_energy(elements);
   check.expect_gradient(elements);
   check.expect_exact_hessian({elements.begin() + 1, elements.begin() + 50});
@@ -40,9 +40,9 @@ TEST(Drag, EnergyGradientAndHessianAgreeWithTheEnergyInDouble) {
 }
 
 // 2 m/s: 3 N s/m x 2 m/s + 0.5 N s^2/m^2 x 4 m^2/s^2 = 8 N against the motion
-TEST(Drag, EightNewtonAtTwoMetresPerSecond) {
-  EnergyCheck<Drag> check("body/drag", energy, 1e-6);
-  EnergyElement<Drag> e;
+TEST(PointForce, EightNewtonAtTwoMetresPerSecond) {
+  EnergyCheck<PointForce> check("body/point_force", energy, 1e-6);
+  EnergyElement<PointForce> e;
   e.params.linear = 3;
   e.params.quadratic = 0.5;
   e.x0 = {Vec3::Zero()};

@@ -3,7 +3,8 @@
 #include <algorithm>
 
 #include "host/base/error.hpp"
-#include "host/load/read_sections.hpp"
+#include "host/base/names.hpp"
+#include "host/load/tables.hpp"
 
 namespace pvg {
 namespace {
@@ -30,24 +31,43 @@ void read_law(YamlSection& section, const EffectKind& kind, Effect& effect) {
   }
 }
 
-}  // namespace
-
-Effect read_effect(YamlSection& section) {
-  Effect effect{section.text("effect"), section.text("target"), {}};
+void read_parameters(YamlSection& section, Effect& effect) {
   const EffectKind* kind = find_named(effect_kinds(), effect.name);
   if (!kind)
     section.fail("effect", "is `" + effect.name + "`; `phyvisgen diagnose --list-effects` prints those there are");
-  if (is_regressed(*kind)) {
-    read_law(section, *kind, effect);
-    return effect;
-  }
+  if (is_regressed(*kind)) return read_law(section, *kind, effect);
   for (const EffectParameter& p : kind->parameters) {
     const Unit unit = unit_named(*kind, p.unit);
     effect.parameters.push_back(p.is_strength ? section.number(p.name, unit, p.low, p.high)
                                               : section.number(p.name, unit, p.low, p.high, p.usual));
   }
-  section.done();
-  return effect;
+}
+
+void write_parameters(YamlWriter& w, const Effect& effect) {
+  if (effect.formulas.size() == 1) w.entry("formula", effect.formulas[0]);
+  if (effect.formulas.size() > 1) w.flow("formula", effect.formulas);
+  if (!effect.formulas.empty()) return w.flow("coefficients", effect.parameters);
+  const std::vector<EffectParameter>& parameters = effect_kind(effect.name).parameters;
+  for (std::size_t i = 0; i < parameters.size(); ++i) w.entry(parameters[i].name, effect.parameters[i]);
+}
+
+}  // namespace
+
+const Fields<Effect>& effect_fields() {
+  static const Fields<Effect> FIELDS =
+      Fields<Effect>()
+          .text("effect", &Effect::name, "as `phyvisgen diagnose --list-effects` names it")
+          .required()
+          .text("target", &Effect::target, "joint, body, two bodies as `FIRST/SECOND`, or `scene`")
+          .required()
+          .custom({}, read_parameters, write_parameters)
+          .always_read()
+          .custom({"PARAMETER", "its own", "required, or usual", "its own",
+                   "each parameter of the effect under its name; of joints bare, in SI"},
+                  nullptr, nullptr)
+          .custom({"formula", "", "required", "text, or three texts", "of a regressed law"}, nullptr, nullptr)
+          .custom({"coefficients", "", "none", "-1e12 to 1e12", "c0, c1, ... of a regressed law"}, nullptr, nullptr);
+  return FIELDS;
 }
 
 }  // namespace pvg

@@ -1,18 +1,18 @@
 // Stitch springs: E = k/2 |x_a - x_b|^2
-#include "energies/joint/stitch_spring.h"
+#include "energies/joint/zero_length_spring.h"
 
 #include "tests/physics/energies/energy_check.hpp"
 
 namespace pvg {
 namespace {
 
-double energy(const StitchSpring& p, const Vec3* x, const Vec3*, double) {
+double energy(const ZeroLengthSpring& p, const Vec3* x, const Vec3*, double) {
   return 0.5 * p.stiffness * (x[0] - x[1]).squaredNorm();
 }
 
-std::vector<EnergyElement<StitchSpring>> springs(std::size_t n) {
+std::vector<EnergyElement<ZeroLengthSpring>> springs(std::size_t n) {
   Random random(1);
-  std::vector<EnergyElement<StitchSpring>> elements(n);
+  std::vector<EnergyElement<ZeroLengthSpring>> elements(n);
   for (auto& e : elements) {
     e.params.stiffness = random.number(0, 1e5);
     e.x = {random.vector(0.5), random.vector(0.5)};
@@ -22,8 +22,8 @@ std::vector<EnergyElement<StitchSpring>> springs(std::size_t n) {
   return elements;
 }
 
-TEST(StitchSpring, EnergyGradientAndHessianAgreeWithTheEnergyInDouble) {
-  EnergyCheck<StitchSpring> check("joint/stitch_spring", energy, 1e-5);
+TEST(ZeroLengthSpring, EnergyGradientAndHessianAgreeWithTheEnergyInDouble) {
+  EnergyCheck<ZeroLengthSpring> check("joint/zero_length_spring", energy, 1e-5);
   check.set_energy_scale(1e-3);
   const auto elements = springs(1000);
   check.expect_energy(elements);
@@ -33,15 +33,15 @@ TEST(StitchSpring, EnergyGradientAndHessianAgreeWithTheEnergyInDouble) {
   check.expect_awkward_sizes(elements);
 }
 
-TEST(StitchSpring, PullsBothEndsAlikeAndTurnsNothing) {
-  EnergyCheck<StitchSpring> check("joint/stitch_spring", energy, 1e-5);
+TEST(ZeroLengthSpring, PullsBothEndsAlikeAndTurnsNothing) {
+  EnergyCheck<ZeroLengthSpring> check("joint/zero_length_spring", energy, 1e-5);
   check.expect_no_net_force(springs(1000));
   check.expect_rotation_invariance(springs(1000));
 }
 
-TEST(StitchSpring, TwoMillimetresAtTenNewtonPerMillimetre) {
-  EnergyCheck<StitchSpring> check("joint/stitch_spring", energy, 1e-5);
-  EnergyElement<StitchSpring> e;
+TEST(ZeroLengthSpring, TwoMillimetresAtTenNewtonPerMillimetre) {
+  EnergyCheck<ZeroLengthSpring> check("joint/zero_length_spring", energy, 1e-5);
+  EnergyElement<ZeroLengthSpring> e;
   e.params.stiffness = 1e4;
   e.x = e.x0 = {Vec3(0.002, 0, 0), Vec3::Zero()};
   const EnergyResult r = check.evaluate({e})[0];
