@@ -91,15 +91,22 @@ void check_output_file(const fs::path& output, const std::vector<std::string>& e
   if (!was_there) fs::remove(output, ignored);
 }
 
-void check_apart(const fs::path& output, const fs::path& input, const std::string& what) {
+namespace {
+constexpr const char* CHOOSE = "; choose a folder beside it with -o";
+}
+
+void check_not_within(const fs::path& output, const fs::path& input, const std::string& what) {
   const fs::path out = whole_path(output), in = whole_path(input);
-  const std::string choose = "; choose a folder beside it with -o";
-  if (out == in) throw UsageError("-o " + output.string() + " is the folder that " + what + " reads" + choose);
+  if (out == in) throw UsageError("-o " + output.string() + " is the folder that " + what + " reads" + CHOOSE);
   if (lies_in(out, in))
     throw UsageError("-o " + output.string() + " lies inside " + input.string() + ", which " + what + " reads" +
-                     choose);
-  if (lies_in(in, out))
-    throw UsageError(input.string() + ", which " + what + " reads, lies inside -o " + output.string() + choose);
+                     CHOOSE);
+}
+
+void check_apart(const fs::path& output, const fs::path& input, const std::string& what) {
+  check_not_within(output, input, what);
+  if (lies_in(whole_path(input), whole_path(output)))
+    throw UsageError(input.string() + ", which " + what + " reads, lies inside -o " + output.string() + CHOOSE);
 }
 
 }  // namespace pvg

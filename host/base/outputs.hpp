@@ -21,7 +21,9 @@ void check_is_not_read(const std::filesystem::path& output);
 void check_output_file(const std::filesystem::path& output, const std::vector<std::string>& endings = {},
                        const std::string& option = "-o");
 
-// A UsageError where `output` is `input`, lies in it or around it. what: the command does, such as "merge".
+// A UsageError where `output` is `input` or lies in it. what: the command does, such as "merge".
+void check_not_within(const std::filesystem::path& output, const std::filesystem::path& input, const std::string& what);
+// Likewise, also where it lies around it.
 void check_apart(const std::filesystem::path& output, const std::filesystem::path& input, const std::string& what);
 
 }  // namespace pvg

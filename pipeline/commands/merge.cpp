@@ -95,7 +95,7 @@ void check_folders(const MergeOptions& options) {
   std::error_code ignored;
   for (std::size_t i = 0; i < options.folders.size(); ++i) {
     if (!fs::equivalent(options.folders[i], options.output, ignored))
-      check_apart(options.output, options.folders[i], "merge");
+      check_not_within(options.output, options.folders[i], "merge");
     for (std::size_t k = 0; k < i; ++k)
       if (fs::equivalent(options.folders[i], options.folders[k], ignored))
         throw UsageError(options.folders[k] + " and " + options.folders[i] +

@@ -53,6 +53,9 @@ TEST_F(Outputs, AFolderIsNotWrittenIntoNorAroundWhatIsRead) {
   for (const fs::path& output :
        {root / "set", root / "set" / "whole", root / "set" / ".." / "set" / "whole", root / "way" / "whole", root})
     EXPECT_THROW(check_apart(output, root / "set", "merge"), UsageError) << output;
+  check_not_within(root, root / "set", "merge");  // parts may lie in the whole
+  EXPECT_THROW(check_not_within(root / "way" / "whole", root / "set", "merge"), UsageError);
+  EXPECT_THROW(check_not_within(root / "set", root / "set", "merge"), UsageError);
   check_apart(root / "settled", root / "set", "merge");
   check_apart(root / "whole", root / "set", "merge");
 }

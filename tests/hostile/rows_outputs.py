@@ -50,8 +50,9 @@ row("merge into a part", "merge set -o set/whole", N, "set/whole.*(inside|in )",
 row("merge by `..` into a part, and remove the part", "merge set -o set/../set/whole --remove", N, "inside|in ", needs="set")
 row("merge by a link into a part, and remove the part", "merge set -o way/whole --remove", N, "inside|in ",
     link("way", "set"), needs="set")
-row("merge above the part, and remove the part", "merge set/part -o set --remove", N, "set/part.*(inside|in )",
-    copy("set", "part"), lambda f: (f / "part").rename(f / "set/part"), needs="set")
+row("merge above the part, as jobs of submit do, and remove the part", "merge set/part -o set --remove", DONE,
+    "2 there before", copy("set", "part"), lambda f: (f / "part").rename(f / "set/part"), needs="set",
+    changes=["set/set.json", "set/part", "set/part/*"])
 row("merge, and remove what is not ours", "merge set -o whole --remove", DONE, "2 merged",
     write("set/notes.txt", "mine"), write("set/mine/photo.png", "mine"), needs="set", makes=["whole"],
     changes=["set/set.json", "set/episode_*"])

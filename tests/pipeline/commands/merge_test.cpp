@@ -46,6 +46,16 @@ struct Merge : testing::Test {
   }
 };
 
+// the folders of the jobs that submit writes
+TEST_F(Merge, PartsMayLieInTheWhole) {
+  part("whole/shards/0000", 1, {"episode_000000"}, {});
+  part("whole/shards/0001", 1, {"episode_000001"}, {"episode_000003"});
+  merge({"whole/shards/0000", "whole/shards/0001"}, true);
+  EXPECT_EQ(read_status(folder.path / "whole").done, (std::vector<std::uint64_t>{0, 1}));
+  EXPECT_TRUE(fs::exists(folder.path / "whole/failed/episode_000003/summary.json"));
+  EXPECT_TRUE(fs::is_empty(folder.path / "whole/shards"));
+}
+
 TEST_F(Merge, PartsBecomeOneSetAndASecondCallChangesNothing) {
   part("a", 1, {"episode_000000", "episode_000002"}, {"episode_000004"});
   part("b", 1, {"episode_000001", "episode_000002"}, {});

@@ -2,7 +2,7 @@
 # `submit --generate`: an option reaches generate on the cluster letter for letter, whatever signs it holds; a wrong one is
 # named before anything is written. Arguments: the program, a task.
 set -euo pipefail
-program="$(realpath "$1")" task="$2"
+program="$(realpath "$1")" task="$(realpath "$2")"
 root=$(mktemp -d)
 trap 'rm -rf "$root"' EXIT
 cd "$root"
