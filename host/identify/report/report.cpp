@@ -8,6 +8,7 @@
 
 #include "host/base/error.hpp"
 #include "host/identify/criteria.hpp"
+#include "host/model/effect.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -135,7 +136,7 @@ std::string shown(double value) {
 }
 
 std::string text_of(const RegressedLaw& law) {
-  const std::string what = law.effect == "regressed_effort" ? "effort at " : "force on ";
+  const std::string what = effect_kind(law.effect).target == EffectTarget::joint ? "effort at " : "force on ";
   return what + law.target + " = " + law.shown + " " + law.unit;
 }
 
