@@ -81,7 +81,9 @@ double less_common(const PhysicalScene&, const std::string&) { return -0.5; }
 
 // A carried body is more often braked by its joint. Stokes' law ends at Reynolds numbers of about 1, a mote in air:
 // what one sees move has quadratic drag.
-double rare_in_sight(const PhysicalScene& scene, const std::string& body) { return is_carried(scene, body) ? -0.5 : -6; }
+double rare_in_sight(const PhysicalScene& scene, const std::string& body) {
+  return is_carried(scene, body) ? -0.5 : -6;
+}
 
 // roughness of a micrometre ends even rubber's adhesion (Fuller and Tabor 1975)
 double rare_between_stiff_bodies(const PhysicalScene& scene, const std::string& contact) {

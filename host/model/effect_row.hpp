@@ -57,7 +57,8 @@ struct EffectRow {
   // What a diagnosis holds of it before any data. Left out: possible at every target, a log prior of 0, any size.
   bool (*is_possible)(const PhysicalScene&, const std::string& target) = nullptr;
   double (*log_prior)(const PhysicalScene&, const std::string& target) = nullptr;
-  double (*prior_sigma)(const PhysicalScene&, const std::string& unit, double mass) = nullptr;  // of a parameter; 0: any size
+  double (*prior_sigma)(const PhysicalScene&, const std::string& unit,
+                        double mass) = nullptr;  // of a parameter; 0: any size
   const char* rounding = nullptr;  // a parameter that only rounds off a corner of the law, and is not fitted
   bool acts_on_first = false;      // of a contact: on its first body alone, so both orders are candidates
 };
