@@ -27,7 +27,7 @@ class ActWriter : public DataSetWriter {
     std::fill_n(is_pad.begin(), episode.n_frames(), std::uint8_t(0));
     file.write<std::uint8_t>("/is_pad", {n_rows_}, is_pad);
     file.make_group("/observations/images");
-    for (const PackedCamera& camera : episode.cameras) write_images(file, camera, episode.n_frames());
+    for (const PackedCamera& camera : episode.cameras) write_pictures(file, camera, episode.n_frames());
     file.close();
   }
   void finish() override {}
@@ -41,15 +41,15 @@ class ActWriter : public DataSetWriter {
     }
     file.write<float>(name, {n_rows_, rows.front().size()}, values);
   }
-  void write_images(hdf5::File& file, const PackedCamera& camera, std::size_t n_frames) {
-    Series<std::uint8_t> images(file, "/observations/images/" + camera.name,
-                                {std::uint64_t(camera.height), std::uint64_t(camera.width), 3});
+  void write_pictures(hdf5::File& file, const PackedCamera& camera, std::size_t n_frames) {
+    Series<std::uint8_t> pictures(file, "/observations/images/" + camera.name,
+                                  {std::uint64_t(camera.height), std::uint64_t(camera.width), 3});
     std::vector<std::uint8_t> last;
     demand_frames(camera, n_frames, read_video(camera.video, camera.width, camera.height, 0, [&](auto rgb) {
-                    images.append(rgb);
+                    pictures.append(rgb);
                     last.assign(rgb.begin(), rgb.end());
                   }));
-    for (std::size_t i = n_frames; i < n_rows_; ++i) images.append(last);
+    for (std::size_t i = n_frames; i < n_rows_; ++i) pictures.append(last);
   }
 
   std::filesystem::path folder_;

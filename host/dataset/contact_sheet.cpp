@@ -11,9 +11,9 @@ namespace {
 constexpr int MARGIN = 8;  // [pixels]
 constexpr Color8 PAPER = {250, 250, 248}, INK = {30, 30, 36}, FAINT_INK = {110, 110, 120};
 
-void paste(Image8& onto, const Image8& image, int x, int y) {
-  for (int row = 0; row < image.height; ++row)
-    std::copy_n(&image.rgb[std::size_t(row * image.width) * 3], std::size_t(image.width) * 3,
+void paste(Picture8& onto, const Picture8& picture, int x, int y) {
+  for (int row = 0; row < picture.height; ++row)
+    std::copy_n(&picture.rgb[std::size_t(row * picture.width) * 3], std::size_t(picture.width) * 3,
                 &onto.rgb[std::size_t((y + row) * onto.width + x) * 3]);
 }
 
@@ -22,10 +22,11 @@ std::string cut(const std::string& text, int width, int size) {
 }
 
 void check_shape(const ContactSheet& sheet) {
-  if (sheet.images.size() != sheet.rows.size()) throw Failure("the contact sheet has rows without a name");
-  for (const std::vector<Image8>& row : sheet.images)
-    for (const Image8& image : row)
-      if (row.size() != sheet.columns.size() || image.width != row.front().width || image.height != row.front().height)
+  if (sheet.pictures.size() != sheet.rows.size()) throw Failure("the contact sheet has rows without a name");
+  for (const std::vector<Picture8>& row : sheet.pictures)
+    for (const Picture8& picture : row)
+      if (row.size() != sheet.columns.size() || picture.width != row.front().width ||
+          picture.height != row.front().height)
         throw Failure("the contact sheet's pictures are not of one size per row");
 }
 
@@ -39,17 +40,17 @@ std::vector<std::size_t> evenly_spread(std::size_t n, std::size_t n_columns) {
   return chosen;
 }
 
-Image8 lay_out(const ContactSheet& sheet) {
+Picture8 lay_out(const ContactSheet& sheet) {
   check_shape(sheet);
   const std::size_t n = sheet.columns.size(), beside = std::max<std::size_t>(1, std::min(n, sheet.columns_beside));
   int cell = 0, band = LETTER_HEIGHT + MARGIN / 2;  // width of a picture; height of a band [pixels]
-  for (const std::vector<Image8>& row : sheet.images)
+  for (const std::vector<Picture8>& row : sheet.pictures)
     if (!row.empty()) {
       cell = std::max(cell, row.front().width);
       band += LETTER_HEIGHT + 2 + row.front().height + MARGIN;
     }
   const int n_bands = int((n + beside - 1) / beside), top = MARGIN + 2 * LETTER_HEIGHT + MARGIN;
-  Image8 page{std::max(MARGIN + int(beside) * (cell + MARGIN), 240), top + n_bands * (band + MARGIN), {}};
+  Picture8 page{std::max(MARGIN + int(beside) * (cell + MARGIN), 240), top + n_bands * (band + MARGIN), {}};
   page.rgb.resize(std::size_t(page.width) * std::size_t(page.height) * 3);
   for (std::size_t i = 0; i < page.rgb.size(); ++i) page.rgb[i] = PAPER[i % 3];
 
@@ -61,8 +62,8 @@ Image8 lay_out(const ContactSheet& sheet) {
     y += LETTER_HEIGHT + MARGIN / 2;
     for (std::size_t r = 0; r < sheet.rows.size(); ++r) {
       if (c % beside == 0) draw_text(page, x, y, cut(sheet.rows[r], cell, 1), 1, FAINT_INK);
-      paste(page, sheet.images[r][c], x, y + LETTER_HEIGHT + 2);
-      y += LETTER_HEIGHT + 2 + sheet.images[r][c].height + MARGIN;
+      paste(page, sheet.pictures[r][c], x, y + LETTER_HEIGHT + 2);
+      y += LETTER_HEIGHT + 2 + sheet.pictures[r][c].height + MARGIN;
     }
   }
   return page;

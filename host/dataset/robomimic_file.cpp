@@ -128,15 +128,15 @@ class RobomimicWriter : public DataSetWriter {
       put(robot + "gripper_qpos", column(episode.tools[i].width));
     }
     for (const PackedCamera& camera : episode.cameras) {
-      Series<std::uint8_t> images(file_, group + "/" + camera.name + "_image",
-                                  {std::uint64_t(camera.height), std::uint64_t(camera.width), 3});
+      Series<std::uint8_t> pictures(file_, group + "/" + camera.name + "_image",
+                                    {std::uint64_t(camera.height), std::uint64_t(camera.width), 3});
       std::vector<std::uint8_t> last;
       std::size_t n = 0;
       demand_frames(camera, episode.n_frames(), read_video(camera.video, camera.width, camera.height, 0, [&](auto rgb) {
-                      if (!is_next || n++ > 0) images.append(rgb);
+                      if (!is_next || n++ > 0) pictures.append(rgb);
                       last.assign(rgb.begin(), rgb.end());
                     }));
-      if (is_next) images.append(last);
+      if (is_next) pictures.append(last);
     }
   }
 

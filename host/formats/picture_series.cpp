@@ -11,7 +11,7 @@
 #include "host/base/outputs.hpp"
 #include "host/base/program_pipe.hpp"
 #include "host/formats/hdf5.hpp"
-#include "host/formats/image_files.hpp"
+#include "host/formats/picture_files.hpp"
 #include "host/formats/video.hpp"
 #include "host/formats/video_reader.hpp"
 
@@ -63,7 +63,7 @@ PictureSeries read_numbered(const fs::path& path, const Numbered& files) {
   PictureSeries series;
   std::size_t number = fs::exists(files.at(0)) ? 0 : 1;
   for (; fs::exists(files.at(number)); ++number) {
-    const Image8 picture = read_image(files.at(number));
+    const Picture8 picture = read_picture(files.at(number));
     if (series.cells.empty()) series.width = picture.width, series.height = picture.height;
     if (picture.width != series.width || picture.height != series.height)
       throw UsageError(files.at(number).string() + " has another size than the pictures before it");

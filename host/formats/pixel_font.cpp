@@ -47,22 +47,22 @@ std::string_view rows_of(char letter) {
   return letter == ' ' ? std::string_view() : rows_of('?');
 }
 
-void fill(Image8& image, int x0, int y0, int size, Color8 color) {
+void fill(Picture8& picture, int x0, int y0, int size, Color8 color) {
   for (int y = y0; y < y0 + size; ++y)
     for (int x = x0; x < x0 + size; ++x) {
-      if (x < 0 || y < 0 || x >= image.width || y >= image.height) continue;
-      std::uint8_t* pixel = &image.rgb[std::size_t(y * image.width + x) * 3];
+      if (x < 0 || y < 0 || x >= picture.width || y >= picture.height) continue;
+      std::uint8_t* pixel = &picture.rgb[std::size_t(y * picture.width + x) * 3];
       for (std::size_t c = 0; c < 3; ++c) pixel[c] = color[c];
     }
 }
 
 }  // namespace
 
-void draw_text(Image8& image, int x, int y, const std::string& text, int size, Color8 color) {
+void draw_text(Picture8& picture, int x, int y, const std::string& text, int size, Color8 color) {
   for (const char letter : text) {
     const std::string_view rows = rows_of(letter);
     for (std::size_t i = 0; i < rows.size(); ++i)
-      if (rows[i] == '#') fill(image, x + int(i % 5) * size, y + int(i / 5) * size, size, color);
+      if (rows[i] == '#') fill(picture, x + int(i % 5) * size, y + int(i / 5) * size, size, color);
     x += LETTER_WIDTH * size;
   }
 }

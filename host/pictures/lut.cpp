@@ -120,9 +120,9 @@ std::vector<double> pool_adjacent_violators(std::span<const double> values, std:
 std::vector<bool> valid_pixels(const PicturePair& pair) {
   const int w = pair.width, h = pair.height;
   std::vector<bool> is_valid(std::size_t(w) * std::size_t(h), true);
-  for (const std::vector<float>* image : {&pair.rendered, &pair.real}) {
-    std::vector<float> coded(image->size());
-    std::transform(image->begin(), image->end(), coded.begin(),
+  for (const std::vector<float>* picture : {&pair.rendered, &pair.real}) {
+    std::vector<float> coded(picture->size());
+    std::transform(picture->begin(), picture->end(), coded.begin(),
                    [](float c) { return linear_to_srgb(std::clamp(c, 0.0f, 1.0f)); });
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
@@ -135,7 +135,7 @@ std::vector<bool> valid_pixels(const PicturePair& pair) {
               low = std::min(low, v);
               high = std::max(high, v);
             }
-          is_valid[at] = is_within((*image)[3 * at + c]) && high - low <= EDGE;
+          is_valid[at] = is_within((*picture)[3 * at + c]) && high - low <= EDGE;
         }
       }
   }

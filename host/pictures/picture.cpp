@@ -6,10 +6,10 @@
 
 namespace pvg {
 
-Image8 encode_srgb8(std::span<const float> linear_rgb, int width, int height) {
-  Image8 image{width, height, std::vector<std::uint8_t>(linear_rgb.size())};
-  std::transform(linear_rgb.begin(), linear_rgb.end(), image.rgb.begin(), srgb8_from_linear);
-  return image;
+Picture8 encode_srgb8(std::span<const float> linear_rgb, int width, int height) {
+  Picture8 picture{width, height, std::vector<std::uint8_t>(linear_rgb.size())};
+  std::transform(linear_rgb.begin(), linear_rgb.end(), picture.rgb.begin(), srgb8_from_linear);
+  return picture;
 }
 
 }  // namespace pvg

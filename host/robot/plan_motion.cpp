@@ -79,7 +79,7 @@ Pose given_frame(const Planner& planner, std::size_t index, const RobotState& st
 }
 
 // A way of the tool: its pose at s in [0, 1], and how many knots its length asks for.
-struct ToolWay {
+struct ToolPath {
   std::function<Pose(double)> at;
   int knots = 8;
 };
@@ -88,7 +88,7 @@ int knots_for(double length, double angle) {
   return std::max(8, int(std::ceil(std::max(length / KNOT_DISTANCE, angle / KNOT_ANGLE))));
 }
 
-ToolWay straight_way(const Pose& start, const Pose& target) {
+ToolPath straight_path(const Pose& start, const Pose& target) {
   const auto difference = pose_difference(start, target);
   const Eigen::Quaterniond turn_start(start.linear()), turn_end(target.linear());
   const auto at = [=](double s) {
@@ -100,7 +100,7 @@ ToolWay straight_way(const Pose& start, const Pose& target) {
 }
 
 // About an axis that goes through `center` along the unit vector `axis`.
-ToolWay arc_way(const Pose& start, const Vec3& center, const Vec3& axis, double angle, bool turns) {
+ToolPath arc_path(const Pose& start, const Vec3& center, const Vec3& axis, double angle, bool turns) {
   const auto at = [=](double s) {
     const Mat3 turn = Eigen::AngleAxisd(s * angle, axis).toRotationMatrix();
     Pose pose = start;
@@ -113,7 +113,7 @@ ToolWay arc_way(const Pose& start, const Vec3& center, const Vec3& axis, double 
 }
 
 // The cubic spline through the poses: positions, and rotation vectors against the start.
-ToolWay curved_way(const Pose& start, const std::vector<Pose>& through) {
+ToolPath curved_path(const Pose& start, const std::vector<Pose>& through) {
   Eigen::MatrixXd knots(Eigen::Index(through.size()) + 1, 6);
   knots.row(0) << start.translation().transpose(), 0, 0, 0;
   double length = 0, angle = 0;
@@ -137,7 +137,7 @@ ToolWay curved_way(const Pose& start, const std::vector<Pose>& through) {
 }
 
 // Knots of inverse kinematics along the tool's way; fewer than asked where it cannot go on.
-std::vector<VectorXd> follow_way(const Planner& planner, const VectorXd& q_start, const ToolWay& way) {
+std::vector<VectorXd> follow_path(const Planner& planner, const VectorXd& q_start, const ToolPath& way) {
   std::vector<VectorXd> knots = {q_start};
   for (int k = 1; k <= way.knots; ++k) {
     const auto q = follow_pose(planner.model, planner.setup.tool_link, planner.setup.flange_to_tool,
@@ -149,18 +149,19 @@ std::vector<VectorXd> follow_way(const Planner& planner, const VectorXd& q_start
 }
 
 // The tool's way that the element asks for; nothing where the arm may take any.
-std::optional<ToolWay> tool_way(const Planner& planner, std::size_t index, const RobotState& state) {
+std::optional<ToolPath> tool_path(const Planner& planner, std::size_t index, const RobotState& state) {
   const MotionElement& element = planner.elements[index];
   const GivenMotion given = kind_of(element).given;
   const Pose frame = given_frame(planner, index, state), start = current_pose(planner, state.q);
   if (given == GivenMotion::arc)
-    return arc_way(start, frame * element.center, frame.linear() * element.axis, element.angle, element.turns_with_arc);
+    return arc_path(start, frame * element.center, frame.linear() * element.axis, element.angle,
+                    element.turns_with_arc);
   if (given == GivenMotion::path) {
     std::vector<Pose> through;
     for (const Pose& pose : element.path) through.push_back(frame * pose);
-    return curved_way(start, through);
+    return curved_path(start, through);
   }
-  if (element.is_straight) return straight_way(start, frame * element.target);
+  if (element.is_straight) return straight_path(start, frame * element.target);
   return std::nullopt;
 }
 
@@ -178,13 +179,13 @@ std::optional<JointPath> path_between(Planner& planner, std::size_t index, const
 
 // Paths to the target, best first; empty after a failure that is noted.
 std::vector<JointPath> find_paths(Planner& planner, std::size_t index, const RobotState& state) {
-  const std::optional<ToolWay> way = tool_way(planner, index, state);
+  const std::optional<ToolPath> way = tool_path(planner, index, state);
   const Pose target = way ? way->at(1) : given_frame(planner, index, state) * planner.elements[index].target;
   const Vec3 p = target.translation();
   const std::string where = fmt::format("({:.3f}, {:.3f}, {:.3f}) m in the robot's base frame, {:.3f} m from the base",
                                         p.x(), p.y(), p.z(), p.norm());
   if (way) {
-    const std::vector<VectorXd> line = follow_way(planner, state.q, *way);
+    const std::vector<VectorXd> line = follow_path(planner, state.q, *way);
     if (int(line.size()) == way->knots + 1) {
       Eigen::MatrixXd matrix(Eigen::Index(line.size()), state.q.size());
       for (std::size_t k = 0; k < line.size(); ++k) matrix.row(Eigen::Index(k)) = line[k];

@@ -8,9 +8,9 @@
 
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
-#include "host/formats/image_files.hpp"
 #include "host/formats/lut_file.hpp"
-#include "host/pictures/image_metrics.hpp"
+#include "host/formats/picture_files.hpp"
+#include "host/pictures/picture_metrics.hpp"
 #include "host/pictures/srgb.hpp"
 #include "host/render/look.hpp"
 #include "pipeline/command_line/command.hpp"
@@ -40,9 +40,9 @@ std::map<std::string, fs::path> pictures_in(const fs::path& folder) {
   return pictures;
 }
 
-std::vector<float> linear(const Image8& image) {
-  std::vector<float> values(image.rgb.size());
-  std::transform(image.rgb.begin(), image.rgb.end(), values.begin(),
+std::vector<float> linear(const Picture8& picture) {
+  std::vector<float> values(picture.rgb.size());
+  std::transform(picture.rgb.begin(), picture.rgb.end(), values.begin(),
                  [](std::uint8_t byte) { return srgb_to_linear(float(byte) / 255.0f); });
   return values;
 }
@@ -58,7 +58,7 @@ std::vector<PicturePair> read_pairs(const fs::path& rendered_folder, const fs::p
   for (const auto& [name, file] : rendered) {
     const auto partner = real.find(name);
     if (partner == real.end()) continue;
-    const Image8 a = read_image(file), b = read_image(partner->second);
+    const Picture8 a = read_picture(file), b = read_picture(partner->second);
     if (a.width != b.width || a.height != b.height)
       throw UsageError(file.string() + " has " + std::to_string(a.width) + " x " + std::to_string(a.height) +
                        " pixels, " + partner->second.string() + " " + std::to_string(b.width) + " x " +

@@ -17,8 +17,8 @@
 #include "host/base/progress.hpp"
 #include "host/base/stop_signal.hpp"
 #include "host/dataset/truth_file.hpp"
-#include "host/formats/image_files.hpp"
 #include "host/formats/lut_file.hpp"
+#include "host/formats/picture_files.hpp"
 #include "host/formats/video.hpp"
 #include "host/load/overview.hpp"
 #include "host/load/task_file.hpp"
@@ -98,9 +98,9 @@ void resize(Camera& camera, int width, int height) {
 void write_picture(const fs::path& file, const RenderedFrame& frame) {
   PartialFile partial(file);
   if (file.extension() == ".exr")
-    write_linear_image(partial.path(), frame.rgb, frame.width, frame.height);
+    write_linear_picture(partial.path(), frame.rgb, frame.width, frame.height);
   else
-    write_image(partial.path(), encode_srgb8(frame.rgb, frame.width, frame.height));
+    write_picture(partial.path(), encode_srgb8(frame.rgb, frame.width, frame.height));
   partial.finish();
 }
 

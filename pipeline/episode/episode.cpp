@@ -68,7 +68,7 @@ const Field<std::vector<Target>> targets  ("targets",    "steps x n_driven",  "r
 const Field<std::vector<StepRecord>> steps("steps",      "steps",             "SI");
 const Field<std::vector<SceneState>> shown("shown",      "steps x n_node x 3", "m");
 const Field<Pictures> pictures            ("pictures",   "n_camera x h x w",  "W/(sr m^2)");
-const Field<FramePictures> images         ("images",     "n_camera x h x w",  "sRGB");
+const Field<FramePictures> encoded_pictures         ("images",     "n_camera x h x w",  "sRGB");
 // clang-format on
 
 }  // namespace
@@ -85,8 +85,8 @@ Table episode_table() {
       {"judge",    {&steps, &verdict},           {&verdict},            1,     judge},     // success and slip
       {"map",      {&steps},                     {&shown},              1,     map},       // what the frame shows
       {"render",   {&shown, &renderer},          {&pictures},           1,     render},    // every camera
-      {"encode",   {&pictures},                  {&images},             2,     encode},    // to 8 bits
-      {"record",   {&steps, &images, &recording}, {&recording},         1,     record},
+      {"encode",   {&pictures},                  {&encoded_pictures},             2,     encode},    // to 8 bits
+      {"record",   {&steps, &encoded_pictures, &recording}, {&recording},         1,     record},
   };
 }
 // clang-format on
@@ -133,10 +133,10 @@ void render(const Access& access) {
 
 void encode(const Access& access) {
   const Pictures& linear = access.read(pictures);
-  FramePictures& encoded = access.write(images);
+  FramePictures& encoded = access.write(encoded_pictures);
   encoded.T_world_camera = linear.T_world_camera;
   for (const RenderedFrame& frame : linear.frames) {
-    encoded.images.push_back(encode_srgb8(frame.rgb, frame.width, frame.height));
+    encoded.pictures.push_back(encode_srgb8(frame.rgb, frame.width, frame.height));
     encoded.instance.push_back(frame.instance);
   }
 }
@@ -161,7 +161,7 @@ void judge(const Access& access) {
 void record(const Access& access) {
   RecordState& state = access.write(recording);
   state.recorder->append_steps(access.read(steps));
-  state.recorder->append_frame(access.read(images));
+  state.recorder->append_frame(access.read(encoded_pictures));
   state.advance(access.frame() + 1);
 }
 

@@ -28,7 +28,7 @@ EpisodeRecorder::EpisodeRecorder(const std::filesystem::path& folder, const Scen
           std::make_unique<MasksFile>(folder / (camera.name + "_masks.h5"), scene, camera.width, camera.height);
     sheet_.rows.push_back(camera.name);
   }
-  sheet_.images.resize(cameras_.size());
+  sheet_.pictures.resize(cameras_.size());
   sheet_.title = settings_.header.task + "  seed " + std::to_string(settings_.header.seed) + "  episode " +
                  std::to_string(settings_.header.episode);
 }
@@ -46,12 +46,12 @@ void EpisodeRecorder::append_frame(FramePictures pictures) {
   if (!settings_.renders) return;
   states_.append_frame(n_steps_ - 1, pictures.T_world_camera);
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
-    cameras_[i].video->write(pictures.images[i].rgb);
+    cameras_[i].video->write(pictures.pictures[i].rgb);
     if (cameras_[i].masks) cameras_[i].masks->append(pictures.instance[i]);
   }
   if (std::find(shown_.begin(), shown_.end(), n_frames_) != shown_.end()) {
     sheet_.columns.push_back(fmt::format("{:.2f} s  {}", time_, settings_.elements.at(std::size_t(element_))));
-    for (std::size_t i = 0; i < cameras_.size(); ++i) sheet_.images[i].push_back(std::move(pictures.images[i]));
+    for (std::size_t i = 0; i < cameras_.size(); ++i) sheet_.pictures[i].push_back(std::move(pictures.pictures[i]));
   }
   ++n_frames_;
 }
@@ -62,7 +62,7 @@ void EpisodeRecorder::finish() {
     files.video->finish();
     if (files.masks) files.masks->close();
   }
-  if (settings_.renders) write_image(folder_ / "contact_sheet.png", lay_out(sheet_));
+  if (settings_.renders) write_picture(folder_ / "contact_sheet.png", lay_out(sheet_));
 }
 
 }  // namespace pvg

@@ -23,7 +23,7 @@ struct StepRecord {
 
 // What the cameras saw in one frame.
 struct FramePictures {
-  std::vector<Image8> images;                        // [n_cameras]
+  std::vector<Picture8> pictures;                    // [n_cameras]
   std::vector<std::vector<std::uint32_t>> instance;  // [n_cameras][height x width], empty where no mask is asked for
   std::vector<Eigen::Matrix4d> T_world_camera;       // [n_cameras]
 };

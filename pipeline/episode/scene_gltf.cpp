@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "host/formats/gltf_writer.hpp"
-#include "host/formats/image_files.hpp"
+#include "host/formats/picture_files.hpp"
 #include "host/render/camera.hpp"
 #include "host/render/lights.hpp"
 #include "host/render/soft_visual.hpp"

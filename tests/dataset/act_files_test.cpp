@@ -19,10 +19,10 @@ TEST(ActFiles, ShortEpisodesAreFilledUpByTheirLastRow) {
   EXPECT_EQ(file.read<std::uint8_t>("/is_pad").values, (std::vector<std::uint8_t>{0, 0, 0, 1}));
   EXPECT_EQ(file.number_attribute("/", "sim"), 1);
   EXPECT_EQ(file.number_attribute("/", "length"), 3);
-  const auto images = file.read<std::uint8_t>("/observations/images/wrist");
-  ASSERT_EQ(images.shape, (hdf5::Shape{4, SMALL_HEIGHT, SMALL_WIDTH, 3}));
+  const auto pictures = file.read<std::uint8_t>("/observations/images/wrist");
+  ASSERT_EQ(pictures.shape, (hdf5::Shape{4, SMALL_HEIGHT, SMALL_WIDTH, 3}));
   const std::size_t size = SMALL_HEIGHT * SMALL_WIDTH * 3;
-  for (std::size_t f = 0; f < 4; ++f) EXPECT_NEAR(images.values[f * size], f == 0 ? 40 : f == 1 ? 80 : 120, 2) << f;
+  for (std::size_t f = 0; f < 4; ++f) EXPECT_NEAR(pictures.values[f * size], f == 0 ? 40 : f == 1 ? 80 : 120, 2) << f;
 }
 
 }  // namespace

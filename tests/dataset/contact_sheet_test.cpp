@@ -15,7 +15,7 @@
 namespace pvg {
 namespace {
 
-TEST(ImageFiles, SrgbCurveHasTheStandardsValues) {
+TEST(PictureFiles, SrgbCurveHasTheStandardsValues) {
   EXPECT_EQ(srgb8_from_linear(0.0f), 0);
   EXPECT_EQ(srgb8_from_linear(1.0f), 255);
   EXPECT_EQ(srgb8_from_linear(7.0f), 255);
@@ -25,17 +25,17 @@ TEST(ImageFiles, SrgbCurveHasTheStandardsValues) {
   EXPECT_EQ(srgb8_from_linear(0.002f), 7);       // 255 * 12.92 * 0.002 = 6.59
 }
 
-TEST(ImageFiles, PngComesBackBitByBit) {
-  Image8 image{7, 3, std::vector<std::uint8_t>(63)};
-  for (std::size_t i = 0; i < image.rgb.size(); ++i) image.rgb[i] = std::uint8_t(i * 37);
+TEST(PictureFiles, PngComesBackBitByBit) {
+  Picture8 picture{7, 3, std::vector<std::uint8_t>(63)};
+  for (std::size_t i = 0; i < picture.rgb.size(); ++i) picture.rgb[i] = std::uint8_t(i * 37);
   const auto path = std::filesystem::temp_directory_path() / ("pvg_png_" + std::to_string(getpid()) + ".png");
-  write_image(path, image);
-  const Image8 back = read_image(path);
+  write_picture(path, picture);
+  const Picture8 back = read_picture(path);
   EXPECT_EQ(back.width, 7);
   EXPECT_EQ(back.height, 3);
-  EXPECT_EQ(back.rgb, image.rgb);
+  EXPECT_EQ(back.rgb, picture.rgb);
   std::filesystem::remove(path);
-  EXPECT_THROW(write_image("/no/such/folder/a.png", image), Failure);
+  EXPECT_THROW(write_picture("/no/such/folder/a.png", picture), Failure);
 }
 
 TEST(ContactSheet, FramesAreSpreadEvenlyFromFirstToLast) {
@@ -52,13 +52,13 @@ TEST(ContactSheet, FramesAreSpreadEvenlyFromFirstToLast) {
 TEST(ContactSheet, EveryPictureStandsOnThePageOnceAndWhole) {
   ContactSheet sheet{"weigh beaker", {"fixed", "wrist"}, {"0.0 s", "1.0 s", "2.0 s"}, {}};
   for (int r = 0; r < 2; ++r) {
-    sheet.images.emplace_back();
+    sheet.pictures.emplace_back();
     for (int c = 0; c < 3; ++c)
-      sheet.images.back().push_back({20, 10, std::vector<std::uint8_t>(600, std::uint8_t(40 * (1 + r * 3 + c)))});
+      sheet.pictures.back().push_back({20, 10, std::vector<std::uint8_t>(600, std::uint8_t(40 * (1 + r * 3 + c)))});
   }
   for (const std::size_t beside : {1, 2, 3, 8}) {
     sheet.columns_beside = beside;
-    const Image8 page = lay_out(sheet);
+    const Picture8 page = lay_out(sheet);
     for (int value = 1; value <= 6; ++value) {
       int n = 0;
       for (std::size_t p = 0; p < page.rgb.size(); p += 3)
@@ -69,7 +69,7 @@ TEST(ContactSheet, EveryPictureStandsOnThePageOnceAndWhole) {
 }
 
 TEST(ContactSheet, PicturesOfUnequalSizeAreRefused) {
-  const Image8 a{2, 2, std::vector<std::uint8_t>(12)}, b{4, 2, std::vector<std::uint8_t>(24)};
+  const Picture8 a{2, 2, std::vector<std::uint8_t>(12)}, b{4, 2, std::vector<std::uint8_t>(24)};
   EXPECT_THROW(lay_out({"", {"fixed"}, {"0", "1"}, {{a, b}}}), Failure);
   EXPECT_THROW(lay_out({"", {"fixed"}, {"0", "1"}, {{a}}}), Failure);
   EXPECT_THROW(lay_out({"", {}, {"0"}, {{a}}}), Failure);
@@ -78,12 +78,12 @@ TEST(ContactSheet, PicturesOfUnequalSizeAreRefused) {
 TEST(PixelFont, LettersDifferAndStayInsideThePicture) {
   std::vector<std::vector<std::uint8_t>> seen;
   for (const char letter : std::string("ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.,:-_/=()%+?")) {
-    Image8 image{5, 7, std::vector<std::uint8_t>(105)};
-    draw_text(image, 0, 0, std::string(1, letter), 1, {255, 255, 255});
-    for (const auto& other : seen) EXPECT_NE(image.rgb, other) << letter;
-    seen.push_back(image.rgb);
+    Picture8 picture{5, 7, std::vector<std::uint8_t>(105)};
+    draw_text(picture, 0, 0, std::string(1, letter), 1, {255, 255, 255});
+    for (const auto& other : seen) EXPECT_NE(picture.rgb, other) << letter;
+    seen.push_back(picture.rgb);
   }
-  Image8 small{3, 3, std::vector<std::uint8_t>(27)};
+  Picture8 small{3, 3, std::vector<std::uint8_t>(27)};
   draw_text(small, -2, -2, "WIDE TEXT", 3, {1, 1, 1});  // must not write outside
 }
 

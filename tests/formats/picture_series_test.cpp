@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "host/formats/hdf5.hpp"
-#include "host/formats/image_files.hpp"
+#include "host/formats/picture_files.hpp"
 #include "host/formats/video.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
@@ -15,11 +15,11 @@ namespace {
 constexpr int WIDTH = 32, HEIGHT = 24;
 
 // black, with the left column of cells of this grey
-Image8 picture(std::uint8_t grey) {
-  Image8 image{WIDTH, HEIGHT, std::vector<std::uint8_t>(3 * WIDTH * HEIGHT, 0)};
+Picture8 picture(std::uint8_t grey) {
+  Picture8 picture{WIDTH, HEIGHT, std::vector<std::uint8_t>(3 * WIDTH * HEIGHT, 0)};
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
-    if (i % WIDTH < WIDTH / 4) std::fill_n(image.rgb.begin() + 3 * i, 3, grey);
-  return image;
+    if (i % WIDTH < WIDTH / 4) std::fill_n(picture.rgb.begin() + 3 * i, 3, grey);
+  return picture;
 }
 
 void expect_series(const PictureSeries& series, double tolerance) {
@@ -50,8 +50,8 @@ TEST(PictureSeries, IsReadFromHDF5WithItsTimes) {
 
 TEST(PictureSeries, IsReadFromNumberedPictures) {
   const TestFolder folder;
-  write_image(folder.path / "wrist_0001.png", picture(128));
-  write_image(folder.path / "wrist_0002.png", picture(200));
+  write_picture(folder.path / "wrist_0001.png", picture(128));
+  write_picture(folder.path / "wrist_0002.png", picture(200));
   const PictureSeries series = read_picture_series(folder.path / "wrist_%04d.png");
   expect_series(series, 1e-5);
   EXPECT_TRUE(series.time.empty());
@@ -77,11 +77,11 @@ TEST(PictureSeries, WhatIsMissingOrDoesNotFitIsNamed) {
   refused("one.png", {"one.png", "%06d"});
   write_h5(folder.path / "short.h5", {0.5, 0.6, 0.7});
   refused("short.h5", {"short.h5", "/time has 3", "2 pictures"});
-  write_image(folder.path / "gap_0.png", picture(1));
-  write_image(folder.path / "gap_2.png", picture(1));
+  write_picture(folder.path / "gap_0.png", picture(1));
+  write_picture(folder.path / "gap_2.png", picture(1));
   refused("gap_%d.png", {"gap_1.png", "missing"});
-  write_image(folder.path / "size_0.png", picture(1));
-  write_image(folder.path / "size_1.png", Image8{16, 16, std::vector<std::uint8_t>(3 * 16 * 16, 0)});
+  write_picture(folder.path / "size_0.png", picture(1));
+  write_picture(folder.path / "size_1.png", Picture8{16, 16, std::vector<std::uint8_t>(3 * 16 * 16, 0)});
   refused("size_%d.png", {"size_1.png", "another size"});
   hdf5::File::create(folder.path / "empty.h5").close();
   refused("empty.h5", {"empty.h5", "/rgb"});

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "host/base/error.hpp"
-#include "host/pictures/image_metrics.hpp"
+#include "host/pictures/picture_metrics.hpp"
 #include "host/pictures/srgb.hpp"
 
 namespace pvg {
@@ -95,7 +95,7 @@ TEST(PoolAdjacentViolators, KeepsBlockMeansAndIsClosest) {
   EXPECT_TRUE(pool_adjacent_violators({}, {}).empty());
 }
 
-TEST(ImageMetrics, AgreeWithNumbersByHand) {
+TEST(PictureMetrics, AgreeWithNumbersByHand) {
   const std::vector<float> a(16 * 16 * 3, 0.5f), b(16 * 16 * 3, 0.6f);
   EXPECT_NEAR(psnr(a, b), 20, 1e-4);  // mean square 0.01
   EXPECT_NEAR(ssim(a, a, 16, 16), 1, 1e-12);

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "host/formats/hdf5.hpp"
-#include "host/formats/image_files.hpp"
+#include "host/formats/picture_files.hpp"
 #include "host/identify/data/noise.hpp"
 #include "host/identify/fit/fit.hpp"
 #include "host/load/overview.hpp"
@@ -58,7 +58,7 @@ std::filesystem::path flight(const TestFolder& folder, const std::string& camera
     run += std::to_string(APART * double(i)) + "\n";
     renderer.set_state(flown(scene, APART * double(i)));
     const RenderedFrame frame = renderer.render(0, std::uint32_t(i));
-    const Image8 picture = encode_srgb8(frame.rgb, frame.width, frame.height);
+    const Picture8 picture = encode_srgb8(frame.rgb, frame.width, frame.height);
     rgb.insert(rgb.end(), picture.rgb.begin(), picture.rgb.end());
   }
   folder.write("a.csv", run);

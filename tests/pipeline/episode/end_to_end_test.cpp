@@ -11,7 +11,7 @@
 #include <set>
 
 #include "host/formats/hdf5.hpp"
-#include "host/formats/image_files.hpp"
+#include "host/formats/picture_files.hpp"
 #include "host/geometry/exact_intersection.hpp"
 #include "host/load/task_file.hpp"
 #include "pipeline/episode/episode.hpp"
@@ -208,7 +208,8 @@ void the_folder_is_complete_and_its_parts_fit_together(const Small& small, const
     EXPECT_GT(n, 64 * 36 / 50) << "frame " << f;
     EXPECT_LT(n, 64 * 36) << "frame " << f;
   }
-  EXPECT_GE(read_image(small.root / "a/contact_sheet.png").width, 4 * 64);  // four pictures beside each other at least
+  EXPECT_GE(read_picture(small.root / "a/contact_sheet.png").width,
+            4 * 64);  // four pictures beside each other at least
 }
 
 TEST(EndToEnd, ASmallEpisodeKeepsEveryPromise) {

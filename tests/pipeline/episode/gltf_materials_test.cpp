@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "host/base/error.hpp"
-#include "host/formats/image_files.hpp"
+#include "host/formats/picture_files.hpp"
 #include "host/load/gltf_scene.hpp"
 #include "pipeline/episode/scene_gltf.hpp"
 #include "tests/temporary_folder.hpp"

@@ -8,7 +8,7 @@
 #include <iterator>
 
 #include "host/dataset/states_reader.hpp"
-#include "host/formats/image_files.hpp"
+#include "host/formats/picture_files.hpp"
 #include "host/load/scene_file.hpp"
 #include "pipeline/episode/shown_scene.hpp"
 #include "tests/expect_error.hpp"
@@ -57,7 +57,7 @@ TEST_F(Render, ASceneWithoutLooksIsShownAndSaysWhatWasAdded) {
   ASSERT_EQ(run("render bare.yaml -o bare.png --width 64 --height 36 --samples 4"), 0) << message;
   for (const char* missing : {"no visuals", "no cameras", "no light"})
     EXPECT_NE(message.find(missing), std::string::npos) << message;
-  const Image8 picture = read_image(folder.path / "bare.png");
+  const Picture8 picture = read_picture(folder.path / "bare.png");
   ASSERT_EQ(picture.width, 64);
   // neither black nor blank
   const auto [low, high] = std::minmax_element(picture.rgb.begin(), picture.rgb.end());
@@ -73,8 +73,8 @@ TEST_F(Render, ARecordedMotionGivesOnePicturePerCameraAndFrameThatShowIt) {
   ASSERT_EQ(run("render falling.yaml --states falling.h5 --fps 50 --frames 1:3 --camera b --samples 2 -o some"), 0);
   EXPECT_EQ(n_files("some"), 2u);
   EXPECT_TRUE(fs::exists(folder.path / "some/b_000002.png"));
-  const Image8 first = read_image(folder.path / "all/a_000000.png"),
-               last = read_image(folder.path / "all/a_000004.png");
+  const Picture8 first = read_picture(folder.path / "all/a_000000.png"),
+                 last = read_picture(folder.path / "all/a_000004.png");
   EXPECT_NE(first.rgb, last.rgb);
   ASSERT_EQ(run("render falling.yaml --states falling.h5 --fps 50 --camera a --samples 2 -o a.mp4"), 0) << message;
   EXPECT_GT(fs::file_size(folder.path / "a.mp4"), 500u);
@@ -134,15 +134,15 @@ lights: [{name: ball, kind: sphere, center: [0.3, -0.6, 1.4], radius: 5 cm, radi
   // the real camera has a gamma of its own
   for (const char* camera : {"a", "b"}) {
     const std::string name = std::string(camera) + "_000000.png";
-    Image8 image = read_image(folder.path / "rendered" / name);
-    for (std::uint8_t& byte : image.rgb) byte = std::uint8_t(std::lround(255 * std::pow(byte / 255.0, 1.2)));
-    write_image(folder.path / "real" / name, image);
+    Picture8 picture = read_picture(folder.path / "rendered" / name);
+    for (std::uint8_t& byte : picture.rgb) byte = std::uint8_t(std::lround(255 * std::pow(byte / 255.0, 1.2)));
+    write_picture(folder.path / "real" / name, picture);
   }
   ASSERT_EQ(run("calibrate lut --render rendered --real real -o lut.csv"), 0) << message;
   ASSERT_EQ(run("render falling.yaml --samples 64 --width 96 --height 96 --lut lut.csv -o mapped"), 0) << message;
-  const Image8 real = read_image(folder.path / "real/a_000000.png"),
-               mapped = read_image(folder.path / "mapped/a_000000.png"),
-               rendered = read_image(folder.path / "rendered/a_000000.png");
+  const Picture8 real = read_picture(folder.path / "real/a_000000.png"),
+                 mapped = read_picture(folder.path / "mapped/a_000000.png"),
+                 rendered = read_picture(folder.path / "rendered/a_000000.png");
   double before = 0, after = 0;
   for (std::size_t i = 0; i < real.rgb.size(); ++i) {
     before += std::abs(int(real.rgb[i]) - rendered.rgb[i]);

@@ -10,11 +10,11 @@
 namespace pvg {
 
 // Suffix decides the format (.png). Throws a Failure that names the file.
-void write_image(const std::filesystem::path& path, const Image8& image);
+void write_picture(const std::filesystem::path& path, const Picture8& picture);
 // linear_rgb: Rec. 709  [height x width x 3]. Suffix decides the format (.exr, .hdr).
-void write_linear_image(const std::filesystem::path& path, std::span<const float> linear_rgb, int width, int height);
+void write_linear_picture(const std::filesystem::path& path, std::span<const float> linear_rgb, int width, int height);
 // A PNG file in memory, alpha included.
 std::vector<std::uint8_t> encode_png(const Texture& texture);
-Image8 read_image(const std::filesystem::path& path);
+Picture8 read_picture(const std::filesystem::path& path);
 
 }  // namespace pvg

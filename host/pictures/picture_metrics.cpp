@@ -1,4 +1,4 @@
-#include "host/pictures/image_metrics.hpp"
+#include "host/pictures/picture_metrics.hpp"
 
 #include <cmath>
 #include <limits>
@@ -18,14 +18,14 @@ std::vector<double> luma(std::span<const float> rgb) {
 }
 
 // sums over all windows inside, weights along each axis
-std::vector<double> filtered(const std::vector<double>& image, int w, int h, const std::vector<double>& x_weight,
+std::vector<double> filtered(const std::vector<double>& picture, int w, int h, const std::vector<double>& x_weight,
                              const std::vector<double>& y_weight) {
   const int nx = int(x_weight.size()), ny = int(y_weight.size()), out_w = w - nx + 1, out_h = h - ny + 1;
   std::vector<double> rows(std::size_t(out_w) * std::size_t(h)), out(std::size_t(out_w) * std::size_t(out_h));
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < out_w; ++x)
       for (int k = 0; k < nx; ++k)
-        rows[std::size_t(y * out_w + x)] += x_weight[std::size_t(k)] * image[std::size_t(y * w + x + k)];
+        rows[std::size_t(y * out_w + x)] += x_weight[std::size_t(k)] * picture[std::size_t(y * w + x + k)];
   for (int y = 0; y < out_h; ++y)
     for (int x = 0; x < out_w; ++x)
       for (int k = 0; k < ny; ++k)

@@ -1,4 +1,4 @@
-#include "host/formats/image_files.hpp"
+#include "host/formats/picture_files.hpp"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -31,17 +31,18 @@ void demand_end(const std::filesystem::path& path) {
 
 }  // namespace
 
-void write_image(const std::filesystem::path& path, const Image8& image) {
+void write_picture(const std::filesystem::path& path, const Picture8& picture) {
   const auto file = OIIO::ImageOutput::create(path.string());
   if (!file) throw Failure(path.string() + ": pictures of this format cannot be written");
-  OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
+  OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::UINT8);
   spec.attribute("oiio:ColorSpace", "sRGB");
-  if (!file->open(path.string(), spec) || !file->write_image(OIIO::TypeDesc::UINT8, image.rgb.data()) || !file->close())
+  if (!file->open(path.string(), spec) || !file->write_image(OIIO::TypeDesc::UINT8, picture.rgb.data()) ||
+      !file->close())
     throw Failure(path.string() + ": the picture could not be written; is there room on the disk?");
   demand_end(path);
 }
 
-void write_linear_image(const std::filesystem::path& path, std::span<const float> linear_rgb, int width, int height) {
+void write_linear_picture(const std::filesystem::path& path, std::span<const float> linear_rgb, int width, int height) {
   const auto file = OIIO::ImageOutput::create(path.string());
   if (!file) throw Failure(path.string() + ": pictures of this format cannot be written");
   OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::FLOAT);
@@ -64,7 +65,7 @@ std::vector<std::uint8_t> encode_png(const Texture& texture) {
   return bytes;
 }
 
-Image8 read_image(const std::filesystem::path& path) {
+Picture8 read_picture(const std::filesystem::path& path) {
   remember_read(path);
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored))
@@ -75,11 +76,11 @@ Image8 read_image(const std::filesystem::path& path) {
     throw UsageError(path.string() + " could not be read: it is no picture, or a damaged one; export it again");
   const OIIO::ImageSpec& spec = file->spec();
   if (spec.nchannels < 3) throw UsageError(path.string() + ": the picture has no three colours; export it as RGB");
-  Image8 image{spec.width, spec.height,
-               std::vector<std::uint8_t>(std::size_t(spec.width) * std::size_t(spec.height) * 3)};
-  if (!file->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, image.rgb.data()))
+  Picture8 picture{spec.width, spec.height,
+                   std::vector<std::uint8_t>(std::size_t(spec.width) * std::size_t(spec.height) * 3)};
+  if (!file->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, picture.rgb.data()))
     throw UsageError(path.string() + " could not be read to its end: the picture is damaged; export it again");
-  return image;
+  return picture;
 }
 
 }  // namespace pvg
