@@ -87,7 +87,7 @@ std::string plot(const std::string& title, const std::vector<double>& t, const s
     svg += "<rect x='" + shown(LEFT) + "' y='" + shown(row(noise)) + "' width='" + shown(WIDTH - LEFT - RIGHT) +
            "' height='" + shown(row(-noise) - row(noise)) + "' class='noise'/>";
   svg += text_at(LEFT, 15, "start", title);
-  for (const double v : ticks(ay.low, ay.high, 4)) svg += text_at(LEFT - 5, row(v) + 4, "end", shown(v));
+  for (const double v : ticks(ay.low, ay.high, 6)) svg += text_at(LEFT - 5, row(v) + 4, "end", shown(v));
   for (const double v : ticks(ax.low, ax.high, 5)) svg += text_at(column(v), HEIGHT - BOTTOM + 14, "middle", shown(v));
   svg += text_at(WIDTH - RIGHT, 15, "end", unit + " over s");
   for (const Line& line : lines) svg += "<path d='" + path_of(t, *line.y, ax, ay) + "' class='" + line.style + "'/>";

@@ -32,7 +32,7 @@ struct ReportPage : testing::Test {
 TEST_F(ReportPage, TicksAreRoundNumbersWithinTheAxes) {
   for (const char* seconds : {">2</text>", ">4</text>", ">6</text>"}) expect(seconds);
   EXPECT_EQ(html_of(problem, diagnosis).find(">0.03</text>"), std::string::npos);
-  expect(">-0.5</text>");  // the axis of residuals holds the noise
+  expect(">-0.4</text>");  // the axis of residuals holds the noise
 }
 
 TEST_F(ReportPage, TheNoiseIsABandBehindTheResiduals) {
