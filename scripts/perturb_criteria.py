@@ -6,8 +6,9 @@ and the cases whose verdict or named effects turn are printed.
 
 PROGRAM: build/bin/phyvisgen. SUITE: a folder of cases, such as data/hidden. WORK: a folder for reports and simulated
 results; what is there already is used again. A varied diagnosis reads the results of the usual one. Where it needs
-another simulation it counts as open, unless --simulate is given, which takes minutes for each case. An interrupted run
-has printed the rows that were finished; --skip-to NAME continues.
+another simulation it counts as open, unless --simulate is given, which takes minutes for each case: so does a case that
+turns to `none`, which asks for a law. An interrupted run has printed the rows that were finished; --skip-to NAME
+continues.
 """
 import argparse
 import concurrent.futures
