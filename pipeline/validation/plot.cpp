@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "host/pictures/round_ticks.hpp"
+
 namespace pvg {
 namespace {
 
@@ -38,14 +40,11 @@ struct Axis {
   }
   double pixel(double value) const { return begin + (shown(value) - low) / (high - low) * (end - begin); }
 
-  std::vector<double> ticks() const {  // round values: 1, 2 or 5 times a power of ten apart
-    const double rough = (high - low) / 6, power = std::pow(10, std::floor(std::log10(rough)));
-    const double ratio = rough / power;
-    double distance = power * (ratio < 1.5 ? 1 : ratio < 3.5 ? 2 : ratio < 7.5 ? 5 : 10);
-    if (is_logarithmic) distance = std::max(1.0, std::round(distance));
-    std::vector<double> values;
-    for (double t = std::ceil(low / distance) * distance; t <= high; t += distance)
-      values.push_back(is_logarithmic ? std::pow(10, t) : std::abs(t) < 1e-9 * distance ? 0 : t);
+  std::vector<double> ticks() const {
+    if (!is_logarithmic) return round_ticks(low, high, 6);
+    std::vector<double> values;  // powers of ten
+    for (const double t : round_ticks(low, high, std::max(1, int(std::min(6.0, high - low)))))
+      if (t == std::round(t)) values.push_back(std::pow(10, t));
     return values;
   }
 };

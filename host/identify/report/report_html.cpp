@@ -5,6 +5,7 @@
 #include <set>
 
 #include "host/identify/report/report.hpp"
+#include "host/pictures/round_ticks.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -18,17 +19,6 @@ std::string escaped(const std::string& text) {
 }
 
 std::string cell(const std::string& text) { return "<td>" + escaped(text) + "</td>"; }
-
-// Round numbers (1, 2 or 5 times a power of ten) within [low, high], about n of them.
-std::vector<double> ticks(double low, double high, int n) {
-  const double rough = (high - low) / n, power = std::pow(10, std::floor(std::log10(rough)));
-  double step = 10 * power;
-  for (const double factor : {5.0, 2.0, 1.0})
-    if (factor * power >= rough) step = factor * power;
-  std::vector<double> marks;
-  for (double i = std::ceil(low / step); i * step <= high; ++i) marks.push_back(i * step + 0.0);  // + 0: no "-0"
-  return marks;
-}
 
 struct Axis {
   double low = INFINITY, high = -INFINITY;
@@ -87,8 +77,9 @@ std::string plot(const std::string& title, const std::vector<double>& t, const s
     svg += "<rect x='" + shown(LEFT) + "' y='" + shown(row(noise)) + "' width='" + shown(WIDTH - LEFT - RIGHT) +
            "' height='" + shown(row(-noise) - row(noise)) + "' class='noise'/>";
   svg += text_at(LEFT, 15, "start", title);
-  for (const double v : ticks(ay.low, ay.high, 6)) svg += text_at(LEFT - 5, row(v) + 4, "end", shown(v));
-  for (const double v : ticks(ax.low, ax.high, 5)) svg += text_at(column(v), HEIGHT - BOTTOM + 14, "middle", shown(v));
+  for (const double v : round_ticks(ay.low, ay.high, 6)) svg += text_at(LEFT - 5, row(v) + 4, "end", shown(v));
+  for (const double v : round_ticks(ax.low, ax.high, 5))
+    svg += text_at(column(v), HEIGHT - BOTTOM + 14, "middle", shown(v));
   svg += text_at(WIDTH - RIGHT, 15, "end", unit + " over s");
   for (const Line& line : lines) svg += "<path d='" + path_of(t, *line.y, ax, ay) + "' class='" + line.style + "'/>";
   return svg + "</svg>";
