@@ -88,8 +88,8 @@ Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
   has_prescribed = has_prescribed_bodies(system);
   speed_chunks.set(system.speed_ranges);
   is_retired.assign(worlds.size(), false);
-  is_well.assign(worlds.size(), true);
-  is_active = is_unsettled = is_well;
+  is_intact.assign(worlds.size(), true);
+  is_active = is_unsettled = is_intact;
   const std::size_t n = worlds.size();
   states.resize(n);
   pressing.resize(system.rolling_resistance.size());
@@ -227,7 +227,7 @@ void Simulation::restore(const Checkpoint& checkpoint) {
     impl.states[w].joint_position = checkpoint.joint_position[w];
     impl.states[w].reading = checkpoint.reading[w];
     impl.states[w].contacts.clear();
-    impl.is_well[w] = true;
+    impl.is_intact[w] = true;
   }
   impl.read_state(0);
 }

@@ -67,7 +67,7 @@ void Simulation::Impl::give_up(StepEvent event) {
   event.time = states[w].time;
   event.length = length;
   reports[w].events.push_back(std::move(event));
-  is_well[w] = is_unsettled[w] = is_active[w] = false;
+  is_intact[w] = is_unsettled[w] = is_active[w] = false;
   const std::size_t first = 3 * system.node_ranges[w].begin, n = 3 * system.node_ranges[w].end - first;
   x.node.write(first, start.node.read(first, n));
   dx.write(first, std::vector<double>(n, 0));
@@ -81,8 +81,8 @@ void Simulation::Impl::give_up(std::size_t world, StepEvent::Kind kind, u32 node
 
 void Simulation::Impl::give_up_inverted() {
   const std::vector<double> nodes = x.node.read();
-  for (std::size_t w = 0; w < is_well.size(); ++w)
-    for (std::size_t b = 0; is_well[w] && b < system.scenes[w].soft_bodies.size(); ++b) {
+  for (std::size_t w = 0; w < is_intact.size(); ++w)
+    for (std::size_t b = 0; is_intact[w] && b < system.scenes[w].soft_bodies.size(); ++b) {
       const SoftBody& body = system.scenes[w].soft_bodies[b];
       const int element = find_inverted(body.mesh, &nodes[3 * system.soft_first_node[w][b]]);
       if (element >= 0)

@@ -84,7 +84,7 @@ struct Simulation::Impl {
   std::vector<Actuators> actuators;                           // [n_worlds]
   std::vector<std::vector<double>> last_targets;              // that the drives obeyed
   std::vector<char> is_retired;                               // worlds that take no further steps
-  std::vector<char> is_well;                                  // worlds of this attempt that have not failed
+  std::vector<char> is_intact;                                // worlds of this attempt that have not failed
   double length = 0;                                          // of this attempt [s]
   std::vector<char> is_unsettled;                             // of these, worlds whose lagged friction still changes
   std::vector<char> is_active;                                // of these, worlds that Newton's method still moves

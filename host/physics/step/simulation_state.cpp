@@ -57,7 +57,7 @@ void Simulation::Impl::set_joints(double h, const std::vector<std::vector<double
 void Simulation::Impl::read_pressing() {
   for (std::size_t i = 0; i < pressing.size(); ++i) {
     const RollingResistance& rolling = system.rolling_resistance[i];
-    if (!is_well[rolling.world]) continue;
+    if (!is_intact[rolling.world]) continue;
     pressing[i] = 0;
     for (const PairForce& pair : states[rolling.world].pair_force)
       if (std::minmax(pair.first, pair.second) == std::minmax(rolling.first, rolling.second))
@@ -75,7 +75,7 @@ void Simulation::Impl::read_displays(std::size_t w, double h) {
 
 void Simulation::Impl::read_joints(double h) {
   for (std::size_t w = 0; w < system.n_worlds(); ++w) {
-    if (!is_well[w]) continue;
+    if (!is_intact[w]) continue;
     WorldState& state = states[w];
     for (std::size_t j = 0; j < system.scenes[w].joints.size(); ++j) {
       const Joint& joint = system.scenes[w].joints[j];
@@ -94,7 +94,7 @@ void Simulation::Impl::read_joints(double h) {
 void Simulation::Impl::read_state(double h) {
   const std::vector<double> nodes = x.node.read();
   for (std::size_t w = 0; w < system.n_worlds(); ++w) {
-    if (!is_well[w]) continue;
+    if (!is_intact[w]) continue;
     WorldState& state = states[w];
     const PhysicalScene& scene = system.scenes[w];
     state.time += h;
@@ -123,7 +123,7 @@ void Simulation::Impl::read_state(double h) {
   const std::vector<double> gap = contacts.min_gap(x.site);
   u32 first_body = 0;
   for (std::size_t w = 0; w < system.n_worlds(); first_body += u32(n_bodies(system.scenes[w])), ++w) {
-    if (!is_well[w]) continue;
+    if (!is_intact[w]) continue;
     for (ContactForce& force : forces[w]) {
       force.first -= int(first_body);
       force.second -= int(first_body);

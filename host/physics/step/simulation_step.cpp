@@ -25,12 +25,12 @@ void Simulation::Impl::move_to_first_guess(double h) {
   std::vector<double> motion = extrapolated_motion(system, x.node.read(), integrator.velocity().read(), h);
   aim_prescribed(motion);
   dx.write(motion);
-  for (std::size_t w = 0; w < is_well.size(); ++w)
-    if (const auto node = first_not_finite(dx, w); node && is_well[w])
+  for (std::size_t w = 0; w < is_intact.size(); ++w)
+    if (const auto node = first_not_finite(dx, w); node && is_intact[w])
       give_up(w, StepEvent::Kind::not_finite, *node, "its velocity is not a number");
-  move(std::vector<double>(is_well.begin(), is_well.end()));
+  move(std::vector<double>(is_intact.begin(), is_intact.end()));
   std::vector<double> certified = certify();
-  for (std::size_t w = 0; w < is_well.size(); ++w) certified[w] *= is_well[w];
+  for (std::size_t w = 0; w < is_intact.size(); ++w) certified[w] *= is_intact[w];
   // a guess that ends just short of touching would start Newton where the barrier is steepest
   for (double& length : certified)
     if (length < 1) length *= 0.5;
@@ -218,7 +218,7 @@ void Simulation::Impl::find_minimum(double h) {
     contacts.find_candidates(x.site, x.site);
   }
   lag_friction(h, predicted);
-  is_unsettled = is_well;
+  is_unsettled = is_intact;
   move_to_first_guess(h);
   minimize(h, false, wanted < 0 ? ENOUGH : 0);
   for (int pass = 1; pass < (wanted < 0 ? MAX_LAG_PASSES : wanted) && any(is_unsettled); ++pass) {
@@ -235,7 +235,7 @@ void Simulation::Impl::find_minimum(double h) {
 void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>& previous,
                                const std::vector<std::vector<double>>& targets, const std::vector<char>& worlds,
                                bool goes_on) {
-  is_well = worlds;
+  is_intact = worlds;
   begins_step = true;
   length = h;
   start.node.copy_from(x.node);
@@ -248,9 +248,9 @@ void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>&
   set_joints(h, previous, targets);
   find_minimum(h);
   give_up_inverted();
-  integrator.accept(start.node, x.node, is_well);
-  contacts.renew_anchors(x.site, start.site, h, is_well);
-  potential.flow(x, h, is_well);
+  integrator.accept(start.node, x.node, is_intact);
+  contacts.renew_anchors(x.site, start.site, h, is_intact);
+  potential.flow(x, h, is_intact);
   read_state(h);
 }
 
@@ -265,7 +265,7 @@ std::vector<char> Simulation::Impl::advance_or_halve(double h, const std::vector
     const std::vector<char>& part = parts[goes_on];
     if (!any(part)) continue;
     advance(h, previous, targets, part, goes_on);
-    for (std::size_t w = 0; w < part.size(); ++w) failed[w] |= part[w] && !is_well[w];
+    for (std::size_t w = 0; w < part.size(); ++w) failed[w] |= part[w] && !is_intact[w];
   }
   for (std::size_t w = 0; halvings_left > 0 && w < worlds.size(); ++w) {
     if (!failed[w]) continue;

@@ -8,8 +8,8 @@ namespace pvg {
 namespace {
 
 // a cube of 100 g a quarter of a millimetre above a scale; time step and tolerance as of tasks
-Scene cube_on_scale() {
-  Scene scene = empty_scene("scale", 0.02);
+PhysicalScene cube_on_scale() {
+  PhysicalScene scene = empty_scene("scale", 0.02);
   scene.solver.velocity_tolerance = 1e-3;
   scene.solver.cg_tolerance = 1e-4;
   scene.contact.activation_distance = 0.5e-3;

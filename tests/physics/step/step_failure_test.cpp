@@ -112,7 +112,7 @@ TEST(StepFailure, AnExhaustedLineSearchIsNamed) {
   ASSERT_EQ(impl.reports[0].events.size(), 1u);
   EXPECT_EQ(impl.reports[0].events[0].kind, Kind::exhausted_line_search);
   EXPECT_EQ(impl.reports[0].events[0].body, "cube");
-  EXPECT_FALSE(impl.is_well[0]);
+  EXPECT_FALSE(impl.is_intact[0]);
   EXPECT_EQ(impl.x.node.read(), impl.start.node.read());
 }
 
