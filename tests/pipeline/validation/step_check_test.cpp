@@ -1,5 +1,6 @@
 // The check that all validation cases share, on states made by hand.
 #include "pipeline/validation/step_check.hpp"
+#include "host/model/scene.hpp"
 
 #include <gtest/gtest.h>
 
