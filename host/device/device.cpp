@@ -302,6 +302,7 @@ Kernel::Kernel(Device& device, void* program, const std::string& name) : device_
       "ask kernel " + name + " for its arguments");
   given_.resize(n_arguments_);
   argument_names_ = argument_names(static_cast<cl_kernel>(handle_), n_arguments_);
+  buffer_names_.resize(n_arguments_);
 }
 Kernel::~Kernel() {
   if (handle_) clReleaseKernel(static_cast<cl_kernel>(handle_));
@@ -312,6 +313,8 @@ Kernel::Kernel(Kernel&& other) noexcept
       name_(other.name_),
       n_arguments_(other.n_arguments_),
       argument_names_(std::move(other.argument_names_)),
+      buffer_names_(std::move(other.buffer_names_)),
+      has_new_names_(other.has_new_names_),
       given_(std::move(other.given_)) {}
 
 void Kernel::begin(std::size_t n_arguments) {
@@ -326,15 +329,18 @@ bool Kernel::is_known(unsigned i, const void* value, std::size_t bytes) {
   given.assign(first, first + bytes);
   return false;
 }
-void Kernel::check_name(unsigned i, const std::string& buffer) const {
-  if (argument_names_.empty() || argument_names_[i] == buffer) return;
-  if (std::find(argument_names_.begin(), argument_names_.end(), buffer) != argument_names_.end())
-    throw std::logic_error("kernel " + name_ + ": argument " + argument_names_[i] + " was given buffer " + buffer);
+void Kernel::check_names() const {
+  for (std::size_t i = 0; i < argument_names_.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (buffer_names_[i] == argument_names_[j] && buffer_names_[j] == argument_names_[i])
+        throw std::logic_error("kernel " + name_ + ": argument " + argument_names_[j] + " was given buffer " +
+                               buffer_names_[j] + ", and " + argument_names_[i] + " buffer " + buffer_names_[i]);
 }
 void Kernel::set_memory(unsigned i, const detail::Memory& memory) {
   const std::size_t serial = memory.serial();
   if (is_known(i, &serial, sizeof serial)) return;
-  check_name(i, memory.name());
+  buffer_names_[i] = memory.name();
+  has_new_names_ = true;
   const cl_int code = clSetKernelArg(static_cast<cl_kernel>(handle_), i, sizeof(cl_mem), memory.handle());
   if (code != CL_SUCCESS)  // the message only where it is needed: this is called for each launch
     require(code, "give " + memory.name() + " to kernel " + name_ + " as argument " + std::to_string(i));
@@ -345,6 +351,7 @@ void Kernel::set_bytes(unsigned i, const void* value, std::size_t bytes) {
   if (code != CL_SUCCESS) require(code, "give a value to kernel " + name_ + " as argument " + std::to_string(i));
 }
 void Kernel::launch(std::size_t n) {
+  if (std::exchange(has_new_names_, false)) check_names();
   const std::size_t local = GROUP_SIZE, global = (n + local - 1) / local * local;
   const cl_int code = clEnqueueNDRangeKernel(device_->impl().queue, static_cast<cl_kernel>(handle_), 1, nullptr,
                                              &global, &local, 0, nullptr, nullptr);

@@ -140,9 +140,9 @@ class Buffer {
 };
 
 // kernel(n, arguments...) starts n work-items (padded to whole groups), none for n = 0. Arguments are buffers, numbers
-// and shared structs, as many as the kernel declares; anything else throws before it runs. So does a buffer that bears
-// the name of another argument of this kernel: two were swapped. An argument that is what it was at the last call is
-// not given to the driver again, which takes as long as a small launch.
+// and shared structs, as many as the kernel declares; anything else throws before it runs. So do two buffers that bear
+// each the name of the other's argument: they were swapped. An argument that is what it was at the last call is not
+// given to the driver again, which takes as long as a small launch.
 class Kernel {
  public:
   Kernel(Device& device, void* program, const std::string& name);
@@ -171,7 +171,7 @@ class Kernel {
   void begin(std::size_t n_arguments);
   void set_memory(unsigned i, const detail::Memory& memory);
   void set_bytes(unsigned i, const void* value, std::size_t bytes);
-  void check_name(unsigned i, const std::string& buffer) const;
+  void check_names() const;
   void launch(std::size_t n);
   bool is_known(unsigned i, const void* value, std::size_t bytes);  // and remembered from now on
 
@@ -180,6 +180,8 @@ class Kernel {
   std::string name_;
   unsigned n_arguments_ = 0;
   std::vector<std::string> argument_names_;        // [n_arguments]; empty where the driver does not tell
+  std::vector<std::string> buffer_names_;          // [n_arguments] as last set; of numbers empty
+  bool has_new_names_ = false;                     // not checked yet
   std::vector<std::vector<unsigned char>> given_;  // [n_arguments] as last set
 };
 

@@ -48,7 +48,7 @@ TEST(Device, SwappedBuffersAreNamed) {
     twice(1, 1u, y, x);
     FAIL() << "swapped buffers were accepted";
   } catch (const std::logic_error& e) {
-    EXPECT_STREQ(e.what(), "kernel twice: argument x was given buffer y");
+    EXPECT_STREQ(e.what(), "kernel twice: argument x was given buffer y, and y buffer x");
   }
   EXPECT_NO_THROW(twice(1, 1u, force, y));
 }
