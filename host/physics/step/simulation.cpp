@@ -74,7 +74,7 @@ Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
       x(device, system.n_nodes(), system.sites.size(), "x"),
       start(device, system.n_nodes(), system.sites.size(), "x0"),
       predicted(device, system.n_nodes(), system.sites.size(), "predicted"),
-      trial(device, system.n_nodes(), system.sites.size(), "trial"),
+      trial(device, system.n_nodes(), system.sites.size(), "second x"),  // changes places with x
       contacts([&] {
         x.node.write(system.x);
         potential.update_sites(x);
