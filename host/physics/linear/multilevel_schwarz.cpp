@@ -72,8 +72,7 @@ MultilevelSchwarz::Level::Level(Device& device, const SchwarzLevel& level, u32 s
 
 MultilevelSchwarz::MultilevelSchwarz(Device& device, const BlockMatrix& matrix, std::span<const Site> sites,
                                      const SchwarzNodes& nodes, u32 width, std::size_t most_levels)
-    : device_(device),
-      matrix_(matrix),
+    : matrix_(matrix),
       program_(device, "solve/multilevel_schwarz.cl"),
       coarsen_(program_.kernel("schwarz_coarsen")),
       place_(program_.kernel("schwarz_place")),

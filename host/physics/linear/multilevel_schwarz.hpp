@@ -52,7 +52,6 @@ class MultilevelSchwarz {
   void find_site_slots(std::span<const Site> sites, const SchwarzHierarchy& hierarchy);
   void add_contacts(Level& level, const Term& contacts);
 
-  Device& device_;
   const BlockMatrix& matrix_;
   std::vector<u32> node_of_cluster_;  // [n_clusters of the first level] one of its nodes
   Program program_;
