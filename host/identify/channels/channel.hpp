@@ -99,13 +99,14 @@ struct SensorKind {
   std::vector<double> (&interpolate)(const Steps&, double time);
   // Measured less predicted, of the n numbers that are compared; divided by the noise this is the residual.
   Vec3 (&difference)(const double* measured, const double* predicted, int n);
-  NoiseModel noise;
-  StartRole start;
-  bool is_of_pictures;         // a step costs more to look at than to simulate
-  bool is_length;              // of a body: scales with the unit of length
-  bool has_mounting_place;     // sits on its body at a place that may be wrong
-  bool takes_bias;             // a constant may be added to it
-  bool is_shown_as_deviation;  // its numbers say nothing to a reader, their differences do
+  // what most kinds are not is left out of their rows
+  NoiseModel noise = {};
+  StartRole start = StartRole::nothing;
+  bool is_of_pictures = false;         // a step costs more to look at than to simulate
+  bool is_length = false;              // of a body: scales with the unit of length
+  bool has_mounting_place = false;     // sits on its body at a place that may be wrong
+  bool takes_bias = false;             // a constant may be added to it
+  bool is_shown_as_deviation = false;  // its numbers say nothing to a reader, their differences do
 };
 
 #define PVG_DECLARE(name) extern const SensorKind name##_sensor;

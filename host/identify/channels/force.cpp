@@ -25,12 +25,6 @@ constinit const SensorKind force_sensor = {.kind = ChannelKind::force,
                                            .predict = predict,
                                            .interpolate = cubic_value,
                                            .difference = plain_difference,
-                                           .noise = {},
-                                           .start = StartRole::nothing,
-                                           .is_of_pictures = false,
-                                           .is_length = false,
-                                           .has_mounting_place = false,
-                                           .takes_bias = true,
-                                           .is_shown_as_deviation = false};
+                                           .takes_bias = true};
 
 }  // namespace pvg::diagnose

@@ -46,12 +46,8 @@ constinit const SensorKind marker_sensor = {.kind = ChannelKind::marker,
                                             .predict = predict,
                                             .interpolate = cubic_value,
                                             .difference = plain_difference,
-                                            .noise = {},
-                                            .start = StartRole::nothing,
-                                            .is_of_pictures = false,
                                             .is_length = true,
                                             .has_mounting_place = true,
-                                            .takes_bias = true,
-                                            .is_shown_as_deviation = false};
+                                            .takes_bias = true};
 
 }  // namespace pvg::diagnose

@@ -45,12 +45,6 @@ constinit const SensorKind mask_sensor = {.kind = ChannelKind::mask,
                                           .predict = predict,
                                           .interpolate = between_pictures,
                                           .difference = plain_difference,
-                                          .noise = {},
-                                          .start = StartRole::nothing,
-                                          .is_of_pictures = true,
-                                          .is_length = false,
-                                          .has_mounting_place = false,
-                                          .takes_bias = false,
-                                          .is_shown_as_deviation = false};
+                                          .is_of_pictures = true};
 
 }  // namespace pvg::diagnose

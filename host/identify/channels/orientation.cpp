@@ -40,10 +40,6 @@ constinit const SensorKind orientation_sensor = {.kind = ChannelKind::orientatio
                                                  .difference = difference,
                                                  .noise = {.per_number = 2},  // its numbers are half angles
                                                  .start = StartRole::turn,
-                                                 .is_of_pictures = false,
-                                                 .is_length = false,
-                                                 .has_mounting_place = false,
-                                                 .takes_bias = false,
                                                  .is_shown_as_deviation = true};
 
 }  // namespace pvg::diagnose

@@ -24,12 +24,8 @@ constinit const SensorKind position_sensor = {.kind = ChannelKind::position,
                                               .predict = predict,
                                               .interpolate = cubic_value,
                                               .difference = plain_difference,
-                                              .noise = {},
                                               .start = StartRole::place,
-                                              .is_of_pictures = false,
                                               .is_length = true,
-                                              .has_mounting_place = false,
-                                              .takes_bias = true,
-                                              .is_shown_as_deviation = false};
+                                              .takes_bias = true};
 
 }  // namespace pvg::diagnose

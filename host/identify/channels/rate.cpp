@@ -22,12 +22,7 @@ constinit const SensorKind rate_sensor = {.kind = ChannelKind::rate,
                                           .predict = predict,
                                           .interpolate = cubic_slope,
                                           .difference = plain_difference,
-                                          .noise = {},
                                           .start = StartRole::rate,
-                                          .is_of_pictures = false,
-                                          .is_length = false,
-                                          .has_mounting_place = false,
-                                          .takes_bias = true,
-                                          .is_shown_as_deviation = false};
+                                          .takes_bias = true};
 
 }  // namespace pvg::diagnose

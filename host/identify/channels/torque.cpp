@@ -22,12 +22,6 @@ constinit const SensorKind torque_sensor = {.kind = ChannelKind::torque,
                                             .predict = predict,
                                             .interpolate = cubic_value,
                                             .difference = plain_difference,
-                                            .noise = {},
-                                            .start = StartRole::nothing,
-                                            .is_of_pictures = false,
-                                            .is_length = false,
-                                            .has_mounting_place = false,
-                                            .takes_bias = true,
-                                            .is_shown_as_deviation = false};
+                                            .takes_bias = true};
 
 }  // namespace pvg::diagnose

@@ -37,11 +37,6 @@ constinit const SensorKind video_sensor = {.kind = ChannelKind::video,
                                            .interpolate = between_pictures,
                                            .difference = plain_difference,
                                            .noise = {.has_gaps = true, .rounding = srgb8_step_sigma},
-                                           .start = StartRole::nothing,
-                                           .is_of_pictures = true,
-                                           .is_length = false,
-                                           .has_mounting_place = false,
-                                           .takes_bias = false,
-                                           .is_shown_as_deviation = false};
+                                           .is_of_pictures = true};
 
 }  // namespace pvg::diagnose
