@@ -12,6 +12,7 @@
 
 #include "host/base/child_process.hpp"
 #include "host/base/error.hpp"
+#include "host/base/kept_results.hpp"
 #include "host/base/notes.hpp"
 #include "host/base/outputs.hpp"
 #include "host/formats/assimp_reader.hpp"
@@ -22,8 +23,9 @@ namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr double LARGE = 20;      // of a body that stands in a room [m]
-constexpr double FARTHEST = 1e9;  // coordinate of a vertex [m]: squares and products of lengths stay in bounds
+constexpr std::size_t MOST_KEPT = 100;  // files
+constexpr double LARGE = 20;            // of a body that stands in a room [m]
+constexpr double FARTHEST = 1e9;        // coordinate of a vertex [m]: squares and products of lengths stay in bounds
 
 // What has been joined so far, and whether every part had normals and texture coordinates.
 struct Joined {
@@ -191,12 +193,15 @@ RawMesh import(const fs::path& file) {
 }  // namespace
 
 RawMesh read_with_assimp(const fs::path& file) {
-  // assimp crashes on some damaged files, reads others without end
-  const std::string bytes = in_child_process(file.string(), limits_to_read(file), [&] {
-    const RawMesh mesh = import(file);
-    std::string packed;
-    pack(packed, mesh.points), pack(packed, mesh.normals), pack(packed, mesh.uvs), pack(packed, mesh.triangles);
-    return packed;
+  static KeptResults<std::string> kept(MOST_KEPT);
+  const std::string bytes = kept.of(file_key(file), [&] {
+    // assimp crashes on some damaged files, reads others without end
+    return in_child_process(file.string(), limits_to_read(file), [&] {
+      const RawMesh mesh = import(file);
+      std::string packed;
+      pack(packed, mesh.points), pack(packed, mesh.normals), pack(packed, mesh.uvs), pack(packed, mesh.triangles);
+      return packed;
+    });
   });
   RawMesh mesh;
   std::size_t at = 0;

@@ -11,8 +11,10 @@
 #include <optional>
 #include <sstream>
 
+#include "host/base/child_process.hpp"
 #include "host/base/child_program.hpp"
 #include "host/base/error.hpp"
+#include "host/base/kept_results.hpp"
 #include "host/geometry/mesh_checks.hpp"
 #include "host/geometry/tet_mesh.hpp"
 
@@ -20,6 +22,8 @@ namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t MOST_KEPT = 50;  // meshes
 
 // A folder of its own under the system's temporary folder, gone at the end.
 struct TemporaryFolder {
@@ -126,8 +130,9 @@ TetMesh read_result(const fs::path& base, const TriangleMesh& surface, const std
 
 }  // namespace
 
-TetMesh tetrahedralize(const TriangleMesh& surface, const TetgenOptions& options, const std::string& name) {
-  check_closed_surface(surface, name);
+namespace {
+
+TetMesh run(const TriangleMesh& surface, const TetgenOptions& options, const std::string& name) {
   const TemporaryFolder folder;
   const fs::path input = folder.path / "surface.smesh", log = folder.path / "log.txt";
   write_smesh(input, surface);
@@ -138,6 +143,17 @@ TetMesh tetrahedralize(const TriangleMesh& surface, const TetgenOptions& options
   }
   const TetMesh linear = read_result(folder.path / "surface.1", surface, name);
   return options.nodes_per_element == 10 ? make_quadratic(linear) : linear;
+}
+
+}  // namespace
+
+TetMesh tetrahedralize(const TriangleMesh& surface, const TetgenOptions& options, const std::string& name) {
+  check_closed_surface(surface, name);
+  static KeptResults<TetMesh> kept(MOST_KEPT);
+  std::string key = switches(options) + " " + std::to_string(options.nodes_per_element) + "\n";
+  pack(key, surface.points);
+  pack(key, surface.triangles);
+  return kept.of(key, [&] { return run(surface, options, name); });
 }
 
 }  // namespace pvg

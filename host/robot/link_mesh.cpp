@@ -11,11 +11,14 @@
 
 #include "host/base/child_process.hpp"
 #include "host/base/error.hpp"
+#include "host/base/kept_results.hpp"
 #include "host/base/outputs.hpp"
 #include "host/formats/assimp_reader.hpp"
 
 namespace pvg {
 namespace {
+
+constexpr std::size_t MOST_KEPT = 200;  // files
 
 Vec3f to_vector(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
@@ -76,16 +79,21 @@ std::vector<MeshPart> load_mesh_parts(const std::filesystem::path& file, const V
     throw UsageError(where + " is scaled by zero or by no finite number; correct scale in the URDF");
   if (!is_read_by_assimp(file))
     throw UsageError(where + " is of no format that is read here; give an STL, OBJ, DAE or PLY file");
-  // assimp crashes on some damaged files, reads others without end
-  const std::string bytes = in_child_process(where, limits_to_read(file), [&] {
-    const std::vector<MeshPart> parts = import(file, scale, where);
-    std::string packed;
-    pack(packed, std::vector<std::size_t>{parts.size()});
-    for (const auto& [mesh, color] : parts) {
-      pack(packed, mesh.points), pack(packed, mesh.normals), pack(packed, mesh.uvs), pack(packed, mesh.triangles);
-      pack(packed, std::vector<Vec3f>{color});
-    }
-    return packed;
+  static KeptResults<std::string> kept(MOST_KEPT);
+  std::string key = file_key(file);
+  if (!key.empty()) pack(key, std::vector<Vec3>{scale});
+  const std::string bytes = kept.of(key, [&] {
+    // assimp crashes on some damaged files, reads others without end
+    return in_child_process(where, limits_to_read(file), [&] {
+      const std::vector<MeshPart> parts = import(file, scale, where);
+      std::string packed;
+      pack(packed, std::vector<std::size_t>{parts.size()});
+      for (const auto& [mesh, color] : parts) {
+        pack(packed, mesh.points), pack(packed, mesh.normals), pack(packed, mesh.uvs), pack(packed, mesh.triangles);
+        pack(packed, std::vector<Vec3f>{color});
+      }
+      return packed;
+    });
   });
   std::size_t at = 0;
   std::vector<std::size_t> n;
