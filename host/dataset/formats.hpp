@@ -18,12 +18,14 @@ struct PackRequest {
   const PackedSet& set;                    // what all episodes have in common
   std::string instruction;                 // what the robot is told to do; empty: the task's name in words
   nlohmann::ordered_json origin;           // where the episodes come from
+  bool has_environment = false;            // poses of the objects are written, too, by formats that hold them
   std::function<ParquetTables&()> tables;  // starts the program that writes Parquet files when it is first called
 };
 
 struct DataSetFormat {
   const char* name;     // of `pack --format`
   const char* meaning;  // for its help
+  bool holds_states;    // poses of objects as observations; episodes without pictures
   std::unique_ptr<DataSetWriter> (*make_writer)(const PackRequest& request);
 };
 

@@ -19,6 +19,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t PER_CHUNK = 1000;  // files in a folder; readers sort file-<three digits> as text
 // What is below this hardly moves, and dividing by less would make noise of a real joint loud.
 constexpr double LEAST_STD = 1e-2, LEAST_STD_OF_WIDTH = 1e-3;  // [rad], [m]
+constexpr double LEAST_STD_OF_POSE = 1e-3;                     // of an object [m or -]
 constexpr std::size_t MOST_SAMPLED = 100;                      // pictures of an episode that its statistics look at
 
 std::string in_words(std::string name) {
@@ -142,6 +143,15 @@ class LeRobotWriter : public DataSetWriter {
     const std::size_t n = first.columns.size();
     features_ = {{"observation.state", "float", first.columns, n, least, {}},
                  {"action", "float", first.columns, n, least, {}}};
+    if (settings_.has_environment) {
+      const std::vector<std::string>& names = first.environment_columns;
+      features_.push_back({"observation.environment_state",
+                           "float",
+                           names,
+                           names.size(),
+                           std::vector<double>(names.size(), LEAST_STD_OF_POSE),
+                           {}});
+    }
     for (const PackedCamera& camera : first.cameras) {
       cameras_.push_back(camera);
       features_.push_back({"camera." + camera.name + ".K", "float", {}, 9, {}, {}});
@@ -155,6 +165,7 @@ class LeRobotWriter : public DataSetWriter {
   // in the order of features_
   std::vector<Rows> rows_of(const PackedEpisode& episode) const {
     std::vector<Rows> rows = {episode.state, episode.action};
+    if (settings_.has_environment) rows.push_back(episode.environment);
     for (const PackedCamera& camera : episode.cameras) {
       rows.push_back(camera.K);
       rows.push_back(camera.T_world_camera);

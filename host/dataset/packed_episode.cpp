@@ -2,10 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <optional>
+#include <cmath>
 
 #include "host/base/error.hpp"
 #include "host/dataset/json_file.hpp"
+#include "host/dataset/packed_columns.hpp"
 #include "host/dataset/states_record.hpp"
 #include "host/load/task_file.hpp"
 
@@ -24,70 +25,10 @@ std::vector<RobotCell> read_robots(const StatesRecord& record) {
   return robots;
 }
 
-// "left/gripper_base" is the part gripper_base of the robot left
-std::optional<std::string> robot_prefix(const std::string& name, const std::string& part) {
-  if (name == part) return "";
-  if (!name.ends_with("/" + part)) return std::nullopt;
-  return name.substr(0, name.size() - part.size());
-}
-
-std::string without_slashes(std::string name) {
-  std::replace(name.begin(), name.end(), '/', '_');
-  return name;
-}
-
-// The base of a gripper as it stands in /T_link, and the columns of its joints in /q.
-struct Tool {
-  std::string prefix, base;
-  std::size_t link = 0;
-  std::vector<std::size_t> joints;
-  Eigen::Matrix4d tool_center;
-};
-
-std::vector<Tool> find_tools(const std::vector<RobotCell>& robots, const std::vector<std::string>& links,
-                             const std::vector<std::string>& joints) {
-  std::vector<Tool> tools;
-  for (std::size_t link = 0; link < links.size(); ++link)
-    for (const RobotCell& robot : robots) {
-      if (!robot.gripper) continue;
-      const GripperSection& gripper = *robot.gripper;
-      const auto prefix = robot_prefix(links[link], gripper.base_link);
-      if (!prefix) continue;
-      Tool tool{*prefix, links[link], link, {}, gripper.tool_center.matrix()};
-      for (const std::string& name : gripper.joints) {
-        const auto at = std::find(joints.begin(), joints.end(), *prefix + name);
-        if (at != joints.end()) tool.joints.push_back(std::size_t(at - joints.begin()));
-      }
-      tools.push_back(tool);
-      break;
-    }
-  return tools;
-}
-
-// Columns of the packed rows: a joint, or the joints of one gripper.
-struct Column {
-  std::string name;
-  std::vector<std::size_t> joints;
-  bool is_width = false;
-};
-
-std::vector<Column> find_columns(const std::vector<std::string>& joints, const std::vector<Tool>& tools) {
-  std::vector<Column> columns;
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    const auto tool = std::find_if(tools.begin(), tools.end(), [&](const Tool& t) {
-      return std::find(t.joints.begin(), t.joints.end(), j) != t.joints.end();
-    });
-    if (tool == tools.end())
-      columns.push_back({without_slashes(joints[j]), {j}, false});
-    else if (tool->joints.front() == j)
-      columns.push_back({without_slashes(tool->prefix + "gripper_width"), tool->joints, true});
-  }
-  return columns;
-}
-
-std::vector<double> sums(const StatesRecord::Series& series, std::size_t step, const std::vector<Column>& columns) {
+std::vector<double> sums(const StatesRecord::Series& series, std::size_t step,
+                         const std::vector<PackedColumn>& columns) {
   std::vector<double> row;
-  for (const Column& column : columns) {
+  for (const PackedColumn& column : columns) {
     double sum = 0;
     for (const std::size_t j : column.joints) sum += series.at(step, j);
     row.push_back(sum);
@@ -137,31 +78,40 @@ std::vector<PackedCamera> read_cameras(const fs::path& folder, const StatesRecor
 
 }  // namespace
 
-PackedEpisode read_packed_episode(const fs::path& folder, const std::vector<std::string>& cameras) {
-  const SummaryPictures pictures = read_summary_pictures(folder / "summary.json");
-  const StatesRecord record(folder / "states.h5");
-  const std::vector<std::size_t> filmed = record.filmed_steps();
-  if (filmed.empty())
-    throw UsageError(folder.string() + " has no pictures: make it without --no-render, or render it, before packing");
+namespace {
+
+// The last step of each period of a picture.
+std::vector<std::size_t> last_steps(std::size_t n_steps, double frames_per_second, double time_step) {
+  const auto per_frame = std::size_t(std::max(1.0, std::round(1 / (frames_per_second * time_step))));
+  std::vector<std::size_t> steps;
+  for (std::size_t step = per_frame - 1; step < n_steps; step += per_frame) steps.push_back(step);
+  return steps;
+}
+
+// Everything but the cameras; filmed: the step of each row.
+PackedEpisode read_rows(const StatesRecord& record, const std::vector<std::size_t>& filmed, double frames_per_second) {
   const StatesRecord::Series q = record.series("/q"), a = record.series("/a");
   const std::vector<std::string>& joints = q.names;
   if (a.names != joints) throw UsageError(record.path().string() + " is damaged: /a and /q are of different joints");
   const std::vector<std::string> links = record.poses_names("/T_link"), objects = record.poses_names("/T_rigid");
   const std::vector<RobotCell> robots = read_robots(record);
-  const std::vector<Tool> tools = find_tools(robots, links, joints);
-  const std::vector<Column> columns = find_columns(joints, tools);
+  const std::vector<PackedToolJoints> tools = find_tools(robots, links, joints);
+  const std::vector<PackedColumn> columns = find_columns(joints, tools);
 
   PackedEpisode episode;
   episode.number = record.whole("episode");
   episode.task = record.text("task");
   episode.robot = robots.front().robot.urdf.stem().string();
-  episode.frames_per_second = pictures.frames_per_second;
-  for (const Column& column : columns) {
+  episode.frames_per_second = frames_per_second;
+  for (const PackedColumn& column : columns) {
     episode.columns.push_back(column.name);
     episode.is_width.push_back(column.is_width);
   }
-  for (const std::string& name : objects) episode.objects.push_back({without_slashes(name), {}});
-  for (const Tool& tool : tools) episode.tools.push_back({without_slashes(tool.base), {}, {}, {}});
+  for (const std::string& name : objects) {
+    episode.objects.push_back({without_slashes(name), {}});
+    for (const char* number : POSE_NUMBERS) episode.environment_columns.push_back(without_slashes(name) + "_" + number);
+  }
+  for (const PackedToolJoints& tool : tools) episode.tools.push_back({without_slashes(tool.base), {}, {}, {}});
 
   const std::vector<double> T_link = record.poses("/T_link"), T_rigid = record.poses("/T_rigid");
   const double h = record.positive("h");
@@ -178,16 +128,41 @@ PackedEpisode read_packed_episode(const fs::path& folder, const std::vector<std:
     }
     episode.velocity.push_back(velocity);
     for (std::size_t i = 0; i < tools.size(); ++i) {
-      const std::vector<Column> width = {{"", tools[i].joints, true}};
+      const std::vector<PackedColumn> width = {{"", tools[i].joints, true}};
       episode.tools[i].pose.push_back(pose_at(T_link, links.size(), step, tools[i].link) * tools[i].tool_center);
       episode.tools[i].width.push_back(sums(q, step, width)[0]);
       episode.tools[i].width_action.push_back(sums(a, next, width)[0]);
     }
-    for (std::size_t i = 0; i < episode.objects.size(); ++i)
+    std::vector<double>& environment = episode.environment.emplace_back();
+    for (std::size_t i = 0; i < episode.objects.size(); ++i) {
       episode.objects[i].pose.push_back(pose_at(T_rigid, objects.size(), step, i));
+      const auto numbers = pose_numbers(episode.objects[i].pose.back().topRows<3>());
+      environment.insert(environment.end(), numbers.begin(), numbers.end());
+    }
   }
+  return episode;
+}
+
+}  // namespace
+
+PackedEpisode read_packed_episode(const fs::path& folder, const std::vector<std::string>& cameras) {
+  const SummaryPictures pictures = read_summary_pictures(folder / "summary.json");
+  const StatesRecord record(folder / "states.h5");
+  const std::vector<std::size_t> filmed = record.filmed_steps();
+  if (filmed.empty())
+    throw UsageError(folder.string() +
+                     " has no pictures: make it without --no-render, render it before packing, or "
+                     "pack joints alone with --no-pictures");
+  PackedEpisode episode = read_rows(record, filmed, pictures.frames_per_second);
   episode.cameras = read_cameras(folder, record, filmed.size(), pictures, cameras);
   return episode;
+}
+
+PackedEpisode read_packed_states(const fs::path& folder) {
+  const double frames_per_second = read_summary_pictures(folder / "summary.json").frames_per_second;
+  const StatesRecord record(folder / "states.h5");
+  const std::size_t n_steps = record.n_steps();
+  return read_rows(record, last_steps(n_steps, frames_per_second, record.positive("h")), frames_per_second);
 }
 
 void demand_frames(const PackedCamera& camera, std::size_t n_frames, std::size_t n_pictures) {

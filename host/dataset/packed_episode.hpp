@@ -49,6 +49,8 @@ struct PackedEpisode {
   Rows state, velocity, action;      // [n_frames][n_columns, rad or m, per s]
   std::vector<PackedTool> tools;
   std::vector<PackedObject> objects;
+  std::vector<std::string> environment_columns;  // beaker_x, ..., beaker_qw: pose_numbers of each object
+  Rows environment;                              // [n_frames][n_environment_columns, m or -]
   std::vector<PackedCamera> cameras;
   std::size_t n_frames() const { return state.size(); }
 };
@@ -56,6 +58,9 @@ struct PackedEpisode {
 // folder: a finished episode. Cameras: these names, or all where there are none. A UsageError where it has no pictures
 // or lacks a camera.
 PackedEpisode read_packed_episode(const std::filesystem::path& folder, const std::vector<std::string>& cameras);
+
+// The same without cameras: rows are taken at the instants at which pictures would be, whether or not there are any.
+PackedEpisode read_packed_states(const std::filesystem::path& folder);
 
 // A Failure where a video holds another number of pictures than its episode.
 void demand_frames(const PackedCamera& camera, std::size_t n_frames, std::size_t n_pictures);

@@ -26,7 +26,13 @@ struct PackOptions {
   std::string format = "lerobot";    // of data_set_formats()
   std::string instruction;           // what the robot is told to do; empty: the task's name in words
   std::vector<std::string> cameras;  // names; empty: all
+  bool has_environment = false;      // poses of the objects, too
+  bool no_pictures = false;
 };
+
+PackedEpisode read_episode(const PackOptions& options, const fs::path& folder) {
+  return options.no_pictures ? read_packed_states(folder) : read_packed_episode(folder, options.cameras);
+}
 
 // $PVG_PYTHON, or the environment that scripts/install_pack.sh makes.
 fs::path python_with_pyarrow() {
@@ -59,12 +65,11 @@ Json origin_of(const EpisodeSet& set, const std::vector<std::uint64_t>& episodes
            "of the last step"}};
 }
 
-PackedSet survey(const EpisodeSet& set, const std::vector<std::uint64_t>& episodes,
-                 const std::vector<std::string>& cameras) {
+PackedSet survey(const EpisodeSet& set, const std::vector<std::uint64_t>& episodes, const PackOptions& options) {
   PackedSet all;
-  const PackedEpisode first = read_packed_episode(episode_folder(set.folder, episodes.front()), cameras);
+  const PackedEpisode first = read_episode(options, episode_folder(set.folder, episodes.front()));
   for (const std::uint64_t episode : episodes)
-    add(all, first, read_packed_episode(episode_folder(set.folder, episode), cameras));
+    add(all, first, read_episode(options, episode_folder(set.folder, episode)));
   if (std::abs(first.frames_per_second - std::round(first.frames_per_second)) > 1e-9)
     throw UsageError(set.folder.string() + " has " + std::to_string(first.frames_per_second) +
                      " pictures per second; data sets need a whole number");
@@ -75,6 +80,11 @@ void run_pack(const PackOptions& options) {
   if (options.folder.empty())
     throw UsageError("pack needs the folder of a set; `phyvisgen pack --help` shows an example");
   if (options.output.empty()) throw UsageError("pack needs an output folder: -o OUT");
+  if ((options.has_environment || options.no_pictures) && !data_set_format(options.format).holds_states)
+    throw UsageError(
+        "--environment-state and --no-pictures need a format that holds them: --format lerobot or lerobot2");
+  if (options.no_pictures && !options.cameras.empty())
+    throw UsageError("--no-pictures leaves out the cameras that --camera names; give one of the two");
   check_apart(options.output, options.folder, "pack");
   if (fs::exists(options.output))
     throw UsageError(options.output + " exists; remove it or choose another folder with -o");
@@ -82,7 +92,7 @@ void run_pack(const PackOptions& options) {
   const std::vector<std::uint64_t> episodes = read_status(set.folder).done;
   if (episodes.empty()) throw UsageError(set.folder.string() + " has no finished episode to pack");
   find_program("ffmpeg", "ffmpeg");
-  const PackedSet all = survey(set, episodes, options.cameras);
+  const PackedSet all = survey(set, episodes, options);
 
   const fs::path output = fs::absolute(options.output).lexically_normal();
   const fs::path target = output.has_filename() ? output : output.parent_path();
@@ -96,11 +106,12 @@ void run_pack(const PackOptions& options) {
   };
   const std::unique_ptr<DataSetWriter> writer =
       data_set_format(options.format)
-          .make_writer({folder.path(), all, options.instruction, origin_of(set, episodes), tables});
+          .make_writer(
+              {folder.path(), all, options.instruction, origin_of(set, episodes), options.has_environment, tables});
   {
     Progress progress("pack", "episodes", episodes.size());
     for (std::size_t i = 0; i < episodes.size(); ++i) {
-      writer->add(read_packed_episode(episode_folder(set.folder, episodes[i]), options.cameras));
+      writer->add(read_episode(options, episode_folder(set.folder, episodes[i])));
       progress.advance_to(i + 1);
     }
   }
@@ -125,8 +136,13 @@ void add_pack(CLI::App& program) {
   command->add_option("--format", o.format, help)->check(CLI::IsMember(names))->capture_default_str();
   command->add_option("-o,--output", o.output, "Folder to make");
   command->add_option("--camera", o.cameras, "Only this camera; may stand several times")->allow_extra_args(false);
+  command->add_flag("--environment-state", o.has_environment,
+                    "Write observation.environment_state, too: position and quaternion of each object");
+  command->add_flag("--no-pictures", o.no_pictures, "Pack joints alone; the set may be made with --no-render");
   command->add_option("--instruction", o.instruction, "What the robot is told to do; else the task's name in words");
-  command->footer("Example:\n  phyvisgen pack out/beaker --format lerobot -o out/beaker_lerobot");
+  command->footer(
+      "Example:\n  phyvisgen pack out/beaker --format lerobot -o out/beaker_lerobot\n"
+      "  phyvisgen pack out/beaker --no-pictures --environment-state -o out/beaker_states");
 }
 
 }  // namespace pvg
