@@ -36,10 +36,11 @@ if(PVG_IO)
   pvg_library(pipeline/graph           base                                                                    )
   set(EPISODE base device geometry pictures model ${PHYSICS} render formats robot load/fields load dataset graph)
   pvg_library(pipeline/episode         ${EPISODE}                                                              )
+  pvg_library(pipeline/serve           ${EPISODE} episode                                                      )
   pvg_library(pipeline/validation      ${EPISODE} episode identify/report                                      )
   pvg_library(pipeline/bench           ${EPISODE} episode                                                      )
   pvg_library(pipeline/command_line    base                                                                    )
-  pvg_library(pipeline/commands        ${EPISODE} episode validation bench command_line identify identify/channels
+  pvg_library(pipeline/commands        ${EPISODE} episode serve validation bench command_line identify identify/channels
                                        identify/data identify/sensing identify/candidates identify/fit identify/search
                                        identify/report                                                         )
 endif()

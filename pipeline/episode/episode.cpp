@@ -169,11 +169,6 @@ void record(const Access& access) {
 
 namespace {
 
-// Spreads (seed, episode) over 64 bits (splitmix64), so that neighbouring episodes share no noise in their pictures.
-std::uint64_t picture_seed(std::uint64_t seed, std::uint64_t episode) {
-  return mixed_bits(seed + 0x9e3779b97f4a7c15u * episode);
-}
-
 class Stopwatch {
  public:
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
@@ -236,6 +231,11 @@ std::string reason_of_failed_step(const StageError& error) {
 }
 
 }  // namespace
+
+// spread over 64 bits (splitmix64)
+std::uint64_t picture_seed(std::uint64_t seed, std::uint64_t episode) {
+  return mixed_bits(seed + 0x9e3779b97f4a7c15u * episode);
+}
 
 void apply(const PictureOverrides& overrides, Task& task) {
   for (CameraSection& camera : task.cameras) {

@@ -59,6 +59,9 @@ void apply(const PictureOverrides& overrides, Task& task);
 // The same task with fingers that do not bend.
 void make_grippers_rigid(Task& task);
 
+// Seed of an episode's pictures: neighbouring episodes share no noise.
+std::uint64_t picture_seed(std::uint64_t seed, std::uint64_t episode);
+
 // Simulates, renders and records into `folder`, which exists. A motion that cannot be planned, a start that intersects
 // and a step that could not be done are failed episodes with their reason; other errors are thrown. `advance` hears of
 // every frame that is on record, of how many.

@@ -1,0 +1,135 @@
+// phyvisgen serve: one process that steps a task for others, over its standard streams or a socket.
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <optional>
+#include <string>
+
+#include "host/base/error.hpp"
+#include "host/device/choose_device.hpp"
+#include "host/load/task_file.hpp"
+#include "pipeline/command_line/command.hpp"
+#include "pipeline/command_line/program.hpp"
+#include "pipeline/episode/episode.hpp"
+#include "pipeline/serve/server.hpp"
+
+namespace pvg {
+namespace {
+
+struct ServeOptions {
+  std::string task;  // file
+  std::string device, render_device;
+  std::string socket;  // path; empty: standard input and output
+  PictureOverrides pictures;
+  bool no_render = false, is_rigid = false;
+};
+
+// A file that closes.
+class OpenFile {
+ public:
+  explicit OpenFile(int file) : file_(file) {}
+  ~OpenFile() {
+    if (file_ >= 0) close(file_);
+  }
+  OpenFile(const OpenFile&) = delete;
+  operator int() const { return file_; }
+
+ private:
+  int file_;
+};
+
+// The socket that waits for clients; gone with its path at the end.
+class Listener {
+ public:
+  explicit Listener(const std::string& path) : path_(path), file_(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    if (path.size() >= sizeof address.sun_path)
+      throw UsageError("--socket " + path + " is longer than the " + std::to_string(sizeof address.sun_path - 1) +
+                       " bytes that a socket's path may have");
+    path.copy(address.sun_path, path.size());
+    if (bind(file_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 || listen(file_, 1) != 0)
+      throw UsageError("--socket " + path + " cannot be made: " + std::strerror(errno) +
+                       (errno == EADDRINUSE ? "; remove it where no server uses it any more" : ""));
+  }
+  ~Listener() { unlink(path_.c_str()); }
+  int next_client() const {
+    while (true) {
+      const int client = accept4(file_, nullptr, nullptr, SOCK_CLOEXEC);
+      if (client >= 0) return client;
+      if (errno != EINTR) throw Failure("--socket " + path_ + " takes no clients: " + std::strerror(errno));
+    }
+  }
+
+ private:
+  std::string path_;
+  OpenFile file_;
+};
+
+// One client after the other; what one of them breaks off ends its own stream.
+void serve_socket(ServedTask& task, const std::string& path) {
+  const Listener listener(path);
+  std::fprintf(stderr, "phyvisgen: serves %s at %s\n", task.task().name.c_str(), path.c_str());
+  while (true) {
+    const OpenFile client(listener.next_client());
+    try {
+      serve_stream(task, program_version(), client, client);
+    } catch (const DeviceError&) {
+      throw;
+    } catch (const Failure& failure) {
+      std::fprintf(stderr, "phyvisgen: a client is gone: %s\n", failure.what());
+    }
+  }
+}
+
+void run_serve(const ServeOptions& options) {
+  if (options.task.empty()) throw UsageError("serve needs a task file; `phyvisgen serve --help` shows an example");
+  signal(SIGPIPE, SIG_IGN);  // a client that is gone is an error of the write
+  Task task = load_task(options.task);
+  apply(options.pictures, task);
+  if (options.is_rigid) make_grippers_rigid(task);
+  Device physics(options.device);
+  std::optional<Device> rendering;
+  if (!options.no_render)
+    rendering.emplace(std::to_string(choose_render_device(list_devices(), options.device, options.render_device).index),
+                      Purpose::rendering);
+  ServedTask served(std::move(task), physics, rendering ? &*rendering : nullptr);
+  if (!options.socket.empty()) return serve_socket(served, options.socket);
+  // whatever else is printed goes where messages to people go
+  const OpenFile answers(dup(STDOUT_FILENO));
+  dup2(STDERR_FILENO, STDOUT_FILENO);
+  serve_stream(served, program_version(), STDIN_FILENO, answers);
+}
+
+}  // namespace
+
+void add_serve(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("serve", "Step a task for another program, such as a policy");
+  ServeOptions& o = options_of_command(*command, run_serve);
+  command->add_option("TASK", o.task, "Task file (YAML)");
+  command->add_option("--socket", o.socket, "Path of a socket for clients, one after the other; else standard streams");
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_option("--render-device", o.render_device,
+                      "The one that renders, if another; where neither is named: a second GPU of the same kind");
+  command->add_option("--width", o.pictures.width, "Width of all pictures [pixels]")->check(CLI::Range(2, 16384));
+  command->add_option("--height", o.pictures.height, "Height of all pictures [pixels]")->check(CLI::Range(2, 16384));
+  command->add_option("--samples", o.pictures.samples, "Paths per pixel")->check(CLI::Range(1, 1 << 20));
+  command->add_option("--fps", o.pictures.frames_per_second, "Actions per second, as frames of `generate`")
+      ->check(CLI::Range(0.01, 1000.0));
+  command->add_flag("--no-render", o.no_render, "No pictures will be asked for");
+  command
+      ->add_option_function<std::string>(
+          "--gripper", [&o](const std::string& kind) { o.is_rigid = kind == "rigid"; },
+          "soft, or rigid: the same fingers without bending, for comparison")
+      ->check(CLI::IsMember({"soft", "rigid"}));
+  command->footer(
+      "The protocol is in docs/reference/serve.md; the Python package of pipeline/python speaks it.\n"
+      "Example:\n  phyvisgen serve data/tasks/weigh_beaker.yaml --no-render --socket /tmp/beaker.sock");
+}
+
+}  // namespace pvg

@@ -1,0 +1,158 @@
+"""Gymnasium environments: a policy sees joints, poses and pictures, and says where the joints are to be."""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from .server import Answer, Server
+
+__all__ = ["EVALUATION_SEED", "OBSERVATION_TYPES", "TaskEnvironment"]
+
+# Seeds of sets from here on belong to evaluation: `generate` refuses them, so that no policy is judged on what it saw.
+EVALUATION_SEED = 2**63
+
+# names of observations, by obs_type
+OBSERVATION_TYPES = {
+    "state": ("agent_pos", "environment_state"),
+    "pixels": ("pixels",),
+    "pixels_agent_pos": ("pixels", "agent_pos"),
+    "pixels_state": ("pixels", "agent_pos", "environment_state"),
+}
+LENGTH_OF_PLAN = 1.25  # of an episode, where none is given: what the planned motion of the first start takes, and more
+
+
+class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
+    """An episode of a task, from its start to `episode_length` actions [periods].
+
+    Observations, by `obs_type`: agent_pos [n_columns, rad or m], environment_state [n_objects x 7] (position and
+    quaternion x, y, z, w of each object), pixels/<camera> [height, width, 3] sRGB. An action says where the joints are
+    to be at the end of the period; the targets go there on straight lines. Reward 1 where the episode ends in success,
+    else 0. `is_success` is in `info` at the end only: the task's conditions judge the whole episode.
+
+    `reset(seed=k)` begins start k, always the same. Starts for evaluation are none that `generate` makes
+    (EVALUATION_SEED). A step that cannot be simulated ends the episode as failed, with its reason in `info`.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 10}
+
+    def __init__(
+        self,
+        task: str | os.PathLike[str],
+        obs_type: str = "state",
+        episode_length: int | None = None,
+        set_seed: int = EVALUATION_SEED,
+        cameras: tuple[str, ...] | list[str] | None = None,
+        width: int | None = None,
+        height: int | None = None,
+        samples: int | None = None,
+        fps: float | None = None,
+        gripper: str | None = None,
+        device: str | None = None,
+        render_mode: str | None = None,
+    ) -> None:
+        if obs_type not in OBSERVATION_TYPES:
+            raise ValueError(f"obs_type is one of {', '.join(OBSERVATION_TYPES)}, not {obs_type!r}")
+        if render_mode not in (None, "rgb_array"):
+            raise ValueError(f"render_mode is None or 'rgb_array', not {render_mode!r}")
+        self._shows = OBSERVATION_TYPES[obs_type]
+        self._has_pictures = "pixels" in self._shows
+        self._server = Server(
+            task,
+            render=self._has_pictures or render_mode is not None,
+            width=width,
+            height=height,
+            samples=samples,
+            fps=fps,
+            gripper=gripper,
+            device=device,
+        )
+        facts = self._server.facts
+        self.render_mode = render_mode
+        self.task = facts.task
+        self.task_description = facts.task.replace("_", " ")
+        self.metadata = {**TaskEnvironment.metadata, "render_fps": round(facts.frames_per_second)}
+        self._set_seed = set_seed
+        unknown = [camera for camera in cameras or [] if camera not in facts.cameras]
+        if unknown:
+            raise ValueError(f"the task has no camera {unknown[0]!r}, but {', '.join(facts.cameras) or 'none'}")
+        self._cameras = [camera for camera in facts.cameras if cameras is None or camera in cameras]
+        self._picture: NDArray[np.uint8] | None = None
+        self._n_periods = 0
+        self._ended: Answer | None = None
+        self._max_episode_steps = episode_length or self._planned_length()
+        n, m = len(facts.columns), len(facts.environment)
+        everything = {
+            "agent_pos": spaces.Box(-np.inf, np.inf, (n,), np.float64),
+            "environment_state": spaces.Box(-np.inf, np.inf, (m,), np.float64),
+            "pixels": spaces.Dict(
+                {name: spaces.Box(0, 255, (*facts.cameras[name][::-1], 3), np.uint8) for name in self._cameras}
+            ),
+        }
+        self.observation_space = spaces.Dict({name: everything[name] for name in self._shows})
+        self.action_space = spaces.Box(
+            np.array([column.low for column in facts.columns]),
+            np.array([column.high for column in facts.columns]),
+            dtype=np.float64,
+        )
+
+    @property
+    def server(self) -> Server:
+        return self._server
+
+    def _planned_length(self) -> int:
+        self._server.reset(self._set_seed, 0)
+        return max(1, math.ceil(LENGTH_OF_PLAN * self._server.planned_periods()))
+
+    def _wish(self) -> list[str]:
+        return self._cameras if self._has_pictures else []
+
+    def _observation(self, answer: Answer) -> dict[str, Any]:
+        pictures = {name: picture.copy() for name, picture in answer.pictures.items()}
+        self._picture = pictures[self._cameras[0]] if pictures else None
+        everything: dict[str, Any] = {name: array.copy() for name, array in answer.arrays.items()}
+        everything["pixels"] = pictures
+        return {name: everything[name] for name in self._shows}
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        super().reset(seed=seed)
+        start = int(self.np_random.integers(2**31)) if seed is None else int(seed)
+        answer = self._server.reset(self._set_seed, start, self._wish())
+        self._n_periods = 0
+        self._ended = None
+        return self._observation(answer), {"start": start}
+
+    def step(
+        self, action: NDArray[np.float64]
+    ) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
+        if self._ended is not None:
+            raise RuntimeError("the episode has ended; call reset before the next step")
+        answer = self._server.step(action, self._wish())
+        self._n_periods += 1
+        is_last = self._n_periods >= self._max_episode_steps
+        info: dict[str, Any] = {}
+        if answer.is_over or is_last:
+            self._ended = answer
+            info = {"is_success": answer.is_success, "failure": answer.failure, "reason": answer.reason}
+            info["events"] = [event["name"] for event in answer.events]
+        reward = float(info.get("is_success", False))
+        return self._observation(answer), reward, answer.is_over, is_last and not answer.is_over, info
+
+    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+        """What the first camera sees."""
+        if self.render_mode is None or not self._cameras:
+            return None
+        if self._picture is None:
+            self._picture = self._server.observe(self._cameras[:1]).pictures[self._cameras[0]].copy()
+        return self._picture
+
+    def close(self) -> None:
+        self._server.close()

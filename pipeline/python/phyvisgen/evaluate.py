@@ -1,0 +1,108 @@
+"""`phyvisgen evaluate policy`: success of a policy in the loop, beside baselines."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from typing import Any, Sequence
+
+from .evaluation import PolicyResult, evaluate, planned_length
+from .environment import EVALUATION_SEED
+from .policies import BlindMean, Demonstrations, Expert, NearestDemonstration, Policy
+from .server import ServeError, Server
+
+BASELINES = ("blind", "nearest", "expert")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="phyvisgen evaluate policy", description=__doc__)
+    parser.add_argument("task", help="task file, or the name of one of the program's own")
+    parser.add_argument("--policy", required=True, help="ws://HOST:PORT of an OpenPI server, or a baseline's name")
+    parser.add_argument("--baseline", action="append", choices=BASELINES, default=[], help="beside it; may be repeated")
+    parser.add_argument("--demonstrations", help="episode set that blind and nearest go by")
+    parser.add_argument("-n", "--episodes", type=int, help="so many; else 10 to 200, until the interval is narrow")
+    parser.add_argument("--width", type=float, default=0.14, help="of the 95 %% interval at which to stop (0.14)")
+    parser.add_argument("--length", type=int, help="periods of an episode; else a quarter more than the planned motion")
+    parser.add_argument("--camera", action="append", default=[], help="whose pictures the policy sees; may be repeated")
+    parser.add_argument("--executed", type=int, help="actions of each chunk that are done before the policy is asked")
+    parser.add_argument("--instruction", help="what the robot is told; else the task's name in words")
+    parser.add_argument("--picture-width", type=int, help="[pixels]")
+    parser.add_argument("--picture-height", type=int, help="[pixels]")
+    parser.add_argument("--samples", type=int, help="per pixel")
+    parser.add_argument("--fps", type=float, help="actions per second")
+    parser.add_argument("--gripper", choices=("soft", "rigid"))
+    parser.add_argument("--json", action="store_true")
+    return parser
+
+
+def _policy(name: str, words: argparse.Namespace, server: Server) -> Policy:
+    if name.startswith(("ws://", "wss://")):
+        from .openpi import OpenPiPolicy
+
+        cameras = tuple(words.camera)
+        prompt = words.instruction or server.facts.task.replace("_", " ")
+        return OpenPiPolicy(name, prompt, cameras, words.executed)
+    if name == "expert":
+        return Expert()
+    if name not in BASELINES:
+        raise ValueError(f"--policy {name} is neither ws://HOST:PORT nor one of {', '.join(BASELINES)}")
+    if not words.demonstrations:
+        raise ValueError(f"{name} goes by demonstrations: name a set with --demonstrations")
+    demonstrations = Demonstrations(words.demonstrations, server.facts)
+    return BlindMean(demonstrations) if name == "blind" else NearestDemonstration(demonstrations)
+
+
+def _sentence(result: PolicyResult) -> str:
+    told = result.as_json()
+    events = ", ".join(f"{name} {count}" for name, count in told["events"].items())
+    return (
+        f"{result.policy}: {result.n_successes} of {told['episodes']} succeeded, {100 * told['success']:.1f} % "
+        f"(95 % interval by Wilson: {100 * told['low']:.1f} to {100 * told['high']:.1f} %)"
+        + (f"; {events}" if events else "")
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    words = _parser().parse_args(arguments)
+    try:
+        with Server(
+            words.task,
+            render=bool(words.camera),
+            width=words.picture_width,
+            height=words.picture_height,
+            samples=words.samples,
+            fps=words.fps,
+            gripper=words.gripper,
+        ) as server:
+            return _run(words, server)
+    except (ValueError, FileNotFoundError) as error:
+        print(f"phyvisgen: {error}", file=sys.stderr)
+        return 2
+    except ServeError as error:
+        print(f"phyvisgen: {error}", file=sys.stderr)
+        return 1
+
+
+def _run(words: argparse.Namespace, server: Server) -> int:
+    length = words.length or planned_length(server, EVALUATION_SEED)
+    policy = _policy(words.policy, words, server)
+    baselines = {name: _policy(name, words, server) for name in words.baseline}
+    result = evaluate(server, policy, words.episodes, words.width, length)
+    starts = [episode.seed for episode in result.episodes]  # the same for all, so that differences are paired
+    beside = {name: evaluate(server, each, length=length, starts=starts) for name, each in baselines.items()}
+    if words.json:
+        told: dict[str, Any] = {"schema": 1, "policy": policy.name, **result.as_json()}
+        told["baselines"] = {name: each.as_json() for name, each in beside.items()}
+        print(json.dumps(told, indent=2))
+        return 0
+    for each in [result, *beside.values()]:
+        print(_sentence(each))
+    for episode in result.episodes:
+        if not episode.success:
+            print(f"  start {episode.seed}: {episode.reason}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

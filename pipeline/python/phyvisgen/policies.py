@@ -1,0 +1,122 @@
+"""Who says where the joints are to be: baselines that see little, and servers of policies."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .records import EpisodeSet
+from .server import Answer, Facts, Server
+
+__all__ = ["BlindMean", "Demonstrations", "Expert", "NearestDemonstration", "Policy"]
+
+
+class Policy(Protocol):
+    """`cameras`: whose pictures it looks at."""
+
+    name: str
+    cameras: tuple[str, ...]
+
+    def reset(self, start: Answer) -> None: ...
+
+    def step(self, server: Server, seen: Answer) -> Answer:
+        """Does one period of the episode and returns what is seen then."""
+        ...
+
+
+class Demonstrations:
+    """Actions and starts of a set: an action per period, the target at the period's end."""
+
+    def __init__(self, folder: str | Path, facts: Facts) -> None:
+        self.actions: list[NDArray[np.float64]] = []  # [n_periods, n_columns] of each demonstration
+        starts: list[NDArray[np.float64]] = []
+        for episode in EpisodeSet(folder):
+            targets = episode["/a"]
+            last = np.arange(facts.steps_per_period - 1, len(targets), facts.steps_per_period)
+            self.actions.append(_columns(targets[last], facts))
+            starts.append(_positions(episode["/T_rigid"][0]))
+        if not self.actions:
+            raise ValueError(f"{folder} holds no finished episode; make some with `phyvisgen generate`")
+        self.starts = np.array(starts)  # [n_demonstrations, n_objects x 3, m] after the first step
+        self.seed = EpisodeSet(folder).seed
+
+    def mean(self) -> NDArray[np.float64]:
+        """[n_periods, n_columns]; those that have ended stand still."""
+        n = max(len(actions) for actions in self.actions)
+        return np.mean([np.pad(a, ((0, n - len(a)), (0, 0)), mode="edge") for a in self.actions], axis=0)
+
+
+def _columns(targets: NDArray[np.float64], facts: Facts) -> NDArray[np.float64]:
+    """Targets of joints as numbers of actions: a gripper's width is the sum of its joints."""
+    return np.stack([targets[:, list(column.joints)].sum(axis=1) for column in facts.columns], axis=1)
+
+
+def _positions(maps: NDArray[np.float64]) -> NDArray[np.float64]:
+    return maps[:, :, 3].reshape(-1)
+
+
+class _Replay:
+    """Goes through a list of actions, then stands still."""
+
+    name = "replay"
+    cameras: tuple[str, ...] = ()
+
+    def __init__(self) -> None:
+        self._actions: NDArray[np.float64] = np.zeros((0, 0))
+        self._at = 0
+
+    def step(self, server: Server, seen: Answer) -> Answer:
+        action = self._actions[min(self._at, len(self._actions) - 1)]
+        self._at += 1
+        return server.step(action)
+
+
+class BlindMean(_Replay):
+    """The mean of all demonstrated motions: what a policy reaches that sees nothing."""
+
+    name = "blind"
+
+    def __init__(self, demonstrations: Demonstrations) -> None:
+        super().__init__()
+        self._actions = demonstrations.mean()
+
+    def reset(self, start: Answer) -> None:
+        self._at = 0
+
+
+class NearestDemonstration(_Replay):
+    """The demonstration whose objects start nearest to those of this episode."""
+
+    name = "nearest"
+
+    def __init__(self, demonstrations: Demonstrations) -> None:
+        super().__init__()
+        self._demonstrations = demonstrations
+
+    def reset(self, start: Answer) -> None:
+        self._at = 0
+        poses = start.arrays["environment_state"].reshape(-1, 7)
+        distance = np.linalg.norm(self._demonstrations.starts - poses[:, :3].reshape(-1), axis=1)
+        self._actions = self._demonstrations.actions[int(distance.argmin())]
+
+
+class Expert:
+    """The motion that `generate` plans: what can be reached with knowledge of the start."""
+
+    name = "expert"
+    cameras: tuple[str, ...] = ()
+
+    def reset(self, start: Answer) -> None:
+        self._last: Answer | None = None
+        self._has_ended = False
+
+    def step(self, server: Server, seen: Answer) -> Answer:
+        if not self._has_ended:
+            answer = server.follow_plan()
+            self._has_ended = bool(answer.head["plan_ended"])
+            if not self._has_ended:
+                return answer
+        return server.follow(np.repeat(server.state().arrays["a"][None], server.facts.steps_per_period, axis=0))

@@ -1,0 +1,97 @@
+"""Readers of what the program writes: episode sets and states.h5 (docs/reference/states.md)."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any, Iterator
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Episode", "EpisodeSet"]
+
+
+class Episode:
+    """One recorded episode; arrays are read when they are asked for, such as `episode["/q"]`."""
+
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        self.folder = Path(folder)
+        self._file = h5py.File(self.folder / "states.h5", "r")
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """A data set as an array, by its path."""
+        item = self._file[name]
+        if not isinstance(item, h5py.Dataset):
+            raise KeyError(f"{name} of {self.folder} is a group of {', '.join(item)}")
+        return item[()]
+
+    @property
+    def file(self) -> h5py.File:
+        return self._file
+
+    @property
+    def seed(self) -> int:
+        return int(self._file.attrs["seed"])
+
+    @property
+    def number(self) -> int:
+        return int(self._file.attrs["episode"])
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        return json.loads((self.folder / "summary.json").read_text())
+
+    @property
+    def gripper(self) -> dict[str, NDArray[np.float64]]:
+        """Nodes of the fingers. [n_steps, n_nodes, 3, m]"""
+        return {name: data[()] for name, data in self._file["/X_gripper"].items()}
+
+    @property
+    def deformables(self) -> dict[str, NDArray[np.float64]]:
+        """Nodes of soft objects and points of cloths. [n_steps, n_nodes, 3, m]"""
+        return {name: data[()] for name, data in self._file["/X_deform"].items()}
+
+    def contacts(self, step: int) -> dict[str, NDArray[Any]]:
+        """Of one step, by the names of /contact."""
+        first, last = self._file["/contact/offset"][step : step + 2]
+        return {name: data[first:last] for name, data in self._file["/contact"].items() if name != "offset"}
+
+    def close(self) -> None:
+        self._file.close()
+
+    def __enter__(self) -> Episode:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+
+class EpisodeSet:
+    """A folder that `generate` filled; iterating opens its finished episodes in their order."""
+
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        self.folder = Path(folder)
+        self.set: dict[str, Any] = json.loads((self.folder / "set.json").read_text())
+
+    @property
+    def seed(self) -> int:
+        return int(self.set["seed"])
+
+    @property
+    def done(self) -> list[int]:
+        names = (path.parent.name for path in self.folder.glob("episode_*/states.h5"))
+        return sorted(int(name.removeprefix("episode_")) for name in names)
+
+    def episode(self, number: int) -> Episode:
+        return Episode(self.folder / f"episode_{number:06d}")
+
+    def __len__(self) -> int:
+        return len(self.done)
+
+    def __iter__(self) -> Iterator[Episode]:
+        for number in self.done:
+            with self.episode(number) as episode:
+                yield episode

@@ -1,0 +1,263 @@
+"""One task, stepped by `phyvisgen serve` (docs/reference/serve.md).
+
+The program runs as a process of its own and speaks over a pipe: a crash of one cannot take the other along, no
+compiler is needed to install the package, and any version of Python will do. A step's answer takes 0.1 ms; a step of
+simulation takes 10 to 300 ms.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import socket as sockets
+import struct
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, BinaryIO, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .program import find_program, find_task
+
+__all__ = ["Answer", "Column", "Facts", "ServeError", "Server"]
+
+PROTOCOL = 1
+_LENGTHS = struct.Struct("<II")
+
+
+class ServeError(RuntimeError):
+    """What the server says about a request, one sentence, or why there is no server any more."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """head: the JSON object of the message; arrays: by name, read-only views into the bytes that came."""
+
+    head: dict[str, Any]
+    arrays: dict[str, NDArray[Any]]
+
+    @property
+    def is_over(self) -> bool:
+        """A step could not be done; `reason` says why."""
+        return bool(self.head["over"])
+
+    @property
+    def reason(self) -> str:
+        return str(self.head["reason"])
+
+    @property
+    def is_success(self) -> bool:
+        """The task's conditions hold, if the episode ended now."""
+        return bool(self.head["success"])
+
+    @property
+    def failure(self) -> str:
+        """What speaks against success, a sentence; empty: nothing."""
+        return str(self.head["failure"])
+
+    @property
+    def events(self) -> list[dict[str, Any]]:
+        return list(self.head["events"])
+
+    @property
+    def pictures(self) -> dict[str, NDArray[np.uint8]]:
+        """[height, width, 3] sRGB, by camera."""
+        return {name.split("/", 1)[1]: array for name, array in self.arrays.items() if name.startswith("pictures/")}
+
+
+@dataclass(frozen=True)
+class Column:
+    """A number of actions and joint observations: a joint, or the width of a gripper, the sum of its joints. Bounds
+    are infinite where a joint has no stops."""
+
+    name: str
+    unit: str
+    joints: tuple[int, ...]  # of Facts.driven
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What holds for every episode of the task."""
+
+    task: str
+    program: str
+    time_step: float  # [s]
+    frames_per_second: float  # actions per second
+    steps_per_period: int
+    columns: tuple[Column, ...]
+    driven: tuple[str, ...]  # joints with a drive, the columns of /a in states.h5
+    objects: tuple[str, ...]
+    environment: tuple[str, ...]  # names of the numbers of environment_state
+    cameras: dict[str, tuple[int, int]]  # (width, height) [pixels]
+
+
+def _facts(head: Mapping[str, Any]) -> Facts:
+    if head.get("protocol") != PROTOCOL:
+        raise ServeError(f"the program speaks protocol {head.get('protocol')}, this package {PROTOCOL}; update the older")
+    columns = tuple(
+        Column(
+            column["name"],
+            column["unit"],
+            tuple(column["joints"]),
+            -np.inf if column["low"] is None else column["low"],
+            np.inf if column["high"] is None else column["high"],
+        )
+        for column in head["columns"]
+    )
+    return Facts(
+        head["task"],
+        head["program"],
+        head["time_step"],
+        head["frames_per_second"],
+        head["steps_per_period"],
+        columns,
+        tuple(head["driven"]),
+        tuple(head["objects"]),
+        tuple(head["environment"]),
+        {camera["name"]: (camera["width"], camera["height"]) for camera in head["cameras"]},
+    )
+
+
+def _read(stream: BinaryIO, n: int) -> bytes:
+    data = stream.read(n)
+    if len(data) < n:
+        raise EOFError
+    return data
+
+
+def _rows(numbers: ArrayLike, n_dimensions: int) -> list[Any]:
+    array = np.asarray(numbers, dtype=np.float64)
+    if array.ndim != n_dimensions:
+        raise ValueError(f"an array of {n_dimensions} dimensions is needed, this one has {array.ndim}")
+    return array.tolist()
+
+
+class Server:
+    """A task that is reset and stepped.
+
+    task: a file, or the name of one of the program's own. width, height [pixels], samples [per pixel] and fps [1/s]:
+    instead of what the task says. gripper: "soft" or "rigid". With `socket` it asks a server that already runs there,
+    and the other arguments are those of that server.
+    """
+
+    def __init__(
+        self,
+        task: str | os.PathLike[str] = "",
+        *,
+        program: Path | None = None,
+        socket: str | os.PathLike[str] | None = None,
+        render: bool = True,
+        width: int | None = None,
+        height: int | None = None,
+        samples: int | None = None,
+        fps: float | None = None,
+        gripper: str | None = None,
+        device: str | None = None,
+    ) -> None:
+        self._process: subprocess.Popen[bytes] | None = None
+        self._socket: sockets.socket | None = None
+        if socket is not None:
+            self._socket = sockets.socket(sockets.AF_UNIX, sockets.SOCK_STREAM)
+            self._socket.connect(os.fspath(socket))
+            self._input: BinaryIO = self._socket.makefile("wb")
+            self._output: BinaryIO = self._socket.makefile("rb")
+        else:
+            program = program or find_program()
+            words = [str(program), "serve", str(find_task(task, program))]
+            options = {"width": width, "height": height, "samples": samples, "fps": fps, "gripper": gripper}
+            for name, value in {**options, "device": device}.items():
+                if value is not None:
+                    words += [f"--{name}", str(value)]
+            if not render:
+                words.append("--no-render")
+            self._process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+            assert self._process.stdin and self._process.stdout
+            self._input, self._output = self._process.stdin, self._process.stdout
+        self.facts = _facts(self._receive().head)
+
+    def _receive(self) -> Answer:
+        try:
+            n_head, n_bytes = _LENGTHS.unpack(_read(self._output, _LENGTHS.size))
+            head = json.loads(_read(self._output, n_head))
+            data = _read(self._output, n_bytes)
+        except (EOFError, ConnectionError) as error:
+            code = self._process.wait() if self._process else None
+            raise ServeError(f"the server ended (exit code {code}); its last words are on stderr") from error
+        arrays = {}
+        for array in head.get("arrays", []):
+            count = int(np.prod(array["shape"], dtype=np.int64))
+            flat = np.frombuffer(data, dtype=array["type"], count=count, offset=array["offset"])
+            arrays[array["name"]] = flat.reshape(array["shape"])
+        return Answer(head, arrays)
+
+    def request(self, do: str, **keys: Any) -> Answer:
+        """Any request of the protocol. What the server refuses is a ServeError, and the episode goes on as it was."""
+        head = json.dumps({"do": do, **keys}).encode()
+        try:
+            self._input.write(_LENGTHS.pack(len(head), 0) + head)
+            self._input.flush()
+        except (BrokenPipeError, ConnectionError):
+            pass  # why is seen at once, when there is no answer
+        answer = self._receive()
+        if "error" in answer.head:
+            raise ServeError(answer.head["error"])
+        return answer
+
+    def reset(self, seed: int, episode: int, pictures: bool | Sequence[str] = False) -> Answer:
+        """The start of the episode that `generate` makes of this seed and number."""
+        return self.request("reset", seed=int(seed), episode=int(episode), pictures=_wish(pictures))
+
+    def step(self, action: ArrayLike, pictures: bool | Sequence[str] = False) -> Answer:
+        """One period; the targets go on straight lines to the action. [n_columns, rad or m]"""
+        return self.request("step", action=_rows(action, 1), pictures=_wish(pictures))
+
+    def follow(self, targets: ArrayLike, pictures: bool | Sequence[str] = False) -> Answer:
+        """As many time steps as there are rows, such as rows of /a in states.h5. [n_steps, n_driven, rad or m]"""
+        return self.request("step", targets=_rows(targets, 2), pictures=_wish(pictures))
+
+    def follow_plan(self, pictures: bool | Sequence[str] = False) -> Answer:
+        """One period of the motion that `generate` plans; head["plan_ended"]: there was none left."""
+        return self.request("step", plan=True, pictures=_wish(pictures))
+
+    def observe(self, pictures: bool | Sequence[str] = True) -> Answer:
+        return self.request("observe", pictures=_wish(pictures))
+
+    def state(self) -> Answer:
+        """Everything that is simulated, as arrays named as in states.h5."""
+        return self.request("state")
+
+    def measured(self) -> dict[str, float | None]:
+        """What the task's conditions look at, so far."""
+        return dict(self.request("measure").head["measured"])
+
+    def planned_periods(self) -> int:
+        """Periods of the motion that `generate` plans for this episode; 0: it cannot be planned."""
+        return int(self.request("plan").head["periods"])
+
+    def close(self) -> None:
+        for stream in (self._input, self._output):
+            try:
+                stream.close()
+            except (BrokenPipeError, ConnectionError):
+                pass
+        if self._process:
+            self._process.wait()
+        if self._socket:
+            self._socket.close()
+
+    def __enter__(self) -> Server:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _wish(pictures: bool | Sequence[str]) -> bool | list[str]:
+    return pictures if isinstance(pictures, bool) else list(pictures)

@@ -1,0 +1,220 @@
+#include "pipeline/serve/served_task.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/dataset/states_file.hpp"
+#include "host/render/motion.hpp"
+#include "pipeline/episode/episode.hpp"
+
+namespace pvg {
+namespace {
+
+// frame number of the picture of the start, which no episode of `generate` has
+constexpr std::uint32_t START_FRAME = std::numeric_limits<std::uint32_t>::max();
+
+bool is_object(const Task& task, const std::string& body) {
+  return std::any_of(task.objects.begin(), task.objects.end(), [&](const auto& object) { return object.name == body; });
+}
+
+ServedColumn served(const PackedColumn& packed, const Scene& scene, const std::vector<std::size_t>& driven) {
+  ServedColumn column{packed, 0, 0};
+  for (const std::size_t i : packed.joints) {
+    const Joint& joint = scene.joints[driven[i]];
+    const bool has_stops = joint.lower != 0 || joint.upper != 0;
+    column.low += has_stops ? joint.lower : -std::numeric_limits<double>::infinity();
+    column.high += has_stops ? joint.upper : std::numeric_limits<double>::infinity();
+  }
+  return column;
+}
+
+ServedFacts facts_of(const Task& task, const TaskScene& built) {
+  const Scene& scene = built.scene;
+  ServedFacts facts;
+  std::vector<std::string> links;
+  for (const RigidBody& body : scene.rigid_bodies)
+    (is_object(task, body.name) ? facts.objects : links).push_back(body.name);
+  const std::vector<std::size_t> driven = driven_joints(scene);
+  for (const std::size_t joint : driven) facts.driven.push_back(scene.joints[joint].name);
+  for (const PackedColumn& column : find_columns(facts.driven, find_tools(robots_of(task), links, facts.driven)))
+    facts.columns.push_back(served(column, scene, driven));
+  facts.steps_per_period = steps_per_frame(task.render.frames_per_second, scene.solver.time_step);
+  return facts;
+}
+
+}  // namespace
+
+ServedTask::ServedTask(Task task, Device& physics, Device* rendering)
+    : task_(std::move(task)),
+      physics_(physics),
+      rendering_(rendering),
+      facts_(facts_of(task_, build_scene_at_middle(task_))) {
+  if (!task_.render.lut.empty()) lut_ = read_lut(task_.render.lut);
+}
+
+const TaskScene& ServedTask::built() const {
+  if (!built_) throw UsageError("no episode has begun; send a reset first");
+  return *built_;
+}
+
+const WorldState& ServedTask::state() const {
+  if (!simulation_) throw UsageError("no episode has begun; send a reset first");
+  return simulation_->state();
+}
+
+void ServedTask::reset(std::uint64_t seed, std::uint64_t episode) {
+  renderer_.reset();
+  grasps_.reset();
+  monitor_.reset();
+  simulation_.reset();
+  plan_grasp_.reset();
+  plan_.reset();
+  seed_ = seed;
+  episode_ = episode;
+  n_steps_ = 0;
+  reason_.clear();
+  built_ = std::make_unique<TaskScene>(build_scene(task_, seed, episode));
+  const Scene& scene = built_->scene;
+  object_bodies_.clear();
+  for (std::size_t i = 0; i < scene.rigid_bodies.size(); ++i)
+    if (is_object(task_, scene.rigid_bodies[i].name)) object_bodies_.push_back(i);
+  targets_.clear();
+  for (const std::size_t joint : driven_joints(scene)) targets_.push_back(scene.joints[joint].initial);
+  simulation_ = std::make_unique<Simulation>(physics_, scene);
+  monitor_ = std::make_unique<SuccessMonitor>(task_, scene, hands_of(*built_), simulation_->state());
+  grasps_ = std::make_unique<Grasps>(*built_);
+  last_states_ = {simulation_->state()};
+}
+
+void ServedTask::demand_running() const {
+  if (!simulation_) throw UsageError("no episode has begun; send a reset first");
+  if (is_over()) throw UsageError("the episode is over (" + reason_ + "); send a reset first");
+}
+
+void ServedTask::step(const std::vector<double>& targets) {
+  try {
+    simulation_->step(targets);
+  } catch (const StepFailure& failure) {
+    reason_ = failure.what();
+    return;
+  }
+  targets_ = targets;
+  ++n_steps_;
+  const WorldState& now = simulation_->state();
+  grasps_->observe(now);
+  monitor_->observe(now, grasps_->phase());
+  if (n_steps_ % facts_.steps_per_period == 1 || facts_.steps_per_period == 1) last_states_.clear();
+  last_states_.push_back(now);
+}
+
+void ServedTask::act(std::span<const double> action) {
+  demand_running();
+  if (action.size() != facts_.columns.size())
+    throw UsageError("an action has " + std::to_string(facts_.columns.size()) + " numbers, this one has " +
+                     std::to_string(action.size()));
+  if (!std::all_of(action.begin(), action.end(), [](double number) { return std::isfinite(number); }))
+    throw UsageError("an action holds what is not a finite number");
+  const std::vector<double> from = targets_;
+  std::vector<double> to = from;
+  for (std::size_t c = 0; c < action.size(); ++c) {
+    const std::vector<std::size_t>& joints = facts_.columns[c].packed.joints;
+    for (const std::size_t joint : joints) to[joint] = action[c] / double(joints.size());
+  }
+  const std::size_t n = facts_.steps_per_period;
+  for (std::size_t i = 1; i <= n && !is_over(); ++i) {
+    std::vector<double> targets = to;  // the last ones to the bit
+    for (std::size_t j = 0; i < n && j < to.size(); ++j)
+      targets[j] = from[j] + double(i) / double(n) * (to[j] - from[j]);
+    step(targets);
+  }
+}
+
+void ServedTask::follow(const std::vector<std::vector<double>>& targets) {
+  demand_running();
+  for (const std::vector<double>& row : targets) {
+    if (row.size() != targets_.size())
+      throw UsageError("a row of targets has " + std::to_string(targets_.size()) + " numbers, this one has " +
+                       std::to_string(row.size()));
+    if (!std::all_of(row.begin(), row.end(), [](double number) { return std::isfinite(number); }))
+      throw UsageError("a row of targets holds what is not a finite number");
+  }
+  for (const std::vector<double>& row : targets) {
+    if (is_over()) return;
+    step(row);
+  }
+}
+
+bool ServedTask::make_plan() {
+  if (plan_) return true;
+  try {
+    plan_ = std::make_unique<MotionPlan>(plan_episode(task_, built()));
+  } catch (const UsageError& error) {  // out of reach: this draw of the start is no good
+    reason_ = error.what();
+    return false;
+  }
+  plan_grasp_ = std::make_unique<ForceGrasp>(*plan_);
+  return true;
+}
+
+std::size_t ServedTask::n_planned_periods() {
+  return make_plan() ? plan_->targets.size() / facts_.steps_per_period : 0;
+}
+
+bool ServedTask::follow_plan() {
+  demand_running();
+  if (!plan_ && n_steps_ > 0)
+    throw UsageError("the planned motion begins where an episode begins; send a reset before it");
+  if (!make_plan()) return true;  // it is over, with its reason
+  if (n_steps_ + facts_.steps_per_period > plan_->targets.size()) return false;
+  for (std::size_t i = 0; i < facts_.steps_per_period && !is_over(); ++i)
+    step(plan_grasp_->target(n_steps_, simulation_->state()));
+  return true;
+}
+
+std::vector<double> ServedTask::joints() const {
+  const std::vector<std::size_t> driven = driven_joints(built().scene);
+  std::vector<double> numbers;
+  for (const ServedColumn& column : facts_.columns) {
+    double sum = 0;
+    for (const std::size_t joint : column.packed.joints) sum += state().joint_position[driven[joint]];
+    numbers.push_back(sum);
+  }
+  return numbers;
+}
+
+std::vector<double> ServedTask::environment() const {
+  std::vector<double> numbers;
+  for (const std::size_t body : object_bodies_) {
+    const auto pose = pose_numbers(state().rigid[body]);
+    numbers.insert(numbers.end(), pose.begin(), pose.end());
+  }
+  return numbers;
+}
+
+std::optional<std::string> ServedTask::failure() const {
+  if (is_over()) return reason_;
+  if (!monitor_) throw UsageError("no episode has begun; send a reset first");
+  if (n_steps_ == 0) return "nothing was done yet";  // conditions judge steps
+  return monitor_->failure();
+}
+
+Picture8 ServedTask::picture(std::size_t camera) {
+  if (!rendering_) throw UsageError("this server makes no pictures: it was started with --no-render");
+  const Scene& scene = built().scene;
+  if (!renderer_) {
+    RenderSettings settings;
+    settings.samples = task_.render.samples;
+    settings.max_depth = task_.render.max_depth;
+    settings.seed = picture_seed(seed_, episode_);
+    renderer_ = std::make_unique<Renderer>(*rendering_, scene, settings);
+  }
+  const std::uint32_t frame = n_steps_ == 0 ? START_FRAME : std::uint32_t((n_steps_ - 1) / facts_.steps_per_period);
+  renderer_->set_state(last_states_.back());
+  RenderedFrame rendered = renderer_->render(
+      int(camera), frame, [&](double time) { return state_at(last_states_, time); }, last_states_.back().time);
+  if (lut_) apply_lut(*lut_, rendered.rgb);
+  return encode_srgb8(rendered.rgb, rendered.width, rendered.height);
+}
+
+}  // namespace pvg

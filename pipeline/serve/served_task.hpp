@@ -1,0 +1,103 @@
+// A task that someone else steps: reset to the start of an episode, told where the joints are to be, asked what is
+// there. Every state has the bits that `generate` gives for the same targets, every picture those of the same frame.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/dataset/packed_columns.hpp"
+#include "host/device/device.hpp"
+#include "host/formats/lut_file.hpp"
+#include "host/load/build_scene.hpp"
+#include "host/physics/step/simulation.hpp"
+#include "host/pictures/picture.hpp"
+#include "host/render/renderer.hpp"
+#include "pipeline/episode/force_grasp.hpp"
+#include "pipeline/episode/motion_plan.hpp"
+#include "pipeline/episode/success.hpp"
+#include "pipeline/serve/grasps.hpp"
+
+namespace pvg {
+
+// A column of actions and of joint observations.
+struct ServedColumn {
+  PackedColumn packed;
+  double low = 0, high = 0;  // what the joints' stops allow [rad or m]; infinite where there are none
+};
+
+// What holds for every episode of the task.
+struct ServedFacts {
+  std::vector<ServedColumn> columns;
+  std::vector<std::string> driven;   // names of the joints with a drive, as the columns of /a in states.h5
+  std::vector<std::string> objects;  // names, as in environment_state
+  std::size_t steps_per_period = 1;  // of a period, 1 / frames_per_second
+};
+
+class ServedTask {
+ public:
+  // rendering: nothing where no pictures will be asked for. The devices must outlive it.
+  ServedTask(Task task, Device& physics, Device* rendering);
+
+  const Task& task() const { return task_; }
+  const ServedFacts& facts() const { return facts_; }
+
+  // The start of an episode. A UsageError where it cannot begin (bodies that intersect); then there is none.
+  void reset(std::uint64_t seed, std::uint64_t episode);
+
+  // One period, in which the targets go from where they are to the action on straight lines.  [n_columns, rad or m]
+  void act(std::span<const double> action);
+  // As many steps as there are rows.  [n_steps][n_driven, rad or m]
+  void follow(const std::vector<std::vector<double>>& targets);
+  // One period of the motion that `generate` plans for this episode; it must not have begun otherwise. False: the
+  // motion has ended. A motion that cannot be planned ends the episode.
+  bool follow_plan();
+  // Periods of that motion; 0 where it cannot be planned.
+  std::size_t n_planned_periods();
+
+  bool is_over() const { return !reason_.empty(); }
+  const std::string& reason() const { return reason_; }  // why the episode is over: a step that could not be done
+  std::size_t n_steps() const { return n_steps_; }       // since the reset
+
+  const TaskScene& built() const;
+  const WorldState& state() const;
+  std::vector<double> joints() const;       // [n_columns, rad or m]
+  std::vector<double> environment() const;  // [n_objects x 7] pose_numbers of each
+  const std::vector<double>& targets() const { return targets_; }
+  // What speaks against success, if the episode ended now; nothing: it would be one.
+  std::optional<std::string> failure() const;
+  Measured measured() const { return monitor_->measured(); }
+  const std::vector<EpisodeEvent>& events() const { return grasps_->events(); }
+  // What the camera sees; of the start it is a frame of its own.
+  Picture8 picture(std::size_t camera);
+
+ private:
+  void demand_running() const;
+  void step(const std::vector<double>& targets);
+  bool make_plan();
+
+  Task task_;
+  Device& physics_;
+  Device* rendering_;
+  ServedFacts facts_;
+  std::optional<Lut> lut_;
+
+  // of the episode
+  std::uint64_t seed_ = 0, episode_ = 0;
+  std::unique_ptr<TaskScene> built_;
+  std::unique_ptr<Simulation> simulation_;
+  std::unique_ptr<SuccessMonitor> monitor_;
+  std::unique_ptr<Grasps> grasps_;
+  std::unique_ptr<Renderer> renderer_;
+  std::unique_ptr<MotionPlan> plan_;
+  std::unique_ptr<ForceGrasp> plan_grasp_;
+  std::vector<double> targets_;             // [n_driven, rad or m] of the last step
+  std::vector<SceneState> last_states_;     // of the period under way or done, for pictures of motion
+  std::vector<std::size_t> object_bodies_;  // [n_objects] of Scene::rigid_bodies
+  std::size_t n_steps_ = 0;
+  std::string reason_;
+};
+
+}  // namespace pvg

@@ -1,0 +1,179 @@
+"""Server, records, baselines and the policy client, without a simulation where none is needed."""
+
+import json
+import socket
+import subprocess
+import tempfile
+import threading
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import phyvisgen
+from phyvisgen import evaluate
+from phyvisgen.evaluation import EpisodeResult, PolicyResult, evaluate as evaluate_policy
+from phyvisgen.policies import BlindMean, Demonstrations, Expert, NearestDemonstration
+from phyvisgen.records import EpisodeSet
+from phyvisgen.statistics import wilson
+from small_task import TASK
+
+
+class Recorded(unittest.TestCase):
+    """A set of two episodes, and a server beside it."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.set = Path(cls.folder.name) / "set"
+        words = [phyvisgen.find_program(), "generate", TASK, "-n", "2", "--seed", "5", "--no-render", "-o", cls.set]
+        subprocess.run(words, check=True, capture_output=True)
+        cls.server = phyvisgen.Server(TASK, render=False)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.server.close()
+        cls.folder.cleanup()
+
+    def test_a_replayed_demonstration_has_its_bits(self):
+        periods = self.server.facts.steps_per_period
+        for episode in EpisodeSet(self.set):
+            self.server.reset(episode.seed, episode.number)
+            targets, q, fingers = episode["/a"], episode["/q"], episode.gripper
+            for first in range(0, len(targets), periods):
+                answer = self.server.follow(targets[first : first + periods])
+            state = self.server.state()
+            np.testing.assert_array_equal(state.arrays["q"], q[-1])
+            np.testing.assert_array_equal(state.arrays["T_rigid"], episode["/T_rigid"][-1])
+            for name, nodes in fingers.items():
+                np.testing.assert_array_equal(state.arrays[f"X_gripper/{name}"], nodes[-1])
+            self.assertTrue(answer.is_success, answer.failure)
+
+    def test_a_refused_request_loses_nothing(self):
+        before = self.server.reset(1, 0)
+        with self.assertRaisesRegex(phyvisgen.ServeError, "8 numbers"):
+            self.server.step([0.0])
+        with self.assertRaisesRegex(phyvisgen.ServeError, "no camera"):
+            self.server.observe(["back"])
+        after = self.server.observe(False)
+        np.testing.assert_array_equal(before.arrays["agent_pos"], after.arrays["agent_pos"])
+
+    def test_baselines_do_as_they_say(self):
+        demonstrations = Demonstrations(self.set, self.server.facts)
+        self.assertEqual(len(demonstrations.actions), 2)
+        self.assertEqual(demonstrations.actions[0].shape[1], 8)
+        mean = demonstrations.mean()
+        np.testing.assert_allclose(mean[0], (demonstrations.actions[0][0] + demonstrations.actions[1][0]) / 2)
+        start = self.server.reset(5, 1)
+        nearest = NearestDemonstration(demonstrations)
+        nearest.reset(start)
+        self.assertIs(nearest._actions, demonstrations.actions[1])
+        length = max(len(actions) for actions in demonstrations.actions)
+        for policy in (Expert(), nearest, BlindMean(demonstrations)):
+            result = evaluate_policy(self.server, policy, episodes=1, length=length + 1)
+            self.assertEqual(len(result.episodes), 1)
+            self.assertEqual(result.episodes[0].periods, length + 1)
+        self.assertTrue(evaluate_policy(self.server, Expert(), episodes=1).episodes[0].success)
+
+    def test_the_command_tells_json(self):
+        words = [phyvisgen.find_program(), "evaluate", "policy", str(TASK), "--policy", "expert", "-n", "1", "--json"]
+        import os, sys
+
+        environment = {**os.environ, "PVG_PYTHON": sys.executable}
+        told = json.loads(subprocess.run(words, check=True, capture_output=True, env=environment).stdout)
+        self.assertEqual(told["episodes"], 1)
+        self.assertEqual(told["success"], 1.0)
+        self.assertEqual(told["episodes_detail"][0]["seed"], 0)
+
+
+class Figures(unittest.TestCase):
+    def test_wilsons_interval(self):
+        low, high = wilson(16, 20)  # 0.584 to 0.919, as tables give it
+        self.assertAlmostEqual(low, 0.584, 3)
+        self.assertAlmostEqual(high, 0.919, 3)
+        self.assertEqual(wilson(0, 0), (0.0, 1.0))
+
+    def test_events_count_episodes(self):
+        result = PolicyResult("p", [EpisodeResult(0, True, "", ["grasped"]), EpisodeResult(1, False, "no", ["bumped"])])
+        self.assertEqual(result.as_json()["events"], {"bumped": 1, "grasped": 1})
+        self.assertEqual(result.as_json()["success"], 0.5)
+
+    def test_mistakes_are_one_sentence(self):
+        self.assertEqual(evaluate.main(["juggle", "--policy", "expert"]), 2)
+        with self.assertRaises(SystemExit):
+            evaluate.main(["juggle"])
+
+
+class Socket(unittest.TestCase):
+    def test_a_server_at_a_socket_takes_one_client_after_the_other(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "task.sock"
+            words = [phyvisgen.find_program(), "serve", TASK, "--no-render", "--socket", path]
+            process = subprocess.Popen(words, stderr=subprocess.PIPE)
+            self.assertIn(b"serves push_beaker", process.stderr.readline())
+            joints = []
+            for _ in range(2):
+                with phyvisgen.Server(socket=path) as server:
+                    joints.append(server.reset(1, 1).arrays["agent_pos"])
+            np.testing.assert_array_equal(*joints)
+            with socket.socket(socket.AF_UNIX) as broken:
+                broken.connect(str(path))
+                broken.sendall(b"\0\0")  # and gone: the server goes on
+            with phyvisgen.Server(socket=path) as server:
+                self.assertEqual(server.facts.task, "push_beaker")
+            process.terminate()
+            process.wait()
+            process.stderr.close()
+
+
+class OpenPi(unittest.TestCase):
+    def test_chunks_of_a_server_are_done_in_order(self):
+        try:
+            from websockets.sync.server import serve
+
+            from phyvisgen.openpi import OpenPiPolicy, pack, unpack
+        except ImportError as error:
+            self.skipTest(str(error))
+        asked = []
+
+        def answer(connection):
+            connection.send(pack({"name": "test"}))
+            for frame in connection:
+                asked.append(unpack(frame))
+                state = asked[-1]["observation/state"]
+                connection.send(pack({"actions": np.stack([state + k for k in range(3)])}))
+
+        class Recorder:
+            class facts:
+                steps_per_period = 1
+
+            def __init__(self):
+                self.actions = []
+
+            def step(self, action, pictures):
+                self.actions.append(action)
+                return seen
+
+        seen = phyvisgen.Answer(
+            {}, {"agent_pos": np.array([1.0, 2.0]), "environment_state": np.zeros(7), "pictures/front": np.zeros((4, 4, 3), np.uint8)}
+        )
+        with serve(answer, "localhost", 0, compression=None) as server:
+            thread = threading.Thread(target=server.serve_forever)
+            thread.start()
+            port = server.socket.getsockname()[1]
+            policy = OpenPiPolicy(f"ws://localhost:{port}", "push the beaker", ("front",), executed=2)
+            self.assertEqual(policy.metadata, {"name": "test"})
+            recorder = Recorder()
+            for _ in range(3):
+                policy.step(recorder, seen)
+            policy.close()
+            server.shutdown()
+            thread.join()
+        np.testing.assert_array_equal(recorder.actions, [[1, 2], [2, 3], [1, 2]])
+        self.assertEqual(len(asked), 2)
+        self.assertEqual(asked[0]["prompt"], "push the beaker")
+        self.assertEqual(asked[0]["observation/images/front"].shape, (4, 4, 3))
+
+
+if __name__ == "__main__":
+    unittest.main()
