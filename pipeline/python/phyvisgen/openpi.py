@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from typing import Any
 
 import msgpack
@@ -51,8 +52,9 @@ class OpenPiPolicy:
         self.cameras = cameras
         self._prompt = prompt
         self._executed = executed
+        self._opened = ExitStack()
         try:
-            self._socket = connect(url, compression=None, max_size=None)
+            self._socket = self._opened.enter_context(connect(url, compression=None, max_size=None))
         except OSError as error:
             raise ServeError(f"no server of policies answers at {url}: {error}") from error
         self.metadata = self._receive()
@@ -85,4 +87,4 @@ class OpenPiPolicy:
         return server.step(self._chunk.pop(0), self.cameras)
 
     def close(self) -> None:
-        self._socket.close()
+        self._opened.close()
