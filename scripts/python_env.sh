@@ -1,6 +1,6 @@
 #!/bin/sh
 # Makes the virtual environment .venv-NAME with the given packages of PyPI; nothing happens where it has them already.
-# Arguments: NAME PACKAGE...
+# Arguments: NAME PACKAGE... The variable PYTHON names another interpreter than Debian's.
 set -eu
 cd "$(dirname "$0")/.."
 name="$1"
@@ -8,8 +8,8 @@ shift
 wanted="$*"
 if [ -e ".venv-$name/packages" ] && [ "$(cat ".venv-$name/packages")" = "$wanted" ]; then exit 0; fi
 # Debian's own Python, whose version is known
-python=/usr/bin/python3
-if ! "$python" -c 'import ensurepip' 2>/dev/null; then
+python="${PYTHON:-/usr/bin/python3}"
+if [ "$python" = /usr/bin/python3 ] && ! "$python" -c 'import ensurepip' 2>/dev/null; then
   if [ "$(id -u)" = 0 ]; then as_root=""; else as_root="sudo"; fi
   $as_root apt-get install -y -qq --no-install-recommends python3-venv >/dev/null
 fi

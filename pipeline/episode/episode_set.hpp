@@ -15,6 +15,8 @@
 namespace pvg {
 
 inline constexpr std::uint64_t MOST_EPISODES = 1000000000;  // of a set
+// Seeds from here on are of starts for the evaluation of policies, so that none is judged on what it was trained on.
+inline constexpr std::uint64_t EVALUATION_SEEDS = std::uint64_t(1) << 63;
 
 struct FailedEpisode {
   std::uint64_t episode = 0;

@@ -48,6 +48,21 @@ TEST_F(LeRobot, RowsCountOnOverTheSetAndTimeBeginsAnewInEachEpisode) {
   EXPECT_EQ(column(second, "index").type, "int64");
 }
 
+TEST_F(LeRobot, PosesOfObjectsAreWrittenWhereTheyAreAskedFor) {
+  pack(LeRobotVersion::v3_0);
+  EXPECT_FALSE(info["features"].contains("observation.environment_state"));
+  const fs::path out = root.path / "states";
+  const auto keep = [&](const ParquetTable& table) { tables[table.path.lexically_relative(out).string()] = table; };
+  const auto writer = make_lerobot_writer(out, {LeRobotVersion::v3_0, "", {{"seed", 7}}, true}, keep);
+  writer->add(read_packed_states(write_small_episode(root, "c", 0, 3, "", false)));
+  writer->finish();
+  const Json feature = Json::parse(std::ifstream(out / "meta/info.json"))["features"]["observation.environment_state"];
+  EXPECT_EQ(feature["shape"].dump(), "[7]");
+  EXPECT_EQ(feature["names"].at(1), "cup_y");
+  const ParquetColumn& poses = column("data/chunk-000/file-000.parquet", "observation.environment_state");
+  EXPECT_FLOAT_EQ(poses.values.at(2).at(1), 6);
+}
+
 TEST_F(LeRobot, EveryColumnIsDeclaredAndEveryVideoIsThere) {
   pack(LeRobotVersion::v3_0);
   EXPECT_EQ(info["codebase_version"], "v3.0");

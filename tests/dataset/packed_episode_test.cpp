@@ -1,7 +1,11 @@
 // What a data set's row holds, from an episode whose numbers are known (small_episode.hpp).
 #include "host/dataset/packed_episode.hpp"
 
+#include <array>
+#include <cmath>
+
 #include "host/base/error.hpp"
+#include "host/dataset/packed_columns.hpp"
 #include "tests/dataset/small_episode.hpp"
 #include "tests/expect_error.hpp"
 
@@ -39,6 +43,40 @@ TEST(PackedEpisode, AnArmOfSeveralHasItsNameInItsColumns) {
   const PackedEpisode episode = read_packed_episode(write_small_episode(root, "a", 0, 3, "left/"), {});
   EXPECT_EQ(episode.columns, (std::vector<std::string>{"left_joint1", "left_gripper_width"}));
   EXPECT_EQ(episode.tools.at(0).name, "left_hand");
+}
+
+TEST(PackedEpisode, PosesOfObjectsAreNumbersOfTheEnvironment) {
+  const TestFolder root;
+  const PackedEpisode episode = read_packed_episode(write_small_episode(root, "a", 0), {});
+  ASSERT_EQ(episode.environment_columns.size(), 7u);
+  EXPECT_EQ(episode.environment_columns.front(), "cup_x");
+  EXPECT_EQ(episode.environment_columns.back(), "cup_qw");
+  ASSERT_EQ(episode.environment.size(), 3u);
+  const std::vector<double> expected = {0, 4, 0, 0, 0, 0, 1};
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(episode.environment[1][i], expected[i], 1e-12);
+}
+
+TEST(PackedEpisode, PoseNumbersAreThoseOfTheNearestRotation) {
+  // a strained turn by 90 degrees about x, then by 240 degrees about z, whose w would be negative
+  Eigen::Matrix<double, 3, 4> map = Eigen::Matrix<double, 3, 4>::Zero();
+  map.leftCols<3>() = 1.01 * Eigen::AngleAxisd(std::acos(0.0), Eigen::Vector3d::UnitX()).toRotationMatrix();
+  map.col(3) = Eigen::Vector3d(1, 2, 3);
+  const double half = std::sqrt(0.5);
+  const std::array<double, 7> about_x = {1, 2, 3, half, 0, 0, half};
+  for (std::size_t i = 0; i < 7; ++i) EXPECT_NEAR(pose_numbers(map)[i], about_x[i], 1e-12);
+  map.leftCols<3>() = Eigen::AngleAxisd(4.0 / 3 * std::acos(-1.0), Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const std::array<double, 7> about_z = {1, 2, 3, 0, 0, -std::sqrt(0.75), 0.5};
+  for (std::size_t i = 0; i < 7; ++i) EXPECT_NEAR(pose_numbers(map)[i], about_z[i], 1e-12);
+}
+
+TEST(PackedEpisode, StatesWithoutPicturesHaveTheRowsThatPicturesWouldHave) {
+  const TestFolder root;
+  const PackedEpisode filmed = read_packed_episode(write_small_episode(root, "a", 0), {});
+  const PackedEpisode dark = read_packed_states(write_small_episode(root, "b", 0, 3, "", false));
+  EXPECT_EQ(dark.state, filmed.state);
+  EXPECT_EQ(dark.action, filmed.action);
+  EXPECT_EQ(dark.environment, filmed.environment);
+  EXPECT_TRUE(dark.cameras.empty());
 }
 
 TEST(PackedEpisode, WhatCannotBePackedIsNamed) {

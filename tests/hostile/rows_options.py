@@ -1,5 +1,5 @@
 """Options and numbers of the command line."""
-from table import DONE, FAILED, WRONG_USE, row
+from table import DONE, FAILED, WRONG_USE, row, write
 
 N = WRONG_USE
 
@@ -119,3 +119,17 @@ row("the devices as JSON", "devices --json", DONE, '"memory_bytes"')
 row("the devices: no more memory than the machine has", "devices", DONE, "all well", shell=r"""
 have=$(awk '/MemTotal/ {print $2 * 1024}' /proc/meminfo)
 $B devices --json | tr -d ' ,"' | awk -F: -v have=$have '/^kind:cpu/ {cpu=1} /^memory_bytes/ && cpu {if ($2 > have * 1.01 || $2 < have * 0.05) bad=1; cpu=0} END {print bad ? "wrong" : "all well"}'""")
+
+# ---- serve and evaluate
+row("serve without a task", "serve", N, "needs a task file")
+row("a socket whose path is too long", f"serve task.yaml --no-render --socket {'s' * 200}", N, "longer than the 107 bytes",
+    needs="task")
+row("a seed that belongs to evaluation", "generate task.yaml --seed 9223372036854775808 -o o", N, "belongs to evaluation",
+    needs="task")
+row("poses of objects in a format that has none", "pack set --format act --environment-state -o p", N,
+    "--format lerobot", needs="set")
+for name, text, pattern in (("no header", "a,0.5\n", "header is not"), ("a rate above 1", "name,success\na,2\n", "sim.csv:2:"),
+                            ("a name twice", "name,success\na,0.1\na,0.2\n", "sim.csv:3:.*line 2"),
+                            ("a row without comma", "name,success\na\n", "sim.csv:2:")):
+    row(f"rates with {name}", "evaluate correlate sim.csv sim.csv", N, pattern, write("sim.csv", text))
+row("rates that do not exist", "evaluate correlate none.csv none.csv", N, "none.csv cannot be read")

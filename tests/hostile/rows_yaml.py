@@ -146,7 +146,7 @@ row("objects in one another", TASK, FAILED, "episode 0 failed: .*(beaker.*table|
 for old, new, key in (("mesh: finger.obj", "mesh: none.obj", "none.obj"), ("poisson_ratio: 0.4}", "poisson_ratio: 0.5}", "poisson_ratio"),
                       ("youngs_modulus: 10 MPa", "youngs_modulus: 0", "youngs_modulus"), ("carriage: left_carriage", "carriage: moon", "moon"),
                       ("joints: [left_slide, right_slide]", "joints: []", "joints"), ("joints: [left_slide, right_slide]", "joints: [a, b]", "joints|`a`"),
-                      ("open: 40 mm", "open: -1 mm", "open"), ("radius_edge_ratio: 4", "radius_edge_ratio: 0", "radius_edge_ratio"),
+                      ("open: 20 mm", "open: -1 mm", "open"), ("radius_edge_ratio: 4", "radius_edge_ratio: 0", "radius_edge_ratio"),
                       ("nodes_per_element: 4", "nodes_per_element: 5", "nodes_per_element"), ("low: [-12 mm", "low: [99 mm", "low|stitch"),
                       ("base_link: gripper_base", "base_link: moon", "moon"), ("schema: 1", "schema: 3", "schema"),
                       ("finger_material: finger", "finger_material: gold", "gold")):

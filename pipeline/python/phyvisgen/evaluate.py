@@ -18,7 +18,7 @@ BASELINES = ("blind", "nearest", "expert")
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="phyvisgen evaluate policy", description=__doc__)
     parser.add_argument("task", help="task file, or the name of one of the program's own")
-    parser.add_argument("--policy", required=True, help="ws://HOST:PORT of an OpenPI server, or a baseline's name")
+    parser.add_argument("--policy", required=True, help="ws://HOST:PORT of an OpenPI server, lerobot:CHECKPOINT, or a baseline's name")
     parser.add_argument("--baseline", action="append", choices=BASELINES, default=[], help="beside it; may be repeated")
     parser.add_argument("--demonstrations", help="episode set that blind and nearest go by")
     parser.add_argument("-n", "--episodes", type=int, help="so many; else 10 to 200, until the interval is narrow")
@@ -43,10 +43,14 @@ def _policy(name: str, words: argparse.Namespace, server: Server) -> Policy:
         cameras = tuple(words.camera)
         prompt = words.instruction or server.facts.task.replace("_", " ")
         return OpenPiPolicy(name, prompt, cameras, words.executed)
+    if name.startswith("lerobot:"):
+        from .lerobot_policy import LeRobotPolicy
+
+        return LeRobotPolicy(name.removeprefix("lerobot:"), words.instruction or server.facts.task.replace("_", " "))
     if name == "expert":
         return Expert()
     if name not in BASELINES:
-        raise ValueError(f"--policy {name} is neither ws://HOST:PORT nor one of {', '.join(BASELINES)}")
+        raise ValueError(f"--policy {name} is neither ws://HOST:PORT nor lerobot:CHECKPOINT nor one of {', '.join(BASELINES)}")
     if not words.demonstrations:
         raise ValueError(f"{name} goes by demonstrations: name a set with --demonstrations")
     demonstrations = Demonstrations(words.demonstrations, server.facts)
@@ -68,7 +72,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with Server(
             words.task,
-            render=bool(words.camera),
+            render=bool(words.camera) or words.policy.startswith("lerobot:"),
             width=words.picture_width,
             height=words.picture_height,
             samples=words.samples,
