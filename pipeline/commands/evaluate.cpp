@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -85,10 +86,11 @@ void run_evaluate(const EvaluateOptions& options) {
 void add_evaluate(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("evaluate", "Success rate of a set of episodes, and whether anything intersects in them");
-  EvaluateOptions& o = options_of_command(*command, run_evaluate);
-  command->callback([command, &o] {  // not where one of its own commands was asked for
-    if (command->get_subcommands().empty()) run_evaluate(o);
+  const auto options = std::make_shared<EvaluateOptions>();
+  command->callback([command, options] {  // not where one of its own commands was asked for
+    if (command->get_subcommands().empty()) run_evaluate(*options);
   });
+  EvaluateOptions& o = *options;
   command->add_option("SET", o.folder,
                       "Folder that generate made; with --keep-failed the failed ones are looked at, too");
   command->add_option("--every", o.every, "Look for intersections in every so many recorded steps")
