@@ -3,7 +3,7 @@
 # `lerobot-eval`, beside the mean motion of all demonstrations, on starts that no training has seen.
 #   scripts/train_and_evaluate.sh TASK FOLDER [SEED...]     TASK: a file; SEED: of trainings, 1 without any
 # FOLDER gets set, data set, checkpoints and result.csv; what is there already is kept. Variables: DEMONSTRATIONS (50),
-# EPISODES (20), STEPS (3000), CHUNK (10) actions of which EXECUTED (5) are done, GENERATE: more words for `generate`,
+# EPISODES (20), STEPS (2000), CHUNK (10) actions of which EXECUTED (5) are done, GENERATE: more words for `generate`,
 # LENGTH: periods of an episode (else a quarter more than the planned motion).
 set -eu
 cd "$(dirname "$0")/.."
@@ -50,7 +50,7 @@ for seed in "$@"; do
     --policy.latent_dim=16 --policy.chunk_size="${CHUNK:-10}" --policy.n_action_steps="${EXECUTED:-5}" \
     --policy.optimizer_lr=1e-4 \
     '--policy.normalization_mapping={"STATE":"MEAN_STD","ENV":"MEAN_STD","ACTION":"MEAN_STD","VISUAL":"MEAN_STD"}' \
-    --batch_size=32 --steps="${STEPS:-3000}" --save_freq="${STEPS:-3000}" --log_freq=500 --num_workers=0 \
+    --batch_size=32 --steps="${STEPS:-2000}" --save_freq="${STEPS:-2000}" --log_freq=500 --num_workers=0 \
     --seed="$seed" --wandb.enable=false --output_dir="$out" >"$folder/train_$seed.log" 2>&1
   # shellcheck disable=SC2086
   "$python/lerobot-eval" --policy.path="$out/checkpoints/last/pretrained_model" --policy.device=cpu \
