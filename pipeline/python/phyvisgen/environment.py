@@ -25,6 +25,7 @@ OBSERVATION_TYPES = {
     "pixels_agent_pos": ("pixels", "agent_pos"),
     "pixels_state": ("pixels", "agent_pos", "environment_state"),
 }
+FARTHEST = 1e3  # bound of observed numbers [m or rad]
 LENGTH_OF_PLAN = 1.25  # of an episode, where none is given: what the planned motion of the first start takes, and more
 
 
@@ -89,8 +90,8 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
         self._max_episode_steps = episode_length or self._planned_length()
         n, m = len(facts.columns), len(facts.environment)
         everything = {
-            "agent_pos": spaces.Box(-np.inf, np.inf, (n,), np.float64),
-            "environment_state": spaces.Box(-np.inf, np.inf, (m,), np.float64),
+            "agent_pos": spaces.Box(-FARTHEST, FARTHEST, (n,), np.float64),
+            "environment_state": spaces.Box(-FARTHEST, FARTHEST, (m,), np.float64),
             "pixels": spaces.Dict(
                 {name: spaces.Box(0, 255, (*facts.cameras[name][::-1], 3), np.uint8) for name in self._cameras}
             ),

@@ -2,7 +2,6 @@
 
 import unittest
 import warnings
-from functools import partial
 
 import gymnasium
 import numpy as np
@@ -34,8 +33,10 @@ def trajectory(environments, seeds):
 
 class Environment(unittest.TestCase):
     def test_gymnasiums_checker_finds_nothing(self):
-        for obs_type in ("state", "pixels_agent_pos"):
-            environment = phyvisgen.TaskEnvironment(obs_type=obs_type, render_mode="rgb_array", **SMALL)
+        for obs_type in ("pixels_state",):  # which holds every kind of observation
+            environment = gymnasium.make(
+                "phyvisgen/Task-v0", obs_type=obs_type, render_mode="rgb_array", **SMALL
+            ).unwrapped
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
                 # a recommendation: ours are absolute targets [rad, m], as those of the data sets
