@@ -25,6 +25,7 @@ ALLOWED = {
     "report/report_html.cpp": {"WIDTH": "layout", "4": "layout", "12": "layout"},
     "report/score.cpp": {"9.9": "rows of the suite's table"},
     "search/diagnosis.cpp": {"UNMOVED": "rounding, shown as 0", "0.02": "progress", "60": "seconds of a minute"},
+    "search/motion_family.cpp": {"N_COMMANDS": "points of a table", "0.5": "form of steps", "-0.5": "form of steps"},
     "sensing/forked.cpp": {"LOOK_EVERY": "polling of signals"},
     "sensing/rollout.cpp": {"MOST_WORLDS": "size of a batch", "MOST_NODES": "size of a batch"},
     "sensing/journal.cpp": {"MAGIC": "head of a file"},

@@ -14,6 +14,27 @@
 
 // clang-format off
 #define PVG_CRITERIA(X) \
+  X(1, double, time_measurement, 0.15, "--minutes", \
+    "when the choice of the time step ends", \
+    "chosen by judgement: the later stages need most of the time") \
+  X(2, double, time_residual, 0.35, "--minutes", \
+    "when the choice of the windows ends", \
+    "chosen by judgement: the later stages need most of the time") \
+  X(3, double, time_localisation, 0.45, "--minutes", \
+    "when the localisation ends", \
+    "chosen by judgement: the later stages need most of the time") \
+  X(2, double, time_length, 0.5, "rest of the stage", \
+    "when windows of one length end: shorter ones take less", \
+    "chosen by judgement, not measured") \
+  X(6, double, time_search, 0.75, "--minutes", \
+    "when the search for effects ends", \
+    "chosen by judgement: the proof needs a fifth of the time") \
+  X(6, double, time_steps, 0.7, "rest of the search", \
+    "when the steps of a round's fits end: their sensitivities are needed for a decision", \
+    "chosen by judgement, not measured") \
+  X(7, double, time_proof, 0.97, "--minutes", \
+    "when the proof ends", \
+    "the report takes the rest") \
   X(1, double, noise_white_correlation, -0.5, "1", \
     "third differences of neighbours that correlate by less are those of white noise", \
     "white noise gives -15/20, a smooth motion up to 1") \
@@ -200,15 +221,24 @@
   X(2, double, step_correction_most, 5, "noise", \
     "largest error of the integration that is corrected", \
     "not recorded (commit 3058b6d)") \
+  X(2, Series, agreement_blocks, (Series{1, 4, 16, 64, 256}), "samples", \
+    "lengths of the blocks whose sums are compared with the noise", \
+    "a drift of a third of the noise over 2000 samples shows in those of 256") \
+  X(2, double, noise_third_differences, 1.53, "1/sqrt(n)", \
+    "relative standard deviation of a noise that is measured from the third differences of n samples", \
+    "simulated: 2000 series of white noise of 100 to 3000 samples give 1.49 to 1.53") \
+  X(2, double, agrees_sigma, 4.5, "sigma", \
+    "excess of the residuals over the noise above which scene and runs disagree", \
+    "some 50 tests of a diagnosis, each 3e-6: a null is called a misfit once in 6000") \
   X(2, double, agrees_rms, 1.15, "noise", \
-    "error below which scene and runs agree", \
-    "not recorded; all 152 rigid nulls of the hidden suite agree") \
-  X(2, double, agrees_cell_rms, 1.5, "noise", \
-    "error of a significant cell above which they do not", \
-    "not recorded; all 152 rigid nulls of the hidden suite agree") \
-  X(7, double, agrees_held_out, 1.5, "noise", \
-    "held-out error above which a note says that these runs disagree", \
-    "not recorded (commit 323f15f)") \
+    "error that a time step which is not corrected may give", \
+    "masks, and hard impacts (commit bde408a)") \
+  X(2, double, step_error_left, 0.25, "correction", \
+    "what may be left of the time step's error after its correction", \
+    "a second order step, one halving of which leaves a quarter") \
+  X(2, double, noise_given_uncertainty, 0.01, "1", \
+    "relative standard deviation of a noise that is given", \
+    "jitter of the clock adds a per cent in the hidden suite's flights") \
   X(3, double, rest_speed, 2e-3, "m/s", \
     "speed below which a body is at rest", \
     "chosen by judgement, not measured") \
@@ -353,6 +383,27 @@
   X(4, double, bias_most, 1e4, "noise", \
     "largest bias", \
     "chosen by judgement, not measured") \
+  X(4, double, number_far_below, 1e-3, "1", \
+    "lowest ratio of a stiffness, modulus or effort limit to what the scene says", \
+    "stiffnesses of drives in makers' files are 50 to 80 times too large (issue 28)") \
+  X(4, double, number_far_above, 1e3, "1", \
+    "highest such ratio, of a damping too", \
+    "likewise") \
+  X(4, Series, screen_factors, (Series{4, 16, 64, 250}), "1", \
+    "factors by which a number that may be far off is tried larger and smaller", \
+    "stiffnesses of drives in makers' files are 50 to 80 times too large (issue 28)") \
+  X(4, double, showable_sigma, 3, "sigma", \
+    "size of an effect over its standard deviation from which recordings can show it", \
+    "convention") \
+  X(4, double, told_apart, 3, "noise", \
+    "length of what one candidate leaves of another's change below which no data tell them apart", \
+    "convention: three standard deviations") \
+  X(4, double, told_apart_share, 1e-4, "1", \
+    "share of a candidate's change, squared, below which what another leaves of it is arithmetic", \
+    "finite differences are good to a per cent") \
+  X(4, std::size_t, n_showable_printed, 12, "1", \
+    "rows of what recordings could show that are printed; the report has all", \
+    "half a terminal") \
   X(4, double, limit_felt, 1e-3, "noise", \
     "change of the residuals from which a limit is reached", \
     "soft bodies that yield (commit 1db744e)") \
@@ -368,6 +419,12 @@
   X(5, std::size_t, n_fitted_per_family, 2, "1", \
     "candidates that each family always sends to the fit", \
     "not recorded") \
+  X(5, double, log_step_most, 1.5, "log", \
+    "farthest step of a number that goes in its logarithm", \
+    "chosen by judgement: a factor of 4.5, beyond which no slope predicts") \
+  X(5, std::size_t, interval_n_groups, 3, "1", \
+    "fewest windows, or runs, whose scatter gives an interval", \
+    "two groups give a variance with one degree of freedom") \
   X(5, double, student_freedom, 4, "1", \
     "degrees of freedom of the residuals' distribution", \
     "not recorded") \
@@ -437,9 +494,15 @@
   X(6, std::size_t, n_runs_as_groups, 3, "1", \
     "fitting runs from which a run is a group", \
     "not recorded") \
-  X(6, std::size_t, correlation_lag_most, 50, "samples", \
+  X(6, double, bound_width, 1e-6, "range", \
+    "distance from a bound within which a parameter is at it", \
+    "arithmetic of a clamped step") \
+  X(6, double, bound_width_logarithmic, 1e-3, "bound", \
+    "the same of a number that goes in its logarithm", \
+    "arithmetic of a clamped step") \
+  X(6, std::size_t, correlation_lag_most, 200, "samples", \
     "longest lag of the residuals' autocorrelation", \
-    "not recorded") \
+    "what a wrong law leaves of a fall or a swing hangs together for its whole duration") \
   X(6, double, correlation_significant, 3, "1/sqrt(n)", \
     "autocorrelation of the residuals below which it counts as ended", \
     "chosen by judgement, not measured") \
@@ -464,6 +527,9 @@
   X(6, double, log_prior_margin, 1, "log", \
     "log prior that decides between models that close nearly as much", \
     "not recorded") \
+  X(7, double, explained_held_out, 1.15, "noise", \
+    "held-out error above which the named effect explains a part only", \
+    "held-out runs of the hidden suite have some 100 to 1000 numbers: noise alone gives 0.93 to 1.07") \
   X(6, double, unexplained, 1.5, "noise", \
     "error above which something is left to explain", \
     "not recorded") \
@@ -509,6 +575,33 @@
   X(7, double, disturbed_halved, 0.5, "1", \
     "error after over error before below which a window is explained", \
     "the DFKI pendulum, one window of which is disturbed (commit 39d942d)") \
+  X(7, double, disturbed_worse, 1.1, "1", \
+    "error after over error before above which a model made a window worse, which is no disturbance", \
+    "the angle of one joint beside the command of another, nine tenths of whose windows a limit closed (issue 28)") \
+  X(7, double, whole_run_growth, 300, "noise", \
+    "what the measured error of a start may have grown to at the end of a run that is judged whole", \
+    "to be measured") \
+  X(7, double, whole_run_proof, 60, "s", \
+    "longest beginning of a held-out run that is simulated whole", \
+    "chosen by judgement, not measured") \
+  X(7, Series, next_amplitudes, (Series{0.3, 1, 1.5}), "recorded", \
+    "amplitudes of the commands of a next experiment", \
+    "a robot that has done the one can do the other: chosen by judgement") \
+  X(7, Series, next_cycles, (Series{1, 3, 8}), "1", \
+    "cycles of such a command", \
+    "chosen by judgement, not measured") \
+  X(7, Series, next_releases, (Series{-1.5, -1, -0.5, 0.5, 1, 1.5}), "farthest measured", \
+    "coordinates from which a joint without a drive is released", \
+    "chosen by judgement, not measured") \
+  X(7, Series, next_speeds, (Series{0.5, 1, 2}), "measured", \
+    "speeds with which a body is thrown", \
+    "chosen by judgement, not measured") \
+  X(7, Series, next_turns, (Series{0, 0.25, 0.5}), "turn", \
+    "directions of a throw about the vertical", \
+    "chosen by judgement, not measured") \
+  X(7, double, next_longest, 8, "s", \
+    "longest next experiment", \
+    "as whole_run_longest") \
   X(7, std::size_t, n_laws, 3, "1", \
     "laws in one sum", \
     "not recorded (commit a8ca8f8)") \

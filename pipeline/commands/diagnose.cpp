@@ -25,7 +25,9 @@ struct DiagnoseOptions {
   std::string recording, folder;  // folder of recording.yaml, folder of the report
   std::string device;
   int max_effects = 2;                // named together
-  double minutes = 10;                // after which nothing further is looked for
+  double minutes = 5;                 // after which the report is written, whatever is left out
+  bool is_quick = false;              // in one minute
+  bool plans_next = false;            // the next experiment, whether names are confused or not
   std::string decide = "workflow";    // or, to compare: retune, lowest, weak
   bool only_checks = false;           // say what is wrong with the recording and end
   bool lists_effects = false;         // print the names of all candidates and end
@@ -39,6 +41,7 @@ struct DiagnoseOptions {
 };
 
 constexpr unsigned MOST_PROCESSES = 16;
+constexpr double QUICK_MINUTES = 1;
 
 void list_effects(bool as_json) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -110,12 +113,14 @@ void print_sizes(const diagnose::Problem& problem) {
   for (const std::string& sentence : diagnose::warnings(problem)) std::printf("  note: %s\n", sentence.c_str());
 }
 
+double minutes_of(const DiagnoseOptions& options) { return options.is_quick ? QUICK_MINUTES : options.minutes; }
+
 HiddenSuite hidden_suite(const DiagnoseOptions& options) {
   HiddenSuite suite;
   suite.cases = options.suite;
   suite.reports = options.folder.empty() ? suite.cases / "reports" : fs::path(options.folder);
   suite.options = {"--max-effects", std::to_string(options.max_effects), "--decide", options.decide,
-                   "--minutes",     std::to_string(options.minutes)};
+                   "--minutes",     std::to_string(minutes_of(options))};
   if (options.n_jobs > 1) suite.options.insert(suite.options.end(), {"--jobs", "1"});
   for (const std::string& text : options.criteria) suite.options.insert(suite.options.end(), {"--set-criterion", text});
   if (options.keeps_simulations) suite.options.push_back("--keep-simulations");
@@ -148,7 +153,8 @@ void run_diagnose(const DiagnoseOptions& options) {
   Device device(options.device);
   diagnose::Settings settings;
   settings.max_effects = options.max_effects;
-  settings.minutes = options.minutes;
+  settings.minutes = minutes_of(options);
+  settings.plans_next = options.plans_next;
   settings.keeps_simulations = options.keeps_simulations;
   settings.simulates = !options.does_not_simulate;
   settings.decide = decide_named(options.decide);
@@ -172,9 +178,13 @@ void add_diagnose(CLI::App& program) {
       ->capture_default_str();
   command
       ->add_option("--minutes", o.minutes,
-                   "After so many nothing further is looked for: what was found till then is proved and reported")
-      ->check(CLI::Range(0.0, 1e4))
+                   "After so many the report is written: it says what was left out for want of time")
+      ->check(CLI::Range(0.1, 1e4))
       ->capture_default_str();
+  command->add_flag("--next", o.plans_next,
+                    "Compute the motion that best separates the two best names, and write next_experiment.yaml, also "
+                    "where they are not confused");
+  command->add_flag("--quick", o.is_quick, "In one minute: --minutes 1")->excludes("--minutes");
   command
       ->add_option(
           "--decide", o.decide,

@@ -23,6 +23,7 @@ import soft_models
 from beam_experiments import BENT, beam_experiments
 from camera_experiments import CAMERA, camera_experiments
 from contact_experiments import CONTACT, contact_experiments
+from controls import CONTROLS
 from experiments import RIGID, experiments
 from sensor_experiments import SENSOR, sensor_experiments
 from soft_experiments import SOFT, soft_experiments
@@ -176,7 +177,8 @@ def unit_of(target):
     return "m" if of == "body" else "N m" if quantity == "torque" else "rad"
 
 
-def write_case(folder, experiment, effects, truth, rng):
+def write_case(folder, experiment, effects, truth, rng, control=None):
+    """control: what is measured instead, as controls.py has it."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "scene.yaml").write_text(experiment.scene)
     for name, text in experiment.files.items():
@@ -184,7 +186,10 @@ def write_case(folder, experiment, effects, truth, rng):
     lines = ["schema: 1", "scene: scene.yaml", "runs:"]
     for number, run in enumerate(experiment.runs):
         times = np.arange(0, run[1], 1 / experiment.rate)
-        seen = samples_of(experiment, run, effects, times, rng) if experiment.columns else np.empty((len(times), 0))
+        if control:
+            seen = control(experiment, number, times, rng, samples_of)
+        else:
+            seen = samples_of(experiment, run, effects, times, rng) if experiment.columns else np.empty((len(times), 0))
         header, rows = ["t"] + experiment.columns, []
         if experiment.command:
             target, commanded, which = experiment.command
@@ -235,6 +240,7 @@ def main():
     parser.add_argument("--quick", action="store_true", help="only the cases that the tests run")
     parser.add_argument("--only", default="", help="only cases whose names begin so")
     parser.add_argument("--nulls", type=int, default=38, help="cases without any effect, per experiment")
+    parser.add_argument("--controls", type=int, default=8, help="cases of each control (controls.py)")
     parser.add_argument("--seed", type=int, default=7, help="of all noise")
     options = parser.parse_args()
     everything = {}
@@ -264,6 +270,14 @@ def main():
                 continue
             truth = {"kind": "null", "strength": 0, "source": "independent", "effects": []}
             write_case(options.folder / name, experiment, {}, truth, np.random.default_rng([options.seed + 1, e, i]))
+    for c, (place, control) in enumerate(CONTROLS):
+        for i in range(options.controls):
+            name = f"{place}_control_{control.__name__}_{i}"
+            if not name.startswith(options.only) or options.quick:
+                continue
+            truth = {"kind": "control", "strength": 0, "source": "independent", "effects": []}
+            write_case(options.folder / name, everything[place], {}, truth, np.random.default_rng([options.seed + 2, c, i]), control)
+            print(name, flush=True)
 
 
 if __name__ == "__main__":

@@ -42,7 +42,7 @@ TEST(Criteria, ASeriesKeepsItsRatios) {
 }
 
 TEST(Criteria, ANameThatIsNoneListsSimilarOnes) {
-  expect_error<UsageError>([] { set_criterion("agrees_rmss=1"); }, {"agrees_rms", "agrees_cell_rms"});
+  expect_error<UsageError>([] { set_criterion("agrees_rmss=1"); }, {"agrees_rms", "agrees_sigma"});
   expect_error<UsageError>([] { set_criterion("agrees_rms"); }, {"NAME=VALUE"});
   expect_error<UsageError>([] { set_criterion("agrees_rms=big"); }, {"NAME=VALUE"});
 }

@@ -24,6 +24,7 @@ struct Parameter {
   double prior_sigma = 0;             // one standard deviation from `off` of what is known before any data; 0: anything
   bool is_shape = false;              // does nothing while the others are off
   bool is_limit = false;              // does nothing where it is higher than what the runs reach (limits.hpp)
+  bool is_logarithmic = false;        // positive, and may be wrong by factors: steps are those of its logarithm
 };
 
 // The scene file to which a diagnosis writes what it found.

@@ -28,6 +28,7 @@ Candidate candidate_of(const Scene& scene, const SceneNumber& number, const Numb
                         criteria().change_number * place.value}},
                       {},
                       number.log_prior};
+  candidate.parameters[0].is_logarithmic = number.is_logarithmic;
   candidate.parameters[0].prior_sigma =
       number.prior_sigma_share > 0 ? number.prior_sigma_share * place.value : number.prior_sigma;
   candidate.apply = [set = place.set](Variant& variant, std::span<const double> values) {

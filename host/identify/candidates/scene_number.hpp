@@ -39,6 +39,7 @@ struct SceneNumber {
   double prior_sigma = 0;              // one standard deviation before any data [unit]; 0: anything
   double prior_sigma_share = 0;        // the same as a share of the scene's value
   double log_prior = 0;                // log of how likely it is before any data
+  bool is_logarithmic = false;         // as Parameter has it
 };
 
 std::span<const SceneNumber> scene_numbers();

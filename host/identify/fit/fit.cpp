@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/fit/correlation.hpp"
 #include "host/identify/fit/fit_cost.hpp"
 
 namespace pvg::diagnose {
@@ -16,6 +17,17 @@ VectorXd clamped(const Model& model, VectorXd x) {
   const std::vector<const Parameter*> parameters = model.parameters();
   for (Eigen::Index i = 0; i < x.size(); ++i)
     x[i] = std::clamp(x[i], parameters[std::size_t(i)]->low, parameters[std::size_t(i)]->high);
+  return x;
+}
+
+// A positive number that may be far off goes in its logarithm, and not farther than a linear model may reach.
+VectorXd moved(const Model& model, const VectorXd& dx) {
+  const std::vector<const Parameter*> parameters = model.parameters();
+  const double most = criteria().log_step_most;
+  VectorXd x = model.x + dx;
+  for (Eigen::Index i = 0; i < x.size(); ++i)
+    if (parameters[std::size_t(i)]->is_logarithmic)
+      x[i] = model.x[i] * std::exp(std::clamp(dx[i] / model.x[i], -most, most));
   return x;
 }
 
@@ -45,7 +57,7 @@ Model stepped(const Fit& fit, double damping) {
   a.diagonal() += VectorXd(damping * a.diagonal() + VectorXd::Constant(a.rows(), 1e-12 * a.trace()));
   const VectorXd dx = -a.ldlt().solve(g);
   Model model = fit.model;
-  if (dx.allFinite()) model.x = clamped(model, fit.model.x + dx);
+  if (dx.allFinite()) model.x = clamped(model, moved(model, dx));
   return model;
 }
 
@@ -257,7 +269,7 @@ std::vector<std::vector<VectorXd>> Fitter::predicted(const FitData& data, std::v
   return residuals;
 }
 
-void Fitter::finish(const FitData& data, std::vector<Fit>& fits) {
+void Fitter::take_last_steps(const FitData& data, std::vector<Fit>& fits) {
   for (Fit& fit : fits) {
     const std::vector<double> scales = window_scales(fit.residual);
     const bool any_missed = std::any_of(scales.begin(), scales.end(), [&](double s) {
@@ -266,6 +278,10 @@ void Fitter::finish(const FitData& data, std::vector<Fit>& fits) {
     fit.has_converged = !any_missed;
   }
   improve(data, fits, criteria().n_last_steps, Scale::of_all);
+}
+
+void Fitter::finish(const FitData& data, std::vector<Fit>& fits) {
+  take_last_steps(data, fits);
   conclude(data, fits);
 }
 
@@ -276,7 +292,7 @@ void Fitter::conclude(const FitData& data, std::vector<Fit>& fits) {
     fit.scale = robust_scale(fit.residual);
     fit.window_scale.clear();
     fit.cost = cost_of(fit);
-    fit.covariance = covariance_of(fit);
+    fit.covariance = covariance_of(fit, data.windows, correlation_length(data.windows, fit.residual));
   }
 }
 

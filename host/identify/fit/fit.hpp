@@ -56,6 +56,7 @@ struct Fit {
 class Fitter {
  public:
   Fitter(Predictor& predictor, const Variant& base) : predictor_(predictor), base_(base) {}
+  Clock::time_point& deadline() { return predictor_.deadline(); }  // of its simulations
 
   // The windows' sensitivities to their starts at a model, and the change by time steps of half the length there, which
   // is added to all residuals from then on if `corrects`. Windows that cannot be simulated to their end are left out.
@@ -84,6 +85,7 @@ class Fitter {
   std::vector<std::vector<Eigen::VectorXd>> predicted(const FitData& data, std::vector<Fit>& fits);
   // The last steps, with outliers as of all windows, and conclude.
   void finish(const FitData& data, std::vector<Fit>& fits);
+  void take_last_steps(const FitData& data, std::vector<Fit>& fits);
   void conclude(const FitData& data, std::vector<Fit>& fits);
   // Residuals at given models; delta as in Fit, empty: zeros.
   std::vector<std::vector<Prediction>> evaluate(const FitData& data, const std::vector<Model>& models,

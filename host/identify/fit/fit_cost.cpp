@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "host/identify/criteria.hpp"
 
@@ -138,22 +139,36 @@ VectorXd best_start(const Fit& fit, std::size_t w, const VectorXd& dx, double da
   return -start.factor.solve(start.weighted.transpose() * r + fit.delta[w]);
 }
 
-MatrixXd covariance_of(const Fit& fit) {
+namespace {
+
+// Variances of the parameters by the scatter of their scores between groups; none where there are too few groups.
+VectorXd sandwich_of(const MatrixXd& inverse, const std::vector<VectorXd>& scores) {
+  const double n = double(scores.size());
+  if (scores.size() < criteria().interval_n_groups) return VectorXd::Zero(inverse.rows());
+  VectorXd mean = VectorXd::Zero(inverse.rows());
+  for (const VectorXd& g : scores) mean += g / n;
+  MatrixXd scatter = MatrixXd::Zero(inverse.rows(), inverse.rows());
+  for (const VectorXd& g : scores) scatter += (g - mean) * (g - mean).transpose();
+  return VectorXd((inverse * scatter * inverse * (n / (n - 1))).diagonal());
+}
+
+}  // namespace
+
+MatrixXd covariance_of(const Fit& fit, const std::vector<Window>& windows, double correlated) {
   const Reduced reduced = reduce(fit);
-  const Eigen::Index p = fit.model.x.size();
   MatrixXd a = reduced.sum_a();
   const std::vector<const Parameter*> parameters = fit.model.parameters();
-  for (Eigen::Index i = 0; i < p; ++i) a(i, i) += 1 / std::pow(prior_sigma_of(*parameters[std::size_t(i)]), 2);
+  for (Eigen::Index i = 0; i < a.rows(); ++i) a(i, i) += 1 / std::pow(prior_sigma_of(*parameters[std::size_t(i)]), 2);
   const MatrixXd inverse = a.completeOrthogonalDecomposition().pseudoInverse();
-  MatrixXd scores = MatrixXd::Zero(p, p);
-  const VectorXd mean = reduced.sum_g() / double(reduced.g.size());
-  for (const VectorXd& g : reduced.g) scores += (g - mean) * (g - mean).transpose();
-  const double n = double(reduced.g.size());
-  const MatrixXd noise = inverse * fit.scale * fit.scale;
-  if (n < 3) return noise;
-  const MatrixXd sandwich = inverse * scores * inverse * (n / (n - 1));
-  MatrixXd both = noise;
-  for (Eigen::Index i = 0; i < p; ++i) both(i, i) = std::max(noise(i, i), sandwich(i, i));
+  std::map<int, VectorXd> of_run;
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const auto [at, is_new] = of_run.try_emplace(windows[w].run, reduced.g[w]);
+    if (!is_new) at->second += reduced.g[w];
+  }
+  std::vector<VectorXd> runs;
+  for (const auto& [run, g] : of_run) runs.push_back(g);
+  MatrixXd both = inverse * fit.scale * fit.scale * correlated;
+  both.diagonal() = both.diagonal().cwiseMax(sandwich_of(inverse, reduced.g)).cwiseMax(sandwich_of(inverse, runs));
   return both;
 }
 

@@ -12,8 +12,9 @@ double prior_cost(const Model& model);
 double scale_of(const Fit& fit, std::size_t window);  // s of its residuals
 double cost_of(const Fit& fit);                       // C
 
-// Of the parameters: the sandwich, scores gathered by window, so that correlated residuals of a window do
-// not count as many; at least what independent noise gives.  [p x p]
-Eigen::MatrixXd covariance_of(const Fit& fit);
+// Of the parameters [p x p]: what noise of the size of the residuals gives, `correlated` samples counting as one; on
+// its diagonal at least the sandwich, its scores gathered by window and, where there are three or more, by run. So an
+// interval widens by what the model leaves, whether that hangs together in time or differs between runs.
+Eigen::MatrixXd covariance_of(const Fit& fit, const std::vector<Window>& windows, double correlated);
 
 }  // namespace pvg::diagnose

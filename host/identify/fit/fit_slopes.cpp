@@ -18,9 +18,9 @@ Job job_of(const Variant& variant, const Window& window, const VectorXd& delta) 
   return job;
 }
 
-// share: of the parameter's distance from "off", or of its scale
+// share: of the parameter's distance from "off", or of its scale; of a logarithmic one of its value
 double step_of(const Parameter& p, double x, double scale, double share) {
-  const double by = share * std::max(std::abs(x - p.off), scale);
+  const double by = share * (p.is_logarithmic ? x : std::max(std::abs(x - p.off), scale));
   return x + by > p.high ? -by : by;
 }
 

@@ -10,23 +10,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-// Of the windows that count. in_noise: else in the channels' unit.
-double error_in(const Problem& problem, const FitData& data, const std::vector<VectorXd>& residual,
-                const std::vector<bool>& counts, bool in_noise) {
-  double sum = 0, n = 0;
-  for (std::size_t w = 0; w < data.windows.size(); ++w) {
-    if (!counts[w]) continue;
-    const Window& window = data.windows[w];
-    for (std::size_t i = 0; i < window.data.size(); ++i) {
-      const double unit =
-          in_noise ? 1 : noise_in(problem, problem.runs[std::size_t(window.run)], std::size_t(window.data[i].channel));
-      sum += std::pow(residual[w][Eigen::Index(i)] * unit, 2);
-      n += 1;
-    }
-  }
-  return n > 0 ? std::sqrt(sum / n) : 0;
-}
-
 double rms_of(const VectorXd& residual) {
   return residual.size() > 0 ? std::sqrt(residual.squaredNorm() / double(residual.size())) : 0;
 }
@@ -46,6 +29,22 @@ double mask_gap(Fitter& fitter, const FitData& data, const Fit& fit) {
 
 }  // namespace
 
+double error_in(const Problem& problem, const FitData& data, const std::vector<VectorXd>& residual,
+                const std::vector<bool>& counts, bool in_noise) {
+  double sum = 0, n = 0;
+  for (std::size_t w = 0; w < data.windows.size(); ++w) {
+    if (!counts[w]) continue;
+    const Window& window = data.windows[w];
+    for (std::size_t i = 0; i < window.data.size(); ++i) {
+      const double unit =
+          in_noise ? 1 : noise_in(problem, problem.runs[std::size_t(window.run)], std::size_t(window.data[i].channel));
+      sum += std::pow(residual[w][Eigen::Index(i)] * unit, 2);
+      n += 1;
+    }
+  }
+  return n > 0 ? std::sqrt(sum / n) : 0;
+}
+
 std::vector<bool> undisturbed(const std::vector<VectorXd>& before, const std::vector<VectorXd>& after) {
   std::vector<double> error;
   for (const VectorXd& r : after) error.push_back(rms_of(r));
@@ -54,7 +53,8 @@ std::vector<bool> undisturbed(const std::vector<VectorXd>& before, const std::ve
   std::vector<bool> counts;
   for (std::size_t w = 0; w < error.size(); ++w)
     counts.push_back(error[w] <= criteria().disturbed * sorted[sorted.size() / 2] ||
-                     error[w] < criteria().disturbed_halved * rms_of(before[w]));
+                     error[w] < criteria().disturbed_halved * rms_of(before[w]) ||
+                     error[w] > criteria().disturbed_worse * rms_of(before[w]));
   const auto n = std::count(counts.begin(), counts.end(), false);
   return double(n) <= criteria().disturbed_share_most * double(counts.size()) ? counts
                                                                               : std::vector<bool>(counts.size(), true);
@@ -127,6 +127,7 @@ HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, st
     result.after = after;
     result.kept = m;
   }
+  result.agreement = agreement_of(problem, data[result.kept].windows, fits[result.kept].residual);
   result.before_all = error_of(0, all);
   result.after_all = error_of(result.kept, all);
   for (std::size_t w = 0; w < counts.size(); ++w)

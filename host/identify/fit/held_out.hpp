@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "host/identify/fit/agreement.hpp"
 #include "host/identify/fit/fit.hpp"
 
 namespace pvg::diagnose {
@@ -23,6 +24,15 @@ struct Disturbance {
   double before = 0, after = 0;  // [noise]
 };
 
+// The same runs simulated whole from their first state (whole_runs.hpp).
+struct WholeRuns {
+  double before = NAN, after = NAN, floor = 0;  // as HeldOut has them; NaN: not judged
+  double seconds = 0;                           // of the longest that was simulated
+  std::string why_not;
+  bool had_no_time = false;  // then nothing is proved: windows are enough only where whole runs cannot be judged
+  bool is_judged() const { return std::isfinite(before) && std::isfinite(after); }
+};
+
 struct HeldOut {
   double before = 0, after = 0,
          floor = 0;                      // errors in the channels' unit, or in units of noise; floor: 0 if not judged
@@ -31,10 +41,16 @@ struct HeldOut {
   double mask_gap_before = NAN, mask_gap_after = NAN;  // 1 - mean intersection over union; NaN: no masks
   std::size_t kept = 0;                                // of the models that were given
   std::vector<Curve> curves;
+  Agreement agreement;  // of the model that was kept with these runs
 };
 
+// Root mean square over the windows that count. in_noise: in units of noise, else in the channels' unit.
+double error_in(const Problem& problem, const FitData& data, const std::vector<Eigen::VectorXd>& residual,
+                const std::vector<bool>& counts, bool in_noise);
+
 // Which windows count, by their residuals [n_windows][n_data, noise] before and after: not those that are left wrong by
-// more than five times the median window and less than halved, if they are at most a tenth of all; else all.
+// more than five times the median window and less than halved, if they are at most a tenth of all; else all. A window
+// that became worse counts: the model is wrong there.
 std::vector<bool> undisturbed(const std::vector<Eigen::VectorXd>& before, const std::vector<Eigen::VectorXd>& after);
 
 // selected: models with one effect more each; an effect stays only if it closes enough of the gap before it.

@@ -24,9 +24,14 @@ void move_paths(YAML::Node node, const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
-std::string amended_scene(const Problem& problem, const Diagnosis& diagnosis, const fs::path& folder) {
+YAML::Node scene_file_in(const Problem& problem, const fs::path& folder) {
   YAML::Node root = YAML::LoadFile(problem.recording.scene.string());
   move_paths(root, fs::absolute(problem.recording.scene).parent_path(), fs::absolute(folder));
+  return root;
+}
+
+std::string amended_scene(const Problem& problem, const Diagnosis& diagnosis, const fs::path& folder) {
+  YAML::Node root = scene_file_in(problem, folder);
   std::string head = "# " + problem.recording.scene.filename().string() + ", amended: " + diagnosis.sentence + "\n";
   root["time_step"] = diagnosis.used.solver.time_step;
   if (diagnosis.used.solver.integrator == SolverSettings::Integrator::bdf2) root["solver"]["integrator"] = "bdf2";

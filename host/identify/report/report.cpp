@@ -62,6 +62,7 @@ json ranking_of(const Diagnosis& diagnosis) {
     }
     one["name"] = name;
     one["target"] = target;
+    if (model.fails_held_out) one["fails_held_out"] = true;
     one["held_out_error"] = model.error;  // of left-out fitting runs, in units of noise
     one["evidence"] = model.evidence;
     one["probability"] = model.probability;
@@ -72,6 +73,21 @@ json ranking_of(const Diagnosis& diagnosis) {
         if (std::isfinite(model.deviations[at])) one["deviations"][part->name + "." + p.name] = model.deviations[at];
         ++at;
       }
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+json could_show(const Diagnosis& d) {
+  json list = json::array();
+  for (const Showable& row : d.showable) {
+    json one = {{"name", row.candidate->name}, {"target", row.candidate->target},
+                {"parameter", row.parameter},  {"unit", row.unit},
+                {"sigma", row.sigma},          {"smallest", row.smallest}};
+    if (row.look_alike != nullptr) {
+      one["look_alike"] = row.look_alike->label();
+      one["sigma_beside"] = std::isfinite(row.sigma_beside) ? json(row.sigma_beside) : json(nullptr);
+    }
     list.push_back(std::move(one));
   }
   return list;
@@ -91,6 +107,7 @@ json report_of(const Diagnosis& d) {
   report["ranking"] = ranking_of(d);
   report["inseparable"] = d.inseparable;
   report["next_experiment"] = d.next_experiment;
+  if (d.next_motion) report["next_scene"] = "next_experiment.yaml";
   report["where"] = json::array();
   for (const Cell& cell : d.where)
     report["where"].push_back({{"body", cell.body},
@@ -102,6 +119,15 @@ json report_of(const Diagnosis& d) {
                                {"significant", cell.is_significant}});
   report["held_out"] = {
       {"before", d.before}, {"after", d.after}, {"floor", d.floor}, {"unit", d.unit}, {"gap_closed", d.gap_closed}};
+  const WholeRuns& whole = d.whole;
+  if (whole.is_judged())
+    report["held_out"]["whole_runs"] = {{"before", whole.before},
+                                        {"after", whole.after},
+                                        {"floor", whole.floor},
+                                        {"unit", d.unit},
+                                        {"gap_closed", closed(whole.before, whole.after, whole.floor)}};
+  else
+    report["held_out"]["whole_runs"] = {{"not_judged", whole.why_not}};
   if (std::isfinite(d.mask_gap_before))
     report["held_out"]["mask_gap"] = {{"before", d.mask_gap_before}, {"after", d.mask_gap_after}, {"unit", "1 - mIoU"}};
   if (d.regressed) {
@@ -121,6 +147,8 @@ json report_of(const Diagnosis& d) {
   }
   report["fit"] = {{"before", d.fit_before}, {"after", d.fit_after}, {"unit", "noise"}};
   report["notes"] = d.notes;
+  report["left_out"] = d.left_out;
+  report["could_show"] = could_show(d);
   report["amended_scene"] = "scene_amended.yaml";
   report["seconds"] = d.seconds;
   report["simulations"] = d.simulations;
@@ -140,6 +168,17 @@ std::string text_of(const RegressedLaw& law) {
   return what + law.target + " = " + law.shown + " " + law.unit;
 }
 
+namespace {
+
+// ", of whole runs from 40 to 3.1 mrad"
+std::string whole_runs_text(const Diagnosis& d, const std::string& unit) {
+  if (d.floor == 0 || !d.whole.is_judged()) return "";
+  if (d.whole.before == d.before && d.whole.after == d.after) return "";
+  return ", of whole runs from " + shown(d.whole.before) + " to " + shown(d.whole.after) + unit;
+}
+
+}  // namespace
+
 std::string sentence_of(const Diagnosis& d) {
   const std::string unit = d.unit == "noise" ? " times the noise" : " " + d.unit;
   std::string judged = d.floor > 0
@@ -151,6 +190,10 @@ std::string sentence_of(const Diagnosis& d) {
   if (d.verdict == Verdict::agrees)
     return "simulation and measurement agree within the noise: the error is " + shown(d.fit_before) +
            " times the noise";
+  if (d.verdict == Verdict::none && !std::isfinite(d.fit_before))
+    return "nothing was compared: the scene is too slow to be simulated in the time given by --minutes";
+  if (d.verdict == Verdict::none && !d.undecided.empty())
+    return d.undecided + "; the error is " + shown(d.fit_before) + " times the noise";
   if (d.verdict == Verdict::none) {
     std::string text = "none of the known effects explains the misfit of " + shown(d.fit_before) + " times the noise";
     if (!d.where.empty()) text += ", most of which is of " + d.where[0].body + " (" + d.where[0].phase + ")";
@@ -160,7 +203,7 @@ std::string sentence_of(const Diagnosis& d) {
     } else if (!d.effects.empty()) {
       text += "; best, but not enough: ";
       for (std::size_t i = 0; i < d.effects.size(); ++i) text += (i ? " and " : "") + d.effects[i].candidate->label();
-      text += ", " + judged;
+      text += ", " + judged + whole_runs_text(d, unit);
     }
     if (d.regressed)
       text += "; a law without a name is in the amended scene: " + text_of(*d.regressed) +
@@ -168,6 +211,7 @@ std::string sentence_of(const Diagnosis& d) {
               shown(d.regressed->before) + ", noise floor " + shown(d.regressed->floor) + ")";
     return text;
   }
+  judged += whole_runs_text(d, unit);
   std::string what;
   for (const NamedEffect& e : d.effects) {
     const char* word = e.candidate->family == Family::physical    ? "missing: "
@@ -179,13 +223,15 @@ std::string sentence_of(const Diagnosis& d) {
             alternatives_of(d, e.candidate->label());
   }
   std::string text = what + "; " + judged;
-  if (d.after > criteria().unexplained * d.floor) text += "; partly explained";
+  if (d.floor > 0 && d.after > criteria().explained_held_out * d.floor)
+    text += "; partly explained: " + shown(d.after / d.floor) + " times the noise is left";
   return text;
 }
 
 void write_report(const Problem& problem, Diagnosis& diagnosis, const std::filesystem::path& folder) {
   diagnosis.sentence = sentence_of(diagnosis);
   write(folder / "scene_amended.yaml", amended_scene(problem, diagnosis, folder));
+  if (diagnosis.next_motion) write(folder / "next_experiment.yaml", next_scene(problem, diagnosis, folder));
   write(folder / "report.html", html_of(problem, diagnosis));
   write(folder / "report.json", report_of(diagnosis).dump(2) + "\n");
 }

@@ -5,6 +5,10 @@
 
 #include "host/identify/search/diagnosis.hpp"
 
+namespace YAML {
+class Node;
+}
+
 namespace pvg::diagnose {
 
 // "missing: joint_coulomb_friction at hinge, effort 0.18 +- 0.01 N m; the held-out error falls from 41 to 3.2 mrad,
@@ -19,6 +23,13 @@ std::string html_of(const Problem& problem, const Diagnosis& diagnosis);
 
 // amend.cpp: the scene file with the named effects, as text that `phyvisgen simulate` reads from `folder`.
 std::string amended_scene(const Problem& problem, const Diagnosis& diagnosis, const std::filesystem::path& folder);
+
+// next_scene.cpp: the scene file with the commands and starts of the next experiment, likewise. What the
+// file does not say itself, such as the joints of a robot's own file, is left as it is.
+std::string next_scene(const Problem& problem, const Diagnosis& diagnosis, const std::filesystem::path& folder);
+
+// The scene file with its paths relative to `folder`.
+YAML::Node scene_file_in(const Problem& problem, const std::filesystem::path& folder);
 
 // A number with three significant digits.
 std::string shown(double value);

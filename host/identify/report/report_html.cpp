@@ -146,6 +146,7 @@ std::string ranking_html(const Diagnosis& d) {
         ++at;
       }
     }
+    if (model.fails_held_out) name += " (fails on held-out runs)";
     html += "<tr>" + cell(name) + cell(shown(model.error)) + cell(shown(model.probability)) + cell(values) + "</tr>";
   }
   return html + "</table>";
@@ -198,6 +199,19 @@ std::string html_of(const Problem& problem, const Diagnosis& d) {
           " after, noise floor " + shown(d.floor) + " " + escaped(d.unit) + "; of the gap " +
           shown(100 * d.gap_closed) + " % closed. Fitting runs, each left out in turn: " + shown(d.fit_before) +
           " before, " + shown(d.fit_after) + " after, in units of noise.</p>";
+  if (d.whole.is_judged())
+    html += "<p>Held-out runs simulated whole from their first state: error " + shown(d.whole.before) + " before, " +
+            shown(d.whole.after) + " after, of the gap " +
+            shown(100 * closed(d.whole.before, d.whole.after, d.whole.floor)) + " % closed.</p>";
+  if (!d.showable.empty()) {
+    std::vector<std::string> rows;
+    for (const Showable& row : d.showable) rows.push_back(text_of(row));
+    html +=
+        "<h2>What these runs could show</h2><p>The smallest size of each that would stand out of the noise, and "
+        "beside what mimics it best: computed from the sensitivities, before any fit.</p>" +
+        list_html(rows);
+  }
+  if (!d.left_out.empty()) html += "<h2>Left out for want of time</h2>" + list_html(d.left_out);
   html += "<h2>How it was measured</h2>" + list_html(d.notes) + "<p>" + shown(d.seconds) + " s, " +
           std::to_string(d.simulations) + " simulated windows.</p></body></html>\n";
   return html;

@@ -1,7 +1,7 @@
 // Scores of the hidden-effect suite, from report.json and truth.json of each case. truth.json, schema 1:
-//   kind: single | null | off_library | retune | two     strength: error over the noise floor     source: who made it
-//   effects: [{name, target, parameters: {name: value}, accept: [other names that say the same]}]
-//   body, phases: where it acts                           onset_s
+//   kind: single | null | off_library | retune | two | control     strength: error over the noise floor     source: who
+//   made it effects: [{name, target, parameters: {name: value}, accept: [other names that say the same]}] body, phases:
+//   where it acts                           onset_s
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -110,6 +110,24 @@ std::vector<double> parameter_errors(const std::vector<Case>& cases) {
   return errors;
 }
 
+// Whether the interval of two standard deviations of each parameter holds the truth.
+std::vector<bool> intervals_that_hold(const std::vector<Case>& cases) {
+  std::vector<bool> held;
+  for (const Case& c : cases) {
+    if (c.report.is_null() || !names_all(c)) continue;
+    for (const json& truth : c.truth["effects"])
+      for (const json& found : c.report["effects"])
+        if (truth["name"] == found["name"])
+          for (const auto& [name, value] : truth["parameters"].items())
+            if (found["parameters"].contains(name)) {
+              const json& p = found["parameters"][name];
+              held.push_back(p["low"].get<double>() <= value.get<double>() &&
+                             value.get<double>() <= p["high"].get<double>());
+            }
+  }
+  return held;
+}
+
 bool names_something(const Case& c) { return !c.report.is_null() && !c.report["effects"].empty(); }
 
 // true name: in the chosen effects or in a reported inseparable set
@@ -143,6 +161,9 @@ std::vector<std::array<std::string, 3>> table_of(const std::vector<Case>& cases)
   rows.push_back({"an effect named on a null", "<= 5 %",
                   counted(
                       cases, [](const Case& c) { return kind_of(c) == "null"; }, names_something)});
+  rows.push_back({"an effect named on a control", "<= 2 %",
+                  counted(
+                      cases, [](const Case& c) { return kind_of(c) == "control"; }, names_something)});
   rows.push_back({"none on off-library cases: recall", ">= 80 %",
                   counted(
                       cases, [](const Case& c) { return kind_of(c) == "off_library"; },
@@ -150,7 +171,7 @@ std::vector<std::array<std::string, 3>> table_of(const std::vector<Case>& cases)
   rows.push_back({"none on off-library cases: precision", ">= 80 %",
                   counted(
                       cases, [](const Case& c) { return verdict_of(c) == "none"; },
-                      [](const Case& c) { return kind_of(c) == "off_library"; })});
+                      [](const Case& c) { return kind_of(c) == "off_library" || kind_of(c) == "control"; })});
   rows.push_back({"a retune trap named as a new effect", "<= 10 %",
                   counted(
                       cases, [](const Case& c) { return kind_of(c) == "retune"; },
@@ -168,6 +189,15 @@ std::vector<std::array<std::string, 3>> table_of(const std::vector<Case>& cases)
         c.report["held_out"]["floor"].get<double>() > 0)
       gaps.push_back(names_something(c) ? c.report["held_out"]["gap_closed"].get<double>() : 0);
   rows.push_back({"held-out gap closed, median", ">= 90 %", median_of(gaps)});
+  std::vector<double> of_whole_runs;
+  for (const Case& c : cases)
+    if (names_something(c) && c.report["held_out"].contains("whole_runs") &&
+        c.report["held_out"]["whole_runs"].contains("gap_closed"))
+      of_whole_runs.push_back(c.report["held_out"]["whole_runs"]["gap_closed"].get<double>());
+  rows.push_back({"the same of whole runs, of what was named", ">= 95 %", median_of(of_whole_runs)});
+  const std::vector<bool> held = intervals_that_hold(cases);
+  rows.push_back({"stated intervals hold the truth", ">= 90 %",
+                  share_of(std::size_t(std::count(held.begin(), held.end(), true)), held.size())});
   rows.push_back({"held-out made worse", "<= 2 %", counted(cases, names_something, [](const Case& c) {
                     return c.report["held_out"]["after"] > c.report["held_out"]["before"];
                   })});
@@ -211,10 +241,14 @@ Score score(const std::string& suite, const std::string& reports) {
   }
   std::map<std::string, std::map<std::string, int>> confusion;
   double seconds = 0;
+  std::vector<double> each;
   for (const Case& c : cases) {
     ++confusion[truth_label(c)][report_label(c)];
-    if (!c.report.is_null()) seconds += c.report["seconds"].get<double>();
+    if (c.report.is_null()) continue;
+    each.push_back(c.report["seconds"].get<double>());
+    seconds += each.back();
   }
+  std::sort(each.begin(), each.end());
   result.text += "\ntruth -> named, number of cases\n";
   for (const auto& [truth, named] : confusion) {
     std::string line = truth + " ->";
@@ -229,9 +263,10 @@ Score score(const std::string& suite, const std::string& reports) {
       out["misses"].push_back({{"case", c.name}, {"truth", truth_label(c)}, {"named", report_label(c)}});
     }
   if (!misses.empty()) result.text += "\nnot as the truth\n" + misses;
-  char line[80];
-  std::snprintf(line, sizeof line, "\n%zu cases, %.0f s each\n", cases.size(),
-                cases.empty() ? 0 : seconds / double(cases.size()));
+  char line[120];
+  std::snprintf(line, sizeof line, "\n%zu cases, %.0f s each; median %.0f s, longest %.0f s\n", cases.size(),
+                cases.empty() ? 0 : seconds / double(cases.size()), each.empty() ? 0 : each[each.size() / 2],
+                each.empty() ? 0 : each.back());
   result.text += line;
   result.json = out.dump(2) + "\n";
   return result;

@@ -5,6 +5,7 @@
 
 #include "host/base/error.hpp"
 #include "host/identify/criteria.hpp"
+#include "host/identify/fit/whole_runs.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -92,10 +93,11 @@ FitData first_part(const Problem& problem, const FitData& data, double share) {
   return part;
 }
 
-ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simulated_seconds) {
-  const Model as_it_stands{{}, Eigen::VectorXd(), Eigen::VectorXd()};
+namespace {
+
+// Lengths of windows worth trying, the longest first.
+std::vector<double> lengths_of(const Problem& problem) {
   const double longest = longest_run(problem);
-  ChosenWindows chosen;
   std::vector<double> lengths = {0};
   if (problem.can_restart) {
     lengths.insert(lengths.end(), criteria().window_lengths.begin(), criteria().window_lengths.end());
@@ -104,21 +106,50 @@ ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simu
              (length == 0 && longest > criteria().whole_run_longest);
     });
   }
-  for (const double length : lengths) {
-    FitData data = fitter.prepare(
-        make_windows(problem, false, length, most_windows(problem, simulated_seconds, length)), as_it_stands);
-    if (data.windows.empty()) continue;
-    Fit base = of_no_effect(data, fitter.fit(data, {as_it_stands}, 0).front());
-    chosen = {length, std::move(data), std::move(base)};
-    if (length != lengths.back() && !is_coherent(problem, chosen.data, chosen.base, criteria().window_hopeless))
-      continue;
-    data = fitter.prepared_nearer(chosen.data, chosen.base);
-    if (data.windows.empty()) continue;
-    base = fit_as_it_stands(fitter, data);
-    chosen = {length, std::move(data), std::move(base)};
-    if (is_coherent(problem, chosen.data, chosen.base)) break;
+  return lengths;
+}
+
+// Takes windows of this length where they can be simulated. Whether they are coherent.
+bool choose_length(Fitter& fitter, const Problem& problem, double simulated_seconds, double length, bool is_last,
+                   ChosenWindows& chosen) {
+  const Model as_it_stands{{}, Eigen::VectorXd(), Eigen::VectorXd()};
+  FitData data = fitter.prepare(make_windows(problem, false, length, most_windows(problem, simulated_seconds, length)),
+                                as_it_stands);
+  if (data.windows.empty()) return false;
+  Fit base = of_no_effect(data, fitter.fit(data, {as_it_stands}, 0).front());
+  chosen = {length, std::move(data), std::move(base)};
+  if (!is_last && !is_coherent(problem, chosen.data, chosen.base, criteria().window_hopeless)) return false;
+  data = fitter.prepared_nearer(chosen.data, chosen.base);
+  if (data.windows.empty()) return false;
+  base = fit_as_it_stands(fitter, data);
+  chosen = {length, std::move(data), std::move(base)};
+  return is_coherent(problem, chosen.data, chosen.base);
+}
+
+}  // namespace
+
+std::optional<ChosenWindows> choose_whole_runs(Fitter& fitter, const Problem& problem, double simulated_seconds) {
+  std::vector<Window> windows = make_windows(problem, false, 0, most_windows(problem, simulated_seconds, 0));
+  const std::size_t n = windows.size();
+  FitData data = fitter.prepare(std::move(windows), Model{});
+  if (n == 0 || data.windows.size() != n) return std::nullopt;
+  for (const Eigen::MatrixXd& u : data.of_start)
+    if (start_growth(u) > criteria().whole_run_growth) return std::nullopt;
+  Fit base = fit_as_it_stands(fitter, data);
+  return ChosenWindows{0, std::move(data), std::move(base)};
+}
+
+ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simulated_seconds) {
+  ChosenWindows chosen;
+  bool is_coherent = false, is_in_time = true;
+  const std::vector<double> lengths = lengths_of(problem);
+  for (std::size_t i = 0; i < lengths.size() && !is_coherent; ++i) {
+    const bool is_last = i + 1 == lengths.size();
+    is_in_time = ends_by(fitter.deadline(), after_share(fitter.deadline(), is_last ? 1 : criteria().time_length), [&] {
+      is_coherent = choose_length(fitter, problem, simulated_seconds, lengths[i], is_last, chosen);
+    });
   }
-  if (chosen.data.windows.empty())
+  if (chosen.data.windows.empty() && is_in_time)
     throw Failure(problem.recording.file.string() +
                   ": the scene could not be simulated to the end of any window of the fitting runs; run it by "
                   "`phyvisgen simulate` and see what fails");

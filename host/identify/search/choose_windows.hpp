@@ -1,5 +1,7 @@
 // Whole runs, or shorter windows where the present model is too far from the measurement to be linearised.
 #pragma once
+#include <optional>
+
 #include "host/identify/fit/fit.hpp"
 
 namespace pvg::diagnose {
@@ -10,8 +12,13 @@ struct ChosenWindows {
   Fit base;  // the scene as it stands, starts fitted
 };
 
-// simulated_seconds: of all windows of one evaluation, about. Throws a Failure where none can be simulated.
+// simulated_seconds: of all windows of one evaluation, about. Throws a Failure where none can be simulated. Where the
+// time is over, what was chosen by then: perhaps no window.
 ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simulated_seconds);
+
+// Whole fitting runs, however long, with the scene as it stands; nothing where the start's error grows too much or a
+// run cannot be simulated to its end.
+std::optional<ChosenWindows> choose_whole_runs(Fitter& fitter, const Problem& problem, double simulated_seconds);
 
 // The scene as it stands, no parameters: starts alone are fitted.
 Fit fit_as_it_stands(Fitter& fitter, const FitData& data);

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/fit/correlation.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -57,32 +58,6 @@ std::vector<VectorXd> left_out(const Fit& fit, const std::vector<std::size_t>& g
     }
   }
   return residual;
-}
-
-// The number of samples that count as one: 1 for white residuals, else the integrated autocorrelation of each window's
-// channels, 1 + 2 sum_k rho_k up to the first lag at which rho_k is below the noise of its estimate.
-double correlation_length(const FitData& data, const std::vector<VectorXd>& residual) {
-  std::vector<double> covariance(1 + criteria().correlation_lag_most, 0);
-  double n = 0;
-  for (std::size_t w = 0; w < data.windows.size(); ++w) {
-    std::map<std::pair<int, int>, std::vector<double>> series;
-    for (std::size_t i = 0; i < data.windows[w].data.size(); ++i) {
-      const Datum& d = data.windows[w].data[i];
-      series[{d.channel, d.component}].push_back(residual[w][Eigen::Index(i)]);
-    }
-    for (const auto& [channel, r] : series) {
-      n += double(r.size());
-      for (std::size_t lag = 0; lag <= criteria().correlation_lag_most; ++lag)
-        for (std::size_t i = lag; i < r.size(); ++i) covariance[lag] += r[i] * r[i - lag];
-    }
-  }
-  double length = 1;
-  for (std::size_t lag = 1; lag <= criteria().correlation_lag_most && covariance[0] > 0; ++lag) {
-    const double rho = covariance[lag] / covariance[0];
-    if (rho < criteria().correlation_significant / std::sqrt(n)) break;
-    length += 2 * rho;
-  }
-  return length;
 }
 
 // Log prior of the candidates and of the parameters' sizes.
@@ -165,19 +140,19 @@ bool excludes_off(const Fit& fit, std::size_t n_base) {
   return any;
 }
 
-// A parameter that ended at a bound other than "off" was not measured.
-bool is_at_bound(const Fit& fit, std::size_t n_base) {
+}  // namespace
+
+bool is_at_bound(const Fit& fit) {
   const std::vector<const Parameter*> parameters = fit.model.parameters();
-  for (std::size_t i = n_base; i < parameters.size(); ++i) {
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
     const Parameter& p = *parameters[i];
-    const double x = fit.model.x[Eigen::Index(i)], near = 1e-6 * (p.high - p.low);
-    if ((x < p.low + near && std::abs(p.low - p.off) > near) || (x > p.high - near && std::abs(p.high - p.off) > near))
-      return true;
+    const double x = fit.model.x[Eigen::Index(i)], near = criteria().bound_width * (p.high - p.low);
+    const double low = p.is_logarithmic ? p.low * (1 + criteria().bound_width_logarithmic) : p.low + near;
+    const double high = p.is_logarithmic ? p.high / (1 + criteria().bound_width_logarithmic) : p.high - near;
+    if ((x < low && std::abs(p.low - p.off) > near) || (x > high && std::abs(p.high - p.off) > near)) return true;
   }
   return false;
 }
-
-}  // namespace
 
 Decision decide_lowest(const Fit& base, const std::vector<Fit>& fits) {
   Decision decision;
@@ -207,7 +182,7 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
   const Fit* closest = &base;
   for (const Fit& fit : fits)
     if (fit.succeeded && robust_cost(fit.residual, scale) < robust_cost(closest->residual, scale)) closest = &fit;
-  const double correlated = correlation_length(data, closest->residual);
+  const double correlated = correlation_length(data.windows, closest->residual);
   decision.base_error = std::sqrt(base_errors.mean());
   double n_data = 0;
   for (const VectorXd& r : base.residual) n_data += double(r.size());
@@ -233,8 +208,7 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
                       0.5 * double(fit.model.x.size()) * std::log(std::max(n_data / correlated, 2.0)) +
                       log_prior_of(fit);
     judged.excludes_off = excludes_off(fit, std::size_t(base.model.x.size()));
-    judged.passes = judged.excludes_off && !is_at_bound(fit, std::size_t(base.model.x.size())) &&
-                    better.is_gain(criteria().gain_sigma);
+    judged.passes = judged.excludes_off && !is_at_bound(fit) && better.is_gain(criteria().gain_sigma);
     entries.push_back(std::move(entry));
   }
   std::stable_sort(entries.begin(), entries.end(),

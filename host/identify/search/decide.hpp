@@ -31,6 +31,9 @@ struct Decision {
 // base: the fit of what was there before. n_base: number of its parameters.
 Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fits);
 
+// A parameter that ended at a bound other than "off" was not measured: such a model passes nothing.
+bool is_at_bound(const Fit& fit);
+
 // The lowest training error, without a test.
 Decision decide_lowest(const Fit& base, const std::vector<Fit>& fits);
 

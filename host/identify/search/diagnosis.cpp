@@ -10,9 +10,12 @@
 #include "host/base/error.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/identify/data/noise.hpp"
+#include "host/identify/fit/agreement.hpp"
 #include "host/identify/fit/limits.hpp"
 #include "host/identify/fit/time_step.hpp"
+#include "host/identify/fit/whole_runs.hpp"
 #include "host/identify/search/choose_windows.hpp"
+#include "host/identify/search/next_experiment.hpp"
 #include "host/identify/search/regress.hpp"
 #include "host/identify/search/workflow.hpp"
 #include "host/identify/sensing/journal.hpp"
@@ -60,13 +63,34 @@ Located find_where(Workflow& flow, const ChosenWindows& chosen) {
   return {std::move(found), {touching.begin(), touching.end()}};
 }
 
-bool agrees(const Problem& problem, const FitData& data, const Fit& base) {
-  if (rms(base.residual) > criteria().agrees_rms) return false;
-  std::vector<std::vector<Phase>> one;
-  for (const Window& window : data.windows) one.push_back(std::vector<Phase>(window.data.size(), Phase::free));
-  for (const Cell& cell : localise(problem, data.windows, base.residual, one))
-    if (cell.is_significant && cell.rms > criteria().agrees_cell_rms) return false;
-  return true;
+// Whether the scene as it stands leaves noise alone. Starts that are fitted anew in each short window take up a slow
+// drift: whole runs, where they can be simulated, have to agree too; else they are the windows from then on.
+bool agrees(Workflow& flow, ChosenWindows& chosen) {
+  const Agreement by_windows = agreement_of(flow.problem, chosen.data.windows, chosen.base.residual);
+  if (!by_windows.is_agreement) {
+    flow.notes.push_back("misfit: " + text_of(by_windows));
+    return false;
+  }
+  std::optional<ChosenWindows> whole;
+  if (chosen.length > 0)
+    flow.ends_in_time(criteria().time_localisation, "agreement over whole runs",
+                      [&] { whole = choose_whole_runs(flow.fitter, flow.problem, flow.settings.simulated_seconds); });
+  if (!whole) return true;
+  const Agreement by_runs = agreement_of(flow.problem, whole->data.windows, whole->base.residual);
+  if (by_runs.is_agreement) return true;
+  flow.notes.push_back("short windows agree, whole runs do not: " + text_of(by_runs) + "; judged on whole runs");
+  chosen = std::move(*whole);
+  return false;
+}
+
+// Why a scene that the fitting runs do not contradict still cannot be said to agree; empty: it agrees.
+std::string doubt_of(const Problem& problem, const HeldOut& held_out) {
+  if (any_noise_is_assumed(problem))
+    return "whether simulation and measurement agree is not known: the noise of a channel is neither given nor could "
+           "it be measured; give `noise`";
+  if (held_out.floor > 0 && !held_out.agreement.is_agreement)
+    return "the fitted runs agree with the scene, the held-out ones do not: " + text_of(held_out.agreement);
+  return "";
 }
 
 std::vector<NamedEffect> named_of(const Fit& fit) {
@@ -98,26 +122,62 @@ struct Proof {
   Selection selected;  // without the effects that proved nothing
   std::vector<NamedEffect> effects;
   HeldOut held_out;
+  WholeRuns whole;
   std::vector<Curve> curves;
+  bool is_at_bound = false;  // a number of what was named ended there
 };
+
+// The named model on whole held-out runs. Where the windows are whole runs already they have shown it.
+WholeRuns prove_on_whole_runs(Workflow& flow, const ChosenWindows& chosen, const HeldOut& judged, const Model& named,
+                              bool in_noise) {
+  WholeRuns whole;
+  if (judged.floor == 0) {
+    whole.why_not = "the held-out runs were not judged";
+    return whole;
+  }
+  if (chosen.length == 0) {
+    whole.before = judged.before, whole.after = judged.after, whole.floor = judged.floor;
+    return whole;
+  }
+  whole.why_not = "there was no time";
+  whole.had_no_time = true;
+  flow.ends_in_time(criteria().time_proof, "the proof on whole runs", [&] {
+    whole = judge_whole_runs(flow.fitter, flow.problem, criteria().whole_run_proof, named, in_noise, judged.disturbed);
+  });
+  return whole;
+}
+
+// A sentence on them; unit: of the errors.
+std::string text_of(const WholeRuns& whole, const std::string& unit) {
+  if (!whole.is_judged()) return "the held-out runs were judged by windows alone, not whole: " + whole.why_not;
+  return fmt::format("held-out runs simulated whole from their first state: error {:.3g} before and {:.3g} after, {}",
+                     whole.before, whole.after, unit == "noise" ? "times the noise" : unit);
+}
 
 Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, const std::string& unit) {
   const Problem& problem = flow.problem;
   std::vector<Model> models;
   for (const Fit& fit : selected.fits) models.push_back(fit.model);
   const std::size_t most = most_windows(problem, flow.settings.simulated_seconds, chosen.length);
-  HeldOut judged = judge_held_out(flow.fitter, problem, chosen.length, most, models, unit == "noise");
+  HeldOut judged;
+  const bool is_done = flow.ends_in_time(criteria().time_proof, "the proof on held-out runs", [&] {
+    judged = judge_held_out(flow.fitter, problem, chosen.length, most, models, unit == "noise");
+  });
+  if (!is_done) judged.kept = models.size();
   const std::size_t left = std::max<std::size_t>(judged.kept, 1);
+  const bool any_selected = !selected.fits.empty();
   const Fit& named = selected.fits.empty() ? chosen.base : selected.fits[left - 1];
-  if (left < selected.fits.size()) {  // the others proved nothing
-    selected.ranking.erase(selected.ranking.begin(),
-                           selected.ranking.begin() + std::ptrdiff_t(selected.fits.size() - left));
+  if (left < selected.fits.size()) {  // the others proved nothing: behind what is named they are a hint
+    const auto first = selected.ranking.begin(), named_one = first + std::ptrdiff_t(selected.fits.size() - left);
+    std::for_each(first, named_one, [](RankedModel& model) { model.fails_held_out = true; });
+    std::rotate(first, named_one, named_one + 1);
     selected.inseparable.resize(std::min(selected.inseparable.size(), left));
     selected.error = selected.ranking.front().error;
   }
   const bool any_held_out =
       std::any_of(problem.runs.begin(), problem.runs.end(), [](const Run& r) { return r.is_held_out; });
-  if (any_held_out && judged.floor == 0) flow.notes.push_back("the held-out runs could not be simulated to their end");
+  if (any_held_out && is_done && judged.floor == 0)
+    flow.notes.push_back("the held-out runs could not be simulated to their end");
   for (const Disturbance& d : judged.disturbed) {
     char text[300];
     std::snprintf(text, sizeof text,
@@ -127,11 +187,28 @@ Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, con
                   unit == "noise" ? "times the noise" : unit.c_str());
     flow.notes.push_back(text);
   }
+  WholeRuns whole = prove_on_whole_runs(flow, chosen, judged, named.model, unit == "noise");
+  if (any_held_out) flow.notes.push_back(text_of(whole, unit));
   std::vector<NamedEffect> effects = named_of(named);
   std::vector<Curve> curves = std::move(judged.curves);
   const std::vector<Curve> fitted = curves_of(problem, chosen.data, chosen.base, named, CURVES_OF_FITTED_RUNS);
   curves.insert(curves.end(), fitted.begin(), fitted.end());
-  return {std::move(selected), std::move(effects), std::move(judged), std::move(curves)};
+  return {std::move(selected), std::move(effects), std::move(judged),
+          std::move(whole),    std::move(curves),  any_selected && is_at_bound(named)};
+}
+
+// The scene's own step where there is no time to compare it with finer ones.
+void choose_step(Workflow& flow) {
+  std::string note;
+  if (flow.ends_in_time(criteria().time_measurement, "the comparison with finer time steps",
+                        [&] { note = choose_time_step(flow.fitter, flow.predictor, flow.problem, flow.base); })) {
+    flow.notes.push_back(note);
+    return;
+  }
+  const SolverSettings& given = flow.problem.scene.scene.solver;
+  flow.base.scene.solver.time_step = given.time_step;
+  flow.base.scene.solver.integrator = given.integrator;
+  flow.fitter.take_steps_as_they_are();
 }
 
 // Stage 1: noise, time step. Returns the unit of held-out errors.
@@ -160,19 +237,34 @@ std::string measure(Workflow& flow) {
         flow.notes.push_back(text);
       }
   }
+  if (!problem.scene.scene.soft_bodies.empty())
+    flow.notes.push_back(
+        "soft bodies are stable neo-Hookean without the logarithm (Smith, De Goes, Kim 2018): Psi = mu/2 (|F|^2 - 3) + "
+        "lambda'/2 (J - 1 - mu/lambda')^2 up to a constant; moduli of other variants differ at large strains");
   // the moments of a mask have no common size, nor have the cells of a picture
   const bool has_pictures = !problem.recording.mask_sources.empty() || !problem.recording.video_sources.empty();
   flow.report_progress(1, 0,
                        "noise of " + std::to_string(problem.channels.size()) + " channels, " +
                            std::to_string(problem.runs.size()) + " runs");
-  flow.notes.push_back(choose_time_step(flow.fitter, flow.predictor, problem, flow.base));
+  choose_step(flow);
   flow.files.write_notes("1_measurement.json", flow.notes);
   return units.size() > 1 || has_pictures ? "noise" : *units.begin();
 }
 
-// Stage 2: windows that the model can follow, and what it leaves in them.
+// Stage 2: windows that the model can follow, and what it leaves in them. No window: there was no time.
 ChosenWindows find_residual(Workflow& flow) {
-  ChosenWindows chosen = choose_windows(flow.fitter, flow.problem, flow.settings.simulated_seconds);
+  ChosenWindows chosen;
+  // again with the fewest windows if none came to an end in time
+  const std::pair<double, double> tries[] = {{criteria().time_residual, flow.settings.simulated_seconds},
+                                             {criteria().time_search, 0}};
+  for (const auto& [end, simulated_seconds] : tries) {
+    const EarlierDeadline stage(flow.predictor.deadline(), flow.end_of(end));
+    if (chosen.data.windows.empty()) chosen = choose_windows(flow.fitter, flow.problem, simulated_seconds);
+  }
+  if (chosen.data.windows.empty()) {
+    flow.note_left_out("everything: the scene is too slow to be simulated beside the measurement");
+    return chosen;
+  }
   char text[200];
   std::snprintf(text, sizeof text, "%zu windows of %s; error as the scene stands %.3g times the noise",
                 chosen.data.windows.size(),
@@ -186,7 +278,9 @@ ChosenWindows find_residual(Workflow& flow) {
 
 // Stage 3: where the misfit is.
 Located locate(Workflow& flow, const ChosenWindows& chosen) {
-  Located located = find_where(flow, chosen);
+  Located located;
+  flow.ends_in_time(criteria().time_localisation, "where the misfit is, and effects of contact",
+                    [&] { located = find_where(flow, chosen); });
   flow.files.write_where(located.where);
   return located;
 }
@@ -194,7 +288,8 @@ Located locate(Workflow& flow, const ChosenWindows& chosen) {
 // All that stage 4 screens.
 std::vector<Candidate> all_candidates(Workflow& flow, const ChosenWindows& chosen, const Located& located) {
   std::vector<Candidate> candidates = make_candidates(flow.problem, located.touching);
-  place_limits(flow.fitter, chosen.data, chosen.base, candidates);
+  flow.ends_in_time(criteria().time_localisation, "where limits such as a yield strain are reached",
+                    [&] { place_limits(flow.fitter, chosen.data, chosen.base, candidates); });
   const std::vector<Cell>& where = located.where;
   flow.report_progress(3, 0.2,
                        where.empty() ? "nothing located"
@@ -207,15 +302,57 @@ void add_proof(Diagnosis& out, Proof proof) {
   out.effects = std::move(proof.effects);
   out.ranking = std::move(proof.selected.ranking);
   out.inseparable = std::move(proof.selected.inseparable);
-  out.next_experiment = std::move(proof.selected.next_experiment);
   out.fit_after = proof.selected.error;
   out.before = proof.held_out.before;
   out.after = proof.held_out.after;
   out.floor = proof.held_out.floor;
   out.gap_closed = closed(out.before, out.after, out.floor);
+  out.whole = std::move(proof.whole);
+  out.holds_on_whole_runs =
+      out.whole.is_judged() ? closed(out.whole.before, out.whole.after, out.whole.floor) >= criteria().gap_closed_least
+                            : !out.whole.had_no_time;
   out.mask_gap_before = proof.held_out.mask_gap_before;
   out.mask_gap_after = proof.held_out.mask_gap_after;
   out.curves = std::move(proof.curves);
+}
+
+std::string label_of(const RankedModel& model) {
+  std::string text;
+  for (const Candidate* part : model.parts) text += (text.empty() ? "" : " + ") + part->label();
+  return text;
+}
+
+// The best other model of the ranking that a set names beside the first one; else simply the next best.
+const RankedModel* confused_with_first(const Diagnosis& d) {
+  const auto is_confused = [&](const RankedModel& model) {
+    return std::any_of(d.inseparable.begin(), d.inseparable.end(), [&](const std::vector<std::string>& set) {
+      return std::find(set.begin(), set.end(), model.parts.back()->label()) != set.end();
+    });
+  };
+  for (std::size_t i = 1; i < d.ranking.size(); ++i)
+    if (is_confused(d.ranking[i]) && d.ranking[i].parts != d.ranking[0].parts) return &d.ranking[i];
+  return d.ranking.size() > 1 ? &d.ranking[1] : nullptr;
+}
+
+// Which motion would separate the names that are still confused.
+void plan_next(Workflow& flow, Device& device, Diagnosis& d) {
+  const RankedModel* other = confused_with_first(d);
+  if (other == nullptr || !(flow.settings.plans_next || !d.inseparable.empty())) return;
+  std::optional<NextExperiment> found;
+  const auto end = flow.end_of(criteria().time_proof);
+  if (!flow.ends_in_time(criteria().time_proof, "the next experiment", [&] {
+        found = next_experiment(device, flow.problem, flow.base, d.ranking[0], *other, flow.settings.n_processes, end);
+      }))
+    return;
+  if (!found) {
+    flow.notes.push_back("no motion that could be commanded or released here was found for a next experiment");
+    return;
+  }
+  d.next_experiment =
+      fmt::format("{}: separates {} from {} by {:.3g} times the noise, over {} numbers, of {} motions the most",
+                  found->motion.description, label_of(d.ranking[0]), label_of(*other), found->separation,
+                  found->n_samples, motion_family(flow.problem).size());
+  d.next_motion = std::move(found->motion);
 }
 
 }  // namespace
@@ -228,13 +365,33 @@ void Workflow::report_progress(int stage, double share, const std::string& text)
                    : "");
 }
 
-bool Workflow::has_time(const std::string& something, double expected_seconds) {
-  if (seconds() + expected_seconds < 60 * settings.minutes) return true;
-  notes.push_back(
+Clock::time_point Workflow::end_of(double share) const {
+  return start +
+         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(60 * settings.minutes * share));
+}
+
+bool Workflow::has_time(const std::string& something, double expected_seconds, double share) {
+  if (expected_seconds < seconds_until(end_of(share))) return true;
+  left_out.push_back(
       fmt::format("{} was not looked for: {:.0f} s were over and it takes some {:.0f} s more; "
                   "`--minutes`, which is {:g}, gives it more",
                   something, seconds(), expected_seconds, settings.minutes));
   return false;
+}
+
+void Workflow::note_left_out(const std::string& what) {
+  left_out.push_back(fmt::format("{}: left out after {:.0f} s; `--minutes`, which is {:g}, gives it more", what,
+                                 seconds(), settings.minutes));
+}
+
+// The physical ones are printed, since these are looked for first.
+void Workflow::show(std::vector<Showable> rows) {
+  std::size_t n_shown = 0;
+  for (const Showable& row : rows)
+    if (row.candidate->family == Family::physical && n_shown++ < criteria().n_showable_printed)
+      std::fprintf(stderr, "  could show %s\n", text_of(row).c_str());
+  files.write_showable(rows);
+  showable = std::move(rows);
 }
 
 const char* verdict_name(Verdict verdict) {
@@ -246,6 +403,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
   Workflow flow(device, problem, settings);
   flow.files.folder = folder;
   Diagnosis out;
+  out.candidates = std::make_shared<std::vector<Candidate>>();
   Journal journal;
   if (!folder.empty()) {
     journal = Journal(folder / "simulated.bin",
@@ -256,43 +414,62 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
   }
   out.unit = measure(flow);
   out.used = flow.base.scene;
-  const ChosenWindows chosen = find_residual(flow);
-  out.fit_before = rms(chosen.base.residual);
-  if (agrees(problem, chosen.data, chosen.base)) {
+  ChosenWindows chosen = find_residual(flow);
+  out.fit_before = chosen.data.windows.empty() ? NAN : rms(chosen.base.residual);
+  if (chosen.data.windows.empty()) {
+    out.verdict = Verdict::none;
+  } else if (agrees(flow, chosen)) {
     out.verdict = Verdict::agrees;
-    out.candidates = std::make_shared<std::vector<Candidate>>();
+    flow.ends_in_time(criteria().time_localisation, "what these recordings could have shown", [&] {
+      *out.candidates = all_candidates(flow, chosen, locate(flow, chosen));
+      std::vector<const Candidate*> all;
+      for (const Candidate& candidate : *out.candidates) all.push_back(&candidate);
+      flow.show(identifiability(signatures_of(flow.fitter, chosen.data, chosen.base, all)));
+    });
     Selection nothing;
     nothing.error = out.fit_before;
-    add_proof(out, prove(flow, chosen, std::move(nothing), out.unit));
-    if (out.after > criteria().agrees_held_out * out.floor && out.floor > 0)
-      flow.notes.push_back(
-          fmt::format("the fitted runs agree with the scene, the held-out ones do not: {:.2g} times the noise",
-                      out.after / out.floor));
+    Proof proof = prove(flow, chosen, std::move(nothing), out.unit);
+    out.undecided = doubt_of(problem, proof.held_out);
+    if (!out.undecided.empty()) out.verdict = Verdict::none;
+    add_proof(out, std::move(proof));
   } else {
     Located located = locate(flow, chosen);
     out.candidates = std::make_shared<std::vector<Candidate>>(all_candidates(flow, chosen, located));
     flow.report_progress(4, 0.25, "screening " + std::to_string(out.candidates->size()) + " candidates");
     Selection selected = forward_selection(flow, *out.candidates, chosen.data, chosen.base);
     flow.report_progress(7, 0.9, "judging on the held-out runs");
-    add_proof(out, prove(flow, chosen, std::move(selected), out.unit));
+    Proof proof = prove(flow, chosen, std::move(selected), out.unit);
+    const bool is_at_bound = proof.is_at_bound && settings.decide == Decide::workflow;
+    add_proof(out, std::move(proof));
     const bool is_judged = out.floor > 0;
-    bool is_proved = !out.effects.empty();
+    if (is_at_bound)
+      flow.notes.push_back(
+          "a number of the best model ended at its bound: it was not measured, and the model passes no proof");
+    bool is_proved = !out.effects.empty() && !is_at_bound;
     if (settings.decide == Decide::workflow)
-      is_proved = is_proved && is_judged && out.gap_closed >= criteria().gap_closed_least && out.after < out.before;
+      is_proved = is_proved && is_judged && out.gap_closed >= criteria().gap_closed_least && out.after < out.before &&
+                  out.holds_on_whole_runs;
     out.verdict = is_proved ? verdict_of(out.effects) : Verdict::none;
+    if (!is_proved && is_judged && !out.effects.empty()) out.ranking.front().fails_held_out = true;
     if (out.verdict == Verdict::none && is_judged && settings.decide == Decide::workflow &&
-        flow.has_time("a law without a name")) {
+        flow.has_time("a law without a name", 0, criteria().time_proof)) {
       flow.report_progress(7, 0.6, "none of the known effects: looking for a law of the motion");
-      if (std::optional<Regressed> found = regress(flow, chosen, located.where, out.unit == "noise")) {
+      std::optional<Regressed> found;
+      flow.ends_in_time(criteria().time_proof, "a law without a name",
+                        [&] { found = regress(flow, chosen, located.where, out.unit == "noise"); });
+      if (found) {
         out.regressed = std::move(found->law);
         out.curves = std::move(found->curves);
       }
     }
     out.where = std::move(located.where);
   }
+  plan_next(flow, device, out);
   out.seconds = flow.seconds();
   out.simulations = flow.predictor.n_simulations();
   out.notes = std::move(flow.notes);
+  out.showable = std::move(flow.showable);
+  out.left_out = std::move(flow.left_out);
   if (!settings.keeps_simulations) journal.remove();
   return out;
 }

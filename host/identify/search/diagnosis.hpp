@@ -9,7 +9,9 @@
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/held_out.hpp"
 #include "host/identify/search/decide.hpp"
+#include "host/identify/search/identifiability.hpp"
 #include "host/identify/search/localise.hpp"
+#include "host/identify/search/motion_family.hpp"
 
 namespace pvg::diagnose {
 
@@ -21,10 +23,11 @@ enum class Decide { workflow, retune, lowest, weak };
 struct Settings {
   Decide decide = Decide::workflow;
   int max_effects = 2;
-  double minutes = 10;                                      // after which no further effect, pair or law is looked for
+  double minutes = 5;                                       // after which the report is written, whatever is left out
   std::size_t n_fitted = criteria().n_fitted;               // candidates that are fitted, of those screened
   double simulated_seconds = criteria().simulated_seconds;  // of all windows of one evaluation, about
   std::size_t n_processes = 1;                              // that simulate, as Predictor has them
+  bool plans_next = false;         // the next experiment is computed whether names are confused or not
   bool keeps_simulations = false;  // the journal is left for the next diagnosis in the same folder
   bool simulates = true;           // false: a Failure where the journal does not hold a result
 };
@@ -56,18 +59,25 @@ struct RankedModel {
   double error = 0;  // left out, in units of noise
   double evidence = 0, probability = 0;
   std::vector<double> values, deviations;  // of all parameters; one standard deviation each, by the fit's covariance
+  bool fails_held_out = false;             // it explains the fitting runs but not those that were held out
 };
 
 struct Diagnosis {
   Verdict verdict = Verdict::agrees;
   std::string sentence, next_experiment;
+  std::string undecided;                     // why the verdict is none although the fitting runs agree
+  std::optional<PlannedMotion> next_motion;  // that experiment
   std::vector<NamedEffect> effects;
   std::vector<RankedModel> ranking;
   std::vector<std::vector<std::string>> inseparable;
+  std::vector<Showable> showable;  // what these recordings could show
   std::vector<Cell> where;
   std::vector<std::string> notes;                           // what the reader should know: noise, step, windows
+  std::vector<std::string> left_out;                        // for want of time
   double before = 0, after = 0, floor = 0, gap_closed = 0;  // held-out error [unit]
   double fit_before = 0, fit_after = 0;                     // of the fitting runs, left out [noise]
+  WholeRuns whole;                                          // of the named model, or of the scene as it stands
+  bool holds_on_whole_runs = true;
   std::string unit;
   double mask_gap_before = NAN, mask_gap_after = NAN;  // as HeldOut has them
   std::vector<Curve> curves;

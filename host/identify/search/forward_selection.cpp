@@ -73,10 +73,24 @@ RankedModel ranked(const Judged& judged) {
   return ranked(*judged.fit, judged.error, judged.evidence, judged.probability);
 }
 
-Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
-                            const Fit& base) {
-  Selection out;
-  out.error = rms(base.residual);
+namespace {
+
+// Candidates that mimic what was chosen in these runs: no fit of theirs was found worse.
+std::vector<std::string> told_together(const Round& round, const Judged& chosen) {
+  const Model& model = chosen.fit->model;
+  std::vector<std::string> labels;
+  for (const Candidate* other : look_alikes(round.signatures, *model.parts.back(), model.x)) {
+    const bool was_fitted = std::any_of(round.fits.begin(), round.fits.end(), [&](const Fit& fit) {
+      return fit.succeeded && !fit.is_given_up && fit.model.parts.back() == other;
+    });
+    if (!was_fitted) labels.push_back(other->label());
+  }
+  return labels;
+}
+
+// `out` is whole after each effect: the time may be over in the search for the next one.
+void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data, const Fit& base,
+            Selection& out) {
   Prepared prepared(data, base);
   std::vector<Fit> first_round, tried;  // tried: single ones beside which a second was looked for
   std::optional<Model> best_single;     // least left-out error of those that pass in the first round
@@ -85,7 +99,7 @@ Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candid
   // one round more than effects, since a swap takes one
   for (int number = 1; number <= flow.settings.max_effects + (flow.settings.max_effects > 1); ++number) {
     if (int(named.model.parts.size()) >= flow.settings.max_effects) break;
-    if (number > 1 && !flow.has_time("an effect beside " + named.model.parts.back()->label(), of_round)) return out;
+    if (number > 1 && !flow.has_time("an effect beside " + named.model.parts.back()->label(), of_round)) return;
     const double since = flow.seconds();
     if (named.model.parts.size() == 1) tried.push_back(named);
     const Round round =
@@ -102,9 +116,7 @@ Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candid
       const double of_another = is_another ? error_of_single(flow, prepared, *best_single) : INFINITY;
       if (closed(std::min(decision.base_error, of_another), chosen.error, 1) < criteria().second_gain_least) break;
     }
-    if (number > 1)
-      out.ranking.insert(out.ranking.begin(), ranked(chosen));
-    else
+    if (number == 1)
       std::rotate(out.ranking.begin(), out.ranking.begin() + decision.chosen,
                   out.ranking.begin() + decision.chosen + 1);
     std::vector<std::string> set;
@@ -112,9 +124,12 @@ Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candid
       const std::vector<std::string> labels = labels_of(decision.ranking[i].fit->model, named.model.parts.size());
       set.insert(set.end(), labels.begin(), labels.end());
     }
-    if (!set.empty()) out.inseparable.push_back(set);
-    if (!decision.inseparable.empty() && out.next_experiment.empty())
-      out.next_experiment = chosen.fit->model.parts.back()->experiment;
+    if (number == 1 && flow.settings.decide == Decide::workflow)
+      for (const std::string& label : told_together(round, chosen))
+        if (std::find(set.begin(), set.end(), label) == set.end()) {
+          if (set.empty()) set.push_back(chosen.fit->model.parts.back()->label());
+          set.push_back(label);
+        }
     const std::size_t n_parts = chosen.fit->model.parts.size();
     std::vector<Fit> passed;  // best first
     for (const Judged& judged : decision.ranking)
@@ -123,13 +138,18 @@ Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candid
       first_round = passed;
       if (!passed.empty()) best_single = passed.front().model;
     }
-    named = n_parts > 1 && flow.settings.decide == Decide::workflow
-                ? reconsidered(flow, prepared, *chosen.fit, first_round, passed)
-                : *chosen.fit;
-    if (flow.settings.decide == Decide::workflow) named = prepared_again(flow.fitter, prepared, named);
+    named = *chosen.fit;
+    if (flow.settings.decide == Decide::workflow)
+      flow.ends_in_time(criteria().time_search, "the revision of " + labels_of(named.model, 0).back(), [&] {
+        if (n_parts > 1) named = reconsidered(flow, prepared, *chosen.fit, first_round, passed);
+        named = prepared_again(flow.fitter, prepared, named);
+      });
     const double error = rms(named.residual);
-    if (named.model.parts != chosen.fit->model.parts)
-      out.ranking.front() = ranked(named, error, chosen.evidence, chosen.probability);
+    if (number > 1)
+      out.ranking.insert(out.ranking.begin(), named.model.parts == chosen.fit->model.parts
+                                                  ? ranked(chosen)
+                                                  : ranked(named, error, chosen.evidence, chosen.probability));
+    if (!set.empty()) out.inseparable.push_back(set);
     if (named.model.parts.size() < n_parts) {  // the first effect was dropped
       out.fits.clear();
       out.inseparable.clear();
@@ -143,10 +163,13 @@ Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candid
                                " times the noise: looking for another effect");
   }
   const bool is_explained = !out.fits.empty() && rms(named.residual) < criteria().unexplained;
-  if (is_explained || flow.settings.max_effects < 2 || flow.settings.decide != Decide::workflow) return out;
-  const auto select = [&](const FoundPair& pair) {
+  if (is_explained || flow.settings.max_effects < 2 || flow.settings.decide != Decide::workflow) return;
+  const auto take = [&](const FoundPair& pair) {
     Prepared first(data, base);
-    out.fits = {prepared_again(flow.fitter, first, pair.fit)};
+    Fit fit = pair.fit;
+    flow.ends_in_time(criteria().time_search, "the revision of a pair",
+                      [&] { fit = prepared_again(flow.fitter, first, fit); });
+    out.fits = {std::move(fit)};
     out.error = rms(out.fits.back().residual);
     out.ranking.insert(out.ranking.begin(), pair.model);
     if (!pair.inseparable.empty()) out.inseparable.push_back(pair.inseparable);
@@ -154,14 +177,24 @@ Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candid
   if (const std::optional<FoundPair> pair =
           find_beside_alternatives(flow, candidates, data, first_round, tried, criteria().unexplained, of_round)) {
     out.inseparable.resize(std::min<std::size_t>(out.inseparable.size(), 1));  // of the first effect
-    select(*pair);
-    return out;
+    take(*pair);
+    return;
   }
-  if (!flow.has_time("a pair of effects", of_round)) return out;
+  if (!flow.has_time("a pair of effects", of_round)) return;
   if (const std::optional<FoundPair> pair = find_pair(flow, candidates, data, base, criteria().unexplained)) {
     out.inseparable.clear();
-    select(*pair);
+    take(*pair);
   }
+}
+
+}  // namespace
+
+Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
+                            const Fit& base) {
+  Selection out;
+  out.error = rms(base.residual);
+  flow.ends_in_time(criteria().time_search, "the rest of the search for effects",
+                    [&] { select(flow, candidates, data, base, out); });
   return out;
 }
 

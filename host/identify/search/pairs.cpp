@@ -99,7 +99,7 @@ std::vector<Screened> pairs_of_first_parts(Workflow& flow, const std::vector<Can
     if (share == first_share) starts = pairs_to_fit(flow, all, part, fit_as_it_stands(flow.fitter, part));
     if (starts.empty()) break;
     std::vector<Screened> next;
-    for (Fit& fit : fit_best(flow.fitter, part, starts))
+    for (Fit& fit : fit_best(flow, part, starts))
       if (fit.succeeded && !fit.is_given_up) next.push_back({fit.model.parts.front(), std::move(fit.model), 0, 0});
     starts = std::move(next);
   }
@@ -114,7 +114,7 @@ std::optional<FoundPair> find_pair(Workflow& flow, const std::vector<Candidate>&
                                                                 : pairs_of_first_parts(flow, candidates, data);
   if (starts.empty()) return std::nullopt;
   flow.report_progress(5, 0.8, "fitting " + std::to_string(starts.size()) + " pairs of candidates");
-  const std::vector<Fit> fits = fit_best(flow.fitter, data, starts);
+  const std::vector<Fit> fits = fit_best(flow, data, starts);
   const Decision decision = decide(data, base, fits);
   flow.files.write_fits("pairs", decision);
   if (decision.chosen < 0) return std::nullopt;

@@ -104,7 +104,7 @@ std::optional<Regressed> regress(Workflow& flow, const ChosenWindows& chosen, co
   std::vector<Screened> starts;
   for (const Sum& sum : sums) starts.push_back({&sum.candidate, {{&sum.candidate}, sum.start, sum.scale}, 0, 0});
   if (starts.empty()) return std::nullopt;
-  const std::vector<Fit> fits = fit_best(flow.fitter, chosen.data, starts);
+  const std::vector<Fit> fits = fit_best(flow, chosen.data, starts);
   const Decision decision = decide(chosen.data, chosen.base, fits);
   if (decision.chosen < 0) return std::nullopt;
   const Judged& best = decision.ranking[std::size_t(decision.chosen)];

@@ -9,11 +9,10 @@ namespace pvg::diagnose {
 
 using Eigen::VectorXd;
 
-std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector<Screened>& best) {
-  std::vector<Model> models;
-  for (const Screened& s : best) models.push_back(s.model);
-  std::vector<Fit> fits = fitter.begin(data, std::move(models));
-  std::erase_if(fits, [](const Fit& fit) { return !fit.succeeded; });
+namespace {
+
+// Some steps of all fits, then those of the finalists to their end.
+void improve_finalists(Fitter& fitter, const FitData& data, std::vector<Fit>& fits) {
   fitter.improve(data, fits, criteria().n_first_steps);
   std::vector<double> scales;  // of each window by the fit that has it best
   for (const Fit& fit : fits) {
@@ -36,7 +35,21 @@ std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector
         key[order[i]] > key[order[0]] + criteria().finalist_behind_most * best.scale * best.scale;
   }
   fitter.improve(data, fits, criteria().n_more_steps);
-  fitter.finish(data, fits);
+  fitter.take_last_steps(data, fits);
+}
+
+}  // namespace
+
+std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const std::vector<Screened>& best) {
+  Fitter& fitter = flow.fitter;
+  std::vector<Model> models;
+  for (const Screened& s : best) models.push_back(s.model);
+  std::vector<Fit> fits = fitter.begin(data, std::move(models));
+  std::erase_if(fits, [](const Fit& fit) { return !fit.succeeded; });
+  if (!ends_by(fitter.deadline(), after_share(fitter.deadline(), criteria().time_steps),
+               [&] { improve_finalists(fitter, data, fits); }))
+    flow.note_left_out("the last steps of fits");
+  fitter.conclude(data, fits);
   return fits;
 }
 
@@ -47,19 +60,22 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
     if (std::find(base.model.parts.begin(), base.model.parts.end(), &c) == base.model.parts.end() &&
         (flow.settings.decide != Decide::retune || c.family == Family::parameter))
       candidates.push_back(&c);
-  const std::vector<Screened> screened = screen(flow.fitter, data, base, candidates);
+  Round round;
+  const bool is_first = base.model.parts.empty();
+  const std::vector<Screened> screened =
+      screen(flow.fitter, data, base, candidates, is_first ? &round.signatures : nullptr);
   flow.files.write_screen(name, screened);
+  if (is_first) flow.show(identifiability(round.signatures));
   const std::vector<Screened> best = shortlist(screened, flow.settings.n_fitted);
   flow.report_progress(
       5, share, "fitting " + std::to_string(best.size()) + " of " + std::to_string(candidates.size()) + " candidates");
-  Round round;
   if (best.empty()) return round;
   if (flow.settings.decide == Decide::weak) {  // as the linear regression has them
     round.fits = flow.fitter.begin(data, {best[0].model});
     std::erase_if(round.fits, [](const Fit& fit) { return !fit.succeeded; });
     flow.fitter.conclude(data, round.fits);
   } else {
-    round.fits = fit_best(flow.fitter, data, best);
+    round.fits = fit_best(flow, data, best);
   }
   round.decision =
       flow.settings.decide == Decide::workflow ? decide(data, base, round.fits) : decide_lowest(base, round.fits);

@@ -10,14 +10,16 @@ namespace pvg::diagnose {
 
 struct Round {
   std::vector<Fit> fits;
-  Decision decision;  // points to them
+  Decision decision;      // points to them
+  Signatures signatures;  // of the candidates, where the base is without any effect
 };
 
 // name: of the stages' files; share: of the whole work that is done when the fits begin.
 Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
                 const std::string& name, double share);
 
-// The fits to the end of those that may still win, all with slopes and covariances.
-std::vector<Fit> fit_best(Fitter& fitter, const FitData& data, const std::vector<Screened>& best);
+// The fits to the end of those that may still win, all with slopes and covariances. Where the time is over the steps
+// end early, and a note says so.
+std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const std::vector<Screened>& best);
 
 }  // namespace pvg::diagnose

@@ -129,6 +129,13 @@ bool is_limit(const Candidate& candidate) {
   return candidate.parameters.size() == 1 && candidate.parameters[0].is_limit;
 }
 
+bool is_logarithmic(const Candidate& candidate) {
+  return candidate.parameters.size() == 1 && candidate.parameters[0].is_logarithmic;
+}
+
+// No slope predicts how far to go: all places of a grid are tried.
+bool is_tried_anyway(const Candidate& candidate) { return is_limit(candidate) || is_logarithmic(candidate); }
+
 // Where a candidate is tried: shares of its linear optimum. Where the law is off, residuals are not sensitive to its
 // shape parameter, so neither its optimum nor that of strengths beside the first is known: other shapes are tried, with
 // the strengths unchanged and with all of them equal.
@@ -152,6 +159,10 @@ std::vector<Model> trials_of(const Screened& screened, Eigen::Index n_base) {
   // beyond a limit the change starts from zero: no slope predicts how far to go
   for (const double limit : is_limit(*screened.candidate) ? c.screen_limits : Series())
     add([&](std::size_t k, double) { return limit * parameters[k].off; });
+  for (const double factor : is_logarithmic(*screened.candidate) ? c.screen_factors : Series()) {
+    add([&](std::size_t k, double) { return factor * parameters[k].off; });
+    add([&](std::size_t k, double) { return parameters[k].off / factor; });
+  }
   if (std::none_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.is_shape; })) return models;
   const double first = screened.model.x[n_base] - parameters[0].off;
   for (const double shape : {c.screen_shape_low, 1.0, c.screen_shape_high})
@@ -208,7 +219,7 @@ std::vector<Trial> mirrored(const std::vector<Trial>& trials) {
   std::vector<Trial> out;
   for (Trial trial : trials) {
     const Parameter& p = trial.candidate->parameters[trial.parameter];
-    trial.step = -trial.step;
+    trial.step = p.is_logarithmic ? p.off * p.off / (p.off + trial.step) - p.off : -trial.step;
     const bool is_allowed = p.off + trial.step >= p.low && p.off + trial.step <= p.high;
     if (trial.candidate->family == Family::parameter && is_allowed) out.push_back(trial);
   }
@@ -238,6 +249,32 @@ Reduced normal_equations(const FitData& data, const Fit& base, Eigen::Index n_ba
   }
   fit.model.x = VectorXd::Zero(n);
   return reduce(fit);
+}
+
+// What noise alone would give: residuals of zero, each sample with the weight 1.
+MatrixXd information_of(const FitData& data, const Fit& base, std::span<const std::size_t> seen,
+                        std::span<const std::vector<VectorXd>> found) {
+  Fit noise = base;
+  for (VectorXd& r : noise.residual) r.setZero();
+  const double weight = (criteria().student_freedom + 1) / criteria().student_freedom;
+  return normal_equations(data, noise, 0, seen, found).sum_a() / weight;
+}
+
+Signatures signatures_from(const FitData& data, const Fit& base, std::span<const Trial> trials,
+                           std::span<const std::vector<VectorXd>> found) {
+  Signatures out;
+  const std::vector<std::size_t> seen = seen_of(found.first(trials.size()));
+  for (const std::size_t t : seen) {
+    out.candidate.push_back(trials[t].candidate);
+    out.parameter.push_back(trials[t].parameter);
+    out.step.push_back(trials[t].step);
+  }
+  if (seen.empty()) return out;
+  const Reduced reduced = normal_equations(data, base, 0, seen, found);
+  out.a = reduced.sum_a();
+  out.g = reduced.sum_g();
+  out.information = information_of(data, base, seen, found);
+  return out;
 }
 
 // The best sum of one candidate's signatures, starts and base model free; no gain where the residuals do not change.
@@ -276,7 +313,7 @@ Screened linear_optimum(const FitData& data, const Fit& base, double n_data, std
 }  // namespace
 
 std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fitted,
-                             const std::vector<const Candidate*>& candidates) {
+                             const std::vector<const Candidate*>& candidates, Signatures* signatures) {
   const Fit base = from_measured_starts(fitter, data, fitted);
   // the misfit itself
   std::vector<Trial> trials = choose_steps(
@@ -287,6 +324,7 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fit
   const std::vector<Trial> other_side = mirrored(trials);
   trials.insert(trials.end(), other_side.begin(), other_side.end());
   const std::vector<std::vector<VectorXd>> found = responses(fitter, data, base, trials);
+  if (signatures != nullptr) *signatures = signatures_from(data, base, std::span(trials).first(n_first), found);
   double n_data = 0;
   for (const VectorXd& r : base.residual) n_data += double(r.size());
   std::vector<Screened> screened;
@@ -295,7 +333,7 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fit
     while (last < end && trials[last].candidate == trials[first].candidate) ++last;
     Screened one = linear_optimum(data, base, n_data, std::span(trials).subspan(first, last - first),
                                   std::span(found).subspan(first, last - first));
-    if (!(one.gain > 0) && !(is_limit(*one.candidate) && one.sensitivity > 0)) continue;
+    if (!(one.gain > 0) && !(is_tried_anyway(*one.candidate) && one.sensitivity > 0)) continue;
     const auto before = std::find_if(screened.begin(), screened.end(),
                                      [&](const Screened& other) { return other.candidate == one.candidate; });
     if (before == screened.end())
@@ -305,8 +343,8 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fit
   }
   const auto is_better = [](const Screened& a, const Screened& b) { return a.gain > b.gain; };
   std::stable_sort(screened.begin(), screened.end(), is_better);
-  // all limits are tried, since their slope is zero
-  std::stable_partition(screened.begin(), screened.end(), [](const Screened& s) { return is_limit(*s.candidate); });
+  std::stable_partition(screened.begin(), screened.end(),
+                        [](const Screened& s) { return is_tried_anyway(*s.candidate); });
   if (screened.empty()) return screened;
   try_optima(fitter, data, base, n_data, screened);
   std::stable_sort(screened.begin(),
@@ -322,17 +360,7 @@ Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& fitted,
       candidates);
   std::erase_if(trials, [](const Trial& t) { return t.step == 0; });
   std::vector<std::vector<VectorXd>> found = responses(fitter, data, base, trials);
-  Signatures out;
-  const std::vector<std::size_t> seen = seen_of(found);
-  for (const std::size_t t : seen) {
-    out.candidate.push_back(trials[t].candidate);
-    out.parameter.push_back(trials[t].parameter);
-    out.step.push_back(trials[t].step);
-  }
-  const Reduced reduced = normal_equations(data, base, 0, seen, found);
-  out.a = reduced.sum_a();
-  out.g = reduced.sum_g();
-  return out;
+  return signatures_from(data, base, trials, found);
 }
 
 namespace {

@@ -16,11 +16,6 @@ struct Screened {
   double sensitivity = 0;  // rms change of the residuals by the change tried [noise]; 0: not visible in the data
 };
 
-// base: the fit of what is there already (perhaps nothing). Best first; candidates that fail or do nothing are left
-// out.
-std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& base,
-                             const std::vector<const Candidate*>& candidates);
-
 // Sensitivities of residuals to candidates' parameters, starts free:  C(x) ~ C(0) + g x + x A x / 2, x in units of
 // steps. Parameters without sensitivity are left out; those of one candidate are neighbours.
 struct Signatures {
@@ -28,11 +23,18 @@ struct Signatures {
   std::vector<std::size_t> parameter;       // [n] of the candidate
   std::vector<double> step;                 // [n] [unit]
   Eigen::MatrixXd a;                        // [n x n]
+  Eigen::MatrixXd information;              // [n x n] a where the residuals are noise and nothing else
   Eigen::VectorXd g;                        // [n]
 };
 // base: without any effect
 Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& base,
                          const std::vector<const Candidate*>& candidates);
+
+// base: the fit of what is there already (perhaps nothing). Best first; candidates that fail or do nothing are left
+// out. signatures: what was found of them, if wanted, where the base is without any effect.
+std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& base,
+                             const std::vector<const Candidate*>& candidates, Signatures* signatures = nullptr);
+
 // Where C is least with these columns alone, and by how much it falls at x.
 Eigen::VectorXd optimum_of(const Signatures& signatures, std::span<const std::size_t> columns);
 double gain_at(const Signatures& signatures, std::span<const std::size_t> columns, const Eigen::VectorXd& x);

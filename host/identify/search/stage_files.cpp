@@ -46,6 +46,12 @@ void StageFiles::write_where(const std::vector<Cell>& cells) const {
   write(folder, "3_where.json", {{"schema", 1}, {"where", list}});
 }
 
+void StageFiles::write_showable(const std::vector<Showable>& rows) const {
+  json list = json::array();
+  for (const Showable& row : rows) list.push_back(text_of(row));
+  write(folder, "4_identifiability.json", {{"schema", 1}, {"showable", list}});
+}
+
 void StageFiles::write_screen(const std::string& round, const std::vector<Screened>& screened) const {
   json list = json::array();
   for (const Screened& s : screened)

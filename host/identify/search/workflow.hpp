@@ -1,12 +1,12 @@
 // What the stages of a diagnosis work with, and the search for effects, one after the other (stages 4 to 6). Results
 // travel as values: each stage returns its own.
 #pragma once
-#include <chrono>
 #include <string>
 #include <vector>
 
 #include "host/identify/search/choose_windows.hpp"
 #include "host/identify/search/diagnosis.hpp"
+#include "host/identify/search/identifiability.hpp"
 #include "host/identify/search/screen.hpp"
 #include "host/identify/search/stage_files.hpp"
 
@@ -17,19 +17,31 @@ struct Workflow {
       : problem(problem), settings(settings), predictor(device, problem, settings.n_processes) {}
   Problem& problem;
   const Settings& settings;
-  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  Clock::time_point start = Clock::now();
   Predictor predictor;
   Variant base;
   Fitter fitter{predictor, base};
   StageFiles files;
   std::vector<std::string> notes;  // for the reader, as Diagnosis has them
 
-  double seconds() const {  // since it began
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  std::vector<std::string> left_out;  // for want of time, likewise
+
+  double seconds() const { return -seconds_until(start); }  // since it began
+  // When a stage has to end: a share of the time given.
+  Clock::time_point end_of(double share) const;
+  // Whether there is time to look for something further, which takes about so many seconds, before this share of the
+  // time is over; else a note says that it was not looked for.
+  bool has_time(const std::string& something, double expected_seconds, double share = criteria().time_search);
+  // Whether `work` came to its end before this share of the time was over; else a note says what was left out.
+  template <class Work>
+  bool ends_in_time(double share, const std::string& what, const Work& work) {
+    if (ends_by(predictor.deadline(), end_of(share), work)) return true;
+    note_left_out(what);
+    return false;
   }
-  // Whether there is time to look for something further, which takes about so many seconds; else a note says that it
-  // was not looked for.
-  bool has_time(const std::string& something, double expected_seconds = 0);
+  void note_left_out(const std::string& what);
+  std::vector<Showable> showable;  // what these recordings could show, once that is known
+  void show(std::vector<Showable> rows);
   void report_progress(int stage, double share,
                        const std::string& text) const;  // how far it is, and how long it will take
 };
@@ -41,7 +53,6 @@ struct Selection {
   std::vector<Fit> fits;             // one effect more each; empty: none is better than the scene as it is
   std::vector<RankedModel> ranking;  // best first
   std::vector<std::vector<std::string>> inseparable;
-  std::string next_experiment;
   double error = 0;  // of the last fit [noise]
 };
 
@@ -52,7 +63,7 @@ struct FoundPair {
   std::vector<std::string> inseparable;  // what fits as well; of alternatives: beside the first effect
 };
 
-// Adds one effect after the other, each beside those before.
+// Adds one effect after the other, each beside those before. Where the time is over, what was found by then.
 Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
                             const Fit& base);
 

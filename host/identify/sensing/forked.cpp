@@ -29,12 +29,14 @@ void write_all(int file, const std::vector<char>& bytes) {
   }
 }
 
-std::vector<char> read_all(int file) {
+std::vector<char> read_all(int file, Clock::time_point deadline) {
   std::vector<char> bytes, part(1 << 16);
   for (;;) {
     pollfd waiting{file, POLLIN, 0};
-    while (poll(&waiting, 1, LOOK_EVERY) == 0)
+    while (poll(&waiting, 1, LOOK_EVERY) == 0) {
       if (stop_on_signals()) throw TryAgain("stopped while another process simulated; call again to continue");
+      if (Clock::now() > deadline) throw OutOfTime();
+    }
     const ssize_t n = read(file, part.data(), part.size());
     if (n == 0 || (n < 0 && errno != EINTR)) return bytes;
     bytes.insert(bytes.end(), part.begin(), part.begin() + std::max<ssize_t>(n, 0));
@@ -87,8 +89,8 @@ Forked::~Forked() {
   waitpid(process_, nullptr, 0);
 }
 
-std::vector<char> Forked::result() {
-  std::vector<char> bytes = read_all(pipe_);
+std::vector<char> Forked::result(Clock::time_point deadline) {
+  std::vector<char> bytes = read_all(pipe_, deadline);
   int status = 0;
   waitpid(std::exchange(process_, -1), &status, 0);
   if (bytes.empty() || !WIFEXITED(status) || WEXITSTATUS(status) != 0)

@@ -6,6 +6,8 @@
 #include <functional>
 #include <vector>
 
+#include "host/identify/sensing/deadline.hpp"
+
 namespace pvg::diagnose {
 
 class Forked {
@@ -16,9 +18,9 @@ class Forked {
   Forked(Forked&& other) noexcept;
   Forked& operator=(Forked&&) = delete;
 
-  // Waits for what the work returned. Throws a Failure with its reason if it threw, or if the process was ended, and
-  // TryAgain where the user stopped this one.
-  std::vector<char> result();
+  // Waits for what the work returned. Throws a Failure with its reason if it threw, or if the process was ended,
+  // TryAgain where the user stopped this one, and OutOfTime at the deadline.
+  std::vector<char> result(Clock::time_point deadline = Clock::time_point::max());
 
  private:
   pid_t process_ = -1;

@@ -106,12 +106,13 @@ std::vector<Prediction> Predictor::predict(std::span<const Job> jobs) {
   std::vector<Forked> others;
   for (std::size_t i = 1; i < packets.size(); ++i)
     others.emplace_back([&, i] {
+      deadline_ = Clock::time_point::max();  // this process ends the others at its own
       work_off(packets[i]);
       return packed(picked(out, packets[i]));
     });
   if (!packets.empty()) work_off(packets[0]);
   for (std::size_t i = 1; i < packets.size(); ++i) {
-    std::optional<Unpacked> result = unpacked(others[i - 1].result());
+    std::optional<Unpacked> result = unpacked(others[i - 1].result(deadline_));
     if (!result || result->predictions.size() != packets[i].size())
       throw Failure("what another process simulated came back cut short");
     for (std::size_t k = 0; k < packets[i].size(); ++k) out[packets[i][k]] = std::move(result->predictions[k]);
@@ -175,6 +176,7 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::si
   look(0);
   for (std::size_t step = 1; step <= n_steps; ++step) {
     if (stop_on_signals()) throw TryAgain("stopped; what the finished stages found is kept, call again to continue");
+    if (Clock::now() > deadline_) throw OutOfTime();
     try {
       simulation.step(targets_at(step));
     } catch (const StepFailure& failure) {

@@ -9,6 +9,7 @@
 #include "host/device/device.hpp"
 #include "host/identify/channels/sensing.hpp"
 #include "host/identify/data/window.hpp"
+#include "host/identify/sensing/deadline.hpp"
 
 namespace pvg::diagnose {
 
@@ -46,12 +47,13 @@ class Predictor {
   // of PoCL).
   Predictor(Device& device, const Problem& problem, std::size_t n_processes = 1);
   ~Predictor();
-  // Throws TryAgain where the user stopped it.
+  // Throws TryAgain where the user stopped it, and OutOfTime at the deadline.
   std::vector<Prediction> predict(std::span<const Job> jobs);
   // What rests on something starts on it, where that has not been seen to yet.
   void settle(const Variant& variant, std::vector<Window>& windows);
   void keep_in(Journal* journal) { journal_ = journal; }  // results are read from there as far as they go
   std::size_t n_simulations() const { return n_simulations_; }
+  Clock::time_point& deadline() { return deadline_; }      // never, unless it is set
   VideoSight* video();                                     // null: no video was measured
   double world_seconds() const { return world_seconds_; }  // simulated, summed over all worlds
 
@@ -66,6 +68,7 @@ class Predictor {
   Journal* journal_ = nullptr;
   std::size_t n_simulations_ = 0;
   double world_seconds_ = 0;
+  Clock::time_point deadline_ = Clock::time_point::max();
 };
 
 }  // namespace pvg::diagnose

@@ -28,7 +28,7 @@ TEST(Sentence, NamesWhatWasFoundWithItsValueAndTheProof) {
   const Candidate mass = candidate("retune_mass", Family::parameter);
   EXPECT_EQ(sentence_of(heavy(mass)),
             "wrong in the scene: retune_mass at tip, value 0.56 +- 0.01 kg; the held-out error falls from 10.8 to 2.33 "
-            "times the noise, noise floor 1; partly explained");
+            "times the noise, noise floor 1; partly explained: 2.33 times the noise is left");
 }
 
 TEST(Sentence, SaysWhatTheDataCannotTellApart) {

@@ -1,0 +1,26 @@
+// Motions that could be recorded next: commands of drives, and starts of what no drive moves, within what the recorded
+// runs did.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "host/identify/data/window.hpp"
+
+namespace pvg::diagnose {
+
+struct PlannedMotion {
+  std::string description;  // "command of shoulder: a sine of 0.4 rad, 3 cycles in 3 s"
+  double seconds = 0;
+  InitialState initial;
+  std::vector<TargetTable> targets;  // [n_driven] as Run has them
+};
+
+// Driven joints: sines, triangles, steps and chirps of 0.3, 1 and 1.5 times the recorded amplitude about where the
+// commands began, with 1, 3 and 8 cycles. Other joints: releases at rest from other angles. Free bodies: the first
+// recorded start with half and twice the speed, turned about the vertical.
+std::vector<PlannedMotion> motion_family(const Problem& problem);
+
+// The problem with these motions as its runs: nothing is measured there, so the numbers to compare with are zero.
+Problem planned_problem(const Problem& problem, const std::vector<PlannedMotion>& motions);
+
+}  // namespace pvg::diagnose
