@@ -140,6 +140,16 @@ void add_display(Scene& scene, const Display& section, int rigid, double size) {
 
 void add_background(Scene& scene, const BackgroundSection& background) {
   if (background.mesh.empty()) return;
+  if (background.texture.empty()) {
+    Visual visual;
+    visual.name = visual.part = "background";
+    visual.pose = background.pose;
+    const std::size_t first = scene.materials.size();
+    add_parts(scene, read_gltf_scene(background.mesh), background.mesh, visual);
+    for (std::size_t i = first; i < scene.materials.size(); ++i)
+      scene.materials[i].shadow_strength = background.shadow_strength;
+    return;
+  }
   VisualMaterial material;
   material.name = "background";
   material.kind = VisualMaterial::Kind::shadow_receiver;

@@ -1,5 +1,6 @@
 #include "host/load/reference.hpp"
 
+#include "host/load/captured_room.hpp"
 #include "host/load/read_bodies.hpp"
 #include "host/load/read_sections.hpp"
 #include "host/load/scene_file.hpp"
@@ -46,6 +47,8 @@ std::string scene_page() {
       .section("`lights[]` of kind `sphere`", "", sphere_light_fields())
       .section("`cameras[]`", "", camera_fields())
       .section("`background`", "A captured surface that keeps its look and receives shadows.", background_fields())
+      .section("`background` with `capture`", "A room of `capture room`: it is seen, and its planes carry bodies.",
+               captured_background_fields())
       .section("`render`", "", render_fields())
       .text;
 }

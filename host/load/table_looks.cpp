@@ -100,6 +100,12 @@ void check_camera(Section& section, CameraSection& camera) {
   if (camera.intrinsics.empty()) section.number("vertical_field_of_view", Unit::angle, 0.01, 3.0);  // or it is missing
 }
 
+void check_background(Section& section, BackgroundSection& background) {
+  const bool is_gltf = background.mesh.extension() == ".glb" || background.mesh.extension() == ".gltf";
+  if (background.texture.empty() && !is_gltf)
+    section.fail("", "lacks the key `texture`, which a mesh without a look of its own needs");
+}
+
 void check_rectangle(Section& section, RectangleLight& light) {
   if (!(light.edge_u.cross(light.edge_v).norm() > 0)) section.fail("edge_u", "and `edge_v` must span a rectangle");
   if (std::abs(light.edge_u.dot(light.edge_v)) > 1e-6 * light.edge_u.norm() * light.edge_v.norm())
@@ -276,12 +282,12 @@ const Fields<BackgroundSection>& background_fields() {
   using B = BackgroundSection;
   static const Fields<B> FIELDS =
       Fields<B>()
-          .file("mesh", &B::mesh, "of the captured background")
+          .file("mesh", &B::mesh, "of the captured background; a glTF brings its own look")
           .required()
-          .file("texture", &B::texture, "its picture")
-          .required()
+          .file("texture", &B::texture, "its picture, unless the mesh is a glTF")
           .own_pose(&B::pose, "in the world")
-          .number("shadow_strength", &B::shadow_strength, Unit::none, 0, 1, "share of the light that shadows take");
+          .number("shadow_strength", &B::shadow_strength, Unit::none, 0, 1, "share of the light that shadows take")
+          .check(check_background);
   return FIELDS;
 }
 

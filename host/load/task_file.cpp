@@ -1,5 +1,6 @@
 #include "host/load/task_file.hpp"
 
+#include "host/load/captured_room.hpp"
 #include "host/load/read_sections.hpp"
 
 namespace pvg {
@@ -137,7 +138,11 @@ Task read_scene_sections(Section& root, double largest_time_step) {
   read_list(root, "cloths", cloth_fields(), task.cloths);
   read_list(root, "pair_friction", pair_friction_fields(), task.pair_friction);
   read_list(root, "effects", effect_fields(), task.effects);
-  read_if_there(root, "background", background_fields(), task.background);
+  if (root.has("background") && root.section("background").has("capture"))
+    task.background =
+        add_captured_room(read_all(captured_background_fields(), root.section("background")), task.objects);
+  else
+    read_if_there(root, "background", background_fields(), task.background);
   for (Section& section : root.sections("lights")) read_light(section, task);
   read_list(root, "cameras", camera_fields(), task.cameras);
   read_if_there(root, "render", render_fields(), task.render);

@@ -15,6 +15,7 @@ namespace {
 constexpr std::pair<const char*, const char*> GROUPS[] = {
     {"bench", "Measure speed and memory"},
     {"calibrate", "Fit the renderer to a real camera"},
+    {"capture", "Rooms and objects from what a camera saw"},
 };
 
 }  // namespace

@@ -1,0 +1,39 @@
+// What a capture consists of: pictures of depth and colour whose poses are known.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/formats/depth_files.hpp"
+#include "host/model/appearance.hpp"
+#include "host/pictures/picture.hpp"
+
+namespace pvg {
+
+struct CaptureFrame {
+  std::string name;                    // for messages, such as "frame-000020"
+  std::filesystem::path color, depth;  // files; color may be empty
+  Camera depth_camera, color_camera;   // optics, and pose: camera to the capture's frame
+};
+
+struct Capture {
+  std::string layout;  // name of the layout that was found
+  std::vector<CaptureFrame> frames;
+  double depth_unit = 1e-3;  // of a file's numbers [m]
+  // depth and colour are of two sensors whose relative pose the files do not give
+  bool colors_are_apart = false;
+};
+
+// Finds the layout by the files in `folder`; names those that it knows where none fits. Poses are checked: finite,
+// rotations orthonormal within 1e-3 (and then made so). depth_unit: overrides the layout's [m]; 0: the layout's.
+// UsageErrors name file and frame.
+Capture read_capture(const std::filesystem::path& folder, double depth_unit = 0);
+
+// The picture of depth of a frame, checked against the camera's size.
+DepthPicture depth_of(const Capture& capture, const CaptureFrame& frame);
+Picture8 color_of(const CaptureFrame& frame);
+
+// One sentence where the depths cannot be metres: median beyond 0.1 to 20 m. Throws a UsageError.
+void check_depth_scale(const Capture& capture, const CaptureFrame& frame, const DepthPicture& picture);
+
+}  // namespace pvg

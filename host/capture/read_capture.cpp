@@ -1,0 +1,95 @@
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+#include "host/base/error.hpp"
+#include "host/capture/layouts.hpp"
+#include "host/formats/picture_files.hpp"
+#include "host/render/camera.hpp"
+
+namespace pvg {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Layout {
+  const char* name;
+  bool (*is_it)(const fs::path&);
+  Capture (*read)(const fs::path&);
+};
+
+constexpr Layout LAYOUTS[] = {{"7-Scenes", is_seven_scenes, read_seven_scenes},
+                              {"TUM RGB-D", is_tum, read_tum},
+                              {"nerfstudio", is_nerfstudio, read_nerfstudio},
+                              {"COLMAP", is_colmap, read_colmap}};
+
+constexpr double ROTATION_TOLERANCE = 1e-2;  // of R^T R - 1; files round their numbers
+
+void check_pose(const fs::path& folder, const CaptureFrame& frame, Camera& camera) {
+  const Eigen::Matrix4d m = camera.pose.matrix();
+  const std::string where = folder.string() + ": the pose of " + frame.name;
+  if (!m.allFinite()) throw UsageError(where + " is not finite; leave the frame out or track it again");
+  const Eigen::Matrix3d R = m.topLeftCorner<3, 3>();
+  if (!((R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < ROTATION_TOLERANCE))
+    throw UsageError(where + " is no rotation and translation: it scales or shears; poses must be rigid");
+  if (!(R.determinant() > 0)) throw UsageError(where + " mirrors; poses must be right-handed");
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  camera.pose.linear() = svd.matrixU() * svd.matrixV().transpose();
+}
+
+}  // namespace
+
+Capture read_capture(const fs::path& folder, double depth_unit) {
+  if (!fs::is_directory(folder)) throw UsageError(folder.string() + " is no folder; `capture room` reads a folder");
+  for (const Layout& layout : LAYOUTS) {
+    if (!layout.is_it(folder)) continue;
+    Capture capture = layout.read(folder);
+    capture.layout = layout.name;
+    if (depth_unit > 0) capture.depth_unit = depth_unit;
+    if (capture.frames.empty())
+      throw UsageError(folder.string() + ": no frame of this " + layout.name + " folder has both depth and a pose");
+    for (CaptureFrame& frame : capture.frames) {
+      frame.depth_camera.name = frame.color_camera.name = frame.name;
+      check_pose(folder, frame, frame.depth_camera);
+      check_pose(folder, frame, frame.color_camera);
+      check_camera(frame.depth_camera);
+      check_camera(frame.color_camera);
+    }
+    return capture;
+  }
+  throw UsageError(folder.string() +
+                   " is no capture: it holds no frame-N.depth.png beside frame-N.pose.txt (7-Scenes), no depth.txt "
+                   "beside groundtruth.txt (TUM), no transforms.json (nerfstudio) and no sparse/ (COLMAP)");
+}
+
+DepthPicture depth_of(const Capture& capture, const CaptureFrame& frame) {
+  DepthPicture picture = read_depth_picture(frame.depth, capture.depth_unit);
+  const Camera& camera = frame.depth_camera;
+  if (picture.width != camera.width || picture.height != camera.height)
+    throw UsageError(frame.depth.string() + " has " + std::to_string(picture.width) + " x " +
+                     std::to_string(picture.height) + " pixels, its camera " + std::to_string(camera.width) + " x " +
+                     std::to_string(camera.height) + "; give the intrinsics of this size");
+  return picture;
+}
+
+Picture8 color_of(const CaptureFrame& frame) {
+  Picture8 picture = read_picture(frame.color);
+  if (picture.width != frame.color_camera.width || picture.height != frame.color_camera.height)
+    throw UsageError(frame.color.string() + " has another size than its camera");
+  return picture;
+}
+
+void check_depth_scale(const Capture& capture, const CaptureFrame& frame, const DepthPicture& picture) {
+  std::vector<float> depths;
+  for (const float z : picture.depth)
+    if (z > 0) depths.push_back(z);
+  if (depths.empty()) return;  // a covered sensor; other frames say more
+  std::nth_element(depths.begin(), depths.begin() + std::ptrdiff_t(depths.size() / 2), depths.end());
+  const double median = depths[depths.size() / 2];
+  if (median < 0.1 || median > 20)
+    throw UsageError(frame.depth.string() + ": half of its depths are " + (median < 0.1 ? "below " : "above ") +
+                     std::to_string(median) + " m with " + std::to_string(capture.depth_unit) +
+                     " m per unit; give the unit with --depth-unit (1 of files in metres, 0.001 in millimetres)");
+}
+
+}  // namespace pvg

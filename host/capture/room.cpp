@@ -1,0 +1,161 @@
+#include "host/capture/room.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <map>
+
+#include "host/base/error.hpp"
+#include "host/capture/surface.hpp"
+
+namespace pvg {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double UPRIGHT = 0.8;            // cosine between a plane's normal and up from which it can be the ground
+constexpr std::size_t MOST_MEASURED = 16;  // frames, where none was left out
+
+FusedSurface fuse(Device& device, const Capture& capture, std::span<const CaptureFrame> frames,
+                  const FusionSettings& settings, Room& room) {
+  Box box;
+  for (const CaptureFrame& frame : frames) {
+    const DepthPicture picture = depth_of(capture, frame);
+    check_depth_scale(capture, frame, picture);
+    box.add(seen_box(frame.depth_camera, picture, settings.max_depth));
+  }
+  if (!(box.lo.x() <= box.hi.x())) throw UsageError("no frame shows a depth below --max-depth");
+  Fusion fusion(device, settings, box);
+  for (const CaptureFrame& frame : frames) fusion.mark(frame.depth_camera, depth_of(capture, frame));
+  fusion.allocate();
+  double seconds = 0, cpu_seconds = 0;
+  for (const CaptureFrame& frame : frames) {
+    const DepthPicture picture = depth_of(capture, frame);
+    device.finish();
+    const auto start = Clock::now();
+    const std::clock_t cpu_start = std::clock();
+    fusion.integrate(frame.depth_camera, picture);
+    seconds += std::chrono::duration<double>(Clock::now() - start).count();
+    cpu_seconds += double(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+  }
+  room.ms_per_frame = 1e3 * seconds / double(frames.size());
+  room.cpu_ms_per_frame = 1e3 * cpu_seconds / double(frames.size());
+  room.n_blocks = fusion.n_blocks();
+  room.voxel_bytes = fusion.voxel_bytes();
+  return fusion.surface();
+}
+
+void count_edges(const VisualMesh& mesh, Room& room) {
+  std::vector<std::array<std::uint32_t, 2>> edges;
+  for (const Triangle& t : mesh.triangles)
+    for (int k = 0; k < 3; ++k) edges.push_back({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t j = i;
+    while (j < edges.size() && edges[j] == edges[i]) ++j;
+    room.n_boundary_edges += j - i == 1;
+    room.n_crowded_edges += j - i > 2;
+    i = j;
+  }
+}
+
+// the mean of where the cameras' upper edges point; hands and robots hold them upright more often than not
+Vec3 upward(std::span<const CaptureFrame> frames) {
+  Vec3 up = Vec3::Zero();
+  for (const CaptureFrame& frame : frames) up -= frame.depth_camera.pose.linear().col(1);
+  return up.normalized();
+}
+
+int choose_ground(const std::vector<CapturedPlane>& planes, const Vec3& up, int asked) {
+  if (asked >= int(planes.size()))
+    throw UsageError("--ground " + std::to_string(asked) + ": only " + std::to_string(planes.size()) +
+                     " planes were found; they count from 0, the largest first");
+  if (asked >= 0) return asked;
+  for (int i = 0; i < int(planes.size()); ++i)
+    if (planes[std::size_t(i)].pose.linear().col(2).dot(up) > UPRIGHT) return i;
+  return -1;
+}
+
+// z along the ground's normal, the origin in the middle of its rectangle, x along its longer side, away from the
+// cameras
+Pose room_frame(const CapturedPlane& ground, std::span<const CaptureFrame> frames) {
+  Pose pose = ground.pose;
+  Vec3 eye = Vec3::Zero();
+  for (const CaptureFrame& frame : frames) eye += frame.depth_camera.pose.translation() / double(frames.size());
+  if ((eye - pose.translation()).dot(pose.linear().col(0)) > 0) {
+    pose.linear().col(0) *= -1;
+    pose.linear().col(1) *= -1;
+  }
+  return pose.inverse();
+}
+
+void move(std::vector<CaptureFrame>& frames, const Pose& to_room) {
+  for (CaptureFrame& frame : frames) {
+    frame.depth_camera.pose = to_room * frame.depth_camera.pose;
+    frame.color_camera.pose = to_room * frame.color_camera.pose;
+  }
+}
+
+}  // namespace
+
+Room capture_room(Device& device, const Capture& capture, const RoomSettings& settings,
+                  const std::function<void(const std::string&)>& say) {
+  std::vector<CaptureFrame> used, held_out;
+  for (std::size_t i = 0; i < capture.frames.size(); ++i)
+    (settings.hold_out > 0 && i % std::size_t(settings.hold_out) == std::size_t(settings.hold_out) / 2 ? held_out
+                                                                                                       : used)
+        .push_back(capture.frames[i]);
+  if (used.empty()) throw UsageError("every frame is left out; give --hold-out 2 or more");
+  Room room;
+  room.n_frames = used.size();
+  say(fmt::format("fusing {} pictures of depth", used.size()));
+  FusedSurface surface = without_unused(fuse(device, capture, used, settings.fusion, room));
+  surface = without_small_pieces(surface, settings.least_piece);
+  if (surface.triangles.empty())
+    throw UsageError(
+        "no surface was found: the pictures do not agree, or each piece is smaller than --least-piece; "
+        "are the poses camera to world, in metres?");
+  say(fmt::format("surface of {} triangles, {:.1f} m^2", surface.triangles.size(),
+                  surface_area(surface.points, surface.triangles)));
+  std::vector<Vec3f> normals = point_normals(surface.points, surface.triangles);
+  room.mesh.points = surface.points;
+  room.mesh.triangles = surface.triangles;
+  const bool has_photos =
+      std::any_of(used.begin(), used.end(), [](const CaptureFrame& frame) { return !frame.color.empty(); });
+  if (has_photos && settings.aligns_colors) {
+    say("aligning the colour camera");
+    room.color_offset = align_color_camera(capture, used, surface.points, normals, settings.fusion.voxel);
+    apply_color_offset(*room.color_offset, used);
+    apply_color_offset(*room.color_offset, held_out);
+  }
+  if (has_photos) {
+    say("colouring");
+    SurfaceColors colors =
+        color_surface(device, capture, used, surface.points, normals, surface.triangles, settings.fusion.voxel);
+    room.share_colored = double(colors.n_seen) / double(surface.points.size());
+    room.mesh.colors = std::move(colors.colors);
+  }
+  if (settings.most_triangles > 0 && room.mesh.triangles.size() > settings.most_triangles)
+    room.mesh = simplified(room.mesh, settings.most_triangles, settings.fusion.voxel);
+  say("finding planes");
+  room.planes = find_planes(room.mesh.points, room.mesh.triangles, settings.planes);
+  if (!settings.keeps_frame) room.ground = choose_ground(room.planes, upward(used), settings.ground);
+  if (room.ground >= 0) room.room_from_capture = room_frame(room.planes[std::size_t(room.ground)], used);
+  const Eigen::Isometry3f to_room = room.room_from_capture.cast<float>();
+  for (Vec3f& p : room.mesh.points) p = to_room * p;
+  for (CapturedPlane& plane : room.planes) plane.pose = room.room_from_capture * plane.pose;
+  move(used, room.room_from_capture);
+  move(held_out, room.room_from_capture);
+  count_edges(room.mesh, room);
+  say("measuring");
+  std::span<const CaptureFrame> measured = held_out;
+  if (measured.empty()) measured = std::span<const CaptureFrame>(used).first(std::min(used.size(), MOST_MEASURED));
+  room.depth = measure_depth(device, capture, measured, room.mesh, settings.fusion.max_depth);
+  room.depth.are_held_out = !held_out.empty();
+  if (!held_out.empty() && !room.mesh.colors.empty()) room.photos = measure_photos(device, held_out, used, room.mesh);
+  return room;
+}
+
+}  // namespace pvg

@@ -1,0 +1,67 @@
+// From frames of depth and colour to a room: a coloured surface in metres, z up, with the planes that bodies can stand
+// on, and how far all of it is from what was measured.
+#pragma once
+#include <functional>
+#include <optional>
+
+#include "host/capture/colors.hpp"
+#include "host/capture/fusion.hpp"
+#include "host/capture/planes.hpp"
+#include "host/geometry/visual_mesh.hpp"
+
+namespace pvg {
+
+struct RoomSettings {
+  FusionSettings fusion;
+  PlaneSettings planes;
+  double least_piece = 0.02;       // smaller pieces are removed [m^2]
+  std::size_t most_triangles = 0;  // 0: as fused
+  int hold_out = 0;                // every such frame is left out and measured; 0: none
+  int ground = -1;                 // index of the plane that becomes z = 0; -1: the largest that faces up
+  bool aligns_colors = false;      // the colour camera's place beside the depth camera is estimated
+  bool keeps_frame = false;        // of the capture; else z up by the ground plane
+};
+
+// Depths of left-out frames (of all, where none was left out) against the surface.
+struct DepthErrors {
+  std::size_t n_frames = 0, n_pixels = 0;
+  bool are_held_out = false;
+  double covered = 0;                                      // share of the measured pixels where the surface is
+  double mean = 0, median = 0, p90 = 0, p95 = 0, max = 0;  // of the absolute differences [m]
+};
+
+// Left-out photos against pictures of the surface as shadow receiver, in sRGB. Pixels without surface are black in the
+// pictures: `covered` figures leave them out.
+struct PhotoErrors {
+  std::size_t n_frames = 0;
+  double psnr = 0, ssim = 0, psnr_covered = 0;              // as rendered [dB]
+  double psnr_lut = 0, ssim_lut = 0, psnr_covered_lut = 0;  // after a table fitted to the other frames' photos
+  double psnr_diffuse = 0, ssim_diffuse = 0;  // the same surface as diffuse, under an even sky that fits best
+};
+
+struct Room {
+  VisualMesh mesh;                    // in the room's frame, with colours where the capture has photos
+  std::vector<CapturedPlane> planes;  // in the room's frame
+  int ground = -1;                    // the plane at z = 0; -1: none was found, the frame is the capture's
+  Pose room_from_capture = Pose::Identity();
+  std::optional<ColorOffset> color_offset;
+  DepthErrors depth;
+  std::optional<PhotoErrors> photos;
+  std::size_t n_frames = 0, n_blocks = 0, voxel_bytes = 0;
+  double ms_per_frame = 0;                                // to integrate one picture, by the clock
+  double cpu_ms_per_frame = 0;                            // of all the processor's cores together
+  double share_colored = 0;                               // of the points that a photo sees
+  std::size_t n_boundary_edges = 0, n_crowded_edges = 0;  // edges with one, with more than two triangles
+};
+
+// say: told of each step, for the user. UsageErrors name the frame.
+Room capture_room(Device& device, const Capture& capture, const RoomSettings& settings,
+                  const std::function<void(const std::string&)>& say);
+
+// host/capture/held_out.cpp
+DepthErrors measure_depth(Device& device, const Capture& capture, std::span<const CaptureFrame> frames,
+                          const VisualMesh& mesh, double max_depth);
+PhotoErrors measure_photos(Device& device, std::span<const CaptureFrame> held_out, std::span<const CaptureFrame> others,
+                           const VisualMesh& mesh);
+
+}  // namespace pvg

@@ -1,0 +1,170 @@
+#include "host/capture/room_files.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "host/base/atomic_files.hpp"
+#include "host/formats/gltf_writer.hpp"
+#include "host/geometry/primitive_shapes.hpp"
+
+namespace pvg {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+std::vector<float> packed(const std::vector<Vec3f>& v) {
+  std::vector<float> out;
+  for (const Vec3f& p : v) out.insert(out.end(), {p.x(), p.y(), p.z()});
+  return out;
+}
+
+std::string pose_text(const Pose& pose) {
+  const Vec3 t = pose.translation();
+  const Eigen::Quaterniond q(pose.linear());
+  return fmt::format("{{position: [{:.9g}, {:.9g}, {:.9g}], quaternion: [{:.9g}, {:.9g}, {:.9g}, {:.9g}]}}", t.x(),
+                     t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+}
+
+std::string obj_text(const TriangleMesh& mesh) {
+  std::string text;
+  for (const Vec3& p : mesh.points) text += fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
+  for (const Triangle& t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  return text;
+}
+
+}  // namespace
+
+void write_captured_mesh(const fs::path& file, const VisualMesh& mesh, const std::string& name, bool is_unlit) {
+  GltfWriter out(name);
+  tinygltf::Material material;
+  material.name = name;
+  material.doubleSided = true;
+  material.pbrMetallicRoughness.metallicFactor = 0;
+  if (is_unlit) {
+    material.extensions["KHR_materials_unlit"] = tinygltf::Value(tinygltf::Value::Object{});
+    out.model.extensionsUsed.push_back("KHR_materials_unlit");
+  }
+  out.model.materials.push_back(material);
+  tinygltf::Primitive part;
+  part.mode = TINYGLTF_MODE_TRIANGLES;
+  part.material = 0;
+  part.attributes["POSITION"] = out.add_vectors(packed(mesh.points), TINYGLTF_TARGET_ARRAY_BUFFER);
+  if (!mesh.normals.empty())
+    part.attributes["NORMAL"] = out.add_vectors(packed(mesh.normals), TINYGLTF_TARGET_ARRAY_BUFFER);
+  if (!mesh.colors.empty())
+    part.attributes["COLOR_0"] = out.add(packed(mesh.colors), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 3,
+                                         TINYGLTF_TARGET_ARRAY_BUFFER);
+  part.indices = out.add_triangles(mesh.triangles);
+  tinygltf::Mesh shape;
+  shape.name = name;
+  shape.primitives.push_back(part);
+  out.model.meshes.push_back(shape);
+  tinygltf::Node node;
+  node.name = name;
+  node.mesh = 0;
+  out.add_node(node);
+  out.write(file);
+}
+
+TriangleMesh plane_box(const CapturedPlane& plane) {
+  TriangleMesh box = box_surface(Vec3(plane.width, plane.height, PLANE_THICKNESS));
+  Vec3 center = Vec3::Zero();
+  for (const Vec3& p : box.points) center += p / double(box.points.size());
+  for (Vec3& p : box.points) p = plane.pose * (p - center - Vec3(0, 0, PLANE_THICKNESS / 2));
+  return box;
+}
+
+void write_room(const fs::path& folder, const Room& room, const RoomSettings& settings) {
+  write_captured_mesh(folder / "room.glb", room.mesh, "room", true);
+  std::string text =
+      "# A captured room: `background: {capture: FOLDER}` in a task shows it and puts its planes under the bodies.\n"
+      "# Metres; room frame: z up" +
+      std::string(room.ground >= 0 ? ", z = 0 on the plane `ground`\n" : "? no plane that faces up was found\n");
+  text += "schema: 1\nmesh: room.glb\n";
+  text += "capture_to_room: " + pose_text(room.room_from_capture) + "\n";
+  text += fmt::format("voxel: {:.9g}\n", settings.fusion.voxel);
+  text += fmt::format("ground: {}\n", room.ground >= 0 ? fmt::format("plane_{}", room.ground) : "none");
+  text += "# size: of the rectangle [m]; roughness: of the surface on it [m]; sigmas: of the plane's place and tilt\n";
+  text += "planes:\n";
+  for (std::size_t i = 0; i < room.planes.size(); ++i) {
+    const CapturedPlane& p = room.planes[i];
+    write_text_atomically(folder / fmt::format("plane_{}.obj", i), obj_text(plane_box(p)));
+    text += fmt::format(
+        "  - {{name: plane_{}, mesh: plane_{}.obj, size: [{:.6g}, {:.6g}], area: {:.6g}, roughness: {:.4g}, "
+        "height_sigma: {:.3g}, tilt_sigma: {:.3g},\n     pose: {}}}\n",
+        i, i, p.width, p.height, p.area, p.roughness, p.height_sigma, p.tilt_sigma, pose_text(p.pose));
+  }
+  if (room.planes.empty()) text += "  []\n";
+  write_text_atomically(folder / "room.yaml", text);
+}
+
+ordered_json room_report(const Room& room, const RoomSettings& settings, double seconds, std::size_t peak_bytes) {
+  ordered_json planes = ordered_json::array();
+  for (std::size_t i = 0; i < room.planes.size(); ++i) {
+    const CapturedPlane& p = room.planes[i];
+    const Vec3 c = p.pose.translation(), n = p.pose.linear().col(2);
+    planes.push_back({{"name", fmt::format("plane_{}", i)},
+                      {"is_ground", int(i) == room.ground},
+                      {"center", {c.x(), c.y(), c.z()}},
+                      {"normal", {n.x(), n.y(), n.z()}},
+                      {"size", {p.width, p.height}},
+                      {"area", p.area},
+                      {"roughness", p.roughness},
+                      {"height_sigma", p.height_sigma},
+                      {"tilt_sigma", p.tilt_sigma}});
+  }
+  const DepthErrors& d = room.depth;
+  ordered_json out = {{"schema", 1},
+                      {"mesh",
+                       {{"vertices", room.mesh.points.size()},
+                        {"triangles", room.mesh.triangles.size()},
+                        {"closed", room.n_boundary_edges == 0},
+                        {"manifold", room.n_crowded_edges == 0},
+                        {"self_intersections", nullptr},  // not looked for: contact takes the planes
+                        {"boundary_edges", room.n_boundary_edges},
+                        {"share_colored", room.share_colored}}},
+                      {"planes", planes},
+                      {"scale", 1.0},
+                      {"seconds", seconds},
+                      {"peak_bytes", peak_bytes},
+                      {"distance",
+                       {{"mean", d.mean},
+                        {"median", d.median},
+                        {"p90", d.p90},
+                        {"p95", d.p95},
+                        {"max", d.max},
+                        {"covered", d.covered},
+                        {"frames", d.n_frames},
+                        {"held_out", d.are_held_out}}},
+                      {"fusion",
+                       {{"frames", room.n_frames},
+                        {"voxel", settings.fusion.voxel},
+                        {"blocks", room.n_blocks},
+                        {"voxel_bytes", room.voxel_bytes},
+                        {"ms_per_frame", room.ms_per_frame},
+                        {"cpu_ms_per_frame", room.cpu_ms_per_frame}}}};
+  if (room.color_offset) {
+    const Vec3 t = room.color_offset->pose.translation();
+    out["color_camera"] = {{"offset", {t.x(), t.y(), t.z()}},
+                           {"focal_scale", room.color_offset->focal_scale},
+                           {"disagreement_before", room.color_offset->disagreement_before},
+                           {"disagreement_after", room.color_offset->disagreement_after}};
+  }
+  if (room.photos) {
+    const PhotoErrors& p = *room.photos;
+    out["photos"] = {{"frames", p.n_frames},
+                     {"psnr", p.psnr},
+                     {"ssim", p.ssim},
+                     {"psnr_covered", p.psnr_covered},
+                     {"psnr_lut", p.psnr_lut},
+                     {"ssim_lut", p.ssim_lut},
+                     {"psnr_covered_lut", p.psnr_covered_lut},
+                     {"psnr_diffuse", p.psnr_diffuse},
+                     {"ssim_diffuse", p.ssim_diffuse}};
+  }
+  return out;
+}
+
+}  // namespace pvg

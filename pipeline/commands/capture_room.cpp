@@ -1,0 +1,138 @@
+// phyvisgen capture room: a room from pictures of depth with poses.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "host/base/atomic_files.hpp"
+#include "host/base/error.hpp"
+#include "host/base/outputs.hpp"
+#include "host/capture/room_files.hpp"
+#include "pipeline/command_line/command.hpp"
+
+namespace pvg {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CaptureRoomOptions {
+  std::string folder, output;
+  double voxel = 5, max_depth = 4, depth_unit = 0, memory = 2048;  // [mm, m, m, MiB]
+  double noise = 1;                                                // factor of the Kinect's
+  double least_piece = 0.02;                                       // [m^2]
+  int hold_out = 0, ground = -1;
+  std::size_t triangles = 0;
+  std::string align = "auto";
+  bool keeps_frame = false, as_json = false;
+  std::string device;
+};
+
+void print_report(const Room& room, const fs::path& output, double seconds) {
+  std::printf(
+      "%s: %zu vertices, %zu triangles of %zu frames in %.1f s (%.0f ms per frame, %.0f ms of "
+      "processor time, %zu MiB of voxels)\n",
+      output.c_str(), room.mesh.points.size(), room.mesh.triangles.size(), room.n_frames, seconds, room.ms_per_frame,
+      room.cpu_ms_per_frame, room.voxel_bytes >> 20);
+  const DepthErrors& d = room.depth;
+  std::printf(
+      "depth of %zu %s frames: %.1f %% covered; off by %.1f mm in the median, %.1f mm at 90 %%, %.1f mm at 95 "
+      "%%\n",
+      d.n_frames, d.are_held_out ? "left-out" : "used", 100 * d.covered, 1e3 * d.median, 1e3 * d.p90, 1e3 * d.p95);
+  if (room.photos)
+    std::printf(
+        "left-out photos: PSNR %.2f dB, SSIM %.3f; with a table %.2f dB, %.3f; of the covered pixels %.2f and "
+        "%.2f dB; as diffuse surface %.2f dB, %.3f\n",
+        room.photos->psnr, room.photos->ssim, room.photos->psnr_lut, room.photos->ssim_lut, room.photos->psnr_covered,
+        room.photos->psnr_covered_lut, room.photos->psnr_diffuse, room.photos->ssim_diffuse);
+  for (std::size_t i = 0; i < room.planes.size(); ++i) {
+    const CapturedPlane& p = room.planes[i];
+    const Vec3 c = p.pose.translation(), n = p.pose.linear().col(2);
+    std::printf(
+        "plane_%zu: %.2f x %.2f m at (%.2f, %.2f, %.2f), normal (%.2f, %.2f, %.2f), rough by %.1f mm, known to "
+        "%.2f mm%s\n",
+        i, p.width, p.height, c.x(), c.y(), c.z(), n.x(), n.y(), n.z(), 1e3 * p.roughness, 1e3 * p.height_sigma,
+        int(i) == room.ground ? "; the ground, z = 0" : "");
+  }
+}
+
+RoomSettings settings_of(const CaptureRoomOptions& o, const Capture& capture) {
+  RoomSettings settings;
+  settings.fusion.voxel = o.voxel * 1e-3;
+  settings.fusion.max_depth = o.max_depth;
+  settings.fusion.max_bytes = std::size_t(o.memory) << 20;
+  settings.fusion.noise.base *= o.noise;
+  settings.fusion.noise.growth *= o.noise;
+  settings.least_piece = o.least_piece;
+  settings.hold_out = o.hold_out;
+  settings.ground = o.ground;
+  settings.most_triangles = o.triangles;
+  settings.keeps_frame = o.keeps_frame;
+  settings.aligns_colors = o.align == "yes" || (o.align == "auto" && capture.colors_are_apart);
+  return settings;
+}
+
+void run_capture_room(const CaptureRoomOptions& o) {
+  if (o.folder.empty() || o.output.empty())
+    throw UsageError(
+        "capture room needs a folder of frames and -o FOLDER; `phyvisgen capture room --help` shows an "
+        "example");
+  if (o.hold_out == 1) throw UsageError("--hold-out 1 leaves every frame out; take 2 or more");
+  check_apart(o.output, o.folder, "capture room");
+  const auto start = std::chrono::steady_clock::now();
+  const Capture capture = read_capture(o.folder, o.depth_unit);
+  const RoomSettings settings = settings_of(o, capture);
+  Device device(o.device, Purpose::rendering);
+  std::fprintf(stderr, "%s: %zu frames, layout of %s\n", o.folder.c_str(), capture.frames.size(),
+               capture.layout.c_str());
+  const Room room = capture_room(device, capture, settings,
+                                 [](const std::string& what) { std::fprintf(stderr, "  %s\n", what.c_str()); });
+  if (room.ground < 0 && !o.keeps_frame)
+    std::fprintf(stderr, "phyvisgen: no plane faces up, so the room keeps the capture's frame; see --ground\n");
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const nlohmann::ordered_json report = room_report(room, settings, seconds, device.peak_bytes());
+  make_writable_folder(fs::absolute(o.output).parent_path());
+  PartialFolder folder(o.output);
+  write_room(folder.path(), room, settings);
+  write_text_atomically(folder.path() / "report.json", report.dump(2) + "\n");
+  folder.finish();
+  if (o.as_json)
+    std::printf("%s\n", report.dump(2).c_str());
+  else
+    print_report(room, o.output, seconds);
+}
+
+}  // namespace
+
+void add_capture_room(CLI::App& program) {
+  CLI::App* command = command_group(program, "capture")
+                          .add_subcommand("room", "A metric room with its planes from depth pictures with poses");
+  CaptureRoomOptions& o = options_of_command(*command, run_capture_room);
+  command->add_option("folder", o.folder, "Frames: 7-Scenes, TUM RGB-D, nerfstudio or COLMAP with depth maps");
+  command->add_option("-o,--output", o.output, "Folder to write: room.glb, room.yaml, plane_N.obj, report.json");
+  command->add_option("--voxel", o.voxel, "Distance of samples [mm]")->check(CLI::Range(0.2, 200.0));
+  command->add_option("--max-depth", o.max_depth, "Farther depths are left out [m]")->check(CLI::Range(0.2, 100.0));
+  command->add_option("--depth-unit", o.depth_unit, "Metres per unit of the depth files; else the layout's")
+      ->check(CLI::Range(1e-6, 10.0));
+  command->add_option("--noise", o.noise, "Of the depth sensor, as a factor of the first Kinect's")
+      ->check(CLI::Range(0.01, 100.0));
+  command->add_option("--memory", o.memory, "Most device memory for voxels [MiB]")->check(CLI::Range(16.0, 1e6));
+  command->add_option("--least-piece", o.least_piece, "Smaller loose pieces are removed [m^2]")
+      ->check(CLI::Range(0.0, 100.0));
+  command->add_option("--triangles", o.triangles, "Simplify to about so many; colours become coarser, too");
+  command->add_option("--hold-out", o.hold_out, "Leave every N-th frame out and measure the room by it")
+      ->check(CLI::Range(0, 1000));
+  command->add_option("--ground", o.ground, "Number of the plane that becomes z = 0; else the largest that faces up")
+      ->check(CLI::Range(0, 100));
+  command->add_flag("--keep-frame", o.keeps_frame, "Keep the capture's frame instead of z up");
+  command->add_option("--align-colors", o.align, "Estimate the colour camera's place beside the depth camera")
+      ->check(CLI::IsMember({"auto", "yes", "no"}));
+  command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
+  command->add_flag("--json", o.as_json, "Print the report as JSON");
+  command->footer(
+      "A task shows the room by `background: {capture: FOLDER}`.\n"
+      "Example:\n  phyvisgen capture room scans/kitchen -o room --hold-out 5");
+}
+
+}  // namespace pvg

@@ -1,0 +1,136 @@
+// Fusion and marching cubes against surfaces whose place is known by hand.
+#include "host/capture/fusion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "host/geometry/mesh_checks.hpp"
+
+namespace pvg {
+namespace {
+
+Camera camera_at(const Vec3& eye, const Vec3& at) {
+  Camera camera;
+  camera.name = "depth";
+  camera.width = 160;
+  camera.height = 120;
+  camera.fx = camera.fy = 150;
+  camera.cx = 79.5;
+  camera.cy = 59.5;
+  const Vec3 z = (at - eye).normalized(),
+             x = z.cross(std::abs(z.z()) > 0.9 ? Vec3::UnitY() : Vec3::UnitZ()).normalized();
+  camera.pose.linear().col(0) = x;
+  camera.pose.linear().col(1) = z.cross(x);
+  camera.pose.linear().col(2) = z;
+  camera.pose.translation() = eye;
+  return camera;
+}
+
+// depth along the axis of what `hit` says of a ray from the eye; 0: nothing is hit
+template <typename Hit>
+DepthPicture look(const Camera& camera, Hit hit) {
+  DepthPicture picture{camera.width, camera.height, {}};
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      const Vec3 ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);  // z = 1: its length is the depth
+      picture.depth.push_back(float(hit(camera.pose.translation(), camera.pose.linear() * ray)));
+    }
+  return picture;
+}
+
+FusedSurface fuse(const std::vector<std::pair<Camera, DepthPicture>>& pictures, double voxel) {
+  Device device;
+  FusionSettings settings;
+  settings.voxel = voxel;
+  settings.least_weight = 0.01;
+  Box box;
+  for (const auto& [camera, picture] : pictures) box.add(seen_box(camera, picture, settings.max_depth));
+  Fusion fusion(device, settings, box);
+  for (const auto& [camera, picture] : pictures) fusion.mark(camera, picture);
+  fusion.allocate();
+  for (const auto& [camera, picture] : pictures) fusion.integrate(camera, picture);
+  return fusion.surface();
+}
+
+double sphere_depth(const Vec3& eye, const Vec3& ray, double radius) {
+  const double a = ray.squaredNorm(), b = ray.dot(eye), c = eye.squaredNorm() - radius * radius, d = b * b - a * c;
+  return d > 0 ? (-b - std::sqrt(d)) / a : 0;
+}
+
+// A wall at z = 0.5137 seen straight on: along every ray the distance is linear in z, so that the zero is met exactly,
+// wherever the samples are.
+TEST(Fusion, APlaneSeenFromOnePoseIsWhereItWasSeen) {
+  const Camera camera = camera_at({0, 0, 0}, {0, 0, 1});
+  const FusedSurface surface = fuse({{camera, look(camera, [](const Vec3&, const Vec3&) { return 0.5137; })}}, 0.01);
+  ASSERT_GT(surface.triangles.size(), 500u);
+  for (const Vec3f& p : surface.points) ASSERT_NEAR(p.z(), 0.5137, 2e-6);
+  for (const Triangle& t : surface.triangles) {
+    const Vec3f n = (surface.points[t[1]] - surface.points[t[0]]).cross(surface.points[t[2]] - surface.points[t[0]]);
+    ASSERT_LT(n.z(), 0) << "outward is toward the camera";
+  }
+}
+
+TEST(Fusion, ASphereHasItsRadiusWithinHalfAVoxelAndIsClosed) {
+  constexpr double RADIUS = 0.1, VOXEL = 0.005;
+  std::vector<std::pair<Camera, DepthPicture>> pictures;
+  for (int k = 0; k < 27; ++k) {
+    const Vec3 from(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    if (k == 13) continue;  // the middle
+    const Camera camera = camera_at(0.45 * from.normalized(), Vec3::Zero());
+    pictures.emplace_back(
+        camera, look(camera, [](const Vec3& eye, const Vec3& ray) { return sphere_depth(eye, ray, RADIUS); }));
+  }
+  const FusedSurface surface = fuse(pictures, VOXEL);
+  double mean = 0;
+  for (const Vec3f& p : surface.points) {
+    ASSERT_NEAR(double(p.norm()), RADIUS, VOXEL / 2);
+    mean += double(p.norm()) / double(surface.points.size());
+  }
+  EXPECT_NEAR(mean, RADIUS, 0.1 * VOXEL);
+  TriangleMesh mesh{{}, surface.triangles};
+  for (const Vec3f& p : surface.points) mesh.points.push_back(p.cast<double>());
+  EXPECT_EQ(closed_surface_defect(mesh), std::nullopt);
+  EXPECT_NEAR(enclosed_volume(mesh), 4.0 / 3 * M_PI * std::pow(RADIUS, 3), 0.01 * 4.2e-3);
+}
+
+// Whatever the signs of the samples are, neighbouring cells fit: no edge inside the grid has one triangle only.
+TEST(MarchingCubes, CellsOfRandomSignsCloseAgainstEachOther) {
+  const std::vector<std::uint8_t> cases = marching_cubes_cases();
+  ASSERT_EQ(cases.size(), 256u * 16u);
+  std::mt19937 random(7);
+  constexpr int N = 9;
+  for (int trial = 0; trial < 20; ++trial) {
+    std::vector<bool> inside(N * N * N);  // the border is outside
+    const auto at = [](int x, int y, int z) { return std::size_t((z * N + y) * N + x); };
+    for (int z = 1; z + 1 < N; ++z)
+      for (int y = 1; y + 1 < N; ++y)
+        for (int x = 1; x + 1 < N; ++x) inside[at(x, y, z)] = random() % 2 == 0;
+    std::map<std::pair<long, long>, int> balance;  // directed edges between vertices, named by sample and axis
+    for (int z = 0; z + 1 < N; ++z)
+      for (int y = 0; y + 1 < N; ++y)
+        for (int x = 0; x + 1 < N; ++x) {
+          unsigned which = 0;
+          for (int k = 0; k < 8; ++k)
+            if (inside[at(x + (k & 1), y + (k >> 1 & 1), z + (k >> 2))]) which |= 1u << k;
+          const auto vertex = [&](int edge) {
+            const int axis = edge / 4, low = edge & 1, high = edge >> 1 & 1;
+            const int dx = axis == 0 ? 0 : low, dy = axis == 0 ? low : axis == 1 ? 0 : high, dz = axis == 2 ? 0 : high;
+            return long(at(x + dx, y + dy, z + dz)) * 3 + axis;
+          };
+          for (int k = 0; k + 2 < 16 && cases[which * 16 + unsigned(k)] != 255; k += 3)
+            for (int s = 0; s < 3; ++s) {
+              const long a = vertex(cases[which * 16 + unsigned(k + s)]),
+                         b = vertex(cases[which * 16 + unsigned(k + (s + 1) % 3)]);
+              a < b ? ++balance[{a, b}] : --balance[{b, a}];
+            }
+        }
+    ASSERT_FALSE(balance.empty());
+    for (const auto& [edge, sum] : balance) ASSERT_EQ(sum, 0);
+  }
+}
+
+}  // namespace
+}  // namespace pvg
