@@ -11,11 +11,13 @@ std::vector<MotionElement> read_motion(Section& root, const std::vector<RobotCel
   for (Section& section : root.sections("motion")) {
     if (!section.has("together")) {
       motion.push_back(read_all(fields, section));
+      motion.back().place = section.place();
       continue;
     }
     std::vector<Section> parts = section.sections("together");
     for (std::size_t i = 0; i < parts.size(); ++i) {
       motion.push_back(read_all(fields, parts[i]));
+      motion.back().place = parts[i].place();
       motion.back().is_with_previous = i > 0;
       for (std::size_t k = 1; k <= i; ++k)
         if (motion[motion.size() - 1 - k].robot == motion.back().robot)

@@ -39,8 +39,10 @@ void read_path(Section& section, BodySection& body) {
 }
 
 void check_body(Section& section, BodySection& body) {
-  if (body.kind == Kind::rigid && body.density.has_value() == body.mass.has_value())
+  if (body.kind == Kind::rigid && body.density.has_value() == body.mass.has_value()) {
+    section.done();  // a misspelled key is the likelier reason
     section.fail("", "must have either `density` or `mass`, because it can move");
+  }
   if (!(body.normal.norm() > 1e-9)) section.fail("normal", "must not have the length zero");
 }
 

@@ -1,4 +1,6 @@
 // The sections `robot` and `objects`, and gripper files.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -70,6 +72,7 @@ const Fields<FingerSection>& tetgen_fields() {
 void check_object(Section& section, ObjectSection& object) {
   const bool needs_mass = !object.is_fixed && !object.mesh.empty();
   if (needs_mass && (object.density > 0) == (object.mass > 0)) {
+    section.done();  // a misspelled key is the likelier reason
     section.fail("", "must have either `density` or `mass`, because it can move");
   }
   if (!needs_mass && (object.density > 0 || object.mass > 0))
@@ -98,7 +101,14 @@ const Fields<RobotSection>& robot_fields() {
           .section("drive", std::identity{}, robot_drive_fields(), "of all joints")
           .number("friction", &R::friction, Unit::none, 0, 10, "coefficient of friction of all links")
           .text("collision_links", &R::collision_links, "links that collide")
-          .otherwise("all that have a shape for it");
+          .otherwise("all that have a shape for it")
+          .check([](Section& section, R& robot) {
+            for (const double q : robot.home)
+              if (!section.is_resolved() && std::abs(q) > 2 * PI)
+                section.fail("home", fmt::format("holds {:g} rad, which is more than a turn: write `{:g} deg` if it is "
+                                                 "in degrees",
+                                                 q, q));
+          });
   return FIELDS;
 }
 

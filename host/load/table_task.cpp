@@ -55,7 +55,8 @@ auto is_given(std::initializer_list<GivenMotion> motions) {
 
 // Where the gripper's joints go: their position, or what makes the wanted width between the fingertips.
 double read_opening(Section& section, const GripperSection& gripper) {
-  if (!section.has("width")) return section.number("gripper", Unit::length, 0, 1);
+  const auto [least, most] = std::minmax(gripper.open, gripper.closed);
+  if (!section.has("width")) return section.number("gripper", Unit::length, least, most);
   if (section.has("gripper")) section.fail("width", "and `gripper` exclude each other: both say how far it goes");
   if (!gripper.width_at_zero)
     section.fail("width", "needs the key `width_at_zero` in " + gripper.file.string() + "; add it, or give `gripper`");
@@ -194,7 +195,8 @@ Fields<MotionElement> motion_fields(const std::vector<RobotCell>& robots) {
       .only_resolved()
       .written_when([=](const E& e) { return !is_arc(e) && !is_path(e); })
       .custom(
-          {"gripper", "m", "or `width`", "0 to 1", "position of the gripper's joints at the end"},
+          {"gripper", "m", "or `width`", "from `closed` to `open` of the gripper",
+           "position of the gripper's joints at the end"},
           [robots](Section& s, E& e) {
             e.gripper = s.is_resolved() ? s.number("gripper", Unit::length, 0, 1)
                                         : read_opening(s, *robots[std::size_t(e.robot)].gripper);

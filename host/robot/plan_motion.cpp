@@ -48,7 +48,8 @@ struct Planner {
 std::string describe(const Planner& planner, std::size_t index) {
   const MotionElement& element = planner.elements[index];
   const std::string object = element.object.empty() ? "" : " relative to '" + element.object + "'";
-  return "motion element " + std::to_string(index + 1) + " (" + kind_of(element).name + object + ")";
+  return (element.place.empty() ? "" : element.place + ": ") + "motion element " + std::to_string(index + 1) + " (" +
+         kind_of(element).name + object + ")";
 }
 
 bool fail(Planner& planner, std::size_t index, const std::string& reason) {

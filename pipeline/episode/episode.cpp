@@ -230,6 +230,17 @@ std::string reason_of_failed_step(const StageError& error) {
   }
 }
 
+// The scene at its start; what is wrong with it is wrong in the task's file.
+std::unique_ptr<Simulation> start_simulation(const Task& task, const Scene& scene, Device& device) {
+  try {
+    return std::make_unique<Simulation>(device, scene);
+  } catch (const DeviceError&) {
+    throw;
+  } catch (const UsageError& error) {
+    throw UsageError(task.file.string() + ": " + error.what() + " (`pose` of an object, `position` of a cloth)");
+  }
+}
+
 }  // namespace
 
 // spread over 64 bits (splitmix64)
@@ -271,7 +282,7 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Dev
   const Stopwatch start_watch;
   try {
     store.state(motion) = plan_episode(task, built);
-    store.state(world).simulation = std::make_unique<Simulation>(physics, scene);
+    store.state(world).simulation = start_simulation(task, scene, physics);
   } catch (const DeviceError&) {
     throw;
   } catch (const UsageError& error) {  // out of reach, or an initial intersection: this draw of the start is no good

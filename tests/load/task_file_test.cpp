@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <sstream>
 
 #include "host/base/error.hpp"
@@ -135,6 +136,8 @@ TEST(TaskFile, MistakesAreNamedWithTheirPlace) {
   expect_refused("fixed: true", "fixed: maybe", {"`objects[0].fixed`", "true or false"});
   expect_refused("material: glass}", "material: ice}", {"`ice`", "`materials`"});
   expect_refused("do: lift, object: beaker", "do: lift, object: flask", {"`motion`", "`flask`"});
+  expect_refused("density: 2230 kg/m^3", "densty: 2230 kg/m^3", {"`objects[2].densty`", "unknown"});
+  expect_refused("home: [0, -45 deg", "home: [0, -45", {"`robot.home`", "-45 rad", "`-45 deg`"});
   expect_refused("do: lift", "do: levitate", {"`motion[3].do`", "levitate", "approach"});
   expect_refused("target: scale", "target: shelf", {"`success`", "`shelf`"});
   expect_refused("second: finger_left", "second: thumb", {"`pair_friction`", "`thumb`"});
@@ -145,6 +148,15 @@ TEST(TaskFile, MistakesAreNamedWithTheirPlace) {
   expect_refused("name: glass, kind: dielectric", "name: steel, kind: dielectric", {"`materials[2].name`", "steel"});
 }
 
+TEST(TaskFile, AnElementOfTheMotionKnowsItsLine) {
+  const Spoiled whole("do: lift", "do: lift");
+  std::ifstream in(whole.file);
+  std::string line;
+  int number = 1;
+  while (std::getline(in, line) && line.find("do: lift") == std::string::npos) ++number;
+  EXPECT_EQ(load_task(whole.file).motion.at(3).place, whole.file.string() + ":" + std::to_string(number));
+}
+
 // the pads of gripper.yaml are 4 mm apart at joint position 0, and each of the two joints adds its own: 4 + 2 x 28 = 60
 TEST(TaskFile, AGripperClosesToAWidth) {
   const Spoiled by_width("close, gripper: 28 mm", "close, width: 60 mm");
@@ -152,6 +164,8 @@ TEST(TaskFile, AGripperClosesToAWidth) {
   expect_refused("close, gripper: 28 mm", "close, gripper: 28 mm, width: 60 mm", {"`motion[2].width`", "`gripper`"});
   expect_refused("close, gripper: 28 mm", "close, width: 3 mm", {"`motion[2].width`", "between 0.004 and 0.084"});
   expect_refused("close, gripper: 28 mm", "close", {"`motion[2].gripper`"});
+  // the joints of gripper.yaml go from 0 (closed) to 40 mm (open)
+  expect_refused("close, gripper: 28 mm", "close, gripper: 41 mm", {"`motion[2].gripper`", "between 0 and 0.04"});
 }
 
 TEST(TaskFile, WrongNumberOfHomeAnglesIsNamed) {

@@ -304,6 +304,9 @@ TEST(PlanMotion, WhatCannotBeDoneIsNamed) {
   EXPECT_NE(message.find("motion element 1 (approach relative to 'beaker'): its target"), std::string::npos) << message;
   EXPECT_NE(message.find("cannot be reached"), std::string::npos) << message;
 
+  elements[0].place = "task.yaml:7";
+  EXPECT_EQ(refusal(s, elements).rfind("task.yaml:7: motion element 1", 0), 0u) << refusal(s, elements);
+
   elements = pick_and_place();
   elements[3].target = at(0, 0, 1.5);
   message = refusal(s, elements);

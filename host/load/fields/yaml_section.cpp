@@ -133,6 +133,11 @@ void YamlSection::fail(const std::string& key, const std::string& sentence) cons
   fail_at(node.IsDefined() ? node : node_, "`" + full_name(key) + "` " + sentence);
 }
 
+std::string YamlSection::place() const {
+  if (is_resolved_ || node_.Mark().is_null()) return "";
+  return file_.string() + ":" + std::to_string(node_.Mark().line + 1);
+}
+
 std::optional<YAML::Node> YamlSection::find(const std::string& key) {
   asked_.insert(key);
   for (const auto& entry : node_) {

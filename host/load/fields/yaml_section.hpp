@@ -87,6 +87,7 @@ class YamlSection {
   // For what only the caller can judge: throws "FILE:LINE: KEY SENTENCE." or, without key, about the section itself.
   [[noreturn]] void fail(const std::string& key, const std::string& sentence) const;
   const std::filesystem::path& path() const { return file_; }
+  std::string place() const;  // "FILE:LINE", of a resolved configuration empty: for what is found wrong only later
 
  private:
   YamlSection(YAML::Node node, std::filesystem::path file, std::string name, bool is_resolved);
