@@ -9,8 +9,11 @@ namespace {
 constexpr double NARROWER = 1e-3;  // than at the start, of a gripper that holds [m]
 constexpr double AT_REST = 5e-3;   // speed of its width below which a gripper has closed [m/s]
 constexpr double SLIPPED = 1e-2;   // way of an object's origin in the hand that holds it [m]
+constexpr double FELL = 1e-2;      // height that an object loses which was let go of in the air [m]
 
 bool holds(const std::vector<int>& list, int value) { return std::find(list.begin(), list.end(), value) != list.end(); }
+
+bool is_rigid(int body, const WorldState& state) { return std::size_t(body) < state.rigid.size(); }
 
 std::string body_name(const Scene& scene, std::size_t body) {
   const std::size_t n_rigid = scene.rigid_bodies.size(), n_soft = scene.soft_bodies.size();
@@ -36,6 +39,7 @@ Grasps::Grasps(const TaskScene& built) : built_(built), hands_(hands_of(built)) 
   for (std::size_t i = 0; i < n; ++i) can_move_[i] = !is_robot_[i] && (i >= n_rigid || !scene.rigid_bodies[i].is_fixed);
   held_.assign(hands_.size(), -1);
   held_at_.assign(hands_.size(), std::nullopt);
+  falling_.assign(hands_.size(), std::nullopt);
   phase_.assign(hands_.size(), Phase::free);
   for (const BuiltRobot& robot : built.robots) {
     double sum = 0;
@@ -67,6 +71,21 @@ void Grasps::add(const std::string& name, const std::string& of, double time) {
   if (known_.insert({name, of}).second) events_.push_back({name, of, time});
 }
 
+void Grasps::observe_fall(std::size_t robot, const WorldState& state, const Touching& touching) {
+  if (!falling_[robot]) return;
+  const auto body = std::size_t(falling_[robot]->body);
+  if (falling_[robot]->height - state.rigid[body](2, 3) > FELL) {
+    add("dropped", body_name(built_.scene, body), state.time);
+    falling_[robot].reset();
+  } else if (!touched_by_hand_alone(robot, touching[body])) {
+    falling_[robot].reset();  // it was put down
+  }
+}
+
+bool Grasps::touched_by_hand_alone(std::size_t robot, const std::vector<int>& others) const {
+  return std::all_of(others.begin(), others.end(), [&](int other) { return holds(hands_[robot].fingers, other); });
+}
+
 void Grasps::observe_hand(std::size_t robot, const WorldState& state, const Touching& touching) {
   const double now = width(robot, state), length = state.time - time_before_;
   const bool rests = std::abs(now - width_before_[robot]) <= AT_REST * length;
@@ -75,22 +94,23 @@ void Grasps::observe_hand(std::size_t robot, const WorldState& state, const Touc
   const int body = held_by(robot, touching);
   const bool goes_on = body >= 0 && body == held_[robot];
   const bool begins = body >= 0 && !goes_on && is_closed && rests;
-  if (held_[robot] >= 0 && !goes_on && phase_[robot] == Phase::carrying && touching[std::size_t(held_[robot])].empty())
-    add("dropped", body_name(built_.scene, std::size_t(held_[robot])), state.time);
+  if (held_[robot] >= 0 && !goes_on && phase_[robot] == Phase::carrying && is_rigid(held_[robot], state))
+    falling_[robot] = Falling{held_[robot], state.rigid[std::size_t(held_[robot])](2, 3)};
+  observe_fall(robot, state, touching);
   held_[robot] = goes_on || begins ? body : -1;
   if (held_[robot] < 0) {
     held_at_[robot].reset();
     phase_[robot] = Phase::free;
     return;
   }
+  falling_[robot].reset();
   const auto held = std::size_t(body);
   const std::string name = body_name(built_.scene, held);
-  const bool is_alone = std::all_of(touching[held].begin(), touching[held].end(),
-                                    [&](int other) { return holds(hands_[robot].fingers, other); });
+  const bool is_alone = touched_by_hand_alone(robot, touching[held]);
   phase_[robot] = is_alone ? Phase::carrying : Phase::holding;
   add("grasped", name, state.time);
   if (is_alone) add("carried", name, state.time);
-  if (held >= state.rigid.size()) return;
+  if (!is_rigid(body, state)) return;
   const AffineMap& hand = state.rigid[std::size_t(hands_[robot].base)];
   const Vec3 in_hand = hand.leftCols<3>().partialPivLu().solve(state.rigid[held].col(3) - hand.col(3));
   if (!held_at_[robot]) held_at_[robot] = in_hand;

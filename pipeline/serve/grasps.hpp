@@ -36,7 +36,14 @@ class Grasps {
  private:
   // Which bodies touch each body, in the order of ContactForce::first.
   using Touching = std::vector<std::vector<int>>;
+  // An object that a hand carried and let go of, until it touches something else.
+  struct Falling {
+    int body = -1;
+    double height = 0;  // of its origin when it was let go of [m]
+  };
   int held_by(std::size_t robot, const Touching& touching) const;
+  bool touched_by_hand_alone(std::size_t robot, const std::vector<int>& others) const;
+  void observe_fall(std::size_t robot, const WorldState& state, const Touching& touching);
   double width(std::size_t robot, const WorldState& state) const;
   void add(const std::string& name, const std::string& of, double time);
   void observe_hand(std::size_t robot, const WorldState& state, const Touching& touching);
@@ -48,6 +55,7 @@ class Grasps {
   std::vector<double> width_at_start_, width_before_;  // [n_robots, m] sum of the gripper's joints
   std::vector<int> held_;                              // [n_robots] body, -1: none
   std::vector<std::optional<Vec3>> held_at_;           // [n_robots] origin of a rigid one in the hand
+  std::vector<std::optional<Falling>> falling_;        // [n_robots]
   std::vector<Phase> phase_;
   double time_before_ = 0;
   std::set<std::pair<std::string, std::string>> known_;

@@ -72,8 +72,21 @@ TEST_F(GraspsOfTwoFingers, AnObjectIsHeldFromRestAndCarriedWhenNothingElseTouche
   EXPECT_EQ(phase_after(at(0.12, 0.06, {{LEFT, OBJECT}, {OBJECT, RIGHT}}, -0.011)), Phase::carrying);
   EXPECT_EQ(grasps.events().back().name, "slipped");
   EXPECT_EQ(phase_after(at(0.14, 0.06, {}, -0.02)), Phase::free);
+  EXPECT_EQ(phase_after(at(0.16, 0.06, {{LEFT, OBJECT}}, -0.029)), Phase::free);
+  EXPECT_EQ(grasps.events().back().name, "slipped");
+  EXPECT_EQ(phase_after(at(0.18, 0.06, {}, -0.031)), Phase::free);  // 11 mm below where it was let go of
   EXPECT_EQ(grasps.events().back().name, "dropped");
-  EXPECT_NEAR(grasps.events().back().time, 0.14, 1e-12);
+  EXPECT_NEAR(grasps.events().back().time, 0.18, 1e-12);
+}
+
+TEST_F(GraspsOfTwoFingers, WhatIsPutDownFromAnotherHeightIsNotDropped) {
+  Grasps grasps(built);
+  for (int step = 1; step <= 2; ++step) grasps.observe(at(0.02 * step, 0.06, {{LEFT, OBJECT}, {OBJECT, RIGHT}}, 0.1));
+  ASSERT_EQ(grasps.phase()[0], Phase::carrying);
+  grasps.observe(at(0.06, 0.07, {}, 0.1));
+  grasps.observe(at(0.08, 0.08, {{OBJECT, TABLE}}, 0.0995));
+  grasps.observe(at(0.10, 0.08, {}, 0.05));  // it tips over later
+  EXPECT_EQ(names(grasps), (std::vector<std::string>{"grasped cup", "carried cup"}));
 }
 
 TEST_F(GraspsOfTwoFingers, APushByAnOpenHandIsNoGraspAndAReleaseOnTheTableNoDrop) {
