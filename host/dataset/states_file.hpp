@@ -15,6 +15,7 @@
 //   N] /force/{net [T, B, 3, N], torque [T, B, 3, N m]}   of all contacts on each body, in the order of /bodies
 //   /pair_force/{offset [T + 1], bodies [P, 2], normal [P, 3, N], friction [P, 3, N]}   on the first body of each pair
 //   /reading [T, D, kg]   of the objects with a display, before it is rounded; missing where there is none
+//   /node_step [K]   the steps whose nodes are kept; missing: all
 //   /solver/{newton, cg, contacts, retries, residual [m/s], min_gap [m]} [T]
 //   /camera/<name>/{K [F, 3, 3], distortion, T_world_camera [F, 4, 4]}
 #pragma once
@@ -27,6 +28,7 @@
 #include <vector>
 
 #include "host/model/scene.hpp"
+#include "host/model/task.hpp"
 #include "host/model/world_state.hpp"
 
 namespace pvg {
@@ -38,7 +40,13 @@ struct EpisodeHeader {
   std::vector<std::pair<std::string, std::string>> versions;  // name, version
   std::vector<std::pair<std::string, double>> sampled;        // drawn numbers [SI]
   std::vector<std::string> objects;                           // rigid bodies that stand in T_rigid; others: T_link
+  // Not `full`: /X_gripper and /X_deform are rounded to whole NODE_GRID and everything is compressed. `frames`: rows of
+  // steps that keep_nodes() did not name are NaN there, /node_step [K] holds those that it named.
+  RecordedStates states = RecordedStates::full;
 };
+
+// A power of two: a number rounded to it is at most half of it off, 0.95 um, and float32 holds it below 32 m.
+inline constexpr double NODE_GRID = 0x1p-19;  // [m]
 
 // Element pairs that may not touch by construction.
 struct DisabledPair {
@@ -57,6 +65,8 @@ class StatesFile {
 
   // target: of each joint with a drive, in the order of Scene::joints [rad or m]
   void append_step(const WorldState& state, const StepReport& report, std::span<const double> target);
+  // The nodes of the last step appended so far are kept where only those of frames are.
+  void keep_nodes();
   // A frame shows the last step appended so far. T_world_camera: of each camera of the scene.
   void append_frame(std::size_t step, std::span<const Eigen::Matrix4d> T_world_camera);
   void close();  // throws if something could not be written

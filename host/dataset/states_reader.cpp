@@ -12,7 +12,16 @@ StatesOrigin states_origin(const std::filesystem::path& path) {
 StatesReader::StatesReader(const std::filesystem::path& path, const PhysicalScene& scene)
     : record_(path), bodies_(record_.bodies()) {
   if (record_.n_steps() == 0) throw UsageError(path.string() + " holds no step; there is nothing to show");
-  if (record_.has("/frame_step")) filmed_ = record_.filmed_steps();
+  kept_ = record_.kept_steps();
+  if (kept_.empty()) throw UsageError(path.string() + " keeps the nodes of no step; there is nothing to show");
+  if (record_.has("/frame_step"))
+    for (const std::size_t step : record_.filmed_steps()) {
+      const auto at = std::lower_bound(kept_.begin(), kept_.end(), step);
+      if (at == kept_.end() || *at != step)
+        throw UsageError(path.string() + " keeps no nodes of the filmed step " + std::to_string(step) +
+                         "; make the record again");
+      filmed_.push_back(std::size_t(at - kept_.begin()));
+    }
   const auto check_nodes = [&](const std::string& body, const StatesRecord::Body& found, std::size_t n) {
     if (found.is_rigid || found.n_nodes != n)
       throw UsageError(path.string() + " holds " + std::to_string(found.n_nodes) + " nodes of `" + body +
@@ -53,9 +62,10 @@ std::vector<Vec3> StatesReader::nodes(const StatesRecord::Body& place, std::size
   return points;
 }
 
-SceneState StatesReader::state(std::size_t step) const {
+SceneState StatesReader::state(std::size_t kept_step) const {
   SceneState state;
-  state.time = time(step);
+  state.time = time(kept_step);
+  const std::size_t step = kept_.at(kept_step);
   std::string read;  // data set whose row is at hand
   std::vector<double> values;
   for (const StatesRecord::Body& place : rigid_) {

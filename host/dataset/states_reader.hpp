@@ -22,8 +22,9 @@ class StatesReader {
   // Throws a UsageError that names a body which the file lacks, or which has another number of nodes there.
   StatesReader(const std::filesystem::path& file, const PhysicalScene& scene);
 
-  std::size_t n_steps() const { return record_.n_steps(); }
-  double time(std::size_t step) const { return record_.times().at(step); }  // [s]
+  // Steps are counted among those whose nodes are kept: all, or of `record: {states: frames}` those of frames.
+  std::size_t n_steps() const { return kept_.size(); }
+  double time(std::size_t step) const { return record_.times().at(kept_.at(step)); }  // [s]
   // steps that were filmed; empty where there were no pictures
   const std::vector<std::size_t>& filmed_steps() const { return filmed_; }
   SceneState state(std::size_t step) const;  // at the step's end
@@ -34,7 +35,7 @@ class StatesReader {
 
   StatesRecord record_;
   std::vector<StatesRecord::Body> bodies_;
-  std::vector<std::size_t> filmed_;
+  std::vector<std::size_t> kept_, filmed_;
   std::vector<StatesRecord::Body> rigid_, soft_, cloth_;
   std::vector<std::string> displays_;
 };

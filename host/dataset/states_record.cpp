@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace pvg {
 namespace {
@@ -66,15 +67,24 @@ std::vector<std::string> StatesRecord::names_of(const std::string& object, std::
   return names;
 }
 
-std::vector<std::size_t> StatesRecord::filmed_steps() const {
+std::vector<std::size_t> StatesRecord::steps_in(const std::string& object) const {
   std::vector<std::size_t> steps;
-  for (const std::int64_t step : read<std::int64_t>("/frame_step", {ANY})) {
+  for (const std::int64_t step : read<std::int64_t>(object, {ANY})) {
     if (step < 0 || std::uint64_t(step) >= times_.size())
-      fail("/frame_step", "names the step " + std::to_string(step) + " of " + std::to_string(times_.size()));
-    if (!steps.empty() && std::size_t(step) <= steps.back()) fail("/frame_step", "does not ascend");
+      fail(object, "names the step " + std::to_string(step) + " of " + std::to_string(times_.size()));
+    if (!steps.empty() && std::size_t(step) <= steps.back()) fail(object, "does not ascend");
     steps.push_back(std::size_t(step));
   }
   return steps;
+}
+
+std::vector<std::size_t> StatesRecord::filmed_steps() const { return steps_in("/frame_step"); }
+
+std::vector<std::size_t> StatesRecord::kept_steps() const {
+  if (file_.has("/node_step")) return steps_in("/node_step");
+  std::vector<std::size_t> all(times_.size());
+  std::iota(all.begin(), all.end(), std::size_t(0));
+  return all;
 }
 
 StatesRecord::Series StatesRecord::series(const std::string& object) const {
@@ -103,7 +113,13 @@ std::vector<double> StatesRecord::row(const std::string& object, std::size_t ste
 
 std::vector<double> StatesRecord::rows(const std::string& object) const {
   std::vector<double> values = file_.read<double>(object).values;
-  demand_finite(object, values);
+  if (!file_.has("/node_step") || !object.starts_with("/X_")) {
+    demand_finite(object, values);
+    return values;
+  }
+  const std::size_t n = times_.empty() ? 0 : values.size() / times_.size();
+  for (const std::size_t step : kept_steps())
+    demand_finite(object, {values.begin() + std::ptrdiff_t(step * n), values.begin() + std::ptrdiff_t((step + 1) * n)});
   return values;
 }
 

@@ -47,13 +47,15 @@ class StatesRecord {
   std::size_t n_steps() const { return times_.size(); }
   const std::vector<double>& times() const { return times_; }  // [s] ascending
   std::vector<std::size_t> filmed_steps() const;               // ascending; empty: there are no pictures
+  // Those whose nodes of soft bodies and cloths are kept, ascending; all where there are none.
+  std::vector<std::size_t> kept_steps() const;
   bool has(const std::string& object) const { return file_.has(object); }
 
   Series series(const std::string& object) const;                              // /q, /a, /torque
   std::vector<std::string> poses_names(const std::string& object) const;       // of the n bodies in [T, n, 3, 4]
   std::vector<double> poses(const std::string& object) const;                  // [T, n, 3, 4]
   std::vector<double> row(const std::string& object, std::size_t step) const;  // of a body's data set
-  std::vector<double> rows(const std::string& object) const;                   // all of them
+  std::vector<double> rows(const std::string& object) const;  // all of them; NaN: of steps that are not kept
   std::vector<Body> bodies() const;
   bool has_mesh(const Body& body) const { return file_.has("/mesh/" + body.name + "/triangles"); }
   Mesh mesh(const Body& body) const;
@@ -74,6 +76,7 @@ class StatesRecord {
   template <class T>
   std::vector<T> read(const std::string& object, const hdf5::Shape& wanted) const;
   void demand_finite(const std::string& object, const std::vector<double>& values) const;
+  std::vector<std::size_t> steps_in(const std::string& object) const;  // ascending
   std::vector<std::string> names_of(const std::string& object, std::size_t n) const;
 
   std::filesystem::path path_;

@@ -60,7 +60,8 @@ struct TruthFile::Impl {
   hdf5::Shape pixels{height, width}, vectors{height, width, 3}, flows{height, width, 2};
   // the series must be closed before their file
   std::unique_ptr<Series<float>> depth = series<float>("/depth", pixels), distance = series<float>("/distance", pixels),
-                                 normal = series<float>("/normal", vectors),
+                                 normal = series<float>("/normal", vectors), albedo = series<float>("/albedo", vectors),
+                                 mean_normal = series<float>("/mean_normal", vectors),
                                  forward = series<float>("/flow_forward", flows),
                                  backward = series<float>("/flow_backward", flows);
   std::unique_ptr<Series<std::uint16_t>> instance = series<std::uint16_t>("/instance", pixels);
@@ -100,6 +101,8 @@ void TruthFile::append(const RenderedFrame& frame, const FlowFrame& forward, con
   to.put(to.depth, frame.depth);
   to.put(to.distance, frame.distance);
   to.put(to.normal, frame.normal);
+  to.put(to.albedo, frame.albedo);
+  to.put(to.mean_normal, frame.mean_normal);
   to.put<std::uint16_t>(to.instance, {frame.instance.begin(), frame.instance.end()});
   std::vector<std::uint8_t> parts;
   for (const std::uint32_t id : frame.instance) parts.push_back(to.labels.part_of_instance.at(id));
@@ -137,7 +140,8 @@ void TruthFile::append(const RenderedFrame& frame, const FlowFrame& forward, con
 
 void TruthFile::close() {
   Impl& from = *impl_;
-  from.depth.reset(), from.distance.reset(), from.normal.reset(), from.forward.reset(), from.backward.reset();
+  from.depth.reset(), from.distance.reset(), from.normal.reset(), from.albedo.reset(), from.mean_normal.reset();
+  from.forward.reset(), from.backward.reset();
   from.instance.reset(), from.part.reset(), from.forward_state.reset(), from.backward_state.reset();
   from.box.reset(), from.visible.reset(), from.pose.reset(), from.camera_pose.reset(), from.time.reset();
   from.file.close();

@@ -1,6 +1,9 @@
 // <camera>_truth.h5: what is exactly known of every picture, at the middles of its pixels.
 //   /depth /distance [F, H, W, m]      along the optical axis; from the camera; infinite where nothing is
 //   /normal [F, H, W, 3]               unit, world, toward the camera; 0 where nothing is
+//   /albedo [F, H, W, 3]               colour in [0, 1], and
+//   /mean_normal [F, H, W, 3]          normal of the first surface that scatters, seen through clear glass and in
+//                                      mirrors: means over the samples of the pixel
 //   /instance [F, H, W] /part [F, H, W]  as in masks_file.hpp
 //   /flow_forward /flow_backward [F, H, W, 2, pixels]    where the point is in the next / last picture: right and down
 //   /flow_forward_state /flow_backward_state [F, H, W]   0: seen there, 1: hidden, 2: outside or no such picture

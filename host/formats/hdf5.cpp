@@ -349,19 +349,32 @@ std::uint64_t File::unsigned_attribute(const std::string& object, const std::str
   return number;
 }
 
-SeriesBase::SeriesBase(File& file, const std::string& object, const Shape& row, Type type, bool is_compressed)
+SeriesBase::SeriesBase(File& file, const std::string& object, const Shape& row, Type type, const Storage& storage)
     : file_(&file), object_(object), row_(row), type_(type) {
-  Shape none = row, most = row, chunk = row;
+  Shape none = row, most = row, chunk = storage.chunk;
   none.insert(none.begin(), 0);
   most.insert(most.begin(), H5S_UNLIMITED);
-  chunk.insert(chunk.begin(), chunk_rows(n_values(row) * bytes_of(type)));
+  if (chunk.empty()) {
+    chunk = row;
+    chunk.insert(chunk.begin(), chunk_rows(n_values(row) * bytes_of(type)));
+  }
   for (std::uint64_t& length : chunk) length = std::max<std::uint64_t>(length, 1);  // a chunk must not be empty
   const Handle properties = dataset_properties(), space = dataspace(none, most);
+  const Handle access = own<H5Pclose>(H5Pcreate(H5P_DATASET_ACCESS));
+  if (!storage.chunk.empty()) {
+    // all chunks that a row is in stay in memory until they are full: each is compressed once
+    constexpr std::size_t SLOTS = 521, LEAST_BYTES = 1 << 20;  // HDF5's defaults
+    std::size_t open_bytes = bytes_of(type) * chunk[0];
+    for (std::size_t i = 0; i < row.size(); ++i)
+      open_bytes *= (std::max<std::uint64_t>(row[i], 1) + chunk[i + 1] - 1) / chunk[i + 1] * chunk[i + 1];
+    H5Pset_chunk_cache(access.id(), SLOTS, std::max(LEAST_BYTES, open_bytes), 1);
+  }
   file.make_parent(object);
   H5Pset_chunk(properties.id(), int(chunk.size()), reinterpret_cast<const hsize_t*>(chunk.data()));
-  if (is_compressed) H5Pset_deflate(properties.id(), 4);
+  if (storage.shuffles) H5Pset_shuffle(properties.id());
+  if (storage.deflate > 0) H5Pset_deflate(properties.id(), unsigned(storage.deflate));
   dataset_ = own<H5Dclose>(H5Dcreate2(file.handle_.id(), object.c_str(), on_disk(type), space.id(), H5P_DEFAULT,
-                                      properties.id(), H5P_DEFAULT));
+                                      properties.id(), access.id()));
   if (dataset_.id() < 0) file.fail("create", object);
 }
 

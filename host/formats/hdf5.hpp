@@ -149,9 +149,16 @@ class File {
   Handle handle_;
 };
 
+// How a series lies on disk; what is read is the same.
+struct Storage {
+  int deflate = 0;        // level of compression, 0: none
+  bool shuffles = false;  // before it: bytes of the same significance go side by side
+  Shape chunk;            // what is compressed together, [rows, ...]; empty: rows of about 64 KiB
+};
+
 class SeriesBase {
  protected:
-  SeriesBase(File& file, const std::string& object, const Shape& row, Type type, bool is_compressed);
+  SeriesBase(File& file, const std::string& object, const Shape& row, Type type, const Storage& storage);
   void append_raw(const void* values, std::size_t n);
 
  private:
@@ -168,7 +175,9 @@ template <class T>
 class Series : SeriesBase {
  public:
   Series(File& file, const std::string& object, const Shape& row, bool is_compressed = false)
-      : SeriesBase(file, object, row, type_of<T>(), is_compressed) {}
+      : Series(file, object, row, Storage{is_compressed ? 4 : 0, false, {}}) {}
+  Series(File& file, const std::string& object, const Shape& row, const Storage& storage)
+      : SeriesBase(file, object, row, type_of<T>(), storage) {}
   void append(std::span<const T> values) { append_raw(values.data(), values.size()); }
 };
 

@@ -17,6 +17,14 @@ std::uint8_t number_of(const std::vector<std::string>& names, const std::string&
 
 }  // namespace
 
+std::vector<std::string> named_parts(const std::filesystem::path& path) {
+  const hdf5::File file = hdf5::File::open(path);
+  if (!file.has("/part")) return {};
+  std::vector<std::string> names = file.texts_attribute("/part", "names");
+  if (!names.empty()) names.erase(names.begin());  // of what is no part
+  return names;
+}
+
 PartMasks read_part_masks(const std::filesystem::path& path, const std::string& part) {
   const std::string name = path.string();
   try {

@@ -16,6 +16,9 @@ struct PartMasks {
   std::vector<std::vector<std::uint8_t>> pixels;  // [n_frames][height x width] 1: the part
 };
 
+// The parts that the file names; none where it has no such array.
+std::vector<std::string> named_parts(const std::filesystem::path& file);
+
 // Throws a UsageError that names the file where it has no such part or its arrays do not fit.
 PartMasks read_part_masks(const std::filesystem::path& file, const std::string& part);
 

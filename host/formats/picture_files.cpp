@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <memory>
 #include <string>
 
 #include "host/base/error.hpp"
@@ -65,15 +66,24 @@ std::vector<std::uint8_t> encode_png(const Texture& texture) {
   return bytes;
 }
 
-Picture8 read_picture(const std::filesystem::path& path) {
+namespace {
+
+std::unique_ptr<OIIO::ImageInput> open_picture(const std::filesystem::path& path) {
   remember_read(path);
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored))
     throw UsageError(path.string() + " is no file; a picture is wanted");
-  const QuietLibraries quiet;
-  const auto file = OIIO::ImageInput::open(path.string());
+  auto file = OIIO::ImageInput::open(path.string());
   if (!file)
     throw UsageError(path.string() + " could not be read: it is no picture, or a damaged one; export it again");
+  return file;
+}
+
+}  // namespace
+
+Picture8 read_picture(const std::filesystem::path& path) {
+  const QuietLibraries quiet;
+  const auto file = open_picture(path);
   const OIIO::ImageSpec& spec = file->spec();
   if (spec.nchannels < 3) throw UsageError(path.string() + ": the picture has no three colours; export it as RGB");
   Picture8 picture{spec.width, spec.height,
@@ -81,6 +91,21 @@ Picture8 read_picture(const std::filesystem::path& path) {
   if (!file->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, picture.rgb.data()))
     throw UsageError(path.string() + " could not be read to its end: the picture is damaged; export it again");
   return picture;
+}
+
+Mask8 read_mask_picture(const std::filesystem::path& path) {
+  const QuietLibraries quiet;
+  const auto file = open_picture(path);
+  Mask8 mask{file->spec().width, file->spec().height, {}};
+  mask.pixels.resize(std::size_t(mask.width) * std::size_t(mask.height));
+  if (!file->read_image(0, 0, 0, 1, OIIO::TypeDesc::UINT8, mask.pixels.data()))
+    throw UsageError(path.string() + " could not be read to its end: the picture is damaged; export it again");
+  const std::uint8_t largest = mask.pixels.empty() ? 0 : *std::max_element(mask.pixels.begin(), mask.pixels.end());
+  if (largest > 0 && largest < 128)
+    throw UsageError(path.string() + ": its largest value is " + std::to_string(largest) +
+                     "; write 255 where the part is and 0 elsewhere");
+  for (std::uint8_t& pixel : mask.pixels) pixel = pixel >= 128;
+  return mask;
 }
 
 }  // namespace pvg

@@ -17,4 +17,11 @@ void write_linear_picture(const std::filesystem::path& path, std::span<const flo
 std::vector<std::uint8_t> encode_png(const Texture& texture);
 Picture8 read_picture(const std::filesystem::path& path);
 
+struct Mask8 {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> pixels;  // 1: the part, 0: not  [height x width]
+};
+// A picture of a mask: the part is where its first channel is at least half of full.
+Mask8 read_mask_picture(const std::filesystem::path& path);
+
 }  // namespace pvg

@@ -65,6 +65,7 @@ std::string task_page() {
       .section("`success[]` and `failure[]`", "All of `success` must hold; one of `failure` ends the episode.",
                condition_fields({}, Condition::When::end))
       .section("`vary[]`", "What is drawn per episode beside poses.", variation_fields())
+      .section("`record`", "What an episode keeps.", record_fields())
       .text;
 }
 

@@ -40,6 +40,7 @@ void write_looks(YamlWriter& w, const Task& task) {
   w.entry("environment_turn", task.environment_turn);
   write_list(w, "cameras", camera_fields(), task.cameras);
   write_section(w, "render", render_fields(), task.render);
+  write_section(w, "record", record_fields(), task.record);
 }
 
 template <class T>
@@ -114,6 +115,7 @@ Task read_resolved(const std::string& text, const std::filesystem::path& file) {
   if (root.has("environment_turn")) task.environment_turn = root.number("environment_turn", Unit::angle, 0, 1);
   read_list(root, "cameras", camera_fields(), task.cameras);
   read_section(root, "render", render_fields(), task.render);
+  read_section(root, "record", record_fields(), task.record);
   for (const char* key : {"schema", "drawn"}) root.skip(key);
   root.done();
   return task;

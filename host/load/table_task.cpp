@@ -105,6 +105,14 @@ std::vector<std::string> names_of(const Kinds& kinds) {
 
 }  // namespace
 
+const Fields<RecordSection>& record_fields() {
+  static const Fields<RecordSection> FIELDS = Fields<RecordSection>().choice(
+      "states", &RecordSection::states, RECORDED_STATES,
+      "nodes of soft bodies in states.h5: `full` is every bit, `float32` rounds to less than a micrometre, `frames` "
+      "keeps these of pictures only; see [states.h5](states.md#size)");
+  return FIELDS;
+}
+
 const Fields<JointSection>& task_joint_fields() {
   using J = JointSection;
   static const Fields<J> FIELDS =

@@ -39,6 +39,8 @@ const Fields<RenderSection>& render_fields();
 // table_effect.cpp
 const Fields<Effect>& effect_fields();
 
+const Fields<RecordSection>& record_fields();  // table_task.cpp
+
 // table_task.cpp. robots: of the task. otherwise: the default of `when`
 const Fields<JointSection>& task_joint_fields();
 Fields<MotionElement> motion_fields(const std::vector<RobotCell>& robots);

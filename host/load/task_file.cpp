@@ -217,6 +217,7 @@ Task load_task(const std::filesystem::path& file) {
   if (task.success.empty()) root.fail("", "lacks `success`: a task has at least one condition");
   read_list(root, "failure", condition_fields(robots, Condition::When::some_time), task.failure);
   read_list(root, "vary", variation_fields(), task.variations);
+  read_if_there(root, "record", record_fields(), task.record);
   root.done();
   check_names(root, task, {});
   check_condition_names(root, task);

@@ -143,6 +143,19 @@ struct RenderSection {
   int samples = 16;  // paths per pixel
   int max_depth = 8;
   std::filesystem::path lut;  // applied to the pictures; empty: none
+  bool denoise = false;       // the noise of few samples is filtered
+};
+
+// What the record of an episode keeps of the nodes of soft bodies and cloths; docs/reference/states.md
+enum class RecordedStates {
+  full,     // every bit of every step
+  float32,  // every step, rounded to less than a micrometre
+  frames    // likewise, of the steps that pictures show
+};
+inline const std::vector<std::string> RECORDED_STATES = {"full", "float32", "frames"};
+
+struct RecordSection {
+  RecordedStates states = RecordedStates::float32;
 };
 
 // One of several robots, each with a gripper. Its name stands before those of its parts.
@@ -179,6 +192,7 @@ struct Task {
   std::vector<Condition> failure;  // it has failed as soon as one of these holds
   std::vector<Variation> variations;
   RenderSection render;
+  RecordSection record;
 };
 
 // `robot`, with an empty name, and those of `robots`.

@@ -13,6 +13,10 @@ struct RenderedFrame {
   std::vector<float> distance;  // from the camera, likewise [m]
   std::vector<std::uint32_t> instance;  // 1 + index of the Visual at the pixel's centre, 0: nothing or a light  [h x w]
   std::vector<float> normal;  // of the surface at the pixel's centre, unit, world, toward the camera, or 0  [h x w x 3]
+  // Empty unless asked for: means over the pixel's samples, as its light is, of the first surface that scatters, seen
+  // through clear glass and in mirrors.  [h x w x 3]
+  std::vector<float> albedo;          // its colour, in [0, 1]
+  std::vector<float> mean_normal;     // its unit normals, world, toward the path
   std::uint32_t dropped_samples = 0;  // samples that were not finite and were left out
   std::uint64_t rays = 0;             // path segments traced, shadow rays not counted
 };

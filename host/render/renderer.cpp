@@ -119,11 +119,45 @@ RenderedFrame Renderer::Impl::read_film(int camera, std::uint32_t frame) const {
   return picture;
 }
 
+void Renderer::Impl::read_features(RenderedFrame& picture) const {
+  const auto means = [](const std::vector<F32x4>& sums) {
+    std::vector<float> values;
+    values.reserve(3 * sums.size());
+    for (const F32x4& sum : sums)
+      for (int c = 0; c < 3; ++c) values.push_back(sum.v[c] / sum.v[3]);
+    return values;
+  };
+  picture.albedo = means(film.guides->guide_color.read());
+  picture.mean_normal = means(film.guides->guide_normal.read());
+}
+
+// replaces the film's sums
+void Renderer::Impl::denoise(const RenderedFrame& features) {
+  std::vector<F32x4> sums = film.sum.read();
+  NoisyPicture picture{
+      std::uint32_t(features.width), std::uint32_t(features.height), {}, features.albedo, features.mean_normal};
+  for (const F32x4& sum : sums)
+    for (int c = 0; c < 3; ++c) picture.rgb.push_back(sum.v[3] > 0 ? sum.v[c] / sum.v[3] : 0.0f);
+  const std::vector<float> filtered = image_denoise->filter(picture);
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    for (int c = 0; c < 3; ++c) sums[i].v[c] = filtered[3 * i + std::size_t(c)] * sums[i].v[3];
+  film.sum.write(sums);
+}
+
 RenderedFrame Renderer::Impl::finish(const Launch& launch, int camera, std::uint32_t frame, std::uint64_t rays) {
   find_ground_truth(launch);
   last_camera = camera;
+  RenderedFrame features;
+  features.width = int(launch.camera.width);
+  features.height = int(launch.camera.height);
+  if (film.guides) read_features(features);
+  if (image_denoise) denoise(features);
   if (denoiser) (*denoiser)(launch.camera.width, launch.camera.height, film);
   RenderedFrame picture = read_film(camera, frame);
+  if (settings.notes_features) {
+    picture.albedo = std::move(features.albedo);
+    picture.mean_normal = std::move(features.mean_normal);
+  }
   picture.rays = rays;
   return picture;
 }
@@ -132,6 +166,11 @@ void Renderer::Impl::check_camera_index(int camera) const {
   if (camera < 0 || camera >= int(scene.cameras.size()))
     throw UsageError("the scene has " + std::to_string(scene.cameras.size()) + " cameras, number " +
                      std::to_string(camera) + " was asked for");
+}
+
+std::string denoiser_name(const Device& device) {
+  const std::optional<ImageDenoise> library = ImageDenoise::find(device.info().is_gpu);
+  return library ? library->name() : OWN_DENOISER;
 }
 
 Renderer::Renderer(Device& device, const Scene& scene, const RenderSettings& settings)

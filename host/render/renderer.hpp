@@ -20,12 +20,19 @@ struct RenderSettings {
   // clear glass between a light and a diffuse surface or shadow receiver attenuates the shadow ray, which goes straight
   // through, and refracted light of that light is left out; false: glass blocks shadow rays, all refracted paths count
   bool transparent_shadows = true;
-  bool denoises = false;            // an edge-avoiding filter over the picture, for previews
+  bool denoises = false;            // by Open Image Denoise where it is found, else by an edge-avoiding filter
+  bool notes_features = false;      // albedo and mean_normal of the frames
   bool sees_through_glass = false;  // depth, normals, instances and flow: of what is behind glass
 };
 
 // where everything is before anything moves
 SceneState initial_state(const Scene& scene);
+
+// stands in for Open Image Denoise where that is not found; less good, see docs/theory/rendering.md
+inline constexpr const char* OWN_DENOISER = "the built-in filter";
+
+// what filters the noise on this device: the library with its version, or OWN_DENOISER
+std::string denoiser_name(const Device& device);
 
 class Renderer {
  public:

@@ -4,6 +4,7 @@
 
 #include "host/render/denoiser.hpp"
 #include "host/render/geometry.hpp"
+#include "host/render/image_denoise.hpp"
 #include "host/render/lights.hpp"
 #include "host/render/look.hpp"
 #include "host/render/renderer.hpp"
@@ -38,6 +39,8 @@ struct Renderer::Impl {
   std::uint64_t add_moving_samples(int camera, std::uint32_t frame, const std::function<SceneState(double)>& at,
                                    double time);
   void find_ground_truth(Launch launch);
+  void denoise(const RenderedFrame& features);
+  void read_features(RenderedFrame& picture) const;
   RenderedFrame finish(const Launch& launch, int camera, std::uint32_t frame, std::uint64_t rays);
   RenderedFrame read_film(int camera, std::uint32_t frame) const;
   void check_camera_index(int camera) const;
@@ -58,9 +61,10 @@ struct Renderer::Impl {
   LightList lights;
   bool has_insides = false;  // of materials that a camera could be inside of
   std::unique_ptr<DeviceScene> on_device;
+  std::optional<ImageDenoise> image_denoise;  // of renderers that denoise, where it is there,
+  std::optional<Denoiser> denoiser;           // else this
   Stages stages;
   Film film;
-  std::optional<Denoiser> denoiser;
   int last_camera = -1;  // whose ground truth the film holds
 };
 

@@ -20,6 +20,7 @@ void Film::begin(std::size_t n_pixels) {
   sum.resize(n_pixels);
   squares.resize(n_pixels);
   dropped.resize(n_pixels);
+  if (guides) guides->begin(n_pixels);
   sum.zero();
   squares.zero();
   place.resize(n_pixels);
@@ -46,7 +47,7 @@ Stages::Kernels::Kernels(Program generate_file, Program shade_file, Program comp
       pass_holes(holes_file.kernel("pass_holes")),
       shadow_holes(holes_file.kernel("shadow_holes")) {}
 
-Stages::Stages(Device& device)
+Stages::Stages(Device& device, bool notes_features)
     : max_paths_(std::size_t(1) << (device.info().is_gpu ? 18 : 16)),
       kernels_(Program(device, "render/generate.cl", traversal_options(device)),
                Program(device, "render/shade.cl", traversal_options(device)), Program(device, "render/compact.cl"),
@@ -71,7 +72,9 @@ Stages::Stages(Device& device)
       alive_(device, 0, "alive"),
       counts_(device, 0, "counts"),
       total_(device, 1, "total"),
-      media_(device, 1, "media") {}
+      media_(device, 1, "media") {
+  if (notes_features) features_.emplace(device);
+}
 
 std::uint64_t Stages::trace(const Launch& launch, const DeviceScene& scene, Film& film) {
   std::size_t n = std::size_t(launch.n_pixels) * launch.n_samples;
@@ -81,12 +84,14 @@ std::uint64_t Stages::trace(const Launch& launch, const DeviceScene& scene, Film
     segments += n;
     intersect(n, scene);
     if (scene.has_cutouts) pass_holes(n, depth, scene);
+    if (features_) features_->note(n, launch, scene, queue_, hit_, hit_instance_, direction_, throughput_);
     shade(n, launch, depth, scene);
     if (launch.n_lights > 0 && scene.has_cutouts) shadow_holes(n, scene);
     if (launch.n_lights > 0) shadow(n, launch, scene);
     n = compact(n);
   }
   kernels_.accumulate(launch.n_pixels, launch.n_pixels, launch, radiance_, film.sum, film.squares, film.dropped);
+  if (features_) features_->accumulate(launch, film.guides.value());
   return segments;
 }
 

@@ -1,7 +1,9 @@
 // The stages of the wavefront on the device: programs, the arrays that paths travel in, and one function per use.
 #pragma once
+#include <optional>
 #include <vector>
 
+#include "host/render/features.hpp"
 #include "host/render/traversal.hpp"
 
 namespace pvg {
@@ -32,15 +34,17 @@ struct Film {
   Buffer<std::uint32_t> dropped;
   Buffer<float> depth, distance;
   Buffer<std::uint32_t> instance;
-  Buffer<float> normal;  // [n x 3]
-  Buffer<F32x4> place;   // the point at the middle, last: its distance [m]
-  Buffer<float> albedo;  // [n x 3], of the surface there
-  Buffer<F32x4> seen;    // the hit at the middle: u, v, triangle, instance
+  Buffer<float> normal;          // [n x 3]
+  Buffer<F32x4> place;           // the point at the middle, last: its distance [m]
+  Buffer<float> albedo;          // [n x 3], of the surface there
+  Buffer<F32x4> seen;            // the hit at the middle: u, v, triangle, instance
+  std::optional<Guides> guides;  // of a denoiser that takes them
 };
 
 class Stages {
  public:
-  explicit Stages(Device& device);
+  // notes_features: for the guides of the films
+  Stages(Device& device, bool notes_features);
   // At most so many paths are under way at once, about 150 bytes each: on a CPU what stays near its caches (6 % faster
   // than four times as many), on a GPU what fills it.
   std::size_t max_paths() const { return max_paths_; }
@@ -72,6 +76,7 @@ class Stages {
   std::size_t max_paths_;
   Kernels kernels_;
   Traversal traversal_;
+  std::optional<Features> features_;
   // per slot
   Buffer<F32x4> origin_, direction_, throughput_, radiance_, hit_;
   Buffer<std::uint32_t> hit_instance_;

@@ -14,7 +14,10 @@ namespace pvg {
 template <typename Options>
 Options& options_of_command(CLI::App& command, void (*run)(const Options&)) {
   const auto options = std::make_shared<Options>();
-  command.callback([options, run] { run(*options); });
+  command.callback([options, run, &command] {
+    // `evaluate fidelity` is its own command, not one of `evaluate`
+    if (command.get_subcommands().empty()) run(*options);
+  });
   return *options;
 }
 

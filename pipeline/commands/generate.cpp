@@ -77,7 +77,7 @@ EpisodeSet open_set(const GenerateOptions& options, const Task& task, const Devi
                                   std::to_string(p.height) + " " + std::to_string(p.samples) + " " +
                                   std::to_string(p.frames_per_second) + " " + std::to_string(options.no_render) +
                                   (options.is_rigid ? " rigid" : ""));
-  set.versions = versions(physics, rendering);
+  set.versions = versions(physics, rendering, !options.no_render && task.render.denoise);
   join_set(set);
   write_set(set);
   return set;

@@ -163,7 +163,8 @@ RenderSettings settings_of(const RenderOptions& options, const ShownScene& shown
   settings.max_depth = options.max_depth ? options.max_depth : shown.render.max_depth;
   settings.seed = options.seed ? options.seed : shown.seed;
   settings.sees_through_glass = options.sees_through_glass;
-  settings.denoises = options.denoises;
+  settings.notes_features = options.writes_ground_truth;
+  settings.denoises = options.denoises || shown.render.denoise;
   return settings;
 }
 
@@ -280,7 +281,7 @@ void add_render(CLI::App& program) {
   command->add_option("--fps", o.frames_per_second, "Pictures per second of motion")->check(CLI::Range(0.01, 1000.0));
   command->add_option("--seed", o.seed, "Of the pictures' noise");
   command->add_option("--lut", o.lut, "Lookup table of `calibrate lut` (.csv); else what the file says");
-  command->add_flag("--denoise", o.denoises, "Filter the noise of few samples, for previews");
+  command->add_flag("--denoise", o.denoises, "Filter the noise of few samples; also where the file says so");
   command->add_flag("--ground-truth", o.writes_ground_truth,
                     "Write CAMERA_truth.h5 as well: depth, normals, instances, parts, flow, boxes, poses");
   command->add_flag("--through-glass", o.sees_through_glass, "Ground truth of what is behind glass, not of the glass");

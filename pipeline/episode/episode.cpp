@@ -185,7 +185,8 @@ RecordSettings record_settings(const Task& task, const TaskScene& built, const E
   record.header.seed = settings.seed;
   record.header.episode = settings.episode;
   record.header.configuration = resolved_yaml(task, built);
-  record.header.versions = versions(physics, rendering);
+  record.header.states = task.record.states;
+  record.header.versions = versions(physics, rendering, settings.renders && task.render.denoise);
   for (const SampledValue& sampled : built.sampled) record.header.sampled.emplace_back(sampled.name, sampled.value);
   for (const ObjectSection& object : task.objects) record.header.objects.push_back(object.name);
   record.frames_per_second = task.render.frames_per_second;
@@ -275,6 +276,7 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Dev
   report.meshes = mesh_sizes(scene);
   report.device = physics.info().name;
   report.render_device = rendering.info().name;
+  if (settings.renders && task.render.denoise) report.denoiser = denoiser_name(rendering);
   report.seconds.emplace_back("build", build_watch.seconds());
 
   const Table table = episode_table();
@@ -299,6 +301,7 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Dev
     RenderSettings pictures_settings;
     pictures_settings.samples = task.render.samples;
     pictures_settings.max_depth = task.render.max_depth;
+    pictures_settings.denoises = task.render.denoise;
     pictures_settings.seed = picture_seed(settings.seed, settings.episode);
     render_state.renderer = std::make_unique<Renderer>(rendering, scene, pictures_settings);
   }

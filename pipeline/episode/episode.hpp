@@ -43,7 +43,7 @@ struct EpisodeReport {
   double time_step = 0, frames_per_second = 0;          // [s], [1/s]
   std::vector<MeshSize> meshes;                         // of the simulation
   std::vector<std::pair<std::string, double>> seconds;  // wall-clock time at work, by stage [s]
-  std::string device, render_device;
+  std::string device, render_device, denoiser;          // denoiser empty: none
 };
 
 // The stages in their order, as a table of graph.hpp; for `--graph` and the README.
@@ -72,7 +72,9 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Dev
 // summary.json of an episode's folder.
 std::string summary_json(const Task& task, const EpisodeSettings& settings, const EpisodeReport& report);
 
-// Name and version of what made an episode, or a simulation; of the device that renders where it is of another kind.
-std::vector<std::pair<std::string, std::string>> versions(const Device& physics, const Device& rendering);
+// Name and version of what made an episode, or a simulation; of the device that renders where it is of another kind,
+// and of the denoiser where pictures are denoised.
+std::vector<std::pair<std::string, std::string>> versions(const Device& physics, const Device& rendering,
+                                                          bool denoises = false);
 
 }  // namespace pvg

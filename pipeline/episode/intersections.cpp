@@ -28,6 +28,7 @@ class Surfaces {
     const StatesRecord record(states);
     bodies_ = record.bodies();
     n_steps_ = record.n_steps();
+    kept_ = record.kept_steps();
     for (const auto& pair : record.noncolliding(bodies_.size())) free_pairs_.insert(pair);
     std::uint32_t first = 0;
     for (std::size_t body = 0; body < bodies_.size(); ++body) {
@@ -41,7 +42,7 @@ class Surfaces {
     }
   }
 
-  std::size_t n_steps() const { return n_steps_; }
+  const std::vector<std::size_t>& kept_steps() const { return kept_; }
 
   // "beaker and finger_left"; empty: nothing meets
   std::string meeting(std::size_t step) const {
@@ -94,6 +95,7 @@ class Surfaces {
   std::vector<Edge> edges_;
   std::vector<std::size_t> triangle_body_, edge_body_;
   std::size_t n_steps_ = 0;
+  std::vector<std::size_t> kept_;
 };
 
 }  // namespace
@@ -101,8 +103,10 @@ class Surfaces {
 IntersectedSteps count_intersected_steps(const std::filesystem::path& states, std::size_t every) {
   const Surfaces surfaces(states);
   IntersectedSteps counted;
-  for (std::size_t step = 0; step < surfaces.n_steps(); ++step) {
-    if (step % every != 0 && step + 1 != surfaces.n_steps()) continue;
+  const std::vector<std::size_t>& kept = surfaces.kept_steps();
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (i % every != 0 && i + 1 != kept.size()) continue;
+    const std::size_t step = kept[i];
     ++counted.steps;
     const std::string meeting = surfaces.meeting(step);
     if (meeting.empty()) continue;

@@ -43,6 +43,7 @@ void EpisodeRecorder::append_steps(const std::vector<StepRecord>& steps) {
 }
 
 void EpisodeRecorder::append_frame(FramePictures pictures) {
+  states_.keep_nodes();
   if (!settings_.renders) return;
   states_.append_frame(n_steps_ - 1, pictures.T_world_camera);
   for (std::size_t i = 0; i < cameras_.size(); ++i) {

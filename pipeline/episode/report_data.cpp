@@ -30,11 +30,12 @@ std::string base64_of(const std::vector<T>& values) {
 }
 
 // Steps that are shown: the pictures' where there are some.
-std::vector<std::size_t> key_steps(const StatesRecord& record, std::size_t n_steps) {
+std::vector<std::size_t> key_steps(const StatesRecord& record) {
   std::vector<std::size_t> steps = record.filmed_steps();
   if (!steps.empty()) return steps;
-  const std::size_t every = std::max<std::size_t>(1, (n_steps + MOST_KEYS - 1) / MOST_KEYS);
-  for (std::size_t step = every - 1; step < n_steps; step += every) steps.push_back(step);
+  const std::vector<std::size_t> kept = record.kept_steps();
+  const std::size_t every = std::max<std::size_t>(1, (kept.size() + MOST_KEYS - 1) / MOST_KEYS);
+  for (std::size_t i = every - 1; i < kept.size(); i += every) steps.push_back(kept[i]);
   return steps;
 }
 
@@ -229,7 +230,7 @@ Json episode_report(const fs::path& folder, bool whole) {
   report["times"] = curve_times;
   report["curves"] = curves;
   report["videos"] = videos(folder);
-  report["motion"] = motion(record, key_steps(record, times.size()));
+  report["motion"] = motion(record, key_steps(record));
   return report;
 }
 

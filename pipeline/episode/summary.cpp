@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/render/renderer.hpp"
 #include "pipeline/episode/episode.hpp"
 
 namespace pvg {
@@ -51,7 +52,8 @@ std::int64_t peak_memory_bytes() {
 
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> versions(const Device& physics, const Device& rendering) {
+std::vector<std::pair<std::string, std::string>> versions(const Device& physics, const Device& rendering,
+                                                          bool denoises) {
   const DeviceInfo &simulates = physics.info(), &renders = rendering.info();
   std::vector<std::pair<std::string, std::string>> all = {
       {"phyvisgen", PVG_VERSION}, {"opencl_device", simulates.name}, {"opencl_driver", simulates.driver}};
@@ -59,6 +61,7 @@ std::vector<std::pair<std::string, std::string>> versions(const Device& physics,
     all.emplace_back("opencl_render_device", renders.name);
     all.emplace_back("opencl_render_driver", renders.driver);
   }
+  if (denoises) all.emplace_back("denoiser", denoiser_name(rendering));
   return all;
 }
 
@@ -83,6 +86,7 @@ std::string summary_json(const Task& task, const EpisodeSettings& settings, cons
   json["meshes"] = to_json(report.meshes);
   json["device"] = report.device;
   json["render_device"] = report.render_device;
+  json["denoiser"] = report.denoiser.empty() ? "none" : report.denoiser;
   json["version"] = PVG_VERSION;
   json["seconds"] = to_json(report.seconds);
   json["peak_memory_bytes"] = peak_memory_bytes();

@@ -103,5 +103,20 @@ TEST(PictureMetrics, AgreeWithNumbersByHand) {
   EXPECT_NEAR(ssim(a, b, 16, 16), (2 * 0.3 + 1e-4) / (0.25 + 0.36 + 1e-4), 1e-6);
 }
 
+// expected: scikit-image 0.26, structural_similarity of the luma with gaussian_weights, sigma 1.5, sample covariance
+// off, and peak_signal_noise_ratio, data range 1
+TEST(PictureMetrics, AgreeWithScikitImage) {
+  constexpr int WIDTH = 40, HEIGHT = 24;
+  std::vector<float> a, b;
+  for (int y = 0; y < HEIGHT; ++y)
+    for (int x = 0; x < WIDTH; ++x)
+      for (int c = 0; c < 3; ++c) {
+        a.push_back(float((x * 7 + y * 5 + c * 17 + x * y) % 256) / 255.0f);
+        b.push_back(float((x * 7 + y * 6 + c * 23 + x * y + 12) % 256) / 255.0f);
+      }
+  EXPECT_NEAR(psnr(a, b), 9.930607147710658, 1e-6);
+  EXPECT_NEAR(ssim(a, b, WIDTH, HEIGHT), 0.46953043967409425, 1e-6);
+}
+
 }  // namespace
 }  // namespace pvg
