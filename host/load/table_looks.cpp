@@ -1,6 +1,7 @@
 // The sections that say what is seen: materials, lights, cameras, background, render.
 #include <cmath>
 
+#include "host/load/camera_file.hpp"
 #include "host/load/read_sections.hpp"
 #include "host/load/tables.hpp"
 #include "host/model/metals.hpp"
@@ -79,6 +80,20 @@ void read_intrinsics(Section& section, CameraSection& camera) {
   if (!(k[0] > 1e-3 && k[1] > 1e-3)) section.fail("intrinsics", "must have focal lengths fx and fy above 0");
   camera.intrinsics = {k[0] / camera.height, k[1] / camera.height, (k[2] + 0.5) / camera.width,
                        (k[3] + 0.5) / camera.height};
+}
+
+// size, intrinsics and lens of a calibrated camera; another width or height keeps the view
+void read_calibration(Section& section, CameraSection& camera) {
+  for (const char* key : {"intrinsics", "vertical_field_of_view", "model", "distortion"})
+    if (section.has(key)) section.fail("calibration", std::string("and `") + key + "` exclude each other");
+  const Camera measured = read_camera_file(section.file("calibration"));
+  if (std::abs(double(camera.width) * measured.height - double(camera.height) * measured.width) > 0)
+    section.fail("calibration", "is of pictures of " + std::to_string(measured.width) + " x " +
+                                    std::to_string(measured.height) + " pixels; keep their shape");
+  camera.optics.model = measured.model;
+  camera.optics.distortion = measured.distortion;
+  const double w = measured.width, h = measured.height;
+  camera.intrinsics = {measured.fx / h, measured.fy / h, (measured.cx + 0.5) / w, (measured.cy + 0.5) / h};
 }
 
 void check_optics(Section& section, Camera& optics) {
@@ -255,12 +270,15 @@ const Fields<CameraSection>& camera_fields() {
                    "centre of the top left one"},
                   read_intrinsics, nullptr)
           .number("vertical_field_of_view", &C::vertical_field_of_view, Unit::angle, 0.01, 3.0, "of the picture")
-          .otherwise("required")
+          .otherwise("required, unless `intrinsics` or `calibration` stands there")
           .written_when([](const C& c) { return c.intrinsics.empty(); })
           .number("intrinsics_per_size", &C::intrinsics, Unit::none, -INFINITY, INFINITY, "of any size")
           .only_resolved()
           .written_when([](const C& c) { return !c.intrinsics.empty(); })
           .include(optics_fields(), &C::optics)
+          .custom({"calibration", "", "none", "file",
+                   "camera file of `calibrate camera`: replaces intrinsics, `model` and `distortion`"},
+                  read_calibration, nullptr)
           .custom({"position", "m", "[0, 0, 0]", "-100 to 100", "in the frame of `mount`"}, nullptr, nullptr)
           .custom({"look_at", "m", "none", "-100 to 100", "point on the optical axis; `rotation` is then left out"},
                   nullptr, nullptr)

@@ -1,0 +1,229 @@
+#include "host/calibration/calibration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+
+#include "host/base/error.hpp"
+
+namespace pvg {
+namespace {
+
+constexpr std::size_t FEWEST_PHOTOS = 3;
+constexpr double LEAST_TILT = 0.17;       // between two photos' views of the board [rad]
+constexpr double SMALLEST_OUTLIER = 0.3;  // residual of a photo that is never left out [pixels]
+
+struct Points {
+  std::vector<std::vector<cv::Point3f>> board;
+  std::vector<std::vector<cv::Point2f>> picture;
+  std::vector<std::size_t> photo;
+};
+
+Points points_of(const std::vector<BoardPhoto>& photos) {
+  Points points;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (!photos[i].is_used) continue;
+    points.photo.push_back(i);
+    points.board.emplace_back();
+    points.picture.emplace_back();
+    for (const BoardCorner& c : photos[i].corners) {
+      points.board.back().emplace_back(float(c.point.x()), float(c.point.y()), float(c.point.z()));
+      points.picture.back().emplace_back(float(c.pixel.x()), float(c.pixel.y()));
+    }
+  }
+  return points;
+}
+
+struct Solution {
+  cv::Mat K, distortion, sigma;
+  std::vector<cv::Mat> turn, shift;
+};
+
+int flags_of(int n_distortion) {
+  if (n_distortion == 8) return cv::CALIB_RATIONAL_MODEL;
+  if (n_distortion == 5) return 0;
+  if (n_distortion == 4) return cv::CALIB_FIX_K3;
+  return cv::CALIB_FIX_K1 | cv::CALIB_FIX_K2 | cv::CALIB_FIX_K3 | cv::CALIB_ZERO_TANGENT_DIST;
+}
+
+Solution solve(const Points& points, const cv::Size& size, const CalibrationSettings& settings) {
+  Solution s;
+  try {
+    if (settings.model == Camera::Model::fisheye) {
+      cv::fisheye::calibrate(points.board, points.picture, size, s.K, s.distortion, s.turn, s.shift,
+                             cv::fisheye::CALIB_RECOMPUTE_EXTRINSIC | cv::fisheye::CALIB_FIX_SKEW);
+    } else {
+      cv::Mat others, per_view;
+      cv::calibrateCamera(points.board, points.picture, size, s.K, s.distortion, s.turn, s.shift, s.sigma, others,
+                          per_view, flags_of(settings.n_distortion));
+    }
+  } catch (const cv::Exception&) {
+    throw UsageError(
+        "the photos do not determine the camera: the board must be seen from several sides and fill the "
+        "picture's corners in some photos");
+  }
+  return s;
+}
+
+// sets every used photo's residual; returns the root mean square of all
+double set_residuals(std::vector<BoardPhoto>& photos, const Points& points, const Solution& s, bool is_fisheye) {
+  double all = 0;
+  std::size_t n_all = 0;
+  for (std::size_t i = 0; i < points.photo.size(); ++i) {
+    std::vector<cv::Point2f> projected;
+    if (is_fisheye)
+      cv::fisheye::projectPoints(points.board[i], projected, s.turn[i], s.shift[i], s.K, s.distortion);
+    else
+      cv::projectPoints(points.board[i], s.turn[i], s.shift[i], s.K, s.distortion, projected);
+    double sum = 0;
+    for (std::size_t k = 0; k < projected.size(); ++k) {
+      const cv::Point2f d = projected[k] - points.picture[i][k];
+      sum += double(d.x) * double(d.x) + double(d.y) * double(d.y);
+    }
+    photos[points.photo[i]].residual = std::sqrt(sum / double(projected.size()));
+    all += sum;
+    n_all += projected.size();
+  }
+  return std::sqrt(all / double(n_all));
+}
+
+double largest_tilt(const Solution& s) {
+  std::vector<cv::Vec3d> normals;
+  for (const cv::Mat& turn : s.turn) {
+    cv::Mat R;
+    cv::Rodrigues(turn, R);
+    normals.emplace_back(R.at<double>(0, 2), R.at<double>(1, 2), R.at<double>(2, 2));
+  }
+  double largest = 0;
+  for (const cv::Vec3d& a : normals)
+    for (const cv::Vec3d& b : normals) largest = std::max(largest, std::acos(std::clamp(a.dot(b), -1.0, 1.0)));
+  return largest;
+}
+
+std::size_t n_used(const std::vector<BoardPhoto>& photos) {
+  return std::size_t(std::count_if(photos.begin(), photos.end(), [](const BoardPhoto& p) { return p.is_used; }));
+}
+
+void demand_photos(const std::vector<BoardPhoto>& photos) {
+  if (n_used(photos) >= FEWEST_PHOTOS) return;
+  throw UsageError("the board is found in " + std::to_string(n_used(photos)) + " of " + std::to_string(photos.size()) +
+                   " photos; three are the least, fifteen from all sides are good");
+}
+
+// the photo that stands out most; photos.size(): none
+std::size_t worst_outlier(const std::vector<BoardPhoto>& photos, double largest_ratio) {
+  std::vector<double> residuals;
+  std::size_t worst = photos.size();
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (!photos[i].is_used) continue;
+    residuals.push_back(photos[i].residual);
+    if (worst == photos.size() || photos[i].residual > photos[worst].residual) worst = i;
+  }
+  std::sort(residuals.begin(), residuals.end());
+  const double limit = std::max(SMALLEST_OUTLIER, largest_ratio * residuals[residuals.size() / 2]);
+  return photos[worst].residual > limit ? worst : photos.size();
+}
+
+}  // namespace
+
+CameraCalibration calibrate_camera(std::vector<BoardPhoto> photos, int width, int height,
+                                   const CalibrationSettings& settings) {
+  for (BoardPhoto& photo : photos)
+    if (photo.is_used && photo.corners.size() < settings.fewest_corners) {
+      photo.is_used = false;
+      photo.reason = photo.corners.empty() ? "the board is not found"
+                                           : "only " + std::to_string(photo.corners.size()) + " corners are found";
+    }
+  demand_photos(photos);
+  const bool is_fisheye = settings.model == Camera::Model::fisheye;
+  CameraCalibration out;
+  Solution s;
+  while (true) {
+    const Points points = points_of(photos);
+    s = solve(points, {width, height}, settings);
+    out.residual = set_residuals(photos, points, s, is_fisheye);
+    const std::size_t outlier = worst_outlier(photos, settings.largest_ratio);
+    if (outlier == photos.size() || n_used(photos) <= FEWEST_PHOTOS) break;
+    photos[outlier].is_used = false;
+    photos[outlier].reason = "its residual stands out: is the board bent, blurred or another one?";
+  }
+  if (largest_tilt(s) < LEAST_TILT)
+    throw UsageError(
+        "all photos show the board from one side, which leaves the focal length open; tilt it by 30 "
+        "degrees to all sides");
+  Camera& camera = out.camera;
+  camera.model = settings.model;
+  camera.width = width;
+  camera.height = height;
+  camera.fx = s.K.at<double>(0, 0);
+  camera.fy = s.K.at<double>(1, 1);
+  camera.cx = s.K.at<double>(0, 2);
+  camera.cy = s.K.at<double>(1, 2);
+  const std::size_t n = is_fisheye ? 4 : std::size_t(settings.n_distortion);
+  for (std::size_t i = 0; i < n; ++i) camera.distortion.push_back(s.distortion.ptr<double>()[i]);
+  if (!is_fisheye)
+    for (std::size_t i = 0; i < 4 + n; ++i) out.sigma.push_back(s.sigma.ptr<double>()[i]);
+  out.photos = std::move(photos);
+  return out;
+}
+
+CameraPlace place_camera(const std::vector<FoundTag>& found, const std::vector<PlacedTag>& tags, const Camera& camera) {
+  std::vector<cv::Point3d> world;
+  std::vector<cv::Point2d> pixels;
+  CameraPlace out;
+  for (const FoundTag& seen : found)
+    for (const PlacedTag& tag : tags) {
+      if (tag.id != seen.id) continue;
+      out.used.push_back(tag.id);
+      for (int k = 0; k < 4; ++k) {
+        const double half = tag.size / 2;
+        const Vec3 p = tag.pose * Vec3(k == 1 || k == 2 ? half : -half, k >= 2 ? half : -half, 0);
+        world.emplace_back(p.x(), p.y(), p.z());
+        pixels.emplace_back(seen.corners[std::size_t(k)].x(), seen.corners[std::size_t(k)].y());
+      }
+    }
+  if (world.empty())
+    throw UsageError("none of the " + std::to_string(tags.size()) + " tags of the list is among the " +
+                     std::to_string(found.size()) + " tags of the photo");
+  const cv::Matx33d K(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
+  // of a fisheye the pixels are undistorted first
+  std::vector<double> distortion = camera.distortion;
+  if (camera.model == Camera::Model::fisheye) {
+    std::vector<cv::Point2d> straight;
+    cv::fisheye::undistortPoints(pixels, straight, K, distortion, cv::noArray(), K);
+    pixels = straight;
+    distortion.clear();
+  }
+  cv::Mat turn, shift;
+  cv::solvePnP(world, pixels, K, distortion, turn, shift, false,
+               world.size() == 4 ? cv::SOLVEPNP_IPPE : cv::SOLVEPNP_SQPNP);
+  cv::solvePnPRefineLM(world, pixels, K, distortion, turn, shift);
+  cv::Mat J;
+  std::vector<cv::Point2d> projected;
+  cv::projectPoints(world, turn, shift, K, distortion, projected, J);
+  double sum = 0;
+  for (std::size_t i = 0; i < projected.size(); ++i) {
+    const cv::Point2d d = projected[i] - pixels[i];
+    sum += d.dot(d);
+  }
+  out.residual = std::sqrt(sum / double(projected.size()));
+  cv::Mat R;
+  cv::Rodrigues(turn, R);
+  Pose from_world = Pose::Identity();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) from_world.linear()(i, j) = R.at<double>(i, j);
+    from_world.translation()[i] = shift.at<double>(i);
+  }
+  out.pose = from_world.inverse();
+  // (J^T J)^-1 times the variance of a coordinate; columns 0-2 turn, 3-5 shift of the world before the camera
+  const cv::Mat A = J.colRange(0, 6);
+  const cv::Mat covariance =
+      cv::Mat(A.t() * A).inv(cv::DECOMP_SVD) * (sum / std::max(1.0, 2.0 * double(world.size()) - 6));
+  for (int i = 0; i < 3; ++i) {
+    out.rotation_sigma[i] = std::sqrt(covariance.at<double>(i, i));
+    out.position_sigma[i] = std::sqrt(covariance.at<double>(3 + i, 3 + i));
+  }
+  return out;
+}
+
+}  // namespace pvg

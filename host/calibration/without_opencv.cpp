@@ -1,0 +1,22 @@
+// What stands in where OpenCV or the AprilTag library was not found.
+#include "host/base/error.hpp"
+#include "host/calibration/calibration.hpp"
+
+namespace pvg {
+namespace {
+
+[[noreturn]] void refuse() {
+  throw UsageError(
+      "this program was built without OpenCV and the AprilTag library; run scripts/install_calibration.sh "
+      "and build again");
+}
+
+}  // namespace
+
+std::vector<BlackRectangle> board_rectangles(const Board&) { refuse(); }
+std::vector<BoardCorner> find_board(const Picture8&, const Board&) { refuse(); }
+std::vector<FoundTag> find_tags(const Picture8&) { refuse(); }
+CameraCalibration calibrate_camera(std::vector<BoardPhoto>, int, int, const CalibrationSettings&) { refuse(); }
+CameraPlace place_camera(const std::vector<FoundTag>&, const std::vector<PlacedTag>&, const Camera&) { refuse(); }
+
+}  // namespace pvg

@@ -1,0 +1,169 @@
+// phyvisgen calibrate camera: intrinsics and distortion from photos of a board.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "host/base/atomic_files.hpp"
+#include "host/base/error.hpp"
+#include "host/base/outputs.hpp"
+#include "host/calibration/calibration.hpp"
+#include "host/formats/picture_files.hpp"
+#include "pipeline/command_line/command.hpp"
+
+namespace pvg {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CalibrateCameraOptions {
+  std::vector<std::string> photos;  // files or folders
+  std::string output, board = "charuco,7x5,30,22", print, model = "pinhole";
+  int distortion = 5;
+  bool as_json = false;
+};
+
+std::vector<fs::path> photo_files(const std::vector<std::string>& given) {
+  std::vector<fs::path> files;
+  for (const std::string& name : given) {
+    if (!fs::is_directory(name)) {
+      files.push_back(name);
+      continue;
+    }
+    const std::size_t first = files.size();
+    for (const auto& entry : fs::directory_iterator(name)) {
+      const std::string ending = entry.path().extension().string();
+      if (ending == ".png" || ending == ".jpg" || ending == ".jpeg") files.push_back(entry.path());
+    }
+    std::sort(files.begin() + std::ptrdiff_t(first), files.end());
+    if (files.size() == first) throw UsageError(name + " holds no photo (.png, .jpg)");
+  }
+  return files;
+}
+
+std::string listed(const std::vector<double>& values) {
+  std::string text;
+  for (const double v : values) text += fmt::format("{}{:.9g}", text.empty() ? "" : ", ", v);
+  return "[" + text + "]";
+}
+
+std::vector<double> intrinsics_of(const Camera& c) { return {c.fx, c.fy, c.cx, c.cy}; }
+
+std::string camera_yaml(const CameraCalibration& c, const Board& board) {
+  std::string text =
+      "# A camera as `phyvisgen calibrate camera` found it; OpenCV: pixel (0, 0) is the centre of the top left one.\n"
+      "# A camera of a task takes it by `calibration: camera.yaml`.\nschema: 1\n";
+  text +=
+      fmt::format("model: {}\nwidth: {}\nheight: {}\n",
+                  c.camera.model == Camera::Model::fisheye ? "fisheye" : "pinhole", c.camera.width, c.camera.height);
+  text += "intrinsics: " + listed(intrinsics_of(c.camera)) + "   # fx, fy, cx, cy [pixels]\n";
+  text += "distortion: " + listed(c.camera.distortion) + "\n";
+  text += "sigma: " + listed(c.sigma) + "   # standard deviations of both, in this order\n";
+  text += fmt::format("residual_px: {:.4g}\nboard: \"{}\"\n", c.residual, name_of(board));
+  text += "photos:\n";
+  for (const BoardPhoto& p : c.photos)
+    text += fmt::format("  - {{file: \"{}\", residual_px: {:.4g}, used: {}}}\n", fs::path(p.file).filename().string(),
+                        p.residual, p.is_used);
+  return text;
+}
+
+nlohmann::ordered_json report(const CameraCalibration& c) {
+  nlohmann::ordered_json photos = nlohmann::ordered_json::array();
+  for (const BoardPhoto& p : c.photos) {
+    photos.push_back({{"file", p.file}, {"residual_px", p.residual}, {"used", p.is_used}});
+    if (!p.is_used) photos.back()["reason"] = p.reason;
+  }
+  return {{"schema", 1},
+          {"model", c.camera.model == Camera::Model::fisheye ? "fisheye" : "pinhole"},
+          {"width", c.camera.width},
+          {"height", c.camera.height},
+          {"intrinsics", intrinsics_of(c.camera)},
+          {"distortion", c.camera.distortion},
+          {"sigma", c.sigma},
+          {"residual_px", c.residual},
+          {"photos", photos}};
+}
+
+void print(const CameraCalibration& c) {
+  const auto sigma = [&](std::size_t i) { return i < c.sigma.size() ? fmt::format(" +- {:.3g}", c.sigma[i]) : ""; };
+  const std::vector<double> k = intrinsics_of(c.camera);
+  const char* names[] = {"fx", "fy", "cx", "cy"};
+  for (std::size_t i = 0; i < 4; ++i) std::printf("%s %.3f%s\n", names[i], k[i], sigma(i).c_str());
+  const bool is_fisheye = c.camera.model == Camera::Model::fisheye;
+  const char* pinhole[] = {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
+  const char* fisheye[] = {"k1", "k2", "k3", "k4"};
+  for (std::size_t i = 0; i < c.camera.distortion.size(); ++i)
+    std::printf("%s %.5f%s\n", is_fisheye ? fisheye[i] : pinhole[i], c.camera.distortion[i], sigma(4 + i).c_str());
+  std::size_t used = 0;
+  for (const BoardPhoto& p : c.photos) {
+    used += p.is_used;
+    if (p.is_used)
+      std::printf("  %s: %.3f pixels, %zu corners\n", p.file.c_str(), p.residual, p.corners.size());
+    else
+      std::printf("  %s: left out, %s\n", p.file.c_str(), p.reason.c_str());
+  }
+  std::printf("residual %.3f pixels over %zu of %zu photos\n", c.residual, used, c.photos.size());
+}
+
+void run_calibrate_camera(const CalibrateCameraOptions& o) {
+  const Board board = parse_board(o.board);
+  if (!o.print.empty()) {
+    check_output_file(o.print, {".svg"}, "--print");
+    write_board_svg(o.print, board);
+    if (o.photos.empty()) return;
+  }
+  if (o.photos.empty() || o.output.empty())
+    throw UsageError("calibrate camera needs photos and -o FILE.yaml, or --print BOARD.svg");
+  check_output_file(o.output, {".yaml", ".yml"});
+  int width = 0, height = 0;
+  std::vector<BoardPhoto> photos;
+  for (const fs::path& file : photo_files(o.photos)) {
+    const Picture8 picture = read_picture(file);
+    if (width == 0) {
+      width = picture.width;
+      height = picture.height;
+    }
+    BoardPhoto photo;
+    photo.file = file.string();
+    if (picture.width != width || picture.height != height) {
+      photo.is_used = false;
+      photo.reason = "it has another size than the first photo";
+    } else {
+      photo.corners = find_board(picture, board);
+    }
+    photos.push_back(std::move(photo));
+  }
+  CalibrationSettings settings;
+  settings.model = o.model == "fisheye" ? Camera::Model::fisheye : Camera::Model::pinhole;
+  settings.n_distortion = o.distortion;
+  const CameraCalibration calibration = calibrate_camera(std::move(photos), width, height, settings);
+  write_text_atomically(o.output, camera_yaml(calibration, board));
+  if (o.as_json)
+    std::printf("%s\n", report(calibration).dump(2).c_str());
+  else
+    print(calibration);
+}
+
+}  // namespace
+
+void add_calibrate_camera(CLI::App& program) {
+  CLI::App* command = command_group(program, "calibrate")
+                          .add_subcommand("camera", "Intrinsics and distortion from photos of a printed board");
+  CalibrateCameraOptions& o = options_of_command(*command, run_calibrate_camera);
+  command->add_option("photos", o.photos, "Photos of the board from all sides, or folders of them");
+  command->add_option("-o,--output", o.output, "Camera file to write (.yaml)");
+  command->add_option("--board", o.board, "KIND,COLUMNSxROWS,SQUARE[,TAG] in mm; KIND: charuco, chessboard or tags");
+  command->add_option("--print", o.print, "Write the board as SVG in true size");
+  command->add_option("--model", o.model, "Of the lens")->check(CLI::IsMember({"pinhole", "fisheye"}));
+  command->add_option("--distortion", o.distortion, "Numbers of OpenCV's distortion of a pinhole camera")
+      ->check(CLI::IsMember({0, 4, 5, 8}));
+  command->add_flag("--json", o.as_json, "Print JSON");
+  command->footer(
+      "Examples:\n  phyvisgen calibrate camera --board charuco,7x5,30,22 --print board.svg\n"
+      "  phyvisgen calibrate camera photos --board charuco,7x5,30,22 -o camera.yaml");
+}
+
+}  // namespace pvg
