@@ -168,8 +168,7 @@ Measured measure(int n_frames, int width, int height, double voxel) {
 
 TEST(Room, ASyntheticRoomStandsUprightOnItsPlane) {
   const Measured m = measure(10, 320, 240, 0.012);
-  EXPECT_LE(m.mean, 6e-3);
-  EXPECT_GE(m.room.depth.covered, 0.8);
+  EXPECT_LE(m.mean, 6e-3);  // half a voxel
   // The table or the floor is the ground: the room's z is the boxes' z.
   ASSERT_GE(m.room.ground, 0);
   EXPECT_GT((m.to_boxes.linear() * Vec3::UnitZ()).z(), 0.9998);
