@@ -51,5 +51,7 @@ struct FoundTag {
   std::array<Eigen::Vector2d, 4> corners;  // [pixels]; OpenCV: (0, 0) is the centre of the top left pixel
 };
 std::vector<FoundTag> find_tags(const Picture8& photo);
+// The same with the corners of large tags refined in linear light: what a camera's place is computed from.
+std::vector<FoundTag> find_tags_finely(const Picture8& photo);
 
 }  // namespace pvg

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "host/calibration/board.hpp"
+#include "host/pictures/srgb.hpp"
 
 namespace pvg {
 namespace {
@@ -19,7 +20,7 @@ constexpr int TAG_CELLS = 8;         // of 36h11: six bits and the black border 
 constexpr double HALF = 0.5;         // the library counts from the corner of the first pixel, OpenCV from its centre
 constexpr float SHARPENING = 0.25f;  // before bits are read; 0 loses small tags, 0.5 makes false ones
 constexpr double SMALLEST_REFINED = 32;       // edge of a tag from which its corners are refined [pixels]
-constexpr double LARGEST_REFINEMENT = 0.45;   // [pixels]; what would move farther was drawn to something else
+constexpr double LARGEST_REFINEMENT = 1;      // [pixels]; what would move farther was drawn to something else
 constexpr double LARGEST_DISAGREEMENT = 0.2;  // of two tags on the corner between them, as a share of the square
 
 struct Detector {
@@ -50,19 +51,29 @@ struct DetectedTag {
   cv::Matx33d to_picture;  // of the tag's frame: its black border from -1 to 1, y down
 };
 
-// The library's corners are biased by a few tenths of a pixel where the picture is soft. Large tags have room for a
+// In the picture's coded values a soft edge seems to lie on its dark side, by some tenths of a pixel; in linear light
+// it does not.
+cv::Mat linear_of(const cv::Mat& gray) {
+  cv::Mat linear(gray.size(), CV_32F);
+  for (int y = 0; y < gray.rows; ++y)
+    for (int x = 0; x < gray.cols; ++x)
+      linear.at<float>(y, x) = 255 * srgb_to_linear(float(gray.at<std::uint8_t>(y, x)) / 255);
+  return linear;
+}
+
+// Large tags have room for a
 // window that reaches neither their bits nor beyond the white around them, which is as wide as their border.
-void refine_corners(const cv::Mat& gray, FoundTag& tag) {
+void refine_corners(const cv::Mat& linear, FoundTag& tag) {
   double side = INFINITY;
   for (std::size_t k = 0; k < 4; ++k) side = std::min(side, (tag.corners[k] - tag.corners[(k + 1) % 4]).norm());
   if (!(side >= SMALLEST_REFINED)) return;
   const int reach = int(0.8 * side / TAG_CELLS);
   for (Eigen::Vector2d& corner : tag.corners) {
-    if (corner.x() < reach + 2 || corner.y() < reach + 2 || corner.x() > gray.cols - reach - 3 ||
-        corner.y() > gray.rows - reach - 3)
+    if (corner.x() < reach + 2 || corner.y() < reach + 2 || corner.x() > linear.cols - reach - 3 ||
+        corner.y() > linear.rows - reach - 3)
       continue;
     std::vector<cv::Point2f> refined = {{float(corner.x()), float(corner.y())}};
-    cv::cornerSubPix(gray, refined, {reach, reach}, {-1, -1},
+    cv::cornerSubPix(linear, refined, {reach, reach}, {-1, -1},
                      {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 60, 1e-3});
     const Eigen::Vector2d pixel(double(refined[0].x), double(refined[0].y));
     if ((pixel - corner).norm() <= LARGEST_REFINEMENT) corner = pixel;
@@ -82,7 +93,6 @@ std::vector<DetectedTag> detect(const cv::Mat& gray) {
     for (std::size_t k = 0; k < 4; ++k) detected.tag.corners[k] = {each->p[k][0] - HALF, each->p[k][1] - HALF};
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) detected.to_picture(r, c) = MATD_EL(each->H, unsigned(r), unsigned(c));
-    refine_corners(gray, detected.tag);
     found.push_back(detected);
   }
   apriltag_detections_destroy(list);
@@ -207,13 +217,24 @@ std::vector<BlackRectangle> board_rectangles(const Board& board) {
 std::vector<BoardCorner> find_board(const Picture8& photo, const Board& board) {
   const cv::Mat gray = gray_of(photo);
   if (board.kind == Board::Kind::chessboard) return find_chessboard(gray, board);
-  const std::vector<DetectedTag> tags = without_doubles(detect(gray));
+  std::vector<DetectedTag> tags = without_doubles(detect(gray));
+  if (board.kind == Board::Kind::tags) {
+    const cv::Mat linear = linear_of(gray);
+    for (DetectedTag& each : tags) refine_corners(linear, each.tag);
+  }
   return board.kind == Board::Kind::tags ? find_tag_grid(tags, board) : find_charuco(gray, tags, board);
 }
 
 std::vector<FoundTag> find_tags(const Picture8& photo) {
   std::vector<FoundTag> found;
   for (const DetectedTag& each : detect(gray_of(photo))) found.push_back(each.tag);
+  return found;
+}
+
+std::vector<FoundTag> find_tags_finely(const Picture8& photo) {
+  std::vector<FoundTag> found = find_tags(photo);
+  const cv::Mat linear = linear_of(gray_of(photo));
+  for (FoundTag& tag : found) refine_corners(linear, tag);
   return found;
 }
 

@@ -51,7 +51,7 @@ void run_calibrate_pose(const CalibratePoseOptions& o) {
   if (photo.width != camera.width || photo.height != camera.height)
     throw UsageError(fmt::format("{} has {} x {} pixels, the camera {} x {}; take the photo with the calibrated camera",
                                  o.photo, photo.width, photo.height, camera.width, camera.height));
-  const std::vector<FoundTag> found = find_tags(photo);
+  const std::vector<FoundTag> found = find_tags_finely(photo);
   if (found.empty()) throw UsageError(o.photo + ": no tag of the family 36h11 is found");
   const CameraPlace place = place_camera(found, tags, camera);
   const Vec3 p = place.pose.translation(), s = place.position_sigma, r = place.rotation_sigma;

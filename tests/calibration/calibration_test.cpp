@@ -227,7 +227,7 @@ TEST(CalibrateCamera, ItsPlaceIsFoundFromTagsWithinAMillimetreAtOneMetre) {
   Camera optics = truth;
   optics.focus_distance = 1;
   const Pose pose = looking({0.5, -0.35, 0.82}, {0.15, 0.11, 0}, 0.1);
-  const std::vector<FoundTag> found = find_tags(photos(board_scene(grid), optics, {pose}, 16)[0]);
+  const std::vector<FoundTag> found = find_tags_finely(photos(board_scene(grid), optics, {pose}, 16)[0]);
   ASSERT_EQ(found.size(), 12u);
   std::vector<PlacedTag> tags;
   for (int id = 0; id < 12; ++id) {

@@ -1,0 +1,135 @@
+#include "host/capture/object.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host/base/atomic_files.hpp"
+#include "host/base/error.hpp"
+#include "host/capture/room_files.hpp"
+#include "host/formats/mesh_files.hpp"
+#include "host/geometry/mesh_checks.hpp"
+
+namespace pvg {
+namespace {
+
+constexpr double WATER = 1000;               // [kg/m^3]
+constexpr int ATTEMPTS = 3;                  // of the wrap, each with other samples
+constexpr std::size_t MOST_CHECKED = 20000;  // triangles of a source that is tested for self-intersections
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v;
+  return values.empty() ? 0 : sum / double(values.size());
+}
+
+double at_share(const std::vector<double>& sorted, double share) {
+  return sorted.empty() ? 0 : sorted[std::size_t(share * double(sorted.size() - 1))];
+}
+
+double size_of(const TriangleMesh& mesh) {
+  Vec3 low = Vec3::Constant(INFINITY), high = -low;
+  for (const Vec3& p : mesh.points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  return (high - low).maxCoeff();
+}
+
+}  // namespace
+
+CapturedObject capture_object(const std::filesystem::path& source, const ObjectSettings& settings) {
+  if (settings.density > 0 && settings.mass > 0) throw UsageError("--density and --mass exclude each other");
+  TriangleMesh mesh = read_surface(source);
+  if (mesh.triangles.empty()) throw UsageError(source.string() + " holds no triangles");
+  for (const Vec3& p : mesh.points)
+    if (!p.allFinite()) throw UsageError(source.string() + ": a point is not finite; export it again");
+  for (Vec3& p : mesh.points) p *= settings.scale;
+  tell_of_size(mesh, source.string());
+  CapturedObject out;
+  out.was_sound = mesh.triangles.size() <= MOST_CHECKED && is_sound(mesh);
+  WrapSettings wrap = settings.wrap;
+  if (wrap.spacing <= 0) wrap.spacing = size_of(mesh) / 100;
+  if (!(wrap.spacing > 0)) throw UsageError(source.string() + ": all points are one");
+  const double error = settings.error > 0 ? settings.error : 2 * wrap.spacing;
+  TriangleMesh solid = mesh;
+  if (!out.was_sound || settings.always_wraps) {
+    for (int attempt = 0;; ++attempt) {
+      solid = wrap_surface(mesh, wrap);
+      out.spacing = wrap.spacing;
+      if (is_sound(solid)) break;
+      if (attempt == ATTEMPTS)
+        throw Failure(source.string() + ": no sound surface was found around it; take another --detail");
+      wrap.spacing *= 0.93;  // samples lie elsewhere
+    }
+  }
+  out.simulation = simplified_solid(solid, settings.triangles, error);
+  out.to_source = surface_distances(out.simulation, mesh);
+  out.from_source = surface_distances(mesh, out.simulation);
+  const double density = settings.density > 0 ? settings.density : WATER;
+  const TriangleMesh& weighed = out.was_sound ? mesh : out.simulation;
+  out.mass = mass_properties(weighed, density);
+  if (settings.mass > 0) {
+    out.mass.inertia *= settings.mass / out.mass.mass;
+    out.mass.mass = settings.mass;
+  }
+  if (out.was_sound) out.volume_error = enclosed_volume(out.simulation) / out.mass.volume - 1;
+  out.visual = read_visual_mesh(source);
+  for (Vec3f& p : out.visual.points) p *= float(settings.scale);
+  return out;
+}
+
+nlohmann::ordered_json object_report(const CapturedObject& object, double seconds) {
+  const Eigen::Matrix3d& I = object.mass.inertia;
+  const bool is_whole = is_sound(object.simulation);
+  return {{"schema", 1},
+          {"mesh",
+           {{"vertices", object.simulation.points.size()},
+            {"triangles", object.simulation.triangles.size()},
+            {"closed", !closed_surface_defect(object.simulation)},
+            {"manifold", !closed_surface_defect(object.simulation)},
+            {"self_intersections", is_whole ? 0 : 1}}},
+          {"visual", {{"vertices", object.visual.points.size()}, {"triangles", object.visual.triangles.size()}}},
+          {"planes", nlohmann::ordered_json::array()},
+          {"scale", 1.0},
+          {"seconds", seconds},
+          {"peak_bytes", nullptr},  // no device is used
+          {"source_was_sound", object.was_sound},
+          {"wrap_spacing", object.spacing},
+          {"volume", object.mass.volume},
+          {"volume_error", object.was_sound ? nlohmann::ordered_json(object.volume_error) : nullptr},
+          {"mass", object.mass.mass},
+          {"center", {object.mass.center.x(), object.mass.center.y(), object.mass.center.z()}},
+          {"inertia", {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)}},
+          {"distance",
+           {{"mean", mean(object.to_source)},
+            {"p95", at_share(object.to_source, 0.95)},
+            {"max", std::max(at_share(object.to_source, 1), at_share(object.from_source, 1))},
+            {"from_source_mean", mean(object.from_source)},
+            {"from_source_max", at_share(object.from_source, 1)}}}};
+}
+
+void write_object(const std::filesystem::path& folder, const CapturedObject& object, const ObjectSettings& settings,
+                  double seconds) {
+  std::string obj;
+  for (const Vec3& p : object.simulation.points) obj += fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
+  for (const Triangle& t : object.simulation.triangles)
+    obj += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  write_text_atomically(folder / "simulation.obj", obj);
+  write_captured_mesh(folder / "visual.glb", object.visual, "object", false);
+  const MassProperties& m = object.mass;
+  write_text_atomically(
+      folder / "object.yaml",
+      fmt::format("# An entry of `objects` of a task; paths are relative to this folder. Mass properties{}:\n"
+                  "#   volume {:.6g} m^3, centre ({:.6g}, {:.6g}, {:.6g}) m, inertia about it ({:.6g}, {:.6g}, {:.6g}) "
+                  "kg m^2\n"
+                  "objects:\n  - name: object\n    mesh: simulation.obj\n    visuals: [{{mesh: visual.glb}}]\n"
+                  "    mass: {:.6g} kg\n    friction: 0.5    # not measured\n",
+                  settings.density <= 0 && settings.mass <= 0 ? " of water, for want of --density or --mass" : "",
+                  m.volume, m.center.x(), m.center.y(), m.center.z(), m.inertia(0, 0), m.inertia(1, 1), m.inertia(2, 2),
+                  m.mass));
+  write_text_atomically(folder / "report.json", object_report(object, seconds).dump(2) + "\n");
+}
+
+}  // namespace pvg

@@ -1,0 +1,40 @@
+// From a mesh of an object, sound or broken, to what a simulation takes: a closed surface without self-intersections,
+// the mesh that is seen, mass properties, and how far the two are apart.
+#pragma once
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+
+#include "host/capture/wrap.hpp"
+#include "host/geometry/mass_properties.hpp"
+#include "host/geometry/visual_mesh.hpp"
+
+namespace pvg {
+
+struct ObjectSettings {
+  double scale = 1;              // of the file's lengths to metres
+  double density = 0, mass = 0;  // [kg/m^3], [kg]; one of them, or neither: 1000 kg/m^3 is taken and said
+  WrapSettings wrap;
+  std::size_t triangles = 2000;  // of the simulation mesh
+  double error = 0;              // between source and simulation mesh [m]; 0: two spacings
+  bool always_wraps = false;     // also a sound mesh
+};
+
+struct CapturedObject {
+  TriangleMesh simulation;
+  VisualMesh visual;
+  MassProperties mass;
+  bool was_sound = false;                      // the source was closed, manifold and free of self-intersections
+  double spacing = 0;                          // of the wrap [m]; 0: it was not needed
+  double volume_error = 0;                     // of the simulation mesh beside a sound source, as a share
+  std::vector<double> to_source, from_source;  // distances between the surfaces, ascending [m]
+};
+
+// A UsageError that names the file where nothing can be made of it.
+CapturedObject capture_object(const std::filesystem::path& source, const ObjectSettings& settings);
+
+// simulation.obj, visual.glb, object.yaml, report.json
+void write_object(const std::filesystem::path& folder, const CapturedObject& object, const ObjectSettings& settings,
+                  double seconds);
+nlohmann::ordered_json object_report(const CapturedObject& object, double seconds);
+
+}  // namespace pvg

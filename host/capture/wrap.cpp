@@ -1,0 +1,264 @@
+#include "host/capture/wrap.hpp"
+
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <queue>
+
+#include "host/base/error.hpp"
+#include "host/capture/fusion.hpp"
+#include "host/capture/nearest_triangle.hpp"
+#include "host/geometry/exact_intersection.hpp"
+#include "host/geometry/mesh_checks.hpp"
+#include "host/geometry/segment_distance.hpp"
+
+namespace pvg {
+namespace {
+
+constexpr double MOST_SAMPLES = 4e7;
+constexpr float FAR = 1e30f;
+
+struct Samples {
+  Vec3 origin;
+  double spacing = 0;
+  std::array<int, 3> n;
+  std::vector<float> distance;  // [n[0] n[1] n[2]] to the triangles, not signed; FAR: beyond the band [m]
+  std::size_t index(int x, int y, int z) const {
+    return (std::size_t(z) * std::size_t(n[1]) + std::size_t(y)) * std::size_t(n[0]) + std::size_t(x);
+  }
+  Vec3 place(int x, int y, int z) const { return origin + spacing * Vec3(x, y, z); }
+};
+
+Samples make_samples(const TriangleMesh& soup, const WrapSettings& s) {
+  Vec3 low = Vec3::Constant(INFINITY), high = -low;
+  for (const Triangle& t : soup.triangles)
+    for (const std::uint32_t corner : t) {
+      if (!soup.points[corner].allFinite()) throw UsageError("a point of the mesh is not finite; export it again");
+      low = low.cwiseMin(soup.points[corner]);
+      high = high.cwiseMax(soup.points[corner]);
+    }
+  Samples out;
+  out.spacing = s.spacing;
+  const double margin = 2 * s.bridge + 3 * s.spacing;
+  double n = 1;
+  // a shift that no coordinate of a modelled part shares, so that samples do not fall onto its faces
+  out.origin = low - Vec3::Constant(margin) + s.spacing * Vec3(0.127, 0.311, 0.439);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double count = std::ceil((high[axis] - low[axis] + 2 * margin) / s.spacing) + 1;
+    n *= count;
+    out.n[std::size_t(axis)] = int(std::min(count, 1e6));
+  }
+  if (n > MOST_SAMPLES)
+    throw UsageError("samples of " + std::to_string(s.spacing * 1e3) +
+                     " mm are too fine for this size; take --detail " +
+                     std::to_string(s.spacing * std::cbrt(n / MOST_SAMPLES) * 1.02e3));
+  out.distance.assign(std::size_t(n), FAR);
+  return out;
+}
+
+// exact in a band of this width around every triangle
+void add_distances(const TriangleMesh& soup, double band, Samples& samples) {
+  for (const Triangle& t : soup.triangles) {
+    const Vec3 &a = soup.points[t[0]], &b = soup.points[t[1]], &c = soup.points[t[2]];
+    std::array<int, 3> first, last;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double low = std::min({a[axis], b[axis], c[axis]}) - band - samples.origin[axis];
+      const double high = std::max({a[axis], b[axis], c[axis]}) + band - samples.origin[axis];
+      first[std::size_t(axis)] = std::max(0, int(std::ceil(low / samples.spacing)));
+      last[std::size_t(axis)] = std::min(samples.n[std::size_t(axis)] - 1, int(std::floor(high / samples.spacing)));
+    }
+    for (int z = first[2]; z <= last[2]; ++z)
+      for (int y = first[1]; y <= last[1]; ++y)
+        for (int x = first[0]; x <= last[0]; ++x) {
+          const double d = point_triangle_distance(samples.place(x, y, z), a, b, c);
+          float& kept = samples.distance[samples.index(x, y, z)];
+          if (d <= band) kept = std::min(kept, float(d));
+        }
+  }
+}
+
+constexpr int STEPS[6][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+
+// where the middle of a ball of this radius gets from the border
+std::vector<bool> reached(const Samples& s, double radius) {
+  std::vector<bool> is_reached(s.distance.size(), false);
+  std::vector<std::array<int, 3>> open = {{0, 0, 0}};
+  is_reached[0] = true;
+  while (!open.empty()) {
+    const std::array<int, 3> at = open.back();
+    open.pop_back();
+    for (const auto& step : STEPS) {
+      std::array<int, 3> next;
+      bool is_in = true;
+      for (std::size_t k = 0; k < 3; ++k) {
+        next[k] = at[k] + step[k];
+        is_in = is_in && next[k] >= 0 && next[k] < s.n[k];
+      }
+      if (!is_in) continue;
+      const std::size_t i = s.index(next[0], next[1], next[2]);
+      if (is_reached[i] || s.distance[i] <= float(radius)) continue;
+      is_reached[i] = true;
+      open.push_back(next);
+    }
+  }
+  return is_reached;
+}
+
+// Samples within `radius` of a marked one: an exact pass along each axis (lower envelope of parabolas, Felzenszwalb and
+// Huttenlocher 2012).
+void squared_distance_along(std::vector<float>& line) {
+  const int n = int(line.size());
+  std::vector<int> v(std::size_t(n), 0);
+  std::vector<float> z(std::size_t(n) + 1), out(line.size());
+  int k = 0;
+  z[0] = -FAR;
+  z[1] = FAR;
+  for (int q = 1; q < n; ++q) {
+    const auto meet = [&](int p) {
+      return ((line[std::size_t(q)] + float(q * q)) - (line[std::size_t(p)] + float(p * p))) / float(2 * q - 2 * p);
+    };
+    float s = meet(v[std::size_t(k)]);
+    while (k > 0 && s <= z[std::size_t(k)]) s = meet(v[std::size_t(--k)]);
+    ++k;
+    v[std::size_t(k)] = q;
+    z[std::size_t(k)] = s;
+    z[std::size_t(k) + 1] = FAR;
+  }
+  k = 0;
+  for (int q = 0; q < n; ++q) {
+    while (z[std::size_t(k) + 1] < float(q)) ++k;
+    const int p = v[std::size_t(k)];
+    out[std::size_t(q)] = float((q - p) * (q - p)) + line[std::size_t(p)];
+  }
+  line.swap(out);
+}
+
+std::vector<float> distance_to_marked(const Samples& s, const std::vector<bool>& marked) {
+  constexpr float NEVER = 1e8f;  // squared, in spacings
+  std::vector<float> d(marked.size());
+  for (std::size_t i = 0; i < d.size(); ++i) d[i] = marked[i] ? 0 : NEVER;
+  const std::size_t stride[3] = {1, std::size_t(s.n[0]), std::size_t(s.n[0]) * std::size_t(s.n[1])};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t length = std::size_t(s.n[axis]);
+    std::vector<float> line(length);
+    for (std::size_t i = 0; i < d.size(); ++i) {
+      if (i / stride[axis] % length != 0) continue;
+      for (std::size_t k = 0; k < length; ++k) line[k] = d[i + k * stride[axis]];
+      squared_distance_along(line);
+      for (std::size_t k = 0; k < length; ++k) d[i + k * stride[axis]] = line[k];
+    }
+  }
+  for (float& x : d) x = std::sqrt(x) * float(s.spacing);
+  return d;
+}
+
+TriangleMesh surface_of(const Samples& s, const std::vector<float>& field) {
+  static const std::vector<std::uint8_t> CASES = marching_cubes_cases();
+  TriangleMesh mesh;
+  std::vector<std::uint32_t> vertex(3 * field.size(), 0);  // 1 + number, by sample and axis
+  const auto vertex_at = [&](int x, int y, int z, int axis) {
+    const std::size_t i = s.index(x, y, z);
+    std::uint32_t& known = vertex[3 * i + std::size_t(axis)];
+    if (known == 0) {
+      const std::size_t j = s.index(x + (axis == 0), y + (axis == 1), z + (axis == 2));
+      // kept off the samples, so that no triangle loses its area
+      const double share = std::clamp(double(field[i]) / (double(field[i]) - double(field[j])), 0.02, 0.98);
+      mesh.points.push_back(s.place(x, y, z) + share * s.spacing * Vec3(axis == 0, axis == 1, axis == 2));
+      known = std::uint32_t(mesh.points.size());
+    }
+    return known - 1;
+  };
+  for (int z = 0; z + 1 < s.n[2]; ++z)
+    for (int y = 0; y + 1 < s.n[1]; ++y)
+      for (int x = 0; x + 1 < s.n[0]; ++x) {
+        unsigned inside = 0;
+        for (int k = 0; k < 8; ++k)
+          if (field[s.index(x + (k & 1), y + (k >> 1 & 1), z + (k >> 2))] < 0) inside |= 1u << k;
+        const std::uint8_t* row = &CASES[inside * 16];
+        for (int k = 0; k < 15 && row[k] != 255; k += 3) {
+          Triangle t;
+          for (int c = 0; c < 3; ++c) {
+            const int axis = row[k + c] / 4, low = row[k + c] & 1, high = row[k + c] >> 1 & 1;
+            t[std::size_t(c)] = vertex_at(x + (axis == 0 ? 0 : low),
+                                          y + (axis == 0   ? low
+                                               : axis == 1 ? 0
+                                                           : high),
+                                          z + (axis == 2 ? 0 : high), axis);
+          }
+          mesh.triangles.push_back(t);
+        }
+      }
+  return mesh;
+}
+
+}  // namespace
+
+TriangleMesh wrap_surface(const TriangleMesh& soup, WrapSettings settings) {
+  if (soup.triangles.empty()) throw UsageError("the mesh has no triangles");
+  if (settings.spacing <= 0) {
+    Vec3 low = Vec3::Constant(INFINITY), high = -low;
+    for (const Triangle& t : soup.triangles)
+      for (const std::uint32_t corner : t) {
+        low = low.cwiseMin(soup.points[corner]);
+        high = high.cwiseMax(soup.points[corner]);
+      }
+    settings.spacing = (high - low).maxCoeff() / 100;
+    if (!(settings.spacing > 0 && std::isfinite(settings.spacing)))
+      throw UsageError("the mesh has no size, or points that are not finite; export it again");
+  }
+  // less would let samples beyond the surface count as outside, and lose sheets
+  settings.offset = std::max(settings.offset, 0.6 * settings.spacing);
+  if (settings.bridge <= 0) settings.bridge = 4 * settings.spacing;
+  settings.bridge = std::max(settings.bridge, settings.offset + settings.spacing);
+  Samples samples = make_samples(soup, settings);
+  add_distances(soup, settings.bridge, samples);
+  const std::vector<float> to_core = distance_to_marked(samples, reached(samples, settings.bridge));
+  std::vector<float> field(samples.distance.size());
+  const double reach = settings.bridge - settings.offset + settings.spacing;  // its middle is known to a sample
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    const float d = std::min(samples.distance[i], float(settings.bridge)), offset = float(settings.offset);
+    const float outside = float(reach) - to_core[i];  // positive where the ball reaches, grown back
+    field[i] = outside >= 0 ? std::min(d - offset, outside) : -d - offset;
+  }
+  return surface_of(samples, field);
+}
+
+bool is_sound(const TriangleMesh& mesh) {
+  return !closed_surface_defect(mesh) && !find_intersection(mesh.points, mesh.triangles);
+}
+
+TriangleMesh simplified_solid(const TriangleMesh& mesh, std::size_t n_triangles, double error) {
+  std::vector<float> points;
+  for (const Vec3& p : mesh.points)
+    for (int k = 0; k < 3; ++k) points.push_back(float(p[k]));
+  std::vector<unsigned> indices;
+  for (const Triangle& t : mesh.triangles) indices.insert(indices.end(), t.begin(), t.end());
+  const float scale = meshopt_simplifyScale(points.data(), mesh.points.size(), 12);
+  double allowed = error / 2;  // of the quadrics' estimate
+  for (std::size_t target = n_triangles; target < mesh.triangles.size(); target = target * 3 / 2 + 16, allowed *= 0.8) {
+    std::vector<unsigned> fewer(indices.size());
+    fewer.resize(meshopt_simplify(fewer.data(), indices.data(), indices.size(), points.data(), mesh.points.size(), 12,
+                                  3 * target, float(allowed) / scale, 0, nullptr));
+    TriangleMesh candidate{mesh.points, {}};
+    for (std::size_t i = 0; i + 2 < fewer.size(); i += 3)
+      candidate.triangles.push_back({fewer[i], fewer[i + 1], fewer[i + 2]});
+    candidate = weld_points(candidate, 0);  // drops unused points
+    if (candidate.triangles.size() < 4 || !is_sound(candidate)) continue;
+    if (surface_distances(candidate, mesh).back() <= error && surface_distances(mesh, candidate).back() <= error)
+      return candidate;
+  }
+  return mesh;
+}
+
+std::vector<double> surface_distances(const TriangleMesh& from, const TriangleMesh& to) {
+  const NearestTriangle nearest(to);
+  std::vector<double> distances;
+  for (const Vec3& p : from.points) distances.push_back(nearest.distance(p));
+  for (const Triangle& t : from.triangles)
+    distances.push_back(nearest.distance((from.points[t[0]] + from.points[t[1]] + from.points[t[2]]) / 3));
+  std::sort(distances.begin(), distances.end());
+  return distances;
+}
+
+}  // namespace pvg

@@ -1,0 +1,29 @@
+// A closed surface around any triangles: holes, flipped, doubled, crossing or loose ones. Space is outside where a ball
+// of radius `bridge` reaches it from afar, grown back by what the ball could not enter (a morphological closing, as of
+// alpha wrapping, Portaneri et al. 2022); the surface is where the distance to the triangles is `offset` on that side.
+// Marching cubes makes it closed and manifold by construction. Pure.
+#pragma once
+#include "host/geometry/mesh.hpp"
+
+namespace pvg {
+
+struct WrapSettings {
+  double spacing = 0;  // of the samples [m]; 0: a hundredth of the size
+  double offset = 0;   // outward, so that sheets without thickness stay [m]; at least 0.6 spacings
+  double bridge = 0;   // holes up to twice this are closed [m]; 0: four spacings
+};
+
+// A UsageError where there are no triangles, a point is not finite, or the grid is too large.
+TriangleMesh wrap_surface(const TriangleMesh& soup, WrapSettings settings);
+
+// A closed mesh that was checked: no defect of closed_surface_defect, no self-intersection (exact).
+bool is_sound(const TriangleMesh& mesh);
+
+// At most n_triangles where that is possible: the result is_sound, and no point of it is farther than `error` [m] from
+// `mesh`. The mesh itself must be sound; it comes back where nothing smaller is.
+TriangleMesh simplified_solid(const TriangleMesh& mesh, std::size_t n_triangles, double error);
+
+// Distances of points spread over `from` (its points and the middles of its triangles) to `to` [m], ascending.
+std::vector<double> surface_distances(const TriangleMesh& from, const TriangleMesh& to);
+
+}  // namespace pvg

@@ -1,0 +1,134 @@
+// Closed surfaces around broken ones.
+#include "host/capture/wrap.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "host/base/error.hpp"
+#include "host/capture/nearest_triangle.hpp"
+#include "host/geometry/mesh_checks.hpp"
+#include "host/geometry/primitive_shapes.hpp"
+#include "host/geometry/segment_distance.hpp"
+#include "tests/expect_error.hpp"
+
+namespace pvg {
+namespace {
+
+constexpr double RADIUS = 0.05;
+
+TriangleMesh joined(TriangleMesh a, const TriangleMesh& b, const Vec3& shift) {
+  const std::uint32_t first = std::uint32_t(a.points.size());
+  for (const Vec3& p : b.points) a.points.push_back(p + shift);
+  for (const Triangle& t : b.triangles) a.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  return a;
+}
+
+// one way of breaking a ball for each kind
+TriangleMesh broken(int kind, std::mt19937& random) {
+  TriangleMesh mesh = sphere_surface(RADIUS, 3);
+  std::vector<Triangle> kept;
+  switch (kind) {
+    case 0:  // holes
+      for (const Triangle& t : mesh.triangles)
+        if (random() % 20) kept.push_back(t);
+      mesh.triangles = kept;
+      break;
+    case 1:  // flipped
+      for (Triangle& t : mesh.triangles)
+        if (random() % 2) std::swap(t[1], t[2]);
+      break;
+    case 2:  // doubled
+      mesh = joined(mesh, mesh, Vec3::Zero());
+      break;
+    case 3:  // self-crossing
+      mesh = joined(mesh, sphere_surface(RADIUS, 3), Vec3(0.03, 0.01, 0));
+      break;
+    case 4:  // non-manifold: fins
+      for (int i = 0; i < 20; ++i) {
+        const Triangle t = mesh.triangles[random() % mesh.triangles.size()];
+        mesh.points.push_back(1.2 * mesh.points[t[0]]);
+        mesh.triangles.push_back({t[0], t[1], std::uint32_t(mesh.points.size() - 1)});
+      }
+      break;
+    case 5: {  // noise
+      std::normal_distribution<double> noise(0, 5e-4);
+      for (Vec3& p : mesh.points) p += Vec3(noise(random), noise(random), noise(random));
+      break;
+    }
+    case 6:  // several shells, one in another
+      mesh = joined(mesh, sphere_surface(0.6 * RADIUS, 2), Vec3::Zero());
+      mesh = joined(mesh, sphere_surface(0.3 * RADIUS, 2), Vec3(0.12, 0, 0));
+      break;
+    default:  // a soup: no point is shared
+      TriangleMesh soup;
+      for (const Triangle& t : mesh.triangles) {
+        const std::uint32_t first = std::uint32_t(soup.points.size());
+        for (const std::uint32_t corner : t) soup.points.push_back(mesh.points[corner]);
+        soup.triangles.push_back({first, first + 1, first + 2});
+      }
+      return soup;
+  }
+  return mesh;
+}
+
+TEST(NearestTriangle, IsTheNearestOfAll) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> anywhere(-0.1, 0.1);
+  const TriangleMesh mesh = sphere_surface(RADIUS, 2);
+  const NearestTriangle nearest(mesh);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 p(anywhere(random), anywhere(random), anywhere(random));
+    double best = INFINITY;
+    for (const Triangle& t : mesh.triangles)
+      best = std::min(best, point_triangle_distance(p, mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]));
+    ASSERT_EQ(nearest.distance(p), best);
+  }
+}
+
+TEST(Wrap, EveryBrokenBallBecomesAClosedOneNearIt) {
+  std::mt19937 random(11);
+  WrapSettings settings;
+  settings.spacing = RADIUS / 20;
+  for (int kind = 0; kind < 8; ++kind) {
+    const TriangleMesh source = broken(kind, random);
+    const TriangleMesh wrapped = wrap_surface(source, settings);
+    EXPECT_EQ(closed_surface_defect(wrapped), std::nullopt) << "kind " << kind;
+    EXPECT_TRUE(is_sound(wrapped)) << "kind " << kind;
+    // outside by the offset; over a hole by less than what the ball sinks in
+    EXPECT_LE(surface_distances(wrapped, source).back(), 2 * settings.spacing) << "kind " << kind;
+    const double volume = enclosed_volume(wrapped) / (4.0 / 3 * M_PI * std::pow(RADIUS, 3));
+    if (kind != 3 && kind != 6) {
+      EXPECT_NEAR(volume, std::pow(1 + 0.6 / 20, 3), 0.05) << "kind " << kind;
+    }
+    const TriangleMesh fewer = simplified_solid(wrapped, 300, 2 * settings.spacing);
+    EXPECT_TRUE(is_sound(fewer)) << "kind " << kind;
+    EXPECT_LT(fewer.triangles.size(), wrapped.triangles.size() / 4) << "kind " << kind;
+    EXPECT_LE(surface_distances(fewer, wrapped).back(), 2 * settings.spacing) << "kind " << kind;
+  }
+}
+
+TEST(Wrap, ASheetWithoutThicknessIsNotLost) {
+  TriangleMesh sheet = sheet_surface({0.1, 0.06}, {10, 6});
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.4, Vec3(1, 2, 0.5).normalized()).toRotationMatrix();
+  for (Vec3& p : sheet.points) p = turn * p;
+  WrapSettings settings;
+  settings.spacing = 1e-3;
+  const TriangleMesh wrapped = wrap_surface(sheet, settings);
+  EXPECT_TRUE(is_sound(wrapped));
+  EXPECT_LE(surface_distances(sheet, wrapped).back(), 1e-3);  // 0.6 mm, and where the samples are
+  EXPECT_NEAR(enclosed_volume(wrapped), 0.1 * 0.06 * 1.2e-3, 0.25 * 0.1 * 0.06 * 1.2e-3);
+}
+
+TEST(Wrap, WhatIsNoMeshIsRefused) {
+  expect_error<UsageError>([] { wrap_surface({}, {}); }, {"no triangles"});
+  TriangleMesh mesh = sphere_surface(1, 1);
+  mesh.points[3].x() = NAN;
+  expect_error<UsageError>([&] { wrap_surface(mesh, {0.1, 0, 0}); }, {"not finite"});
+  mesh.points[3].x() = 0;
+  expect_error<UsageError>([&] { wrap_surface(mesh, {1e-4, 0, 0}); }, {"--detail"});
+}
+
+}  // namespace
+}  // namespace pvg
