@@ -27,15 +27,17 @@ Scene sponge_scene() {
   return scene;
 }
 
-// moves, and no coordinate is a round number
+// moves, and no coordinate is a round number or like its neighbours
 WorldState state_at(std::size_t step) {
   WorldState state;
   state.time = 0.01 * double(step + 1);
   state.body_force.resize(1);
   state.soft.emplace_back();
-  for (std::size_t i = 0; i < N_NODES; ++i)
+  for (std::size_t i = 0; i < N_NODES; ++i) {
+    const double at = 1e3 * std::sin(12.9898 * double(step * N_NODES + i));
     state.soft[0].push_back(
-        {0.1 * std::sin(0.1 * double(step + i)), -0.3 + 1e-3 * double(step) / 3, 1.0 / (7 + double(i))});
+        {0.1 * std::sin(at), -0.3 + 0.01 * std::sin(2 * at), 1.0 / (7 + double(i) + std::sin(3 * at))});
+  }
   return state;
 }
 
