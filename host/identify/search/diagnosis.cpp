@@ -146,12 +146,7 @@ std::string measure(Workflow& flow) {
   std::set<std::string> units;
   for (const Channel& c : problem.channels) {
     char text[200];
-    std::snprintf(text, sizeof text, "noise of the %s: %.3g %s%s", c.name.c_str(), c.sigma, c.unit.c_str(),
-                  c.is_noise_known ? ", as given"
-                  : c.is_noise_assumed
-                      ? ", taken as a hundredth of the range: too few neighbouring samples to measure it"
-                      : ", measured from third differences");
-    flow.notes.push_back(text);
+    flow.notes.push_back(noise_sentence(c));
     units.insert(c.unit);
     for (const Run& run : problem.runs)
       if (const double noise_scale = run.noise_scale[std::size_t(&c - problem.channels.data())]; noise_scale > 1) {
@@ -256,9 +251,16 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
   }
   out.unit = measure(flow);
   out.used = flow.base.scene;
-  const ChosenWindows chosen = find_residual(flow);
+  ChosenWindows chosen = find_residual(flow);
   out.fit_before = rms(chosen.base.residual);
-  if (agrees(problem, chosen.data, chosen.base)) {
+  bool is_fine = agrees(problem, chosen.data, chosen.base);
+  if (is_fine) out.supposed_noise = suppose_less_noise(problem, out.fit_before);
+  if (!out.supposed_noise.empty()) {  // what would be named with less noise
+    chosen = find_residual(flow);
+    out.fit_before = rms(chosen.base.residual);
+    is_fine = agrees(problem, chosen.data, chosen.base);
+  }
+  if (is_fine) {
     out.verdict = Verdict::agrees;
     out.candidates = std::make_shared<std::vector<Candidate>>();
     Selection nothing;
@@ -289,6 +291,8 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
       }
     }
     out.where = std::move(located.where);
+    out.supposed_verdict = out.verdict;
+    if (!out.supposed_noise.empty()) out.verdict = Verdict::none;
   }
   out.seconds = flow.seconds();
   out.simulations = flow.predictor.n_simulations();
