@@ -126,7 +126,7 @@ joints:
     return problem_of(folder, scene, columns, "  - {column: i, kind: current, joint: shaft, noise: 1" + keys + "}\n",
                       inputs);
   };
-  EXPECT_LT(errors_of(problem(", unit: mA, constant: 0.05 N m/A"))[0], 1e-5);
+  EXPECT_LT(errors_of(problem(", unit: mA, constant: 0.05 N m/A"))[0], 1e-4);  // the column of torques rises, too
   expect_error<UsageError>([&] { problem(", constant: 0.05"); }, {"channels[0]", "constant", "0.05 N m/A"});
   expect_error<UsageError>([&] { problem(", constant: 1 N m/A, unit: N m"); }, {"channels[0]", "A or mA"});
 }
