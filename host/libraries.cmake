@@ -42,7 +42,7 @@ if(PVG_IO)
   pvg_library(pipeline/validation      ${EPISODE} episode identify/report                                      )
   pvg_library(pipeline/bench           ${EPISODE} episode                                                      )
   pvg_library(pipeline/command_line    base                                                                    )
-  pvg_library(pipeline/commands        ${EPISODE} episode serve capture calibration validation bench command_line
-                                       identify identify/channels identify/data identify/sensing identify/candidates
-                                       identify/fit identify/search identify/report                            )
+  pvg_library(pipeline/commands        ${EPISODE} load/recording episode serve capture calibration validation bench
+                                       command_line identify identify/channels identify/data identify/sensing
+                                       identify/candidates identify/fit identify/search identify/report        )
 endif()

@@ -10,10 +10,12 @@ import sys
 
 # what decides nothing: {file of host/identify: {name of a constant, or the number as it is written: what it is}}
 ALLOWED = {
+    "channels/accelerometer.cpp": {"PLACE": "layout of a trace"},
+    "channels/angular_velocity.cpp": {"BIAS": "layout of a trace"},
     "channels/prediction.cpp": {"4": "steps of a cubic", "1e-6": "rounding of a time"},
     "candidates/law_dictionary.cpp": {"3": "components of a vector"},
-    "candidates/scene_numbers.cpp": {"1e-9": "rounding of moments"},
-    "data/noise.cpp": {"TYPICAL": "sigma of a normal distribution over the median of its size"},
+    "data/scene_numbers.cpp": {"1e-9": "rounding of moments"},
+    "data/noise.cpp": {"1e-9": "rounding of commands", "TYPICAL": "sigma of a normal distribution over the median of its size"},
     "data/warnings.cpp": {"TURN": "2 pi", "200": "hint", "0.5": "hint", "100": "hint", "57.3": "hint", "10": "hint",
                           "20": "hint", "0.25": "hint"},
     "data/window.cpp": {"3": "samples of a parabola"},

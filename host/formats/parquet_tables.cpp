@@ -1,6 +1,26 @@
 #include "host/formats/parquet_tables.hpp"
 
+#include "host/base/error.hpp"
+
 namespace pvg {
+
+nlohmann::json read_parquet(const std::filesystem::path& python, const std::filesystem::path& script,
+                            const std::vector<std::filesystem::path>& files, const std::vector<std::string>& columns) {
+  std::string names;
+  for (const std::string& column : columns) names += (names.empty() ? "" : ",") + column;
+  std::vector<std::string> arguments = {script.string(), names};
+  for (const std::filesystem::path& file : files) arguments.push_back(file.string());
+  std::string text;
+  try {
+    ProgramPipe pipe(python, arguments, ProgramPipe::Direction::from_program, "Parquet");
+    char bytes[65536];
+    for (std::size_t n = sizeof bytes; n == sizeof bytes;) text.append(bytes, n = pipe.read(bytes, sizeof bytes));
+    pipe.finish();
+  } catch (const Failure& failure) {
+    throw UsageError(failure.what());
+  }
+  return nlohmann::json::parse(text);
+}
 
 ParquetTables::ParquetTables(const std::filesystem::path& python, const std::filesystem::path& script)
     : pipe_(python, {script.string()}, ProgramPipe::Direction::to_program, "Parquet") {}

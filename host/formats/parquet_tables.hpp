@@ -1,4 +1,5 @@
-// Parquet files by the program scripts/write_parquet.py (Python with pyarrow), fed with one JSON line per table.
+// Parquet files by the programs scripts/write_parquet.py, fed with one JSON line per table, and scripts/read_parquet.py
+// (Python with pyarrow).
 #pragma once
 #include <filesystem>
 #include <map>
@@ -21,6 +22,11 @@ struct ParquetTable {
   std::vector<ParquetColumn> columns;
   std::map<std::string, std::string> metadata;  // of the schema
 };
+
+// The named columns of some files, one after the other: {COLUMN: [values of all rows]}. Throws a UsageError that says
+// what is wrong with a file.
+nlohmann::json read_parquet(const std::filesystem::path& python, const std::filesystem::path& script,
+                            const std::vector<std::filesystem::path>& files, const std::vector<std::string>& columns);
 
 class ParquetTables {
  public:

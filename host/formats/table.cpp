@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <set>
 
 #include "host/base/error.hpp"
 #include "host/formats/hdf5.hpp"
@@ -13,6 +14,7 @@ namespace pvg {
 namespace {
 
 constexpr double LARGEST = 1e15;  // of a measured number, in any unit
+constexpr std::size_t MOST_HEADER_LINES = 50;
 
 // between commas, without blanks at both ends; quotes around a name are taken off
 std::vector<std::string> cells_of(const std::string& line) {
@@ -37,25 +39,91 @@ double number_in(const std::string& cell, const std::string& place) {
   return value;
 }
 
-MeasuredTable read_csv(const std::filesystem::path& file) {
+std::vector<std::string> lines_of(const std::filesystem::path& file) {
   std::ifstream in(file);
-  std::string line;
-  if (!in || !std::getline(in, line)) throw Failure(file.string() + " cannot be read, or is empty");
-  if (line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);  // a byte-order mark, as some programs put first
-  const std::vector<std::string> names = cells_of(line);
-  if (names.size() == 1 && line.find(';') != std::string::npos)
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  if (lines.empty()) throw Failure(file.string() + " cannot be read, or is empty");
+  if (lines[0].starts_with("\xef\xbb\xbf")) lines[0].erase(0, 3);  // a byte-order mark, as some programs put first
+  return lines;
+}
+
+bool is_empty(const std::string& line) { return line.empty() || line == "\r"; }
+
+// numbers and gaps alone, one number at least
+bool holds_numbers(const std::vector<std::string>& cells) {
+  bool any = false;
+  for (const std::string& cell : cells) {
+    double value = 0;
+    if (cell.empty()) continue;
+    if (std::from_chars(cell.data() + (cell[0] == '+'), cell.data() + cell.size(), value).ptr !=
+        cell.data() + cell.size())
+      return false;
+    any = true;
+  }
+  return any;
+}
+
+struct Header {
+  std::vector<std::string> names;
+  std::size_t n_lines = 1;  // until the first row
+};
+
+// The names in several lines above each other, as programs of motion capture write them: the last line's, and where it
+// says one twice those above it that tell the columns apart, the uppermost first.
+std::vector<std::string> names_in(const std::vector<std::vector<std::string>>& above) {
+  const std::vector<std::string>& last = above.back();
+  std::vector<std::string> names = last, front(last.size());
+  for (std::size_t line = 0; line + 1 < above.size(); ++line) {
+    std::vector<std::string> longer(last.size()), more = front;
+    for (std::size_t i = 0; i < last.size(); ++i) {
+      if (!above[line][i].empty()) more[i] += above[line][i] + " ";
+      longer[i] = more[i] + last[i];
+    }
+    const auto n_distinct = [](const std::vector<std::string>& all) { return std::set(all.begin(), all.end()).size(); };
+    if (n_distinct(longer) <= n_distinct(names)) continue;
+    names = longer;
+    front = more;
+  }
+  for (std::size_t i = 0; i < last.size(); ++i)
+    if (!last[i].empty() && std::count(last.begin(), last.end(), last[i]) == 1) names[i] = last[i];
+  for (std::string& name : names) name.erase(name.find_last_not_of(' ') + 1);
+  return names;
+}
+
+// Lines before the names say how a file was made; one with another number of cells than the rows is among them.
+Header header_of(const std::vector<std::string>& lines) {
+  const Header plain{cells_of(lines[0]), 1};
+  for (std::size_t row = 1; row < std::min<std::size_t>(lines.size(), MOST_HEADER_LINES); ++row) {
+    const std::vector<std::string> cells = cells_of(lines[row]);
+    if (is_empty(lines[row]) || !holds_numbers(cells)) continue;
+    std::vector<std::vector<std::string>> above;
+    std::size_t first = row;
+    for (; first > 0 && cells_of(lines[first - 1]).size() == cells.size(); --first)
+      above.insert(above.begin(), cells_of(lines[first - 1]));
+    if (above.empty() || first == 0) return plain;
+    return {names_in(above), row};
+  }
+  return plain;
+}
+
+MeasuredTable read_csv(const std::filesystem::path& file) {
+  const std::vector<std::string> lines = lines_of(file);
+  const auto [names, n_header] = header_of(lines);
+  if (names.size() == 1 && lines[0].find(';') != std::string::npos)
     throw Failure(file.string() + ", line 1: the columns are parted by semicolons; part them by commas");
   MeasuredTable table;
   table.file = file;
   for (const std::string& name : names)
     if (!table.columns.emplace(name, std::vector<double>()).second)
-      throw Failure(file.string() + ", line 1: the column `" + name + "` stands there twice");
+      throw Failure(file.string() + ", line " + std::to_string(n_header) + ": the column `" + name +
+                    "` stands there twice");
   std::vector<std::vector<double>*> columns;
   for (const std::string& name : names) columns.push_back(&table.columns[name]);
-  for (std::size_t number = 2; std::getline(in, line); ++number) {
-    if (line.empty() || line == "\r") continue;
-    const std::vector<std::string> cells = cells_of(line);
-    const std::string place = file.string() + ", line " + std::to_string(number);
+  for (std::size_t line = n_header; line < lines.size(); ++line) {
+    if (is_empty(lines[line])) continue;
+    const std::vector<std::string> cells = cells_of(lines[line]);
+    const std::string place = file.string() + ", line " + std::to_string(line + 1);
     if (cells.size() != names.size()) throw Failure(place + " has another number of columns than the header");
     for (std::size_t i = 0; i < cells.size(); ++i) columns[i]->push_back(number_in(cells[i], place));
     ++table.n_rows;
@@ -63,12 +131,18 @@ MeasuredTable read_csv(const std::filesystem::path& file) {
   return table;
 }
 
-MeasuredTable read_arrays(const std::filesystem::path& file) {
-  const hdf5::File in = hdf5::File::open(file);
+bool is_hdf5(const std::filesystem::path& file) {
+  const std::string kind = file.extension().string();
+  return kind == ".h5" || kind == ".hdf5";
+}
+
+MeasuredTable read_arrays(const hdf5::File& in, const std::filesystem::path& file,
+                          const std::vector<std::string>& names) {
   MeasuredTable table;
   table.file = file;
-  for (const std::string& name : in.children("/")) {
+  for (const std::string& name : names) {
     const std::string object = "/" + name;
+    if (!in.has(object)) throw Failure(file.string() + " has no column `" + name + "`");
     if (in.shape(object).size() != 1)
       throw Failure(file.string() + ": `" + name + "` must be a list of numbers, one per row");
     table.columns[name] = in.read<double>(object).values;
@@ -91,8 +165,14 @@ const std::vector<double>& MeasuredTable::operator[](const std::string& name) co
 }
 
 MeasuredTable read_table(const std::filesystem::path& file) {
-  const std::string kind = file.extension().string();
-  return kind == ".h5" || kind == ".hdf5" ? read_arrays(file) : read_csv(file);
+  if (!is_hdf5(file)) return read_csv(file);
+  const hdf5::File in = hdf5::File::open(file);
+  return read_arrays(in, file, in.children("/"));
+}
+
+MeasuredTable read_columns_of(const std::filesystem::path& file, const std::vector<std::string>& columns) {
+  if (!is_hdf5(file)) return read_csv(file);
+  return read_arrays(hdf5::File::open(file), file, columns);
 }
 
 std::vector<std::filesystem::path> tables_in(const std::filesystem::path& folder, const std::string& prefix) {

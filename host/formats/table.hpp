@@ -17,9 +17,14 @@ struct MeasuredTable {
   const std::vector<double>& operator[](const std::string& name) const;
 };
 
-// .h5 and .hdf5 are HDF5, whose arrays at the top are the columns. Throws a Failure naming file and line where a row is
-// not as long as the header or a cell holds something else than a number.
+// CSV may have lines before the names, and names in several lines above each other (motion capture): see names_in in
+// table.cpp. .h5 and .hdf5 are HDF5, whose arrays at the top are the columns. Throws a Failure naming file and line
+// where a row is not as long as the header or a cell holds something else than a number.
 MeasuredTable read_table(const std::filesystem::path& file);
+
+// The same with the named columns alone, where they are arrays of HDF5: others may have other lengths, and names may be
+// paths such as `camera/angle`.
+MeasuredTable read_columns_of(const std::filesystem::path& file, const std::vector<std::string>& columns);
 
 // The files of a folder whose names begin with `prefix` and end with .csv, in the order of their names.
 std::vector<std::filesystem::path> tables_in(const std::filesystem::path& folder, const std::string& prefix);

@@ -3,7 +3,7 @@
 // stage: 1 measurement, 2 residual, 3 localisation, 4 screening, 5 fit, 6 decision, 7 proof
 // (docs/theory/identification.md). evidence: what the value was chosen on. "not recorded": nobody wrote it down. How
 // much the verdicts depend on each value: scripts/perturb_criteria.py. Bounds and log priors of a single effect, number
-// of the scene or error of a sensor are in its own row (host/model/effect_list.hpp, candidates/scene_numbers.cpp,
+// of the scene or error of a sensor are in its own row (host/model/effect_list.hpp, data/scene_numbers.cpp,
 // candidates/measurement_candidates.cpp).
 #pragma once
 #include <cstddef>
@@ -65,6 +65,12 @@
   X(1, double, noise_floor, 1e-9, "channel's", \
     "least noise of a channel that does not move", \
     "chosen by judgement, not measured") \
+  X(1, std::size_t, noise_segment, 64, "samples", \
+    "length of the segments whose spectra are averaged", \
+    "chosen by judgement, not measured") \
+  X(1, double, noise_supposed, 10, "1", \
+    "error over the noise that is supposed where runs agree because of a noise that nobody knows", \
+    "the stronger effects of the hidden suite have ten times the noise") \
   X(1, std::size_t, quantum_n_least, 20, "1", \
     "fewest unequal neighbours from which a quantum is found", \
     "chosen by judgement, not measured") \

@@ -11,9 +11,12 @@
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/base/stop_signal.hpp"
+#include "host/formats/parquet_tables.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/identify/report/report.hpp"
+#include "host/load/recording/robot_set.hpp"
 #include "pipeline/command_line/command.hpp"
+#include "pipeline/command_line/parquet_python.hpp"
 #include "pipeline/validation/hidden_suite.hpp"
 
 namespace pvg {
@@ -22,7 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct DiagnoseOptions {
-  std::string recording, folder;  // folder of recording.yaml, folder of the report
+  std::string recording, folder;  // folder of recording.yaml or a set of episodes, folder of the report
+  std::string task;               // whose robots made that set
   std::string device;
   int max_effects = 2;                // named together
   double minutes = 5;                 // after which the report is written, whatever is left out
@@ -130,6 +134,21 @@ HiddenSuite hidden_suite(const DiagnoseOptions& options) {
   return suite;
 }
 
+// A folder with recording.yaml, or what a task's robots did.
+diagnose::Problem problem_of(const DiagnoseOptions& options) {
+  if (options.task.empty()) {
+    if (is_robot_set(options.recording))
+      throw UsageError(
+          options.recording +
+          " holds no recording.yaml; if it is a set of episodes, name the task of its robots: --task TASK");
+    return diagnose::make_problem(options.recording);
+  }
+  const auto parquet = [](const std::vector<fs::path>& files, const std::vector<std::string>& columns) {
+    return read_parquet(python_with_pyarrow(), parquet_script("read_parquet.py"), files, columns);
+  };
+  return diagnose::make_problem(load_robot_set(options.recording, options.task, parquet));
+}
+
 void run_diagnose(const DiagnoseOptions& options) {
   if (options.lists_effects) return list_effects(options.as_json);
   if (options.lists_criteria) return list_criteria(options.as_json);
@@ -139,7 +158,7 @@ void run_diagnose(const DiagnoseOptions& options) {
   if (options.recording.empty())
     throw UsageError(
         "diagnose needs a recording: a folder with recording.yaml; `phyvisgen diagnose --help` shows an example");
-  diagnose::Problem problem = diagnose::make_problem(options.recording);
+  diagnose::Problem problem = problem_of(options);
   if (options.only_checks) return print_sizes(problem);
   if (options.folder.empty()) throw UsageError("diagnose needs a folder for its report: -o DIR");
   for (const std::string& sentence : diagnose::warnings(problem))
@@ -171,7 +190,10 @@ void add_diagnose(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "diagnose", "Find where a recording and its scene disagree, and name the effect that is missing");
   DiagnoseOptions& o = options_of_command(*command, run_diagnose);
-  command->add_option("RECORDING", o.recording, "Folder with recording.yaml, or that file");
+  command->add_option("RECORDING", o.recording,
+                      "Folder with recording.yaml, or that file; with --task a set or states.h5");
+  command->add_option("--task", o.task, "RECORDING is a set of episodes, ours or LeRobot's, of this task's robots")
+      ->type_name("TASK");
   command->add_option("-o,--output", o.folder, "Folder for report.html, report.json and scene_amended.yaml");
   command->add_option("--max-effects", o.max_effects, "Effects that may be named together")
       ->check(CLI::Range(1, 4))

@@ -12,7 +12,7 @@
 #include "host/dataset/formats.hpp"
 #include "host/formats/video.hpp"
 #include "pipeline/command_line/command.hpp"
-#include "pipeline/command_line/data_folder.hpp"
+#include "pipeline/command_line/parquet_python.hpp"
 #include "pipeline/episode/episode_set.hpp"
 
 namespace pvg {
@@ -34,19 +34,8 @@ PackedEpisode read_episode(const PackOptions& options, const fs::path& folder) {
   return options.no_pictures ? read_packed_states(folder) : read_packed_episode(folder, options.cameras);
 }
 
-// $PVG_PYTHON, or the environment that scripts/install_pack.sh makes.
-fs::path python_with_pyarrow() {
-  if (const char* named = std::getenv("PVG_PYTHON")) return named;
-  const fs::path python = data_folder().parent_path() / ".venv-pack/bin/python";
-  if (fs::exists(python)) return python;
-  throw UsageError("LeRobot's formats need Python with pyarrow: run " +
-                   (data_folder().parent_path() / "scripts/install_pack.sh").string() +
-                   ", which installs it beside the program, or name an interpreter in the variable PVG_PYTHON");
-}
-
 std::unique_ptr<ParquetTables> open_parquet() {
-  return std::make_unique<ParquetTables>(python_with_pyarrow(),
-                                         data_folder().parent_path() / "scripts/write_parquet.py");
+  return std::make_unique<ParquetTables>(python_with_pyarrow(), parquet_script("write_parquet.py"));
 }
 
 // Where the packed episodes come from.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "host/base/error.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
@@ -25,6 +27,28 @@ TEST(MeasuredTable, WhatIsNoTableOfNumbersIsRefusedByLine) {
   expect_error<Failure>([&] { read_table(folder.write("b.csv", "t,x\n0,1\n1\n")); }, {"b.csv, line 3", "columns"});
   expect_error<Failure>([&] { read_table(folder.write("b.csv", "t,x\n0,fast\n")); }, {"b.csv, line 2", "`fast`"});
   expect_error<Failure>([&] { read_table(folder.write("b.csv", "t,x\n0,1 2\n")); }, {"b.csv, line 2", "`1 2`"});
+}
+
+// As Motive exports rigid bodies: a line about the take, then names, kinds and axes above each other.
+TEST(MeasuredTable, OfMotionCaptureHasItsNamesInSeveralLines) {
+  const TestFolder folder;
+  folder.write("take.csv", R"(Format Version,1.23,Take Name,throw,Export Frame Rate,120.0
+
+,Type,Rigid Body,Rigid Body,Rigid Body,Rigid Body
+,Name,cube,cube,hand,hand
+,ID,"A1","A1","B2","B2"
+,,Rotation,Position,Position,Mean Error
+Frame,Time (Seconds),X,X,X,
+0,0.000000,0.5,1.25,7,0.001
+1,0.008333,0.6,,8,0.001
+)");
+  const MeasuredTable table = read_table(folder.path / "take.csv");
+  EXPECT_EQ(table.n_rows, 2u);
+  EXPECT_EQ(table["Time (Seconds)"][1], 0.008333);
+  EXPECT_EQ(table["cube Rotation X"][1], 0.6);
+  EXPECT_EQ(table["cube Position X"][0], 1.25);
+  EXPECT_TRUE(std::isnan(table["cube Position X"][1]));
+  EXPECT_EQ(table["hand Position X"][1], 8);
 }
 
 TEST(MeasuredTable, AFoldersFilesAreThoseOfThePrefixInTheOrderOfTheirNames) {

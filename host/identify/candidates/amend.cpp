@@ -5,12 +5,6 @@
 
 namespace pvg::diagnose {
 
-YAML::Node entry_named(const YAML::Node& list, const std::string& name) {
-  for (std::size_t i = 0; list.IsDefined() && list.IsSequence() && i < list.size(); ++i)
-    if (list[i]["name"] && list[i]["name"].Scalar() == name) return list[i];
-  return YAML::Node(YAML::NodeType::Undefined);
-}
-
 void write_effect(YAML::Node& root, const Effect& effect) {
   YAML::Node node;
   node["effect"] = effect.name;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/identify/data/scene_entry.hpp"
 #include "host/identify/sensing/rollout.hpp"
 
 namespace YAML {
@@ -57,17 +58,11 @@ std::vector<CandidateKind> candidate_kinds();
 // All that this problem's scene and channels allow. touching: pairs of bodies that touch in the runs, FIRST/SECOND.
 std::vector<Candidate> make_candidates(const Problem& problem, const std::vector<std::string>& touching);
 
-// Of a number that acts on `target`, whose kind is listed with the unit that revolute joints have.
-std::string unit_on(const PhysicalScene& scene, const std::string& target, const std::string& unit);
-
 // Adds an effect to the section `effects` of a scene file.
 void write_effect(YAML::Node& root, const Effect& effect);
 
 // The amendment of a candidate that adds an effect to the scene.
 bool amend_last_effect(const SceneFile& file, std::span<const double> values);
-
-// The entry of a list with this name; undefined where there is none.
-YAML::Node entry_named(const YAML::Node& list, const std::string& name);
 
 // physical_candidates.cpp, parameter_candidates.cpp, measurement_candidates.cpp
 void add_physical(const Problem& problem, const std::vector<std::string>& touching, std::vector<Candidate>& out);

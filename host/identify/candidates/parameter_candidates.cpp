@@ -2,8 +2,9 @@
 // effect that the scene lacks.
 #include <cstdio>
 
-#include "host/identify/candidates/scene_number.hpp"
+#include "host/identify/candidates/candidate.hpp"
 #include "host/identify/criteria.hpp"
+#include "host/identify/data/scene_number.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -14,7 +15,15 @@ std::string as_the_scene_says(double value, const std::string& unit) {
   return "the scene says " + (text + (unit == "1" ? "" : " " + unit));
 }
 
-Candidate candidate_of(const Scene& scene, const SceneNumber& number, const NumberPlace& place) {
+// One standard deviation before any data, as the recording states it, or as the row says; 0: anything.
+double prior_sigma_of(const Problem& problem, const SceneNumber& number, const NumberPlace& place) {
+  for (const NumberPrior& prior : problem.priors)
+    if (prior.number == number.name && prior.target == place.target) return prior.sigma;
+  return number.prior_sigma_share > 0 ? number.prior_sigma_share * place.value : number.prior_sigma;
+}
+
+Candidate candidate_of(const Problem& problem, const SceneNumber& number, const NumberPlace& place) {
+  const Scene& scene = problem.scene.scene;
   const std::string unit = unit_on(scene, place.target, number.unit);
   Candidate candidate{number.name,
                       place.target,
@@ -29,8 +38,7 @@ Candidate candidate_of(const Scene& scene, const SceneNumber& number, const Numb
                       {},
                       number.log_prior};
   candidate.parameters[0].is_logarithmic = number.is_logarithmic;
-  candidate.parameters[0].prior_sigma =
-      number.prior_sigma_share > 0 ? number.prior_sigma_share * place.value : number.prior_sigma;
+  candidate.parameters[0].prior_sigma = prior_sigma_of(problem, number, place);
   candidate.apply = [set = place.set](Variant& variant, std::span<const double> values) {
     set(variant.scene, values[0]);
   };
@@ -58,7 +66,7 @@ std::vector<CandidateKind> parameter_kinds() {
 void add_parameters(const Problem& problem, const std::vector<std::string>& touching, std::vector<Candidate>& out) {
   for (const SceneNumber& number : scene_numbers())
     for (const NumberPlace& place : number.places(problem.scene.scene, touching))
-      if (place.value > 0) out.push_back(candidate_of(problem.scene.scene, number, place));
+      if (place.value > 0) out.push_back(candidate_of(problem, number, place));
 }
 
 }  // namespace pvg::diagnose

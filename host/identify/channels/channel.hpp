@@ -2,6 +2,7 @@
 // defines its row of functions; the list of kinds is in host/load/recording/channel_kinds.hpp, their keys in
 // host/load/recording/channels.cpp.
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -29,14 +30,26 @@ struct Channel {
   Vec3 point = Vec3::Zero();                            // on a rigid body, in its frame [m]
   std::vector<std::pair<std::uint32_t, double>> nodes;  // of a soft body or cloth, with weights
   bool has_axis = false;
-  Vec3 axis = Vec3::Zero();  // the part along it is measured
-  int width = 1;             // numbers in the recording and of a prediction: 1, 3, or 4 for x, y, z, w
-  int n = 1;                 // numbers that are compared: 1 or 3
-  double sigma = 0;          // one standard deviation of the noise [unit]; measured by stage 1 if unknown
+  Vec3 axis = Vec3::Zero();         // the part along it is measured
+  int other = -1;                   // of a distance or contact: the other body, a rigid one; -1: any
+  Vec3 other_point = Vec3::Zero();  // on it, in its frame [m]
+  double constant = 1;              // of a current [N m/A or N/A]; of a contact: the force at which it is felt [N]
+  int width = 1;                    // numbers in the recording and of a prediction: 1, 3, or 4 for x, y, z, w
+  int trace_width = 1;              // numbers that are kept of each step, from which predictions are made
+  int n = 1;                        // numbers that are compared: 1 or 3
+  double sigma = 0;                 // one standard deviation of the noise [unit]; measured by stage 1 if unknown
   bool is_noise_known = false;
-  bool is_noise_assumed = false;  // unknown, and there are too few neighbouring samples to measure it
-  int source = -1, part = -1;     // of pictures, as in RecordedChannel
+  bool is_noise_of_repeats = false;  // measured as what runs of the same commands do not share
+  bool is_noise_assumed = false;     // unknown, and there are too few neighbouring samples to measure it
+  // The noise may be as small as this [unit]; 0: it is as small as `sigma`. A spectrum that is not flat is one of a
+  // sensor that smooths, or of what trembles, which is no noise.
+  double least_sigma = 0;
+  Readout readout;             // in `unit`
+  int source = -1, part = -1;  // of pictures, as in RecordedChannel
 };
+
+// One standard deviation of what a sensor with a stated resolution rounds off.
+inline double rounding_noise(const Readout& readout) { return readout.resolution / std::sqrt(12.0); }
 
 // A channel as it was resolved, and the factor from the recorded unit to SI.
 struct Resolved {
@@ -64,15 +77,16 @@ class Pictures {
 
 // What a sensor looks at in one step.
 struct Look {
+  const PhysicalScene& world;
   const WorldState& state;
   const Sensing& sensing;
   std::size_t number;  // of the channel
   Pictures& pictures;
 };
 
-// The predictions of a channel, step after step from the window's start.
+// What is kept of a channel's steps, one after the other from the window's start.
 struct Steps {
-  std::span<const double> values;  // [n x width]
+  std::span<const double> values;  // [n x trace_width of the channel]
   std::size_t width = 1;
   double h = 0;  // length of a step [s]
   std::size_t n() const { return values.size() / width; }
@@ -80,7 +94,6 @@ struct Steps {
 
 // How the noise of this kind differs from white noise on a smooth motion.
 struct NoiseModel {
-  bool has_gaps = false;                           // samples come less often than rows
   double per_number = 1;                           // noise of a compared number over that of a recorded one
   double (*rounding)(double brightest) = nullptr;  // sigma of what the format rounds off [unit]
 };
@@ -93,10 +106,10 @@ struct SensorKind {
   ChannelKind kind;
   // Finds what was measured in the scene. Throws a UsageError that names the entry and what to do.
   Resolved (&resolve)(const ChannelPlace&, const RecordedChannel&);
-  // What the sensor would say in a simulated state [width].
+  // What is kept of a simulated state [trace_width]: mostly what the sensor would say.
   std::vector<double> (&predict)(const Channel&, const Look&);
   // The prediction [width] at a time between the steps, at least four of them; times before the start too.
-  std::vector<double> (&interpolate)(const Steps&, double time);
+  std::vector<double> (&interpolate)(const Channel&, const Steps&, double time);
   // Measured less predicted, of the n numbers that are compared; divided by the noise this is the residual.
   Vec3 (&difference)(const double* measured, const double* predicted, int n);
   // what most kinds are not is left out of their rows

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "host/model/world_state.hpp"
 
@@ -60,8 +61,12 @@ std::vector<double> sensed(const Channel& channel, const Look& look, const Vec3&
   return {value[0] + bias[0], value[1] + bias[1], value[2] + bias[2]};
 }
 
+Vec3 in_frame(const Look& look, const Vec3& value) {
+  return (1 + look.sensing.length_scale) * (rotation_of(look.sensing.frame_rotation) * value);
+}
+
 std::vector<double> sensed_length(const Channel& channel, const Look& look, const Vec3& value) {
-  return sensed(channel, look, (1 + look.sensing.length_scale) * (rotation_of(look.sensing.frame_rotation) * value));
+  return sensed(channel, look, in_frame(look, value));
 }
 
 Vec3 point_of(const Channel& channel, const Look& look) {
@@ -78,17 +83,37 @@ Vec3 point_of(const Channel& channel, const Look& look) {
   return x;
 }
 
-std::vector<double> cubic_value(const Steps& steps, double time) {
+std::vector<double> cubic_value(const Channel&, const Steps& steps, double time) {
   return cubic(steps, time, [&](double weight, double slope, double before_start) {
     return weight + before_start * slope / steps.h;
   });
 }
 
-std::vector<double> cubic_slope(const Steps& steps, double time) {
-  return cubic(steps, time, [&](double, double slope, double) { return slope / steps.h; });
+std::vector<double> slope_with_bias(const Channel&, const Steps& steps, double time) {
+  const std::vector<double> slope = cubic(steps, time, [&](double, double slope, double) { return slope / steps.h; });
+  const std::vector<double> value = cubic(steps, time, [&](double weight, double, double) { return weight; });
+  std::vector<double> rate;
+  for (std::size_t k = 0; k < steps.width / 2; ++k) rate.push_back(slope[k] + value[steps.width / 2 + k]);
+  return rate;
 }
 
-std::vector<double> between_pictures(const Steps& steps, double time) {
+void low_pass(std::vector<double>& steps, std::size_t width, double h, double cut_off) {
+  const double tau = 1 / (2 * std::numbers::pi * cut_off), kept = std::exp(-h / tau);
+  for (std::size_t k = 0; k < width && steps.size() >= 2 * width; ++k) {
+    double before = steps[k], slope = (steps[width + k] - before) / h;
+    double y = before - tau * slope;  // what follows a line follows it late by tau
+    steps[k] = y;
+    for (std::size_t i = width + k; i < steps.size(); i += width) {
+      const double now = steps[i];
+      slope = (now - before) / h;
+      y = now - tau * slope + (y - before + tau * slope) * kept;
+      before = now;
+      steps[i] = y;
+    }
+  }
+}
+
+std::vector<double> between_pictures(const Channel&, const Steps& steps, double time) {
   const double place = std::max(time / steps.h, 0.0);
   const std::size_t before = std::min(std::size_t(place + 1e-6), steps.n() - 1),
                     after = std::min(before + 1, steps.n() - 1);

@@ -1,5 +1,6 @@
 #include "host/identify/channels/resolve.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
 #include "host/base/error.hpp"
@@ -71,12 +72,16 @@ Resolved measured_in(const ChannelPlace& where, const RecordedChannel& recorded,
   Resolved resolved{std::move(channel), factor_of(recorded.unit, dimension, where.entry)};
   Channel& c = resolved.channel;
   c.unit = si_unit(dimension);
-  c.width = c.n = int(recorded.columns.size());
+  c.width = c.trace_width = c.n = int(recorded.columns.size());
   c.has_axis = recorded.axis.has_value();
   if (recorded.axis) c.axis = *recorded.axis;
   if (c.n > 1 || where.recording.channels.size() > 1) c.name += " (" + recorded.columns[0] + ")";
   c.is_noise_known = recorded.noise > 0;
   c.sigma = c.is_noise_known ? recorded.noise * resolved.to_si : 0;
+  const Readout& readout = recorded.readout;
+  c.readout = {readout.low_pass, readout.resolution * resolved.to_si, readout.lowest * resolved.to_si,
+               readout.highest * resolved.to_si};
+  if (c.is_noise_known) c.sigma = std::hypot(c.sigma, rounding_noise(c.readout));
   return resolved;
 }
 

@@ -36,7 +36,7 @@ constinit const SensorKind video_sensor = {.kind = ChannelKind::video,
                                            .predict = predict,
                                            .interpolate = between_pictures,
                                            .difference = plain_difference,
-                                           .noise = {.has_gaps = true, .rounding = srgb8_step_sigma},
+                                           .noise = {.rounding = srgb8_step_sigma},
                                            .is_of_pictures = true};
 
 }  // namespace pvg::diagnose

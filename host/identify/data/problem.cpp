@@ -7,6 +7,7 @@
 #include "host/formats/lut_file.hpp"
 #include "host/identify/data/resolve.hpp"
 #include "host/load/overview.hpp"
+#include "host/load/recording/robot_set.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -153,15 +154,19 @@ void check_motion(const Problem& problem) {
 
 }  // namespace
 
-Problem make_problem(const std::filesystem::path& path) {
+Problem make_problem(const std::filesystem::path& path) { return make_problem(load_recording(path)); }
+
+Problem make_problem(Recording recording) {
   Problem problem;
-  problem.recording = load_recording(path);
-  problem.scene = load_scene_run(problem.recording.scene);
+  problem.recording = std::move(recording);
+  const std::filesystem::path& file = problem.recording.scene;
+  problem.scene = problem.recording.has_robots_alone ? load_robots_alone(file) : load_scene_run(file);
   Scene& scene = problem.scene.scene;
   std::vector<TargetTable> of_joint(scene.joints.size(), TargetTable{{0}, {0}});
   for (std::size_t j = 0, driven = 0; j < scene.joints.size(); ++j)
     if (is_driven(scene.joints[j])) of_joint[j] = problem.scene.targets[driven++];
   const Inputs inputs = resolve_inputs(problem);
+  apply_priors(problem);
   if (!problem.recording.mask_sources.empty() || !problem.recording.video_sources.empty()) {
     problem.seen = scene;
     complete_for_viewing(problem.seen);
@@ -181,8 +186,12 @@ Problem make_problem(const std::filesystem::path& path) {
     problem.channels.push_back(std::move(resolved.channel));
     to_si.push_back(resolved.to_si);
   }
-  for (const RecordedRun& run : problem.recording.runs)
+  for (const RecordedRun& run : problem.recording.runs) {
     problem.runs.push_back(make_run(problem, run, to_si, inputs, of_joint));
+    const std::string place = problem.recording.file.string() + ": runs, " + run.name + ": ";
+    problem.runs.back().changes = scene_changes(scene, run.set, place + "set");
+    problem.runs.back().given = given_starts(scene, run.initial, place + "initial");
+  }
   find_coordinates(problem);
   problem.can_restart = can_restart(problem);
   check_given(problem);

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "host/identify/channels/channel.hpp"
+#include "host/identify/data/start.hpp"
+#include "host/identify/data/stated_numbers.hpp"
 #include "host/load/scene_file.hpp"
 #include "host/pictures/lut.hpp"
 
@@ -26,6 +28,8 @@ struct Run {
   std::vector<double> noise_scale;          // [n_channels] the noise of this run over the channel's, at least 1
   std::vector<TargetTable> targets;         // [n_driven], times as in the run
   std::vector<PrescribedPath> prescribed;
+  std::vector<SceneChange> changes;  // what the scene, or a variant of it, has otherwise in this run
+  std::vector<GivenStart> given;     // what is known of its start
 };
 
 struct Problem {
@@ -38,7 +42,8 @@ struct Problem {
   std::vector<Run> runs;
   std::vector<int> coordinates;  // joints of open chains whose position may change, parents first
   std::vector<int> free_bodies;  // rigid bodies that no joint carries
-  bool can_restart = false;      // the state at any time is measured: windows may begin anywhere
+  std::vector<NumberPrior> priors;
+  bool can_restart = false;  // the state at any time is measured: windows may begin anywhere
 };
 
 // One standard deviation of a channel's noise in a run [the channel's unit].
@@ -51,6 +56,8 @@ inline bool can_move(const RigidBody& body) { return !body.is_fixed && !body.is_
 
 // Throws a UsageError that names the file, the key, the body or joint, and what to do.
 Problem make_problem(const std::filesystem::path& recording);
+
+Problem make_problem(Recording recording);
 
 // Weaknesses of data that can still be used, as sentences.
 std::vector<std::string> warnings(const Problem& problem);

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "host/identify/data/noise.hpp"
 #include "host/identify/data/problem.hpp"
 
 namespace pvg::diagnose {
@@ -63,20 +64,20 @@ std::vector<std::string> warnings(const Problem& problem) {
     bool changes = false;
     for (const Run& run : problem.runs) {
       double first = std::nan("");
-      for (std::size_t i = 0; i < run.values[c].size(); ++i, ++all) {
-        if (!std::isfinite(run.values[c][i])) {
+      const std::size_t width = std::size_t(problem.channels[c].width);
+      const std::vector<double> values = own_samples(run.t, run.values[c], width);
+      for (std::size_t i = 0; i < values.size(); ++i, ++all) {
+        if (!std::isfinite(values[i])) {
           ++gaps;
           continue;
         }
-        if (i % std::size_t(problem.channels[c].width) == 0) {
-          if (!std::isfinite(first)) first = run.values[c][i];
-          changes = changes || run.values[c][i] != first;
+        if (i % width == 0) {
+          if (!std::isfinite(first)) first = values[i];
+          changes = changes || values[i] != first;
         }
       }
     }
-    // pictures come less often than rows
-    const bool is_of_pictures = problem.channels[c].sensor->is_of_pictures;
-    if (10 * gaps > all && !is_of_pictures)
+    if (10 * gaps > all)
       sentences.push_back("the " + problem.channels[c].name + " has gaps in " + std::to_string(100 * gaps / all) +
                           " % of its samples");
     if (!changes && problem.channels[c].width == 1)

@@ -114,10 +114,21 @@ void start_joint(const Problem& problem, const Run& run, int j, double t0, bool 
   start.unknowns.push_back({Unknown::Kind::joint_rate, j, Vec3::UnitX(), rate_sigma});
 }
 
+bool is_along(const Vec3& a, const Vec3& b) { return std::abs(a.dot(b)) > criteria().support_same_normal; }
+
+bool is_among(const std::vector<Vec3>& directions, const Vec3& direction) {
+  return std::any_of(directions.begin(), directions.end(), [&](const Vec3& one) { return is_along(one, direction); });
+}
+
+bool is_velocity_along(const Unknown& unknown, const Vec3& direction) {
+  return unknown.kind == Unknown::Kind::velocity && is_along(unknown.direction, direction);
+}
+
 void start_body(const Problem& problem, const Run& run, int b, double t0, bool is_given, Start& start) {
   Pose& pose = start.state.pose[std::size_t(b)];
   Vec3& velocity = start.state.velocity[std::size_t(b)];
   std::vector<Unknown> unknowns;
+  std::vector<Vec3> measured_rates;  // directions of velocities that a channel of its own measures
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Channel& channel = problem.channels[c];
     if (channel.rigid != b) continue;
@@ -130,15 +141,24 @@ void start_body(const Problem& problem, const Run& run, int b, double t0, bool i
         unknowns.push_back({Unknown::Kind::spin, b, Vec3::Unit(k), criteria().start_looseness * fit.spin_sigma});
       }
     }
-    if (channel.sensor->start != StartRole::place) continue;
+    const StartRole role = channel.sensor->start;
+    if (role != StartRole::place && role != StartRole::rate) continue;
     for (int k = 0; k < channel.width; ++k) {
       const LocalFit fit =
           fit_around(run.t, run.values[c], std::size_t(channel.width), std::size_t(k), t0, noise_in(problem, run, c));
       if (!fit.is_there) continue;
       const Vec3 direction = channel.has_axis ? channel.axis : Vec3(Vec3::Unit(k));
+      if (role == StartRole::rate) {
+        velocity += direction * (fit.value - direction.dot(velocity));
+        std::erase_if(unknowns, [&](const Unknown& one) { return is_velocity_along(one, direction); });
+        unknowns.push_back({Unknown::Kind::velocity, b, direction, criteria().start_looseness * fit.value_sigma});
+        measured_rates.push_back(direction);
+        continue;
+      }
       pose.translation() += direction * (fit.value - direction.dot(pose.translation()));
-      velocity += direction * (fit.slope - direction.dot(velocity));
       unknowns.push_back({Unknown::Kind::position, b, direction, criteria().start_looseness * fit.value_sigma});
+      if (is_among(measured_rates, direction)) continue;
+      velocity += direction * (fit.slope - direction.dot(velocity));
       unknowns.push_back({Unknown::Kind::velocity, b, direction, criteria().start_looseness * fit.slope_sigma});
     }
   }
@@ -172,9 +192,38 @@ Start start_of(const Problem& problem, const Run& run, double t0) {
   return start;
 }
 
+double& coordinate_of(InitialState& state, const Unknown& unknown) {
+  return unknown.kind == Unknown::Kind::joint_rate ? state.rate[std::size_t(unknown.index)]
+                                                   : state.position[std::size_t(unknown.index)];
+}
+
+Vec3 vector_of(const InitialState& state, const Unknown& unknown) {
+  const std::size_t i = std::size_t(unknown.index);
+  return unknown.kind == Unknown::Kind::position   ? Vec3(state.pose[i].translation())
+         : unknown.kind == Unknown::Kind::velocity ? state.velocity[i]
+                                                   : state.spin[i];
+}
+
+// What the recording states of a run's start holds instead of what its first samples say.
+void start_as_given(const GivenStart& given, Start& start) {
+  const Unknown& stated = given.unknown;
+  const bool is_of_joint = stated.kind == Unknown::Kind::joint_position || stated.kind == Unknown::Kind::joint_rate;
+  if (is_of_joint)
+    coordinate_of(start.state, stated) = given.value;
+  else
+    move(start.state, stated, given.value - stated.direction.dot(vector_of(start.state, stated)));
+  std::erase_if(start.unknowns, [&](const Unknown& one) {
+    return one.kind == stated.kind && one.index == stated.index &&
+           (is_of_joint || is_along(one.direction, stated.direction));
+  });
+  if (stated.sigma > 0) start.unknowns.push_back(stated);
+}
+
 Window make_window(const Problem& problem, int number, double begin, double end) {
   const Run& run = problem.runs[std::size_t(number)];
   Start start = start_of(problem, run, begin);
+  if (begin == run.t.front())
+    for (const GivenStart& given : run.given) start_as_given(given, start);
   Window window{number, begin, end, std::move(start.state), std::move(start.unknowns), {}, false, {}};
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Channel& channel = problem.channels[c];

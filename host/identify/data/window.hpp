@@ -8,22 +8,6 @@
 
 namespace pvg::diagnose {
 
-// Where a window starts: coordinates of open chains and free bodies.
-struct InitialState {
-  std::vector<double> position, rate;  // [n_joints, rad or m], [rad/s or m/s]
-  std::vector<Pose> pose;              // [n_rigid], counts for free bodies
-  std::vector<Vec3> velocity, spin;    // [n_rigid] world [m/s], [rad/s]
-};
-
-// One number of a start that is known with an error only; it is fitted with everything else.
-struct Unknown {
-  enum class Kind { joint_position, joint_rate, position, rotation, velocity, spin };
-  Kind kind = Kind::joint_position;
-  int index = -1;                  // joint or rigid body
-  Vec3 direction = Vec3::UnitX();  // of the last four
-  double sigma = 1;                // how well it is known before the fit
-};
-
 // One number that is compared.
 struct Datum {
   int channel = 0;

@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "host/identify/candidates/candidate.hpp"
+#include "host/identify/data/scene_number.hpp"
 #include "host/identify/report/report.hpp"
 
 namespace pvg::diagnose {
@@ -22,6 +23,14 @@ void move_paths(YAML::Node node, const fs::path& from, const fs::path& to) {
   if (fs::is_regular_file(file, ignored)) node = fs::relative(file, to, ignored).generic_string();
 }
 
+// Values that the recording states before any data hold instead of the file's.
+void write_priors(YAML::Node& root, const Problem& problem, const Scene& scene) {
+  for (const NumberPrior& prior : problem.priors)
+    for (const SceneNumber& number : scene_numbers())
+      if (prior.number == number.name && prior.value != prior.said)
+        number.write({root, prior.target, prior.value, prior.value / prior.said, scene});
+}
+
 }  // namespace
 
 YAML::Node scene_file_in(const Problem& problem, const fs::path& folder) {
@@ -35,6 +44,7 @@ std::string amended_scene(const Problem& problem, const Diagnosis& diagnosis, co
   std::string head = "# " + problem.recording.scene.filename().string() + ", amended: " + diagnosis.sentence + "\n";
   root["time_step"] = diagnosis.used.solver.time_step;
   if (diagnosis.used.solver.integrator == SolverSettings::Integrator::bdf2) root["solver"]["integrator"] = "bdf2";
+  write_priors(root, problem, diagnosis.used);
   const bool is_named = diagnosis.verdict != Verdict::none && diagnosis.verdict != Verdict::agrees;
   for (const NamedEffect& effect : is_named ? diagnosis.effects : std::vector<NamedEffect>()) {
     const Candidate& candidate = *effect.candidate;

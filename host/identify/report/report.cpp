@@ -177,9 +177,7 @@ std::string whole_runs_text(const Diagnosis& d, const std::string& unit) {
   return ", of whole runs from " + shown(d.whole.before) + " to " + shown(d.whole.after) + unit;
 }
 
-}  // namespace
-
-std::string sentence_of(const Diagnosis& d) {
+std::string sentence_of(const Diagnosis& d, Verdict verdict) {
   const std::string unit = d.unit == "noise" ? " times the noise" : " " + d.unit;
   std::string judged = d.floor > 0
                            ? std::string("the held-out error ") + (d.after < d.before ? "falls" : "rises") + " from " +
@@ -187,14 +185,14 @@ std::string sentence_of(const Diagnosis& d) {
                            : "no run was held out to prove it on";
   if (d.floor > 0 && std::isfinite(d.mask_gap_before))
     judged += "; the masks' gap, 1 - mIoU, from " + shown(d.mask_gap_before) + " to " + shown(d.mask_gap_after);
-  if (d.verdict == Verdict::agrees)
+  if (verdict == Verdict::agrees)
     return "simulation and measurement agree within the noise: the error is " + shown(d.fit_before) +
            " times the noise";
-  if (d.verdict == Verdict::none && !std::isfinite(d.fit_before))
+  if (verdict == Verdict::none && !std::isfinite(d.fit_before))
     return "nothing was compared: the scene is too slow to be simulated in the time given by --minutes";
-  if (d.verdict == Verdict::none && !d.undecided.empty())
+  if (verdict == Verdict::none && !d.undecided.empty())
     return d.undecided + "; the error is " + shown(d.fit_before) + " times the noise";
-  if (d.verdict == Verdict::none) {
+  if (verdict == Verdict::none) {
     std::string text = "none of the known effects explains the misfit of " + shown(d.fit_before) + " times the noise";
     if (!d.where.empty()) text += ", most of which is of " + d.where[0].body + " (" + d.where[0].phase + ")";
     if (d.floor > 0 && d.before < criteria().agrees_rms * d.floor) {
@@ -228,12 +226,37 @@ std::string sentence_of(const Diagnosis& d) {
   return text;
 }
 
+// How the noise of each channel is known: given, measured, of repeats (of runs with the same commands) or assumed.
+json noise_of(const Problem& problem) {
+  json list = json::array();
+  for (const Channel& channel : problem.channels)
+    list.push_back({{"channel", channel.name},
+                    {"sigma", channel.sigma},
+                    {"least", channel.least_sigma > 0 ? channel.least_sigma : channel.sigma},
+                    {"unit", channel.unit},
+                    {"source", channel.is_noise_known        ? "given"
+                               : channel.is_noise_assumed    ? "assumed"
+                               : channel.is_noise_of_repeats ? "repeats"
+                                                             : "measured"}});
+  return list;
+}
+
+}  // namespace
+
+std::string sentence_of(const Diagnosis& d) {
+  if (d.supposed_noise.empty()) return sentence_of(d, d.verdict);
+  return d.supposed_noise + ": " + sentence_of(d, d.supposed_verdict);
+}
+
 void write_report(const Problem& problem, Diagnosis& diagnosis, const std::filesystem::path& folder) {
   diagnosis.sentence = sentence_of(diagnosis);
   write(folder / "scene_amended.yaml", amended_scene(problem, diagnosis, folder));
   if (diagnosis.next_motion) write(folder / "next_experiment.yaml", next_scene(problem, diagnosis, folder));
   write(folder / "report.html", html_of(problem, diagnosis));
-  write(folder / "report.json", report_of(diagnosis).dump(2) + "\n");
+  json report = report_of(diagnosis);
+  report["noise"] = noise_of(problem);
+  if (!diagnosis.supposed_noise.empty()) report["supposed_noise"] = diagnosis.supposed_noise;
+  write(folder / "report.json", report.dump(2) + "\n");
 }
 
 }  // namespace pvg::diagnose

@@ -223,12 +223,7 @@ std::string measure(Workflow& flow) {
   std::set<std::string> units;
   for (const Channel& c : problem.channels) {
     char text[200];
-    std::snprintf(text, sizeof text, "noise of the %s: %.3g %s%s", c.name.c_str(), c.sigma, c.unit.c_str(),
-                  c.is_noise_known ? ", as given"
-                  : c.is_noise_assumed
-                      ? ", taken as a hundredth of the range: too few neighbouring samples to measure it"
-                      : ", measured from third differences");
-    flow.notes.push_back(text);
+    flow.notes.push_back(noise_sentence(c));
     units.insert(c.unit);
     for (const Run& run : problem.runs)
       if (const double noise_scale = run.noise_scale[std::size_t(&c - problem.channels.data())]; noise_scale > 1) {
@@ -415,10 +410,16 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
   out.unit = measure(flow);
   out.used = flow.base.scene;
   ChosenWindows chosen = find_residual(flow);
+  bool is_fine = !chosen.data.windows.empty() && agrees(flow, chosen);
+  if (is_fine) out.supposed_noise = suppose_less_noise(problem, rms(chosen.base.residual));
+  if (!out.supposed_noise.empty()) {  // what would be named with less noise
+    chosen = find_residual(flow);
+    is_fine = !chosen.data.windows.empty() && agrees(flow, chosen);
+  }
   out.fit_before = chosen.data.windows.empty() ? NAN : rms(chosen.base.residual);
   if (chosen.data.windows.empty()) {
     out.verdict = Verdict::none;
-  } else if (agrees(flow, chosen)) {
+  } else if (is_fine) {
     out.verdict = Verdict::agrees;
     flow.ends_in_time(criteria().time_localisation, "what these recordings could have shown", [&] {
       *out.candidates = all_candidates(flow, chosen, locate(flow, chosen));
@@ -463,6 +464,8 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
       }
     }
     out.where = std::move(located.where);
+    out.supposed_verdict = out.verdict;
+    if (!out.supposed_noise.empty()) out.verdict = Verdict::none;
   }
   plan_next(flow, device, out);
   out.seconds = flow.seconds();

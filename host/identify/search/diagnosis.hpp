@@ -64,6 +64,9 @@ struct RankedModel {
 
 struct Diagnosis {
   Verdict verdict = Verdict::agrees;
+  // Where runs agree because of a noise that nobody knows: what was supposed instead, and what the verdict then is.
+  std::string supposed_noise;
+  Verdict supposed_verdict = Verdict::agrees;
   std::string sentence, next_experiment;
   std::string undecided;                     // why the verdict is none although the fitting runs agree
   std::optional<PlannedMotion> next_motion;  // that experiment

@@ -14,7 +14,10 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::uint64_t MAGIC = 0x3267616964677670;  // "pvgdiag2"
 
+// of a set of episodes none: what it holds is in the runs
 std::vector<char> bytes_of(const fs::path& file) {
+  std::error_code ignored;
+  if (fs::is_directory(file, ignored)) return {};
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
@@ -183,6 +186,10 @@ std::uint64_t journal_key(const Problem& problem, const std::string& settings) {
       const char* first = reinterpret_cast<const char*>(values.data());
       key = hash_of({first, sizeof(double) * values.size()}, key);
     }
+  std::vector<char> commands;
+  for (const Run& run : problem.runs)
+    for (const TargetTable& targets : run.targets) put_list(commands, targets.value);
+  key = hash_of(commands, key);
   std::error_code ignored;
   const auto built = fs::last_write_time("/proc/self/exe", ignored).time_since_epoch().count();
   std::vector<char> bytes;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/identify/channels/prediction.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/physics/energies/system.hpp"
 
@@ -21,7 +22,8 @@ void SensorTrace::add(const PhysicalScene& world, const WorldState& state) {
   for (std::size_t c = 0; c < values_.size(); ++c) {
     const Channel& channel = problem_->channels[c];
     if (job_->wants_phases) phase_[c].push_back(phase_of(world, state, channel));
-    const std::vector<double> value = channel.sensor->predict(channel, {state, job_->variant->sensing, c, *this});
+    const std::vector<double> value =
+        channel.sensor->predict(channel, {world, state, job_->variant->sensing, c, *this});
     values_[c].insert(values_[c].end(), value.begin(), value.end());
   }
   ++n_steps_;
@@ -94,16 +96,27 @@ double SensorTrace::time_of(std::size_t channel, std::size_t sample) const {
   return since * (1 + sensing.clock_rate) + sensing.clock_offset - latency - (job_->window->start - run.t.front());
 }
 
-std::vector<double> SensorTrace::value_at(std::size_t channel, double time) const {
+std::vector<double> SensorTrace::value_at(std::size_t channel, const std::vector<double>& trace, double time) const {
   const Channel& c = problem_->channels[channel];
-  const Steps steps{values_[channel], std::size_t(c.width), h_};
+  const Steps steps{trace, std::size_t(c.trace_width), h_};
   if (steps.n() < 4 || std::max(time / h_, 0.0) > double(steps.n() - 1) + 1e-6) return {};
-  return c.sensor->interpolate(steps, time);
+  std::vector<double> value = c.sensor->interpolate(c, steps, time);
+  for (double& number : value) number = std::clamp(number, c.readout.lowest, c.readout.highest);
+  return value;
+}
+
+std::vector<std::vector<double>> SensorTrace::filtered() const {
+  std::vector<std::vector<double>> traces = values_;
+  for (std::size_t c = 0; c < traces.size(); ++c)
+    if (const Channel& channel = problem_->channels[c]; channel.readout.low_pass > 0)
+      low_pass(traces[c], std::size_t(channel.trace_width), h_, channel.readout.low_pass);
+  return traces;
 }
 
 Eigen::VectorXd SensorTrace::residual() const {
   const Window& window = *job_->window;
   const Run& run = problem_->runs[std::size_t(window.run)];
+  const std::vector<std::vector<double>> traces = filtered();
   Eigen::VectorXd residual(window.data.size());
   std::vector<double> seen;
   Vec3 difference = Vec3::Zero();
@@ -112,7 +125,7 @@ Eigen::VectorXd SensorTrace::residual() const {
     const std::size_t c = std::size_t(datum.channel);
     const Channel& channel = problem_->channels[c];
     if (datum.component == 0) {
-      seen = value_at(c, time_of(c, datum.sample));
+      seen = value_at(c, traces[c], time_of(c, datum.sample));
       const double* measured = &run.values[c][datum.sample * std::size_t(channel.width)];
       if (!seen.empty()) difference = channel.sensor->difference(measured, seen.data(), channel.n);
     }

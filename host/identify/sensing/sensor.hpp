@@ -34,8 +34,10 @@ class SensorTrace : private Pictures {
   PictureCells cells_of(std::size_t source);
   int picture_near(const std::vector<int>& frame_of_row, double time) const;  // within a step; -1: none
   CameraError error_of(int camera) const;
-  std::vector<double> value_at(std::size_t channel, double time) const;  // [width], empty: not simulated to there
-  double time_of(std::size_t channel, std::size_t sample) const;         // in the simulation [s]
+  // trace: of the channel, as filtered() has it  [width], empty: not simulated to there
+  std::vector<double> value_at(std::size_t channel, const std::vector<double>& trace, double time) const;
+  std::vector<std::vector<double>> filtered() const;              // values_ behind the sensors' own filters
+  double time_of(std::size_t channel, std::size_t sample) const;  // in the simulation [s]
   Phase phase_of(const PhysicalScene& world, const WorldState& state, const Channel& channel) const;
 
   const Problem* problem_;

@@ -8,11 +8,11 @@
 #include "host/physics/step/actuator.hpp"
 
 namespace pvg::diagnose {
-namespace {}  // namespace
 
 PhysicalScene world_of(const Problem& problem, const PhysicalScene& variant, const Window& window,
                        const InitialState& initial) {
   PhysicalScene scene = variant;
+  for (const SceneChange& change : problem.runs[std::size_t(window.run)].changes) change(scene);
   start_at(problem, initial, scene);
   scene.separates_start = true;  // a measured start may cut a little into what the body rests on
   for (const PrescribedPath& prescribed : problem.runs[std::size_t(window.run)].prescribed) {

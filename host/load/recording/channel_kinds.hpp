@@ -5,7 +5,8 @@
 
 // clang-format off
 #define PVG_CHANNEL_KINDS(X) \
-  X(position) X(rate) X(torque) X(orientation) X(marker) X(force) X(mask) X(video)
+  X(position) X(rate) X(torque) X(orientation) X(marker) X(force) X(mask) X(video) X(angular_velocity) X(gyroscope) \
+  X(accelerometer) X(distance) X(current) X(contact)
 // clang-format on
 
 namespace pvg {

@@ -11,12 +11,15 @@
 namespace pvg {
 namespace {
 
+constexpr double MOST_LATE = 10, MOST_APART = 1e10;  // of a channel's clock [s]; seconds since 1970 are 2e9
+
 struct ChannelKeys {
   ChannelKind kind;
   const char* other_name;    // accepted beside the name of the list
   bool has_joint, has_body;  // what it may be measured of
   std::size_t n_columns;     // of a body without `axis`
-  bool has_point;            // `point` or `vertex`
+  bool has_point;            // `point` or `vertex` may be given
+  bool needs_point;          // and must
   void (*read)(YamlSection&, const ChannelKeys&, Recording&);
 };
 
@@ -72,18 +75,98 @@ void read_video(YamlSection& section, const ChannelKeys&, Recording& recording) 
   recording.video_sources.push_back(std::move(video));
 }
 
+// where and when it was written, if not in the run's table
+ChannelClock read_clock(YamlSection& section) {
+  ChannelClock clock;
+  clock.file = section.text("file", "");
+  clock.time = section.text("time", "");
+  clock.latency = section.number("latency", Unit::time, -MOST_LATE, MOST_LATE, 0);
+  if (!section.has("clock")) return clock;
+  YamlSection shown = section.section("clock");
+  clock.offset = shown.number("offset", Unit::time, -MOST_APART, MOST_APART, 0);
+  clock.rate = shown.number("rate", Unit::none, 0.5, 2, 1) - 1;
+  shown.done();
+  return clock;
+}
+
+// The directions of several columns, such as [x, z].
+std::vector<Vec3> read_axes(YamlSection& section) {
+  std::vector<Vec3> axes;
+  if (!section.has("axes")) return axes;
+  if (section.has("axis")) section.fail("axes", "stands beside `axis`; leave one of them away");
+  for (const std::string& name : section.texts("axes")) {
+    const std::size_t k = std::string("xyz").find(name);
+    if (name.size() != 1 || k == std::string::npos)
+      section.fail("axes",
+                   "must hold names of the world's axes, such as [x, z]; a single other direction is an `axis`");
+    axes.push_back(Vec3::Unit(Eigen::Index(k)));
+  }
+  return axes;
+}
+
+Readout read_readout(YamlSection& section) {
+  Readout readout;
+  if (section.has("filter")) {
+    YamlSection filter = section.section("filter");
+    readout.low_pass = filter.number("low_pass", Unit::frequency, 1e-3, 1e6);
+    filter.done();
+  }
+  readout.resolution = section.number("resolution", Unit::none, 0, 1e12, 0);
+  if (!section.has("saturation")) return readout;
+  const std::vector<double> ends = section.numbers("saturation", Unit::none, -1e12, 1e12);
+  if (ends.size() != 2 || !(ends[0] < ends[1]))
+    section.fail("saturation", "must be the lowest and the highest reading, such as [-10, 10]");
+  readout.lowest = ends[0];
+  readout.highest = ends[1];
+  return readout;
+}
+
 void read_columns_of_table(YamlSection& section, const ChannelKeys& keys, Recording& recording);
 
+// the other end of a distance; without `point` an end is its body's origin
+void read_distance(YamlSection& section, const ChannelKeys& keys, Recording& recording) {
+  YamlSection to = section.section("to");
+  const std::string body = to.text("body");
+  const Vec3 point = to.vector("point", Unit::length, -REACH, REACH, Vec3::Zero());
+  to.done();
+  read_columns_of_table(section, keys, recording);
+  recording.channels.back().other_body = body;
+  recording.channels.back().other_point = point;
+}
+
+void read_current(YamlSection& section, const ChannelKeys& keys, Recording& recording) {
+  const std::string constant = section.text("constant");
+  read_columns_of_table(section, keys, recording);
+  recording.channels.back().constant = constant;
+}
+
+void read_contact(YamlSection& section, const ChannelKeys& keys, Recording& recording) {
+  const std::string with = section.text("with", "");
+  const double threshold = section.number("threshold", Unit::force, 1e-6, 1e6, 0.1);
+  if (read_noise(section) < 0)
+    section.fail("noise",
+                 "of a contact cannot be measured; give it, such as 0.2 where a fifth of a reading is nothing");
+  read_columns_of_table(section, keys, recording);
+  recording.channels.back().other_body = with;
+  recording.channels.back().threshold = threshold;
+}
+
 constexpr ChannelKeys KEYS[] = {
-    // kind                     other name  joint  body   columns  point
-    {ChannelKind::position, nullptr, true, true, 3, false, read_columns_of_table},
-    {ChannelKind::rate, "velocity", true, false, 1, false, read_columns_of_table},
-    {ChannelKind::torque, "effort", true, false, 1, false, read_columns_of_table},
-    {ChannelKind::orientation, nullptr, false, true, 4, false, read_columns_of_table},
-    {ChannelKind::marker, nullptr, false, true, 3, true, read_columns_of_table},
-    {ChannelKind::force, nullptr, false, true, 3, false, read_columns_of_table},
-    {ChannelKind::mask, nullptr, false, false, 0, false, read_masks},
-    {ChannelKind::video, nullptr, false, false, 0, false, read_video},
+    // kind                     other name  joint  body   columns  point  needed
+    {ChannelKind::position, nullptr, true, true, 3, false, false, read_columns_of_table},
+    {ChannelKind::rate, "velocity", true, true, 3, false, false, read_columns_of_table},
+    {ChannelKind::torque, "effort", true, true, 3, false, false, read_columns_of_table},
+    {ChannelKind::orientation, nullptr, false, true, 4, false, false, read_columns_of_table},
+    {ChannelKind::marker, nullptr, false, true, 3, true, true, read_columns_of_table},
+    {ChannelKind::force, nullptr, false, true, 3, false, false, read_columns_of_table},
+    {ChannelKind::mask, nullptr, false, false, 0, false, false, read_masks},
+    {ChannelKind::video, nullptr, false, false, 0, false, false, read_video},
+    {ChannelKind::angular_velocity, nullptr, false, true, 3, false, false, read_columns_of_table},
+    {ChannelKind::gyroscope, nullptr, false, true, 3, false, false, read_columns_of_table},
+    {ChannelKind::accelerometer, nullptr, false, true, 3, true, false, read_columns_of_table},
+    {ChannelKind::distance, nullptr, false, true, 1, true, false, read_distance},
+    {ChannelKind::current, nullptr, true, false, 1, false, false, read_current},
+    {ChannelKind::contact, nullptr, false, true, 1, false, false, read_contact},
 };
 
 constexpr bool is_in_order() {
@@ -127,13 +210,16 @@ void read_columns_of_table(YamlSection& section, const ChannelKeys& keys, Record
   channel.unit = section.text("unit", "");
   if (section.has("point")) channel.point = section.vector("point", Unit::length, -REACH, REACH);
   if (section.has("vertex")) channel.vertex = section.integer("vertex", 0, 100000000);
+  const std::vector<Vec3> axes = read_axes(section);
   if (section.has("axis")) {
     channel.axis = section.vector("axis", Unit::none, -1e6, 1e6);
     if (!(channel.axis->norm() > 1e-9)) section.fail("axis", "must not have the length zero");
     channel.axis->normalize();
   }
   channel.noise = read_noise(section);
-  if (keys.has_point && channel.point.has_value() == (channel.vertex >= 0))
+  if (keys.has_point && (channel.point && channel.vertex >= 0))
+    section.fail("", "has both a `point` and a `vertex`; leave one of them away");
+  if (keys.needs_point && !channel.point && channel.vertex < 0)
     section.fail("", std::string("is a ") + kind_name(keys.kind) +
                          " and needs either `point`, its rest position in the body's frame, or `vertex`");
   if (!keys.has_point && (channel.point || channel.vertex >= 0))
@@ -141,13 +227,29 @@ void read_columns_of_table(YamlSection& section, const ChannelKeys& keys, Record
   const bool is_of_joint = !channel.joint.empty();
   if (is_of_joint && !keys.has_joint) section.fail("kind", "of a joint must be " + names_of(&ChannelKeys::has_joint));
   if (!is_of_joint && !keys.has_body) section.fail("kind", "of a body must be " + names_of(&ChannelKeys::has_body));
-  const std::size_t n = is_of_joint || channel.axis ? 1 : keys.n_columns;
+  const std::size_t n = is_of_joint || channel.axis ? 1 : axes.empty() ? keys.n_columns : axes.size();
   if (channel.columns.size() != n)
     section.fail(section.has("column") ? "column" : "columns",
                  "must name " + std::to_string(n) + (n == 1 ? " column" : " columns") +
-                     (n == 3 ? "; one is enough where `axis` gives its direction" : ""));
+                     (n == 3 ? "; fewer are enough where `axis` or `axes` give their directions" : ""));
+  channel.clock = read_clock(section);
+  channel.readout = read_readout(section);
+  const bool is_readout_of_numbers = keys.n_columns != 4;
+  if (!is_readout_of_numbers && (channel.readout.low_pass > 0 || std::isfinite(channel.readout.highest)))
+    section.fail("", "is an orientation, whose numbers a filter or a saturation cannot be stated of");
   section.done();
-  recording.channels.push_back(std::move(channel));
+  if (!channel.clock.is_that_of_run()) {
+    channel.written = channel.columns;
+    for (std::string& column : channel.columns) column = column_of(channel.clock, column);
+  }
+  for (std::size_t k = 0; k < axes.size(); ++k) {  // one channel for each direction
+    RecordedChannel part = channel;
+    part.columns = {channel.columns[k]};
+    if (!channel.written.empty()) part.written = {channel.written[k]};
+    part.axis = axes[k];
+    recording.channels.push_back(std::move(part));
+  }
+  if (axes.empty()) recording.channels.push_back(std::move(channel));
 }
 
 }  // namespace

@@ -13,14 +13,6 @@ namespace {
 
 constexpr double SAME_TIME = 1e-4;  // of a picture and a row [s]
 
-// the pictures' file of a run: beside its table, {run} is replaced by the table's name without its ending
-std::filesystem::path pictures_of(const RecordedRun& run, std::string name) {
-  const std::string token = "{run}";
-  if (const std::size_t at = name.find(token); at != std::string::npos)
-    name.replace(at, token.size(), run.table.file.stem().string());
-  return run.table.file.parent_path() / name;
-}
-
 // which of n pictures was seen in which row of the table: by their times, or one after the other; what: they are
 std::vector<int> frames_of_rows(const std::vector<double>& time, std::size_t n, const std::vector<double>& t,
                                 const std::string& file, const std::string& what) {
@@ -44,7 +36,7 @@ std::vector<int> frames_of_rows(const std::vector<double>& time, std::size_t n, 
 }
 
 void add_masks(const MaskSource& source, RecordedRun& run) {
-  const std::filesystem::path file = pictures_of(run, source.file);
+  const std::filesystem::path file = beside_table(run, source.file);
   RecordedMasks recorded{read_part_masks(file, source.part), {}};
   recorded.frame_of_row =
       frames_of_rows(recorded.masks.time, recorded.masks.pixels.size(), run.table["t"], file.string(), "mask");
@@ -60,7 +52,7 @@ void add_masks(const MaskSource& source, RecordedRun& run) {
 }
 
 void add_video(const VideoSource& source, RecordedRun& run) {
-  const std::filesystem::path file = pictures_of(run, source.file);
+  const std::filesystem::path file = beside_table(run, source.file);
   PictureSeries series = read_picture_series(file);
   if (source.frames_per_second > 0) {
     if (!series.time.empty())

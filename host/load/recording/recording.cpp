@@ -12,7 +12,36 @@
 namespace pvg {
 namespace {
 
-RecordedRun read_run(YamlSection& section) {
+// The numbers under `key`: a value, or {value: .., sigma: ..}; a value is a number with its unit, or a list of them.
+StatedNumbers read_stated(YamlSection& section, const YAML::Node& parent, const std::string& key) {
+  StatedNumbers stated;
+  if (!section.has(key)) return stated;
+  YamlSection entries = section.section(key);
+  for (const auto& entry : parent[key]) {
+    const std::string name = entry.first.Scalar();
+    const bool has_parts = entry.second.IsMap();
+    StatedNumber number;
+    std::optional<YamlSection> parts;
+    if (has_parts) parts = entries.section(name);
+    YamlSection& where = parts ? *parts : entries;
+    const std::string value = parts ? "value" : name;
+    const YAML::Node node = has_parts ? entry.second["value"] : entry.second;
+    if (node && node.IsSequence())
+      number.value = where.texts(value);
+    else if (node || !has_parts)
+      number.value = {where.text(value)};
+    if (parts) {
+      number.sigma = parts->text("sigma", "");
+      parts->done();
+      if (number.value.empty() && number.sigma.empty()) parts->fail("", "must hold a `value`, a `sigma`, or both");
+    }
+    stated[name] = std::move(number);
+  }
+  entries.done();
+  return stated;
+}
+
+RecordedRun read_run(YamlSection& section, const YAML::Node& node) {
   RecordedRun run;
   run.name = section.text("file");
   run.is_held_out = section.choice("role", {"fit", "held_out"}) == 1;
@@ -21,9 +50,15 @@ RecordedRun read_run(YamlSection& section) {
   } catch (const Failure& failure) {
     throw UsageError(failure.what());
   }
+  const std::string time = section.text("time", "t");
+  run.set = read_stated(section, node, "set");
+  run.initial = read_stated(section, node, "initial");
   section.done();
   const std::string file = run.table.file.string();
-  if (!run.table.has("t")) throw UsageError(file + " has no column `t`, the time in seconds; name its first column so");
+  if (!run.table.has(time))
+    throw UsageError(file + " has no column `" + time +
+                     "`, the time in seconds; name its first column `t`, or let the run say `time: NAME`");
+  if (time != "t") run.table.columns["t"] = run.table[time];
   const std::vector<double>& t = run.table["t"];
   if (t.size() < 8) throw UsageError(file + " holds " + std::to_string(t.size()) + " rows; a run needs at least 8");
   for (std::size_t i = 0; i < t.size(); ++i) {
@@ -40,9 +75,9 @@ RecordedInput read_input(YamlSection& section) {
   return input;
 }
 
-void read_initial(YamlSection& root, Recording& recording) {
+void read_initial(YamlSection& root, const YAML::Node& whole, Recording& recording) {
   if (!root.has("initial")) return;
-  const YAML::Node node = YAML::LoadFile(recording.file.string())["initial"];
+  const YAML::Node node = whole["initial"];
   if (!node.IsMap()) {
     recording.initial = Recording::Initial(root.choice("initial", {"first_sample", "fitted"}));
     return;
@@ -86,15 +121,21 @@ Recording load_recording(const std::filesystem::path& path) {
   YamlSection root = YamlSection::load(recording.file, "recording");
   check_schema(root);
   recording.scene = root.file("scene");
-  for (YamlSection& section : root.sections("runs")) recording.runs.push_back(read_run(section));
+  const YAML::Node whole = YAML::LoadFile(recording.file.string());
+  for (YamlSection& section : root.sections("runs"))
+    recording.runs.push_back(read_run(section, whole["runs"][recording.runs.size()]));
   for (YamlSection& section : root.sections("inputs")) recording.inputs.push_back(read_input(section));
   for (YamlSection& section : root.sections("channels")) read_channel(section, recording);
-  read_initial(root, recording);
+  read_initial(root, whole, recording);
+  recording.priors = read_stated(root, whole, "priors");
   root.done();
   if (recording.runs.empty()) root.fail("runs", "holds no run: there is nothing to compare with");
   if (recording.channels.empty()) root.fail("channels", "holds no channel: nothing was measured");
+  for (RecordedRun& run : recording.runs) {
+    add_pictures(recording, run);
+    add_channels_with_clocks(recording, run);
+  }
   demand_different_runs(recording);
-  for (RecordedRun& run : recording.runs) add_pictures(recording, run);
   for (const RecordedRun& run : recording.runs) {
     const auto check = [&](const std::vector<std::string>& columns, const std::string& key) {
       for (const std::string& column : columns)

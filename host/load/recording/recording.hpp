@@ -16,8 +16,18 @@
 //     - {file: masks.h5, kind: mask, camera: wrist, part: gripper}      # beside each run's table; {run}: its name
 //     - {file: video.h5, kind: video, camera: wrist, noise: unknown}  # or wrist.mp4, wrist_%06d.png with
 //                                                                      # frames_per_second, first_frame [s]
+//     - {file: "{run}_encoder.csv", column: q, kind: position, joint: shoulder}   # a table of its own, at its own
+//     rate;
+//                                                    # `time: stamp` names its column of times, else `t`
 //   initial: first_sample            # or fitted, or a mapping such as {joint/shoulder/position: 0.1}
+//   priors: {body/tip/mass: {value: 0.37 kg, sigma: 0.01 kg}}
+// Of any channel of a table also `latency: 20 ms`, `clock: {offset: 0.1 s, rate: 1.0001}`, `filter: {low_pass: 20 Hz}`,
+// `resolution` and `saturation: [low, high]` in the channel's unit.
+// A run may state what is its own:
+//     - {file: run_01.csv, role: fit, set: {body/tip/mass: 52 g}, initial: {joint/hinge/velocity: {value: 0, sigma:
+//     0.01}}}
 #pragma once
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -43,12 +53,22 @@ struct RecordedVideo {
   std::vector<int> frame_of_row;  // [n_rows of the table] which picture was taken at its time, -1: none
 };
 
+// A number that a recording states, as it is written: with its unit, and how well it is known.
+struct StatedNumber {
+  std::vector<std::string> value;  // one text, or one per component
+  std::string sigma;               // one standard deviation; empty: it is exact, or nothing is said
+};
+using StatedNumbers = std::map<std::string, StatedNumber>;  // by what is meant, such as body/tip/mass
+
 struct RecordedRun {
   std::string name;  // as the recording names the file
   bool is_held_out = false;
-  MeasuredTable table;                // with a column per moment of masks and per cell of pictures
+  MeasuredTable table;                // with a column per moment of masks, per cell of pictures, and of channels that
+                                      // have a clock of their own; a row for each time of any of them
   std::vector<RecordedMasks> masks;   // [n_mask_sources]
   std::vector<RecordedVideo> videos;  // [n_video_sources]
+  StatedNumbers set;                  // what the scene has otherwise in this run: body/tip/mass, gravity, ..
+  StatedNumbers initial;              // what is known of its start: joint/hinge/velocity, body/cube/position, ..
 };
 
 // What was commanded: columns, and what of the scene they are fed to.
@@ -57,16 +77,39 @@ struct RecordedInput {
   std::string target, unit;  // joint/NAME/position, ...; empty unit: SI
 };
 
+// Where a channel was written, if not in the run's table at the times of its rows.
+struct ChannelClock {
+  std::string file;  // beside the run's table, {run} is its name without ending; empty: the run's table
+  std::string time;  // the column of times [s]; empty: `t`
+  // The sample that is stamped s shows what was there at (1 + rate) s + offset - latency of the run's clock.
+  double latency = 0, offset = 0, rate = 0;  // [s], [s], 1
+  bool is_that_of_run() const { return file.empty() && time.empty() && latency == 0 && offset == 0 && rate == 0; }
+};
+
+// What a sensor makes of what it measures, as its maker says. Numbers of the channel's unit.
+struct Readout {
+  double low_pass = 0;                            // cut-off of a first-order low pass [Hz]; 0: none
+  double resolution = 0;                          // step between two readings; 0: not said
+  double lowest = -INFINITY, highest = INFINITY;  // beyond which it is saturated
+};
+
 struct RecordedChannel {
   ChannelKind kind = {};
-  std::vector<std::string> columns;
+  std::vector<std::string> columns;  // of RecordedRun::table
+  ChannelClock clock;
+  Readout readout;
+  std::vector<std::string> written;  // with a clock of its own: the columns as its file names them
   std::string joint, body, unit;
-  std::optional<Vec3> point;  // of a marker, rest position in the body's frame [m]
-  int vertex = -1;            // of a marker instead
-  std::optional<Vec3> axis;   // of a position or marker with one column: its part along this direction
-  double noise = -1;          // one sigma, in `unit`; negative: unknown
-  int source = -1;            // of pictures: which of Recording::mask_sources or video_sources
-  int part = -1;              // then: which moment (mask_metrics.hpp) or cell (picture_cells.hpp), a channel for each
+  std::optional<Vec3> point;        // of a marker, rest position in the body's frame [m]
+  int vertex = -1;                  // of a marker instead
+  std::optional<Vec3> axis;         // of a position or marker with one column: its part along this direction
+  std::string other_body;           // of a distance: the body of its other end; of a contact: the only one that counts
+  Vec3 other_point = Vec3::Zero();  // of a distance: the other end in that body's frame [m]
+  std::string constant;             // of a current: effort per current, such as 0.05 N m/A
+  double threshold = 0;             // of a contact: the force at which it is felt [N]
+  double noise = -1;                // one sigma, in `unit`; negative: unknown
+  int source = -1;                  // of pictures: which of Recording::mask_sources or video_sources
+  int part = -1;  // then: which moment (mask_metrics.hpp) or cell (picture_cells.hpp), a channel for each
 };
 
 // What a camera saw of a part.
@@ -85,6 +128,7 @@ const char* kind_name(ChannelKind kind);
 struct Recording {
   enum class Initial { first_sample, fitted, given };
   std::filesystem::path file, scene;
+  bool has_robots_alone = false;  // the scene is a task's robots without anything else (robot_set.hpp)
   std::vector<RecordedRun> runs;
   std::vector<RecordedInput> inputs;
   std::vector<RecordedChannel> channels;
@@ -92,6 +136,7 @@ struct Recording {
   std::vector<VideoSource> video_sources;
   Initial initial = Initial::first_sample;
   std::map<std::string, double> given;  // "joint/NAME/position", "joint/NAME/velocity" -> SI
+  StatedNumbers priors;                 // of numbers of the scene, with the names of RecordedRun::set
 };
 
 // `path`: the folder or its recording.yaml. Throws a UsageError that names file, line and key.

@@ -56,6 +56,20 @@ TEST(Sentence, SaysWhereOnlyTheFittedRunsDoNotAgree) {
             "scene as it stands: their error is 1.1 times the noise, noise floor 1");
 }
 
+// Runs that agree because of a noise that nobody knows agree with nothing.
+TEST(Sentence, OfAnUnknownNoiseSaysWhatWouldBeNamedWithLess) {
+  const Candidate mass = candidate("retune_mass", Family::parameter);
+  Diagnosis d = heavy(mass);
+  d.supposed_noise =
+      "the noise of the position of joint hinge is unknown: with 0.02 rad scene and runs agree, with "
+      "0.001 rad";
+  d.supposed_verdict = d.verdict;
+  d.verdict = Verdict::none;
+  EXPECT_EQ(sentence_of(d), d.supposed_noise +
+                                ": wrong in the scene: retune_mass at tip, value 0.56 +- 0.01 kg; the held-out error "
+                                "falls from 10.8 to 2.33 times the noise, noise floor 1; partly explained");
+}
+
 // two named effects of one set are no alternatives to each other
 TEST(Sentence, OfTwoEffectsNeitherIsAnAlternativeToTheOther) {
   const Candidate mass = candidate("retune_mass", Family::parameter), drag = candidate("drag", Family::physical);

@@ -67,7 +67,10 @@ TEST(Noise, ARunWithMoreNoiseHasANoiseScaleOfItsOwn) {
     diagnose::Run run;
     run.noise_scale = {1};
     run.values.emplace_back();
-    for (int i = 0; i < 2000; ++i) run.values[0].push_back(0.1 * std::sin(0.01 * i) + noise(engine));
+    for (int i = 0; i < 2000; ++i) {
+      run.t.push_back(0.01 * i);
+      run.values[0].push_back(0.1 * std::sin(0.01 * i) + noise(engine));
+    }
     problem.runs.push_back(std::move(run));
   }
   measure_noise(problem);
@@ -85,7 +88,10 @@ TEST(Noise, AFasterRunHasNoNoiseScaleOfItsOwn) {
     diagnose::Run run;
     run.noise_scale = {1};
     run.values.emplace_back();
-    for (int i = 0; i < 2000; ++i) run.values[0].push_back(std::sin(rate * i));
+    for (int i = 0; i < 2000; ++i) {
+      run.t.push_back(0.01 * i);
+      run.values[0].push_back(std::sin(rate * i));
+    }
     problem.runs.push_back(std::move(run));
   }
   measure_noise(problem);

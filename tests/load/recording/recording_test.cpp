@@ -97,5 +97,70 @@ TEST(Recording, WhatIsWrongIsNamedWithFileAndKey) {
   refused(good, {"a.csv", "at least 8"}, "t,q\n0,1\n");
 }
 
+// An encoder at 20 Hz, 40 ms late by its maker's word, beside commands at 10 Hz.
+TEST(Recording, AChannelMayHaveAFileAndAClockOfItsOwn) {
+  const TestFolder folder;
+  folder.write("a_encoder.csv", "stamp,angle\n0.04,10\n0.09,11\n0.14,12\n0.19,13\n0.24,14\n");
+  const Recording r = load_recording(recording(
+      folder,
+      "  - {column: q, kind: position, joint: hinge}\n"
+      "  - {file: \"{run}_encoder.csv\", time: stamp, column: angle, kind: position, joint: hinge, latency: 40 ms}\n"));
+  const MeasuredTable& table = r.runs[0].table;
+  const std::vector<double>&t = table["t"], &q = table["q"], &angle = table[r.channels[1].columns[0]];
+  ASSERT_EQ(t.size(), 10u);  // 0, 0.05, 0.1, 0.15, 0.2, 0.3, ..
+  EXPECT_NEAR(t[1], 0.05, 1e-12);
+  EXPECT_EQ(q[0], 1);
+  EXPECT_TRUE(std::isnan(q[1]));
+  EXPECT_EQ(q[2], 2);
+  EXPECT_EQ(angle[0], 10);
+  EXPECT_EQ(angle[1], 11);
+  EXPECT_EQ(angle[4], 14);
+  EXPECT_TRUE(std::isnan(angle[5]));
+}
+
+// A clock that counts from its own start and runs 1 % fast: 1.01 of its seconds are one of the run's.
+TEST(Recording, TwoClocksAreBroughtTogether) {
+  const TestFolder folder;
+  folder.write("camera.csv", "t,x\n100,1\n100.101,2\n100.202,3\n100.909,4\n");
+  const Recording r = load_recording(recording(
+      folder,
+      "  - {file: camera.csv, column: x, kind: position, joint: hinge, clock: {offset: -99.00990099009901, rate: "
+      "0.990099009900990099}}\n"));
+  const MeasuredTable& table = r.runs[0].table;
+  const std::vector<double>& x = table[r.channels[0].columns[0]];
+  ASSERT_EQ(table.n_rows, 8u);  // the last sample is from after the run
+  EXPECT_EQ(x[0], 1);
+  EXPECT_EQ(x[1], 2);
+  EXPECT_EQ(x[2], 3);
+}
+
+TEST(Recording, AChannelsOwnTableMayBeArraysOfAFileWithOthers) {
+  const TestFolder folder;
+  hdf5::File file = hdf5::File::create(folder.path / "log.h5");
+  file.write("/camera/t", {3}, std::vector<double>{0.1, 0.2, 0.3});
+  file.write("/camera/x", {3}, std::vector<double>{5, 6, 7});
+  file.write("/imu", {2}, std::vector<double>{0, 1});
+  file.close();
+  const Recording r = load_recording(
+      recording(folder, "  - {file: log.h5, time: camera/t, column: camera/x, kind: position, joint: hinge}\n"));
+  EXPECT_EQ(r.runs[0].table[r.channels[0].columns[0]][2], 6);
+}
+
+TEST(Recording, WhatIsWrongWithAClockIsNamed) {
+  const TestFolder folder;
+  const auto refused = [&](const std::string& file, std::initializer_list<const char*> words,
+                           const std::string& keys = "") {
+    folder.write("e.csv", file);
+    const std::string channel = "  - {file: e.csv, column: x, kind: position, joint: hinge" + keys + "}\n";
+    expect_error<UsageError>([&] { load_recording(recording(folder, channel)); }, words);
+  };
+  refused("s,x\n0,1\n", {"e.csv", "no column `t`"});
+  refused("t,y\n0,1\n", {"e.csv", "no column `x`"});
+  refused("t,x\n0,1\n0,2\n", {"e.csv", "row 2", "come after"});
+  refused("t,x\n0,1\n,2\n", {"e.csv", "row 2", "missing"});
+  refused("t,x\n5,1\n6,2\n", {"e.csv", "from 5", "to 6", "a.csv", "clock: {offset"});
+  refused("t,x\n0,1\n0.1,2\n", {"latency"}, ", latency: 20 m");
+}
+
 }  // namespace
 }  // namespace pvg

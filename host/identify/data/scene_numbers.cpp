@@ -1,8 +1,9 @@
 // The numbers of the scene that a diagnosis may correct: one row each, with what it needs beside.
 #include <cmath>
 
-#include "host/identify/candidates/scene_number.hpp"
 #include "host/identify/criteria.hpp"
+#include "host/identify/data/problem.hpp"
+#include "host/identify/data/scene_number.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -16,7 +17,7 @@ Places masses(const Scene& scene, const Touching&) {
   Places places;
   for (std::size_t b = 0; b < scene.rigid_bodies.size(); ++b)
     if (can_move(scene.rigid_bodies[b]))
-      places.push_back({scene.rigid_bodies[b].name, scene.rigid_bodies[b].mass, [b](Scene& s, double value) {
+      places.push_back({scene.rigid_bodies[b].name, scene.rigid_bodies[b].mass, [b](PhysicalScene& s, double value) {
                           RigidBody& body = s.rigid_bodies[b];
                           body.inertia *= value / body.mass;
                           body.mass = value;
@@ -40,7 +41,7 @@ Places inertias(const Scene& scene, const Touching&) {
   for (std::size_t b = 0; b < scene.rigid_bodies.size(); ++b)
     if (can_move(scene.rigid_bodies[b]))
       places.push_back(
-          {scene.rigid_bodies[b].name, scene.rigid_bodies[b].inertia.trace() / 3, [b](Scene& s, double value) {
+          {scene.rigid_bodies[b].name, scene.rigid_bodies[b].inertia.trace() / 3, [b](PhysicalScene& s, double value) {
              Mat3& inertia = s.rigid_bodies[b].inertia;
              inertia *= value / (inertia.trace() / 3);
            }});
@@ -65,7 +66,8 @@ bool write_inertia(const NumberInFile& number) {
 
 Places gravities(const Scene& scene, const Touching&) {
   if (scene.gravity.norm() == 0) return {};
-  return {{"scene", scene.gravity.norm(), [](Scene& s, double value) { s.gravity *= value / s.gravity.norm(); }}};
+  return {
+      {"scene", scene.gravity.norm(), [](PhysicalScene& s, double value) { s.gravity *= value / s.gravity.norm(); }}};
 }
 
 bool write_gravity(const NumberInFile& number) {
@@ -97,7 +99,7 @@ template <double ClothMaterial::*warp, double ClothMaterial::*weft>
 Places cloth_stiffnesses(const Scene& scene, const Touching&) {
   Places places;
   for (std::size_t c = 0; c < scene.cloths.size(); ++c)
-    places.push_back({scene.cloths[c].name, scene.cloths[c].material.*warp, [c](Scene& s, double value) {
+    places.push_back({scene.cloths[c].name, scene.cloths[c].material.*warp, [c](PhysicalScene& s, double value) {
                         ClothMaterial& m = s.cloths[c].material;
                         const double ratio = value / (m.*warp);
                         m.*warp *= ratio;
@@ -144,7 +146,7 @@ Places frictions(const Scene& scene, const Touching& touching) {
     for (const PairFriction& given : scene.pair_friction)
       if ((given.first == first && given.second == second) || (given.first == second && given.second == first))
         value = given.coefficient;
-    places.push_back({pair, value, [first, second](Scene& s, double coefficient) {
+    places.push_back({pair, value, [first, second](PhysicalScene& s, double coefficient) {
                         std::erase_if(s.pair_friction, [&](const PairFriction& p) {
                           return (p.first == first && p.second == second) || (p.first == second && p.second == first);
                         });
@@ -173,7 +175,7 @@ bool write_friction(const NumberInFile& number) {
 
 Places contact_stiffnesses(const Scene& scene, const Touching& touching) {
   if (touching.empty()) return {};
-  return {{"scene", scene.contact.stiffness, [](Scene& s, double value) { s.contact.stiffness = value; }}};
+  return {{"scene", scene.contact.stiffness, [](PhysicalScene& s, double value) { s.contact.stiffness = value; }}};
 }
 
 bool write_contact_stiffness(const NumberInFile& number) {

@@ -1,6 +1,7 @@
-// A number of the scene that a diagnosis may correct, as a row: where it is in the scene, how far it may be wrong, and
-// how it is written into the scene file. The rows are in scene_numbers.cpp. The templates below cover numbers that one
-// key of the file says; others have functions of their own beside their row.
+// A number of the scene that a diagnosis may correct, and a recording may state for a run or give a prior, as a row:
+// where it is in the scene, how far it may be wrong, and how it is written into the scene file. The rows are in
+// scene_numbers.cpp. The templates below cover numbers that one key of the file says; others have functions of their
+// own beside their row.
 #pragma once
 #include <yaml-cpp/yaml.h>
 
@@ -10,7 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "host/identify/candidates/candidate.hpp"
+#include "host/identify/data/scene_entry.hpp"
+#include "host/model/scene.hpp"
 
 namespace pvg::diagnose {
 
@@ -18,7 +20,7 @@ namespace pvg::diagnose {
 struct NumberPlace {
   std::string target;
   double value = 0;
-  std::function<void(Scene&, double)> set;
+  std::function<void(PhysicalScene&, double)> set;
 };
 
 // What is written into the scene file.
@@ -51,7 +53,7 @@ std::vector<NumberPlace> in_each(const Scene& scene, const std::vector<std::stri
   for (std::size_t i = 0; i < (scene.*list).size(); ++i) {
     auto item = (scene.*list)[i];
     if (const double* number = value(item))
-      places.push_back({item.name, *number, [i](Scene& s, double x) { *value((s.*list)[i]) = x; }});
+      places.push_back({item.name, *number, [i](PhysicalScene& s, double x) { *value((s.*list)[i]) = x; }});
   }
   return places;
 }

@@ -1,0 +1,139 @@
+// Numbers that a recording states: of one run, of its start, and before any data
+#include <gtest/gtest.h>
+
+#include "host/base/error.hpp"
+#include "host/identify/candidates/candidate.hpp"
+#include "host/identify/data/window.hpp"
+#include "host/identify/sensing/world.hpp"
+#include "tests/expect_error.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+// A pendulum whose two runs differ in the load of its tip. keys: of the second run; more: of the recording.
+Problem pendulum(const TestFolder& folder, const std::string& keys, const std::string& more = "") {
+  folder.write("scene.yaml", R"(schema: 1
+name: pendulum
+time_step: 5 ms
+bodies:
+  - {name: base, kind: static, shape: {box: {size: [0.1, 0.1, 0.1]}}}
+  - {name: tip, kind: rigid, shape: {box: {size: [0.2, 0.02, 0.02]}}, mass: 0.1, pose: {position: [0, 0, 1]}}
+  - {name: ball, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 0.3, pose: {position: [2, 0, 1]}}
+joints:
+  - {name: hinge, type: revolute, parent: base, child: tip, parent_frame: {position: [0, 0, 1]}, axis: [0, 1, 0],
+     damping: 0.01}
+)");
+  std::string a = "t,q,x,y,z\n", b = a;
+  for (int i = 0; i < 20; ++i) {
+    a += std::to_string(0.01 * i) + "," + std::to_string(0.02 * i) + ",2,0,1\n";
+    b += std::to_string(0.01 * i) + "," + std::to_string(0.03 * i) + ",2,0,1\n";
+  }
+  folder.write("a.csv", a);
+  folder.write("b.csv", b);
+  folder.write("recording.yaml",
+               "schema: 1\nscene: scene.yaml\nruns:\n  - {file: a.csv, role: fit}\n"
+               "  - {file: b.csv, role: fit" +
+                   keys +
+                   "}\nchannels:\n"
+                   "  - {column: q, kind: position, joint: hinge, noise: 0.001}\n"
+                   "  - {columns: [x, y, z], kind: position, body: ball, noise: 0.001}\n" +
+                   more);
+  return make_problem(folder.path / "recording.yaml");
+}
+
+PhysicalScene world_of_run(const Problem& problem, int run) {
+  const std::vector<Window> windows = make_windows(problem, false, 0, 2);
+  return world_of(problem, problem.scene.scene, windows.at(std::size_t(run)), windows[std::size_t(run)].initial);
+}
+
+TEST(StatedNumbers, OfARunHoldInItsWorldAlone) {
+  const TestFolder folder;
+  const Problem problem = pendulum(folder,
+                                   ", set: {body/tip/mass: 52 g, joint/hinge/damping: 0.03, "
+                                   "pair/tip/ball/friction: 0.7, gravity: [0, 1, -9.8]}");
+  const PhysicalScene first = world_of_run(problem, 0), second = world_of_run(problem, 1);
+  EXPECT_EQ(first.rigid_bodies[1].mass, 0.1);
+  EXPECT_DOUBLE_EQ(second.rigid_bodies[1].mass, 0.052);
+  EXPECT_TRUE(second.rigid_bodies[1].inertia.isApprox(0.52 * first.rigid_bodies[1].inertia, 1e-12));
+  EXPECT_EQ(first.joints[0].damping, 0.01);
+  EXPECT_EQ(second.joints[0].damping, 0.03);
+  ASSERT_EQ(second.pair_friction.size(), 1u);
+  EXPECT_EQ(second.pair_friction[0].coefficient, 0.7);
+  EXPECT_EQ(second.gravity, Vec3(0, 1, -9.8));
+}
+
+TEST(StatedNumbers, OfAStartHoldInsteadOfWhatTheFirstSamplesSay) {
+  const TestFolder folder;
+  const Problem problem = pendulum(folder,
+                                   ", initial: {joint/hinge/velocity: {value: 90 deg/s, sigma: 0.01}, "
+                                   "joint/hinge/position: 0, body/ball/velocity: [1, 0, 2]}");
+  const std::vector<Window> windows = make_windows(problem, false, 0.1, 4);
+  const auto sigma_of = [](const Window& window, Unknown::Kind kind) {
+    for (const Unknown& one : window.unknowns)
+      if (one.kind == kind) return one.sigma;
+    return 0.0;
+  };
+  const auto is_of_second = [&](const Window& w, double start) {
+    return w.run == 1 && std::abs(w.start - start) < 1e-9;
+  };
+  for (const Window& window : windows) {
+    if (is_of_second(window, 0)) {
+      EXPECT_NEAR(window.initial.rate[0], M_PI / 2, 1e-12);
+      EXPECT_EQ(sigma_of(window, Unknown::Kind::joint_rate), 0.01);
+      EXPECT_EQ(sigma_of(window, Unknown::Kind::joint_position), 0);
+      EXPECT_EQ(window.initial.velocity[2], Vec3(1, 0, 2));
+      EXPECT_EQ(sigma_of(window, Unknown::Kind::velocity), 0);
+      EXPECT_GT(sigma_of(window, Unknown::Kind::position), 0);
+    } else {
+      EXPECT_GT(sigma_of(window, Unknown::Kind::joint_position), 0);
+    }
+  }
+}
+
+TEST(StatedNumbers, BeforeAnyDataAreTheScenesAndBoundTheCandidate) {
+  const TestFolder folder;
+  const Problem problem = pendulum(folder, "",
+                                   "priors: {body/ball/mass: {value: 0.37 kg, sigma: 10 g}, "
+                                   "joint/hinge/damping: {sigma: 0.002}}\n");
+  EXPECT_EQ(problem.scene.scene.rigid_bodies[2].mass, 0.37);
+  int n = 0;
+  for (const Candidate& candidate : make_candidates(problem, {})) {
+    if (candidate.label() == "retune_mass at ball") {
+      ++n;
+      EXPECT_DOUBLE_EQ(candidate.parameters[0].prior_sigma, 0.01);
+      EXPECT_EQ(candidate.parameters[0].off, 0.37);
+    }
+    if (candidate.label() == "retune_joint_damping at hinge") {
+      ++n;
+      EXPECT_EQ(candidate.parameters[0].prior_sigma, 0.002);
+      EXPECT_EQ(candidate.parameters[0].off, 0.01);
+    }
+    if (candidate.label() == "retune_mass at tip") {
+      EXPECT_EQ(candidate.parameters[0].prior_sigma, 0);
+    }
+  }
+  EXPECT_EQ(n, 2);
+}
+
+TEST(StatedNumbers, ThatTheSceneDoesNotHaveAreRefused) {
+  const TestFolder folder;
+  const auto refused = [&](const std::string& keys, std::initializer_list<const char*> words,
+                           const std::string& more = "") {
+    expect_error<UsageError>([&] { pendulum(folder, keys, more); }, words);
+  };
+  refused(", set: {body/top/mass: 1}", {"b.csv", "set.body/top/mass", "body/tip/mass"});
+  refused(", set: {body/tip/colour: 1}", {"set.body/tip/colour", "no number"});
+  refused(", set: {body/tip/mass: 1 m}", {"set.body/tip/mass", "`m`", "kg"});
+  refused(", set: {body/tip/mass: [1, 2]}", {"one number"});
+  refused(", set: {body/tip/mass: {value: 1, sigma: 0.1}}", {"sigma", "priors"});
+  refused(", set: {gravity: [0, 1]}", {"gravity", "three numbers"});
+  refused(", initial: {joint/knee/position: 1}", {"initial.joint/knee/position", "does not have"});
+  refused(", initial: {joint/hinge/colour: 1}", {"position or the velocity"});
+  refused(", initial: {body/ball/velocity: 1}", {"three numbers"});
+  refused(", initial: {body/base/velocity: [1, 0, 0]}", {"can move"});
+  refused("", {"priors.body/ball/mass", "sigma"}, "priors: {body/ball/mass: 1}\n");
+}
+
+}  // namespace
+}  // namespace pvg::diagnose
