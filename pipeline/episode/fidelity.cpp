@@ -16,6 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* CONTACT_SHEET = "contact_sheet.png";
+
 bool is_picture(const fs::path& file) {
   const std::string suffix = file.extension().string();
   return suffix == ".png" || suffix == ".jpg" || suffix == ".jpeg";
@@ -117,6 +119,7 @@ SeenFolder read_seen_folder(const fs::path& folder) {
   seen.folder = folder;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
+    if (name == CONTACT_SHEET) continue;  // of an episode: many frames in one
     if (is_picture(entry.path()))
       seen.pictures[entry.path().stem().string()] = entry.path();
     else if (name == "masks.h5" || name.ends_with("_masks.h5"))

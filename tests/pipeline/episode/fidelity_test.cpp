@@ -57,6 +57,8 @@ TEST(Fidelity, PicturesAreComparedAndReported) {
     write_grey(real / name, 100);
     write_grey(simulated / name, 151);
   }
+  write_grey(real / "contact_sheet.png", 0);
+  write_grey(simulated / "contact_sheet.png", 255);
   const SeenFolder a = read_seen_folder(real), b = read_seen_folder(simulated);
   FidelitySettings settings;
   settings.first = 1;
