@@ -143,7 +143,7 @@ void Fusion::integrate(const Camera& camera, const DepthPicture& picture) {
   const double noise =
       f.settings.noise.base + f.settings.noise.growth * std::pow(double(largest) - f.settings.noise.nearest, 2);
   const float farthest = largest + std::max(f.grid.truncation, 3 * float(noise));
-  f.find_in_view(f.n_blocks, u32(f.n_blocks), f.grid, c, farthest, f.place, f.in_view);
+  f.find_in_view(f.n_blocks, u32(f.n_blocks), f.grid, c, farthest, f.depth, f.place, f.in_view);
   const std::vector<u32> in_view = f.in_view.read();
   std::vector<u32> in_use;
   for (std::size_t i = 0; i < in_view.size(); ++i)

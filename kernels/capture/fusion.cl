@@ -7,6 +7,7 @@
 
 #define LARGEST_REACH 4         // pixels to each side from which a pixel's normal is made
 #define SMALLEST_COSINE 0.2f   // between normal and ray; what is more grazing is left out
+#define FOOTPRINT_STEP 3       // pixels
 #define SAMPLES_ALONG_RAY 9    // through the truncation band, where blocks are marked
 
 static inline float depth_noise(const VoxelGrid grid, const float z) {
@@ -85,11 +86,11 @@ kernel void mark_blocks(const uint n_pixels, const VoxelGrid grid, const Pinhole
   }
 }
 
-// in_view: [n_blocks] 1: its centre is not far outside of the picture and not behind everything that it shows.
+// in_view: [n_blocks] 1: a pixel that it covers, of one in FOOTPRINT_STEP on each axis, shows a surface that touches it.
 // place: [n_blocks] of each kept block in the grid
 kernel void find_blocks_in_view(const uint n_blocks, const VoxelGrid grid, const PinholeCamera camera,
-                                const float largest_depth, global const uint* restrict place,
-                                global uint* restrict in_view) {
+                                const float largest_depth, global const float* restrict depth,
+                                global const uint* restrict place, global uint* restrict in_view) {
   const uint i = get_global_id(0);
   if (i >= n_blocks) return;
   const uint3 block = (uint3)(place[i] % grid.blocks[0], place[i] / grid.blocks[0] % grid.blocks[1],
@@ -98,15 +99,22 @@ kernel void find_blocks_in_view(const uint n_blocks, const VoxelGrid grid, const
   const float3 p = in_camera(camera, vload3(0, grid.origin) + (convert_float3(block) + 0.5f) * side);
   in_view[i] = 0;
   if (p.z < -radius || p.z > largest_depth + radius) return;
-  if (p.z > radius) {  // nearer ones are looked at in any case
-    float2 pixel;
-    if (!project(camera, p, &pixel)) return;
-    const float margin = max(camera.fx, camera.fy) * radius / (p.z - radius);
-    if (pixel.x < -margin || pixel.y < -margin || pixel.x > camera.width + margin ||
-        pixel.y > camera.height + margin)
-      return;
+  if (p.z <= radius) {  // around the camera
+    in_view[i] = 1;
+    return;
   }
-  in_view[i] = 1;
+  float2 pixel;
+  if (!project(camera, p, &pixel)) return;
+  const float margin = max(camera.fx, camera.fy) * radius / (p.z - radius);
+  const int2 low = max(convert_int2_rtn(pixel - margin), (int2)(0, 0));
+  const int2 high = min(convert_int2_rtn(pixel + margin), (int2)((int)camera.width - 1, (int)camera.height - 1));
+  const float reach = radius + truncation_at(grid, p.z + radius);
+  for (int y = low.y; y <= high.y; y += FOOTPRINT_STEP)
+    for (int x = low.x; x <= high.x; x += FOOTPRINT_STEP) {
+      if (fabs(depth[y * (int)camera.width + x] - p.z) > reach) continue;
+      in_view[i] = 1;
+      return;
+    }
 }
 
 // One work-item per row of 8 samples along x, 64 per block.  in_use: [n_in_use] the blocks to look at;

@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""Breaks meshes in many ways, has `phyvisgen capture object` mend them, and checks the results by trimesh and manifold3d.
+
+  check_objects.py PHYVISGEN FOLDER [--count 300] [--seed 0]
+
+Needs numpy, trimesh and manifold3d (scripts/python_env.sh objects numpy trimesh manifold3d). Prints a line per kind.
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+
+import manifold3d
+import numpy as np
+import trimesh
+
+BASES = [lambda: trimesh.creation.icosphere(3, 0.05), lambda: trimesh.creation.box((0.1, 0.06, 0.03)).subdivide().subdivide().subdivide(),
+         lambda: trimesh.creation.cylinder(0.03, 0.1, sections=40), lambda: trimesh.creation.torus(0.05, 0.018),
+         lambda: trimesh.creation.annulus(0.03, 0.034, 0.08, sections=40), lambda: trimesh.creation.cone(0.04, 0.08, sections=30)]
+
+
+def holes(v, f, r): return v, f[r.random(len(f)) > 0.05]
+def flipped(v, f, r): return v, np.where((r.random(len(f)) < 0.4)[:, None], f[:, [0, 2, 1]], f)
+def doubled(v, f, r): return np.vstack([v, v]), np.vstack([f, f + len(v)])
+def crossing(v, f, r): return np.vstack([v, v + r.uniform(-0.03, 0.03, 3)]), np.vstack([f, f + len(v)])
+def fins(v, f, r):
+    k = r.integers(len(f), size=15)
+    return np.vstack([v, 1.15 * v[f[k, 0]]]), np.vstack([f, np.stack([f[k, 0], f[k, 1], len(v) + np.arange(15)], 1)])
+def noise(v, f, r): return v + r.normal(0, 4e-4, v.shape), f
+def shells(v, f, r): return np.vstack([v, 0.5 * v, 0.4 * v + [0.15, 0, 0]]), np.vstack([f, f + len(v), f + 2 * len(v)])
+def soup(v, f, r): return v[f].reshape(-1, 3), np.arange(3 * len(f)).reshape(-1, 3)
+def needles(v, f, r): return np.vstack([v, v[:30]]), np.vstack([f, np.stack([np.arange(30), len(v) + np.arange(30), np.arange(30)], 1)])
+def merged(v, f, r): return holes(*flipped(*crossing(*noise(v, f, r), r), r), r)
+
+
+KINDS = [holes, flipped, doubled, crossing, fins, noise, shells, soup, needles, merged]
+
+
+def write_obj(path, v, f):
+    path.write_text("".join("v %.9g %.9g %.9g\n" % tuple(p) for p in v) + "".join("f %d %d %d\n" % tuple(t + 1) for t in f))
+
+
+def main():
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("program")
+    p.add_argument("folder", type=pathlib.Path)
+    p.add_argument("--count", type=int, default=300)
+    p.add_argument("--seed", type=int, default=0)
+    a = p.parse_args()
+    a.folder.mkdir(parents=True, exist_ok=True)
+    good, counts, worst = {}, {}, {}
+    for i in range(a.count):
+        kind, random = KINDS[i % len(KINDS)], np.random.default_rng(a.seed + i)
+        base = BASES[i // len(KINDS) % len(BASES)]()
+        turn = trimesh.transformations.random_rotation_matrix(random.random(3))[:3, :3]
+        v, f = kind(base.vertices @ turn.T, base.faces, random)
+        source, out = a.folder / "source.obj", a.folder / "object"
+        write_obj(source, v, f)
+        run = subprocess.run([a.program, "capture", "object", source, "-o", out, "--density", "1000", "--triangles", "1500", "--json"],
+                             capture_output=True, text=True)
+        counts[kind.__name__] = counts.get(kind.__name__, 0) + 1
+        if run.returncode != 0:
+            print(f"{kind.__name__} {i}: {run.stderr.strip()[-200:]}", flush=True)
+            continue
+        report = json.loads(run.stdout)
+        mesh = trimesh.load(out / "simulation.obj", process=False)
+        solid = manifold3d.Manifold(manifold3d.Mesh(np.asarray(mesh.vertices, np.float32), np.asarray(mesh.faces, np.uint32)))
+        is_good = (mesh.is_watertight and mesh.is_winding_consistent and mesh.volume > 0 and
+                   solid.status() == manifold3d.Error.NoError and report["mesh"]["self_intersections"] == 0)
+        # the wrap's offset and what simplification may add, by the report's own spacing
+        size = float(np.ptp(v, 0).max())
+        bound = 4 * max(report["wrap_spacing"], size / 100)
+        is_near = report["distance"]["max"] <= bound
+        worst[kind.__name__] = max(worst.get(kind.__name__, 0), report["distance"]["max"] / size)
+        if not (is_good and is_near):
+            print(f"{kind.__name__} {i}: watertight {mesh.is_watertight}, {solid.status()}, distance {report['distance']['max']:.2e} of {bound:.2e}", flush=True)
+            continue
+        good[kind.__name__] = good.get(kind.__name__, 0) + 1
+    for kind in counts:
+        print(f"{kind}: {good.get(kind, 0)} of {counts[kind]}, at most {100 * worst.get(kind, 0):.2f} % of the size off", flush=True)
+    print(f"{sum(good.values())} of {a.count}")
+
+
+main()
