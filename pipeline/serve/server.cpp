@@ -129,7 +129,7 @@ const std::vector<RequestKind>& request_kinds() {
   return KINDS;
 }
 
-const RequestKind& kind_of(const Json& request) {
+const RequestKind& request_kind(const Json& request) {
   std::string names;
   const std::string wanted =
       request.contains("do") && request["do"].is_string() ? request["do"].get<std::string>() : "";
@@ -153,6 +153,8 @@ Message error_message(const std::string& sentence, const Json& request) {
   return message;
 }
 
+bool closes(const MotionElement& element) { return kind_of(element).grip == GripChange::closes; }
+
 Json or_null(double number) { return std::isfinite(number) ? Json(number) : Json(nullptr); }
 
 }  // namespace
@@ -168,6 +170,7 @@ Message greeting(const ServedTask& served, const std::string& program) {
                   {"time_step", task.solver.time_step},
                   {"frames_per_second", task.render.frames_per_second},
                   {"steps_per_period", facts.steps_per_period},
+                  {"grasps", std::any_of(task.motion.begin(), task.motion.end(), closes)},
                   {"columns", Json::array()},
                   {"driven", facts.driven},
                   {"objects", facts.objects},
@@ -189,7 +192,7 @@ Message greeting(const ServedTask& served, const std::string& program) {
 
 Message answer(ServedTask& task, const Message& request) {
   try {
-    const RequestKind& kind = kind_of(request.head);
+    const RequestKind& kind = request_kind(request.head);
     check_keys(kind, request.head);
     Message message;
     if (request.head.contains("id")) message.head["id"] = request.head["id"];

@@ -58,7 +58,7 @@ def run_episode(server: Server, policy: Policy, start: int, length: int, set_see
         seen = policy.step(server, seen)
         periods += 1
     names = [event["name"] for event in seen.events]
-    if "grasped" not in names:
+    if server.facts.grasps and "grasped" not in names:
         names.append("never_grasped")
     if seen.is_over:
         names.append("step_failed")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import sys
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +30,8 @@ class LeRobotPolicy:
         self.name = f"lerobot:{folder}"
         self.cameras = tuple(key.rsplit(".", 1)[1] for key in config.image_features)
         self._prompt = prompt
-        self._policy = get_policy_class(config.type).from_pretrained(str(folder), config=config).eval()
+        with redirect_stdout(sys.stderr):  # what lerobot tells is no part of our output
+            self._policy = get_policy_class(config.type).from_pretrained(str(folder), config=config).eval()
         self._before, self._after = make_pre_post_processors(
             policy_cfg=config,
             pretrained_path=str(folder),

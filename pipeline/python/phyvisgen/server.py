@@ -89,6 +89,7 @@ class Facts:
     time_step: float  # [s]
     frames_per_second: float  # actions per second
     steps_per_period: int
+    grasps: bool  # the task's motion closes a gripper
     columns: tuple[Column, ...]
     driven: tuple[str, ...]  # joints with a drive, the columns of /a in states.h5
     objects: tuple[str, ...]
@@ -115,6 +116,7 @@ def _facts(head: Mapping[str, Any]) -> Facts:
         head["time_step"],
         head["frames_per_second"],
         head["steps_per_period"],
+        head["grasps"],
         columns,
         tuple(head["driven"]),
         tuple(head["objects"]),

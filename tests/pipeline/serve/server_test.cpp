@@ -118,6 +118,7 @@ TEST_F(Server, AStreamBeginsWithAGreetingAndEndsWhereItIsClosed) {
   serve_stream(served, "0.0", requests.files[0], answers.files[1]);
   const Json greeting = read_message(answers.files[0])->head;
   EXPECT_EQ(greeting["protocol"], PROTOCOL_VERSION);
+  EXPECT_EQ(greeting["grasps"], false);
   EXPECT_EQ(greeting["columns"].size(), 8u);
   EXPECT_EQ(greeting["columns"][7]["joints"], Json({7, 8}));
   EXPECT_EQ(greeting["objects"], Json({"table", "beaker"}));
