@@ -71,8 +71,10 @@ class Fitter {
   // The same about the starts that fit best there instead of the measured ones: the response of a body that rests on
   // something has kinks.
   FitData prepare_near(std::vector<Window> windows, const Model& at);
-  // Likewise, of what was prepared already, about the starts of a fit of them.
+  // Likewise, of what was prepared already, about the starts of a fit of them; as it is where these starts are
+  // are_good_enough.
   FitData prepared_nearer(FitData data, const Fit& fit);
+  static bool are_good_enough(const Fit& starts);
   // Each model from where it is, starts fitted too, to the end. n_steps 0: only the starts are fitted.
   std::vector<Fit> fit(const FitData& data, std::vector<Model> models, int n_steps);
   // The same in parts: where the models are; at most n_steps from there, of those that have not converged; slopes and

@@ -104,9 +104,15 @@ HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, st
   std::vector<FitData> data;
   std::vector<Fit> fits;
   for (const Model& model : models) {
-    data.push_back(fitter.prepare_near(windows, model));
+    data.push_back(fitter.prepare(windows, model));
     if (data.back().windows.empty() || data.back().windows.size() != data.front().windows.size()) break;
-    fits.push_back(fitter.fit(data.back(), {model}, 0).front());
+    Fit starts = fitter.fit(data.back(), {model}, 0).front();
+    if (!Fitter::are_good_enough(starts)) {
+      data.back() = fitter.prepared_nearer(std::move(data.back()), starts);
+      if (data.back().windows.size() != data.front().windows.size()) break;
+      starts = fitter.fit(data.back(), {model}, 0).front();
+    }
+    fits.push_back(std::move(starts));
     if (!fits.back().succeeded) break;
   }
   if (fits.empty() || !fits[0].succeeded) return result;

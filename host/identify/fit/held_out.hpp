@@ -28,6 +28,7 @@ struct Disturbance {
 struct WholeRuns {
   double before = NAN, after = NAN, floor = 0;  // as HeldOut has them; NaN: not judged
   double seconds = 0;                           // of the longest that was simulated
+  double growth = 0;                            // of the starts' measured errors [noise]
   std::string why_not;
   bool had_no_time = false;  // then nothing is proved: windows are enough only where whole runs cannot be judged
   bool is_judged() const { return std::isfinite(before) && std::isfinite(after); }

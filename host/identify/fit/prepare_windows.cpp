@@ -86,8 +86,12 @@ FitData Fitter::prepare_near(std::vector<Window> windows, const Model& at) {
   return prepared_nearer(std::move(data), starts);
 }
 
+bool Fitter::are_good_enough(const Fit& starts) {
+  return !starts.succeeded || rms(starts.residual) < criteria().start_good_enough;
+}
+
 FitData Fitter::prepared_nearer(FitData data, const Fit& fit) {
-  if (!fit.succeeded || rms(fit.residual) < criteria().start_good_enough) return data;
+  if (are_good_enough(fit)) return data;
   // a wrong model must not move the starts far from the measured ones
   const double most = criteria().start_shift_most / criteria().start_looseness;
   for (std::size_t w = 0; w < data.windows.size(); ++w)

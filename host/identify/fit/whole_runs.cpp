@@ -53,10 +53,9 @@ WholeRuns judge_whole_runs(Fitter& fitter, const Problem& problem, double longes
       whole.why_not = "they could not be simulated to their end";
       return whole;
     }
-    double growth = 0;
-    for (const Eigen::MatrixXd& u : data.of_start) growth = std::max(growth, start_growth(u));
-    if (growth > criteria().whole_run_growth) {
-      whole.why_not = fmt::format("the error of their starts grows to {:.0f} times the noise", growth);
+    for (const Eigen::MatrixXd& u : data.of_start) whole.growth = std::max(whole.growth, start_growth(u));
+    if (whole.growth > criteria().whole_run_growth) {
+      whole.why_not = fmt::format("the error of their starts grows to {:.0f} times the noise", whole.growth);
       return whole;
     }
     const Fit fit = fitter.fit(data, {*model}, 0).front();

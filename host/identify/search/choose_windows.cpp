@@ -119,10 +119,12 @@ bool choose_length(Fitter& fitter, const Problem& problem, double simulated_seco
   Fit base = of_no_effect(data, fitter.fit(data, {as_it_stands}, 0).front());
   chosen = {length, std::move(data), std::move(base)};
   if (!is_last && !is_coherent(problem, chosen.data, chosen.base, criteria().window_hopeless)) return false;
-  data = fitter.prepared_nearer(chosen.data, chosen.base);
-  if (data.windows.empty()) return false;
-  base = fit_as_it_stands(fitter, data);
-  chosen = {length, std::move(data), std::move(base)};
+  if (!Fitter::are_good_enough(chosen.base)) {
+    data = fitter.prepared_nearer(chosen.data, chosen.base);
+    if (data.windows.empty()) return false;
+    base = fit_as_it_stands(fitter, data);
+    chosen = {length, std::move(data), std::move(base)};
+  }
   return is_coherent(problem, chosen.data, chosen.base);
 }
 

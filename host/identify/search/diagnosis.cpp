@@ -150,8 +150,10 @@ WholeRuns prove_on_whole_runs(Workflow& flow, const ChosenWindows& chosen, const
 // A sentence on them; unit: of the errors.
 std::string text_of(const WholeRuns& whole, const std::string& unit) {
   if (!whole.is_judged()) return "the held-out runs were judged by windows alone, not whole: " + whole.why_not;
-  return fmt::format("held-out runs simulated whole from their first state: error {:.3g} before and {:.3g} after, {}",
-                     whole.before, whole.after, unit == "noise" ? "times the noise" : unit);
+  return fmt::format(
+      "held-out runs simulated whole from their first state: error {:.3g} before and {:.3g} after, {}; "
+      "errors of their starts grow to {:.2g} times the noise",
+      whole.before, whole.after, unit == "noise" ? "times the noise" : unit, whole.growth);
 }
 
 Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, const std::string& unit) {
@@ -247,11 +249,10 @@ std::string measure(Workflow& flow) {
 }
 
 // Stage 2: windows that the model can follow, and what it leaves in them. No window: there was no time.
-ChosenWindows find_residual(Workflow& flow) {
+ChosenWindows find_residual(Workflow& flow, double deadline) {
   ChosenWindows chosen;
   // again with the fewest windows if none came to an end in time
-  const std::pair<double, double> tries[] = {{criteria().time_residual, flow.settings.simulated_seconds},
-                                             {criteria().time_search, 0}};
+  const std::pair<double, double> tries[] = {{deadline, flow.settings.simulated_seconds}, {criteria().time_search, 0}};
   for (const auto& [end, simulated_seconds] : tries) {
     const EarlierDeadline stage(flow.predictor.deadline(), flow.end_of(end));
     if (chosen.data.windows.empty()) chosen = choose_windows(flow.fitter, flow.problem, simulated_seconds);
@@ -379,6 +380,23 @@ void Workflow::note_left_out(const std::string& what) {
                                  seconds(), settings.minutes));
 }
 
+bool Workflow::refine_step(const Model& model) {
+  if (!may_refine_step) return false;
+  may_refine_step = false;
+  Variant at_model = variant_of(base, model);
+  std::string note;
+  if (!ends_in_time(criteria().time_search, "the comparison with finer time steps at what was found",
+                    [&] { note = choose_time_step(fitter, predictor, problem, at_model); }))
+    return false;
+  const SolverSettings& finer = at_model.scene.solver;
+  SolverSettings& solver = base.scene.solver;
+  if (finer.time_step >= solver.time_step && finer.integrator == solver.integrator) return false;
+  solver.time_step = finer.time_step;
+  solver.integrator = finer.integrator;
+  notes.push_back("done again with another time step, which what was found needs: " + note);
+  return true;
+}
+
 // The physical ones are printed, since these are looked for first.
 void Workflow::show(std::vector<Showable> rows) {
   std::size_t n_shown = 0;
@@ -409,11 +427,11 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
   }
   out.unit = measure(flow);
   out.used = flow.base.scene;
-  ChosenWindows chosen = find_residual(flow);
+  ChosenWindows chosen = find_residual(flow, criteria().time_residual);
   bool is_fine = !chosen.data.windows.empty() && agrees(flow, chosen);
   if (is_fine) out.supposed_noise = suppose_less_noise(problem, rms(chosen.base.residual));
   if (!out.supposed_noise.empty()) {  // what would be named with less noise
-    chosen = find_residual(flow);
+    chosen = find_residual(flow, criteria().time_search);
     is_fine = !chosen.data.windows.empty() && agrees(flow, chosen);
   }
   out.fit_before = chosen.data.windows.empty() ? NAN : rms(chosen.base.residual);
@@ -438,6 +456,17 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     out.candidates = std::make_shared<std::vector<Candidate>>(all_candidates(flow, chosen, located));
     flow.report_progress(4, 0.25, "screening " + std::to_string(out.candidates->size()) + " candidates");
     Selection selected = forward_selection(flow, *out.candidates, chosen.data, chosen.base);
+    if (selected.asks_for_new_step) {
+      flow.report_progress(2, 0.3, "again with a finer time step");
+      if (ChosenWindows again = find_residual(flow, criteria().time_search); !again.data.windows.empty()) {
+        chosen = std::move(again);
+        out.fit_before = rms(chosen.base.residual);
+        out.used = flow.base.scene;
+      } else {
+        flow.base.scene.solver = out.used.solver;
+      }
+      selected = forward_selection(flow, *out.candidates, chosen.data, chosen.base);
+    }
     flow.report_progress(7, 0.9, "judging on the held-out runs");
     Proof proof = prove(flow, chosen, std::move(selected), out.unit);
     const bool is_at_bound = proof.is_at_bound && settings.decide == Decide::workflow;

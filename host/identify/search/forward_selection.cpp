@@ -139,6 +139,11 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
       if (!passed.empty()) best_single = passed.front().model;
     }
     named = *chosen.fit;
+    if (flow.settings.decide == Decide::workflow && flow.refine_step(named.model)) {
+      out = Selection();
+      out.asks_for_new_step = true;
+      return;
+    }
     if (flow.settings.decide == Decide::workflow)
       flow.ends_in_time(criteria().time_search, "the revision of " + labels_of(named.model, 0).back(), [&] {
         if (n_parts > 1) named = reconsidered(flow, prepared, *chosen.fit, first_round, passed);

@@ -134,7 +134,8 @@ Problem planned_problem(const Problem& problem, const std::vector<PlannedMotion>
   for (const PlannedMotion& motion : motions) {
     Run run;
     run.name = motion.description;
-    for (double t = 0; t <= motion.seconds; t += interval) run.t.push_back(t);
+    const auto n = std::size_t(std::round(motion.seconds / interval)) + 1;
+    for (std::size_t i = 0; i < n; ++i) run.t.push_back(std::min(double(i) * interval, motion.seconds));
     for (const Channel& channel : problem.channels)
       run.values.emplace_back(run.t.size() * std::size_t(channel.width), 0.0);
     run.noise_scale.assign(problem.channels.size(), 1);

@@ -40,6 +40,10 @@ struct Workflow {
     return false;
   }
   void note_left_out(const std::string& what);
+  // Compares the time step with finer ones at a model, once: a drive that the scene has much too stiff hides its error.
+  // Whether a finer one is needed, which is the base's from then on.
+  bool refine_step(const Model& model);
+  bool may_refine_step = true;
   std::vector<Showable> showable;  // what these recordings could show, once that is known
   void show(std::vector<Showable> rows);
   void report_progress(int stage, double share,
@@ -53,7 +57,8 @@ struct Selection {
   std::vector<Fit> fits;             // one effect more each; empty: none is better than the scene as it is
   std::vector<RankedModel> ranking;  // best first
   std::vector<std::vector<std::string>> inseparable;
-  double error = 0;  // of the last fit [noise]
+  double error = 0;                // of the last fit [noise]
+  bool asks_for_new_step = false;  // what was found needs a finer time step: nothing else is told
 };
 
 // A model of two effects that another search than forward selection found.

@@ -77,13 +77,13 @@ TEST(Agreement, AMeasuredNoiseIsKnownAsWellAsItsSamplesTell) {
   EXPECT_TRUE(agrees(one_channel(false, n), 1.1 * white(n, 5), one_window(n)));
 }
 
-// What a halving of the step changes by 1 may be wrong by a quarter.
+// What a halving of the step changes by 1 may be wrong by a tenth.
 TEST(Agreement, TheErrorOfTheTimeStepBelongsToTheNoise) {
   const std::size_t n = 2000;
   std::vector<Window> windows = one_window(n);
   VectorXd error(static_cast<Eigen::Index>(n));
-  for (Eigen::Index i = 0; i < error.size(); ++i) error[i] = 2 * std::sin(2 * M_PI * double(i) / double(n));
-  const VectorXd residual = white(n, 7) + 0.2 * error;
+  for (Eigen::Index i = 0; i < error.size(); ++i) error[i] = 6 * std::sin(2 * M_PI * double(i) / double(n));
+  const VectorXd residual = white(n, 7) + 0.08 * error;
   EXPECT_FALSE(agrees(one_channel(true, n), residual, windows));
   windows[0].correction = error;
   EXPECT_TRUE(agrees(one_channel(true, n), residual, windows));

@@ -1,0 +1,81 @@
+// A number of the scene that is far off: screened on a grid, fitted in its logarithm
+#include "host/identify/search/screen.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/identify/search/choose_windows.hpp"
+#include "host/identify/search/decide.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+// An arm of the inertia m (s^2 / 6 + a^2) = 0.0241667 kg m^2 on a drive of k = 20 N m/rad and d = 0.6 N m s/rad that is
+// told to go to 0.3 rad at once:  q = 0.3 (1 - exp(-z t) (cos(w t) + z / w sin(w t))),  z = d / 2 I, w^2 = k / I - z^2
+double driven(double t) {
+  const double inertia = 0.1 * 0.1 / 6 + 0.15 * 0.15, z = 0.6 / (2 * inertia), w = std::sqrt(20 / inertia - z * z);
+  return 0.3 * (1 - std::exp(-z * t) * (std::cos(w * t) + z / w * std::sin(w * t)));
+}
+
+// The scene says 1280 N m/rad, 64 times too much.
+Problem too_stiff(const TestFolder& folder) {
+  folder.write("scene.yaml", R"(schema: 1
+name: driven
+time_step: 2 ms
+gravity: [0, 0, 0]
+solver: {integrator: bdf2}
+bodies:
+  - {name: base, kind: static, shape: {box: {size: [0.01, 0.01, 0.01]}}, collides: false}
+  - {name: arm, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 1, pose: {position: [0.15, 0, 0]}, collides: false}
+joints:
+  - {name: shoulder, type: revolute, parent: base, child: arm, axis: [0, 0, 1], drive: {stiffness: 1280, damping: 0.6, target: 0.3}}
+)");
+  std::string run = "t,q\n";
+  for (int i = 0; i < 40; ++i) run += std::to_string(0.01 * i) + "," + std::to_string(driven(0.01 * i)) + "\n";
+  folder.write("a.csv", run);
+  folder.write("recording.yaml", R"(schema: 1
+scene: scene.yaml
+runs:
+  - {file: a.csv, role: fit}
+channels:
+  - {column: q, kind: position, joint: shoulder, unit: rad, noise: 0.001}
+initial: {joint/shoulder/position: 0, joint/shoulder/velocity: 0}
+)");
+  return make_problem(folder.path / "recording.yaml");
+}
+
+TEST(Screen, AStiffness64TimesTooLargeIsReachedAndFitted) {
+  const TestFolder folder;
+  const Problem problem = too_stiff(folder);
+  Device device;
+  Predictor predictor(device, problem);
+  const Variant base{problem.scene.scene, {}};
+  Fitter fitter(predictor, base);
+  const FitData data = fitter.prepare(make_windows(problem, false, 0, 1), Model{}, false);
+  const std::vector<Candidate> candidates = make_candidates(problem, {});
+  const auto stiffness = std::find_if(candidates.begin(), candidates.end(),
+                                      [](const Candidate& c) { return c.name == "retune_drive_stiffness"; });
+  ASSERT_NE(stiffness, candidates.end());
+  const std::vector<Screened> found = screen(fitter, data, fit_as_it_stands(fitter, data), {&*stiffness});
+  ASSERT_EQ(found.size(), 1u);
+  const Fit fit = fitter.fit(data, {found[0].model}, 10).front();
+  EXPECT_NEAR(fit.model.x[0], 20, 0.2);
+  EXPECT_FALSE(is_at_bound(fit));
+}
+
+TEST(Screen, AFitAtABoundPassesNothing) {
+  Candidate stiffness;
+  stiffness.parameters = {{"value", "N m/rad", 0.02, 2e4, 20}};
+  stiffness.parameters[0].is_logarithmic = true;
+  Fit fit;
+  fit.model = {{&stiffness}, Eigen::VectorXd::Constant(1, 0.02), Eigen::VectorXd::Ones(1)};
+  EXPECT_TRUE(is_at_bound(fit));
+  fit.model.x[0] = 0.03;
+  EXPECT_FALSE(is_at_bound(fit));
+}
+
+}  // namespace
+}  // namespace pvg::diagnose
