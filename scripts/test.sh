@@ -4,7 +4,7 @@ set -eu
 cd "$(dirname "$0")/.."
 scripts/install.sh
 scripts/build.sh -DPVG_TESTS=ON
-scripts/install_policy.sh  # for the tests of the Python package
+scripts/install_policy.sh || echo "test: without what PyPI has, the tests of the Python package are skipped"
 echo "test: ctest"
 cd build
 # two at a time: PoCL spreads each kernel over the cores anyway

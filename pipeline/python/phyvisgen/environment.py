@@ -82,6 +82,7 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
         self._set_seed = set_seed
         unknown = [camera for camera in cameras or [] if camera not in facts.cameras]
         if unknown:
+            self._server.close()
             raise ValueError(f"the task has no camera {unknown[0]!r}, but {', '.join(facts.cameras) or 'none'}")
         self._cameras = [camera for camera in facts.cameras if cameras is None or camera in cameras]
         self._picture: NDArray[np.uint8] | None = None
