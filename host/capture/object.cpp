@@ -105,7 +105,7 @@ nlohmann::ordered_json object_report(const CapturedObject& object, double second
           {"distance",
            {{"mean", mean(object.to_source)},
             {"p95", at_share(object.to_source, 0.95)},
-            {"max", std::max(at_share(object.to_source, 1), at_share(object.from_source, 1))},
+            {"max", at_share(object.to_source, 1)},  // inner walls of the source have no place in the mesh
             {"from_source_mean", mean(object.from_source)},
             {"from_source_max", at_share(object.from_source, 1)}}}};
 }
