@@ -345,9 +345,10 @@ void plan_next(Workflow& flow, Device& device, Diagnosis& d) {
     return;
   }
   d.next_experiment =
-      fmt::format("{}: separates {} from {} by {:.3g} times the noise, over {} numbers, of {} motions the most",
+      fmt::format("{}: separates {} from {} by {:.3g} times the noise, over {} numbers, of {} motions the most{}",
                   found->motion.description, label_of(d.ranking[0]), label_of(*other), found->separation,
-                  found->n_samples, motion_family(flow.problem).size());
+                  found->n_samples, motion_family(flow.problem).size(),
+                  found->separation < criteria().told_apart ? ", which is not enough to tell them apart" : "");
   d.next_motion = std::move(found->motion);
 }
 
