@@ -65,9 +65,11 @@ TEST(Sentence, OfAnUnknownNoiseSaysWhatWouldBeNamedWithLess) {
       "0.001 rad";
   d.supposed_verdict = d.verdict;
   d.verdict = Verdict::none;
-  EXPECT_EQ(sentence_of(d), d.supposed_noise +
-                                ": wrong in the scene: retune_mass at tip, value 0.56 +- 0.01 kg; the held-out error "
-                                "falls from 10.8 to 2.33 times the noise, noise floor 1; partly explained");
+  EXPECT_EQ(
+      sentence_of(d),
+      d.supposed_noise +
+          ": wrong in the scene: retune_mass at tip, value 0.56 +- 0.01 kg; the held-out error "
+          "falls from 10.8 to 2.33 times the noise, noise floor 1; partly explained: 2.33 times the noise is left");
 }
 
 // two named effects of one set are no alternatives to each other
