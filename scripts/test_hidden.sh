@@ -6,6 +6,6 @@
 set -eu
 cd "$(dirname "$0")/.."
 reports="${1:-out/hidden}"
-table=$(build/bin/phyvisgen diagnose --suite data/hidden -o "$reports" --jobs 2)
+table=$(build/bin/phyvisgen diagnose --suite data/hidden -o "$reports" --jobs 2 --minutes 60)
 echo "$table"
 ! echo "$table" | grep -q "not as the truth"
