@@ -8,5 +8,5 @@ if ! "$python" -c 'import numpy, gymnasium, h5py' 2>/dev/null; then
   echo "skipped: $python does not exist or lacks numpy, gymnasium or h5py; run scripts/install_policy.sh"
   exit 77
 fi
-PHYVISGEN_PROGRAM="${1:-$root/build/bin/phyvisgen}" PYTHONPATH="$root/pipeline/python" \
+PHYVISGEN_PROGRAM="$(realpath "${1:-$root/build/bin/phyvisgen}")" PYTHONPATH="$root/pipeline/python" \
   exec "$python" -m unittest discover -s "$root/tests/pipeline/python" -t "$root/tests/pipeline/python"
