@@ -586,7 +586,7 @@
     "the angle of one joint beside the command of another, nine tenths of whose windows a limit closed (issue 28)") \
   X(7, double, whole_run_growth, 300, "noise", \
     "what the measured error of a start may have grown to at the end of a run that is judged whole", \
-    "to be measured") \
+    "chosen by judgement, not measured") \
   X(7, double, whole_run_proof, 60, "s", \
     "longest beginning of a held-out run that is simulated whole", \
     "chosen by judgement, not measured") \
