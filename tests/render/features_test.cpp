@@ -53,6 +53,14 @@ TEST_F(Features, AMirrorShowsWhatItReflects) {
   EXPECT_NEAR(std::abs(mean_of(frame.mean_normal, 0)), 1, 1e-5);  // the wall's, not the mirror's
 }
 
+// A sheet seen from behind: its own normal is -z.
+TEST_F(Features, NormalsAreTowardThePath) {
+  Scene scene;
+  add(scene, quad({-1, -1, 0}, {0, 2, 0}, {2, 0, 0}), material(Kind::diffuse));
+  look_at(scene, {0, 0, 1}, {0, 0, 0}, 8, 8, 20);
+  EXPECT_NEAR(mean_of(features(scene, 4).mean_normal, 2), 1, 1e-5);
+}
+
 // An edge between black and white through the middle of a column of pixels.
 TEST_F(Features, EdgesAreMixedByTheShareOfTheirSamples) {
   Scene scene;
