@@ -82,7 +82,6 @@ SurfaceColors color_surface(Device& device, const Capture& capture, std::span<co
   Buffer<F32x4Array> before(device, n, "before"), sums(device, n, "sums");
   before.zero();
   SurfaceColors out;
-  out.gains.assign(frames.size(), 1.0);
   for (int pass = 0; pass < 2; ++pass) {
     sums.zero();
     for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -95,8 +94,8 @@ SurfaceColors color_surface(Device& device, const Capture& capture, std::span<co
       photo.resize(texels.size());
       photo.write(texels);
       add(n, u32(n), pinhole_camera(frame.depth_camera, frame.depth_camera.pose.matrix()),
-          pinhole_camera(frame.color_camera, frame.color_camera.pose.matrix()), float(3 * voxel), float(out.gains[i]),
-          point_buffer, normal_buffer, depth, photo, decode_buffer, before, sums);
+          pinhole_camera(frame.color_camera, frame.color_camera.pose.matrix()), float(3 * voxel), point_buffer,
+          normal_buffer, depth, photo, decode_buffer, before, sums);
     }
     mean(n, u32(n), sums, before);
   }

@@ -11,7 +11,6 @@ namespace pvg {
 struct SurfaceColors {
   std::vector<Vec3f> colors;  // [n] linear Rec. 709; of points that no photo sees those of their neighbours
   std::size_t n_seen = 0;     // points that a photo sees
-  std::vector<double> gains;  // [n frames] that make the photos alike in brightness; 1: as it was
 };
 
 // Means over the photos of `frames` (kernels/capture/colors.cl). normals [n], triangles for the neighbours.

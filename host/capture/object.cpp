@@ -80,7 +80,7 @@ CapturedObject capture_object(const std::filesystem::path& source, const ObjectS
   return out;
 }
 
-nlohmann::ordered_json object_report(const CapturedObject& object, double seconds) {
+nlohmann::ordered_json object_report(const CapturedObject& object, const ObjectSettings& settings, double seconds) {
   const Eigen::Matrix3d& I = object.mass.inertia;
   const bool is_whole = is_sound(object.simulation);
   return {{"schema", 1},
@@ -92,7 +92,7 @@ nlohmann::ordered_json object_report(const CapturedObject& object, double second
             {"self_intersections", is_whole ? 0 : 1}}},
           {"visual", {{"vertices", object.visual.points.size()}, {"triangles", object.visual.triangles.size()}}},
           {"planes", nlohmann::ordered_json::array()},
-          {"scale", 1.0},
+          {"scale", settings.scale},
           {"seconds", seconds},
           {"peak_bytes", nullptr},  // no device is used
           {"source_was_sound", object.was_sound},
@@ -129,7 +129,7 @@ void write_object(const std::filesystem::path& folder, const CapturedObject& obj
                   settings.density <= 0 && settings.mass <= 0 ? " of water, for want of --density or --mass" : "",
                   m.volume, m.center.x(), m.center.y(), m.center.z(), m.inertia(0, 0), m.inertia(1, 1), m.inertia(2, 2),
                   m.mass));
-  write_text_atomically(folder / "report.json", object_report(object, seconds).dump(2) + "\n");
+  write_text_atomically(folder / "report.json", object_report(object, settings, seconds).dump(2) + "\n");
 }
 
 }  // namespace pvg

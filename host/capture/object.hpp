@@ -35,6 +35,6 @@ CapturedObject capture_object(const std::filesystem::path& source, const ObjectS
 // simulation.obj, visual.glb, object.yaml, report.json
 void write_object(const std::filesystem::path& folder, const CapturedObject& object, const ObjectSettings& settings,
                   double seconds);
-nlohmann::ordered_json object_report(const CapturedObject& object, double seconds);
+nlohmann::ordered_json object_report(const CapturedObject& object, const ObjectSettings& settings, double seconds);
 
 }  // namespace pvg

@@ -13,10 +13,10 @@ static inline float3 texel(global const uchar4* restrict photo, const uint width
 }
 
 // points, normals: [n x 3, m];  depth: [height x width of depth_camera, m];  photo: [height x width of color_camera]
-// sRGB;  decode: [256] byte to linear;  gain: of this photo;  before: [n] xyz: mean of the first pass, w: 0 in it;
+// sRGB;  decode: [256] byte to linear;  before: [n] xyz: mean of the first pass, w: 0 in it;
 // sums: [n] xyz: weighted colours, w: weights
 kernel void add_colors(const uint n, const PinholeCamera depth_camera, const PinholeCamera color_camera,
-                       const float tolerance, const float gain, global const float* restrict points,
+                       const float tolerance, global const float* restrict points,
                        global const float* restrict normals, global const float* restrict depth,
                        global const uchar4* restrict photo, global const float* restrict decode,
                        global const float4* restrict before, global float4* restrict sums) {
@@ -39,7 +39,7 @@ kernel void add_colors(const uint n, const PinholeCamera depth_camera, const Pin
   const float2 f = pixel - convert_float2(at);
   const float3 top = mix(texel(photo, w, at.x, at.y, decode), texel(photo, w, at.x + 1, at.y, decode), f.x);
   const float3 low = mix(texel(photo, w, at.x, at.y + 1, decode), texel(photo, w, at.x + 1, at.y + 1, decode), f.x);
-  const float3 color = gain * mix(top, low, f.y);
+  const float3 color = mix(top, low, f.y);
   // finer where the photo was near and looked straight on
   float weight = cosine * cosine / dot(eye, eye);
   weight *= weight;

@@ -42,7 +42,7 @@ void run_capture_object(const CaptureObjectOptions& o) {
   PartialFolder folder(o.output);
   write_object(folder.path(), object, settings, seconds);
   folder.finish();
-  const nlohmann::ordered_json report = object_report(object, seconds);
+  const nlohmann::ordered_json report = object_report(object, settings, seconds);
   if (o.as_json) {
     std::printf("%s\n", report.dump(2).c_str());
     return;
@@ -54,6 +54,12 @@ void run_capture_object(const CaptureObjectOptions& o) {
       o.output.c_str(), object.simulation.triangles.size(),
       object.was_sound ? "; the source was sound" : "; wrapped around the source", seconds,
       1e3 * d["mean"].get<double>(), 1e3 * d["max"].get<double>(), object.mass.mass);
+  if (object.simulation.triangles.size() > o.triangles)
+    std::printf(
+        "not the %zu triangles that were asked for: fewer would cross each other or leave the surface by more than "
+        "--error; give a larger --error or --detail\n",
+        o.triangles);
+  if (o.density == 0 && o.mass == 0) std::printf("the mass is that of water: give --density or --mass\n");
 }
 
 }  // namespace

@@ -37,6 +37,9 @@ void print(const std::string& name, const Fidelity& fidelity) {
 void run_fidelity(const FidelityOptions& options) {
   if (options.real.empty() || options.simulated.empty())
     throw UsageError("evaluate fidelity needs two folders, REAL and SIM; --help shows an example");
+  if (!options.output.empty())
+    for (const std::string& read : {options.real, options.simulated})
+      check_not_within(options.output, read, "evaluate fidelity");
   const SeenFolder real = read_seen_folder(options.real), simulated = read_seen_folder(options.simulated);
   FidelitySettings settings;
   settings.stretch = options.stretch;
