@@ -1,5 +1,5 @@
-// What may happen to a path where it hits, one function per case: a light, a shadow receiver, glass, a surface that
-// scatters. How light samples and paths share the work is told in shade.cl.
+// What may happen to a path where it hits, one function per case: a light, glass, a surface that scatters
+// (a shadow receiver: receiver.cl). How light samples and paths share the work is told in shade.cl.
 #ifndef PVG_RENDER_INTERACT_CL
 #define PVG_RENDER_INTERACT_CL
 #include "materials/list.cl"
@@ -78,30 +78,6 @@ static inline void meet_shining(const Launch launch, const Shading scene, global
     pdf = area_pdf(scene.lights[light].probability, area, fabs(dot(s.face, path->direction)), t * t);
   }
   meet_emission(launch, emitted(scene, m, uv_for(s, m.flags, emission_bit(m))), pdf, path);
-}
-
-static inline void meet_receiver(const Launch launch, const Shading scene, const Material m, const float3 color,
-                                 const Surface s, const Chance chance, Path* path, ShadowRay* shadow) {
-  path->is_alive = false;
-  const float3 shown = path->throughput * color * launch.receiver_scale;
-  path->radiance += shown * (1.0f - m.shadow_strength);
-  const float3 shaded = shown * m.shadow_strength;
-  if (m.shadow_strength == 0) return;
-  if (launch.n_lights > 0) {
-    const float3 normal = dot(s.face, path->direction) < 0 ? s.face : -s.face;
-    const float3 origin = leave_surface(s.point, normal);
-    const LightSample sample = sample_light(launch, scene, origin, chance.light_choice, chance.light_point);
-    // a light that cannot shine here casts no shadow here
-    if (dot(normal, sample.to_light) > 0 && sample.pdf > 0) {
-      shadow->kind = SHADOW_RECEIVER;
-      shadow->origin = origin;
-      shadow->direction = sample.to_light;
-      shadow->light = shaded;
-      shadow->weight = 1.0f;
-      return;
-    }
-  }
-  path->radiance += shaded;
 }
 
 // one light sample, weighted against the material's own sampling

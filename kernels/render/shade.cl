@@ -5,11 +5,12 @@
 //     the refracted paths to that light are left out, so that no light is counted twice. Other surfaces keep the
 //     refracted paths and their shadow rays stop at glass. Launch::transparent_shadows = 0: glass stops all shadow rays
 //     and every refracted path counts
-//   shadow receiver: C = C_tex (1 - lambda_s (1 - V)), and the path ends; V from one light sample per path
+//   shadow receiver: its texture, dimmed by the shadows of inserted objects (receiver.cl)
 #define PVG_INLINE_ALL
 #include "shared/pocl.h"
 
 #include "render/interact.cl"
+#include "render/receiver.cl"
 
 static inline Path load_path(const uint slot, global const float4* origin, global const float4* direction,
                              global const float4* throughput) {

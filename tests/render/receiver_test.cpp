@@ -110,6 +110,42 @@ TEST_F(Receiver, VisibilityIsWeightedByPower) {
   EXPECT_NEAR(V.value, 0.8 * 0.75, 4 * V.sigma + 1e-4);
 }
 
+// an even environment of radiance 1 as a picture
+void add_environment(Scene& scene) {
+  scene.environment_map.width = 16;
+  scene.environment_map.height = 8;
+  scene.environment_map.rgb.assign(16 * 8 * 3, 1.0f);
+  scene.environment = Vec3f::Ones();
+}
+
+// A long wall beside the floor, as high as it is far away. It hides the share (1 - cos 45 degrees) / 2 of the
+// irradiance of an even sky (view factor of a strip); what shines from below the floor does not count.
+TEST_F(Receiver, WallHidesItsShareOfTheSky) {
+  Scene scene = floor_and_light(1);
+  scene.lights.clear();
+  add_environment(scene);
+  add(scene, quad({1, -200, 0}, {0, 400, 0}, {0, 0, 1}), material(Kind::diffuse));
+  look_at(scene, {0, 0, 0.5}, {0, 0, 0}, 16, 16, 1600);
+  const Mean V = mean(picture(scene, 64));
+  EXPECT_LT(V.sigma, 0.01);
+  EXPECT_NEAR(V.value, 0.8 * (1 - 0.5 * (1 - std::sqrt(0.5))), 4 * V.sigma + 1e-3);
+}
+
+// A small lamp 2 m above that brings as much as the even sky, pi, and a plate below the lamp: half of the light is
+// left.
+TEST_F(Receiver, HiddenLampLeavesTheShareOfTheSky) {
+  Scene scene = floor_and_light(1);
+  scene.lights.clear();
+  const float L = float(M_PI) * 4 / (0.02f * 0.02f);
+  add_light(scene, {-0.01, -0.01, 2}, {0, 0.02, 0}, {0.02, 0, 0}, {L, L, L});
+  add_environment(scene);
+  add(scene, quad({-0.05f, -0.05f, 1.9f}, {0.1f, 0, 0}, {0, 0.1f, 0}), material(Kind::diffuse));
+  look_at(scene, {0, 0, 0.5}, {0, 0, 0}, 16, 16, 1600);
+  const Mean V = mean(picture(scene, 64));
+  EXPECT_LT(V.sigma, 0.02);
+  EXPECT_NEAR(V.value, 0.8 * 0.5, 4 * V.sigma + 0.008);  // the plate hides 0.001 of the sky; a ratio of few samples
+}
+
 // A pane of glass flat between floor and light: straight through it takes (1 - R) / (1 + R) exp(-sigma d). A tiny light
 // straight above, so that all rays are perpendicular.
 TEST_F(Receiver, GlassAttenuatesOrBlocks) {
