@@ -146,8 +146,10 @@ void add_background(Scene& scene, const BackgroundSection& background) {
     visual.pose = background.pose;
     const std::size_t first = scene.materials.size();
     add_parts(scene, read_gltf_scene(background.mesh), background.mesh, visual);
-    for (std::size_t i = first; i < scene.materials.size(); ++i)
+    for (std::size_t i = first; i < scene.materials.size(); ++i) {
       scene.materials[i].shadow_strength = background.shadow_strength;
+      scene.materials[i].ambient = background.ambient;
+    }
     return;
   }
   VisualMaterial material;
@@ -156,6 +158,7 @@ void add_background(Scene& scene, const BackgroundSection& background) {
   material.color = Vec3f::Ones();
   material.texture = int(scene.textures.size());
   material.shadow_strength = background.shadow_strength;
+  material.ambient = background.ambient;
   scene.textures.push_back(read_texture(background.texture));
   Visual visual;
   visual.name = visual.part = "background";

@@ -38,7 +38,10 @@ const Fields<CapturedBackground>& captured_background_fields() {
               [](auto& c) -> auto& { return c.background.pose; }, "of the room in the world")
           .number(
               "shadow_strength", [](auto& c) -> auto& { return c.background.shadow_strength; }, Unit::none, 0, 1,
-              "share of the light that shadows take");
+              "share of the light that shadows take")
+          .number(
+              "ambient", [](auto& c) -> auto& { return c.background.ambient; }, Unit::none, 0, 1,
+              "share of the light that comes evenly from all around; the rest is that of the lamps");
   return FIELDS;
 }
 

@@ -162,6 +162,9 @@ const Fields<MaterialSection>& material_fields() {
           .otherwise("required of `emissive`")
           .number("shadow_strength", &M::shadow_strength, Unit::none, 0, 1, "share of the light that shadows take")
           .when(is_any_of({Kind::shadow_receiver}), "`shadow_receiver`")
+          .number("ambient", &M::ambient, Unit::none, 0, 1,
+                  "share of the light that comes evenly from all around; the rest is that of the lamps")
+          .when(is_any_of({Kind::shadow_receiver}), "`shadow_receiver`")
           .file("metallic_roughness_texture", &M::metallic_roughness_file,
                 "plain values: green multiplies `roughness`, blue `metallic`")
           .when(is_general, general)
@@ -305,6 +308,8 @@ const Fields<BackgroundSection>& background_fields() {
           .file("texture", &B::texture, "its picture, unless the mesh is a glTF")
           .own_pose(&B::pose, "in the world")
           .number("shadow_strength", &B::shadow_strength, Unit::none, 0, 1, "share of the light that shadows take")
+          .number("ambient", &B::ambient, Unit::none, 0, 1,
+                  "share of the light that comes evenly from all around; the rest is that of the lamps")
           .check(check_background);
   return FIELDS;
 }

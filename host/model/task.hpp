@@ -127,6 +127,7 @@ struct BackgroundSection {
   std::filesystem::path mesh, texture;  // mesh empty: no background
   Pose pose = Pose::Identity();         // to world
   float shadow_strength = 0.6f;         // lambda_s in [0, 1]
+  float ambient = 0;                    // share of its light that comes evenly from all around, in [0, 1]
 };
 
 // A cloth: as simulated, its pose still to be drawn, and how it is seen.

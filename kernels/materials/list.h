@@ -39,9 +39,11 @@
 #define PVG_KIND_COLORS(X)                                                                              \
   X(edge_dip, 0, -INFINITY, INFINITY) /* of a conductor: a of conductor.cl, 0: Schlick's curve */       \
   X(sheen, 0, 0, 1)                   /* of cloth: reflectance scale of its fibres */
-#define PVG_KIND_NUMBERS(X) X(sheen_roughness, 0.7f, 0.5f, 1) /* of cloth */
+#define PVG_KIND_NUMBERS(X)                                           \
+  X(sheen_roughness, 0.7f, 0.5f, 1) /* of cloth */                    \
+  X(ambient, 0, 0, 1) /* of the shadow receiver: its light from all around */
 #define PVG_OWN_COLORS(X) X(conductor, edge_dip) X(cloth, sheen)
-#define PVG_OWN_NUMBERS(X) X(cloth, sheen_roughness)
+#define PVG_OWN_NUMBERS(X) X(cloth, sheen_roughness) X(shadow_receiver, ambient)
 
 SHARED_BEGIN
 #define PVG_ID(ID, ...) MATERIAL_##ID,

@@ -131,6 +131,17 @@ TEST_F(Receiver, WallHidesItsShareOfTheSky) {
   EXPECT_NEAR(V.value, 0.8 * (1 - 0.5 * (1 - std::sqrt(0.5))), 4 * V.sigma + 1e-3);
 }
 
+// The same wall where half of the light is ambient and half is that of a lamp which it does not hide.
+TEST_F(Receiver, AmbientShareIsHiddenAsAnEvenSkyIs) {
+  Scene scene = floor_and_light(1);
+  scene.materials[0].ambient = 0.5f;
+  add(scene, quad({1, -200, 0}, {0, 400, 0}, {0, 0, 1}), material(Kind::diffuse));
+  look_at(scene, {0, 0, 0.5}, {0, 0, 0}, 16, 16, 1600);
+  const Mean V = mean(picture(scene, 64));
+  EXPECT_LT(V.sigma, 0.01);
+  EXPECT_NEAR(V.value, 0.8 * (1 - 0.25 * (1 - std::sqrt(0.5))), 4 * V.sigma + 1e-4);
+}
+
 // A small lamp 2 m above that brings as much as the even sky, pi, and a plate below the lamp: half of the light is
 // left.
 TEST_F(Receiver, HiddenLampLeavesTheShareOfTheSky) {

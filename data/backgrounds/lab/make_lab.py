@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes a small laboratory as a captured room would come: one textured mesh, its light baked into one picture.
 
-The mesh: the bench (its top at z = 0), floor, walls and ceiling. The picture is 1024 x 512, sRGB, made from noise and soft shapes.
+The mesh: the bench (its top at z = 0), floor, walls and ceiling. The picture is 2048 x 1024, sRGB, made from noise and soft shapes.
 """
 import os
 import sys
@@ -13,8 +13,9 @@ sys.path.insert(0, os.path.join(HERE, "..", ".."))
 import asset_tools as tools  # noqa: E402
 
 # parts of the picture, in pixels: left, top, right, bottom
-PARTS = {"bench": (0, 0, 512, 512), "back": (512, 0, 1024, 208), "side": (512, 208, 1024, 352), "floor": (512, 352, 1024, 512)}
-SIZE = (1024, 512)
+PARTS = {"bench": (0, 0, 1024, 1024), "back": (1024, 0, 2048, 416), "side": (1024, 416, 2048, 704), "floor": (1024, 704, 2048, 1024)}
+SIZE = (2048, 1024)
+FINER = 2  # pixels of the walls' and the floor's designs
 
 
 def noise(rng, height, width, cells_y, cells_x):
@@ -51,56 +52,68 @@ def glow(height, width, y, x, spread):
 
 
 def bench(rng):
-    """Boards of pale wood; linear reflectance times light."""
-    n = 512
-    grain = noise(rng, n, n, 90, 5) * 0.5 + noise(rng, n, n, 200, 9) * 0.3 + noise(rng, n, n, 24, 3) * 0.6
-    rings = 0.5 + 0.5 * np.sin(38 * noise(rng, n, n, 8, 2) + np.linspace(0, 50, n)[:, None])
-    board = np.repeat(rng.random(8), n // 8)[:, None] * 0.16
-    tone = 0.85 + 0.18 * (grain - 0.7) + 0.05 * (rings - 0.5) + board - 0.08
-    wood = tone[:, :, None] * np.array([0.50, 0.36, 0.235])
-    seams = np.ones((n, n, 1))
-    seams[:: n // 8] = 0.62
-    return wood * blurred(seams, 1) * (0.72 + 0.42 * glow(n, n, 0.5, 0.55, 0.55))
+    """Boards of oiled oak along x, each with its own grain; linear reflectance times light."""
+    n, boards = 1024, 8
+    wide = n // boards
+    rows = []
+    for _ in range(boards):
+        # growth rings: warped stripes along the board, closer toward one edge; pores: short dark strokes
+        warp = noise(rng, wide, n, 3, 2) * 5 + noise(rng, wide, n, 5, 9) * 1.1 + noise(rng, wide, n, 16, 30) * 0.25
+        across = np.linspace(0, rng.uniform(5, 9), wide)[:, None]
+        rings = 0.5 + 0.5 * np.sin(2 * np.pi * (across + warp))
+        fibres = noise(rng, wide, n, wide, 60) - 0.5
+        pores = (noise(rng, wide, n, wide, 160) > 0.86) * (0.4 + 0.6 * (1 - rings))
+        tone = rng.uniform(0.86, 1.04) + 0.17 * (rings ** 2 - 0.4) + 0.13 * fibres - 0.16 * pores
+        tone[-2:] *= 0.55  # the joint between boards
+        tone[:1] *= 0.80
+        hue = np.array([0.43, 0.285, 0.165]) * (1 + rng.uniform(-0.03, 0.03) * np.array([0.2, 0.6, 1.4]))
+        rows.append(tone[:, :, None] * hue)
+    wood = np.concatenate(rows)
+    return wood * (0.78 + 0.40 * glow(n, n, 0.5, 0.55, 0.6))
 
 
 def back_wall(rng):
     """A plain wall with two shelves of bottles and boxes, a little out of focus."""
-    height, width = 208, 512
+    height, width = (FINER * n for n in (208, 512))
     wall = painted(height, width, (0.62, 0.63, 0.60)) * (0.95 + 0.05 * noise(rng, height, width, 12, 30)[:, :, None])
-    wall[150:] = np.array([0.30, 0.36, 0.38]) * (0.95 + 0.05 * noise(rng, 58, width, 6, 30)[:, :, None])
+    skirt = FINER * 150
+    wall[skirt:] = np.array([0.30, 0.36, 0.38]) * (0.95 + 0.05 * noise(rng, height - skirt, width, 6, 30)[:, :, None])
     colors = [(0.45, 0.20, 0.08), (0.10, 0.22, 0.42), (0.62, 0.60, 0.52), (0.16, 0.34, 0.20), (0.55, 0.45, 0.12), (0.25, 0.26, 0.30)]
-    for shelf in (92, 126):
-        x = 40
-        while x < width - 60:
-            wide, tall = int(rng.integers(7, 18)), int(rng.integers(10, 25))
+    for shelf in (FINER * 92, FINER * 126):
+        x = FINER * 40
+        while x < width - FINER * 60:
+            wide, tall = FINER * int(rng.integers(7, 18)), FINER * int(rng.integers(10, 25))
             color = np.array(colors[int(rng.integers(len(colors)))])
             shade = 0.6 + 0.4 * np.sin(np.linspace(0.3, 2.6, wide))[None, :, None]
             wall[shelf - tall:shelf, x:x + wide] = color * shade
-            wall[shelf - tall + 3:shelf - tall + 6, x:x + wide] = (0.7, 0.7, 0.66)
-            x += wide + int(rng.integers(2, 16))
-        wall[shelf:shelf + 5, 30:width - 50] = (0.42, 0.31, 0.20)
-        wall[shelf + 5:shelf + 12, 30:width - 50] *= 0.72
-    return blurred(wall, 1) * (0.62 + 0.45 * glow(height, width, 0.1, 0.45, 0.7))
+            wall[shelf - tall + FINER * 3:shelf - tall + FINER * 6, x:x + wide] = (0.7, 0.7, 0.66)
+            x += wide + FINER * int(rng.integers(2, 16))
+        board, below = FINER * 5, FINER * 12
+        wall[shelf:shelf + board, FINER * 30:width - FINER * 50] = (0.42, 0.31, 0.20)
+        wall[shelf + board:shelf + below, FINER * 30:width - FINER * 50] *= 0.72
+    return blurred(wall, FINER) * (0.62 + 0.45 * glow(height, width, 0.1, 0.45, 0.7))
 
 
 def side_wall(rng):
     """A wall with a window at dusk."""
-    height, width = 144, 512
+    f = FINER
+    height, width = f * 144, f * 512
     wall = painted(height, width, (0.60, 0.61, 0.59)) * (0.96 + 0.04 * noise(rng, height, width, 10, 30)[:, :, None])
-    wall[20:84, 180:330] = painted(64, 150, (0.55, 0.66, 0.80)) * np.linspace(1.1, 0.8, 64)[:, None, None]
+    wall[f * 20:f * 84, f * 180:f * 330] = painted(f * 64, f * 150, (0.55, 0.66, 0.80)) * np.linspace(1.1, 0.8, f * 64)[:, None, None]
     for x in (178, 252, 327):
-        wall[18:86, x:x + 5] = (0.7, 0.7, 0.68)
+        wall[f * 18:f * 86, f * x:f * (x + 5)] = (0.7, 0.7, 0.68)
     for y in (18, 82):
-        wall[y:y + 4, 178:332] = (0.7, 0.7, 0.68)
-    return blurred(wall, 1) * (0.6 + 0.4 * glow(height, width, 0.3, 0.5, 0.6))
+        wall[f * y:f * (y + 4), f * 178:f * 332] = (0.7, 0.7, 0.68)
+    return blurred(wall, f) * (0.6 + 0.4 * glow(height, width, 0.3, 0.5, 0.6))
 
 
 def floor(rng):
-    height, width = 160, 512
+    height, width = FINER * 160, FINER * 512
     tiles = painted(height, width, (0.30, 0.30, 0.29)) * (0.9 + 0.15 * noise(rng, height, width, 40, 120)[:, :, None])
-    tiles[::32] *= 0.75
-    tiles[:, ::32] *= 0.75
-    return blurred(tiles, 1) * (0.55 + 0.3 * glow(height, width, 0.5, 0.5, 0.5))
+    for k in range(FINER):
+        tiles[k::FINER * 32] *= 0.75
+        tiles[:, k::FINER * 32] *= 0.75
+    return blurred(tiles, FINER) * (0.55 + 0.3 * glow(height, width, 0.5, 0.5, 0.5))
 
 
 def encoded(linear, rng):
