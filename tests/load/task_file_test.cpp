@@ -142,7 +142,7 @@ TEST(TaskFile, MistakesAreNamedWithTheirPlace) {
   expect_refused("target: scale", "target: shelf", {"`success`", "`shelf`"});
   expect_refused("second: finger_left", "second: thumb", {"`pair_friction`", "`thumb`"});
   expect_refused("mount: gripper_base", "mount: elbow", {"`cameras`", "`wrist`", "elbow", "gripper_base"});
-  expect_refused("width: 320", "width: 321", {"`cameras[0].width`", "even"});
+  expect_refused("width: 640", "width: 641", {"`cameras[0].width`", "even"});
   expect_refused("edge_u: [0, 0.6, 0]", "edge_u: [0.6, 0, 0]", {"`lights[0].edge_u`", "rectangle"});
   expect_refused("x: [0.48, 0.52]", "x: [0.52, 0.48]", {"`objects[2].pose.x`", "low <= high"});
   expect_refused("name: glass, kind: dielectric", "name: steel, kind: dielectric", {"`materials[2].name`", "steel"});
