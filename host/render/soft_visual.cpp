@@ -18,6 +18,8 @@ constexpr float BAD_COST = 1.4f;
 constexpr int MAX_LEVELS = 4;  // each level has four times the triangles
 // no point of an embedded mesh is further outside its body, in units of the body's size
 constexpr double FARTHEST = 0.1;
+// a cloth's texture repeats so often along x and y of its own frame, as woven or printed on the flat cloth [m]
+constexpr float CLOTH_TILE = 0.05f;
 
 CarriedMesh subdivided(const std::string& body, const std::vector<Vec3>& points, const std::vector<Triangle>& surface,
                        const Visual& visual) {
@@ -81,7 +83,9 @@ CarriedMesh carried_mesh(const Scene& scene, const Visual& visual) {
     const Cloth& cloth = scene.cloths[std::size_t(visual.cloth)];
     if (visual.mesh >= 0)
       throw UsageError("visual " + visual.name + ": a cloth is shown by its own surface; leave its mesh out");
-    return subdivided(cloth.name, cloth.mesh.points, cloth.mesh.triangles, visual);
+    CarriedMesh mesh = subdivided(cloth.name, cloth.mesh.points, cloth.mesh.triangles, visual);
+    for (const Vec3f& point : mesh.rest.points) mesh.rest.uvs.push_back(point.head<2>() / CLOTH_TILE);
+    return mesh;
   }
   const SoftBody& body = scene.soft_bodies[std::size_t(visual.soft)];
   if (visual.mesh >= 0) return embedded(body, scene.visual_meshes[std::size_t(visual.mesh)], visual);

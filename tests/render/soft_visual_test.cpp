@@ -77,5 +77,22 @@ TEST(SoftVisual, NormalsAreSmoothAcrossSeamsOfTheTexture) {
   EXPECT_GT(moved_normals(mesh, roof.points)[3].x(), 0.4f);
 }
 
+// A flat cloth of 0.2 x 0.1 m: its texture has four tiles of 50 mm along x and two along y.
+TEST(SoftVisual, TheTextureOfAClothRepeatsEveryFiftyMillimetres) {
+  Scene scene;
+  Cloth cloth;
+  cloth.mesh.points = {{-0.1, -0.05, 0}, {0.1, -0.05, 0}, {0.1, 0.05, 0}, {-0.1, 0.05, 0}};
+  cloth.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  scene.cloths = {cloth};
+  Visual visual;
+  visual.cloth = 0;
+  visual.mesh = -1;
+  visual.subdivision_levels = 0;
+  const CarriedMesh mesh = carried_mesh(scene, visual);
+  const Vec2f across = mesh.rest.uvs[2] - mesh.rest.uvs[0];
+  EXPECT_NEAR(across.x(), 4, 1e-5);
+  EXPECT_NEAR(across.y(), 2, 1e-5);
+}
+
 }  // namespace
 }  // namespace pvg::test
