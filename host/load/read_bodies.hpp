@@ -35,9 +35,7 @@ struct DriveSection {
   TargetTable target;  // empty: where the joint starts, or no velocity or torque
 };
 
-struct SceneJointSection {
-  std::string parent, child;
-  Joint joint;
+struct SceneJointSection : JointSection {
   std::optional<Pose> child_frame;
   DriveSection drive;
 };

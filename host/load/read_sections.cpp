@@ -53,6 +53,30 @@ std::vector<VisualSection> read_visuals(Section& section) {
   return visuals;
 }
 
+std::vector<MotionElement> read_motion(Section& root, const std::vector<RobotCell>& robots) {
+  const Fields<MotionElement> fields = motion_fields(robots);
+  std::vector<MotionElement> motion;
+  for (Section& section : root.sections("motion")) {
+    if (!section.has("together")) {
+      motion.push_back(read_all(fields, section));
+      motion.back().place = section.place();
+      continue;
+    }
+    std::vector<Section> parts = section.sections("together");
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      motion.push_back(read_all(fields, parts[i]));
+      motion.back().place = parts[i].place();
+      motion.back().is_with_previous = i > 0;
+      for (std::size_t k = 1; k <= i; ++k)
+        if (motion[motion.size() - 1 - k].robot == motion.back().robot)
+          parts[i].fail("robot", "moves twice in what goes on together; give each robot one element");
+    }
+    section.done();
+  }
+  if (motion.empty()) root.fail("", "lacks `motion`: a task has at least one motion element");
+  return motion;
+}
+
 void read_light(Section& section, Task& task) {
   if (section.choice("kind", {"rectangle", "sphere"}, 0) == 1)
     task.sphere_lights.push_back(read_all(sphere_light_fields(), section));

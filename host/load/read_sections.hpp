@@ -19,11 +19,12 @@ void add_materials(YamlSection& root, std::vector<VisualMaterial>& materials,
 // The same material with the names of its textures' files.
 MaterialSection with_files(const VisualMaterial& material, const std::vector<std::filesystem::path>& textures);
 
-GripperSection read_gripper(YamlSection& section, Task& task);  // its materials become the task's (task_file.cpp)
+// Its materials become the task's, whose own win (task_file.cpp).
+void add_gripper_materials(const GripperSection& gripper, Task& task);
 std::vector<VisualSection> read_visuals(YamlSection& section);  // the key `visuals`, if it is there
 void read_light(YamlSection& section, Task& task);
 
-RobotCell read_robot_cell(YamlSection& section, Task& task);  // `name`, `robot` and `gripper` of one of `robots`
+void add_robot_cell(const YamlSection& section, RobotCell cell, Task& task);  // one of `robots` (task_file.cpp)
 std::vector<MotionElement> read_motion(YamlSection& root, const std::vector<RobotCell>& robots);
 
 // What tasks and plain scenes share (task_file.cpp).

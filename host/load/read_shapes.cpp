@@ -1,158 +1,211 @@
 #include "host/load/read_shapes.hpp"
 
 #include <cstdint>
-#include <functional>
 #include <string>
 
 #include "host/base/error.hpp"
 #include "host/formats/mesh_files.hpp"
 #include "host/formats/tetgen.hpp"
 #include "host/geometry/primitive_shapes.hpp"
-#include "host/load/read_sections.hpp"
+#include "host/load/tables.hpp"
 
 namespace pvg {
 namespace {
 
+using Section = YamlSection;
 constexpr double SMALLEST = 1e-6;  // extent of a shape [m]
 constexpr int MOST_DIVISIONS = 512;
 constexpr double MOST_TETRAHEDRA = 1e6;  // of one body
 
-std::array<int, 3> read_divisions(YamlSection& section, const std::array<int, 3>& otherwise) {
-  if (!section.has("divisions")) return otherwise;
-  const Vec3 given = section.vector("divisions", Unit::none, 1, MOST_DIVISIONS);
-  for (const double value : given)
-    if (value != std::floor(value)) section.fail("divisions", "must hold whole numbers");
-  return {int(given.x()), int(given.y()), int(given.z())};
-}
-
-int read_nodes_per_element(YamlSection& section) {
-  return section.choice("nodes_per_element", {"4", "10"}, 1) == 0 ? 4 : 10;
-}
-
-TriangleMesh read_box(YamlSection& section) {
-  const Vec3 size = section.vector("size", Unit::length, SMALLEST, 2 * REACH);
-  return box_surface(size, read_divisions(section, {1, 1, 1}));
-}
-
-TriangleMesh read_sphere(YamlSection& section) {
-  const double radius = section.number("radius", Unit::length, SMALLEST, REACH);
-  return sphere_surface(radius, section.integer("subdivisions", 0, 7, 3));
-}
-
-TriangleMesh read_cylinder(YamlSection& section) {
-  const double radius = section.number("radius", Unit::length, SMALLEST, REACH);
-  const double length = section.number("length", Unit::length, SMALLEST, 2 * REACH);
-  return cylinder_surface(radius, length, section.integer("sides", 3, 4096, 32));
-}
-
-TriangleMesh read_hexahedron(YamlSection& section) {
-  const std::vector<double> flat = section.numbers("corners", Unit::length, -REACH, REACH);
-  if (flat.size() != 24) section.fail("corners", "must hold the 24 coordinates of eight points");
-  std::array<Vec3, 8> corners;
-  for (int i = 0; i < 8; ++i) corners[i] = Eigen::Map<const Vec3>(&flat[3 * i]);
-  try {
-    return hexahedron_surface(corners);
-  } catch (const UsageError& e) {
-    section.fail("corners", std::string("are wrong: ") + e.what());
+struct Box {
+  Vec3 size = Vec3::Zero();
+  std::array<int, 3> divisions = {1, 1, 1};
+};
+struct Sphere {
+  double radius = 0;
+  int subdivisions = 3;
+};
+struct Cylinder {
+  double radius = 0, length = 0;
+  int sides = 32;
+};
+struct Hexahedron {
+  std::array<double, 24> corners = {};
+  TriangleMesh surface() const {
+    std::array<Vec3, 8> points;
+    for (std::size_t i = 0; i < points.size(); ++i) points[i] = Eigen::Map<const Vec3>(&corners[3 * i]);
+    return hexahedron_surface(points);
   }
-}
-
-TriangleMesh read_square(YamlSection& section) {
-  return square_surface(section.number("size", Unit::length, SMALLEST, 2 * REACH));
-}
-
-TriangleMesh read_sheet(YamlSection& section) {
-  const std::vector<double> size = section.numbers("size", Unit::length, SMALLEST, 2 * REACH);
-  const std::vector<double> divisions = section.numbers("divisions", Unit::none, 1, MOST_DIVISIONS);
-  if (size.size() != 2) section.fail("size", "must hold two lengths");
-  if (divisions.size() != 2 || divisions[0] != std::floor(divisions[0]) || divisions[1] != std::floor(divisions[1]))
-    section.fail("divisions", "must hold two whole numbers");
-  return sheet_surface({size[0], size[1]}, {int(divisions[0]), int(divisions[1])});
-}
-
-TriangleMesh read_disc(YamlSection& section) {
-  const double radius = section.number("radius", Unit::length, SMALLEST, REACH);
-  return disc_surface(radius, section.integer("rings", 1, MOST_DIVISIONS));
-}
+};
+struct Square {
+  double size = 0;
+};
+struct Sheet {
+  std::array<double, 2> size = {};
+  std::array<int, 2> divisions = {};
+};
+struct Disc {
+  double radius = 0;
+  int rings = 0;
+};
+struct Bar : Box {
+  int nodes_per_element = TetgenOptions{}.nodes_per_element;
+};
+struct BallOctant {
+  double radius = 0;
+  int divisions = 8;
+  double grading = 1;
+  int nodes_per_element = TetgenOptions{}.nodes_per_element;
+};
+struct Filled {
+  TriangleMesh surface;
+  TetgenOptions options;
+  std::string file;
+};
 
 // six tetrahedra per cell
-void check_size(YamlSection& section, const std::array<int, 3>& divisions) {
+void check_size(const Section& section, const std::array<int, 3>& divisions) {
   const double n = 6.0 * divisions[0] * divisions[1] * divisions[2];
   if (n > MOST_TETRAHEDRA)
     section.fail("divisions", "make " + std::to_string(std::int64_t(n)) + " tetrahedra; at most a million are read");
 }
 
-TetMesh read_bar(YamlSection& section) {
-  const Vec3 size = section.vector("size", Unit::length, SMALLEST, 2 * REACH);
-  const std::array<int, 3> divisions = read_divisions(section, {1, 1, 1});
-  check_size(section, divisions);
-  return box_solid(size, divisions, read_nodes_per_element(section));
-}
-
-TetMesh read_ball_octant(YamlSection& section) {
-  const double radius = section.number("radius", Unit::length, SMALLEST, REACH);
-  const int n = section.integer("divisions", 1, 128, 8);
-  check_size(section, {n, n, n});
-  const double grading = section.number("grading", Unit::none, 1, 4, 1);
-  return ball_octant_solid(radius, n, grading, read_nodes_per_element(section));
-}
-
-TetMesh read_filled(YamlSection& section) {
-  TetgenOptions options;
-  options.max_volume = section.number("max_tetrahedron_volume", Unit::volume, 0, 1e6, 0);
-  options.radius_edge_ratio = section.number("radius_edge_ratio", Unit::none, 1.1, 10, options.radius_edge_ratio);
-  options.keeps_surface = section.boolean("keeps_surface", options.keeps_surface);
-  options.nodes_per_element = read_nodes_per_element(section);
-  return tetrahedralize(read_surface_shape(section.section("surface"), false), options, section.path().string());
-}
-
-template <class Mesh>
-using Readers = std::vector<std::pair<std::string, std::function<Mesh(YamlSection&)>>>;
-
-// the one key of `shape` names the reader
-template <class Mesh>
-Mesh read_one(YamlSection& shape, const Readers<Mesh>& readers) {
-  std::string names;
-  for (const auto& [name, read] : readers) {
-    names += (names.empty() ? "" : ", ") + name;
-    if (!shape.has(name)) continue;
-    YamlSection section = shape.section(name);
-    Mesh mesh = read(section);
-    section.done();
-    shape.done();
-    return mesh;
+void check_hexahedron(Section& section, Hexahedron& hexahedron) {
+  try {
+    hexahedron.surface();
+  } catch (const UsageError& e) {
+    section.fail("corners", std::string("are wrong: ") + e.what());
   }
-  shape.done();
-  shape.fail("", "must hold one of: " + names);
+}
+
+template <class T>
+Fields<T> radius_fields() {
+  return Fields<T>().number("radius", &T::radius, Unit::length, SMALLEST, REACH, "half its width").required();
+}
+
+const Fields<Box>& box_fields() {
+  static const Fields<Box> FIELDS =
+      Fields<Box>()
+          .number("size", &Box::size, Unit::length, SMALLEST, 2 * REACH, "along x, y, z")
+          .required()
+          .number("divisions", &Box::divisions, Unit::none, 1, MOST_DIVISIONS, "cells along x, y, z");
+  return FIELDS;
+}
+
+TriangleMesh surface_of_file(const std::filesystem::path& file, bool may_be_open) {
+  TriangleMesh surface = may_be_open ? read_surface(file) : read_closed_surface(file);
+  tell_of_size(surface, file.string());
+  return surface;
+}
+
+OneOf<TriangleMesh> surface_shapes(bool may_be_open) {
+  const auto sphere = radius_fields<Sphere>().number("subdivisions", &Sphere::subdivisions, Unit::none, 0, 7,
+                                                     "how often each triangle of an icosahedron is cut into four");
+  const auto cylinder = radius_fields<Cylinder>()
+                            .number("length", &Cylinder::length, Unit::length, SMALLEST, 2 * REACH, "along z")
+                            .required()
+                            .number("sides", &Cylinder::sides, Unit::none, 3, 4096, "corners of its circle");
+  const auto hexahedron = Fields<Hexahedron>()
+                              .number("corners", &Hexahedron::corners, Unit::length, -REACH, REACH,
+                                      "x, y, z of four corners, counter-clockwise seen from above, then of the four "
+                                      "above them")
+                              .required()
+                              .check(check_hexahedron);
+  return OneOf<TriangleMesh>()
+      .file(
+          "mesh", [=](const std::filesystem::path& file) { return surface_of_file(file, may_be_open); },
+          may_be_open ? "OBJ, STL, PLY or glTF" : "OBJ, STL, PLY or glTF; a closed surface")
+      .form(
+          "box", box_fields(), [](const Box& b) { return box_surface(b.size, b.divisions); }, "around the origin")
+      .form(
+          "sphere", sphere, [](const Sphere& s) { return sphere_surface(s.radius, s.subdivisions); },
+          "around the origin")
+      .form(
+          "cylinder", cylinder, [](const Cylinder& c) { return cylinder_surface(c.radius, c.length, c.sides); },
+          "around the origin, along z")
+      .form("hexahedron", hexahedron, std::mem_fn(&Hexahedron::surface), "of eight corners");
 }
 
 }  // namespace
 
-TriangleMesh read_surface_shape(YamlSection shape, bool may_be_open) {
-  if (shape.has("mesh")) {
-    const std::filesystem::path file = shape.file("mesh");
-    shape.done();
-    TriangleMesh surface = may_be_open ? read_surface(file) : read_closed_surface(file);
-    tell_of_size(surface, file.string());
-    return surface;
-  }
-  Readers<TriangleMesh> readers = {
-      {"box", read_box}, {"sphere", read_sphere}, {"cylinder", read_cylinder}, {"hexahedron", read_hexahedron}};
-  if (may_be_open) readers.push_back({"square", read_square});
-  return read_one<TriangleMesh>(shape, readers);
+const OneOf<TriangleMesh>& closed_shapes() {
+  static const OneOf<TriangleMesh> SHAPES = surface_shapes(false);
+  return SHAPES;
 }
 
-TriangleMesh read_sheet_shape(YamlSection shape) {
-  if (shape.has("mesh")) {
-    const std::filesystem::path file = shape.file("mesh");
-    shape.done();
-    return read_surface(file);
-  }
-  return read_one<TriangleMesh>(shape, {{"sheet", read_sheet}, {"disc", read_disc}});
+const OneOf<TriangleMesh>& open_shapes() {
+  static const OneOf<TriangleMesh> SHAPES = surface_shapes(true).form(
+      "square",
+      Fields<Square>().number("size", &Square::size, Unit::length, SMALLEST, 2 * REACH, "of its edges").required(),
+      [](const Square& s) { return square_surface(s.size); }, "in the plane z = 0");
+  return SHAPES;
 }
 
-TetMesh read_solid_shape(YamlSection shape) {
-  return read_one<TetMesh>(shape, {{"bar", read_bar}, {"ball_octant", read_ball_octant}, {"filled", read_filled}});
+const OneOf<TriangleMesh>& sheet_shapes() {
+  const auto sheet = Fields<Sheet>()
+                         .number("size", &Sheet::size, Unit::length, SMALLEST, 2 * REACH, "along x, y")
+                         .required()
+                         .number("divisions", &Sheet::divisions, Unit::none, 1, MOST_DIVISIONS, "cells along x, y")
+                         .required();
+  const auto disc =
+      radius_fields<Disc>().number("rings", &Disc::rings, Unit::none, 1, MOST_DIVISIONS, "of triangles").required();
+  static const OneOf<TriangleMesh> SHAPES =
+      OneOf<TriangleMesh>()
+          .file("mesh", read_surface, "OBJ, STL, PLY or glTF")
+          .form(
+              "sheet", sheet, [](const Sheet& s) { return sheet_surface(s.size, s.divisions); },
+              "in the plane z = 0; equal triangles, the most accurate")
+          .form(
+              "disc", disc, [](const Disc& d) { return disc_surface(d.radius, d.rings); }, "in the plane z = 0");
+  return SHAPES;
+}
+
+const OneOf<TetMesh>& solid_shapes() {
+  const auto bar = Fields<Bar>()
+                       .include(box_fields(), std::identity{})
+                       .include(nodes_per_element_fields(), &Bar::nodes_per_element)
+                       .check([](Section& s, Bar& b) { check_size(s, b.divisions); });
+  const auto octant = radius_fields<BallOctant>()
+                          .number("divisions", &BallOctant::divisions, Unit::none, 1, 128, "cells along each axis")
+                          .number("grading", &BallOctant::grading, Unit::none, 1, 4,
+                                  "exponent of the spacing; above 1 cells crowd around the pole on z")
+                          .include(nodes_per_element_fields(), &BallOctant::nodes_per_element)
+                          .check([](Section& s, BallOctant& b) {
+                            check_size(s, {b.divisions, b.divisions, b.divisions});
+                          });
+  const auto filled =
+      Fields<Filled>()
+          .custom(
+              {"surface", "", "", "a closed shape", "as of `rigid` bodies"},
+              [](Section& s, Filled& f) { f.surface = closed_shapes().read(s.section("surface")); }, nullptr)
+          .required()
+          .number(
+              "max_tetrahedron_volume", [](auto& f) -> auto& { return f.options.max_volume; }, Unit::volume, 0, 1e6,
+              "0: none")
+          .number(
+              "radius_edge_ratio", [](auto& f) -> auto& { return f.options.radius_edge_ratio; }, Unit::none, 1.1, 10,
+              "TetGen's -q")
+          .flag(
+              "keeps_surface", [](auto& f) -> auto& { return f.options.keeps_surface; },
+              "TetGen's -Y: adds no vertices on the surface")
+          .include(
+              nodes_per_element_fields(), [](auto& f) -> auto& { return f.options.nodes_per_element; })
+          .reads([](Section& s, Filled& f) { f.file = s.path().string(); });
+  static const OneOf<TetMesh> SHAPES =
+      OneOf<TetMesh>()
+          .form(
+              "bar", bar, [](const Bar& b) { return box_solid(b.size, b.divisions, b.nodes_per_element); },
+              "a box around the origin, six tetrahedra per cell")
+          .form(
+              "ball_octant", octant,
+              [](const BallOctant& b) {
+                return ball_octant_solid(b.radius, b.divisions, b.grading, b.nodes_per_element);
+              },
+              "the part x, y, z >= 0 of a ball around the origin")
+          .form(
+              "filled", filled, [](const Filled& f) { return tetrahedralize(f.surface, f.options, f.file); },
+              "the inside of a closed surface, by TetGen");
+  return SHAPES;
 }
 
 std::vector<std::uint32_t> read_points_within(YamlSection& section, const std::vector<Vec3>& points,

@@ -1,14 +1,14 @@
-// The section `shape` of a body of a scene file. Internal to the loaders.
+// The tables of the section `shape` of bodies and cloths. Internal to the loaders.
 #pragma once
 #include "host/geometry/mesh.hpp"
-#include "host/load/fields/yaml_section.hpp"
+#include "host/load/fields/one_of.hpp"
 
 namespace pvg {
 
-// may_be_open: a body that never moves needs no inside
-TriangleMesh read_surface_shape(YamlSection section, bool may_be_open);
-TetMesh read_solid_shape(YamlSection section);
-TriangleMesh read_sheet_shape(YamlSection section);  // of a cloth: open or closed
+const OneOf<TriangleMesh>& closed_shapes();  // of bodies that move
+const OneOf<TriangleMesh>& open_shapes();    // and of those that need no inside, because nothing moves them
+const OneOf<TetMesh>& solid_shapes();
+const OneOf<TriangleMesh>& sheet_shapes();  // of cloths: open or closed
 
 // Indices of the points inside a box: `low` and `high` of this section, in the frame of the points.
 std::vector<std::uint32_t> read_points_within(YamlSection& section, const std::vector<Vec3>& points,

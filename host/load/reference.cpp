@@ -3,6 +3,7 @@
 #include "host/load/captured_room.hpp"
 #include "host/load/read_bodies.hpp"
 #include "host/load/read_sections.hpp"
+#include "host/load/read_shapes.hpp"
 #include "host/load/scene_file.hpp"
 
 namespace pvg {
@@ -19,8 +20,8 @@ struct Page {
   std::string text;
 
   explicit Page(const std::string& title) : text("# " + title + "\n\n" + HEAD) {}
-  template <class T>
-  Page& section(const std::string& heading, const std::string& sentence, const Fields<T>& fields) {
+  template <class Table>
+  Page& section(const std::string& heading, const std::string& sentence, const Table& fields) {
     text += "\n## " + heading + "\n\n" + (sentence.empty() ? "" : sentence + "\n\n") + markdown_table(fields.texts(""));
     return *this;
   }
@@ -30,16 +31,25 @@ std::string scene_page() {
   return Page("Scene files: keys")
       .section("The file", "Also of tasks, with `schema: 1`; the time step of a task is at most 20 ms.",
                root_fields(LARGEST_SCENE_TIME_STEP))
+      .section("Surroundings", "", environment_fields())
       .section("Scene files alone",
-               "Besides `bodies`, `joints` and `stitches`, a scene file may hold `robots` as [tasks](task.md) do.",
+               "Besides them the lists `bodies`, `joints`, `stitches` and `robots`, and `robot` and `gripper` as in "
+               "[tasks](task.md).",
                scene_file_fields())
       .section("`bodies[]`", "", body_fields())
-      .section("`joints[]`", "Between two bodies.", scene_joint_fields())
+      .section("Shapes of bodies",
+               "One of them, in `shape`, of bodies that are neither `soft` nor `half_space`. Those "
+               "of kind `rigid` have no `square`, and their mesh is closed.",
+               open_shapes())
+      .section("Shapes of `soft` bodies", "One of them, in `shape`.", solid_shapes())
+      .section("`joints[]`", "Between two bodies that are not soft.", scene_joint_fields())
       .section("`stitches[]`", "Springs that hold a soft body or cloth.", stitch_fields())
+      .section("`robots[]`", "As those of tasks, with a path instead of a motion.", scene_robot_fields())
       .section("`contact`", "", contact_fields())
       .section("`solver`", "", solver_fields())
       .section("`objects[]`", "Rigid bodies of a mesh. A body that can move has `density` or `mass`.", object_fields())
       .section("`cloths[]`", "", cloth_fields())
+      .section("Shapes of cloths", "One of them, in `shape`.", sheet_shapes())
       .section("`pair_friction[]`", "", pair_friction_fields())
       .section("`effects[]`", "What else acts, by name.", effect_fields())
       .section("`materials[]`", "", material_fields())
@@ -55,10 +65,10 @@ std::string scene_page() {
 
 std::string task_page() {
   return Page("Task files: keys")
-      .section("`robot`",
-               "One arm, with `gripper: FILE` ([gripper](gripper.md)) beside it; or `robots`, a list of `{name, robot, "
-               "gripper}`. All sections of [scenes](scene.md) may stand in a task.",
-               robot_fields())
+      .section("`robot` and `gripper`",
+               "One arm, or several in `robots`. All sections of [scenes](scene.md) may stand in a task.",
+               carried_gripper_fields<Task>())
+      .section("`robots[]`", "", robot_cell_fields())
       .section("`joints[]`", "Between two objects.", task_joint_fields())
       .section("`motion[]`", "One after the other; `{together: [..]}` holds what several robots do at the same time.",
                motion_fields({}))

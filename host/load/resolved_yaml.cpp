@@ -19,25 +19,13 @@ void write_section(YamlWriter& w, const char* key, const Fields<T>& fields, cons
   w.end();
 }
 
-void write_robot(YamlWriter& w, const RobotSection& robot, const std::optional<GripperSection>& gripper) {
-  if (!robot.urdf.empty()) write_section(w, "robot", robot_fields(), robot);
-  if (gripper) write_section(w, "gripper", gripper_fields(), *gripper);
-}
-
-void read_robot(YamlSection& section, RobotSection& robot, std::optional<GripperSection>& gripper) {
-  if (section.has("robot")) robot = read_all(robot_fields(), section.section("robot"));
-  if (section.has("gripper")) gripper = read_all(gripper_fields(), section.section("gripper"));
-}
-
 void write_looks(YamlWriter& w, const Task& task) {
   write_section(w, "background", background_fields(), task.background);
   w.list("materials", task.materials,
          [&](const VisualMaterial& material) { material_fields().write(w, with_files(material, task.textures)); });
   write_list(w, "lights", rectangle_light_fields(), task.lights);
   write_list(w, "sphere_lights", sphere_light_fields(), task.sphere_lights);
-  w.vector("environment", task.environment);
-  w.path("environment_map", task.environment_map);
-  w.entry("environment_turn", task.environment_turn);
+  environment_fields().write(w, task);
   write_list(w, "cameras", camera_fields(), task.cameras);
   write_section(w, "render", render_fields(), task.render);
   write_section(w, "record", record_fields(), task.record);
@@ -56,13 +44,9 @@ void read_section(YamlSection& root, const char* key, const Fields<T>& fields, T
 std::string resolved_yaml(const Task& task, const TaskScene& built) {
   YamlWriter w(task.file.parent_path());
   w.entry("schema", 1);
-  w.entry("name", task.name);
-  w.entry("time_step", task.solver.time_step);
-  write_robot(w, task.robot, task.gripper);
-  w.list("robots", task.more_robots, [&](const RobotCell& cell) {
-    w.entry("name", cell.name);
-    write_robot(w, cell.robot, cell.gripper);
-  });
+  root_fields(LARGEST_TASK_TIME_STEP).write(w, task);
+  carried_gripper_fields<Task>().write(w, task);
+  write_list(w, "robots", robot_cell_fields(), task.more_robots);
   write_list(w, "objects", object_fields(), task.objects);
   write_list(w, "joints", task_joint_fields(), task.joints);
   write_list(w, "cloths", cloth_fields(), task.cloths);
@@ -85,16 +69,9 @@ Task read_resolved(const std::string& text, const std::filesystem::path& file) {
   YamlSection root = YamlSection::resolved(text, file);
   Task task;
   task.file = file;
-  if (root.has("name")) task.name = root.text("name");
-  if (root.has("time_step")) task.solver.time_step = root.number("time_step", Unit::time, 0, 1);
-  read_robot(root, task.robot, task.gripper);
-  for (YamlSection& section : root.sections("robots")) {
-    RobotCell cell;
-    if (section.has("name")) cell.name = section.text("name");
-    read_robot(section, cell.robot, cell.gripper);
-    section.done();
-    task.more_robots.push_back(std::move(cell));
-  }
+  root_fields(LARGEST_TASK_TIME_STEP).read(root, task);
+  carried_gripper_fields<Task>().read(root, task);
+  read_list(root, "robots", robot_cell_fields(), task.more_robots);
   read_list(root, "objects", object_fields(), task.objects);
   read_list(root, "joints", task_joint_fields(), task.joints);
   read_list(root, "cloths", cloth_fields(), task.cloths);
@@ -110,9 +87,7 @@ Task read_resolved(const std::string& text, const std::filesystem::path& file) {
   add_materials(root, task.materials, &task.textures);
   read_list(root, "lights", rectangle_light_fields(), task.lights);
   read_list(root, "sphere_lights", sphere_light_fields(), task.sphere_lights);
-  if (root.has("environment")) task.environment = root.vector("environment", Unit::radiance, 0, 1e6).cast<float>();
-  if (root.has("environment_map")) task.environment_map = root.file("environment_map");
-  if (root.has("environment_turn")) task.environment_turn = root.number("environment_turn", Unit::angle, 0, 1);
+  environment_fields().read(root, task);
   read_list(root, "cameras", camera_fields(), task.cameras);
   read_section(root, "render", render_fields(), task.render);
   read_section(root, "record", record_fields(), task.record);

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
+#include <functional>
 
 #include "host/base/error.hpp"
 #include "host/base/files.hpp"
@@ -43,21 +42,22 @@ void add_body_visuals(Scene& scene, const BodyVisuals& body, int first_rigid, in
   if (body.display.width > 0) add_display(scene, body.display, visual.rigid, 1);
 }
 
-void read_cell(YamlSection& section, SceneFile& file) {
-  RobotCell cell = read_robot_cell(section, file.task);
-  RobotPath path;
-  for (YamlSection& point : section.sections("path")) {
-    path.time.push_back(point.number("time", Unit::time, 0, 1e6));
-    if (path.time.size() > 1 && !(path.time.back() > path.time.end()[-2])) point.fail("time", "must ascend");
-    path.joints.push_back(point.numbers("joints", Unit::angle, -1e3, 1e3));
-    if (path.joints.back().size() != cell.robot.home.size())
-      point.fail("joints", "must hold as many numbers as the robot's `home`");
-    if (cell.gripper) path.gripper.push_back(point.number("gripper", Unit::length, 0, 1, cell.gripper->open));
-    point.done();
+void check_last_point(YamlSection& section, SceneRobot& robot) {
+  RobotPathPoint& point = robot.path.back();
+  if (robot.path.size() > 1 && !(point.time > robot.path.end()[-2].time)) section.fail("time", "must ascend");
+  if (point.joints.size() != robot.cell.robot.home.size())
+    section.fail("joints", "must hold as many numbers as the robot's `home`");
+  if (point.gripper && !robot.cell.gripper) section.fail("gripper", "is of no use: the robot carries none");
+  if (!point.gripper && robot.cell.gripper) point.gripper = robot.cell.gripper->open;
+}
+
+TargetTable targets_along(const RobotPath& path, const std::function<double(const RobotPathPoint&)>& value) {
+  TargetTable table;
+  for (const RobotPathPoint& point : path) {
+    table.time.push_back(point.time);
+    table.value.push_back(value(point));
   }
-  section.done();
-  file.task.more_robots.push_back(std::move(cell));
-  file.paths.push_back(std::move(path));
+  return table;
 }
 
 // Of all driven joints of the robots: their paths, or where they start.
@@ -67,14 +67,12 @@ std::vector<TargetTable> robot_targets(const TaskScene& built, const std::vector
   std::vector<TargetTable> of_joint;
   for (const Joint& joint : joints) of_joint.push_back({{0}, {joint.initial}});
   for (std::size_t r = 0; r < paths.size(); ++r) {
-    if (paths[r].time.empty()) continue;
+    if (paths[r].empty()) continue;
     const BuiltRobot& robot = built.robots[r + n_before];
-    for (std::size_t k = 0; k < robot.arm.size(); ++k) {
-      TargetTable& table = of_joint[std::size_t(robot.arm[k])];
-      table = {paths[r].time, {}};
-      for (const std::vector<double>& point : paths[r].joints) table.value.push_back(point[k]);
-    }
-    for (const int joint : robot.gripper) of_joint[std::size_t(joint)] = {paths[r].time, paths[r].gripper};
+    for (std::size_t k = 0; k < robot.arm.size(); ++k)
+      of_joint[std::size_t(robot.arm[k])] = targets_along(paths[r], [k](const auto& point) { return point.joints[k]; });
+    for (const int joint : robot.gripper)
+      of_joint[std::size_t(joint)] = targets_along(paths[r], [](const auto& point) { return *point.gripper; });
   }
   std::vector<TargetTable> targets;
   for (std::size_t j = 0; j < joints.size(); ++j)
@@ -105,12 +103,33 @@ const Fields<SceneFile>& scene_file_fields() {
   return FIELDS;
 }
 
+const Fields<SceneRobot>& scene_robot_fields() {
+  using P = RobotPathPoint;
+  static const Fields<P> POINT =
+      Fields<P>()
+          .number("time", &P::time, Unit::time, 0, 1e6, "ascending; straight lines in joint space between")
+          .required()
+          .number("joints", &P::joints, Unit::angle, -1e3, 1e3, "a number per joint of the arm")
+          .required()
+          .number("gripper", &P::gripper, Unit::length, 0, 1, "position of the gripper's joints")
+          .otherwise("`open` of the gripper");
+  static const Fields<SceneRobot> FIELDS =
+      Fields<SceneRobot>()
+          .include(robot_cell_fields(), &SceneRobot::cell)
+          .list("path", &SceneRobot::path, POINT, "where its drives are told to be; none: at `home`", check_last_point);
+  return FIELDS;
+}
+
 SceneFile load_scene_file(const std::filesystem::path& path) {
   YamlSection root = YamlSection::load(path, "scene file");
   SceneFile file;
   file.task = read_scene_sections(root, LARGEST_SCENE_TIME_STEP);
   scene_file_fields().read(root, file);
-  for (YamlSection& section : root.sections("robots")) read_cell(section, file);
+  for (const YamlSection& section : root.sections("robots")) {
+    SceneRobot robot = read_all(scene_robot_fields(), section);
+    add_robot_cell(section, std::move(robot.cell), file.task);
+    file.paths.push_back(std::move(robot.path));
+  }
   for (YamlSection& section : root.sections("bodies")) read_body(section, file);
   for (YamlSection& section : root.sections("joints")) read_joint(section, file);
   for (YamlSection& section : root.sections("stitches")) read_stitch(section, file);

@@ -25,9 +25,10 @@
 //     - {name: left, robot: {.. as in tasks ..}, gripper: FILE, path: [{time: 1 s, joints: [..], gripper: 40 mm}, ..]}
 //
 // Shapes of rigid and static bodies: mesh (a file), box, sphere, cylinder, hexahedron, square (static only); of soft
-// ones: bar, ball_octant, or a closed one, which tetgen fills (`solid`). Cloths: table_physics.cpp.
+// ones: bar, ball_octant, or a closed one, which tetgen fills (`filled`): read_shapes.cpp. Cloths: table_physics.cpp.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "host/load/fields/fields.hpp"
@@ -41,11 +42,18 @@ struct TargetTable {
   double at(double t) const;
 };
 
-// Where one of `robots` is told to be: straight lines in joint space between these points; empty: at home.
-struct RobotPath {
-  std::vector<double> time;                 // ascending [s]
-  std::vector<std::vector<double>> joints;  // [n_points][n_arm, rad or m]
-  std::vector<double> gripper;              // [n_points, m]
+// Where one of `robots` is told to be: straight lines in joint space between these points; none: at home.
+struct RobotPathPoint {
+  double time = 0;                // ascending [s]
+  std::vector<double> joints;     // [n_arm, rad or m]
+  std::optional<double> gripper;  // of a robot with one [m]
+};
+using RobotPath = std::vector<RobotPathPoint>;
+
+// One of `robots`.
+struct SceneRobot {
+  RobotCell cell;
+  RobotPath path;
 };
 
 // What is seen of one of `bodies`.
@@ -66,6 +74,7 @@ struct SceneFile {
 };
 
 const Fields<SceneFile>& scene_file_fields();  // what tasks do not have
+const Fields<SceneRobot>& scene_robot_fields();
 
 SceneFile load_scene_file(const std::filesystem::path& file);
 

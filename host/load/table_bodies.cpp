@@ -8,10 +8,8 @@ namespace {
 
 using Section = YamlSection;
 using Kind = BodySection::Kind;
-constexpr double FASTEST = 1e3;         // [m/s]
-constexpr double MOST_TURNS = 1e4;      // [rad/s]
-constexpr double LARGEST_ANGLE = 1e3;   // of a joint, counted in turns [rad]
-constexpr double LARGEST_DRIVE = 1e12;  // stiffness, damping, effort
+constexpr double FASTEST = 1e3;     // [m/s]
+constexpr double MOST_TURNS = 1e4;  // [rad/s]
 
 auto is_kind(std::initializer_list<Kind> kinds) {
   return [kinds = std::vector<Kind>(kinds)](const BodySection& body) {
@@ -26,16 +24,10 @@ void read_inertia(Section& section, BodySection& body) {
     section.fail("inertia", "has a moment above the sum of the two others, which no body can have");
 }
 
-void read_path(Section& section, BodySection& body) {
-  if (section.has("pose")) section.fail("pose", "must not stand beside `path`, which says where the body starts");
-  for (Section& point : section.sections("path")) {
-    body.path.push_back({point.number("time", Unit::time, 0, 1e6), read_pose(point)});
-    if (body.path.size() == 1 ? body.path[0].time != 0 : !(body.path.back().time > body.path.end()[-2].time))
-      point.fail("time", "must be 0 at the first point of a path and ascend from there");
-    point.done();
-  }
-  if (body.path.empty()) section.fail("path", "must hold at least one point");
-  body.pose = body.path[0].pose;
+void check_last_point(Section& section, BodySection& body) {
+  const std::vector<PathPoint>& path = body.path;
+  if (path.size() == 1 ? path[0].time != 0 : !(path.back().time > path.end()[-2].time))
+    section.fail("time", "must be 0 at the first point of a path and ascend from there");
 }
 
 void check_body(Section& section, BodySection& body) {
@@ -44,44 +36,29 @@ void check_body(Section& section, BodySection& body) {
     section.fail("", "must have either `density` or `mass`, because it can move");
   }
   if (!(body.normal.norm() > 1e-9)) section.fail("normal", "must not have the length zero");
+  if (body.kind != Kind::moving || !section.has("path")) return;
+  if (section.has("pose")) section.fail("pose", "must not stand beside `path`, which says where the body starts");
+  if (body.path.empty()) section.fail("path", "must hold at least one point");
+  body.pose = body.path[0].pose;
 }
 
 // ---- joints
 
-template <class Part>
-bool turns(const Part& part) {
-  return part.type == Joint::Type::revolute;
-}
-bool has_coordinate(const SceneJointSection& j) { return turns(j.joint) || j.joint.type == Joint::Type::prismatic; }
-Unit coordinate_unit(const SceneJointSection& j) { return turns(j.joint) ? Unit::angle : Unit::length; }
-double largest_coordinate(Joint::Type type) { return type == Joint::Type::revolute ? LARGEST_ANGLE : REACH; }
-
-void read_limits(Section& section, SceneJointSection& read) {
-  Joint& joint = read.joint;
-  const double largest = largest_coordinate(joint.type);
-  const std::vector<double> limits = section.numbers("limits", coordinate_unit(read), -largest, largest);
-  if (limits.size() != 2 || !(limits[0] < limits[1])) section.fail("limits", "must be [lowest, highest]");
-  joint.lower = limits[0];
-  joint.upper = limits[1];
-  if (joint.initial < joint.lower || joint.initial > joint.upper)
-    section.fail("limits", "do not hold the joint's `initial` position");
-}
-
 void read_initial(Section& section, SceneJointSection& read) {
   const double largest = largest_coordinate(read.joint.type);
-  read.joint.initial = section.number("initial", coordinate_unit(read), -largest, largest);
+  read.joint.initial = section.number("initial", coordinate_unit(read.joint.type), -largest, largest);
 }
 
 void read_target(Section& section, DriveSection& drive) {
-  const bool is_turn = turns(drive);
-  Unit unit = is_turn ? Unit::angle : Unit::length;
+  const bool is_turn = turns(drive.type);
+  Unit unit = coordinate_unit(drive.type);
   double largest = largest_coordinate(drive.type);
   if (drive.drive.mode == Drive::Mode::velocity) {
     unit = is_turn ? Unit::angular_speed : Unit::speed;
     largest = is_turn ? MOST_TURNS : FASTEST;
   } else if (drive.drive.mode == Drive::Mode::torque) {
     unit = is_turn ? Unit::torque : Unit::force;
-    largest = LARGEST_DRIVE;
+    largest = LARGEST_JOINT_NUMBER;
   }
   if (!section.has("target_times")) {
     drive.target = {{0}, {section.number("target", unit, -largest, largest)}};
@@ -110,17 +87,18 @@ const Fields<DriveSection>& drive_fields() {
               "what the target is of")
           .number(
               "stiffness", [](auto& d) -> auto& { return d.drive.stiffness; },
-              [](const D& d) { return turns(d) ? Unit::angular_stiffness : Unit::stiffness; }, "N m/rad or N/m", 0,
-              LARGEST_DRIVE, "toward the target")
+              [](const D& d) { return turns(d.type) ? Unit::angular_stiffness : Unit::stiffness; }, "N m/rad or N/m", 0,
+              LARGEST_JOINT_NUMBER, "toward the target")
           .when([](const D& d) { return d.drive.mode == Mode::position; }, "`position`")
           .number(
               "damping", [](auto& d) -> auto& { return d.drive.damping; },
-              [](const D& d) { return turns(d) ? Unit::angular_damping : Unit::damping; }, "N m s/rad or N s/m", 0,
-              LARGEST_DRIVE, "toward the target's rate")
+              [](const D& d) { return turns(d.type) ? Unit::angular_damping : Unit::damping; }, "N m s/rad or N s/m", 0,
+              LARGEST_JOINT_NUMBER, "toward the target's rate")
           .when([](const D& d) { return d.drive.mode != Mode::torque; }, "`position`, `velocity`")
           .number(
               "effort_limit", [](auto& d) -> auto& { return d.drive.effort_limit; },
-              [](const D& d) { return turns(d) ? Unit::torque : Unit::force; }, "N m or N", 0, LARGEST_DRIVE, "0: none")
+              [](const D& d) { return turns(d.type) ? Unit::torque : Unit::force; }, "N m or N", 0,
+              LARGEST_JOINT_NUMBER, "0: none")
           .flag(
               "compensates_gravity", [](auto& d) -> auto& { return d.drive.compensates_gravity; },
               "adds the effort that holds what the joint carries")
@@ -145,6 +123,11 @@ const Fields<BodySection>& body_fields() {
   const auto has_shape = is_kind({Kind::rigid, Kind::soft, Kind::fixed, Kind::moving});
   const auto has_surface = is_kind({Kind::rigid, Kind::fixed, Kind::moving});
   const std::string half_space = "`half_space`", surfaces = "not `soft`, `half_space`";
+  static const Fields<PathPoint> POINT =
+      Fields<PathPoint>()
+          .number("time", &PathPoint::time, Unit::time, 0, 1e6, "0 at the first point, then ascending")
+          .required()
+          .own_pose(&PathPoint::pose, "of the body");
   static const Fields<B> FIELDS =
       Fields<B>()
           .name(&B::name, "of the body")
@@ -152,12 +135,12 @@ const Fields<BodySection>& body_fields() {
                   "`static` never moves; `moving` goes its way whatever it meets; a half space fills all below a plane")
           .required()
           .custom(
-              {"shape", "", "", "one of the shapes below", "its form, in its own frame"},
+              {"shape", "", "", "one of [these](#shapes-of-bodies)", "its form, in its own frame"},
               [=](Section& s, B& b) {
                 if (is_soft(b))
-                  b.solid = read_solid_shape(s.section("shape"));
+                  b.solid = solid_shapes().read(s.section("shape"));
                 else
-                  b.surface = read_surface_shape(s.section("shape"), !is_rigid(b));
+                  b.surface = (is_rigid(b) ? closed_shapes() : open_shapes()).read(s.section("shape"));
               },
               nullptr)
           .required()
@@ -179,9 +162,7 @@ const Fields<BodySection>& body_fields() {
           .when(has_shape, "not `half_space`")
           .number("affine_modulus", &B::affine_modulus, Unit::pressure, 1e3, 1e13, "keeps it rigid")
           .when(is_rigid, "`rigid`")
-          .custom({"path", "", "none", "list of `{time, position, rotation}`",
-                   "replaces `pose` and velocities; the first time is 0; straight lines between"},
-                  read_path, nullptr)
+          .list("path", &B::path, POINT, "replaces `pose` and velocities; straight lines between", check_last_point)
           .when(is_moving, "`moving`")
           .number("velocity", &B::velocity, Unit::speed, -FASTEST, FASTEST, "at the start; of `moving` for ever")
           .when([=](const B& b) { return is_rigid(b) || is_soft(b) || (is_moving(b) && b.path.empty()); },
@@ -206,47 +187,20 @@ const Fields<SceneJointSection>& scene_joint_fields() {
   const std::string coordinate = "`revolute`, `prismatic`";
   static const Fields<J> FIELDS =
       Fields<J>()
-          .name(
-              [](auto& j) -> auto& { return j.joint.name; }, "of the joint")
-          .choice(
-              "type", [](auto& j) -> auto& { return j.joint.type; }, {"fixed", "revolute", "prismatic", "spherical"},
-              "what it leaves free")
-          .required()
-          .text("parent", &J::parent, "a body that is not soft")
-          .required()
-          .text("child", &J::child, "another one, which it lets move")
-          .required()
+          .include(joint_ends_fields(), std::identity{})
           .number(
               "stiffness", [](auto& j) -> auto& { return j.joint.stiffness; }, Unit::stiffness, 1e-3, 1e13,
               "of the constraint itself")
-          .number(
-              "axis", [](auto& j) -> auto& { return j.joint.axis; }, Unit::none, -1e6, 1e6,
-              "in the joint's frame; of any length")
-          .required()
-          .when(has_coordinate, coordinate)
-          .reads([](Section& s, J& j) {
-            if (!(j.joint.axis.norm() > 1e-9)) s.fail("axis", "must not have the length zero");
-            j.joint.axis.normalize();
-          })
           .custom({"initial", "rad or m", "0", "-1000 to 1000 rad, -100 to 100 m", "coordinate at the start"},
                   read_initial, nullptr)
           .when(has_coordinate, coordinate)
-          .custom({"limits", "rad or m", "none", "as `initial`", "`[lowest, highest]` of the coordinate"}, read_limits,
-                  nullptr)
-          .when(has_coordinate, coordinate)
+          .include(joint_frame_fields(), std::identity{})
           .number(
               "limit_stiffness", [](auto& j) -> auto& { return j.joint.limit_stiffness; },
-              [](const J& j) { return turns(j.joint) ? Unit::angular_stiffness : Unit::stiffness; }, "N m/rad or N/m",
-              1e-3, 1e12, "with `limits`, of the stops")
+              [](const J& j) { return turns(j.joint.type) ? Unit::angular_stiffness : Unit::stiffness; },
+              "N m/rad or N/m", 1e-3, 1e12, "with `limits`, of the stops")
           .when([](const J& j) { return j.joint.lower < j.joint.upper; }, coordinate)
           .otherwise("1e5 N m/rad, 1e6 N/m")
-          .number(
-              "damping", [](auto& j) -> auto& { return j.joint.damping; },
-              [](const J& j) { return turns(j.joint) ? Unit::angular_damping : Unit::damping; }, "N m s/rad or N s/m",
-              0, LARGEST_DRIVE, "of the joint itself")
-          .when(has_coordinate, coordinate)
-          .pose(
-              "parent_frame", [](auto& j) -> auto& { return j.joint.parent_frame; }, "the joint in the parent's frame")
           .custom(
               {"child_frame", "m, rad", "as the bodies start", "`{position, rotation}`",
                "the joint in the child's frame; must meet `parent_frame` at the start"},

@@ -168,7 +168,7 @@ const Fields<ClothSection>& cloth_fields() {
   const auto shape = [](Section& section, C& read) {
     Section inner = section.section("shape");
     if (inner.has("mesh")) read.mesh = inner.file("mesh");
-    read.cloth.mesh = read_sheet_shape(inner);
+    read.cloth.mesh = sheet_shapes().read(inner);
   };
   // the mesh itself is not part of a configuration
   const auto nothing = [](Section&, C&) {};
@@ -176,10 +176,7 @@ const Fields<ClothSection>& cloth_fields() {
       Fields<C>()
           .name(
               [](auto& c) -> auto& { return c.cloth.name; }, "of the cloth")
-          .custom({"shape", "", "required", "mapping",
-                   "`{sheet: {size: [x, y], divisions: [n, m]}}` (equal triangles, the most accurate), "
-                   "`{disc: {radius, rings}}` or `{mesh: FILE}`"},
-                  shape, nullptr)
+          .custom({"shape", "", "", "one of [these](#shapes-of-cloths)", "its form, in its own frame"}, shape, nullptr)
           .required()
           .file("mesh", &C::mesh, "the file of its shape")
           .only_resolved()

@@ -60,12 +60,7 @@ const Fields<FingerSection>& tetgen_fields() {
                   "bound of a tetrahedron's volume; 0: none")
           .number("radius_edge_ratio", &F::radius_edge_ratio, Unit::none, 1.1, 100, "TetGen's -q")
           .flag("keeps_surface", &F::keeps_surface, "TetGen's -Y: adds no vertices on the surface")
-          .number("nodes_per_element", &F::nodes_per_element, Unit::none, 4, 10,
-                  "4 or 10; four-node tetrahedra make thin ribs several times too stiff")
-          .check([](Section& section, F& finger) {
-            if (finger.nodes_per_element != 4 && finger.nodes_per_element != 10)
-              section.fail("nodes_per_element", "must be 4 or 10");
-          });
+          .include(nodes_per_element_fields(), &F::nodes_per_element);
   return FIELDS;
 }
 
@@ -86,6 +81,18 @@ void check_object(Section& section, ObjectSection& object) {
 }
 
 }  // namespace
+
+const Fields<int>& nodes_per_element_fields() {
+  static const Fields<int> FIELDS = Fields<int>()
+                                        .number("nodes_per_element", std::identity{}, Unit::none, 4, 10,
+                                                "4 or 10; four-node tetrahedra make thin ribs several times too stiff")
+                                        .otherwise("10")
+                                        .check([](Section& section, int& nodes) {
+                                          if (nodes != 4 && nodes != 10)
+                                            section.fail("nodes_per_element", "must be 4 or 10");
+                                        });
+  return FIELDS;
+}
 
 const Fields<RobotSection>& robot_fields() {
   using R = RobotSection;
@@ -129,6 +136,18 @@ const Fields<FingerSection>& finger_fields() {
           .required()
           .section("tetgen", std::identity{}, tetgen_fields(), "how it is filled with tetrahedra")
           .list("visuals", &F::visuals, visual_fields(), "carried by its tetrahedra; none: its own surface is seen");
+  return FIELDS;
+}
+
+const Fields<RobotCell>& robot_cell_fields() {
+  using C = RobotCell;
+  static const Fields<C> FIELDS = Fields<C>()
+                                      .name(&C::name, "of the robot; its bodies and joints are `NAME/link`")
+                                      .include(carried_gripper_fields<C>(), std::identity{})
+                                      .check([](Section& section, C& cell) {
+                                        if (cell.robot.urdf.empty())
+                                          section.section("robot");  // says that it is missing
+                                      });
   return FIELDS;
 }
 

@@ -1,5 +1,5 @@
-// The sections that only tasks have: joints, motion, success, failure. A resolved configuration counts robots, a file
-// names them.
+// The sections that only tasks have, but for joints: motion, success, failure. A resolved configuration counts robots,
+// a file names them.
 #include <numbers>
 
 #include "host/load/tables.hpp"
@@ -30,19 +30,6 @@ void demand_robot(Section& section, std::size_t n_robots, const std::string& wha
 void normalize_axis(Section& section, Vec3& axis) {
   if (!(axis.norm() > 1e-9)) section.fail("axis", "must not have the length zero");
   axis.normalize();
-}
-
-// ---- joints
-
-bool turns(const JointSection& section) { return section.joint.type == Joint::Type::revolute; }
-bool moves(const JointSection& section) { return turns(section) || section.joint.type == Joint::Type::prismatic; }
-
-void read_limits(Section& section, JointSection& read) {
-  const std::vector<double> limits = section.numbers("limits", turns(read) ? Unit::angle : Unit::length, -1e3, 1e3);
-  if (limits.size() != 2 || !(limits[0] <= 0 && 0 <= limits[1] && limits[0] < limits[1]))
-    section.fail("limits", "must be [lowest, highest] around 0, where the joint starts");
-  read.joint.lower = limits[0];
-  read.joint.upper = limits[1];
 }
 
 // ---- motion
@@ -110,45 +97,6 @@ const Fields<RecordSection>& record_fields() {
       "states", &RecordSection::states, RECORDED_STATES,
       "nodes of soft bodies in states.h5: `full` is every bit, `float32` rounds to less than a micrometre, `frames` "
       "keeps these of pictures only; see [states.h5](states.md#size)");
-  return FIELDS;
-}
-
-const Fields<JointSection>& task_joint_fields() {
-  using J = JointSection;
-  static const Fields<J> FIELDS =
-      Fields<J>()
-          .name(
-              [](auto& j) -> auto& { return j.joint.name; }, "of the joint")
-          .choice(
-              "type", [](auto& j) -> auto& { return j.joint.type; }, {"fixed", "revolute", "prismatic", "spherical"},
-              "what it leaves free")
-          .required()
-          .text("parent", &J::parent, "an object")
-          .required()
-          .text("child", &J::child, "an object, which it lets move")
-          .required()
-          .number(
-              "axis", [](auto& j) -> auto& { return j.joint.axis; }, Unit::none, -1e6, 1e6,
-              "in the joint's frame; of any length")
-          .required()
-          .when(moves, "`revolute`, `prismatic`")
-          .reads([](Section& s, J& j) { normalize_axis(s, j.joint.axis); })
-          .custom({"limits", "rad or m", "none", "-1000 to 1000", "`[lowest, highest]` around 0, where it starts"},
-                  read_limits, nullptr)
-          .when(moves, "`revolute`, `prismatic`")
-          .number(
-              "lower", [](auto& j) -> auto& { return j.joint.lower; }, Unit::none, -1e3, 1e3, "the lowest")
-          .only_resolved()
-          .number(
-              "upper", [](auto& j) -> auto& { return j.joint.upper; }, Unit::none, -1e3, 1e3, "the highest")
-          .only_resolved()
-          .number(
-              "damping", [](auto& j) -> auto& { return j.joint.damping; },
-              [](const J& j) { return turns(j) ? Unit::angular_damping : Unit::damping; }, "N m s/rad or N s/m", 0, 1e9,
-              "of the joint itself")
-          .when(moves, "`revolute`, `prismatic`")
-          .pose(
-              "parent_frame", [](auto& j) -> auto& { return j.joint.parent_frame; }, "the joint in the parent's frame");
   return FIELDS;
 }
 

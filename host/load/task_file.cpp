@@ -91,34 +91,40 @@ void check_names(const Section& root, const Task& task, const std::vector<std::s
   }
 }
 
-GripperSection read_gripper(Section& section, Task& task) {
-  GripperSection gripper = load_gripper(section.file("gripper"));
-  for (const VisualMaterial& material : gripper.materials) {  // the task's own win
+void add_gripper_materials(const GripperSection& gripper, Task& task) {
+  for (const VisualMaterial& material : gripper.materials)
     if (!find_named(task.materials, material.name)) task.materials.push_back(material);
-  }
-  return gripper;
 }
 
 Fields<Task> root_fields(double largest_time_step) {
-  const auto map = Fields<Task>()
-                       .file("file", &Task::environment_map,
-                             ".hdr, .exr, or 8 bits (sRGB); equirectangular, z up, +x in "
-                             "the middle, +y to the left")
-                       .required()
-                       .number("turn", &Task::environment_turn, Unit::angle, -2 * PI, 2 * PI, "about z");
   return Fields<Task>()
       .name(&Task::name, "of the scene or task")
       .number(
           "time_step", [](auto& task) -> auto& { return task.solver.time_step; }, Unit::time, 1e-6, largest_time_step,
           "of the simulation")
-      .required()
-      .section("environment_map", std::identity{}, map, "picture of the surroundings")
-      .only_file()
-      .then([](Task& task) { task.environment = task.environment_map.empty() ? Vec3f::Zero() : Vec3f::Ones(); })
-      .number("environment", &Task::environment, Unit::radiance, 0, 1e6,
-              "radiance where nothing is; with a map the scale of its picture")
-      .otherwise("0, with a map 1")
-      .only_file();
+      .required();
+}
+
+const Fields<Task>& environment_fields() {
+  static const Fields<Task> MAP = Fields<Task>()
+                                      .file("file", &Task::environment_map,
+                                            ".hdr, .exr, or 8 bits (sRGB); equirectangular, z up, +x in the middle, "
+                                            "+y to the left")
+                                      .required()
+                                      .number("turn", &Task::environment_turn, Unit::angle, -2 * PI, 2 * PI, "about z");
+  static const Fields<Task> FIELDS =
+      Fields<Task>()
+          .section("environment_map", std::identity{}, MAP, "picture of the surroundings")
+          .only_file()
+          .then([](Task& task) { task.environment = task.environment_map.empty() ? Vec3f::Zero() : Vec3f::Ones(); })
+          .number("environment", &Task::environment, Unit::radiance, 0, 1e6,
+                  "radiance where nothing is; with a map the scale of its picture")
+          .otherwise("0, with a map 1")
+          .file("environment_map", &Task::environment_map, "picture of the surroundings")
+          .only_resolved()
+          .number("environment_turn", &Task::environment_turn, Unit::angle, -2 * PI, 2 * PI, "about z")
+          .only_resolved();
+  return FIELDS;
 }
 
 Task read_scene_sections(Section& root, double largest_time_step) {
@@ -127,13 +133,11 @@ Task read_scene_sections(Section& root, double largest_time_step) {
   check_schema(root);
   read_if_there(root, "solver", solver_fields(), task.solver);
   root_fields(largest_time_step).read(root, task);
+  environment_fields().read(root, task);
   read_if_there(root, "contact", contact_fields(), task.contact);
-  read_if_there(root, "robot", robot_fields(), task.robot);
+  carried_gripper_fields<Task>().read(root, task);
   add_materials(root, task.materials, &task.textures);
-  if (root.has("gripper")) {
-    if (task.robot.urdf.empty()) root.fail("gripper", "needs a `robot` that carries it");
-    task.gripper = read_gripper(root, task);
-  }
+  if (task.gripper) add_gripper_materials(*task.gripper, task);
   read_list(root, "objects", object_fields(), task.objects);
   read_list(root, "cloths", cloth_fields(), task.cloths);
   read_list(root, "pair_friction", pair_friction_fields(), task.pair_friction);
@@ -185,13 +189,10 @@ void check_condition_names(const Section& root, const Task& task) {
 
 }  // namespace
 
-RobotCell read_robot_cell(Section& section, Task& task) {
-  RobotCell cell;
-  cell.name = section.name();
+void add_robot_cell(const Section& section, RobotCell cell, Task& task) {
   if (find_named(task.more_robots, cell.name)) section.fail("name", "`" + cell.name + "` is taken by a robot above");
-  cell.robot = read_all(robot_fields(), section.section("robot"));
-  if (section.has("gripper")) cell.gripper = read_gripper(section, task);
-  return cell;
+  if (cell.gripper) add_gripper_materials(*cell.gripper, task);
+  task.more_robots.push_back(std::move(cell));
 }
 
 Task load_task(const std::filesystem::path& file) {
@@ -199,10 +200,8 @@ Task load_task(const std::filesystem::path& file) {
   Task task = read_scene_sections(root, LARGEST_TASK_TIME_STEP);
   if (root.has("robots")) {
     if (root.has("robot")) root.fail("robots", "and `robot` exclude each other");
-    for (Section& section : root.sections("robots")) {
-      task.more_robots.push_back(read_robot_cell(section, task));
-      section.done();
-    }
+    for (const Section& section : root.sections("robots"))
+      add_robot_cell(section, read_all(robot_cell_fields(), section), task);
   }
   std::vector<std::string> robots;
   for (const RobotCell& robot : robots_of(task)) {

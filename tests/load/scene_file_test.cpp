@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "host/base/error.hpp"
+#include "host/base/files.hpp"
 #include "host/load/build_scene.hpp"
 
 namespace pvg {
@@ -267,6 +268,11 @@ TEST_F(SceneFiles, MistakesAreNamed) {
   expect_refused("kind: static", "kind: liquid", 7, "`bodies[0].kind`");
   expect_refused("size: 4", "size: -4", 7, "`bodies[0].shape.square.size`");
   expect_refused("{box: {size: [0.1, 0.1, 0.1]}}", "{square: {size: 1}}", 8, "`bodies[1].shape.square`");
+  expect_refused("{box: {size: [0.1, 0.1, 0.1]}}", "{cube: {size: 1}}", 8, "`bodies[1].shape.cube`");
+  expect_refused("{box: {size: [0.1, 0.1, 0.1]}}", "{}", 8, "one of: mesh, box, sphere, cylinder, hexahedron");
+  expect_refused("{box: {size: [0.1, 0.1, 0.1]}}", "{box: {size: 1}, sphere: {radius: 1}}", 8, "bodies[1].shape");
+  expect_refused("nodes_per_element: 4", "nodes_per_element: 5", 10, "`bodies[3].shape.bar.nodes_per_element`");
+  expect_refused("{sphere: {radius: 50 mm}}", "{hexahedron: {corners: [0, 0, 0]}}", 9, "24 numbers");
   expect_refused("density: 1000, ", "", 8, "`density` or `mass`");
   expect_refused("mass: 2,", "mass: 2, inertia: [1e-3, 1e-3, 3e-3],", 9, "above the sum of the two others");
   expect_refused("mass: 2,", "mass: 2, inertia: [0, 1e-3, 1e-3],", 9, "`bodies[2].inertia");
@@ -301,6 +307,18 @@ TEST_F(SceneFiles, MistakesAreNamed) {
   expect_refused_in(MOVED, "limits: [-0.5, 50 cm]", "limits: [0.5]", 11, "`joints[0].limits`");
   expect_refused_in(MOVED, "mode: velocity", "mode: speed", 11, "`joints[0].drive.mode`");
   expect_refused_in(MOVED, "mode: velocity", "mode: velocity, stiffness: 5", 11, "stiffness");
+}
+
+TEST_F(SceneFiles, MistakesInPathsOfRobotsAreNamed) {
+  const fs::path two_arms = fs::path(PVG_DATA_FOLDER) / "scenes/two_arms.yaml";
+  std::string text = read_whole_file(two_arms).value();
+  for (std::size_t at = 0; (at = text.find("../", at)) != std::string::npos;) text.replace(at, 3, PVG_DATA_FOLDER "/");
+  expect_refused_in(text, "{time: 1 s", "{time: 0", 18, "`robots[0].path[1].time`");
+  expect_refused_in(text, "joints: [0, ", "joints: [", 17, "`robots[0].path[0].joints`");
+  expect_refused_in(text, "gripper: 40 mm", "hand: 40 mm", 17, "`robots[0].path[0].hand`");
+  expect_refused_in(text, "    gripper: " PVG_DATA_FOLDER "/grippers/umi_finray/gripper.yaml\n", "\n", 17,
+                    "`robots[0].path[0].gripper`");
+  expect_refused_in(text, "name: right", "name: left", 19, "`robots[1].name` `left` is taken");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "host/load/fields/fields.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <sstream>
@@ -94,6 +95,20 @@ void read_value(YamlSection& section, const std::string& key, const NumberBounds
 }
 void read_value(YamlSection& section, const std::string& key, const NumberBounds& b, std::optional<double>& value) {
   value = section.number(key, b.unit, b.low, b.high);
+}
+
+void read_value(YamlSection& section, const std::string& key, const NumberBounds& b, std::span<double> values) {
+  const std::vector<double> given = section.numbers(key, b.unit, b.low, b.high);
+  if (given.size() != values.size()) section.fail(key, "must hold " + std::to_string(values.size()) + " numbers");
+  std::copy(given.begin(), given.end(), values.begin());
+}
+void read_value(YamlSection& section, const std::string& key, const NumberBounds& b, std::span<int> values) {
+  std::vector<double> given(values.size());
+  read_value(section, key, b, std::span<double>(given));
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    if (given[i] != std::floor(given[i])) section.fail(key, "must hold whole numbers");
+    values[i] = int(given[i]);
+  }
 }
 
 std::string shown(const std::string& value) { return value.empty() ? "none" : "`" + value + "`"; }

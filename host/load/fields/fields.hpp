@@ -8,8 +8,10 @@
 // A key is optional unless required() follows its row; what is absent keeps the value that the struct has. A row's
 // member is a pointer to member, or a function that returns the member of a T& and of a const T&.
 #pragma once
+#include <array>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -49,12 +51,23 @@ void read_value(YamlSection& section, const std::string& key, const NumberBounds
 void read_value(YamlSection& section, const std::string& key, const NumberBounds& bounds, std::vector<double>& value);
 void read_value(YamlSection& section, const std::string& key, const NumberBounds& bounds, Range& value);
 void read_value(YamlSection& section, const std::string& key, const NumberBounds& bounds, std::optional<double>& value);
+void read_value(YamlSection& section, const std::string& key, const NumberBounds& bounds, std::span<double> values);
+void read_value(YamlSection& section, const std::string& key, const NumberBounds& bounds, std::span<int> values);
+template <class Number, std::size_t N>
+void read_value(YamlSection& section, const std::string& key, const NumberBounds& bounds,
+                std::array<Number, N>& values) {
+  read_value(section, key, bounds, std::span<Number>(values));
+}
 
 std::string shown(const std::string& value);
 std::string shown(bool value);
 std::string shown(double value);
 std::string shown(const Vec3& value);
 std::string shown(const std::vector<double>& value);
+template <class Number, std::size_t N>
+std::string shown(const std::array<Number, N>& values) {
+  return shown(std::vector<double>(values.begin(), values.end()));
+}
 inline std::string shown(float value) { return shown(double(value)); }
 inline std::string shown(int value) { return shown(double(value)); }
 inline std::string shown(const Vec3f& value) { return shown(Vec3(value.cast<double>())); }
@@ -97,6 +110,8 @@ class Fields {
         w.vector(key, value);
       else if constexpr (std::is_same_v<M, std::vector<double>>)
         w.flow(key, value);
+      else if constexpr (requires { std::tuple_size<M>::value; })
+        w.flow(key, std::vector(value.begin(), value.end()));
       else if constexpr (std::is_same_v<M, std::optional<double>>) {
         if (value) w.entry(key, *value);
       } else
@@ -202,13 +217,15 @@ class Fields {
     return *this;
   }
 
-  // a list of such mappings
+  // a list of such mappings. check_last: what the table of one cannot judge, by its section and the list up to it
   template <class U, class Member>
-  Fields& list(const std::string& key, Member member, const Fields<U>& fields, const std::string& meaning) {
+  Fields& list(const std::string& key, Member member, const Fields<U>& fields, const std::string& meaning,
+               const Read& check_last = nullptr) {
     const auto read = [=](YamlSection& s, T& t) {
       for (YamlSection& item : s.sections(key)) {
         fields.read(item, std::invoke(member, t).emplace_back());
         item.done();
+        if (check_last) check_last(item, t);
       }
     };
     const auto write = [=](YamlWriter& w, const T& t) {
