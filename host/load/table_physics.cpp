@@ -230,21 +230,24 @@ const Fields<Variation>& variation_fields() {
   using Quantity = V::Quantity;
   const auto shifts = [](const V& v) { return v.quantity == Quantity::camera_position; };
   const auto turns = [](const V& v) { return v.quantity == Quantity::camera_rotation; };
-  const auto scales = [=](const V& v) { return !shifts(v) && !turns(v); };
+  const auto swaps = [](const V& v) { return v.quantity == Quantity::texture; };
+  const auto is_presence = [](const V& v) { return v.quantity == Quantity::presence; };
+  const auto scales = [=](const V& v) { return !shifts(v) && !turns(v) && !swaps(v) && !is_presence(v); };
   static const Fields<V> FIELDS =
       Fields<V>()
           .choice("quantity", &V::quantity,
                   {"size", "mass", "friction", "stiffness", "color", "light", "exposure", "camera_position",
-                   "camera_rotation"},
+                   "camera_rotation", "focal_length", "texture", "presence"},
                   "what is drawn")
           .required()
-          .text("of", &V::of, "name of the object, cloth, finger, material, light or camera")
+          .text("of", &V::of,
+                "name of the object, cloth, finger, material, light or camera; `background`, `environment`")
           .required()
           .then([=](V& v) {
             v.range = scales(v) ? Range{1, 1} : Range{0, 0};
           })
           .number("factor", &V::range, Unit::none, 1e-3, 1e3, "`[low, high]`, drawn evenly for each episode")
-          .when(scales, "not of cameras' poses")
+          .when(scales, "of numbers")
           .otherwise("1")
           .written_when(scales)
           .number("by", &V::range, Unit::length, -1, 1, "`[low, high]`, drawn for each axis of the camera")
@@ -252,7 +255,18 @@ const Fields<Variation>& variation_fields() {
           .written_when(shifts)
           .number("by", &V::range, Unit::angle, -1, 1, "`[low, high]`, drawn for each axis of the camera")
           .when(turns, "of `camera_rotation`")
-          .written_when(turns);
+          .written_when(turns)
+          .files("files", &V::files,
+                 "pictures of a material, of the `background` or of the `environment`; each is drawn as often")
+          .when(swaps, "of `texture`")
+          .written_when(swaps)
+          .number("probability", &V::probability, Unit::none, 0, 1,
+                  "how often the object is there, such as a distractor")
+          .when(is_presence, "of `presence`")
+          .written_when(is_presence)
+          .check([](YamlSection& s, const V& v) {
+            if (v.quantity == Quantity::texture && v.files.empty()) s.fail("files", "must name at least one picture");
+          });
   return FIELDS;
 }
 

@@ -1,5 +1,6 @@
 #include "host/load/variation.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/base/error.hpp"
@@ -18,8 +19,9 @@ void for_each_gripper(Task& task, Do act) {
 
 // Names of the quantity's numbers: of one number, or of three.
 const char* name_of(Quantity quantity) {
-  constexpr const char* NAMES[] = {"size",  "mass",     "friction",        "stiffness",      "color",
-                                   "light", "exposure", "camera_position", "camera_rotation"};
+  constexpr const char* NAMES[] = {"size",    "mass",     "friction",        "stiffness",       "color",
+                                   "light",   "exposure", "camera_position", "camera_rotation", "focal_length",
+                                   "texture", "presence"};
   return NAMES[int(quantity)];
 }
 
@@ -71,10 +73,66 @@ bool apply_factor(Task& task, const Variation& variation, double factor) {
       for (CameraSection& camera : task.cameras)
         if (is_meant(camera.name)) camera.exposure *= float(factor);
       break;
+    case Quantity::focal_length:
+      for (CameraSection& camera : task.cameras)
+        if (is_meant(camera.name)) {
+          double& angle = camera.vertical_field_of_view;
+          angle = 2 * std::atan(std::tan(angle / 2) / factor);
+          for (std::size_t k = 0; k < std::min<std::size_t>(2, camera.intrinsics.size()); ++k)
+            camera.intrinsics[k] *= factor;
+        }
+      break;
     default:
       break;
   }
   return is_there;
+}
+
+bool apply_texture(Task& task, const std::string& name, const std::filesystem::path& file) {
+  if (name == "background" && !task.background.texture.empty()) {
+    task.background.texture = file;
+    return true;
+  }
+  if (name == "environment" && !task.environment_map.empty()) {
+    task.environment_map = file;
+    return true;
+  }
+  bool is_there = false;
+  for (VisualMaterial& material : task.materials) {
+    if (material.name != name) continue;
+    is_there = true;
+    material.texture = int(task.textures.size());
+    task.textures.push_back(file);
+  }
+  return is_there;
+}
+
+// what of the task cannot do without the object; empty: nothing
+std::string user_of(const Task& task, const std::string& object) {
+  for (const JointSection& joint : task.joints)
+    if (joint.child == object || joint.parent == object) return "a joint holds";
+  for (const MotionElement& element : task.motion)
+    if (element.object == object) return "`motion` names";
+  for (const std::vector<Condition>* conditions : {&task.success, &task.failure})
+    for (const Condition& condition : *conditions)
+      if (condition.of == object || condition.target == object) return "a condition names";
+  for (const ObjectSection& other : task.objects)
+    if (other.pose.object == object) return "the pose of `" + other.name + "` names";
+  return "";
+}
+
+// An object that is not there leaves with its frictions.
+bool apply_presence(Task& task, const std::string& name, bool is_present) {
+  const auto is_meant = [&](const ObjectSection& object) { return object.name == name; };
+  if (std::none_of(task.objects.begin(), task.objects.end(), is_meant)) return false;
+  if (const std::string user = user_of(task, name); !user.empty())
+    throw UsageError(task.file.string() + ": `vary` draws the presence of `" + name + "`, which " + user +
+                     "; only what the task can do without may be absent");
+  if (is_present) return true;
+  std::erase_if(task.objects, is_meant);
+  std::erase_if(task.pair_friction,
+                [&](const PairFriction& pair) { return pair.first == name || pair.second == name; });
+  return true;
 }
 
 bool apply_color(Task& task, const std::string& name, const Vec3& factor) {
@@ -99,6 +157,11 @@ bool apply_to_camera(Task& task, const Variation& variation, const Vec3& by) {
   return false;
 }
 
+// u in [0, 1) as an index of the list
+std::size_t drawn_index(double u, const std::vector<std::filesystem::path>& list) {
+  return std::min(std::size_t(u * double(list.size())), list.size() - 1);
+}
+
 }  // namespace
 
 Task varied(Task task, const DrawNumber& draw) {
@@ -114,6 +177,10 @@ Task varied(Task task, const DrawNumber& draw) {
       is_there = apply_color(task, variation.of, three({"red", "green", "blue"}));
     else if (variation.quantity == Quantity::camera_position || variation.quantity == Quantity::camera_rotation)
       is_there = apply_to_camera(task, variation, three({"x", "y", "z"}));
+    else if (variation.quantity == Quantity::texture)
+      is_there = apply_texture(task, variation.of, variation.files[drawn_index(draw(name, {0, 1}), variation.files)]);
+    else if (variation.quantity == Quantity::presence)
+      is_there = apply_presence(task, variation.of, draw(name, {0, 1}) < variation.probability);
     else
       is_there = apply_factor(task, variation, draw(name, variation.range));
     if (!is_there)

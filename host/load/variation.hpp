@@ -2,8 +2,10 @@
 //
 //   vary:
 //     - {quantity: size, of: beaker, factor: [0.98, 1.02]}        also mass, friction, stiffness, color, light,
-//     exposure
+//     exposure, focal_length
 //     - {quantity: camera_position, of: front, by: [-10 mm, 10 mm]}          and camera_rotation [rad], about each axis
+//     - {quantity: texture, of: background, files: [a.png, b.png]}           or of a material or the environment
+//     - {quantity: presence, of: mug, probability: 0.5}                      an object that is not always there
 #pragma once
 #include <functional>
 #include <string>

@@ -28,10 +28,25 @@ struct SampledPose {
 
 // A quantity that is drawn anew for each episode (variation.hpp).
 struct Variation {
-  enum class Quantity { size, mass, friction, stiffness, color, light, exposure, camera_position, camera_rotation };
+  enum class Quantity {
+    size,
+    mass,
+    friction,
+    stiffness,
+    color,
+    light,
+    exposure,
+    camera_position,
+    camera_rotation,
+    focal_length,
+    texture,
+    presence
+  };
   Quantity quantity = Quantity::size;
-  std::string of;  // name of the object, cloth, finger, material, light or camera
+  std::string of;  // name of the object, cloth, finger, material, light or camera; `background`, `environment`
   Range range;     // a factor; of the camera's pose a shift [m] or turn [rad], drawn for each of its axes
+  std::vector<std::filesystem::path> files = {};  // of `texture`: one of them is drawn
+  double probability = 0.5;                       // of `presence`: how often the object is there
 };
 
 struct RobotSection {

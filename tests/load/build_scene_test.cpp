@@ -196,10 +196,12 @@ TEST(BuildScene, WristCameraSeesTheToolAndTheFrontCameraTheBeaker) {
   const Vec3 tool =
       (scene.rigid_bodies[built().robots[0].gripper_base].pose * task().gripper->tool_center).translation();
   const Vec3 at = pixel(scene.cameras[1], tool);
-  EXPECT_NEAR(at.x(), 159.5, 0.01);
-  EXPECT_NEAR(at.y(), 89.5, 0.01);
+  // from (82, 0, 20) mm the camera looks at (14, 0, 125) mm; the tool, at (0, 0, 350/3) mm, is further from the camera's x
+  const double below = std::atan2(82, 350.0 / 3 - 20) - std::atan2(68, 105);
+  EXPECT_NEAR(at.x(), 319.5, 0.01);
+  EXPECT_NEAR(at.y(), 179.5 + scene.cameras[1].fy * std::tan(below), 0.01);
   const Vec3 beaker = pixel(scene.cameras[0], body(scene, "beaker").pose.translation());
-  EXPECT_TRUE(beaker.x() > 20 && beaker.x() < 300 && beaker.y() > 20 && beaker.y() < 160) << beaker.transpose();
+  EXPECT_TRUE(beaker.x() > 40 && beaker.x() < 600 && beaker.y() > 40 && beaker.y() < 320) << beaker.transpose();
 }
 
 TEST(BuildScene, FlangeToToolAgreesWithTheGrippersPlace) {
@@ -281,6 +283,45 @@ TEST(Variation, DrawsFactorsAndShiftsWithinTheirRangesAndPutsThemOnRecord) {
   EXPECT_LE(moved.cwiseAbs().maxCoeff(), 0.01 * std::sqrt(3.0));
   // the pose is drawn from its own numbers, whatever else varies
   EXPECT_EQ(beaker(varied).pose.translation(), beaker(plain).pose.translation());
+}
+
+// Half as far again to the picture is a field of view of 2 atan(tan(44 deg / 2) / 1.5); its pixels per radian grow as
+// much.
+TEST(Variation, DrawsFocalLengthsAndTextures) {
+  Task nominal = task();
+  const std::filesystem::path lab = nominal.background.texture;
+  using Quantity = Variation::Quantity;
+  nominal.variations = {{Quantity::focal_length, "front", {1.5, 1.5}},
+                        {Quantity::texture, "scale_body", {}, {lab, lab}}};
+  const TaskScene varied = build_scene(nominal, 3, 4);
+  EXPECT_NEAR(varied.scene.cameras[0].fy, 1.5 * built().scene.cameras[0].fy, 1e-9 * varied.scene.cameras[0].fy);
+  bool is_textured = false;
+  for (const VisualMaterial& material : varied.scene.materials)
+    is_textured |= material.name == "scale_body" && material.texture >= 0;
+  EXPECT_TRUE(is_textured);
+}
+
+TEST(Variation, ADistractorIsThereAsOftenAsAsked) {
+  Task nominal = task();
+  ObjectSection distractor = nominal.objects.back();
+  distractor.name = "distractor";
+  distractor.pose.y = {0.4, 0.4};
+  nominal.objects.push_back(distractor);
+  nominal.variations = {{Variation::Quantity::presence, "distractor", {}, {}, 0.25}};
+  int n_present = 0;
+  for (int episode = 0; episode < 64; ++episode) {
+    double u = -1;
+    const TaskScene scene = build_scene(nominal, 1, episode);
+    for (const SampledValue& value : scene.sampled)
+      if (value.name == "distractor/presence") u = value.value;
+    const bool is_there = scene.scene.rigid_bodies.back().name == "distractor";
+    EXPECT_EQ(is_there, u < 0.25) << u;
+    n_present += is_there;
+  }
+  EXPECT_GE(n_present, 6);  // 16 +- 3.5
+  EXPECT_LE(n_present, 26);
+  nominal.variations[0].of = "beaker";  // which the motion picks up
+  expect_error<UsageError>([&] { build_scene(nominal, 1, 0); }, {"presence", "beaker", "motion"});
 }
 
 TEST(Variation, OfSomethingThatIsNotThereIsRefused) {

@@ -181,6 +181,13 @@ class Fields {
     return custom({key, "", "none", "file", meaning}, read, write);
   }
 
+  template <class Member>
+  Fields& files(const std::string& key, Member member, const std::string& meaning) {
+    const auto read = [=](YamlSection& s, T& t) { std::invoke(member, t) = s.files(key); };
+    const auto write = [=](YamlWriter& w, const T& t) { w.paths(key, std::invoke(member, t)); };
+    return custom({key, "", "none", "list of files", meaning}, read, write);
+  }
+
   // a mapping with `position` and `rotation`
   template <class Member>
   Fields& pose(const std::string& key, Member member, const std::string& meaning) {

@@ -275,8 +275,15 @@ Range YamlSection::range(const std::string& key, Unit unit, double low, double h
   return {values[0], values[1]};
 }
 
-std::filesystem::path YamlSection::file(const std::string& key) {
-  const std::string given = text(key);
+std::filesystem::path YamlSection::file(const std::string& key) { return found_file(key, text(key)); }
+
+std::vector<std::filesystem::path> YamlSection::files(const std::string& key) {
+  std::vector<std::filesystem::path> all;
+  for (const std::string& given : texts(key)) all.push_back(found_file(key, given));
+  return all;
+}
+
+std::filesystem::path YamlSection::found_file(const std::string& key, const std::string& given) {
   const std::filesystem::path full = (file_.parent_path() / given).lexically_normal();
   if (!is_resolved_ && !is_file(full)) fail(key, "names the file " + full.string() + ", which does not exist");
   if (!is_resolved_) remember_read(full);

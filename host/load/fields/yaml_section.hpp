@@ -77,6 +77,7 @@ class YamlSection {
   Vec3 vector(const std::string& key, Unit unit, double low, double high, const Vec3& otherwise);
   Range range(const std::string& key, Unit unit, double low, double high, double otherwise);  // a number or [low, high]
   std::filesystem::path file(const std::string& key);  // relative to this file's folder; must exist
+  std::vector<std::filesystem::path> files(const std::string& key);
 
   YamlSection section(const std::string& key);
   std::vector<YamlSection> sections(const std::string& key);  // a list of mappings; absent: empty
@@ -90,6 +91,7 @@ class YamlSection {
   std::string place() const;  // "FILE:LINE", of a resolved configuration empty: for what is found wrong only later
 
  private:
+  std::filesystem::path found_file(const std::string& key, const std::string& given);
   YamlSection(YAML::Node node, std::filesystem::path file, std::string name, bool is_resolved);
   std::optional<YAML::Node> find(const std::string& key);
   YAML::Node need(const std::string& key, const std::string& kind);

@@ -25,6 +25,11 @@ class YamlWriter {
   void path(const std::string& key, const std::filesystem::path& file) {  // an empty one is left out
     if (!file.empty()) entry(key, file.lexically_relative(folder_).generic_string());
   }
+  void paths(const std::string& key, const std::vector<std::filesystem::path>& files) {
+    std::vector<std::string> relative;
+    for (const auto& file : files) relative.push_back(file.lexically_relative(folder_).generic_string());
+    flow(key, relative);
+  }
   template <typename T>
   void flow(const std::string& key, const std::vector<T>& list) {  // in one line
     out_ << YAML::Key << key << YAML::Value << YAML::Flow << list;
