@@ -378,15 +378,14 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     flow.report_progress(7, 0.9, "judging on the held-out runs");
     Proof proof = prove(flow, chosen, std::move(selected), out.unit);
     const bool is_at_bound = proof.is_at_bound && settings.decide == Decide::workflow;
+    const bool is_enough = closes_enough(proof.held_out);
     add_proof(out, std::move(proof));
     const bool is_judged = out.floor > 0;
     if (is_at_bound)
       flow.notes.push_back(
           "a number of the best model ended at its bound: it was not measured, and the model passes no proof");
     bool is_proved = !out.effects.empty() && !is_at_bound;
-    if (settings.decide == Decide::workflow)
-      is_proved = is_proved && is_judged && out.gap_closed >= criteria().gap_closed_least && out.after < out.before &&
-                  out.holds_on_whole_runs;
+    if (settings.decide == Decide::workflow) is_proved = is_proved && is_enough && out.holds_on_whole_runs;
     out.verdict = is_proved ? verdict_of(out.effects) : Verdict::none;
     if (!is_proved && is_judged && !out.effects.empty()) out.ranking.front().fails_held_out = true;
     if (out.verdict == Verdict::none && is_judged && settings.decide == Decide::workflow &&

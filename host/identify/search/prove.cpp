@@ -60,6 +60,14 @@ std::string text_of(const WholeRuns& whole, const std::string& unit) {
 
 }  // namespace
 
+bool closes_enough(const HeldOut& held_out) {
+  const auto of = [&](double after) { return closed(held_out.before, after, held_out.floor); };
+  const double least = criteria().gap_closed_least;
+  if (!(held_out.floor > 0) || !(held_out.after < held_out.before) || of(held_out.after) < least) return false;
+  const bool first_is_enough = held_out.kept < 2 || !(of(held_out.after_single) < least);
+  return first_is_enough || held_out.after < criteria().unexplained * held_out.floor;
+}
+
 Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, const std::string& unit) {
   const Problem& problem = flow.problem;
   std::vector<Model> models;

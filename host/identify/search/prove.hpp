@@ -17,6 +17,10 @@ struct Proof {
   bool is_at_bound = false;  // a number of what was named ended there
 };
 
+// Whether held-out errors are small enough for what was named. Two laws together imitate many a third one: where the
+// first of several closes less than gap_closed_least alone, all of them have to leave no more than `unexplained`.
+bool closes_enough(const HeldOut& held_out);
+
 // unit: of held-out errors, as measure() says.
 Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, const std::string& unit);
 
