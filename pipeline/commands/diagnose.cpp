@@ -31,6 +31,7 @@ struct DiagnoseOptions {
   int max_effects = 2;                // named together
   double minutes = 5;                 // after which the report is written, whatever is left out
   bool is_quick = false;              // in one minute
+  bool halves_step = false;           // half the time step that would be used
   bool plans_next = false;            // the next experiment, whether names are confused or not
   std::string decide = "workflow";    // or, to compare: retune, lowest, weak
   bool only_checks = false;           // say what is wrong with the recording and end
@@ -174,6 +175,7 @@ void run_diagnose(const DiagnoseOptions& options) {
   settings.max_effects = options.max_effects;
   settings.minutes = minutes_of(options);
   settings.plans_next = options.plans_next;
+  settings.halves_step = options.halves_step;
   settings.keeps_simulations = options.keeps_simulations;
   settings.simulates = !options.does_not_simulate;
   settings.decide = decide_named(options.decide);
@@ -206,6 +208,8 @@ void add_diagnose(CLI::App& program) {
   command->add_flag("--next", o.plans_next,
                     "Compute the motion that best separates the two best names, and write next_experiment.yaml, also "
                     "where they are not confused");
+  command->add_flag("--half-step", o.halves_step,
+                    "Simulate with half the time step that would be used: no verdict should depend on it");
   command->add_flag("--quick", o.is_quick, "In one minute: --minutes 1")->excludes("--minutes");
   command
       ->add_option(

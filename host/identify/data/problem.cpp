@@ -6,6 +6,7 @@
 #include "host/base/error.hpp"
 #include "host/formats/lut_file.hpp"
 #include "host/identify/data/resolve.hpp"
+#include "host/identify/data/start_places.hpp"
 #include "host/load/overview.hpp"
 #include "host/load/recording/robot_set.hpp"
 
@@ -94,18 +95,30 @@ void find_coordinates(Problem& problem) {
 
 bool is_measured(const Problem& problem, bool of_joint, int index) {
   return std::any_of(problem.channels.begin(), problem.channels.end(), [&](const Channel& c) {
-    return c.sensor->start == StartRole::place && (of_joint ? c.joint : c.rigid) == index;
+    if (of_joint) return c.joint == index && c.sensor->start == StartRole::place;
+    return c.rigid == index && (is_place_of_body(c) || is_point_of_body(c));
   });
+}
+
+// Whether places on the bodies that joints carry are enough to find all joints that no channel measures.
+bool are_seen_by_places(const Problem& problem, const std::vector<int>& joints) {
+  int n = 0;
+  for (const Channel& c : problem.channels)
+    if (is_place_of_body(c) || is_point_of_body(c)) n += c.width;
+  return n >= int(joints.size());
 }
 
 bool can_restart(const Problem& problem) {
   const Scene& scene = problem.scene.scene;
   if (!scene.soft_bodies.empty() || !scene.cloths.empty()) return false;
   if (problem.recording.initial == Recording::Initial::given) return false;
+  const std::vector<int> seen = joints_seen_by_places(problem);
+  if (!are_seen_by_places(problem, seen)) return false;
   for (const int j : problem.coordinates) {
     const Joint& joint = scene.joints[std::size_t(j)];
     if (joint.type == Joint::Type::spherical) return false;
-    if (has_coordinate(joint) && !is_measured(problem, true, j)) return false;
+    const bool is_seen = std::find(seen.begin(), seen.end(), j) != seen.end();
+    if (has_coordinate(joint) && !is_seen && !is_measured(problem, true, j)) return false;
   }
   for (const int b : problem.free_bodies)
     if (!is_measured(problem, false, b)) return false;

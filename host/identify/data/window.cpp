@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/data/start_places.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -124,6 +125,25 @@ bool is_velocity_along(const Unknown& unknown, const Vec3& direction) {
   return unknown.kind == Unknown::Kind::velocity && is_along(unknown.direction, direction);
 }
 
+// What channels of one sort say of places on rigid bodies around t0.
+std::vector<MeasuredPlace> places_at(const Problem& problem, const Run& run, double t0,
+                                     bool (&belongs)(const Channel&)) {
+  std::vector<MeasuredPlace> places;
+  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+    const Channel& channel = problem.channels[c];
+    if (!belongs(channel)) continue;
+    for (int k = 0; k < channel.width; ++k) {
+      const LocalFit fit =
+          fit_around(run.t, run.values[c], std::size_t(channel.width), std::size_t(k), t0, noise_in(problem, run, c));
+      const Vec3 direction = channel.has_axis ? channel.axis : Vec3(Vec3::Unit(k));
+      if (fit.is_there)
+        places.push_back(
+            {channel.rigid, channel.point, direction, fit.value, fit.value_sigma, fit.slope, fit.slope_sigma});
+    }
+  }
+  return places;
+}
+
 void start_body(const Problem& problem, const Run& run, int b, double t0, bool is_given, Start& start) {
   Pose& pose = start.state.pose[std::size_t(b)];
   Vec3& velocity = start.state.velocity[std::size_t(b)];
@@ -162,7 +182,42 @@ void start_body(const Problem& problem, const Run& run, int b, double t0, bool i
       unknowns.push_back({Unknown::Kind::velocity, b, direction, criteria().start_looseness * fit.slope_sigma});
     }
   }
+  const auto has_place = [&](const Vec3& direction) {
+    return std::any_of(unknowns.begin(), unknowns.end(), [&](const Unknown& one) {
+      return one.kind == Unknown::Kind::position && is_along(one.direction, direction);
+    });
+  };
+  for (const MeasuredPlace& place : places_at(problem, run, t0, is_point_of_body)) {
+    if (place.rigid != b || has_place(place.direction)) continue;
+    const Vec3 arm = pose.linear() * place.point, &direction = place.direction;
+    pose.translation() += direction * (place.value - direction.dot(pose.translation() + arm));
+    unknowns.push_back({Unknown::Kind::position, b, direction, criteria().start_looseness * place.value_sigma});
+    if (is_among(measured_rates, direction)) continue;
+    velocity += direction * (place.rate - direction.dot(velocity + start.state.spin[std::size_t(b)].cross(arm)));
+    unknowns.push_back({Unknown::Kind::velocity, b, direction, criteria().start_looseness * place.rate_sigma});
+  }
   if (!is_given) start.unknowns.insert(start.unknowns.end(), unknowns.begin(), unknowns.end());
+}
+
+// Joints that channels of their bodies alone tell of.
+void start_joints_by_places(const Problem& problem, const Run& run, double t0, Start& start) {
+  const std::vector<int> joints = joints_seen_by_places(problem);
+  if (joints.empty()) return;
+  std::vector<MeasuredPlace> places = places_at(problem, run, t0, is_place_of_body);
+  const std::vector<MeasuredPlace> points = places_at(problem, run, t0, is_point_of_body);
+  places.insert(places.end(), points.begin(), points.end());
+  for (const JointStart& found : joints_from_places(problem, start.state, joints, places)) {
+    start.state.position[std::size_t(found.joint)] = found.position;
+    start.state.rate[std::size_t(found.joint)] = found.rate;
+    std::erase_if(start.unknowns, [&](const Unknown& one) {
+      return one.index == found.joint &&
+             (one.kind == Unknown::Kind::joint_position || one.kind == Unknown::Kind::joint_rate);
+    });
+    const double looseness = criteria().start_looseness;
+    start.unknowns.push_back(
+        {Unknown::Kind::joint_position, found.joint, Vec3::UnitX(), looseness * found.position_sigma});
+    start.unknowns.push_back({Unknown::Kind::joint_rate, found.joint, Vec3::UnitX(), looseness * found.rate_sigma});
+  }
 }
 
 Start start_of(const Problem& problem, const Run& run, double t0) {
@@ -189,6 +244,7 @@ Start start_of(const Problem& problem, const Run& run, double t0) {
         scene.joints[std::size_t(j)].type == Joint::Type::prismatic)
       start_joint(problem, run, j, t0, is_given, start);
   for (const int b : problem.free_bodies) start_body(problem, run, b, t0, is_given, start);
+  start_joints_by_places(problem, run, t0, start);
   return start;
 }
 

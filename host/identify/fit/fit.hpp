@@ -51,6 +51,7 @@ struct Fit {
   bool is_stale = true;                   // the slopes are not those of the present model
   bool has_converged = false;             // a step changes little
   bool is_given_up = false;               // it is not worth further steps
+  bool is_far_behind = false;             // another one was better beyond doubt when it was given up
 };
 
 class Fitter {

@@ -39,6 +39,7 @@ struct HeldOut {
          floor = 0;                      // errors in the channels' unit, or in units of noise; floor: 0 if not judged
   std::vector<Disturbance> disturbed;    // are left out of these errors
   double before_all = 0, after_all = 0;  // with them
+  double after_single = NAN;             // of the first effect alone, where further ones were added to it
   double mask_gap_before = NAN, mask_gap_after = NAN;  // 1 - mean intersection over union; NaN: no masks
   std::size_t kept = 0;                                // of the models that were given
   std::vector<Curve> curves;

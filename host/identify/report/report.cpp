@@ -193,7 +193,10 @@ std::string sentence_of(const Diagnosis& d, Verdict verdict) {
   if (verdict == Verdict::none && !d.undecided.empty())
     return d.undecided + "; the error is " + shown(d.fit_before) + " times the noise";
   if (verdict == Verdict::none) {
-    std::string text = "none of the known effects explains the misfit of " + shown(d.fit_before) + " times the noise";
+    // what was cut short proves nothing about the effects that were not looked at
+    std::string text = (d.left_out.empty() ? "none of the known effects explains the misfit of "
+                                           : "in the time given no effect was found that explains the misfit of ") +
+                       shown(d.fit_before) + " times the noise";
     if (!d.where.empty()) text += ", most of which is of " + d.where[0].body + " (" + d.where[0].phase + ")";
     if (d.floor > 0 && d.before < criteria().agrees_rms * d.floor) {
       text += "; the held-out runs agree with the scene as it stands: their error is " + shown(d.before) + unit +
@@ -207,6 +210,7 @@ std::string sentence_of(const Diagnosis& d, Verdict verdict) {
       text += "; a law without a name is in the amended scene: " + text_of(*d.regressed) +
               ", with it the held-out error is " + shown(d.regressed->after) + unit + " (without " +
               shown(d.regressed->before) + ", noise floor " + shown(d.regressed->floor) + ")";
+    if (!d.left_out.empty()) text += "; left out: " + d.left_out.front();
     return text;
   }
   judged += whole_runs_text(d, unit);

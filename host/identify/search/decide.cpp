@@ -256,6 +256,8 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
   if (decision.chosen >= 0)
     for (std::size_t i = 0; i < entries.size(); ++i)
       if (entries[i].judged.passes &&
+          entries[i].judged.evidence >
+              entries[std::size_t(decision.chosen)].judged.evidence - criteria().evidence_margin &&
           is_as_good(entries[i], entries[std::size_t(decision.chosen)], criteria().gain_sigma))
         decision.inseparable.push_back(i);
   if (decision.inseparable.size() < 2) decision.inseparable.clear();

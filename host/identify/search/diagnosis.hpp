@@ -27,6 +27,7 @@ struct Settings {
   std::size_t n_fitted = criteria().n_fitted;               // candidates that are fitted, of those screened
   double simulated_seconds = criteria().simulated_seconds;  // of all windows of one evaluation, about
   std::size_t n_processes = 1;                              // that simulate, as Predictor has them
+  bool halves_step = false;        // half the time step that would be used: no verdict should depend on it
   bool plans_next = false;         // the next experiment is computed whether names are confused or not
   bool keeps_simulations = false;  // the journal is left for the next diagnosis in the same folder
   bool simulates = true;           // false: a Failure where the journal does not hold a result

@@ -75,13 +75,14 @@ RankedModel ranked(const Judged& judged) {
 
 namespace {
 
-// Candidates that mimic what was chosen in these runs: no fit of theirs was found worse.
+// Candidates that mimic what was chosen in these runs: no fit of theirs was found worse. One that was given up for want
+// of a place among the finalists was not; one that was far behind was.
 std::vector<std::string> told_together(const Round& round, const Judged& chosen) {
   const Model& model = chosen.fit->model;
   std::vector<std::string> labels;
   for (const Candidate* other : look_alikes(round.signatures, *model.parts.back(), model.x)) {
     const bool was_fitted = std::any_of(round.fits.begin(), round.fits.end(), [&](const Fit& fit) {
-      return fit.succeeded && !fit.is_given_up && fit.model.parts.back() == other;
+      return fit.succeeded && (!fit.is_given_up || fit.is_far_behind) && fit.model.parts.back() == other;
     });
     if (!was_fitted) labels.push_back(other->label());
   }

@@ -30,9 +30,9 @@ void improve_finalists(Fitter& fitter, const FitData& data, std::vector<Fit>& fi
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Fit& best = fits[order[0]];
-    fits[order[i]].is_given_up =
-        i >= criteria().n_finalists ||
+    fits[order[i]].is_far_behind =
         key[order[i]] > key[order[0]] + criteria().finalist_behind_most * best.scale * best.scale;
+    fits[order[i]].is_given_up = i >= criteria().n_finalists || fits[order[i]].is_far_behind;
   }
   fitter.improve(data, fits, criteria().n_more_steps);
   fitter.take_last_steps(data, fits);

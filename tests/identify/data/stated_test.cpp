@@ -11,6 +11,49 @@
 namespace pvg::diagnose {
 namespace {
 
+constexpr double ARM = 0.3;  // of a pendulum to its marker [m]
+
+// A pendulum that a camera sees from the side by a marker ARM below its hinge, at angles 0.9 + 1.5 t; `pose` of the
+// body.
+Problem tracked_pendulum(const TestFolder& folder) {
+  folder.write("scene.yaml", R"(schema: 1
+name: pendulum
+time_step: 5 ms
+bodies:
+  - {name: base, kind: static, shape: {box: {size: [0.1, 0.1, 0.1]}}}
+  - {name: bar, kind: rigid, shape: {box: {size: [0.02, 0.02, 0.3]}}, mass: 0.1, pose: {position: [0, 0, -0.15]}}
+joints:
+  - {name: hinge, type: revolute, parent: base, child: bar, axis: [0, 1, 0]}
+)");
+  std::string table = "t,x,z\n";
+  for (int i = 0; i < 20; ++i) {
+    const double t = 0.01 * i, q = 0.9 + 1.5 * t;
+    table +=
+        std::to_string(t) + "," + std::to_string(-ARM * std::sin(q)) + "," + std::to_string(-ARM * std::cos(q)) + "\n";
+  }
+  folder.write("a.csv", table);
+  folder.write("recording.yaml", R"(schema: 1
+scene: scene.yaml
+runs:
+  - {file: a.csv, role: fit}
+channels:
+  - {columns: [x, z], kind: marker, body: bar, point: [0, 0, -0.15], axes: [x, z], unit: m, noise: 0.0005}
+)");
+  return make_problem(folder.path);
+}
+
+TEST(StartPlaces, AMarkerTellsTheAngleAndRateOfTheJointThatCarriesIt) {
+  const TestFolder folder;
+  const Problem problem = tracked_pendulum(folder);
+  EXPECT_TRUE(problem.can_restart);
+  const Window window = make_windows(problem, false, 0, 1).front();
+  EXPECT_NEAR(window.initial.position[0], 0.9, 0.01);  // noise over the arm is 0.0017 rad
+  EXPECT_NEAR(window.initial.rate[0], 1.5, 0.05);
+  ASSERT_EQ(window.unknowns.size(), 2u);
+  EXPECT_EQ(window.unknowns[0].kind, Unknown::Kind::joint_position);
+  EXPECT_EQ(window.unknowns[1].kind, Unknown::Kind::joint_rate);
+}
+
 // A pendulum whose two runs differ in the load of its tip. keys: of the second run; more: of the recording.
 Problem pendulum(const TestFolder& folder, const std::string& keys, const std::string& more = "") {
   folder.write("scene.yaml", R"(schema: 1

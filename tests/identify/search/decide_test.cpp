@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "host/identify/search/prove.hpp"
+
 #include <cmath>
 #include <random>
 
@@ -163,6 +165,18 @@ TEST(Decide, AnEffectThatShowsInOneOfThreeRunsIsNamedUnlessTheOthersGetWorse) {
   const Fit base = fit_with(nullptr, {3, 1, 1});
   EXPECT_EQ(decide(data, base, {fit_with(&some, {1, 1, 1})}).chosen, 0);
   EXPECT_EQ(decide(data, base, {fit_with(&some, {1, 2, 2})}).chosen, -1);
+}
+
+TEST(Proof, TwoEffectsOfWhichTheFirstClosesLittleHaveToExplainTheHeldOutRunsToTheNoise) {
+  HeldOut held_out;
+  held_out.before = 88, held_out.after = 33, held_out.floor = 1.5, held_out.kept = 1;  // closes 64 %
+  EXPECT_TRUE(closes_enough(held_out));
+  held_out.kept = 2, held_out.after_single = 80;
+  EXPECT_FALSE(closes_enough(held_out));
+  held_out.after = 2.2;  // below 1.5 times the noise
+  EXPECT_TRUE(closes_enough(held_out));
+  held_out.after = 33, held_out.after_single = 35;
+  EXPECT_TRUE(closes_enough(held_out));
 }
 
 TEST(Decide, TheLowestTrainingErrorNamesWhateverIsLower) {

@@ -1,0 +1,114 @@
+#include "host/identify/search/prove.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/identify/criteria.hpp"
+#include "host/identify/fit/limits.hpp"
+#include "host/identify/fit/whole_runs.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+constexpr double UNMOVED = 1e-6;  // of its standard deviation: nothing is sensitive to it
+
+std::vector<NamedEffect> named_of(const Fit& fit) {
+  std::vector<NamedEffect> named;
+  Eigen::Index at = 0;
+  for (const Candidate* part : fit.model.parts) {
+    NamedEffect effect{part, {}};
+    for (const Parameter& p : part->parameters) {
+      const double sigma = std::sqrt(std::max(fit.covariance(at, at), 0.0)), found = fit.model.x[at++];
+      const double x = std::abs(found - p.off) < UNMOVED * sigma ? p.off : found;
+      effect.parameters.push_back({p.name, p.unit, x, std::max(x - 2 * sigma, p.low), std::min(x + 2 * sigma, p.high)});
+    }
+    named.push_back(std::move(effect));
+  }
+  return named;
+}
+
+// The named model on whole held-out runs. Where the windows are whole runs already they have shown it.
+WholeRuns prove_on_whole_runs(Workflow& flow, const ChosenWindows& chosen, const HeldOut& judged, const Model& named,
+                              bool in_noise) {
+  WholeRuns whole;
+  if (judged.floor == 0) {
+    whole.why_not = "the held-out runs were not judged";
+    return whole;
+  }
+  if (chosen.length == 0) {
+    whole.before = judged.before, whole.after = judged.after, whole.floor = judged.floor;
+    return whole;
+  }
+  whole.why_not = "there was no time";
+  whole.had_no_time = true;
+  flow.ends_in_time(criteria().time_proof, "the proof on whole runs", [&] {
+    whole = judge_whole_runs(flow.fitter, flow.problem, criteria().whole_run_proof, named, in_noise, judged.disturbed);
+  });
+  return whole;
+}
+
+// A sentence on them; unit: of the errors.
+std::string text_of(const WholeRuns& whole, const std::string& unit) {
+  if (!whole.is_judged()) return "the held-out runs were judged by windows alone, not whole: " + whole.why_not;
+  return fmt::format(
+      "held-out runs simulated whole from their first state: error {:.3g} before and {:.3g} after, {}; "
+      "errors of their starts grow to {:.2g} times the noise",
+      whole.before, whole.after, unit == "noise" ? "times the noise" : unit, whole.growth);
+}
+
+}  // namespace
+
+bool closes_enough(const HeldOut& held_out) {
+  const auto of = [&](double after) { return closed(held_out.before, after, held_out.floor); };
+  const double least = criteria().gap_closed_least;
+  if (!(held_out.floor > 0) || !(held_out.after < held_out.before) || of(held_out.after) < least) return false;
+  const bool first_is_enough = held_out.kept < 2 || !(of(held_out.after_single) < least);
+  return first_is_enough || held_out.after < criteria().unexplained * held_out.floor;
+}
+
+Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, const std::string& unit) {
+  const Problem& problem = flow.problem;
+  std::vector<Model> models;
+  for (const Fit& fit : selected.fits) models.push_back(fit.model);
+  const std::size_t most = most_windows(problem, flow.settings.simulated_seconds, chosen.length);
+  HeldOut judged;
+  const bool is_done = flow.ends_in_time(criteria().time_proof, "the proof on held-out runs", [&] {
+    judged = judge_held_out(flow.fitter, problem, chosen.length, most, models, unit == "noise");
+  });
+  if (!is_done) judged.kept = models.size();
+  const std::size_t left = std::max<std::size_t>(judged.kept, 1);
+  const bool any_selected = !selected.fits.empty();
+  const Fit& named = selected.fits.empty() ? chosen.base : selected.fits[left - 1];
+  if (left < selected.fits.size()) {  // the others proved nothing: behind what is named they are a hint
+    const auto first = selected.ranking.begin(), named_one = first + std::ptrdiff_t(selected.fits.size() - left);
+    std::for_each(first, named_one, [](RankedModel& model) { model.fails_held_out = true; });
+    std::rotate(first, named_one, named_one + 1);
+    selected.inseparable.resize(std::min(selected.inseparable.size(), left));
+    selected.error = selected.ranking.front().error;
+  }
+  const bool any_held_out =
+      std::any_of(problem.runs.begin(), problem.runs.end(), [](const Run& r) { return r.is_held_out; });
+  if (any_held_out && is_done && judged.floor == 0)
+    flow.notes.push_back("the held-out runs could not be simulated to their end");
+  for (const Disturbance& d : judged.disturbed) {
+    char text[300];
+    std::snprintf(text, sizeof text,
+                  "held-out run %s, %.2f to %.2f s: wrong by %.3g times the noise before and %.3g after, which nothing "
+                  "here explains (was it pushed?); left out of the held-out errors, which are %.3g and %.3g %s with it",
+                  d.run.c_str(), d.start, d.end, d.before, d.after, judged.before_all, judged.after_all,
+                  unit == "noise" ? "times the noise" : unit.c_str());
+    flow.notes.push_back(text);
+  }
+  WholeRuns whole = prove_on_whole_runs(flow, chosen, judged, named.model, unit == "noise");
+  if (any_held_out) flow.notes.push_back(text_of(whole, unit));
+  std::vector<NamedEffect> effects = named_of(named);
+  std::vector<Curve> curves = std::move(judged.curves);
+  const std::vector<Curve> fitted = curves_of(problem, chosen.data, chosen.base, named, CURVES_OF_FITTED_RUNS);
+  curves.insert(curves.end(), fitted.begin(), fitted.end());
+  return {std::move(selected), std::move(effects), std::move(judged),
+          std::move(whole),    std::move(curves),  any_selected && is_at_bound(named)};
+}
+
+}  // namespace pvg::diagnose
