@@ -11,9 +11,10 @@ namespace pvg {
 namespace {
 
 constexpr std::size_t MOST_POINTS = 12000, FEWEST_POINTS = 500;
-constexpr int UNKNOWNS = 7;     // rotation vector, translation, logarithm of the focal scale
+constexpr int UNKNOWNS = 9;     // rotation vector, translation, logarithm of the focal scale, principal point
 constexpr double HUBER = 0.08;  // of brightness: beyond, a residual counts linearly
-constexpr double PRIOR_TRANSLATION = 0.05, PRIOR_ROTATION = 0.05, PRIOR_FOCAL = 0.15;  // how far it may be [m, rad, 1]
+constexpr double PRIOR_TRANSLATION = 0.05, PRIOR_ROTATION = 0.05, PRIOR_FOCAL = 0.15,
+                 PRIOR_CENTER = 10;  // how far it may be [m, rad, 1, pixels]
 
 struct Gray {
   int width = 0, height = 0;
@@ -68,12 +69,19 @@ struct Projected {
   Eigen::Matrix<double, 2, UNKNOWNS> slope;
 };
 
-bool project(const Vec3& in_depth, const Eigen::Matrix3d& R, const Vec3& t, double scale, const Camera& camera,
-             Projected& out) {
-  const Vec3 q = R * in_depth, p = q + t;  // in the colour camera's frame
+struct Unknowns {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  // depth camera to colour camera
+  Vec3 t = Vec3::Zero();
+  double log_scale = 0;
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
+};
+
+bool project(const Vec3& in_depth, const Unknowns& u, const Camera& camera, Projected& out) {
+  const Vec3 q = u.R * in_depth, p = q + u.t;  // in the colour camera's frame
   if (!(p.z() > 0.05)) return false;
-  const double fx = camera.fx * scale, fy = camera.fy * scale, x = p.x() / p.z(), y = p.y() / p.z();
-  out.pixel = {fx * x + camera.cx, fy * y + camera.cy};
+  const double scale = std::exp(u.log_scale), fx = camera.fx * scale, fy = camera.fy * scale, x = p.x() / p.z(),
+               y = p.y() / p.z();
+  out.pixel = Eigen::Vector2d(fx * x + camera.cx, fy * y + camera.cy) + u.center;
   Eigen::Matrix<double, 2, 3> d;
   d << fx / p.z(), 0, -fx * x / p.z(), 0, fy / p.z(), -fy * y / p.z();
   Eigen::Matrix3d turned;  // derivative of a small rotation of q
@@ -81,6 +89,7 @@ bool project(const Vec3& in_depth, const Eigen::Matrix3d& R, const Vec3& t, doub
   out.slope.leftCols<3>() = d * turned;
   out.slope.block<2, 3>(0, 3) = d;
   out.slope.col(6) = Eigen::Vector2d(fx * x, fy * y);
+  out.slope.rightCols<2>().setIdentity();
   return true;
 }
 
@@ -109,12 +118,6 @@ std::vector<Sight> find_sights(const Capture& capture, std::span<const CaptureFr
   return sights;
 }
 
-struct Unknowns {
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  // depth camera to colour camera
-  Vec3 t = Vec3::Zero();
-  double log_scale = 0;
-};
-
 // One Gauss-Newton step against the mean brightness of each point; returns the root mean square disagreement before it.
 double step(const std::vector<Sight>& sights, std::span<const CaptureFrame> frames, const std::vector<Gray>& photos,
             std::vector<double>& gains, std::size_t n_points, Unknowns& u, bool moves) {
@@ -126,7 +129,7 @@ double step(const std::vector<Sight>& sights, std::span<const CaptureFrame> fram
     Eigen::Vector2d gradient;
     double v = 0;
     const Sight& s = sights[i];
-    if (!project(s.in_depth_camera, u.R, u.t, std::exp(u.log_scale), frames[s.frame].color_camera, seen) ||
+    if (!project(s.in_depth_camera, u, frames[s.frame].color_camera, seen) ||
         !photos[s.frame].at(seen.pixel.x(), seen.pixel.y(), v, gradient))
       continue;
     value[i] = gains[s.frame] * v;
@@ -164,11 +167,16 @@ double step(const std::vector<Sight>& sights, std::span<const CaptureFrame> fram
   }
   H(6, 6) += prior / std::pow(PRIOR_FOCAL, 2);
   g(6) += prior / std::pow(PRIOR_FOCAL, 2) * u.log_scale;
+  for (int k = 0; k < 2; ++k) {
+    H(7 + k, 7 + k) += prior / std::pow(PRIOR_CENTER, 2);
+    g(7 + k) += prior / std::pow(PRIOR_CENTER, 2) * u.center[k];
+  }
   const Eigen::Matrix<double, UNKNOWNS, 1> d = -H.ldlt().solve(g);
   const Vec3 w = d.head<3>();
   if (w.norm() > 0) u.R = Eigen::AngleAxisd(w.norm(), w.normalized()) * u.R;
   u.t += d.segment<3>(3);
   u.log_scale += d(6);
+  u.center += d.tail<2>();
   double log_mean = 0, n_gains = 0;
   for (std::size_t f = 0; f < frames.size(); ++f)
     if (gain_down[f] > 0) {
@@ -221,6 +229,8 @@ ColorOffset align_color_camera(const Capture& capture, std::span<const CaptureFr
   to_color.translation() = u.t;
   out.pose = to_color.inverse();
   out.focal_scale = std::exp(u.log_scale);
+  out.center[0] = u.center.x();
+  out.center[1] = u.center.y();
   return out;
 }
 
