@@ -183,9 +183,10 @@ std::vector<Vec3f> estimate_gains(Device& device, const Photos& photos, const st
   return exposure_gains(samples, n, photos.frames.size());
 }
 
-void apply_color_offset(const ColorOffset& offset, std::span<CaptureFrame> frames) {
-  for (CaptureFrame& frame : frames) {
-    frame.color_camera.pose = frame.depth_camera.pose * offset.pose;
+void apply_color_offset(const ColorOffset& offset, std::span<CaptureFrame> frames, bool are_aligned) {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    CaptureFrame& frame = frames[i];
+    frame.color_camera.pose = frame.depth_camera.pose * (are_aligned ? offset.photo_poses[i] : offset.pose);
     frame.color_camera.fx *= offset.focal_scale;
     frame.color_camera.fy *= offset.focal_scale;
     frame.color_camera.cx += offset.center[0];

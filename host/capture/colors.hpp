@@ -36,7 +36,9 @@ struct ColorOffset {
   Pose pose = Pose::Identity();                            // colour camera to depth camera
   double focal_scale = 1;                                  // of the focal length that the files give
   double center[2] = {0, 0};                               // added to the principal point of the files [pixels]
+  std::vector<Pose> photo_poses;                           // [n_frames] of each photo by itself, close to `pose`
   double disagreement_before = 0, disagreement_after = 0;  // root mean square of the photos about their mean, in sRGB
+  double disagreement_moved = 0;                           // with photo_poses, of photos blurred by a pixel
   std::size_t n_points = 0;
 };
 
@@ -45,7 +47,8 @@ struct ColorOffset {
 ColorOffset align_color_camera(const Capture& capture, std::span<const CaptureFrame> frames,
                                const std::vector<Vec3f>& points, const std::vector<Vec3f>& normals, double voxel);
 
-// The frames with the colour camera there.
-void apply_color_offset(const ColorOffset& offset, std::span<CaptureFrame> frames);
+// The frames with the colour camera there: with each photo's own pose where they are the frames that were aligned,
+// else with `pose`.
+void apply_color_offset(const ColorOffset& offset, std::span<CaptureFrame> frames, bool are_aligned);
 
 }  // namespace pvg

@@ -8,15 +8,16 @@
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
 #include "host/capture/room_files.hpp"
+#include "host/capture/surface.hpp"
 #include "host/formats/mesh_files.hpp"
+#include "host/geometry/exact_intersection.hpp"
 #include "host/geometry/mesh_checks.hpp"
 
 namespace pvg {
 namespace {
 
-constexpr double WATER = 1000;               // [kg/m^3]
-constexpr int ATTEMPTS = 3;                  // of the wrap, each with other samples
-constexpr std::size_t MOST_CHECKED = 20000;  // triangles of a source that is tested for self-intersections
+constexpr double WATER = 1000;  // [kg/m^3]
+constexpr int ATTEMPTS = 3;     // of the wrap, each with other samples
 
 double mean(const std::vector<double>& values) {
   double sum = 0;
@@ -48,7 +49,7 @@ CapturedObject capture_object(const std::filesystem::path& source, const ObjectS
   for (Vec3& p : mesh.points) p *= settings.scale;
   tell_of_size(mesh, source.string());
   CapturedObject out;
-  out.was_sound = mesh.triangles.size() <= MOST_CHECKED && is_sound(mesh);
+  out.was_sound = is_sound(mesh);
   WrapSettings wrap = settings.wrap;
   if (wrap.spacing <= 0) wrap.spacing = size_of(mesh) / 100;
   if (!(wrap.spacing > 0)) throw UsageError(source.string() + ": all points are one");
@@ -82,14 +83,15 @@ CapturedObject capture_object(const std::filesystem::path& source, const ObjectS
 
 nlohmann::ordered_json object_report(const CapturedObject& object, const ObjectSettings& settings, double seconds) {
   const Eigen::Matrix3d& I = object.mass.inertia;
-  const bool is_whole = is_sound(object.simulation);
+  const EdgeCounts edges = count_edges(object.simulation.triangles);
+  const bool intersects = find_intersection(object.simulation.points, object.simulation.triangles).has_value();
   return {{"schema", 1},
           {"mesh",
            {{"vertices", object.simulation.points.size()},
             {"triangles", object.simulation.triangles.size()},
-            {"closed", !closed_surface_defect(object.simulation)},
-            {"manifold", !closed_surface_defect(object.simulation)},
-            {"self_intersections", is_whole ? 0 : 1}}},
+            {"closed", edges.boundary == 0},
+            {"manifold", edges.crowded == 0},
+            {"self_intersections", intersects ? 1 : 0}}},
           {"visual", {{"vertices", object.visual.points.size()}, {"triangles", object.visual.triangles.size()}}},
           {"planes", nlohmann::ordered_json::array()},
           {"scale", settings.scale},

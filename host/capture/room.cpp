@@ -50,20 +50,6 @@ FusedSurface fuse(Device& device, const Capture& capture, std::span<const Captur
   return fusion.surface();
 }
 
-void count_edges(const VisualMesh& mesh, Room& room) {
-  std::vector<std::array<std::uint32_t, 2>> edges;
-  for (const Triangle& t : mesh.triangles)
-    for (int k = 0; k < 3; ++k) edges.push_back({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
-  std::sort(edges.begin(), edges.end());
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t j = i;
-    while (j < edges.size() && edges[j] == edges[i]) ++j;
-    room.n_boundary_edges += j - i == 1;
-    room.n_crowded_edges += j - i > 2;
-    i = j;
-  }
-}
-
 // the mean of where the cameras' upper edges point; hands and robots hold them upright more often than not
 Vec3 upward(std::span<const CaptureFrame> frames) {
   Vec3 up = Vec3::Zero();
@@ -156,8 +142,8 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
   if (has_photos && settings.aligns_colors) {
     say("aligning the colour camera");
     room.color_offset = align_color_camera(capture, used, surface.points, normals, settings.fusion.voxel);
-    apply_color_offset(*room.color_offset, used);
-    apply_color_offset(*room.color_offset, held_out);
+    apply_color_offset(*room.color_offset, used, true);
+    apply_color_offset(*room.color_offset, held_out, false);
   }
   if (has_photos && settings.guesses_background) {
     say("guessing what no depth shows");
@@ -179,7 +165,9 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
   for (CapturedPlane& plane : room.planes) plane.pose = room.room_from_capture * plane.pose;
   move(used, room.room_from_capture);
   move(held_out, room.room_from_capture);
-  count_edges(room.mesh, room);
+  const EdgeCounts edges = count_edges(room.mesh.triangles);
+  room.n_boundary_edges = edges.boundary;
+  room.n_crowded_edges = edges.crowded;
   say("measuring");
   std::span<const CaptureFrame> measured = held_out;
   if (measured.empty()) measured = std::span<const CaptureFrame>(used).first(std::min(used.size(), MOST_MEASURED));

@@ -170,7 +170,8 @@ ordered_json room_report(const Room& room, const RoomSettings& settings, double 
                            {"focal_scale", room.color_offset->focal_scale},
                            {"center_shift", {room.color_offset->center[0], room.color_offset->center[1]}},
                            {"disagreement_before", room.color_offset->disagreement_before},
-                           {"disagreement_after", room.color_offset->disagreement_after}};
+                           {"disagreement_after", room.color_offset->disagreement_after},
+                           {"disagreement_moved", room.color_offset->disagreement_moved}};
   }
   if (room.photos) {
     const PhotoErrors& p = *room.photos;
