@@ -8,6 +8,7 @@
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
 #include "host/capture/room_files.hpp"
+#include "host/capture/splats.hpp"
 #include "host/capture/surface.hpp"
 #include "host/formats/mesh_files.hpp"
 #include "host/geometry/exact_intersection.hpp"
@@ -40,19 +41,34 @@ double size_of(const TriangleMesh& mesh) {
 
 }  // namespace
 
-CapturedObject capture_object(const std::filesystem::path& source, const ObjectSettings& settings) {
+ObjectSource read_object(const std::filesystem::path& file, const ObjectSettings& settings) {
+  ObjectSource source{file.string(), read_surface(file), {}};
+  if (source.mesh.triangles.empty()) throw UsageError(source.name + " holds no triangles");
+  for (const Vec3& p : source.mesh.points)
+    if (!p.allFinite()) throw UsageError(source.name + ": a point is not finite; export it again");
+  for (Vec3& p : source.mesh.points) p *= settings.scale;
+  source.visual = read_visual_mesh(file);
+  for (Vec3f& p : source.visual.points) p *= float(settings.scale);
+  return source;
+}
+
+ObjectSource read_splat_object(Device& device, const std::filesystem::path& file, const ObjectSettings& settings) {
+  ObjectSource source{file.string(), {}, surface_of_splats(device, read_splats(file, settings.scale))};
+  if (source.visual.triangles.empty()) throw UsageError(source.name + ": the splats show no surface");
+  for (const Vec3f& p : source.visual.points) source.mesh.points.push_back(p.cast<double>());
+  source.mesh.triangles = source.visual.triangles;
+  return source;
+}
+
+CapturedObject capture_object(const ObjectSource& source, const ObjectSettings& settings) {
   if (settings.density > 0 && settings.mass > 0) throw UsageError("--density and --mass exclude each other");
-  TriangleMesh mesh = read_surface(source);
-  if (mesh.triangles.empty()) throw UsageError(source.string() + " holds no triangles");
-  for (const Vec3& p : mesh.points)
-    if (!p.allFinite()) throw UsageError(source.string() + ": a point is not finite; export it again");
-  for (Vec3& p : mesh.points) p *= settings.scale;
-  tell_of_size(mesh, source.string());
+  const TriangleMesh& mesh = source.mesh;
+  tell_of_size(mesh, source.name);
   CapturedObject out;
   out.was_sound = is_sound(mesh);
   WrapSettings wrap = settings.wrap;
   if (wrap.spacing <= 0) wrap.spacing = size_of(mesh) / 100;
-  if (!(wrap.spacing > 0)) throw UsageError(source.string() + ": all points are one");
+  if (!(wrap.spacing > 0)) throw UsageError(source.name + ": all points are one");
   const double error = settings.error > 0 ? settings.error : 2 * wrap.spacing;
   TriangleMesh solid = mesh;
   if (!out.was_sound || settings.always_wraps) {
@@ -61,7 +77,7 @@ CapturedObject capture_object(const std::filesystem::path& source, const ObjectS
       out.spacing = wrap.spacing;
       if (is_sound(solid)) break;
       if (attempt == ATTEMPTS)
-        throw Failure(source.string() + ": no sound surface was found around it; take another --detail");
+        throw Failure(source.name + ": no sound surface was found around it; take another --detail");
       wrap.spacing *= 0.93;  // samples lie elsewhere
     }
   }
@@ -76,8 +92,7 @@ CapturedObject capture_object(const std::filesystem::path& source, const ObjectS
     out.mass.mass = settings.mass;
   }
   if (out.was_sound) out.volume_error = enclosed_volume(out.simulation) / out.mass.volume - 1;
-  out.visual = read_visual_mesh(source);
-  for (Vec3f& p : out.visual.points) p *= float(settings.scale);
+  out.visual = source.visual;
   return out;
 }
 

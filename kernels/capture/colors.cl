@@ -36,7 +36,6 @@ static inline float4 seen_color(const PinholeCamera camera, const float toleranc
   const float3 low = mix(texel(photo, w, at.x, at.y + 1, decode), texel(photo, w, at.x + 1, at.y + 1, decode), f.x);
   const uchar4 byte = photo[nearest.y * w + nearest.x];
   float weight = cosine * cosine / dot(eye, eye);
-  weight *= weight;
   if (max(byte.x, max(byte.y, byte.z)) >= SATURATED) weight *= SATURATED_WEIGHT;
   return (float4)(mix(top, low, f.y), weight);
 }
