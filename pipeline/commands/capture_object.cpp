@@ -7,8 +7,8 @@
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
-#include "host/capture/object.hpp"
-#include "host/capture/splats.hpp"
+#include "host/capture/objects/object.hpp"
+#include "host/capture/objects/splats.hpp"
 #include "pipeline/command_line/command.hpp"
 
 namespace pvg {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 
-#include "host/capture/wrap.hpp"
+#include "host/capture/objects/wrap.hpp"
 #include "host/device/device.hpp"
 #include "host/geometry/mass_properties.hpp"
 #include "host/geometry/visual_mesh.hpp"

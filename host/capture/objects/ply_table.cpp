@@ -1,4 +1,4 @@
-#include "host/formats/ply_table.hpp"
+#include "host/capture/objects/ply_table.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,11 +1,11 @@
-#include "host/capture/splats.hpp"
+#include "host/capture/objects/splats.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "host/base/error.hpp"
-#include "host/formats/ply_table.hpp"
+#include "host/capture/objects/ply_table.hpp"
 #include "host/pictures/srgb.hpp"
 #include "host/render/camera.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "host/base/error.hpp"
 #include "host/capture/fusion.hpp"
-#include "host/capture/splats.hpp"
+#include "host/capture/objects/splats.hpp"
 #include "host/capture/surface.hpp"
 
 namespace pvg {

@@ -1,4 +1,4 @@
-#include "host/capture/edge_collapse.hpp"
+#include "host/capture/objects/edge_collapse.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -7,7 +7,7 @@
 #include <queue>
 #include <unordered_map>
 
-#include "host/capture/nearest_triangle.hpp"
+#include "host/capture/objects/nearest_triangle.hpp"
 #include "host/geometry/exact_intersection.hpp"
 #include "host/geometry/segment_distance.hpp"
 

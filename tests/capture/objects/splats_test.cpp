@@ -1,5 +1,5 @@
 // Gaussian splats: depth by hand, and files that hold what they should not.
-#include "host/capture/splats.hpp"
+#include "host/capture/objects/splats.hpp"
 
 #include <gtest/gtest.h>
 

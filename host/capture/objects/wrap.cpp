@@ -1,4 +1,4 @@
-#include "host/capture/wrap.hpp"
+#include "host/capture/objects/wrap.hpp"
 
 #include <meshoptimizer.h>
 
@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "host/base/error.hpp"
-#include "host/capture/edge_collapse.hpp"
 #include "host/capture/fusion.hpp"
-#include "host/capture/nearest_triangle.hpp"
+#include "host/capture/objects/edge_collapse.hpp"
+#include "host/capture/objects/nearest_triangle.hpp"
 #include "host/geometry/exact_intersection.hpp"
 #include "host/geometry/mesh_checks.hpp"
 #include "host/geometry/segment_distance.hpp"
@@ -231,7 +231,7 @@ bool is_sound(const TriangleMesh& mesh) {
 
 namespace {
 
-constexpr std::size_t FEW = 40000;     // triangles from which edges are collapsed one by one
+constexpr std::size_t FEW = 20000;     // triangles from which edges are collapsed one by one
 constexpr std::size_t REDUCTION = 16;  // of the last step, at least
 
 // meshoptimizer's result where it is sound and half of the error is left; it checks neither intersections nor
@@ -245,7 +245,7 @@ std::optional<TriangleMesh> reduced(const TriangleMesh& mesh, std::size_t n_tria
   const float scale = meshopt_simplifyScale(points.data(), mesh.points.size(), 12);
   std::vector<unsigned> fewer(indices.size());
   fewer.resize(meshopt_simplify(fewer.data(), indices.data(), indices.size(), points.data(), mesh.points.size(), 12,
-                                3 * n_triangles, float(error / 4) / scale, 0, nullptr));
+                                3 * n_triangles, float(error) / scale, 0, nullptr));
   TriangleMesh out;
   std::vector<std::uint32_t> number(mesh.points.size(), 0);  // 1 + of the new mesh
   for (std::size_t i = 0; i + 2 < fewer.size(); i += 3) {
@@ -264,31 +264,26 @@ std::optional<TriangleMesh> reduced(const TriangleMesh& mesh, std::size_t n_tria
   return out;
 }
 
-double farthest(const TriangleMesh& a, const TriangleMesh& b) {
-  return std::max(surface_distances(a, b).back(), surface_distances(b, a).back());
-}
-
 }  // namespace
 
-TriangleMesh simplified_solid(const TriangleMesh& mesh, std::size_t n_triangles, double error) {
-  if (mesh.triangles.size() <= n_triangles) return mesh;
+SimplifiedSolid simplified_solid(const TriangleMesh& mesh, std::size_t n_triangles, double error) {
+  SimplifiedSolid out{mesh, {0}, {0}};
+  if (mesh.triangles.size() <= n_triangles) return out;
   const std::size_t first = std::max(FEW, REDUCTION * n_triangles);
-  TriangleMesh start = mesh;
-  double spent = 0;
-  if (mesh.triangles.size() > 2 * first)
-    if (const auto fewer = reduced(mesh, first, error)) {
-      const double off = farthest(*fewer, mesh);
-      if (off <= error / 2) {
-        start = *fewer;
-        spent = off;
-      }
-    }
-  // points alone are held to the distance while edges collapse, so the middles of triangles are checked at the end
+  constexpr double FIRST_SHARE = 0.25;  // of the error, for the fast step
+  std::optional<TriangleMesh> fewer;
+  if (mesh.triangles.size() > 2 * first) fewer = reduced(mesh, first, FIRST_SHARE * error);
+  // While edges collapse, points and middles alone are held to the distance, and of the fast step nothing is known: the
+  // result is measured, and where it is too far off less is tried.
   for (const double share : {1.0, 0.7, 0.4}) {
-    TriangleMesh candidate = collapse_edges(start, n_triangles, share * (error - spent));
-    if (is_sound(candidate) && farthest(candidate, mesh) <= error) return candidate;
+    out.mesh = fewer ? collapse_edges(*fewer, n_triangles, (1 - FIRST_SHARE) * share * error)
+                     : collapse_edges(mesh, n_triangles, share * error);
+    out.to_original = surface_distances(out.mesh, mesh);
+    out.from_original = surface_distances(mesh, out.mesh);
+    if (out.to_original.back() <= error && out.from_original.back() <= error && is_sound(out.mesh)) return out;
+    fewer.reset();
   }
-  return mesh;
+  return {mesh, {0}, {0}};
 }
 
 std::vector<double> surface_distances(const TriangleMesh& from, const TriangleMesh& to) {

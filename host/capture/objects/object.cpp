@@ -1,4 +1,4 @@
-#include "host/capture/object.hpp"
+#include "host/capture/objects/object.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
+#include "host/capture/objects/splats.hpp"
 #include "host/capture/room_files.hpp"
-#include "host/capture/splats.hpp"
 #include "host/capture/surface.hpp"
 #include "host/formats/mesh_files.hpp"
 #include "host/geometry/exact_intersection.hpp"
@@ -81,9 +81,11 @@ CapturedObject capture_object(const ObjectSource& source, const ObjectSettings& 
       wrap.spacing *= 0.93;  // samples lie elsewhere
     }
   }
-  out.simulation = simplified_solid(solid, settings.triangles, error);
-  out.to_source = surface_distances(out.simulation, mesh);
-  out.from_source = surface_distances(mesh, out.simulation);
+  SimplifiedSolid simplified = simplified_solid(solid, settings.triangles, error);
+  out.simulation = std::move(simplified.mesh);
+  const bool is_wrapped = out.spacing > 0;  // else the distances are those of the simplification
+  out.to_source = is_wrapped ? surface_distances(out.simulation, mesh) : std::move(simplified.to_original);
+  out.from_source = is_wrapped ? surface_distances(mesh, out.simulation) : std::move(simplified.from_original);
   const double density = settings.density > 0 ? settings.density : WATER;
   const TriangleMesh& weighed = out.was_sound ? mesh : out.simulation;
   out.mass = mass_properties(weighed, density);
