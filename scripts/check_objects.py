@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Breaks meshes in many ways, has `phyvisgen capture object` mend them, and checks the results by manifold3d.
 
-  check_objects.py PHYVISGEN FOLDER [--count 300] [--seed 0]
+  check_objects.py PHYVISGEN FOLDER [--count 300] [--seed 0] [--fineness 50] [--large]
 
 Needs numpy, trimesh and manifold3d (scripts/python_env.sh objects numpy trimesh manifold3d). Prints a line per kind.
 """
@@ -58,17 +58,22 @@ def main():
     p.add_argument("folder", type=pathlib.Path)
     p.add_argument("--count", type=int, default=300)
     p.add_argument("--seed", type=int, default=0)
+    p.add_argument("--fineness", type=float, default=50, help="details of the wrap along the size; 300 objects take some 5 min at 50")
+    p.add_argument("--large", action="store_true", help="objects of 80 000 to 330 000 triangles instead")
     a = p.parse_args()
     a.folder.mkdir(parents=True, exist_ok=True)
     good, counts, worst = {}, {}, {}
     for i in range(a.count):
         kind, random = KINDS[i % len(KINDS)], np.random.default_rng(a.seed + i)
         base = BASES[i // len(KINDS) % len(BASES)]()
+        while a.large and len(base.faces) < 80000:
+            base = base.subdivide()
         turn = trimesh.transformations.random_rotation_matrix(random.random(3))[:3, :3]
         v, f = kind(base.vertices @ turn.T, base.faces, random)
         source, out = a.folder / "source.obj", a.folder / "object"
         write_obj(source, v, f)
-        run = subprocess.run([a.program, "capture", "object", source, "-o", out, "--density", "1000", "--triangles", "1500", "--json"],
+        run = subprocess.run([a.program, "capture", "object", source, "-o", out, "--density", "1000", "--triangles", "1500",
+                              "--detail", "%g" % (1e3 * float(np.ptp(v, 0).max()) / a.fineness), "--json"],
                              capture_output=True, text=True)
         counts[kind.__name__] = counts.get(kind.__name__, 0) + 1
         if run.returncode != 0:

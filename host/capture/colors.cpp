@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <random>
 
-#include "host/base/error.hpp"
+#include "host/capture/exposure.hpp"
 #include "host/pictures/srgb.hpp"
 #include "host/render/camera.hpp"
 
@@ -66,36 +67,74 @@ void fill_unseen(std::vector<Vec3f>& colors, std::vector<bool> is_known, const s
     if (!is_known[i]) colors[i] = mean;
 }
 
+// Photos one after another on the device, as the kernels of capture/colors.cl take them.
+struct PhotoReader {
+  const Photos& photos;
+  std::vector<float> plain;  // [256] byte to linear light
+  Buffer<float> depth, decode;
+  Buffer<Bytes4> photo;
+
+  PhotoReader(Device& device, const Photos& photos_)
+      : photos(photos_), depth(device, 0, "depth"), decode(device, 3 * 256, "decode"), photo(device, 0, "photo") {
+    for (int i = 0; i < 256; ++i) plain.push_back(srgb_to_linear(float(i) / 255));
+  }
+
+  PinholeCamera load(std::size_t frame, const Picture8& picture, const Vec3f& gain) {
+    depth.resize(photos.depths[frame].depth.size());
+    depth.write(photos.depths[frame].depth);
+    const std::vector<Bytes4> texels = with_padding(picture);
+    photo.resize(texels.size());
+    photo.write(texels);
+    std::vector<float> values;
+    for (int channel = 0; channel < 3; ++channel)
+      for (const float value : plain) values.push_back(gain[channel] * value);
+    decode.write(values);
+    const Camera& camera = photos.frames[frame].color_camera;
+    return pinhole_camera(camera, camera.pose.matrix());
+  }
+};
+
+// binomial filter, so that a gain does not depend on what lies a pixel beside
+Picture8 blurred(Picture8 picture) {
+  constexpr int ROUNDS = 8;  // each adds 1/2 to the variance [pixels^2]
+  std::vector<std::uint8_t> out(picture.rgb.size());
+  for (int round = 0; round < 2 * ROUNDS; ++round) {
+    const int axis = round % 2, step = axis == 0 ? 3 : 3 * picture.width;
+    for (int y = 0; y < picture.height; ++y)
+      for (int x = 0; x < picture.width; ++x) {
+        const int along = axis == 0 ? x : y, last = (axis == 0 ? picture.width : picture.height) - 1;
+        for (int k = 0; k < 3; ++k) {
+          const int at = 3 * (y * picture.width + x) + k;
+          const auto* v = picture.rgb.data();
+          out[std::size_t(at)] =
+              std::uint8_t((2 * v[at] + v[along > 0 ? at - step : at] + v[along < last ? at + step : at] + 2) / 4);
+        }
+      }
+    picture.rgb.swap(out);
+  }
+  return picture;
+}
+
 }  // namespace
 
-SurfaceColors color_surface(Device& device, const Capture& capture, std::span<const CaptureFrame> frames,
-                            const std::vector<Vec3f>& points, const std::vector<Vec3f>& normals,
-                            const std::vector<Triangle>& triangles, double voxel) {
+SurfaceColors color_surface(Device& device, const Photos& photos, const std::vector<Vec3f>& points,
+                            const std::vector<Vec3f>& normals, const std::vector<Triangle>& triangles,
+                            double tolerance) {
   Program program(device, "capture/colors.cl");
   Kernel add = program.kernel("add_colors"), mean = program.kernel("mean_colors");
   const std::size_t n = points.size();
   Buffer<float> point_buffer(device, packed(points), "points"), normal_buffer(device, packed(normals), "normals");
-  std::vector<float> decode(256);
-  for (int i = 0; i < 256; ++i) decode[std::size_t(i)] = srgb_to_linear(float(i) / 255);
-  Buffer<float> decode_buffer(device, decode, "decode"), depth(device, 0, "depth");
-  Buffer<Bytes4> photo(device, 0, "photo");
+  PhotoReader reader(device, photos);
   Buffer<F32x4Array> before(device, n, "before"), sums(device, n, "sums");
   before.zero();
   SurfaceColors out;
   for (int pass = 0; pass < 2; ++pass) {
     sums.zero();
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      const CaptureFrame& frame = frames[i];
-      if (frame.color.empty()) continue;
-      const DepthPicture depths = depth_of(capture, frame);
-      depth.resize(depths.depth.size());
-      depth.write(depths.depth);
-      const std::vector<Bytes4> texels = with_padding(color_of(frame));
-      photo.resize(texels.size());
-      photo.write(texels);
-      add(n, u32(n), pinhole_camera(frame.depth_camera, frame.depth_camera.pose.matrix()),
-          pinhole_camera(frame.color_camera, frame.color_camera.pose.matrix()), float(3 * voxel), point_buffer,
-          normal_buffer, depth, photo, decode_buffer, before, sums);
+    for (std::size_t i = 0; i < photos.frames.size(); ++i) {
+      if (photos.frames[i].color.empty()) continue;
+      const PinholeCamera camera = reader.load(i, color_of(photos.frames[i]), photos.gains[i]);
+      add(n, u32(n), camera, float(tolerance), point_buffer, normal_buffer, reader.depth, reader.photo, reader.decode,
+          before, sums);
     }
     mean(n, u32(n), sums, before);
   }
@@ -110,11 +149,48 @@ SurfaceColors color_surface(Device& device, const Capture& capture, std::span<co
   return out;
 }
 
-void apply_color_offset(const ColorOffset& offset, std::span<CaptureFrame> frames) {
-  for (CaptureFrame& frame : frames) {
-    frame.color_camera.pose = frame.depth_camera.pose * offset.pose;
+std::vector<Vec3f> estimate_gains(Device& device, const Photos& photos, const std::vector<Vec3f>& points,
+                                  const std::vector<Vec3f>& normals, double tolerance) {
+  constexpr std::size_t MOST_POINTS = 20000;
+  constexpr float DARKEST = 0.004f, BRIGHTEST = 0.85f;  // linear; beyond, a photo may be cut
+  std::mt19937 random(0);
+  std::vector<Vec3f> some_points, some_normals;
+  for (std::size_t k = 0; k < std::min(MOST_POINTS, points.size()); ++k) {
+    const std::size_t i = random() % points.size();
+    some_points.push_back(points[i]);
+    some_normals.push_back(normals[i]);
+  }
+  const std::size_t n = some_points.size();
+  Program program(device, "capture/colors.cl");
+  Kernel see = program.kernel("see_colors");
+  Buffer<float> point_buffer(device, packed(some_points), "points"),
+      normal_buffer(device, packed(some_normals), "normals");
+  Buffer<F32x4Array> seen(device, n, "seen");
+  PhotoReader reader(device, photos);
+  std::vector<ColorSample> samples;
+  for (std::size_t i = 0; i < photos.frames.size(); ++i) {
+    if (photos.frames[i].color.empty()) continue;
+    const PinholeCamera camera = reader.load(i, blurred(color_of(photos.frames[i])), Vec3f::Ones());
+    see(n, u32(n), camera, float(tolerance), point_buffer, normal_buffer, reader.depth, reader.photo, reader.decode,
+        seen);
+    const std::vector<F32x4Array> colors = seen.read();
+    for (std::size_t k = 0; k < n; ++k) {
+      const Vec3f color(colors[k][0], colors[k][1], colors[k][2]);
+      if (colors[k][3] > 0 && color.minCoeff() > DARKEST && color.maxCoeff() < BRIGHTEST)
+        samples.push_back({std::uint32_t(k), std::uint32_t(i), color});
+    }
+  }
+  return exposure_gains(samples, n, photos.frames.size());
+}
+
+void apply_color_offset(const ColorOffset& offset, std::span<CaptureFrame> frames, bool are_aligned) {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    CaptureFrame& frame = frames[i];
+    frame.color_camera.pose = frame.depth_camera.pose * (are_aligned ? offset.photo_poses[i] : offset.pose);
     frame.color_camera.fx *= offset.focal_scale;
     frame.color_camera.fy *= offset.focal_scale;
+    frame.color_camera.cx += offset.center[0];
+    frame.color_camera.cy += offset.center[1];
   }
 }
 

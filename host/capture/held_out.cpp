@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "host/capture/room.hpp"
+#include "host/capture/surface_views.hpp"
 #include "host/formats/picture_files.hpp"
 #include "host/pictures/lut.hpp"
 #include "host/pictures/picture_metrics.hpp"
@@ -12,35 +13,25 @@
 namespace pvg {
 namespace {
 
-constexpr std::size_t LUT_FRAMES = 8;  // that the table is fitted to
-
-Scene scene_of(const VisualMesh& mesh, VisualMaterial::Kind kind, std::span<const CaptureFrame> frames, bool is_color) {
-  Scene scene;
-  VisualMaterial material;
-  material.name = "room";
-  material.kind = kind;
-  material.color = Vec3f::Ones();
-  scene.materials.push_back(material);
-  scene.visual_meshes.push_back(mesh);
-  Visual visual;
-  visual.name = "room";
-  visual.mesh = visual.material = 0;
-  visual.casts_shadow_on_receivers = false;
-  scene.visuals.push_back(visual);
-  for (const CaptureFrame& frame : frames) scene.cameras.push_back(is_color ? frame.color_camera : frame.depth_camera);
-  if (kind == VisualMaterial::Kind::diffuse) scene.environment = Vec3f::Ones();
-  return scene;
-}
+constexpr std::size_t FEWEST_PIXELS = 1000;  // that a photo's table is fitted to
 
 struct View {
   int width = 0, height = 0;
   std::vector<float> rendered, photo;  // linear [height x width x 3]
-  std::vector<bool> is_covered;        // [height x width]
+  std::vector<bool> is_covered;        // by the measured surface  [height x width]
+  std::vector<bool> is_drawn;          // or by the guessed one  [height x width]
 };
 
-std::vector<View> render_views(Device& device, std::span<const CaptureFrame> frames, const VisualMesh& mesh,
+std::vector<Camera> cameras_of(std::span<const CaptureFrame> frames, Camera CaptureFrame::*which) {
+  std::vector<Camera> cameras;
+  for (const CaptureFrame& frame : frames) cameras.push_back(frame.*which);
+  return cameras;
+}
+
+// meshes: the measured surface, and the guessed one behind it
+std::vector<View> render_views(Device& device, std::span<const CaptureFrame> frames, std::span<const VisualMesh> meshes,
                                VisualMaterial::Kind kind) {
-  const Scene scene = scene_of(mesh, kind, frames, true);
+  const Scene scene = scene_of(meshes, kind, cameras_of(frames, &CaptureFrame::color_camera));
   RenderSettings settings;
   settings.samples = 8;
   settings.max_depth = 3;
@@ -50,10 +41,13 @@ std::vector<View> render_views(Device& device, std::span<const CaptureFrame> fra
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (frames[i].color.empty()) continue;
     const RenderedFrame frame = renderer.render(int(i), 0);
-    View view{frame.width, frame.height, frame.rgb, {}, {}};
+    View view{frame.width, frame.height, frame.rgb, {}, {}, {}};
     const Picture8 photo = read_picture(frames[i].color);
     for (const std::uint8_t byte : photo.rgb) view.photo.push_back(srgb_to_linear(float(byte) / 255));
-    for (const float z : frame.depth) view.is_covered.push_back(std::isfinite(z));
+    for (const std::uint32_t instance : frame.instance) {
+      view.is_covered.push_back(instance == 1);
+      view.is_drawn.push_back(instance != 0);
+    }
     views.push_back(std::move(view));
   }
   return views;
@@ -87,46 +81,41 @@ Score score(const std::vector<View>& views) {
   return mean;
 }
 
-Lut lut_for(const std::vector<View>& views) {
-  std::vector<PicturePair> pairs;
-  std::vector<std::vector<bool>> uses;
-  for (const View& view : views) {
-    pairs.push_back({view.width, view.height, view.rendered, view.photo});
-    std::vector<bool> use = valid_pixels(pairs.back());
-    for (std::size_t i = 0; i < use.size(); ++i) use[i] = use[i] && view.is_covered[i];
-    uses.push_back(std::move(use));
-  }
-  return fit_lut(pairs, uses);
+// Exposure and white balance of a left-out photo are its camera's own and can only be told from the photo itself.
+void apply_own_lut(View& view) {
+  const PicturePair pair{view.width, view.height, view.rendered, view.photo};
+  std::vector<bool> use = valid_pixels(pair);
+  for (std::size_t i = 0; i < use.size(); ++i) use[i] = use[i] && view.is_drawn[i];
+  if (std::size_t(std::count(use.begin(), use.end(), true)) < FEWEST_PIXELS) return;
+  apply_lut(fit_lut({&pair, 1}, {&use, 1}), view.rendered);
+  for (std::size_t i = 0; i < view.is_drawn.size(); ++i)
+    for (std::size_t k = 0; !view.is_drawn[i] && k < 3; ++k) view.rendered[3 * i + k] = 0;
 }
 
-// every n-th, so that at most `most` are taken
-std::vector<CaptureFrame> some(std::span<const CaptureFrame> frames, std::size_t most) {
-  std::vector<CaptureFrame> out;
-  const std::size_t every = (frames.size() + most - 1) / most;
-  for (std::size_t i = 0; i < frames.size(); i += every) out.push_back(frames[i]);
-  return out;
+double share_of(const std::vector<View>& views, const std::vector<bool> View::*mask) {
+  double n = 0, all = 0;
+  for (const View& view : views) {
+    n += double(std::count((view.*mask).begin(), (view.*mask).end(), true));
+    all += double((view.*mask).size());
+  }
+  return n / all;
 }
 
 }  // namespace
 
 DepthErrors measure_depth(Device& device, const Capture& capture, std::span<const CaptureFrame> frames,
                           const VisualMesh& mesh, double max_depth) {
-  const Scene scene = scene_of(mesh, VisualMaterial::Kind::shadow_receiver, frames, false);
-  RenderSettings settings;
-  settings.samples = 1;
-  settings.max_depth = 1;
-  Renderer renderer(device, scene, settings);
-  renderer.set_state(initial_state(scene));
+  SurfaceViews views(device, {&mesh, 1}, cameras_of(frames, &CaptureFrame::depth_camera));
   DepthErrors out;
   out.n_frames = frames.size();
   std::vector<float> errors;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const DepthPicture measured = depth_of(capture, frames[i]);
-    const RenderedFrame frame = renderer.render(int(i), 0);
+    const DepthPicture seen = views.depth(i);
     for (std::size_t k = 0; k < measured.depth.size(); ++k) {
       if (!(measured.depth[k] > 0 && measured.depth[k] < max_depth)) continue;
       ++out.n_pixels;
-      if (std::isfinite(frame.depth[k])) errors.push_back(std::abs(frame.depth[k] - measured.depth[k]));
+      if (seen.depth[k] > 0) errors.push_back(std::abs(seen.depth[k] - measured.depth[k]));
     }
   }
   if (errors.empty()) return out;
@@ -141,15 +130,15 @@ DepthErrors measure_depth(Device& device, const Capture& capture, std::span<cons
   return out;
 }
 
-PhotoErrors measure_photos(Device& device, std::span<const CaptureFrame> held_out, std::span<const CaptureFrame> others,
-                           const VisualMesh& mesh) {
+PhotoErrors measure_photos(Device& device, std::span<const CaptureFrame> held_out, std::span<const VisualMesh> meshes) {
   using Kind = VisualMaterial::Kind;
   PhotoErrors out;
   out.n_frames = held_out.size();
-  std::vector<View> views = render_views(device, held_out, mesh, Kind::shadow_receiver);
+  std::vector<View> views = render_views(device, held_out, meshes, Kind::shadow_receiver);
+  out.covered = share_of(views, &View::is_covered);
+  out.drawn = share_of(views, &View::is_drawn);
   const Score raw = score(views);
-  const Lut lut = lut_for(render_views(device, some(others, LUT_FRAMES), mesh, Kind::shadow_receiver));
-  for (View& view : views) apply_lut(lut, view.rendered);
+  for (View& view : views) apply_own_lut(view);
   const Score tabled = score(views);
   out.psnr = raw.psnr;
   out.ssim = raw.ssim;
@@ -157,22 +146,26 @@ PhotoErrors measure_photos(Device& device, std::span<const CaptureFrame> held_ou
   out.psnr_lut = tabled.psnr;
   out.ssim_lut = tabled.ssim;
   out.psnr_covered_lut = tabled.psnr_covered;
-  std::vector<View> diffuse = render_views(device, held_out, mesh, Kind::diffuse);
+  std::vector<View> diffuse = render_views(device, held_out, meshes, Kind::diffuse);
   // the sky's radiance that makes the mean brightness that of the photos
   double rendered = 0, photo = 0;
   for (const View& view : diffuse)
-    for (std::size_t i = 0; i < view.is_covered.size(); ++i)
-      for (std::size_t k = 0; view.is_covered[i] && k < 3; ++k) {
+    for (std::size_t i = 0; i < view.is_drawn.size(); ++i)
+      for (std::size_t k = 0; view.is_drawn[i] && k < 3; ++k) {
         rendered += double(view.rendered[3 * i + k]);
         photo += double(view.photo[3 * i + k]);
       }
   for (View& view : diffuse)
-    for (std::size_t i = 0; i < view.is_covered.size(); ++i)
+    for (std::size_t i = 0; i < view.is_drawn.size(); ++i)
       for (std::size_t k = 0; k < 3; ++k)
-        view.rendered[3 * i + k] = view.is_covered[i] ? float(double(view.rendered[3 * i + k]) * photo / rendered) : 0;
+        view.rendered[3 * i + k] = view.is_drawn[i] ? float(double(view.rendered[3 * i + k]) * photo / rendered) : 0;
   const Score lit = score(diffuse);
   out.psnr_diffuse = lit.psnr;
   out.ssim_diffuse = lit.ssim;
+  for (View& view : diffuse) apply_own_lut(view);
+  const Score lit_and_tabled = score(diffuse);
+  out.psnr_diffuse_lut = lit_and_tabled.psnr;
+  out.ssim_diffuse_lut = lit_and_tabled.ssim;
   return out;
 }
 

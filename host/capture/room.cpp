@@ -8,15 +8,18 @@
 #include <map>
 
 #include "host/base/error.hpp"
+#include "host/capture/background.hpp"
 #include "host/capture/surface.hpp"
+#include "host/capture/surface_views.hpp"
 
 namespace pvg {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double UPRIGHT = 0.8;            // cosine between a plane's normal and up from which it can be the ground
-constexpr std::size_t MOST_MEASURED = 16;  // frames, where none was left out
+constexpr double UPRIGHT = 0.8;                // cosine between a plane's normal and up from which it can be the ground
+constexpr double BACKGROUND_TOLERANCE = 0.08;  // of depth at 1 m, from which a photo does not see it [m]
+constexpr std::size_t MOST_MEASURED = 16;      // frames, where none was left out
 
 FusedSurface fuse(Device& device, const Capture& capture, std::span<const CaptureFrame> frames,
                   const FusionSettings& settings, Room& room) {
@@ -45,20 +48,6 @@ FusedSurface fuse(Device& device, const Capture& capture, std::span<const Captur
   room.n_blocks = fusion.n_blocks();
   room.voxel_bytes = fusion.voxel_bytes();
   return fusion.surface();
-}
-
-void count_edges(const VisualMesh& mesh, Room& room) {
-  std::vector<std::array<std::uint32_t, 2>> edges;
-  for (const Triangle& t : mesh.triangles)
-    for (int k = 0; k < 3; ++k) edges.push_back({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
-  std::sort(edges.begin(), edges.end());
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t j = i;
-    while (j < edges.size() && edges[j] == edges[i]) ++j;
-    room.n_boundary_edges += j - i == 1;
-    room.n_crowded_edges += j - i > 2;
-    i = j;
-  }
 }
 
 // the mean of where the cameras' upper edges point; hands and robots hold them upright more often than not
@@ -100,6 +89,32 @@ void move(std::vector<CaptureFrame>& frames, const Pose& to_room) {
 
 }  // namespace
 
+namespace {
+
+// Gains of the photos, then the colours of both surfaces.
+void color_room(Device& device, std::span<const CaptureFrame> frames, double voxel, Room& room) {
+  std::vector<Camera> cameras;
+  for (const CaptureFrame& frame : frames) cameras.push_back(frame.color_camera);
+  const std::vector<VisualMesh> meshes = {room.mesh, room.background};
+  SurfaceViews views(device, meshes, cameras);
+  std::vector<DepthPicture> depths;
+  for (std::size_t i = 0; i < frames.size(); ++i) depths.push_back(views.depth(i));
+  const double tolerance = 3 * voxel;
+  const std::vector<Vec3f> normals = point_normals(room.mesh.points, room.mesh.triangles);
+  room.gains = estimate_gains(device, {frames, depths, {}}, room.mesh.points, normals, tolerance);
+  const Photos photos{frames, depths, room.gains};
+  SurfaceColors colors = color_surface(device, photos, room.mesh.points, normals, room.mesh.triangles, tolerance);
+  room.share_colored = double(colors.n_seen) / double(room.mesh.points.size());
+  room.mesh.colors = std::move(colors.colors);
+  if (room.background.triangles.empty()) return;
+  room.background.colors = color_surface(device, photos, room.background.points,
+                                         point_normals(room.background.points, room.background.triangles),
+                                         room.background.triangles, std::max(tolerance, BACKGROUND_TOLERANCE))
+                               .colors;
+}
+
+}  // namespace
+
 Room capture_room(Device& device, const Capture& capture, const RoomSettings& settings,
                   const std::function<void(const std::string&)>& say) {
   std::vector<CaptureFrame> used, held_out;
@@ -127,15 +142,16 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
   if (has_photos && settings.aligns_colors) {
     say("aligning the colour camera");
     room.color_offset = align_color_camera(capture, used, surface.points, normals, settings.fusion.voxel);
-    apply_color_offset(*room.color_offset, used);
-    apply_color_offset(*room.color_offset, held_out);
+    apply_color_offset(*room.color_offset, used, true);
+    apply_color_offset(*room.color_offset, held_out, false);
+  }
+  if (has_photos && settings.guesses_background) {
+    say("guessing what no depth shows");
+    room.background = guess_background(device, capture, used, room.mesh, settings.fusion.max_depth);
   }
   if (has_photos) {
     say("colouring");
-    SurfaceColors colors =
-        color_surface(device, capture, used, surface.points, normals, surface.triangles, settings.fusion.voxel);
-    room.share_colored = double(colors.n_seen) / double(surface.points.size());
-    room.mesh.colors = std::move(colors.colors);
+    color_room(device, used, settings.fusion.voxel, room);
   }
   if (settings.most_triangles > 0 && room.mesh.triangles.size() > settings.most_triangles)
     room.mesh = simplified(room.mesh, settings.most_triangles, settings.fusion.voxel);
@@ -145,16 +161,22 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
   if (room.ground >= 0) room.room_from_capture = room_frame(room.planes[std::size_t(room.ground)], used);
   const Eigen::Isometry3f to_room = room.room_from_capture.cast<float>();
   for (Vec3f& p : room.mesh.points) p = to_room * p;
+  for (Vec3f& p : room.background.points) p = to_room * p;
   for (CapturedPlane& plane : room.planes) plane.pose = room.room_from_capture * plane.pose;
   move(used, room.room_from_capture);
   move(held_out, room.room_from_capture);
-  count_edges(room.mesh, room);
+  const EdgeCounts edges = count_edges(room.mesh.triangles);
+  room.n_boundary_edges = edges.boundary;
+  room.n_crowded_edges = edges.crowded;
   say("measuring");
   std::span<const CaptureFrame> measured = held_out;
   if (measured.empty()) measured = std::span<const CaptureFrame>(used).first(std::min(used.size(), MOST_MEASURED));
   room.depth = measure_depth(device, capture, measured, room.mesh, settings.fusion.max_depth);
   room.depth.are_held_out = !held_out.empty();
-  if (!held_out.empty() && !room.mesh.colors.empty()) room.photos = measure_photos(device, held_out, used, room.mesh);
+  if (!held_out.empty() && !room.mesh.colors.empty()) {
+    const std::vector<VisualMesh> meshes = {room.mesh, room.background};
+    room.photos = measure_photos(device, held_out, meshes);
+  }
   return room;
 }
 

@@ -20,6 +20,7 @@ struct RoomSettings {
   int ground = -1;                 // index of the plane that becomes z = 0; -1: the largest that faces up
   bool aligns_colors = false;      // the colour camera's place beside the depth camera is estimated
   bool keeps_frame = false;        // of the capture; else z up by the ground plane
+  bool guesses_background = true;  // where photos look and no depth was measured
 };
 
 // Depths of left-out frames (of all, where none was left out) against the surface.
@@ -30,17 +31,21 @@ struct DepthErrors {
   double mean = 0, median = 0, p90 = 0, p95 = 0, max = 0;  // of the absolute differences [m]
 };
 
-// Left-out photos against pictures of the surface as shadow receiver, in sRGB. Pixels without surface are black in the
-// pictures: `covered` figures leave them out.
+// Left-out photos against pictures of the surface as shadow receiver, in sRGB. Pixels where nothing is drawn are black
+// in the pictures; `covered` figures are those of the measured surface alone, without the guessed background.
 struct PhotoErrors {
   std::size_t n_frames = 0;
   double psnr = 0, ssim = 0, psnr_covered = 0;              // as rendered [dB]
-  double psnr_lut = 0, ssim_lut = 0, psnr_covered_lut = 0;  // after a table fitted to the other frames' photos
-  double psnr_diffuse = 0, ssim_diffuse = 0;  // the same surface as diffuse, under an even sky that fits best
+  double psnr_lut = 0, ssim_lut = 0, psnr_covered_lut = 0;  // after a table that is fitted to each photo, its exposure
+  double psnr_diffuse = 0, ssim_diffuse = 0;          // the same surfaces as diffuse, under an even sky that fits best
+  double psnr_diffuse_lut = 0, ssim_diffuse_lut = 0;  // and after a table of each photo
+  double covered = 0, drawn = 0;                      // share of the pixels: measured surface; with the background
 };
 
 struct Room {
   VisualMesh mesh;                    // in the room's frame, with colours where the capture has photos
+  VisualMesh background;              // guessed, behind the measured surface; may be empty
+  std::vector<Vec3f> gains;           // of the used photos, see exposure.hpp; empty without photos
   std::vector<CapturedPlane> planes;  // in the room's frame
   int ground = -1;                    // the plane at z = 0; -1: none was found, the frame is the capture's
   Pose room_from_capture = Pose::Identity();
@@ -61,7 +66,7 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
 // host/capture/held_out.cpp
 DepthErrors measure_depth(Device& device, const Capture& capture, std::span<const CaptureFrame> frames,
                           const VisualMesh& mesh, double max_depth);
-PhotoErrors measure_photos(Device& device, std::span<const CaptureFrame> held_out, std::span<const CaptureFrame> others,
-                           const VisualMesh& mesh);
+// meshes: the measured surface, then the guessed one
+PhotoErrors measure_photos(Device& device, std::span<const CaptureFrame> held_out, std::span<const VisualMesh> meshes);
 
 }  // namespace pvg

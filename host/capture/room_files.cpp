@@ -36,36 +36,42 @@ std::string obj_text(const TriangleMesh& mesh) {
 
 }  // namespace
 
-void write_captured_mesh(const fs::path& file, const VisualMesh& mesh, const std::string& name, bool is_unlit) {
-  GltfWriter out(name);
-  tinygltf::Material material;
-  material.name = name;
-  material.doubleSided = true;
-  material.pbrMetallicRoughness.metallicFactor = 0;
-  if (is_unlit) {
-    material.extensions["KHR_materials_unlit"] = tinygltf::Value(tinygltf::Value::Object{});
-    out.model.extensionsUsed.push_back("KHR_materials_unlit");
+void write_captured_meshes(const fs::path& file, std::span<const NamedMesh> meshes, bool is_unlit) {
+  GltfWriter out(meshes.front().name);
+  for (const auto& [name, mesh] : meshes) {
+    if (mesh->triangles.empty()) continue;
+    tinygltf::Material material;
+    material.name = name;
+    material.doubleSided = true;
+    material.pbrMetallicRoughness.metallicFactor = 0;
+    if (is_unlit) material.extensions["KHR_materials_unlit"] = tinygltf::Value(tinygltf::Value::Object{});
+    tinygltf::Primitive part;
+    part.mode = TINYGLTF_MODE_TRIANGLES;
+    part.material = int(out.model.materials.size());
+    out.model.materials.push_back(material);
+    part.attributes["POSITION"] = out.add_vectors(packed(mesh->points), TINYGLTF_TARGET_ARRAY_BUFFER);
+    if (!mesh->normals.empty())
+      part.attributes["NORMAL"] = out.add_vectors(packed(mesh->normals), TINYGLTF_TARGET_ARRAY_BUFFER);
+    if (!mesh->colors.empty())
+      part.attributes["COLOR_0"] = out.add(packed(mesh->colors), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 3,
+                                           TINYGLTF_TARGET_ARRAY_BUFFER);
+    part.indices = out.add_triangles(mesh->triangles);
+    tinygltf::Node node;
+    node.name = name;
+    node.mesh = int(out.model.meshes.size());
+    tinygltf::Mesh shape;
+    shape.name = name;
+    shape.primitives.push_back(part);
+    out.model.meshes.push_back(shape);
+    out.add_node(node);
   }
-  out.model.materials.push_back(material);
-  tinygltf::Primitive part;
-  part.mode = TINYGLTF_MODE_TRIANGLES;
-  part.material = 0;
-  part.attributes["POSITION"] = out.add_vectors(packed(mesh.points), TINYGLTF_TARGET_ARRAY_BUFFER);
-  if (!mesh.normals.empty())
-    part.attributes["NORMAL"] = out.add_vectors(packed(mesh.normals), TINYGLTF_TARGET_ARRAY_BUFFER);
-  if (!mesh.colors.empty())
-    part.attributes["COLOR_0"] = out.add(packed(mesh.colors), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 3,
-                                         TINYGLTF_TARGET_ARRAY_BUFFER);
-  part.indices = out.add_triangles(mesh.triangles);
-  tinygltf::Mesh shape;
-  shape.name = name;
-  shape.primitives.push_back(part);
-  out.model.meshes.push_back(shape);
-  tinygltf::Node node;
-  node.name = name;
-  node.mesh = 0;
-  out.add_node(node);
+  if (is_unlit) out.model.extensionsUsed.push_back("KHR_materials_unlit");
   out.write(file);
+}
+
+void write_captured_mesh(const fs::path& file, const VisualMesh& mesh, const std::string& name, bool is_unlit) {
+  const NamedMesh named{name, &mesh};
+  write_captured_meshes(file, {&named, 1}, is_unlit);
 }
 
 TriangleMesh plane_box(const CapturedPlane& plane) {
@@ -77,7 +83,8 @@ TriangleMesh plane_box(const CapturedPlane& plane) {
 }
 
 void write_room(const fs::path& folder, const Room& room, const RoomSettings& settings) {
-  write_captured_mesh(folder / "room.glb", room.mesh, "room", true);
+  const NamedMesh meshes[] = {{"room", &room.mesh}, {"guessed background", &room.background}};
+  write_captured_meshes(folder / "room.glb", meshes, true);
   std::string text =
       "# A captured room: `background: {capture: FOLDER}` in a task shows it and puts its planes under the bodies.\n"
       "# Metres; room frame: z up" +
@@ -145,12 +152,26 @@ ordered_json room_report(const Room& room, const RoomSettings& settings, double 
                         {"voxel_bytes", room.voxel_bytes},
                         {"ms_per_frame", room.ms_per_frame},
                         {"cpu_ms_per_frame", room.cpu_ms_per_frame}}}};
+  out["background"] = {{"triangles", room.background.triangles.size()}, {"is_guessed", true}};
+  if (!room.gains.empty()) {
+    Vec3f least = room.gains.front(), most = least;
+    for (const Vec3f& gain : room.gains) {
+      least = least.cwiseMin(gain);
+      most = most.cwiseMax(gain);
+    }
+    out["exposure"] = {{"least_gain", {least.x(), least.y(), least.z()}},
+                       {"largest_gain", {most.x(), most.y(), most.z()}}};
+  }
   if (room.color_offset) {
     const Vec3 t = room.color_offset->pose.translation();
+    const Eigen::Quaterniond q(room.color_offset->pose.linear());
     out["color_camera"] = {{"offset", {t.x(), t.y(), t.z()}},
+                           {"quaternion", {q.x(), q.y(), q.z(), q.w()}},
                            {"focal_scale", room.color_offset->focal_scale},
+                           {"center_shift", {room.color_offset->center[0], room.color_offset->center[1]}},
                            {"disagreement_before", room.color_offset->disagreement_before},
-                           {"disagreement_after", room.color_offset->disagreement_after}};
+                           {"disagreement_after", room.color_offset->disagreement_after},
+                           {"disagreement_moved", room.color_offset->disagreement_moved}};
   }
   if (room.photos) {
     const PhotoErrors& p = *room.photos;
@@ -162,7 +183,11 @@ ordered_json room_report(const Room& room, const RoomSettings& settings, double 
                      {"ssim_lut", p.ssim_lut},
                      {"psnr_covered_lut", p.psnr_covered_lut},
                      {"psnr_diffuse", p.psnr_diffuse},
-                     {"ssim_diffuse", p.ssim_diffuse}};
+                     {"ssim_diffuse", p.ssim_diffuse},
+                     {"psnr_diffuse_lut", p.psnr_diffuse_lut},
+                     {"ssim_diffuse_lut", p.ssim_diffuse_lut},
+                     {"covered", p.covered},
+                     {"drawn", p.drawn}};
   }
   return out;
 }

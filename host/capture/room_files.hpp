@@ -3,6 +3,8 @@
 #pragma once
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
 
 #include "host/capture/room.hpp"
 
@@ -10,7 +12,12 @@ namespace pvg {
 
 constexpr double PLANE_THICKNESS = 0.03;  // of a plane's box, behind its surface [m]
 
-// A mesh with colours as glTF: `is_unlit` makes it a shadow receiver.
+// Meshes with colours as glTF, one node each; an empty one is left out. `is_unlit` makes them shadow receivers.
+struct NamedMesh {
+  std::string name;
+  const VisualMesh* mesh;
+};
+void write_captured_meshes(const std::filesystem::path& file, std::span<const NamedMesh> meshes, bool is_unlit);
 void write_captured_mesh(const std::filesystem::path& file, const VisualMesh& mesh, const std::string& name,
                          bool is_unlit);
 

@@ -71,6 +71,23 @@ FusedSurface without_small_pieces(const FusedSurface& surface, double least_area
   return without_unused(kept);
 }
 
+EdgeCounts count_edges(const std::vector<Triangle>& triangles) {
+  std::vector<std::array<std::uint32_t, 2>> edges;
+  edges.reserve(3 * triangles.size());
+  for (const Triangle& t : triangles)
+    for (int k = 0; k < 3; ++k) edges.push_back({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
+  std::sort(edges.begin(), edges.end());
+  EdgeCounts out;
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t j = i;
+    while (j < edges.size() && edges[j] == edges[i]) ++j;
+    out.boundary += j - i == 1;
+    out.crowded += j - i > 2;
+    i = j;
+  }
+  return out;
+}
+
 std::vector<Vec3f> point_normals(const std::vector<Vec3f>& points, const std::vector<Triangle>& triangles) {
   std::vector<Vec3f> normals(points.size(), Vec3f::Zero());
   for (const Triangle& t : triangles) {

@@ -18,6 +18,11 @@ std::vector<Vec3f> point_normals(const std::vector<Vec3f>& points, const std::ve
 // about `error` [m] from where the surface was. Where the library is missing a UsageError says so.
 VisualMesh simplified(const VisualMesh& mesh, std::size_t n_triangles, double error);
 
+struct EdgeCounts {
+  std::size_t boundary = 0, crowded = 0;  // edges with one, with more than two triangles
+};
+EdgeCounts count_edges(const std::vector<Triangle>& triangles);
+
 double surface_area(const std::vector<Vec3f>& points, const std::vector<Triangle>& triangles);  // [m^2]
 
 }  // namespace pvg

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <map>
 #include <numeric>
 #include <string>
 
@@ -212,15 +211,18 @@ std::optional<IntersectingPair> find_intersection(
 std::optional<IntersectingPair> find_intersection(std::span<const Vec3> points, std::span<const Triangle> triangles,
                                                   std::span<const std::uint32_t> group,
                                                   std::span<const std::uint8_t> collides_with_itself) {
-  std::map<Edge, std::uint32_t> first_triangle;  // of each edge
+  std::vector<std::pair<Edge, std::uint32_t>> all;  // and a triangle that each belongs to
+  all.reserve(3 * triangles.size());
   for (std::uint32_t i = 0; i < triangles.size(); ++i)
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t p = triangles[i][k], q = triangles[i][(k + 1) % 3];
-      first_triangle.emplace(Edge{std::min(p, q), std::max(p, q)}, i);
+      all.push_back({{std::min(p, q), std::max(p, q)}, i});
     }
+  std::sort(all.begin(), all.end());
   std::vector<Edge> edges;
   std::vector<std::uint32_t> triangle_of_edge;
-  for (const auto& [edge, triangle] : first_triangle) {
+  for (const auto& [edge, triangle] : all) {
+    if (!edges.empty() && edges.back() == edge) continue;
     edges.push_back(edge);
     triangle_of_edge.push_back(triangle);
   }

@@ -29,13 +29,20 @@ double tetrahedron_volume(const TriangleMesh& mesh, const Triangle& t) {
 }
 
 // How often each edge (smaller index first) is run through upward and downward.
-std::map<Key, std::array<int, 2>> edge_uses(const TriangleMesh& mesh) {
-  std::map<Key, std::array<int, 2>> uses;
-  for (const Triangle& t : mesh.triangles) {
+// In ascending order.
+std::vector<std::pair<Key, std::array<int, 2>>> edge_uses(const TriangleMesh& mesh) {
+  std::vector<std::pair<Key, int>> edges;  // and whether it is run through downward
+  edges.reserve(3 * mesh.triangles.size());
+  for (const Triangle& t : mesh.triangles)
     for (int i = 0; i < 3; ++i) {
       const std::uint32_t a = t[i], b = t[(i + 1) % 3];
-      ++uses[{std::min(a, b), std::max(a, b)}][a < b ? 0 : 1];
+      edges.push_back({{std::min(a, b), std::max(a, b)}, a < b ? 0 : 1});
     }
+  std::sort(edges.begin(), edges.end());
+  std::vector<std::pair<Key, std::array<int, 2>>> uses;
+  for (const auto& [edge, direction] : edges) {
+    if (uses.empty() || uses.back().first != edge) uses.push_back({edge, {0, 0}});
+    ++uses.back().second[direction];
   }
   return uses;
 }
@@ -203,18 +210,23 @@ std::vector<int> triangle_components(const TriangleMesh& mesh) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
   };
-  std::map<Key, int> owner;
-  for (int i = 0; i < int(mesh.triangles.size()); ++i) {
+  std::vector<std::pair<Key, int>> edges;  // each with a triangle that it belongs to, in order
+  edges.reserve(3 * mesh.triangles.size());
+  for (int i = 0; i < int(mesh.triangles.size()); ++i)
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t a = mesh.triangles[i][k], b = mesh.triangles[i][(k + 1) % 3];
-      const auto [at, is_new] = owner.insert({{std::min(a, b), std::max(a, b)}, i});
-      if (!is_new) parent[root(i)] = root(at->second);
+      edges.push_back({{std::min(a, b), std::max(a, b)}, i});
     }
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t e = 1; e < edges.size(); ++e)
+    if (edges[e].first == edges[e - 1].first) parent[root(edges[e].second)] = root(edges[e - 1].second);
+  std::vector<int> number(mesh.triangles.size(), -1), component(mesh.triangles.size());
+  int n = 0;
+  for (int i = 0; i < int(component.size()); ++i) {
+    int& of_root = number[root(i)];
+    if (of_root < 0) of_root = n++;
+    component[i] = of_root;
   }
-  std::map<int, int> number;
-  std::vector<int> component(mesh.triangles.size());
-  for (int i = 0; i < int(component.size()); ++i)
-    component[i] = number.insert({root(i), int(number.size())}).first->second;
   return component;
 }
 

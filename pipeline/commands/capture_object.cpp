@@ -7,18 +7,25 @@
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
-#include "host/capture/object.hpp"
+#include "host/capture/objects/object.hpp"
+#include "host/capture/objects/splats.hpp"
 #include "pipeline/command_line/command.hpp"
 
 namespace pvg {
 namespace {
 
 struct CaptureObjectOptions {
-  std::string source, output;
+  std::string source, output, device;
   double scale = 1, density = 0, mass = 0, detail = 0, bridge = 0, error = 0;  // [1, kg/m^3, kg, mm, mm, mm]
   std::size_t triangles = 2000;
   bool wraps = false, as_json = false;
 };
+
+ObjectSource source_of(const CaptureObjectOptions& o, const ObjectSettings& settings) {
+  if (!is_splat_file(o.source)) return read_object(o.source, settings);
+  Device device(o.device, Purpose::rendering);
+  return read_splat_object(device, o.source, settings);
+}
 
 void run_capture_object(const CaptureObjectOptions& o) {
   if (o.source.empty() || o.output.empty())
@@ -36,7 +43,7 @@ void run_capture_object(const CaptureObjectOptions& o) {
   settings.error = o.error * 1e-3;
   settings.triangles = o.triangles;
   settings.always_wraps = o.wraps;
-  const CapturedObject object = capture_object(o.source, settings);
+  const CapturedObject object = capture_object(source_of(o, settings), settings);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   make_writable_folder(std::filesystem::absolute(o.output).parent_path());
   PartialFolder folder(o.output);
@@ -67,9 +74,13 @@ void run_capture_object(const CaptureObjectOptions& o) {
 void add_capture_object(CLI::App& program) {
   CLI::App* command =
       command_group(program, "capture")
-          .add_subcommand("object", "A simulation mesh, a visual mesh and mass properties from any mesh of a thing");
+          .add_subcommand("object",
+                          "A simulation mesh, a visual mesh and mass properties from any mesh or splats of a thing");
   CaptureObjectOptions& o = options_of_command(*command, run_capture_object);
-  command->add_option("source", o.source, "Mesh: .obj, .stl, .ply, .glb; holes and crossing triangles are no harm");
+  command->add_option(
+      "source", o.source,
+      "Mesh: .obj, .stl, .ply, .glb; holes and crossing triangles are no harm. Or Gaussian splats: .ply of 3DGS, "
+      "PGSR, 2DGS, TSGS");
   command->add_option("-o,--output", o.output, "Folder: simulation.obj, visual.glb, object.yaml, report.json");
   command->add_option("--scale", o.scale, "Metres per unit of the file, such as 0.001")->check(CLI::Range(1e-6, 1e6));
   command->add_option("--density", o.density, "[kg/m^3]")->check(CLI::Range(1e-3, 1e5));
@@ -82,6 +93,7 @@ void add_capture_object(CLI::App& program) {
       ->check(CLI::Range(1e-3, 1e4));
   command->add_option("--triangles", o.triangles, "Of the simulation mesh, where the error allows");
   command->add_flag("--wrap", o.wraps, "Wrap also a source that is closed and does not intersect itself");
+  command->add_option("--device", o.device, "OpenCL device that draws splats: an index, part of its name, cpu or gpu");
   command->add_flag("--json", o.as_json, "Print the report as JSON");
   command->footer("Example:\n  phyvisgen capture object scan.stl --scale 0.001 --density 1200 -o can");
 }

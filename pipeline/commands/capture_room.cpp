@@ -25,7 +25,7 @@ struct CaptureRoomOptions {
   int hold_out = 0, ground = -1;
   std::size_t triangles = 0;
   std::string align = "auto";
-  bool keeps_frame = false, as_json = false;
+  bool keeps_frame = false, leaves_holes = false, as_json = false;
   std::string device;
 };
 
@@ -42,10 +42,12 @@ void print_report(const Room& room, const fs::path& output, double seconds) {
       d.n_frames, d.are_held_out ? "left-out" : "used", 100 * d.covered, 1e3 * d.median, 1e3 * d.p90, 1e3 * d.p95);
   if (room.photos)
     std::printf(
-        "left-out photos: PSNR %.2f dB, SSIM %.3f; with a table %.2f dB, %.3f; of the covered pixels %.2f and "
-        "%.2f dB; as diffuse surface %.2f dB, %.3f\n",
-        room.photos->psnr, room.photos->ssim, room.photos->psnr_lut, room.photos->ssim_lut, room.photos->psnr_covered,
-        room.photos->psnr_covered_lut, room.photos->psnr_diffuse, room.photos->ssim_diffuse);
+        "left-out photos: PSNR %.2f dB, SSIM %.3f; with each photo's own table %.2f dB, %.3f; of the %.1f %% that the "
+        "measured surface covers %.2f and %.2f dB; as diffuse surface %.2f dB, %.3f, with tables %.2f dB, %.3f; %.1f "
+        "%% have nothing\n",
+        room.photos->psnr, room.photos->ssim, room.photos->psnr_lut, room.photos->ssim_lut, 100 * room.photos->covered,
+        room.photos->psnr_covered, room.photos->psnr_covered_lut, room.photos->psnr_diffuse, room.photos->ssim_diffuse,
+        room.photos->psnr_diffuse_lut, room.photos->ssim_diffuse_lut, 100 - 100 * room.photos->drawn);
   for (std::size_t i = 0; i < room.planes.size(); ++i) {
     const CapturedPlane& p = room.planes[i];
     const Vec3 c = p.pose.translation(), n = p.pose.linear().col(2);
@@ -69,6 +71,7 @@ RoomSettings settings_of(const CaptureRoomOptions& o, const Capture& capture) {
   settings.ground = o.ground;
   settings.most_triangles = o.triangles;
   settings.keeps_frame = o.keeps_frame;
+  settings.guesses_background = !o.leaves_holes;
   settings.aligns_colors = o.align == "yes" || (o.align == "auto" && capture.colors_are_apart);
   return settings;
 }
@@ -126,6 +129,7 @@ void add_capture_room(CLI::App& program) {
   command->add_option("--ground", o.ground, "Number of the plane that becomes z = 0; else the largest that faces up")
       ->check(CLI::Range(0, 100));
   command->add_flag("--keep-frame", o.keeps_frame, "Keep the capture's frame instead of z up");
+  command->add_flag("--leave-holes", o.leaves_holes, "Guess no background where photos look and no depth was measured");
   command->add_option("--align-colors", o.align, "Estimate the colour camera's place beside the depth camera")
       ->check(CLI::IsMember({"auto", "yes", "no"}));
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");

@@ -4,7 +4,8 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 
-#include "host/capture/wrap.hpp"
+#include "host/capture/objects/wrap.hpp"
+#include "host/device/device.hpp"
 #include "host/geometry/mass_properties.hpp"
 #include "host/geometry/visual_mesh.hpp"
 
@@ -29,8 +30,19 @@ struct CapturedObject {
   std::vector<double> to_source, from_source;  // distances between the surfaces, ascending [m]
 };
 
-// A UsageError that names the file where nothing can be made of it.
-CapturedObject capture_object(const std::filesystem::path& source, const ObjectSettings& settings);
+// A thing as it comes, in metres.
+struct ObjectSource {
+  std::string name;   // of the file, for messages
+  TriangleMesh mesh;  // of any quality
+  VisualMesh visual;
+};
+
+// settings.scale is applied. UsageErrors name the file where nothing can be made of it.
+ObjectSource read_object(const std::filesystem::path& file, const ObjectSettings& settings);
+// The surface of a file of Gaussian splats (splats.hpp).
+ObjectSource read_splat_object(Device& device, const std::filesystem::path& file, const ObjectSettings& settings);
+
+CapturedObject capture_object(const ObjectSource& source, const ObjectSettings& settings);
 
 // simulation.obj, visual.glb, object.yaml, report.json
 void write_object(const std::filesystem::path& folder, const CapturedObject& object, const ObjectSettings& settings,

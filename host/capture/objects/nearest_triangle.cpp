@@ -1,4 +1,4 @@
-#include "host/capture/nearest_triangle.hpp"
+#include "host/capture/objects/nearest_triangle.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,6 +8,7 @@ class NearestTriangle {
  public:
   explicit NearestTriangle(const TriangleMesh& mesh);  // which must outlive it, and has a triangle
   double distance(const Vec3& p) const;                // [m]
+  const TriangleMesh& mesh() const { return *mesh_; }
 
  private:
   struct Node {

@@ -19,9 +19,14 @@ TriangleMesh wrap_surface(const TriangleMesh& soup, WrapSettings settings);
 // A closed mesh that was checked: no defect of closed_surface_defect, no self-intersection (exact).
 bool is_sound(const TriangleMesh& mesh);
 
-// At most n_triangles where that is possible: the result is_sound, and no point of it is farther than `error` [m] from
-// `mesh`. The mesh itself must be sound; it comes back where nothing smaller is.
-TriangleMesh simplified_solid(const TriangleMesh& mesh, std::size_t n_triangles, double error);
+struct SimplifiedSolid {
+  TriangleMesh mesh;
+  std::vector<double> to_original, from_original;  // as of surface_distances
+};
+
+// At most n_triangles where that is possible: the result is_sound, and neither surface is farther than `error` [m] from
+// the other. The mesh itself must be sound; it comes back where nothing smaller is.
+SimplifiedSolid simplified_solid(const TriangleMesh& mesh, std::size_t n_triangles, double error);
 
 // Distances of points spread over `from` (its points and the middles of its triangles) to `to` [m], ascending.
 std::vector<double> surface_distances(const TriangleMesh& from, const TriangleMesh& to);

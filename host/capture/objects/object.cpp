@@ -1,4 +1,4 @@
-#include "host/capture/object.hpp"
+#include "host/capture/objects/object.hpp"
 
 #include <fmt/format.h>
 
@@ -7,16 +7,18 @@
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
+#include "host/capture/objects/splats.hpp"
 #include "host/capture/room_files.hpp"
+#include "host/capture/surface.hpp"
 #include "host/formats/mesh_files.hpp"
+#include "host/geometry/exact_intersection.hpp"
 #include "host/geometry/mesh_checks.hpp"
 
 namespace pvg {
 namespace {
 
-constexpr double WATER = 1000;               // [kg/m^3]
-constexpr int ATTEMPTS = 3;                  // of the wrap, each with other samples
-constexpr std::size_t MOST_CHECKED = 20000;  // triangles of a source that is tested for self-intersections
+constexpr double WATER = 1000;  // [kg/m^3]
+constexpr int ATTEMPTS = 3;     // of the wrap, each with other samples
 
 double mean(const std::vector<double>& values) {
   double sum = 0;
@@ -39,19 +41,34 @@ double size_of(const TriangleMesh& mesh) {
 
 }  // namespace
 
-CapturedObject capture_object(const std::filesystem::path& source, const ObjectSettings& settings) {
+ObjectSource read_object(const std::filesystem::path& file, const ObjectSettings& settings) {
+  ObjectSource source{file.string(), read_surface(file), {}};
+  if (source.mesh.triangles.empty()) throw UsageError(source.name + " holds no triangles");
+  for (const Vec3& p : source.mesh.points)
+    if (!p.allFinite()) throw UsageError(source.name + ": a point is not finite; export it again");
+  for (Vec3& p : source.mesh.points) p *= settings.scale;
+  source.visual = read_visual_mesh(file);
+  for (Vec3f& p : source.visual.points) p *= float(settings.scale);
+  return source;
+}
+
+ObjectSource read_splat_object(Device& device, const std::filesystem::path& file, const ObjectSettings& settings) {
+  ObjectSource source{file.string(), {}, surface_of_splats(device, read_splats(file, settings.scale))};
+  if (source.visual.triangles.empty()) throw UsageError(source.name + ": the splats show no surface");
+  for (const Vec3f& p : source.visual.points) source.mesh.points.push_back(p.cast<double>());
+  source.mesh.triangles = source.visual.triangles;
+  return source;
+}
+
+CapturedObject capture_object(const ObjectSource& source, const ObjectSettings& settings) {
   if (settings.density > 0 && settings.mass > 0) throw UsageError("--density and --mass exclude each other");
-  TriangleMesh mesh = read_surface(source);
-  if (mesh.triangles.empty()) throw UsageError(source.string() + " holds no triangles");
-  for (const Vec3& p : mesh.points)
-    if (!p.allFinite()) throw UsageError(source.string() + ": a point is not finite; export it again");
-  for (Vec3& p : mesh.points) p *= settings.scale;
-  tell_of_size(mesh, source.string());
+  const TriangleMesh& mesh = source.mesh;
+  tell_of_size(mesh, source.name);
   CapturedObject out;
-  out.was_sound = mesh.triangles.size() <= MOST_CHECKED && is_sound(mesh);
+  out.was_sound = is_sound(mesh);
   WrapSettings wrap = settings.wrap;
   if (wrap.spacing <= 0) wrap.spacing = size_of(mesh) / 100;
-  if (!(wrap.spacing > 0)) throw UsageError(source.string() + ": all points are one");
+  if (!(wrap.spacing > 0)) throw UsageError(source.name + ": all points are one");
   const double error = settings.error > 0 ? settings.error : 2 * wrap.spacing;
   TriangleMesh solid = mesh;
   if (!out.was_sound || settings.always_wraps) {
@@ -60,13 +77,15 @@ CapturedObject capture_object(const std::filesystem::path& source, const ObjectS
       out.spacing = wrap.spacing;
       if (is_sound(solid)) break;
       if (attempt == ATTEMPTS)
-        throw Failure(source.string() + ": no sound surface was found around it; take another --detail");
+        throw Failure(source.name + ": no sound surface was found around it; take another --detail");
       wrap.spacing *= 0.93;  // samples lie elsewhere
     }
   }
-  out.simulation = simplified_solid(solid, settings.triangles, error);
-  out.to_source = surface_distances(out.simulation, mesh);
-  out.from_source = surface_distances(mesh, out.simulation);
+  SimplifiedSolid simplified = simplified_solid(solid, settings.triangles, error);
+  out.simulation = std::move(simplified.mesh);
+  const bool is_wrapped = out.spacing > 0;  // else the distances are those of the simplification
+  out.to_source = is_wrapped ? surface_distances(out.simulation, mesh) : std::move(simplified.to_original);
+  out.from_source = is_wrapped ? surface_distances(mesh, out.simulation) : std::move(simplified.from_original);
   const double density = settings.density > 0 ? settings.density : WATER;
   const TriangleMesh& weighed = out.was_sound ? mesh : out.simulation;
   out.mass = mass_properties(weighed, density);
@@ -75,21 +94,21 @@ CapturedObject capture_object(const std::filesystem::path& source, const ObjectS
     out.mass.mass = settings.mass;
   }
   if (out.was_sound) out.volume_error = enclosed_volume(out.simulation) / out.mass.volume - 1;
-  out.visual = read_visual_mesh(source);
-  for (Vec3f& p : out.visual.points) p *= float(settings.scale);
+  out.visual = source.visual;
   return out;
 }
 
 nlohmann::ordered_json object_report(const CapturedObject& object, const ObjectSettings& settings, double seconds) {
   const Eigen::Matrix3d& I = object.mass.inertia;
-  const bool is_whole = is_sound(object.simulation);
+  const EdgeCounts edges = count_edges(object.simulation.triangles);
+  const bool intersects = find_intersection(object.simulation.points, object.simulation.triangles).has_value();
   return {{"schema", 1},
           {"mesh",
            {{"vertices", object.simulation.points.size()},
             {"triangles", object.simulation.triangles.size()},
-            {"closed", !closed_surface_defect(object.simulation)},
-            {"manifold", !closed_surface_defect(object.simulation)},
-            {"self_intersections", is_whole ? 0 : 1}}},
+            {"closed", edges.boundary == 0},
+            {"manifold", edges.crowded == 0},
+            {"self_intersections", intersects ? 1 : 0}}},
           {"visual", {{"vertices", object.visual.points.size()}, {"triangles", object.visual.triangles.size()}}},
           {"planes", nlohmann::ordered_json::array()},
           {"scale", settings.scale},

@@ -1,0 +1,15 @@
+// Fewer triangles for a sound mesh, one edge at a time (Garland and Heckbert 1997, quadric error metrics). Each
+// collapse is checked before it is made: the surface stays closed and manifold (link condition), no triangle turns
+// over, none meets another one (exact predicates), and neither surface leaves the other by more than a given distance.
+// So no result has to be thrown away as a whole. Pure.
+#pragma once
+#include "host/geometry/mesh.hpp"
+
+namespace pvg {
+
+// mesh: closed, manifold, without self-intersections; so is the result, which has at most n_triangles where the
+// distance allows. error: most distance of the result's points, middles of edges and of triangles to `mesh`, and of the
+// points of `mesh` to the result [m].
+TriangleMesh collapse_edges(const TriangleMesh& mesh, std::size_t n_triangles, double error);
+
+}  // namespace pvg
