@@ -37,19 +37,26 @@ FactorGroups factor_groups(const System& system, const std::vector<char>& is_exa
   return groups;
 }
 
+std::vector<u32> first_frame_nodes(const System& system) {
+  std::vector<u32> first;
+  for (const std::vector<u32>& frames : system.rigid_first_node)
+    first.insert(first.end(), frames.begin(), frames.end());
+  return first;
+}
+
+bool holds_frames_only(const FactorGroups& groups, std::span<const u32> first_frame_node) {
+  std::size_t n = 0;
+  for (const u32 node : first_frame_node) n += groups.node_group[node] == NO_GROUP ? 0 : 4;
+  return n == groups.node_group.size() -
+                  std::size_t(std::count(groups.node_group.begin(), groups.node_group.end(), NO_GROUP));
+}
+
 // nodes of it
 u32 largest_group(const FactorGroups& groups) {
   std::vector<u32> n(groups.world.size() + 1, 0);
   for (const u32 group : groups.node_group)
     if (group != NO_GROUP) ++n[group];
   return *std::max_element(n.begin(), n.end());
-}
-
-std::vector<u32> first_frame_nodes(const System& system) {
-  std::vector<u32> first;
-  for (const std::vector<u32>& frames : system.rigid_first_node)
-    first.insert(first.end(), frames.begin(), frames.end());
-  return first;
 }
 
 }  // namespace
@@ -71,7 +78,8 @@ Preconditioner::Preconditioner(Device& device, const System& system, const Block
   takes_contacts_ = std::any_of(is_exact.begin(), is_exact.end(), [](char exact) { return exact; });
   groups_.reset();
   const std::vector<u32> frames = first_frame_nodes(system);
-  if (!takes_contacts_ && largest_group(kept) <= CLUSTER_WIDTH) {
+  if (holds_frames_only(kept, frames) && largest_group(kept) <= CLUSTER_WIDTH) {
+    takes_contacts_ = false;
     std::vector<u32> has_no_frame(system.n_nodes());
     for (std::size_t node = 0; node < has_no_frame.size(); ++node)
       has_no_frame[node] = kept.node_group[node] == NO_GROUP;
