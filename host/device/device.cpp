@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <numeric>
 #include <utility>
 
 namespace pvg {
@@ -65,6 +67,12 @@ struct FoundDevice {
   DeviceInfo info;
 };
 
+// PVG_HOST_FUNCTIONS=0 treats every device like one apart from the host, to see what it would be asked for.
+bool may_run_host_functions() {
+  const char* value = std::getenv("PVG_HOST_FUNCTIONS");
+  return !value || std::string(value) != "0";
+}
+
 std::vector<FoundDevice> find_devices() {
   find_cache_folder();
   cl_uint n_platforms = 0;
@@ -86,6 +94,9 @@ std::vector<FoundDevice> find_devices() {
       info.version = text_info(id, clGetDeviceInfo, CL_DEVICE_VERSION);
       info.is_gpu = number_info<cl_device_type>(id, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_GPU;
       info.has_fp64 = text_info(id, clGetDeviceInfo, CL_DEVICE_EXTENSIONS).find("cl_khr_fp64") != std::string::npos;
+      info.runs_host_functions =
+          may_run_host_functions() && (number_info<cl_device_type>(id, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) &&
+          (number_info<cl_device_exec_capabilities>(id, CL_DEVICE_EXECUTION_CAPABILITIES) & CL_EXEC_NATIVE_KERNEL);
       info.compute_units = number_info<cl_uint>(id, CL_DEVICE_MAX_COMPUTE_UNITS);
       info.memory_bytes = number_info<cl_ulong>(id, CL_DEVICE_GLOBAL_MEM_SIZE);
       // drivers for the CPU name a limit of their own, which may be above what the machine or the container has
@@ -179,17 +190,78 @@ Device::Device(Device&&) noexcept = default;
 const DeviceInfo& Device::info() const { return impl_->info; }
 void Device::finish() {
   const std::size_t staged = impl_->staged_so_far();
+  ++impl_->n_waits;
   require(clFinish(impl_->queue), "wait for the device");
   impl_->forget_staged(staged);
 }
+namespace {
+
+// What a host function is given by the driver: the driver copies it and puts the addresses of the memory in.
+struct HostCall {
+  static constexpr std::size_t MOST = 8;
+  Device::HostTask* task;
+  std::size_t n;
+  void* memory[MOST];
+};
+
+void CL_CALLBACK run_host_call(void* argument) {
+  auto* call = static_cast<HostCall*>(argument);
+  const std::unique_ptr<Device::HostTask> task(call->task);
+  (*task)(std::span<void* const>(call->memory, call->n));
+}
+
+}  // namespace
+
+void Device::call(std::vector<detail::HostAccess> access, HostTask task) {
+  if (access.size() > HostCall::MOST) throw std::logic_error("a host function was given too many buffers");
+  if (!info().runs_host_functions) {
+    std::vector<std::vector<unsigned char>> numbers;
+    std::vector<void*> memory;
+    for (const detail::HostAccess& each : access) {
+      memory.push_back(numbers.emplace_back(each.bytes).data());
+      if (each.is_read && each.bytes > 0) each.memory->read_later(memory.back(), 0, each.bytes);
+    }
+    finish();
+    task(memory);
+    for (std::size_t i = 0; i < access.size(); ++i)
+      if (access[i].is_written && access[i].bytes > 0) access[i].memory->write(memory[i], 0, access[i].bytes);
+    return;
+  }
+  HostCall call{new HostTask(std::move(task)), access.size(), {}};
+  // PoCL 3.1 sorts the buffers as they were made, and leaves their places as they were
+  std::vector<std::size_t> order(access.size());
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return access[a].memory->serial() < access[b].memory->serial(); });
+  std::vector<cl_mem> buffers;
+  std::vector<const void*> places;
+  for (const std::size_t i : order) {
+    buffers.push_back(*static_cast<const cl_mem*>(access[i].memory->handle()));
+    places.push_back(&call.memory[i]);
+  }
+  ++impl_->n_launches;
+  const cl_int code = clEnqueueNativeKernel(impl_->queue, run_host_call, &call, sizeof call, cl_uint(buffers.size()),
+                                            buffers.data(), places.data(), 0, nullptr, nullptr);
+  if (code == CL_SUCCESS) return;
+  delete call.task;
+  require(code, "call a host function");
+}
+
 std::size_t Device::peak_bytes() const { return impl_->peak_bytes; }
-std::size_t Device::transferred_bytes() const { return impl_->transferred_bytes; }
+DeviceCounts Device::counts() const { return {impl_->n_launches, impl_->n_writes, impl_->n_waits, impl_->n_bytes}; }
+DeviceCounts& DeviceCounts::operator+=(const DeviceCounts& other) {
+  launches += other.launches, writes += other.writes, waits += other.waits, bytes += other.bytes;
+  return *this;
+}
+DeviceCounts DeviceCounts::operator-(const DeviceCounts& other) const {
+  return {launches - other.launches, writes - other.writes, waits - other.waits, bytes - other.bytes};
+}
 void Device::keep_programs_in(const std::string& folder) { impl_->cache = ProgramCache(folder); }
 std::size_t Device::n_compiled() const { return impl_->n_compiled; }
 
 namespace detail {
 namespace {
-constexpr std::size_t LARGEST_STAGED = 1 << 16;  // bytes; copying more takes longer than waiting
+constexpr std::size_t LARGEST_STAGED = 1 << 17;  // bytes; copying more takes longer than waiting
 constexpr std::size_t MOST_STAGED = 256;         // writes
 }  // namespace
 
@@ -233,13 +305,17 @@ Memory& Memory::operator=(Memory&& other) noexcept {
 
 void Memory::write(const void* from, std::size_t offset, std::size_t bytes) {
   Device::Impl& impl = device_->impl();
-  impl.transferred_bytes += bytes;
+  impl.n_bytes += bytes;
   const auto enqueue = [&](const void* source, cl_bool waits) {
     require(clEnqueueWriteBuffer(impl.queue, static_cast<cl_mem>(handle_), waits, offset, bytes, source, 0, nullptr,
                                  nullptr),
             "write " + name_);
   };
-  if (bytes > LARGEST_STAGED) return enqueue(from, CL_TRUE);
+  if (bytes > LARGEST_STAGED) {
+    ++impl.n_waits;
+    return enqueue(from, CL_TRUE);
+  }
+  ++impl.n_writes;
   {
     const std::lock_guard lock(impl.staging);
     const auto* first = static_cast<const unsigned char*>(from);
@@ -252,7 +328,8 @@ void Memory::write(const void* from, std::size_t offset, std::size_t bytes) {
 
 void Memory::read(void* to, std::size_t offset, std::size_t bytes) const {
   Device::Impl& impl = device_->impl();
-  impl.transferred_bytes += bytes;
+  impl.n_bytes += bytes;
+  ++impl.n_waits;
   const std::size_t staged = impl.staged_so_far();
   require(
       clEnqueueReadBuffer(impl.queue, static_cast<cl_mem>(handle_), CL_TRUE, offset, bytes, to, 0, nullptr, nullptr),
@@ -260,14 +337,23 @@ void Memory::read(void* to, std::size_t offset, std::size_t bytes) const {
   impl.forget_staged(staged);
 }
 
+void Memory::read_later(void* to, std::size_t offset, std::size_t bytes) const {
+  device_->impl().n_bytes += bytes;
+  require(clEnqueueReadBuffer(device_->impl().queue, static_cast<cl_mem>(handle_), CL_FALSE, offset, bytes, to, 0,
+                              nullptr, nullptr),
+          "read " + name_);
+}
+
 void Memory::fill_zero(std::size_t bytes) {
   const cl_uchar zero = 0;
+  ++device_->impl().n_launches;
   require(
       clEnqueueFillBuffer(device_->impl().queue, static_cast<cl_mem>(handle_), &zero, 1, 0, bytes, 0, nullptr, nullptr),
       "clear " + name_);
 }
 
 void Memory::copy_from(const Memory& other, std::size_t bytes) {
+  ++device_->impl().n_launches;
   require(clEnqueueCopyBuffer(device_->impl().queue, static_cast<cl_mem>(other.handle_), static_cast<cl_mem>(handle_),
                               0, 0, bytes, 0, nullptr, nullptr),
           "copy " + other.name_ + " to " + name_);
@@ -352,6 +438,7 @@ void Kernel::set_bytes(unsigned i, const void* value, std::size_t bytes) {
 }
 void Kernel::launch(std::size_t n) {
   if (std::exchange(has_new_names_, false)) check_names();
+  ++device_->impl().n_launches;
   const std::size_t local = GROUP_SIZE, global = (n + local - 1) / local * local;
   const cl_int code = clEnqueueNDRangeKernel(device_->impl().queue, static_cast<cl_kernel>(handle_), 1, nullptr,
                                              &global, &local, 0, nullptr, nullptr);

@@ -4,6 +4,7 @@
 // kernel's first act is the bounds test.
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -20,8 +21,19 @@ struct DeviceInfo {
   std::size_t index = 0;  // over all platforms, in the order in which the loader lists them
   std::string platform, name, driver, version;
   bool is_gpu = false, has_fp64 = false;
+  bool runs_host_functions = false;  // in the order of its queue, on the memory of the host: a CPU
   unsigned compute_units = 0;
   std::size_t memory_bytes = 0;
+};
+
+// What the host asked of a device so far, and what it waited for.
+struct DeviceCounts {
+  std::size_t launches = 0;  // kernels, fills and copies on the device
+  std::size_t writes = 0;    // small ones, that wait for nothing
+  std::size_t waits = 0;     // calls that return when the device has done what came before: reads, large writes, finish
+  std::size_t bytes = 0;     // read and written by the host
+  DeviceCounts& operator+=(const DeviceCounts& other);
+  DeviceCounts operator-(const DeviceCounts& other) const;
 };
 
 // All devices that the OpenCL loader knows; empty where there is none.
@@ -29,6 +41,15 @@ std::vector<DeviceInfo> list_devices();
 
 // What a device is wanted for: the contact solver computes in double precision, rendering takes none.
 enum class Purpose { physics, rendering };
+
+namespace detail {
+class Memory;
+struct HostAccess {
+  Memory* memory;
+  std::size_t bytes;
+  bool is_read, is_written;
+};
+}  // namespace detail
 
 class Device {
  public:
@@ -40,9 +61,15 @@ class Device {
   Device(Device&&) noexcept;
   Device(const Device&) = delete;
   const DeviceInfo& info() const;
-  void finish();                          // waits for everything that was started
-  std::size_t peak_bytes() const;         // largest sum of live buffers so far
-  std::size_t transferred_bytes() const;  // read and written by the host so far
+  void finish();  // waits for everything that was started
+  // Calls `task` after what was started before, with the numbers of each buffer: made by reads() and writes() below.
+  // Where the device runs host functions this is one command of its queue, which moves nothing and waits for nothing;
+  // elsewhere the numbers are read, the host waits, and what was written goes back. The task must not throw and must
+  // not use the device.
+  using HostTask = std::function<void(std::span<void* const>)>;
+  void call(std::vector<detail::HostAccess> access, HostTask task);
+  std::size_t peak_bytes() const;  // largest sum of live buffers so far
+  DeviceCounts counts() const;     // so far
   // Compiled programs are kept in this folder from now on. Without this call: in the user's cache, where the platform
   // keeps none itself.
   void keep_programs_in(const std::string& folder);
@@ -65,6 +92,7 @@ class Memory {
   Memory& operator=(Memory&& other) noexcept;
   void write(const void* from, std::size_t offset, std::size_t bytes);
   void read(void* to, std::size_t offset, std::size_t bytes) const;
+  void read_later(void* to, std::size_t offset, std::size_t bytes) const;
   void fill_zero(std::size_t bytes);
   void copy_from(const Memory& other, std::size_t bytes);
   const void* handle() const { return &handle_; }
@@ -114,6 +142,11 @@ class Buffer {
     if (first + values.size() > n_) detail::throw_size_mismatch(memory_.name(), n_, first + values.size());
     if (!values.empty()) memory_.read(values.data(), first * sizeof(T), values.size() * sizeof(T));
   }
+  // Starts to read; the numbers are there after Device::finish().
+  void read_later(std::size_t first, std::span<T> values) const {
+    if (first + values.size() > n_) detail::throw_size_mismatch(memory_.name(), n_, first + values.size());
+    if (!values.empty()) memory_.read_later(values.data(), first * sizeof(T), values.size() * sizeof(T));
+  }
   void zero() {
     if (n_) memory_.fill_zero(n_ * sizeof(T));
   }
@@ -133,11 +166,22 @@ class Buffer {
   std::size_t size() const { return n_; }
   const std::string& name() const { return memory_.name(); }
   const detail::Memory& memory() const { return memory_; }
+  detail::Memory& memory() { return memory_; }
 
  private:
   detail::Memory memory_;
   std::size_t n_, capacity_;
 };
+
+// What a host function does with a buffer.
+template <class T>
+detail::HostAccess reads(const Buffer<T>& buffer) {
+  return {const_cast<detail::Memory*>(&buffer.memory()), buffer.size() * sizeof(T), true, false};
+}
+template <class T>
+detail::HostAccess writes(Buffer<T>& buffer) {  // all of it
+  return {&buffer.memory(), buffer.size() * sizeof(T), false, true};
+}
 
 // kernel(n, arguments...) starts n work-items (padded to whole groups), none for n = 0. Arguments are buffers, numbers
 // and shared structs, as many as the kernel declares; anything else throws before it runs. So do two buffers that bear

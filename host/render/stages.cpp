@@ -38,7 +38,6 @@ Stages::Kernels::Kernels(Program generate_file, Program shade_file, Program comp
     : generate(generate_file.kernel("generate")),
       shade(shade_file.kernel("shade")),
       count_alive(compact_file.kernel("count_alive")),
-      scan_counts(compact_file.kernel("scan_counts")),
       fill_queue(compact_file.kernel("fill_queue")),
       accumulate(accumulate_file.kernel("accumulate")),
       ground_truth(ground_truth_file.kernel("ground_truth")),
@@ -71,7 +70,8 @@ Stages::Stages(Device& device, bool notes_features)
       next_queue_(device, 0, "next_queue"),
       alive_(device, 0, "alive"),
       counts_(device, 0, "counts"),
-      total_(device, 1, "total"),
+      offsets_(device, 0, "offsets"),
+      scan_(device),
       media_(device, 1, "media") {
   if (notes_features) features_.emplace(device);
 }
@@ -160,10 +160,10 @@ std::size_t Stages::compact(std::size_t n) {
   const std::size_t n_pieces = (n + PIECE - 1) / PIECE;
   counts_.resize(n_pieces);
   kernels_.count_alive(n_pieces, std::uint32_t(n_pieces), std::uint32_t(n), alive_, counts_);
-  kernels_.scan_counts(1, std::uint32_t(n_pieces), counts_, total_);
-  kernels_.fill_queue(n_pieces, std::uint32_t(n_pieces), std::uint32_t(n), alive_, counts_, queue_, next_queue_);
+  scan_(n_pieces, counts_, offsets_);
+  kernels_.fill_queue(n_pieces, std::uint32_t(n_pieces), std::uint32_t(n), alive_, offsets_, queue_, next_queue_);
   std::swap(queue_, next_queue_);
-  return total_.read().front();
+  return offsets_.read(n_pieces, 1).front();
 }
 
 }  // namespace pvg

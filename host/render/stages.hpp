@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/device/scan.hpp"
 #include "host/render/features.hpp"
 #include "host/render/traversal.hpp"
 
@@ -70,7 +71,7 @@ class Stages {
   struct Kernels {
     Kernels(Program generate_file, Program shade_file, Program compact_file, Program accumulate_file,
             Program ground_truth_file, Program flow_file, Program camera_media_file, Program holes_file);
-    Kernel generate, shade, count_alive, scan_counts, fill_queue, accumulate, ground_truth, flow, camera_media;
+    Kernel generate, shade, count_alive, fill_queue, accumulate, ground_truth, flow, camera_media;
     Kernel pass_holes, shadow_holes;
   };
   std::size_t max_paths_;
@@ -84,7 +85,8 @@ class Stages {
   Buffer<F32x4> shadow_origin_, shadow_direction_, shadow_light_;
   // per place in the queue
   Buffer<std::uint32_t> queue_, next_queue_, alive_;
-  Buffer<std::uint32_t> counts_, total_;
+  Buffer<std::uint32_t> counts_, offsets_;
+  Scan scan_;
   Buffer<std::uint32_t> media_;  // one number
 };
 

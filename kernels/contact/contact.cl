@@ -33,12 +33,14 @@ kernel void place_rows(const uint n, global const Barrier* restrict rows, global
   to[place[world] + e - first[world]] = rows[e];
 }
 
-// contacts: the active pairs, in order; offsets: [n + 1]
+// contacts: the active pairs, in order, and their sites [n x 4]; offsets: [n + 1]
 kernel void fill_contacts(const uint n, global const Barrier* restrict pairs, global const u32* restrict offsets,
-                          global Barrier* restrict contacts) {
+                          global Barrier* restrict contacts, global u32* restrict sites) {
   const uint e = get_global_id(0);
-  if (e >= n) return;
-  if (offsets[e + 1] > offsets[e]) contacts[offsets[e]] = pairs[e];
+  if (e >= n || offsets[e + 1] == offsets[e]) return;
+  const uint to = offsets[e];
+  contacts[to] = pairs[e];
+  for (uint k = 0; k < 4; ++k) sites[4 * to + k] = pairs[e].site[k];
 }
 
 // lambda = kappa w m |b'|  [N]
@@ -47,12 +49,13 @@ static inline real normal_force(const Barrier* p, const real3* x, const real d) 
          -barrier_slope(d - p->offset, barrier_range(p->adhesion, p->activation_distance));
 }
 
-// rows: [n] of energies/contact/friction.cl
-kernel void lag_friction(const uint n, global const Barrier* restrict contacts,
+// rows: [n] of energies/contact/friction.cl, of as many as there are: n_contacts[n_worlds]
+kernel void lag_friction(const uint n, const uint n_worlds, global const u32* restrict n_contacts,
+                         global const Barrier* restrict contacts,
                          global const CollisionWorld* restrict worlds, global const real* restrict x,
                          global Friction* restrict rows) {
   const uint e = get_global_id(0);
-  if (e >= n) return;
+  if (e >= n || e >= n_contacts[n_worlds]) return;
   const Barrier p = contacts[e];
   real3 xe[4];
   load_sites(contacts + e, x, xe);

@@ -6,18 +6,17 @@
 //          void TERM_hessian (PARAMS p, const real3* x, const real3* x0, real h, real* H)              [N/m]
 //        x: site positions now, x0: at the start of the step [STENCIL, m], h: time step [s];
 //        H: row-major (3 STENCIL)^2, positive semi-definite
-//   out: kernels TERM_energy_all, TERM_gradient_all, TERM_hessian_all, TERM_product_all
+//   out: kernels TERM_energy_all, TERM_gradient_all, TERM_hessian_all, TERM_product_all; what they do for one element is
+//        TERM_energy_of and TERM_derivatives_of, which are all there is where TERM_FUNCTIONS_ONLY is defined
+//        (host/physics/energies/small_terms.cpp)
 // Rows: each element writes STENCIL rows of its own, gathered to the nodes later in a fixed order (solve/nodes.cl).
 #include "shared/real.h"
 #define JOIN_(a, b) a##b
 #define JOIN(a, b) JOIN_(a, b)
 
-// x, x0: sites [n_sites x 3, m];  energy: [n, J], from number `first` on
-kernel void JOIN(TERM, _energy_all)(const uint n, global const PARAMS* restrict params, global const real* restrict x,
-                                    global const real* restrict x0, const real h, const uint first,
-                                    global real* restrict energy) {
-  const uint e = get_global_id(0);
-  if (e >= n) return;
+static inline void JOIN(TERM, _energy_of)(const uint e, global const PARAMS* restrict params,
+                                          global const real* restrict x, global const real* restrict x0, const real h,
+                                          const uint first, global real* restrict energy) {
   const PARAMS p = params[e];
   real3 xe[STENCIL], x0e[STENCIL];
   for (int s = 0; s < STENCIL; ++s) {
@@ -27,12 +26,9 @@ kernel void JOIN(TERM, _energy_all)(const uint n, global const PARAMS* restrict 
   energy[first + e] = JOIN(TERM, _energy)(p, xe, x0e, h);
 }
 
-// rows: [n x STENCIL x 3, N], from row first_row on
-kernel void JOIN(TERM, _gradient_all)(const uint n, global const PARAMS* restrict params, global const real* restrict x,
-                                      global const real* restrict x0, const real h, const uint first_row,
-                                      global real* restrict rows) {
-  const uint e = get_global_id(0);
-  if (e >= n) return;
+static inline void JOIN(TERM, _gradient_of)(const uint e, global const PARAMS* restrict params,
+                                            global const real* restrict x, global const real* restrict x0, const real h,
+                                            const uint first_row, global real* restrict rows) {
   const PARAMS p = params[e];
   real3 xe[STENCIL], x0e[STENCIL], g[STENCIL];
   for (int s = 0; s < STENCIL; ++s) {
@@ -43,11 +39,9 @@ kernel void JOIN(TERM, _gradient_all)(const uint n, global const PARAMS* restric
   for (int s = 0; s < STENCIL; ++s) vstore3(g[s], first_row + e * STENCIL + s, rows);
 }
 
-// blocks: [n x (3 STENCIL)^2, N/m], row-major per element
-kernel void JOIN(TERM, _hessian_all)(const uint n, global const PARAMS* restrict params, global const real* restrict x,
-                                     global const real* restrict x0, const real h, global real* restrict blocks) {
-  const uint e = get_global_id(0);
-  if (e >= n) return;
+static inline void JOIN(TERM, _hessian_of)(const uint e, global const PARAMS* restrict params,
+                                           global const real* restrict x, global const real* restrict x0, const real h,
+                                           const uint first, global real* restrict blocks) {
   const PARAMS p = params[e];
   real3 xe[STENCIL], x0e[STENCIL];
   for (int s = 0; s < STENCIL; ++s) {
@@ -56,12 +50,37 @@ kernel void JOIN(TERM, _hessian_all)(const uint n, global const PARAMS* restrict
   }
   real H[9 * STENCIL * STENCIL];
   JOIN(TERM, _hessian)(p, xe, x0e, h, H);
-  global real* out = blocks + (size_t)e * 9 * STENCIL * STENCIL;
+  global real* out = blocks + first + (size_t)e * 9 * STENCIL * STENCIL;
   for (int k = 0; k < 9 * STENCIL * STENCIL; ++k) out[k] = H[k];
 }
 
-// rows = H d per element;  d: sites [n_sites x 3, m]
-kernel void JOIN(TERM, _product_all)(const uint n, global const PARAMS* restrict params,
+#ifndef TERM_FUNCTIONS_ONLY
+// x, x0: sites [n_sites x 3, m];  energy: [n, J], from number `first` on
+kernel void JOIN(TERM, _energy_all)(const uint n, global const PARAMS* restrict params, global const real* restrict x,
+                                    global const real* restrict x0, const real h, const uint first,
+                                    global real* restrict energy) {
+  const uint e = get_global_id(0);
+  if (e < n) JOIN(TERM, _energy_of)(e, params, x, x0, h, first, energy);
+}
+
+// rows: [n x STENCIL x 3, N], from row first_row on
+kernel void JOIN(TERM, _gradient_all)(const uint n, global const PARAMS* restrict params, global const real* restrict x,
+                                      global const real* restrict x0, const real h, const uint first_row,
+                                      global real* restrict rows) {
+  const uint e = get_global_id(0);
+  if (e < n) JOIN(TERM, _gradient_of)(e, params, x, x0, h, first_row, rows);
+}
+
+// blocks: [n x (3 STENCIL)^2, N/m], row-major per element, from number `first` on
+kernel void JOIN(TERM, _hessian_all)(const uint n, global const PARAMS* restrict params, global const real* restrict x,
+                                     global const real* restrict x0, const real h, const uint first,
+                                     global real* restrict blocks) {
+  const uint e = get_global_id(0);
+  if (e < n) JOIN(TERM, _hessian_of)(e, params, x, x0, h, first, blocks);
+}
+
+// rows = H d per element, blocks from number `first` on;  d: sites [n_sites x 3, m]
+kernel void JOIN(TERM, _product_all)(const uint n, global const PARAMS* restrict params, const uint first,
                                      global const real* restrict blocks, global const real* restrict d,
                                      const uint first_row, global real* restrict rows) {
   const uint e = get_global_id(0);
@@ -73,7 +92,7 @@ kernel void JOIN(TERM, _product_all)(const uint n, global const PARAMS* restrict
     de[3 * s + 1] = v.y;
     de[3 * s + 2] = v.z;
   }
-  global const real* H = blocks + (size_t)e * 9 * STENCIL * STENCIL;
+  global const real* H = blocks + first + (size_t)e * 9 * STENCIL * STENCIL;
   global real* out = rows + (size_t)(first_row + e * STENCIL) * 3;
   for (int i = 0; i < 3 * STENCIL; ++i) {
     real sum = 0;
@@ -81,6 +100,7 @@ kernel void JOIN(TERM, _product_all)(const uint n, global const PARAMS* restrict
     out[i] = sum;
   }
 }
+#endif
 #undef TERM
 #undef PARAMS
 #undef STENCIL

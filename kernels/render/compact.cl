@@ -1,4 +1,4 @@
-// The live paths of the next bounce, in order: count per piece of 64, scan the counts, fill.
+// The live paths of the next bounce, in order: count per piece of 64, scan the counts (shared/scan.cl), fill.
 #define PIECE 64u
 
 // alive: [n] 0 or 1;  counts: [pieces]
@@ -11,25 +11,13 @@ kernel void count_alive(const uint n_pieces, const uint n, global const uint* re
   counts[piece] = sum;
 }
 
-// one work-item: counts become first places, total[0] their sum. A few thousand additions
-kernel void scan_counts(const uint n_pieces, global uint* restrict counts, global uint* restrict total) {
-  if (get_global_id(0) > 0) return;
-  uint sum = 0;
-  for (uint piece = 0; piece < n_pieces; ++piece) {
-    const uint count = counts[piece];
-    counts[piece] = sum;
-    sum += count;
-  }
-  total[0] = sum;
-}
-
-// next: [total] slots that live on
+// offsets: [pieces + 1] of the counts;  next: slots that live on
 kernel void fill_queue(const uint n_pieces, const uint n, global const uint* restrict alive,
-                       global const uint* restrict counts, global const uint* restrict queue,
+                       global const uint* restrict offsets, global const uint* restrict queue,
                        global uint* restrict next) {
   const uint piece = get_global_id(0);
   if (piece >= n_pieces) return;
-  uint place = counts[piece];
+  uint place = offsets[piece];
   for (uint i = piece * PIECE; i < min(n, (piece + 1) * PIECE); ++i)
     if (alive[i]) next[place++] = queue[i];
 }

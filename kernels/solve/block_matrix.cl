@@ -2,12 +2,10 @@
 //   y_i = sum_k A_k x_column[k]
 // Both halves of the symmetric matrix are kept, so that every row is one work-item's own and the order of sums is fixed.
 #include "shared/real.h"
+#define NEW_TERM (1u << 31)
 
-// n: rows.  blocks: [n_blocks x 9, row-major];  x, y: [n x 3]
-kernel void block_product(const uint n, global const uint* restrict first, global const uint* restrict column,
-                          global const real* restrict blocks, global const real* restrict x, global real* restrict y) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
+static inline real3 product_of_row(const uint i, global const uint* restrict first, global const uint* restrict column,
+                                  global const real* restrict blocks, global const real* restrict x) {
   real3 sum = (real3)(0);
   for (uint k = first[i]; k < first[i + 1]; ++k) {
     global const real* a = blocks + 9 * (size_t)k;
@@ -16,27 +14,54 @@ kernel void block_product(const uint n, global const uint* restrict first, globa
     sum.y += a[3] * v.x + a[4] * v.y + a[5] * v.z;
     sum.z += a[6] * v.x + a[7] * v.y + a[8] * v.z;
   }
+  return sum;
+}
+
+// n: rows.  blocks: [n_blocks x 9, row-major];  x, y: [n x 3]
+kernel void block_product(const uint n, global const uint* restrict first, global const uint* restrict column,
+                          global const real* restrict blocks, global const real* restrict x, global real* restrict y) {
+  const uint i = get_global_id(0);
+  if (i < n) vstore3(product_of_row(i, first, column, blocks, x), i, y);
+}
+
+// The same, and the rows of elements outside the matrix, as gather_rows of solve/nodes.cl adds them.
+kernel void block_product_and_rows(const uint n, global const uint* restrict first, global const uint* restrict column,
+                                   global const real* restrict blocks, global const uint* restrict offset,
+                                   global const uint* restrict row, global const real* restrict weight,
+                                   global const uint* restrict is_fixed, global const real* restrict rows,
+                                   global const real* restrict x, global real* restrict y) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  real3 sum = product_of_row(i, first, column, blocks, x);
+  if (!is_fixed[i])
+    for (uint k = offset[i]; k < offset[i + 1]; ++k) sum += weight[k] * vload3(row[k], rows);
   vstore3(sum, i, y);
 }
 
-// Adds the parts of dense element blocks that fall on each block of the matrix, in the order of the elements.
-// n: blocks that these elements touch;  touched: [n] which;  part_first: [n + 1] into source and weight;
-// source: where the part's first number stands in element_blocks, whose rows are `width` numbers long
-kernel void add_element_blocks(const uint n, const uint width, global const uint* restrict touched,
-                               global const uint* restrict part_first, global const uint* restrict source,
-                               global const real* restrict weight, global const real* restrict element_blocks,
-                               global real* restrict blocks) {
+// Each block of the matrix is the sum of the parts of dense element blocks that fall on it: of each term by itself, in
+// the order of its elements, then of the terms in their order.
+// n: blocks;  part_first: [n + 1] into the parts;  source: where the part's first number stands in element_blocks;
+// width: how long its rows are there, and NEW_TERM where the part is the first one of a term
+kernel void assemble_blocks(const uint n, global const uint* restrict part_first, global const uint* restrict source,
+                            global const uint* restrict width, global const real* restrict weight,
+                            global const real* restrict element_blocks, global real* restrict blocks) {
   const uint i = get_global_id(0);
   if (i >= n) return;
+  real3 sum0 = (real3)(0), sum1 = (real3)(0), sum2 = (real3)(0);
   real3 row0 = (real3)(0), row1 = (real3)(0), row2 = (real3)(0);
   for (uint k = part_first[i]; k < part_first[i + 1]; ++k) {
+    if (width[k] & NEW_TERM) {
+      sum0 += row0, sum1 += row1, sum2 += row2;
+      row0 = row1 = row2 = (real3)(0);
+    }
+    const uint w = width[k] & ~NEW_TERM;
     global const real* part = element_blocks + source[k];
     row0 += weight[k] * vload3(0, part);
-    row1 += weight[k] * vload3(0, part + width);
-    row2 += weight[k] * vload3(0, part + 2 * width);
+    row1 += weight[k] * vload3(0, part + w);
+    row2 += weight[k] * vload3(0, part + 2 * w);
   }
-  global real* block = blocks + 9 * (size_t)touched[i];
-  vstore3(vload3(0, block) + row0, 0, block);
-  vstore3(vload3(1, block) + row1, 1, block);
-  vstore3(vload3(2, block) + row2, 2, block);
+  global real* block = blocks + 9 * (size_t)i;
+  vstore3(sum0 + row0, 0, block);
+  vstore3(sum1 + row1, 1, block);
+  vstore3(sum2 + row2, 2, block);
 }

@@ -1,7 +1,9 @@
 // Preconditioned conjugate gradients for H dx = -g, all worlds at once (Hestenes & Stiefel 1952):
 //   alpha = r.z / p.Hp,  dx += alpha p,  r -= alpha Hp,  z = M^-1 r,  beta = (r.z)_new / r.z,  p = z + beta p
-// A world that has converged keeps its dx: its alpha is zero.
+// A world is done when the residual, measured in the preconditioner's norm, has fallen by the tolerance. That is found
+// here, so that the host may start several iterations and look afterwards: in a world that is done they change nothing.
 #include "shared/real.h"
+#include "solve/cg_world.h"
 
 // dx = 0, r = -g
 kernel void cg_start(const uint n, global const real* restrict gradient, global real* restrict dx,
@@ -12,31 +14,76 @@ kernel void cg_start(const uint n, global const real* restrict gradient, global 
   vstore3(-vload3(i, gradient), i, residual);
 }
 
-// rz, php: [n_worlds];  is_active: [n_worlds]
-kernel void cg_advance(const uint n, global const uint* restrict world, global const uint* restrict is_active,
-                       global const real* restrict rz, global const real* restrict php,
+static inline real sum_of_world(const uint w, global const uint* restrict first, global const real* restrict partial) {
+  real sum = 0;
+  for (uint c = first[w]; c < first[w + 1]; ++c) sum += partial[c];
+  return sum;
+}
+
+static inline void find_whether_done(global CgWorld* world, const real tolerance, const uint most_iterations) {
+  const bool is_done = world->rz <= tolerance * tolerance * world->first_rz;
+  if (world->is_active && (is_done || !isfinite(world->rz))) {
+    world->is_active = 0;
+    world->has_converged = is_done;
+  }
+  if (world->iterations < most_iterations) world->iterations += world->is_active;
+}
+
+// n: worlds.  first, partial: of r . z, as of solve/world_reduce.cl;  is_wanted: [n] whether the world is solved
+kernel void cg_begin(const uint n, global const uint* restrict first, global const real* restrict partial,
+                     global const uint* restrict is_wanted, const real tolerance, const uint most_iterations,
+                     global CgWorld* restrict worlds) {
+  const uint w = get_global_id(0);
+  if (w >= n) return;
+  global CgWorld* world = worlds + w;
+  world->rz = world->first_rz = sum_of_world(w, first, partial);
+  world->rz_old = world->php = 0;
+  world->is_active = is_wanted[w];
+  world->iterations = 0;
+  world->has_converged = 1;
+  find_whether_done(world, tolerance, most_iterations);
+}
+
+// the same after each iteration
+kernel void cg_test(const uint n, global const uint* restrict first, global const real* restrict partial,
+                    const real tolerance, const uint most_iterations, global CgWorld* restrict worlds) {
+  const uint w = get_global_id(0);
+  if (w >= n || !worlds[w].is_active) return;
+  worlds[w].rz_old = worlds[w].rz;
+  worlds[w].rz = sum_of_world(w, first, partial);
+  find_whether_done(worlds + w, tolerance, most_iterations);
+}
+
+// partial: of p . H p
+kernel void cg_step_length(const uint n, global const uint* restrict first, global const real* restrict partial,
+                           global CgWorld* restrict worlds) {
+  const uint w = get_global_id(0);
+  if (w < n) worlds[w].php = sum_of_world(w, first, partial);
+}
+
+// world: [n nodes]
+kernel void cg_advance(const uint n, global const uint* restrict world, global const CgWorld* restrict worlds,
                        global const real* restrict direction, global const real* restrict product,
                        global real* restrict dx, global real* restrict residual) {
   const uint i = get_global_id(0);
   if (i >= n) return;
-  const uint w = world[i];
-  if (!is_active[w]) return;
-  const real alpha = rz[w] / php[w];
+  global const CgWorld* own = worlds + world[i];
+  if (!own->is_active) return;
+  const real alpha = own->rz / own->php;
   vstore3(vload3(i, dx) + alpha * vload3(i, direction), i, dx);
   vstore3(vload3(i, residual) - alpha * vload3(i, product), i, residual);
 }
 
 // p = z + (rz_new / rz_old) p;  rz_old = 0 starts with p = z
-kernel void cg_turn(const uint n, global const uint* restrict world, global const uint* restrict is_active,
-                    global const real* restrict rz_new, global const real* restrict rz_old,
+kernel void cg_turn(const uint n, global const uint* restrict world, global const CgWorld* restrict worlds,
                     global const real* restrict preconditioned, global real* restrict direction) {
   const uint i = get_global_id(0);
   if (i >= n) return;
-  const uint w = world[i];
-  if (!is_active[w]) {
+  global const CgWorld* own = worlds + world[i];
+  if (!own->is_active) {
     vstore3((real3)(0), i, direction);
     return;
   }
-  const real beta = rz_old[w] > 0 ? rz_new[w] / rz_old[w] : 0;
+  const real beta = own->rz_old > 0 ? own->rz / own->rz_old : 0;
   vstore3(vload3(i, preconditioned) + (beta != 0 ? beta * vload3(i, direction) : (real3)(0)), i, direction);
 }

@@ -74,8 +74,8 @@ kernel void schwarz_add_contacts(const uint n, const uint width, const uint stri
 
 // Inverts each cluster's matrix in place by Gauss-Jordan elimination, which needs no pivoting: it is positive definite.
 // One work-group of 64 per cluster; each work-item owns rows.
-// failed: [n_clusters] 1 where a pivot is not positive;  inverse: the same in single precision, exactly symmetric
-kernel __attribute__((reqd_work_group_size(64, 1, 1))) void schwarz_invert(const uint n, const uint stride,
+// failed: [first + n_clusters] 1 where a pivot is not positive;  inverse: the same in single precision, exactly symmetric
+kernel __attribute__((reqd_work_group_size(64, 1, 1))) void schwarz_invert(const uint n, const uint stride, const uint first,
                                                                            global real* restrict matrices,
                                                                            global float* restrict inverse,
                                                                            global uint* restrict failed) {
@@ -107,7 +107,7 @@ kernel __attribute__((reqd_work_group_size(64, 1, 1))) void schwarz_invert(const
   for (uint r = item; r < stride; r += 64)
     for (uint c = 0; c < stride; ++c)
       inverse[((size_t)cluster * stride + r) * stride + c] = (float)(0.5 * (a[r * stride + c] + a[c * stride + r]));
-  if (item == 0) failed[cluster] = has_failed;
+  if (item == 0) failed[first + cluster] = has_failed;
 }
 
 // ---- application --------------------------------------------------------------------------------------------------
@@ -167,4 +167,24 @@ kernel void schwarz_scatter(const uint n, const uint width, const uint stride, g
   const real3 value =
       s == NO_SLOT ? (real3)(0) : convert_double3(vload3(0, z + (size_t)(s / width) * stride + 3 * (s % width)));
   vstore3(value, node, preconditioned);
+}
+
+// z += B^-1 r with the inverses in double precision, for stiff rigid bodies.  n: n_clusters x stride rows
+// inverses: [n_clusters x stride x stride], as schwarz_invert leaves them;  preconditioned: [n_nodes x 3]
+kernel void schwarz_add_exactly(const uint n, const uint width, const uint stride, global const uint* restrict node,
+                                global const real* restrict inverses, global const real* restrict residual,
+                                global real* restrict preconditioned) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  const uint cluster = i / stride, row = i % stride;
+  if (row >= 3 * width || node[cluster * width + row / 3] == NO_SLOT) return;
+  global const real* a = inverses + (size_t)cluster * stride * stride;
+  real sum = 0;
+  for (uint k = 0; k < width; ++k) {
+    const uint from = node[cluster * width + k];
+    if (from == NO_SLOT) continue;
+    for (uint c = 0; c < 3; ++c)  // the mean of both halves is exactly symmetric
+      sum += 0.5 * (a[row * stride + 3 * k + c] + a[(3 * k + c) * stride + row]) * residual[3 * (size_t)from + c];
+  }
+  preconditioned[3 * (size_t)node[cluster * width + row / 3] + row % 3] += sum;
 }

@@ -3,16 +3,45 @@
 #include "shared/real.h"
 #include "solve/site.h"
 
+static inline real3 value_at_site(global const Site* restrict site, global const real* restrict node) {
+  const Site s = *site;
+  real3 sum = s.weight[0] * vload3(s.node[0], node);
+  for (int k = 1; k < 4; ++k)
+    if (s.weight[k] != 0) sum += s.weight[k] * vload3(s.node[k], node);
+  return sum;
+}
+
 // node: [n_nodes x 3];  value: [n_sites x 3] = sum_k weight_k node_k
 kernel void nodes_to_sites(const uint n, global const Site* restrict sites, global const real* restrict node,
                            global real* restrict value) {
   const uint i = get_global_id(0);
   if (i >= n) return;
-  const Site s = sites[i];
-  real3 sum = s.weight[0] * vload3(s.node[0], node);
-  for (int k = 1; k < 4; ++k)
-    if (s.weight[k] != 0) sum += s.weight[k] * vload3(s.node[k], node);
-  vstore3(sum, i, value);
+  vstore3(value_at_site(sites + i, node), i, value);
+}
+
+// rows = H d of contact and of friction, whose elements have four sites; both kinds in one launch.
+// n: elements of both;  n_first: of the first kind, whose 12 x 12 blocks are first_blocks;  element_sites: [n x 4]
+// d: [n_nodes x 3];  rows: from row first_row on
+kernel void product_of_contacts(const uint n, const uint n_first, global const uint* restrict element_sites,
+                                global const Site* restrict sites, global const real* restrict first_blocks,
+                                global const real* restrict second_blocks, global const real* restrict direction,
+                                const uint first_row, global real* restrict rows) {
+  const uint e = get_global_id(0);
+  if (e >= n) return;
+  real d[12];
+  for (int s = 0; s < 4; ++s) {
+    const real3 v = value_at_site(sites + element_sites[4 * e + s], direction);
+    d[3 * s] = v.x;
+    d[3 * s + 1] = v.y;
+    d[3 * s + 2] = v.z;
+  }
+  global const real* H = e < n_first ? first_blocks + (size_t)e * 144 : second_blocks + (size_t)(e - n_first) * 144;
+  global real* out = rows + (size_t)(first_row + e * 4) * 3;
+  for (int i = 0; i < 12; ++i) {
+    real sum = 0;
+    for (int j = 0; j < 12; ++j) sum += H[i * 12 + j] * d[j];
+    out[i] = sum;
+  }
 }
 
 // node[i] (+)= sum over its entries of weight x row; rows lie in a fixed order, so the sum has the same bits every time.
@@ -25,6 +54,23 @@ kernel void gather_rows(const uint n, global const uint* restrict offset, global
   real3 sum = accumulate ? vload3(i, node) : (real3)(0);
   if (!is_fixed[i])
     for (uint k = offset[i]; k < offset[i + 1]; ++k) sum += weight[k] * vload3(row[k], rows);
+  vstore3(sum, i, node);
+}
+
+// node[i] = the sum over the entries of one list, then over those of another, as by two calls of gather_rows
+kernel void gather_two_lists(const uint n, global const uint* restrict first_offset, global const uint* restrict first_row,
+                             global const real* restrict first_weight, global const uint* restrict second_offset,
+                             global const uint* restrict second_row, global const real* restrict second_weight,
+                             global const uint* restrict is_fixed, global const real* restrict rows,
+                             global real* restrict node) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  real3 sum = (real3)(0);
+  if (!is_fixed[i]) {
+    for (uint k = first_offset[i]; k < first_offset[i + 1]; ++k) sum += first_weight[k] * vload3(first_row[k], rows);
+    for (uint k = second_offset[i]; k < second_offset[i + 1]; ++k)
+      sum += second_weight[k] * vload3(second_row[k], rows);
+  }
   vstore3(sum, i, node);
 }
 
@@ -46,13 +92,24 @@ kernel void backward_difference(const uint n, global const real* restrict now, g
   vstore3((4 * vload3(i, now) - vload3(i, before)) / 3, i, past);
 }
 
-// trial = x + step[world] direction
-kernel void move_along(const uint n, global const uint* restrict world, global const real* restrict step,
+static inline real3 moved_node(const uint i, global const uint* restrict world, global const real* restrict step,
+                               global const real* restrict x, global const real* restrict direction) {
+  return vload3(i, x) + step[world[i]] * vload3(i, direction);
+}
+
+// trial = x + step[world] direction, of nodes and of the sites that they carry.  n: the more of the two
+kernel void move_along(const uint n, const uint n_nodes, const uint n_sites, global const uint* restrict world,
+                       global const Site* restrict sites, global const real* restrict step,
                        global const real* restrict x, global const real* restrict direction,
-                       global real* restrict trial) {
+                       global real* restrict trial, global real* restrict trial_sites) {
   const uint i = get_global_id(0);
-  if (i >= n) return;
-  vstore3(vload3(i, x) + step[world[i]] * vload3(i, direction), i, trial);
+  if (i < n_nodes) vstore3(moved_node(i, world, step, x, direction), i, trial);
+  if (i >= n_sites) return;
+  const Site s = sites[i];
+  real3 sum = s.weight[0] * moved_node(s.node[0], world, step, x, direction);
+  for (int k = 1; k < 4; ++k)
+    if (s.weight[k] != 0) sum += s.weight[k] * moved_node(s.node[k], world, step, x, direction);
+  vstore3(sum, i, trial_sites);
 }
 
 // v = (x - x0) / h

@@ -2,6 +2,7 @@
 // its chunks. Chunks begin at each world's first element, so a world's bits do not depend on its companions.
 #include "shared/real.h"
 #include "solve/site.h"
+#define CHUNK_LENGTH 128u
 
 // partial[c] = sum of a . b over the chunk;  a, b: [n_elements x 3]
 kernel void dot_chunks(const uint n, global const Chunk* restrict chunks, global const real* restrict a,
@@ -43,6 +44,31 @@ kernel void sum_worlds(const uint n, global const uint* restrict first, global c
   if (w >= n) return;
   real sum = 0;
   for (uint c = first[w]; c < first[w + 1]; ++c) sum += partial[c];
+  out[w] = sum;
+}
+
+// Elements of which only the device knows how many each world has: first[w] to first[w + 1], counted from element `from`.
+// n: worlds x most, the most chunks that a world may have;  late_partial: [n]
+kernel void sum_late_chunks(const uint n, const uint most, const uint from, global const uint* restrict late_first,
+                            global const real* restrict a, global real* restrict late_partial) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  const uint w = i / most, begin = late_first[w] + i % most * CHUNK_LENGTH;
+  const uint end = min(late_first[w + 1], begin + CHUNK_LENGTH);
+  real sum = 0;
+  for (uint e = begin; e < end; ++e) sum += a[from + e];
+  late_partial[i] = sum;
+}
+
+// out[w] = sum of the world's partials, then of its late ones
+kernel void sum_worlds_and_late(const uint n, global const uint* restrict first, global const real* restrict partial,
+                                const uint most, global const uint* restrict late_first,
+                                global const real* restrict late_partial, global real* restrict out) {
+  const uint w = get_global_id(0);
+  if (w >= n) return;
+  real sum = 0;
+  for (uint c = first[w]; c < first[w + 1]; ++c) sum += partial[c];
+  for (uint c = 0; c * CHUNK_LENGTH < late_first[w + 1] - late_first[w]; ++c) sum += late_partial[w * most + c];
   out[w] = sum;
 }
 

@@ -40,7 +40,7 @@ struct Repeat {
   double seconds = 0, cpu_seconds = 0;
   long long newton = 0, cg = 0, contacts = 0;
   PhaseSeconds phases{};
-  std::size_t transferred = 0;
+  SolverCounts counts;
 };
 
 Repeat repeat(Device& device, const BenchmarkRun& run, std::size_t n_worlds, bool measures_phases,
@@ -56,7 +56,7 @@ Repeat repeat(Device& device, const BenchmarkRun& run, std::size_t n_worlds, boo
   simulation.restore(start);
   if (measures_phases) simulation.measure_phases();
   Repeat result;
-  const std::size_t transferred = device.transferred_bytes();
+  simulation.restart_counts();
   const std::clock_t cpu_begin = std::clock();
   const auto begin = std::chrono::steady_clock::now();
   for (std::size_t i = 0; i < run.targets.size(); ++i) {
@@ -69,7 +69,7 @@ Repeat repeat(Device& device, const BenchmarkRun& run, std::size_t n_worlds, boo
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   result.cpu_seconds = double(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
-  result.transferred = device.transferred_bytes() - transferred;
+  result.counts = simulation.counts();
   result.phases = simulation.phase_seconds();
   return result;
 }
@@ -129,6 +129,25 @@ BenchmarkRun load_run(const PhysicsBenchmark& benchmark, const std::filesystem::
   return run;
 }
 
+PhysicsCounts count_physics_benchmark(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
+                                      const std::string& device_name, std::size_t most_steps,
+                                      const std::atomic<bool>& stop,
+                                      std::optional<SolverSettings::Preconditioner> preconditioner) {
+  BenchmarkRun run = load_run(benchmark, data);
+  if (preconditioner) run.scene.solver.preconditioner = *preconditioner;
+  run.targets.resize(std::min(run.targets.size(), most_steps));
+  Device device(device_name);
+  return {benchmark.name, benchmark.n_worlds, run.targets.size(), device.info().runs_host_functions,
+          repeat(device, run, benchmark.n_worlds, false, stop).counts};
+}
+
+double modelled_seconds(const DeviceCounts& counts) {
+  constexpr double LAUNCH = 7e-6, WAIT = 15e-6;  // [s] of a discrete GPU, from the host's call to its effect
+  constexpr double BYTES_PER_SECOND = 10e9;      // between host and device
+  return LAUNCH * double(counts.launches + counts.writes) + WAIT * double(counts.waits) +
+         double(counts.bytes) / BYTES_PER_SECOND;
+}
+
 PhysicsFigures run_physics_benchmark(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
                                      const std::string& device_name, std::size_t repeats, const std::atomic<bool>& stop,
                                      std::optional<SolverSettings::Preconditioner> preconditioner) {
@@ -162,7 +181,7 @@ PhysicsFigures run_physics_benchmark(const PhysicsBenchmark& benchmark, const st
   figures.contacts = double(median.contacts) / n_steps;
   for (std::size_t phase = 0; phase < N_PHASES; ++phase) figures.phases[phase] = by_phase.phases[phase] / n_steps;
   figures.other = by_phase.seconds / n_steps - std::accumulate(figures.phases.begin(), figures.phases.end(), 0.0);
-  figures.bytes_moved = double(median.transferred) / n_steps;
+  figures.bytes_moved = double(median.counts.all.bytes) / n_steps;
   figures.peak_bytes = peak_resident_bytes() - before;
   figures.device_bytes = device.peak_bytes();
   return figures;

@@ -35,6 +35,13 @@ struct PhysicsFigures {
   std::size_t device_bytes = 0;                                     // of its buffers
 };
 
+struct PhysicsCounts {
+  std::string name;
+  std::size_t worlds = 1, steps = 0;
+  bool runs_host_functions = false;  // the device: nothing moves for the factor on the host then
+  SolverCounts counts;               // of all steps
+};
+
 std::vector<PhysicsBenchmark> physics_benchmarks();
 // Those with these names, all of them for none; throws a UsageError that lists them where there is no such one.
 std::vector<PhysicsBenchmark> physics_benchmarks(const std::vector<std::string>& names);
@@ -51,5 +58,14 @@ BenchmarkRun load_run(const PhysicsBenchmark& benchmark, const std::filesystem::
 PhysicsFigures run_physics_benchmark(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
                                      const std::string& device, std::size_t repeats, const std::atomic<bool>& stop,
                                      std::optional<SolverSettings::Preconditioner> preconditioner = {});
+
+// What its first `most_steps` steps ask of the device, after a warm-up as above.
+PhysicsCounts count_physics_benchmark(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
+                                      const std::string& device, std::size_t most_steps, const std::atomic<bool>& stop,
+                                      std::optional<SolverSettings::Preconditioner> preconditioner = {});
+
+// What these launches, waits and transfers would cost on a discrete GPU beside its computing [s]: a model, not
+// measured.
+double modelled_seconds(const DeviceCounts& counts);
 
 }  // namespace pvg

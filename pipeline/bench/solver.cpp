@@ -69,8 +69,8 @@ struct LinearSystem {
     contacts.find_candidates(x.site, x.site);
     contacts.find_contacts(x.site);
     contacts.lag_friction(x.site, solver.time_step, x.site, predicted.site);
-    potential.set_friction(contacts.friction());
-    potential.differentiate(x, contacts.contacts(), gradient);
+    potential.set_friction(contacts);
+    potential.differentiate(x, contacts, gradient);
   }
   System system;
   Potential potential;
@@ -188,12 +188,13 @@ ProductFigures time_products(Device& device, LinearSystem& linear, std::size_t r
   std::vector<RowBlock> blocks;
   u32 n_rows = 0;
   const double h = system.scenes[0].solver.time_step;
+  BlockMatrix matrix(device, system.sites, system.node_is_fixed, terms);
   for (Term* term : terms) {
     term->hessian(linear.x.site, linear.x.site, h);
     term->first_row = n_rows;
     blocks.push_back({term->sites(), n_rows});
     n_rows += u32(term->size() * term->stencil());
-    figures.element_bytes += 8.0 * double(term->blocks().size());
+    figures.element_bytes += 8.0 * double(term->n_block_numbers());
   }
   Gather gather(device, system.sites, system.n_nodes());
   gather.set(blocks);
@@ -203,9 +204,8 @@ ProductFigures time_products(Device& device, LinearSystem& linear, std::size_t r
   Buffer<u32> is_fixed(device, system.node_is_fixed, "is_fixed");
   Buffer<f64> rows(device, 3 * n_rows, "rows"), of_sites(device, 3 * system.sites.size(), "of sites");
   Buffer<f64> out(device, system.x.size(), "out");
-  BlockMatrix matrix(device, system.sites, system.node_is_fixed, terms);
   figures.matrix_bytes = 8.0 * double(matrix.blocks().size());
-  figures.assemble_seconds = time_of(device, repeats, [&] { matrix.assemble(terms); }).wall;
+  figures.assemble_seconds = time_of(device, repeats, [&] { matrix.assemble(); }).wall;
   figures.matrix_seconds = time_of(device, repeats,
                                    [&] {
                                      for (int i = 0; i < APPLICATIONS; ++i) matrix.multiply(linear.gradient, out);

@@ -19,6 +19,8 @@ struct BenchPhysicsOptions {
   std::string device;
   std::size_t repeats = 3;
   bool as_json = false;
+  bool counts = false;  // print what is asked of the device, instead of times
+  std::size_t steps = ~std::size_t(0);
   bool lists = false;          // print the names and nothing else
   std::string preconditioner;  // instead of the scenes' own; empty: those
 };
@@ -61,6 +63,29 @@ void print_row(const PhysicsFigures& f) {
   std::fflush(stdout);
 }
 
+void print_counts(const PhysicsCounts& c) {
+  const SolverCounts& n = c.counts;
+  const DeviceCounts solving = n.all - n.recording;
+  const auto print = [&](const char* what, const DeviceCounts& d, std::size_t of) {
+    const double by = 1.0 / double(std::max<std::size_t>(1, of));
+    std::printf("  %-34s %9.1f %8.1f %8.2f %12.4f %9.3f\n", what, double(d.launches) * by, double(d.writes) * by,
+                double(d.waits) * by, 1e-6 * double(d.bytes) * by, 1e3 * modelled_seconds(d) * by);
+  };
+  std::printf("%s, %zu worlds, %zu steps, %.2f Newton and %.2f CG iterations a step\n", c.name.c_str(), c.worlds,
+              c.steps, double(n.newton) / double(c.steps), double(n.cg) / double(c.steps));
+  std::printf(c.runs_host_functions
+                  ? "  a device that runs host functions: the factor on the host moves nothing (PVG_HOST_FUNCTIONS=0: "
+                    "like a device apart)\n"
+                  : "  a device apart from the host\n");
+  std::printf("  %-34s %9s %8s %8s %12s %9s\n", "", "launches", "writes", "waits", "MB moved", "model ms");
+  print("a step, without recording", solving, c.steps);
+  print("recording, a step", n.recording, c.steps);
+  print("a Newton iteration", solving, n.newton);
+  print("a CG iteration, with its start", n.phases[std::size_t(SolverPhase::solve)], n.cg);
+  for (std::size_t phase = 0; phase < N_PHASES; ++phase) print(PHASE_NAMES[phase], n.phases[phase], n.newton);
+  std::fflush(stdout);
+}
+
 void run_bench_physics(const BenchPhysicsOptions& options) {
   const std::vector<PhysicsBenchmark> benchmarks = physics_benchmarks(options.scenes);
   if (options.lists) {
@@ -72,6 +97,12 @@ void run_bench_physics(const BenchPhysicsOptions& options) {
     preconditioner = SolverSettings::Preconditioner(
         std::find(PRECONDITIONER_NAMES.begin(), PRECONDITIONER_NAMES.end(), options.preconditioner) -
         PRECONDITIONER_NAMES.begin());
+  if (options.counts) {
+    for (const PhysicsBenchmark& each : benchmarks)
+      print_counts(count_physics_benchmark(each, data_folder(), options.device, options.steps, stop_on_signals(),
+                                           preconditioner));
+    return;
+  }
   nlohmann::ordered_json out = {{"schema", 1}, {"device", Device(options.device).info().name}};
   out["scenes"] = nlohmann::ordered_json::array();
   if (!options.as_json) print_head();
@@ -98,11 +129,15 @@ void add_bench_physics(CLI::App& program) {
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
   command->add_option("--preconditioner", o.preconditioner, "Instead of what the scenes say")
       ->check(CLI::IsMember({"automatic", "factor", "schwarz", "block_jacobi"}));
+  command->add_flag("--count", o.counts,
+                    "Print launches, waits and bytes moved, and what they would cost on a discrete GPU");
+  command->add_option("--steps", o.steps, "With --count: at most this many steps")->check(CLI::PositiveNumber);
   command->add_flag("--list", o.lists, "Print the names of the scenes and end");
   command->add_flag("--json", o.as_json, "Print JSON");
   command->footer(
       "Examples:\n  phyvisgen bench physics --scene mat_twist --scene towel --repeats 1\n"
-      "  phyvisgen bench physics --scene block_64k --preconditioner schwarz");
+      "  phyvisgen bench physics --scene block_64k --preconditioner schwarz\n"
+      "  phyvisgen bench physics --scene weigh_beaker --count --steps 100");
 }
 
 }  // namespace pvg

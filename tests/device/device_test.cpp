@@ -26,6 +26,53 @@ TEST(Device, KernelReachesEveryElementForAwkwardSizes) {
   }
 }
 
+// Both where the device runs host functions and where the numbers travel.
+TEST(Device, AHostFunctionIsCalledInTheOrderOfTheQueue) {
+  for (const char* runs : {"1", "0"}) {
+    setenv("PVG_HOST_FUNCTIONS", runs, 1);
+    Device device;
+    unsetenv("PVG_HOST_FUNCTIONS");
+    EXPECT_FALSE(*runs == '0' && device.info().runs_host_functions);
+    Program program = Program::from_text(device, "twice", doubling);
+    Kernel twice = program.kernel("twice");
+    // not in the order in which they are used
+    Buffer<double> z(device, 3, "z"), y(device, 3, "y"), x(device, std::vector<double>{1, 2, 3}, "x");
+    const DeviceCounts before = device.counts();
+    twice(3, 3u, x, y);
+    device.call({reads(y), writes(z)}, [](std::span<void* const> memory) {
+      for (int i = 0; i < 3; ++i) static_cast<double*>(memory[1])[i] = static_cast<double*>(memory[0])[i] + 0.5;
+    });
+    twice(3, 3u, z, y);
+    const DeviceCounts counts = device.counts() - before;
+    EXPECT_EQ(y.read(), (std::vector<double>{5, 9, 13})) << "2 (2 x + 0.5)";
+    EXPECT_EQ(counts.launches, device.info().runs_host_functions ? 3u : 2u);
+    EXPECT_EQ(counts.waits, device.info().runs_host_functions ? 0u : 1u);
+    EXPECT_EQ(counts.bytes, device.info().runs_host_functions ? 0u : 2 * 3 * sizeof(double));
+  }
+}
+
+TEST(Device, CountsWhatItIsAskedFor) {
+  Device device;
+  Program program = Program::from_text(device, "twice", doubling);
+  Kernel twice = program.kernel("twice");
+  Buffer<double> x(device, 5, "x"), y(device, 5, "y");
+  const DeviceCounts before = device.counts();
+  x.zero();
+  x.write(std::vector<double>(5, 1.0));
+  twice(5, 5u, x, y);
+  twice(0, 0u, x, y);  // starts nothing
+  x.copy_from(y);
+  std::vector<double> values(5);
+  x.read_later(0, std::span(values));
+  device.finish();
+  const DeviceCounts counts = device.counts() - before;
+  EXPECT_EQ(values, std::vector<double>(5, 2.0));
+  EXPECT_EQ(counts.launches, 3u);
+  EXPECT_EQ(counts.writes, 1u);
+  EXPECT_EQ(counts.waits, 1u);
+  EXPECT_EQ(counts.bytes, 2 * 5 * sizeof(double));
+}
+
 TEST(Device, WrongNumberOfArgumentsNamesTheKernel) {
   Device device;
   Program program = Program::from_text(device, "twice", doubling);

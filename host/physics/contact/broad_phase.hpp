@@ -7,9 +7,9 @@
 #include "contact/mesh.h"
 #include "contact/tree.h"
 #include "energies/contact/barrier.h"
+#include "host/device/scan.hpp"
 #include "host/model/physical_scene.hpp"
 #include "host/physics/contact/collision_mesh.hpp"
-#include "host/physics/linear/scan.hpp"
 #include "host/physics/linear/world_rows.hpp"
 
 namespace pvg {

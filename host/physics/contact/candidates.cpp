@@ -1,6 +1,5 @@
 #include "host/physics/contact/candidates.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,8 +11,6 @@ namespace {
 // of half the margin; the rest covers rounding and what a straight way between two rotations shrinks
 constexpr double USABLE = 0.98;
 constexpr double MOST_ROTATION = 0.05;  // in one motion [rad]: shrinks by at most 1 - cos(0.025) = 3e-4
-
-Vec3 point(std::span<const double> x, u32 site) { return Eigen::Map<const Vec3>(&x[3 * std::size_t(site)]); }
 
 std::map<u32, std::vector<u32>> surface_sites(const CollisionMesh& mesh) {
   std::map<u32, std::vector<u32>> of_body;
@@ -29,100 +26,102 @@ std::map<u32, std::vector<u32>> surface_sites(const CollisionMesh& mesh) {
   return of_body;
 }
 
-struct Fit {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  double deviation = 0;  // largest distance that is left [m]
-};
-
-// The rigid motion that brings `reference` closest to where the sites are (Kabsch 1976).
-Fit fit_rigid_motion(std::span<const Vec3> reference, std::span<const u32> sites, std::span<const double> x) {
-  Vec3 from = Vec3::Zero(), to = Vec3::Zero();
-  for (std::size_t i = 0; i < sites.size(); ++i) from += reference[i], to += point(x, sites[i]);
-  from /= double(sites.size());
-  to /= double(sites.size());
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < sites.size(); ++i)
-    covariance += (reference[i] - from) * (point(x, sites[i]) - to).transpose();
-  Fit fit;
-  if (!covariance.allFinite()) {
-    fit.deviation = INFINITY;
-    return fit;
-  }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Vec3 sign = Vec3::Ones();
-  if ((svd.matrixV() * svd.matrixU().transpose()).determinant() < 0) sign[2] = -1;
-  fit.rotation = svd.matrixV() * sign.asDiagonal() * svd.matrixU().transpose();
-  for (std::size_t i = 0; i < sites.size(); ++i)
-    fit.deviation = std::max(fit.deviation, (point(x, sites[i]) - to - fit.rotation * (reference[i] - from)).norm());
-  return fit;
-}
-
 WorldRows<Barrier> no_rows(Device& device, std::size_t n_worlds) {
   return {Buffer<Barrier>(device, 0, "candidates"), std::vector<u32>(n_worlds + 1, 0)};
 }
 
 }  // namespace
 
+Candidates::Within Candidates::make_within(Device& device, const CollisionMesh& mesh,
+                                           std::span<const ContactSettings> settings, std::span<const Vec3> x,
+                                           PairsOf which) {
+  std::vector<u32> first = {0}, all;
+  for (const auto& [body, sites] : surface_sites(mesh)) {
+    const PairsOf own = mesh.bodies[body].offset > 0 ? PairsOf::one_sheet : PairsOf::one_solid;
+    if (!mesh.bodies[body].collides_with_itself || own != which) continue;
+    all.insert(all.end(), sites.begin(), sites.end());
+    first.push_back(u32(all.size()));
+  }
+  return {BroadPhase(device, mesh, settings, x, which), no_rows(device, mesh.n_worlds),
+          Buffer<u32>(device, first, "first_site"), Buffer<u32>(device, all, "sites"),
+          Buffer<double>(device, 3 * x.size(), "reference")};
+}
+
 Candidates::Candidates(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
                        std::span<const Vec3> x, double margin)
-    : n_worlds_(mesh.n_worlds),
+    : device_(&device),
+      n_worlds_(mesh.n_worlds),
       margin_(margin),
-      solids_{BroadPhase(device, mesh, settings, x, PairsOf::one_solid), no_rows(device, n_worlds_), {}},
-      sheets_{BroadPhase(device, mesh, settings, x, PairsOf::one_sheet), no_rows(device, n_worlds_), {}},
+      solids_(make_within(device, mesh, settings, x, PairsOf::one_solid)),
+      sheets_(make_within(device, mesh, settings, x, PairsOf::one_sheet)),
       between_bodies_(device, mesh, settings, x, PairsOf::two_bodies),
       program_(device, "contact/contact.cl"),
+      serves_program_(device, "contact/serves.cl"),
       place_rows_(program_.kernel("place_rows")),
+      sites_moved_(serves_program_.kernel("sites_moved")),
+      bodies_deformed_(serves_program_.kernel("bodies_deformed")),
       between_(no_rows(device, n_worlds_)),
       rows_(no_rows(device, n_worlds_)),
       first_(device, n_worlds_ + 1, "first candidate of world"),
-      place_(device, n_worlds_, "place of world") {
-  for (const auto& [body, sites] : surface_sites(mesh)) {
-    surface_sites_.insert(surface_sites_.end(), sites.begin(), sites.end());
-    if (mesh.bodies[body].collides_with_itself)
-      (mesh.bodies[body].offset > 0 ? sheets_ : solids_).bodies.push_back({sites, {}});
-  }
+      place_(device, n_worlds_, "place of world"),
+      first_of_world_(device, rows_.first, "first_candidate_of_world"),
+      surface_sites_(device, 0, "surface"),
+      reference_(device, 3 * x.size(), "reference"),
+      serves_on_device_(device, N_LISTS, "serves"),
+      serves_(N_LISTS, 0) {
+  std::vector<u32> all;
+  for (const auto& [body, sites] : surface_sites(mesh)) all.insert(all.end(), sites.begin(), sites.end());
+  surface_sites_.resize(all.size());
+  surface_sites_.write(all);
+  serves_on_device_.zero();
 }
 
-bool Candidates::serves_between(std::span<const double> x0, std::span<const double> x1) const {
-  if (reference_.empty()) return false;
+bool Candidates::has_reference(List list) const {
+  return list == BETWEEN ? has_reference_ : (list == SOLIDS ? solids_ : sheets_).has_reference;
+}
+
+void Candidates::start_check(const Buffer<double>& x0, const Buffer<double>& x1) {
+  if (surface_sites_.size() == 0) return;  // nothing collides
   const double allowed = USABLE * 0.5 * margin_;
-  for (const std::span<const double>& x : {x0, x1})
-    for (const u32 site : surface_sites_)
-      if (!((point(x, site) - point(reference_, site)).norm() <= allowed)) return false;
-  return true;
-}
-
-bool Candidates::Within::serves(std::span<const double> x0, std::span<const double> x1, double margin) const {
-  const double allowed = USABLE * 0.5 * margin;
-  for (const Deformable& body : bodies) {
-    if (body.reference.empty()) return false;
-    const Fit start = fit_rigid_motion(body.reference, body.sites, x0);
-    if (!(start.deviation <= allowed)) return false;
-    const Fit end = fit_rigid_motion(body.reference, body.sites, x1);
-    if (!(end.deviation <= allowed)) return false;
-    if (Eigen::AngleAxisd(start.rotation.transpose() * end.rotation).angle() > MOST_ROTATION) return false;
+  ++check_;
+  for (const List list : {SOLIDS, SHEETS}) {
+    Within& within = list == SOLIDS ? solids_ : sheets_;
+    const u32 n = u32(GROUP_SIZE * (within.first_site.size() - 1));
+    if (n == 0)
+      within.has_reference = true;  // there is nothing to look for
+    else if (within.has_reference)
+      bodies_deformed_(n, n, within.first_site, within.sites, within.reference, x0, x1, allowed, MOST_ROTATION,
+                       u32(list), check_, serves_on_device_);
   }
-  return true;
+  const u32 n = u32(surface_sites_.size());
+  if (has_reference_)
+    sites_moved_(n, n, surface_sites_, reference_, x0, x1, allowed, u32(BETWEEN), check_, serves_on_device_);
+  serves_on_device_.read_later(0, std::span(serves_));
 }
 
 void Candidates::find(const Buffer<double>& x0, const Buffer<double>& x1) {
-  if (surface_sites_.empty()) return;  // nothing collides
-  const std::vector<double> start = x0.read(), end = x1.read();
+  if (surface_sites_.size() == 0) return;
+  start_check(x0, x1);
+  device_->finish();
+  renew(x0, x1);
+}
+
+void Candidates::renew(const Buffer<double>& x0, const Buffer<double>& x1) {
+  if (surface_sites_.size() == 0) return;
   bool has_changed = false;
-  for (Within* within : {&solids_, &sheets_}) {
-    if (within->serves(start, end, margin_)) continue;
-    within->broad_phase.find(x0, x1, margin_, within->pairs);
-    for (Deformable& body : within->bodies) {
-      body.reference.clear();
-      for (const u32 site : body.sites) body.reference.push_back(point(end, site));
-    }
-    has_changed = true;
+  for (const List list : {SOLIDS, SHEETS}) {
+    if (serves(list)) continue;
+    Within& within = list == SOLIDS ? solids_ : sheets_;
+    within.broad_phase.find(x0, x1, margin_, within.pairs);
+    within.reference.copy_from(x1);
+    within.has_reference = has_changed = true;
   }
-  if (!serves_between(start, end)) {
+  if (!serves(BETWEEN)) {
     between_bodies_.find(x0, x1, margin_, between_);
-    reference_ = end;
-    has_changed = true;
+    reference_.copy_from(x1);
+    has_reference_ = has_changed = true;
   }
+  serves_.assign(N_LISTS, 0);  // for this motion they all do
   if (has_changed) merge();
 }
 
@@ -138,6 +137,7 @@ void Candidates::merge() {
     }
   }
   rows_.first[n_worlds_] = next;
+  first_of_world_.write(rows_.first);
   rows_.rows.resize(rows_.n());
   for (std::size_t i = 0; i < lists.size(); ++i) {
     if (lists[i]->n() == 0) continue;

@@ -21,35 +21,47 @@ class Candidates {
   // [n_sites x 3, m]. By world: the pairs of one solid, of one sheet, of two bodies; within each in the order of the
   // broad phase.
   void find(const Buffer<double>& x0, const Buffer<double>& x1);
+  // The same where start_check() was for this very motion and the device was waited for since.
+  void renew(const Buffer<double>& x0, const Buffer<double>& x1);
+  // Starts to find whether the present ones serve for this motion, which is known after the device was waited for.
+  void start_check(const Buffer<double>& x0, const Buffer<double>& x1);
+  bool serve() const { return surface_sites_.size() == 0 || (serves(SOLIDS) && serves(SHEETS) && serves(BETWEEN)); }
   const WorldRows<Barrier>& rows() const { return rows_; }
+  const Buffer<u32>& first() const { return first_of_world_; }  // rows().first on the device
   const Buffer<CollisionWorld>& worlds() const { return between_bodies_.worlds(); }
 
  private:
-  // a body that may touch itself
-  struct Deformable {
-    std::vector<u32> sites;       // of its surface
-    std::vector<Vec3> reference;  // where they were when its pairs were looked for [m]
-  };
-  // the pairs of one body of all solids, or of all sheets
+  // the pairs of one body of all solids, or of all sheets, which may touch themselves
   struct Within {
     BroadPhase broad_phase;
     WorldRows<Barrier> pairs;
-    std::vector<Deformable> bodies;
-    bool serves(std::span<const double> x0, std::span<const double> x1, double margin) const;
+    Buffer<u32> first_site, sites;  // [n_bodies + 1], of the bodies' surfaces
+    Buffer<double> reference;       // all sites where these pairs were looked for [n_sites x 3, m]
+    bool has_reference = false;
   };
-  bool serves_between(std::span<const double> x0, std::span<const double> x1) const;
+  enum List : u32 { SOLIDS, SHEETS, BETWEEN, N_LISTS };
+  Within make_within(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
+                     std::span<const Vec3> x, PairsOf which);
+  bool serves(List list) const { return has_reference(list) && serves_[list] != check_; }
+  bool has_reference(List list) const;
   void merge();
 
+  Device* device_;
   std::size_t n_worlds_;
   double margin_;
   Within solids_, sheets_;
   BroadPhase between_bodies_;
-  Program program_;
-  Kernel place_rows_;
+  Program program_, serves_program_;
+  Kernel place_rows_, sites_moved_, bodies_deformed_;
   WorldRows<Barrier> between_, rows_;
-  Buffer<u32> first_, place_;       // [n_worlds + 1], [n_worlds] of the list that is placed
-  std::vector<u32> surface_sites_;  // of all bodies
-  std::vector<double> reference_;   // of all sites, for pairs between bodies; empty before the first search
+  Buffer<u32> first_, place_;   // [n_worlds + 1], [n_worlds] of the list that is placed
+  Buffer<u32> first_of_world_;  // [n_worlds + 1] of rows_
+  Buffer<u32> surface_sites_;   // of all bodies
+  Buffer<double> reference_;    // all sites, for pairs between bodies
+  bool has_reference_ = false;
+  Buffer<u32> serves_on_device_;  // [N_LISTS] the last check in which a list did not serve
+  std::vector<u32> serves_;       // as read
+  u32 check_ = 0;                 // number of the last one
 };
 
 }  // namespace pvg

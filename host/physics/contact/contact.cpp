@@ -6,10 +6,10 @@
 #include <stdexcept>
 
 #include "contact/report.h"
+#include "host/device/scan.hpp"
 #include "host/physics/contact/candidates.hpp"
 #include "host/physics/contact/continuous_collision.hpp"
 #include "host/physics/contact/slip_effects.hpp"
-#include "host/physics/linear/scan.hpp"
 
 namespace pvg {
 namespace {
@@ -55,9 +55,13 @@ struct ContactSet::Impl {
   WorldMinimum minimum;
   WorldRows<Barrier> contacts;
   WorldRows<Friction> friction;
-  Buffer<double> gaps;                               // [n_candidates, m]
-  Buffer<u32> is_active, offsets;                    // [n_candidates], [n_candidates + 1]
-  Buffer<u32> places;                                // [n_worlds + 1] first candidate of each world
+  Buffer<double> gaps;                             // [n_candidates, m]
+  Buffer<u32> is_active, offsets;                  // [n_candidates], [n_candidates + 1]
+  Buffer<u32> first;                               // [n_worlds + 1] contacts of each world
+  Buffer<u32> sites;                               // [n_candidates x 4] of contacts
+  std::vector<u32> contact_sites, friction_sites;  // on the host
+  std::vector<Friction> friction_rows;             // as on the device
+  std::size_t n_contacts_before = 0;
   Buffer<ContactReport> reports;                     // [n_contacts]
   Buffer<double> forces, strains;                    // [n_friction x 3, N], [n_friction x 3]
   std::vector<std::vector<FrictionAnchor>> anchors;  // [n_worlds], each sorted by pair
@@ -83,7 +87,8 @@ struct ContactSet::Impl {
         gaps(device, 0, "candidate_gaps"),
         is_active(device, 0, "candidate_is_active"),
         offsets(device, 0, "contact_offsets"),
-        places(device, 0, "first_candidate_of_world"),
+        first(device, mesh.n_worlds + 1, "first_contact_of_world"),
+        sites(device, 0, "contact_sites"),
         reports(device, 0, "contact_reports"),
         forces(device, 0, "friction_forces"),
         strains(device, 0, "friction_strains"),
@@ -94,6 +99,31 @@ struct ContactSet::Impl {
     gaps.resize(pairs.n());
     is_active.resize(pairs.n());
     pair_gaps(pairs.n(), pairs.n(), pairs.rows, x, gaps, is_active);
+  }
+
+  // rows of what contacts.rows has: of contacts, or, where these are not taken yet, of all candidates
+  void start_lag_friction(const Buffer<double>& x) {
+    const u32 n = u32(contacts.rows.size());
+    friction.rows.resize(n);
+    lag_friction(n, n, mesh.n_worlds, first, contacts.rows, candidates.worlds(), x, friction.rows);
+    // mostly there are not many more than last time
+    friction_rows.resize(std::min<std::size_t>(n, n_contacts_before + n_contacts_before / 4 + 16));
+    friction.rows.read_later(0, std::span(friction_rows));
+  }
+
+  void take_friction(double h, const Buffer<double>& x0, const Buffer<double>& x1) {
+    friction.first = contacts.first;
+    const std::size_t n = contacts.n(), n_read = friction_rows.size();
+    friction.rows.resize(n);
+    friction_rows.resize(n);
+    if (n > n_read) friction.rows.read(n_read, std::span(friction_rows).subspan(n_read));
+    for (u32 world = 0; world < mesh.n_worlds; ++world)
+      attach_anchors(anchors[world], h, of_world(friction_rows, friction.first, world));
+    if (n > 0 && std::any_of(mesh.effects.begin(), mesh.effects.end(), changes_friction))
+      apply_slip_effects(mesh.effects, x0.read(), x1.read(), h, friction_rows);
+    friction.rows.write(friction_rows);
+    friction_sites.clear();
+    for (const Friction& row : friction_rows) friction_sites.insert(friction_sites.end(), row.site, row.site + 4);
   }
 
   // what friction exerts on the first body of each row, by pair
@@ -127,35 +157,71 @@ std::vector<double> ContactSet::largest_step(const Buffer<double>& x0, const Buf
   return impl_->collision.largest_step(impl_->candidates.rows(), x0, x1);
 }
 
-void ContactSet::find_contacts(const Buffer<double>& x) {
+void ContactSet::start_check(const Buffer<double>& x0, const Buffer<double>& x1) {
+  impl_->candidates.start_check(x0, x1);
+}
+bool ContactSet::candidates_serve() const { return impl_->candidates.serve(); }
+void ContactSet::renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1) {
+  impl_->candidates.renew(x0, x1);
+}
+
+const Buffer<double>& ContactSet::start_largest_step(const Buffer<double>& x0, const Buffer<double>& x1) {
+  return impl_->collision.start(impl_->candidates.rows(), impl_->candidates.first(), x0, x1);
+}
+
+void ContactSet::start_find_contacts(const Buffer<double>& x) {
   Impl& impl = *impl_;
   const WorldRows<Barrier>& candidates = impl.candidates.rows();
+  impl.contacts.rows.resize(candidates.n());
   if (candidates.n() == 0) {
-    impl.contacts.first = candidates.first;
-    impl.contacts.rows.resize(0);
+    impl.first.zero();
     return;
   }
   impl.measure_gaps(x);
   impl.scan(candidates.n(), impl.is_active, impl.offsets);
-  impl.places.resize(candidates.first.size());
-  impl.places.write(candidates.first);
-  impl.contacts.first = impl.scan.read_at(impl.offsets, impl.places);
-  impl.contacts.rows.resize(impl.contacts.n());
-  impl.fill_contacts(candidates.n(), candidates.n(), candidates.rows, impl.offsets, impl.contacts.rows);
+  impl.scan.pick(impl.offsets, impl.candidates.first(), impl.first);
+  impl.sites.resize(4 * std::size_t(candidates.n()));
+  impl.fill_contacts(candidates.n(), candidates.n(), candidates.rows, impl.offsets, impl.contacts.rows, impl.sites);
+  impl.first.read_later(0, std::span(impl.contacts.first));
+  // mostly there are not many more than last time
+  impl.contact_sites.resize(
+      std::min(impl.sites.size(), 4 * (impl.n_contacts_before + impl.n_contacts_before / 4 + 16)));
+  impl.sites.read_later(0, std::span(impl.contact_sites));
+}
+
+void ContactSet::take_contacts() {
+  Impl& impl = *impl_;
+  if (impl.contacts.rows.size() == 0) impl.contacts.first.assign(impl.mesh.n_worlds + 1, 0);
+  const std::size_t n = impl.contacts.n(), n_read = impl.contact_sites.size();
+  impl.n_contacts_before = n;
+  impl.contacts.rows.resize(n);
+  impl.contact_sites.resize(4 * n);
+  if (4 * n > n_read) impl.sites.read(n_read, std::span(impl.contact_sites).subspan(n_read));
+}
+
+const Buffer<u32>& ContactSet::first_contact() const { return impl_->first; }
+const std::vector<u32>& ContactSet::contact_sites() const { return impl_->contact_sites; }
+const std::vector<u32>& ContactSet::friction_sites() const { return impl_->friction_sites; }
+
+void ContactSet::find_contacts(const Buffer<double>& x) {
+  start_find_contacts(x);
+  impl_->device.finish();
+  take_contacts();
 }
 
 void ContactSet::lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0, const Buffer<double>& x1) {
-  Impl& impl = *impl_;
-  impl.friction.first = impl.contacts.first;
-  impl.friction.rows.resize(impl.contacts.n());
-  impl.lag_friction(impl.contacts.n(), impl.contacts.n(), impl.contacts.rows, impl.candidates.worlds(), x,
-                    impl.friction.rows);
-  std::vector<Friction> rows = impl.friction.rows.read();
-  for (u32 world = 0; world < impl.mesh.n_worlds; ++world)
-    attach_anchors(impl.anchors[world], h, of_world(rows, impl.friction.first, world));
-  if (!rows.empty() && std::any_of(impl.mesh.effects.begin(), impl.mesh.effects.end(), changes_friction))
-    apply_slip_effects(impl.mesh.effects, x0.read(), x1.read(), h, rows);
-  impl.friction.rows.write(rows);
+  impl_->start_lag_friction(x);
+  impl_->device.finish();
+  impl_->take_friction(h, x0, x1);
+}
+
+void ContactSet::find_and_lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0,
+                                       const Buffer<double>& x1) {
+  start_find_contacts(x);
+  impl_->start_lag_friction(x);
+  impl_->device.finish();
+  take_contacts();
+  impl_->take_friction(h, x0, x1);
 }
 
 void ContactSet::renew_anchors(const Buffer<double>& x, const Buffer<double>& x0, double h,
@@ -164,7 +230,7 @@ void ContactSet::renew_anchors(const Buffer<double>& x, const Buffer<double>& x0
   const u32 n = impl.friction.n();
   impl.strains.resize(3 * n);
   impl.friction_strain(n, n, impl.friction.rows, x, x0, h, impl.strains);
-  std::vector<Friction> rows = impl.friction.rows.read();
+  std::vector<Friction>& rows = impl.friction_rows;
   const std::vector<double> strains = impl.strains.read();
   for (u32 world = 0; world < impl.mesh.n_worlds; ++world)
     if (worlds[world])
@@ -178,6 +244,8 @@ void ContactSet::restore_anchors(const std::vector<std::vector<FrictionAnchor>>&
 void ContactSet::clear_friction() {
   impl_->friction.first.assign(impl_->mesh.n_worlds + 1, 0);
   impl_->friction.rows.resize(0);
+  impl_->friction_rows.clear();
+  impl_->friction_sites.clear();
 }
 
 std::vector<double> ContactSet::min_gap(const Buffer<double>& x) {
@@ -192,7 +260,7 @@ std::vector<std::vector<ContactForce>> ContactSet::forces(const Buffer<double>& 
   impl.report_contacts(n, n, impl.contacts.rows, x, impl.reports);
   const std::vector<ContactReport> reports = impl.reports.read();
   const std::vector<Barrier> contacts = impl.contacts.rows.read();
-  const std::vector<Friction> friction = impl.friction.rows.read();
+  const std::vector<Friction>& friction = impl.friction_rows;
   std::map<PairKey, Vec3> sliding = impl.friction_forces(friction, x, x0, h);
   std::vector<std::vector<ContactForce>> worlds(impl.mesh.n_worlds);
   for (u32 i = 0; i < n; ++i) {

@@ -39,21 +39,35 @@ class ContactSet {
   // At least every pair that may come within activation distance while the sites move straight from x0 to x1.
   void find_candidates(const Buffer<double>& x0, const Buffer<double>& x1);
   const WorldRows<Barrier>& candidates() const;
+  // Starts to find whether the present candidates serve for a motion; known after the device was waited for.
+  void start_check(const Buffer<double>& x0, const Buffer<double>& x1);
+  bool candidates_serve() const;
+  void renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1);  // for that motion, those that did not
 
   // The largest part in [0, 1] of the motion x0 -> x1, of each world, that is certified to keep every candidate apart.
   // x0, x1: as given to find_candidates, or any part of that motion. A pair that is already closer than its offset
   // gives 0.
   std::vector<double> largest_step(const Buffer<double>& x0, const Buffer<double>& x1);
+  const Buffer<double>& start_largest_step(const Buffer<double>& x0, const Buffer<double>& x1);  // on the device
 
   // The candidates within activation distance at x: rows of energies/contact/barrier.cl.
   void find_contacts(const Buffer<double>& x);
+  // The same without waiting: until take_contacts(), after the device was waited for, contacts() has the rows of all
+  // candidates, of which first_contact()[n_worlds] are contacts.
+  void start_find_contacts(const Buffer<double>& x);
+  void take_contacts();
+  const Buffer<u32>& first_contact() const;       // [n_worlds + 1] on the device
+  const std::vector<u32>& contact_sites() const;  // [n_contacts x 4]
   const WorldRows<Barrier>& contacts() const;
 
   // Friction rows from the contacts of the last find_contacts, with normal forces at x (the same x) and anchors for a
   // step of length h [s]. x0, x1: sites at its start and where they are thought to come; effects on friction go by it.
   void lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0, const Buffer<double>& x1);
+  // find_contacts(x) and this, waiting once
+  void find_and_lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0, const Buffer<double>& x1);
   void clear_friction();  // no friction rows
   const WorldRows<Friction>& friction() const;
+  const std::vector<u32>& friction_sites() const;  // [n x 4]
 
   // What the contacts of these worlds, as in the present friction rows, remember of a step of length h from x0 to x.
   void renew_anchors(const Buffer<double>& x, const Buffer<double>& x0, double h, std::span<const char> worlds);

@@ -18,11 +18,16 @@ std::vector<double> WorldMinimum::operator()(const std::vector<u32>& first, cons
   if (first.back() == 0) return std::vector<double>(n_worlds, none);
   first_.resize(first.size());
   first_.write(first);
+  return start(first_, values, none).read();
+}
+
+const Buffer<double>& WorldMinimum::start(const Buffer<u32>& first, const Buffer<double>& values, double none) {
+  const u32 n_worlds = u32(first.size() - 1);
   partial_.resize(n_worlds * N_LANES);
   least_.resize(n_worlds);
-  min_of_lanes_(partial_.size(), u32(partial_.size()), first_, values, none, partial_);
-  min_of_worlds_(n_worlds, u32(n_worlds), partial_, least_);
-  return least_.read();
+  min_of_lanes_(partial_.size(), u32(partial_.size()), first, values, none, partial_);
+  min_of_worlds_(n_worlds, n_worlds, partial_, least_);
+  return least_;
 }
 
 ContinuousCollision::ContinuousCollision(Device& device)
@@ -36,6 +41,13 @@ std::vector<double> ContinuousCollision::largest_step(const WorldRows<Barrier>& 
   steps_.resize(pairs.n());
   accd_steps_(pairs.n(), pairs.n(), pairs.rows, x0, x1, steps_);
   return minimum_(pairs.first, steps_, 1.0);
+}
+
+const Buffer<double>& ContinuousCollision::start(const WorldRows<Barrier>& pairs, const Buffer<u32>& first,
+                                                 const Buffer<double>& x0, const Buffer<double>& x1) {
+  steps_.resize(pairs.n());
+  accd_steps_(pairs.n(), pairs.n(), pairs.rows, x0, x1, steps_);
+  return minimum_.start(first, steps_, 1.0);
 }
 
 }  // namespace pvg

@@ -5,6 +5,9 @@
 namespace pvg {
 namespace {
 
+// elements: of more, a kernel of their own runs faster, on a CPU in vectors
+constexpr std::size_t MOST_FEW = 512;
+
 // what has to stand before the kernel file of a term: the laws that this scene gives by formulas
 template <class Params>
 std::string front(const System& system) {
@@ -25,6 +28,22 @@ Terms::Terms(Device& device, const System& system)
 #define SET(folder, name, Struct, stencil) name.set(system.name.rows, system.name.world_first);
   ENERGY_TERMS(SET)
 #undef SET
+}
+
+std::vector<SmallTermSource> Terms::small(const System& system, std::span<const u32> first_energy) {
+  std::vector<SmallTermSource> sources;
+  std::size_t place = 0;
+  const auto add = [&](Term& term, const std::string& folder, const std::string& name, const std::string& params) {
+    const u32 energy = first_energy[place++];
+    if (term.size() == 0 || term.size() > MOST_FEW || folder == "elastic") return;
+    if (&term == &point_force && !system.force_law.empty()) return;
+    const bool is_inertia = &term == &point_inertia || &term == &affine_inertia;
+    sources.push_back({&term, "energies/" + folder + "/" + name + ".cl", name, params, is_inertia, energy});
+  };
+#define ADD(folder, name, Struct, stencil) add(name, #folder, #name, #Struct);
+  ENERGY_TERMS(ADD)
+#undef ADD
+  return sources;
 }
 
 }  // namespace pvg

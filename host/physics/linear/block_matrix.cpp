@@ -6,6 +6,8 @@
 namespace pvg {
 namespace {
 
+constexpr u32 NEW_TERM = 1u << 31;  // as in solve/block_matrix.cl
+
 // Calls found(row node, column node, row slot, column slot, weight) for every pair of moving nodes of one element.
 template <class Found>
 void for_each_pair(std::span<const Site> sites, std::span<const u32> node_is_fixed, std::span<const u32> element_sites,
@@ -64,48 +66,70 @@ BlockMatrix::BlockMatrix(Device& device, std::span<const Site> sites, std::span<
     : pattern_(find_pattern(sites, node_is_fixed, terms)),
       program_(device, "solve/block_matrix.cl"),
       block_product_(program_.kernel("block_product")),
-      add_element_blocks_(program_.kernel("add_element_blocks")),
+      block_product_and_rows_(program_.kernel("block_product_and_rows")),
+      assemble_blocks_(program_.kernel("assemble_blocks")),
       first_(device, pattern_.first, "first block of row"),
       column_(device, pattern_.column, "column"),
-      blocks_(device, 9 * pattern_.n_blocks(), "matrix blocks") {
-  for (const Term* term : terms) parts_.push_back(find_parts(device, sites, node_is_fixed, *term));
+      blocks_(device, 9 * pattern_.n_blocks(), "matrix blocks"),
+      element_blocks_(device, 0, "element blocks"),
+      part_first_(device, 0, "first part of block"),
+      part_source_(device, 0, "source of part"),
+      part_width_(device, 0, "width of part"),
+      part_weight_(device, 0, "weight of part") {
+  std::size_t n_numbers = 0;
+  for (const Term* term : terms) n_numbers += term->n_block_numbers();
+  if (n_numbers > ~0u) throw UsageError("the scene has too many elements for one device; divide it");
+  element_blocks_.resize(n_numbers);
+  n_numbers = 0;
+  for (Term* term : terms) {
+    term->move_blocks(element_blocks_, n_numbers);
+    n_numbers += term->n_block_numbers();
+  }
+  find_parts(sites, node_is_fixed, terms);
 }
 
-// A counting sort by block: parts of one block stay in the order of the elements.
-BlockMatrix::Parts BlockMatrix::find_parts(Device& device, std::span<const Site> sites,
-                                           std::span<const u32> node_is_fixed, const Term& term) const {
-  if (term.size() * 9 * term.stencil() * term.stencil() > ~0u)
-    throw UsageError("term " + term.name() + " has too many elements for one device; divide the scene");
-  std::vector<u32> next(pattern_.n_blocks() + 1, 0);
-  for_each_pair(sites, node_is_fixed, term,
-                [&](u32 row, u32 column, std::size_t, double) { ++next[pattern_.find(row, column) + 1]; });
-  std::vector<u32> touched, first = {0};
-  for (std::size_t block = 0; block < pattern_.n_blocks(); ++block) {
-    if (next[block + 1] > 0) {
-      touched.push_back(u32(block));
-      first.push_back(first.back() + next[block + 1]);
-    }
-    next[block + 1] += next[block];
-  }
-  std::vector<u32> source(first.back());
-  std::vector<double> weight(first.back());
-  for_each_pair(sites, node_is_fixed, term, [&](u32 row, u32 column, std::size_t from, double w) {
-    const u32 place = next[pattern_.find(row, column)]++;
-    source[place] = u32(from);
-    weight[place] = w;
+// A counting sort by block: parts of one block stay in the order of the terms and their elements.
+void BlockMatrix::find_parts(std::span<const Site> sites, std::span<const u32> node_is_fixed,
+                             std::span<Term* const> terms) {
+  const auto for_each_part = [&](const auto& found) {
+    for (const Term* term : terms)
+      for_each_pair(sites, node_is_fixed, *term, [&](u32 row, u32 column, std::size_t from, double weight) {
+        found(pattern_.find(row, column), *term, from, weight);
+      });
+  };
+  std::vector<u32> first(pattern_.n_blocks() + 1, 0);
+  for_each_part([&](u32 block, const Term&, std::size_t, double) { ++first[block + 1]; });
+  for (std::size_t block = 0; block < pattern_.n_blocks(); ++block) first[block + 1] += first[block];
+  std::vector<u32> next(first.begin(), first.end() - 1), source(first.back()), width(first.back());
+  std::vector<double> weights(first.back());
+  std::vector<const Term*> last(pattern_.n_blocks(), nullptr);
+  for_each_part([&](u32 block, const Term& term, std::size_t from, double weight) {
+    const u32 place = next[block]++;
+    source[place] = u32(term.first_block() + from);
+    width[place] = u32(3 * term.stencil()) | (last[block] == &term ? 0 : NEW_TERM);
+    weights[place] = weight;
+    last[block] = &term;
   });
-  return {Buffer<u32>(device, touched, "touched blocks"), Buffer<u32>(device, first, "first part of block"),
-          Buffer<u32>(device, source, "source of part"), Buffer<f64>(device, weight, "weight of part")};
+  const auto upload = [](auto& buffer, const auto& values) {
+    buffer.resize(values.size());
+    buffer.write(values);
+  };
+  upload(part_first_, first);
+  upload(part_source_, source);
+  upload(part_width_, width);
+  upload(part_weight_, weights);
 }
 
-void BlockMatrix::assemble(std::span<Term* const> terms) {
-  blocks_.zero();
-  for (std::size_t t = 0; t < terms.size(); ++t) {
-    const Parts& parts = parts_.at(t);
-    const u32 n = u32(parts.touched.size());
-    add_element_blocks_(n, n, u32(3 * terms[t]->stencil()), parts.touched, parts.first, parts.source, parts.weight,
-                        terms[t]->blocks(), blocks_);
-  }
+void BlockMatrix::assemble() {
+  const u32 n = u32(pattern_.n_blocks());
+  assemble_blocks_(n, n, part_first_, part_source_, part_width_, part_weight_, element_blocks_, blocks_);
+}
+
+void BlockMatrix::multiply_and_gather(const Buffer<f64>& x, const Gather& gather, const Buffer<u32>& node_is_fixed,
+                                      const Buffer<f64>& rows, Buffer<f64>& y) {
+  const u32 n = u32(pattern_.n_nodes());
+  block_product_and_rows_(n, n, first_, column_, blocks_, gather.offset(), gather.row(), gather.weight(), node_is_fixed,
+                          rows, x, y);
 }
 
 void BlockMatrix::multiply(const Buffer<f64>& x, Buffer<f64>& y) {

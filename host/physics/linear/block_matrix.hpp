@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/device/device.hpp"
+#include "host/physics/linear/gather.hpp"
 #include "host/physics/linear/term.hpp"
 #include "solve/site.h"
 
@@ -23,29 +24,29 @@ class BlockMatrix {
  public:
   BlockMatrix(Device& device, std::span<const Site> sites, std::span<const u32> node_is_fixed,
               std::span<Term* const> terms);
-  // the sum of the terms' present blocks; the terms are those that it was made from
-  void assemble(std::span<Term* const> terms);
+  // the sum of the present blocks of the terms that it was made from, which write them into a buffer of its own
+  void assemble();
   // y = A x;  [n_nodes x 3]
   void multiply(const Buffer<f64>& x, Buffer<f64>& y);
+  // y = A x + what these rows are to the nodes
+  void multiply_and_gather(const Buffer<f64>& x, const Gather& gather, const Buffer<u32>& node_is_fixed,
+                           const Buffer<f64>& rows, Buffer<f64>& y);
 
   const MatrixPattern& pattern() const { return pattern_; }
   const Buffer<f64>& blocks() const { return blocks_; }  // [n_blocks x 9, N/m]
+  Buffer<f64>& element_blocks() { return element_blocks_; }
 
  private:
-  // what one term adds, by block of the matrix
-  struct Parts {
-    Buffer<u32> touched, first, source;
-    Buffer<f64> weight;
-  };
-  Parts find_parts(Device& device, std::span<const Site> sites, std::span<const u32> node_is_fixed,
-                   const Term& term) const;
+  void find_parts(std::span<const Site> sites, std::span<const u32> node_is_fixed, std::span<Term* const> terms);
 
   MatrixPattern pattern_;
   Program program_;
-  Kernel block_product_, add_element_blocks_;
+  Kernel block_product_, block_product_and_rows_, assemble_blocks_;
   Buffer<u32> first_, column_;
   Buffer<f64> blocks_;
-  std::vector<Parts> parts_;  // per term
+  Buffer<f64> element_blocks_;                         // of all terms
+  Buffer<u32> part_first_, part_source_, part_width_;  // what each block is the sum of: by term, in it by element
+  Buffer<f64> part_weight_;
 };
 
 }  // namespace pvg

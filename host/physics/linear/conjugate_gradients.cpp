@@ -7,63 +7,92 @@ namespace pvg {
 
 ConjugateGradients::ConjugateGradients(Device& device, const std::vector<u32>& node_world, std::size_t n_worlds,
                                        const std::vector<WorldRange>& node_ranges)
-    : n_nodes_(node_world.size()),
+    : device_(&device),
+      n_nodes_(node_world.size()),
       n_worlds_(n_worlds),
       program_(device, "solve/conjugate_gradients.cl"),
       start_(program_.kernel("cg_start")),
+      begin_(program_.kernel("cg_begin")),
+      test_(program_.kernel("cg_test")),
+      step_length_(program_.kernel("cg_step_length")),
       advance_(program_.kernel("cg_advance")),
       turn_(program_.kernel("cg_turn")),
       reduce_(device, n_worlds),
       chunks_(device, n_worlds),
       node_world_(device, node_world, "world"),
-      is_active_(device, n_worlds, "is_active"),
+      is_wanted_(device, n_worlds, "is_wanted"),
+      worlds_(device, n_worlds, "worlds"),
       residual_(device, 3 * n_nodes_, "residual"),
       preconditioned_(device, 3 * n_nodes_, "preconditioned"),
       direction_(device, 3 * n_nodes_, "direction"),
-      product_(device, 3 * n_nodes_, "product"),
-      rz_(device, n_worlds, "rz"),
-      rz_old_(device, n_worlds, "rz_old"),
-      php_(device, n_worlds, "php") {
+      product_(device, 3 * n_nodes_, "product") {
   chunks_.set(node_ranges);
 }
 
-CgReport ConjugateGradients::solve(const Product& product, const Product& precondition, const Buffer<f64>& gradient,
-                                   std::vector<char> world_is_active, double tolerance, int max_iterations,
-                                   Buffer<f64>& dx) {
-  CgReport report{std::vector<int>(n_worlds_, 0), std::vector<char>(n_worlds_, true)};
-  const auto set_active = [&] { is_active_.write(std::vector<u32>(world_is_active.begin(), world_is_active.end())); };
-  const auto renew_rz = [&] {
-    precondition(residual_, preconditioned_);
-    reduce_.dot(chunks_, residual_, preconditioned_, rz_);
-  };
-  const u32 n = u32(n_nodes_);
-  start_(n, n, gradient, dx, residual_);
-  rz_old_.zero();
-  renew_rz();
-  const std::vector<double> first = rz_.read();
-  std::vector<double> rz = first;
-  for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    for (std::size_t w = 0; w < n_worlds_; ++w) {
-      // a world is done when the residual, measured in the preconditioner's norm, has fallen by the tolerance
-      const bool is_done = rz[w] <= tolerance * tolerance * first[w];
-      if (world_is_active[w] && (is_done || !std::isfinite(rz[w]))) {
-        world_is_active[w] = false;
-        report.has_converged[w] = is_done;
-      }
-      report.iterations[w] += world_is_active[w];
-    }
-    if (std::none_of(world_is_active.begin(), world_is_active.end(), [](char a) { return a; })) return report;
-    set_active();
-    turn_(n, n, node_world_, is_active_, rz_, rz_old_, preconditioned_, direction_);
-    product(direction_, product_);
-    reduce_.dot(chunks_, direction_, product_, php_);
-    advance_(n, n, node_world_, is_active_, rz_, php_, direction_, product_, dx, residual_);
-    rz_old_.copy_from(rz_);
-    renew_rz();
-    rz = rz_.read();
+void ConjugateGradients::renew_rz() {
+  problem_.precondition(residual_, preconditioned_);
+  reduce_.dot_chunks(chunks_, residual_, preconditioned_);
+}
+
+void ConjugateGradients::start(Product product, Product precondition, const Buffer<f64>& gradient,
+                               const std::vector<char>& world_is_active, double tolerance, int max_iterations,
+                               Buffer<f64>& dx) {
+  const u32 n = u32(n_nodes_), n_worlds = u32(n_worlds_);
+  problem_ = {std::move(product), std::move(precondition), tolerance, max_iterations, &dx};
+  if (wanted_ != world_is_active) {
+    wanted_ = world_is_active;
+    is_wanted_.write(std::vector<u32>(wanted_.begin(), wanted_.end()));
   }
-  for (std::size_t w = 0; w < n_worlds_; ++w) report.has_converged[w] &= !world_is_active[w];
+  start_(n, n, gradient, dx, residual_);
+  renew_rz();
+  begin_(n_worlds, n_worlds, chunks_.first(), chunks_.partial(), is_wanted_, tolerance, u32(max_iterations), worlds_);
+  n_started_ = 0;
+  read_.resize(n_worlds_);
+  go_on();
+}
+
+// On the host's own processor it is cheap to look and dear to iterate in vain: half of what the last solve took, then a
+// few at a time. Elsewhere it is the other way round.
+void ConjugateGradients::go_on() {
+  const bool looks_often = device_->info().runs_host_functions;
+  const int batch =
+      n_started_ == 0 ? (looks_often ? n_last_ / 2 : n_last_) : (looks_often ? n_started_ / 8 : n_started_ / 4);
+  const u32 n = u32(n_nodes_), n_worlds = u32(n_worlds_);
+  for (const int until = std::min(problem_.max_iterations, n_started_ + std::max(1, batch)); n_started_ < until;
+       ++n_started_) {
+    turn_(n, n, node_world_, worlds_, preconditioned_, direction_);
+    problem_.product(direction_, product_);
+    reduce_.dot_chunks(chunks_, direction_, product_);
+    step_length_(n_worlds, n_worlds, chunks_.first(), chunks_.partial(), worlds_);
+    advance_(n, n, node_world_, worlds_, direction_, product_, *problem_.dx, residual_);
+    renew_rz();
+    test_(n_worlds, n_worlds, chunks_.first(), chunks_.partial(), problem_.tolerance, u32(problem_.max_iterations),
+          worlds_);
+  }
+  worlds_.read_later(0, std::span(read_));
+}
+
+bool ConjugateGradients::ended() const {
+  return n_started_ >= problem_.max_iterations ||
+         std::none_of(read_.begin(), read_.end(), [](const CgWorld& world) { return world.is_active; });
+}
+
+CgReport ConjugateGradients::report() {
+  CgReport report;
+  for (const CgWorld& world : read_) {
+    report.iterations.push_back(int(world.iterations));
+    report.has_converged.push_back(world.has_converged && !world.is_active);
+  }
+  n_last_ = *std::max_element(report.iterations.begin(), report.iterations.end());
   return report;
+}
+
+CgReport ConjugateGradients::solve(const Product& product, const Product& precondition, const Buffer<f64>& gradient,
+                                   const std::vector<char>& world_is_active, double tolerance, int max_iterations,
+                                   Buffer<f64>& dx) {
+  start(product, precondition, gradient, world_is_active, tolerance, max_iterations, dx);
+  for (device_->finish(); !ended(); device_->finish()) go_on();
+  return report();
 }
 
 }  // namespace pvg

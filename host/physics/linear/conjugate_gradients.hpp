@@ -6,6 +6,7 @@
 
 #include "host/device/device.hpp"
 #include "host/physics/linear/world_reduce.hpp"
+#include "solve/cg_world.h"
 
 namespace pvg {
 
@@ -23,16 +24,40 @@ class ConjugateGradients {
   // [n_nodes x 3]
   using Product = std::function<void(const Buffer<f64>&, Buffer<f64>&)>;
   CgReport solve(const Product& product, const Product& precondition, const Buffer<f64>& gradient,
-                 std::vector<char> world_is_active, double tolerance, int max_iterations, Buffer<f64>& dx);
+                 const std::vector<char>& world_is_active, double tolerance, int max_iterations, Buffer<f64>& dx);
+
+  // The same without waiting: starts some iterations and to read how far they came. After the device was waited for
+  // ended() tells whether they were enough; go_on() starts more.
+  void start(Product product, Product precondition, const Buffer<f64>& gradient,
+             const std::vector<char>& world_is_active, double tolerance, int max_iterations, Buffer<f64>& dx);
+  bool ended() const;
+  void go_on();
+  bool may_have_ended() const { return n_started_ >= n_last_; }  // as far as the last solve tells, without looking
+  CgReport report();
 
  private:
+  struct Problem {
+    Product product, precondition;
+    double tolerance;
+    int max_iterations;
+    Buffer<f64>* dx;
+  };
+  void renew_rz();
+
+  Device* device_;
   std::size_t n_nodes_, n_worlds_;
   Program program_;
-  Kernel start_, advance_, turn_;
+  Kernel start_, begin_, test_, step_length_, advance_, turn_;
   WorldReduce reduce_;
   WorldChunks chunks_;
-  Buffer<u32> node_world_, is_active_;
-  Buffer<f64> residual_, preconditioned_, direction_, product_, rz_, rz_old_, php_;
+  Buffer<u32> node_world_, is_wanted_;
+  Buffer<CgWorld> worlds_;
+  Buffer<f64> residual_, preconditioned_, direction_, product_;
+  std::vector<char> wanted_;  // what is_wanted_ holds
+  Problem problem_{};
+  std::vector<CgWorld> read_;  // [n_worlds] as the device had them
+  int n_started_ = 0;          // iterations
+  int n_last_ = 1;             // of the last solve
 };
 
 }  // namespace pvg

@@ -22,6 +22,11 @@ class Gather {
   void apply(Kernel& gather_rows, const Buffer<u32>& node_is_fixed, const Buffer<f64>& rows, bool accumulate,
              Buffer<f64>& node) const;
 
+  // [n_nodes + 1] into the entries: rows, and their weights
+  const Buffer<u32>& offset() const { return offset_; }
+  const Buffer<u32>& row() const { return row_; }
+  const Buffer<f64>& weight() const { return weight_; }
+
  private:
   std::vector<Site> sites_;
   std::size_t n_nodes_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numeric>
 
@@ -61,7 +62,6 @@ GroupPreconditioner::GroupPreconditioner(const MatrixPattern& matrix, std::span<
       always_coupled_(coupled.begin(), coupled.end()),
       node_group_(node_group.begin(), node_group.end()),
       node_local_(node_group.size(), 0),
-      values_(9 * matrix.n_blocks()),
       workers_(std::make_unique<Workers>()) {
   for (u32 node = 0; node < lone_group_.size(); ++node)
     if (lone_group_[node] != NO_GROUP) lone_nodes_[lone_group_[node]].push_back(node);
@@ -186,12 +186,11 @@ u32 GroupPreconditioner::find_block(const Group& group, u32 row, u32 column) {
 }
 
 // The contacts of one world touch that world's groups only, so worlds go side by side.
-void GroupPreconditioner::add_contacts(const Term& contacts) {
-  const std::vector<double> blocks = contacts.blocks().read();
+void GroupPreconditioner::add_contacts(const Term& contacts, std::span<const double> blocks) {
   const std::size_t stencil = contacts.stencil(), width = 3 * stencil;
   const std::span<const u32> sites = contacts.sites();
   const auto add_contact = [&](std::size_t e) {
-    for_each_block(sites.subspan(e * stencil, stencil), std::span(blocks).subspan(e * width * width, width * width),
+    for_each_block(sites.subspan(e * stencil, stencil), blocks.subspan(e * width * width, width * width),
                    [&](u32 row, u32 column, const double* from, double weight) {
                      Group& group = groups_[node_group_[row]];
                      if (!group.is_active) return;
@@ -248,31 +247,70 @@ void GroupPreconditioner::for_each_group(const Task& task) const {
   workers_->run(small.size(), [&](std::size_t i) { task(small[i], nullptr); });
 }
 
-std::optional<u32> GroupPreconditioner::factorize(const BlockMatrix& matrix, std::span<const Term* const> contacts,
-                                                  std::span<const char> world_is_active) {
-  for (Group& group : groups_) group.is_active = world_is_active[group.world];
-  matrix.blocks().read(0, values_);
+void GroupPreconditioner::take_blocks(std::span<const double> values) {
   for_each_group([&](u32 g, Workers*) {
     Group& group = groups_[g];
     for (std::size_t block = 0; block < group.source.size(); ++block)
       if (group.source[block] == NO_BLOCK)
         std::fill_n(&group.blocks[9 * block], 9, 0.0);
       else
-        std::copy_n(&values_[9 * std::size_t(group.source[block])], 9, &group.blocks[9 * block]);
+        std::copy_n(&values[9 * std::size_t(group.source[block])], 9, &group.blocks[9 * block]);
   });
-  for (const Term* term : contacts) add_contacts(*term);
-  for_each_group([&](u32 g, Workers* workers) {
-    groups_[g].is_factored = groups_[g].factor->factorize(groups_[g].blocks, workers);
-  });
+}
+
+void GroupPreconditioner::start_factorize(const BlockMatrix& matrix, std::span<const Term* const> contacts,
+                                          std::span<const char> world_is_active) {
+  std::vector<detail::HostAccess> access = {reads(matrix.blocks())};
+  for (const Term* term : contacts) access.push_back(reads(term->blocks()));
+  matrix.blocks().memory().device().call(
+      std::move(access),
+      [this, n = matrix.blocks().size(), terms = std::vector(contacts.begin(), contacts.end()),
+       active = std::vector(world_is_active.begin(), world_is_active.end())](std::span<void* const> memory) {
+        const auto numbers = [&](std::size_t i, std::size_t size) {
+          return std::span(static_cast<const double*>(memory[i]), size);
+        };
+        for (Group& group : groups_) group.is_active = active[group.world];
+        take_blocks(numbers(0, n));
+        for (std::size_t i = 0; i < terms.size(); ++i)
+          add_contacts(*terms[i], numbers(i + 1, terms[i]->blocks().size()));
+        for_each_group([&](u32 g, Workers* workers) {
+          groups_[g].is_factored = groups_[g].factor->factorize(groups_[g].blocks, workers);
+        });
+      });
+}
+
+std::optional<u32> GroupPreconditioner::failed() const {
   for (const Group& group : groups_)
     if (group.is_active && !group.is_factored) return group.nodes.front();
   return std::nullopt;
+}
+
+std::optional<u32> GroupPreconditioner::factorize(const BlockMatrix& matrix, std::span<const Term* const> contacts,
+                                                  std::span<const char> world_is_active) {
+  start_factorize(matrix, contacts, world_is_active);
+  matrix.blocks().memory().device().finish();
+  return failed();
+}
+
+void GroupPreconditioner::start_apply(const Buffer<f64>& residual, bool adds, Buffer<f64>& preconditioned) const {
+  detail::HostAccess result = writes(preconditioned);
+  result.is_read = adds;
+  residual.memory().device().call({reads(residual), result},
+                                  [this, adds, n = residual.size()](std::span<void* const> memory) {
+                                    const std::span r(static_cast<const double*>(memory[0]), n);
+                                    const std::span z(static_cast<double*>(memory[1]), n);
+                                    if (!adds) return apply(r, z);
+                                    std::vector<double> own(n);
+                                    apply(r, own);
+                                    std::transform(own.begin(), own.end(), z.begin(), z.begin(), std::plus<>());
+                                  });
 }
 
 void GroupPreconditioner::apply(std::span<const double> residual, std::span<double> preconditioned) const {
   std::fill(preconditioned.begin(), preconditioned.end(), 0.0);
   for_each_group([&](u32 g, Workers* workers) {
     const Group& group = groups_[g];
+    if (!group.is_factored) return;
     for (std::size_t i = 0; i < group.nodes.size(); ++i)
       std::copy_n(&residual[3 * std::size_t(group.nodes[i])], 3, &group.local[3 * i]);
     group.factor->solve(group.local, workers);

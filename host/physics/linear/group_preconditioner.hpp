@@ -32,12 +32,19 @@ class GroupPreconditioner {
   // that are as they were keep theirs.
   void couple(std::span<const NodePair> pairs);
 
-  // Reads the matrix, adds the present blocks of the contacts, factors the groups of the active worlds. Returns a node
-  // of the first group that is not positive definite, or nothing.
+  // Starts, in the order of the device's queue, what takes the matrix, adds the present blocks of the contacts and
+  // factors the groups of the active worlds. contacts must not change before the device is waited for.
+  void start_factorize(const BlockMatrix& matrix, std::span<const Term* const> contacts,
+                       std::span<const char> world_is_active);
+  // A node of the first group that is not positive definite, or nothing; after the device was waited for.
+  std::optional<u32> failed() const;
   std::optional<u32> factorize(const BlockMatrix& matrix, std::span<const Term* const> contacts,
-                               std::span<const char> world_is_active);
-  // preconditioned = M^-1 residual;  [n_nodes x 3]; zero on nodes without group and in groups that are not active
+                               std::span<const char> world_is_active);  // both
+  // preconditioned = M^-1 residual;  [n_nodes x 3]; zero on nodes without group, in groups that are not active and in
+  // those that are not positive definite
   void apply(std::span<const double> residual, std::span<double> preconditioned) const;
+  // The same in the order of the queue; adds: to what is there
+  void start_apply(const Buffer<f64>& residual, bool adds, Buffer<f64>& preconditioned) const;
   double cost(u32 group) const { return lone_cost_[group]; }  // of a group's factor without contact, operations
   std::size_t n_groups() const { return groups_.size(); }
   std::size_t n_numbers() const;  // stored in all factors
@@ -61,7 +68,8 @@ class GroupPreconditioner {
   void find_pattern(Group& group) const;
   std::optional<NodeOrder> order_of(const Group& group) const;
   static u32 find_block(const Group& group, u32 row, u32 column);
-  void add_contacts(const Term& contacts);
+  void add_contacts(const Term& contacts, std::span<const double> blocks);
+  void take_blocks(std::span<const double> values);
   static void leave_out(Group& group, u32 row, u32 column, const double* from, std::size_t width, double weight);
   template <class Task>
   void for_each_group(const Task& task) const;
@@ -76,7 +84,6 @@ class GroupPreconditioner {
   std::vector<NodePair> always_coupled_;
   std::vector<u32> node_group_, node_local_;  // as they are joined now
   std::vector<Group> groups_;
-  std::vector<double> values_;  // of the matrix, read from the device
   std::unique_ptr<Workers> workers_;
 };
 

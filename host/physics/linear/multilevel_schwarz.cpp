@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace pvg {
 namespace {
@@ -59,7 +60,6 @@ MultilevelSchwarz::Level::Level(Device& device, const SchwarzLevel& level, u32 s
       inverse(device, std::size_t(n_clusters) * stride * stride, "cluster inverses"),
       restricted(device, std::size_t(n_clusters) * stride, "restricted residual"),
       z(device, std::size_t(n_clusters) * stride, "cluster corrections"),
-      failed(device, n_clusters, "failed clusters"),
       site_weights(device, 0, "coarse functions of sites"),
       part_pair_row(device, 0, "rows of contact blocks"),
       part_pair_column(device, 0, "columns of contact blocks"),
@@ -82,8 +82,10 @@ MultilevelSchwarz::MultilevelSchwarz(Device& device, const BlockMatrix& matrix, 
       restrict_(program_.kernel("schwarz_restrict")),
       solve_(program_.kernel("schwarz_solve")),
       scatter_(program_.kernel("schwarz_scatter")),
+      add_exactly_(program_.kernel("schwarz_add_exactly")),
       node_of_slot_(device, 0, "node of slot"),
-      slot_of_node_(device, 0, "slot of node") {
+      slot_of_node_(device, 0, "slot of node"),
+      failed_(device, 0, "failed") {
   const MatrixPattern& pattern = matrix.pattern();
   const SchwarzHierarchy hierarchy =
       make_schwarz_hierarchy(pattern, nodes, std::min(width, LARGEST_WIDTH), most_levels);
@@ -105,11 +107,15 @@ MultilevelSchwarz::MultilevelSchwarz(Device& device, const BlockMatrix& matrix, 
       column.push_back(hierarchy.slot_of_node[pattern.column[k]]);
     }
   levels_.reserve(hierarchy.levels.size());
+  u32 n_clusters = 0;
   for (std::size_t l = 0; l < hierarchy.levels.size(); ++l) {
     Level& level = levels_.emplace_back(device, hierarchy.levels[l], stride_of(finest.width), row, column);
+    level.first_cluster = std::exchange(n_clusters, n_clusters + level.n_clusters);
     if (l > 0) level.blocks.resize(9 * row.size());
     if (l + 1 < hierarchy.levels.size()) find_coarse_blocks(level, hierarchy.levels[l], row, column);
   }
+  failed_.resize(n_clusters);
+  has_failed_.resize(n_clusters);
   find_site_slots(sites, hierarchy);
 }
 
@@ -172,7 +178,7 @@ void MultilevelSchwarz::find_site_slots(std::span<const Site> sites, const Schwa
   }
 }
 
-std::optional<u32> MultilevelSchwarz::factorize(std::span<const Term* const> contacts) {
+void MultilevelSchwarz::start_factorize(std::span<const Term* const> contacts) {
   const Buffer<f64>* blocks = &matrix_.blocks();
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     Level& level = levels_[l];
@@ -182,19 +188,27 @@ std::optional<u32> MultilevelSchwarz::factorize(std::span<const Term* const> con
            level.matrices);
     for (const Term* term : contacts) add_contacts(level, *term);
     const u32 n = u32(GROUP_SIZE) * level.n_clusters;
-    invert_(n, n, level.stride, level.matrices, level.inverse, level.failed);
+    invert_(n, n, level.stride, level.first_cluster, level.matrices, level.inverse, failed_);
     if (l + 1 == levels_.size()) break;
     const u32 n_parts = N_PAIR_PARTS * level.n_pairs;
     coarsen_(n_parts, n_parts, level.pair_first, level.pair_source, level.row, level.column, level.weights, *blocks,
              levels_[l + 1].blocks);
     blocks = &levels_[l + 1].blocks;
   }
-  for (const Level& level : levels_) {
-    const std::vector<u32> failed = level.failed.read();
-    if (const auto found = std::find(failed.begin(), failed.end(), 1u); found != failed.end())
-      return node_of_cluster_[&level == &levels_.front() ? std::size_t(found - failed.begin()) : 0];
-  }
-  return std::nullopt;
+  failed_.read_later(0, std::span(has_failed_));
+}
+
+std::optional<u32> MultilevelSchwarz::failed() const {
+  const auto found = std::find(has_failed_.begin(), has_failed_.end(), 1u);
+  if (found == has_failed_.end()) return std::nullopt;
+  const std::size_t cluster = std::size_t(found - has_failed_.begin());
+  return node_of_cluster_[cluster < levels_.front().n_clusters ? cluster : 0];
+}
+
+std::optional<u32> MultilevelSchwarz::factorize(std::span<const Term* const> contacts) {
+  start_factorize(contacts);
+  matrix_.blocks().memory().device().finish();
+  return failed();
 }
 
 void MultilevelSchwarz::add_contacts(Level& level, const Term& contacts) {
@@ -258,6 +272,13 @@ void MultilevelSchwarz::apply(const Buffer<f64>& residual, Buffer<f64>& precondi
            coarse, level.z);
   }
   scatter_(n_nodes, n_nodes, finest.width, finest.stride, slot_of_node_, finest.z, preconditioned);
+}
+
+void MultilevelSchwarz::add_exactly(const Buffer<f64>& residual, Buffer<f64>& preconditioned) {
+  if (levels_.empty()) return;
+  const Level& level = levels_.front();
+  const u32 n = level.n_clusters * level.stride;
+  add_exactly_(n, n, level.width, level.stride, node_of_slot_, level.matrices, residual, preconditioned);
 }
 
 std::size_t MultilevelSchwarz::n_clusters() const { return levels_.empty() ? 0 : levels_.front().n_clusters; }

@@ -18,10 +18,15 @@ class MultilevelSchwarz {
                     u32 width, std::size_t most_levels);
 
   // Sums and inverts the clusters' matrices at the present blocks. contacts: terms of four sites.
-  // Returns a node of the first cluster whose matrix is not positive definite, or nothing.
-  std::optional<u32> factorize(std::span<const Term* const> contacts);
+  void start_factorize(std::span<const Term* const> contacts);
+  // A node of the first cluster whose matrix is not positive definite, or nothing; after the device was waited for.
+  std::optional<u32> failed() const;
+  std::optional<u32> factorize(std::span<const Term* const> contacts);  // both
   // preconditioned = M^-1 residual;  [n_nodes x 3], zero on fixed nodes
   void apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned);
+
+  // preconditioned += B^-1 residual of the first level, in double precision
+  void add_exactly(const Buffer<f64>& residual, Buffer<f64>& preconditioned);
 
   std::size_t n_levels() const { return levels_.size(); }
   std::size_t n_clusters() const;  // of the first level
@@ -41,7 +46,7 @@ class MultilevelSchwarz {
     Buffer<u32> parent;
     Buffer<f64> weights, matrices;
     Buffer<float> inverse, restricted, z;
-    Buffer<u32> failed;
+    u32 first_cluster = 0;  // in the list of failures
     // contacts: of each site its first slot and the weights of the functions from there on
     std::vector<u32> site_slot;
     std::vector<std::array<double, 4>> site_weight;
@@ -55,8 +60,9 @@ class MultilevelSchwarz {
   const BlockMatrix& matrix_;
   std::vector<u32> node_of_cluster_;  // [n_clusters of the first level] one of its nodes
   Program program_;
-  Kernel coarsen_, place_, add_contacts_, invert_, gather_, restrict_, solve_, scatter_;
-  Buffer<u32> node_of_slot_, slot_of_node_;
+  Kernel coarsen_, place_, add_contacts_, invert_, gather_, restrict_, solve_, scatter_, add_exactly_;
+  Buffer<u32> node_of_slot_, slot_of_node_, failed_;
+  mutable std::vector<u32> has_failed_;  // [n_clusters of all levels] as read
   std::vector<Level> levels_;
 };
 

@@ -41,9 +41,33 @@ void Term::set_bytes(const void* params, std::size_t n, std::size_t bytes, std::
   const auto* first = static_cast<const unsigned char*>(params);
   params_.resize(n * bytes);
   params_.write(std::span(first, n * bytes));
-  blocks_.resize(n * 9 * stencil_ * stencil_);
   sites_.resize(n * stencil_);
   for (std::size_t e = 0; e < n; ++e) std::memcpy(&sites_[e * stencil_], first + e * bytes, stencil_ * sizeof(u32));
+}
+
+void Term::set_sites(const std::vector<u32>& sites, std::vector<u32> world_first) {
+  n_ = sites.size() / stencil_;
+  sites_ = sites;
+  world_first_ = std::move(world_first);
+  blocks_.resize(n_block_numbers());
+}
+
+void Term::write_params(std::span<const unsigned char> bytes) {
+  if (shared_params_)
+    shared_params_->write(first_byte_, bytes);
+  else
+    params_.write(bytes);
+}
+
+void Term::move_params(Buffer<unsigned char>& shared, std::size_t first_byte) {
+  shared.write(first_byte, params_.read());
+  shared_params_ = &shared;
+  first_byte_ = first_byte;
+}
+
+void Term::move_blocks(Buffer<f64>& shared, std::size_t first_number) {
+  shared_blocks_ = &shared;
+  first_block_ = u32(first_number);
 }
 
 void Term::energy(const Buffer<f64>& x, const Buffer<f64>& x0, double h, std::size_t first, Buffer<f64>& energy) {
@@ -53,10 +77,12 @@ void Term::gradient(const Buffer<f64>& x, const Buffer<f64>& x0, double h, Buffe
   if (n_ > 0) kernels().gradient(n_, u32(n_), params_, x, x0, h, first_row, rows);
 }
 void Term::hessian(const Buffer<f64>& x, const Buffer<f64>& x0, double h) {
-  if (n_ > 0) kernels().hessian(n_, u32(n_), params_, x, x0, h, blocks_);
+  if (!shared_blocks_) blocks_.resize(n_block_numbers());
+  if (n_ > 0)
+    kernels().hessian(n_, u32(n_), params_, x, x0, h, first_block_, shared_blocks_ ? *shared_blocks_ : blocks_);
 }
 void Term::product(const Buffer<f64>& direction, Buffer<f64>& rows) {
-  if (n_ > 0) kernels().product(n_, u32(n_), params_, blocks_, direction, first_row, rows);
+  if (n_ > 0) kernels().product(n_, u32(n_), params(), first_block_, blocks(), direction, first_row, rows);
 }
 
 }  // namespace pvg

@@ -25,11 +25,19 @@ class Term {
     static_assert(sizeof(Params) % 16 == 0);
     set_bytes(params.data(), params.size(), sizeof(Params), std::move(world_first));
   }
+  // Elements whose numbers stand elsewhere, for which gradient() and hessian() are not called.
+  // sites: [n x stencil]
+  void set_sites(const std::vector<u32>& sites, std::vector<u32> world_first);
   // New numbers for the same elements, such as this step's targets.
   template <class Params>
   void update(const std::vector<Params>& params) {
-    params_.write(std::span(reinterpret_cast<const unsigned char*>(params.data()), params.size() * sizeof(Params)));
+    write_params({reinterpret_cast<const unsigned char*>(params.data()), params.size() * sizeof(Params)});
   }
+  // From now on its elements stand in a buffer of several terms, from this byte on; what launches that buffer's terms
+  // together launches this one too (host/physics/energies/small_terms.hpp). Not for what set() is called for again.
+  void move_params(Buffer<unsigned char>& shared, std::size_t first_byte);
+  // Its Hessian blocks are written to a buffer of several terms, from this number on.
+  void move_blocks(Buffer<f64>& shared, std::size_t first_number);
 
   // x, x0: site positions [n_sites x 3, m]; h [s]
   // the elements' energies [n_elements, J], from number `first` on
@@ -49,8 +57,13 @@ class Term {
   const std::string& name() const { return name_; }
   const std::vector<u32>& sites() const { return sites_; }              // [n_elements x stencil]
   const std::vector<u32>& world_first() const { return world_first_; }  // [n_worlds + 1]
-  const Buffer<f64>& blocks() const { return blocks_; }                 // [n_elements x (3 stencil)^2, N/m]
-  Buffer<unsigned char>& params() { return params_; }
+  // [n_elements x (3 stencil)^2, N/m], from number first_block() on
+  Buffer<f64>& own_blocks() { return blocks_; }
+  const Buffer<f64>& blocks() const { return shared_blocks_ ? *shared_blocks_ : blocks_; }
+  u32 first_block() const { return first_block_; }
+  std::size_t n_block_numbers() const { return n_ * 9 * stencil_ * stencil_; }
+  Buffer<unsigned char>& params() { return shared_params_ ? *shared_params_ : params_; }
+  std::size_t n_param_bytes() const { return params_.size(); }
   u32 first_row = 0;  // where its rows begin in the row buffer
 
  private:
@@ -60,6 +73,7 @@ class Term {
     Kernel energy, gradient, hessian, product;
   };
   Kernels& kernels();  // compiled when they are first asked for
+  void write_params(std::span<const unsigned char> bytes);
   void set_bytes(const void* params, std::size_t n, std::size_t bytes, std::vector<u32> world_first);
   Device* device_;
   std::string folder_, name_, front_;
@@ -67,6 +81,10 @@ class Term {
   std::optional<Kernels> kernels_;
   Buffer<unsigned char> params_;
   Buffer<f64> blocks_;
+  Buffer<unsigned char>* shared_params_ = nullptr;  // instead of its own
+  Buffer<f64>* shared_blocks_ = nullptr;
+  std::size_t first_byte_ = 0;
+  u32 first_block_ = 0;
   std::vector<u32> sites_, world_first_;
 };
 

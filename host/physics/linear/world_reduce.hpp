@@ -20,6 +20,8 @@ class WorldChunks {
   WorldChunks(Device& device, std::size_t n_worlds);
   // ranges in any number per world; the order of a world's ranges is the order of its sum
   void set(std::span<const WorldRange> ranges);
+  const Buffer<u32>& first() const { return first_; }      // [n_worlds + 1] chunks of each world
+  const Buffer<f64>& partial() const { return partial_; }  // [n_chunks] of the last reduction
 
  private:
   friend class WorldReduce;
@@ -35,15 +37,23 @@ class WorldReduce {
   WorldReduce(Device& device, std::size_t n_worlds);
   // out[w] = sum over the world's elements of a . b;  a, b: [n_elements x 3], out: [n_worlds]
   void dot(const WorldChunks& chunks, const Buffer<f64>& a, const Buffer<f64>& b, Buffer<f64>& out);
+  // the chunks' sums alone, for a kernel that goes on with them
+  void dot_chunks(const WorldChunks& chunks, const Buffer<f64>& a, const Buffer<f64>& b);
   // out[w] = sum of a;  a: [n_elements]
   void sum(const WorldChunks& chunks, const Buffer<f64>& a, Buffer<f64>& out);
+  // The same over a's first elements, in chunks, then over elements of which the host does not know how many there are:
+  // late_first [n_worlds + 1], on the device, counted from element `from`; most: that there may be
+  void sum(const WorldChunks& chunks, const Buffer<f64>& a, u32 from, const Buffer<u32>& late_first, u32 most,
+           Buffer<f64>& out);
   // out[w] = largest length;  a: [n_elements x 3]
   void largest_length(const WorldChunks& chunks, const Buffer<f64>& a, Buffer<f64>& out);
 
  private:
   std::size_t n_worlds_;
   Program program_;
-  Kernel dot_chunks_, sum_chunks_, largest_length_chunks_, sum_worlds_, largest_worlds_;
+  Kernel dot_chunks_, sum_chunks_, sum_late_chunks_, largest_length_chunks_, sum_worlds_, sum_worlds_and_late_;
+  Kernel largest_worlds_;
+  Buffer<f64> late_partial_;
 };
 
 }  // namespace pvg

@@ -1,4 +1,5 @@
-// Where a step's time goes. Off unless asked for: every phase then ends with waiting for the device.
+// Where a step's time goes, and what it asks of the device. Times are off unless asked for: every phase then ends with
+// waiting for the device.
 #pragma once
 #include <array>
 #include <chrono>
@@ -22,6 +23,12 @@ constexpr std::array<const char*, N_PHASES> PHASE_NAMES = {
 
 using PhaseSeconds = std::array<double, N_PHASES>;  // [s]
 
+struct SolverCounts {
+  DeviceCounts all, recording;                // recording: reading the state at the end of a step
+  std::array<DeviceCounts, N_PHASES> phases;  // of `all`
+  std::size_t newton = 0, cg = 0;             // iterations of all worlds together: as often as any world has one
+};
+
 class PhaseClock {
  public:
   explicit PhaseClock(Device& device) : device_(device) {}
@@ -32,8 +39,10 @@ class PhaseClock {
     Scope(PhaseClock& clock, SolverPhase phase) : clock_(clock), phase_(phase) {
       if (clock_.is_on) clock_.device_.finish();
       start_ = std::chrono::steady_clock::now();
+      before_ = clock_.device_.counts();
     }
     ~Scope() {
+      clock_.counts[std::size_t(phase_)] += clock_.device_.counts() - before_;
       if (!clock_.is_on) return;
       clock_.device_.finish();
       clock_.seconds[std::size_t(phase_)] +=
@@ -45,11 +54,13 @@ class PhaseClock {
     PhaseClock& clock_;
     SolverPhase phase_;
     std::chrono::steady_clock::time_point start_;
+    DeviceCounts before_;
   };
   Scope time(SolverPhase phase) { return Scope(*this, phase); }
 
   bool is_on = false;
-  PhaseSeconds seconds{};  // since it was switched on
+  PhaseSeconds seconds{};                     // since it was switched on
+  std::array<DeviceCounts, N_PHASES> counts;  // as far as phases are told apart
 
  private:
   Device& device_;

@@ -11,6 +11,8 @@ namespace {
 constexpr std::size_t LARGEST_SURPLUS = 2;  // pairs held for each one in contact: the rest costs fill in vain
 constexpr double FEW = 0.02;                // of the pairs in contact are left to conjugate gradients within a step
 
+u32 whole_groups(u32 n) { return u32((n + GROUP_SIZE - 1) / GROUP_SIZE * GROUP_SIZE); }
+
 // appends the runs of each world in a list of elements, the first of which has the number `offset`
 void append_ranges(const std::vector<u32>& world_first, u32 offset, std::vector<WorldRange>& ranges) {
   for (u32 w = 0; w + 1 < world_first.size(); ++w)
@@ -25,6 +27,8 @@ Potential::Potential(Device& device, const System& system)
       nodes_program_(device, "solve/nodes.cl"),
       nodes_to_sites_(nodes_program_.kernel("nodes_to_sites")),
       gather_rows_(nodes_program_.kernel("gather_rows")),
+      gather_two_lists_(nodes_program_.kernel("gather_two_lists")),
+      product_of_contacts_(nodes_program_.kernel("product_of_contacts")),
       sites_(device, system.sites, "sites"),
       node_is_fixed_(device, system.node_is_fixed, "is_fixed"),
       terms_(device, system),
@@ -36,6 +40,7 @@ Potential::Potential(Device& device, const System& system)
       constant_(terms_.all()),
       constant_gather_(device, system.sites, system.n_nodes()),
       contact_gather_(device, system.sites, system.n_nodes()),
+      contact_sites_(device, 0, "element_sites"),
       rows_(device, 0, "rows"),
       element_energy_(device, 0, "energy"),
       world_energy_(device, system.n_worlds(), "world energy"),
@@ -48,10 +53,6 @@ Potential::Potential(Device& device, const System& system)
     flow_4_.emplace(program.kernel("plastic_flow_4"));
     flow_10_.emplace(program.kernel("plastic_flow_10"));
   }
-  all_ = constant_;
-  all_.push_back(&barrier_);
-  all_.push_back(&friction_);
-
   std::vector<RowBlock> blocks;
   first_energy_.push_back(0);
   for (Term* term : constant_) {
@@ -64,13 +65,17 @@ Potential::Potential(Device& device, const System& system)
   constant_gather_.set(blocks);
   rows_.resize(3 * n_constant_rows_);
   matrix_ = std::make_unique<BlockMatrix>(device, system.sites, system.node_is_fixed, constant_);
+  std::vector<SmallTermSource> small = terms_.small(system, first_energy_);
+  for (std::size_t t = 0; t < constant_.size(); ++t)
+    if (constant_[t]->size() > 0 &&
+        std::none_of(small.begin(), small.end(), [&](const SmallTermSource& s) { return s.term == constant_[t]; }))
+      large_.push_back(t);
+  small_terms_.emplace(device, std::move(small), law_cases("JOINT_LAWS", system.joint_laws));
   preconditioner_ = std::make_unique<Preconditioner>(device, system, *matrix_);
   couplings_.resize(system.n_worlds());
 }
 
-void Potential::update_sites(Positions& positions) {
-  nodes_to_sites_(system_.sites.size(), u32(system_.sites.size()), sites_, positions.node, positions.site);
-}
+void Potential::update_sites(Positions& positions) { to_sites(positions.node, positions.site); }
 
 void Potential::begin_step(const Positions& start, const Positions& predicted, double h, double inertia_h) {
   start_ = &start;
@@ -91,7 +96,7 @@ void Potential::update_spin(const System& system) { terms_.spin.update(system.sp
 
 void Potential::set_forces(const Buffer<f64>& v) {
   if (!force_laws_) return;
-  nodes_to_sites_(system_.sites.size(), u32(system_.sites.size()), sites_, v, direction_site_);
+  to_sites(v, direction_site_);
   force_laws_->write(terms_.point_force.params(), start_->site, direction_site_, h_);
 }
 
@@ -141,66 +146,114 @@ void Potential::restore_flowed(const std::vector<double>& values) {
   for_each_flow<StableNeoHookean10>(terms_.stable_neo_hookean_10, system_.plastic_flow_10, at, write);
 }
 
-void Potential::set_friction(const WorldRows<Friction>& rows) {
-  friction_.set(rows.rows.read(0, rows.n()), rows.first);
+Potential::ContactKernels::ContactKernels(Device& device)
+    : program(device, "energies/contact/contact_terms.cl"),
+      energy(program.kernel("contact_energy")),
+      derivatives(program.kernel("contact_derivatives")) {}
+
+Potential::ContactKernels& Potential::contact_kernels() {
+  if (!contact_kernels_) contact_kernels_.emplace(rows_.memory().device());
+  return *contact_kernels_;
+}
+
+void Potential::set_friction(const ContactSet& contacts) {
+  friction_.set_sites(contacts.friction_sites(), contacts.friction().first);
+}
+
+void Potential::to_sites(const Buffer<f64>& node, Buffer<f64>& value) {
+  nodes_to_sites_(system_.sites.size(), u32(system_.sites.size()), sites_, node, value);
 }
 
 const Buffer<f64>& Potential::origin(const Term& term) const {
   return is_inertia(term) ? predicted_->site : start_->site;
 }
 
-std::vector<double> Potential::energy(const Positions& x, const WorldRows<Barrier>& contacts) {
-  const u32 first_friction = first_energy_.back(), first_barrier = u32(first_friction + friction_.size());
-  element_energy_.resize(first_barrier + contacts.n());
-  for (std::size_t t = 0; t < constant_.size(); ++t)
+const Buffer<f64>& Potential::start_energy(const Positions& x, const ContactSet& contacts) {
+  const u32 first_friction = first_energy_.back(), n_friction = u32(friction_.size());
+  const u32 most_contacts = u32(contacts.contacts().rows.size());  // not all need be contacts yet
+  element_energy_.resize(first_friction + n_friction + most_contacts);
+  small_terms_->energy(x.site, start_->site, predicted_->site, h_, inertia_h_, element_energy_);
+  for (const std::size_t t : large_)
     constant_[t]->energy(x.site, origin(*constant_[t]), step_length(*constant_[t]), first_energy_[t], element_energy_);
-  friction_.energy(x.site, start_->site, h_, first_friction, element_energy_);
-  barrier_.energy_over(contacts.rows, contacts.n(), x.site, start_->site, h_, first_barrier, element_energy_);
+  if (const u32 n = whole_groups(n_friction) + most_contacts; n > 0)
+    contact_kernels().energy(n, n, n_friction, u32(system_.n_worlds()), contacts.first_contact(),
+                             contacts.friction().rows, contacts.contacts().rows, x.site, start_->site, h_,
+                             first_friction, element_energy_);
   std::vector<WorldRange> ranges = energy_ranges_;
   append_ranges(friction_.world_first(), first_friction, ranges);
-  append_ranges(contacts.first, first_barrier, ranges);
   energy_chunks_.set(ranges);
-  reduce_.sum(energy_chunks_, element_energy_, world_energy_);
-  return world_energy_.read();
+  reduce_.sum(energy_chunks_, element_energy_, first_friction + n_friction, contacts.first_contact(), most_contacts,
+              world_energy_);
+  return world_energy_;
 }
 
-void Potential::set_contacts(const WorldRows<Barrier>& contacts) {
-  barrier_.set(contacts.rows.read(0, contacts.n()), contacts.first);
-  if (barrier_.size() + friction_.size() == 0) return;
+std::vector<double> Potential::energy(const Positions& x, const ContactSet& contacts) {
+  return start_energy(x, contacts).read();
+}
+
+void Potential::set_contacts(const ContactSet& contacts) {
+  barrier_.set_sites(contacts.contact_sites(), contacts.contacts().first);
+  if (!has_contacts()) return;
   barrier_.first_row = n_constant_rows_;
   friction_.first_row = u32(n_constant_rows_ + barrier_.size() * barrier_.stencil());
   const std::size_t n_rows = friction_.first_row + friction_.size() * friction_.stencil();
   if (3 * n_rows > rows_.size()) rows_.resize(3 * n_rows);
   const RowBlock blocks[] = {{barrier_.sites(), barrier_.first_row}, {friction_.sites(), friction_.first_row}};
   contact_gather_.set(blocks);
+  std::vector<u32> sites = barrier_.sites();
+  sites.insert(sites.end(), friction_.sites().begin(), friction_.sites().end());
+  contact_sites_.resize(sites.size());
+  contact_sites_.write(sites);
 }
 
-void Potential::gather_contacts(Buffer<f64>& node) {
-  if (barrier_.size() + friction_.size() > 0) contact_gather_.apply(gather_rows_, node_is_fixed_, rows_, true, node);
-}
-
-void Potential::differentiate(const Positions& x, const WorldRows<Barrier>& contacts, Buffer<f64>& gradient) {
+void Potential::differentiate(const Positions& x, const ContactSet& contacts, Buffer<f64>& gradient) {
   set_contacts(contacts);
-  for (Term* term : all_) {
-    term->gradient(x.site, origin(*term), step_length(*term), rows_);
-    term->hessian(x.site, origin(*term), step_length(*term));
+  differentiate(x, &contacts, gradient);
+}
+
+void Potential::differentiate(const Positions& x, Buffer<f64>& gradient) { differentiate(x, nullptr, gradient); }
+
+void Potential::differentiate(const Positions& x, const ContactSet* contacts, Buffer<f64>& gradient) {
+  small_terms_->differentiate(x.site, start_->site, predicted_->site, h_, inertia_h_, rows_, matrix_->element_blocks());
+  const auto differentiate = [&](Term& term) {
+    term.gradient(x.site, origin(term), step_length(term), rows_);
+    term.hessian(x.site, origin(term), step_length(term));
+  };
+  for (const std::size_t t : large_) differentiate(*constant_[t]);
+  if (has_contacts()) {
+    const u32 n_friction = u32(friction_.size()), n_contacts = u32(barrier_.size());
+    const u32 n = whole_groups(n_friction) + n_contacts;
+    contact_kernels().derivatives(n, n, n_friction, n_contacts, contacts->friction().rows, contacts->contacts().rows,
+                                  x.site, start_->site, h_, barrier_.first_row, rows_, barrier_.own_blocks(),
+                                  friction_.own_blocks());
   }
-  matrix_->assemble(constant_);
-  constant_gather_.apply(gather_rows_, node_is_fixed_, rows_, false, gradient);
-  gather_contacts(gradient);
+  matrix_->assemble();
+  const u32 n = u32(system_.n_nodes());
+  if (has_contacts())
+    gather_two_lists_(n, n, constant_gather_.offset(), constant_gather_.row(), constant_gather_.weight(),
+                      contact_gather_.offset(), contact_gather_.row(), contact_gather_.weight(), node_is_fixed_, rows_,
+                      gradient);
+  else
+    constant_gather_.apply(gather_rows_, node_is_fixed_, rows_, false, gradient);
 }
 
 void Potential::product(const Buffer<f64>& direction, Buffer<f64>& out) {
-  matrix_->multiply(direction, out);
-  if (barrier_.size() + friction_.size() == 0) return;
-  nodes_to_sites_(system_.sites.size(), u32(system_.sites.size()), sites_, direction, direction_site_);
-  for (Term* term : {&barrier_, &friction_}) term->product(direction_site_, rows_);
-  gather_contacts(out);
+  if (!has_contacts()) return matrix_->multiply(direction, out);
+  const u32 n = u32(barrier_.size() + friction_.size());
+  product_of_contacts_(n, n, u32(barrier_.size()), contact_sites_, sites_, barrier_.blocks(), friction_.blocks(),
+                       direction, n_constant_rows_, rows_);
+  matrix_->multiply_and_gather(direction, contact_gather_, node_is_fixed_, rows_, out);
+}
+
+void Potential::start_factorize(std::span<const char> world_is_active) {
+  const Term* const contacts[] = {&barrier_, &friction_};
+  preconditioner_->start_factorize(contacts, world_is_active);
 }
 
 std::optional<u32> Potential::factorize(std::span<const char> world_is_active) {
-  const Term* const contacts[] = {&barrier_, &friction_};
-  return preconditioner_->factorize(contacts, world_is_active);
+  start_factorize(world_is_active);
+  rows_.memory().device().finish();
+  return failed();
 }
 
 void Potential::couple_contacts(std::span<const char> worlds, Coupling when) {

@@ -38,7 +38,7 @@ class Potential {
   // Forces that follow a law, from where bodies are at the start of this step and v: velocities there [n_nodes x 3,
   // m/s]
   void set_forces(const Buffer<f64>& v);
-  void set_friction(const WorldRows<Friction>& rows);
+  void set_friction(const ContactSet& contacts);
 
   // Lets the rest shapes of solids that yield or creep follow a step of length h [s] that ended at x, in these worlds.
   void flow(const Positions& x, double h, std::span<const char> worlds);
@@ -46,14 +46,22 @@ class Potential {
   std::vector<double> flowed();
   void restore_flowed(const std::vector<double>& rest_inverse);
 
-  // Sum of all terms per world [J], with these active contacts.
-  std::vector<double> energy(const Positions& x, const WorldRows<Barrier>& contacts);
+  // value [n_sites x 3] of nodes [n_nodes x 3]
+  void to_sites(const Buffer<f64>& node, Buffer<f64>& value);
+  const Buffer<Site>& sites() const { return sites_; }
+
+  // Sum of all terms per world [J], with the contacts of the last find_contacts or start_find_contacts.
+  std::vector<double> energy(const Positions& x, const ContactSet& contacts);
+  const Buffer<f64>& start_energy(const Positions& x, const ContactSet& contacts);  // on the device
   // Gradient [n_nodes x 3, N] and Hessian blocks at x, with these active contacts.
-  void differentiate(const Positions& x, const WorldRows<Barrier>& contacts, Buffer<f64>& gradient);
+  void differentiate(const Positions& x, const ContactSet& contacts, Buffer<f64>& gradient);
+  void differentiate(const Positions& x, Buffer<f64>& gradient);  // without contacts
   // out = H direction;  [n_nodes x 3]
   void product(const Buffer<f64>& direction, Buffer<f64>& out);
-  // Factors the preconditioner at the blocks of the last differentiate(). Returns a node of the first group of bodies
-  // whose matrix is not positive definite, or nothing.
+  // Starts to factor the preconditioner at the blocks of the last differentiate(). failed(): a node of the first group
+  // of bodies whose matrix is not positive definite, or nothing, after the device was waited for. factorize(): both.
+  void start_factorize(std::span<const char> world_is_active);
+  std::optional<u32> failed() const { return preconditioner_->failed(); }
   std::optional<u32> factorize(std::span<const char> world_is_active);
   // From now on the factors of these worlds hold the pairs of nodes that the contacts of the last differentiate()
   // couple, besides those that they hold. At the beginning of a step those are given up where most are contacts no
@@ -67,8 +75,9 @@ class Potential {
   void precondition(const Buffer<f64>& residual, Buffer<f64>& out) { preconditioner_->apply(residual, out); }
 
  private:
-  void gather_contacts(Buffer<f64>& node);  // adds
-  void set_contacts(const WorldRows<Barrier>& contacts);
+  bool has_contacts() const { return barrier_.size() + friction_.size() > 0; }
+  void set_contacts(const ContactSet& contacts);
+  void differentiate(const Positions& x, const ContactSet* contacts, Buffer<f64>& gradient);
   void append_coupled(std::span<const u32> sites, std::vector<NodePair>& pairs) const;
   bool is_inertia(const Term& term) const { return &term == &terms_.point_inertia || &term == &terms_.affine_inertia; }
   const Buffer<f64>& origin(const Term& term) const;  // what a term is told as x0
@@ -76,23 +85,33 @@ class Potential {
 
   const System& system_;
   Program nodes_program_;
-  Kernel nodes_to_sites_, gather_rows_;
+  Kernel nodes_to_sites_, gather_rows_, gather_two_lists_, product_of_contacts_;
   Buffer<Site> sites_;
   Buffer<u32> node_is_fixed_;
 
   Terms terms_;  // whose elements never change
+  std::optional<SmallTerms> small_terms_;
   std::optional<ForceLaws> force_laws_;
+  // their rows are kept by the ContactSet and launched together
   Term barrier_, friction_;
-  std::optional<Kernel> flow_4_, flow_10_;  // where something yields or creeps
+  struct ContactKernels {
+    explicit ContactKernels(Device& device);
+    Program program;
+    Kernel energy, derivatives;
+  };
+  ContactKernels& contact_kernels();
+  std::optional<ContactKernels> contact_kernels_;  // made for the first contact
+  std::optional<Kernel> flow_4_, flow_10_;         // where something yields or creeps
   Buffer<PlasticFlow> flows_4_, flows_10_;
   Buffer<u32> world_steps_;
-  std::vector<Term*> constant_;  // those of terms_
-  std::vector<Term*> all_;
+  std::vector<Term*> constant_;     // those of terms_
+  std::vector<std::size_t> large_;  // of these, that have launches of their own
 
   Gather constant_gather_, contact_gather_;
   std::unique_ptr<BlockMatrix> matrix_;
   std::unique_ptr<Preconditioner> preconditioner_;
   std::vector<std::vector<NodePair>> couplings_;
+  Buffer<u32> contact_sites_;  // [n_contacts and n_friction x 4]
   Buffer<f64> rows_, element_energy_, world_energy_, direction_site_;
   u32 n_constant_rows_ = 0;
   WorldReduce reduce_;

@@ -44,6 +44,21 @@ std::vector<u32> first_frame_nodes(const System& system) {
   return first;
 }
 
+bool holds_frames_only(const FactorGroups& groups, std::span<const u32> first_frame_node) {
+  std::size_t n = 0;
+  for (const u32 node : first_frame_node) n += groups.node_group[node] == NO_GROUP ? 0 : 4;
+  return n == groups.node_group.size() -
+                  std::size_t(std::count(groups.node_group.begin(), groups.node_group.end(), NO_GROUP));
+}
+
+// nodes of it
+u32 largest_group(const FactorGroups& groups) {
+  std::vector<u32> n(groups.world.size() + 1, 0);
+  for (const u32 group : groups.node_group)
+    if (group != NO_GROUP) ++n[group];
+  return *std::max_element(n.begin(), n.end());
+}
+
 }  // namespace
 
 Preconditioner::Preconditioner(Device& device, const System& system, const BlockMatrix& matrix)
@@ -62,37 +77,44 @@ Preconditioner::Preconditioner(Device& device, const System& system, const Block
   factor_group_ = kept.node_group;
   takes_contacts_ = std::any_of(is_exact.begin(), is_exact.end(), [](char exact) { return exact; });
   groups_.reset();
-  if (!kept.world.empty())
+  const std::vector<u32> frames = first_frame_nodes(system);
+  if (holds_frames_only(kept, frames) && largest_group(kept) <= CLUSTER_WIDTH) {
+    takes_contacts_ = false;
+    std::vector<u32> has_no_frame(system.n_nodes());
+    for (std::size_t node = 0; node < has_no_frame.size(); ++node)
+      has_no_frame[node] = kept.node_group[node] == NO_GROUP;
+    frames_ = std::make_unique<MultilevelSchwarz>(device, matrix, system.sites,
+                                                  SchwarzNodes{system.x, system.node_world, has_no_frame, frames},
+                                                  std::max(8u, largest_group(kept)), 1);
+  } else if (!kept.world.empty())
     groups_ = std::make_unique<GroupPreconditioner>(matrix.pattern(), system.sites, system.x, kept.node_group,
                                                     kept.world, system.contact_couplings);
   std::vector<u32> is_left_out(system.n_nodes());
   for (std::size_t node = 0; node < is_left_out.size(); ++node)
     is_left_out[node] = system.node_group[node] == NO_GROUP || is_exact[system.node_group[node]];
-  const std::vector<u32> frames = first_frame_nodes(system);
   const bool has_levels = kind != Kind::block_jacobi;
   schwarz_ = std::make_unique<MultilevelSchwarz>(device, matrix, system.sites,
                                                  SchwarzNodes{system.x, system.node_world, is_left_out, frames},
                                                  has_levels ? CLUSTER_WIDTH : 1, has_levels ? MOST_LEVELS : 1);
 }
 
-std::optional<u32> Preconditioner::factorize(std::span<const Term* const> contacts,
-                                             std::span<const char> world_is_active) {
-  if (schwarz_)
-    if (const auto node = schwarz_->factorize(contacts)) return node;
-  return groups_ ? groups_->factorize(matrix_, contacts, world_is_active) : std::nullopt;
+void Preconditioner::start_factorize(std::span<const Term* const> contacts, std::span<const char> world_is_active) {
+  if (schwarz_) schwarz_->start_factorize(contacts);
+  if (frames_) frames_->start_factorize(contacts);
+  if (groups_) groups_->start_factorize(matrix_, contacts, world_is_active);
+}
+
+std::optional<u32> Preconditioner::failed() const {
+  for (const MultilevelSchwarz* part : {schwarz_.get(), frames_.get()})
+    if (part)
+      if (const auto node = part->failed()) return node;
+  return groups_ ? groups_->failed() : std::nullopt;
 }
 
 void Preconditioner::apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned) {
   if (schwarz_) schwarz_->apply(residual, preconditioned);
-  if (!groups_) return;
-  const std::vector<double> r = residual.read();
-  std::vector<double> z(r.size());
-  groups_->apply(r, z);
-  if (schwarz_) {
-    const std::vector<double> of_schwarz = preconditioned.read();
-    std::transform(z.begin(), z.end(), of_schwarz.begin(), z.begin(), std::plus<>());
-  }
-  preconditioned.write(z);
+  if (frames_) frames_->add_exactly(residual, preconditioned);
+  if (groups_) groups_->start_apply(residual, schwarz_ != nullptr, preconditioned);
 }
 
 std::size_t Preconditioner::n_bytes() const {

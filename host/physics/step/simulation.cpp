@@ -64,12 +64,17 @@ Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
       system(make_system(nominal)),
       potential(device, system),
       nodes_program(device, "solve/nodes.cl"),
+      newton_program(device, "solve/newton.cl"),
       move_along(nodes_program.kernel("move_along")),
+      certified_step(newton_program.kernel("certified_step")),
       node_world(device, system.node_world, "world"),
+      is_active_on_device(device, worlds.size(), "is_active"),
       dx(device, system.x.size(), "dx"),
       gradient(device, system.x.size(), "gradient"),
       step(device, worlds.size(), "step"),
+      full_step(device, worlds.size(), "full step"),
       largest(device, worlds.size(), "largest"),
+      tolerance(device, worlds.size(), "tolerance"),
       integrator(device, system),
       x(device, system.n_nodes(), system.sites.size(), "x"),
       start(device, system.n_nodes(), system.sites.size(), "x0"),
@@ -84,7 +89,15 @@ Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
       cg(device, system.node_world, worlds.size(), system.node_ranges),
       reduce(device, worlds.size()),
       speed_chunks(device, worlds.size()),
-      direction(device, system.n_nodes(), system.sites.size(), "direction") {
+      direction_site(device, 3 * system.sites.size(), "direction sites"),
+      largest_move(worlds.size()),
+      certified(worlds.size()),
+      moved_energy(worlds.size()),
+      nodes(system.x.size()),
+      velocities(system.x.size()) {
+  std::vector<double> tolerances;
+  for (const PhysicalScene& scene : system.scenes) tolerances.push_back(scene.solver.velocity_tolerance);
+  tolerance.write(tolerances);
   has_prescribed = has_prescribed_bodies(system);
   speed_chunks.set(system.speed_ranges);
   is_retired.assign(worlds.size(), false);
@@ -217,6 +230,7 @@ void Simulation::restore(const Checkpoint& checkpoint) {
   impl.x.node.write(checkpoint.position);
   impl.potential.update_sites(impl.x);
   impl.integrator.restore(checkpoint.history);
+  impl.knows_motion = false;
   impl.contacts.restore_anchors(checkpoint.anchors);
   impl.last_targets = checkpoint.targets;
   impl.pressing = checkpoint.pressing;
@@ -230,6 +244,18 @@ void Simulation::restore(const Checkpoint& checkpoint) {
     impl.is_intact[w] = true;
   }
   impl.read_state(0);
+}
+
+SolverCounts Simulation::counts() const {
+  SolverCounts counts = impl_->counts;
+  counts.all = impl_->device.counts() - impl_->counted_from;
+  counts.phases = impl_->clock.counts;
+  return counts;
+}
+void Simulation::restart_counts() {
+  impl_->counts = {};
+  impl_->clock.counts = {};
+  impl_->counted_from = impl_->device.counts();
 }
 
 void Simulation::measure_phases() {

@@ -52,6 +52,9 @@ class Simulation {
   // Counts the time of each phase from now on; this costs some time itself.
   void measure_phases();
   const PhaseSeconds& phase_seconds() const;
+  // What it asked of the device so far, without what came before measure_phases() or restart_counts().
+  SolverCounts counts() const;
+  void restart_counts();
 
   struct Impl;
 

@@ -80,7 +80,6 @@ void Simulation::Impl::give_up(std::size_t world, StepEvent::Kind kind, u32 node
 }
 
 void Simulation::Impl::give_up_inverted() {
-  const std::vector<double> nodes = x.node.read();
   for (std::size_t w = 0; w < is_intact.size(); ++w)
     for (std::size_t b = 0; is_intact[w] && b < system.scenes[w].soft_bodies.size(); ++b) {
       const SoftBody& body = system.scenes[w].soft_bodies[b];
@@ -90,12 +89,14 @@ void Simulation::Impl::give_up_inverted() {
     }
 }
 
-std::optional<u32> Simulation::Impl::first_not_finite(const Buffer<f64>& values, std::size_t world) const {
-  const u32 first = system.node_ranges[world].begin, end = system.node_ranges[world].end;
-  const std::vector<double> numbers = values.read(3 * first, 3 * (end - first));
-  for (std::size_t i = 0; i < numbers.size(); ++i)
-    if (!std::isfinite(numbers[i])) return first + u32(i / 3);
+std::optional<u32> Simulation::Impl::first_not_finite(const std::vector<double>& values, std::size_t world) const {
+  for (u32 i = 3 * system.node_ranges[world].begin; i < 3 * system.node_ranges[world].end; ++i)
+    if (!std::isfinite(values[i])) return i / 3;
   return std::nullopt;
+}
+
+std::optional<u32> Simulation::Impl::first_not_finite(const Buffer<f64>& values, std::size_t world) const {
+  return first_not_finite(values.read(), world);
 }
 
 u32 Simulation::Impl::fastest_node(std::size_t world) const {

@@ -30,29 +30,47 @@ struct Simulation::Impl {
   void give_up(std::size_t world, StepEvent::Kind kind, u32 node, const std::string& detail);
   void give_up(StepEvent event);
   void give_up_inverted();
-  std::optional<u32> first_not_finite(const Buffer<f64>& values, std::size_t world) const;  // node; [n_nodes x 3]
-  u32 fastest_node(std::size_t world) const;                                                // by dx
+  std::optional<u32> first_not_finite(const std::vector<double>& values, std::size_t world) const;  // node
+  std::optional<u32> first_not_finite(const Buffer<f64>& values, std::size_t world) const;          // [n_nodes x 3]
+  u32 fastest_node(std::size_t world) const;                                                        // by dx
 
   void refuse_start_conflicts();
   void set_joints(double h, const std::vector<std::vector<double>>& previous,
                   const std::vector<std::vector<double>>& targets);
   void prescribe(double h);                          // where prescribed bodies are to be, into `predicted`
   void aim_prescribed(std::vector<double>& motion);  // of prescribed nodes: all the way there
+  template <class Found>
+  void for_each_prescribed(const Found& found) const {  // its first number among those of the nodes, of 12
+    for (std::size_t w = 0; has_prescribed && w < system.n_worlds(); ++w)
+      for (std::size_t b = 0; b < system.scenes[w].rigid_bodies.size(); ++b)
+        if (system.scenes[w].rigid_bodies[b].is_prescribed) found(3 * system.rigid_first_node[w][b]);
+  }
   void move_to_first_guess(double h);
   void move(const std::vector<double>& length);  // trial = x + length dx, per world
+  void move(const Buffer<f64>& length);
+  void write_active(const std::vector<char>& worlds);
+  // Starts to move along dx, of these worlds, and to find whether the candidates serve for it.
+  void start_move(const std::vector<char>& worlds);
+  // From there, starts to move as far as no contact is in the way: certified, trial, its contacts and energy. settles,
+  // h, short_of: as of solve/newton.cl
+  void start_certified_move(bool settles, double h, double short_of);
   void find_minimum(double h);
   void lag_friction(double h, const Positions& foreseen);
   void minimize(double h, bool may_be_settled, double enough);
   std::vector<double> certify();
-  void find_contacts();
-  void factorize();
-  CgReport solve();
+  void start_solve();
+  CgReport factorize_and_solve(double h, bool settles);
+  void start_look_ahead();
   void couple_contacts(const CgReport& report);
   void renew_couplings(Potential::Coupling when);
-  std::vector<double> find_direction();  // dx, and the largest speed of a point per world, times h [m]
-  void line_search(const std::vector<double>& certified);
+  // dx, the largest speed of a point per world, times h [m], and the move along it. False where that is to be done
+  // again: a world was given up.
+  bool find_direction(double h, bool settles);
+  // foreseen: `moved_energy` holds what the whole certified step leads to
+  void line_search(const std::vector<double>& certified, bool foreseen);
   std::vector<double> energy_at(const std::vector<double>& length);
   void read_state(double h);
+  void read_contacts(double h);
   void read_joints(double h);
   void read_pressing();
   void read_displays(std::size_t world, double h);
@@ -62,20 +80,27 @@ struct Simulation::Impl {
 
   Device& device;
   PhaseClock clock;
+  SolverCounts counts;                 // without the phases', which the clock keeps
+  DeviceCounts counted_from;           // of the device, where `counts` begins
   std::vector<PhysicalScene> nominal;  // [n_worlds] as given, without effects: what drives know of what they carry
   System system;
   Potential potential;
-  Program nodes_program;
-  Kernel move_along;
-  Buffer<u32> node_world;
-  Buffer<f64> dx, gradient, step, largest;
+  Program nodes_program, newton_program;
+  Kernel move_along, certified_step;
+  Buffer<u32> node_world, is_active_on_device;
+  std::vector<char> active_written;                               // what is_active_on_device and full_step hold
+  Buffer<f64> dx, gradient, step, full_step, largest, tolerance;  // full_step: 1 for worlds that move; tolerance [m/s]
   TimeIntegrator integrator;
   Positions x, start, predicted, trial;
   ContactSet contacts;
   ConjugateGradients cg;
   WorldReduce reduce;
   WorldChunks speed_chunks;
-  Positions direction;
+  Buffer<f64> direction_site;
+  std::vector<double> largest_move, certified, moved_energy;  // [n_worlds] of the last move, as read
+  std::vector<double> nodes, velocities;                      // [n_nodes x 3] at the start of the step
+  std::vector<double> prescribed;                             // [n_nodes x 3] where prescribed bodies are to be
+  bool knows_motion = false;                                  // nodes and velocities are those of the device
 
   std::vector<std::vector<Carried>> carried;                  // [n_worlds][n_joints]
   std::vector<std::vector<std::vector<double>>> soft_masses;  // [n_worlds][n_soft][n_nodes, kg]

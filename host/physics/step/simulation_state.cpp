@@ -92,7 +92,8 @@ void Simulation::Impl::read_joints(double h) {
 }
 
 void Simulation::Impl::read_state(double h) {
-  const std::vector<double> nodes = x.node.read();
+  const DeviceCounts before = device.counts();
+  const std::vector<double> positions = knows_motion ? nodes : x.node.read();
   for (std::size_t w = 0; w < system.n_worlds(); ++w) {
     if (!is_intact[w]) continue;
     WorldState& state = states[w];
@@ -100,24 +101,28 @@ void Simulation::Impl::read_state(double h) {
     state.time += h;
     state.rigid.resize(scene.rigid_bodies.size());
     for (std::size_t b = 0; b < state.rigid.size(); ++b) {
-      const double* node = &nodes[3 * system.rigid_first_node[w][b]];
+      const double* node = &positions[3 * system.rigid_first_node[w][b]];
       for (int k = 0; k < 4; ++k) state.rigid[b].col((k + 3) % 4) = Eigen::Map<const Vec3>(node + 3 * k);
     }
     state.soft.resize(scene.soft_bodies.size());
     for (std::size_t b = 0; b < state.soft.size(); ++b) {
       state.soft[b].resize(scene.soft_bodies[b].mesh.points.size());
       for (std::size_t i = 0; i < state.soft[b].size(); ++i)
-        state.soft[b][i] = Eigen::Map<const Vec3>(&nodes[3 * (system.soft_first_node[w][b] + i)]);
+        state.soft[b][i] = Eigen::Map<const Vec3>(&positions[3 * (system.soft_first_node[w][b] + i)]);
     }
     state.cloth.resize(scene.cloths.size());
     for (std::size_t b = 0; b < state.cloth.size(); ++b) {
       state.cloth[b].resize(scene.cloths[b].mesh.points.size());
       for (std::size_t i = 0; i < state.cloth[b].size(); ++i)
-        state.cloth[b][i] = Eigen::Map<const Vec3>(&nodes[3 * (system.cloth_first_node[w][b] + i)]);
+        state.cloth[b][i] = Eigen::Map<const Vec3>(&positions[3 * (system.cloth_first_node[w][b] + i)]);
     }
   }
   read_joints(h);
-  if (h == 0) return;
+  if (h > 0) read_contacts(h);
+  counts.recording += device.counts() - before;
+}
+
+void Simulation::Impl::read_contacts(double h) {
   contacts.find_contacts(x.site);
   std::vector<std::vector<ContactForce>> forces = contacts.forces(x.site, start.site, h);
   const std::vector<double> gap = contacts.min_gap(x.site);

@@ -20,30 +20,71 @@ bool any(const std::vector<char>& worlds) {
 
 }  // namespace
 
-// From the start of the step to where the velocities lead, as far as no contact is in the way.
+// From the start of the step to where the velocities lead, as far as no contact is in the way; with its energy.
 void Simulation::Impl::move_to_first_guess(double h) {
-  std::vector<double> motion = extrapolated_motion(system, x.node.read(), integrator.velocity().read(), h);
+  if (!knows_motion) {
+    x.node.read_later(0, std::span(nodes));
+    integrator.velocity().read_later(0, std::span(velocities));
+    device.finish();
+  }
+  std::vector<double> motion = extrapolated_motion(system, nodes, velocities, h);
   aim_prescribed(motion);
   dx.write(motion);
   for (std::size_t w = 0; w < is_intact.size(); ++w)
-    if (const auto node = first_not_finite(dx, w); node && is_intact[w])
+    if (const auto node = first_not_finite(motion, w); node && is_intact[w])
       give_up(w, StepEvent::Kind::not_finite, *node, "its velocity is not a number");
-  move(std::vector<double>(is_intact.begin(), is_intact.end()));
-  std::vector<double> certified = certify();
-  for (std::size_t w = 0; w < is_intact.size(); ++w) certified[w] *= is_intact[w];
   // a guess that ends just short of touching would start Newton where the barrier is steepest
-  for (double& length : certified)
-    if (length < 1) length *= 0.5;
-  move(certified);
+  constexpr double SHORT_OF = 0.5;
+  {
+    // a whole step's motion is often more than the candidates serve for
+    const auto timed = clock.time(SolverPhase::broad_phase);
+    start_move(is_intact);
+    device.finish();
+    contacts.renew_candidates(x.site, trial.site);
+  }
+  {
+    const auto timed = clock.time(SolverPhase::continuous_collision);
+    start_certified_move(false, h, SHORT_OF);
+    device.finish();
+    contacts.take_contacts();
+  }
   std::swap(x, trial);
+  energy = moved_energy;
 }
 
 // trial = x + length dx, per world
+void Simulation::Impl::move(const Buffer<f64>& length) {
+  const u32 n_nodes = u32(system.n_nodes()), n_sites = u32(system.sites.size()), n = std::max(n_nodes, n_sites);
+  move_along(n, n, n_nodes, n_sites, node_world, potential.sites(), length, x.node, dx, trial.node, trial.site);
+}
+
 void Simulation::Impl::move(const std::vector<double>& length) {
   step.write(length);
-  const u32 n = u32(system.n_nodes());
-  move_along(n, n, node_world, step, x.node, dx, trial.node);
-  potential.update_sites(trial);
+  move(step);
+}
+
+void Simulation::Impl::write_active(const std::vector<char>& worlds) {
+  if (worlds == active_written) return;
+  active_written = worlds;
+  is_active_on_device.write(std::vector<u32>(worlds.begin(), worlds.end()));
+  full_step.write(std::vector<double>(worlds.begin(), worlds.end()));
+}
+
+void Simulation::Impl::start_move(const std::vector<char>& worlds) {
+  write_active(worlds);
+  move(full_step);
+  contacts.start_check(x.site, trial.site);
+}
+
+void Simulation::Impl::start_certified_move(bool settles, double h, double short_of) {
+  const Buffer<f64>& free_part = contacts.start_largest_step(x.site, trial.site);
+  const u32 n = u32(system.n_worlds());
+  certified_step(n, n, free_part, is_active_on_device, u32(settles), largest, tolerance, h, short_of, step);
+  move(step);
+  contacts.start_find_contacts(trial.site);
+  const Buffer<f64>& its_energy = potential.start_energy(trial, contacts);
+  step.read_later(0, std::span(certified));
+  its_energy.read_later(0, std::span(moved_energy));
 }
 
 // How much of the motion from x to trial is free of contact, per world.
@@ -54,18 +95,6 @@ std::vector<double> Simulation::Impl::certify() {
   }
   const auto timed = clock.time(SolverPhase::continuous_collision);
   return contacts.largest_step(x.site, trial.site);
-}
-
-void Simulation::Impl::find_contacts() {
-  const auto timed = clock.time(SolverPhase::narrow_phase);
-  contacts.find_contacts(x.site);
-}
-
-void Simulation::Impl::factorize() {
-  const auto timed = clock.time(SolverPhase::preconditioner);
-  while (const auto node = potential.factorize(is_active))
-    give_up(system.node_world[*node], StepEvent::Kind::not_finite, *node,
-            "the stiffness of what it belongs to is not positive definite");
 }
 
 // Takes contacts into the preconditioner's factor: where conjugate gradients took long they are what it lacks, and in a
@@ -85,22 +114,77 @@ void Simulation::Impl::renew_couplings(Potential::Coupling when) {
   potential.couple_contacts(once_took_long, when);
 }
 
-CgReport Simulation::Impl::solve() {
+void Simulation::Impl::start_solve() {
   const auto timed = clock.time(SolverPhase::solve);
-  return cg.solve([&](const Buffer<f64>& p, Buffer<f64>& out) { potential.product(p, out); },
-                  [&](const Buffer<f64>& r, Buffer<f64>& out) { potential.precondition(r, out); }, gradient, is_active,
-                  solver().cg_tolerance, solver().max_cg, dx);
+  cg.start([&](const Buffer<f64>& p, Buffer<f64>& out) { potential.product(p, out); },
+           [&](const Buffer<f64>& r, Buffer<f64>& out) { potential.precondition(r, out); }, gradient, is_active,
+           solver().cg_tolerance, solver().max_cg, dx);
 }
 
-std::vector<double> Simulation::Impl::find_direction() {
+// How far points would move, and whether the candidates serve for that.
+void Simulation::Impl::start_look_ahead() {
+  potential.to_sites(dx, direction_site);
+  reduce.largest_length(speed_chunks, direction_site, largest);
+  largest.read_later(0, std::span(largest_move));
+  start_move(is_active);
+}
+
+// Factor, solve and move as far as is certified. On the host's own processor, where waiting is cheap, the host looks
+// how far conjugate gradients came before it starts what follows; elsewhere all is started at once, and what was
+// started too early again. Whether the factor succeeded shows only then: a world where it did not is given up, the
+// others are solved without it.
+CgReport Simulation::Impl::factorize_and_solve(double h, bool settles) {
+  const bool waits_for_solve = device.info().runs_host_functions;
+  for (;;) {
+    {
+      const auto timed = clock.time(SolverPhase::preconditioner);
+      potential.start_factorize(is_active);
+    }
+    start_solve();
+    for (;;) {
+      const auto timed = clock.time(SolverPhase::solve);
+      const bool looks_ahead = !waits_for_solve || cg.may_have_ended();
+      if (looks_ahead) start_look_ahead();
+      if (!waits_for_solve) start_certified_move(settles, h, 1);
+      device.finish();
+      if (!cg.ended()) {
+        cg.go_on();
+        continue;
+      }
+      if (!looks_ahead) {
+        start_look_ahead();
+        device.finish();
+      }
+      break;
+    }
+    if (const auto node = potential.failed()) {
+      give_up(system.node_world[*node], StepEvent::Kind::not_finite, *node,
+              "the stiffness of what it belongs to is not positive definite");
+      continue;
+    }
+    if (!waits_for_solve && contacts.candidates_serve()) return cg.report();
+    if (!contacts.candidates_serve()) {
+      const auto timed = clock.time(SolverPhase::broad_phase);
+      if (!waits_for_solve) move(full_step);
+      contacts.renew_candidates(x.site, trial.site);
+    }
+    const auto timed = clock.time(SolverPhase::line_search);
+    start_certified_move(settles, h, 1);
+    device.finish();
+    return cg.report();
+  }
+}
+
+bool Simulation::Impl::find_direction(double h, bool settles) {
   {
     const auto timed = clock.time(SolverPhase::assembly);
-    potential.differentiate(x, contacts.contacts(), gradient);
+    potential.differentiate(x, contacts, gradient);
   }
   renew_couplings(std::exchange(begins_step, false) ? Potential::Coupling::step_begins
                                                     : Potential::Coupling::before_solve);
-  factorize();
-  const CgReport report = solve();
+  const CgReport report = factorize_and_solve(h, settles);
+  ++counts.newton;
+  counts.cg += std::size_t(*std::max_element(report.iterations.begin(), report.iterations.end()));
   couple_contacts(report);
   for (std::size_t w = 0; w < reports.size(); ++w) {
     reports[w].cg += report.iterations[w];
@@ -112,31 +196,33 @@ std::vector<double> Simulation::Impl::find_direction() {
       give_up(w, StepEvent::Kind::stalled, fastest_node(w),
               "conjugate gradients did not converge within " + std::to_string(solver().max_cg) + " iterations");
   }
-  direction.node.copy_from(dx);
-  potential.update_sites(direction);
-  reduce.largest_length(speed_chunks, direction.site, largest);
-  const std::vector<double> largest_move = largest.read();
   for (std::size_t w = 0; w < reports.size(); ++w)
     if (is_active[w] && !std::isfinite(largest_move[w]))
       give_up(w, StepEvent::Kind::not_finite, first_not_finite(dx, w).value_or(system.node_ranges[w].begin),
               "its correction is not a number");
-  return largest_move;
+  contacts.take_contacts();
+  return is_active == active_written;
 }
 
 // Moves to trial = x + length dx and finds its contacts. Returns its energy per world [J].
 std::vector<double> Simulation::Impl::energy_at(const std::vector<double>& length) {
   move(length);
-  contacts.find_contacts(trial.site);
-  return potential.energy(trial, contacts.contacts());
+  contacts.start_find_contacts(trial.site);
+  const Buffer<f64>& its_energy = potential.start_energy(trial, contacts);
+  std::vector<double> values(length.size());
+  its_energy.read_later(0, std::span(values));
+  device.finish();
+  contacts.take_contacts();
+  return values;
 }
 
-// Halves each world's step until its energy does not rise. Contact was certified by `certified`, so no pair touches.
-void Simulation::Impl::line_search(const std::vector<double>& certified) {
+// Halves each world's step until its energy does not rise. Contact was certified by `longest`, so no pair touches.
+void Simulation::Impl::line_search(const std::vector<double>& longest, bool foreseen) {
   const auto timed = clock.time(SolverPhase::line_search);
   const std::vector<double> before = energy;
-  std::vector<double> length = certified;
+  std::vector<double> length = longest;
   for (int halving = 0; halving < MAX_LINE_SEARCH; ++halving) {
-    const std::vector<double> after = energy_at(length);
+    const std::vector<double> after = halving == 0 && foreseen ? moved_energy : energy_at(length);
     bool all_fell = true;
     for (std::size_t w = 0; w < length.size(); ++w) {
       // a rise within rounding counts as none
@@ -163,26 +249,26 @@ void Simulation::Impl::line_search(const std::vector<double>& certified) {
 // fallen to `enough` of its first one while friction is lagged.
 void Simulation::Impl::minimize(double h, bool may_be_settled, double enough) {
   is_active = is_unsettled;
-  find_contacts();
-  energy = potential.energy(x, contacts.contacts());
   std::vector<double> stop(is_active.size());  // [m/s]
   for (int iteration = 0; iteration < solver().max_newton && any(is_active); ++iteration) {
-    const std::vector<double> largest_move = find_direction();
+    const bool foreseen = find_direction(h, may_be_settled && iteration == 0);
     for (std::size_t w = 0; w < is_active.size(); ++w) {
       if (!is_active[w]) continue;
       reports[w].residual = largest_move[w] / h;
       if (iteration > 0) continue;
-      const double tolerance = system.scenes[w].solver.velocity_tolerance;
+      const double least = system.scenes[w].solver.velocity_tolerance;
       const std::vector<u32>& first = contacts.friction().first;
       const bool has_friction = first[w + 1] > first[w];  // else there is no further pass that would go on
-      stop[w] = has_friction ? std::max(tolerance, enough * reports[w].residual) : tolerance;
-      if (may_be_settled && reports[w].residual <= tolerance) is_active[w] = is_unsettled[w] = false;
+      stop[w] = has_friction ? std::max(least, enough * reports[w].residual) : least;
+      if (may_be_settled && reports[w].residual <= least) is_active[w] = is_unsettled[w] = false;
     }
     if (!any(is_active)) return;
-    move(std::vector<double>(is_active.begin(), is_active.end()));
-    std::vector<double> certified = certify();
-    for (std::size_t w = 0; w < is_active.size(); ++w) certified[w] *= is_active[w];
-    line_search(certified);
+    if (!foreseen) {
+      move(std::vector<double>(is_active.begin(), is_active.end()));
+      certified = certify();
+      for (std::size_t w = 0; w < is_active.size(); ++w) certified[w] *= is_active[w];
+    }
+    line_search(certified, foreseen);
     for (std::size_t w = 0; w < is_active.size(); ++w)
       if (reports[w].residual <= stop[w]) is_active[w] = false;
   }
@@ -197,11 +283,10 @@ void Simulation::Impl::minimize(double h, bool may_be_settled, double enough) {
 // had no friction and has none now is settled.
 void Simulation::Impl::lag_friction(double h, const Positions& foreseen) {
   const std::vector<u32> before = contacts.friction().first;
-  find_contacts();
   {
     const auto timed = clock.time(SolverPhase::narrow_phase);
-    contacts.lag_friction(x.site, h, start.site, foreseen.site);
-    potential.set_friction(contacts.friction());
+    contacts.find_and_lag_friction(x.site, h, start.site, foreseen.site);
+    potential.set_friction(contacts);
   }
   const std::vector<u32>& now = contacts.friction().first;
   for (std::size_t w = 0; w < is_unsettled.size(); ++w)
@@ -213,7 +298,7 @@ void Simulation::Impl::lag_friction(double h, const Positions& foreseen) {
 // that a world ends where its friction was evaluated.
 void Simulation::Impl::find_minimum(double h) {
   const int wanted = system.scenes[0].contact.friction_lag_passes;
-  {
+  if (!knows_motion) {  // else x is where the candidates served last
     const auto timed = clock.time(SolverPhase::broad_phase);
     contacts.find_candidates(x.site, x.site);
   }
@@ -223,6 +308,7 @@ void Simulation::Impl::find_minimum(double h) {
   minimize(h, false, wanted < 0 ? ENOUGH : 0);
   for (int pass = 1; pass < (wanted < 0 ? MAX_LAG_PASSES : wanted) && any(is_unsettled); ++pass) {
     lag_friction(h, x);
+    energy = potential.energy(x, contacts);
     minimize(h, wanted < 0, wanted < 0 ? ENOUGH : 0);
   }
   for (std::size_t w = 0; wanted < 0 && w < is_unsettled.size(); ++w)
@@ -247,9 +333,12 @@ void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>&
   potential.set_forces(integrator.velocity());
   set_joints(h, previous, targets);
   find_minimum(h);
+  nodes = x.node.read();
   give_up_inverted();
   integrator.accept(start.node, x.node, is_intact);
-  contacts.renew_anchors(x.site, start.site, h, is_intact);
+  integrator.velocity().read_later(0, std::span(velocities));
+  contacts.renew_anchors(x.site, start.site, h, is_intact);  // waits for both
+  knows_motion = std::all_of(is_intact.begin(), is_intact.end(), [](char intact) { return intact; });
   potential.flow(x, h, is_intact);
   read_state(h);
 }
@@ -281,18 +370,17 @@ std::vector<char> Simulation::Impl::advance_or_halve(double h, const std::vector
 }
 void Simulation::Impl::prescribe(double h) {
   if (!has_prescribed) return;
-  std::vector<double> nodes = predicted.node.read();
-  for (std::size_t w = 0; w < system.n_worlds(); ++w) write_prescribed(system, w, states[w].time + h, nodes);
-  predicted.node.write(nodes);
+  prescribed.resize(system.x.size());
+  for (std::size_t w = 0; w < system.n_worlds(); ++w) write_prescribed(system, w, states[w].time + h, prescribed);
+  for_each_prescribed([&](u32 first) {
+    predicted.node.write(first, std::vector<double>(&prescribed[first], &prescribed[first] + 12));
+  });
 }
 
 void Simulation::Impl::aim_prescribed(std::vector<double>& motion) {
-  if (!has_prescribed) return;
-  const std::vector<double> from = x.node.read(), to = predicted.node.read();
-  for (std::size_t w = 0; w < system.n_worlds(); ++w)
-    for (std::size_t b = 0; b < system.scenes[w].rigid_bodies.size(); ++b)
-      if (system.scenes[w].rigid_bodies[b].is_prescribed)
-        for (u32 i = 3 * system.rigid_first_node[w][b], end = i + 12; i < end; ++i) motion[i] = to[i] - from[i];
+  for_each_prescribed([&](u32 first) {
+    for (u32 i = first; i < first + 12; ++i) motion[i] = prescribed[i] - nodes[i];
+  });
 }
 
 }  // namespace pvg

@@ -71,7 +71,7 @@ class EnergyCheck {
     Buffer<double> blocks(device_, with_hessian ? n * SIZE * SIZE : 0, "blocks");
     energy_(n, u32(n), on_device.params, on_device.x, on_device.x0, H, 0u, energy);
     gradient_(n, u32(n), on_device.params, on_device.x, on_device.x0, H, u32(STENCIL), rows);
-    if (with_hessian) hessian_(n, u32(n), on_device.params, on_device.x, on_device.x0, H, blocks);
+    if (with_hessian) hessian_(n, u32(n), on_device.params, on_device.x, on_device.x0, H, 0u, blocks);
     const std::vector<double> energies = energy.read(), all_rows = rows.read(), all_blocks = blocks.read();
     std::vector<EnergyResult> results(n);
     for (std::size_t e = 0; e < n; ++e) {
@@ -268,7 +268,7 @@ class EnergyCheck {
     }
     Buffer<double> on_device_d(device_, all_d, "d"), blocks(device_, all_blocks, "blocks");
     Buffer<double> rows(device_, (n + 1) * SIZE, "rows");
-    product_(n, u32(n), on_device.params, blocks, on_device_d, u32(STENCIL), rows);
+    product_(n, u32(n), on_device.params, 0u, blocks, on_device_d, u32(STENCIL), rows);
     const std::vector<double> all_rows = rows.read();
     std::vector<Eigen::VectorXd> products;
     for (std::size_t e = 0; e < n; ++e)

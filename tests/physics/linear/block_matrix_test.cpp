@@ -24,10 +24,10 @@ TEST(BlockMatrix, IsTheSumOfItsElements) {
   spring.set(std::vector<ZeroLengthSpring>{{{0, 1}, 10.0}, {{1, 2}, 20.0}, {{0, 3}, 16.0}}, {0, 3});
   const Buffer<f64> x(device, std::vector<double>(12, 0.0), "x");
   Term* const terms[] = {&mass, &spring};
-  for (Term* term : terms) term->hessian(x, x, 1.0);
   BlockMatrix matrix(device, sites, is_fixed, terms);
-  matrix.assemble(terms);
-  matrix.assemble(terms);  // from nothing each time
+  for (Term* term : terms) term->hessian(x, x, 1.0);
+  matrix.assemble();
+  matrix.assemble();  // from nothing each time
 
   // by hand, for each of the three directions; the fixed node has neither row nor column
   Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(5, 5);

@@ -45,10 +45,10 @@ struct Chain {
     const RowBlock blocks[] = {{mass.sites(), 0}, {inner.sites(), inner.first_row}, {outer.sites(), outer.first_row}};
     gather.set(blocks);
     Buffer<f64> x(device, std::vector<double>(3 * n, 0.0), "x");
-    for (Term* term : {&mass, &inner, &outer}) term->hessian(x, x, 1.0);
     Term* const constant[] = {&mass, &inner};
     matrix = std::make_unique<BlockMatrix>(device, make_sites(n), std::vector<u32>(n, 0), constant);
-    matrix->assemble(constant);
+    for (Term* term : {&mass, &inner, &outer}) term->hessian(x, x, 1.0);
+    matrix->assemble();
     std::vector<double> position(3 * n, 0.0);
     for (u32 i = 0; i < n; ++i) position[3 * i] = i;
     preconditioner = std::make_unique<GroupPreconditioner>(matrix->pattern(), make_sites(n), position, group,

@@ -108,7 +108,7 @@ TEST(StepFailure, AnExhaustedLineSearchIsNamed) {
   up[2] = 1;
   impl.dx.write(up);
   impl.energy = impl.energy_at({0.0});
-  impl.line_search({1.0});
+  impl.line_search({1.0}, false);
   ASSERT_EQ(impl.reports[0].events.size(), 1u);
   EXPECT_EQ(impl.reports[0].events[0].kind, Kind::exhausted_line_search);
   EXPECT_EQ(impl.reports[0].events[0].body, "cube");

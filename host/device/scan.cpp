@@ -1,13 +1,13 @@
-#include "host/physics/linear/scan.hpp"
+#include "host/device/scan.hpp"
 
 namespace pvg {
 namespace {
-constexpr std::size_t CHUNK = 64;  // as in solve/scan.cl
+constexpr std::size_t CHUNK = 64;  // as in shared/scan.cl
 }
 
 Scan::Scan(Device& device)
     : device_(&device),
-      program_(device, "solve/scan.cl"),
+      program_(device, "shared/scan.cl"),
       sums_(program_.kernel("scan_sums")),
       scan_few_(program_.kernel("scan_few")),
       spread_(program_.kernel("scan_spread")),
@@ -44,8 +44,12 @@ void Scan::operator()(std::size_t n, const Buffer<u32>& counts, Buffer<u32>& off
 
 std::vector<u32> Scan::read_at(const Buffer<u32>& offsets, const Buffer<u32>& places) {
   picked_.resize(places.size());
-  pick_(places.size(), u32(places.size()), offsets, places, picked_);
+  pick(offsets, places, picked_);
   return picked_.read();
+}
+
+void Scan::pick(const Buffer<u32>& offsets, const Buffer<u32>& places, Buffer<u32>& picked) {
+  pick_(places.size(), u32(places.size()), offsets, places, picked);
 }
 
 }  // namespace pvg

@@ -1,5 +1,5 @@
 // The prefix sum against a plain loop.
-#include "host/physics/linear/scan.hpp"
+#include "host/device/scan.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,6 +10,8 @@ class Scan {
   explicit Scan(Device& device);
   // offsets[i] = counts[0] + ... + counts[i-1] for i = 0 .. n, so offsets[n] is the sum. offsets is resized to n + 1.
   void operator()(std::size_t n, const Buffer<u32>& counts, Buffer<u32>& offsets);
+  // picked[i] = offsets[places[i]], on the device
+  void pick(const Buffer<u32>& offsets, const Buffer<u32>& places, Buffer<u32>& picked);
   // offsets at the given places, on the host: one short blocking read. places: [n_places, < offsets.size()]
   std::vector<u32> read_at(const Buffer<u32>& offsets, const Buffer<u32>& places);
 

@@ -1,0 +1,12 @@
+// What conjugate gradients keep of one world on the device (solve/conjugate_gradients.cl).
+#ifndef PVG_SOLVE_CG_WORLD_H
+#define PVG_SOLVE_CG_WORLD_H
+#include "shared/types.h"
+SHARED_BEGIN
+typedef struct {
+  f64 rz, rz_old, first_rz, php;  // r . z now, one iteration before and at first; p . H p
+  u32 is_active, iterations, has_converged, unused;
+} CgWorld;
+SHARED_SIZE(CgWorld, 48);
+SHARED_END
+#endif

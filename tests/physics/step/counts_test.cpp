@@ -1,0 +1,58 @@
+// What a step asks of the device: launches, waits and bytes, which are what a discrete GPU's time goes to in small
+// scenes. The bounds are just above what was counted, so that a read or a launch more in each iteration shows.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "tests/physics/step/small_scenes.hpp"
+
+namespace pvg {
+namespace {
+
+// a box that slides on the floor beside a hanging rod: contact, friction, a joint
+PhysicalScene sliding_box_and_rod() {
+  PhysicalScene scene = rod_on_hinge(0.3, Joint{});
+  scene.solver.velocity_tolerance = 1e-5;
+  RigidBody box = box_body("box", Vec3::Constant(0.05), 1000, Vec3(1, 0, 0.0505));
+  box.velocity = Vec3(0.2, 0, 0);
+  scene.rigid_bodies.push_back(box);
+  scene.rigid_bodies.push_back(fixed_box("floor", Vec3(0.5, 0.5, 0.05), Vec3(1, 0, -0.05)));
+  return scene;
+}
+
+struct Counted {
+  SolverCounts counts;
+  double x = 0;  // of the box [m]
+};
+
+// host_functions: "0" treats the device like one apart from the host
+Counted run(const char* host_functions) {
+  constexpr int WARM_UP = 10, STEPS = 20;
+  setenv("PVG_HOST_FUNCTIONS", host_functions, 1);
+  Device device;
+  unsetenv("PVG_HOST_FUNCTIONS");
+  Simulation simulation(device, sliding_box_and_rod());
+  for (int i = 0; i < WARM_UP; ++i) simulation.step(std::vector<double>{});
+  simulation.restart_counts();
+  for (int i = 0; i < STEPS; ++i) simulation.step(std::vector<double>{});
+  EXPECT_GT(simulation.state().contacts.size(), 0u);
+  return {simulation.counts(), simulation.state().rigid[2](0, 3)};
+}
+
+void expect_at_most(const SolverCounts& counts, double launches, double waits) {
+  const DeviceCounts solving = counts.all - counts.recording;
+  const double newton = double(counts.newton);
+  ASSERT_GT(counts.newton, 20u);
+  EXPECT_LE(double(solving.launches) / newton, launches);
+  EXPECT_LE(double(solving.waits) / newton, waits);
+}
+
+TEST(Counts, ANewtonIterationAsksForFewLaunchesAndWaits) {
+  const Counted together = run("1"), apart = run("0");
+  expect_at_most(together.counts, 53, 4.5);
+  expect_at_most(apart.counts, 50, 6.5);
+  EXPECT_EQ(together.x, apart.x) << "the same, whether numbers move or not";
+}
+
+}  // namespace
+}  // namespace pvg
