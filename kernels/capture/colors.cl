@@ -5,7 +5,7 @@
 #include "capture/voxels.h"
 #include "sensors/camera.cl"
 
-#define COLOR_SPREAD 0.05f  // of linear light
+#define COLOR_SPREAD 0.1f  // of linear light
 #define SATURATED 250       // bytes from here on may be cut; they count little
 #define SATURATED_WEIGHT 0.05f
 

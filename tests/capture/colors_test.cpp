@@ -30,7 +30,7 @@ CaptureFrame frame_of(const TestFolder& folder, const std::string& name, std::ui
 double linear(int byte) { return std::pow((byte / 255.0 + 0.055) / 1.055, 2.4); }
 
 // Four photos of grey g and one of something bright that passed by. The plain mean m is (4 g + b) / 5; the second pass
-// weighs a photo of c by 1 / (1 + 3 ((c - m) / 0.05)^2), the same difference in three channels.
+// weighs a photo of c by 1 / (1 + 3 ((c - m) / 0.1)^2), the same difference in three channels.
 TEST(Colors, WhatPassedByLeavesHardlyATrace) {
   const TestFolder folder;
   std::vector<CaptureFrame> frames;
@@ -41,7 +41,7 @@ TEST(Colors, WhatPassedByLeavesHardlyATrace) {
   Device device;
   const SurfaceColors found = color_surface(device, {frames, depths, gains}, points, normals, {{0, 1, 2}}, 0.03);
   const double grey = linear(128), bright = linear(240), mean = (4 * grey + bright) / 5;
-  const auto weight = [&](double c) { return 1 / (1 + 3 * std::pow((c - mean) / 0.05, 2)); };
+  const auto weight = [&](double c) { return 1 / (1 + 3 * std::pow((c - mean) / 0.1, 2)); };
   const double expected = (4 * weight(grey) * grey + weight(bright) * bright) / (4 * weight(grey) + weight(bright));
   EXPECT_EQ(found.n_seen, 3u);
   for (const Vec3f& color : found.colors) EXPECT_NEAR(color.x(), expected, 1e-4);

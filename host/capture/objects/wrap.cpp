@@ -10,6 +10,7 @@
 #include "host/capture/fusion.hpp"
 #include "host/capture/objects/edge_collapse.hpp"
 #include "host/capture/objects/nearest_triangle.hpp"
+#include "host/capture/surface.hpp"
 #include "host/geometry/exact_intersection.hpp"
 #include "host/geometry/mesh_checks.hpp"
 #include "host/geometry/segment_distance.hpp"
@@ -226,7 +227,9 @@ TriangleMesh wrap_surface(const TriangleMesh& soup, WrapSettings settings) {
 }
 
 bool is_sound(const TriangleMesh& mesh) {
-  return !closed_surface_defect(mesh) && !find_intersection(mesh.points, mesh.triangles);
+  // a doubled surface is closed and touches itself only where it shares points, which find_intersection leaves out
+  return !closed_surface_defect(mesh) && count_edges(mesh.triangles).crowded == 0 &&
+         !find_intersection(mesh.points, mesh.triangles);
 }
 
 namespace {

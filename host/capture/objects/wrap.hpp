@@ -16,7 +16,8 @@ struct WrapSettings {
 // A UsageError where there are no triangles, a point is not finite, or the grid is too large.
 TriangleMesh wrap_surface(const TriangleMesh& soup, WrapSettings settings);
 
-// A closed mesh that was checked: no defect of closed_surface_defect, no self-intersection (exact).
+// A closed mesh that was checked: no defect of closed_surface_defect, no edge with more than two triangles, no
+// self-intersection (exact).
 bool is_sound(const TriangleMesh& mesh);
 
 struct SimplifiedSolid {

@@ -109,6 +109,13 @@ TEST(Wrap, EveryBrokenBallBecomesAClosedOneNearIt) {
   }
 }
 
+TEST(Wrap, ASurfaceThatIsThereTwiceIsNotSound) {
+  TriangleMesh mesh = sphere_surface(RADIUS, 1);
+  EXPECT_TRUE(is_sound(mesh));
+  mesh.triangles.insert(mesh.triangles.end(), mesh.triangles.begin(), mesh.triangles.begin() + 80);
+  EXPECT_FALSE(is_sound(mesh));
+}
+
 TEST(Wrap, ASheetWithoutThicknessIsNotLost) {
   TriangleMesh sheet = sheet_surface({0.1, 0.06}, {10, 6});
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.4, Vec3(1, 2, 0.5).normalized()).toRotationMatrix();
