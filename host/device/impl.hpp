@@ -20,8 +20,8 @@ struct Device::Impl {
   cl_device_id id = nullptr;
   cl_context context = nullptr;
   cl_command_queue queue = nullptr;
-  std::size_t live_bytes = 0, peak_bytes = 0, transferred_bytes = 0;
-  std::atomic<std::size_t> n_buffers = 0;  // made so far
+  std::atomic<std::size_t> live_bytes = 0, peak_bytes = 0, transferred_bytes = 0;  // episodes share a device
+  std::atomic<std::size_t> n_buffers = 0;                                          // made so far
 
   // Small writes do not wait for what was started before them: their bytes are kept here until something that came
   // later in the queue has ended.
