@@ -69,13 +69,13 @@ std::string set_progress_line(const SetProgress& set, int bar_width) {
 }
 
 std::string progress_line(const std::string& label, const std::string& unit, std::size_t done, std::size_t total,
-                          double seconds, int bar_width) {
+                          double seconds, int bar_width, std::size_t done_before) {
   const double share = total ? double(done) / double(total) : 1;
   std::string line = label + "  " + bar(share, bar_width);
   line += std::to_string(done) + "/" + std::to_string(total) + " " + unit;
   // no rate before there is something to divide
-  if (done > 0 && seconds > 0) {
-    const double rate = double(done) / seconds;
+  if (done > done_before && seconds > 0) {
+    const double rate = double(done - done_before) / seconds;
     char text[64];
     std::snprintf(text, sizeof text, "  %.*f %s/s", rate < 10 ? 2 : 0, rate, unit.c_str());
     line += text;
@@ -117,13 +117,14 @@ Progress::~Progress() {
   std::fflush(stderr);
 }
 
-void Progress::begin(std::string label, std::size_t total) {
+void Progress::begin(std::string label, std::size_t total, std::size_t done) {
   const std::lock_guard lock(mutex_);
   label_ = std::move(label);
   total_ = total;
+  done_before_ = done;
   start_ = std::chrono::steady_clock::now();
   last_ = start_ - std::chrono::hours(1);
-  if (is_terminal_) show(0, 0);
+  if (is_terminal_) show(done, 0);
 }
 
 void Progress::clear() {
@@ -133,7 +134,8 @@ void Progress::clear() {
 
 void Progress::show(std::size_t done, double seconds) {
   const auto line = [&](int bar_width) {
-    return total_ > 0 ? progress_line(label_, unit_, done, total_, seconds, bar_width) : label_ + "  starts";
+    return total_ > 0 ? progress_line(label_, unit_, done, total_, seconds, bar_width, done_before_)
+                      : label_ + "  starts";
   };
   if (!is_terminal_) {
     std::fprintf(stderr, "%s\n", line(0).c_str());

@@ -17,7 +17,8 @@ class Progress {
   Progress(const Progress&) = delete;
   void advance_to(std::size_t done);  // from any thread
   // Counts anew under another name in the same place. total 0: is not known yet; a terminal shows that it starts.
-  void begin(std::string label, std::size_t total);
+  // done: of what was done before, which the rate leaves out.
+  void begin(std::string label, std::size_t total, std::size_t done = 0);
   // Takes the lines off a terminal: what is printed next stands in their place.
   void clear();
   // A line above this one on a terminal, such as that of the set an episode is of, given the width of its bar. With it,
@@ -30,7 +31,7 @@ class Progress {
   std::string label_, unit_;
   std::function<std::string(int)> line_above_;
   std::vector<std::size_t> widths_;  // of the lines that stand there
-  std::size_t total_;
+  std::size_t total_, done_before_ = 0;
   bool is_terminal_;
   std::chrono::steady_clock::time_point start_, last_;
   std::mutex mutex_;
@@ -56,8 +57,9 @@ bool shows_on_terminal();
 // 24, so that bars of lines below each other are alike; none where there is little room; what is still too long is cut.
 std::string fitted_line(const std::function<std::string(int)>& line, int width);
 
-// One line of progress: "episode 0  [####----]  12/40 frames  3.1 frames/s  9 s left".
+// One line of progress: "episode 0  [####----]  12/40 frames  3.1 frames/s  9 s left". seconds: since `done_before`
+// were done
 std::string progress_line(const std::string& label, const std::string& unit, std::size_t done, std::size_t total,
-                          double seconds, int bar_width);
+                          double seconds, int bar_width, std::size_t done_before = 0);
 
 }  // namespace pvg

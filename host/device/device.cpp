@@ -277,8 +277,10 @@ Memory::Memory(Device& device, std::size_t bytes, std::string name)
   require(code, "allocate " + name_ + ", " + std::to_string(bytes) + " bytes");
   Device::Impl& impl = device.impl();
   serial_ = ++impl.n_buffers;
-  impl.live_bytes += bytes;
-  impl.peak_bytes = std::max(impl.peak_bytes, impl.live_bytes);
+  const std::size_t live = impl.live_bytes += bytes;
+  std::size_t peak = impl.peak_bytes;
+  while (peak < live && !impl.peak_bytes.compare_exchange_weak(peak, live)) {
+  }
 }
 
 Memory::~Memory() {

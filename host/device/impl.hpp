@@ -20,7 +20,7 @@ struct Device::Impl {
   cl_device_id id = nullptr;
   cl_context context = nullptr;
   cl_command_queue queue = nullptr;
-  std::size_t live_bytes = 0, peak_bytes = 0;
+  std::atomic<std::size_t> live_bytes = 0, peak_bytes = 0;                          // episodes share a device
   std::atomic<std::size_t> n_launches = 0, n_writes = 0, n_waits = 0, n_bytes = 0;  // as in DeviceCounts
   std::atomic<std::size_t> n_buffers = 0;                                           // made so far
 

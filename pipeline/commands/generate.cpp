@@ -4,12 +4,16 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <map>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/files.hpp"
@@ -17,6 +21,7 @@
 #include "host/base/stop_signal.hpp"
 #include "host/device/choose_device.hpp"
 #include "host/formats/video.hpp"
+#include "host/load/build_scene.hpp"
 #include "host/load/task_file.hpp"
 #include "pipeline/command_line/command.hpp"
 #include "pipeline/episode/episode.hpp"
@@ -40,10 +45,13 @@ struct GenerateOptions {
   bool keep_failed = false;          // keep the record of failed episodes
   bool retries_failed = false;       // make failed episodes again
   bool as_json = false, is_verbose = false;
-  bool shows_graph = false;  // print the graph and nothing else
-  bool is_rigid = false;     // fingers that do not bend
+  bool shows_graph = false;          // print the graph and nothing else
+  bool is_rigid = false;             // fingers that do not bend
+  std::string worlds = "automatic";  // episodes that step together
 };
 
+constexpr std::chrono::seconds BETWEEN_SUMMARIES(5);  // writings of set.json
+constexpr std::size_t MOST_WORLDS = 1024;             // threads of the stage graphs
 constexpr const char* STOPPED = "stopped; the episodes that were finished stay, the same command continues";
 
 struct Shard {
@@ -83,6 +91,14 @@ EpisodeSet open_set(const GenerateOptions& options, const Task& task, const Devi
   return set;
 }
 
+// A full disk or a folder that is gone has its own message already.
+void write_set_if_possible(const EpisodeSet& set) {
+  try {
+    write_set(set);
+  } catch (const std::exception&) {
+  }
+}
+
 // A folder that this run made and nothing came into goes again.
 void remove_empty(const EpisodeSet& set) {
   const SetStatus status = read_status(set.folder);
@@ -105,49 +121,219 @@ void explain(const EpisodeReport& report) {
   for (const auto& [stage, seconds] : report.seconds) std::fprintf(stderr, "  %-10s %7.1f s\n", stage.c_str(), seconds);
 }
 
-// Runs one episode; its folder appears when it is complete, or under failed/ with the reason, a sentence.
-bool make_episode(const GenerateOptions& options, const Task& task, const EpisodeSet& set, std::uint64_t episode,
-                  Device& physics, Device& rendering, const std::atomic<bool>& stop, Progress& frames,
-                  std::string& reason) {
-  EpisodeSettings settings;
-  settings.seed = options.seed;
-  settings.episode = episode;
-  settings.renders = !options.no_render;
-  settings.frames_under_way = options.frames_under_way;
-  EpisodeReport report;
-  PartialFolder folder(episode_folder(set.folder, episode));
-  const std::string label = "episode " + std::to_string(episode);
-  frames.begin(label, 0);
-  report =
-      run_episode(task, settings, physics, rendering, folder.path(), stop, [&](std::size_t done, std::size_t total) {
-        if (done == 0) frames.begin(label, total);
-        frames.advance_to(done);
-      });
-  // a signal to the whole group ends a mesh's reader, too: that is no failure of the episode
-  if (!report.has_succeeded && stop) throw TryAgain(STOPPED);
-  if (options.is_verbose) {
-    frames.clear();
-    explain(report);
+// The episodes under way in one line: their frames together.
+class FramesUnderWay {
+ public:
+  explicit FramesUnderWay(Progress& progress) : progress_(progress) {}
+  void begin(std::uint64_t episode, std::size_t n_frames) {
+    const std::lock_guard lock(mutex_);
+    frames_[episode] = {0, n_frames};
+    show_anew();
   }
-  const std::string summary = summary_json(task, settings, report);
-  const fs::path failed = failed_folder(set.folder, episode);
+  void advance(std::uint64_t episode, std::size_t done) {
+    const std::lock_guard lock(mutex_);
+    frames_[episode].done = done;
+    progress_.advance_to(sum().done);
+  }
+  void end(std::uint64_t episode) {
+    const std::lock_guard lock(mutex_);
+    frames_.erase(episode);
+    if (!frames_.empty()) show_anew();
+  }
+
+ private:
+  struct Frames {
+    std::size_t done = 0, total = 0;
+  };
+  Frames sum() const {
+    Frames all;
+    for (const auto& [episode, frames] : frames_) {
+      all.done += frames.done;
+      all.total += frames.total;
+    }
+    return all;
+  }
+  void show_anew() {
+    std::string label = frames_.size() == 1 ? "episode" : "episodes";
+    for (const auto& [episode, frames] : frames_)
+      label += (label.back() == 's' || label.back() == 'e' ? " " : ", ") + std::to_string(episode);
+    const Frames all = sum();
+    progress_.begin(label, all.total, all.done);
+  }
+  std::mutex mutex_;
+  std::map<std::uint64_t, Frames> frames_;
+  Progress& progress_;
+};
+
+// One call of `generate`: what the threads that make its episodes share.
+struct Run {
+  const GenerateOptions& options;
+  const Task& task;
+  const EpisodeSet& set;
+  const Shard shard;
+  EpisodeDevices& devices;
+  const std::atomic<bool>& stop;
+
+  std::mutex mutex;                                            // of what follows
+  std::uint64_t next;                                          // episode to look at
+  std::vector<std::pair<std::uint64_t, std::string>> reasons;  // of episodes that failed
+  std::exception_ptr error;                                    // that ends the run
+
+  std::chrono::steady_clock::time_point last_summary;  // when set.json was written
+
+  std::mutex counting;  // of the set's progress, which the lines of the terminal ask for at any time
+  SetProgress progress;
+  const std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  Progress line{"episode", "frames", 0};
+  FramesUnderWay frames{line};
+
+  bool is_ending() {
+    const std::lock_guard lock(mutex);
+    return error != nullptr;
+  }
+  std::string set_line(int bar_width) {
+    const std::lock_guard lock(counting);
+    progress.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return set_progress_line(progress, bar_width);
+  }
+  void count(std::size_t SetProgress::*made) {
+    const std::lock_guard lock(counting);
+    ++(progress.*made);
+  }
+};
+
+std::string failure_sentence(std::uint64_t episode, const std::string& reason) {
+  return "episode " + std::to_string(episode) + " failed: " + reason;
+}
+
+// The next episode that is neither done nor known to fail; nothing once the run ends.
+std::optional<std::uint64_t> next_episode(Run& run) {
+  const std::lock_guard lock(run.mutex);
+  while (!run.error && run.next < run.options.n_episodes) {
+    const std::uint64_t episode = run.next;
+    run.next += run.shard.count;
+    if (is_done(run.set, episode)) {
+      run.count(&SetProgress::done_before);
+      continue;
+    }
+    if (const auto known = failure_of(run.set.folder, episode); known && !run.options.retries_failed) {
+      run.reasons.emplace_back(episode, failure_sentence(episode, *known));
+      run.count(&SetProgress::failed_before);
+      continue;
+    }
+    if (run.stop)
+      run.error = std::make_exception_ptr(TryAgain(STOPPED));
+    else
+      return episode;
+  }
+  return std::nullopt;
+}
+
+// Puts an episode's folder in its place: complete, or under failed/ with the reason.
+void put_in_place(const Run& run, const EpisodeReport& report, const std::string& summary, PartialFolder& folder,
+                  std::uint64_t episode) {
+  const fs::path failed = failed_folder(run.set.folder, episode);
   if (report.has_succeeded) {
     write_text_atomically(folder.path() / "summary.json", summary);
     folder.finish();
     std::error_code ignored;
     fs::remove_all(failed, ignored);
-  } else {
-    reason = "episode " + std::to_string(episode) + " failed: " + report.reason;
-    fs::create_directories(failed.parent_path());
-    PartialFolder kept(failed);
-    if (options.keep_failed)
-      for (const fs::directory_entry& entry : fs::directory_iterator(folder.path()))
-        fs::rename(entry.path(), kept.path() / entry.path().filename());
-    write_text_atomically(kept.path() / "summary.json", summary);
-    kept.finish();
+    return;
   }
-  write_set(set);
-  return report.has_succeeded;
+  fs::create_directories(failed.parent_path());
+  PartialFolder kept(failed);
+  if (run.options.keep_failed)
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder.path()))
+      fs::rename(entry.path(), kept.path() / entry.path().filename());
+  write_text_atomically(kept.path() / "summary.json", summary);
+  kept.finish();
+}
+
+void make_episode(Run& run, std::uint64_t episode) {
+  EpisodeSettings settings;
+  settings.seed = run.options.seed;
+  settings.episode = episode;
+  settings.renders = !run.options.no_render;
+  settings.frames_under_way = run.options.frames_under_way;
+  PartialFolder folder(episode_folder(run.set.folder, episode));
+  run.frames.begin(episode, 0);
+  const EpisodeReport report =
+      run_episode(run.task, settings, run.devices, folder.path(), run.stop, [&](std::size_t done, std::size_t total) {
+        if (run.is_ending()) throw TryAgain(STOPPED);
+        if (done == 0) run.frames.begin(episode, total);
+        run.frames.advance(episode, done);
+      });
+  run.frames.end(episode);
+  // a signal to the whole group ends a mesh's reader, too: that is no failure of the episode
+  if (!report.has_succeeded && run.stop) throw TryAgain(STOPPED);
+  const std::string summary = summary_json(run.task, settings, report);
+  const std::lock_guard lock(run.mutex);
+  if (run.options.is_verbose) {
+    run.line.clear();
+    if (run.options.worlds != "1") std::fprintf(stderr, "episode %llu\n", static_cast<unsigned long long>(episode));
+    explain(report);
+  }
+  put_in_place(run, report, summary, folder, episode);
+  if (!report.has_succeeded) run.reasons.emplace_back(episode, failure_sentence(episode, report.reason));
+  // it looks at every episode of the folder: not after each of thousands
+  if (const auto now = std::chrono::steady_clock::now(); now - run.last_summary > BETWEEN_SUMMARIES) {
+    write_set(run.set);
+    run.last_summary = now;
+  }
+  run.count(report.has_succeeded ? &SetProgress::done : &SetProgress::failed);
+  // on a terminal it stands above the next episode's
+  if (run.progress.total > 1 && (!shows_on_terminal() || run.progress.left() == 0)) {
+    run.line.clear();
+    std::fprintf(stderr, "%s\n", run.set_line(0).c_str());
+  }
+}
+
+void make_episodes(Run& run) {
+  try {
+    while (const auto episode = next_episode(run)) make_episode(run, *episode);
+  } catch (const std::exception&) {
+    const std::lock_guard lock(run.mutex);
+    // whatever went wrong after a stop, such as that its folder is gone, is of the stop
+    if (!run.error) run.error = run.stop ? std::make_exception_ptr(TryAgain(STOPPED)) : std::current_exception();
+  }
+}
+
+// How many episodes step together.
+std::size_t n_worlds(const GenerateOptions& options, const Task& task, EpisodeDevices& devices, std::uint64_t first) {
+  std::size_t n = 0;
+  const char *begin = options.worlds.data(), *end = begin + options.worlds.size();
+  if (const auto parsed = std::from_chars(begin, end, n);
+      parsed.ec == std::errc() && parsed.ptr == end && n >= 1 && n <= MOST_WORLDS)
+    return n;
+  if (options.worlds != "automatic")
+    throw UsageError("--worlds " + options.worlds + " is neither automatic nor a number from 1 to " +
+                     std::to_string(MOST_WORLDS));
+  // rendering fills a device by itself
+  if (!options.no_render) return 1;
+  try {
+    const TaskScene built = build_scene(task, options.seed, first);
+    devices.simulation.join(built.scene);
+  } catch (const DeviceError&) {
+    throw;
+  } catch (const UsageError&) {  // a start that is no good: the episode will say so
+  }
+  return automatic_worlds(devices.simulation.device().info(), devices.simulation.device().peak_bytes());
+}
+
+void report_end(Run& run) {
+  std::sort(run.reasons.begin(), run.reasons.end());
+  const auto& reasons = run.reasons;
+  if (run.options.as_json)
+    std::printf("%s", status_json(run.set).c_str());
+  else
+    std::printf("%s: %llu made, %llu there before, %zu failed\n", run.set.folder.c_str(),
+                static_cast<unsigned long long>(run.progress.done),
+                static_cast<unsigned long long>(run.progress.done_before), reasons.size());
+  if (reasons.size() == 1) throw Failure(reasons.front().second);
+  if (!reasons.empty())
+    throw Failure(std::to_string(reasons.size()) + " of " + std::to_string(reasons.size() + run.progress.done) +
+                  " episodes failed, the first: " + reasons.front().second + "; " +
+                  (run.set.folder / "set.json").string() + " names all");
 }
 
 void run_generate(const GenerateOptions& options) {
@@ -179,55 +365,26 @@ void run_generate(const GenerateOptions& options) {
   const bool was_there = fs::exists(options.folder);
   const EpisodeSet set = open_set(options, task, physics, rendering);
 
-  std::vector<std::string> reasons;  // of the episodes that failed
-  SetProgress progress;
-  const auto start = std::chrono::steady_clock::now();
-  const auto line = [&](int bar_width) {
-    progress.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return set_progress_line(progress, bar_width);
-  };
-  progress.total = (options.n_episodes + shard.count - 1 - shard.index) / shard.count;
-  Progress frames("episode", "frames", 0);
-  if (progress.total > 1) frames.set_line_above(line);
-  for (std::uint64_t episode = shard.index; episode < options.n_episodes; episode += shard.count) {
-    if (is_done(set, episode)) {
-      ++progress.done_before;
-      continue;
-    }
-    if (const auto known = failure_of(set.folder, episode); known && !options.retries_failed) {
-      reasons.push_back("episode " + std::to_string(episode) + " failed: " + *known);
-      ++progress.failed_before;
-      continue;
-    }
-    if (stop) throw TryAgain(STOPPED);
-    std::string reason;
-    try {
-      const bool is_made = make_episode(options, task, set, episode, physics, rendering, stop, frames, reason);
-      ++(is_made ? progress.done : progress.failed);
-      if (!is_made) reasons.push_back(reason);
-      // on a terminal it stands above the next episode's
-      if (progress.total > 1 && (!shows_on_terminal() || progress.left() == 0)) {
-        frames.clear();
-        std::fprintf(stderr, "%s\n", line(0).c_str());
-      }
-    } catch (const std::exception&) {
-      if (!was_there) remove_empty(set);
-      if (!stop) throw;
-      throw TryAgain(STOPPED);  // whatever went wrong after a stop, such as that its folder is gone, is of the stop
-    }
+  EpisodeDevices devices(physics, rendering);
+  Run run{options, task, set, shard, devices, stop, {}, shard.index, {}, {}, {}, {}, {}};
+  run.progress.total = (options.n_episodes + shard.count - 1 - shard.index) / shard.count;
+  if (run.progress.total > 1) run.line.set_line_above([&](int bar_width) { return run.set_line(bar_width); });
+  const std::size_t n =
+      std::min(n_worlds(options, task, devices, shard.index), std::max<std::size_t>(run.progress.total, 1));
+  if (n == 1) {
+    make_episodes(run);
+  } else {
+    std::vector<std::thread> threads;
+    for (std::size_t i = 0; i < n; ++i) threads.emplace_back([&] { make_episodes(run); });
+    for (std::thread& thread : threads) thread.join();
+  }
+  if (run.error) {
+    write_set_if_possible(set);
+    if (!was_there) remove_empty(set);
+    std::rethrow_exception(run.error);
   }
   write_set(set);
-  if (options.as_json)
-    std::printf("%s", status_json(set).c_str());
-  else
-    std::printf("%s: %llu made, %llu there before, %zu failed\n", set.folder.c_str(),
-                static_cast<unsigned long long>(progress.done), static_cast<unsigned long long>(progress.done_before),
-                reasons.size());
-  if (reasons.size() == 1) throw Failure(reasons.front());
-  if (!reasons.empty())
-    throw Failure(std::to_string(reasons.size()) + " of " + std::to_string(reasons.size() + progress.done) +
-                  " episodes failed, the first: " + reasons.front() + "; " + (set.folder / "set.json").string() +
-                  " names all");
+  report_end(run);
 }
 
 }  // namespace
@@ -243,6 +400,9 @@ void add_generate(CLI::App& program) {
       ->capture_default_str();
   command->add_option("--shard", o.shard, "i/n: make every n-th episode, from the i-th on")->capture_default_str();
   command->add_option("-o,--output", o.folder, "Folder of the set; finished episodes in it are skipped");
+  command
+      ->add_option("--worlds", o.worlds, "Episodes that are simulated together, or automatic; no result depends on it")
+      ->capture_default_str();
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
   command->add_option("--render-device", o.render_device,
                       "The one that renders, if another; where neither is named: a second GPU of the same kind");

@@ -5,11 +5,11 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <optional>
 
 #include "host/base/hash.hpp"
 #include "host/formats/lut_file.hpp"
-#include "host/physics/step/simulation.hpp"
 #include "host/render/motion.hpp"
 #include "host/render/renderer.hpp"
 #include "pipeline/episode/disabled_pairs.hpp"
@@ -22,15 +22,18 @@ namespace {
 
 // ---- the fields -------------------------------------------------------------------------------------------------
 
-// Physics on the device, one step at a time.
+// Physics on the device, one step at a time. The world is left once its last step is done, before the last frames are
+// rendered: other episodes would wait for it.
 struct PhysicsState {
-  std::unique_ptr<Simulation> simulation;
+  std::unique_ptr<SharedSimulation::World> world;
+  std::size_t n_steps_planned = 0;
   std::unique_ptr<ForceGrasp> grasp;
   std::size_t n_steps = 0;  // done so far
 };
 
 struct RenderState {
   std::unique_ptr<Renderer> renderer;  // nothing: no pictures
+  std::mutex* turn = nullptr;          // of the device that renders
   std::vector<bool> records_mask;      // [n_cameras]
   std::optional<Lut> lut;              // of the task
 };
@@ -101,13 +104,13 @@ void plan(const Access& access) {
 
 void simulate(const Access& access) {
   PhysicsState& physics = access.write(world);
-  Simulation& simulation = *physics.simulation;
   for (const Target& target : access.read(targets)) {
     access.stop_here_if_asked();
-    const std::vector<double> q = physics.grasp->target(physics.n_steps++, simulation.state());
-    const StepReport report = simulation.step(q);
-    access.write(steps).push_back({q, target.element, simulation.state(), report});
+    const std::vector<double> q = physics.grasp->target(physics.n_steps++, physics.world->state());
+    const StepReport report = physics.world->step(q);
+    access.write(steps).push_back({q, target.element, physics.world->state(), report});
   }
+  if (physics.n_steps == physics.n_steps_planned) physics.world.reset();
 }
 
 void map(const Access& access) {
@@ -118,9 +121,13 @@ void render(const Access& access) {
   const RenderState& state = access.read(renderer);
   if (!state.renderer) return;
   const std::vector<SceneState>& motion_shown = access.read(shown);
-  state.renderer->set_state(motion_shown.back());
+  {
+    const std::lock_guard turn(*state.turn);
+    state.renderer->set_state(motion_shown.back());
+  }
   for (int camera = 0; camera < int(state.records_mask.size()); ++camera) {
     access.stop_here_if_asked();
+    const std::lock_guard turn(*state.turn);
     RenderedFrame frame = state.renderer->render(
         camera, std::uint32_t(access.frame()), [&](double time) { return state_at(motion_shown, time); },
         motion_shown.back().time);
@@ -232,9 +239,9 @@ std::string reason_of_failed_step(const StageError& error) {
 }
 
 // The scene at its start; what is wrong with it is wrong in the task's file.
-std::unique_ptr<Simulation> start_simulation(const Task& task, const Scene& scene, Device& device) {
+std::unique_ptr<SharedSimulation::World> start_world(const Task& task, const Scene& scene, SharedSimulation& shared) {
   try {
-    return std::make_unique<Simulation>(device, scene);
+    return shared.join(scene);
   } catch (const DeviceError&) {
     throw;
   } catch (const UsageError& error) {
@@ -264,9 +271,10 @@ void make_grippers_rigid(Task& task) {
     if (robot.gripper) robot.gripper->is_rigid = true;
 }
 
-EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Device& physics, Device& rendering,
+EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, EpisodeDevices& devices,
                           const std::filesystem::path& folder, const std::atomic<bool>& stop,
                           const std::function<void(std::size_t, std::size_t)>& advance) {
+  Device &physics = devices.simulation.device(), &rendering = devices.rendering;
   EpisodeReport report;
   const Stopwatch build_watch;
   const TaskScene built = build_scene(task, settings.seed, settings.episode);
@@ -284,7 +292,7 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Dev
   const Stopwatch start_watch;
   try {
     store.state(motion) = plan_episode(task, built);
-    store.state(world).simulation = start_simulation(task, scene, physics);
+    store.state(world).world = start_world(task, scene, devices.simulation);
   } catch (const DeviceError&) {
     throw;
   } catch (const UsageError& error) {  // out of reach, or an initial intersection: this draw of the start is no good
@@ -293,6 +301,7 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Dev
   }
   const MotionPlan& whole = store.state(motion);
   store.state(world).grasp = std::make_unique<ForceGrasp>(whole);
+  store.state(world).n_steps_planned = whole.targets.size();
   const std::size_t n_frames = whole.targets.size() / whole.steps_per_frame;
   RenderState& render_state = store.state(renderer);
   render_state.records_mask = masks_asked(task, scene);
@@ -303,11 +312,13 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Dev
     pictures_settings.max_depth = task.render.max_depth;
     pictures_settings.denoises = task.render.denoise;
     pictures_settings.seed = picture_seed(settings.seed, settings.episode);
+    render_state.turn = &devices.rendering_turn;
+    const std::lock_guard turn(devices.rendering_turn);
     render_state.renderer = std::make_unique<Renderer>(rendering, scene, pictures_settings);
   }
   JudgeState& judge_state = store.state(verdict);
   judge_state.monitor =
-      std::make_unique<SuccessMonitor>(task, scene, hands_of(built), store.state(world).simulation->state());
+      std::make_unique<SuccessMonitor>(task, scene, hands_of(built), store.state(world).world->state());
   judge_state.phase = phases(task.motion, whole.element, int(built.robots.size()));
   RecordState& record_state = store.state(recording);
   record_state.recorder = std::make_unique<EpisodeRecorder>(

@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <mutex>
 #include <string>
 #include <vector>
 
 #include "host/device/device.hpp"
 #include "host/load/build_scene.hpp"
 #include "host/model/task.hpp"
+#include "pipeline/episode/shared_simulation.hpp"
 #include "pipeline/episode/success.hpp"
 #include "pipeline/graph/graph.hpp"
 
@@ -62,10 +64,18 @@ void make_grippers_rigid(Task& task);
 // Seed of an episode's pictures: neighbouring episodes share no noise.
 std::uint64_t picture_seed(std::uint64_t seed, std::uint64_t episode);
 
+// What the episodes under way share.
+struct EpisodeDevices {
+  EpisodeDevices(Device& physics, Device& rendering) : simulation(physics), rendering(rendering) {}
+  SharedSimulation simulation;
+  Device& rendering;
+  std::mutex rendering_turn;  // one frame at a time
+};
+
 // Simulates, renders and records into `folder`, which exists. A motion that cannot be planned, a start that intersects
 // and a step that could not be done are failed episodes with their reason; other errors are thrown. `advance` hears of
-// every frame that is on record, of how many.
-EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Device& physics, Device& rendering,
+// every frame that is on record, of how many. Several threads may run an episode each with the same devices.
+EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, EpisodeDevices& devices,
                           const std::filesystem::path& folder, const std::atomic<bool>& stop,
                           const std::function<void(std::size_t done, std::size_t total)>& advance);
 

@@ -12,6 +12,8 @@
 namespace pvg {
 namespace {
 
+constexpr std::size_t THREADS_OF_ALL_GRAPHS = 1024;
+
 void demand(bool ok, const std::string& complaint) {
   if (!ok) throw std::logic_error(complaint);
 }
@@ -157,11 +159,13 @@ void Access::stop_here_if_asked() const {
 std::vector<double> stream(const Table& table, Store& store, std::size_t n, const std::atomic<bool>& stop) {
   check(table);
   // a stage that waits for a device holds its thread: as many threads as pieces of work, whatever the cores.
-  // It takes both, the control and the arena.
+  // It takes both, the control and the arena. Several graphs may run at once and the smallest control holds for all,
+  // so it allows more than all of them take; oneTBB makes those threads only that have work.
   std::size_t threads = 1;
   for (const Stage& stage : table) threads += stage.width;
   namespace tbb = oneapi::tbb;
-  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, threads);
+  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism,
+                                  std::max(threads, THREADS_OF_ALL_GRAPHS));
   std::deque<StageClock> clocks;
   tbb::task_arena(int(threads)).execute([&] { run_graph(table, store, n, stop, clocks); });
   std::vector<double> seconds;

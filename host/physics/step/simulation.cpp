@@ -3,6 +3,7 @@
 #include "host/geometry/tet_mesh.hpp"
 #include "host/model/display.hpp"
 #include "host/physics/energies/prescribed_motion.hpp"
+#include "host/physics/step/checkpoint_worlds.hpp"
 #include "host/physics/step/separate_bodies.hpp"
 #include "host/physics/step/simulation_impl.hpp"
 
@@ -156,13 +157,14 @@ std::vector<StepReport> Simulation::step(std::span<const std::vector<double>> ta
     throw UsageError("step was given targets for " + std::to_string(targets.size()) + " worlds, there are " +
                      std::to_string(n_worlds()));
   for (std::size_t w = 0; w < n_worlds(); ++w)
-    if (targets[w].size() != impl.last_targets[w].size())
+    if (!impl.is_retired[w] && targets[w].size() != impl.last_targets[w].size())
       throw UsageError("scene " + impl.system.scenes[w].name + " has " + std::to_string(impl.last_targets[w].size()) +
                        " driven joints, was given " + std::to_string(targets[w].size()) + " targets");
   impl.reports.assign(n_worlds(), StepReport{});
   std::vector<std::vector<double>> wanted;
   for (std::size_t w = 0; w < n_worlds(); ++w)
-    wanted.push_back(impl.actuators[w].command(targets[w], impl.last_targets[w]));
+    wanted.push_back(impl.is_retired[w] ? impl.last_targets[w]
+                                        : impl.actuators[w].command(targets[w], impl.last_targets[w]));
   std::vector<char> stepping(n_worlds());
   for (std::size_t w = 0; w < n_worlds(); ++w) stepping[w] = !impl.is_retired[w];
   const std::vector<char> failed =
@@ -170,6 +172,7 @@ std::vector<StepReport> Simulation::step(std::span<const std::vector<double>> ta
   std::vector<StepEvent> last_events;
   std::string message;
   for (std::size_t w = 0; w < n_worlds(); ++w) {
+    if (!stepping[w]) continue;
     if (!failed[w]) {
       impl.last_targets[w] = wanted[w];
       impl.actuators[w].accept(targets[w]);
@@ -182,7 +185,10 @@ std::vector<StepReport> Simulation::step(std::span<const std::vector<double>> ta
   return impl.reports;
 }
 
+const std::vector<StepReport>& Simulation::reports() const { return impl_->reports; }
+
 void Simulation::retire(std::size_t world) { impl_->is_retired.at(world) = true; }
+void Simulation::resume(std::size_t world) { impl_->is_retired.at(world) = false; }
 
 Checkpoint Simulation::checkpoint() const {
   Checkpoint checkpoint{impl_->x.node.read(),
@@ -256,6 +262,15 @@ void Simulation::restart_counts() {
   impl_->counts = {};
   impl_->clock.counts = {};
   impl_->counted_from = impl_->device.counts();
+}
+
+std::vector<Checkpoint> Simulation::world_checkpoints() const { return split(checkpoint(), impl_->system); }
+
+void Simulation::restore_worlds(std::span<const std::optional<Checkpoint>> worlds) {
+  Checkpoint whole = checkpoint();
+  if (!put(whole, worlds, impl_->system))
+    throw UsageError("a world's checkpoint was made from another scene; resume with the scene that it came from");
+  restore(whole);
 }
 
 void Simulation::measure_phases() {

@@ -3,6 +3,7 @@
 //   [J]
 #pragma once
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,16 +36,25 @@ class Simulation {
   Simulation(Simulation&&) noexcept;
 
   // targets: for each world, one absolute target for each joint with a drive, in the order of PhysicalScene::joints
-  // [rad or m]
+  // [rad or m]. Those of retired worlds are not read.
   std::vector<StepReport> step(std::span<const std::vector<double>> targets);
   StepReport step(const std::vector<double>& targets) { return step(std::span(&targets, 1)).front(); }
 
-  // This world takes no further steps and stays as it is: one that failed would fail again at the same cost.
+  // What the last step cost each world, also where it threw a StepFailure.  [n_worlds]
+  const std::vector<StepReport>& reports() const;
+
+  // This world takes no further steps and stays as it is, until it resumes: one that failed would fail again at the
+  // same cost.
   void retire(std::size_t world);
+  void resume(std::size_t world);
 
   Checkpoint checkpoint() const;
   // Throws a UsageError where the checkpoint is not of these scenes. Contacts and forces show after the next step.
   void restore(const Checkpoint& checkpoint);
+
+  // The same of each world by itself, as if it were alone; worlds without one stay as they are.  [n_worlds]
+  std::vector<Checkpoint> world_checkpoints() const;
+  void restore_worlds(std::span<const std::optional<Checkpoint>> worlds);
 
   std::size_t n_worlds() const;
   const WorldState& state(std::size_t world = 0) const;

@@ -157,6 +157,47 @@ TEST(Simulation, ACheckpointGoesOnWithTheSameBits) {
   }
 }
 
+// A cube that sticks to a floor which is not level, beside a driven pendulum.
+PhysicalScene sticking_cube(double angle) {
+  Drive drive;
+  drive.stiffness = 20;
+  PhysicalScene scene = pendulum(angle, drive);
+  scene.gravity = Vec3(1, 0, -9.8);
+  scene.rigid_bodies.push_back(box_body("cube", Vec3::Constant(0.02), 1000, Vec3(0.05, 0, 0.5705)));
+  RigidBody floor = box_body("floor", Vec3(0.5, 0.5, 0.05), 1000, Vec3(0, 0, 0.5));
+  floor.is_fixed = true;
+  scene.rigid_bodies.push_back(floor);
+  return scene;
+}
+
+TEST(Simulation, AWorldMovedAmongOthersGoesOnWithTheSameBits) {
+  Device device;
+  const PhysicalScene scene = sticking_cube(0.4);
+  PhysicalScene other;  // of another size, so that all indices of the world after it differ
+  other.solver = scene.solver;
+  other.rigid_bodies.push_back(box_body("alone", Vec3::Constant(0.05), 1000, Vec3(0, 0, 1)));
+  const auto target = [](int i) { return std::vector<double>{0.4 * std::cos(0.3 * i)}; };
+  Simulation alone(device, scene);
+  const std::vector<PhysicalScene> one_way = {scene, other}, other_way = {other, sticking_cube(0.1), scene};
+  Simulation before(device, one_way), after(device, other_way);
+  for (int i = 0; i < 24; ++i) {
+    alone.step(target(i));
+    if (i < 12) before.step(std::vector<std::vector<double>>{target(i), {}});
+    if (i == 11) {
+      const std::vector<Checkpoint> worlds = before.world_checkpoints();
+      ASSERT_FALSE(worlds.at(0).anchors.at(0).empty());  // it sticks
+      after.restore_worlds(std::vector<std::optional<Checkpoint>>{std::nullopt, std::nullopt, worlds[0]});
+    }
+    if (i == 13) after.retire(1);  // what another world does changes nothing
+    if (i >= 12) after.step(std::vector<std::vector<double>>{{}, {0.2}, target(i)});
+  }
+  for (int b = 0; b < 3; ++b) EXPECT_EQ(alone.state().rigid[b], after.state(2).rigid[b]);
+  EXPECT_EQ(alone.state().joint_effort, after.state(2).joint_effort);
+  EXPECT_EQ(alone.state().time, after.state(2).time);
+  EXPECT_THROW(after.restore_worlds(std::vector<std::optional<Checkpoint>>{after.world_checkpoints()[2], {}, {}}),
+               UsageError);
+}
+
 TEST(Simulation, BodiesThatStandOnEachOtherAreSolvedInOneIteration) {
   // the factor holds what contact couples: conjugate gradients find nothing left to do
   Device device;

@@ -45,8 +45,9 @@ EpisodeReport make(const Task& task, const fs::path& folder, std::size_t frames_
   settings.episode = 2;
   settings.frames_under_way = frames_under_way;
   Device physics, rendering;
+  EpisodeDevices devices(physics, rendering);
   const std::atomic<bool> stop = false;
-  return run_episode(task, settings, physics, rendering, folder, stop, [](std::size_t, std::size_t) {});
+  return run_episode(task, settings, devices, folder, stop, [](std::size_t, std::size_t) {});
 }
 
 // What a reader has of an episode.

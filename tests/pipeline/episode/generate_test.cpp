@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <thread>
 
 #include "host/base/error.hpp"
@@ -90,6 +91,60 @@ TEST_F(Generate, WhatFailedBeforeIsCountedAndNotMadeAgain) {
   EXPECT_EQ(WEXITSTATUS(status), 1);
   EXPECT_NE(text_of("stderr").find("episode 0 failed: the beaker fell"), std::string::npos) << text_of("stderr");
   EXPECT_FALSE(fs::exists(out / "episode_000000"));
+}
+
+// Everything in the set that is of its episodes, by path: their bytes, and of a summary what does not tell of time.
+std::map<std::string, std::string> contents(const fs::path& set) {
+  std::map<std::string, std::string> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(set)) {
+    if (!entry.is_regular_file() || entry.path().filename() == "set.json") continue;
+    std::ifstream in(entry.path(), std::ios::binary);
+    std::string& text = files[fs::relative(entry.path(), set)];
+    text.assign(std::istreambuf_iterator<char>(in), {});
+    if (entry.path().filename() == "summary.json") text.resize(text.find("\"seconds\""));
+  }
+  return files;
+}
+
+// Five episodes of other lengths, of which some begin in the table; with pictures.
+TEST_F(Generate, EpisodesThatStepTogetherHaveTheBitsTheyHaveAlone) {
+  const fs::path small = fs::path(__FILE__).parent_path().parent_path() / "small_task";
+  std::ifstream in(small / "push_beaker.yaml");
+  std::string task(std::istreambuf_iterator<char>(in), {});
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    ASSERT_NE(task.find(from), std::string::npos) << from;
+    for (std::size_t at = 0; (at = task.find(from, at)) != std::string::npos; at += to.size())
+      task.replace(at, from.size(), to);
+  };
+  replace("../../../data", PVG_DATA_FOLDER);
+  replace("gripper: gripper.yaml", "gripper: " + (small / "gripper.yaml").string());
+  replace("x: [0.420, 0.424]", "x: [0.41, 0.44]");
+  replace("z: 0.5 mm", "z: [-0.2 mm, 0.6 mm]");
+  replace("at_most: 12 mm", "at_most: 16 mm");
+  put("task.yaml", task);
+  std::map<std::string, std::string> alone;
+  for (const std::string worlds : {"1", "3", "5"}) {
+    const fs::path set = out / worlds;
+    const int status = std::system((std::string(PVG_PROGRAM) + " generate " + (out / "task.yaml").string() +
+                                    " -n 5 --seed 3 --keep-failed --worlds " + worlds + " -o " + set.string() +
+                                    " >/dev/null 2>" + (out / "stderr").string())
+                                       .c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 1) << text_of("stderr");  // some failed
+    const std::map<std::string, std::string> files = contents(set);
+    if (worlds == "1") {
+      alone = files;
+      const SetStatus made = read_status(set);
+      EXPECT_GE(made.done.size(), 2u);
+      EXPECT_GE(made.failed.size(), 1u);
+      EXPECT_NE(made.failed.at(0).reason.find("intersect"), std::string::npos) << made.failed.at(0).reason;
+      continue;
+    }
+    ASSERT_EQ(files.size(), alone.size());
+    for (const auto& [name, bytes] : alone) {
+      ASSERT_TRUE(files.contains(name)) << name;
+      EXPECT_TRUE(files.at(name) == bytes) << name << " with " << worlds << " worlds";
+    }
+  }
 }
 
 TEST_F(Generate, TheStatusIsReadOffTheFolder) {

@@ -26,7 +26,8 @@ Task small_task() { return load_task(PVG_DATA_FOLDER "/../tests/pipeline/small_t
 struct Demonstration {
   explicit Demonstration(const Task& task, Device& device) {
     const std::atomic<bool> stop = false;
-    report = run_episode(task, {SEED, EPISODE, false, 3}, device, device, folder.path, stop, [](auto, auto) {});
+    EpisodeDevices devices(device, device);
+    report = run_episode(task, {SEED, EPISODE, false, 3}, devices, folder.path, stop, [](auto, auto) {});
     record = std::make_unique<StatesRecord>(folder.path / "states.h5");
     a = record->series("/a");
     T_rigid = record->poses("/T_rigid");
