@@ -45,9 +45,9 @@ struct GenerateOptions {
   bool keep_failed = false;          // keep the record of failed episodes
   bool retries_failed = false;       // make failed episodes again
   bool as_json = false, is_verbose = false;
-  bool shows_graph = false;          // print the graph and nothing else
-  bool is_rigid = false;             // fingers that do not bend
-  std::string worlds = "automatic";  // episodes that step together
+  bool shows_graph = false;  // print the graph and nothing else
+  bool is_rigid = false;     // fingers that do not bend
+  std::string worlds = "1";  // episodes that step together
 };
 
 constexpr std::chrono::seconds BETWEEN_SUMMARIES(5);  // writings of set.json

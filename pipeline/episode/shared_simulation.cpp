@@ -135,10 +135,11 @@ void SharedSimulation::step_all() {
 }
 
 std::size_t automatic_worlds(const DeviceInfo& device, std::size_t bytes) {
-  constexpr std::size_t ON_A_CPU = 4, ON_A_GPU = 32;
+  constexpr std::size_t ON_A_GPU = 32;  // not measured
+  if (!device.is_gpu) return 1;
   // while one joins, the simulation is there twice
   const std::size_t fit = device.memory_bytes / 2 / (2 * std::max<std::size_t>(bytes, 1));
-  return std::clamp<std::size_t>(fit, 1, device.is_gpu ? ON_A_GPU : ON_A_CPU);
+  return std::clamp<std::size_t>(fit, 1, ON_A_GPU);
 }
 
 }  // namespace pvg

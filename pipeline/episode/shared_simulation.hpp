@@ -59,9 +59,9 @@ class SharedSimulation {
   std::size_t steps_since_change_ = 0;
 };
 
-// How many episodes step together where nobody says: what was measured to be fastest on CPUs, and on a GPU as many as
-// are still waited for at little cost; in either case no more than fit into half of the device's memory.
-// bytes: of one world on the device.  docs/measured/2026-11-25_many_episodes.md
+// How many episodes are to step together: on a CPU one, since four together took longer than one after the other; on a
+// GPU, where it was not measured, up to 32 that fit into half of its memory. bytes: of one world on the device.
+// docs/measured/2026-11-25_many_episodes.md
 std::size_t automatic_worlds(const DeviceInfo& device, std::size_t bytes);
 
 }  // namespace pvg
