@@ -15,6 +15,8 @@ namespace {
 using F32x4Array = std::array<float, 4>;
 using Bytes4 = std::array<std::uint8_t, 4>;
 
+constexpr int GAIN_BLUR = 8;     // rounds, so that a gain does not depend on what lies a pixel beside
+constexpr int COLOR_BLUR = 1;    // points lie wider apart than pixels
 constexpr int FILL_ROUNDS = 64;  // neighbours' colours spread so far into what no photo sees
 
 std::vector<float> packed(const std::vector<Vec3f>& v) {
@@ -94,11 +96,10 @@ struct PhotoReader {
   }
 };
 
-// binomial filter, so that a gain does not depend on what lies a pixel beside
-Picture8 blurred(Picture8 picture) {
-  constexpr int ROUNDS = 8;  // each adds 1/2 to the variance [pixels^2]
+// binomial filter; each round adds 1/2 to the variance [pixels^2]
+Picture8 blurred(Picture8 picture, int rounds) {
   std::vector<std::uint8_t> out(picture.rgb.size());
-  for (int round = 0; round < 2 * ROUNDS; ++round) {
+  for (int round = 0; round < 2 * rounds; ++round) {
     const int axis = round % 2, step = axis == 0 ? 3 : 3 * picture.width;
     for (int y = 0; y < picture.height; ++y)
       for (int x = 0; x < picture.width; ++x) {
@@ -132,7 +133,7 @@ SurfaceColors color_surface(Device& device, const Photos& photos, const std::vec
     sums.zero();
     for (std::size_t i = 0; i < photos.frames.size(); ++i) {
       if (photos.frames[i].color.empty()) continue;
-      const PinholeCamera camera = reader.load(i, color_of(photos.frames[i]), photos.gains[i]);
+      const PinholeCamera camera = reader.load(i, blurred(color_of(photos.frames[i]), COLOR_BLUR), photos.gains[i]);
       add(n, u32(n), camera, float(tolerance), point_buffer, normal_buffer, reader.depth, reader.photo, reader.decode,
           before, sums);
     }
@@ -170,7 +171,7 @@ std::vector<Vec3f> estimate_gains(Device& device, const Photos& photos, const st
   std::vector<ColorSample> samples;
   for (std::size_t i = 0; i < photos.frames.size(); ++i) {
     if (photos.frames[i].color.empty()) continue;
-    const PinholeCamera camera = reader.load(i, blurred(color_of(photos.frames[i])), Vec3f::Ones());
+    const PinholeCamera camera = reader.load(i, blurred(color_of(photos.frames[i]), GAIN_BLUR), Vec3f::Ones());
     see(n, u32(n), camera, float(tolerance), point_buffer, normal_buffer, reader.depth, reader.photo, reader.decode,
         seen);
     const std::vector<F32x4Array> colors = seen.read();
