@@ -33,6 +33,7 @@ void run_capture_object(const CaptureObjectOptions& o) {
         "capture object needs a mesh file and -o FOLDER; `phyvisgen capture object --help` shows an "
         "example");
   check_apart(o.output, o.source, "capture object");
+  check_output_folder(o.output, {"simulation.obj", "visual.glb", "object.yaml", "report.json"}, "capture object");
   const auto start = std::chrono::steady_clock::now();
   ObjectSettings settings;
   settings.scale = o.scale;
@@ -45,7 +46,6 @@ void run_capture_object(const CaptureObjectOptions& o) {
   settings.always_wraps = o.wraps;
   const CapturedObject object = capture_object(source_of(o, settings), settings);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  make_writable_folder(std::filesystem::absolute(o.output).parent_path());
   PartialFolder folder(o.output);
   write_object(folder.path(), object, settings, seconds);
   folder.finish();
