@@ -1,4 +1,6 @@
-// The cases of marching cubes, from the rule alone.
+// The cases of marching cubes, from the rule alone. No triangle has an inner edge within a face of the cube where that
+// can be avoided: the neighbour might have the same one, and four triangles would share it.
+#include <algorithm>
 #include <array>
 
 #include "host/base/error.hpp"
@@ -19,6 +21,47 @@ std::uint8_t edge_between(unsigned a, unsigned b) {
   if (bit == 1) return std::uint8_t(0 + (low >> 1));
   if (bit == 2) return std::uint8_t(4 + ((low & 1) | (low >> 1 & 2)));
   return std::uint8_t(8 + (low & 3));
+}
+
+using Loop = std::vector<std::uint8_t>;
+
+// do two edges of the cube lie in one face?
+bool share_a_face(std::uint8_t e, std::uint8_t f) {
+  const auto side = [](std::uint8_t edge, int dimension) {  // 0, 1; -1: the edge runs along it
+    const int axis = edge / 4, k = edge % 4;
+    if (dimension == axis) return -1;
+    const bool is_low_bit = axis == 0 ? dimension == 1 : dimension == 0;
+    return is_low_bit ? k & 1 : k >> 1;
+  };
+  for (int dimension = 0; dimension < 3; ++dimension)
+    if (side(e, dimension) >= 0 && side(e, dimension) == side(f, dimension)) return true;
+  return false;
+}
+
+// Cuts a loop into triangles, none of whose inner edges lies within a face; false where that cannot be.
+bool cut(const Loop& loop, std::vector<std::uint8_t>& triangles) {
+  if (loop.size() == 3) {
+    triangles.insert(triangles.end(), loop.begin(), loop.end());
+    return true;
+  }
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const std::uint8_t before = loop[(i + loop.size() - 1) % loop.size()], after = loop[(i + 1) % loop.size()];
+    if (share_a_face(before, after)) continue;
+    const std::size_t length = triangles.size();
+    triangles.insert(triangles.end(), {before, loop[i], after});
+    Loop rest = loop;
+    rest.erase(rest.begin() + std::ptrdiff_t(i));
+    if (cut(rest, triangles)) return true;
+    triangles.resize(length);
+  }
+  return false;
+}
+
+std::vector<std::uint8_t> triangles_of(const Loop& loop) {
+  std::vector<std::uint8_t> triangles;
+  if (cut(loop, triangles)) return triangles;
+  for (std::size_t i = 1; i + 1 < loop.size(); ++i) triangles.insert(triangles.end(), {loop[0], loop[i], loop[i + 1]});
+  return triangles;
 }
 
 }  // namespace
@@ -42,12 +85,16 @@ std::vector<std::uint8_t> marching_cubes_cases() {
     std::array<bool, 12> is_used{};
     for (unsigned start = 0; start < 12; ++start) {
       if (next[start] == END || is_used[start]) continue;
-      is_used[start] = true;
-      for (unsigned b = next[start], c = next[b]; c != start; b = c, c = next[c]) {
-        if (length + 3 >= CASE_LENGTH) throw Failure("marching cubes: a case has more than five triangles");
-        for (const unsigned edge : {start, b, c}) cases[inside * CASE_LENGTH + length++] = std::uint8_t(edge);
-        is_used[b] = is_used[c] = true;
+      Loop loop;
+      for (unsigned edge = start; !is_used[edge]; edge = next[edge]) {
+        loop.push_back(std::uint8_t(edge));
+        is_used[edge] = true;
       }
+      const std::vector<std::uint8_t> triangles = triangles_of(loop);
+      if (length + triangles.size() >= CASE_LENGTH)
+        throw Failure("marching cubes: a case has more than five triangles");
+      std::copy(triangles.begin(), triangles.end(), cases.begin() + inside * CASE_LENGTH + length);
+      length += unsigned(triangles.size());
     }
   }
   return cases;

@@ -24,9 +24,9 @@ TEST(Textures, ColourAndGreyGetAnOpaqueAlpha) {
 
 TEST(Textures, TheBackgroundsPictureLoads) {
   const Texture lab = read_texture(std::string(PVG_DATA_FOLDER) + "/backgrounds/lab/lab.png");
-  EXPECT_EQ(lab.width, 1024);
-  EXPECT_EQ(lab.height, 512);
-  EXPECT_EQ(lab.rgba.size(), 1024u * 512 * 4);
+  EXPECT_EQ(lab.width, 2048);
+  EXPECT_EQ(lab.height, 1024);
+  EXPECT_EQ(lab.rgba.size(), 2048u * 1024 * 4);
 }
 
 TEST(Textures, BrokenFilesAreNamed) {

@@ -196,7 +196,8 @@ TEST(BuildScene, WristCameraSeesTheToolAndTheFrontCameraTheBeaker) {
   const Vec3 tool =
       (scene.rigid_bodies[built().robots[0].gripper_base].pose * task().gripper->tool_center).translation();
   const Vec3 at = pixel(scene.cameras[1], tool);
-  // from (82, 0, 20) mm the camera looks at (14, 0, 125) mm; the tool, at (0, 0, 350/3) mm, is further from the camera's x
+  // from (82, 0, 20) mm the camera looks at (14, 0, 125) mm; the tool, at (0, 0, 350/3) mm, is further from the
+  // camera's x
   const double below = std::atan2(82, 350.0 / 3 - 20) - std::atan2(68, 105);
   EXPECT_NEAR(at.x(), 319.5, 0.01);
   EXPECT_NEAR(at.y(), 179.5 + scene.cameras[1].fy * std::tan(below), 0.01);
