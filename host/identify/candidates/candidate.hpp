@@ -32,7 +32,7 @@ struct Parameter {
 struct SceneFile {
   YAML::Node& root;
   const Problem& problem;
-  const Scene& amended;  // the scene with what was found
+  const PhysicalScene& amended;  // the scene with what was found
 };
 
 struct Candidate {

@@ -137,7 +137,7 @@ void add_joint(const Problem& problem, std::size_t j, std::vector<LawSite>& site
 }
 
 void add_body(const Problem& problem, std::size_t b, std::vector<LawSite>& sites) {
-  const Scene& scene = problem.scene.scene;
+  const PhysicalScene& scene = problem.scene.scene;
   const RigidBody& body = scene.rigid_bodies[b];
   const bool is_carried =
       std::any_of(scene.joints.begin(), scene.joints.end(), [&](const Joint& joint) { return joint.child == int(b); });

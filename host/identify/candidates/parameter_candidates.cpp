@@ -23,7 +23,7 @@ double prior_sigma_of(const Problem& problem, const SceneNumber& number, const N
 }
 
 Candidate candidate_of(const Problem& problem, const SceneNumber& number, const NumberPlace& place) {
-  const Scene& scene = problem.scene.scene;
+  const PhysicalScene& scene = problem.scene.scene;
   const std::string unit = unit_on(scene, place.target, number.unit);
   Candidate candidate{number.name,
                       place.target,

@@ -8,7 +8,7 @@
 namespace pvg::diagnose {
 namespace {
 
-double mass_of(const Scene& scene, const std::string& target) {
+double mass_of(const PhysicalScene& scene, const std::string& target) {
   for (const RigidBody& body : scene.rigid_bodies)
     if (body.name == target) return body.mass;
   for (const Joint& joint : scene.joints)
@@ -50,7 +50,7 @@ Parameter parameter_of(const EffectParameter& p, double mass) {
           0,      !p.is_strength, is_limit};
 }
 
-Candidate candidate_of(const Scene& scene, const EffectRow& row, const std::string& target) {
+Candidate candidate_of(const PhysicalScene& scene, const EffectRow& row, const std::string& target) {
   const EffectKind& kind = row.kind;
   Candidate candidate{
       kind.name, target, Family::physical, kind.site, kind.law, kind.meaning, kind.equation, kind.experiment, {},
@@ -79,7 +79,7 @@ Candidate candidate_of(const Scene& scene, const EffectRow& row, const std::stri
 
 std::vector<std::string> targets_of(const Problem& problem, const std::vector<std::string>& touching,
                                     const EffectRow& row) {
-  const Scene& scene = problem.scene.scene;
+  const PhysicalScene& scene = problem.scene.scene;
   std::vector<std::string> targets;
   const auto add_rigid = [&] {
     for (const RigidBody& body : scene.rigid_bodies)
@@ -131,7 +131,7 @@ std::vector<std::string> targets_of(const Problem& problem, const std::vector<st
   return targets;
 }
 
-bool is_there(const Scene& scene, const std::string& name, const std::string& target) {
+bool is_there(const PhysicalScene& scene, const std::string& name, const std::string& target) {
   return std::any_of(scene.effects.begin(), scene.effects.end(),
                      [&](const Effect& effect) { return effect.name == name && effect.target == target; });
 }
@@ -149,7 +149,7 @@ std::vector<CandidateKind> physical_kinds() {
 }
 
 void add_physical(const Problem& problem, const std::vector<std::string>& touching, std::vector<Candidate>& out) {
-  const Scene& scene = problem.scene.scene;
+  const PhysicalScene& scene = problem.scene.scene;
   for (const EffectRow& row : effect_rows()) {
     if (is_regressed(row.kind)) continue;  // its formula is not known beforehand
     for (const std::string& target : targets_of(problem, touching, row))

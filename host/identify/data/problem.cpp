@@ -57,7 +57,7 @@ Run make_run(const Problem& problem, const RecordedRun& recorded, const std::vec
     run.values.push_back(std::move(values));
     run.noise_scale.push_back(1);
   }
-  const Scene& scene = problem.scene.scene;
+  const PhysicalScene& scene = problem.scene.scene;
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     if (!is_driven(scene.joints[j])) continue;
     TargetTable table = of_joint[j];
@@ -74,7 +74,7 @@ Run make_run(const Problem& problem, const RecordedRun& recorded, const std::vec
 
 // Joints in an order in which parents come first; what closes a loop is left out.
 void find_coordinates(Problem& problem) {
-  const Scene& scene = problem.scene.scene;
+  const PhysicalScene& scene = problem.scene.scene;
   std::vector<char> is_child(scene.rigid_bodies.size()), is_placed(scene.rigid_bodies.size());
   for (const Joint& joint : scene.joints) is_child[std::size_t(joint.child)] = true;
   for (std::size_t b = 0; b < is_placed.size(); ++b) {
@@ -99,7 +99,7 @@ bool is_measured(const Problem& problem, bool of_joint, int index) {
 }
 
 bool can_restart(const Problem& problem) {
-  const Scene& scene = problem.scene.scene;
+  const PhysicalScene& scene = problem.scene.scene;
   if (!scene.soft_bodies.empty() || !scene.cloths.empty()) return false;
   if (problem.recording.initial == Recording::Initial::given) return false;
   for (const int j : problem.coordinates) {
@@ -124,7 +124,7 @@ void check_given(const Problem& problem) {
 
 // At least one channel must measure something that moves, and change.
 void check_motion(const Problem& problem) {
-  const Scene& scene = problem.scene.scene;
+  const PhysicalScene& scene = problem.scene.scene;
   bool any_moves = false, any_changes = false;
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Channel& channel = problem.channels[c];
@@ -161,14 +161,14 @@ Problem make_problem(Recording recording) {
   problem.recording = std::move(recording);
   const std::filesystem::path& file = problem.recording.scene;
   problem.scene = problem.recording.has_robots_alone ? load_robots_alone(file) : load_scene_run(file);
-  Scene& scene = problem.scene.scene;
+  PhysicalScene& scene = problem.scene.scene;
   std::vector<TargetTable> of_joint(scene.joints.size(), TargetTable{{0}, {0}});
   for (std::size_t j = 0, driven = 0; j < scene.joints.size(); ++j)
     if (is_driven(scene.joints[j])) of_joint[j] = problem.scene.targets[driven++];
   const Inputs inputs = resolve_inputs(problem);
   apply_priors(problem);
   if (!problem.recording.mask_sources.empty() || !problem.recording.video_sources.empty()) {
-    problem.seen = scene;
+    problem.seen = problem.scene.scene;
     complete_for_viewing(problem.seen);
   }
   if (!problem.recording.video_sources.empty()) {

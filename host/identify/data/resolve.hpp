@@ -29,7 +29,7 @@ struct Inputs {
 };
 
 // What a run states of its start. list: where, for messages.
-std::vector<GivenStart> given_starts(const Scene& scene, const StatedNumbers& stated, const std::string& list);
+std::vector<GivenStart> given_starts(const PhysicalScene& scene, const StatedNumbers& stated, const std::string& list);
 
 // Also sets the drives' modes.
 Inputs resolve_inputs(Problem& problem);

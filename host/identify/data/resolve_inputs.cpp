@@ -6,7 +6,7 @@
 namespace pvg::diagnose {
 namespace {
 
-void resolve_joint_input(Scene& scene, const RecordedInput& input, const std::array<std::string, 3>& parts,
+void resolve_joint_input(PhysicalScene& scene, const RecordedInput& input, const std::array<std::string, 3>& parts,
                          const std::string& place, Inputs& inputs) {
   const int j = index_named(scene.joints, parts[1]);
   if (j < 0) throw UsageError(place + " names the joint `" + parts[1] + "`, which the scene does not have");
@@ -33,7 +33,7 @@ void resolve_joint_input(Scene& scene, const RecordedInput& input, const std::ar
   inputs.joints.push_back({j, input.columns[0], factor_of(input.unit, unit, place)});
 }
 
-void resolve_body_input(Scene& scene, const RecordedInput& input, const std::array<std::string, 3>& parts,
+void resolve_body_input(PhysicalScene& scene, const RecordedInput& input, const std::array<std::string, 3>& parts,
                         const std::string& place, Inputs& inputs) {
   const int b = index_named(scene.rigid_bodies, parts[1]);
   if (b < 0) throw UsageError(place + " names the body `" + parts[1] + "`, which is no rigid body of the scene");

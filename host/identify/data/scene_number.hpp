@@ -27,8 +27,8 @@ struct NumberPlace {
 struct NumberInFile {
   YAML::Node& root;
   const std::string& target;
-  double value, ratio;   // ratio: of the value to what the scene says
-  const Scene& amended;  // the scene with this value
+  double value, ratio;           // ratio: of the value to what the scene says
+  const PhysicalScene& amended;  // the scene with this value
 };
 
 // A row without places or without a way to write it does not compile.
@@ -36,7 +36,7 @@ struct SceneNumber {
   const char *name, *unit, *meaning;
   double low, high;  // of the ratio to the scene's value
   // touching: pairs of bodies that touch in the runs
-  std::vector<NumberPlace> (&places)(const Scene&, const std::vector<std::string>& touching);
+  std::vector<NumberPlace> (&places)(const PhysicalScene&, const std::vector<std::string>& touching);
   bool (&write)(const NumberInFile&);  // false where the file does not say this number itself
   double prior_sigma = 0;              // one standard deviation before any data [unit]; 0: anything
   double prior_sigma_share = 0;        // the same as a share of the scene's value
@@ -48,7 +48,7 @@ std::span<const SceneNumber> scene_numbers();
 
 // The places of a number that each item of a list of the scene has. value(item): a reference to it.
 template <auto list, auto value>
-std::vector<NumberPlace> in_each(const Scene& scene, const std::vector<std::string>&) {
+std::vector<NumberPlace> in_each(const PhysicalScene& scene, const std::vector<std::string>&) {
   std::vector<NumberPlace> places;
   for (std::size_t i = 0; i < (scene.*list).size(); ++i) {
     auto item = (scene.*list)[i];

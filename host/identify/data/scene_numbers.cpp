@@ -13,7 +13,7 @@ using Touching = std::vector<std::string>;
 
 // ---- mass: the inertia keeps its proportion to it
 
-Places masses(const Scene& scene, const Touching&) {
+Places masses(const PhysicalScene& scene, const Touching&) {
   Places places;
   for (std::size_t b = 0; b < scene.rigid_bodies.size(); ++b)
     if (can_move(scene.rigid_bodies[b]))
@@ -36,7 +36,7 @@ bool write_mass(const NumberInFile& number) {
 
 // ---- inertia: the mean of the three moments is corrected, and they keep their ratios
 
-Places inertias(const Scene& scene, const Touching&) {
+Places inertias(const PhysicalScene& scene, const Touching&) {
   Places places;
   for (std::size_t b = 0; b < scene.rigid_bodies.size(); ++b)
     if (can_move(scene.rigid_bodies[b]))
@@ -64,7 +64,7 @@ bool write_inertia(const NumberInFile& number) {
 
 // ---- gravity: its direction stays
 
-Places gravities(const Scene& scene, const Touching&) {
+Places gravities(const PhysicalScene& scene, const Touching&) {
   if (scene.gravity.norm() == 0) return {};
   return {
       {"scene", scene.gravity.norm(), [](PhysicalScene& s, double value) { s.gravity *= value / s.gravity.norm(); }}};
@@ -96,7 +96,7 @@ double* area_density_of(Cloth& cloth) { return &cloth.material.area_density; }
 // ---- stiffness of cloth: that of the warp is corrected, and warp and weft keep their ratio
 
 template <double ClothMaterial::*warp, double ClothMaterial::*weft>
-Places cloth_stiffnesses(const Scene& scene, const Touching&) {
+Places cloth_stiffnesses(const PhysicalScene& scene, const Touching&) {
   Places places;
   for (std::size_t c = 0; c < scene.cloths.size(); ++c)
     places.push_back({scene.cloths[c].name, scene.cloths[c].material.*warp, [c](PhysicalScene& s, double value) {
@@ -127,7 +127,7 @@ bool write_cloth_stiffness(const NumberInFile& number) {
 
 // ---- contact
 
-double friction_of(const Scene& scene, const std::string& body) {
+double friction_of(const PhysicalScene& scene, const std::string& body) {
   for (const RigidBody& b : scene.rigid_bodies)
     if (b.name == body) return b.friction;
   for (const SoftBody& b : scene.soft_bodies)
@@ -137,7 +137,7 @@ double friction_of(const Scene& scene, const std::string& body) {
   return 0;
 }
 
-Places frictions(const Scene& scene, const Touching& touching) {
+Places frictions(const PhysicalScene& scene, const Touching& touching) {
   Places places;
   for (const std::string& pair : touching) {
     const std::size_t cut = pair.find('/');
@@ -173,7 +173,7 @@ bool write_friction(const NumberInFile& number) {
   return true;
 }
 
-Places contact_stiffnesses(const Scene& scene, const Touching& touching) {
+Places contact_stiffnesses(const PhysicalScene& scene, const Touching& touching) {
   if (touching.empty()) return {};
   return {{"scene", scene.contact.stiffness, [](PhysicalScene& s, double value) { s.contact.stiffness = value; }}};
 }

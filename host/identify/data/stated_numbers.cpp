@@ -17,7 +17,7 @@ struct Found {
 };
 
 // body/NAME/mass is row retune_mass, joint/NAME/damping is retune_joint_damping, pair/A/B/friction is retune_friction
-std::optional<Found> find_number(const Scene& scene, const std::string& key) {
+std::optional<Found> find_number(const PhysicalScene& scene, const std::string& key) {
   const std::size_t first = key.find('/'), last = key.rfind('/');
   const bool is_whole = first == std::string::npos;
   const std::string kind = is_whole ? "" : key.substr(0, first), quantity = is_whole ? key : key.substr(last + 1),
@@ -42,7 +42,7 @@ Unit unit_written(const std::string& si) {
   throw std::logic_error("no unit is called " + si);
 }
 
-double number_in(const std::string& text, const Found& found, const Scene& scene, const std::string& place) {
+double number_in(const std::string& text, const Found& found, const PhysicalScene& scene, const std::string& place) {
   try {
     return parse_quantity(text, unit_written(unit_on(scene, found.place.target, found.number->unit)));
   } catch (const std::invalid_argument& wrong) {
@@ -50,7 +50,7 @@ double number_in(const std::string& text, const Found& found, const Scene& scene
   }
 }
 
-[[noreturn]] void refuse(const Scene& scene, const std::string& place) {
+[[noreturn]] void refuse(const PhysicalScene& scene, const std::string& place) {
   std::string known = "gravity, contact_stiffness";
   for (const RigidBody& body : scene.rigid_bodies)
     if (can_move(body)) known += ", body/" + body.name + "/mass";
@@ -58,7 +58,7 @@ double number_in(const std::string& text, const Found& found, const Scene& scene
   throw UsageError(place + " is no number of the scene that can be stated; there are, among others: " + known);
 }
 
-Found needed(const Scene& scene, const std::string& key, const std::string& place) {
+Found needed(const PhysicalScene& scene, const std::string& key, const std::string& place) {
   std::optional<Found> found = find_number(scene, key);
   if (!found) refuse(scene, place);
   return *found;
@@ -81,7 +81,8 @@ void demand_one(const StatedNumber& stated, const std::string& place) {
 
 }  // namespace
 
-std::vector<SceneChange> scene_changes(const Scene& scene, const StatedNumbers& stated, const std::string& list) {
+std::vector<SceneChange> scene_changes(const PhysicalScene& scene, const StatedNumbers& stated,
+                                       const std::string& list) {
   std::vector<SceneChange> changes;
   for (const auto& [key, number] : stated) {
     const std::string place = list + "." + key;
@@ -101,7 +102,7 @@ std::vector<SceneChange> scene_changes(const Scene& scene, const StatedNumbers& 
 }
 
 void apply_priors(Problem& problem) {
-  Scene& scene = problem.scene.scene;
+  PhysicalScene& scene = problem.scene.scene;
   for (const auto& [key, stated] : problem.recording.priors) {
     const std::string place = problem.recording.file.string() + ": priors." + key;
     const Found found = needed(scene, key, place);

@@ -24,7 +24,8 @@ struct NumberPrior {
 };
 
 // place: of the list in the file, for messages. Throws a UsageError that names the entry and what to do.
-std::vector<SceneChange> scene_changes(const Scene& scene, const StatedNumbers& stated, const std::string& place);
+std::vector<SceneChange> scene_changes(const PhysicalScene& scene, const StatedNumbers& stated,
+                                       const std::string& place);
 
 // Also sets the values in the problem's scene.
 void apply_priors(Problem& problem);

@@ -25,7 +25,7 @@ double sigma_in(const StatedNumber& stated, Unit unit, const std::string& place)
   return sigma;
 }
 
-GivenStart of_joint(const Scene& scene, const std::array<std::string, 3>& parts, const StatedNumber& stated,
+GivenStart of_joint(const PhysicalScene& scene, const std::array<std::string, 3>& parts, const StatedNumber& stated,
                     const std::string& place) {
   const int j = index_named(scene.joints, parts[1]);
   if (j < 0 || !has_coordinate(scene.joints[std::size_t(j)]))
@@ -39,7 +39,7 @@ GivenStart of_joint(const Scene& scene, const std::array<std::string, 3>& parts,
           number_in(stated.value[0], unit, place)};
 }
 
-void add_of_body(const Scene& scene, const std::array<std::string, 3>& parts, const StatedNumber& stated,
+void add_of_body(const PhysicalScene& scene, const std::array<std::string, 3>& parts, const StatedNumber& stated,
                  const std::string& place, std::vector<GivenStart>& given) {
   const int b = index_named(scene.rigid_bodies, parts[1]);
   if (b < 0 || !can_move(scene.rigid_bodies[std::size_t(b)]))
@@ -57,7 +57,7 @@ void add_of_body(const Scene& scene, const std::array<std::string, 3>& parts, co
 
 }  // namespace
 
-std::vector<GivenStart> given_starts(const Scene& scene, const StatedNumbers& stated, const std::string& list) {
+std::vector<GivenStart> given_starts(const PhysicalScene& scene, const StatedNumbers& stated, const std::string& list) {
   std::vector<GivenStart> given;
   for (const auto& [key, number] : stated) {
     const std::string place = list + "." + key;

@@ -166,7 +166,7 @@ void start_body(const Problem& problem, const Run& run, int b, double t0, bool i
 }
 
 Start start_of(const Problem& problem, const Run& run, double t0) {
-  const Scene& scene = problem.scene.scene;
+  const PhysicalScene& scene = problem.scene.scene;
   Start start;
   for (const Joint& joint : scene.joints) start.state.position.push_back(joint.initial);
   start.state.rate.assign(scene.joints.size(), 0);

@@ -86,7 +86,7 @@ Agreement agreement_of(const Problem& problem, const std::vector<Window>& window
   for (const auto& [channel, stretches] : stretches_of(windows, residual)) {
     const double larger = 1 + criteria().gain_sigma * noise_uncertainty(problem, std::size_t(channel));
     for (const double length : criteria().agreement_blocks) {
-      const std::size_t n_block = std::size_t(length);
+      const std::size_t n_block = std::size_t(std::max(1.0, std::round(length)));
       const Sum sum = blocks_of(stretches, n_block);
       if (sum.n < 1) continue;
       const double sigmas = deviate(std::max(sum.squares - sum.of_step, 0.0) / (larger * larger), sum.n);

@@ -24,7 +24,7 @@ void move_paths(YAML::Node node, const fs::path& from, const fs::path& to) {
 }
 
 // Values that the recording states before any data hold instead of the file's.
-void write_priors(YAML::Node& root, const Problem& problem, const Scene& scene) {
+void write_priors(YAML::Node& root, const Problem& problem, const PhysicalScene& scene) {
   for (const NumberPrior& prior : problem.priors)
     for (const SceneNumber& number : scene_numbers())
       if (prior.number == number.name && prior.value != prior.said)

@@ -15,7 +15,7 @@ std::vector<double> roll_pitch_yaw(const Mat3& rotation) {
   return {turned[2], turned[1], turned[0]};
 }
 
-void write_start(YAML::Node& root, const Scene& before, const Scene& scene) {
+void write_start(YAML::Node& root, const PhysicalScene& before, const PhysicalScene& scene) {
   for (std::size_t b = 0; b < scene.rigid_bodies.size(); ++b) {
     const RigidBody &body = scene.rigid_bodies[b], &was = before.rigid_bodies[b];
     if (!can_move(body)) continue;
@@ -35,7 +35,7 @@ void write_start(YAML::Node& root, const Scene& before, const Scene& scene) {
   }
 }
 
-void write_commands(YAML::Node& root, const Scene& scene, const PlannedMotion& motion) {
+void write_commands(YAML::Node& root, const PhysicalScene& scene, const PlannedMotion& motion) {
   constexpr const char* MODES[] = {"position", "velocity", "torque"};
   std::size_t driven = 0;
   for (const Joint& joint : scene.joints) {
@@ -54,7 +54,7 @@ void write_commands(YAML::Node& root, const Scene& scene, const PlannedMotion& m
 std::string next_scene(const Problem& problem, const Diagnosis& diagnosis, const std::filesystem::path& folder) {
   const PlannedMotion& motion = diagnosis.next_motion.value();
   YAML::Node root = scene_file_in(problem, folder);
-  Scene scene = problem.scene.scene;
+  PhysicalScene scene = problem.scene.scene;
   start_at(problem, motion.initial, scene);
   write_start(root, problem.scene.scene, scene);
   write_commands(root, scene, motion);

@@ -87,7 +87,7 @@ struct Diagnosis {
   std::optional<RegressedLaw> regressed;  // where the verdict is none
   double seconds = 0;
   std::size_t simulations = 0;
-  Scene used;                                          // the base scene with the solver as chosen
+  PhysicalScene used;                                  // the base scene with the solver as chosen
   std::shared_ptr<std::vector<Candidate>> candidates;  // owns what the pointers above point to
 };
 

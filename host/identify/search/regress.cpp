@@ -60,7 +60,7 @@ void add_sums(Workflow& flow, const ChosenWindows& chosen, const LawSite& site, 
 // those where most of the misfit is
 std::vector<LawSite> worst_sites(const Problem& problem, const std::vector<Cell>& where) {
   std::vector<LawSite> sites = law_sites(problem);
-  const Scene& scene = problem.scene.scene;
+  const PhysicalScene& scene = problem.scene.scene;
   const auto share_of = [&](const LawSite& site) {
     double share = 0;
     for (const Cell& cell : where)

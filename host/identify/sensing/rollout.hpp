@@ -14,7 +14,7 @@
 namespace pvg::diagnose {
 
 struct Variant {
-  Scene scene;
+  PhysicalScene scene;  // what is seen does not vary: Problem::seen
   Sensing sensing;
 };
 

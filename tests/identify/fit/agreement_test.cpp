@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "host/identify/criteria.hpp"
 #include "host/identify/fit/correlation.hpp"
 #include "host/identify/fit/whole_runs.hpp"
 
@@ -57,6 +58,14 @@ TEST(Agreement, AnErrorOf109HundredthsOfAGivenNoiseIsAMisfit) {
   for (unsigned seed = 0; seed < 50; ++seed)
     EXPECT_FALSE(agrees(one_channel(true, n), 1.09 * white(n, seed), one_window(n))) << seed;
   EXPECT_TRUE(agrees(one_channel(true, 100), 1.09 * white(100, 1), one_window(100))) << "100 samples do not tell";
+}
+
+// Criteria are varied for studies: a block of less than a sample once had none, and the loop over it no end.
+TEST(Agreement, ABlockShorterThanASampleIsASample) {
+  const std::size_t n = 400;
+  set_criterion("agreement_blocks", 0.4);
+  EXPECT_TRUE(agrees(one_channel(true, n), white(n, 0), one_window(n)));
+  set_criterion("agreement_blocks", 1);
 }
 
 // A drift of a third of the noise: the samples' mean square grows by 6 % only, the blocks of 256 show it.
