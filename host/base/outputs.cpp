@@ -1,6 +1,7 @@
 #include "host/base/outputs.hpp"
 
 #include <fcntl.h>
+#include <fnmatch.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -89,6 +90,21 @@ void check_output_file(const fs::path& output, const std::vector<std::string>& e
   if (file < 0) throw UsageError(given + " cannot be written: " + std::strerror(errno));
   close(file);
   if (!was_there) fs::remove(output, ignored);
+}
+
+void check_output_folder(const fs::path& output, const std::vector<std::string>& ours, const std::string& what) {
+  const std::string given = "-o " + output.string();
+  std::error_code ignored;
+  if (fs::exists(output, ignored) && !fs::is_directory(output, ignored))
+    throw UsageError(given + " is a file; name a folder");
+  make_writable_folder(fs::absolute(output).parent_path());
+  for (const fs::directory_entry& entry : fs::directory_iterator(output, ignored)) {
+    const std::string name = entry.path().filename().string();
+    const auto is_name = [&](const std::string& pattern) { return fnmatch(pattern.c_str(), name.c_str(), 0) == 0; };
+    if (std::none_of(ours.begin(), ours.end(), is_name))
+      throw UsageError(given + " holds " + name + ", which is none of what " + what +
+                       " writes and would be lost; choose another folder");
+  }
 }
 
 namespace {

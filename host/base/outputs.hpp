@@ -21,6 +21,11 @@ void check_is_not_read(const std::filesystem::path& output);
 void check_output_file(const std::filesystem::path& output, const std::vector<std::string>& endings = {},
                        const std::string& option = "-o");
 
+// A UsageError where no folder can be made of this name, or where one stands there that holds anything else than
+// `ours`, the names of what `what` writes, with * and ?: replacing it would lose that.
+void check_output_folder(const std::filesystem::path& output, const std::vector<std::string>& ours,
+                         const std::string& what);
+
 // A UsageError where `output` is `input` or lies in it. what: the command does, such as "merge".
 void check_not_within(const std::filesystem::path& output, const std::filesystem::path& input, const std::string& what);
 // Likewise, also where it lies around it.

@@ -195,7 +195,7 @@ ColorOffset align_color_camera(const Capture& capture, std::span<const CaptureFr
   out.n_points = std::size_t(std::count_if(count.begin(), count.end(), [](int n) { return n >= 3; }));
   if (out.n_points < FEWEST_POINTS)
     throw UsageError("the colour camera cannot be aligned: only " + std::to_string(out.n_points) +
-                     " points of the surface are seen by three photos; take more photos, or leave --align out");
+                     " points of the surface are seen by three photos; take more photos, or give --align-colors no");
   std::vector<Gray> sharp(frames.size());
   for (std::size_t f = 0; f < frames.size(); ++f)
     if (!frames[f].color.empty()) sharp[f] = gray_of(color_of(frames[f]));

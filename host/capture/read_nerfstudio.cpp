@@ -11,6 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+constexpr double MOST_PIXELS = 16384;  // along an edge
 
 double number_in(const json& frame, const json& root, const char* key, const fs::path& file) {
   const json& holder = frame.contains(key) ? frame : root;
@@ -19,16 +20,29 @@ double number_in(const json& frame, const json& root, const char* key, const fs:
   return holder[key].get<double>();
 }
 
+int pixels_in(const json& frame, const json& root, const char* key, const fs::path& file) {
+  const double number = number_in(frame, root, key, file);
+  if (!(number >= 1 && number <= MOST_PIXELS))
+    throw UsageError(file.string() + ": `" + key + "` must be 1 to 16384 pixels");
+  return int(number);
+}
+
+std::string text_in(const json& holder, const char* key, const std::string& otherwise, const fs::path& file) {
+  if (!holder.contains(key)) return otherwise;
+  if (!holder[key].is_string()) throw UsageError(file.string() + ": `" + key + "` is no text");
+  return holder[key].get<std::string>();
+}
+
 Camera camera_of(const json& frame, const json& root, const fs::path& file) {
   Camera camera;
-  camera.width = int(number_in(frame, root, "w", file));
-  camera.height = int(number_in(frame, root, "h", file));
+  camera.width = pixels_in(frame, root, "w", file);
+  camera.height = pixels_in(frame, root, "h", file);
   camera.fx = number_in(frame, root, "fl_x", file);
   camera.fy = number_in(frame, root, "fl_y", file);
   // nerfstudio counts from the corner of the first pixel, OpenCV from its centre
   camera.cx = number_in(frame, root, "cx", file) - 0.5;
   camera.cy = number_in(frame, root, "cy", file) - 0.5;
-  const std::string model = root.value("camera_model", "OPENCV");
+  const std::string model = text_in(root, "camera_model", "OPENCV", file);
   const auto optional = [&](const char* key) {
     return frame.contains(key) || root.contains(key) ? number_in(frame, root, key, file) : 0.0;
   };
@@ -66,8 +80,8 @@ Capture read_nerfstudio(const fs::path& folder) {
   for (const json& item : root["frames"]) {
     if (!item.is_object() || !item.contains("depth_file_path")) continue;
     CaptureFrame frame;
-    frame.depth = folder / item.value("depth_file_path", "");
-    const std::string color = item.value("file_path", "");
+    frame.depth = folder / text_in(item, "depth_file_path", "", file);
+    const std::string color = text_in(item, "file_path", "", file);
     if (!color.empty()) frame.color = folder / color;
     frame.name = frame.depth.stem().string();
     frame.depth_camera = frame.color_camera = camera_of(item, root, file);

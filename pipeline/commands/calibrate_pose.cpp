@@ -51,6 +51,7 @@ void run_calibrate_pose(const CalibratePoseOptions& o) {
   if (photo.width != camera.width || photo.height != camera.height)
     throw UsageError(fmt::format("{} has {} x {} pixels, the camera {} x {}; take the photo with the calibrated camera",
                                  o.photo, photo.width, photo.height, camera.width, camera.height));
+  if (!o.output.empty()) check_output_file(o.output, {".yaml", ".yml"});
   const std::vector<FoundTag> found = find_tags_finely(photo);
   if (found.empty()) throw UsageError(o.photo + ": no tag of the family 36h11 is found");
   const CameraPlace place = place_camera(found, tags, camera);
@@ -60,7 +61,6 @@ void run_calibrate_pose(const CalibratePoseOptions& o) {
       fmt::format("position: [{:.6f}, {:.6f}, {:.6f}]\nquaternion: [{:.8f}, {:.8f}, {:.8f}, {:.8f}]\n", p.x(), p.y(),
                   p.z(), q.x(), q.y(), q.z(), q.w());
   if (!o.output.empty()) {
-    check_output_file(o.output, {".yaml", ".yml"});
     write_text_atomically(o.output, "# camera (optical frame) to world, by `phyvisgen calibrate pose`\n" + yaml);
   }
   if (o.as_json) {

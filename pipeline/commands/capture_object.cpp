@@ -26,6 +26,7 @@ void run_capture_object(const CaptureObjectOptions& o) {
         "capture object needs a mesh file and -o FOLDER; `phyvisgen capture object --help` shows an "
         "example");
   check_apart(o.output, o.source, "capture object");
+  check_output_folder(o.output, {"simulation.obj", "visual.glb", "object.yaml", "report.json"}, "capture object");
   const auto start = std::chrono::steady_clock::now();
   ObjectSettings settings;
   settings.scale = o.scale;
@@ -38,7 +39,6 @@ void run_capture_object(const CaptureObjectOptions& o) {
   settings.always_wraps = o.wraps;
   const CapturedObject object = capture_object(o.source, settings);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  make_writable_folder(std::filesystem::absolute(o.output).parent_path());
   PartialFolder folder(o.output);
   write_object(folder.path(), object, settings, seconds);
   folder.finish();

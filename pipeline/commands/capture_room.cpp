@@ -80,6 +80,7 @@ void run_capture_room(const CaptureRoomOptions& o) {
         "example");
   if (o.hold_out == 1) throw UsageError("--hold-out 1 leaves every frame out; take 2 or more");
   check_apart(o.output, o.folder, "capture room");
+  check_output_folder(o.output, {"room.glb", "room.yaml", "plane_*.obj", "report.json"}, "capture room");
   const auto start = std::chrono::steady_clock::now();
   const Capture capture = read_capture(o.folder, o.depth_unit);
   const RoomSettings settings = settings_of(o, capture);
@@ -92,7 +93,6 @@ void run_capture_room(const CaptureRoomOptions& o) {
     std::fprintf(stderr, "phyvisgen: no plane faces up, so the room keeps the capture's frame; see --ground\n");
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const nlohmann::ordered_json report = room_report(room, settings, seconds, device.peak_bytes());
-  make_writable_folder(fs::absolute(o.output).parent_path());
   PartialFolder folder(o.output);
   write_room(folder.path(), room, settings);
   write_text_atomically(folder.path() / "report.json", report.dump(2) + "\n");

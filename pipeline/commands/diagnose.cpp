@@ -146,6 +146,7 @@ diagnose::Problem problem_of(const DiagnoseOptions& options) {
   const auto parquet = [](const std::vector<fs::path>& files, const std::vector<std::string>& columns) {
     return read_parquet(python_with_pyarrow(), parquet_script("read_parquet.py"), files, columns);
   };
+  if (!options.folder.empty()) check_not_within(options.folder, options.recording, "diagnose");
   return diagnose::make_problem(load_robot_set(options.recording, options.task, parquet));
 }
 

@@ -54,7 +54,7 @@ void run_fidelity(const FidelityOptions& options) {
   std::map<std::string, Fidelity> baselines;
   for (const std::string& text : options.baselines) {
     const std::size_t at = text.find('=');
-    if (at == 0 || at == std::string::npos)
+    if (at == 0 || at == std::string::npos || at + 1 == text.size())
       throw UsageError("--baseline " + text + " is not NAME=FOLDER, such as rigid=out/rigid/episode_000000");
     baselines[text.substr(0, at)] = compare(real, read_seen_folder(text.substr(at + 1)), settings);
   }

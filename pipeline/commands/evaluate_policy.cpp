@@ -8,6 +8,7 @@
 
 #include "host/base/child_program.hpp"
 #include "host/base/error.hpp"
+#include "host/base/outputs.hpp"
 #include "pipeline/command_line/command.hpp"
 #include "pipeline/command_line/data_folder.hpp"
 
@@ -18,7 +19,10 @@ namespace fs = std::filesystem;
 
 // $PVG_PYTHON, or the environment that scripts/install_policy.sh makes.
 fs::path python_with_package() {
-  if (const char* named = std::getenv("PVG_PYTHON")) return named;
+  if (const char* named = std::getenv("PVG_PYTHON")) {
+    if (!is_file(named)) throw UsageError("PVG_PYTHON names " + std::string(named) + ", which is no file");
+    return named;
+  }
   const fs::path root = data_folder().parent_path();
   const fs::path python = root / ".venv-policy/bin/python";
   if (fs::exists(python)) return python;

@@ -60,5 +60,17 @@ TEST_F(Outputs, AFolderIsNotWrittenIntoNorAroundWhatIsRead) {
   check_apart(root / "whole", root / "set", "merge");
 }
 
+TEST_F(Outputs, AFolderIsReplacedOnlyWhereAllInItWasWrittenByTheCommand) {
+  const std::vector<std::string> ours = {"room.yaml", "plane_*.obj"};
+  check_output_folder(root / "new", ours, "capture");
+  EXPECT_FALSE(fs::exists(root / "new"));
+  check_output_folder(root / "set", ours, "capture");
+  file("set/room.yaml"), file("set/plane_12.obj");
+  check_output_folder(root / "set", ours, "capture");
+  file("set/notes.txt");
+  EXPECT_THROW(check_output_folder(root / "set", ours, "capture"), UsageError);
+  EXPECT_THROW(check_output_folder(file("mine"), ours, "capture"), UsageError);
+}
+
 }  // namespace
 }  // namespace pvg

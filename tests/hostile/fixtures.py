@@ -1,5 +1,6 @@
 """Small valid inputs that rows copy and spoil. Each is a folder or a file; sets and states are made once by the program
 itself."""
+import json
 import pathlib
 import shutil
 import struct
@@ -68,6 +69,50 @@ def png(width, height, color):
 
     header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+
+
+def depth_png(width, height, depth=1000):
+    """A 16-bit picture of depths, in millimetres."""
+    row = b"\0" + struct.pack(f">{width}H", *[depth] * width)
+
+    def chunk(kind, content):
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+    header = struct.pack(">IIBBBBB", width, height, 16, 0, 0, 0, 0)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(row * height)) +
+            chunk(b"IEND", b""))
+
+
+def captures():
+    """A wall 1 m in front of a camera of 64 x 48 pixels, seen from two places, in the four layouts that are read."""
+    depth, photo = depth_png(64, 48), png(64, 48, (90, 120, 60))
+    pose = [f"1 0 0 {x}\n0 1 0 0\n0 0 1 0\n0 0 0 1\n" for x in (0, 0.02)]
+    files = {"seven/camera-intrinsics.txt": "60 0 31.5\n0 60 23.5\n0 0 1\n", "tum/camera.txt": "60 60 31.5 23.5\n",
+             "tum/depth.txt": "1 depth/0.png\n2 depth/1.png\n", "tum/rgb.txt": "1 rgb/0.png\n2 rgb/1.png\n",
+             "tum/groundtruth.txt": "1 0 0 0 0 0 0 1\n2 0.02 0 0 0 0 0 1\n",
+             "colmap/sparse/0/cameras.txt": "1 PINHOLE 64 48 60 60 32 24\n",
+             "colmap/sparse/0/images.txt": "1 1 0 0 0 0 0 0 1 0.png\n\n2 1 0 0 0 -0.02 0 0 1 1.png\n\n"}
+    frames = []
+    for i in range(2):
+        files |= {f"seven/frame-00000{i}.depth.png": depth, f"seven/frame-00000{i}.color.png": photo,
+                  f"seven/frame-00000{i}.pose.txt": pose[i], f"tum/depth/{i}.png": depth, f"tum/rgb/{i}.png": photo,
+                  f"nerf/depth/{i}.png": depth, f"nerf/images/{i}.png": photo, f"colmap/depth/{i}.png": depth,
+                  f"colmap/images/{i}.png": photo}
+        frames.append({"file_path": f"images/{i}.png", "depth_file_path": f"depth/{i}.png",
+                       "transform_matrix": [[1, 0, 0, 0.02 * i], [0, -1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]]})
+    files["nerf/transforms.json"] = json.dumps({"w": 64, "h": 48, "fl_x": 60, "fl_y": 60, "cx": 32, "cy": 24,
+                                                "frames": frames}, indent=1)
+    return files
+
+
+def compared():
+    """Two folders with pictures and masks of the same names."""
+    files = {}
+    for i in range(3):
+        for k, name in ((1, "real"), (2, "sim")):
+            files[f"{name}/{i}.png"] = png(32, 24, lambda x, y, k=k: (8 * x // k, 10 * y // k, 60))
+            files[f"{name}/masks/{i}.png"] = png(32, 24, lambda x, y, k=k: (255,) * 3 if 8 < x < 20 + k else (0,) * 3)
+    return files
 
 
 def text_fixture(files):
@@ -140,6 +185,8 @@ FIXTURES = {
     "bare": episode_set("bare", "--no-render"),
     "recorded": recorded,
     "rec": recording,
+    "captures": text_fixture(captures()),
+    "compared": text_fixture(compared()),
     "pictures": text_fixture({f"{kind}/front_{i}.png": png(64, 64, lambda x, y, k=k: ((60 + 2 * x) // k, (50 + 2 * y) // k,
                                                                                        (40 + x + y) // k))
                               for k, kind in ((1, "rendered"), (2, "real")) for i in range(2)}),

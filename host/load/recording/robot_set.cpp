@@ -1,6 +1,7 @@
 #include "host/load/recording/robot_set.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "host/base/error.hpp"
@@ -28,7 +29,11 @@ RobotEpisode read_states(const fs::path& file, const std::string& name) {
       throw UsageError(file.string() + " is damaged: " + object +
                        " has another number of values than /time and its names");
     std::vector<std::vector<double>> all(width, std::vector<double>(n));
-    for (std::size_t i = 0; i < values.size(); ++i) all[i % width][i / width] = values[i];
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (!std::isfinite(values[i]))
+        throw UsageError(file.string() + " is damaged: " + object + " holds what is no finite number");
+      all[i % width][i / width] = values[i];
+    }
     return all;
   };
   episode.state = columns("/q");
@@ -126,6 +131,10 @@ RecordedRun run_of(const RobotEpisode& episode, const std::vector<std::string>& 
   if (episode.time.size() < LEAST_ROWS)
     throw UsageError(set.string() + ": the " + episode.name + " holds " + std::to_string(episode.time.size()) +
                      " rows; a run needs at least " + std::to_string(LEAST_ROWS));
+  for (std::size_t i = 1; i < episode.time.size(); ++i)
+    if (!(episode.time[i] > episode.time[i - 1]))
+      throw UsageError(set.string() + ": the times of the " + episode.name + " do not ascend at row " +
+                       std::to_string(i));
   RecordedRun run;
   run.name = episode.name;
   run.table.file = set;
@@ -157,6 +166,7 @@ bool is_robot_set(const fs::path& path) {
 Recording load_robot_set(const fs::path& set, const fs::path& task, const ParquetReader& read_parquet) {
   if (!is_task_file(task))
     throw UsageError(task.string() + " is no task: it has no `motion`; name the task whose robots made the set");
+  if (!fs::exists(set)) throw UsageError(set.string() + " is not there; name a set of episodes, or a states.h5");
   const std::vector<RobotEpisode> episodes = read_episodes(set, read_parquet);
   if (episodes.empty())
     throw UsageError(set.string() + " holds neither recording.yaml nor episodes nor meta/info.json of a LeRobot set");
