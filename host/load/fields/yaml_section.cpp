@@ -107,7 +107,7 @@ YamlSection YamlSection::resolved(const std::string& text, const std::filesystem
 }
 
 YamlSection::YamlSection(YAML::Node node, std::filesystem::path file, std::string name, bool is_resolved)
-    : node_(std::move(node)), file_(std::move(file)), name_(std::move(name)), is_resolved_(is_resolved) {
+    : node_(node), file_(std::move(file)), name_(std::move(name)), is_resolved_(is_resolved) {
   if (!node_.IsMap())
     fail_at(node_, (name_.empty() ? "the file" : "`" + name_ + "`") + " must be a mapping of keys to values");
   std::set<std::string> seen;
