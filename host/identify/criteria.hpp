@@ -170,9 +170,9 @@
   X(1, double, step_converges, 0.6, "1", \
     "error after a halving of the step over that before, up to which the steps converge", \
     "hard impacts; first order gives 1/2 (commits bde408a, 0c3d581)") \
-  X(1, int, step_n_refinements, 2, "1", \
+  X(1, int, step_n_refinements, 3, "1", \
     "most halvings of the scene's step", \
-    "hard impacts (commit bde408a)") \
+    "hard impacts (commit bde408a); with 2 a flywheel that a known torque turns by 27 rad was no null for its step") \
   X(1, double, late_clock_most, 0.06, "s", \
     "time simulated beyond a window's end, for clocks and sensors that are late", \
     "not recorded") \

@@ -166,7 +166,7 @@ def double_pendulum(rng):
          ("joint_viscous_friction", "shoulder", {"damping": 0.02 * unit}, ["linear_drag"]), ("joint_coulomb_friction", "shoulder", {"effort": 0.02 * unit}, []),
          ("joint_spring", "elbow", {"stiffness": 0.05 * unit, "preload": 0.01 * unit}, []), ("payload_mass", "lower", {"mass": 0.02}, ["retune_mass"])],
         [("unknown_magnet", "shoulder", {"strength": 0.2 * unit, "width": 0.3}), ("unknown_magnet", "elbow", {"strength": 0.1 * unit, "width": 0.3})],
-        [("retune_mass", "mass_2", "lower", 0.1, ["payload_mass", "retune_inertia"])],
+        [("retune_mass", "mass_2", "lower", 0.1, ["retune_mass at upper", "payload_mass", "retune_inertia"])],  # the ratio of the masses alone counts
         [("joint_coulomb_friction", "joint_spring")],
         ["joint/shoulder/velocity", "joint/elbow/velocity"], masses={"mass_1": "upper", "mass_2": "lower"})
 

@@ -9,6 +9,7 @@
 // while the model is wrong a window that it misses is no outlier. The last steps use one scale.
 #pragma once
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "host/identify/candidates/candidate.hpp"
@@ -62,6 +63,8 @@ class Fitter {
   // The windows' sensitivities to their starts at a model, and the change by time steps of half the length there, which
   // is added to all residuals from then on if `corrects`. Windows that cannot be simulated to their end are left out.
   FitData prepare(std::vector<Window> windows, const Model& at, bool corrects = true);
+  // What richardson_factor would say, as it was measured in this scene.
+  void correct_steps_by(double factor) { step_factor_ = factor; }
   // From now on nothing is corrected for the length of the steps.
   void take_steps_as_they_are() { corrects_steps_ = false; }
   // Likewise, with larger finite differences: masks change by whole pixels.
@@ -122,6 +125,7 @@ class Fitter {
   Predictor& predictor_;
   const Variant& base_;
   bool corrects_steps_ = true;
+  std::optional<double> step_factor_;
   double difference_ = criteria().difference_share;  // by which slopes are found, of how far a parameter is from "off"
 };
 

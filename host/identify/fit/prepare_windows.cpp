@@ -69,8 +69,8 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corre
     if (!succeeded) continue;
     kept.push_back(window);
     if (better && better->succeeded) {
-      const VectorXd change = richardson_factor(base_.scene) * (better->residual - here.residual),
-                     left = beside_starts(u, change);
+      const double factor = step_factor_.value_or(richardson_factor(base_.scene));
+      const VectorXd change = factor * (better->residual - here.residual), left = beside_starts(u, change);
       if (left.norm() < criteria().step_correction_most * std::sqrt(double(left.size()))) kept.back().correction = left;
     }
     data.of_start.push_back(std::move(u));

@@ -62,6 +62,11 @@ double misfit(const FitData& data, const std::vector<Prediction>& predictions) {
 
 }  // namespace
 
+double measured_richardson_factor(double ratio) {
+  const double by = std::clamp(ratio, 2.0, 4.0);
+  return by / (by - 1);
+}
+
 std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem& problem, Variant& base) {
   SolverSettings& solver = base.scene.solver;
   solver.velocity_tolerance = std::min(solver.velocity_tolerance, criteria().newton_tolerance);
@@ -115,6 +120,12 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
     fitter.take_steps_as_they_are();
   }
   if (by_pixels) fitter.expect_whole_pixels();
+  // of light damping the error is still of second order
+  if (is_first_order && solver.integrator == bdf2 && !keeps_as_given && !by_pixels) {
+    const double first = apart(data, predict({bdf2, solver.time_step}), fine);
+    const double second = apart(data, fine, predict({bdf2, solver.time_step / 4}));
+    if (second > 0 && std::isfinite(first)) fitter.correct_steps_by(measured_richardson_factor(first / second));
+  }
   return fmt::format(
       "simulated with steps of {:.4g} ms, {}, {}; finer steps differ by {:.2g} times the noise, {}",
       1e3 * solver.time_step, solver.integrator == bdf2 ? "BDF2" : "implicit Euler",

@@ -55,6 +55,13 @@ TEST(TimeStep, IsNotCoarserForColumnsInWhichNothingHappens) {
   EXPECT_DOUBLE_EQ(three, one);
 }
 
+TEST(TimeStep, ErrorOfFirstOrderIsTwiceTheChangeByHalfTheStepAndOfSecondFourThirds) {
+  EXPECT_DOUBLE_EQ(measured_richardson_factor(2), 2);
+  EXPECT_DOUBLE_EQ(measured_richardson_factor(4), 4.0 / 3);
+  EXPECT_DOUBLE_EQ(measured_richardson_factor(1), 2);  // no order below the first
+  EXPECT_DOUBLE_EQ(measured_richardson_factor(16), 4.0 / 3);
+}
+
 // How much of a hard impact comes back is decided by the step, finer ones included: there is nothing to go near to.
 TEST(TimeStep, OfHardImpactsIsTheScenes) {
   const TestFolder folder;
