@@ -2,12 +2,18 @@
 
 #include <pthread.h>
 #include <signal.h>
+#include <sys/syscall.h>
+#include <ucontext.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <mutex>
+#include <string>
 #include <thread>
 
 #include "host/base/atomic_files.hpp"
@@ -26,6 +32,41 @@ sigset_t stop_signals() {
   sigemptyset(&signals);
   for (const int number : {SIGINT, SIGTERM, SIGUSR1, SIGHUP}) sigaddset(&signals, number);
   return signals;
+}
+
+// ---- Threads that libraries began before main, as OpenBLAS does, have the signals open: one of them would take a
+// signal, and end the process. Nobody can change the mask of another thread, so each changes its own, in a handler.
+
+std::atomic<int> n_masked = 0;
+
+void block_in_this_thread(int, siginfo_t*, void* context) {
+  sigset_t& mask = static_cast<ucontext_t*>(context)->uc_sigmask;  // holds again when the handler returns
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1, SIGHUP}) sigaddset(&mask, number);
+  ++n_masked;
+}
+
+// Does a thread hear of SIGTERM? Some libraries block everything in theirs.
+bool hears(const std::filesystem::path& task) {
+  std::ifstream status(task / "status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("SigBlk:")) return !(std::stoull(line.substr(7), nullptr, 16) >> (SIGTERM - 1) & 1);
+  return false;  // it has ended
+}
+
+void block_in_other_threads() {
+  const int asks = SIGRTMIN + 7;
+  struct sigaction action = {};
+  action.sa_sigaction = block_in_this_thread;
+  action.sa_flags = SA_SIGINFO | SA_RESTART;
+  sigaction(asks, &action, nullptr);
+  int n_asked = 0;
+  std::error_code ignored;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task", ignored)) {
+    const int thread = std::atoi(task.path().filename().c_str());
+    if (thread != syscall(SYS_gettid) && hears(task.path()))
+      n_asked += syscall(SYS_tgkill, getpid(), thread, asks) == 0;
+  }
+  for (int i = 0; i < 100 && n_masked < n_asked; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 // Waits for a signal so long [s]; its number, or less than 1.
@@ -64,6 +105,7 @@ const std::atomic<bool>& stop_on_signals() {
   std::call_once(once, [] {
     const sigset_t signals = stop_signals();
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // threads that begin later inherit it
+    block_in_other_threads();
     std::thread(listen).detach();
   });
   return stop;

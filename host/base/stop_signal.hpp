@@ -5,7 +5,7 @@
 
 namespace pvg {
 
-// The flag turns true once one of the signals arrives. The first call must come before other threads begin. What is
+// The flag turns true once one of the signals arrives. Threads that run before the first call must not start others. What is
 // still under way 1.5 s later ends with the process (exit code 75), and what is in the making goes.
 const std::atomic<bool>& stop_on_signals();
 
