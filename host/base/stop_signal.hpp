@@ -5,8 +5,8 @@
 
 namespace pvg {
 
-// The flag turns true once one of the signals arrives. Threads that run before the first call must not start others. What is
-// still under way 1.5 s later ends with the process (exit code 75), and what is in the making goes.
+// The flag turns true once one of the signals arrives. Threads that run before the first call must not start others.
+// What is still under way 1.5 s later ends with the process (exit code 75), and what is in the making goes.
 const std::atomic<bool>& stop_on_signals();
 
 }  // namespace pvg

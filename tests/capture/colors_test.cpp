@@ -48,6 +48,22 @@ TEST(Colors, WhatPassedByLeavesHardlyATrace) {
   EXPECT_LT(expected - grey, 0.1 * (mean - grey));
 }
 
+// A byte of 250 or more may have been cut, so such a photo counts a twentieth: of g and b the plain mean of the first
+// pass is (g + b / 20) / (1 + 1 / 20), and the second pass weighs both by their distance from it.
+TEST(Colors, PhotosThatMayBeCutCountLittle) {
+  const TestFolder folder;
+  const std::vector<CaptureFrame> frames = {frame_of(folder, "a", 240), frame_of(folder, "b", 255)};
+  const std::vector<DepthPicture> depths(2, {16, 12, std::vector<float>(16 * 12, 2)});
+  const std::vector<Vec3f> gains(2, Vec3f::Ones()), points = {{0, 0, 2}, {0.1f, 0, 2}, {0, 0.1f, 2}},
+                                                    normals(3, Vec3f(0, 0, -1));
+  Device device;
+  const SurfaceColors found = color_surface(device, {frames, depths, gains}, points, normals, {{0, 1, 2}}, 0.03);
+  const double whole = linear(240), cut = linear(255), mean = (whole + 0.05 * cut) / 1.05;
+  const auto weight = [&](double c) { return 1 / (1 + 3 * std::pow((c - mean) / 0.1, 2)); };
+  const double wa = weight(whole), wb = 0.05 * weight(cut);
+  for (const Vec3f& color : found.colors) EXPECT_NEAR(color.x(), (wa * whole + wb * cut) / (wa + wb), 1e-4);
+}
+
 // Points of colour c_p in photos of gains 1 / g_f; one sample in five is of something else. The gains are g_f over
 // their geometric mean; a photo that shares no point with another keeps 1.
 TEST(Exposure, GainsOfPhotosFollowFromTheirOverlapDespiteForeignSamples) {

@@ -96,7 +96,7 @@ TEST(Fusion, ASphereHasItsRadiusWithinHalfAVoxelAndIsClosed) {
   EXPECT_NEAR(enclosed_volume(mesh), 4.0 / 3 * M_PI * std::pow(RADIUS, 3), 0.01 * 4.2e-3);
 }
 
-// Whatever the signs of the samples are, neighbouring cells fit: no edge inside the grid has one triangle only.
+// Whatever the signs of the samples are, neighbouring cells fit: an edge has one triangle on each side, and no other.
 TEST(MarchingCubes, CellsOfRandomSignsCloseAgainstEachOther) {
   const std::vector<std::uint8_t> cases = marching_cubes_cases();
   ASSERT_EQ(cases.size(), 256u * 16u);
@@ -108,7 +108,7 @@ TEST(MarchingCubes, CellsOfRandomSignsCloseAgainstEachOther) {
     for (int z = 1; z + 1 < N; ++z)
       for (int y = 1; y + 1 < N; ++y)
         for (int x = 1; x + 1 < N; ++x) inside[at(x, y, z)] = random() % 2 == 0;
-    std::map<std::pair<long, long>, int> balance;  // directed edges between vertices, named by sample and axis
+    std::map<std::pair<long, long>, int> balance, uses;  // of edges between vertices, named by sample and axis
     for (int z = 0; z + 1 < N; ++z)
       for (int y = 0; y + 1 < N; ++y)
         for (int x = 0; x + 1 < N; ++x) {
@@ -125,10 +125,12 @@ TEST(MarchingCubes, CellsOfRandomSignsCloseAgainstEachOther) {
               const long a = vertex(cases[which * 16 + unsigned(k + s)]),
                          b = vertex(cases[which * 16 + unsigned(k + (s + 1) % 3)]);
               a < b ? ++balance[{a, b}] : --balance[{b, a}];
+              ++uses[std::minmax(a, b)];
             }
         }
     ASSERT_FALSE(balance.empty());
     for (const auto& [edge, sum] : balance) ASSERT_EQ(sum, 0);
+    for (const auto& [edge, n] : uses) ASSERT_EQ(n, 2);
   }
 }
 

@@ -118,28 +118,33 @@ void add_environment(Scene& scene) {
   scene.environment = Vec3f::Ones();
 }
 
-// A long wall beside the floor, as high as it is far away. It hides the share (1 - cos 45 degrees) / 2 of the
-// irradiance of an even sky (view factor of a strip); what shines from below the floor does not count.
+// V of a floor beside a long wall, as high as it is far away. The wall hides the share (1 - cos 45 degrees) / 2 of the
+// irradiance of an even sky (view factor of a strip).
+constexpr double HIDDEN_BY_WALL = 0.5 * (1 - 0.70710678);
+
+Mean beside_a_wall(Scene scene) {
+  add(scene, quad({1, -200, 0}, {0, 400, 0}, {0, 0, 1}), material(Kind::diffuse));
+  look_at(scene, {0, 0, 0.5}, {0, 0, 0}, 16, 16, 1600);
+  Mean V = mean(picture(scene, 64));
+  EXPECT_LT(V.sigma, 0.01);
+  return V;
+}
+
+// What shines from below the floor does not count.
 TEST_F(Receiver, WallHidesItsShareOfTheSky) {
   Scene scene = floor_and_light(1);
   scene.lights.clear();
   add_environment(scene);
-  add(scene, quad({1, -200, 0}, {0, 400, 0}, {0, 0, 1}), material(Kind::diffuse));
-  look_at(scene, {0, 0, 0.5}, {0, 0, 0}, 16, 16, 1600);
-  const Mean V = mean(picture(scene, 64));
-  EXPECT_LT(V.sigma, 0.01);
-  EXPECT_NEAR(V.value, 0.8 * (1 - 0.5 * (1 - std::sqrt(0.5))), 4 * V.sigma + 1e-3);
+  const Mean V = beside_a_wall(scene);
+  EXPECT_NEAR(V.value, 0.8 * (1 - HIDDEN_BY_WALL), 4 * V.sigma + 1e-3);
 }
 
-// The same wall where half of the light is ambient and half is that of a lamp which it does not hide.
+// Half of the light is ambient, half is that of a lamp which the wall does not hide.
 TEST_F(Receiver, AmbientShareIsHiddenAsAnEvenSkyIs) {
   Scene scene = floor_and_light(1);
   scene.materials[0].ambient = 0.5f;
-  add(scene, quad({1, -200, 0}, {0, 400, 0}, {0, 0, 1}), material(Kind::diffuse));
-  look_at(scene, {0, 0, 0.5}, {0, 0, 0}, 16, 16, 1600);
-  const Mean V = mean(picture(scene, 64));
-  EXPECT_LT(V.sigma, 0.01);
-  EXPECT_NEAR(V.value, 0.8 * (1 - 0.25 * (1 - std::sqrt(0.5))), 4 * V.sigma + 1e-4);
+  const Mean V = beside_a_wall(scene);
+  EXPECT_NEAR(V.value, 0.8 * (1 - 0.5 * HIDDEN_BY_WALL), 4 * V.sigma + 1e-4);
 }
 
 // A small lamp 2 m above that brings as much as the even sky, pi, and a plate below the lamp: half of the light is

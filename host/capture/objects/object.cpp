@@ -18,6 +18,7 @@ namespace pvg {
 namespace {
 
 constexpr double WATER = 1000;  // [kg/m^3]
+constexpr int ATTEMPTS = 3;     // of the wrap, each with other samples
 
 double mean(const std::vector<double>& values) {
   double sum = 0;
@@ -71,8 +72,14 @@ CapturedObject capture_object(const ObjectSource& source, const ObjectSettings& 
   const double error = settings.error > 0 ? settings.error : 2 * wrap.spacing;
   TriangleMesh solid = mesh;
   if (!out.was_sound || settings.always_wraps) {
-    solid = sound_wrap(mesh, wrap, source.name);
-    out.spacing = wrap.spacing;
+    for (int attempt = 0;; ++attempt) {
+      solid = wrap_surface(mesh, wrap);
+      out.spacing = wrap.spacing;
+      if (is_sound(solid)) break;
+      if (attempt == ATTEMPTS)
+        throw Failure(source.name + ": no sound surface was found around it; take another --detail");
+      wrap.spacing *= 0.93;  // samples lie elsewhere
+    }
   }
   SimplifiedSolid simplified = simplified_solid(solid, settings.triangles, error);
   out.simulation = std::move(simplified.mesh);

@@ -232,17 +232,6 @@ bool is_sound(const TriangleMesh& mesh) {
          !find_intersection(mesh.points, mesh.triangles);
 }
 
-TriangleMesh sound_wrap(const TriangleMesh& soup, WrapSettings& settings, const std::string& name) {
-  constexpr int ATTEMPTS = 4;
-  constexpr double OTHER = 0.93;  // of the spacing, so that samples lie elsewhere
-  for (int attempt = 0; attempt < ATTEMPTS; ++attempt) {
-    TriangleMesh solid = wrap_surface(soup, settings);
-    if (is_sound(solid)) return solid;
-    settings.spacing *= OTHER;
-  }
-  throw Failure(name + ": no sound surface was found around it; take another --detail");
-}
-
 namespace {
 
 constexpr std::size_t FEW = 20000;     // triangles from which edges are collapsed one by one

@@ -1,11 +1,8 @@
 // A closed surface around any triangles: holes, flipped, doubled, crossing or loose ones. Space is outside where a ball
 // of radius `bridge` reaches it from afar, grown back by what the ball could not enter (a morphological closing, as of
 // alpha wrapping, Portaneri et al. 2022); the surface is where the distance to the triangles is `offset` on that side.
-// Marching cubes makes it closed by construction; around a thin sheet two cells may put four triangles on one edge.
-// Pure.
+// Marching cubes makes it closed and manifold by construction (host/capture/marching_cubes.cpp). Pure.
 #pragma once
-#include <string>
-
 #include "host/geometry/mesh.hpp"
 
 namespace pvg {
@@ -18,10 +15,6 @@ struct WrapSettings {
 
 // A UsageError where there are no triangles, a point is not finite, or the grid is too large.
 TriangleMesh wrap_surface(const TriangleMesh& soup, WrapSettings settings);
-
-// The same, and sound: where it is not at once, with other samples, up to three times. settings.spacing becomes what
-// was used. A Failure where no attempt was sound; name: of the source, for its message.
-TriangleMesh sound_wrap(const TriangleMesh& soup, WrapSettings& settings, const std::string& name);
 
 // A closed mesh that was checked: no defect of closed_surface_defect, no edge with more than two triangles, no
 // self-intersection (exact).

@@ -122,11 +122,10 @@ TEST(Wrap, ASheetWithoutThicknessIsNotLost) {
   for (Vec3& p : sheet.points) p = turn * p;
   WrapSettings settings;
   settings.spacing = 1e-3;
-  const TriangleMesh wrapped = sound_wrap(sheet, settings, "sheet");
+  const TriangleMesh wrapped = wrap_surface(sheet, settings);
   EXPECT_TRUE(is_sound(wrapped));
-  EXPECT_LE(surface_distances(sheet, wrapped).back(), 1e-3);  // 0.6 spacings, and where the samples are
-  const double thickness = 1.2 * settings.spacing;
-  EXPECT_NEAR(enclosed_volume(wrapped), 0.1 * 0.06 * thickness, 0.25 * 0.1 * 0.06 * thickness);
+  EXPECT_LE(surface_distances(sheet, wrapped).back(), 1e-3);  // 0.6 mm, and where the samples are
+  EXPECT_NEAR(enclosed_volume(wrapped), 0.1 * 0.06 * 1.2e-3, 0.25 * 0.1 * 0.06 * 1.2e-3);
 }
 
 TEST(Wrap, WhatIsNoMeshIsRefused) {

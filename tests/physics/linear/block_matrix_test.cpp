@@ -19,11 +19,13 @@ TEST(BlockMatrix, IsTheSumOfItsElements) {
                                    {{2, 0, 0, 0}, {1, 0, 0, 0}},
                                    {{3, 4, 0, 0}, {0.25, 0.75, 0, 0}}};
   const std::vector<u32> is_fixed = {0, 0, 1, 0, 0};
-  Term mass(device, "body", "point_inertia", 1), spring(device, "joint", "zero_length_spring", 2);
+  Term mass(device, "body", "point_inertia", 1), spring(device, "joint", "zero_length_spring", 2),
+      load(device, "body", "point_inertia", 1);
   mass.set(std::vector<PointInertia>{{{0}, 0, 2.0}, {{1}, 0, 3.0}}, {0, 2});
   spring.set(std::vector<ZeroLengthSpring>{{{0, 1}, 10.0}, {{1, 2}, 20.0}, {{0, 3}, 16.0}}, {0, 3});
+  load.set(std::vector<PointInertia>{{{0}, 0, 5.0}}, {0, 1});
   const Buffer<f64> x(device, std::vector<double>(12, 0.0), "x");
-  Term* const terms[] = {&mass, &spring};
+  Term* const terms[] = {&mass, &spring, &load};
   BlockMatrix matrix(device, sites, is_fixed, terms);
   for (Term* term : terms) term->hessian(x, x, 1.0);
   matrix.assemble();
@@ -31,7 +33,7 @@ TEST(BlockMatrix, IsTheSumOfItsElements) {
 
   // by hand, for each of the three directions; the fixed node has neither row nor column
   Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(5, 5);
-  expected(0, 0) = 2 + 10 + 16;
+  expected(0, 0) = 2 + 10 + 16 + 5;
   expected(1, 1) = 3 + 10 + 20;
   expected(0, 1) = expected(1, 0) = -10;
   expected(0, 3) = expected(3, 0) = -16 * 0.25;
