@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Frames of a synthetic room as a first Kinect would record them, in the layout of 7-Scenes.
 
-  synthetic_room.py PHYVISGEN FOLDER [--frames 24] [--width 480] [--seed 0]
+  synthetic_room.py PHYVISGEN FOLDER [--frames 24] [--width 480] [--seed 0] [--thing OBJ]
 
-The room (a floor, two walls, a bench, things on it) is rendered by `phyvisgen render --ground-truth`. Depth gets the
+With --thing the bench bears that mesh, which stands on its own z = 0, and the frames go around it. The room (a floor, two walls, a bench, things on it) is rendered by `phyvisgen render --ground-truth`. Depth gets the
 axial noise of Nguyen et al. 2012, 1.2 mm + 1.9 mm (z - 0.4 m)^2/m^2, is rounded to millimetres and missing below 0.4 m.
 Needs numpy and h5py; scripts/demo_capture.sh installs them.
 """
@@ -77,8 +77,24 @@ def walk(n):
         yield (0.4 + r * math.cos(a), r * math.sin(a), 0.55 + 0.15 * (i % 4)), (0.55, 0.15 * math.sin(5 * a), (0, -0.2, 0.25)[i % 3])
 
 
-def write_scene(folder, n, width, height):
+def walk_around(n, middle):
+    """Two rings, half a metre away."""
+    for i in range(n):
+        a = 2 * math.pi * i / n
+        r, z = ((0.45, 0.25), (0.33, 0.42))[i % 2]
+        yield (middle[0] + r * math.cos(a), middle[1] + r * math.sin(a), middle[2] + z), middle
+
+
+THING_PLACE = (0.45, 0.0, 0.0)  # on the bench [m]
+
+
+def write_scene(folder, n, width, height, thing):
     materials, objects = [], []
+    if thing:
+        shutil.copy(thing, folder / "thing.obj")
+        materials.append("  - {name: thing, kind: diffuse, color: [0.55, 0.2, 0.12]}\n")
+        objects.append(f"  - {{name: thing, visuals: [{{mesh: thing.obj, material: thing}}], fixed: true, "
+                       f"pose: {{x: {THING_PLACE[0]}, y: {THING_PLACE[1]}, z: {THING_PLACE[2]}}}}}\n")
     for k, (name, (low, high, color, square)) in enumerate(BOXES.items()):
         write_box(folder / f"{name}.obj", low, high, square)
         texture = ""
@@ -89,7 +105,8 @@ def write_scene(folder, n, width, height):
         objects.append(f"  - {{name: {name}, visuals: [{{mesh: {name}.obj, material: {name}}}], fixed: true}}\n")
     cameras = []
     f = 585 * width / 640
-    for i, (eye, at) in enumerate(walk(n)):
+    middle = (THING_PLACE[0], THING_PLACE[1], THING_PLACE[2] + 0.05)
+    for i, (eye, at) in enumerate(walk_around(n, middle) if thing else walk(n)):
         cameras.append(f"  - {{name: c{i:03}, width: {width}, height: {height}, intrinsics: [{f}, {f}, {width / 2 - 0.5}, "
                        f"{height / 2 - 0.5}], position: {list(eye)}, look_at: {list(at)}, up: [0, 0, 1]}}\n")
     (folder / "scene.yaml").write_text(
@@ -106,12 +123,13 @@ def main():
     p.add_argument("--frames", type=int, default=24)
     p.add_argument("--width", type=int, default=480)
     p.add_argument("--seed", type=int, default=0)
+    p.add_argument("--thing", type=pathlib.Path, help="mesh (OBJ) that stands on the bench")
     a = p.parse_args()
     width, height = a.width // 2 * 2, a.width * 3 // 8 * 2
     work = a.folder.with_name(a.folder.name + "_scene")
     for folder in (a.folder, work):
         folder.mkdir(parents=True, exist_ok=True)
-    write_scene(work, a.frames, width, height)
+    write_scene(work, a.frames, width, height, a.thing)
     subprocess.run([a.program, "render", work / "scene.yaml", "-o", work / "pictures", "--ground-truth", "--denoise"], check=True)
     random = np.random.default_rng(a.seed)
     for i in range(a.frames):

@@ -1,4 +1,5 @@
-// phyvisgen capture object: a mesh of any quality becomes an object that can be simulated.
+// phyvisgen capture object: a mesh of any quality, splats, or depth pictures of a thing on a table become an object
+// that can be simulated.
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,7 @@
 #include "host/base/outputs.hpp"
 #include "host/capture/objects/object.hpp"
 #include "host/capture/objects/splats.hpp"
+#include "host/capture/objects/standing_object.hpp"
 #include "pipeline/command_line/command.hpp"
 
 namespace pvg {
@@ -18,10 +20,25 @@ struct CaptureObjectOptions {
   std::string source, output, device;
   double scale = 1, density = 0, mass = 0, detail = 0, bridge = 0, error = 0;  // [1, kg/m^3, kg, mm, mm, mm]
   std::size_t triangles = 2000;
+  double voxel = 2, max_depth = 1.5, depth_unit = 0;  // of frames [mm, m, m]
   bool wraps = false, as_json = false;
 };
 
 ObjectSource source_of(const CaptureObjectOptions& o, const ObjectSettings& settings) {
+  if (std::filesystem::is_directory(o.source)) {
+    if (o.scale != 1) throw UsageError("--scale is for meshes and splats; the unit of depth pictures is --depth-unit");
+    const Capture capture = read_capture(o.source, o.depth_unit);
+    Device device(o.device, Purpose::rendering);
+    StandingSettings standing;
+    standing.voxel = 1e-3 * o.voxel;
+    standing.max_depth = o.max_depth;
+    std::fprintf(stderr, "%s: %zu frames, layout of %s\n", o.source.c_str(), capture.frames.size(),
+                 capture.layout.c_str());
+    ObjectSource source = read_standing_object(
+        device, capture, standing, [](const std::string& what) { std::fprintf(stderr, "  %s\n", what.c_str()); });
+    source.name = o.source;
+    return source;
+  }
   if (!is_splat_file(o.source)) return read_object(o.source, settings);
   Device device(o.device, Purpose::rendering);
   return read_splat_object(device, o.source, settings);
@@ -30,7 +47,8 @@ ObjectSource source_of(const CaptureObjectOptions& o, const ObjectSettings& sett
 void run_capture_object(const CaptureObjectOptions& o) {
   if (o.source.empty() || o.output.empty())
     throw UsageError(
-        "capture object needs a mesh file and -o FOLDER; `phyvisgen capture object --help` shows an "
+        "capture object needs a mesh file or a folder of frames, and -o FOLDER; `phyvisgen capture object --help` "
+        "shows an "
         "example");
   check_apart(o.output, o.source, "capture object");
   check_output_folder(o.output, {"simulation.obj", "visual.glb", "object.yaml", "report.json"}, "capture object");
@@ -80,7 +98,7 @@ void add_capture_object(CLI::App& program) {
   command->add_option(
       "source", o.source,
       "Mesh: .obj, .stl, .ply, .glb; holes and crossing triangles are no harm. Or Gaussian splats: .ply of 3DGS, "
-      "PGSR, 2DGS, TSGS");
+      "PGSR, 2DGS, TSGS. Or a folder of depth pictures around a thing on a table, as of capture room");
   command->add_option("-o,--output", o.output, "Folder: simulation.obj, visual.glb, object.yaml, report.json");
   command->add_option("--scale", o.scale, "Metres per unit of the file, such as 0.001")->check(CLI::Range(1e-6, 1e6));
   command->add_option("--density", o.density, "[kg/m^3]")->check(CLI::Range(1e-3, 1e5));
@@ -93,9 +111,18 @@ void add_capture_object(CLI::App& program) {
       ->check(CLI::Range(1e-3, 1e4));
   command->add_option("--triangles", o.triangles, "Of the simulation mesh, where the error allows");
   command->add_flag("--wrap", o.wraps, "Wrap also a source that is closed and does not intersect itself");
-  command->add_option("--device", o.device, "OpenCL device that draws splats: an index, part of its name, cpu or gpu");
+  command->add_option("--voxel", o.voxel, "Of a folder: distance of samples [mm]")->check(CLI::Range(0.2, 50.0));
+  command->add_option("--max-depth", o.max_depth, "Of a folder: farther depths are left out [m]")
+      ->check(CLI::Range(0.2, 100.0));
+  command
+      ->add_option("--depth-unit", o.depth_unit, "Of a folder: metres per unit of the depth files; else the layout's")
+      ->check(CLI::Range(1e-6, 10.0));
+  command->add_option("--device", o.device,
+                      "OpenCL device that fuses depth and draws splats: an index, part of its name, cpu or gpu");
   command->add_flag("--json", o.as_json, "Print the report as JSON");
-  command->footer("Example:\n  phyvisgen capture object scan.stl --scale 0.001 --density 1200 -o can");
+  command->footer(
+      "Examples:\n  phyvisgen capture object scan.stl --scale 0.001 --density 1200 -o can\n  phyvisgen capture object "
+      "scans/can --mass 0.35 -o can");
 }
 
 }  // namespace pvg

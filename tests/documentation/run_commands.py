@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Runs every block of commands in the README and the guide as it stands; the first one that fails is printed.
 
-    tests/documentation/run_commands.py [--all] SOURCE PROGRAM [PAGE ...]     PAGE: such as docs/guide/tasks.md; all without
+    tests/documentation/run_commands.py [--all | --list] SOURCE PROGRAM [PAGE ...]     PAGE: such as docs/guide/tasks.md; all without
 
 The blocks of a page run one after the other in a folder that looks like the checkout after scripts/demo.sh: build/bin
 holds PROGRAM, out/demo an episode, and what commands write stays in that folder. Blocks of `sh` run whole but for the
 commands of SLOW, which --all (scripts/test_documentation.sh) runs too; blocks of `python` where Python has h5py; commands
-of other blocks, whose prompt is `console`, are those of ELSEWHERE.
+of other blocks, whose prompt is `console`, are those of ELSEWHERE. --list runs nothing: it checks that every block is of
+one of these three kinds and that ELSEWHERE has a reason for every command of `console`.
 """
 import pathlib
 import re
@@ -24,6 +25,12 @@ SLOW = {  # what only --all runs, and why
 ELSEWHERE = {  # what a block of `console` shows and why no test of one machine runs it
     r".* --device 0 --render-device 1 .*": "needs two GPUs",
     r"apt-get install .*": "changes the machine",
+    r".* capture room scans/kitchen .*": "reads a scan of one's own; scripts/demo_capture.sh captures a synthetic one",
+    r".* capture object (scan\.stl|scans/can|point_cloud/.*\.ply) .*": "reads scans of one's own; scripts/demo_capture_object.sh",
+    r".* calibrate (camera|pose) .*": "reads photos of one's own, needs scripts/install_calibration.sh",
+    r"scripts/install_denoiser\.sh": "fetches 60 MB from PyPI; scripts/demo.sh runs it",
+    r".* render data/tasks/weigh_beaker\.yaml .* --denoise .*": "needs the denoiser of the command above it",
+    r".* evaluate fidelity .*": "compares pictures of a real camera",
     r"scripts/hidden_suite/make_cases\.py .*": "needs the packages above it; minutes",
     r".* diagnose --suite out/cases .*": "reads what the command above it makes",
     r".* calibrate lut --render rendered --real photos .*": "needs photos of one's own",
@@ -37,6 +44,8 @@ ELSEWHERE = {  # what a block of `console` shows and why no test of one machine 
 }
 PYTHON = "/usr/bin/python3"  # Debian's
 BLOCK = re.compile(r"^```(sh|python|console)\n(.*?)^```", re.M | re.S)
+FENCE = re.compile(r"^ *```(\w*)\n.*?^ *```", re.M | re.S)
+NOT_HERE = {"", "yaml", "cpp", "py"}  # scripts/test_python.sh runs blocks of py, tests/headers.cpp is like that of cpp
 
 
 def make_checkout(source, program, folder):
@@ -89,26 +98,44 @@ def has_h5py():
     return subprocess.run([PYTHON, "-c", "import h5py"], capture_output=True).returncode == 0
 
 
-def main():
-    words = sys.argv[1:]
-    runs_all = words[:1] == ["--all"]
-    words = words[runs_all:]
-    source, program = pathlib.Path(words[0]).resolve(), pathlib.Path(words[1]).resolve()
-    pages = [source / page for page in words[2:]]
-    pages = pages or [source / "README.md"] + sorted((source / "docs/guide").glob("*.md"))
+def blocks_of(page):
+    """kind, commands and line of every block"""
+    text = page.read_text()
+    for block in BLOCK.finditer(text):
+        yield *block.groups(), text.count("\n", 0, block.start()) + 1
+
+
+def check_kinds(page, where):
+    for kind in FENCE.findall(page.read_text()):
+        if kind not in NOT_HERE | {"sh", "python", "console"}:
+            sys.exit(f"{where}: nothing runs a block of the kind {kind}: it should be sh, python or console")
+
+
+def run_pages(source, program, pages, runs_all):
     with tempfile.TemporaryDirectory() as folder:
         make_checkout(source, program, pathlib.Path(folder))
         for page in pages:
-            text = page.read_text()
-            for block in BLOCK.finditer(text):
-                kind, commands = block.groups()
-                where = f"{page.relative_to(source)}:{text.count(chr(10), 0, block.start()) + 1}"
-                if kind == "console":
-                    check_elsewhere(commands, where)
-                elif kind == "sh" and commands_of(commands, runs_all).strip():
+            for kind, commands, line in blocks_of(page):
+                where = f"{page.relative_to(source)}:{line}"
+                if kind == "sh" and commands_of(commands, runs_all).strip():
                     run(commands_of(commands, runs_all), folder, where)
                 elif kind == "python" and (runs_all or has_h5py()):
                     run(f"{PYTHON} - <<'END'\n{commands}END", folder, where)
+
+
+def main():
+    words = sys.argv[1:]
+    option = words.pop(0) if words[0].startswith("--") else ""
+    source, program = pathlib.Path(words[0]).resolve(), pathlib.Path(words[1]).resolve()
+    pages = [source / page for page in words[2:]]
+    pages = pages or [source / "README.md"] + sorted((source / "docs/guide").glob("*.md"))
+    for page in pages:
+        check_kinds(page, page.relative_to(source))
+        for kind, commands, line in blocks_of(page):
+            if kind == "console":
+                check_elsewhere(commands, f"{page.relative_to(source)}:{line}")
+    if option != "--list":
+        run_pages(source, program, pages, option == "--all")
 
 
 if __name__ == "__main__":

@@ -102,6 +102,10 @@ row("the object into a folder that is mine", "capture object thing.obj -o mine",
 row("an object of two masses", "capture object thing.obj -o can --mass 1 --density 1000", N, "--density and --mass", write("thing.obj", OBJ))
 for option, number in (("--scale", "0"), ("--density", "-1"), ("--mass", "nan"), ("--detail", "0"), ("--bridge", "inf"), ("--error", "-1"), ("--triangles", "few")):
     row(f"capture object {option} {number}", f"capture object thing.obj -o can {option}={number}", N, rf"{option}.*{number}", write("thing.obj", OBJ))
+row("a thing on no table", "capture object seven -o can", N, "plane|stands|surface", needs="captures")
+row("a thing in a folder that is no capture", "capture object empty -o can", N, "empty is no capture", make_folder("empty"))
+row("a thing with a scale", "capture object seven -o can --scale 0.001", N, "--scale.*--depth-unit", needs="captures")
+row("a thing into its capture", "capture object seven -o seven/can", N, "seven", needs="captures")
 row("an object finer than can be", "capture object thing.obj -o can --wrap --detail 0.001", N, "detail", write("thing.obj", OBJ))
 
 # ---- calibrate camera

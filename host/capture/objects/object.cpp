@@ -39,6 +39,19 @@ double size_of(const TriangleMesh& mesh) {
   return (high - low).maxCoeff();
 }
 
+// The wrap adds its offset below a foot, too.
+void stand_on_ground(CapturedObject& object) {
+  Vec3 low = Vec3::Constant(INFINITY), high = -low;
+  for (const Vec3& p : object.simulation.points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const Vec3 foot(0.5 * (low.x() + high.x()), 0.5 * (low.y() + high.y()), low.z());
+  for (Vec3& p : object.simulation.points) p -= foot;
+  for (Vec3f& p : object.visual.points) p -= foot.cast<float>();
+  object.mass.center -= foot;
+}
+
 }  // namespace
 
 ObjectSource read_object(const std::filesystem::path& file, const ObjectSettings& settings) {
@@ -95,6 +108,7 @@ CapturedObject capture_object(const ObjectSource& source, const ObjectSettings& 
   }
   if (out.was_sound) out.volume_error = enclosed_volume(out.simulation) / out.mass.volume - 1;
   out.visual = source.visual;
+  if (source.stands) stand_on_ground(out);
   return out;
 }
 

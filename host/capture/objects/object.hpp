@@ -35,6 +35,7 @@ struct ObjectSource {
   std::string name;   // of the file, for messages
   TriangleMesh mesh;  // of any quality
   VisualMesh visual;
+  bool stands = false;  // on the plane z = 0: so does what is made of it, its middle on the z axis
 };
 
 // settings.scale is applied. UsageErrors name the file where nothing can be made of it.
