@@ -117,6 +117,31 @@ kernel void find_blocks_in_view(const uint n_blocks, const VoxelGrid grid, const
     }
 }
 
+// Rays of 8 samples, (x, y) / z, and the pixels that see them.  is_seen: -1 where one does
+static inline void project_row(const PinholeCamera camera, const float8 x, const float8 y, const float8 z,
+                               float8* u, float8* v, int8* is_seen) {
+  if (camera.model != CAMERA_FISHEYE && !camera.is_distorted) {
+    *u = camera.fx * (x / z) + camera.cx;
+    *v = camera.fy * (y / z) + camera.cy;
+    *is_seen = z > 0.0f;
+    return;
+  }
+  float p[3][8], pixels[2][8];
+  int seen[8];
+  vstore8(x, 0, p[0]);
+  vstore8(y, 0, p[1]);
+  vstore8(z, 0, p[2]);
+  for (int k = 0; k < 8; ++k) {
+    float2 pixel = (float2)(0.0f);
+    seen[k] = p[2][k] > 0 && project(camera, (float3)(p[0][k], p[1][k], p[2][k]), &pixel) ? -1 : 0;
+    pixels[0][k] = pixel.x;
+    pixels[1][k] = pixel.y;
+  }
+  *u = vload8(0, pixels[0]);
+  *v = vload8(0, pixels[1]);
+  *is_seen = vload8(0, seen);
+}
+
 // One work-item per row of 8 samples along x, 64 per block.  in_use: [n_in_use] the blocks to look at;
 // distance, weight: [n_blocks x 512]
 kernel void integrate_depth(const uint n_rows, const VoxelGrid grid, const PinholeCamera camera,
@@ -130,23 +155,38 @@ kernel void integrate_depth(const uint n_rows, const VoxelGrid grid, const Pinho
                               at / (grid.blocks[0] * grid.blocks[1])) * BLOCK_SIDE + (uint3)(0, row % 8u, row / 8u);
   const float3 start = in_camera(camera, vload3(0, grid.origin) + convert_float3(first) * grid.voxel);
   const float3 step = (float3)(camera.to_world[0], camera.to_world[1], camera.to_world[2]) * grid.voxel;
-  for (uint k = 0; k < BLOCK_SIDE; ++k) {
-    const float3 p = start + (float)k * step;
-    float2 pixel;
-    if (!(p.z > 0) || !project(camera, p, &pixel)) continue;
-    const int2 nearest = convert_int2_rtn(pixel + 0.5f);
-    if (nearest.x < 0 || nearest.y < 0 || nearest.x >= (int)camera.width || nearest.y >= (int)camera.height) continue;
-    const uint j = (uint)nearest.y * camera.width + (uint)nearest.x;
-    const float4 seen = surface[j];
-    if (!(seen.w > 0)) continue;
-    // the ray of the pixel's middle; of a distorted one to first order
-    const float2 ray = p.xy / p.z - (pixel - convert_float2(nearest)) / (float2)(camera.fx, camera.fy);
-    const float tau = truncation_at(grid, depth[j]), d = dot(seen.xyz, p - depth[j] * (float3)(ray, 1.0f));
-    if (d <= -tau) continue;
-    const float w = seen.w * (d < 0 ? 1.0f + d / tau : 1.0f);
-    const uint voxel = block * BLOCK_VOXELS + row * BLOCK_SIDE + k;
-    const float sum = weight[voxel] + w;
-    distance[voxel] += (min(d, tau) - distance[voxel]) * (w / sum);
-    weight[voxel] = sum;
+  const float8 k8 = (float8)(0, 1, 2, 3, 4, 5, 6, 7);
+  const float8 x = start.x + k8 * step.x, y = start.y + k8 * step.y, z = start.z + k8 * step.z;
+  float8 u, v;
+  int8 is_seen;
+  project_row(camera, x, y, z, &u, &v, &is_seen);
+  const int8 column = convert_int8_rtn(u + 0.5f), line = convert_int8_rtn(v + 0.5f);
+  is_seen &= column >= 0 & line >= 0 & column < (int)camera.width & line < (int)camera.height;
+  if (!any(is_seen)) return;
+  // what the pixels saw; weight 0 where nothing
+  int pixel[8];
+  vstore8(select((int8)(-1), line * (int)camera.width + column, is_seen), 0, pixel);
+  float seen[5][8];  // normal, weight, depth
+  for (int k = 0; k < 8; ++k) {
+    const float4 s = pixel[k] < 0 ? (float4)(0.0f) : surface[pixel[k]];
+    seen[0][k] = s.x;
+    seen[1][k] = s.y;
+    seen[2][k] = s.z;
+    seen[3][k] = s.w;
+    seen[4][k] = pixel[k] < 0 ? 1.0f : depth[pixel[k]];
   }
+  const float8 seen_weight = vload8(0, seen[3]), far = vload8(0, seen[4]);
+  if (!any(seen_weight > 0.0f)) return;
+  // the ray of the pixel's middle; of a distorted one to first order
+  const float8 ray_x = x / z - (u - convert_float8(column)) / camera.fx, ray_y = y / z - (v - convert_float8(line)) / camera.fy;
+  const float8 sigma = grid.noise[0] + grid.noise[1] * (far - grid.noise[2]) * (far - grid.noise[2]);
+  const float8 tau = max(grid.truncation, 3.0f * sigma);
+  const float8 d = vload8(0, seen[0]) * (x - far * ray_x) + vload8(0, seen[1]) * (y - far * ray_y) +
+                   vload8(0, seen[2]) * (z - far);
+  const int8 is_used = seen_weight > 0.0f & d > -tau;
+  const uint samples = block * BLOCK_SIDE * BLOCK_SIDE + row;  // in rows
+  const float8 old = vload8(samples, distance), old_weight = vload8(samples, weight);
+  const float8 w = seen_weight * select((float8)(1.0f), 1.0f + d / tau, d < 0.0f), sum = old_weight + w;
+  vstore8(select(old, old + (min(d, tau) - old) * (w / sum), is_used), samples, distance);
+  vstore8(select(old_weight, sum, is_used), samples, weight);
 }
