@@ -85,6 +85,7 @@ Moments moments_of(const std::vector<Facet>& facets, const std::vector<std::size
 // same height are two
 std::vector<std::size_t> largest_patch(const std::vector<Facet>& facets, const std::vector<std::size_t>& chosen,
                                        const Vec3& normal) {
+  if (chosen.empty()) return {};
   const Vec3 u = normal.unitOrthogonal(), v = normal.cross(u);
   std::vector<std::array<int, 2>> cell;
   std::array<int, 2> low = {1 << 30, 1 << 30}, high = {-(1 << 30), -(1 << 30)};

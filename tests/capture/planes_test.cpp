@@ -61,5 +61,15 @@ TEST(Planes, TwoShelvesOfOneHeightAreTwoPlanes) {
   EXPECT_EQ(find_planes(surface.points, surface.triangles, {}).size(), 2u);
 }
 
+// the mean of a cube's facets lies on none of them
+TEST(Planes, ARoughSurfaceHasNone) {
+  std::mt19937 random(3);
+  Surface surface;
+  surface.add_sheet(Pose::Identity(), 0.5, 0.5, 0.01, random);
+  PlaneSettings exact;
+  exact.distance = 1e-9;
+  EXPECT_TRUE(find_planes(surface.points, surface.triangles, exact).empty());
+}
+
 }  // namespace
 }  // namespace pvg
