@@ -78,12 +78,12 @@ bool holds_position(const PhysicalScene& scene, const std::string& joint) {
 
 bool is_not_carried(const PhysicalScene& scene, const std::string& body) { return !is_carried(scene, body); }
 
-// where two explain alike, a number of the scene is wrong more often
 bool has_no_armature(const PhysicalScene& scene, const std::string& joint) {
   const auto found = named(scene.joints, joint);
   return found != scene.joints.end() && found->armature == 0;
 }
 
+// where two explain alike, a number of the scene is wrong more often
 double less_common(const PhysicalScene&, const std::string&) { return -0.5; }
 
 // A carried body is more often braked by its joint. Stokes' law ends at Reynolds numbers of about 1, a mote in air:

@@ -32,7 +32,7 @@ void bend_rest_shape(PhysicalScene& scene, const std::string& target, double cur
 
 bool holds_position(const PhysicalScene& scene, const std::string& joint);
 bool has_no_armature(const PhysicalScene& scene, const std::string& joint);  // else it is a number that may be wrong
-bool is_not_carried(const PhysicalScene& scene, const std::string& body);  // what is carried has its joint's friction
+bool is_not_carried(const PhysicalScene& scene, const std::string& body);    // what is carried has its joint's friction
 
 double less_common(const PhysicalScene& scene, const std::string& target);
 double rare_in_sight(const PhysicalScene& scene, const std::string& body);

@@ -94,10 +94,10 @@ struct Drive {
   enum class Mode { position, velocity, torque };
   enum class DampedRate { error, joint };
   Mode mode = Mode::position;
-  double stiffness = 0;             // [N m/rad] or [N/m]
-  double damping = 0;               // [N m s/rad] or [N s/m]
+  double stiffness = 0;                        // [N m/rad] or [N/m]
+  double damping = 0;                          // [N m s/rad] or [N s/m]
   DampedRate damped_rate = DampedRate::error;  // of the mode position: of target - q, or of q alone
-  double effort_limit = 0;          // [N m] or [N]; 0: none
+  double effort_limit = 0;                     // [N m] or [N]; 0: none
   bool compensates_gravity = true;  // feeds forward the torque that the weight of everything it carries asks for
   // what a real drive may add, as the effects backlash, actuator_gain, actuator_lag and actuator_delay say
   double play = 0;           // total width, within which only damping acts: a dead band, or backlash [rad or m]

@@ -180,8 +180,9 @@ Places restitutions(const PhysicalScene& scene, const Touching&) {
   Places places;
   for (std::size_t i = 0; i < scene.pair_restitution.size(); ++i) {
     const PairRestitution& pair = scene.pair_restitution[i];
-    places.push_back({pair.first + "/" + pair.second, pair.coefficient,
-                      [i](PhysicalScene& s, double value) { s.pair_restitution[i].coefficient = std::min(value, 1.0); }});
+    places.push_back({pair.first + "/" + pair.second, pair.coefficient, [i](PhysicalScene& s, double value) {
+                        s.pair_restitution[i].coefficient = std::min(value, 1.0);
+                      }});
   }
   return places;
 }

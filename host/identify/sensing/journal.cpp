@@ -85,8 +85,8 @@ void put_joint(std::vector<char>& bytes, const Joint& j) {
   const Drive& d = j.drive;
   put_numbers(bytes, j.type, j.parent, j.child, j.lower, j.upper, j.limit_stiffness, j.damping, j.armature,
               j.velocity_limit, j.stiffness, j.initial);
-  put_numbers(bytes, d.mode, d.stiffness, d.damping, d.damped_rate, d.effort_limit, d.compensates_gravity, d.play, d.gain,
-              d.time_constant, d.delay);
+  put_numbers(bytes, d.mode, d.stiffness, d.damping, d.damped_rate, d.effort_limit, d.compensates_gravity, d.play,
+              d.gain, d.time_constant, d.delay);
   put_matrix(bytes, j.parent_frame.matrix());
   put_matrix(bytes, j.child_frame.matrix());
   put_vector(bytes, j.axis);

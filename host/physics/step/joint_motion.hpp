@@ -1,4 +1,5 @@
-// How fast the coordinates of joints move, integrated as nodes are (time_integration.hpp): what a joint's armature resists.
+// How fast the coordinates of joints move, integrated as nodes are (time_integration.hpp): what a joint's armature
+// resists.
 #pragma once
 #include <vector>
 

@@ -8,9 +8,9 @@
 namespace pvg {
 namespace {
 
-constexpr double REST_STEPS = 2;    // what gravity makes of a body in so many steps is no impact
-constexpr int MOST_SWEEPS = 500;    // over all contacts
-constexpr double SETTLED = 1e-9;    // of the fastest approach: a sweep that changes less is the last
+constexpr double REST_STEPS = 2;  // what gravity makes of a body in so many steps is no impact
+constexpr int MOST_SWEEPS = 500;  // over all contacts
+constexpr double SETTLED = 1e-9;  // of the fastest approach: a sweep that changes less is the last
 
 int rigid_named(const PhysicalScene& scene, const std::string& name) {
   for (std::size_t b = 0; b < scene.rigid_bodies.size(); ++b)
@@ -29,9 +29,9 @@ bool can_move(const RigidBody& body) { return !body.is_fixed && !body.is_prescri
 // One contact while its impulses are sought.
 struct Contact {
   const Meeting* at;
-  Vec3 arm[2];              // from the centres of mass to the point
+  Vec3 arm[2];               // from the centres of mass to the point
   double low = 0, high = 0;  // bounds of the parting speed [m/s]
-  double normal = 0;        // impulse found so far [N s]
+  double normal = 0;         // impulse found so far [N s]
   Vec3 tangential = Vec3::Zero();
 };
 

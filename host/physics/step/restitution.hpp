@@ -34,11 +34,11 @@ struct Twist {
 
 // A rigid body at the end of a step.
 struct MovingBody {
-  Vec3 center = Vec3::Zero();             // of mass, world [m]
-  double mass = 0;                        // [kg]; 0: nothing moves it
-  Mat3 inertia = Mat3::Identity();        // world axes [kg m^2]
-  Twist before, after;                    // at the start of the step, and as it came out of it
-  Vec3 path = Vec3::Zero();               // of the centre over the step [m]
+  Vec3 center = Vec3::Zero();       // of mass, world [m]
+  double mass = 0;                  // [kg]; 0: nothing moves it
+  Mat3 inertia = Mat3::Identity();  // world axes [kg m^2]
+  Twist before, after;              // at the start of the step, and as it came out of it
+  Vec3 path = Vec3::Zero();         // of the centre over the step [m]
 };
 
 // A contact at the end of a step, of two of these bodies.

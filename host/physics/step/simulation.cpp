@@ -225,8 +225,9 @@ void Simulation::restore(const Checkpoint& checkpoint) {
   const MotionHistory& history = checkpoint.history;
   bool fits = checkpoint.time.size() == n_worlds() && checkpoint.joint_position.size() == n_worlds() &&
               checkpoint.targets.size() == n_worlds() && checkpoint.anchors.size() == n_worlds() &&
-              checkpoint.joint_motion.size() == n_worlds() && checkpoint.couplings.size() == n_worlds() && checkpoint.reading.size() == n_worlds() &&
-              checkpoint.past_targets.size() == n_worlds() && checkpoint.pressing.size() == impl.pressing.size() &&
+              checkpoint.joint_motion.size() == n_worlds() && checkpoint.couplings.size() == n_worlds() &&
+              checkpoint.reading.size() == n_worlds() && checkpoint.past_targets.size() == n_worlds() &&
+              checkpoint.pressing.size() == impl.pressing.size() &&
               checkpoint.flowed.size() == impl.potential.flowed().size() && history.length_before.size() == n_worlds();
   for (const std::vector<double>* nodes :
        {&checkpoint.position, &history.velocity, &history.position_before, &history.velocity_before})

@@ -189,8 +189,12 @@ void Simulation::Impl::restitute() {
       const Mat3 turn = map.leftCols<3>();
       const Vec3 center = turn * body.center_of_mass + map.col(3);
       const bool moves = !body.is_fixed && !body.is_prescribed;
-      bodies[b] = {center, moves ? body.mass : 0, turn * body.inertia * turn.transpose(),
-                   twist_of(body, map, &before[12 * b]), twist_of(body, map, &now[12 * b]), Vec3::Zero()};
+      bodies[b] = {center,
+                   moves ? body.mass : 0,
+                   turn * body.inertia * turn.transpose(),
+                   twist_of(body, map, &before[12 * b]),
+                   twist_of(body, map, &now[12 * b]),
+                   Vec3::Zero()};
       Vec3 was = Eigen::Map<const Vec3>(&from[12 * b]);
       for (int k = 0; k < 3; ++k) was += body.center_of_mass[k] * Eigen::Map<const Vec3>(&from[12 * b + 3 * (k + 1)]);
       bodies[b].path = center - was;

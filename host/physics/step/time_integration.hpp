@@ -27,7 +27,8 @@ class TimeIntegrator {
 
   const Buffer<f64>& velocity() const { return velocity_; }                // [n_nodes x 3, m/s]
   const Buffer<f64>& velocity_before() const { return velocity_before_; }  // at the start of the last step
-  // What an impact made of the velocities of nodes from `first_node` on [3 n, m/s]: without a past that BDF2 goes on by.
+  // What an impact made of the velocities of nodes from `first_node` on [3 n, m/s]: without a past that BDF2 goes on
+  // by.
   void change_velocity(std::size_t world, std::size_t first_node, std::span<const double> velocity,
                        SolverSettings::Integrator integrator);
   MotionHistory history() const;
