@@ -9,7 +9,7 @@
 namespace pvg {
 namespace {
 
-constexpr std::int64_t SCHEMA = 4;
+constexpr std::int64_t SCHEMA = 5;
 
 // An anchor as numbers: kind and sites of its pair, strain.
 constexpr std::size_t ANCHOR_LENGTH = 8;
@@ -52,6 +52,7 @@ void for_each_field(Checkpoint& checkpoint, const Visit& visit) {
   visit("/pressing", checkpoint.pressing);
   visit("/flowed", checkpoint.flowed);
   visit("/reading", checkpoint.reading);
+  visit("/joint_motion", checkpoint.joint_motion);
 }
 
 struct Writer {

@@ -362,6 +362,9 @@
   X(4, double, change_adhesion, 0.1, "J/m^2", \
     "first change that is tried of an adhesion", \
     "chosen by judgement, not measured") \
+  X(4, double, change_rotor_inertia, 0.01, "m^2", \
+    "first change that is tried of a rotor's inertia, over the mass of the joint's child", \
+    "chosen by judgement, not measured") \
   X(4, double, change_dissipation, 0.1, "s/m", \
     "first change that is tried of a contact's dissipation", \
     "chosen by judgement, not measured") \

@@ -173,6 +173,8 @@ void add_arm(TaskScene& built, const RobotCell& cell) {
   options.collision_links = robot.collision_links;
   const AddedRobot arm = add_robot(built.scene, model, robot.base, home_configuration(model, robot), options);
   const int flange_link = model.link(robot.flange);
+  for (std::size_t k = 0; k < robot.armature.size(); ++k)
+    built.scene.joints[std::size_t(arm.joints[k])].armature = robot.armature[k];
   BuiltRobot& added = built.robots.emplace_back();
   added.name = cell.name;
   added.arm = arm.joints;

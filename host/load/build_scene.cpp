@@ -156,6 +156,7 @@ TaskScene build(const Task& nominal, Draw draw) {
   scene.contact = task.contact;
   scene.solver = task.solver;
   scene.pair_friction = task.pair_friction;
+  scene.pair_restitution = task.pair_restitution;
   scene.effects = task.effects;
   scene.lights = task.lights;
   scene.sphere_lights = task.sphere_lights;

@@ -51,6 +51,7 @@ std::string scene_page() {
       .section("`cloths[]`", "", cloth_fields())
       .section("Shapes of cloths", "One of them, in `shape`.", sheet_shapes())
       .section("`pair_friction[]`", "", pair_friction_fields())
+      .section("`pair_restitution[]`", "", pair_restitution_fields())
       .section("`effects[]`", "What else acts, by name.", effect_fields())
       .section("`materials[]`", "", material_fields())
       .section("`lights[]` of kind `rectangle`", "The default of the key `kind`.", rectangle_light_fields())

@@ -51,6 +51,8 @@ std::string resolved_yaml(const Task& task, const TaskScene& built) {
   write_list(w, "joints", task_joint_fields(), task.joints);
   write_list(w, "cloths", cloth_fields(), task.cloths);
   write_list(w, "pair_friction", pair_friction_fields(), task.pair_friction);
+  if (!task.pair_restitution.empty())
+    write_list(w, "pair_restitution", pair_restitution_fields(), task.pair_restitution);
   write_list(w, "effects", effect_fields(), task.effects);
   write_section(w, "contact", contact_fields(), task.contact);
   write_section(w, "solver", solver_fields(), task.solver);
@@ -76,6 +78,7 @@ Task read_resolved(const std::string& text, const std::filesystem::path& file) {
   read_list(root, "joints", task_joint_fields(), task.joints);
   read_list(root, "cloths", cloth_fields(), task.cloths);
   read_list(root, "pair_friction", pair_friction_fields(), task.pair_friction);
+  read_list(root, "pair_restitution", pair_restitution_fields(), task.pair_restitution);
   read_list(root, "effects", effect_fields(), task.effects);
   read_section(root, "contact", contact_fields(), task.contact);
   read_section(root, "solver", solver_fields(), task.solver);

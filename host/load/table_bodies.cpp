@@ -93,12 +93,22 @@ const Fields<DriveSection>& drive_fields() {
           .number(
               "damping", [](auto& d) -> auto& { return d.drive.damping; },
               [](const D& d) { return turns(d.type) ? Unit::angular_damping : Unit::damping; }, "N m s/rad or N s/m", 0,
-              LARGEST_JOINT_NUMBER, "toward the target's rate")
+              LARGEST_JOINT_NUMBER, "toward the target's rate, see `damped_rate`")
           .when([](const D& d) { return d.drive.mode != Mode::torque; }, "`position`, `velocity`")
+          .choice(
+              "damped_rate", [](auto& d) -> auto& { return d.drive.damped_rate; }, {"error", "joint"},
+              "that `damping` acts against: of target - q, or of q alone, as `kv` of MuJoCo's position servos")
+          .when([](const D& d) { return d.drive.mode == Mode::position; }, "`position`")
+          .number(
+              "dead_band", [](auto& d) -> auto& { return d.drive.play; },
+              [](const D& d) { return turns(d.type) ? Unit::angle : Unit::length; }, "rad or m", 0, 1,
+              "total width around the target within which `stiffness` does not act; beyond it the error counts from "
+              "its edge")
+          .when([](const D& d) { return d.drive.mode == Mode::position; }, "`position`")
           .number(
               "effort_limit", [](auto& d) -> auto& { return d.drive.effort_limit; },
               [](const D& d) { return turns(d.type) ? Unit::torque : Unit::force; }, "N m or N", 0,
-              LARGEST_JOINT_NUMBER, "0: none")
+              LARGEST_JOINT_NUMBER, "of all that the drive exerts, its damping included; 0: none")
           .flag(
               "compensates_gravity", [](auto& d) -> auto& { return d.drive.compensates_gravity; },
               "adds the effort that holds what the joint carries")

@@ -108,6 +108,20 @@ const Fields<PairFriction>& pair_friction_fields() {
   return FIELDS;
 }
 
+const Fields<PairRestitution>& pair_restitution_fields() {
+  using P = PairRestitution;
+  static const Fields<P> FIELDS =
+      Fields<P>()
+          .text("first", &P::first, "name of a rigid body")
+          .required()
+          .text("second", &P::second, "name of the other body; one of both moves, without joints")
+          .required()
+          .number("coefficient", &P::coefficient, Unit::none, 0, 1,
+                  "speed of parting over that of meeting; without an entry barrier and time step decide")
+          .required();
+  return FIELDS;
+}
+
 const Fields<SolidMaterial>& solid_material_fields() {
   using M = SolidMaterial;
   static const Fields<M> FIELDS =

@@ -106,10 +106,15 @@ const Fields<RobotSection>& robot_fields() {
           .text("flange", &R::flange, "link that carries the gripper")
           .required()
           .section("drive", std::identity{}, robot_drive_fields(), "of all joints")
+          .number("armature", &R::armature, Unit::inertia, 0, 1e3,
+                  "inertia of each joint's geared rotor, a number per joint (of one that slides in kg)")
+          .otherwise("none")
           .number("friction", &R::friction, Unit::none, 0, 10, "coefficient of friction of all links")
           .text("collision_links", &R::collision_links, "links that collide")
           .otherwise("all that have a shape for it")
           .check([](Section& section, R& robot) {
+            if (!robot.armature.empty() && robot.armature.size() != robot.home.size())
+              section.fail("armature", "must hold as many numbers as `home`");
             for (const double q : robot.home)
               if (!section.is_resolved() && std::abs(q) > 2 * PI)
                 section.fail("home", fmt::format("holds {:g} rad, which is more than a turn: write `{:g} deg` if it is "

@@ -14,6 +14,7 @@ struct MaterialSection : VisualMaterial {
 const Fields<ContactSettings>& contact_fields();
 const Fields<SolverSettings>& solver_fields();
 const Fields<PairFriction>& pair_friction_fields();
+const Fields<PairRestitution>& pair_restitution_fields();
 const Fields<SolidMaterial>& solid_material_fields();
 const Fields<ClothMaterial>& cloth_material_fields();
 const Fields<ClothSection>& cloth_fields();

@@ -74,6 +74,9 @@ void check_names(const Section& root, const Task& task, const std::vector<std::s
       if (!is_body && !is_finger(name) && !is_cloth(name)) need_object("pair_friction", name);
     }
   }
+  for (const PairRestitution& pair : task.pair_restitution)
+    for (const std::string& name : {pair.first, pair.second})
+      if (std::find(bodies.begin(), bodies.end(), name) == bodies.end()) need_object("pair_restitution", name);
   std::vector<std::string> mounts = {"world"};
   for (const RobotCell& robot : robots_of(task))
     if (robot.gripper) mounts.push_back((robot.name.empty() ? "" : robot.name + "/") + "gripper_base");
@@ -141,6 +144,7 @@ Task read_scene_sections(Section& root, double largest_time_step) {
   read_list(root, "objects", object_fields(), task.objects);
   read_list(root, "cloths", cloth_fields(), task.cloths);
   read_list(root, "pair_friction", pair_friction_fields(), task.pair_friction);
+  read_list(root, "pair_restitution", pair_restitution_fields(), task.pair_restitution);
   read_list(root, "effects", effect_fields(), task.effects);
   if (root.has("background") && root.section("background").has("capture"))
     task.background =

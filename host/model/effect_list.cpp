@@ -44,7 +44,9 @@ EffectParameter shape(const char* name, const char* unit, double low, double hig
   return {name, unit, low, high, usual, false, usual};
 }
 
-Drive& drive_of(PhysicalScene& scene, const Effect& effect) { return named(scene.joints, effect.target)->drive; }
+Joint& joint_of(PhysicalScene& scene, const Effect& effect) { return *named(scene.joints, effect.target); }
+
+Drive& drive_of(PhysicalScene& scene, const Effect& effect) { return joint_of(scene, effect).drive; }
 
 RigidBody& rigid_of(PhysicalScene& scene, const Effect& effect) { return *named(scene.rigid_bodies, effect.target); }
 
@@ -75,6 +77,11 @@ bool holds_position(const PhysicalScene& scene, const std::string& joint) {
 }
 
 bool is_not_carried(const PhysicalScene& scene, const std::string& body) { return !is_carried(scene, body); }
+
+bool has_no_armature(const PhysicalScene& scene, const std::string& joint) {
+  const auto found = named(scene.joints, joint);
+  return found != scene.joints.end() && found->armature == 0;
+}
 
 // where two explain alike, a number of the scene is wrong more often
 double less_common(const PhysicalScene&, const std::string&) { return -0.5; }

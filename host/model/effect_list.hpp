@@ -21,6 +21,7 @@ inline constexpr const char* REGRESSED = "regressed";  // the law of those that 
 EffectParameter strength(const char* name, const char* unit, double low, double high, double off = 0);
 EffectParameter shape(const char* name, const char* unit, double low, double high, double usual);
 
+Joint& joint_of(PhysicalScene& scene, const Effect& effect);
 Drive& drive_of(PhysicalScene& scene, const Effect& effect);
 RigidBody& rigid_of(PhysicalScene& scene, const Effect& effect);
 Vec3 vector(const Effect& effect);  // its parameters x, y, z
@@ -30,7 +31,8 @@ Vec3 vector(const Effect& effect);  // its parameters x, y, z
 void bend_rest_shape(PhysicalScene& scene, const std::string& target, double curvature_1, double curvature_2);
 
 bool holds_position(const PhysicalScene& scene, const std::string& joint);
-bool is_not_carried(const PhysicalScene& scene, const std::string& body);  // what is carried has its joint's friction
+bool has_no_armature(const PhysicalScene& scene, const std::string& joint);  // else it is a number that may be wrong
+bool is_not_carried(const PhysicalScene& scene, const std::string& body);    // what is carried has its joint's friction
 
 double less_common(const PhysicalScene& scene, const std::string& target);
 double rare_in_sight(const PhysicalScene& scene, const std::string& body);
@@ -107,6 +109,17 @@ inline std::vector<EffectRow> joint_effects() {
              n.preload = parameter_of(e, "preload");
            },
        .prior_sigma = weight_of_what_slides},
+      {.kind = {"rotor_inertia",
+                T::driven_joint,
+                "joint acceleration",
+                "quadratic",
+                "the geared rotor of the drive turns with the joint",
+                "effort = -inertia q''",
+                "strokes at two accelerations, in two poses of what hangs on the joint",
+                {strength("inertia", "kg m^2", 0, 100)}},
+       .action = +[](PhysicalScene& s, const Effect& e) { joint_of(s, e).armature += parameter_of(e, "inertia"); },
+       .is_possible = has_no_armature,
+       .log_prior = less_common},
       {.kind = {"actuator_lag",
                 T::driven_joint,
                 "command",

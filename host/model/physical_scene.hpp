@@ -87,18 +87,20 @@ struct Cloth {
 // ---- what joins bodies ------------------------------------------------------------------------------------------
 
 // A drive acts on a joint's coordinate q with the effort
-//   position: stiffness (target - q) + damping (dtarget/dt - dq/dt)
+//   position: stiffness (target - q) + damping (dtarget/dt - dq/dt), or damping (-dq/dt) if damped_rate is the joint's
 //   velocity: damping (target - dq/dt)                                   torque: target
-// plus what compensates gravity; the sum is cut at effort_limit.
+// plus what compensates gravity; the sum, damping included, is cut at effort_limit.
 struct Drive {
   enum class Mode { position, velocity, torque };
+  enum class DampedRate { error, joint };
   Mode mode = Mode::position;
-  double stiffness = 0;             // [N m/rad] or [N/m]
-  double damping = 0;               // [N m s/rad] or [N s/m]
-  double effort_limit = 0;          // [N m] or [N]; 0: none
+  double stiffness = 0;                        // [N m/rad] or [N/m]
+  double damping = 0;                          // [N m s/rad] or [N s/m]
+  DampedRate damped_rate = DampedRate::error;  // of the mode position: of target - q, or of q alone
+  double effort_limit = 0;                     // [N m] or [N]; 0: none
   bool compensates_gravity = true;  // feeds forward the torque that the weight of everything it carries asks for
   // what a real drive may add, as the effects backlash, actuator_gain, actuator_lag and actuator_delay say
-  double play = 0;           // total, within which it does not act [rad or m]
+  double play = 0;           // total width, within which only damping acts: a dead band, or backlash [rad or m]
   double gain = 1;           // of the effort before it is cut
   double time_constant = 0;  // of its lag behind the targets [s]
   double delay = 0;          // of its targets [s]
@@ -115,6 +117,7 @@ struct Joint {
   double lower = 0, upper = 0;           // stops [rad or m]; both 0: none
   double limit_stiffness = 0;            // of the stops [N m/rad or N/m]; 0: 1e5 N m/rad, 1e6 N/m
   double damping = 0;                    // of the joint itself, drive or not [N m s/rad or N s/m]
+  double armature = 0;                   // inertia of what turns with the coordinate, a geared rotor [kg m^2 or kg]
   double velocity_limit = 0;             // [rad/s or m/s]; 0: none
   double stiffness = 1e8;                // of the constraint itself [N/m]
   Drive drive;
@@ -139,6 +142,13 @@ struct Stitch {
 struct PairFriction {
   std::string first, second;
   double coefficient = 0.5;
+};
+
+// Coefficient of restitution of one pair of rigid bodies, by name: their contacts part with this share of the speed at
+// which they met.
+struct PairRestitution {
+  std::string first, second;
+  double coefficient = 0;  // in [0, 1]
 };
 
 struct ContactSettings {
@@ -189,6 +199,7 @@ struct PhysicalScene {
   std::vector<Joint> joints;  // those with a drive take a target each, in this order
   std::vector<Stitch> stitches;
   std::vector<PairFriction> pair_friction;
+  std::vector<PairRestitution> pair_restitution;
   std::vector<std::array<int, 2>> noncolliding_rigid_bodies;  // besides jointed pairs, which never collide
   std::vector<Effect> effects;                                // what else acts, by name
   std::vector<Display> displays;

@@ -56,6 +56,7 @@ struct RobotSection {
   std::string flange;            // link that carries the gripper
   double drive_stiffness = 1e5;  // of every joint's drive [N m/rad]
   double drive_damping = 0;      // [N m s/rad]
+  std::vector<double> armature;  // [n_joints, kg m^2 or kg] of each joint of `home`; empty: none
   double friction = 0.5;
   std::optional<std::vector<std::string>> collision_links;  // links that collide; absent: all that have a shape for it
 };
@@ -191,6 +192,7 @@ struct Task {
   std::vector<JointSection> joints;
   std::vector<ClothSection> cloths;
   std::vector<PairFriction> pair_friction;
+  std::vector<PairRestitution> pair_restitution;
   std::vector<Effect> effects;
   ContactSettings contact;
   SolverSettings solver;  // its time_step is the task's key `time_step`

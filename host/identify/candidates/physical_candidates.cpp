@@ -28,6 +28,7 @@ double scale_of(const EffectParameter& p, double mass) {
                                                   {"N s/m", c.change_drag * mass},
                                                   {"N s^2/m^2", c.change_drag * mass},
                                                   {"kg", c.change_mass * mass},
+                                                  {"kg m^2", c.change_rotor_inertia * mass},
                                                   {"m", c.change_shift},
                                                   {"rad", c.change_turn},
                                                   {"s", c.change_time},

@@ -14,8 +14,8 @@ YAML::Node entry_named(const YAML::Node& list, const std::string& name) {
 }
 
 std::string unit_on(const PhysicalScene& scene, const std::string& target, const std::string& unit) {
-  static const std::map<std::string, std::string> ALONG = {
-      {"N m", "N"}, {"N m s/rad", "N s/m"}, {"N m/rad", "N/m"}, {"rad", "m"}, {"rad/s", "m/s"}};
+  static const std::map<std::string, std::string> ALONG = {{"N m", "N"}, {"N m s/rad", "N s/m"}, {"N m/rad", "N/m"},
+                                                           {"rad", "m"}, {"rad/s", "m/s"},       {"kg m^2", "kg"}};
   const auto joint = std::find_if(scene.joints.begin(), scene.joints.end(),
                                   [&](const Joint& candidate) { return candidate.name == target; });
   const auto along = ALONG.find(unit);

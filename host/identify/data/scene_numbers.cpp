@@ -85,6 +85,7 @@ double* of_material(SoftBody& body) {
 }
 
 double* damping_of(Joint& joint) { return &joint.damping; }
+double* armature_of(Joint& joint) { return joint.armature > 0 ? &joint.armature : nullptr; }
 
 template <double Drive::*member>
 double* of_drive(Joint& joint) {
@@ -173,6 +174,28 @@ bool write_friction(const NumberInFile& number) {
   return true;
 }
 
+// ---- restitution, of the pairs that have a coefficient
+
+Places restitutions(const PhysicalScene& scene, const Touching&) {
+  Places places;
+  for (std::size_t i = 0; i < scene.pair_restitution.size(); ++i) {
+    const PairRestitution& pair = scene.pair_restitution[i];
+    places.push_back({pair.first + "/" + pair.second, pair.coefficient, [i](PhysicalScene& s, double value) {
+                        s.pair_restitution[i].coefficient = std::min(value, 1.0);
+                      }});
+  }
+  return places;
+}
+
+bool write_restitution(const NumberInFile& number) {
+  for (auto pair : number.root["pair_restitution"]) {
+    if (pair["first"].Scalar() + "/" + pair["second"].Scalar() != number.target) continue;
+    pair["coefficient"] = std::min(number.value, 1.0);
+    return true;
+  }
+  return false;
+}
+
 Places contact_stiffnesses(const PhysicalScene& scene, const Touching& touching) {
   if (touching.empty()) return {};
   return {{"scene", scene.contact.stiffness, [](PhysicalScene& s, double value) { s.contact.stiffness = value; }}};
@@ -215,6 +238,14 @@ std::span<const SceneNumber> scene_numbers() {
        write_in_section<"bodies", "material", "density">},
       {"retune_joint_damping", "N m s/rad", "the joint's damping is not what the scene says", 0,
        criteria().number_far_above, in_each<&Scene::joints, damping_of>, write_in_entry<"joints", "damping">},
+      {.name = "retune_armature",
+       .unit = "kg m^2",
+       .meaning = "the inertia of the joint's rotor is not what the scene says",
+       .low = criteria().number_far_below,
+       .high = criteria().number_far_above,
+       .places = in_each<&Scene::joints, armature_of>,
+       .write = write_in_entry<"joints", "armature">,
+       .is_logarithmic = true},
       {.name = "retune_drive_stiffness",
        .unit = "N m/rad",
        .meaning = "the drive's stiffness is not what the scene says",
@@ -236,6 +267,8 @@ std::span<const SceneNumber> scene_numbers() {
        .is_logarithmic = true},
       {"retune_friction", "1", "the coefficient of friction is not what the scene says", 0, 5, frictions,
        write_friction},
+      {"retune_restitution", "1", "the coefficient of restitution is not what the scene says", 0, 10, restitutions,
+       write_restitution},
       {"retune_contact_stiffness", "Pa", "contacts are softer or stiffer than the scene says", 0.01, 100,
        contact_stiffnesses, write_contact_stiffness},
       {"retune_area_density", "kg/m^2", "the cloth is lighter or heavier than the scene says", 0.2, 5,

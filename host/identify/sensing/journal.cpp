@@ -83,10 +83,10 @@ void put_body(std::vector<char>& bytes, const Cloth& b) {
 
 void put_joint(std::vector<char>& bytes, const Joint& j) {
   const Drive& d = j.drive;
-  put_numbers(bytes, j.type, j.parent, j.child, j.lower, j.upper, j.limit_stiffness, j.damping, j.velocity_limit,
-              j.stiffness, j.initial);
-  put_numbers(bytes, d.mode, d.stiffness, d.damping, d.effort_limit, d.compensates_gravity, d.play, d.gain,
-              d.time_constant, d.delay);
+  put_numbers(bytes, j.type, j.parent, j.child, j.lower, j.upper, j.limit_stiffness, j.damping, j.armature,
+              j.velocity_limit, j.stiffness, j.initial);
+  put_numbers(bytes, d.mode, d.stiffness, d.damping, d.damped_rate, d.effort_limit, d.compensates_gravity, d.play,
+              d.gain, d.time_constant, d.delay);
   put_matrix(bytes, j.parent_frame.matrix());
   put_matrix(bytes, j.child_frame.matrix());
   put_vector(bytes, j.axis);
@@ -105,6 +105,11 @@ void put_scene(std::vector<char>& bytes, const PhysicalScene& scene) {
     for (const std::uint32_t node : stitch.nodes) put(bytes, node);
   }
   for (const PairFriction& pair : scene.pair_friction) {
+    put_text(bytes, pair.first);
+    put_text(bytes, pair.second);
+    put(bytes, pair.coefficient);
+  }
+  for (const PairRestitution& pair : scene.pair_restitution) {
     put_text(bytes, pair.first);
     put_text(bytes, pair.second);
     put(bytes, pair.coefficient);

@@ -10,6 +10,7 @@ SceneRun load_robots_alone(const std::filesystem::path& file) {
   task.joints.clear();
   task.cloths.clear();
   task.pair_friction.clear();
+  task.pair_restitution.clear();
   task.variations.clear();
   task.background = {};
   task.lights.clear();

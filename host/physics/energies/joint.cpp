@@ -138,7 +138,7 @@ int add_law(System& system, std::size_t world, const Joint& joint, const Mat3& t
 // what acts along the coordinate of a revolute or prismatic joint
 JointRows add_coordinate_rows(System& system, std::size_t world, const Joint& joint, const Mat3& triad) {
   JointRows rows;
-  if (is_driven(joint) || joint.damping > 0) rows.drive = add_drive(system, world, joint, triad);
+  if (is_driven(joint) || joint.damping > 0 || joint.armature > 0) rows.drive = add_drive(system, world, joint, triad);
   if (has_limits(joint)) rows.limit = add_limit(system, world, joint, triad);
   for (const Effect& effect : system.scenes[world].effects) {
     const EffectKind& kind = effect_kind(effect.name);
@@ -158,6 +158,7 @@ void check_joint(const PhysicalScene& scene, const Joint& joint) {
   if (!(joint.axis.norm() > 0)) throw UsageError("joint " + joint.name + " has an axis of length zero");
   if (!(joint.stiffness > 0) || joint.drive.stiffness < 0 || joint.drive.damping < 0 || joint.damping < 0)
     throw UsageError("joint " + joint.name + ": stiffness must be positive, the drive's and damping not negative");
+  if (joint.armature < 0) throw UsageError("joint " + joint.name + " has an armature below 0; give 0 or more");
   if (joint.lower > joint.upper) throw UsageError("joint " + joint.name + ": its lower limit is above the upper one");
 }
 
@@ -217,6 +218,7 @@ double unwrap_angle(double angle, double near) {
 
 StepDrive drive_over_step(const Drive& drive, double start, double target, double change, double weight, double h) {
   const double per_length = drive.damping / h, gain = drive.gain;
+  if (drive.mode == Drive::Mode::position && drive.damped_rate == Drive::DampedRate::joint) change = 0;
   switch (drive.mode) {
     case Drive::Mode::velocity:
       return {gain * per_length, start + h * target, gain * weight};
@@ -231,13 +233,21 @@ StepDrive drive_over_step(const Drive& drive, double start, double target, doubl
   }
 }
 
-double drive_effort(const StepDrive& drive, double effort_limit, double q) {
+double drive_effort(const StepDrive& drive, double effort_limit, double q, double rate, double h) {
   double effort = drive.feed_forward;
   if (drive.stiffness > 0) {
     const double error = drive.target + drive.feed_forward / drive.stiffness - q;
     effort = drive.stiffness * (error - std::clamp(error, -drive.play / 2, drive.play / 2));
+    if (drive.damping > 0) effort -= drive.damping * (rate - drive.change / h);
   }
   return effort_limit > 0 ? std::clamp(effort, -effort_limit, effort_limit) : effort;
+}
+
+StepMotion with_armature(StepMotion motion, double armature, double foreseen, double h, double inertia_h) {
+  if (armature == 0) return motion;
+  const double damping = armature * h / (inertia_h * inertia_h);
+  const double sum = motion.damping + damping;
+  return {sum, (motion.damping * motion.change + damping * foreseen) / sum};
 }
 
 double stop_effort(const Joint& joint, double q) {

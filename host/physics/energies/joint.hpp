@@ -25,15 +25,25 @@ struct StepDrive {
   double target = 0;        // [rad or m]
   double feed_forward = 0;  // [N m or N]
   double play = 0;          // within which it does not act [rad or m]
-  double damping = 0;       // of a loose drive: beside its play, never cut [N m s/rad or N s/m]
+  double damping = 0;       // of a loose drive: beside its play, cut with it [N m s/rad or N s/m]
   double change = 0;        // of the target over the step, which damping follows [rad or m]
 };
 // start: coordinate at the start of the step; target: as given, change: of it over the step; weight: effort that holds
 // what is carried; h [s]
 StepDrive drive_over_step(const Drive& drive, double start, double target, double change, double weight, double h);
 
-// What a drive exerts along its coordinate q at the end of a step [N m or N].
-double drive_effort(const StepDrive& drive, double effort_limit, double q);
+// What a drive exerts along its coordinate q at the end of a step of length h [s], which moved at `rate` over it
+// [rad/s or m/s].  [N m or N]
+double drive_effort(const StepDrive& drive, double effort_limit, double q, double rate, double h);
+
+// What opposes a joint's motion over a step beyond its drive: damping c of E = c / (2 h) (q - q0 - change)^2.
+struct StepMotion {
+  double damping = 0;  // [N m s/rad or N s/m]
+  double change = 0;   // [rad or m]
+};
+// The same with a rotor of inertia `armature` [kg m^2 or kg], E = armature / (2 h'^2) (q - q0 - foreseen)^2, h' and the
+// change `foreseen` of the coordinate as time integration has them: both are squares of q, and so is their sum.
+StepMotion with_armature(StepMotion motion, double armature, double foreseen, double h, double inertia_h);
 
 // What the stops of a joint exert along its coordinate q [N m or N].
 double stop_effort(const Joint& joint, double q);

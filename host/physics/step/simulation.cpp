@@ -130,6 +130,8 @@ Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
         last_targets[w].push_back(scene.joints[j].drive.mode == Drive::Mode::position ? scene.joints[j].initial : 0);
     }
     actuators.emplace_back(scene, last_targets[w]);
+    joint_motion.push_back(initial_motion(scene));
+    restitution.push_back(restitution_pairs(scene));
   }
   start.node.copy_from(x.node);
   potential.update_sites(start);
@@ -201,7 +203,8 @@ Checkpoint Simulation::checkpoint() const {
                         {},
                         impl_->pressing,
                         {},
-                        impl_->potential.flowed()};
+                        impl_->potential.flowed(),
+                        {}};
   for (const Actuators& actuators : impl_->actuators) checkpoint.past_targets.push_back(actuators.past());
   for (const std::vector<NodePair>& pairs : impl_->potential.couplings()) {
     checkpoint.couplings.emplace_back();
@@ -211,6 +214,7 @@ Checkpoint Simulation::checkpoint() const {
   for (const WorldState& state : impl_->states) {
     checkpoint.time.push_back(state.time);
     checkpoint.joint_position.push_back(state.joint_position);
+    checkpoint.joint_motion.push_back(to_numbers(impl_->joint_motion[checkpoint.time.size() - 1]));
     checkpoint.reading.push_back(state.reading);
   }
   return checkpoint;
@@ -221,14 +225,16 @@ void Simulation::restore(const Checkpoint& checkpoint) {
   const MotionHistory& history = checkpoint.history;
   bool fits = checkpoint.time.size() == n_worlds() && checkpoint.joint_position.size() == n_worlds() &&
               checkpoint.targets.size() == n_worlds() && checkpoint.anchors.size() == n_worlds() &&
-              checkpoint.couplings.size() == n_worlds() && checkpoint.reading.size() == n_worlds() &&
-              checkpoint.past_targets.size() == n_worlds() && checkpoint.pressing.size() == impl.pressing.size() &&
+              checkpoint.joint_motion.size() == n_worlds() && checkpoint.couplings.size() == n_worlds() &&
+              checkpoint.reading.size() == n_worlds() && checkpoint.past_targets.size() == n_worlds() &&
+              checkpoint.pressing.size() == impl.pressing.size() &&
               checkpoint.flowed.size() == impl.potential.flowed().size() && history.length_before.size() == n_worlds();
   for (const std::vector<double>* nodes :
        {&checkpoint.position, &history.velocity, &history.position_before, &history.velocity_before})
     fits = fits && nodes->size() == impl.x.node.size();
   for (std::size_t w = 0; fits && w < n_worlds(); ++w)
     fits = checkpoint.joint_position[w].size() == impl.system.scenes[w].joints.size() &&
+           checkpoint.joint_motion[w].size() == 3 * impl.system.scenes[w].joints.size() &&
            checkpoint.reading[w].size() == impl.nominal[w].displays.size() &&
            checkpoint.targets[w].size() == impl.last_targets[w].size() &&
            impl.actuators[w].restore(checkpoint.past_targets[w]);
@@ -245,6 +251,7 @@ void Simulation::restore(const Checkpoint& checkpoint) {
   for (std::size_t w = 0; w < n_worlds(); ++w) {
     impl.states[w].time = checkpoint.time[w];
     impl.states[w].joint_position = checkpoint.joint_position[w];
+    impl.joint_motion[w] = to_motion(checkpoint.joint_motion[w]);
     impl.states[w].reading = checkpoint.reading[w];
     impl.states[w].contacts.clear();
     impl.is_intact[w] = true;

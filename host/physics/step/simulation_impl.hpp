@@ -7,8 +7,10 @@
 #include "host/physics/energies/joint.hpp"
 #include "host/physics/linear/conjugate_gradients.hpp"
 #include "host/physics/step/actuator.hpp"
+#include "host/physics/step/joint_motion.hpp"
 #include "host/physics/step/phase_clock.hpp"
 #include "host/physics/step/potential.hpp"
+#include "host/physics/step/restitution.hpp"
 #include "host/physics/step/simulation.hpp"
 #include "host/physics/step/time_integration.hpp"
 
@@ -72,6 +74,7 @@ struct Simulation::Impl {
   void read_state(double h);
   void read_contacts(double h);
   void read_joints(double h);
+  void restitute();  // velocities of bodies that have met at the end of this attempt
   void read_pressing();
   void read_displays(std::size_t world, double h);
 
@@ -106,11 +109,13 @@ struct Simulation::Impl {
   std::vector<std::vector<std::vector<double>>> soft_masses;  // [n_worlds][n_soft][n_nodes, kg]
   std::vector<std::vector<StepDrive>> drives;                 // [n_worlds][n_joints], of this step
   std::vector<double> pressing;                               // [n_rolling_resistances] last normal force [N]
+  std::vector<std::vector<JointMotion>> joint_motion;         // [n_worlds][n_joints]
+  std::vector<std::vector<RestitutionPair>> restitution;      // [n_worlds]
   std::vector<Actuators> actuators;                           // [n_worlds]
   std::vector<std::vector<double>> last_targets;              // that the drives obeyed
   std::vector<char> is_retired;                               // worlds that take no further steps
   std::vector<char> is_intact;                                // worlds of this attempt that have not failed
-  double length = 0;                                          // of this attempt [s]
+  double length = 0, inertia_length = 0;                      // of this attempt [s]
   std::vector<char> is_unsettled;                             // of these, worlds whose lagged friction still changes
   std::vector<char> is_active;                                // of these, worlds that Newton's method still moves
   std::vector<WorldState> states;

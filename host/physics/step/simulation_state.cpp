@@ -23,13 +23,17 @@ void Simulation::Impl::set_joints(double h, const std::vector<std::vector<double
                                        weight, h);
         ++driven;
       }
+      const double foreseen = foreseen_change(joint_motion[w][j], start, inertia_length != h, inertia_length);
       const auto fill = [&](auto& row) {
         row.stiffness = drives[w][j].stiffness;
         row.target = drives[w][j].target;
         row.feed_forward = drives[w][j].feed_forward;
         row.play = drives[w][j].play;
-        row.damping = joint.damping + drives[w][j].damping;
-        row.target_change = row.damping > 0 ? drives[w][j].change * drives[w][j].damping / row.damping : 0;
+        row.cut_damping = drives[w][j].damping;
+        row.cut_change = drives[w][j].change;
+        const StepMotion motion = with_armature({joint.damping, 0}, joint.armature, foreseen, h, inertia_length);
+        row.damping = motion.damping;
+        row.target_change = motion.change;
       };
       const JointRows& row = system.joint_rows[w][j];
       const bool turns = joint.type == Joint::Type::revolute;
@@ -82,9 +86,11 @@ void Simulation::Impl::read_joints(double h) {
       double q = joint_coordinate(joint, state.rigid[joint.parent], state.rigid[joint.child]);
       if (joint.type == Joint::Type::revolute) q = unwrap_angle(q, state.joint_position[j]);
       if (h > 0) {
-        state.joint_effort[j] = is_driven(joint) ? drive_effort(drives[w][j], joint.drive.effort_limit, q) : 0;
+        const double start = state.joint_position[j], rate = (q - start) / h;
+        state.joint_effort[j] = is_driven(joint) ? drive_effort(drives[w][j], joint.drive.effort_limit, q, rate, h) : 0;
         state.joint_stop_effort[j] = stop_effort(joint, q);
-        state.joint_damping_effort[j] = -joint.damping * (q - state.joint_position[j]) / h;
+        state.joint_damping_effort[j] = -joint.damping * (q - start) / h;
+        joint_motion[w][j] = after_step(joint_motion[w][j], start, q, inertia_length != h, inertia_length);
       }
       state.joint_position[j] = q;
     }
@@ -141,4 +147,66 @@ void Simulation::Impl::read_contacts(double h) {
   }
   read_pressing();
 }
+
+namespace {
+
+// Velocity of the centre of mass and spin of an affine body whose nodes (p, a1, a2, a3) move like this [12, m/s].
+Twist twist_of(const RigidBody& body, const AffineMap& map, const double* velocity) {
+  Mat3 rate;
+  for (int k = 0; k < 3; ++k) rate.col(k) = Eigen::Map<const Vec3>(velocity + 3 * (k + 1));
+  const Mat3 turning = rate * map.leftCols<3>().inverse();
+  const Vec3 spin(turning(2, 1) - turning(1, 2), turning(0, 2) - turning(2, 0), turning(1, 0) - turning(0, 1));
+  return {Eigen::Map<const Vec3>(velocity) + rate * body.center_of_mass, 0.5 * spin};
+}
+
+// Adds a rigid change of motion to the velocities of the nodes.
+void add_twist(const AffineMap& map, const Vec3& center, const Twist& change, double* velocity) {
+  Eigen::Map<Vec3>(velocity) += change.velocity + change.spin.cross(map.col(3) - center);
+  for (int k = 0; k < 3; ++k) Eigen::Map<Vec3>(velocity + 3 * (k + 1)) += change.spin.cross(map.col(k));
+}
+
+}  // namespace
+
+void Simulation::Impl::restitute() {
+  for (std::size_t w = 0; w < system.n_worlds(); ++w) {
+    if (!is_intact[w]) continue;
+    const PhysicalScene& scene = system.scenes[w];
+    std::vector<Meeting> meetings;
+    for (const ContactForce& c : states[w].contacts)
+      for (const RestitutionPair& pair : restitution[w])
+        if (std::minmax(c.first, c.second) == std::minmax(pair.first, pair.second) && c.normal_force > 0)
+          meetings.push_back(
+              {c.first, c.second, c.point, c.normal, c.normal_force * length, pair.coefficient, pair.friction});
+    if (meetings.empty()) continue;
+    const std::size_t n_bodies = scene.rigid_bodies.size(), first = system.rigid_first_node[w][0];
+    std::vector<double> now = integrator.velocity().read(3 * first, 12 * n_bodies);
+    const std::vector<double> before = integrator.velocity_before().read(3 * first, 12 * n_bodies);
+    const std::vector<double> from = start.node.read(3 * first, 12 * n_bodies);
+    std::vector<MovingBody> bodies(n_bodies);
+    for (std::size_t b = 0; b < n_bodies; ++b) {
+      const RigidBody& body = scene.rigid_bodies[b];
+      const AffineMap& map = states[w].rigid[b];
+      const Mat3 turn = map.leftCols<3>();
+      const Vec3 center = turn * body.center_of_mass + map.col(3);
+      const bool moves = !body.is_fixed && !body.is_prescribed;
+      bodies[b] = {center,
+                   moves ? body.mass : 0,
+                   turn * body.inertia * turn.transpose(),
+                   twist_of(body, map, &before[12 * b]),
+                   twist_of(body, map, &now[12 * b]),
+                   Vec3::Zero()};
+      Vec3 was = Eigen::Map<const Vec3>(&from[12 * b]);
+      for (int k = 0; k < 3; ++k) was += body.center_of_mass[k] * Eigen::Map<const Vec3>(&from[12 * b + 3 * (k + 1)]);
+      bodies[b].path = center - was;
+    }
+    const auto changed = restituted(bodies, meetings, scene.gravity, length);
+    if (!changed) continue;
+    for (std::size_t b = 0; b < n_bodies; ++b) {
+      const Twist &to = (*changed)[b], &was = bodies[b].after;
+      add_twist(states[w].rigid[b], bodies[b].center, {to.velocity - was.velocity, to.spin - was.spin}, &now[12 * b]);
+    }
+    integrator.change_velocity(w, first, now, scene.solver.integrator);
+  }
+}
+
 }  // namespace pvg

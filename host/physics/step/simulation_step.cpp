@@ -326,10 +326,10 @@ void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>&
   length = h;
   start.node.copy_from(x.node);
   potential.update_sites(start);
-  const double inertia_h = integrator.predict(start.node, h, solver().integrator, goes_on, predicted.node);
+  inertia_length = integrator.predict(start.node, h, solver().integrator, goes_on, predicted.node);
   prescribe(h);
   potential.update_sites(predicted);
-  potential.begin_step(start, predicted, h, inertia_h);
+  potential.begin_step(start, predicted, h, inertia_length);
   potential.set_forces(integrator.velocity());
   set_joints(h, previous, targets);
   find_minimum(h);
@@ -341,6 +341,7 @@ void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>&
   knows_motion = std::all_of(is_intact.begin(), is_intact.end(), [](char intact) { return intact; });
   potential.flow(x, h, is_intact);
   read_state(h);
+  restitute();
 }
 
 std::vector<char> Simulation::Impl::advance_or_halve(double h, const std::vector<std::vector<double>>& previous,

@@ -54,6 +54,12 @@ void TimeIntegrator::accept(const Buffer<f64>& start, const Buffer<f64>& end, st
     if (stepped[w]) length_before_[w] = length_;
 }
 
+void TimeIntegrator::change_velocity(std::size_t world, std::size_t first_node, std::span<const double> velocity,
+                                     SolverSettings::Integrator integrator) {
+  velocity_.write(3 * first_node, std::vector<double>(velocity.begin(), velocity.end()));
+  if (integrator == SolverSettings::Integrator::bdf2) length_before_[world] = 0;
+}
+
 MotionHistory TimeIntegrator::history() const {
   return {velocity_.read(), position_before_.read(), velocity_before_.read(), length_before_};
 }

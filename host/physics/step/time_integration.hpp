@@ -25,7 +25,12 @@ class TimeIntegrator {
   // After the step of the worlds for which `stepped`: their new velocities, from the positions at its start and end.
   void accept(const Buffer<f64>& start, const Buffer<f64>& end, std::span<const char> stepped);
 
-  const Buffer<f64>& velocity() const { return velocity_; }  // [n_nodes x 3, m/s]
+  const Buffer<f64>& velocity() const { return velocity_; }                // [n_nodes x 3, m/s]
+  const Buffer<f64>& velocity_before() const { return velocity_before_; }  // at the start of the last step
+  // What an impact made of the velocities of nodes from `first_node` on [3 n, m/s]: without a past that BDF2 goes on
+  // by.
+  void change_velocity(std::size_t world, std::size_t first_node, std::span<const double> velocity,
+                       SolverSettings::Integrator integrator);
   MotionHistory history() const;
   void restore(const MotionHistory& history);
 

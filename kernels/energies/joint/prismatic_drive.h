@@ -12,10 +12,12 @@ typedef struct {
   f64 target_change;  // over the step [m]
   f64 effort_limit;   // [N]; 0: none
   f64 feed_forward;   // force added to that of the stiffness before it is cut [N]
-  f64 play;           // within which a loose drive does not act [m]
+  f64 play;           // within which a loose drive's stiffness does not act [m]
+  f64 cut_damping;    // of a loose drive, within its effort limit [N s/m]
+  f64 cut_change;     // over the step, which that damping follows [m]
   f64 unused_;
 } PrismaticDrive;
-SHARED_SIZE(PrismaticDrive, 80);
+SHARED_SIZE(PrismaticDrive, 96);
 ENERGY_TERM(8, prismatic_drive, PrismaticDrive, 3);
 SHARED_END
 #endif

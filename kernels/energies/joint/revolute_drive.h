@@ -12,9 +12,11 @@ typedef struct {
   f64 effort_limit;   // [N m]; 0: none
   f64 feed_forward;   // torque added to that of the stiffness before it is cut [N m]
   f64 angle0;         // q at the start of the step, whole turns included [rad]
-  f64 play;           // within which a loose drive does not act [rad]
+  f64 play;           // within which a loose drive's stiffness does not act [rad]
+  f64 cut_damping;    // of a loose drive, within its effort limit [N m s/rad]
+  f64 cut_change;     // over the step, which that damping follows [rad]
 } RevoluteDrive;
-SHARED_SIZE(RevoluteDrive, 80);
+SHARED_SIZE(RevoluteDrive, 96);
 ENERGY_TERM(7, revolute_drive, RevoluteDrive, 4);
 SHARED_END
 #endif

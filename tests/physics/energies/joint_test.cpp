@@ -24,7 +24,7 @@ Joint with_limits(double lower, double upper) {
 
 Joint with_drive(Drive::Mode mode, double stiffness, double damping, double effort_limit) {
   Joint joint;
-  joint.drive = {mode, stiffness, damping, effort_limit, false};
+  joint.drive = {mode, stiffness, damping, Drive::DampedRate::error, effort_limit, false};
   return joint;
 }
 
@@ -131,6 +131,97 @@ TEST(Drive, ATorqueThatCompensatesGravityAddsToIt) {
   for (int i = 0; i < 10; ++i) simulation.step(std::vector<double>{0.0});
   EXPECT_NEAR(simulation.state().joint_position[0], 0, 1e-8);
   EXPECT_NEAR(simulation.state().joint_effort[0], 9.81, 1e-9);
+}
+
+// 1 kg behind a target that moves at 0.1 m/s, 1000 N/m and 100 N s/m: damping of the error lets it catch up, damping of
+// the joint alone leaves it c v / k = 10 mm behind
+TEST(Drive, DampsTheRateThatItIsToldTo) {
+  Device device;
+  for (const Drive::DampedRate rate : {Drive::DampedRate::error, Drive::DampedRate::joint}) {
+    Joint joint = with_drive(Drive::Mode::position, 1000, 100, 0);
+    joint.drive.damped_rate = rate;
+    PhysicalScene scene = box_on_rail(joint);
+    scene.gravity = Vec3::Zero();
+    Simulation simulation(device, scene);
+    double target = 0;
+    for (int i = 1; i <= 200; ++i) simulation.step(std::vector<double>{target = 0.001 * i});
+    EXPECT_NEAR(target - simulation.state().joint_position[0], rate == Drive::DampedRate::error ? 0 : 0.01, 1e-6);
+  }
+}
+
+// A dead band of 20 mm hangs lower by half of it: 10 mm + 9.81 N / (1000 N/m)
+TEST(Drive, HangsLowerByHalfItsDeadBand) {
+  Device device;
+  Joint joint = with_drive(Drive::Mode::position, 1000, 60, 0);
+  joint.drive.play = 0.02;
+  Simulation simulation(device, box_on_rail(joint));
+  for (int i = 0; i < 150; ++i) simulation.step(std::vector<double>{0.0});
+  EXPECT_NEAR(simulation.state().joint_position[0], -0.01981, 1e-5);
+  EXPECT_NEAR(simulation.state().joint_effort[0], 9.81, 1e-2);
+}
+
+// Its damping is within the limit, with a dead band as without: a fast box is braked by 5 N, not by 100 N s/m x 0.5 m/s
+TEST(Drive, ItsDampingIsCutToo) {
+  Device device;
+  for (const double play : {0.0, 0.02}) {
+    Joint joint = with_drive(Drive::Mode::position, 10, 100, 5);
+    joint.drive.play = play;
+    PhysicalScene scene = box_on_rail(joint);
+    scene.gravity = Vec3::Zero();
+    scene.rigid_bodies[1].velocity = Vec3(0, 0, 0.5);
+    Simulation simulation(device, scene);
+    for (int i = 1; i <= 5; ++i) {
+      simulation.step(std::vector<double>{0.0});
+      EXPECT_NEAR(simulation.state().joint_effort[0], -5, 1e-9);
+    }
+    // q_n = n h v - F/m h^2 n (n + 1) / 2
+    EXPECT_NEAR(simulation.state().joint_position[0], 5 * 0.01 * 0.5 - 5 * 1e-4 * 15, 1e-8);
+  }
+}
+
+TEST(Joint, ArmatureAddsToTheMassByTheRecurrence) {
+  Device device;
+  for (const auto integrator : {SolverSettings::Integrator::implicit_euler, SolverSettings::Integrator::bdf2}) {
+    Joint joint = with_drive(Drive::Mode::torque, 0, 0, 0);
+    joint.armature = 3;
+    PhysicalScene scene = box_on_rail(joint);
+    scene.gravity = Vec3::Zero();
+    scene.rigid_bodies[1].velocity = Vec3(0, 0, 0.2);
+    scene.solver.integrator = integrator;
+    Simulation simulation(device, scene);
+    const double h = 0.01, acceleration = 2.0 / (1 + 3);
+    double q = 0, v = 0.2, q_before = 0, v_before = 0;
+    for (int i = 0; i < 20; ++i) {
+      simulation.step(std::vector<double>{2.0});
+      const bool is_second = integrator == SolverSettings::Integrator::bdf2 && i > 0;
+      const double length = is_second ? 2 * h / 3 : h, past = is_second ? (4 * q - q_before) / 3 : q;
+      const double rate = (is_second ? (4 * v - v_before) / 3 : v) + length * acceleration;
+      q_before = q;
+      v_before = v;
+      q = past + length * rate;
+      v = rate;
+      ASSERT_NEAR(simulation.state().joint_position[0], q, 1e-8) << i;
+    }
+  }
+}
+
+// T = 2 pi sqrt((I + J) / (m g l)): a rotor as heavy to turn as the rod makes its swing sqrt(2) times longer
+TEST(Joint, ArmatureLengthensThePeriodOfAPendulum) {
+  Device device;
+  Joint joint;
+  joint.armature = ROD_INERTIA;
+  PhysicalScene scene = rod_on_hinge(0.05, joint);
+  scene.solver.integrator = SolverSettings::Integrator::bdf2;
+  Simulation simulation(device, scene);
+  const double quarter = M_PI / 2 * std::sqrt(2 * ROD_INERTIA / (ROD_MASS * 9.81 * ROD_CENTRE));
+  double last = 0.05, crossing = 0;
+  for (int i = 1; crossing == 0 && i < 200; ++i) {
+    simulation.step(std::vector<double>{});
+    const double q = simulation.state().joint_position[0];
+    if (last > 0 && q <= 0) crossing = 0.005 * (i - 1 + last / (last - q));
+    last = q;
+  }
+  EXPECT_NEAR(crossing, quarter, 0.005 * quarter);
 }
 
 TEST(Joint, DampingSlowsItsCoordinateByTheRecurrence) {

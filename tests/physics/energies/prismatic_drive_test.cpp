@@ -61,5 +61,36 @@ TEST(PrismaticDrive, DrawsTheChildTowardTheTarget) {
   EXPECT_NEAR(check.evaluate({e})[0].gradient(4), 7.8, 1e-9);
 }
 
+// With a play of 4 mm the error of 5 mm counts as 3: 6 N; its damping adds 0.8 N, and both are cut at 4 N. There
+// k u + b (q - q0) = 4 N at q = 29 mm, from where the energy of 4 mJ goes on as 4 N (q - 29 mm).
+TEST(PrismaticDrive, CutsTheDampingOfALooseDrive) {
+  EnergyCheck<PrismaticDrive> check("joint/prismatic_drive", energy, 1e-6);
+  EnergyElement<PrismaticDrive> e;
+  e.params.stiffness = 2000;
+  e.params.target = 0.025;
+  e.params.play = 0.004;
+  e.params.cut_damping = 10;
+  e.x = {Vec3(1, 2, 3), Vec3(1.2, 2.03, 3), Vec3(0, 1, 0)};
+  e.x0 = {Vec3(1, 2, 3), Vec3(1.2, 2.029, 3), Vec3(0, 1, 0)};
+  ASSERT_EQ(check.H, 0.0125);
+  EXPECT_NEAR(check.evaluate({e})[0].gradient(4), 6.8, 1e-9);
+  e.params.effort_limit = 4;
+  const EnergyResult cut = check.evaluate({e})[0];
+  EXPECT_NEAR(cut.gradient(4), 4, 1e-9);
+  EXPECT_NEAR(cut.energy, 0.004 + 4 * 0.001, 1e-9);
+  // inside the play only damping acts: 800 N/m x -3 mm
+  e.x[1].y() = 2.026;
+  EXPECT_NEAR(check.evaluate({e})[0].gradient(4), -2.4, 1e-9);
+  // the slope is the energy's, through play and both limits
+  for (double q = 0.018; q < 0.034; q += 0.0007) {
+    EnergyElement<PrismaticDrive> low = e, high = e;
+    e.x[1].y() = 2 + q;
+    low.x[1].y() = 2 + q - 1e-7;
+    high.x[1].y() = 2 + q + 1e-7;
+    const double slope = (check.evaluate({high})[0].energy - check.evaluate({low})[0].energy) / 2e-7;
+    EXPECT_NEAR(check.evaluate({e})[0].gradient(4), slope, 1e-4) << q;
+  }
+}
+
 }  // namespace
 }  // namespace pvg
