@@ -19,7 +19,10 @@ int column_stride(int n_rows) {
 
 BlockCholesky::BlockCholesky(const BlockPattern& pattern, std::span<const Vec3> position,
                              std::optional<NodeOrder> order)
-    : tree_(eliminate(pattern, position, order)), fronts_(tree_.supernodes.size()) {
+    : BlockCholesky(pattern, eliminate(pattern, position, order)) {}
+
+BlockCholesky::BlockCholesky(const BlockPattern& pattern, EliminationTree tree)
+    : tree_(std::move(tree)), fronts_(tree_.supernodes.size()) {
   lay_out_panels();
   choose_subtrees();
   lay_out_updates();

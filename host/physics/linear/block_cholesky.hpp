@@ -18,6 +18,7 @@ class BlockCholesky {
   // cheapest where none is asked for
   explicit BlockCholesky(const BlockPattern& pattern, std::span<const Vec3> position = {},
                          std::optional<NodeOrder> order = {});
+  BlockCholesky(const BlockPattern& pattern, EliminationTree tree);  // of this pattern
 
   // blocks: one 3 x 3 block for each of the pattern, row-major [n_blocks x 9]; of a diagonal block the lower triangle
   // is read. False where the matrix is not positive definite or not finite; then solve() must not be called.
@@ -25,7 +26,6 @@ class BlockCholesky {
   // x = A^-1 x in place [n_nodes x 3]; not from several threads at once, it needs the fronts' memory
   void solve(std::span<double> x, Workers* workers = nullptr) const;
 
-  NodeOrder order() const { return tree_.kind; }
   double cost() const { return tree_.cost; }  // of one factorisation, about the number of floating point operations
   bool uses_threads() const { return subtrees_.size() > 1; }
   std::size_t n_numbers() const { return 8 * panels_.size(); }  // stored in the factor

@@ -52,7 +52,8 @@ void GroupPreconditioner::for_each_block(std::span<const u32> element_sites, std
 
 GroupPreconditioner::GroupPreconditioner(const MatrixPattern& matrix, std::span<const Site> sites,
                                          std::span<const double> position, std::span<const u32> node_group,
-                                         std::span<const u32> group_world, std::span<const NodePair> coupled)
+                                         std::span<const u32> group_world, std::span<const NodePair> coupled,
+                                         Device* factors_on)
     : matrix_(matrix),
       sites_(sites.begin(), sites.end()),
       position_(position.begin(), position.end()),
@@ -62,7 +63,8 @@ GroupPreconditioner::GroupPreconditioner(const MatrixPattern& matrix, std::span<
       always_coupled_(coupled.begin(), coupled.end()),
       node_group_(node_group.begin(), node_group.end()),
       node_local_(node_group.size(), 0),
-      workers_(std::make_unique<Workers>()) {
+      workers_(std::make_unique<Workers>()),
+      device_factor_(factors_on ? std::make_unique<DeviceFactor>(*factors_on, node_group.size()) : nullptr) {
   for (u32 node = 0; node < lone_group_.size(); ++node)
     if (lone_group_[node] != NO_GROUP) lone_nodes_[lone_group_[node]].push_back(node);
   lone_order_.resize(group_world.size());
@@ -70,8 +72,8 @@ GroupPreconditioner::GroupPreconditioner(const MatrixPattern& matrix, std::span<
   couple({});
   for (const Group& group : groups_)
     for (const u32 lone : group.joined) {
-      lone_order_[lone] = group.factor->order();
-      lone_cost_[lone] = group.factor->cost();
+      lone_order_[lone] = group.kind;
+      lone_cost_[lone] = group.cost;
     }
 }
 
@@ -139,8 +141,16 @@ void GroupPreconditioner::couple(std::span<const NodePair> pairs) {
   }
   std::vector<u32> changed;
   for (u32 g = 0; g < groups_.size(); ++g)
-    if (!groups_[g].factor) changed.push_back(g);
+    if (groups_[g].pattern.n_nodes() == 0) changed.push_back(g);
   workers_->run(changed.size(), [&](std::size_t i) { find_pattern(groups_[changed[i]]); });
+  if (device_factor_ && !changed.empty()) give_to_device();
+}
+
+void GroupPreconditioner::give_to_device() {
+  std::vector<FactorGroup> groups;
+  for (const Group& group : groups_)
+    groups.push_back({&group.tree, &group.pattern, group.nodes, group.source, group.world});
+  device_factor_->set(groups);
 }
 
 void GroupPreconditioner::find_pattern(Group& group) const {
@@ -164,14 +174,22 @@ void GroupPreconditioner::find_pattern(Group& group) const {
     }
     group.pattern.column_first.push_back(u32(group.pattern.row.size()));
   }
-  group.blocks.resize(9 * group.pattern.row.size());
-  group.local.resize(3 * group.nodes.size());
   std::vector<Vec3> position;
   for (const u32 node : group.nodes) position.emplace_back(&position_[3 * std::size_t(node)]);
-  group.factor = std::make_unique<BlockCholesky>(group.pattern, position, order_of(group));
+  EliminationTree tree = eliminate(group.pattern, position, order_of(group));
+  group.cost = tree.cost;
+  group.kind = tree.kind;
+  if (device_factor_) {
+    group.tree = std::move(tree);
+    return;
+  }
+  group.blocks.resize(9 * group.pattern.row.size());
+  group.local.resize(3 * group.nodes.size());
+  group.factor = std::make_unique<BlockCholesky>(group.pattern, std::move(tree));
 }
 
 std::size_t GroupPreconditioner::n_numbers() const {
+  if (device_factor_) return device_factor_->n_numbers();
   std::size_t n = 0;
   for (const Group& group : groups_) n += group.factor->n_numbers();
   return n;
@@ -258,13 +276,14 @@ void GroupPreconditioner::take_blocks(std::span<const double> values) {
   });
 }
 
-void GroupPreconditioner::start_factorize(const BlockMatrix& matrix, std::span<const Term* const> contacts,
+void GroupPreconditioner::start_factorize(const Buffer<f64>& blocks, const ContactElements& contacts,
                                           std::span<const char> world_is_active) {
-  std::vector<detail::HostAccess> access = {reads(matrix.blocks())};
-  for (const Term* term : contacts) access.push_back(reads(term->blocks()));
-  matrix.blocks().memory().device().call(
+  if (device_factor_) return device_factor_->start_factorize(blocks, contacts, world_is_active);
+  std::vector<detail::HostAccess> access = {reads(blocks)};
+  for (const Term* term : contacts.terms) access.push_back(reads(term->blocks()));
+  blocks.memory().device().call(
       std::move(access),
-      [this, n = matrix.blocks().size(), terms = std::vector(contacts.begin(), contacts.end()),
+      [this, n = blocks.size(), terms = std::vector(contacts.terms.begin(), contacts.terms.end()),
        active = std::vector(world_is_active.begin(), world_is_active.end())](std::span<void* const> memory) {
         const auto numbers = [&](std::size_t i, std::size_t size) {
           return std::span(static_cast<const double*>(memory[i]), size);
@@ -280,19 +299,24 @@ void GroupPreconditioner::start_factorize(const BlockMatrix& matrix, std::span<c
 }
 
 std::optional<u32> GroupPreconditioner::failed() const {
+  if (device_factor_) {
+    const auto group = device_factor_->failed();
+    return group ? std::optional(groups_[*group].nodes.front()) : std::nullopt;
+  }
   for (const Group& group : groups_)
     if (group.is_active && !group.is_factored) return group.nodes.front();
   return std::nullopt;
 }
 
-std::optional<u32> GroupPreconditioner::factorize(const BlockMatrix& matrix, std::span<const Term* const> contacts,
+std::optional<u32> GroupPreconditioner::factorize(const Buffer<f64>& blocks, const ContactElements& contacts,
                                                   std::span<const char> world_is_active) {
-  start_factorize(matrix, contacts, world_is_active);
-  matrix.blocks().memory().device().finish();
+  start_factorize(blocks, contacts, world_is_active);
+  blocks.memory().device().finish();
   return failed();
 }
 
 void GroupPreconditioner::start_apply(const Buffer<f64>& residual, bool adds, Buffer<f64>& preconditioned) const {
+  if (device_factor_) return device_factor_->start_apply(residual, adds, preconditioned);
   detail::HostAccess result = writes(preconditioned);
   result.is_read = adds;
   residual.memory().device().call({reads(residual), result},

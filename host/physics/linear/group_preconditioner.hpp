@@ -12,6 +12,7 @@
 #include "host/base/workers.hpp"
 #include "host/physics/linear/block_cholesky.hpp"
 #include "host/physics/linear/block_matrix.hpp"
+#include "host/physics/linear/device_factor.hpp"
 #include "solve/site.h"
 
 namespace pvg {
@@ -23,25 +24,26 @@ class GroupPreconditioner {
  public:
   // matrix: pattern of what never changes, which must outlive this. position: of the nodes at first [n_nodes x 3, m].
   // node_group: group of each node, NO_GROUP for nodes
-  // that never move; group_world: of each group; coupled: pairs of nodes that contacts may couple at any time.
+  // that never move; group_world: of each group; coupled: pairs of nodes that contacts may couple at any time;
+  // factors_on: the device whose kernels factor and solve, or nothing, then the host does.
   GroupPreconditioner(const MatrixPattern& matrix, std::span<const Site> sites, std::span<const double> position,
                       std::span<const u32> node_group, std::span<const u32> group_world,
-                      std::span<const NodePair> coupled = {});
+                      std::span<const NodePair> coupled = {}, Device* factors_on = nullptr);
 
   // Takes further pairs of nodes into the factors, until the next call; groups that they join share one factor. Groups
   // that are as they were keep theirs.
   void couple(std::span<const NodePair> pairs);
 
-  // Starts, in the order of the device's queue, what takes the matrix, adds the present blocks of the contacts and
-  // factors the groups of the active worlds. contacts must not change before the device is waited for.
-  void start_factorize(const BlockMatrix& matrix, std::span<const Term* const> contacts,
+  // Starts, in the order of the device's queue, what takes the matrix's blocks, adds the present ones of the contacts
+  // and factors the groups of the active worlds. contacts must not change before the device is waited for.
+  void start_factorize(const Buffer<f64>& blocks, const ContactElements& contacts,
                        std::span<const char> world_is_active);
   // A node of the first group that is not positive definite, or nothing; after the device was waited for.
   std::optional<u32> failed() const;
-  std::optional<u32> factorize(const BlockMatrix& matrix, std::span<const Term* const> contacts,
+  std::optional<u32> factorize(const Buffer<f64>& blocks, const ContactElements& contacts,
                                std::span<const char> world_is_active);  // both
   // preconditioned = M^-1 residual;  [n_nodes x 3]; zero on nodes without group, in groups that are not active and in
-  // those that are not positive definite
+  // those that are not positive definite. Where the host factors.
   void apply(std::span<const double> residual, std::span<double> preconditioned) const;
   // The same in the order of the queue; adds: to what is there
   void start_apply(const Buffer<f64>& residual, bool adds, Buffer<f64>& preconditioned) const;
@@ -54,9 +56,13 @@ class GroupPreconditioner {
     std::vector<u32> joined;      // groups as they are without contact
     std::vector<NodePair> pairs;  // of nodes that are coupled besides the matrix
     u32 world = 0;
-    std::vector<u32> nodes;      // local to global, ascending
-    BlockPattern pattern;        // of local nodes
-    std::vector<u32> source;     // [n_blocks] of each block in the matrix; NO_BLOCK: contact only
+    std::vector<u32> nodes;   // local to global, ascending
+    BlockPattern pattern;     // of local nodes
+    std::vector<u32> source;  // [n_blocks] of each block in the matrix; NO_BLOCK: contact only
+    double cost = 0;          // of its factor, operations
+    NodeOrder kind{};
+    EliminationTree tree;  // where the device factors
+    // where the host does
     std::vector<double> blocks;  // [n_blocks x 9]
     std::unique_ptr<BlockCholesky> factor;
     bool is_active = false, is_factored = false;
@@ -67,6 +73,7 @@ class GroupPreconditioner {
   std::vector<std::vector<u32>> join(std::span<const NodePair> pairs) const;
   void find_pattern(Group& group) const;
   std::optional<NodeOrder> order_of(const Group& group) const;
+  void give_to_device();
   static u32 find_block(const Group& group, u32 row, u32 column);
   void add_contacts(const Term& contacts, std::span<const double> blocks);
   void take_blocks(std::span<const double> values);
@@ -85,6 +92,7 @@ class GroupPreconditioner {
   std::vector<u32> node_group_, node_local_;  // as they are joined now
   std::vector<Group> groups_;
   std::unique_ptr<Workers> workers_;
+  std::unique_ptr<DeviceFactor> device_factor_;  // instead of the groups' own
 };
 
 }  // namespace pvg

@@ -247,7 +247,8 @@ void Potential::product(const Buffer<f64>& direction, Buffer<f64>& out) {
 
 void Potential::start_factorize(std::span<const char> world_is_active) {
   const Term* const contacts[] = {&barrier_, &friction_};
-  preconditioner_->start_factorize(contacts, world_is_active);
+  preconditioner_->start_factorize({contacts, n_constant_rows_, &contact_gather_, &contact_sites_, &sites_},
+                                   world_is_active);
 }
 
 std::optional<u32> Potential::factorize(std::span<const char> world_is_active) {

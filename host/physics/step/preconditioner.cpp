@@ -1,6 +1,8 @@
 #include "host/physics/step/preconditioner.hpp"
 
 #include <algorithm>
+#include <cstdlib>
+#include <string>
 
 namespace pvg {
 namespace {
@@ -59,6 +61,17 @@ u32 largest_group(const FactorGroups& groups) {
   return *std::max_element(n.begin(), n.end());
 }
 
+// Which device factors: that of the simulation, or none, then the host does. On the host's own processor the host's
+// factor is the faster one (docs/measured/2026-11-25_counts.md); from any other device the matrix would travel for it.
+// PVG_FACTOR=host or device takes the other, for tests and measurements.
+Device* factoring_device(Device& device) {
+  const char* wanted = std::getenv("PVG_FACTOR");
+  if (wanted && std::string(wanted) != "host" && std::string(wanted) != "device")
+    throw UsageError("PVG_FACTOR is " + std::string(wanted) + "; it must be host or device, or not be set");
+  const bool is_wanted = wanted ? std::string(wanted) == "device" : !device.info().runs_host_functions;
+  return is_wanted ? &device : nullptr;
+}
+
 }  // namespace
 
 Preconditioner::Preconditioner(Device& device, const System& system, const BlockMatrix& matrix)
@@ -66,8 +79,9 @@ Preconditioner::Preconditioner(Device& device, const System& system, const Block
   const Kind kind = system.scenes[0].solver.preconditioner;
   std::vector<char> is_exact(system.group_world.size(), kind == Kind::automatic || kind == Kind::factor);
   if (kind == Kind::automatic || kind == Kind::factor)
-    groups_ = std::make_unique<GroupPreconditioner>(matrix.pattern(), system.sites, system.x, system.node_group,
-                                                    system.group_world, system.contact_couplings);
+    groups_ =
+        std::make_unique<GroupPreconditioner>(matrix.pattern(), system.sites, system.x, system.node_group,
+                                              system.group_world, system.contact_couplings, factoring_device(device));
   if (kind == Kind::automatic)
     for (std::size_t group = 0; group < is_exact.size(); ++group)
       is_exact[group] = groups_->cost(u32(group)) <= LARGEST_FACTOR;
@@ -88,7 +102,7 @@ Preconditioner::Preconditioner(Device& device, const System& system, const Block
                                                   std::max(8u, largest_group(kept)), 1);
   } else if (!kept.world.empty())
     groups_ = std::make_unique<GroupPreconditioner>(matrix.pattern(), system.sites, system.x, kept.node_group,
-                                                    kept.world, system.contact_couplings);
+                                                    kept.world, system.contact_couplings, factoring_device(device));
   std::vector<u32> is_left_out(system.n_nodes());
   for (std::size_t node = 0; node < is_left_out.size(); ++node)
     is_left_out[node] = system.node_group[node] == NO_GROUP || is_exact[system.node_group[node]];
@@ -98,10 +112,10 @@ Preconditioner::Preconditioner(Device& device, const System& system, const Block
                                                  has_levels ? CLUSTER_WIDTH : 1, has_levels ? MOST_LEVELS : 1);
 }
 
-void Preconditioner::start_factorize(std::span<const Term* const> contacts, std::span<const char> world_is_active) {
-  if (schwarz_) schwarz_->start_factorize(contacts);
-  if (frames_) frames_->start_factorize(contacts);
-  if (groups_) groups_->start_factorize(matrix_, contacts, world_is_active);
+void Preconditioner::start_factorize(const ContactElements& contacts, std::span<const char> world_is_active) {
+  if (schwarz_) schwarz_->start_factorize(contacts.terms);
+  if (frames_) frames_->start_factorize(contacts.terms);
+  if (groups_) groups_->start_factorize(matrix_.blocks(), contacts, world_is_active);
 }
 
 std::optional<u32> Preconditioner::failed() const {

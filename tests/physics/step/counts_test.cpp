@@ -25,13 +25,15 @@ struct Counted {
   double x = 0;  // of the box [m]
 };
 
-// host_functions: "0" treats the device like one apart from the host
-Counted run(const char* host_functions) {
+// host_functions: "0" treats the device like one apart from the host;  factor: who factors, the host or the device
+Counted run(const char* host_functions, const char* factor) {
   constexpr int WARM_UP = 10, STEPS = 20;
   setenv("PVG_HOST_FUNCTIONS", host_functions, 1);
   Device device;
   unsetenv("PVG_HOST_FUNCTIONS");
+  setenv("PVG_FACTOR", factor, 1);
   Simulation simulation(device, sliding_box_and_rod());
+  unsetenv("PVG_FACTOR");
   for (int i = 0; i < WARM_UP; ++i) simulation.step(std::vector<double>{});
   simulation.restart_counts();
   for (int i = 0; i < STEPS; ++i) simulation.step(std::vector<double>{});
@@ -47,11 +49,21 @@ void expect_at_most(const SolverCounts& counts, double launches, double waits) {
   EXPECT_LE(double(solving.waits) / newton, waits);
 }
 
+double bytes_per_newton(const Counted& counted) {
+  const DeviceCounts solving = counted.counts.all - counted.counts.recording;
+  return double(solving.bytes) / double(counted.counts.newton);
+}
+
 TEST(Counts, ANewtonIterationAsksForFewLaunchesAndWaits) {
-  const Counted together = run("1"), apart = run("0");
+  const Counted together = run("1", "host"), apart = run("0", "host"), on_device = run("0", "device");
   expect_at_most(together.counts, 53, 4.5);
   expect_at_most(apart.counts, 50, 6.5);
+  expect_at_most(on_device.counts, 55, 4.5);
   EXPECT_EQ(together.x, apart.x) << "the same, whether numbers move or not";
+  EXPECT_NEAR(on_device.x, together.x, 1e-9);
+  // of the matrix, 13 kB here, nothing travels where the device factors
+  EXPECT_LE(bytes_per_newton(on_device), 4000);
+  EXPECT_GE(bytes_per_newton(apart), 15000);
 }
 
 }  // namespace

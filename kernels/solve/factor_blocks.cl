@@ -1,0 +1,107 @@
+// Puts the matrix into the fronts of its factor: the blocks of the assembled matrix, and those of contact and friction
+// as far as the factor has a place for them.
+#include "shared/real.h"
+#include "solve/site.h"
+#define NO_BLOCK 0xffffffffu
+#define IS_TRANSPOSED (1u << 31)
+
+// What contacts couple: elements of four sites, of two kinds, and of each node the list of (element, slot) that it
+// carries, as rows of the elements.
+typedef struct {
+  uint n_first, first_row;
+  global const uint *offset, *row;
+  global const real* weight;
+  global const uint* element_sites;
+  global const Site* sites;
+  global const real *first_blocks, *second_blocks;
+} Contacts;
+
+// of one element, 12 x 12: the 3 x 3 block of two slots
+static inline global const real* slot_block(const Contacts* c, const uint e, const uint row_slot, const uint column_slot) {
+  global const real* blocks =
+      e < c->n_first ? c->first_blocks + 144 * (size_t)e : c->second_blocks + 144 * (size_t)(e - c->n_first);
+  return blocks + 36 * row_slot + 3 * column_slot;
+}
+
+static inline real size_of(global const real* block) {
+  real square = 0;
+  for (uint r = 0; r < 3; ++r)
+    for (uint k = 0; k < 3; ++k) square += block[12 * r + k] * block[12 * r + k];
+  return sqrt(square);
+}
+
+// whether the lower triangle of the pattern has a block of two nodes; rows ascend
+static inline bool has_block(const uint a, const uint b, global const uint* restrict block_first,
+                             global const uint* restrict block_last, global const uint* restrict row) {
+  const uint wanted = max(a, b);
+  uint first = block_first[min(a, b)], last = block_last[min(a, b)];
+  while (first < last) {
+    const uint middle = (first + last) / 2;
+    if (row[middle] < wanted)
+      first = middle + 1;
+    else
+      last = middle;
+  }
+  return first < block_last[min(a, b)] && row[first] == wanted;
+}
+
+// n: blocks of all groups' lower triangles, by column;  row, column: their nodes;  source: in the matrix, NO_BLOCK: none
+// place: its first number in `panels`;  stride: of the panel's columns, and IS_TRANSPOSED
+// block_first, block_last: [n_nodes] of the blocks of a node's column;  node_group: [n_nodes]
+// contact_*: see Contacts; n_contacts = 0: none.  failed: [n_groups, <= n], cleared;  panels: zero before
+// A block C that contacts couple without a place in the factor is left out, and its size goes to both diagonals, as
+// |C| (x^2 + y^2) - 2 x C y >= 0.
+kernel void factor_place_blocks(const uint n, const uint n_groups, global const uint* restrict row,
+                                global const uint* restrict column, global const uint* restrict source,
+                                global const uint* restrict place, global const uint* restrict stride,
+                                global const real* restrict matrix_blocks, global const uint* restrict block_first,
+                                global const uint* restrict block_last, global const uint* restrict node_group,
+                                const uint n_contacts, const uint n_first, const uint first_row,
+                                global const uint* restrict contact_offset, global const uint* restrict contact_row,
+                                global const real* restrict contact_weight, global const uint* restrict element_sites,
+                                global const Site* restrict sites, global const real* restrict first_blocks,
+                                global const real* restrict second_blocks, global uint* restrict failed,
+                                global real* restrict panels) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  if (i < n_groups) failed[i] = 0;
+  real3 sum0 = (real3)(0), sum1 = (real3)(0), sum2 = (real3)(0);  // rows
+  if (source[i] != NO_BLOCK) {
+    global const real* block = matrix_blocks + 9 * (size_t)source[i];
+    sum0 = vload3(0, block), sum1 = vload3(1, block), sum2 = vload3(2, block);
+  }
+  const uint r = row[i], c = column[i];
+  if (n_contacts > 0) {
+    const Contacts contacts = {n_first,        first_row, contact_offset, contact_row, contact_weight, element_sites, sites,
+                               first_blocks, second_blocks};
+    real left_out = 0;
+    for (uint k = contact_offset[c]; k < contact_offset[c + 1]; ++k) {
+      const uint e = (contact_row[k] - first_row) / 4, column_slot = (contact_row[k] - first_row) % 4;
+      for (uint row_slot = 0; row_slot < 4; ++row_slot) {
+        global const Site* site = sites + element_sites[4 * e + row_slot];
+        for (uint a = 0; a < 4; ++a) {
+          const real weight = site->weight[a] * contact_weight[k];
+          const uint other = site->node[a];
+          if (weight == 0) continue;
+          global const real* block = slot_block(&contacts, e, row_slot, column_slot);
+          if (other == r)
+            sum0 += weight * vload3(0, block), sum1 += weight * vload3(0, block + 12),
+                sum2 += weight * vload3(0, block + 24);
+          else if (r == c && node_group[other] == node_group[c] &&
+                   !has_block(other, c, block_first, block_last, row))
+            left_out += fabs(weight) * size_of(block);
+        }
+      }
+    }
+    sum0.x += left_out, sum1.y += left_out, sum2.z += left_out;
+  }
+  global real* to = panels + place[i];
+  const uint s = stride[i] & ~IS_TRANSPOSED;
+  if (stride[i] & IS_TRANSPOSED) {
+    vstore3(sum0, 0, to), vstore3(sum1, 0, to + s), vstore3(sum2, 0, to + 2 * s);
+  } else {
+    vstore3((real3)(sum0.x, sum1.x, sum2.x), 0, to);
+    vstore3((real3)(sum0.y, sum1.y, sum2.y), 0, to + s);
+    vstore3((real3)(sum0.z, sum1.z, sum2.z), 0, to + 2 * s);
+  }
+}
