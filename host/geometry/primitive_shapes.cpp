@@ -131,6 +131,35 @@ TriangleMesh cylinder_surface(double radius, double length, int sides) {
   return mesh;
 }
 
+TriangleMesh capsule_surface(double radius, double length, int sides) {
+  TriangleMesh mesh;
+  const int n_rings = 2 * std::max(1, sides / 4);  // half of them on each half ball, from the lower pole up
+  const Index n = Index(sides);
+  mesh.points.emplace_back(0, 0, -length / 2 - radius);
+  for (int ring = 0; ring < n_rings; ++ring) {
+    const bool is_upper = ring >= n_rings / 2;
+    const double latitude = std::numbers::pi * (ring + (is_upper ? 0 : 1) - n_rings / 2) / n_rings;
+    for (int i = 0; i < sides; ++i) {
+      const double angle = 2 * std::numbers::pi * i / sides;
+      mesh.points.emplace_back(radius * std::cos(latitude) * std::cos(angle),
+                               radius * std::cos(latitude) * std::sin(angle),
+                               (is_upper ? length : -length) / 2 + radius * std::sin(latitude));
+    }
+  }
+  mesh.points.emplace_back(0, 0, length / 2 + radius);
+  const Index upper_pole = Index(mesh.points.size()) - 1, last_ring = upper_pole - n;
+  for (Index i = 0; i < n; ++i) {
+    const Index j = (i + 1) % n;
+    mesh.triangles.push_back({0, 1 + j, 1 + i});
+    for (Index ring = 1; ring < last_ring; ring += n) {
+      mesh.triangles.push_back({ring + i, ring + j, ring + n + j});
+      mesh.triangles.push_back({ring + i, ring + n + j, ring + n + i});
+    }
+    mesh.triangles.push_back({upper_pole, last_ring + i, last_ring + j});
+  }
+  return mesh;
+}
+
 TriangleMesh hexahedron_surface(const std::array<Vec3, 8>& corners) {
   TriangleMesh mesh;
   mesh.points.assign(corners.begin(), corners.end());

@@ -18,6 +18,9 @@ TriangleMesh sphere_surface(double radius, int subdivisions);
 // Along z, its corners on the circle; the end faces are fans around their centres.
 TriangleMesh cylinder_surface(double radius, double length, int sides);
 
+// A cylinder along z of `length` between two half balls; `sides` corners around, sides / 4 rings on each half ball.
+TriangleMesh capsule_surface(double radius, double length, int sides);
+
 // Eight corners: four counter-clockwise seen from above, then the four above them. A UsageError if it is flat or
 // inside out.
 TriangleMesh hexahedron_surface(const std::array<Vec3, 8>& corners);

@@ -36,16 +36,17 @@ void set_mass(const Section& section, const BodySection& read, RigidBody& body) 
     body.inertia = Mat3::Identity();
     return;
   }
-  if (has_overlapping_parts(body.collision))
+  const bool is_given = read.mass && read.inertia && read.center_of_mass;  // nothing is taken from the shape
+  if (!is_given && has_overlapping_parts(body.collision))
     section.fail("shape",
                  "consists of closed parts that overlap, whose common space would count twice in the mass; "
-                 "unite them into one surface");
+                 "unite them into one surface, or give `mass`, `center_of_mass` and `inertia`");
   MassProperties properties = mass_properties(body.collision, 1);
   properties = mass_properties(body.collision, read.density ? *read.density : *read.mass / properties.volume);
   body.mass = properties.mass;
   body.volume = properties.volume;
-  body.center_of_mass = properties.center;
-  body.inertia = read.inertia.isZero() ? properties.inertia : Mat3(read.inertia.asDiagonal());
+  body.center_of_mass = read.center_of_mass.value_or(properties.center);
+  body.inertia = read.inertia.value_or(properties.inertia);
 }
 
 RigidBody rigid_of(const Section& section, const BodySection& read) {

@@ -14,7 +14,8 @@ struct BodySection {
   TriangleMesh surface;  // of the shape of all but soft ones
   TetMesh solid;
   std::optional<double> density, mass;  // of a rigid body
-  Vec3 inertia = Vec3::Zero();          // moments; zero: as the shape and the density have it
+  std::optional<Mat3> inertia;          // about the centre of mass; none: as the shape and the density have it
+  std::optional<Vec3> center_of_mass;   // likewise
   SolidMaterial material;
   double friction = 0.5;
   double contact_offset = 0;

@@ -8,6 +8,7 @@
 #include "host/formats/tetgen.hpp"
 #include "host/geometry/primitive_shapes.hpp"
 #include "host/load/tables.hpp"
+#include "host/robot/robot.hpp"
 
 namespace pvg {
 namespace {
@@ -28,6 +29,30 @@ struct Sphere {
 struct Cylinder {
   double radius = 0, length = 0;
   int sides = 32;
+};
+struct Ellipsoid {
+  Vec3 radii = Vec3::Zero();
+  int subdivisions = 3;
+  TriangleMesh surface() const {
+    TriangleMesh mesh = sphere_surface(1, subdivisions);
+    for (Vec3& point : mesh.points) point = point.cwiseProduct(radii);
+    return mesh;
+  }
+};
+// One of several closed shapes of a body, in its frame.
+struct Part {
+  TriangleMesh surface;
+  double size = 1;
+  Pose pose = Pose::Identity();
+};
+// What collides of a link of a robot.
+struct Link {
+  std::filesystem::path urdf;
+  std::string name;
+  TriangleMesh surface() const {
+    const RobotModel robot = load_urdf(urdf);
+    return robot.links[std::size_t(robot.link(name))].collision;
+  }
 };
 struct Hexahedron {
   std::array<double, 24> corners = {};
@@ -62,6 +87,16 @@ struct Filled {
   TetgenOptions options;
   std::string file;
 };
+
+TriangleMesh joined(const std::vector<Part>& parts) {
+  TriangleMesh all;
+  for (const Part& part : parts) {
+    const std::uint32_t first = std::uint32_t(all.points.size());
+    for (const Vec3& point : part.surface.points) all.points.push_back(part.pose * Vec3(part.size * point));
+    for (const auto& t : part.surface.triangles) all.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  return all;
+}
 
 // six tetrahedra per cell
 void check_size(const Section& section, const std::array<int, 3>& divisions) {
@@ -105,6 +140,27 @@ OneOf<TriangleMesh> surface_shapes(bool may_be_open) {
                             .number("length", &Cylinder::length, Unit::length, SMALLEST, 2 * REACH, "along z")
                             .required()
                             .number("sides", &Cylinder::sides, Unit::none, 3, 4096, "corners of its circle");
+  const auto capsule = radius_fields<Cylinder>()
+                           .number("length", &Cylinder::length, Unit::length, SMALLEST, 2 * REACH,
+                                   "of the cylinder between two half balls, along z")
+                           .required()
+                           .number("sides", &Cylinder::sides, Unit::none, 4, 4096, "corners of its circle");
+  const auto ellipsoid = Fields<Ellipsoid>()
+                             .number("radii", &Ellipsoid::radii, Unit::length, SMALLEST, REACH, "along x, y, z")
+                             .required()
+                             .number("subdivisions", &Ellipsoid::subdivisions, Unit::none, 0, 7, "as of `sphere`");
+  const auto part = Fields<Part>()
+                        .custom(
+                            {"shape", "", "", "a closed shape", "its form"},
+                            [](Section& s, Part& p) { p.surface = closed_shapes().read(s.section("shape")); }, nullptr)
+                        .required()
+                        .number("size", &Part::size, Unit::none, 1e-6, 1e6, "factor on the shape")
+                        .own_pose(&Part::pose, "of the part in the body's frame");
+  const auto link = Fields<Link>()
+                        .file("urdf", &Link::urdf, "the robot")
+                        .required()
+                        .text("name", &Link::name, "of its link")
+                        .required();
   const auto hexahedron = Fields<Hexahedron>()
                               .number("corners", &Hexahedron::corners, Unit::length, -REACH, REACH,
                                       "x, y, z of four corners, counter-clockwise seen from above, then of the four "
@@ -123,6 +179,12 @@ OneOf<TriangleMesh> surface_shapes(bool may_be_open) {
       .form(
           "cylinder", cylinder, [](const Cylinder& c) { return cylinder_surface(c.radius, c.length, c.sides); },
           "around the origin, along z")
+      .form(
+          "capsule", capsule, [](const Cylinder& c) { return capsule_surface(c.radius, c.length, c.sides); },
+          "around the origin, along z")
+      .form("ellipsoid", ellipsoid, std::mem_fn(&Ellipsoid::surface), "around the origin")
+      .form("link", link, std::mem_fn(&Link::surface), "what collides of a link of a URDF")
+      .list("parts", part, joined, "several; they may overlap where `mass`, `center_of_mass` and `inertia` are given")
       .form("hexahedron", hexahedron, std::mem_fn(&Hexahedron::surface), "of eight corners");
 }
 

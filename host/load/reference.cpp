@@ -33,7 +33,8 @@ std::string scene_page() {
                root_fields(LARGEST_SCENE_TIME_STEP))
       .section("Surroundings", "", environment_fields())
       .section("Scene files alone",
-               "Besides them the lists `bodies`, `joints`, `stitches` and `robots`, and `robot` and `gripper` as in "
+               "Besides them the lists `bodies`, `joints`, `stitches`, `noncolliding` and `robots`, and `robot` and "
+               "`gripper` as in "
                "[tasks](task.md).",
                scene_file_fields())
       .section("`bodies[]`", "", body_fields())
@@ -44,6 +45,8 @@ std::string scene_page() {
       .section("Shapes of `soft` bodies", "One of them, in `shape`.", solid_shapes())
       .section("`joints[]`", "Between two bodies that are not soft.", scene_joint_fields())
       .section("`stitches[]`", "Springs that hold a soft body or cloth.", stitch_fields())
+      .section("`noncolliding[]`", "Pairs that pass through each other, as bodies with a joint between them do.",
+               noncolliding_fields())
       .section("`robots[]`", "As those of tasks, with a path instead of a motion.", scene_robot_fields())
       .section("`contact`", "", contact_fields())
       .section("`solver`", "", solver_fields())

@@ -1,4 +1,6 @@
 // The tables of `bodies`, `joints` and `stitches` of a scene file.
+#include <Eigen/Eigenvalues>
+
 #include "host/load/read_bodies.hpp"
 #include "host/load/read_shapes.hpp"
 #include "host/load/tables.hpp"
@@ -17,11 +19,25 @@ auto is_kind(std::initializer_list<Kind> kinds) {
   };
 }
 
-// of a real body no moment exceeds the sum of the other two
+// of a real body no principal moment exceeds the sum of the other two
 void read_inertia(Section& section, BodySection& body) {
-  body.inertia = section.vector("inertia", Unit::inertia, 1e-15, 1e9);
-  if (2 * body.inertia.maxCoeff() > body.inertia.sum() * (1 + 1e-9))
+  const std::vector<double> i = section.numbers("inertia", Unit::inertia, -1e9, 1e9);
+  if (i.size() != 3 && i.size() != 6) section.fail("inertia", "must be [xx, yy, zz] or [xx, yy, zz, xy, xz, yz]");
+  Mat3 inertia = Vec3(i[0], i[1], i[2]).asDiagonal();
+  if (i.size() == 6) {
+    inertia(0, 1) = inertia(1, 0) = i[3];
+    inertia(0, 2) = inertia(2, 0) = i[4];
+    inertia(1, 2) = inertia(2, 1) = i[5];
+  }
+  const Vec3 moments = Eigen::SelfAdjointEigenSolver<Mat3>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
+  if (!(moments[0] >= 1e-15)) section.fail("inertia", "must have principal moments of at least 1e-15 kg m^2");
+  if (2 * moments[2] > moments.sum() * (1 + 1e-9))
     section.fail("inertia", "has a moment above the sum of the two others, which no body can have");
+  body.inertia = inertia;
+}
+
+void read_center_of_mass(Section& section, BodySection& body) {
+  body.center_of_mass = section.vector("center_of_mass", Unit::length, -REACH, REACH);
 }
 
 void check_last_point(Section& section, BodySection& body) {
@@ -159,7 +175,10 @@ const Fields<BodySection>& body_fields() {
           .when(is_rigid, "`rigid`")
           .number("mass", &B::mass, Unit::mass, 1e-9, 1e6, "or `density`")
           .when(is_rigid, "`rigid`")
-          .custom({"inertia", "kg m^2", "of the shape", "1e-15 to 1e+09", "moments about the axes of its frame"},
+          .custom({"center_of_mass", "m", "of the shape", "-100 to 100", "in its frame"}, read_center_of_mass, nullptr)
+          .when(is_rigid, "`rigid`")
+          .custom({"inertia", "kg m^2", "of the shape", "-1e+09 to 1e+09",
+                   "`[xx, yy, zz]`, or these and `xy, xz, yz`: about the centre of mass, along the axes of its frame"},
                   read_inertia, nullptr)
           .when(is_rigid, "`rigid`")
           .section("material", &B::material, solid_material_fields(), "of the solid")

@@ -25,12 +25,23 @@ Places masses(const PhysicalScene& scene, const Touching&) {
   return places;
 }
 
+// xx, yy, zz, and where they are not zero xy, xz, yz, of a body about its centre of mass
+std::vector<double> moments_and_products(const Mat3& inertia) {
+  std::vector<double> numbers = {inertia(0, 0), inertia(1, 1), inertia(2, 2)};
+  if (!inertia.isApprox(Mat3(inertia.diagonal().asDiagonal()), 1e-9))
+    numbers.insert(numbers.end(), {inertia(0, 1), inertia(0, 2), inertia(1, 2)});
+  return numbers;
+}
+
 bool write_mass(const NumberInFile& number) {
   YAML::Node entry = entry_named(number.root["bodies"], number.target);
   if (!entry.IsDefined() || !entry.IsMap()) entry.reset(entry_named(number.root["objects"], number.target));
   if (!entry.IsDefined() || !entry.IsMap()) return false;
   entry.remove("density");
   entry["mass"] = number.value;
+  if (!entry["inertia"]) return true;
+  for (const RigidBody& body : number.amended.rigid_bodies)
+    if (body.name == number.target) entry["inertia"] = moments_and_products(body.inertia);
   return true;
 }
 
@@ -48,15 +59,12 @@ Places inertias(const PhysicalScene& scene, const Touching&) {
   return places;
 }
 
-// false also where three moments along the body's axes do not say all
 bool write_inertia(const NumberInFile& number) {
   YAML::Node body = entry_named(number.root["bodies"], number.target);
   if (!body.IsDefined() || !body.IsMap()) return false;
   for (const RigidBody& rigid : number.amended.rigid_bodies) {
     if (rigid.name != number.target) continue;
-    const Vec3 moments = rigid.inertia.diagonal();
-    if (!rigid.inertia.isApprox(Mat3(moments.asDiagonal()), 1e-9)) return false;
-    body["inertia"] = std::vector<double>(moments.begin(), moments.end());
+    body["inertia"] = moments_and_products(rigid.inertia);
     return true;
   }
   return false;

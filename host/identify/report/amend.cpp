@@ -5,6 +5,7 @@
 #include "host/identify/candidates/candidate.hpp"
 #include "host/identify/data/scene_number.hpp"
 #include "host/identify/report/report.hpp"
+#include "host/load/imported_scene.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -34,7 +35,7 @@ void write_priors(YAML::Node& root, const Problem& problem, const PhysicalScene&
 }  // namespace
 
 YAML::Node scene_file_in(const Problem& problem, const fs::path& folder) {
-  YAML::Node root = YAML::LoadFile(problem.recording.scene.string());
+  YAML::Node root = YAML::Load(scene_text(problem.recording.scene));
   move_paths(root, fs::absolute(problem.recording.scene).parent_path(), fs::absolute(folder));
   return root;
 }

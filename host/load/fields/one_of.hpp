@@ -27,6 +27,22 @@ class OneOf {
     return *this;
   }
 
+  // a list of such mappings, at least one
+  template <class Form, class Make>
+  OneOf& list(const std::string& name, const Fields<Form>& fields, Make make, const std::string& meaning) {
+    const auto read = [=](YamlSection& section) {
+      std::vector<Form> forms;
+      for (YamlSection& inner : section.sections(name)) {
+        fields.read(inner, forms.emplace_back());
+        inner.done();
+      }
+      if (forms.empty()) section.fail(name, "must hold at least one entry");
+      return make(forms);
+    };
+    rows_.push_back({{name, "", "", "list", meaning}, fields.texts(name + "[]."), read});
+    return *this;
+  }
+
   // the value is read from a file
   template <class Make>
   OneOf& file(const std::string& name, Make make, const std::string& meaning) {

@@ -98,6 +98,11 @@ YamlSection YamlSection::load(const std::filesystem::path& file, const std::stri
   return YamlSection(node, std::filesystem::absolute(file).lexically_normal(), "", false);
 }
 
+YamlSection YamlSection::translated(const std::string& text, const std::filesystem::path& file) {
+  remember_read(file);
+  return YamlSection(YAML::Load(text), std::filesystem::absolute(file).lexically_normal(), "", false);
+}
+
 YamlSection YamlSection::resolved(const std::string& text, const std::filesystem::path& file) {
   try {
     return YamlSection(YAML::Load(text), file, "configuration", true);

@@ -51,6 +51,9 @@ class YamlSection {
   // The root of a file. what: such as "task file", for messages.
   static YamlSection load(const std::filesystem::path& file, const std::string& what);
 
+  // The root of what a file of another format was translated to. Messages name that file and the line of the text.
+  static YamlSection translated(const std::string& text, const std::filesystem::path& file);
+
   // The root of a configuration that resolved_yaml wrote. file: what messages name; paths are relative to its folder.
   // Such a text holds drawn numbers and files that may have moved since: bounds and files are not checked.
   static YamlSection resolved(const std::string& text, const std::filesystem::path& file);
