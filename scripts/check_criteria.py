@@ -28,7 +28,7 @@ ALLOWED = {
     "report/report.cpp": {"MOST_ALTERNATIVES": "names in a sentence"},
     "report/report_html.cpp": {"WIDTH": "layout", "4": "layout", "12": "layout"},
     "report/score.cpp": {"9.9": "rows of the suite's table"},
-    "search/diagnosis.cpp": {"0.02": "progress", "60": "seconds of a minute"},
+    "search/workflow.cpp": {"0.02": "progress", "60": "seconds of a minute"},
     "search/prove.cpp": {"UNMOVED": "rounding, shown as 0"},
     "search/motion_family.cpp": {"N_COMMANDS": "points of a table", "0.5": "form of steps", "-0.5": "form of steps"},
     "sensing/forked.cpp": {"LOOK_EVERY": "polling of signals"},

@@ -64,7 +64,7 @@ class Fitter {
   // is added to all residuals from then on if `corrects`. Windows that cannot be simulated to their end are left out.
   FitData prepare(std::vector<Window> windows, const Model& at, bool corrects = true);
   // What richardson_factor would say, as it was measured in this scene.
-  void correct_steps_by(double factor) { step_factor_ = factor; }
+  void correct_steps_by(std::optional<double> factor) { step_factor_ = factor; }
   // From now on nothing is corrected for the length of the steps.
   void take_steps_as_they_are() { corrects_steps_ = false; }
   // Likewise, with larger finite differences: masks change by whole pixels.
@@ -135,8 +135,9 @@ Eigen::VectorXd beside_starts(const Eigen::MatrixXd& of_start, const Eigen::Vect
 // The variant with steps of half the length.
 Variant refined(const Variant& variant);
 // What the change from a step to its half is to be multiplied by to give the step's error (Richardson 1911): 4/3 where
-// it is of second order, 2 where it is of first order. What joints dissipate is of first order in every integrator.
-double richardson_factor(const PhysicalScene& scene);
+// it is of second order, 2 where it is of first order. What joints dissipate is of first order in every integrator, and
+// of second once it is extrapolated.
+double richardson_factor(const Variant& variant);
 bool dissipates(const PhysicalScene& scene);
 
 // 1.48 times the median of |r|, at least 1.

@@ -30,8 +30,10 @@ bool dissipates(const PhysicalScene& scene) {
   });
 }
 
-double richardson_factor(const PhysicalScene& scene) {
-  const bool is_second_order = scene.solver.integrator == SolverSettings::Integrator::bdf2 && !dissipates(scene);
+double richardson_factor(const Variant& variant) {
+  const PhysicalScene& scene = variant.scene;
+  const bool is_second_order =
+      scene.solver.integrator == SolverSettings::Integrator::bdf2 && (variant.extrapolates || !dissipates(scene));
   return is_second_order ? 4.0 / 3 : 2;
 }
 
@@ -69,7 +71,7 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corre
     if (!succeeded) continue;
     kept.push_back(window);
     if (better && better->succeeded) {
-      const double factor = step_factor_.value_or(richardson_factor(base_.scene));
+      const double factor = step_factor_.value_or(richardson_factor(base_));
       const VectorXd change = factor * (better->residual - here.residual), left = beside_starts(u, change);
       if (left.norm() < criteria().step_correction_most * std::sqrt(double(left.size()))) kept.back().correction = left;
     }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include "host/identify/criteria.hpp"
 
@@ -73,6 +74,8 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   solver.cg_tolerance = std::min(solver.cg_tolerance, criteria().cg_tolerance_most);
   solver.max_step_halvings = std::min(solver.max_step_halvings, criteria().step_n_halvings);
   const SolverSettings as_given = solver;
+  const bool was_extrapolated = base.extrapolates;
+  base.extrapolates = false;
   const double h = solver.time_step;
   const FitData data = fitter.prepare(
       make_windows(problem, false, problem.can_restart ? criteria().step_window : 0, criteria().step_n_windows),
@@ -88,30 +91,42 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   const auto bdf2 = SolverSettings::Integrator::bdf2;
   // each choice is compared with second order at half the step
   std::vector<Prediction> fine = predict({bdf2, h / 2}), coarse = predict({solver.integrator, h});
+  const double misfit_as_given = misfit(data, coarse);
   const bool is_first_order = dissipates(base.scene);
   double error = (is_first_order ? 2 : 1) * apart(data, coarse, fine);
   // with soft bodies and cloth finer steps would take too long
   const bool is_stiff = base.scene.soft_bodies.empty() && base.scene.cloths.empty();
-  const bool by_pixels = is_stiff && !problem.recording.mask_sources.empty();
+  const bool has_masks = !problem.recording.mask_sources.empty(), by_pixels = is_stiff && has_masks;
+  const bool may_extrapolate =
+      is_first_order && is_stiff && !has_masks && problem.recording.video_sources.empty() && problem.can_restart;
   const double allowed = by_pixels        ? criteria().step_error_most_masks
                          : is_first_order ? criteria().step_error_most_dissipative
                                           : criteria().step_error_most;
   const double small = by_pixels ? criteria().step_error_pixels : allowed;
   const bool is_as_given = error < allowed;
   if (!is_as_given) {
-    const bool was_bdf2 = solver.integrator == bdf2;
+    if (solver.integrator != bdf2) coarse = predict({bdf2, h});
     solver.integrator = bdf2;
-    if (!was_bdf2) error = richardson_factor(base.scene) * apart(data, predict({bdf2, h}), fine);
+    error = richardson_factor(base) * apart(data, coarse, fine);
   }
-  const double misfit_as_given = misfit(data, coarse);
   bool converges = true;
   for (int halving = 0; error >= allowed && converges && halving < criteria().step_n_refinements; ++halving) {
     const double before = error;
     solver.time_step /= 2;
-    coarse = std::move(fine);
+    const std::vector<Prediction> coarser = std::exchange(coarse, std::move(fine));
     fine = predict({bdf2, solver.time_step / 2});
-    error = richardson_factor(base.scene) * apart(data, coarse, fine);
+    error = richardson_factor(base) * apart(data, coarse, fine);
     converges = error < std::max(small, criteria().step_converges * before);
+    // two steps twice and four times as long as the next ones cost three quarters of it, and give more
+    if (!may_extrapolate || !converges || (error < allowed && !was_extrapolated)) continue;
+    Variant limit = base;
+    limit.extrapolates = true;
+    const double of_limit =
+        richardson_factor(limit) * apart(data, extrapolated(coarser, coarse), extrapolated(coarse, fine));
+    if (of_limit >= allowed) continue;
+    base.extrapolates = true;
+    solver.time_step *= 2;
+    error = of_limit;
   }
   const bool is_small = error < small, is_nearer = misfit(data, fine) < misfit_as_given;
   const bool keeps_as_given = !is_small && !(converges && is_nearer);
@@ -120,12 +135,19 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
     fitter.take_steps_as_they_are();
   }
   if (by_pixels) fitter.expect_whole_pixels();
+  fitter.correct_steps_by(std::nullopt);
   // of light damping the error is still of second order
-  if (is_first_order && solver.integrator == bdf2 && !keeps_as_given && !by_pixels) {
+  if (is_first_order && solver.integrator == bdf2 && !keeps_as_given && !by_pixels && !base.extrapolates) {
     const double first = apart(data, predict({bdf2, solver.time_step}), fine);
     const double second = apart(data, fine, predict({bdf2, solver.time_step / 4}));
     if (second > 0 && std::isfinite(first)) fitter.correct_steps_by(measured_richardson_factor(first / second));
   }
+  if (base.extrapolates)
+    return fmt::format(
+        "simulated with steps of {:.4g} and {:.4g} ms, BDF2, extrapolated to no length, since joints dissipate and the "
+        "scene's own step would be taken for an effect; finer steps differ by {:.2g} times the noise, which is "
+        "corrected",
+        1e3 * solver.time_step, 5e2 * solver.time_step, error);
   return fmt::format(
       "simulated with steps of {:.4g} ms, {}, {}; finer steps differ by {:.2g} times the noise, {}",
       1e3 * solver.time_step, solver.integrator == bdf2 ? "BDF2" : "implicit Euler",

@@ -44,6 +44,9 @@ std::string amended_scene(const Problem& problem, const Diagnosis& diagnosis, co
   YAML::Node root = scene_file_in(problem, folder);
   std::string head = "# " + problem.recording.scene.filename().string() + ", amended: " + diagnosis.sentence + "\n";
   root["time_step"] = diagnosis.used.solver.time_step;
+  if (diagnosis.is_extrapolated)
+    head +=
+        "# fitted with the error of this time step extrapolated away: a finer one comes nearer to what was measured\n";
   if (diagnosis.used.solver.integrator == SolverSettings::Integrator::bdf2) root["solver"]["integrator"] = "bdf2";
   write_priors(root, problem, diagnosis.used);
   const bool is_named = diagnosis.verdict != Verdict::none && diagnosis.verdict != Verdict::agrees;

@@ -15,7 +15,7 @@
 #include "host/identify/fit/time_step.hpp"
 #include "host/identify/fit/whole_runs.hpp"
 #include "host/identify/search/choose_windows.hpp"
-#include "host/identify/search/next_experiment.hpp"
+#include "host/identify/search/plan_next.hpp"
 #include "host/identify/search/prove.hpp"
 #include "host/identify/search/regress.hpp"
 #include "host/identify/search/workflow.hpp"
@@ -219,101 +219,7 @@ void add_proof(Diagnosis& out, Proof proof) {
   out.curves = std::move(proof.curves);
 }
 
-std::string label_of(const RankedModel& model) {
-  std::string text;
-  for (const Candidate* part : model.parts) text += (text.empty() ? "" : " + ") + part->label();
-  return text;
-}
-
-// The best other model of the ranking that a set names beside the first one; else simply the next best.
-const RankedModel* confused_with_first(const Diagnosis& d) {
-  const auto is_confused = [&](const RankedModel& model) {
-    return std::any_of(d.inseparable.begin(), d.inseparable.end(), [&](const std::vector<std::string>& set) {
-      return std::find(set.begin(), set.end(), model.parts.back()->label()) != set.end();
-    });
-  };
-  for (std::size_t i = 1; i < d.ranking.size(); ++i)
-    if (is_confused(d.ranking[i]) && d.ranking[i].parts != d.ranking[0].parts) return &d.ranking[i];
-  return d.ranking.size() > 1 ? &d.ranking[1] : nullptr;
-}
-
-// Which motion would separate the names that are still confused.
-void plan_next(Workflow& flow, Device& device, Diagnosis& d) {
-  const RankedModel* other = confused_with_first(d);
-  if (other == nullptr || !(flow.settings.plans_next || !d.inseparable.empty())) return;
-  std::optional<NextExperiment> found;
-  const auto end = flow.end_of(criteria().time_proof);
-  if (!flow.ends_in_time(criteria().time_proof, "the next experiment", [&] {
-        found = next_experiment(device, flow.problem, flow.base, d.ranking[0], *other, flow.settings.n_processes, end);
-      }))
-    return;
-  if (!found) {
-    flow.notes.push_back("no motion that could be commanded or released here was found for a next experiment");
-    return;
-  }
-  d.next_experiment =
-      fmt::format("{}: separates {} from {} by {:.3g} times the noise, over {} numbers, of {} motions the most{}",
-                  found->motion.description, label_of(d.ranking[0]), label_of(*other), found->separation,
-                  found->n_samples, motion_family(flow.problem).size(),
-                  found->separation < criteria().told_apart ? ", which is not enough to tell them apart" : "");
-  d.next_motion = std::move(found->motion);
-}
-
 }  // namespace
-
-void Workflow::report_progress(int stage, double share, const std::string& text) const {
-  const double since = seconds();
-  std::fprintf(stderr, "diagnose %d/7: %s  (%.0f s%s)\n", stage, text.c_str(), since,
-               share > 0.02 && share < 1
-                   ? (", about " + std::to_string(int(since * (1 - share) / share) + 1) + " s left").c_str()
-                   : "");
-}
-
-Clock::time_point Workflow::end_of(double share) const {
-  return start +
-         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(60 * settings.minutes * share));
-}
-
-bool Workflow::has_time(const std::string& something, double expected_seconds, double share) {
-  if (expected_seconds < seconds_until(end_of(share))) return true;
-  left_out.push_back(
-      fmt::format("{} was not looked for: {:.0f} s were over and it takes some {:.0f} s more; "
-                  "`--minutes`, which is {:g}, gives it more",
-                  something, seconds(), expected_seconds, settings.minutes));
-  return false;
-}
-
-void Workflow::note_left_out(const std::string& what) {
-  left_out.push_back(fmt::format("{}: left out after {:.0f} s; `--minutes`, which is {:g}, gives it more", what,
-                                 seconds(), settings.minutes));
-}
-
-bool Workflow::refine_step(const Model& model) {
-  if (!may_refine_step) return false;
-  may_refine_step = false;
-  Variant at_model = variant_of(base, model);
-  std::string note;
-  if (!ends_in_time(criteria().time_search, "the comparison with finer time steps at what was found",
-                    [&] { note = choose_time_step(fitter, predictor, problem, at_model); }))
-    return false;
-  const SolverSettings& finer = at_model.scene.solver;
-  SolverSettings& solver = base.scene.solver;
-  if (finer.time_step >= solver.time_step && finer.integrator == solver.integrator) return false;
-  solver.time_step = finer.time_step;
-  solver.integrator = finer.integrator;
-  notes.push_back("done again with another time step, which what was found needs: " + note);
-  return true;
-}
-
-// The physical ones are printed, since these are looked for first.
-void Workflow::show(std::vector<Showable> rows) {
-  std::size_t n_shown = 0;
-  for (const Showable& row : rows)
-    if (row.candidate->family == Family::physical && n_shown++ < criteria().n_showable_printed)
-      std::fprintf(stderr, "  could show %s\n", text_of(row).c_str());
-  files.write_showable(rows);
-  showable = std::move(rows);
-}
 
 const char* verdict_name(Verdict verdict) {
   constexpr const char* NAMES[] = {"effect", "retune", "measurement", "none", "agrees"};
@@ -335,6 +241,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
   }
   out.unit = measure(flow);
   out.used = flow.base.scene;
+  out.is_extrapolated = flow.base.extrapolates;
   ChosenWindows chosen = find_residual(flow, criteria().time_residual);
   bool is_fine = !chosen.data.windows.empty() && agrees(flow, chosen);
   if (is_fine) out.supposed_noise = suppose_less_noise(problem, rms(chosen.base.residual));
@@ -370,8 +277,10 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
         chosen = std::move(again);
         out.fit_before = rms(chosen.base.residual);
         out.used = flow.base.scene;
+        out.is_extrapolated = flow.base.extrapolates;
       } else {
         flow.base.scene.solver = out.used.solver;
+        flow.base.extrapolates = out.is_extrapolated;
       }
       selected = forward_selection(flow, *out.candidates, chosen.data, chosen.base);
     }

@@ -89,6 +89,7 @@ struct Diagnosis {
   double seconds = 0;
   std::size_t simulations = 0;
   PhysicalScene used;                                  // the base scene with the solver as chosen
+  bool is_extrapolated = false;                        // to steps of no length, from its step and half of it
   std::shared_ptr<std::vector<Candidate>> candidates;  // owns what the pointers above point to
 };
 

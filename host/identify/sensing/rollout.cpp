@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <tuple>
 
 #include "host/base/error.hpp"
@@ -56,6 +57,14 @@ const char* phase_name(Phase phase) {
   return NAMES[int(phase)];
 }
 
+std::vector<Prediction> extrapolated(const std::vector<Prediction>& coarse, std::vector<Prediction> fine) {
+  for (std::size_t i = 0; i < fine.size(); ++i) {
+    fine[i].residual = 2 * fine[i].residual - coarse[i].residual;
+    fine[i].succeeded = fine[i].succeeded && coarse[i].succeeded;
+  }
+  return fine;
+}
+
 Predictor::Predictor(Device& device, const Problem& problem, std::size_t n_processes)
     : device_(device), problem_(problem), n_processes_(n_processes) {}
 Predictor::~Predictor() = default;
@@ -78,6 +87,22 @@ void Predictor::settle(const Variant& variant, std::vector<Window>& windows) {
 }
 
 std::vector<Prediction> Predictor::predict(std::span<const Job> jobs) {
+  if (jobs.empty() || !jobs[0].variant->extrapolates) return predict_as_stepped(jobs);
+  const auto in_steps_of = [&](double share) {
+    std::map<const Variant*, Variant> variants;
+    std::vector<Job> stepped(jobs.begin(), jobs.end());
+    for (Job& job : stepped) {
+      const auto [at, is_new] = variants.try_emplace(job.variant, *job.variant);
+      if (is_new) at->second.scene.solver.time_step *= share;
+      job.variant = &at->second;
+    }
+    return predict_as_stepped(stepped);
+  };
+  const std::vector<Prediction> coarse = in_steps_of(1);
+  return extrapolated(coarse, in_steps_of(0.5));
+}
+
+std::vector<Prediction> Predictor::predict_as_stepped(std::span<const Job> jobs) {
   const std::uint64_t question = journal_ ? question_of(problem_, jobs) : 0;
   if (journal_)
     if (std::optional<std::vector<Prediction>> known = journal_->result_for(question);

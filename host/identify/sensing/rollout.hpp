@@ -16,6 +16,7 @@ namespace pvg::diagnose {
 struct Variant {
   PhysicalScene scene;  // what is seen does not vary: Problem::seen
   Sensing sensing;
+  bool extrapolates = false;  // predictions are those of vanishing steps: see extrapolated
 };
 
 enum class Phase { free, driven, impact, stick, slide, roll, rest };
@@ -35,6 +36,10 @@ struct Prediction {
   double mask_overlap = 0;            // as SensorTrace has it
   bool succeeded = true;  // false: the simulation failed before the window's end, residuals are NaN from there
 };
+
+// What steps of no length would give where the error is proportional to the step, as of what joints dissipate: twice
+// what steps of half the length predict minus what the steps do. Of the same jobs.
+std::vector<Prediction> extrapolated(const std::vector<Prediction>& coarse, std::vector<Prediction> fine);
 
 class Journal;
 class MaskSight;
@@ -58,6 +63,7 @@ class Predictor {
   double world_seconds() const { return world_seconds_; }  // simulated, summed over all worlds
 
  private:
+  std::vector<Prediction> predict_as_stepped(std::span<const Job> jobs);
   void predict_batch(std::span<const Job> jobs, std::span<const std::size_t> which, std::vector<Prediction>& out);
   MaskSight* sight();
   Device& device_;

@@ -62,6 +62,49 @@ TEST(TimeStep, ErrorOfFirstOrderIsTwiceTheChangeByHalfTheStepAndOfSecondFourThir
   EXPECT_DOUBLE_EQ(measured_richardson_factor(16), 4.0 / 3);
 }
 
+// A cube of 1 kg that falls along its rail by 2 m/s^2 against 2 N s/m: x = t - (1 - exp(-2 t)) / 2. The rate that damps
+// is the mean over a step, which is half a step late: an error of first order.
+TEST(TimeStep, ErrorOfDampingIsExtrapolatedAwayAtTheScenesStep) {
+  const TestFolder folder;
+  folder.write("scene.yaml", R"(schema: 1
+name: rail
+time_step: 10 ms
+gravity: [2, 0, 0]
+bodies:
+  - {name: base, kind: static, shape: {box: {size: [0.1, 0.1, 0.1]}}, collides: false}
+  - {name: cube, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 1, collides: false}
+joints:
+  - {name: rail, type: prismatic, parent: base, child: cube, axis: [1, 0, 0], damping: 2}
+)");
+  std::string run = "t,x\n";
+  for (int i = 0; i <= 100; ++i)
+    run += std::to_string(0.01 * i) + "," + std::to_string(0.01 * i - (1 - std::exp(-0.02 * i)) / 2) + "\n";
+  folder.write("a.csv", run);
+  folder.write("recording.yaml", R"(schema: 1
+scene: scene.yaml
+runs:
+  - {file: a.csv, role: fit, initial: {joint/rail/position: 0, joint/rail/velocity: 0}}
+channels:
+  - {column: x, kind: position, joint: rail, unit: m, noise: 0.0004}
+)");
+  const Problem problem = make_problem(folder.path / "recording.yaml");
+  Device device;
+  Predictor predictor(device, problem);
+  Variant base{problem.scene.scene, {}};
+  Fitter fitter(predictor, base);
+  const std::string text = choose_time_step(fitter, predictor, problem, base);
+  EXPECT_TRUE(base.extrapolates) << text;
+  EXPECT_DOUBLE_EQ(base.scene.solver.time_step, 0.01) << text;
+  const std::vector<Window> windows = make_windows(problem, false, 0, 1);
+  const auto error_of = [&](const Variant& variant) {
+    const Job job{&variant, &windows[0], windows[0].initial, false};
+    return rms({predictor.predict({&job, 1})[0].residual});
+  };
+  Variant as_stepped = base;
+  as_stepped.extrapolates = false;
+  EXPECT_LT(error_of(base), 0.1 * error_of(as_stepped));
+}
+
 // How much of a hard impact comes back is decided by the step, finer ones included: there is nothing to go near to.
 TEST(TimeStep, OfHardImpactsIsTheScenes) {
   const TestFolder folder;
