@@ -11,7 +11,6 @@ of that reality, proved on the judged one. Run it by scripts/fidelity_tables.sh.
 """
 import argparse
 import json
-import math
 import pathlib
 import subprocess
 import sys
@@ -65,6 +64,7 @@ class Table:
     def __init__(self, options):
         self.out, self.program, self.seed = options.out.resolve(), options.program, options.seed
         self.minutes, self.samples, self.mesh = options.minutes, options.samples, options.mesh.split()
+        self.diagnoses = not options.no_diagnosis
         self.out.mkdir(parents=True, exist_ok=True)
         self.truth = drawn(options.seed)
         (self.out / "reality.json").write_text(json.dumps(self.truth, indent=1) + "\n")
@@ -163,16 +163,21 @@ class Table:
             self.run("diagnose", case, "-o", report, "--minutes", self.minutes, "--max-effects", 3)
         return report
 
-    def compare(self, folder, real, after_nominal, baselines):
+    def compare(self, folder, real, simulated, baselines):
+        """evaluate fidelity's JSON over the frames in which the gripper is deformed, and over those in which it is held"""
         frames = np.flatnonzero(np.load(real / "log.npz")["deformed"] > DEFORMED)
-        arguments = ["evaluate", "fidelity", real, after_nominal, "--frames", f"{frames[0]}:{frames[-1] + 1}", "--stretch", "3",
-                     "-o", folder / "report", "--json"]
-        for name, place in baselines.items():
-            arguments += ["--baseline", f"{name}={place}"]
-        done = subprocess.run([self.program, *map(str, arguments)], check=True, capture_output=True, text=True)
-        return json.loads(done.stdout)
+        results = {}
+        for name, first in (("deformed", frames[0]), ("held", frames[-1] - 3)):
+            arguments = ["evaluate", "fidelity", real, simulated, "--frames", f"{first}:{frames[-1] + 1}", "--stretch", 3,
+                         "-o", folder / f"report_{name}", "--json"]
+            for baseline, place in baselines.items():
+                arguments += ["--baseline", f"{baseline}={place}"]
+            done = subprocess.run([self.program, *map(str, arguments)], check=True, capture_output=True, text=True)
+            results[name] = json.loads(done.stdout)
+        return results
 
     def row(self, thing):
+        """mean IoU over both choices of frames, by column; what the diagnosis says"""
         folder = self.out / thing
         folder.mkdir(exist_ok=True)
         opening = scenes.OBJECTS[thing]["open"]
@@ -185,16 +190,33 @@ class Table:
         for name, model in (("rigid", self.nominal(rigid=True)), ("nominal", self.nominal())):
             columns[name] = self.masks(folder / name, *self.simulated(folder / name, scenes.text(judged, model, folder)))
         real = self.reality(folder, thing, "judged", judged)
-        print(thing, "before diagnosis", json.dumps(self.compare(folder, real, columns["nominal"], {"rigid": columns["rigid"]})), flush=True)
-        seen = {"fit": self.reality(folder, thing, "fit", both["fit"]), "judged": real}
-        case = self.recording(folder, thing, seen, both)
-        report = self.diagnosed(case)
-        amended = yaml.safe_load((report / "scene_amended.yaml").read_text())
-        columns["after"] = self.masks(folder / "after", *self.simulated(folder / "after", judged_scene(amended, scenes.text(judged, self.nominal(), folder))))
-        result = self.compare(folder, real, columns["after"], {k: columns[k] for k in ("rigid", "nominal")})
-        result["diagnosis"] = json.loads((report / "report.json").read_text())["sentence"]
-        (folder / "row.json").write_text(json.dumps(result, indent=1) + "\n")
-        return result
+        sentence = "not diagnosed"
+        if self.diagnoses:
+            seen = {"fit": self.reality(folder, thing, "fit", both["fit"]), "judged": real}
+            report = self.diagnosed(self.recording(folder, thing, seen, both))
+            sentence = json.loads((report / "report.json").read_text())["sentence"]
+            amended = yaml.safe_load((report / "scene_amended.yaml").read_text())
+            text = judged_scene(amended, scenes.text(judged, self.nominal(), folder))
+            columns["after"] = self.masks(folder / "after", *self.simulated(report / "after", text))
+        sheet(real, columns).save(folder / "sheet.png")
+        last = list(columns)[-1]
+        compared = self.compare(folder, real, columns[last], {k: v for k, v in columns.items() if k != last})
+        return {frames: {**{k: result["baselines"][k]["mask"] for k in columns if k != last}, last: result["mask"]}
+                for frames, result in compared.items()}, sentence
+
+
+def sheet(real, columns):
+    """What the camera saw in the last picture that was taken, and beside it the masks of each column: grey where both
+    are, red where reality alone is, blue where the simulation alone is."""
+    photo = sorted(real.glob("wrist_*.png"))[-1]
+    truth = np.array(Image.open(real / "masks" / photo.name)) > 0
+    parts = [np.array(Image.open(photo))]
+    for folder in columns.values():
+        mask = np.array(Image.open(folder / "masks" / photo.name)) > 0
+        part = np.zeros(mask.shape + (3,), np.uint8)
+        part[mask & truth], part[truth & ~mask], part[mask & ~truth] = 200, (230, 60, 40), (40, 90, 240)
+        parts.append(part)
+    return Image.fromarray(np.concatenate(parts, axis=1))
 
 
 def moved(points, pose):
@@ -226,18 +248,19 @@ def main():
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--only", choices=scenes.OBJECTS, action="append")
     parser.add_argument("--minutes", type=float, default=5, help="of each diagnosis")
+    parser.add_argument("--no-diagnosis", action="store_true", help="leave the last column out")
     parser.add_argument("--mesh", default="--layers 2 --across 8",
                         help="of reality's fingers, words for make_gripper.py; unless given some 20,000 elements")
     parser.add_argument("--samples", type=int, default=16, help="of Cycles per pixel")
     parser.add_argument("--program", default=str(scenes.ROOT / "build/bin/phyvisgen"))
     options = parser.parse_args()
     table = Table(options)
-    print("object: mean IoU of rigid, nominal, after diagnosis")
     for thing in options.only or scenes.OBJECTS:
-        row = table.row(thing)
-        cells = [row["baselines"]["rigid"]["mask"], row["baselines"]["nominal"]["mask"], row["mask"]]
-        print(f"{thing}: " + ", ".join(f"{100 * c['miou']:.2f} ({100 * c['low']:.2f} to {100 * c['high']:.2f})" for c in cells)
-              + f"; {row['diagnosis']}", flush=True)
+        row, sentence = table.row(thing)
+        for frames, columns in row.items():
+            cells = [f"{name} {100 * c['miou']:.2f} ({100 * c['low']:.2f} to {100 * c['high']:.2f})" for name, c in columns.items()]
+            print(f"{thing}, frames in which the gripper is {frames}: mean IoU [%] {', '.join(cells)}", flush=True)
+        print(f"{thing}: {sentence}", flush=True)
 
 
 if __name__ == "__main__":
