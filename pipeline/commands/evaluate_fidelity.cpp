@@ -92,6 +92,9 @@ void add_evaluate_fidelity(CLI::App& program) {
   command->footer(
       "The fingers that do not bend, against masks of the soft ones:\n"
       "  phyvisgen generate data/tasks/weigh_beaker.yaml -n 1 --gripper rigid -o out/rigid\n"
+      "A captured room that is lit again, or takes no shadows:\n"
+      "  phyvisgen render data/tasks/weigh_beaker.yaml --states out/demo/episode_000000/states.h5 \\\n"
+      "      --receivers relit -o out/relit        (or emissive)\n"
       "Example:\n  phyvisgen evaluate fidelity real out/demo/episode_000000 \\\n"
       "      --baseline rigid=out/rigid/episode_000000 -o out/fidelity");
 }

@@ -24,6 +24,7 @@
 #include "host/load/task_file.hpp"
 #include "host/render/renderer.hpp"
 #include "pipeline/command_line/command.hpp"
+#include "pipeline/episode/receiver_look.hpp"
 #include "pipeline/episode/scene_gltf.hpp"
 #include "pipeline/episode/shown_scene.hpp"
 
@@ -47,6 +48,7 @@ struct RenderOptions {
   bool writes_ground_truth = false;  // CAMERA_truth.h5 beside the pictures
   bool sees_through_glass = false;   // ground truth: of what is behind glass
   bool denoises = false;
+  std::string receivers = "kept";  // or relit, emissive
   std::string device;
   bool is_verbose = false;
 };
@@ -248,6 +250,7 @@ void run_render(const RenderOptions& options) {
   for (const std::string& sentence : shown.notes) std::fprintf(stderr, "phyvisgen: %s\n", sentence.c_str());
   for (const std::string& sentence : complete_for_viewing(shown.scene))
     std::fprintf(stderr, "phyvisgen: %s\n", sentence.c_str());
+  show_receivers(shown.scene, options.receivers);
   for (Camera& camera : shown.scene.cameras)
     if (options.width || options.height) resize(camera, options.width, options.height);
   const double usual = shown.is_task ? shown.render.frames_per_second : FRAMES_PER_SECOND;
@@ -282,6 +285,11 @@ void add_render(CLI::App& program) {
   command->add_option("--seed", o.seed, "Of the pictures' noise");
   command->add_option("--lut", o.lut, "Lookup table of `calibrate lut` (.csv); else what the file says");
   command->add_flag("--denoise", o.denoises, "Filter the noise of few samples; also where the file says so");
+  command
+      ->add_option("--receivers", o.receivers,
+                   "kept; relit: captured surfaces as diffuse ones below the scene's lights; emissive: without shadows")
+      ->check(CLI::IsMember({"kept", "relit", "emissive"}))
+      ->capture_default_str();
   command->add_flag("--ground-truth", o.writes_ground_truth,
                     "Write CAMERA_truth.h5 as well: depth, normals, instances, parts, flow, boxes, poses");
   command->add_flag("--through-glass", o.sees_through_glass, "Ground truth of what is behind glass, not of the glass");

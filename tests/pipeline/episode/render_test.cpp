@@ -229,5 +229,38 @@ TEST(Frames, RangesAreHalfOpenAndChecked) {
     EXPECT_THROW(parse_frames(bad, 7), UsageError) << bad;
 }
 
+// how bright a grey floor is, whose lamp a black lid hides where `lid` [m] is above it
+struct ReceiverLook : Render {
+  int brightness(double lid, const std::string& look) {
+    folder.write("floor.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
+    folder.write("room.yaml", R"({schema: 1, name: room, time_step: 10 ms,
+      materials: [{name: captured, kind: shadow_receiver, color: [0.4, 0.4, 0.4]},
+                  {name: black, kind: diffuse, color: [0, 0, 0]}],
+      bodies: [{name: floor, kind: static, shape: {box: {size: [0.1, 0.1, 0.1]}}, collides: false,
+                visuals: [{mesh: floor.obj, material: captured}]},
+               {name: lid, kind: static, shape: {box: {size: [0.1, 0.1, 0.1]}}, collides: false,
+                pose: {position: [0, 0, )" +
+                                  std::to_string(lid) + R"(]}, visuals: [{mesh: floor.obj, material: black}]}],
+      lights: [{name: lamp, kind: sphere, center: [0, 0, 4], radius: 0.2, radiance: [50, 50, 50]}],
+      cameras: [{name: a, width: 16, height: 16, vertical_field_of_view: 5 deg, position: [0, -0.5, 1], look_at: [0, 0, 0]}]})");
+    EXPECT_EQ(run("render room.yaml -o seen.png --samples 64 --receivers " + look), 0) << message;
+    return read_picture(folder.path / "seen.png").rgb[3 * (8 * 16 + 8)];
+  }
+};
+
+TEST_F(ReceiverLook, IsThatOfOtherRenderers) {
+  EXPECT_LT(brightness(1.5, "kept"), 5);  // the lid takes all of the lamp's light
+  EXPECT_LT(brightness(1.5, "relit"), 5);
+  EXPECT_NEAR(brightness(1.5, "emissive"), 170, 1);  // sRGB of 0.4, as captured
+  EXPECT_NEAR(brightness(-1.5, "kept"), 170, 1);
+  EXPECT_NEAR(brightness(-1.5, "relit"), 63, 2);  // 0.4 x 50 (0.2 m / 4 m)^2 = 0.05
+}
+
+TEST_F(ReceiverLook, NeedsAReceiver) {
+  folder.write("falling.yaml", falling);
+  EXPECT_EQ(run("render falling.yaml --camera a -o a.png --receivers relit"), 2);
+  EXPECT_NE(message.find("no shadow receiver"), std::string::npos) << message;
+}
+
 }  // namespace
 }  // namespace pvg

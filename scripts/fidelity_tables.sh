@@ -1,0 +1,27 @@
+#!/bin/sh
+# The two tables of fidelity.
+#   scripts/fidelity_tables.sh physics [SEED [ARGUMENTS...]]   masks of a gripper; arguments: of fidelity/physics_table.py
+#   scripts/fidelity_tables.sh pictures FOLDER [ARGUMENTS...]  left-out photographs; arguments: of `capture room`
+# Reality of the first is drawn by Cycles (PyPI's bpy 4.2, 520 MB, needs Python 3.11). Results: out/fidelity.
+set -eu
+cd "$(dirname "$0")/.."
+what="${1:-}"
+[ $# -eq 0 ] || shift
+case "$what" in
+  physics)
+    seed="${1:-1}"
+    [ $# -eq 0 ] || shift
+    scripts/python_env.sh fidelity_tables numpy h5py pyyaml pillow opencv-python-headless bpy==4.2.0
+    .venv-fidelity_tables/bin/python scripts/fidelity/physics_table.py out/fidelity/physics --seed "$seed" "$@"
+    ;;
+  pictures)
+    [ $# -gt 0 ] || { echo "fidelity_tables.sh pictures: name the folder of the photographs"; exit 2; }
+    mkdir -p out/fidelity
+    build/bin/phyvisgen capture room "$@" -o out/fidelity/room --hold-out 5 --json >out/fidelity/pictures.json
+    python3 scripts/fidelity/pictures_table.py out/fidelity/pictures.json
+    ;;
+  *)
+    echo "fidelity_tables.sh: say physics or pictures FOLDER"
+    exit 2
+    ;;
+esac
