@@ -14,7 +14,7 @@ import sys
 
 OTHERS = {  # header of another library: the folders that may include it
     "CL/": ["host/device"],
-    "yaml-cpp/": ["host/load", "host/load/fields", "host/load/recording", "host/identify/data", "host/identify/candidates", "host/identify/report"],
+    "yaml-cpp/": ["host/robot", "host/load", "host/load/fields", "host/load/recording", "host/identify/data", "host/identify/candidates", "host/identify/report"],
     "hdf5": ["host/formats"],
     "assimp/": ["host/formats", "host/robot"],
     "OpenImageIO/": ["host/formats"],

@@ -158,4 +158,12 @@ void read_stitch(Section& section, SceneFile& file) {
   scene.stitches.push_back(stitch);
 }
 
+void read_noncolliding(Section& section, SceneFile& file) {
+  const NoncollidingPair pair = read_all(noncolliding_fields(), section);
+  std::vector<RigidBody>& bodies = file.added.rigid_bodies;
+  file.added.noncolliding_rigid_bodies.push_back({index_named(bodies, pair.first), index_named(bodies, pair.second)});
+  for (const int body : file.added.noncolliding_rigid_bodies.back())
+    if (body < 0) section.fail("", "must name two rigid or static bodies of `bodies`");
+}
+
 }  // namespace pvg

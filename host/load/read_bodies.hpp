@@ -47,13 +47,20 @@ struct StitchSection {
   Stitch stitch;                                 // without bodies and nodes
 };
 
+// Two bodies that pass through each other, by name.
+struct NoncollidingPair {
+  std::string first, second;
+};
+
 const Fields<BodySection>& body_fields();
 const Fields<SceneJointSection>& scene_joint_fields();
 const Fields<StitchSection>& stitch_fields();
+const Fields<NoncollidingPair>& noncolliding_fields();
 
 // Adds what `section` describes to file.added (and, of joints with a drive, to file.targets).
 void read_body(YamlSection& section, SceneFile& file);
 void read_joint(YamlSection& section, SceneFile& file);
 void read_stitch(YamlSection& section, SceneFile& file);
+void read_noncolliding(YamlSection& section, SceneFile& file);
 
 }  // namespace pvg

@@ -7,9 +7,9 @@
 #include "host/base/error.hpp"
 #include "host/load/build_parts.hpp"
 #include "host/load/build_scene.hpp"
-#include "host/load/imported_scene.hpp"
 #include "host/load/read_bodies.hpp"
 #include "host/load/read_sections.hpp"
+#include "host/robot/imported_scene.hpp"
 
 namespace pvg {
 namespace {
@@ -32,19 +32,6 @@ void append(PhysicalScene& scene, const PhysicalScene& added) {
   }
   for (const auto& [first, second] : added.noncolliding_rigid_bodies)
     scene.noncolliding_rigid_bodies.push_back({first + first_rigid, second + first_rigid});
-}
-
-void read_noncolliding(const YamlSection& section, PhysicalScene& scene) {
-  const NoncollidingPair pair = read_all(noncolliding_fields(), section);
-  std::array<int, 2> bodies;
-  for (const bool is_second : {false, true}) {
-    const std::string& name = is_second ? pair.second : pair.first;
-    bodies[is_second] = index_named(scene.rigid_bodies, name);
-    if (bodies[is_second] < 0)
-      section.fail(is_second ? "second" : "first",
-                   "names `" + name + "`, which is no rigid or static body of `bodies`");
-  }
-  scene.noncolliding_rigid_bodies.push_back(bodies);
 }
 
 void add_body_visuals(Scene& scene, const BodyVisuals& body, int first_rigid, int first_soft) {
@@ -118,16 +105,6 @@ const Fields<SceneFile>& scene_file_fields() {
   return FIELDS;
 }
 
-const Fields<NoncollidingPair>& noncolliding_fields() {
-  using P = NoncollidingPair;
-  static const Fields<P> FIELDS = Fields<P>()
-                                      .text("first", &P::first, "name of a rigid or static body")
-                                      .required()
-                                      .text("second", &P::second, "name of the other one")
-                                      .required();
-  return FIELDS;
-}
-
 const Fields<SceneRobot>& scene_robot_fields() {
   using P = RobotPathPoint;
   static const Fields<P> POINT =
@@ -159,7 +136,7 @@ SceneFile load_scene_file(const std::filesystem::path& path) {
   for (YamlSection& section : root.sections("bodies")) read_body(section, file);
   for (YamlSection& section : root.sections("joints")) read_joint(section, file);
   for (YamlSection& section : root.sections("stitches")) read_stitch(section, file);
-  for (YamlSection& section : root.sections("noncolliding")) read_noncolliding(section, file.added);
+  for (YamlSection& section : root.sections("noncolliding")) read_noncolliding(section, file);
   root.done();
   std::vector<std::string> bodies;
   for (const RigidBody& body : file.added.rigid_bodies) bodies.push_back(body.name);

@@ -73,12 +73,6 @@ struct SceneFile {
   double duration = 1;  // [s]
 };
 
-// Two bodies that pass through each other, by name.
-struct NoncollidingPair {
-  std::string first, second;
-};
-
-const Fields<NoncollidingPair>& noncolliding_fields();
 const Fields<SceneFile>& scene_file_fields();  // what tasks do not have
 const Fields<SceneRobot>& scene_robot_fields();
 

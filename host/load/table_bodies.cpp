@@ -275,4 +275,14 @@ const Fields<StitchSection>& stitch_fields() {
   return FIELDS;
 }
 
+const Fields<NoncollidingPair>& noncolliding_fields() {
+  using P = NoncollidingPair;
+  static const Fields<P> FIELDS = Fields<P>()
+                                      .text("first", &P::first, "name of a rigid or static body")
+                                      .required()
+                                      .text("second", &P::second, "name of the other one")
+                                      .required();
+  return FIELDS;
+}
+
 }  // namespace pvg

@@ -65,6 +65,11 @@ const Fields<J>& joint_frame_fields() {
               [](const J& j) { return turns(j.joint.type) ? Unit::angular_damping : Unit::damping; },
               "N m s/rad or N s/m", 0, LARGEST_JOINT_NUMBER, "of the joint itself")
           .when(has_coordinate, COORDINATE)
+          .number(
+              "armature", [](auto& j) -> auto& { return j.joint.armature; },
+              [](const J& j) { return turns(j.joint.type) ? Unit::inertia : Unit::mass; }, "kg m^2 or kg", 0, 1e6,
+              "inertia of what turns with the coordinate, such as a geared rotor")
+          .when(has_coordinate, COORDINATE)
           .pose(
               "parent_frame", [](auto& j) -> auto& { return j.joint.parent_frame; }, "the joint in the parent's frame");
   return FIELDS;

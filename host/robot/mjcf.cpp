@@ -278,9 +278,13 @@ void add_noncolliding(const Builder& builder, const Exclusions& exclusions) {
       const bool can_touch = (!a.body.shapes.empty() || a.body.kind == MultibodyBody::Kind::half_space) &&
                              (!b.body.shapes.empty() || b.body.kind == MultibodyBody::Kind::half_space);
       const bool stand = builder.group[std::size_t(i)] < 0 && builder.group[std::size_t(j)] < 0;
+      const std::array<int, 2> pair = {builder.index[std::size_t(j)], builder.index[std::size_t(i)]};
+      const bool is_jointed = std::any_of(builder.model.joints.begin(), builder.model.joints.end(), [&](const auto& m) {
+        return m.joint.parent == pair[0] && m.joint.child == pair[1];
+      });
       const bool is_excluded = exclusions.count(std::minmax(a.body.name, b.body.name)) > 0;
-      if (can_touch && !stand && (is_excluded || builder.passes_through(i, j)))
-        builder.model.noncolliding.push_back({builder.index[std::size_t(j)], builder.index[std::size_t(i)]});
+      if (can_touch && !stand && !is_jointed && (is_excluded || builder.passes_through(i, j)))
+        builder.model.noncolliding.push_back(pair);
     }
 }
 

@@ -178,8 +178,11 @@ Meshes read_meshes(const TiXmlElement& root, const Defaults& defaults, const Com
   Meshes meshes;
   for (const TiXmlElement* asset = root.FirstChildElement("asset"); asset; asset = asset->NextSiblingElement("asset"))
     for (const TiXmlElement* e = asset->FirstChildElement("mesh"); e; e = e->NextSiblingElement("mesh")) {
+      const char* given = e->Attribute("class");
+      const auto chain = defaults.find(given ? given : "");
+      if (chain == defaults.end()) Element(*e, {}, file).fail("has a class that no <default> has; correct it");
       std::vector<const TiXmlElement*> inherited;
-      for (const TiXmlElement* d : defaults.at(""))
+      for (const TiXmlElement* d : chain->second)
         if (d->ValueStr() == "mesh") inherited.push_back(d);
       const Element element(*e, inherited, file);
       if (!element.has("file")) continue;  // its geoms are refused

@@ -46,7 +46,6 @@ struct RobotJoint {
   double velocity = 0;                    // limit [rad/s or m/s]
   double effort = 0;                      // limit [N m or N]
   double acceleration = 0;                // limit [rad/s^2 or m/s^2]; 0: the URDF gives none
-  double damping = 0, friction = 0;       // <dynamics> [N m s/rad or N s/m; N m or N]; a robot's joints do not use them
   double jerk = 0;                        // limit [rad/s^3 or m/s^3]; 0: the URDF gives none
   std::optional<VelocityEnvelope> envelope;
 };

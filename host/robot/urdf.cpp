@@ -236,12 +236,6 @@ RobotJoint convert_joint(const urdf::Joint& joint, const TiXmlElement& xml, cons
   result.effort = limit_of("effort");
   result.acceleration = limit_of("acceleration");
   result.jerk = limit_of("jerk");
-  if (joint.dynamics) {
-    result.damping = joint.dynamics->damping;
-    result.friction = joint.dynamics->friction;
-    if (!(result.damping >= 0 && result.friction >= 0))
-      throw UsageError(owner + " has a damping or friction that is not a positive number or zero; correct <dynamics>");
-  }
   if (const TiXmlElement* e = xml.FirstChildElement("velocity_envelope")) {
     const auto of = [&](const char* name) { return number(attribute(*e, name, owner), owner + ": " + name); };
     result.envelope = VelocityEnvelope{of("offset"), of("slope"), of("upper"), of("lower")};

@@ -1,12 +1,36 @@
 // A URDF as bodies and joints: its base link stands, its joints have no drives.
+#include <tinyxml.h>
+
 #include "host/base/error.hpp"
+#include "host/base/files.hpp"
 #include "host/robot/multibody.hpp"
 #include "host/robot/robot.hpp"
 
 namespace pvg {
+namespace {
+
+// <dynamics damping="" friction=""> of a joint, which robots in tasks do not have
+void read_dynamics(const TiXmlElement& robot, const std::string& file, MultibodyJoint& joint) {
+  for (const TiXmlElement* e = robot.FirstChildElement("joint"); e; e = e->NextSiblingElement("joint")) {
+    const TiXmlElement* dynamics = e->FirstChildElement("dynamics");
+    if (!dynamics || joint.joint.name != e->Attribute("name")) continue;
+    const auto number = [&](const char* key, double& value) {
+      const int result = dynamics->QueryDoubleAttribute(key, &value);
+      if (result == TIXML_WRONG_TYPE || !(value >= 0 && value < 1e12))
+        throw UsageError(file + ": joint '" + joint.joint.name + "' has a " + key +
+                         " that is no number or negative; correct <dynamics>");
+    };
+    number("damping", joint.joint.damping);
+    number("friction", joint.coulomb);
+  }
+}
+
+}  // namespace
 
 Multibody read_urdf_multibody(const std::filesystem::path& file) {
   const RobotModel robot = load_urdf(file);
+  TiXmlDocument document;
+  document.Parse(read_whole_file(file).value_or("").c_str());
   Multibody model;
   model.name = robot.name;
   std::vector<int> index(robot.links.size(), -1);  // of the body; of a link without mass that of the one that holds it
@@ -51,8 +75,7 @@ Multibody read_urdf_multibody(const std::filesystem::path& file) {
     added.joint.lower = joint.lower;
     added.joint.upper = joint.upper;
     added.joint.initial = start_within(added.joint, 0);
-    added.joint.damping = joint.damping;
-    added.coulomb = joint.friction;
+    read_dynamics(*document.RootElement(), file.string(), added);
     add(child, model.bodies[std::size_t(holder)].pose * start_of_child(added.joint), MultibodyBody::Kind::moving);
     added.joint.child = index[child];
     model.joints.push_back(added);

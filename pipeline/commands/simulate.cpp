@@ -209,7 +209,7 @@ void run_simulate(const SimulateOptions& options) {
 void add_simulate(CLI::App& program) {
   CLI::App* command = program.add_subcommand("simulate", "Simulate a scene file and record its states");
   SimulateOptions& o = options_of_command(*command, run_simulate);
-  command->add_option("SCENE", o.scene, "Scene file (YAML)");
+  command->add_option("SCENE", o.scene, "Scene file (YAML), or MJCF (.xml), URDF");
   command->add_option("-o,--output", o.file, "States file (HDF5) to write");
   command->add_option("--duration", o.duration, "Simulated time [s]; else what the scene says")
       ->check(CLI::NonNegativeNumber);

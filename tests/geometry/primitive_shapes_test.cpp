@@ -65,6 +65,20 @@ TEST(PrimitiveShapes, ACylinderIsAPrismOfItsSides) {
   EXPECT_NEAR(mass_properties(cylinder, 1).volume, 0.2 * n / 2 * 0.0025 * std::sin(2 * std::numbers::pi / n), 1e-15);
 }
 
+TEST(PrimitiveShapes, ACapsuleIsACylinderBetweenTwoHalfBalls) {
+  const double r = 0.05, length = 0.2;
+  const double exact = std::numbers::pi * r * r * length + 4 * std::numbers::pi / 3 * r * r * r;
+  double last_error = exact;
+  for (const int sides : {16, 32, 64}) {
+    const TriangleMesh capsule = capsule_surface(r, length, sides);
+    expect_closed(capsule.triangles);
+    const double error = exact - mass_properties(capsule, 1).volume;  // its corners lie on the capsule
+    EXPECT_GT(error, 0);
+    EXPECT_LT(error, last_error / 3.5);  // of second order
+    last_error = error;
+  }
+}
+
 TEST(PrimitiveShapes, AHexahedronIsCheckedForItsSide) {
   std::array<Vec3, 8> corners = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0),
                                  Vec3(0, 0, 2), Vec3(1, 0, 2), Vec3(1, 1, 2), Vec3(0, 1, 2)};

@@ -94,6 +94,31 @@ TEST_F(SceneFiles, HoldBodiesJointsAndStitches) {
   EXPECT_EQ(load_scene(path).joints.size(), 1u);
 }
 
+TEST_F(SceneFiles, HoldBodiesOfSeveralPartsAndPairsThatDoNotCollide) {
+  std::string text = SCENE;
+  text.replace(
+      text.find("{box: {size: [0.1, 0.1, 0.1]}}, density: 1000"), 45,
+      "{parts: [{shape: {box: {size: [0.2, 0.2, 0.2]}}, position: [1, 0, 0], rotation: [0, 0, 90 deg], size: 0.5},"
+      " {shape: {sphere: {radius: 50 mm}}, position: [0, 1, 0]}]}, mass: 3, center_of_mass: [0.5, 0, 0], "
+      "inertia: [3, 2, 2, 0.1, 0.2, 0.3]");
+  const Scene scene = load(text + "noncolliding: [{first: ball, second: cube}]\n").scene;
+  const RigidBody& body = scene.rigid_bodies[1];
+  EXPECT_EQ(body.mass, 3);
+  EXPECT_EQ(body.center_of_mass, Vec3(0.5, 0, 0));
+  EXPECT_EQ(body.inertia(0, 2), 0.2);
+  EXPECT_EQ(body.inertia(2, 1), 0.3);
+  Vec3 low = Vec3::Constant(9), high = -low;
+  for (const Vec3& point : body.collision.points) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+  EXPECT_NEAR(high[0], 1.05, 1e-12);
+  EXPECT_NEAR(high[1], 1.05, 1e-3);
+  EXPECT_NEAR(low[2], -0.05, 1e-12);
+  ASSERT_EQ(scene.noncolliding_rigid_bodies.size(), 1u);
+  EXPECT_EQ(scene.noncolliding_rigid_bodies[0], (std::array<int, 2>{2, 1}));
+}
+
 TEST_F(SceneFiles, HoldDisplaysOfRigidBodies) {
   std::string text = SCENE;
   const std::string ball = "mass: 2, collides: false";
@@ -276,6 +301,10 @@ TEST_F(SceneFiles, MistakesAreNamed) {
   expect_refused("density: 1000, ", "", 8, "`density` or `mass`");
   expect_refused("mass: 2,", "mass: 2, inertia: [1e-3, 1e-3, 3e-3],", 9, "above the sum of the two others");
   expect_refused("mass: 2,", "mass: 2, inertia: [0, 1e-3, 1e-3],", 9, "`bodies[2].inertia");
+  expect_refused("mass: 2,", "mass: 2, inertia: [2e-3, 2e-3, 2e-3, 3e-3, 0, 0],", 9, "principal moments");
+  expect_refused("mass: 2,", "mass: 2, inertia: [2e-3, 2e-3],", 9, "[xx, yy, zz, xy, xz, yz]");
+  expect_refused("{sphere: {radius: 50 mm}}", "{parts: []}", 9, "at least one");
+  expect_refused("stitches:", "noncolliding: [{first: cube, second: sphere}]\nstitches:", 13, "must name two");
   expect_refused("divisions: [10, 1, 1]", "divisions: [512, 512, 512]", 10, "at most a million");
   expect_refused("{bar: {size: [0.1, 0.01, 0.01], divisions: [10, 1, 1],", "{ball_octant: {radius: 1, divisions: 128,",
                  10, "at most a million");

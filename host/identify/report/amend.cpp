@@ -5,7 +5,7 @@
 #include "host/identify/candidates/candidate.hpp"
 #include "host/identify/data/scene_number.hpp"
 #include "host/identify/report/report.hpp"
-#include "host/load/imported_scene.hpp"
+#include "host/robot/imported_scene.hpp"
 
 namespace pvg::diagnose {
 namespace {

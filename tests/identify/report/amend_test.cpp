@@ -124,6 +124,23 @@ TEST(AmendedScene, HasMomentsOfInertiaThatKeepTheirRatios) {
   EXPECT_DOUBLE_EQ(arm.mass, 2);
 }
 
+TEST(AmendedScene, AMassTakesAStatedInertiaWithIt) {
+  const TestFolder folder;
+  const Problem problem = make_problem(recording(folder, "mass: 2, inertia: [3e-3, 2e-3, 4e-3, 5e-4, 0, 0]"));
+  const std::vector<Candidate> candidates = make_candidates(problem, {});
+  const auto mass = std::find_if(candidates.begin(), candidates.end(),
+                                 [](const Candidate& candidate) { return candidate.name == "retune_mass"; });
+  ASSERT_NE(mass, candidates.end());
+  Diagnosis diagnosis;
+  diagnosis.verdict = Verdict::retune;
+  diagnosis.effects = {{&*mass, {{"value", "kg", 3, 2.9, 3.1}}}};
+  diagnosis.used = problem.scene.scene;
+  const RigidBody arm = read_back(folder, problem, diagnosis).rigid_bodies.at(1);
+  EXPECT_DOUBLE_EQ(arm.mass, 3);
+  EXPECT_NEAR(arm.inertia(0, 0), 4.5e-3, 1e-15);
+  EXPECT_NEAR(arm.inertia(0, 1), 7.5e-4, 1e-15);
+}
+
 TEST(AmendedScene, SaysWhatIsToBeSetByHandWhereANumberHasItsUnit) {
   const TestFolder folder;
   const Problem problem = make_problem(recording(folder));

@@ -1,4 +1,4 @@
-#include "host/load/imported_scene.hpp"
+#include "host/robot/imported_scene.hpp"
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -7,6 +7,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/files.hpp"
+#include "host/base/numbers.hpp"
 #include "host/robot/multibody.hpp"
 
 namespace pvg {
@@ -16,6 +17,13 @@ namespace fs = std::filesystem;
 const char* const WORLD = "world";      // holds the joints of what stands on it
 constexpr double ANCHOR_SIZE = 0.01;    // of that body, which touches nothing [m]
 constexpr double SMALLEST_BALL = 1e-4;  // in place of a body without a shape [m]
+
+// The model's name as one that may name files: other characters become _.
+std::string identifier_of(std::string name) {
+  for (char& c : name)
+    if (!is_identifier(std::string(1, c))) c = '_';
+  return name.empty() ? "model" : name.substr(0, 64);
+}
 
 YAML::Node flow(const std::vector<double>& numbers) {
   YAML::Node node(numbers);
@@ -189,7 +197,7 @@ std::string imported_scene(const fs::path& file, const fs::path& given_folder) {
   const Multibody model = file.extension() == ".urdf" ? read_urdf_multibody(file) : read_mjcf(file);
   YAML::Node root;
   root["schema"] = 1;
-  root["name"] = model.name;
+  root["name"] = identifier_of(model.name);
   root["time_step"] = model.time_step;
   root["gravity"] = flow(model.gravity);
   root["solver"]["integrator"] = "bdf2";
