@@ -19,8 +19,11 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t PER_CHUNK = 1000;  // files in a folder; readers sort file-<three digits> as text
 // What is below this hardly moves, and dividing by less would make noise of a real joint loud.
 constexpr double LEAST_STD = 1e-2, LEAST_STD_OF_WIDTH = 1e-3;  // [rad], [m]
-constexpr double LEAST_STD_OF_POSE = 1e-3;                     // of an object [m or -]
-constexpr std::size_t MOST_SAMPLED = 100;                      // pictures of an episode that its statistics look at
+// Of an object: what a hand tilts or shifts in passing, which no demonstration need have shown. With 0.001 a policy
+// whose demonstrations never tilt a beaker answers 0.01 rad of tilt with 0.1 rad of its joints.
+constexpr double LEAST_STD_OF_POSITION = 1e-2, LEAST_STD_OF_QUATERNION = 5e-2;  // [m], [-]
+constexpr std::size_t N_OF_POSITION = 3, N_OF_POSE = 7;                         // x, y, z, then qx, qy, qz, qw
+constexpr std::size_t MOST_SAMPLED = 100;  // pictures of an episode that its statistics look at
 
 std::string in_words(std::string name) {
   std::replace(name.begin(), name.end(), '_', ' ');
@@ -54,14 +57,14 @@ Json list_of(const Feature& feature, const Rows& rows) {
   return list;
 }
 
-Json stats_json(const Feature& feature, const Rows& rows) {
+Json stats_json(const Feature& feature, const Rows& rows, std::span<const double> least_std) {
   std::vector<NumberStats> stats;
   for (std::size_t i = 0; i < feature.width; ++i) {
     std::vector<double> values;
     for (const std::vector<double>& row : rows) values.push_back(row[i]);
     stats.push_back(stats_of(std::move(values)));
   }
-  return to_json(stats, rows.size(), false, feature.least_std);
+  return to_json(stats, rows.size(), false, least_std);
 }
 
 class LeRobotWriter : public DataSetWriter {
@@ -80,7 +83,7 @@ class LeRobotWriter : public DataSetWriter {
       Feature& feature = features_[i];
       const std::string type = feature.width == 1 ? feature.type : "list<" + feature.type + ">";
       data.columns.push_back({feature.name, type, list_of(feature, rows[i])});
-      stats[feature.name] = stats_json(feature, rows[i]);
+      stats[feature.name] = stats_json(feature, rows[i], least_std_of_episode(feature));
       feature.all.insert(feature.all.end(), rows[i].begin(), rows[i].end());
     }
     write_(data);
@@ -92,7 +95,7 @@ class LeRobotWriter : public DataSetWriter {
 
   void finish() override {
     Json stats = Json::object();
-    for (const Feature& feature : features_) stats[feature.name] = stats_json(feature, feature.all);
+    for (const Feature& feature : features_) stats[feature.name] = stats_json(feature, feature.all, feature.least_std);
     for (const auto& [key, counts] : pixels_) stats[key] = to_json(counts.stats(), n_sampled_.at(key), true, {});
     if (is_v3()) {
       write_(episodes_table());
@@ -109,6 +112,10 @@ class LeRobotWriter : public DataSetWriter {
   }
 
  private:
+  // 2.1 has no statistics of the set: readers make them of those of the episodes
+  std::span<const double> least_std_of_episode(const Feature& feature) const {
+    return is_v3() ? std::span<const double>() : feature.least_std;
+  }
   bool is_v3() const { return settings_.version == LeRobotVersion::v3_0; }
   static std::string video_key(const PackedCamera& camera) { return "observation.images." + camera.name; }
   std::string data_path(std::size_t episode) const {
@@ -145,12 +152,10 @@ class LeRobotWriter : public DataSetWriter {
                  {"action", "float", first.columns, n, least, {}}};
     if (settings_.has_environment) {
       const std::vector<std::string>& names = first.environment_columns;
-      features_.push_back({"observation.environment_state",
-                           "float",
-                           names,
-                           names.size(),
-                           std::vector<double>(names.size(), LEAST_STD_OF_POSE),
-                           {}});
+      std::vector<double> least_of_poses;
+      for (std::size_t i = 0; i < names.size(); ++i)
+        least_of_poses.push_back(i % N_OF_POSE < N_OF_POSITION ? LEAST_STD_OF_POSITION : LEAST_STD_OF_QUATERNION);
+      features_.push_back({"observation.environment_state", "float", names, names.size(), least_of_poses, {}});
     }
     for (const PackedCamera& camera : first.cameras) {
       cameras_.push_back(camera);

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/base/error.hpp"
 #include "host/device/choose_device.hpp"
@@ -16,6 +17,7 @@
 #include "pipeline/command_line/command.hpp"
 #include "pipeline/command_line/program.hpp"
 #include "pipeline/episode/episode.hpp"
+#include "pipeline/serve/perturbation.hpp"
 #include "pipeline/serve/server.hpp"
 
 namespace pvg {
@@ -25,6 +27,7 @@ struct ServeOptions {
   std::string task;  // file
   std::string device, render_device;
   std::string socket;  // path; empty: standard input and output
+  std::vector<std::string> perturbations;
   PictureOverrides pictures;
   bool no_render = false, is_rigid = false;
 };
@@ -93,6 +96,7 @@ void run_serve(const ServeOptions& options) {
   Task task = load_task(options.task);
   apply(options.pictures, task);
   if (options.is_rigid) make_grippers_rigid(task);
+  for (const std::string& each : options.perturbations) perturb(task, read_perturbation(each));
   Device physics(options.device);
   std::optional<Device> rendering;
   if (!options.no_render)
@@ -127,6 +131,8 @@ void add_serve(CLI::App& program) {
           "--gripper", [&o](const std::string& kind) { o.is_rigid = kind == "rigid"; },
           "soft, or rigid: the same fingers without bending, for comparison")
       ->check(CLI::IsMember({"soft", "rigid"}));
+  command->add_option("--perturb", o.perturbations,
+                      "NAME=NUMBER, such as friction=0.5: the task other than it says; may be repeated");
   command->footer(
       "The protocol is in docs/reference/serve.md; the Python package of pipeline/python speaks it.\n"
       "Example:\n  phyvisgen serve data/tasks/weigh_beaker.yaml --no-render --socket /tmp/beaker.sock");

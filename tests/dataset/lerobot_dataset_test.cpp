@@ -61,6 +61,13 @@ TEST_F(LeRobot, PosesOfObjectsAreWrittenWhereTheyAreAskedFor) {
   EXPECT_EQ(feature["names"].at(1), "cup_y");
   const ParquetColumn& poses = column("data/chunk-000/file-000.parquet", "observation.environment_state");
   EXPECT_FLOAT_EQ(poses.values.at(2).at(1), 6);
+  // the cup never tilts: so say the statistics of the episode, and those that a policy divides by bear a tilt
+  const ParquetColumn& of_episode =
+      column("meta/episodes/chunk-000/file-000.parquet", "stats/observation.environment_state/std");
+  EXPECT_EQ(of_episode.values.at(0).at(3), 0);
+  const Json of_set = Json::parse(std::ifstream(out / "meta/stats.json"))["observation.environment_state"];
+  EXPECT_EQ(of_set["std"].at(3), 0.05);
+  EXPECT_EQ(of_set["std"].at(0), 0.01);
 }
 
 TEST_F(LeRobot, EveryColumnIsDeclaredAndEveryVideoIsThere) {

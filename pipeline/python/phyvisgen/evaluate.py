@@ -9,6 +9,7 @@ from typing import Any, Sequence
 
 from .evaluation import PolicyResult, evaluate, planned_length
 from .environment import EVALUATION_SEED
+from .perturbation import Curve, Perturbed
 from .policies import BlindMean, Demonstrations, Expert, NearestDemonstration, Policy
 from .server import ServeError, Server
 
@@ -32,6 +33,15 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--samples", type=int, help="per pixel")
     parser.add_argument("--fps", type=float, help="actions per second")
     parser.add_argument("--gripper", choices=("soft", "rigid"))
+    parser.add_argument(
+        "--perturb",
+        action="append",
+        default=[],
+        metavar="NAME=LOW:HIGH",
+        help="success over light, camera, friction, mass, stiffness, texture, background, latency or backlash, the same "
+        "starts at each amount; may be repeated",
+    )
+    parser.add_argument("--points", type=int, default=5, help="amounts from LOW to HIGH (5)")
     parser.add_argument("--json", action="store_true")
     return parser
 
@@ -67,19 +77,34 @@ def _sentence(result: PolicyResult) -> str:
     )
 
 
+def _server(words: argparse.Namespace, perturb: dict[str, float] | None = None) -> Server:
+    return Server(
+        words.task,
+        render=bool(words.camera) or words.policy.startswith("lerobot:"),
+        width=words.picture_width,
+        height=words.picture_height,
+        samples=words.samples,
+        fps=words.fps,
+        gripper=words.gripper,
+        perturb=perturb,
+    )
+
+
+def _curve(words: argparse.Namespace, policy: Policy, perturbed: Perturbed, starts: list[int], length: int) -> Curve:
+    """The policy over the amounts, on the same starts; an episode lasts as long as in the task as it is."""
+    results = []
+    for amount in perturbed.amounts:
+        with _server(words, {perturbed.quantity: amount}) as server:
+            results.append(evaluate(server, policy, length=length, starts=starts))
+    return Curve(perturbed, results)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     words = _parser().parse_args(arguments)
     try:
-        with Server(
-            words.task,
-            render=bool(words.camera) or words.policy.startswith("lerobot:"),
-            width=words.picture_width,
-            height=words.picture_height,
-            samples=words.samples,
-            fps=words.fps,
-            gripper=words.gripper,
-        ) as server:
-            return _run(words, server)
+        perturbed = [Perturbed.read(text, words.points) for text in words.perturb]
+        with _server(words) as server:
+            return _run(words, server, perturbed)
     except (ValueError, FileNotFoundError) as error:
         print(f"phyvisgen: {error}", file=sys.stderr)
         return 2
@@ -88,16 +113,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
 
 
-def _run(words: argparse.Namespace, server: Server) -> int:
+def _run(words: argparse.Namespace, server: Server, perturbed: list[Perturbed]) -> int:
     length = words.length or planned_length(server, EVALUATION_SEED)
     policy = _policy(words.policy, words, server)
     baselines = {name: _policy(name, words, server) for name in words.baseline}
     result = evaluate(server, policy, words.episodes, words.width, length)
     starts = [episode.seed for episode in result.episodes]  # the same for all, so that differences are paired
     beside = {name: evaluate(server, each, length=length, starts=starts) for name, each in baselines.items()}
+    curves = [_curve(words, policy, each, starts, length).as_json() for each in perturbed]
     if words.json:
         told: dict[str, Any] = {"schema": 1, "policy": policy.name, **result.as_json()}
         told["baselines"] = {name: each.as_json() for name, each in beside.items()}
+        told["perturbed"] = curves
         print(json.dumps(told, indent=2))
         return 0
     for each in [result, *beside.values()]:
@@ -105,6 +132,13 @@ def _run(words: argparse.Namespace, server: Server) -> int:
     for episode in result.episodes:
         if not episode.success:
             print(f"  start {episode.seed}: {episode.reason}")
+    for curve in curves:
+        for point in curve["points"]:
+            print(f"{curve['quantity']} {point['amount']:g}: {100 * point['success']:.1f} % "
+                  f"({100 * point['low']:.1f} to {100 * point['high']:.1f} %)")
+        control = curve["control"]
+        print(f"{curve['quantity']}: spread of rates {control['spread']:.3f}, of shuffled ones at most "
+              f"{control['shuffled_spread_95']:.3f} in 95 of 100; p = {control['p']:.4f}")
     return 0
 
 

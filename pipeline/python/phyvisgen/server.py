@@ -143,7 +143,8 @@ class Server:
     """A task that is reset and stepped.
 
     task: a file, or the name of one of the program's own. width, height [pixels], samples [per pixel] and fps [1/s]:
-    instead of what the task says. gripper: "soft" or "rigid". With `socket` it asks a server that already runs there,
+    instead of what the task says. gripper: "soft" or "rigid". perturb: amounts by which the task is other than it says,
+    such as {"friction": 0.5}; `evaluate policy --perturb` lists the names. With `socket` it asks a server that already runs there,
     and the other arguments are those of that server.
     """
 
@@ -160,6 +161,7 @@ class Server:
         fps: float | None = None,
         gripper: str | None = None,
         device: str | None = None,
+        perturb: Mapping[str, float] | None = None,
     ) -> None:
         self._process: subprocess.Popen[bytes] | None = None
         self._socket: sockets.socket | None = None
@@ -175,6 +177,8 @@ class Server:
             for name, value in {**options, "device": device}.items():
                 if value is not None:
                     words += [f"--{name}", str(value)]
+            for name, amount in (perturb or {}).items():
+                words += ["--perturb", f"{name}={amount!r}"]
             if not render:
                 words.append("--no-render")
             self._process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE)

@@ -13,6 +13,7 @@ import numpy as np
 import phyvisgen
 from phyvisgen import evaluate
 from phyvisgen.evaluation import EpisodeResult, PolicyResult, evaluate as evaluate_policy
+from phyvisgen.perturbation import Perturbed, shuffled_control
 from phyvisgen.policies import BlindMean, Demonstrations, Expert, NearestDemonstration
 from phyvisgen.records import EpisodeSet
 from phyvisgen.statistics import wilson
@@ -78,6 +79,7 @@ class Recorded(unittest.TestCase):
 
     def test_the_command_tells_json(self):
         words = [phyvisgen.find_program(), "evaluate", "policy", str(TASK), "--policy", "expert", "-n", "1", "--json"]
+        words += ["--perturb", "latency=0:0.4", "--points", "2"]
         import os, sys
 
         environment = {**os.environ, "PVG_PYTHON": sys.executable}
@@ -85,6 +87,12 @@ class Recorded(unittest.TestCase):
         self.assertEqual(told["episodes"], 1)
         self.assertEqual(told["success"], 1.0)
         self.assertEqual(told["episodes_detail"][0]["seed"], 0)
+        curve = told["perturbed"][0]
+        self.assertEqual([point["amount"] for point in curve["points"]], [0.0, 0.4])
+        # nothing is changed by no latency; a hand 0.4 s late is elsewhere at the end of each period, and the starts are one
+        details = [point["episodes_detail"] for point in curve["points"]]
+        self.assertEqual(details[0], told["episodes_detail"])
+        self.assertEqual(details[1][0]["seed"], 0)
 
 
 class Figures(unittest.TestCase):
@@ -93,6 +101,21 @@ class Figures(unittest.TestCase):
         self.assertAlmostEqual(low, 0.584, 3)
         self.assertAlmostEqual(high, 0.919, 3)
         self.assertEqual(wilson(0, 0), (0.0, 1.0))
+
+    def test_a_shuffled_control_knows_chance(self):
+        # two amounts, four starts, all well at one and none at the other: of the 16 ways to shuffle each start's pair two
+        # have that spread
+        certain = shuffled_control([[True] * 4, [False] * 4])
+        self.assertEqual(certain["spread"], 0.5)
+        self.assertAlmostEqual(certain["p"], 2 / 16, delta=0.015)
+        self.assertEqual(shuffled_control([[True, False], [True, False]])["p"], 1.0)  # starts differ, amounts do not
+
+    def test_ranges_of_perturbations(self):
+        self.assertEqual(Perturbed.read("friction=0.5:1.5", 3), Perturbed("friction", (0.5, 1.0, 1.5)))
+        for wrong in ("friction", "friction=1", "friction=2:1", "=1:2", "friction=a:b"):
+            with self.assertRaisesRegex(ValueError, "NAME=LOW:HIGH"):
+                Perturbed.read(wrong, 3)
+        self.assertEqual(evaluate.main([str(TASK), "--policy", "expert", "--perturb", "friction=2:1"]), 2)
 
     def test_events_count_episodes(self):
         result = PolicyResult("p", [EpisodeResult(0, True, "", ["grasped"]), EpisodeResult(1, False, "no", ["bumped"])])

@@ -11,6 +11,7 @@
 #include "host/load/task_file.hpp"
 #include "host/render/renderer.hpp"
 #include "pipeline/episode/episode.hpp"
+#include "pipeline/serve/perturbation.hpp"
 #include "pipeline/serve/state_arrays.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
@@ -130,6 +131,21 @@ TEST_F(Served, AnActionIsReachedOnAStraightLine) {
   EXPECT_EQ(served.targets()[0], action[0]);
   EXPECT_NEAR(served.joints()[0], start + 0.01, 1e-3);  // drives follow at once
   EXPECT_EQ(served.n_steps(), 5u);
+}
+
+// Drives that are late by a period do nothing in the first and all of it in the second.
+TEST_F(Served, APerturbedLatencyHoldsActionsBack) {
+  Task task = small_task();
+  perturb(task, read_perturbation("latency=0.1"));
+  ServedTask served(task, device(), nullptr);
+  served.reset(0, 0);
+  std::vector<double> action = served.joints();
+  const double start = action[0];
+  action[0] += 0.01;
+  served.act(action);
+  EXPECT_NEAR(served.joints()[0], start, 1e-4);
+  served.act(action);
+  EXPECT_NEAR(served.joints()[0], start + 0.01, 1e-3);
 }
 
 TEST_F(Served, AHandThatStaysAwayFails) {
