@@ -261,8 +261,9 @@ std::size_t Device::n_compiled() const { return impl_->n_compiled; }
 
 namespace detail {
 namespace {
-constexpr std::size_t LARGEST_STAGED = 1 << 17;  // bytes; copying more takes longer than waiting
-constexpr std::size_t MOST_STAGED = 256;         // writes
+// Bytes; copying more takes longer than waiting, which is dearer where the device is apart from the host.
+constexpr std::size_t LARGEST_STAGED = 1 << 17, LARGEST_STAGED_APART = 1 << 22;
+constexpr std::size_t MOST_STAGED = 256;  // writes
 }  // namespace
 
 void throw_size_mismatch(const std::string& name, std::size_t has, std::size_t given) {
@@ -313,7 +314,7 @@ void Memory::write(const void* from, std::size_t offset, std::size_t bytes) {
                                  nullptr),
             "write " + name_);
   };
-  if (bytes > LARGEST_STAGED) {
+  if (bytes > (impl.info.runs_host_functions ? LARGEST_STAGED : LARGEST_STAGED_APART)) {
     ++impl.n_waits;
     return enqueue(from, CL_TRUE);
   }

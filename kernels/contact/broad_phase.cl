@@ -87,20 +87,17 @@ static inline void refit_node(global TreeNode* tree, const uint k) {
   vstore3(fmin(vload3(0, a->minus_high), vload3(0, b->minus_high)), 0, tree[k].minus_high);
 }
 
-// the nodes of one level, 2^log2_nodes in each tree
-kernel void refit_level(const uint n, const uint log2_nodes, const uint log2_leaves, global TreeNode* restrict nodes) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  const uint n_nodes = 1u << log2_nodes;
-  refit_node(nodes + ((size_t)(i >> log2_nodes) * 2 << log2_leaves), n_nodes + (i & (n_nodes - 1)));
-}
-
-// the nodes below 2^log2_nodes of each tree: one work-item per tree
-kernel void refit_top(const uint n_trees, const uint log2_nodes, const uint log2_leaves,
-                      global TreeNode* restrict nodes) {
-  const uint tree = get_global_id(0);
-  if (tree >= n_trees) return;
-  for (uint k = (1u << log2_nodes) - 1; k >= 1; --k) refit_node(nodes + ((size_t)tree * 2 << log2_leaves), k);
+// The nodes of up to 7 levels: those of one level, 2^log2_nodes in each tree, and the ones above them; a work-group takes
+// what lies above 64 nodes of all trees' first of these levels. n: of its nodes
+kernel __attribute__((reqd_work_group_size(64, 1, 1))) void refit_levels(const uint n, const uint log2_nodes,
+                                                                         const uint log2_leaves, global TreeNode* nodes) {
+  const uint group = get_group_id(0), item = get_local_id(0);
+  for (uint up = 0; up <= min(6u, log2_nodes); ++up) {
+    const uint log2_now = log2_nodes - up, width = 64u >> up, i = group * width + item;
+    if (item < width && i < (n >> up))
+      refit_node(nodes + ((size_t)(i >> log2_now) * 2 << log2_leaves), (1u << log2_now) + (i & ((1u << log2_now) - 1)));
+    barrier(CLK_GLOBAL_MEM_FENCE);
+  }
 }
 
 // Everything that decides about one query.

@@ -101,22 +101,18 @@ kernel void report_contacts(const uint n, global const Barrier* restrict contact
   reports[e] = report;
 }
 
-// The smallest value of each world, in two steps: lane k of a world takes every N_LANES-th of its values, then one
-// work-item per world takes the lanes. first: [n_worlds + 1]; partial: [n_worlds x N_LANES]; none: where there are none
-kernel void min_of_lanes(const uint n, global const u32* restrict first, global const real* restrict values,
-                         const real none, global real* restrict partial) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  const uint world = i / N_LANES, end = first[world + 1];
-  real least = none;
-  for (uint k = first[world] + i % N_LANES; k < end; k += N_LANES) least = values[k] < least ? values[k] : least;
-  partial[i] = least;
-}
-
-kernel void min_of_worlds(const uint n, global const real* restrict partial, global real* restrict least) {
-  const uint world = get_global_id(0);
-  if (world >= n) return;
-  real found = partial[world * N_LANES];
-  for (uint k = 1; k < N_LANES; ++k) found = fmin(found, partial[world * N_LANES + k]);
-  least[world] = found;
+// The smallest value of each world by one work-group: item k takes every N_LANES-th of its values, then the first item
+// takes theirs. n_items = N_LANES n_worlds;  first: [n_worlds + 1];  none: where there are none;  least: [n_worlds]
+kernel __attribute__((reqd_work_group_size(N_LANES, 1, 1))) void min_of_worlds(
+    const uint n_items, global const u32* restrict first, global const real* restrict values, const real none,
+    global real* restrict least) {
+  local real of_lane[N_LANES];
+  const uint world = get_group_id(0), item = get_local_id(0), end = first[world + 1];
+  real own = none;
+  for (uint k = first[world] + item; k < end; k += N_LANES) own = values[k] < own ? values[k] : own;
+  of_lane[item] = own;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (item > 0) return;
+  for (uint k = 1; k < N_LANES; ++k) own = fmin(own, of_lane[k]);
+  least[world] = own;
 }

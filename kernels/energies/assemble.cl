@@ -5,7 +5,8 @@
 //          void TERM_gradient(PARAMS p, const real3* x, const real3* x0, real h, real3* g)             [N]
 //          void TERM_hessian (PARAMS p, const real3* x, const real3* x0, real h, real* H)              [N/m]
 //        x: site positions now, x0: at the start of the step [STENCIL, m], h: time step [s];
-//        H: row-major (3 STENCIL)^2, positive semi-definite
+//        H: row-major (3 STENCIL)^2, positive semi-definite. With HESSIAN_IN_PLACE it is `global real* H`, where the
+//        numbers belong: a private array of 30 x 30 numbers takes 7,200 bytes of memory for each work-item
 //   out: kernels TERM_energy_all, TERM_gradient_all, TERM_hessian_all, TERM_product_all; what they do for one element is
 //        TERM_energy_of and TERM_derivatives_of, which are all there is where TERM_FUNCTIONS_ONLY is defined
 //        (host/physics/energies/small_terms.cpp)
@@ -48,10 +49,14 @@ static inline void JOIN(TERM, _hessian_of)(const uint e, global const PARAMS* re
     xe[s] = vload3(p.site[s], x);
     x0e[s] = vload3(p.site[s], x0);
   }
+  global real* out = blocks + first + (size_t)e * 9 * STENCIL * STENCIL;
+#ifdef HESSIAN_IN_PLACE
+  JOIN(TERM, _hessian)(p, xe, x0e, h, out);
+#else
   real H[9 * STENCIL * STENCIL];
   JOIN(TERM, _hessian)(p, xe, x0e, h, H);
-  global real* out = blocks + first + (size_t)e * 9 * STENCIL * STENCIL;
   for (int k = 0; k < 9 * STENCIL * STENCIL; ++k) out[k] = H[k];
+#endif
 }
 
 #ifndef TERM_FUNCTIONS_ONLY
@@ -104,5 +109,6 @@ kernel void JOIN(TERM, _product_all)(const uint n, global const PARAMS* restrict
 #undef TERM
 #undef PARAMS
 #undef STENCIL
+#undef HESSIAN_IN_PLACE
 #undef JOIN
 #undef JOIN_

@@ -4,6 +4,8 @@
 // here, so that the host may start several iterations and look afterwards: in a world that is done they change nothing.
 #include "shared/real.h"
 #include "solve/cg_world.h"
+#include "solve/world_sum.cl"
+#define ONE_GROUP_PER_WORLD __attribute__((reqd_work_group_size(ITEMS, 1, 1)))
 
 // dx = 0, r = -g
 kernel void cg_start(const uint n, global const real* restrict gradient, global real* restrict dx,
@@ -12,12 +14,6 @@ kernel void cg_start(const uint n, global const real* restrict gradient, global 
   if (i >= n) return;
   vstore3((real3)(0), i, dx);
   vstore3(-vload3(i, gradient), i, residual);
-}
-
-static inline real sum_of_world(const uint w, global const uint* restrict first, global const real* restrict partial) {
-  real sum = 0;
-  for (uint c = first[w]; c < first[w + 1]; ++c) sum += partial[c];
-  return sum;
 }
 
 static inline void find_whether_done(global CgWorld* world, const real tolerance, const uint most_iterations) {
@@ -29,14 +25,18 @@ static inline void find_whether_done(global CgWorld* world, const real tolerance
   if (world->iterations < most_iterations) world->iterations += world->is_active;
 }
 
-// n: worlds.  first, partial: of r . z, as of solve/world_reduce.cl;  is_wanted: [n] whether the world is solved
-kernel void cg_begin(const uint n, global const uint* restrict first, global const real* restrict partial,
-                     global const uint* restrict is_wanted, const real tolerance, const uint most_iterations,
-                     global CgWorld* restrict worlds) {
-  const uint w = get_global_id(0);
-  if (w >= n) return;
+// n_items = 64 n_worlds;  has_partial, first, chunks, partial: of the sum of r . z, as of solve/world_reduce.cl
+// is_wanted: [n_worlds] whether the world is solved
+kernel ONE_GROUP_PER_WORLD void cg_begin(const uint n_items, const uint has_partial, global const uint* restrict first,
+                                         global const Chunk* restrict chunks, global const real* restrict residual,
+                                         global const real* restrict preconditioned, global real* partial,
+                                         global const uint* restrict is_wanted, const real tolerance,
+                                         const uint most_iterations, global CgWorld* restrict worlds) {
+  const real rz = dot_of_world(has_partial, first, chunks, residual, preconditioned, partial);
+  const uint w = get_group_id(0);
+  if (get_local_id(0) > 0) return;
   global CgWorld* world = worlds + w;
-  world->rz = world->first_rz = sum_of_world(w, first, partial);
+  world->rz = world->first_rz = rz;
   world->rz_old = world->php = 0;
   world->is_active = is_wanted[w];
   world->iterations = 0;
@@ -45,20 +45,27 @@ kernel void cg_begin(const uint n, global const uint* restrict first, global con
 }
 
 // the same after each iteration
-kernel void cg_test(const uint n, global const uint* restrict first, global const real* restrict partial,
-                    const real tolerance, const uint most_iterations, global CgWorld* restrict worlds) {
-  const uint w = get_global_id(0);
-  if (w >= n || !worlds[w].is_active) return;
-  worlds[w].rz_old = worlds[w].rz;
-  worlds[w].rz = sum_of_world(w, first, partial);
-  find_whether_done(worlds + w, tolerance, most_iterations);
+kernel ONE_GROUP_PER_WORLD void cg_test(const uint n_items, const uint has_partial, global const uint* restrict first,
+                                        global const Chunk* restrict chunks, global const real* restrict residual,
+                                        global const real* restrict preconditioned, global real* partial,
+                                        const real tolerance, const uint most_iterations,
+                                        global CgWorld* restrict worlds) {
+  const real rz = dot_of_world(has_partial, first, chunks, residual, preconditioned, partial);
+  global CgWorld* world = worlds + get_group_id(0);
+  if (get_local_id(0) > 0 || !world->is_active) return;
+  world->rz_old = world->rz;
+  world->rz = rz;
+  find_whether_done(world, tolerance, most_iterations);
 }
 
-// partial: of p . H p
-kernel void cg_step_length(const uint n, global const uint* restrict first, global const real* restrict partial,
-                           global CgWorld* restrict worlds) {
-  const uint w = get_global_id(0);
-  if (w < n) worlds[w].php = sum_of_world(w, first, partial);
+// partial: of the sum of p . H p
+kernel ONE_GROUP_PER_WORLD void cg_step_length(const uint n_items, const uint has_partial,
+                                               global const uint* restrict first, global const Chunk* restrict chunks,
+                                               global const real* restrict direction,
+                                               global const real* restrict product, global real* partial,
+                                               global CgWorld* restrict worlds) {
+  const real php = dot_of_world(has_partial, first, chunks, direction, product, partial);
+  if (get_local_id(0) == 0) worlds[get_group_id(0)].php = php;
 }
 
 // world: [n nodes]

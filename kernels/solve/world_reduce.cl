@@ -1,82 +1,84 @@
-// Sums and maxima per world in a fixed order: one work-item per chunk of consecutive elements, then one per world over
-// its chunks. Chunks begin at each world's first element, so a world's bits do not depend on its companions.
-#include "shared/real.h"
-#include "solve/site.h"
+// Sums and maxima per world: one work-group per world (solve/world_sum.cl), which large worlds leave their chunks to one
+// work-item each before.
+// In all kernels of worlds: n_items = 64 n_worlds;  has_partial: whether the chunks were taken before;  first: [n_worlds
+// + 1] chunks of the worlds;  partial: [n_chunks];  out: [n_worlds]
+#include "solve/world_sum.cl"
 #define CHUNK_LENGTH 128u
+#define ONE_GROUP_PER_WORLD __attribute__((reqd_work_group_size(ITEMS, 1, 1)))
 
 // partial[c] = sum of a . b over the chunk;  a, b: [n_elements x 3]
 kernel void dot_chunks(const uint n, global const Chunk* restrict chunks, global const real* restrict a,
                        global const real* restrict b, global real* restrict partial) {
   const uint c = get_global_id(0);
-  if (c >= n) return;
-  real sum = 0;
-  for (uint i = chunks[c].begin; i < chunks[c].end; ++i) sum += dot(vload3(i, a), vload3(i, b));
-  partial[c] = sum;
+  if (c < n) partial[c] = dot_of_chunk(chunks[c], a, b);
+}
+
+kernel ONE_GROUP_PER_WORLD void dot_worlds(const uint n_items, const uint has_partial,
+                                           global const uint* restrict first, global const Chunk* restrict chunks,
+                                           global const real* restrict a, global const real* restrict b,
+                                           global real* partial, global real* restrict out) {
+  const real sum = dot_of_world(has_partial, first, chunks, a, b, partial);
+  if (get_local_id(0) == 0) out[get_group_id(0)] = sum;
 }
 
 // partial[c] = sum of a over the chunk;  a: [n_elements]
 kernel void sum_chunks(const uint n, global const Chunk* restrict chunks, global const real* restrict a,
                        global real* restrict partial) {
   const uint c = get_global_id(0);
-  if (c >= n) return;
-  real sum = 0;
-  for (uint i = chunks[c].begin; i < chunks[c].end; ++i) sum += a[i];
-  partial[c] = sum;
+  if (c < n) partial[c] = sum_of(chunks[c].begin, chunks[c].end, a);
 }
 
-// partial[c] = largest |a| over the chunk, infinite where a is not a number;  a: [n_elements x 3]
-kernel void largest_length_chunks(const uint n, global const Chunk* restrict chunks, global const real* restrict a,
-                                  global real* restrict partial) {
-  const uint c = get_global_id(0);
-  if (c >= n) return;
+// out[w] = the sum of a over the world's chunks, then over elements of which only the device knows how many each world
+// has: late_first[w] to late_first[w + 1], counted from element `from`, if has_late
+// late_partial: [n_worlds x most], the most chunks of these that a world may have
+kernel ONE_GROUP_PER_WORLD void sum_worlds(const uint n_items, const uint has_partial,
+                                           global const uint* restrict first, global const Chunk* restrict chunks,
+                                           global const real* restrict a, global real* partial, const uint has_late,
+                                           const uint most, const uint from, global const uint* restrict late_first,
+                                           global real* late_partial, global real* restrict out) {
+  const uint w = get_group_id(0), item = get_local_id(0), begin = first[w], end = first[w + 1];
+  for (uint c = has_partial ? end : begin + item; c < end; c += ITEMS)
+    partial[c] = sum_of(chunks[c].begin, chunks[c].end, a);
+  const uint late_begin = has_late ? late_first[w] : 0, late_end = has_late ? late_first[w + 1] : 0;
+  const uint n_late = (late_end - late_begin + CHUNK_LENGTH - 1) / CHUNK_LENGTH;
+  for (uint c = item; c < n_late; c += ITEMS) {
+    const uint chunk = late_begin + c * CHUNK_LENGTH;
+    late_partial[w * most + c] = sum_of(from + chunk, from + min(late_end, chunk + CHUNK_LENGTH), a);
+  }
+  barrier(CLK_GLOBAL_MEM_FENCE);
+  if (item > 0) return;
+  real sum = sum_of(begin, end, partial);
+  for (uint c = 0; c < n_late; ++c) sum += late_partial[w * most + c];
+  out[w] = sum;
+}
+
+// largest |a| over the chunk, infinite where a is not a number
+static inline real largest_of_chunk(const Chunk chunk, global const real* restrict a) {
   real largest = 0;
-  for (uint i = chunks[c].begin; i < chunks[c].end; ++i) {
+  for (uint i = chunk.begin; i < chunk.end; ++i) {
     const real l = length(vload3(i, a));
     largest = l <= largest ? largest : (isnan(l) ? INFINITY : l);
   }
-  partial[c] = largest;
+  return largest;
 }
 
-// out[w] = sum of the world's partials;  first: [n + 1] chunk offsets of the worlds
-kernel void sum_worlds(const uint n, global const uint* restrict first, global const real* restrict partial,
-                       global real* restrict out) {
-  const uint w = get_global_id(0);
-  if (w >= n) return;
-  real sum = 0;
-  for (uint c = first[w]; c < first[w + 1]; ++c) sum += partial[c];
-  out[w] = sum;
+// a: [n_elements x 3]
+kernel void largest_length_chunks(const uint n, global const Chunk* restrict chunks, global const real* restrict a,
+                                  global real* restrict partial) {
+  const uint c = get_global_id(0);
+  if (c < n) partial[c] = largest_of_chunk(chunks[c], a);
 }
 
-// Elements of which only the device knows how many each world has: first[w] to first[w + 1], counted from element `from`.
-// n: worlds x most, the most chunks that a world may have;  late_partial: [n]
-kernel void sum_late_chunks(const uint n, const uint most, const uint from, global const uint* restrict late_first,
-                            global const real* restrict a, global real* restrict late_partial) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  const uint w = i / most, begin = late_first[w] + i % most * CHUNK_LENGTH;
-  const uint end = min(late_first[w + 1], begin + CHUNK_LENGTH);
-  real sum = 0;
-  for (uint e = begin; e < end; ++e) sum += a[from + e];
-  late_partial[i] = sum;
-}
-
-// out[w] = sum of the world's partials, then of its late ones
-kernel void sum_worlds_and_late(const uint n, global const uint* restrict first, global const real* restrict partial,
-                                const uint most, global const uint* restrict late_first,
-                                global const real* restrict late_partial, global real* restrict out) {
-  const uint w = get_global_id(0);
-  if (w >= n) return;
-  real sum = 0;
-  for (uint c = first[w]; c < first[w + 1]; ++c) sum += partial[c];
-  for (uint c = 0; c * CHUNK_LENGTH < late_first[w + 1] - late_first[w]; ++c) sum += late_partial[w * most + c];
-  out[w] = sum;
-}
-
-kernel void largest_worlds(const uint n, global const uint* restrict first, global const real* restrict partial,
-                           global real* restrict out) {
-  const uint w = get_global_id(0);
-  if (w >= n) return;
+kernel ONE_GROUP_PER_WORLD void largest_worlds(const uint n_items, const uint has_partial,
+                                               global const uint* restrict first, global const Chunk* restrict chunks,
+                                               global const real* restrict a, global real* partial,
+                                               global real* restrict out) {
+  const uint w = get_group_id(0), begin = first[w], end = first[w + 1];
+  for (uint c = has_partial ? end : begin + get_local_id(0); c < end; c += ITEMS)
+    partial[c] = largest_of_chunk(chunks[c], a);
+  barrier(CLK_GLOBAL_MEM_FENCE);
+  if (get_local_id(0) > 0) return;
   real largest = 0;
-  for (uint c = first[w]; c < first[w + 1]; ++c) largest = max(largest, partial[c]);
+  for (uint c = begin; c < end; ++c) largest = max(largest, partial[c]);
   out[w] = largest;
 }

@@ -160,7 +160,7 @@ BodyPairTable table_of(const CollisionMesh& mesh, PairsOf which) {
   return table;
 }
 
-constexpr u32 LOG2_TOP = 5;  // the levels above 2^5 nodes are refitted by one work-item per tree
+constexpr u32 LEVELS = 7;  // that one launch refits, as in contact/broad_phase.cl
 
 }  // namespace
 
@@ -186,8 +186,7 @@ BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<cons
       kept_(device, 0, "kept_partners"),
       program_(device, "contact/broad_phase.cl"),
       refit_leaves_(program_.kernel("refit_leaves")),
-      refit_level_(program_.kernel("refit_level")),
-      refit_top_(program_.kernel("refit_top")),
+      refit_levels_(program_.kernel("refit_levels")),
       count_pairs_(program_.kernel("count_pairs")),
       fill_pairs_(program_.kernel("fill_pairs")),
       scan_(device) {
@@ -215,13 +214,10 @@ BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<cons
 void BroadPhase::refit(const Buffer<double>& x0, const Buffer<double>& x1, double margin) {
   const std::size_t n_leaves = std::size_t(n_trees_) << log2_leaves_;
   refit_leaves_(n_leaves, u32(n_leaves), log2_leaves_, nodes_, edges_, triangles_, bodies_, worlds_, margin, x0, x1);
-  u32 level = log2_leaves_;
-  while (level > LOG2_TOP) {
-    --level;
-    const u32 n = n_trees_ << level;
-    refit_level_(n, n, level, log2_leaves_, nodes_);
+  for (u32 level = log2_leaves_; level > 0; level -= std::min(level, LEVELS)) {
+    const u32 n = n_trees_ << (level - 1);
+    refit_levels_(n, n, level - 1, log2_leaves_, nodes_);
   }
-  refit_top_(n_trees_, n_trees_, level, log2_leaves_, nodes_);
 }
 
 void BroadPhase::find(const Buffer<double>& x0, const Buffer<double>& x1, double margin, WorldRows<Barrier>& pairs) {

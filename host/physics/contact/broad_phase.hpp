@@ -46,7 +46,7 @@ class BroadPhase {
   Buffer<u32> first_query_of_world_;       // [n_worlds + 1]
   Buffer<u32> counts_, offsets_, kept_;    // [n_queries], [n_queries + 1], [n_queries x N_KEPT]
   Program program_;
-  Kernel refit_leaves_, refit_level_, refit_top_, count_pairs_, fill_pairs_;
+  Kernel refit_leaves_, refit_levels_, count_pairs_, fill_pairs_;
   Scan scan_;
 };
 

@@ -2,15 +2,13 @@
 
 namespace pvg {
 namespace {
-constexpr std::size_t N_LANES = 64;  // as in contact/contact.cl
+constexpr std::size_t N_LANES = GROUP_SIZE;  // as in contact/contact.cl
 }
 
 WorldMinimum::WorldMinimum(Device& device)
     : program_(device, "contact/contact.cl"),
-      min_of_lanes_(program_.kernel("min_of_lanes")),
       min_of_worlds_(program_.kernel("min_of_worlds")),
       first_(device, 0, "first_of_world"),
-      partial_(device, 0, "partial_minimum"),
       least_(device, 0, "world_minimum") {}
 
 std::vector<double> WorldMinimum::operator()(const std::vector<u32>& first, const Buffer<double>& values, double none) {
@@ -22,11 +20,9 @@ std::vector<double> WorldMinimum::operator()(const std::vector<u32>& first, cons
 }
 
 const Buffer<double>& WorldMinimum::start(const Buffer<u32>& first, const Buffer<double>& values, double none) {
-  const u32 n_worlds = u32(first.size() - 1);
-  partial_.resize(n_worlds * N_LANES);
+  const std::size_t n_worlds = first.size() - 1, n_items = n_worlds * N_LANES;
   least_.resize(n_worlds);
-  min_of_lanes_(partial_.size(), u32(partial_.size()), first, values, none, partial_);
-  min_of_worlds_(n_worlds, n_worlds, partial_, least_);
+  min_of_worlds_(n_items, u32(n_items), first, values, none, least_);
   return least_;
 }
 

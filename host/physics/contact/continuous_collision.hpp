@@ -18,9 +18,9 @@ class WorldMinimum {
 
  private:
   Program program_;
-  Kernel min_of_lanes_, min_of_worlds_;
+  Kernel min_of_worlds_;
   Buffer<u32> first_;
-  Buffer<double> partial_, least_;
+  Buffer<double> least_;
 };
 
 class ContinuousCollision {

@@ -29,23 +29,24 @@ ConjugateGradients::ConjugateGradients(Device& device, const std::vector<u32>& n
   chunks_.set(node_ranges);
 }
 
-void ConjugateGradients::renew_rz() {
+bool ConjugateGradients::renew_z() {
   problem_.precondition(residual_, preconditioned_);
-  reduce_.dot_chunks(chunks_, residual_, preconditioned_);
+  return reduce_.dot_chunks_of_large(chunks_, residual_, preconditioned_);
 }
 
 void ConjugateGradients::start(Product product, Product precondition, const Buffer<f64>& gradient,
                                const std::vector<char>& world_is_active, double tolerance, int max_iterations,
                                Buffer<f64>& dx) {
-  const u32 n = u32(n_nodes_), n_worlds = u32(n_worlds_);
+  const u32 n = u32(n_nodes_), n_items = u32(GROUP_SIZE * n_worlds_);
   problem_ = {std::move(product), std::move(precondition), tolerance, max_iterations, &dx};
   if (wanted_ != world_is_active) {
     wanted_ = world_is_active;
     is_wanted_.write(std::vector<u32>(wanted_.begin(), wanted_.end()));
   }
   start_(n, n, gradient, dx, residual_);
-  renew_rz();
-  begin_(n_worlds, n_worlds, chunks_.first(), chunks_.partial(), is_wanted_, tolerance, u32(max_iterations), worlds_);
+  const bool has_partial = renew_z();
+  begin_(n_items, n_items, u32(has_partial), chunks_.first(), chunks_.chunks(), residual_, preconditioned_,
+         chunks_.partial(), is_wanted_, tolerance, u32(max_iterations), worlds_);
   n_started_ = 0;
   read_.resize(n_worlds_);
   go_on();
@@ -57,17 +58,18 @@ void ConjugateGradients::go_on() {
   const bool looks_often = device_->info().runs_host_functions;
   const int batch =
       n_started_ == 0 ? (looks_often ? n_last_ / 2 : n_last_) : (looks_often ? n_started_ / 8 : n_started_ / 4);
-  const u32 n = u32(n_nodes_), n_worlds = u32(n_worlds_);
+  const u32 n = u32(n_nodes_), n_items = u32(GROUP_SIZE * n_worlds_);
   for (const int until = std::min(problem_.max_iterations, n_started_ + std::max(1, batch)); n_started_ < until;
        ++n_started_) {
     turn_(n, n, node_world_, worlds_, preconditioned_, direction_);
     problem_.product(direction_, product_);
-    reduce_.dot_chunks(chunks_, direction_, product_);
-    step_length_(n_worlds, n_worlds, chunks_.first(), chunks_.partial(), worlds_);
+    const bool has_partial = reduce_.dot_chunks_of_large(chunks_, direction_, product_);
+    step_length_(n_items, n_items, u32(has_partial), chunks_.first(), chunks_.chunks(), direction_, product_,
+                 chunks_.partial(), worlds_);
     advance_(n, n, node_world_, worlds_, direction_, product_, *problem_.dx, residual_);
-    renew_rz();
-    test_(n_worlds, n_worlds, chunks_.first(), chunks_.partial(), problem_.tolerance, u32(problem_.max_iterations),
-          worlds_);
+    const bool has_partial_rz = renew_z();
+    test_(n_items, n_items, u32(has_partial_rz), chunks_.first(), chunks_.chunks(), residual_, preconditioned_,
+          chunks_.partial(), problem_.tolerance, u32(problem_.max_iterations), worlds_);
   }
   worlds_.read_later(0, std::span(read_));
 }

@@ -42,7 +42,7 @@ class ConjugateGradients {
     int max_iterations;
     Buffer<f64>* dx;
   };
-  void renew_rz();
+  bool renew_z();  // and whether the chunks of r . z were summed
 
   Device* device_;
   std::size_t n_nodes_, n_worlds_;

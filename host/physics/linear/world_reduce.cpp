@@ -21,7 +21,9 @@ void WorldChunks::set(std::span<const WorldRange> ranges) {
       of_world[range.world].push_back({begin, std::min(begin + CHUNK_LENGTH, range.end), range.world, 0});
   std::vector<Chunk> chunks;
   std::vector<u32> first = {0};
+  most_ = 0;
   for (const auto& own : of_world) {
+    most_ = std::max(most_, own.size());
     chunks.insert(chunks.end(), own.begin(), own.end());
     first.push_back(u32(chunks.size()));
   }
@@ -37,39 +39,42 @@ WorldReduce::WorldReduce(Device& device, std::size_t n_worlds)
       program_(device, "solve/world_reduce.cl"),
       dot_chunks_(program_.kernel("dot_chunks")),
       sum_chunks_(program_.kernel("sum_chunks")),
-      sum_late_chunks_(program_.kernel("sum_late_chunks")),
       largest_length_chunks_(program_.kernel("largest_length_chunks")),
+      dot_worlds_(program_.kernel("dot_worlds")),
       sum_worlds_(program_.kernel("sum_worlds")),
-      sum_worlds_and_late_(program_.kernel("sum_worlds_and_late")),
       largest_worlds_(program_.kernel("largest_worlds")),
       late_partial_(device, 0, "late_partial") {}
 
-void WorldReduce::dot(const WorldChunks& c, const Buffer<f64>& a, const Buffer<f64>& b, Buffer<f64>& out) {
-  dot_chunks(c, a, b);
-  sum_worlds_(n_worlds_, u32(n_worlds_), c.first_, c.partial_, out);
+bool WorldReduce::dot_chunks_of_large(const WorldChunks& c, const Buffer<f64>& a, const Buffer<f64>& b) {
+  if (c.has_large_world()) dot_chunks_(c.n_chunks_, u32(c.n_chunks_), c.chunks_, a, b, c.partial_);
+  return c.has_large_world();
 }
 
-void WorldReduce::dot_chunks(const WorldChunks& c, const Buffer<f64>& a, const Buffer<f64>& b) {
-  dot_chunks_(c.n_chunks_, u32(c.n_chunks_), c.chunks_, a, b, c.partial_);
+void WorldReduce::dot(const WorldChunks& c, const Buffer<f64>& a, const Buffer<f64>& b, Buffer<f64>& out) {
+  const bool has_partial = dot_chunks_of_large(c, a, b);
+  dot_worlds_(n_items(), u32(n_items()), u32(has_partial), c.first_, c.chunks_, a, b, c.partial_, out);
+}
+
+void WorldReduce::sum(const WorldChunks& c, const Buffer<f64>& a, bool has_late, u32 from,
+                      const Buffer<u32>& late_first, u32 most, Buffer<f64>& out) {
+  late_partial_.resize(n_worlds_ * most);
+  if (c.has_large_world()) sum_chunks_(c.n_chunks_, u32(c.n_chunks_), c.chunks_, a, c.partial_);
+  sum_worlds_(n_items(), u32(n_items()), u32(c.has_large_world()), c.first_, c.chunks_, a, c.partial_, u32(has_late),
+              most, from, late_first, late_partial_, out);
 }
 
 void WorldReduce::sum(const WorldChunks& c, const Buffer<f64>& a, Buffer<f64>& out) {
-  sum_chunks_(c.n_chunks_, u32(c.n_chunks_), c.chunks_, a, c.partial_);
-  sum_worlds_(n_worlds_, u32(n_worlds_), c.first_, c.partial_, out);
+  sum(c, a, false, 0, c.first_, 1, out);
 }
 
 void WorldReduce::sum(const WorldChunks& c, const Buffer<f64>& a, u32 from, const Buffer<u32>& late_first, u32 most,
                       Buffer<f64>& out) {
-  const u32 n_worlds = u32(n_worlds_), most_chunks = most / CHUNK_LENGTH + 1, n = n_worlds * most_chunks;
-  late_partial_.resize(n);
-  sum_chunks_(c.n_chunks_, u32(c.n_chunks_), c.chunks_, a, c.partial_);
-  sum_late_chunks_(n, n, most_chunks, from, late_first, a, late_partial_);
-  sum_worlds_and_late_(n_worlds, n_worlds, c.first_, c.partial_, most_chunks, late_first, late_partial_, out);
+  sum(c, a, true, from, late_first, most / CHUNK_LENGTH + 1, out);
 }
 
 void WorldReduce::largest_length(const WorldChunks& c, const Buffer<f64>& a, Buffer<f64>& out) {
-  largest_length_chunks_(c.n_chunks_, u32(c.n_chunks_), c.chunks_, a, c.partial_);
-  largest_worlds_(n_worlds_, u32(n_worlds_), c.first_, c.partial_, out);
+  if (c.has_large_world()) largest_length_chunks_(c.n_chunks_, u32(c.n_chunks_), c.chunks_, a, c.partial_);
+  largest_worlds_(n_items(), u32(n_items()), u32(c.has_large_world()), c.first_, c.chunks_, a, c.partial_, out);
 }
 
 }  // namespace pvg

@@ -20,12 +20,16 @@ class WorldChunks {
   WorldChunks(Device& device, std::size_t n_worlds);
   // ranges in any number per world; the order of a world's ranges is the order of its sum
   void set(std::span<const WorldRange> ranges);
+  const Buffer<Chunk>& chunks() const { return chunks_; }  // [n_chunks]
   const Buffer<u32>& first() const { return first_; }      // [n_worlds + 1] chunks of each world
-  const Buffer<f64>& partial() const { return partial_; }  // [n_chunks] of the last reduction
+  Buffer<f64>& partial() const { return partial_; }        // [n_chunks] of the last reduction
+  // Whether a world has so many chunks that they are worth a launch of their own, before that of the worlds.
+  bool has_large_world() const { return most_ > MOST_IN_ONE_GROUP; }
 
  private:
   friend class WorldReduce;
-  std::size_t n_worlds_, n_chunks_ = 0;
+  static constexpr std::size_t MOST_IN_ONE_GROUP = 128;  // two rounds of 64 work-items
+  std::size_t n_worlds_, n_chunks_ = 0, most_ = 0;       // most_: chunks of one world
   std::vector<WorldRange> ranges_;
   Buffer<Chunk> chunks_;
   Buffer<u32> first_;
@@ -37,8 +41,9 @@ class WorldReduce {
   WorldReduce(Device& device, std::size_t n_worlds);
   // out[w] = sum over the world's elements of a . b;  a, b: [n_elements x 3], out: [n_worlds]
   void dot(const WorldChunks& chunks, const Buffer<f64>& a, const Buffer<f64>& b, Buffer<f64>& out);
-  // the chunks' sums alone, for a kernel that goes on with them
-  void dot_chunks(const WorldChunks& chunks, const Buffer<f64>& a, const Buffer<f64>& b);
+  // Before a kernel that sums itself, with dot_of_world of solve/world_sum.cl: the chunks' sums, if there is a large
+  // world. Returns whether they were made.
+  bool dot_chunks_of_large(const WorldChunks& chunks, const Buffer<f64>& a, const Buffer<f64>& b);
   // out[w] = sum of a;  a: [n_elements]
   void sum(const WorldChunks& chunks, const Buffer<f64>& a, Buffer<f64>& out);
   // The same over a's first elements, in chunks, then over elements of which the host does not know how many there are:
@@ -49,11 +54,14 @@ class WorldReduce {
   void largest_length(const WorldChunks& chunks, const Buffer<f64>& a, Buffer<f64>& out);
 
  private:
+  std::size_t n_items() const { return GROUP_SIZE * n_worlds_; }
+  void sum(const WorldChunks& chunks, const Buffer<f64>& a, bool has_late, u32 from, const Buffer<u32>& late_first,
+           u32 most, Buffer<f64>& out);
+
   std::size_t n_worlds_;
   Program program_;
-  Kernel dot_chunks_, sum_chunks_, sum_late_chunks_, largest_length_chunks_, sum_worlds_, sum_worlds_and_late_;
-  Kernel largest_worlds_;
-  Buffer<f64> late_partial_;
+  Kernel dot_chunks_, sum_chunks_, largest_length_chunks_, dot_worlds_, sum_worlds_, largest_worlds_;
+  Buffer<f64> late_partial_;  // [n_worlds x most chunks]
 };
 
 }  // namespace pvg

@@ -198,10 +198,14 @@ void Potential::set_contacts(const ContactSet& contacts) {
   friction_.first_row = u32(n_constant_rows_ + barrier_.size() * barrier_.stencil());
   const std::size_t n_rows = friction_.first_row + friction_.size() * friction_.stencil();
   if (3 * n_rows > rows_.size()) rows_.resize(3 * n_rows);
-  const RowBlock blocks[] = {{barrier_.sites(), barrier_.first_row}, {friction_.sites(), friction_.first_row}};
-  contact_gather_.set(blocks);
   std::vector<u32> sites = barrier_.sites();
   sites.insert(sites.end(), friction_.sites().begin(), friction_.sites().end());
+  // late iterations of Newton's method mostly keep the contacts
+  if (sites == gathered_sites_ && barrier_.size() == n_gathered_contacts_) return;
+  gathered_sites_ = sites;
+  n_gathered_contacts_ = barrier_.size();
+  const RowBlock blocks[] = {{barrier_.sites(), barrier_.first_row}, {friction_.sites(), friction_.first_row}};
+  contact_gather_.set(blocks);
   contact_sites_.resize(sites.size());
   contact_sites_.write(sites);
 }

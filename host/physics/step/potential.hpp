@@ -111,7 +111,9 @@ class Potential {
   std::unique_ptr<BlockMatrix> matrix_;
   std::unique_ptr<Preconditioner> preconditioner_;
   std::vector<std::vector<NodePair>> couplings_;
-  Buffer<u32> contact_sites_;  // [n_contacts and n_friction x 4]
+  Buffer<u32> contact_sites_;            // [n_contacts and n_friction x 4]
+  std::vector<u32> gathered_sites_;      // what it holds, which contact_gather_ was made of
+  std::size_t n_gathered_contacts_ = 0;  // of these
   Buffer<f64> rows_, element_energy_, world_energy_, direction_site_;
   u32 n_constant_rows_ = 0;
   WorldReduce reduce_;

@@ -1,12 +1,12 @@
 // What approximates the inverse of the Hessian for conjugate gradients, as `solver: preconditioner` says:
-//   factor        one exact sparse factor per group of connected bodies, on the host (group_preconditioner.hpp)
+//   factor        one exact sparse factor per group of connected bodies (group_preconditioner.hpp)
 //   schwarz       multilevel additive Schwarz on the device (multilevel_schwarz.hpp)
 //   block_jacobi  the inverse of each node's own 3 x 3 block, on the device
-//   automatic     factor, but schwarz for groups whose factor takes too many operations. On a device apart from the
-//                 host the matrix travels for it: 8 MB an iteration of Newton's for a gripper, for which schwarz would
-//                 take a thousand iterations of conjugate gradients instead of one
-// With schwarz and block_jacobi the rigid bodies of a group have exact inverses besides: the sum acts. Up to 8 bodies
-// in one group these are on the device, of more they are factors on the host.
+//   automatic     factor, but schwarz for groups whose factor takes too many operations
+// The host factors where the device is its own processor, elsewhere the device does (device_factor.hpp): else the
+// matrix would travel, 7 MB an iteration of Newton's for a gripper. With schwarz and block_jacobi the rigid bodies of a
+// group have exact inverses besides: the sum acts. Up to 8 bodies in one group these are on the device, of more they
+// are factors.
 #pragma once
 #include <memory>
 #include <optional>

@@ -26,7 +26,7 @@ static inline void affine_orthogonality_gradient(const AffineOrthogonality p, co
 }
 
 static inline void affine_orthogonality_hessian(const AffineOrthogonality p, const real3* a, const real3* a0,
-                                                const real h, real* H) {
+                                                const real h, global real* H) {
   const Svd3 s = svd3(mat3_of_columns(a[0], a[1], a[2]));
   const real3 square = s.sigma * s.sigma;
   const real3 product = (real3)(s.sigma.y * s.sigma.z, s.sigma.z * s.sigma.x, s.sigma.x * s.sigma.y);
@@ -42,10 +42,11 @@ static inline void affine_orthogonality_hessian(const AffineOrthogonality p, con
   const real3 axes[3] = {(real3)(1, 0, 0), (real3)(0, 1, 0), (real3)(0, 0, 1)};
   for (int k = 0; k < 81; ++k) H[k] = 0;
   isotropic_add_hessian(e, p.stiffness, 3, axes, H);
-  mirror_upper(9, H);
+  mirror_upper_in_place(9, H);
 }
 
 #define TERM affine_orthogonality
 #define PARAMS AffineOrthogonality
 #define STENCIL 3
+#define HESSIAN_IN_PLACE
 #include "energies/assemble.cl"

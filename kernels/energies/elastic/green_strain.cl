@@ -71,7 +71,7 @@ static inline Mat3 strain_stress(const StrainLaw law, const Mat3 f, const Mat3 e
 // E:dE = dx . (F E b).  b: [n <= 10, 1/m];  H: row-major [3 n x 3 n], of which the blocks on and above the diagonal are
 // added to
 static inline void strain_add_hessian(const StrainLaw law, const Mat3 f, const Mat3 e0, const real h, const real weight,
-                                      const int n, const real3* b, real* H) {
+                                      const int n, const real3* b, global real* H) {
   const Mat3 e = green_strain(f), change = mat3_minus(e, e0);
   const StrainDerivatives d = strain_derivatives(law, e, e0, h);
   const real same = 0.5 * weight * d.same, strain = weight * d.strain, less = weight * d.less;

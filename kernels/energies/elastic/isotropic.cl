@@ -50,7 +50,7 @@ static inline void isotropic_column_blocks(const IsotropicHessian e, Mat3 c[3][3
 // H += weight d2Psi(F) / dx_a dx_b for F = sum_a x_a b_a^T, blocks a <= b only.
 // b: [n, 1/m or 1];  weight [m^3];  H: row-major [3 n x 3 n]
 static inline void isotropic_add_hessian(const IsotropicHessian e, const real weight, const int n, const real3* b,
-                                         real* H) {
+                                         global real* H) {
   Mat3 c[3][3];
   isotropic_column_blocks(e, c);
   for (int i = 0; i < n; ++i) {
@@ -62,7 +62,7 @@ static inline void isotropic_add_hessian(const IsotropicHessian e, const real we
     for (int j = i; j < n; ++j) {
       const real3 bj = mat3_transposed_times(e.v, b[j]);
       for (int row = 0; row < 3; ++row) {
-        real* h = H + (3 * i + row) * 3 * n + 3 * j;
+        global real* h = H + (3 * i + row) * 3 * n + 3 * j;
         const real3 sum = m[0].column[row] * bj.x + m[1].column[row] * bj.y + m[2].column[row] * bj.z;
         h[0] += sum.x;
         h[1] += sum.y;

@@ -31,7 +31,7 @@ static inline void stable_neo_hookean_10_gradient(const StableNeoHookean10 p, co
 }
 
 static inline void stable_neo_hookean_10_hessian(const StableNeoHookean10 p, const real3* x, const real3* x0,
-                                                 const real h, real* H) {
+                                                 const real h, global real* H) {
   for (int k = 0; k < 900; ++k) H[k] = 0;
   for (int q = 0; q < 4; ++q) {
     real3 b[10];
@@ -39,10 +39,11 @@ static inline void stable_neo_hookean_10_hessian(const StableNeoHookean10 p, con
     isotropic_add_hessian(stable_neo_hookean_hessian(tetrahedron_deformation(10, x, b), p.mu, p.lambda),
                           0.25 * p.volume, 10, b, H);
   }
-  mirror_upper(30, H);
+  mirror_upper_in_place(30, H);
 }
 
 #define TERM stable_neo_hookean_10
 #define PARAMS StableNeoHookean10
 #define STENCIL 10
+#define HESSIAN_IN_PLACE
 #include "energies/assemble.cl"

@@ -20,16 +20,17 @@ static inline void stable_neo_hookean_4_gradient(const StableNeoHookean4 p, cons
 }
 
 static inline void stable_neo_hookean_4_hessian(const StableNeoHookean4 p, const real3* x, const real3* x0,
-                                                const real h, real* H) {
+                                                const real h, global real* H) {
   real3 b[4];
   tetrahedron_4_gradients(p.rest_inverse, b);
   for (int k = 0; k < 144; ++k) H[k] = 0;
   isotropic_add_hessian(stable_neo_hookean_hessian(tetrahedron_deformation(4, x, b), p.mu, p.lambda), p.volume, 4, b,
                         H);
-  mirror_upper(12, H);
+  mirror_upper_in_place(12, H);
 }
 
 #define TERM stable_neo_hookean_4
 #define PARAMS StableNeoHookean4
 #define STENCIL 4
+#define HESSIAN_IN_PLACE
 #include "energies/assemble.cl"
