@@ -31,9 +31,11 @@ PhysicalScene world_of(const Problem& problem, const PhysicalScene& variant, con
 std::vector<double> targets_of(const PhysicalScene& scene, const Run& run, double time, double h) {
   std::vector<double> targets;
   std::size_t driven = 0;
+  // implicit Euler lets a torque act over the whole step; to BDF2 one of half a step earlier is late
+  const double back = scene.solver.integrator == SolverSettings::Integrator::implicit_euler ? h / 2 : 0;
   for (const Joint& joint : scene.joints) {
     if (!is_driven(joint)) continue;
-    targets.push_back(run.targets[driven++].at(joint.drive.mode == Drive::Mode::torque ? time - h / 2 : time));
+    targets.push_back(run.targets[driven++].at(joint.drive.mode == Drive::Mode::torque ? time - back : time));
   }
   return targets;
 }

@@ -12,8 +12,8 @@ namespace pvg::diagnose {
 PhysicalScene world_of(const Problem& problem, const PhysicalScene& scene, const Window& window,
                        const InitialState& initial);
 
-// The drives' commands in the step of length h that ends at `time` of the run's clock. A torque acts over the
-// whole step, so its value in the middle is used.  [n_driven]
+// The drives' commands in the step of length h that ends at `time` of the run's clock. Of a torque, implicit Euler is
+// given its value in the middle of the step, BDF2 that of the end.  [n_driven]
 std::vector<double> targets_of(const PhysicalScene& scene, const Run& run, double time, double h);
 
 // Of drives that follow late: the command at `time`, and those before, the last step's first.
