@@ -63,7 +63,7 @@ TEST(Counts, ANewtonIterationAsksForFewLaunchesAndWaits) {
   EXPECT_NEAR(on_device.x, together.x, 1e-9);
   // of the matrix, 13 kB here, nothing travels where the device factors
   EXPECT_LE(bytes_per_newton(on_device), 4000);
-  EXPECT_GE(bytes_per_newton(apart), 15000);
+  EXPECT_GE(bytes_per_newton(apart) - bytes_per_newton(on_device), 11000);
 }
 
 }  // namespace
