@@ -43,7 +43,7 @@ TEST(ImportedScene, OfMjcfHasItsBodiesJointsDrivesAndEffects) {
   inertia << 0.03, 0.001, 0, 0.001, 0.025, 0.002, 0, 0.002, 0.02;
   EXPECT_EQ(lower.inertia, inertia);
   EXPECT_EQ(lower.center_of_mass, Vec3(0.01, 0, -0.1));
-  EXPECT_EQ(lower.mass, 2);
+  EXPECT_DOUBLE_EQ(lower.mass, 2);  // from the density, which the shape and the mass give
   ASSERT_EQ(scene.joints.size(), 2u);
   const Joint& shoulder = scene.joints[0];
   EXPECT_EQ(shoulder.armature, 0.02);
