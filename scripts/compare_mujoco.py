@@ -20,7 +20,7 @@ import mujoco
 import numpy
 
 DURATION = 1.0  # [s]
-STEPS = (4e-3, 2e-3)  # [s]
+STEPS = (1e-3, 5e-4)  # [s]
 REFERENCE_STEP = 1e-4  # [s]
 
 PENDULUM = """
