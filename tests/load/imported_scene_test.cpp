@@ -19,7 +19,7 @@ const char* const ARM = R"(<mujoco model="two links">
       <joint name="shoulder" axis="0 1 0" armature="0.02" frictionloss="0.3"/>
       <geom type="box" size="0.05 0.1 0.2" pos="0 0 -0.2"/>
       <body name="lower" pos="0 0 -0.4">
-        <inertial pos="0.01 0 -0.1" mass="2" fullinertia="0.03 0.02 0.01 0.001 0 0.002"/>
+        <inertial pos="0.01 0 -0.1" mass="2" fullinertia="0.03 0.025 0.02 0.001 0 0.002"/>
         <joint name="elbow" axis="0 1 0" pos="0 0 0.1" damping="0.5"/>
         <geom type="capsule" size="0.02 0.1"/>
         <geom type="ellipsoid" size="0.02 0.03 0.04" pos="0 0 -0.2" euler="0 45 0"/>
@@ -40,10 +40,10 @@ TEST(ImportedScene, OfMjcfHasItsBodiesJointsDrivesAndEffects) {
   EXPECT_TRUE(scene.rigid_bodies[0].is_half_space);
   const RigidBody& lower = scene.rigid_bodies[2];
   Mat3 inertia;
-  inertia << 0.03, 0.001, 0, 0.001, 0.02, 0.002, 0, 0.002, 0.01;
+  inertia << 0.03, 0.001, 0, 0.001, 0.025, 0.002, 0, 0.002, 0.02;
   EXPECT_EQ(lower.inertia, inertia);
   EXPECT_EQ(lower.center_of_mass, Vec3(0.01, 0, -0.1));
-  EXPECT_EQ(lower.mass, 2);
+  EXPECT_DOUBLE_EQ(lower.mass, 2);  // from the density, which the shape and the mass give
   ASSERT_EQ(scene.joints.size(), 2u);
   const Joint& shoulder = scene.joints[0];
   EXPECT_EQ(shoulder.armature, 0.02);
@@ -88,7 +88,7 @@ TEST(ImportedScene, OfUrdfStandsOnItsBase) {
   ASSERT_EQ(scene.joints.size(), 7u);
   ASSERT_EQ(scene.rigid_bodies.size(), 8u);
   EXPECT_TRUE(scene.rigid_bodies[0].is_fixed);
-  EXPECT_EQ(scene.rigid_bodies[4].mass, 2.2449013699 + 0);
+  EXPECT_EQ(scene.rigid_bodies[4].mass, 2.6155955791);
   EXPECT_EQ(scene.joints[3].initial, -0.1518);  // zero is outside of its limits
   EXPECT_FALSE(scene.rigid_bodies[4].collision.points.empty());
 }
