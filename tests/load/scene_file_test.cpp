@@ -294,7 +294,8 @@ TEST_F(SceneFiles, MistakesAreNamed) {
   expect_refused("size: 4", "size: -4", 7, "`bodies[0].shape.square.size`");
   expect_refused("{box: {size: [0.1, 0.1, 0.1]}}", "{square: {size: 1}}", 8, "`bodies[1].shape.square`");
   expect_refused("{box: {size: [0.1, 0.1, 0.1]}}", "{cube: {size: 1}}", 8, "`bodies[1].shape.cube`");
-  expect_refused("{box: {size: [0.1, 0.1, 0.1]}}", "{}", 8, "one of: mesh, box, sphere, cylinder, hexahedron");
+  expect_refused("{box: {size: [0.1, 0.1, 0.1]}}", "{}", 8,
+                 "one of: mesh, box, sphere, cylinder, capsule, ellipsoid, link, parts, hexahedron");
   expect_refused("{box: {size: [0.1, 0.1, 0.1]}}", "{box: {size: 1}, sphere: {radius: 1}}", 8, "bodies[1].shape");
   expect_refused("nodes_per_element: 4", "nodes_per_element: 5", 10, "`bodies[3].shape.bar.nodes_per_element`");
   expect_refused("{sphere: {radius: 50 mm}}", "{hexahedron: {corners: [0, 0, 0]}}", 9, "24 numbers");
