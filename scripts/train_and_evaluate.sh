@@ -3,7 +3,8 @@
 # `lerobot-eval`, beside the mean motion of all demonstrations, on starts that no training has seen.
 #   scripts/train_and_evaluate.sh TASK FOLDER [SEED...]     TASK: a file; SEED: of trainings, 1 without any
 # FOLDER gets set, data set, checkpoints and result.csv; what is there already is kept. Variables: DEMONSTRATIONS (50),
-# EPISODES (20), STEPS (2000), CHUNK (10) actions of which EXECUTED (5) are done, GENERATE: more words for `generate`,
+# EPISODES (20), STEPS (2000), CHUNK (10) actions of which EXECUTED (5) are done, LEARNING_RATE (1e-4), DROPOUT (0.1), VAE
+# (true), GENERATE: more words for `generate`,
 # LENGTH: periods of an episode (else a quarter more than the planned motion).
 set -eu
 cd "$(dirname "$0")/.."
@@ -48,7 +49,7 @@ for seed in "$@"; do
     --policy.type=act --policy.device=cpu --policy.push_to_hub=false --policy.dim_model=128 \
     --policy.dim_feedforward=512 --policy.n_heads=4 --policy.n_encoder_layers=2 --policy.n_vae_encoder_layers=2 \
     --policy.latent_dim=16 --policy.chunk_size="${CHUNK:-10}" --policy.n_action_steps="${EXECUTED:-5}" \
-    --policy.optimizer_lr=1e-4 \
+    --policy.optimizer_lr="${LEARNING_RATE:-1e-4}" --policy.dropout="${DROPOUT:-0.1}" --policy.use_vae="${VAE:-true}" \
     '--policy.normalization_mapping={"STATE":"MEAN_STD","ENV":"MEAN_STD","ACTION":"MEAN_STD","VISUAL":"MEAN_STD"}' \
     --batch_size=32 --steps="${STEPS:-2000}" --save_freq="${STEPS:-2000}" --log_freq=500 --num_workers=0 \
     --seed="$seed" --wandb.enable=false --output_dir="$out" >"$folder/train_$seed.log" 2>&1
