@@ -73,6 +73,18 @@ TEST(Fusion, APlaneSeenFromOnePoseIsWhereItWasSeen) {
   }
 }
 
+// A wall that is tilted about both axes: a pixel is 3 mm wide, but distances are to the plane that it saw, so the place
+// of a sample within its pixel does not matter.
+TEST(Fusion, ATiltedPlaneIsWhereItWasSeen) {
+  const Vec3 normal = Vec3(0.4, 0.5, -0.8).normalized();
+  const double offset = normal.dot(Vec3(0, 0, 0.5));
+  const Camera camera = camera_at({0, 0, 0}, {0, 0, 1});
+  const auto depth = [&](const Vec3&, const Vec3& ray) { return offset / normal.dot(ray); };
+  const FusedSurface surface = fuse({{camera, look(camera, depth)}}, 0.01);
+  ASSERT_GT(surface.triangles.size(), 500u);
+  for (const Vec3f& p : surface.points) ASSERT_NEAR(normal.dot(p.cast<double>()), offset, 1e-5);
+}
+
 TEST(Fusion, ASphereHasItsRadiusWithinHalfAVoxelAndIsClosed) {
   constexpr double RADIUS = 0.1, VOXEL = 0.005;
   std::vector<std::pair<Camera, DepthPicture>> pictures;
