@@ -71,7 +71,9 @@ def make_checkout(source, program, folder):
 def run(text, folder, where):
     """ends this program where a command fails"""
     begin = time.monotonic()
-    done = subprocess.run(["bash", "-euo", "pipefail", "-c", text], cwd=folder, text=True, stdout=subprocess.PIPE,
+    # the program looks beside its sources for what scripts/install_pack.sh installs, not in this copy
+    place = 'export PVG_PYTHON="$PWD/.venv-pack/bin/python"\n' if "--format lerobot" in text else ""
+    done = subprocess.run(["bash", "-euo", "pipefail", "-c", place + text], cwd=folder, text=True, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT)
     print(f"{where}: {time.monotonic() - begin:.0f} s", flush=True)
     if done.returncode:
