@@ -21,4 +21,11 @@ MassProperties mass_properties(const TriangleMesh& surface, double density) {
   return {volume, density * volume, center, density * (about.trace() * Eigen::Matrix3d::Identity() - about)};
 }
 
+std::vector<double> moments_and_products(const Eigen::Matrix3d& inertia) {
+  std::vector<double> numbers = {inertia(0, 0), inertia(1, 1), inertia(2, 2)};
+  if (!inertia.isApprox(Eigen::Matrix3d(inertia.diagonal().asDiagonal()), 1e-9))
+    numbers.insert(numbers.end(), {inertia(0, 1), inertia(0, 2), inertia(1, 2)});
+  return numbers;
+}
+
 }  // namespace pvg

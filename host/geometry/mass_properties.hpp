@@ -17,4 +17,8 @@ struct MassProperties {
 // density [kg/m^3]. The surface must be closed and face outward.
 MassProperties mass_properties(const TriangleMesh& surface, double density);
 
+// xx, yy, zz, and where they are not zero xy, xz, yz of a body's inertia about its centre of mass, as scene files have
+// them.
+std::vector<double> moments_and_products(const Eigen::Matrix3d& inertia);
+
 }  // namespace pvg

@@ -8,6 +8,7 @@
 #include "host/base/error.hpp"
 #include "host/base/files.hpp"
 #include "host/base/numbers.hpp"
+#include "host/geometry/mass_properties.hpp"
 #include "host/robot/multibody.hpp"
 
 namespace pvg {
@@ -25,8 +26,12 @@ std::string identifier_of(std::string name) {
   return name.empty() ? "model" : name.substr(0, 64);
 }
 
+// the shortest text that is read as this number
+std::string text(double number) { return fmt::format("{}", number); }
+
 YAML::Node flow(const std::vector<double>& numbers) {
-  YAML::Node node(numbers);
+  YAML::Node node;
+  for (const double number : numbers) node.push_back(text(number));
   node.SetStyle(YAML::EmitterStyle::Flow);
   return node;
 }
@@ -65,7 +70,7 @@ YAML::Node shape_node(const MultibodyShape& shape, const fs::path& folder) {
       node["box"]["size"] = flow(Vec3(2 * shape.size));
       break;
     case Kind::sphere:
-      node["sphere"]["radius"] = shape.size[0];
+      node["sphere"]["radius"] = text(shape.size[0]);
       break;
     case Kind::ellipsoid:
       node["ellipsoid"]["radii"] = flow(shape.size);
@@ -73,8 +78,8 @@ YAML::Node shape_node(const MultibodyShape& shape, const fs::path& folder) {
     case Kind::cylinder:
     case Kind::capsule: {
       YAML::Node round;
-      round["radius"] = shape.size[0];
-      round["length"] = 2 * shape.size[1];
+      round["radius"] = text(shape.size[0]);
+      round["length"] = text(2 * shape.size[1]);
       node[shape.kind == Kind::cylinder ? "cylinder" : "capsule"] = round;
       break;
     }
@@ -109,7 +114,7 @@ void add_shape(YAML::Node node, const MultibodyBody& body, const fs::path& folde
     for (const MultibodyShape& shape : shapes) {
       YAML::Node part;
       part["shape"] = shape_node(shape, folder);
-      if (shape.scale != 1) part["size"] = shape.scale;
+      if (shape.scale != 1) part["size"] = text(shape.scale);
       add_pose(part, shape.pose);
       node["shape"]["parts"].push_back(part);
     }
@@ -121,7 +126,7 @@ YAML::Node body_node(const MultibodyBody& body, const fs::path& folder) {
   YAML::Node node;
   node["name"] = body.name;
   node["kind"] = body.kind == Kind::moving ? "rigid" : body.kind == Kind::fixed ? "static" : "half_space";
-  node["friction"] = body.friction;
+  node["friction"] = text(body.friction);
   if (body.kind == Kind::half_space) {
     node["point"] = flow(Vec3(body.pose.translation()));
     node["normal"] = flow(Vec3(body.pose.linear().col(2)));
@@ -130,12 +135,9 @@ YAML::Node body_node(const MultibodyBody& body, const fs::path& folder) {
   add_shape(node, body, folder);
   add_pose(node, "pose", body.pose);
   if (body.kind == Kind::fixed) return node;
-  const Mat3& i = body.inertia;
-  node["mass"] = body.mass;
+  node["mass"] = text(body.mass);
   node["center_of_mass"] = flow(body.center_of_mass);
-  std::vector<double> inertia = {i(0, 0), i(1, 1), i(2, 2)};
-  if (i(0, 1) != 0 || i(0, 2) != 0 || i(1, 2) != 0) inertia.insert(inertia.end(), {i(0, 1), i(0, 2), i(1, 2)});
-  node["inertia"] = flow(inertia);
+  node["inertia"] = flow(moments_and_products(body.inertia));
   return node;
 }
 
@@ -143,10 +145,10 @@ YAML::Node drive_node(const Drive& drive) {
   YAML::Node node;
   const bool holds_position = drive.mode == Drive::Mode::position;
   node["mode"] = holds_position ? "position" : drive.mode == Drive::Mode::velocity ? "velocity" : "torque";
-  if (holds_position) node["stiffness"] = drive.stiffness;
-  if (drive.damping > 0) node["damping"] = drive.damping;
+  if (holds_position) node["stiffness"] = text(drive.stiffness);
+  if (drive.damping > 0) node["damping"] = text(drive.damping);
   if (holds_position && drive.damping > 0) node["damped_rate"] = "joint";
-  if (drive.effort_limit > 0) node["effort_limit"] = drive.effort_limit;
+  if (drive.effort_limit > 0) node["effort_limit"] = text(drive.effort_limit);
   node.SetStyle(YAML::EmitterStyle::Flow);
   return node;
 }
@@ -162,10 +164,10 @@ YAML::Node joint_node(const MultibodyJoint& read, const Multibody& model) {
   add_pose(node, "parent_frame", joint.parent_frame);
   if (!turns && !slides) return node;
   node["axis"] = flow(joint.axis);
-  if (joint.initial != 0) node["initial"] = joint.initial;
+  if (joint.initial != 0) node["initial"] = text(joint.initial);
   if (joint.lower < joint.upper) node["limits"] = flow(std::vector<double>{joint.lower, joint.upper});
-  if (joint.damping > 0) node["damping"] = joint.damping;
-  if (read.armature > 0) node["armature"] = read.armature;
+  if (joint.damping > 0) node["damping"] = text(joint.damping);
+  if (read.armature > 0) node["armature"] = text(read.armature);
   if (is_driven(joint)) node["drive"] = drive_node(joint.drive);
   return node;
 }
@@ -175,7 +177,7 @@ void add_effects(YAML::Node root, const MultibodyJoint& read) {
     YAML::Node node;
     node["effect"] = effect;
     node["target"] = read.joint.name;
-    for (const auto& [name, value] : parameters) node[name] = value;
+    for (const auto& [name, value] : parameters) node[name] = text(value);
     node.SetStyle(YAML::EmitterStyle::Flow);
     root["effects"].push_back(node);
   };
@@ -198,7 +200,7 @@ std::string imported_scene(const fs::path& file, const fs::path& given_folder) {
   YAML::Node root;
   root["schema"] = 1;
   root["name"] = identifier_of(model.name);
-  root["time_step"] = model.time_step;
+  root["time_step"] = text(model.time_step);
   root["gravity"] = flow(model.gravity);
   root["solver"]["integrator"] = "bdf2";
   bool is_held = false;
@@ -226,7 +228,6 @@ std::string imported_scene(const fs::path& file, const fs::path& given_folder) {
     root["noncolliding"].push_back(pair);
   }
   YAML::Emitter out;
-  out.SetDoublePrecision(17);
   out << root;
   return fmt::format("# from {}\n{}\n", file.filename().string(), out.c_str());
 }

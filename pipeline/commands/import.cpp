@@ -1,7 +1,6 @@
 // phyvisgen import: an MJCF or URDF file as a scene file.
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/outputs.hpp"
@@ -24,9 +23,7 @@ void run_import(const ImportOptions& options) {
   load_scene_run(options.model);  // what cannot be simulated is not written
   check_output_file(options.file, {".yaml", ".yml"});
   const std::filesystem::path file = std::filesystem::absolute(options.file);
-  PartialFile partial(file);
-  std::ofstream(partial.path()) << imported_scene(options.model, file.parent_path());
-  partial.finish();
+  write_text_atomically(file, imported_scene(options.model, file.parent_path()));
   std::printf("%s\n", options.file.c_str());
 }
 

@@ -303,7 +303,8 @@ void add_render(CLI::App& program) {
       "  phyvisgen render model.glb -o model.png\n"
       "  phyvisgen render data/validation/drape.yaml --states drape.h5 -o drape.mp4 --fps 25\n"
       "  phyvisgen render data/tasks/weigh_beaker.yaml --states out/beaker/episode_000000/states.h5 --camera wrist \\\n"
-      "      --frames 10:12 -o wrist");
+      "      --frames 10:12 -o wrist\n"
+      "  phyvisgen render data/tasks/weigh_beaker.yaml --receivers relit -o relit.png");
 }
 
 }  // namespace pvg

@@ -135,7 +135,8 @@ void add_serve(CLI::App& program) {
                       "NAME=NUMBER, such as friction=0.5: the task other than it says; may be repeated");
   command->footer(
       "The protocol is in docs/reference/serve.md; the Python package of pipeline/python speaks it.\n"
-      "Example:\n  phyvisgen serve data/tasks/weigh_beaker.yaml --no-render --socket /tmp/beaker.sock");
+      "Example:\n  phyvisgen serve data/tasks/weigh_beaker.yaml --no-render --socket /tmp/beaker.sock\n"
+      "  phyvisgen serve data/tasks/weigh_beaker.yaml --no-render --perturb friction=0.5");
 }
 
 }  // namespace pvg

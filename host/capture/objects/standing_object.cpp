@@ -11,6 +11,8 @@
 namespace pvg {
 namespace {
 
+constexpr double LEAST_AREA = 5e-4;        // of a thing's surface; smaller pieces are dirt [m^2]
+constexpr double LEAST_TABLE = 0.02;       // of the plane, which pictures from near show in part [m^2]
 constexpr double BORDER = 0.02;            // of the plane, where walls and edges begin [m]
 constexpr double CLEARANCE_IN_VOXELS = 3;  // the truncated distances of plane and thing blend over so much
 constexpr double CLEARANCE_IN_ROUGHNESS = 4;
@@ -142,7 +144,7 @@ StandingThing standing_thing(const VisualMesh& surface, double width, double hei
   int taken = -1;
   double nearest = INFINITY;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
-    if (pieces[i].area < StandingSettings().least_area) continue;
+    if (pieces[i].area < LEAST_AREA) continue;
     ++out.n_things;
     const double distance = (pieces[i].moment / pieces[i].area - middle).head<2>().norm();
     if (distance < nearest) {
@@ -165,8 +167,8 @@ ObjectSource read_standing_object(Device& device, const Capture& capture, const 
   RoomSettings room_settings;
   room_settings.fusion.voxel = settings.voxel;
   room_settings.fusion.max_depth = settings.max_depth;
-  room_settings.planes.least_area = 0.02;
-  room_settings.least_piece = settings.least_area;
+  room_settings.planes.least_area = LEAST_TABLE;
+  room_settings.least_piece = LEAST_AREA;
   room_settings.guesses_background = false;
   room_settings.aligns_colors = capture.colors_are_apart;
   const Room room = capture_room(device, capture, room_settings, say);

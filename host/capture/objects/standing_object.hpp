@@ -10,9 +10,8 @@
 namespace pvg {
 
 struct StandingSettings {
-  double voxel = 2e-3;       // [m]
-  double max_depth = 1.5;    // farther depths are left out [m]
-  double least_area = 5e-4;  // of a thing's surface; smaller pieces are dirt [m^2]
+  double voxel = 2e-3;     // [m]
+  double max_depth = 1.5;  // farther depths are left out [m]
 };
 
 struct StandingThing {

@@ -1,6 +1,7 @@
 // The numbers of the scene that a diagnosis may correct: one row each, with what it needs beside.
 #include <cmath>
 
+#include "host/geometry/mass_properties.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/identify/data/problem.hpp"
 #include "host/identify/data/scene_number.hpp"
@@ -23,14 +24,6 @@ Places masses(const PhysicalScene& scene, const Touching&) {
                           body.mass = value;
                         }});
   return places;
-}
-
-// xx, yy, zz, and where they are not zero xy, xz, yz, of a body about its centre of mass
-std::vector<double> moments_and_products(const Mat3& inertia) {
-  std::vector<double> numbers = {inertia(0, 0), inertia(1, 1), inertia(2, 2)};
-  if (!inertia.isApprox(Mat3(inertia.diagonal().asDiagonal()), 1e-9))
-    numbers.insert(numbers.end(), {inertia(0, 1), inertia(0, 2), inertia(1, 2)});
-  return numbers;
 }
 
 bool write_mass(const NumberInFile& number) {

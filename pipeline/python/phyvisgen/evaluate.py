@@ -13,11 +13,12 @@ from .perturbation import Curve, Perturbed
 from .policies import BlindMean, Demonstrations, Expert, NearestDemonstration, Policy
 from .server import ServeError, Server
 
+EXAMPLE = "Example: phyvisgen evaluate policy push.yaml --policy ws://localhost:8000 -n 20 --perturb friction=0.5:2 --points 3"
 BASELINES = ("blind", "nearest", "expert")
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="phyvisgen evaluate policy", description=__doc__)
+    parser = argparse.ArgumentParser(prog="phyvisgen evaluate policy", description=__doc__, epilog=EXAMPLE)
     parser.add_argument("task", help="task file, or the name of one of the program's own")
     parser.add_argument("--policy", required=True, help="ws://HOST:PORT of an OpenPI server, lerobot:CHECKPOINT, or a baseline's name")
     parser.add_argument("--baseline", action="append", choices=BASELINES, default=[], help="beside it; may be repeated")
