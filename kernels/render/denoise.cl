@@ -3,10 +3,16 @@
 // noise (as in Schied et al. 2017). Pixels at the border of two things or colours are left as they are: they are mixtures.
 #include "render/path.h"
 
-#define NORMAL_POWER 64.0f
 #define PLANE_DISTANCE 0.01f  // of a neighbour off this pixel's plane, as a share of the distance to the camera
 #define NOISE_WIDTH 3.0f      // standard deviations
 #define COLOR_EDGE 0.1f       // difference of two neighbours' colours, as a share
+
+// similarity of two normals: the 64th power of their angle's cosine, by squaring (`pow` took two fifths of a picture)
+static inline float normal_weight(const float cosine) {
+  float power = max(0.0f, cosine);
+  for (int i = 0; i < 6; ++i) power *= power;
+  return power;
+}
 
 static inline float luminance(const float3 c) { return dot(c, (float3)(0.2126f, 0.7152f, 0.0722f)); }
 
@@ -79,12 +85,11 @@ kernel void denoise_pass(const uint n_pixels, const uint width, const uint heigh
       if (u < 0 || v < 0 || u >= (int)width || v >= (int)height) continue;
       const uint k = (uint)v * width + (uint)u;
       if (is_border[k] || instance[k] != instance[i]) continue;
-      const float cosine = max(0.0f, dot(n, vload3(k, normal)));
       const float off = dot(n, place[k].xyz - p) / near;
       const float4 there = from[k];
       const float noise = NOISE_WIDTH * sqrt(here.w + there.w) + 1e-6f;
       const float difference = (luminance(there.xyz) - L) / noise;
-      const float w = kernel_1d[abs(dx)] * kernel_1d[abs(dy)] * pow(cosine, NORMAL_POWER) *
+      const float w = kernel_1d[abs(dx)] * kernel_1d[abs(dy)] * normal_weight(dot(n, vload3(k, normal))) *
                       exp(-off * off - difference * difference);
       sum += (float4)(w * there.xyz, w * w * there.w);
       weights += w;
