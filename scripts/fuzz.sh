@@ -1,12 +1,13 @@
 #!/bin/sh
-# Fuzzes the readers of records, sets, recordings, scenes, tasks, robots and meshes with libFuzzer and the sanitizers, one after the other.
+# Fuzzes the readers of records, sets, recordings, scenes, tasks, robots, meshes, splats and captured rooms with
+# libFuzzer and the sanitizers, one after the other.
 # Arguments: seconds per loader (default 60), then loaders (default all), such as scene_file or mesh_obj. What is found lies
 # in build-fuzz/found; the inputs that led somewhere new stay in build-fuzz/corpus, so a later run goes on from there.
 set -eu
 cd "$(dirname "$0")/.."
 seconds="${1:-60}"
 [ $# -gt 0 ] && shift
-loaders="${*:-states set_json recording scene_file task_file urdf mesh_obj mesh_ply mesh_stl mesh_dae mesh_gltf mesh_glb}"
+loaders="${*:-states set_json recording scene_file task_file urdf mjcf splats colmap mesh_obj mesh_ply mesh_stl mesh_dae mesh_gltf mesh_glb}"
 scripts/install.sh
 for package in clang-14 libclang-rt-14-dev; do
   dpkg -s "$package" 2>/dev/null | grep -q '^Status: install ok installed' && continue

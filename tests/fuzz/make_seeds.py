@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Writes seeds/mesh_<format>/: one tetrahedron in every mesh format, in text and in binary, with what the format has
-beside (normals, texture coordinates, groups, nodes). The other seeds and files/ are written by hand."""
+"""Writes seeds/mesh_<format>/, seeds/splats/ and seeds/colmap/: one tetrahedron in every mesh format, in text and in
+binary, with what the format has beside (normals, texture coordinates, groups, nodes); its corners as splats; one camera
+with one image. The other seeds and files/ are written by hand."""
 import base64
 import json
 import pathlib
@@ -15,6 +16,21 @@ def write(name, content):
     path = SEEDS / name
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
+
+
+def splats():
+    names = ["x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
+             "rot_0", "rot_1", "rot_2", "rot_3"]
+    header = ("ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(POINTS) +
+              "".join("property float %s\n" % name for name in names) + "end_header\n")
+    body = b"".join(struct.pack("<14f", *p, 0.1, 0.2, 0.3, 2, -3, -3, -4, 1, 0, 0, 0) for p in POINTS)
+    write("splats/four.ply", header.encode() + body)
+
+
+def colmap():
+    cameras = struct.pack("<QIiQQ4d", 1, 1, 1, 64, 48, 50, 50, 32, 24)
+    images = struct.pack("<QI4d3dI", 1, 1, 1, 0, 0, 0, 0, 0, 1, 1) + b"a.png\0" + struct.pack("<QddQ", 1, 3, 4, 5)
+    write("colmap/one.bin", bytes([len(cameras)]) + cameras + images)
 
 
 def obj():
@@ -86,5 +102,5 @@ def gltf():
     write("mesh_gltf/plain.gltf", json.dumps(dict(model, buffers=[{"byteLength": len(buffer), "uri": uri}])))
 
 
-for make in (obj, ply, stl, dae, gltf):
+for make in (obj, ply, splats, colmap, stl, dae, gltf):
     make()
