@@ -47,8 +47,7 @@ void DeviceFactor::Tasks::set(const FactorSchedule& schedule) {
 }
 
 DeviceFactor::DeviceFactor(Device& device, std::size_t n_nodes)
-    : device_(&device),
-      n_nodes_(n_nodes),
+    : n_nodes_(n_nodes),
       blocks_program_(device, "solve/factor_blocks.cl"),
       fronts_program_(device, "solve/factor_fronts.cl"),
       solve_program_(device, "solve/factor_solve.cl"),

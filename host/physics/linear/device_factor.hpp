@@ -69,7 +69,6 @@ class DeviceFactor {
   void list_blocks(std::span<const FactorGroup> groups);
   void solve_stage(u32 stage, u32 parts, bool adds, const Buffer<f64>& residual, Buffer<f64>& preconditioned);
 
-  Device* device_;
   std::size_t n_nodes_;
   Program blocks_program_, fronts_program_, solve_program_;
   Kernel place_blocks_, factor_fronts_, factor_solve_;
