@@ -434,6 +434,9 @@
   X(5, std::size_t, interval_n_groups, 3, "1", \
     "fewest windows, or runs, whose scatter gives an interval", \
     "two groups give a variance with one degree of freedom") \
+  X(5, double, prior_reach, 4, "sigma", \
+    "farthest a number with a prior goes as a number that is free in every model; farther it is an effect to be named", \
+    "1 in 16000 of normal errors is larger") \
   X(5, double, student_freedom, 4, "1", \
     "degrees of freedom of the residuals' distribution", \
     "not recorded") \

@@ -44,6 +44,9 @@ struct Candidate {
   double log_prior = 0;  // log of how likely it is before any data, relative to others that explain as much
   // Writes the values into the scene file. False where the file does not say such a number itself.
   std::function<bool(const SceneFile&, std::span<const double>)> amend = {};
+  // A number that the recording states with a standard deviation: free in every model, near what is stated, and no
+  // effect that is named (nuisance parameter).
+  bool is_nuisance = false;
   std::string label() const { return name + " at " + target; }
 };
 
@@ -57,6 +60,9 @@ std::vector<CandidateKind> candidate_kinds();
 
 // All that this problem's scene and channels allow. touching: pairs of bodies that touch in the runs, FIRST/SECOND.
 std::vector<Candidate> make_candidates(const Problem& problem, const std::vector<std::string>& touching);
+
+// The numbers that the recording states with a standard deviation, within prior_reach of them.
+std::vector<Candidate> nuisances_of(const Problem& problem);
 
 // Adds an effect to the section `effects` of a scene file.
 void write_effect(YAML::Node& root, const Effect& effect);

@@ -1,5 +1,6 @@
 // Numbers of the scene that may be wrong: "retune". A number that is zero is none of them: what it describes is an
 // effect that the scene lacks.
+#include <algorithm>
 #include <cstdio>
 
 #include "host/identify/candidates/candidate.hpp"
@@ -49,6 +50,17 @@ Candidate candidate_of(const Problem& problem, const SceneNumber& number, const 
   return candidate;
 }
 
+Candidate nuisance_of(const Problem& problem, const SceneNumber& number, const NumberPlace& place) {
+  Candidate nuisance = candidate_of(problem, number, place);
+  nuisance.is_nuisance = true;
+  Parameter& p = nuisance.parameters[0];
+  p.low = std::max(p.low, p.off - criteria().prior_reach * p.prior_sigma);
+  p.high = std::min(p.high, p.off + criteria().prior_reach * p.prior_sigma);
+  p.scale = p.prior_sigma;
+  p.is_logarithmic = false;  // it is not far off
+  return nuisance;
+}
+
 }  // namespace
 
 std::vector<CandidateKind> parameter_kinds() {
@@ -61,6 +73,18 @@ std::vector<CandidateKind> parameter_kinds() {
                     Family::parameter,
                     {{"value", number.unit, 0, 1e12, 0, 1}}});
   return list;
+}
+
+std::vector<Candidate> nuisances_of(const Problem& problem) {
+  std::vector<Candidate> nuisances;
+  for (const NumberPrior& prior : problem.priors)
+    for (const SceneNumber& number : scene_numbers()) {
+      if (prior.number != number.name) continue;
+      const bool is_whole = prior.target == "scene";
+      for (const NumberPlace& place : number.places(problem.scene.scene, {is_whole ? "scene/scene" : prior.target}))
+        if (place.target == prior.target) nuisances.push_back(nuisance_of(problem, number, place));
+    }
+  return nuisances;
 }
 
 void add_parameters(const Problem& problem, const std::vector<std::string>& touching, std::vector<Candidate>& out) {

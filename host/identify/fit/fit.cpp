@@ -74,6 +74,32 @@ std::vector<const Parameter*> Model::parameters() const {
   return all;
 }
 
+std::vector<const Candidate*> Model::effects() const { return {parts.begin() + n_nuisances(), parts.end()}; }
+
+Eigen::Index Model::n_nuisances() const {
+  return std::count_if(parts.begin(), parts.end(), [](const Candidate* part) { return part->is_nuisance; });
+}
+
+Model model_of(const std::vector<const Candidate*>& parts) {
+  Model model{parts, {}, {}};
+  const std::vector<const Parameter*> parameters = model.parameters();
+  model.x.resize(Eigen::Index(parameters.size()));
+  model.scale.resize(model.x.size());
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    model.x[Eigen::Index(i)] = parameters[i]->off;
+    model.scale[Eigen::Index(i)] = parameters[i]->scale;
+  }
+  return model;
+}
+
+Model joined(const Model& first, const Model& second) {
+  Model both{first.parts, VectorXd(first.x.size() + second.x.size()), VectorXd(first.x.size() + second.x.size())};
+  both.parts.insert(both.parts.end(), second.parts.begin(), second.parts.end());
+  both.x << first.x, second.x;
+  both.scale << first.scale, second.scale;
+  return both;
+}
+
 Variant variant_of(const Variant& base, const Model& model) {
   Variant variant = base;
   std::size_t first = 0;

@@ -17,13 +17,21 @@
 
 namespace pvg::diagnose {
 
-// Candidates together, and the values of all their parameters one after the other.
+// Candidates together, and the values of all their parameters one after the other. Nuisances come first.
 struct Model {
   std::vector<const Candidate*> parts;
   Eigen::VectorXd x;
   Eigen::VectorXd scale;  // changes worth trying
   std::vector<const Parameter*> parameters() const;
+  std::vector<const Candidate*> effects() const;  // the parts without nuisances
+  Eigen::Index n_nuisances() const;               // so many come before the effects, and have one parameter each
 };
+
+// Each part with its parameters as it is tried first: `off`.
+Model model_of(const std::vector<const Candidate*>& parts);
+
+// The first one's parts, then the second one's.
+Model joined(const Model& first, const Model& second);
 
 // The base variant changed by a model.
 Variant variant_of(const Variant& base, const Model& model);
@@ -65,6 +73,10 @@ class Fitter {
   FitData prepare(std::vector<Window> windows, const Model& at, bool corrects = true);
   // What richardson_factor would say, as it was measured in this scene.
   void correct_steps_by(std::optional<double> factor) { step_factor_ = factor; }
+  // The scene without any effect: the numbers that are known with a standard deviation alone, at the values that fit
+  // best. None at first.
+  const Model& as_it_stands() const { return as_it_stands_; }
+  void stand_at(Model model) { as_it_stands_ = std::move(model); }
   // From now on nothing is corrected for the length of the steps.
   void take_steps_as_they_are() { corrects_steps_ = false; }
   // Likewise, with larger finite differences: masks change by whole pixels.
@@ -124,6 +136,7 @@ class Fitter {
   std::vector<char> take_best(const FitData& data, const Trials& trials, std::vector<Fit>& fits);
   Predictor& predictor_;
   const Variant& base_;
+  Model as_it_stands_;
   bool corrects_steps_ = true;
   std::optional<double> step_factor_;
   double difference_ = criteria().difference_share;  // by which slopes are found, of how far a parameter is from "off"

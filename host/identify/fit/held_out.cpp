@@ -100,7 +100,7 @@ HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, st
   if (windows.empty()) return result;
   // each model with its own starts and its own correction for the time step
   std::vector<Model> models = selected;
-  models.insert(models.begin(), Model{{}, VectorXd(), VectorXd()});
+  models.insert(models.begin(), fitter.as_it_stands());
   std::vector<FitData> data;
   std::vector<Fit> fits;
   for (const Model& model : models) {
@@ -129,7 +129,7 @@ HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, st
   result.kept = 0;
   for (std::size_t m = 1; m < fits.size(); ++m) {
     const double after = error_of(m, counts);
-    if (m == 1 && selected.size() > 1 && selected[0].parts.size() == 1) result.after_single = after;
+    if (m == 1 && selected.size() > 1 && selected[0].effects().size() == 1) result.after_single = after;
     if (m > 1 && after - result.floor > (1 - criteria().second_gap_closed_least) * (result.after - result.floor)) break;
     result.after = after;
     result.kept = m;

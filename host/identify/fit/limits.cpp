@@ -16,7 +16,8 @@ std::vector<char> is_felt(Fitter& fitter, const FitData& data, const Fit& base, 
                           const std::vector<double>& values) {
   std::vector<Model> models;
   for (const double value : values)
-    models.push_back({{&candidate}, Eigen::VectorXd::Constant(1, value), Eigen::VectorXd::Constant(1, value)});
+    models.push_back(
+        joined(base.model, {{&candidate}, Eigen::VectorXd::Constant(1, value), Eigen::VectorXd::Constant(1, value)}));
   const auto found = fitter.evaluate(data, models, std::vector(models.size(), base.delta));
   std::vector<char> felt;
   for (const std::vector<Prediction>& windows : found) {

@@ -45,7 +45,7 @@ WholeRuns judge_whole_runs(Fitter& fitter, const Problem& problem, double longes
     whole.why_not = "no held-out run is long enough";
     return whole;
   }
-  const Model as_it_stands{{}, VectorXd(), VectorXd()};
+  const Model& as_it_stands = fitter.as_it_stands();
   double before = 0;
   for (const Model* model : {&as_it_stands, &named}) {
     const FitData data = fitter.prepare(windows, *model);
@@ -64,7 +64,7 @@ WholeRuns judge_whole_runs(Fitter& fitter, const Problem& problem, double longes
     std::vector<VectorXd> ones;
     for (const Window& window : windows) ones.push_back(VectorXd::Ones(Eigen::Index(window.data.size())));
     whole.floor = error_in(problem, data, ones, all, in_noise);
-    if (named.parts.empty()) whole.after = before;
+    if (named.effects().empty()) whole.after = before;
   }
   whole.before = before;
   return whole;

@@ -24,12 +24,16 @@ void move_paths(YAML::Node node, const fs::path& from, const fs::path& to) {
   if (fs::is_regular_file(file, ignored)) node = fs::relative(file, to, ignored).generic_string();
 }
 
-// Values that the recording states before any data hold instead of the file's.
-void write_priors(YAML::Node& root, const Problem& problem, const PhysicalScene& scene) {
+// Values that the recording states before any data hold instead of the file's, as far as the data do not adjust them.
+void write_priors(YAML::Node& root, const Problem& problem, const Diagnosis& diagnosis) {
   for (const NumberPrior& prior : problem.priors)
-    for (const SceneNumber& number : scene_numbers())
-      if (prior.number == number.name && prior.value != prior.said)
-        number.write({root, prior.target, prior.value, prior.value / prior.said, scene});
+    for (const SceneNumber& number : scene_numbers()) {
+      if (prior.number != number.name) continue;
+      double value = prior.value;
+      for (const AdjustedNumber& adjusted : diagnosis.adjusted)
+        if (adjusted.name == prior.number && adjusted.target == prior.target) value = adjusted.value;
+      if (value != prior.said) number.write({root, prior.target, value, value / prior.said, diagnosis.used});
+    }
 }
 
 }  // namespace
@@ -48,7 +52,7 @@ std::string amended_scene(const Problem& problem, const Diagnosis& diagnosis, co
     head +=
         "# fitted with the error of this time step extrapolated away: a finer one comes nearer to what was measured\n";
   if (diagnosis.used.solver.integrator == SolverSettings::Integrator::bdf2) root["solver"]["integrator"] = "bdf2";
-  write_priors(root, problem, diagnosis.used);
+  write_priors(root, problem, diagnosis);
   const bool is_named = diagnosis.verdict != Verdict::none && diagnosis.verdict != Verdict::agrees;
   for (const NamedEffect& effect : is_named ? diagnosis.effects : std::vector<NamedEffect>()) {
     const Candidate& candidate = *effect.candidate;

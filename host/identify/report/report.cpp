@@ -104,6 +104,14 @@ json report_of(const Diagnosis& d) {
                                    {"law", e.candidate->law},
                                    {"target", e.candidate->target},
                                    {"parameters", parameters_of(e)}});
+  for (const AdjustedNumber& number : d.adjusted)
+    report["adjusted"].push_back({{"name", number.name},
+                                  {"target", number.target},
+                                  {"unit", number.unit},
+                                  {"stated", number.stated},
+                                  {"sigma", number.sigma},
+                                  {"value", number.value},
+                                  {"deviation", number.deviation}});
   report["ranking"] = ranking_of(d);
   report["inseparable"] = d.inseparable;
   report["next_experiment"] = d.next_experiment;

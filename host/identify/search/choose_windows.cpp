@@ -58,7 +58,7 @@ bool is_coherent(const Problem& problem, const FitData& data, const Fit& fit, do
 // A fit of the starts alone, with what a base of candidates needs.
 Fit of_no_effect(const FitData& data, Fit fit) {
   fit.slope.assign(data.windows.size(), {});
-  for (std::size_t w = 0; w < fit.slope.size(); ++w) fit.slope[w].resize(fit.residual[w].size(), 0);
+  for (std::size_t w = 0; w < fit.slope.size(); ++w) fit.slope[w].setZero(fit.residual[w].size(), fit.model.x.size());
   fit.scale = robust_scale(fit.residual);
   fit.window_scale.clear();
   fit.cost = robust_cost(fit.residual, fit.scale);
@@ -74,7 +74,9 @@ std::size_t most_windows(const Problem& problem, double simulated_seconds, doubl
 }
 
 Fit fit_as_it_stands(Fitter& fitter, const FitData& data) {
-  return of_no_effect(data, fitter.fit(data, {Model{}}, 0).front());
+  const Model& model = fitter.as_it_stands();
+  if (model.x.size() > 0) return fitter.fit(data, {model}, criteria().n_more_steps).front();
+  return of_no_effect(data, fitter.fit(data, {model}, 0).front());
 }
 
 FitData first_part(const Problem& problem, const FitData& data, double share) {
@@ -112,7 +114,7 @@ std::vector<double> lengths_of(const Problem& problem) {
 // Takes windows of this length where they can be simulated. Whether they are coherent.
 bool choose_length(Fitter& fitter, const Problem& problem, double simulated_seconds, double length, bool is_last,
                    ChosenWindows& chosen) {
-  const Model as_it_stands{{}, Eigen::VectorXd(), Eigen::VectorXd()};
+  const Model& as_it_stands = fitter.as_it_stands();
   FitData data = fitter.prepare(make_windows(problem, false, length, most_windows(problem, simulated_seconds, length)),
                                 as_it_stands);
   if (data.windows.empty()) return false;
@@ -122,7 +124,7 @@ bool choose_length(Fitter& fitter, const Problem& problem, double simulated_seco
   if (!Fitter::are_good_enough(chosen.base)) {
     data = fitter.prepared_nearer(chosen.data, chosen.base);
     if (data.windows.empty()) return false;
-    base = fit_as_it_stands(fitter, data);
+    base = of_no_effect(data, fitter.fit(data, {as_it_stands}, 0).front());
     chosen = {length, std::move(data), std::move(base)};
   }
   return is_coherent(problem, chosen.data, chosen.base);
@@ -133,7 +135,7 @@ bool choose_length(Fitter& fitter, const Problem& problem, double simulated_seco
 std::optional<ChosenWindows> choose_whole_runs(Fitter& fitter, const Problem& problem, double simulated_seconds) {
   std::vector<Window> windows = make_windows(problem, false, 0, most_windows(problem, simulated_seconds, 0));
   const std::size_t n = windows.size();
-  FitData data = fitter.prepare(std::move(windows), Model{});
+  FitData data = fitter.prepare(std::move(windows), fitter.as_it_stands());
   if (n == 0 || data.windows.size() != n) return std::nullopt;
   for (const Eigen::MatrixXd& u : data.of_start)
     if (start_growth(u) > criteria().whole_run_growth) return std::nullopt;

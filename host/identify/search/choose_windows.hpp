@@ -9,7 +9,7 @@ namespace pvg::diagnose {
 struct ChosenWindows {
   double length = 0;  // [s], 0: whole runs
   FitData data;
-  Fit base;  // the scene as it stands, starts fitted
+  Fit base;  // the scene as it stands, starts fitted, and what fit_as_it_stands fits besides
 };
 
 // simulated_seconds: of all windows of one evaluation, about. Throws a Failure where none can be simulated. Where the
@@ -20,7 +20,7 @@ ChosenWindows choose_windows(Fitter& fitter, const Problem& problem, double simu
 // run cannot be simulated to its end.
 std::optional<ChosenWindows> choose_whole_runs(Fitter& fitter, const Problem& problem, double simulated_seconds);
 
-// The scene as it stands, no parameters: starts alone are fitted.
+// The scene as it stands, no effect: the starts are fitted, and the numbers that are free in every model.
 Fit fit_as_it_stands(Fitter& fitter, const FitData& data);
 
 // The same windows up to `share` of their lengths.

@@ -43,6 +43,11 @@ std::vector<VectorXd> left_out(const Fit& fit, const std::vector<std::size_t>& g
     VectorXd g = VectorXd::Zero(fit.model.x.size());
     for (std::size_t w = 0; w < group.size(); ++w)
       if (group[w] != k) a += reduced.a[w], g += reduced.g[w];
+    for (Eigen::Index i = 0; i < fit.model.n_nuisances(); ++i) {
+      const Parameter& p = *fit.model.parameters()[std::size_t(i)];
+      a(i, i) += 1 / (p.prior_sigma * p.prior_sigma);
+      g[i] += (fit.model.x[i] - p.off) / (p.prior_sigma * p.prior_sigma);
+    }
     // a parameter to which the others are not sensitive stays where it is
     a.diagonal().array() += criteria().left_out_ridge * reduced.sum_a().diagonal().array();
     VectorXd dx = -a.ldlt().solve(g);
@@ -63,7 +68,7 @@ std::vector<VectorXd> left_out(const Fit& fit, const std::vector<std::size_t>& g
 // Log prior of the candidates and of the parameters' sizes.
 double log_prior_of(const Fit& fit) {
   double log_prior = 0;
-  for (const Candidate* part : fit.model.parts) log_prior += part->log_prior + family_log_prior(part->family);
+  for (const Candidate* part : fit.model.effects()) log_prior += part->log_prior + family_log_prior(part->family);
   const std::vector<const Parameter*> parameters = fit.model.parameters();
   for (std::size_t i = 0; i < parameters.size(); ++i)
     if (parameters[i]->prior_sigma > 0) {
@@ -129,22 +134,29 @@ Difference difference(const GroupErrors& a, const GroupErrors& b, const std::vec
   return d;
 }
 
-bool excludes_off(const Fit& fit, std::size_t n_base) {
-  const std::vector<const Parameter*> parameters = fit.model.parameters();
+// Whether any parameter that the base does not have is away from "off".
+bool excludes_off(const Fit& fit, const Model& base) {
   bool any = false;
-  for (std::size_t i = n_base; i < parameters.size(); ++i) {
-    const double away = std::abs(fit.model.x[Eigen::Index(i)] - parameters[i]->off);
-    any = any ||
-          away > criteria().gain_sigma * std::sqrt(std::max(fit.covariance(Eigen::Index(i), Eigen::Index(i)), 0.0));
+  Eigen::Index at = 0;
+  for (const Candidate* part : fit.model.parts) {
+    const bool is_new = std::find(base.parts.begin(), base.parts.end(), part) == base.parts.end();
+    for (const Parameter& p : part->parameters) {
+      const double away = std::abs(fit.model.x[at] - p.off);
+      any = any || (is_new && away > criteria().gain_sigma * std::sqrt(std::max(fit.covariance(at, at), 0.0)));
+      ++at;
+    }
   }
   return any;
 }
+
+// Nuisances are no sign of a model that is less simple.
+Eigen::Index n_parameters(const Model& model) { return model.x.size() - model.n_nuisances(); }
 
 }  // namespace
 
 bool is_at_bound(const Fit& fit) {
   const std::vector<const Parameter*> parameters = fit.model.parameters();
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
+  for (std::size_t i = std::size_t(fit.model.n_nuisances()); i < parameters.size(); ++i) {
     const Parameter& p = *parameters[i];
     const double x = fit.model.x[Eigen::Index(i)], near = criteria().bound_width * (p.high - p.low);
     const double low = p.is_logarithmic ? p.low * (1 + criteria().bound_width_logarithmic) : p.low + near;
@@ -205,9 +217,9 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
     double squares = 0;
     for (const VectorXd& r : fit.residual) squares += r.array().square().min(cut * cut).sum();
     judged.evidence = -0.5 * squares / (scale * scale * correlated) -
-                      0.5 * double(fit.model.x.size()) * std::log(std::max(n_data / correlated, 2.0)) +
+                      0.5 * double(n_parameters(fit.model)) * std::log(std::max(n_data / correlated, 2.0)) +
                       log_prior_of(fit);
-    judged.excludes_off = excludes_off(fit, std::size_t(base.model.x.size()));
+    judged.excludes_off = excludes_off(fit, base.model);
     judged.passes = judged.excludes_off && !is_at_bound(fit) && better.is_gain(criteria().gain_sigma);
     entries.push_back(std::move(entry));
   }
@@ -235,7 +247,7 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
     if (!other.passes || !is_as_good(entries[i], entries[std::size_t(best)], near) ||
         other.evidence < entries[std::size_t(best)].judged.evidence - criteria().evidence_margin)
       continue;
-    const Eigen::Index p = other.fit->model.x.size(), q = now.fit->model.x.size();
+    const Eigen::Index p = n_parameters(other.fit->model), q = n_parameters(now.fit->model);
     const double log_prior_gain = log_prior_of(*other.fit) - log_prior_of(*now.fit);
     const bool has_more_evidence = other.evidence > now.evidence;
     if ((p < q && log_prior_gain > -criteria().log_prior_margin_simpler) || (p == q && has_more_evidence) ||

@@ -28,10 +28,11 @@ struct Decision {
   double base_error = 0;
 };
 
-// base: the fit of what was there before. n_base: number of its parameters.
+// base: the fit of what was there before.
 Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fits);
 
-// A parameter that ended at a bound other than "off" was not measured: such a model passes nothing.
+// A parameter that ended at a bound other than "off" was not measured: such a model passes nothing. Nuisances may:
+// their bounds are as far as their priors reach.
 bool is_at_bound(const Fit& fit);
 
 // The lowest training error, without a test.

@@ -25,9 +25,6 @@
 namespace pvg::diagnose {
 namespace {
 
-using Eigen::VectorXd;
-Model empty_model() { return {{}, VectorXd(), VectorXd()}; }
-
 bool any_significant(const std::vector<Cell>& cells) {
   return std::any_of(cells.begin(), cells.end(), [](const Cell& cell) { return cell.is_significant; });
 }
@@ -43,7 +40,7 @@ Located find_where(Workflow& flow, const ChosenWindows& chosen) {
   std::set<std::string> touching;
   const auto where = [&](const FitData& windows, const Fit& fit) {
     std::vector<std::vector<Phase>> phases;
-    const auto found = flow.fitter.evaluate(windows, {empty_model()}, {fit.delta}, true);
+    const auto found = flow.fitter.evaluate(windows, {fit.model}, {fit.delta}, true);
     for (const Prediction& p : found.front()) {
       phases.push_back(p.phase);
       touching.insert(p.touching.begin(), p.touching.end());
@@ -53,13 +50,29 @@ Located find_where(Workflow& flow, const ChosenWindows& chosen) {
   std::vector<Cell> found = where(chosen.data, chosen.base);
   if (flow.problem.can_restart && chosen.length != criteria().locate_window) {
     const FitData near = flow.fitter.prepare(
-        make_windows(flow.problem, false, criteria().locate_window, criteria().n_windows_most), empty_model());
+        make_windows(flow.problem, false, criteria().locate_window, criteria().n_windows_most), chosen.base.model);
     if (!near.windows.empty()) {
-      const std::vector<Cell> cells = where(near, flow.fitter.fit(near, {empty_model()}, 0).front());
+      const std::vector<Cell> cells = where(near, flow.fitter.fit(near, {chosen.base.model}, 0).front());
       if (any_significant(cells)) found = cells;
     }
   }
   return {std::move(found), {touching.begin(), touching.end()}};
+}
+
+// From here on the numbers that are known with a standard deviation are free, in every model. Where there is no time,
+// or they cannot be fitted, they remain as stated.
+void free_nuisances(Workflow& flow, ChosenWindows& chosen) {
+  if (flow.nuisances.empty() || chosen.data.windows.empty()) return;
+  std::vector<const Candidate*> parts;
+  for (const Candidate& nuisance : flow.nuisances) parts.push_back(&nuisance);
+  const Model before = flow.fitter.as_it_stands();
+  if (before.parts.empty()) flow.fitter.stand_at(chosen.data.at = model_of(parts));
+  const bool is_in_time =
+      flow.ends_in_time(criteria().time_localisation, "other values of numbers that have a prior", [&] {
+        if (Fit fit = fit_as_it_stands(flow.fitter, chosen.data); fit.succeeded) chosen.base = std::move(fit);
+      });
+  if (!is_in_time && before.parts.empty()) chosen.data.at = before;
+  flow.fitter.stand_at(is_in_time ? chosen.base.model : before);
 }
 
 // Whether the scene as it stands leaves noise alone. Starts that are fitted anew in each short window take up a slow
@@ -168,6 +181,7 @@ ChosenWindows find_residual(Workflow& flow, double deadline) {
     flow.note_left_out("everything: the scene is too slow to be simulated beside the measurement");
     return chosen;
   }
+  free_nuisances(flow, chosen);
   char text[200];
   std::snprintf(text, sizeof text, "%zu windows of %s; error as the scene stands %.3g times the noise",
                 chosen.data.windows.size(),
@@ -203,6 +217,7 @@ std::vector<Candidate> all_candidates(Workflow& flow, const ChosenWindows& chose
 
 void add_proof(Diagnosis& out, Proof proof) {
   out.effects = std::move(proof.effects);
+  out.adjusted = std::move(proof.adjusted);
   out.ranking = std::move(proof.selected.ranking);
   out.inseparable = std::move(proof.selected.inseparable);
   out.fit_after = proof.selected.error;
@@ -217,6 +232,18 @@ void add_proof(Diagnosis& out, Proof proof) {
   out.mask_gap_before = proof.held_out.mask_gap_before;
   out.mask_gap_after = proof.held_out.mask_gap_after;
   out.curves = std::move(proof.curves);
+}
+
+// What the data make of the numbers with a prior holds in all that is written. A scene that explains nothing tells
+// nothing of them.
+void keep_adjusted(Workflow& flow, const Model& nuisances, Diagnosis& out) {
+  flow.base = variant_of(flow.base, nuisances);
+  if (out.verdict == Verdict::none) out.adjusted.clear();
+  if (!out.adjusted.empty()) out.used = variant_of({out.used, {}}, nuisances).scene;
+  for (const AdjustedNumber& number : out.adjusted)
+    flow.notes.push_back(fmt::format("{} at {}, {:.4g} +- {:.2g} {} before any data: {:.4g} +- {:.2g} {} fits best",
+                                     number.name, number.target, number.stated, number.sigma, number.unit, number.value,
+                                     number.deviation, number.unit));
 }
 
 }  // namespace
@@ -249,6 +276,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     chosen = find_residual(flow, criteria().time_search);
     is_fine = !chosen.data.windows.empty() && agrees(flow, chosen);
   }
+  Model nuisances;
   out.fit_before = chosen.data.windows.empty() ? NAN : rms(chosen.base.residual);
   if (chosen.data.windows.empty()) {
     out.verdict = Verdict::none;
@@ -263,6 +291,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     Selection nothing;
     nothing.error = out.fit_before;
     Proof proof = prove(flow, chosen, std::move(nothing), out.unit);
+    nuisances = proof.nuisances;
     out.undecided = doubt_of(problem, proof.held_out);
     if (!out.undecided.empty()) out.verdict = Verdict::none;
     add_proof(out, std::move(proof));
@@ -286,6 +315,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     }
     flow.report_progress(7, 0.9, "judging on the held-out runs");
     Proof proof = prove(flow, chosen, std::move(selected), out.unit);
+    nuisances = proof.nuisances;
     const bool is_at_bound = proof.is_at_bound && settings.decide == Decide::workflow;
     const bool is_enough = closes_enough(proof.held_out);
     add_proof(out, std::move(proof));
@@ -312,6 +342,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     out.supposed_verdict = out.verdict;
     if (!out.supposed_noise.empty()) out.verdict = Verdict::none;
   }
+  keep_adjusted(flow, nuisances, out);
   plan_next(flow, device, out);
   out.seconds = flow.seconds();
   out.simulations = flow.predictor.n_simulations();

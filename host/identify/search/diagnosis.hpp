@@ -46,6 +46,13 @@ struct NamedEffect {
   std::vector<NamedParameter> parameters;
 };
 
+// A number that the recording states with a standard deviation, as it fits best beside what is named.
+struct AdjustedNumber {
+  std::string name, target, unit;   // name: the row, such as retune_mass
+  double stated = 0, sigma = 0;     // [unit]
+  double value = 0, deviation = 0;  // what is left of sigma after the data
+};
+
 // What is missing where no known effect explains it, as a law without a name (regress.hpp).
 struct RegressedLaw {
   std::string effect, target, unit;  // regressed_effort or regressed_force; of the effort or force
@@ -72,6 +79,7 @@ struct Diagnosis {
   std::string undecided;                     // why the verdict is none although the fitting runs agree
   std::optional<PlannedMotion> next_motion;  // that experiment
   std::vector<NamedEffect> effects;
+  std::vector<AdjustedNumber> adjusted;
   std::vector<RankedModel> ranking;
   std::vector<std::vector<std::string>> inseparable;
   std::vector<Showable> showable;  // what these recordings could show
@@ -88,8 +96,8 @@ struct Diagnosis {
   std::optional<RegressedLaw> regressed;  // where the verdict is none
   double seconds = 0;
   std::size_t simulations = 0;
-  PhysicalScene used;                                  // the base scene with the solver as chosen
-  bool is_extrapolated = false;                        // to steps of no length, from its step and half of it
+  PhysicalScene used;            // the base scene with the solver as chosen, and with adjusted numbers
+  bool is_extrapolated = false;  // to steps of no length, from its step and half of it
   std::shared_ptr<std::vector<Candidate>> candidates;  // owns what the pointers above point to
 };
 

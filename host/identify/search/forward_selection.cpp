@@ -15,9 +15,12 @@ namespace {
 
 using Eigen::VectorXd;
 
-std::vector<std::string> labels_of(const Model& model, std::size_t after) {
+// Of the effects that `before` does not have.
+std::vector<std::string> labels_of(const Model& model, const Model& before = {}) {
   std::vector<std::string> labels;
-  for (std::size_t i = after; i < model.parts.size(); ++i) labels.push_back(model.parts[i]->label());
+  for (const Candidate* part : model.effects())
+    if (std::find(before.parts.begin(), before.parts.end(), part) == before.parts.end())
+      labels.push_back(part->label());
   return labels;
 }
 
@@ -37,12 +40,13 @@ Fit best_of(Workflow& flow, Prepared& prepared, std::vector<Model> models, const
 // for one of its own round.
 Fit reconsidered(Workflow& flow, Prepared& prepared, const Fit& fit, const std::vector<Fit>& first_round,
                  const std::vector<Fit>& this_round) {
-  std::vector<Model> models = swapped(fit.model, 0, first_round);
-  for (std::size_t i = 0; i + 1 < fit.model.parts.size(); ++i) models.push_back(without(fit.model, i));
+  const std::size_t n_nuisances = std::size_t(fit.model.n_nuisances());
+  std::vector<Model> models = swapped(fit.model, n_nuisances, first_round);
+  for (std::size_t i = n_nuisances; i + 1 < fit.model.parts.size(); ++i) models.push_back(without(fit.model, i));
   const Fit first = best_of(flow, prepared, std::move(models), fit);
   const std::vector<const Candidate*>& parts = first.model.parts;
   const auto later = std::find(parts.begin(), parts.end(), fit.model.parts.back());
-  if (parts.size() < 2 || parts == fit.model.parts || later == parts.end()) return first;
+  if (first.model.effects().size() < 2 || parts == fit.model.parts || later == parts.end()) return first;
   return best_of(flow, prepared, swapped(first.model, std::size_t(later - parts.begin()), this_round), first);
 }
 
@@ -59,8 +63,8 @@ double error_of_single(Workflow& flow, Prepared& prepared, const Model& model) {
 
 namespace {
 RankedModel ranked(const Fit& fit, double error, double evidence, double probability) {
-  RankedModel model{fit.model.parts, error, evidence, probability, {}, {}};
-  for (Eigen::Index i = 0; i < fit.model.x.size(); ++i) {
+  RankedModel model{fit.model.effects(), error, evidence, probability, {}, {}};
+  for (Eigen::Index i = fit.model.n_nuisances(); i < fit.model.x.size(); ++i) {
     model.values.push_back(fit.model.x[i]);
     const bool is_known = i < fit.covariance.rows();
     model.deviations.push_back(is_known ? std::sqrt(std::max(fit.covariance(i, i), 0.0)) : NAN);
@@ -80,7 +84,8 @@ namespace {
 std::vector<std::string> told_together(const Round& round, const Judged& chosen) {
   const Model& model = chosen.fit->model;
   std::vector<std::string> labels;
-  for (const Candidate* other : look_alikes(round.signatures, *model.parts.back(), model.x)) {
+  for (const Candidate* other : look_alikes(round.signatures, *model.parts.back(),
+                                            model.x.tail(Eigen::Index(model.parts.back()->parameters.size())))) {
     const bool was_fitted = std::any_of(round.fits.begin(), round.fits.end(), [&](const Fit& fit) {
       return fit.succeeded && (!fit.is_given_up || fit.is_far_behind) && fit.model.parts.back() == other;
     });
@@ -99,10 +104,10 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
   Fit named = base;
   // one round more than effects, since a swap takes one
   for (int number = 1; number <= flow.settings.max_effects + (flow.settings.max_effects > 1); ++number) {
-    if (int(named.model.parts.size()) >= flow.settings.max_effects) break;
+    if (int(named.model.effects().size()) >= flow.settings.max_effects) break;
     if (number > 1 && !flow.has_time("an effect beside " + named.model.parts.back()->label(), of_round)) return;
     const double since = flow.seconds();
-    if (named.model.parts.size() == 1) tried.push_back(named);
+    if (named.model.effects().size() == 1) tried.push_back(named);
     const Round round =
         run_round(flow, candidates, prepared.data(), named, std::to_string(number), number == 1 ? 0.4 : 0.75);
     of_round = flow.seconds() - since;
@@ -122,7 +127,7 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
                   out.ranking.begin() + decision.chosen + 1);
     std::vector<std::string> set;
     for (const std::size_t i : decision.inseparable) {
-      const std::vector<std::string> labels = labels_of(decision.ranking[i].fit->model, named.model.parts.size());
+      const std::vector<std::string> labels = labels_of(decision.ranking[i].fit->model, named.model);
       set.insert(set.end(), labels.begin(), labels.end());
     }
     if (number == 1 && flow.settings.decide == Decide::workflow)
@@ -131,7 +136,7 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
           if (set.empty()) set.push_back(chosen.fit->model.parts.back()->label());
           set.push_back(label);
         }
-    const std::size_t n_parts = chosen.fit->model.parts.size();
+    const std::size_t n_effects = chosen.fit->model.effects().size();
     std::vector<Fit> passed;  // best first
     for (const Judged& judged : decision.ranking)
       if (judged.passes) passed.push_back(*judged.fit);
@@ -146,8 +151,8 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
       return;
     }
     if (flow.settings.decide == Decide::workflow)
-      flow.ends_in_time(criteria().time_search, "the revision of " + labels_of(named.model, 0).back(), [&] {
-        if (n_parts > 1) named = reconsidered(flow, prepared, *chosen.fit, first_round, passed);
+      flow.ends_in_time(criteria().time_search, "the revision of " + labels_of(named.model).back(), [&] {
+        if (n_effects > 1) named = reconsidered(flow, prepared, *chosen.fit, first_round, passed);
         named = prepared_again(flow.fitter, prepared, named);
       });
     const double error = rms(named.residual);
@@ -156,14 +161,14 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
                                                   ? ranked(chosen)
                                                   : ranked(named, error, chosen.evidence, chosen.probability));
     if (!set.empty()) out.inseparable.push_back(set);
-    if (named.model.parts.size() < n_parts) {  // the first effect was dropped
+    if (named.model.effects().size() < n_effects) {  // the first effect was dropped
       out.fits.clear();
       out.inseparable.clear();
     }
     out.fits.push_back(named);
     out.error = error;
     if (error < criteria().unexplained) break;
-    if (int(named.model.parts.size()) < flow.settings.max_effects)
+    if (int(named.model.effects().size()) < flow.settings.max_effects)
       flow.report_progress(4, 0.6,
                            "what " + named.model.parts.back()->label() + " leaves is " + std::to_string(error) +
                                " times the noise: looking for another effect");

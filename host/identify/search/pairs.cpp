@@ -18,18 +18,6 @@ using Columns = std::vector<std::size_t>;
 // is out of phase after some periods, where a small change does not predict a large one: pairs are searched in the
 // first part of the runs and fitted to longer and longer parts.
 
-Model model_of(const std::vector<const Candidate*>& parts) {
-  Model model{parts, {}, {}};
-  const std::vector<const Parameter*> parameters = model.parameters();
-  model.x.resize(Eigen::Index(parameters.size()));
-  model.scale.resize(model.x.size());
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    model.x[Eigen::Index(i)] = parameters[i]->off;
-    model.scale[Eigen::Index(i)] = parameters[i]->scale;
-  }
-  return model;
-}
-
 Pair pair_of(const Signatures& s, const Columns& first, const Columns& second, double n_data) {
   Pair pair{s.candidate[first[0]], s.candidate[second[0]], {}, 0};
   pair.model = model_of({pair.first, pair.second});
@@ -86,7 +74,7 @@ std::vector<Screened> pairs_to_fit(Workflow& flow, const std::vector<Candidate>&
   for (const VectorXd& r : base.residual) n_data += double(r.size());
   std::vector<Screened> starts;
   for (Pair& pair : best_pairs(signatures_of(flow.fitter, data, base, candidates), n_data))
-    starts.push_back({pair.first, std::move(pair.model), pair.gain, 0});
+    starts.push_back({pair.first, joined(base.model, pair.model), pair.gain, 0});
   return starts;
 }
 
@@ -100,7 +88,7 @@ std::vector<Screened> pairs_of_first_parts(Workflow& flow, const std::vector<Can
     if (starts.empty()) break;
     std::vector<Screened> next;
     for (Fit& fit : fit_best(flow, part, starts))
-      if (fit.succeeded && !fit.is_given_up) next.push_back({fit.model.parts.front(), std::move(fit.model), 0, 0});
+      if (fit.succeeded && !fit.is_given_up) next.push_back({fit.model.parts.back(), std::move(fit.model), 0, 0});
     starts = std::move(next);
   }
   return starts;
@@ -122,7 +110,7 @@ std::optional<FoundPair> find_pair(Workflow& flow, const std::vector<Candidate>&
   if (rms(chosen.fit->residual) >= most) return std::nullopt;
   std::set<std::string> labels;
   for (const std::size_t i : decision.inseparable)
-    for (const Candidate* part : decision.ranking[i].fit->model.parts) labels.insert(part->label());
+    for (const Candidate* part : decision.ranking[i].fit->model.effects()) labels.insert(part->label());
   return FoundPair{*chosen.fit, ranked(chosen), {labels.begin(), labels.end()}};
 }
 

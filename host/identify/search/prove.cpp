@@ -16,8 +16,8 @@ constexpr double UNMOVED = 1e-6;  // of its standard deviation: nothing is sensi
 
 std::vector<NamedEffect> named_of(const Fit& fit) {
   std::vector<NamedEffect> named;
-  Eigen::Index at = 0;
-  for (const Candidate* part : fit.model.parts) {
+  Eigen::Index at = fit.model.n_nuisances();
+  for (const Candidate* part : fit.model.effects()) {
     NamedEffect effect{part, {}};
     for (const Parameter& p : part->parameters) {
       const double sigma = std::sqrt(std::max(fit.covariance(at, at), 0.0)), found = fit.model.x[at++];
@@ -27,6 +27,23 @@ std::vector<NamedEffect> named_of(const Fit& fit) {
     named.push_back(std::move(effect));
   }
   return named;
+}
+
+// What it fits besides.
+Model nuisances_in(const Fit& fit) {
+  const Eigen::Index n = fit.model.n_nuisances();
+  return {{fit.model.parts.begin(), fit.model.parts.begin() + n}, fit.model.x.head(n), fit.model.scale.head(n)};
+}
+
+std::vector<AdjustedNumber> adjusted_of(const Fit& fit) {
+  std::vector<AdjustedNumber> numbers;
+  for (Eigen::Index i = 0; i < fit.model.n_nuisances(); ++i) {
+    const Candidate& nuisance = *fit.model.parts[std::size_t(i)];
+    const Parameter& p = nuisance.parameters[0];
+    const double deviation = fit.covariance.rows() > i ? std::sqrt(std::max(fit.covariance(i, i), 0.0)) : p.prior_sigma;
+    numbers.push_back({nuisance.name, nuisance.target, p.unit, p.off, p.prior_sigma, fit.model.x[i], deviation});
+  }
+  return numbers;
 }
 
 // The named model on whole held-out runs. Where the windows are whole runs already they have shown it.
@@ -107,8 +124,8 @@ Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, con
   std::vector<Curve> curves = std::move(judged.curves);
   const std::vector<Curve> fitted = curves_of(problem, chosen.data, chosen.base, named, CURVES_OF_FITTED_RUNS);
   curves.insert(curves.end(), fitted.begin(), fitted.end());
-  return {std::move(selected), std::move(effects), std::move(judged),
-          std::move(whole),    std::move(curves),  any_selected && is_at_bound(named)};
+  return {std::move(selected), std::move(effects), adjusted_of(named), nuisances_in(named),
+          std::move(judged),   std::move(whole),   std::move(curves),  any_selected && is_at_bound(named)};
 }
 
 }  // namespace pvg::diagnose

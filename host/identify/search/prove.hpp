@@ -11,6 +11,8 @@ namespace pvg::diagnose {
 struct Proof {
   Selection selected;  // without the effects that proved nothing
   std::vector<NamedEffect> effects;
+  std::vector<AdjustedNumber> adjusted;
+  Model nuisances;  // the same as a model
   HeldOut held_out;
   WholeRuns whole;
   std::vector<Curve> curves;

@@ -102,19 +102,21 @@ std::optional<Regressed> regress(Workflow& flow, const ChosenWindows& chosen, co
   std::deque<Sum> sums;  // candidates stay where they are
   for (const LawSite& site : sites) add_sums(flow, chosen, site, sums);
   std::vector<Screened> starts;
-  for (const Sum& sum : sums) starts.push_back({&sum.candidate, {{&sum.candidate}, sum.start, sum.scale}, 0, 0});
+  for (const Sum& sum : sums)
+    starts.push_back({&sum.candidate, joined(chosen.base.model, {{&sum.candidate}, sum.start, sum.scale}), 0, 0});
   if (starts.empty()) return std::nullopt;
   const std::vector<Fit> fits = fit_best(flow, chosen.data, starts);
   const Decision decision = decide(chosen.data, chosen.base, fits);
   if (decision.chosen < 0) return std::nullopt;
   const Judged& best = decision.ranking[std::size_t(decision.chosen)];
   const Sum& sum = *std::find_if(sums.begin(), sums.end(),
-                                 [&](const Sum& other) { return &other.candidate == best.fit->model.parts.front(); });
+                                 [&](const Sum& other) { return &other.candidate == best.fit->model.parts.back(); });
   const std::size_t most = most_windows(flow.problem, flow.settings.simulated_seconds, chosen.length);
   HeldOut judged = judge_held_out(flow.fitter, flow.problem, chosen.length, most, {best.fit->model}, in_noise);
   const double gap_closed = closed(judged.before, judged.after, judged.floor);
   if (judged.floor == 0 || gap_closed < criteria().gap_closed_least) return std::nullopt;
-  const std::vector<double> coefficients(best.fit->model.x.begin(), best.fit->model.x.end());
+  const std::vector<double> coefficients(best.fit->model.x.begin() + best.fit->model.n_nuisances(),
+                                         best.fit->model.x.end());
   RegressedLaw law{sum.site->effect,
                    sum.site->target,
                    sum.site->unit,

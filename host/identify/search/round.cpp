@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/search/swap.hpp"
 
 namespace pvg::diagnose {
 
@@ -56,17 +57,21 @@ std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const std::vector
 Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
                 const std::string& name, double share) {
   std::vector<const Candidate*> candidates;
+  const auto is_free_already = [&](const Candidate& c) {
+    return std::any_of(base.model.parts.begin(), base.model.parts.end(),
+                       [&](const Candidate* part) { return part->label() == c.label(); });
+  };
   for (const Candidate& c : all)
-    if (std::find(base.model.parts.begin(), base.model.parts.end(), &c) == base.model.parts.end() &&
-        (flow.settings.decide != Decide::retune || c.family == Family::parameter))
+    if (!is_free_already(c) && (flow.settings.decide != Decide::retune || c.family == Family::parameter))
       candidates.push_back(&c);
   Round round;
-  const bool is_first = base.model.parts.empty();
+  const bool is_first = base.model.effects().empty();
   const std::vector<Screened> screened =
       screen(flow.fitter, data, base, candidates, is_first ? &round.signatures : nullptr);
   flow.files.write_screen(name, screened);
   if (is_first) flow.show(identifiability(round.signatures));
-  const std::vector<Screened> best = shortlist(screened, flow.settings.n_fitted);
+  std::vector<Screened> best = shortlist(screened, flow.settings.n_fitted);
+  for (Model& model : with_wrong_numbers(base.model, all)) best.push_back({model.parts.back(), std::move(model), 0, 0});
   flow.report_progress(
       5, share, "fitting " + std::to_string(best.size()) + " of " + std::to_string(candidates.size()) + " candidates");
   if (best.empty()) return round;

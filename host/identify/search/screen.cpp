@@ -18,18 +18,7 @@ struct Trial {
   double step;
 };
 
-Model with(const Model& base, const Candidate& candidate) {
-  Model model = base;
-  model.parts.push_back(&candidate);
-  const Eigen::Index first = model.x.size(), n = Eigen::Index(candidate.parameters.size());
-  model.x.conservativeResize(first + n);
-  model.scale.conservativeResize(first + n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    model.x[first + i] = candidate.parameters[std::size_t(i)].off;
-    model.scale[first + i] = candidate.parameters[std::size_t(i)].scale;
-  }
-  return model;
-}
+Model with(const Model& base, const Candidate& candidate) { return joined(base, model_of({&candidate})); }
 
 // inside the bounds, away from them where possible
 double allowed(const Parameter& p, double step) {
@@ -251,13 +240,40 @@ Reduced normal_equations(const FitData& data, const Fit& base, Eigen::Index n_ba
   return reduce(fit);
 }
 
+// The priors of the base's nuisances, which come first, in units of its scale.
+void add_priors(const Model& base, MatrixXd& a, VectorXd& g) {
+  const std::vector<const Parameter*> parameters = base.parameters();
+  for (Eigen::Index i = 0; i < base.n_nuisances(); ++i) {
+    const Parameter& p = *parameters[std::size_t(i)];
+    const double weight = std::pow(base.scale[i] / p.prior_sigma, 2);
+    a(i, i) += weight;
+    g[i] += weight * (base.x[i] - p.off) / base.scale[i];
+  }
+}
+
+// The normal equations of the trials with the base's nuisances free.
+struct Beside {
+  MatrixXd a;
+  VectorXd g;
+};
+Beside beside_nuisances(const Model& base, MatrixXd a, VectorXd g) {
+  const Eigen::Index n = base.n_nuisances(), m = a.rows() - n;
+  if (n == 0) return {std::move(a), std::move(g)};
+  add_priors(base, a, g);
+  const auto factor = a.topLeftCorner(n, n).ldlt();
+  const MatrixXd cross = a.topRightCorner(n, m);
+  return {a.bottomRightCorner(m, m) - cross.transpose() * factor.solve(cross),
+          g.tail(m) - cross.transpose() * factor.solve(g.head(n))};
+}
+
 // What noise alone would give: residuals of zero, each sample with the weight 1.
 MatrixXd information_of(const FitData& data, const Fit& base, std::span<const std::size_t> seen,
                         std::span<const std::vector<VectorXd>> found) {
   Fit noise = base;
   for (VectorXd& r : noise.residual) r.setZero();
   const double weight = (criteria().student_freedom + 1) / criteria().student_freedom;
-  return normal_equations(data, noise, 0, seen, found).sum_a() / weight;
+  const MatrixXd a = normal_equations(data, noise, base.model.n_nuisances(), seen, found).sum_a() / weight;
+  return beside_nuisances(base.model, a, VectorXd::Zero(a.rows())).a;
 }
 
 Signatures signatures_from(const FitData& data, const Fit& base, std::span<const Trial> trials,
@@ -270,9 +286,10 @@ Signatures signatures_from(const FitData& data, const Fit& base, std::span<const
     out.step.push_back(trials[t].step);
   }
   if (seen.empty()) return out;
-  const Reduced reduced = normal_equations(data, base, 0, seen, found);
-  out.a = reduced.sum_a();
-  out.g = reduced.sum_g();
+  const Reduced reduced = normal_equations(data, base, base.model.n_nuisances(), seen, found);
+  Beside beside = beside_nuisances(base.model, reduced.sum_a(), reduced.sum_g());
+  out.a = std::move(beside.a);
+  out.g = std::move(beside.g);
   out.information = information_of(data, base, seen, found);
   return out;
 }
@@ -287,8 +304,9 @@ Screened linear_optimum(const FitData& data, const Fit& base, double n_data, std
   if (seen.empty()) return one;
   const Reduced reduced = normal_equations(data, base, n_base, seen, found);
   MatrixXd a = reduced.sum_a();
+  VectorXd g = reduced.sum_g();
+  add_priors(base.model, a, g);
   a.diagonal().array() += criteria().screen_ridge * a.trace();
-  const VectorXd g = reduced.sum_g();
   VectorXd dx = -a.ldlt().solve(g);  // in units of the steps
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const Trial& trial = trials[seen[i]];

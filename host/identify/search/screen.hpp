@@ -26,7 +26,7 @@ struct Signatures {
   Eigen::MatrixXd information;              // [n x n] a where the residuals are noise and nothing else
   Eigen::VectorXd g;                        // [n]
 };
-// base: without any effect
+// base: without any effect; its nuisances are free
 Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& base,
                          const std::vector<const Candidate*>& candidates);
 

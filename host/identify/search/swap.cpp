@@ -5,11 +5,7 @@
 #include "host/identify/criteria.hpp"
 
 namespace pvg::diagnose {
-namespace {
-
 using Eigen::VectorXd;
-
-}  // namespace
 
 Model without(const Model& model, std::size_t left_out) {
   Model less;
@@ -48,6 +44,22 @@ std::vector<Model> swapped(const Model& model, std::size_t place, const std::vec
     if (models.size() < criteria().n_swaps &&
         std::find(model.parts.begin(), model.parts.end(), other.model.parts.back()) == model.parts.end())
       models.push_back(replaced(model, place, other.model));
+  return models;
+}
+
+std::vector<Model> with_wrong_numbers(const Model& model, const std::vector<Candidate>& candidates) {
+  std::vector<Model> models;
+  for (Eigen::Index i = 0; i < model.n_nuisances(); ++i) {
+    const Candidate& nuisance = *model.parts[std::size_t(i)];
+    const Parameter& p = nuisance.parameters[0];
+    if (model.x[i] > p.low && model.x[i] < p.high) continue;
+    for (const Candidate& candidate : candidates) {
+      if (candidate.label() != nuisance.label()) continue;
+      Model farther = joined(without(model, std::size_t(i)), model_of({&candidate}));
+      farther.x[farther.x.size() - 1] = model.x[i];
+      models.push_back(std::move(farther));
+    }
+  }
   return models;
 }
 

@@ -14,4 +14,8 @@ Model replaced(const Model& model, std::size_t place, const Model& other);
 // Likewise of the first three of `others` (best first) whose last part the model does not have.
 std::vector<Model> swapped(const Model& model, std::size_t place, const std::vector<Fit>& others);
 
+// For each nuisance that went as far as it may: the model with the candidate for that number instead, which is free to
+// go farther, as an effect.
+std::vector<Model> with_wrong_numbers(const Model& model, const std::vector<Candidate>& candidates);
+
 }  // namespace pvg::diagnose

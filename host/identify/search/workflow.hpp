@@ -20,6 +20,7 @@ struct Workflow {
   Clock::time_point start = Clock::now();
   Predictor predictor;
   Variant base;
+  std::vector<Candidate> nuisances = nuisances_of(problem);
   Fitter fitter{predictor, base};
   StageFiles files;
   std::vector<std::string> notes;  // for the reader, as Diagnosis has them
