@@ -84,6 +84,9 @@ void run_capture_object(const CaptureObjectOptions& o) {
         "not the %zu triangles that were asked for: fewer would cross each other or leave the surface by more than "
         "--error; give a larger --error or --detail\n",
         o.triangles);
+  if (const double asked = o.bridge > 0 ? 1e-3 * o.bridge : object.bound; object.bridge > 0 && object.bridge < asked)
+    std::printf("holes up to %.2f mm are closed, no larger ones: the surface across them would be too far away\n",
+                2e3 * object.bridge);
   if (o.density == 0 && o.mass == 0) std::printf("the mass is that of water: give --density or --mass\n");
 }
 

@@ -7,7 +7,6 @@
 #include <queue>
 #include <unordered_map>
 
-#include "host/capture/objects/nearest_triangle.hpp"
 #include "host/geometry/exact_intersection.hpp"
 #include "host/geometry/segment_distance.hpp"
 
@@ -89,8 +88,13 @@ struct Entry {  // of the queue; holds while both ends are as they were
 
 class Collapser {
  public:
-  Collapser(const TriangleMesh& mesh, std::size_t n_wanted, double error)
-      : points_(mesh.points), triangles_(mesh.triangles), original_(mesh), error_(error), grid_(Vec3::Zero(), 1) {
+  Collapser(const TriangleMesh& mesh, std::size_t n_wanted, double error, const SourceBound& source)
+      : points_(mesh.points),
+        triangles_(mesh.triangles),
+        original_(mesh),
+        error_(error),
+        source_(source),
+        grid_(Vec3::Zero(), 1) {
     const std::size_t n = points_.size();
     of_vertex_.resize(n);
     quadric_.resize(n);
@@ -236,12 +240,16 @@ class Collapser {
     return true;
   }
 
+  bool is_near(const Vec3& p) const {
+    return original_.distance(p) <= error_ && (!source_.surface || source_.surface->distance(p) <= source_.most);
+  }
+
   bool stays_near(const std::vector<Changed>& changed, const Vec3& place) const {
-    if (original_.distance(place) > error_) return false;
+    if (!is_near(place)) return false;
     for (const Changed& c : changed) {
-      if (original_.distance((c.corners[0] + c.corners[1] + c.corners[2]) / 3) > error_) return false;
+      if (!is_near((c.corners[0] + c.corners[1] + c.corners[2]) / 3)) return false;
       for (std::size_t k = 0; k < 3; ++k)
-        if (original_.distance(0.5 * (c.corners[k] + c.corners[(k + 1) % 3])) > error_) return false;
+        if (!is_near(0.5 * (c.corners[k] + c.corners[(k + 1) % 3]))) return false;
     }
     return true;
   }
@@ -336,6 +344,7 @@ class Collapser {
   std::vector<Triangle> triangles_;
   NearestTriangle original_;
   double error_;
+  SourceBound source_;
   Grid grid_;
   std::vector<Indices> of_vertex_;  // triangles
   std::vector<Quadric> quadric_;
@@ -348,8 +357,9 @@ class Collapser {
 
 }  // namespace
 
-TriangleMesh collapse_edges(const TriangleMesh& mesh, std::size_t n_triangles, double error) {
-  return Collapser(mesh, n_triangles, error).run(n_triangles);
+TriangleMesh collapse_edges(const TriangleMesh& mesh, std::size_t n_triangles, double error,
+                            const SourceBound& source) {
+  return Collapser(mesh, n_triangles, error, source).run(n_triangles);
 }
 
 }  // namespace pvg

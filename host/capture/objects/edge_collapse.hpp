@@ -3,13 +3,21 @@
 // over, none meets another one (exact predicates), and neither surface leaves the other by more than a given distance.
 // So no result has to be thrown away as a whole. Pure.
 #pragma once
-#include "host/geometry/mesh.hpp"
+#include "host/capture/objects/nearest_triangle.hpp"
 
 namespace pvg {
 
+// The surface that a mesh was wrapped around, if any, which the result may not leave by more than `most`.
+struct SourceBound {
+  const NearestTriangle* surface = nullptr;
+  double most = 0;  // [m]
+  double own = 0;   // how far the mesh itself is, at most [m]; <= most
+};
+
 // mesh: closed, manifold, without self-intersections; so is the result, which has at most n_triangles where the
 // distance allows. error: most distance of the result's points, middles of edges and of triangles to `mesh`, and of the
-// points of `mesh` to the result [m].
-TriangleMesh collapse_edges(const TriangleMesh& mesh, std::size_t n_triangles, double error);
+// points of `mesh` to the result [m]. The same points of the result keep the bound.
+TriangleMesh collapse_edges(const TriangleMesh& mesh, std::size_t n_triangles, double error,
+                            const SourceBound& source = {});
 
 }  // namespace pvg

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
 #include "host/capture/objects/splats.hpp"
+#include "host/capture/objects/surface_distance.hpp"
 #include "host/capture/room_files.hpp"
 #include "host/capture/surface.hpp"
 #include "host/formats/mesh_files.hpp"
@@ -18,7 +20,7 @@ namespace pvg {
 namespace {
 
 constexpr double WATER = 1000;  // [kg/m^3]
-constexpr int ATTEMPTS = 3;     // of the wrap, each with other samples
+constexpr int ATTEMPTS = 4;     // of the wrap, each with other samples
 
 double mean(const std::vector<double>& values) {
   double sum = 0;
@@ -84,20 +86,36 @@ CapturedObject capture_object(const ObjectSource& source, const ObjectSettings& 
   if (!(wrap.spacing > 0)) throw UsageError(source.name + ": all points are one");
   const double error = settings.error > 0 ? settings.error : 2 * wrap.spacing;
   TriangleMesh solid = mesh;
+  const NearestTriangle source_surface(mesh);
+  SourceBound source_bound;
+  out.bound = error;
   if (!out.was_sound || settings.always_wraps) {
-    for (int attempt = 0;; ++attempt) {
+    if (wrap.bridge <= 0) wrap.bridge = 4 * wrap.spacing;
+    out.bound = std::max(wrap.bridge, 0.6 * wrap.spacing + error);
+    source_bound = {&source_surface, out.bound, 0};
+    double nearest = INFINITY;  // of the sound ones
+    for (int attempt = 0; attempt < ATTEMPTS && nearest > out.bound; ++attempt) {
       solid = wrap_surface(mesh, wrap);
       out.spacing = wrap.spacing;
-      if (is_sound(solid)) break;
-      if (attempt == ATTEMPTS)
-        throw Failure(source.name + ": no sound surface was found around it; take another --detail");
-      wrap.spacing *= 0.93;  // samples lie elsewhere
+      out.bridge = wrap.bridge;
+      source_bound.own = surface_distances(solid, source_surface).back();
+      if (is_sound(solid)) nearest = std::min(nearest, source_bound.own);
+      // samples lie elsewhere, and a smaller ball may enter what it bridged
+      wrap.spacing *= 0.93;
+      wrap.bridge *= 0.93;
     }
+    if (std::isinf(nearest))
+      throw Failure(source.name + ": no sound surface was found around it; take another --detail");
+    if (nearest > out.bound)
+      throw UsageError(fmt::format(
+          "{}: a surface that closes its holes and clefts is {:.2f} mm away from it, more than the {:.2f} mm "
+          "of --bridge; take another --bridge: a smaller one leaves them open",
+          source.name, 1e3 * nearest, 1e3 * out.bound));
   }
-  SimplifiedSolid simplified = simplified_solid(solid, settings.triangles, error);
+  SimplifiedSolid simplified = simplified_solid(solid, settings.triangles, error, source_bound);
   out.simulation = std::move(simplified.mesh);
   const bool is_wrapped = out.spacing > 0;  // else the distances are those of the simplification
-  out.to_source = is_wrapped ? surface_distances(out.simulation, mesh) : std::move(simplified.to_original);
+  out.to_source = is_wrapped ? surface_distances(out.simulation, source_surface) : std::move(simplified.to_original);
   out.from_source = is_wrapped ? surface_distances(mesh, out.simulation) : std::move(simplified.from_original);
   const double density = settings.density > 0 ? settings.density : WATER;
   const TriangleMesh& weighed = out.was_sound ? mesh : out.simulation;
@@ -130,6 +148,7 @@ nlohmann::ordered_json object_report(const CapturedObject& object, const ObjectS
           {"peak_bytes", nullptr},  // no device is used
           {"source_was_sound", object.was_sound},
           {"wrap_spacing", object.spacing},
+          {"bridge", object.bridge},
           {"volume", object.mass.volume},
           {"volume_error", object.was_sound ? nlohmann::ordered_json(object.volume_error) : nullptr},
           {"mass", object.mass.mass},
@@ -138,8 +157,9 @@ nlohmann::ordered_json object_report(const CapturedObject& object, const ObjectS
           {"distance",
            {{"mean", mean(object.to_source)},
             {"p95", at_share(object.to_source, 0.95)},
-            {"max", at_share(object.to_source, 1)},  // inner walls of the source have no place in the mesh
-            {"from_source_mean", mean(object.from_source)},
+            {"max", at_share(object.to_source, 1)},
+            {"bound", object.bound},
+            {"from_source_mean", mean(object.from_source)},  // inner walls of the source have no place in the mesh
             {"from_source_max", at_share(object.from_source, 1)}}}};
 }
 

@@ -26,6 +26,8 @@ struct CapturedObject {
   MassProperties mass;
   bool was_sound = false;                      // the source was closed, manifold and free of self-intersections
   double spacing = 0;                          // of the wrap [m]; 0: it was not needed
+  double bridge = 0;                           // radius of the wrap's ball [m]
+  double bound = 0;                            // no point of the simulation mesh is farther from the source [m]
   double volume_error = 0;                     // of the simulation mesh beside a sound source, as a share
   std::vector<double> to_source, from_source;  // distances between the surfaces, ascending [m]
 };

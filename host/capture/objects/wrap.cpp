@@ -9,7 +9,7 @@
 #include "host/base/error.hpp"
 #include "host/capture/fusion.hpp"
 #include "host/capture/objects/edge_collapse.hpp"
-#include "host/capture/objects/nearest_triangle.hpp"
+#include "host/capture/objects/surface_distance.hpp"
 #include "host/capture/surface.hpp"
 #include "host/geometry/exact_intersection.hpp"
 #include "host/geometry/mesh_checks.hpp"
@@ -269,7 +269,8 @@ std::optional<TriangleMesh> reduced(const TriangleMesh& mesh, std::size_t n_tria
 
 }  // namespace
 
-SimplifiedSolid simplified_solid(const TriangleMesh& mesh, std::size_t n_triangles, double error) {
+SimplifiedSolid simplified_solid(const TriangleMesh& mesh, std::size_t n_triangles, double error,
+                                 const SourceBound& source) {
   SimplifiedSolid out{mesh, {0}, {0}};
   if (mesh.triangles.size() <= n_triangles) return out;
   const std::size_t first = std::max(FEW, REDUCTION * n_triangles);
@@ -278,25 +279,19 @@ SimplifiedSolid simplified_solid(const TriangleMesh& mesh, std::size_t n_triangl
   if (mesh.triangles.size() > 2 * first) fewer = reduced(mesh, first, FIRST_SHARE * error);
   // While edges collapse, points and middles alone are held to the distance, and of the fast step nothing is known: the
   // result is measured, and where it is too far off less is tried.
-  for (const double share : {1.0, 0.7, 0.4}) {
-    out.mesh = fewer ? collapse_edges(*fewer, n_triangles, (1 - FIRST_SHARE) * share * error)
-                     : collapse_edges(mesh, n_triangles, share * error);
-    out.to_original = surface_distances(out.mesh, mesh);
-    out.from_original = surface_distances(mesh, out.mesh);
-    if (out.to_original.back() <= error && out.from_original.back() <= error && is_sound(out.mesh)) return out;
+  const NearestTriangle original(mesh);
+  for (const double share : {1.0, 0.7, 0.4, 0.2}) {
+    const SourceBound held{source.surface, source.own + share * (source.most - source.own), source.own};
+    out.mesh = fewer ? collapse_edges(*fewer, n_triangles, (1 - FIRST_SHARE) * share * error, held)
+                     : collapse_edges(mesh, n_triangles, share * error, held);
     fewer.reset();
+    out.to_original = surface_distances(out.mesh, original);
+    if (out.to_original.back() > error) continue;
+    if (source.surface && surface_distances(out.mesh, *source.surface).back() > source.most) continue;
+    out.from_original = surface_distances(mesh, out.mesh);
+    if (out.from_original.back() <= error && is_sound(out.mesh)) return out;
   }
   return {mesh, {0}, {0}};
-}
-
-std::vector<double> surface_distances(const TriangleMesh& from, const TriangleMesh& to) {
-  const NearestTriangle nearest(to);
-  std::vector<double> distances;
-  for (const Vec3& p : from.points) distances.push_back(nearest.distance(p));
-  for (const Triangle& t : from.triangles)
-    distances.push_back(nearest.distance((from.points[t[0]] + from.points[t[1]] + from.points[t[2]]) / 3));
-  std::sort(distances.begin(), distances.end());
-  return distances;
 }
 
 }  // namespace pvg

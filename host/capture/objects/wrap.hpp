@@ -3,7 +3,7 @@
 // alpha wrapping, Portaneri et al. 2022); the surface is where the distance to the triangles is `offset` on that side.
 // Marching cubes makes it closed and manifold by construction (host/capture/marching_cubes.cpp). Pure.
 #pragma once
-#include "host/geometry/mesh.hpp"
+#include "host/capture/objects/edge_collapse.hpp"
 
 namespace pvg {
 
@@ -22,14 +22,12 @@ bool is_sound(const TriangleMesh& mesh);
 
 struct SimplifiedSolid {
   TriangleMesh mesh;
-  std::vector<double> to_original, from_original;  // as of surface_distances
+  std::vector<double> to_original, from_original;  // as of surface_distance.hpp
 };
 
-// At most n_triangles where that is possible: the result is_sound, and neither surface is farther than `error` [m] from
-// the other. The mesh itself must be sound; it comes back where nothing smaller is.
-SimplifiedSolid simplified_solid(const TriangleMesh& mesh, std::size_t n_triangles, double error);
-
-// Distances of points spread over `from` (its points and the middles of its triangles) to `to` [m], ascending.
-std::vector<double> surface_distances(const TriangleMesh& from, const TriangleMesh& to);
+// At most n_triangles where that is possible: the result is_sound, neither surface is farther than `error` [m] from the
+// other, and it keeps the bound. The mesh itself must be sound; it comes back where nothing smaller is.
+SimplifiedSolid simplified_solid(const TriangleMesh& mesh, std::size_t n_triangles, double error,
+                                 const SourceBound& source = {});
 
 }  // namespace pvg

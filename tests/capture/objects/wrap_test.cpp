@@ -7,7 +7,8 @@
 #include <random>
 
 #include "host/base/error.hpp"
-#include "host/capture/objects/nearest_triangle.hpp"
+#include "host/capture/objects/object.hpp"
+#include "host/capture/objects/surface_distance.hpp"
 #include "host/geometry/mesh_checks.hpp"
 #include "host/geometry/primitive_shapes.hpp"
 #include "host/geometry/segment_distance.hpp"
@@ -96,8 +97,8 @@ TEST(Wrap, EveryBrokenBallBecomesAClosedOneNearIt) {
     const TriangleMesh wrapped = wrap_surface(source, settings);
     EXPECT_EQ(closed_surface_defect(wrapped), std::nullopt) << "kind " << kind;
     EXPECT_TRUE(is_sound(wrapped)) << "kind " << kind;
-    // outside by the offset; over a hole by less than what the ball sinks in
-    EXPECT_LE(surface_distances(wrapped, source).back(), 2 * settings.spacing) << "kind " << kind;
+    // outside by the offset; over a hole by less than what the ball sinks in, in the clefts beside a fin by the bridge
+    EXPECT_LE(surface_distances(wrapped, source).back(), (kind == 4 ? 4 : 2) * settings.spacing) << "kind " << kind;
     const double volume = enclosed_volume(wrapped) / (4.0 / 3 * M_PI * std::pow(RADIUS, 3));
     if (kind != 3 && kind != 6) {
       EXPECT_NEAR(volume, std::pow(1 + 0.6 / 20, 3), 0.05) << "kind " << kind;
@@ -107,6 +108,53 @@ TEST(Wrap, EveryBrokenBallBecomesAClosedOneNearIt) {
     EXPECT_LE(fewer.triangles.size(), kind == 6 ? 600u : 300u) << "kind " << kind;
     EXPECT_LE(surface_distances(fewer, wrapped).back(), 2 * settings.spacing) << "kind " << kind;
   }
+}
+
+// a ball of this radius around the origin without what is nearer to the z axis than `hole` at its top
+TriangleMesh ball_with_hole(double radius, double hole) {
+  constexpr std::uint32_t SECTORS = 24, RINGS = 12;
+  TriangleMesh mesh;
+  for (std::uint32_t ring = 0; ring <= RINGS; ++ring)
+    for (std::uint32_t k = 0; k < SECTORS; ++k) {
+      const double first = std::asin(hole / radius), polar = first + (0.999 * M_PI - first) * ring / RINGS;
+      const double azimuth = 2 * M_PI * k / SECTORS;
+      mesh.points.push_back(
+          radius * Vec3(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar)));
+      const std::uint32_t a = ring * SECTORS + k, b = ring * SECTORS + (k + 1) % SECTORS;
+      if (ring < RINGS)
+        mesh.triangles.insert(mesh.triangles.end(), {{a, a + SECTORS, b + SECTORS}, {a, b + SECTORS, b}});
+    }
+  return mesh;
+}
+
+// A hole of w = 3.9 mm radius: the ball of B = 4 mm does not enter, but sinks in by B - sqrt(B^2 - w^2) = 3.1 mm, so
+// that the middle of its cap is sqrt(w^2 + 3.1^2) = 5 mm from the rim, and a sample of 0.4 mm less: more than the
+// bridge.
+TEST(Object, AHoleThatCannotBeBridgedWithinTheBoundIsRefused) {
+  ObjectSource source;
+  source.name = "ball";
+  source.mesh = ball_with_hole(8e-3, 3.9e-3);
+  ObjectSettings settings;
+  settings.wrap = {0.4e-3, 0, 4e-3};
+  expect_error<UsageError>([&] { capture_object(source, settings); }, {"ball", "more than the 4.00 mm of --bridge"});
+  source.mesh = ball_with_hole(8e-3, 2e-3);  // sinks in by 0.54 mm: 2.1 mm from the rim
+  const CapturedObject object = capture_object(source, settings);
+  EXPECT_DOUBLE_EQ(object.bound, 4e-3);
+  EXPECT_DOUBLE_EQ(object.bridge, 4e-3);
+  EXPECT_NEAR(object.to_source.back(), 2.1e-3, 0.6e-3);  // a sample and half of one
+}
+
+TEST(SurfaceDistances, LookAlsoBetweenThePointsOfALargeTriangle) {
+  // the nearest place of a square to a point below its middle is the middle of its diagonal: neither a corner (sqrt 3)
+  // nor the middle of a triangle
+  TriangleMesh square;
+  square.points = {{-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}};
+  square.triangles = {{0, 1, 2}, {0, 2, 3}};
+  TriangleMesh point;
+  point.points = {{-1e-6, 0, 0}, {1e-6, 0, 0}, {0, 1e-6, 0}};
+  point.triangles = {{0, 1, 2}};
+  EXPECT_NEAR(surface_distances(square, point).front(), 1, 1e-5);
+  EXPECT_NEAR(surface_distances(square, point).back(), std::sqrt(3.0), 1e-5);
 }
 
 TEST(Wrap, ASurfaceThatIsThereTwiceIsNotSound) {
