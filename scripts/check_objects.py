@@ -100,7 +100,7 @@ def main():
                    report["mesh"]["self_intersections"] == 0)
         # four details of the wrap, which the program guarantees; sampled anew, since its own distances might be wrong
         size = float(np.ptp(v, 0).max())
-        bound, told = 4 * size / a.fineness * (1 + 1e-6), report["distance"]
+        bound, told = 4 * size / a.fineness * (1 + 1e-4), report["distance"]
         samples = np.vstack([vertices, trimesh.sample.sample_surface(trimesh.Trimesh(vertices, faces, process=False), 2000, seed=i)[0]])
         far = float(trimesh.proximity.closest_point(trimesh.Trimesh(v, f, process=False), samples)[1].max())
         is_near = told["max"] <= told["bound"] <= bound and far <= 1.01 * told["bound"]  # a little between the program's own samples

@@ -1,6 +1,6 @@
 // What stands in where OpenCV or the AprilTag library was not found.
 #include "host/base/error.hpp"
-#include "host/calibration/calibration.hpp"
+#include "host/calibration/hand_eye.hpp"
 
 namespace pvg {
 namespace {
@@ -18,6 +18,7 @@ std::vector<BoardCorner> find_board(const Picture8&, const Board&) { refuse(); }
 std::vector<FoundTag> find_tags(const Picture8&) { refuse(); }
 std::vector<FoundTag> find_tags_finely(const Picture8&) { refuse(); }
 CameraCalibration calibrate_camera(std::vector<BoardPhoto>, int, int, const CalibrationSettings&) { refuse(); }
+HandEye calibrate_hand_eye(std::vector<HandPhoto>, const std::vector<PlacedTag>&, const Camera&) { refuse(); }
 CameraPlace place_camera(const std::vector<FoundTag>&, const std::vector<PlacedTag>&, const Camera&) { refuse(); }
 
 }  // namespace pvg
