@@ -28,6 +28,7 @@ const DeviceInfo& Device::info() const { return impl_->info; }
 void Device::finish() {
   const std::size_t staged = impl_->staged_so_far();
   ++impl_->n_waits;
+  impl_->count("wait for all", "");
   require(clFinish(impl_->queue), "wait for the device");
   impl_->forget_staged(staged);
 }
@@ -77,6 +78,7 @@ void Device::call(std::vector<detail::HostAccess> access, HostTask task) {
     places.push_back(&call.memory[i]);
   }
   ++impl_->n_launches;
+  impl_->count("host function", "");
   const cl_int code = clEnqueueNativeKernel(impl_->queue, run_host_call, &call, sizeof call, cl_uint(buffers.size()),
                                             buffers.data(), places.data(), 0, nullptr, nullptr);
   if (code == CL_SUCCESS) return;
@@ -86,6 +88,11 @@ void Device::call(std::vector<detail::HostAccess> access, HostTask task) {
 
 std::size_t Device::peak_bytes() const { return impl_->peak_bytes; }
 DeviceCounts Device::counts() const { return {impl_->n_launches, impl_->n_writes, impl_->n_waits, impl_->n_bytes}; }
+void Device::count_by_name() { impl_->counts_names = true; }
+DeviceCountsByName Device::counts_by_name() const {
+  const std::lock_guard lock(impl_->counting);
+  return impl_->by_name;
+}
 DeviceCounts& DeviceCounts::operator+=(const DeviceCounts& other) {
   launches += other.launches, writes += other.writes, waits += other.waits, bytes += other.bytes;
   return *this;

@@ -5,6 +5,7 @@
 #pragma once
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -35,6 +36,9 @@ struct DeviceCounts {
   DeviceCounts& operator+=(const DeviceCounts& other);
   DeviceCounts operator-(const DeviceCounts& other) const;
 };
+
+// The same by what was asked for, as in "kernel cg_test", "wait for a read of x": how often.
+using DeviceCountsByName = std::map<std::string, std::size_t>;
 
 // All devices that the OpenCL loader knows; empty where there is none.
 std::vector<DeviceInfo> list_devices();
@@ -68,8 +72,10 @@ class Device {
   // not use the device.
   using HostTask = std::function<void(std::span<void* const>)>;
   void call(std::vector<detail::HostAccess> access, HostTask task);
-  std::size_t peak_bytes() const;  // largest sum of live buffers so far
-  DeviceCounts counts() const;     // so far
+  std::size_t peak_bytes() const;             // largest sum of live buffers so far
+  DeviceCounts counts() const;                // so far
+  void count_by_name();                       // from now on, which takes time
+  DeviceCountsByName counts_by_name() const;  // since then; empty without it
   // Compiled programs are kept in this folder from now on. Without this call: in the user's cache, where the platform
   // keeps none itself.
   void keep_programs_in(const std::string& folder);

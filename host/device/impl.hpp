@@ -23,6 +23,14 @@ struct Device::Impl {
   std::atomic<std::size_t> live_bytes = 0, peak_bytes = 0;                          // episodes share a device
   std::atomic<std::size_t> n_launches = 0, n_writes = 0, n_waits = 0, n_bytes = 0;  // as in DeviceCounts
   std::atomic<std::size_t> n_buffers = 0;                                           // made so far
+  std::atomic<bool> counts_names = false;
+  std::mutex counting;
+  DeviceCountsByName by_name;  // of launches, writes and waits
+  void count(const char* what, const std::string& name) {
+    if (!counts_names) return;
+    const std::lock_guard lock(counting);
+    ++by_name[what + name];
+  }
 
   // Small writes do not wait for what was started before them: their bytes are kept here until something that came
   // later in the queue has ended.

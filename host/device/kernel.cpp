@@ -83,6 +83,7 @@ void Kernel::set_bytes(unsigned i, const void* value, std::size_t bytes) {
 void Kernel::launch(std::size_t n) {
   if (std::exchange(has_new_names_, false)) check_names();
   ++device_->impl().n_launches;
+  device_->impl().count("kernel ", name_);
   const std::size_t local = GROUP_SIZE, global = (n + local - 1) / local * local;
   const cl_int code = clEnqueueNDRangeKernel(device_->impl().queue, static_cast<cl_kernel>(handle_), 1, nullptr,
                                              &global, &local, 0, nullptr, nullptr);

@@ -60,9 +60,11 @@ void Memory::write(const void* from, std::size_t offset, std::size_t bytes) {
   };
   if (bytes > (impl.info.runs_host_functions ? LARGEST_STAGED : LARGEST_STAGED_APART)) {
     ++impl.n_waits;
+    impl.count("wait for a write of ", name_);
     return enqueue(from, CL_TRUE);
   }
   ++impl.n_writes;
+  impl.count("write of ", name_);
   {
     const std::lock_guard lock(impl.staging);
     const auto* first = static_cast<const unsigned char*>(from);
@@ -77,6 +79,7 @@ void Memory::read(void* to, std::size_t offset, std::size_t bytes) const {
   Device::Impl& impl = device_->impl();
   impl.n_bytes += bytes;
   ++impl.n_waits;
+  impl.count("wait for a read of ", name_);
   const std::size_t staged = impl.staged_so_far();
   require(
       clEnqueueReadBuffer(impl.queue, static_cast<cl_mem>(handle_), CL_TRUE, offset, bytes, to, 0, nullptr, nullptr),
@@ -94,6 +97,7 @@ void Memory::read_later(void* to, std::size_t offset, std::size_t bytes) const {
 void Memory::fill_zero(std::size_t bytes) {
   const cl_uchar zero = 0;
   ++device_->impl().n_launches;
+  device_->impl().count("fill of ", name_);
   require(
       clEnqueueFillBuffer(device_->impl().queue, static_cast<cl_mem>(handle_), &zero, 1, 0, bytes, 0, nullptr, nullptr),
       "clear " + name_);
@@ -101,6 +105,7 @@ void Memory::fill_zero(std::size_t bytes) {
 
 void Memory::copy_from(const Memory& other, std::size_t bytes) {
   ++device_->impl().n_launches;
+  device_->impl().count("copy to ", name_);
   require(clEnqueueCopyBuffer(device_->impl().queue, static_cast<cl_mem>(other.handle_), static_cast<cl_mem>(handle_),
                               0, 0, bytes, 0, nullptr, nullptr),
           "copy " + other.name_ + " to " + name_);

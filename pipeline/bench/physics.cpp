@@ -41,9 +41,12 @@ struct Repeat {
   long long newton = 0, cg = 0, contacts = 0;
   PhaseSeconds phases{};
   SolverCounts counts;
+  DeviceCountsByName by_name;
 };
 
-Repeat repeat(Device& device, const BenchmarkRun& run, std::size_t n_worlds, bool measures_phases,
+enum class Measure { times, phases, counts };
+
+Repeat repeat(Device& device, const BenchmarkRun& run, std::size_t n_worlds, Measure measure,
               const std::atomic<bool>& stop) {
   const std::vector<PhysicalScene> scenes(n_worlds, run.scene);
   Simulation simulation(device, scenes);
@@ -54,7 +57,8 @@ Repeat repeat(Device& device, const BenchmarkRun& run, std::size_t n_worlds, boo
   const Checkpoint start = simulation.checkpoint();
   for (std::size_t i = 0; i < std::min(N_WARM_UP, run.targets.size()); ++i) step(i);
   simulation.restore(start);
-  if (measures_phases) simulation.measure_phases();
+  if (measure == Measure::phases) simulation.measure_phases();
+  if (measure == Measure::counts) device.count_by_name();
   Repeat result;
   simulation.restart_counts();
   const std::clock_t cpu_begin = std::clock();
@@ -70,6 +74,7 @@ Repeat repeat(Device& device, const BenchmarkRun& run, std::size_t n_worlds, boo
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   result.cpu_seconds = double(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
   result.counts = simulation.counts();
+  result.by_name = device.counts_by_name();
   result.phases = simulation.phase_seconds();
   return result;
 }
@@ -137,8 +142,9 @@ PhysicsCounts count_physics_benchmark(const PhysicsBenchmark& benchmark, const s
   if (preconditioner) run.scene.solver.preconditioner = *preconditioner;
   run.targets.resize(std::min(run.targets.size(), most_steps));
   Device device(device_name);
+  const Repeat counted = repeat(device, run, benchmark.n_worlds, Measure::counts, stop);
   return {benchmark.name, benchmark.n_worlds, run.targets.size(), device.info().runs_host_functions,
-          repeat(device, run, benchmark.n_worlds, false, stop).counts};
+          counted.counts, counted.by_name};
 }
 
 double modelled_seconds(const DeviceCounts& counts) {
@@ -157,9 +163,10 @@ PhysicsFigures run_physics_benchmark(const PhysicsBenchmark& benchmark, const st
   if (preconditioner) run.scene.solver.preconditioner = *preconditioner;
   Device device(device_name);
   std::vector<Repeat> results;
-  for (std::size_t i = 0; i < repeats; ++i) results.push_back(repeat(device, run, benchmark.n_worlds, false, stop));
+  for (std::size_t i = 0; i < repeats; ++i)
+    results.push_back(repeat(device, run, benchmark.n_worlds, Measure::times, stop));
   // waiting after each phase takes time, so phases have a run of their own
-  const Repeat by_phase = repeat(device, run, benchmark.n_worlds, true, stop);
+  const Repeat by_phase = repeat(device, run, benchmark.n_worlds, Measure::phases, stop);
   std::sort(results.begin(), results.end(), [](const Repeat& a, const Repeat& b) { return a.seconds < b.seconds; });
   const Repeat& median = results[results.size() / 2];
   const double n_steps = double(run.targets.size());

@@ -40,6 +40,7 @@ struct PhysicsCounts {
   std::size_t worlds = 1, steps = 0;
   bool runs_host_functions = false;  // the device: nothing moves for the factor on the host then
   SolverCounts counts;               // of all steps
+  DeviceCountsByName by_name;        // of all steps, recording included
 };
 
 std::vector<PhysicsBenchmark> physics_benchmarks();

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/base/error.hpp"
@@ -83,6 +84,12 @@ void print_counts(const PhysicsCounts& c) {
   print("a Newton iteration", solving, n.newton);
   print("a CG iteration, with its start", n.phases[std::size_t(SolverPhase::solve)], n.cg);
   for (std::size_t phase = 0; phase < N_PHASES; ++phase) print(PHASE_NAMES[phase], n.phases[phase], n.newton);
+  std::vector<std::pair<std::size_t, std::string>> most_first;
+  for (const auto& [name, times] : c.by_name) most_first.push_back({times, name});
+  std::sort(most_first.rbegin(), most_first.rend());
+  std::printf("  what was asked for, times a step, recording included\n");
+  for (const auto& [times, name] : most_first)
+    std::printf("  %9.1f  %s\n", double(times) / double(c.steps), name.c_str());
   std::fflush(stdout);
 }
 
