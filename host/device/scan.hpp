@@ -10,17 +10,13 @@ class Scan {
   explicit Scan(Device& device);
   // offsets[i] = counts[0] + ... + counts[i-1] for i = 0 .. n, so offsets[n] is the sum. offsets is resized to n + 1.
   void operator()(std::size_t n, const Buffer<u32>& counts, Buffer<u32>& offsets);
-  // picked[i] = offsets[places[i]], on the device
-  void pick(const Buffer<u32>& offsets, const Buffer<u32>& places, Buffer<u32>& picked);
   // offsets at the given places, on the host: one short blocking read. places: [n_places, < offsets.size()]
   std::vector<u32> read_at(const Buffer<u32>& offsets, const Buffer<u32>& places);
 
  private:
-  Device* device_;
   Program program_;
-  Kernel sums_, scan_few_, spread_, pick_;
-  std::vector<Buffer<u32>> sums_of_level_, offsets_of_level_;
-  Buffer<u32> picked_;
+  Kernel sums_, spread_, pick_;
+  Buffer<u32> sums_of_chunks_, picked_;
 };
 
 }  // namespace pvg

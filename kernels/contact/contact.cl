@@ -4,7 +4,7 @@
 #include "energies/contact/adhesion_law.cl"
 #include "energies/contact/barrier_law.cl"
 #include "energies/contact/friction.h"
-#define N_LANES 64u  // partial minima per world
+#include "solve/world_least.cl"
 
 static inline void load_sites(global const Barrier* row, global const real* restrict x, real3* xe) {
   for (int i = 0; i < 4; ++i) xe[i] = vload3(row->site[i], x);
@@ -34,9 +34,12 @@ kernel void place_rows(const uint n, global const Barrier* restrict rows, global
 }
 
 // contacts: the active pairs, in order, and their sites [n x 4]; offsets: [n + 1]
-kernel void fill_contacts(const uint n, global const Barrier* restrict pairs, global const u32* restrict offsets,
-                          global Barrier* restrict contacts, global u32* restrict sites) {
+// first_pair, first: [n_worlds + 1] of the worlds' pairs and contacts.  n_items: the more of n and n_worlds + 1
+kernel void fill_contacts(const uint n_items, const uint n, const uint n_worlds, global const Barrier* restrict pairs,
+                          global const u32* restrict offsets, global const u32* restrict first_pair,
+                          global u32* restrict first, global Barrier* restrict contacts, global u32* restrict sites) {
   const uint e = get_global_id(0);
+  if (e <= n_worlds) first[e] = offsets[first_pair[e]];
   if (e >= n || offsets[e + 1] == offsets[e]) return;
   const uint to = offsets[e];
   contacts[to] = pairs[e];
@@ -101,18 +104,11 @@ kernel void report_contacts(const uint n, global const Barrier* restrict contact
   reports[e] = report;
 }
 
-// The smallest value of each world by one work-group: item k takes every N_LANES-th of its values, then the first item
-// takes theirs. n_items = N_LANES n_worlds;  first: [n_worlds + 1];  none: where there are none;  least: [n_worlds]
+// n_items = N_LANES n_worlds;  first: [n_worlds + 1];  none: where there are no values;  least: [n_worlds]
 kernel __attribute__((reqd_work_group_size(N_LANES, 1, 1))) void min_of_worlds(
     const uint n_items, global const u32* restrict first, global const real* restrict values, const real none,
     global real* restrict least) {
   local real of_lane[N_LANES];
-  const uint world = get_group_id(0), item = get_local_id(0), end = first[world + 1];
-  real own = none;
-  for (uint k = first[world] + item; k < end; k += N_LANES) own = values[k] < own ? values[k] : own;
-  of_lane[item] = own;
-  barrier(CLK_LOCAL_MEM_FENCE);
-  if (item > 0) return;
-  for (uint k = 1; k < N_LANES; ++k) own = fmin(own, of_lane[k]);
-  least[world] = own;
+  const real own = least_of_world(first, values, none, of_lane);
+  if (get_local_id(0) == 0) least[get_group_id(0)] = own;
 }

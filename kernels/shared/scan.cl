@@ -1,7 +1,8 @@
-// Exclusive prefix sum of u32: each work-item sums CHUNK neighbours, the sums are scanned the same way (the host calls
-// the kernels level by level), then each work-item spreads its offset over its chunk. No barriers, one fixed order.
+// Exclusive prefix sum of u32. A work-item takes `width` neighbours, so few counts take one work-group and one launch. Of
+// many the chunks of CHUNK are summed in a launch before, and each work-group begins with what the groups before it hold.
 #include "shared/types.h"
 #define CHUNK 64u
+#define ITEMS 64u
 
 // sums[c] = sum of counts[c CHUNK .. (c+1) CHUNK)
 kernel void scan_sums(const uint n_chunks, const uint n, global const u32* restrict counts, global u32* restrict sums) {
@@ -13,30 +14,31 @@ kernel void scan_sums(const uint n_chunks, const uint n, global const u32* restr
   sums[c] = sum;
 }
 
-// one work-item, n <= CHUNK. offsets: [n + 1]
-kernel void scan_few(const uint n_items, const uint n, global const u32* restrict counts,
-                     global u32* restrict offsets) {
-  if (get_global_id(0) >= n_items) return;
+// n_items: at least n / width;  width: CHUNK where there is more than one work-group
+// sums: [n / CHUNK, rounded up], read where there is;  offsets: [n + 1]
+kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void scan_spread(const uint n_items, const uint n,
+                                                                           const uint width,
+                                                                           global const u32* restrict counts,
+                                                                           global const u32* restrict sums,
+                                                                           global u32* restrict offsets) {
+  local u32 before_group[ITEMS], of_item[ITEMS];
+  const uint item = get_local_id(0), i = get_global_id(0), first_chunk = get_group_id(0) * ITEMS;
+  const uint begin = min(n, i * width), end = min(n, begin + width);
   u32 sum = 0;
-  for (uint i = 0; i < n; ++i) {
-    offsets[i] = sum;
-    sum += counts[i];
+  for (uint c = item; c < first_chunk; c += ITEMS) sum += sums[c];
+  before_group[item] = sum;
+  sum = 0;
+  for (uint k = begin; k < end; ++k) sum += counts[k];
+  of_item[item] = sum;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  sum = 0;
+  for (uint k = 0; k < ITEMS; ++k) sum += before_group[k];
+  for (uint k = 0; k < item; ++k) sum += of_item[k];
+  for (uint k = begin; k < end; ++k) {
+    offsets[k] = sum;
+    sum += counts[k];
   }
-  offsets[n] = sum;
-}
-
-// chunk_offsets: [n_chunks + 1];  offsets: [n + 1]
-kernel void scan_spread(const uint n_chunks, const uint n, global const u32* restrict counts,
-                        global const u32* restrict chunk_offsets, global u32* restrict offsets) {
-  const uint c = get_global_id(0);
-  if (c >= n_chunks) return;
-  const uint end = min(n, (c + 1) * CHUNK);
-  u32 sum = chunk_offsets[c];
-  for (uint i = c * CHUNK; i < end; ++i) {
-    offsets[i] = sum;
-    sum += counts[i];
-  }
-  if (end == n) offsets[n] = sum;
+  if (end == n && (begin < end || i == 0)) offsets[n] = sum;
 }
 
 // picked[i] = values[places[i]]

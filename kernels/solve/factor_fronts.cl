@@ -2,10 +2,7 @@
 // children's updates, eliminates its pivots and leaves an update to its parent. A task is a part of the elimination
 // tree, children before parents, and one work-group's own; the tasks of a launch are independent of each other. What is
 // added up for a front does not depend on the tasks, so neither do the bits.
-#include "shared/real.h"
-#include "solve/factor_front.h"
-#define ITEMS 64u
-#define WIDTH 12u  // columns that are eliminated together
+#include "solve/factor_forward.cl"
 
 // The 3 x 3 product of rows r.. and c.. over the first `depth` columns; in it column by column.
 static inline void product_of_rows(global const real* r, global const real* c, const uint stride, const uint depth,
@@ -52,12 +49,16 @@ static inline void add_update(const uint item, const FactorFront front, const Fa
 // n: work-items, ITEMS for each task from first_task on;  task_first: [n_tasks + 1] into task_front
 // children: fronts;  places: of a front's rows in its parent's front, in nodes;  group_is_active, failed: [n_groups];
 // failed: 1 where a pivot is not a positive finite number
+// solves: each front also solves forward, for a residual of -gradient [n_nodes x 3];  nodes, vectors: as in
+// solve/factor_solve.cl
 kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void factor_fronts(
     const uint n_items, const uint first_task, global const uint* restrict task_first,
     global const uint* restrict task_front, global const FactorFront* restrict fronts,
     global const uint* restrict children, global const uint* restrict places,
-    global const uint* restrict group_is_active, global real* panels, global real* updates, global uint* failed) {
+    global const uint* restrict group_is_active, global real* panels, global real* updates, global uint* failed,
+    const uint solves, global const uint* restrict nodes, global const real* restrict gradient, global real* vectors) {
   local real diagonal[WIDTH * WIDTH];  // row-major, lower triangle
+  local real x[WIDTH];
   const uint task = first_task + get_group_id(0), item = get_local_id(0);
   const uint begin = task_first[task];
   const uint end = group_is_active[fronts[task_front[begin]].group] ? task_first[task + 1] : begin;
@@ -119,5 +120,7 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void factor_fronts(
                          update + 3 * i + (size_t)(3 * j) * front.n_rows, front.n_rows);
     }
     barrier(CLK_GLOBAL_MEM_FENCE);
+    if (solves)
+      forward_front(item, front, fronts, children, places, nodes, panels, -1, gradient, vectors, diagonal, x);
   }
 }

@@ -1,18 +1,9 @@
 // x = (L L^T)^-1 r with the factor of solve/factor_fronts.cl. Forward, from the leaves to the roots, a front adds what
 // its children leave to its unknowns and eliminates its pivots; backward it takes its parent's unknowns. Tasks are parts
 // of the elimination tree as there, larger ones, for a solve takes less.
-#include "shared/real.h"
-#include "solve/factor_front.h"
-#define ITEMS 64u
-#define WIDTH 12u
+#include "solve/factor_forward.cl"
 #define FORWARD 1u
 #define BACKWARD 2u
-
-static inline void load_diagonal(const uint item, global const real* panel, const uint n, const uint first,
-                                 const uint width, local real* diagonal) {
-  for (uint k = item; k < width * width; k += ITEMS)
-    diagonal[k / width * WIDTH + k % width] = panel[first + k / width + (size_t)(first + k % width) * n];
-}
 
 // n_items: ITEMS for each task from first_task on, then one for each node without group (n_lone)
 // parts: FORWARD, BACKWARD or both;  adds: to what is in `preconditioned`
@@ -38,39 +29,7 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void factor_solve(
 
   const uint forward_end = is_on && (parts & FORWARD) ? last : begin;
   for (uint f = begin; f < forward_end; ++f) {
-    const FactorFront front = fronts[task_front[f]];
-    const uint n = front.n_pivots + front.n_rows;
-    global const real* panel = panels + front.panel;
-    global real* v = vectors + front.vector;
-    for (uint k = item; k < n; k += ITEMS)
-      v[k] = k < front.n_pivots ? residual[3 * (size_t)nodes[front.nodes + k / 3] + k % 3] : 0;
-    barrier(CLK_GLOBAL_MEM_FENCE);
-    for (uint c = front.first_child; c < front.last_child; ++c) {
-      const FactorFront child = fronts[children[c]];
-      for (uint k = item; k < child.n_rows; k += ITEMS)
-        v[3 * places[child.places + k / 3] + k % 3] += vectors[child.vector + child.n_pivots + k];
-      barrier(CLK_GLOBAL_MEM_FENCE);
-    }
-    for (uint first = 0; first < front.n_pivots; first += WIDTH) {
-      const uint width = min(WIDTH, front.n_pivots - first);
-      load_diagonal(item, panel, n, first, width, diagonal);
-      if (item < width) x[item] = v[first + item];
-      barrier(CLK_LOCAL_MEM_FENCE);
-      if (item == 0)
-        for (uint c = 0; c < width; ++c) {
-          real value = x[c];
-          for (uint k = 0; k < c; ++k) value -= diagonal[c * WIDTH + k] * x[k];
-          x[c] = value * diagonal[c * WIDTH + c];
-        }
-      barrier(CLK_LOCAL_MEM_FENCE);
-      if (item < width) v[first + item] = x[item];
-      for (uint r = first + width + item; r < n; r += ITEMS) {
-        real sum = 0;
-        for (uint c = 0; c < width; ++c) sum += panel[r + (size_t)(first + c) * n] * x[c];
-        v[r] -= sum;
-      }
-      barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-    }
+    forward_front(item, fronts[task_front[f]], fronts, children, places, nodes, panels, 1, residual, vectors, diagonal, x);
   }
 
   const uint backward_end = is_on && (parts & BACKWARD) ? last : begin;

@@ -1,15 +1,7 @@
 // Between nodes and sites, and the vector operations of a time step. Per-world scalars are arrays over worlds, so that
 // the bits of one world do not depend on its companions.
 #include "shared/real.h"
-#include "solve/site.h"
-
-static inline real3 value_at_site(global const Site* restrict site, global const real* restrict node) {
-  const Site s = *site;
-  real3 sum = s.weight[0] * vload3(s.node[0], node);
-  for (int k = 1; k < 4; ++k)
-    if (s.weight[k] != 0) sum += s.weight[k] * vload3(s.node[k], node);
-  return sum;
-}
+#include "solve/value_at_site.cl"
 
 // node: [n_nodes x 3];  value: [n_sites x 3] = sum_k weight_k node_k
 kernel void nodes_to_sites(const uint n, global const Site* restrict sites, global const real* restrict node,
@@ -82,6 +74,13 @@ kernel void predict(const uint n, global const real* restrict x, global const re
   if (i >= n) return;
   const real3 xi = vload3(i, x);
   vstore3(is_fixed[i] ? xi : xi + h * vload3(i, v) + h * h * vload3(i, gravity), i, predicted);
+}
+
+// node[nodes[i]] = values[i];  n: of these nodes;  values: [n x 3]
+kernel void place_nodes(const uint n, global const uint* restrict nodes, global const real* restrict values,
+                        global real* restrict node) {
+  const uint i = get_global_id(0);
+  if (i < n) vstore3(vload3(i, values), nodes[i], node);
 }
 
 // What a second-order backward difference takes for the past: (4 a - b) / 3, a now and b one step before    [n x 3]

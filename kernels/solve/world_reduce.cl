@@ -2,6 +2,7 @@
 // work-item each before.
 // In all kernels of worlds: n_items = 64 n_worlds;  has_partial: whether the chunks were taken before;  first: [n_worlds
 // + 1] chunks of the worlds;  partial: [n_chunks];  out: [n_worlds]
+#include "solve/value_at_site.cl"
 #include "solve/world_sum.cl"
 #define CHUNK_LENGTH 128u
 #define ONE_GROUP_PER_WORLD __attribute__((reqd_work_group_size(ITEMS, 1, 1)))
@@ -52,30 +53,29 @@ kernel ONE_GROUP_PER_WORLD void sum_worlds(const uint n_items, const uint has_pa
   out[w] = sum;
 }
 
-// largest |a| over the chunk, infinite where a is not a number
-static inline real largest_of_chunk(const Chunk chunk, global const real* restrict a) {
+// largest |a| over the chunk's sites, infinite where a is not a number;  a: [n_nodes x 3]
+static inline real largest_of_chunk(const Chunk chunk, global const Site* restrict sites, global const real* restrict a) {
   real largest = 0;
   for (uint i = chunk.begin; i < chunk.end; ++i) {
-    const real l = length(vload3(i, a));
+    const real l = length(value_at_site(sites + i, a));
     largest = l <= largest ? largest : (isnan(l) ? INFINITY : l);
   }
   return largest;
 }
 
-// a: [n_elements x 3]
-kernel void largest_length_chunks(const uint n, global const Chunk* restrict chunks, global const real* restrict a,
-                                  global real* restrict partial) {
+kernel void largest_length_chunks(const uint n, global const Chunk* restrict chunks, global const Site* restrict sites,
+                                  global const real* restrict a, global real* restrict partial) {
   const uint c = get_global_id(0);
-  if (c < n) partial[c] = largest_of_chunk(chunks[c], a);
+  if (c < n) partial[c] = largest_of_chunk(chunks[c], sites, a);
 }
 
 kernel ONE_GROUP_PER_WORLD void largest_worlds(const uint n_items, const uint has_partial,
                                                global const uint* restrict first, global const Chunk* restrict chunks,
-                                               global const real* restrict a, global real* partial,
-                                               global real* restrict out) {
+                                               global const Site* restrict sites, global const real* restrict a,
+                                               global real* partial, global real* restrict out) {
   const uint w = get_group_id(0), begin = first[w], end = first[w + 1];
   for (uint c = has_partial ? end : begin + get_local_id(0); c < end; c += ITEMS)
-    partial[c] = largest_of_chunk(chunks[c], a);
+    partial[c] = largest_of_chunk(chunks[c], sites, a);
   barrier(CLK_GLOBAL_MEM_FENCE);
   if (get_local_id(0) > 0) return;
   real largest = 0;

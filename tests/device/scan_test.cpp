@@ -13,7 +13,7 @@ TEST(Scan, EqualsThePlainLoop) {
   Scan scan(device);
   std::mt19937 random(7);
   // large after small and small after large: the buffers of the levels are reused
-  for (const std::size_t n : {0, 1, 3, 257, 1000, 100000, 64, 65, 4096, 4097, 3}) {
+  for (const std::size_t n : {0, 1, 3, 257, 1000, 100000, 64, 65, 4096, 4097, 16384, 16385, 3}) {
     std::vector<u32> counts(n);
     for (u32& count : counts) count = random() % 5;
     const Buffer<u32> on_device(device, counts, "counts");

@@ -19,12 +19,15 @@ std::span<Row> of_world(std::vector<Row>& rows, const std::vector<u32>& first, u
   return std::span(rows).subspan(first[world], first[world + 1] - first[world]);
 }
 
-// How much farther than the activation distance candidates are looked for [m]: half of it, or as far as several last
-// corrections of Newton's method lead. They then mostly serve for the whole step after its first guess.
-double margin_of(std::span<const ContactSettings> settings, double correction) {
+// How much farther than the activation distance candidates are looked for [m]: a part of it, or as far as several last
+// corrections of Newton's method lead. They then mostly serve for the whole step after its first guess. On a device
+// apart from the host a search takes longer, for its launches and waits, than what more candidates take afterwards:
+// chosen by the counts of docs/measured/2026-11-25_counts.md.
+double margin_of(const Device& device, std::span<const ContactSettings> settings, double correction) {
   double least = INFINITY;
   for (const ContactSettings& s : settings) least = std::min(least, s.activation_distance);
-  return std::max(0.5 * least, 4 * correction);
+  const double part = device.info().runs_host_functions ? 0.5 : 2;
+  return std::max(part * least, 4 * correction);
 }
 
 Vec3 vec3(const double* values) { return {values[0], values[1], values[2]}; }
@@ -61,16 +64,19 @@ struct ContactSet::Impl {
   Buffer<u32> sites;                               // [n_candidates x 4] of contacts
   std::vector<u32> contact_sites, friction_sites;  // on the host
   std::vector<Friction> friction_rows;             // as on the device
+  Buffer<Friction> lagged;                         // of the next step, without what the host adds
+  std::vector<Friction> lagged_rows;               // as read
   std::size_t n_contacts_before = 0;
-  Buffer<ContactReport> reports;                     // [n_contacts]
-  Buffer<double> forces, strains;                    // [n_friction x 3, N], [n_friction x 3]
+  Buffer<ContactReport> reports;   // [n_contacts]
+  Buffer<double> forces, strains;  // [n_friction x 3, N], [n_friction x 3]
+  std::vector<double> read_strains;
   std::vector<std::vector<FrictionAnchor>> anchors;  // [n_worlds], each sorted by pair
 
   Impl(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings, std::span<const Vec3> x,
        double correction)
       : device(device),
         mesh(mesh),
-        candidates(device, mesh, settings, x, margin_of(settings, correction)),
+        candidates(device, mesh, settings, x, margin_of(device, settings, correction)),
         collision(device),
         program(device, "contact/contact.cl"),
         friction_program(device, "energies/contact/friction.cl"),
@@ -89,6 +95,7 @@ struct ContactSet::Impl {
         offsets(device, 0, "contact_offsets"),
         first(device, mesh.n_worlds + 1, "first_contact_of_world"),
         sites(device, 0, "contact_sites"),
+        lagged(device, 0, "lagged friction"),
         reports(device, 0, "contact_reports"),
         forces(device, 0, "friction_forces"),
         strains(device, 0, "friction_strains"),
@@ -104,19 +111,20 @@ struct ContactSet::Impl {
   // rows of what contacts.rows has: of contacts, or, where these are not taken yet, of all candidates
   void start_lag_friction(const Buffer<double>& x) {
     const u32 n = u32(contacts.rows.size());
-    friction.rows.resize(n);
-    lag_friction(n, n, mesh.n_worlds, first, contacts.rows, candidates.worlds(), x, friction.rows);
+    lagged.resize(n);
+    lag_friction(n, n, mesh.n_worlds, first, contacts.rows, candidates.worlds(), x, lagged);
     // mostly there are not many more than last time
-    friction_rows.resize(std::min<std::size_t>(n, n_contacts_before + n_contacts_before / 4 + 16));
-    friction.rows.read_later(0, std::span(friction_rows));
+    lagged_rows.resize(std::min<std::size_t>(n, n_contacts_before + n_contacts_before / 4 + 16));
+    lagged.read_later(0, std::span(lagged_rows));
   }
 
   void take_friction(double h, const Buffer<double>& x0, const Buffer<double>& x1) {
     friction.first = contacts.first;
-    const std::size_t n = contacts.n(), n_read = friction_rows.size();
+    const std::size_t n = contacts.n(), n_read = lagged_rows.size();
     friction.rows.resize(n);
+    friction_rows = lagged_rows;
     friction_rows.resize(n);
-    if (n > n_read) friction.rows.read(n_read, std::span(friction_rows).subspan(n_read));
+    if (n > n_read) lagged.read(n_read, std::span(friction_rows).subspan(n_read));
     for (u32 world = 0; world < mesh.n_worlds; ++world)
       attach_anchors(anchors[world], h, of_world(friction_rows, friction.first, world));
     if (n > 0 && std::any_of(mesh.effects.begin(), mesh.effects.end(), changes_friction))
@@ -165,9 +173,10 @@ void ContactSet::renew_candidates(const Buffer<double>& x0, const Buffer<double>
   impl_->candidates.renew(x0, x1);
 }
 
-const Buffer<double>& ContactSet::start_largest_step(const Buffer<double>& x0, const Buffer<double>& x1) {
-  return impl_->collision.start(impl_->candidates.rows(), impl_->candidates.first(), x0, x1);
+const Buffer<double>& ContactSet::start_largest_steps(const Buffer<double>& x0, const Buffer<double>& x1) {
+  return impl_->collision.start(impl_->candidates.rows(), x0, x1);
 }
+const Buffer<u32>& ContactSet::first_candidate() const { return impl_->candidates.first(); }
 
 void ContactSet::start_find_contacts(const Buffer<double>& x) {
   Impl& impl = *impl_;
@@ -179,9 +188,10 @@ void ContactSet::start_find_contacts(const Buffer<double>& x) {
   }
   impl.measure_gaps(x);
   impl.scan(candidates.n(), impl.is_active, impl.offsets);
-  impl.scan.pick(impl.offsets, impl.candidates.first(), impl.first);
   impl.sites.resize(4 * std::size_t(candidates.n()));
-  impl.fill_contacts(candidates.n(), candidates.n(), candidates.rows, impl.offsets, impl.contacts.rows, impl.sites);
+  const u32 n = candidates.n(), n_items = std::max(n, impl.mesh.n_worlds + 1);
+  impl.fill_contacts(n_items, n_items, n, impl.mesh.n_worlds, candidates.rows, impl.offsets, impl.candidates.first(),
+                     impl.first, impl.contacts.rows, impl.sites);
   impl.first.read_later(0, std::span(impl.contacts.first));
   // mostly there are not many more than last time
   impl.contact_sites.resize(
@@ -209,10 +219,15 @@ void ContactSet::find_contacts(const Buffer<double>& x) {
   take_contacts();
 }
 
-void ContactSet::lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0, const Buffer<double>& x1) {
-  impl_->start_lag_friction(x);
-  impl_->device.finish();
+void ContactSet::start_lag_friction(const Buffer<double>& x) { impl_->start_lag_friction(x); }
+void ContactSet::take_friction(double h, const Buffer<double>& x0, const Buffer<double>& x1) {
   impl_->take_friction(h, x0, x1);
+}
+
+void ContactSet::lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0, const Buffer<double>& x1) {
+  start_lag_friction(x);
+  impl_->device.finish();
+  take_friction(h, x0, x1);
 }
 
 void ContactSet::find_and_lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0,
@@ -224,18 +239,21 @@ void ContactSet::find_and_lag_friction(const Buffer<double>& x, double h, const 
   impl_->take_friction(h, x0, x1);
 }
 
-void ContactSet::renew_anchors(const Buffer<double>& x, const Buffer<double>& x0, double h,
-                               std::span<const char> worlds) {
+void ContactSet::start_anchors(const Buffer<double>& x, const Buffer<double>& x0, double h) {
   Impl& impl = *impl_;
   const u32 n = impl.friction.n();
   impl.strains.resize(3 * n);
   impl.friction_strain(n, n, impl.friction.rows, x, x0, h, impl.strains);
-  std::vector<Friction>& rows = impl.friction_rows;
-  const std::vector<double> strains = impl.strains.read();
+  impl.read_strains.resize(3 * n);
+  impl.strains.read_later(0, std::span(impl.read_strains));
+}
+
+void ContactSet::take_anchors(std::span<const char> worlds) {
+  Impl& impl = *impl_;
   for (u32 world = 0; world < impl.mesh.n_worlds; ++world)
     if (worlds[world])
-      impl.anchors[world] = anchors_of(of_world(rows, impl.friction.first, world),
-                                       std::span(strains).subspan(3 * impl.friction.first[world]));
+      impl.anchors[world] = anchors_of(of_world(impl.friction_rows, impl.friction.first, world),
+                                       std::span(impl.read_strains).subspan(3 * impl.friction.first[world]));
 }
 
 const std::vector<std::vector<FrictionAnchor>>& ContactSet::anchors() const { return impl_->anchors; }

@@ -48,7 +48,9 @@ class ContactSet {
   // x0, x1: as given to find_candidates, or any part of that motion. A pair that is already closer than its offset
   // gives 0.
   std::vector<double> largest_step(const Buffer<double>& x0, const Buffer<double>& x1);
-  const Buffer<double>& start_largest_step(const Buffer<double>& x0, const Buffer<double>& x1);  // on the device
+  // The same part of each candidate, on the device: the smallest of a world's is its own.
+  const Buffer<double>& start_largest_steps(const Buffer<double>& x0, const Buffer<double>& x1);
+  const Buffer<u32>& first_candidate() const;  // [n_worlds + 1] on the device
 
   // The candidates within activation distance at x: rows of energies/contact/barrier.cl.
   void find_contacts(const Buffer<double>& x);
@@ -63,14 +65,19 @@ class ContactSet {
   // Friction rows from the contacts of the last find_contacts, with normal forces at x (the same x) and anchors for a
   // step of length h [s]. x0, x1: sites at its start and where they are thought to come; effects on friction go by it.
   void lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0, const Buffer<double>& x1);
+  // The same in two parts: x before, the rest after the device was waited for.
+  void start_lag_friction(const Buffer<double>& x);
+  void take_friction(double h, const Buffer<double>& x0, const Buffer<double>& x1);
   // find_contacts(x) and this, waiting once
   void find_and_lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0, const Buffer<double>& x1);
   void clear_friction();  // no friction rows
   const WorldRows<Friction>& friction() const;
   const std::vector<u32>& friction_sites() const;  // [n x 4]
 
-  // What the contacts of these worlds, as in the present friction rows, remember of a step of length h from x0 to x.
-  void renew_anchors(const Buffer<double>& x, const Buffer<double>& x0, double h, std::span<const char> worlds);
+  // What contacts, as in the present friction rows, remember of a step of length h from x0 to x: started, and taken for
+  // these worlds after the device was waited for.
+  void start_anchors(const Buffer<double>& x, const Buffer<double>& x0, double h);
+  void take_anchors(std::span<const char> worlds);
   const std::vector<std::vector<FrictionAnchor>>& anchors() const;  // [n_worlds]
   void restore_anchors(const std::vector<std::vector<FrictionAnchor>>& anchors);
 

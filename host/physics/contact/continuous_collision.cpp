@@ -2,7 +2,7 @@
 
 namespace pvg {
 namespace {
-constexpr std::size_t N_LANES = GROUP_SIZE;  // as in contact/contact.cl
+constexpr std::size_t N_LANES = GROUP_SIZE;  // as in solve/world_least.cl
 }
 
 WorldMinimum::WorldMinimum(Device& device)
@@ -16,14 +16,10 @@ std::vector<double> WorldMinimum::operator()(const std::vector<u32>& first, cons
   if (first.back() == 0) return std::vector<double>(n_worlds, none);
   first_.resize(first.size());
   first_.write(first);
-  return start(first_, values, none).read();
-}
-
-const Buffer<double>& WorldMinimum::start(const Buffer<u32>& first, const Buffer<double>& values, double none) {
-  const std::size_t n_worlds = first.size() - 1, n_items = n_worlds * N_LANES;
   least_.resize(n_worlds);
-  min_of_worlds_(n_items, u32(n_items), first, values, none, least_);
-  return least_;
+  const std::size_t n_items = n_worlds * N_LANES;
+  min_of_worlds_(n_items, u32(n_items), first_, values, none, least_);
+  return least_.read();
 }
 
 ContinuousCollision::ContinuousCollision(Device& device)
@@ -32,18 +28,16 @@ ContinuousCollision::ContinuousCollision(Device& device)
       steps_(device, 0, "certified_steps"),
       minimum_(device) {}
 
-std::vector<double> ContinuousCollision::largest_step(const WorldRows<Barrier>& pairs, const Buffer<double>& x0,
-                                                      const Buffer<double>& x1) {
+const Buffer<double>& ContinuousCollision::start(const WorldRows<Barrier>& pairs, const Buffer<double>& x0,
+                                                 const Buffer<double>& x1) {
   steps_.resize(pairs.n());
   accd_steps_(pairs.n(), pairs.n(), pairs.rows, x0, x1, steps_);
-  return minimum_(pairs.first, steps_, 1.0);
+  return steps_;
 }
 
-const Buffer<double>& ContinuousCollision::start(const WorldRows<Barrier>& pairs, const Buffer<u32>& first,
-                                                 const Buffer<double>& x0, const Buffer<double>& x1) {
-  steps_.resize(pairs.n());
-  accd_steps_(pairs.n(), pairs.n(), pairs.rows, x0, x1, steps_);
-  return minimum_.start(first, steps_, 1.0);
+std::vector<double> ContinuousCollision::largest_step(const WorldRows<Barrier>& pairs, const Buffer<double>& x0,
+                                                      const Buffer<double>& x1) {
+  return minimum_(pairs.first, start(pairs, x0, x1), 1.0);
 }
 
 }  // namespace pvg

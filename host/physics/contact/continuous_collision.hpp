@@ -13,8 +13,6 @@ class WorldMinimum {
   explicit WorldMinimum(Device& device);
   // first: [n_worlds + 1] runs in values;  none: of a world without values
   std::vector<double> operator()(const std::vector<u32>& first, const Buffer<double>& values, double none);
-  // The same on the device, without waiting; first: on the device
-  const Buffer<double>& start(const Buffer<u32>& first, const Buffer<double>& values, double none);
 
  private:
   Program program_;
@@ -28,9 +26,8 @@ class ContinuousCollision {
   explicit ContinuousCollision(Device& device);
   // The part in [0, 1] of the motion x0 -> x1 [n_sites x 3, m] that is certified for each world.
   std::vector<double> largest_step(const WorldRows<Barrier>& pairs, const Buffer<double>& x0, const Buffer<double>& x1);
-  // The same on the device, without waiting. first: pairs.first there
-  const Buffer<double>& start(const WorldRows<Barrier>& pairs, const Buffer<u32>& first, const Buffer<double>& x0,
-                              const Buffer<double>& x1);
+  // Starts to find the part of each pair [pairs.n()].
+  const Buffer<double>& start(const WorldRows<Barrier>& pairs, const Buffer<double>& x0, const Buffer<double>& x1);
   const Buffer<double>& steps() const { return steps_; }  // of each pair, of the last call
 
  private:

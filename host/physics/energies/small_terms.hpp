@@ -1,5 +1,6 @@
 // Energy terms of few elements each, such as joints, drives and inertia, in one launch: their kernels take less time
-// than it takes to start them. What is computed for each element is what its own kernels compute.
+// than it takes to start them; on a device apart from the host that goes for all terms. What is computed for each
+// element is what its own kernels compute.
 #pragma once
 #include <optional>
 #include <span>

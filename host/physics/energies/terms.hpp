@@ -19,9 +19,9 @@ class Terms {
 #undef MEMBER
 
   const std::vector<Term*>& all() const { return all_; }  // in the order of sums
-  // Those whose elements are few and are not written by kernels: they may be launched together. Their rows, blocks and
-  // energies must have their places. first_energy: of each of all()
-  std::vector<SmallTermSource> small(const System& system, std::span<const u32> first_energy);
+  // Those that are launched together: where the device is a CPU those of few elements, elsewhere all but those whose
+  // elements kernels write. Their rows, blocks and energies must have their places. first_energy: of each of all()
+  std::vector<SmallTermSource> small(const Device& device, const System& system, std::span<const u32> first_energy);
 
  private:
   std::vector<Term*> all_;

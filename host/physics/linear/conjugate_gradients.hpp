@@ -40,24 +40,29 @@ class ConjugateGradients {
     Product product, precondition;
     double tolerance;
     int max_iterations;
+    const Buffer<f64>* gradient;
     Buffer<f64>* dx;
   };
   bool renew_z();  // and whether the chunks of r . z were summed
+  void test();
+  bool joins_launches() const;
 
   Device* device_;
   std::size_t n_nodes_, n_worlds_;
   Program program_;
-  Kernel start_, begin_, test_, step_length_, advance_, turn_;
+  Kernel start_, begin_, test_, test_residual_, step_length_, advance_, turn_;
   WorldReduce reduce_;
   WorldChunks chunks_;
   Buffer<u32> node_world_, is_wanted_;
   Buffer<CgWorld> worlds_;
-  Buffer<f64> residual_, preconditioned_, direction_, product_;
+  Buffer<f64> residual_, preconditioned_, direction_, product_, residual_partial_;
   std::vector<char> wanted_;  // what is_wanted_ holds
   Problem problem_{};
-  std::vector<CgWorld> read_;  // [n_worlds] as the device had them
-  int n_started_ = 0;          // iterations
-  int n_last_ = 1;             // of the last solve
+  std::vector<CgWorld> read_;   // [n_worlds] as the device had them
+  int n_started_ = 0;           // iterations
+  int n_last_ = 1;              // of the last solve
+  bool was_tested_ = true;      // in the last iteration, in the preconditioner's norm
+  bool residual_tells_ = true;  // where one iteration is enough; false since the residual missed it once
 };
 
 }  // namespace pvg

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace pvg {
 namespace {
@@ -191,7 +192,8 @@ void DeviceFactor::list_blocks(std::span<const FactorGroup> groups) {
 }
 
 void DeviceFactor::start_factorize(const Buffer<f64>& matrix_blocks, const ContactElements& contacts,
-                                   std::span<const char> world_is_active) {
+                                   std::span<const char> world_is_active, const Buffer<f64>* gradient) {
+  is_half_solved_ = gradient;
   if (group_world_.empty()) return;
   std::vector<u32> is_active;
   for (const u32 world : group_world_) is_active.push_back(world_is_active[world]);
@@ -218,7 +220,8 @@ void DeviceFactor::start_factorize(const Buffer<f64>& matrix_blocks, const Conta
     const u32 first = factoring_.stage_first[stage];
     const u32 n_items = u32(GROUP_SIZE) * (factoring_.stage_first[stage + 1] - first);
     factor_fronts_(n_items, n_items, first, factoring_.first, factoring_.front, fronts_, children_, places_,
-                   group_is_active_, panels_, updates_, failed_);
+                   group_is_active_, panels_, updates_, failed_, u32(gradient != nullptr), front_nodes_,
+                   gradient ? *gradient : no_numbers_, vectors_);
   }
   failed_.read_later(0, std::span(host_failed_));
 }
@@ -242,8 +245,9 @@ void DeviceFactor::solve_stage(u32 stage, u32 parts, bool adds, const Buffer<f64
 void DeviceFactor::start_apply(const Buffer<f64>& residual, bool adds, Buffer<f64>& preconditioned) {
   const u32 n = solving_.n_stages;
   if (n == 0) return adds ? void() : preconditioned.zero();
-  for (u32 stage = 0; stage + 1 < n; ++stage) solve_stage(stage, FORWARD, adds, residual, preconditioned);
-  solve_stage(n - 1, FORWARD | BACKWARD, adds, residual, preconditioned);
+  const u32 forward = std::exchange(is_half_solved_, false) ? 0 : FORWARD;
+  for (u32 stage = 0; forward && stage + 1 < n; ++stage) solve_stage(stage, FORWARD, adds, residual, preconditioned);
+  solve_stage(n - 1, forward | BACKWARD, adds, residual, preconditioned);
   for (u32 stage = n - 1; stage-- > 0;) solve_stage(stage, BACKWARD, adds, residual, preconditioned);
 }
 

@@ -41,9 +41,10 @@ class DeviceFactor {
   // The matrices from now on. Throws a UsageError where the factor has more numbers than the device can count.
   void set(std::span<const FactorGroup> groups);
 
-  // Starts to factor the groups of the active worlds at the present blocks.
+  // Starts to factor the groups of the active worlds at the present blocks. gradient: the first start_apply() will be
+  // to -gradient [n_nodes x 3], half of which is then done in the same launches.
   void start_factorize(const Buffer<f64>& matrix_blocks, const ContactElements& contacts,
-                       std::span<const char> world_is_active);
+                       std::span<const char> world_is_active, const Buffer<f64>* gradient = nullptr);
   // The first group that is not positive definite; after the device was waited for.
   std::optional<u32> failed() const;
   // preconditioned (+)= M^-1 residual;  [n_nodes x 3]; zero in groups that are not active or not positive definite
@@ -77,6 +78,7 @@ class DeviceFactor {
   std::vector<u32> group_world_, host_nodes_, order_;  // order_: the nodes of all groups, as they are eliminated
   std::vector<u32> written_active_;
   std::vector<u32> host_failed_;  // [n_groups] as read
+  bool is_half_solved_ = false;   // forward, for the first residual
   Tasks factoring_, solving_;
   Buffer<FactorFront> fronts_;
   Buffer<u32> children_, places_, front_nodes_, lone_nodes_;

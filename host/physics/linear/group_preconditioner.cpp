@@ -277,8 +277,8 @@ void GroupPreconditioner::take_blocks(std::span<const double> values) {
 }
 
 void GroupPreconditioner::start_factorize(const Buffer<f64>& blocks, const ContactElements& contacts,
-                                          std::span<const char> world_is_active) {
-  if (device_factor_) return device_factor_->start_factorize(blocks, contacts, world_is_active);
+                                          std::span<const char> world_is_active, const Buffer<f64>* gradient) {
+  if (device_factor_) return device_factor_->start_factorize(blocks, contacts, world_is_active, gradient);
   std::vector<detail::HostAccess> access = {reads(blocks)};
   for (const Term* term : contacts.terms) access.push_back(reads(term->blocks()));
   blocks.memory().device().call(

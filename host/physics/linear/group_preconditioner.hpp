@@ -36,8 +36,9 @@ class GroupPreconditioner {
 
   // Starts, in the order of the device's queue, what takes the matrix's blocks, adds the present ones of the contacts
   // and factors the groups of the active worlds. contacts must not change before the device is waited for.
+  // gradient: what the first start_apply() is to will be -gradient [n_nodes x 3].
   void start_factorize(const Buffer<f64>& blocks, const ContactElements& contacts,
-                       std::span<const char> world_is_active);
+                       std::span<const char> world_is_active, const Buffer<f64>* gradient = nullptr);
   // A node of the first group that is not positive definite, or nothing; after the device was waited for.
   std::optional<u32> failed() const;
   std::optional<u32> factorize(const Buffer<f64>& blocks, const ContactElements& contacts,

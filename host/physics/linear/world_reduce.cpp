@@ -72,9 +72,10 @@ void WorldReduce::sum(const WorldChunks& c, const Buffer<f64>& a, u32 from, cons
   sum(c, a, true, from, late_first, most / CHUNK_LENGTH + 1, out);
 }
 
-void WorldReduce::largest_length(const WorldChunks& c, const Buffer<f64>& a, Buffer<f64>& out) {
-  if (c.has_large_world()) largest_length_chunks_(c.n_chunks_, u32(c.n_chunks_), c.chunks_, a, c.partial_);
-  largest_worlds_(n_items(), u32(n_items()), u32(c.has_large_world()), c.first_, c.chunks_, a, c.partial_, out);
+void WorldReduce::largest_length(const WorldChunks& c, const Buffer<Site>& sites, const Buffer<f64>& a,
+                                 Buffer<f64>& out) {
+  if (c.has_large_world()) largest_length_chunks_(c.n_chunks_, u32(c.n_chunks_), c.chunks_, sites, a, c.partial_);
+  largest_worlds_(n_items(), u32(n_items()), u32(c.has_large_world()), c.first_, c.chunks_, sites, a, c.partial_, out);
 }
 
 }  // namespace pvg

@@ -50,8 +50,8 @@ class WorldReduce {
   // late_first [n_worlds + 1], on the device, counted from element `from`; most: that there may be
   void sum(const WorldChunks& chunks, const Buffer<f64>& a, u32 from, const Buffer<u32>& late_first, u32 most,
            Buffer<f64>& out);
-  // out[w] = largest length;  a: [n_elements x 3]
-  void largest_length(const WorldChunks& chunks, const Buffer<f64>& a, Buffer<f64>& out);
+  // out[w] = largest length at the sites in the chunks;  a: [n_nodes x 3]
+  void largest_length(const WorldChunks& chunks, const Buffer<Site>& sites, const Buffer<f64>& a, Buffer<f64>& out);
 
  private:
   std::size_t n_items() const { return GROUP_SIZE * n_worlds_; }

@@ -65,7 +65,7 @@ Potential::Potential(Device& device, const System& system)
   constant_gather_.set(blocks);
   rows_.resize(3 * n_constant_rows_);
   matrix_ = std::make_unique<BlockMatrix>(device, system.sites, system.node_is_fixed, constant_);
-  std::vector<SmallTermSource> small = terms_.small(system, first_energy_);
+  std::vector<SmallTermSource> small = terms_.small(device, system, first_energy_);
   for (std::size_t t = 0; t < constant_.size(); ++t)
     if (constant_[t]->size() > 0 &&
         std::none_of(small.begin(), small.end(), [&](const SmallTermSource& s) { return s.term == constant_[t]; }))
@@ -249,10 +249,10 @@ void Potential::product(const Buffer<f64>& direction, Buffer<f64>& out) {
   matrix_->multiply_and_gather(direction, contact_gather_, node_is_fixed_, rows_, out);
 }
 
-void Potential::start_factorize(std::span<const char> world_is_active) {
+void Potential::start_factorize(std::span<const char> world_is_active, const Buffer<f64>* gradient) {
   const Term* const contacts[] = {&barrier_, &friction_};
   preconditioner_->start_factorize({contacts, n_constant_rows_, &contact_gather_, &contact_sites_, &sites_},
-                                   world_is_active);
+                                   world_is_active, gradient);
 }
 
 std::optional<u32> Potential::factorize(std::span<const char> world_is_active) {

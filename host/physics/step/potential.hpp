@@ -60,7 +60,8 @@ class Potential {
   void product(const Buffer<f64>& direction, Buffer<f64>& out);
   // Starts to factor the preconditioner at the blocks of the last differentiate(). failed(): a node of the first group
   // of bodies whose matrix is not positive definite, or nothing, after the device was waited for. factorize(): both.
-  void start_factorize(std::span<const char> world_is_active);
+  // gradient: the first precondition() will be of -gradient.
+  void start_factorize(std::span<const char> world_is_active, const Buffer<f64>* gradient = nullptr);
   std::optional<u32> failed() const { return preconditioner_->failed(); }
   std::optional<u32> factorize(std::span<const char> world_is_active);
   // From now on the factors of these worlds hold the pairs of nodes that the contacts of the last differentiate()

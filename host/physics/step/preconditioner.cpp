@@ -112,10 +112,11 @@ Preconditioner::Preconditioner(Device& device, const System& system, const Block
                                                  has_levels ? CLUSTER_WIDTH : 1, has_levels ? MOST_LEVELS : 1);
 }
 
-void Preconditioner::start_factorize(const ContactElements& contacts, std::span<const char> world_is_active) {
+void Preconditioner::start_factorize(const ContactElements& contacts, std::span<const char> world_is_active,
+                                     const Buffer<f64>* gradient) {
   if (schwarz_) schwarz_->start_factorize(contacts.terms);
   if (frames_) frames_->start_factorize(contacts.terms);
-  if (groups_) groups_->start_factorize(matrix_.blocks(), contacts, world_is_active);
+  if (groups_) groups_->start_factorize(matrix_.blocks(), contacts, world_is_active, gradient);
 }
 
 std::optional<u32> Preconditioner::failed() const {

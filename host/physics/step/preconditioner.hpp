@@ -26,7 +26,9 @@ class Preconditioner {
 
   // Starts to factor, at the matrix's present blocks and those of the contacts, which must not change before the device
   // was waited for.
-  void start_factorize(const ContactElements& contacts, std::span<const char> world_is_active);
+  // gradient: what the first apply() is to will be -gradient [n_nodes x 3].
+  void start_factorize(const ContactElements& contacts, std::span<const char> world_is_active,
+                       const Buffer<f64>* gradient = nullptr);
   // A node of what is not positive definite, or nothing; after the device was waited for.
   std::optional<u32> failed() const;
   // preconditioned = M^-1 residual;  [n_nodes x 3]

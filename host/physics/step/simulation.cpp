@@ -67,9 +67,11 @@ Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
       nodes_program(device, "solve/nodes.cl"),
       newton_program(device, "solve/newton.cl"),
       move_along(nodes_program.kernel("move_along")),
+      place_nodes(nodes_program.kernel("place_nodes")),
       certified_step(newton_program.kernel("certified_step")),
       node_world(device, system.node_world, "world"),
       is_active_on_device(device, worlds.size(), "is_active"),
+      prescribed_nodes(device, 0, "prescribed nodes"),
       dx(device, system.x.size(), "dx"),
       gradient(device, system.x.size(), "gradient"),
       step(device, worlds.size(), "step"),
@@ -90,16 +92,23 @@ Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
       cg(device, system.node_world, worlds.size(), system.node_ranges),
       reduce(device, worlds.size()),
       speed_chunks(device, worlds.size()),
-      direction_site(device, 3 * system.sites.size(), "direction sites"),
       largest_move(worlds.size()),
       certified(worlds.size()),
       moved_energy(worlds.size()),
       nodes(system.x.size()),
-      velocities(system.x.size()) {
+      velocities(system.x.size()),
+      prescribed_values(device, 0, "prescribed values") {
   std::vector<double> tolerances;
   for (const PhysicalScene& scene : system.scenes) tolerances.push_back(scene.solver.velocity_tolerance);
   tolerance.write(tolerances);
   has_prescribed = has_prescribed_bodies(system);
+  std::vector<u32> own;
+  for_each_prescribed([&](u32 first) {
+    for (u32 k = 0; k < 4; ++k) own.push_back(first / 3 + k);
+  });
+  prescribed_nodes.resize(own.size());
+  prescribed_nodes.write(own);
+  prescribed_values.resize(3 * own.size());
   speed_chunks.set(system.speed_ranges);
   is_retired.assign(worlds.size(), false);
   is_intact.assign(worlds.size(), true);

@@ -57,7 +57,8 @@ struct Simulation::Impl {
   // h, short_of: as of solve/newton.cl
   void start_certified_move(bool settles, double h, double short_of);
   void find_minimum(double h);
-  void lag_friction(double h, const Positions& foreseen);
+  // is_started: read_contacts() did, at x
+  void lag_friction(double h, const Positions& foreseen, bool is_started);
   void minimize(double h, bool may_be_settled, double enough);
   std::vector<double> certify();
   void start_solve();
@@ -89,8 +90,8 @@ struct Simulation::Impl {
   System system;
   Potential potential;
   Program nodes_program, newton_program;
-  Kernel move_along, certified_step;
-  Buffer<u32> node_world, is_active_on_device;
+  Kernel move_along, place_nodes, certified_step;
+  Buffer<u32> node_world, is_active_on_device, prescribed_nodes;
   std::vector<char> active_written;                               // what is_active_on_device and full_step hold
   Buffer<f64> dx, gradient, step, full_step, largest, tolerance;  // full_step: 1 for worlds that move; tolerance [m/s]
   TimeIntegrator integrator;
@@ -99,10 +100,10 @@ struct Simulation::Impl {
   ConjugateGradients cg;
   WorldReduce reduce;
   WorldChunks speed_chunks;
-  Buffer<f64> direction_site;
   std::vector<double> largest_move, certified, moved_energy;  // [n_worlds] of the last move, as read
   std::vector<double> nodes, velocities;                      // [n_nodes x 3] at the start of the step
   std::vector<double> prescribed;                             // [n_nodes x 3] where prescribed bodies are to be
+  Buffer<f64> prescribed_values;                              // the same of prescribed_nodes [n x 3]
   bool knows_motion = false;                                  // nodes and velocities are those of the device
 
   std::vector<std::vector<Carried>> carried;                  // [n_worlds][n_joints]
@@ -120,9 +121,10 @@ struct Simulation::Impl {
   std::vector<char> is_active;                                // of these, worlds that Newton's method still moves
   std::vector<WorldState> states;
   std::vector<StepReport> reports;
-  bool begins_step = true;     // no direction was found yet
-  std::vector<double> energy;  // at x, per world [J]
-  bool has_prescribed;         // bodies
+  bool begins_step = true;          // no direction was found yet
+  bool served_first_guess = false;  // the candidates, in the last step
+  std::vector<double> energy;       // at x, per world [J]
+  bool has_prescribed;              // bodies
 };
 
 }  // namespace pvg

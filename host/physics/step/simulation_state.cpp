@@ -131,6 +131,7 @@ void Simulation::Impl::read_state(double h) {
 void Simulation::Impl::read_contacts(double h) {
   contacts.find_contacts(x.site);
   std::vector<std::vector<ContactForce>> forces = contacts.forces(x.site, start.site, h);
+  contacts.start_lag_friction(x.site);  // of the next step
   const std::vector<double> gap = contacts.min_gap(x.site);
   u32 first_body = 0;
   for (std::size_t w = 0; w < system.n_worlds(); first_body += u32(n_bodies(system.scenes[w])), ++w) {

@@ -35,19 +35,24 @@ void Simulation::Impl::move_to_first_guess(double h) {
       give_up(w, StepEvent::Kind::not_finite, *node, "its velocity is not a number");
   // a guess that ends just short of touching would start Newton where the barrier is steepest
   constexpr double SHORT_OF = 0.5;
+  // a whole step's motion is often more than the candidates serve for; elsewhere than on the host's own processor what
+  // follows is started before that is known, as long as they served in the last step
+  const bool starts_early = !device.info().runs_host_functions && served_first_guess;
   {
-    // a whole step's motion is often more than the candidates serve for
     const auto timed = clock.time(SolverPhase::broad_phase);
     start_move(is_intact);
+    if (starts_early) start_certified_move(false, h, SHORT_OF);
     device.finish();
+    served_first_guess = contacts.candidates_serve();
+    if (starts_early && !served_first_guess) move(full_step);
     contacts.renew_candidates(x.site, trial.site);
   }
-  {
+  if (!(starts_early && served_first_guess)) {
     const auto timed = clock.time(SolverPhase::continuous_collision);
     start_certified_move(false, h, SHORT_OF);
     device.finish();
-    contacts.take_contacts();
   }
+  contacts.take_contacts();
   std::swap(x, trial);
   energy = moved_energy;
 }
@@ -77,9 +82,10 @@ void Simulation::Impl::start_move(const std::vector<char>& worlds) {
 }
 
 void Simulation::Impl::start_certified_move(bool settles, double h, double short_of) {
-  const Buffer<f64>& free_part = contacts.start_largest_step(x.site, trial.site);
-  const u32 n = u32(system.n_worlds());
-  certified_step(n, n, free_part, is_active_on_device, u32(settles), largest, tolerance, h, short_of, step);
+  const Buffer<f64>& free_parts = contacts.start_largest_steps(x.site, trial.site);
+  const u32 n = u32(GROUP_SIZE * system.n_worlds());
+  certified_step(n, n, contacts.first_candidate(), free_parts, is_active_on_device, u32(settles), largest, tolerance, h,
+                 short_of, step);
   move(step);
   contacts.start_find_contacts(trial.site);
   const Buffer<f64>& its_energy = potential.start_energy(trial, contacts);
@@ -123,8 +129,7 @@ void Simulation::Impl::start_solve() {
 
 // How far points would move, and whether the candidates serve for that.
 void Simulation::Impl::start_look_ahead() {
-  potential.to_sites(dx, direction_site);
-  reduce.largest_length(speed_chunks, direction_site, largest);
+  reduce.largest_length(speed_chunks, potential.sites(), dx, largest);
   largest.read_later(0, std::span(largest_move));
   start_move(is_active);
 }
@@ -138,7 +143,7 @@ CgReport Simulation::Impl::factorize_and_solve(double h, bool settles) {
   for (;;) {
     {
       const auto timed = clock.time(SolverPhase::preconditioner);
-      potential.start_factorize(is_active);
+      potential.start_factorize(is_active, &gradient);
     }
     start_solve();
     for (;;) {
@@ -281,11 +286,14 @@ void Simulation::Impl::minimize(double h, bool may_be_settled, double enough) {
 
 // Contacts at x and their friction: normal forces and tangents as they are here, for a step of length h. A world that
 // had no friction and has none now is settled.
-void Simulation::Impl::lag_friction(double h, const Positions& foreseen) {
+void Simulation::Impl::lag_friction(double h, const Positions& foreseen, bool is_started) {
   const std::vector<u32> before = contacts.friction().first;
   {
     const auto timed = clock.time(SolverPhase::narrow_phase);
-    contacts.find_and_lag_friction(x.site, h, start.site, foreseen.site);
+    if (is_started)
+      contacts.take_friction(h, start.site, foreseen.site);
+    else
+      contacts.find_and_lag_friction(x.site, h, start.site, foreseen.site);
     potential.set_friction(contacts);
   }
   const std::vector<u32>& now = contacts.friction().first;
@@ -302,12 +310,12 @@ void Simulation::Impl::find_minimum(double h) {
     const auto timed = clock.time(SolverPhase::broad_phase);
     contacts.find_candidates(x.site, x.site);
   }
-  lag_friction(h, predicted);
+  lag_friction(h, predicted, knows_motion);
   is_unsettled = is_intact;
   move_to_first_guess(h);
   minimize(h, false, wanted < 0 ? ENOUGH : 0);
   for (int pass = 1; pass < (wanted < 0 ? MAX_LAG_PASSES : wanted) && any(is_unsettled); ++pass) {
-    lag_friction(h, x);
+    lag_friction(h, x, false);
     energy = potential.energy(x, contacts);
     minimize(h, wanted < 0, wanted < 0 ? ENOUGH : 0);
   }
@@ -333,11 +341,13 @@ void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>&
   potential.set_forces(integrator.velocity());
   set_joints(h, previous, targets);
   find_minimum(h);
-  nodes = x.node.read();
+  x.node.read_later(0, std::span(nodes));
+  contacts.start_anchors(x.site, start.site, h);
+  device.finish();
   give_up_inverted();
   integrator.accept(start.node, x.node, is_intact);
-  integrator.velocity().read_later(0, std::span(velocities));
-  contacts.renew_anchors(x.site, start.site, h, is_intact);  // waits for both
+  integrator.velocity().read_later(0, std::span(velocities));  // read_state() waits for them
+  contacts.take_anchors(is_intact);
   knows_motion = std::all_of(is_intact.begin(), is_intact.end(), [](char intact) { return intact; });
   potential.flow(x, h, is_intact);
   read_state(h);
@@ -373,9 +383,11 @@ void Simulation::Impl::prescribe(double h) {
   if (!has_prescribed) return;
   prescribed.resize(system.x.size());
   for (std::size_t w = 0; w < system.n_worlds(); ++w) write_prescribed(system, w, states[w].time + h, prescribed);
-  for_each_prescribed([&](u32 first) {
-    predicted.node.write(first, std::vector<double>(&prescribed[first], &prescribed[first] + 12));
-  });
+  std::vector<double> values;
+  for_each_prescribed([&](u32 first) { values.insert(values.end(), &prescribed[first], &prescribed[first] + 12); });
+  prescribed_values.write(values);
+  const u32 n = u32(prescribed_nodes.size());
+  place_nodes(n, n, prescribed_nodes, prescribed_values, predicted.node);
 }
 
 void Simulation::Impl::aim_prescribed(std::vector<double>& motion) {

@@ -1,5 +1,7 @@
 #include "host/physics/step/time_integration.hpp"
 
+#include <utility>
+
 namespace pvg {
 
 TimeIntegrator::TimeIntegrator(Device& device, const System& system)
@@ -24,13 +26,12 @@ double TimeIntegrator::predict(const Buffer<f64>& x, double h, SolverSettings::I
   if (is_second_order) {
     backward_difference_(n_, n_, x, position_before_, past_position_);
     backward_difference_(n_, n_, velocity_, velocity_before_, past_velocity_);
-  } else {
-    past_position_.copy_from(x);
-    past_velocity_.copy_from(velocity_);
   }
+  is_second_order_ = is_second_order;
   length_ = h;
   inertia_length_ = is_second_order ? 2 * h / 3 : h;
-  predict_(n_, n_, past_position_, past_velocity_, gravity_, node_is_fixed_, inertia_length_, predicted);
+  predict_(n_, n_, is_second_order ? past_position_ : x, is_second_order ? past_velocity_ : velocity_, gravity_,
+           node_is_fixed_, inertia_length_, predicted);
   return inertia_length_;
 }
 
@@ -47,8 +48,8 @@ void TimeIntegrator::accept(const Buffer<f64>& start, const Buffer<f64>& end, st
       for (Buffer<f64>* buffer : {&position_before_, &velocity_before_, &velocity_})
         kept.push_back({buffer, 3 * range.begin, buffer->read(3 * range.begin, 3 * (range.end - range.begin))});
   position_before_.copy_from(start);
-  velocity_before_.copy_from(velocity_);
-  velocity_from_positions_(n_, n_, end, past_position_, inertia_length_, velocity_);
+  std::swap(velocity_before_, velocity_);  // all of velocity_ is written next
+  velocity_from_positions_(n_, n_, end, is_second_order_ ? past_position_ : start, inertia_length_, velocity_);
   for (const Kept& k : kept) k.buffer->write(k.first, k.values);
   for (std::size_t w = 0; w < length_before_.size(); ++w)
     if (stepped[w]) length_before_[w] = length_;

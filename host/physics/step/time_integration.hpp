@@ -19,7 +19,8 @@ class TimeIntegrator {
 
   // Has the world had a step of this length just before?
   bool goes_on(std::size_t world, double h) const { return length_before_[world] == h; }
-  // Where inertia and gravity lead from x in a step of length h [s]. Returns h'. goes_on: of all worlds that step
+  // Where inertia and gravity lead from x, which accept() gets again as `start`, in a step of length h [s]. Returns h'.
+  // goes_on: of all worlds that step
   double predict(const Buffer<f64>& x, double h, SolverSettings::Integrator integrator, bool goes_on,
                  Buffer<f64>& predicted);
   // After the step of the worlds for which `stepped`: their new velocities, from the positions at its start and end.
@@ -43,6 +44,7 @@ class TimeIntegrator {
   std::vector<WorldRange> node_ranges_;
   std::vector<double> length_before_;       // [n_worlds, s]
   double length_ = 0, inertia_length_ = 0;  // [s]
+  bool is_second_order_ = false;            // the last prediction
 };
 
 }  // namespace pvg

@@ -18,6 +18,8 @@ std::vector<double> random_values(std::size_t n, unsigned seed) {
   return values;
 }
 
+Site site_of(u32 node, double weight) { return {{node, 0, 0, 0}, {weight, 0, 0, 0}}; }
+
 TEST(WorldReduce, SumEqualsAPlainLoop) {
   Device device;
   WorldReduce reduce(device, 1);
@@ -48,8 +50,15 @@ TEST(WorldReduce, DotAndLargestLengthOfKnownVectors) {
   chunks.set(ranges);
   reduce.dot(chunks, a, a, out);
   EXPECT_EQ(out.read(), (std::vector<double>{25, 5}));
-  reduce.largest_length(chunks, a, out);
+  // the second site lies halfway between the nodes of the first and the third
+  const Buffer<Site> sites(device, std::vector<Site>{site_of(0, 1), {{0, 2, 0, 0}, {0.5, 0.5, 0, 0}}, site_of(2, 1)},
+                           "sites");
+  reduce.largest_length(chunks, sites, a, out);
   EXPECT_EQ(out.read(), (std::vector<double>{5, 2}));
+  const WorldRange halfway[] = {{0, 0, 1}, {1, 1, 2}};
+  chunks.set(halfway);
+  reduce.largest_length(chunks, sites, a, out);
+  EXPECT_EQ(out.read(), (std::vector<double>{5, std::sqrt(1.5 * 1.5 + 1)}));
 }
 
 TEST(WorldReduce, LargestLengthOfNotANumberIsInfinite) {
@@ -60,7 +69,8 @@ TEST(WorldReduce, LargestLengthOfNotANumberIsInfinite) {
   Buffer<f64> a(device, std::vector<double>{1, 0, 0, std::nan(""), 0, 0, 1, 0, 0}, "a");
   const WorldRange range{0, 0, 3};
   chunks.set(std::span(&range, 1));
-  reduce.largest_length(chunks, a, out);
+  const Buffer<Site> sites(device, std::vector<Site>{site_of(0, 1), site_of(1, 1), site_of(2, 1)}, "sites");
+  reduce.largest_length(chunks, sites, a, out);
   EXPECT_EQ(out.read()[0], std::numeric_limits<double>::infinity());
 }
 
