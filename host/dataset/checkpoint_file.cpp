@@ -9,7 +9,7 @@
 namespace pvg {
 namespace {
 
-constexpr std::int64_t SCHEMA = 5;
+constexpr std::int64_t SCHEMA = 6;
 
 // An anchor as numbers: kind and sites of its pair, strain.
 constexpr std::size_t ANCHOR_LENGTH = 8;
@@ -42,6 +42,7 @@ void for_each_field(Checkpoint& checkpoint, const Visit& visit) {
   visit("/history/velocity", checkpoint.history.velocity);
   visit("/history/position_before", checkpoint.history.position_before);
   visit("/history/velocity_before", checkpoint.history.velocity_before);
+  visit("/history/velocity_two_before", checkpoint.history.velocity_two_before);
   visit("/history/length_before", checkpoint.history.length_before);
   visit("/anchors", checkpoint.anchors);
   visit("/time", checkpoint.time);

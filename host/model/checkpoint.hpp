@@ -20,6 +20,7 @@ struct FrictionAnchor {
 // What time integration keeps of the past.  [n_nodes x 3]
 struct MotionHistory {
   std::vector<double> velocity, position_before, velocity_before;  // [m/s], [m], [m/s]
+  std::vector<double> velocity_two_before;                         // at the start of the step before the last [m/s]
   std::vector<double> length_before;                               // [n_worlds] of the step before [s]; 0: none
 };
 

@@ -6,7 +6,10 @@
 //          void TERM_hessian (PARAMS p, const real3* x, const real3* x0, real h, real* H)              [N/m]
 //        x: site positions now, x0: at the start of the step [STENCIL, m], h: time step [s];
 //        H: row-major (3 STENCIL)^2, positive semi-definite. With HESSIAN_IN_PLACE it is `global real* H`, where the
-//        numbers belong: a private array of 30 x 30 numbers takes 7,200 bytes of memory for each work-item
+//        numbers belong: a private array of 30 x 30 numbers takes 7,200 bytes of memory for each work-item. What lies
+//        below its diagonal of 3 x 3 blocks is not read, but for contact and friction.
+//        With HESSIAN_OF_LANES there is, for as many elements at once as shared/lanes.h says,
+//          void TERM_hessian_of_lanes(uint n_elements, global const PARAMS* p, global const real* x, global real* H)
 //   out: kernels TERM_energy_all, TERM_gradient_all, TERM_hessian_all, TERM_product_all; what they do for one element is
 //        TERM_energy_of and TERM_derivatives_of, which are all there is where TERM_FUNCTIONS_ONLY is defined
 //        (host/physics/energies/small_terms.cpp)
@@ -40,6 +43,7 @@ static inline void JOIN(TERM, _gradient_of)(const uint e, global const PARAMS* r
   for (int s = 0; s < STENCIL; ++s) vstore3(g[s], first_row + e * STENCIL + s, rows);
 }
 
+#ifndef HESSIAN_OF_LANES
 static inline void JOIN(TERM, _hessian_of)(const uint e, global const PARAMS* restrict params,
                                            global const real* restrict x, global const real* restrict x0, const real h,
                                            const uint first, global real* restrict blocks) {
@@ -58,6 +62,7 @@ static inline void JOIN(TERM, _hessian_of)(const uint e, global const PARAMS* re
   for (int k = 0; k < 9 * STENCIL * STENCIL; ++k) out[k] = H[k];
 #endif
 }
+#endif
 
 #ifndef TERM_FUNCTIONS_ONLY
 // x, x0: sites [n_sites x 3, m];  energy: [n, J], from number `first` on
@@ -80,8 +85,15 @@ kernel void JOIN(TERM, _gradient_all)(const uint n, global const PARAMS* restric
 kernel void JOIN(TERM, _hessian_all)(const uint n, global const PARAMS* restrict params, global const real* restrict x,
                                      global const real* restrict x0, const real h, const uint first,
                                      global real* restrict blocks) {
+#ifdef HESSIAN_OF_LANES
+  // the first work-items of each group take all its elements
+  const uint in_group = get_local_id(0) * N_LANES, e = get_group_id(0) * get_local_size(0) + in_group;
+  if (in_group < get_local_size(0) && e < n)
+    JOIN(TERM, _hessian_of_lanes)(min(n - e, (uint)N_LANES), params + e, x, blocks + first + (size_t)e * 9 * STENCIL * STENCIL);
+#else
   const uint e = get_global_id(0);
   if (e < n) JOIN(TERM, _hessian_of)(e, params, x, x0, h, first, blocks);
+#endif
 }
 
 // rows = H d per element, blocks from number `first` on;  d: sites [n_sites x 3, m]
@@ -110,5 +122,6 @@ kernel void JOIN(TERM, _product_all)(const uint n, global const PARAMS* restrict
 #undef PARAMS
 #undef STENCIL
 #undef HESSIAN_IN_PLACE
+#undef HESSIAN_OF_LANES
 #undef JOIN
 #undef JOIN_

@@ -9,10 +9,4 @@ static inline void mirror_upper(const int size, real* H) {
     for (int j = 0; j < i; ++j) H[i * size + j] = H[j * size + i];
 }
 
-// the same where the term writes its Hessian in place (energies/assemble.cl)
-static inline void mirror_upper_in_place(const int size, global real* H) {
-  for (int i = 1; i < size; ++i)
-    for (int j = 0; j < i; ++j) H[i * size + j] = H[j * size + i];
-}
-
 #endif

@@ -21,7 +21,7 @@ TEST(CheckpointFile, ComesBackWithEveryBit) {
   SavedCheckpoint saved;
   Checkpoint& c = saved.checkpoint;
   c.position = {0.1, 1.0 / 3, -0.0, 5e-324, 1e308, 3};
-  c.history = {{1, 2, 3, 4, 5, 6.7}, {7, 8, 9, 1, 2, 3}, {0.1, 0.2, 0.3, 0.4, 0.5, 0.6}, {0.01, 0}};
+  c.history = {{1, 2, 3, 4, 5, 6.7}, {7, 8, 9, 1, 2, 3}, {0.1, 0.2, 0.3, 0.4, 0.5, 0.6}, {6, 5, 4, 3, 2, 1}, {0.01, 0}};
   c.anchors = {{{{0, 4294967295, 2, 7, 9}, Vec3(1.0 / 3, -0.5, 5e-324)}, {{1, 5, 6, 7, 8}, Vec3(0, 0.1, 0.7)}}, {}};
   c.time = {0.25, 0.1 + 0.2};
   c.joint_position = {{1, 2}, {}};
@@ -35,6 +35,7 @@ TEST(CheckpointFile, ComesBackWithEveryBit) {
   EXPECT_EQ(read.checkpoint.history.velocity, c.history.velocity);
   EXPECT_EQ(read.checkpoint.history.position_before, c.history.position_before);
   EXPECT_EQ(read.checkpoint.history.velocity_before, c.history.velocity_before);
+  EXPECT_EQ(read.checkpoint.history.velocity_two_before, c.history.velocity_two_before);
   EXPECT_EQ(read.checkpoint.history.length_before, c.history.length_before);
   ASSERT_EQ(read.checkpoint.anchors.size(), 2u);
   ASSERT_EQ(read.checkpoint.anchors[0].size(), 2u);

@@ -164,11 +164,11 @@ void BlockCholesky::map_entries(const BlockPattern& pattern) {
     }
 }
 
-void BlockCholesky::assemble(const Front& front, std::span<const double> blocks) {
+void BlockCholesky::assemble(const Front& front, std::span<const double* const> blocks) {
   const int stride = front.panel.stride;
   std::fill_n(front.panel.values, std::size_t(stride) * front.panel.n_pivots, 0.0);
   for (const Entry& entry : front.entries) {
-    const double* from = &blocks[9 * std::size_t(entry.block)];
+    const double* from = blocks[entry.block];
     double* to = front.panel.values + entry.first;
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) to[r + c * stride] = entry.is_transposed ? from[3 * c + r] : from[3 * r + c];
@@ -193,7 +193,7 @@ void BlockCholesky::add_update(const Front& child, const Front& parent, Part par
   }
 }
 
-bool BlockCholesky::factor(u32 s, std::span<const double> blocks) const {
+bool BlockCholesky::factor(u32 s, std::span<const double* const> blocks) const {
   const Front& front = fronts_[s];
   const std::vector<u32>& children = tree_.supernodes[s].children;
   assemble(front, blocks);
@@ -214,6 +214,12 @@ void BlockCholesky::for_each_subtree(Workers* workers, double least_cost, const 
 }
 
 bool BlockCholesky::factorize(std::span<const double> blocks, Workers* workers) {
+  std::vector<const double*> each;
+  for (std::size_t first = 0; first < blocks.size(); first += 9) each.push_back(&blocks[first]);
+  return factorize(each, workers);
+}
+
+bool BlockCholesky::factorize(std::span<const double* const> blocks, Workers* workers) {
   // below about a tenth of a millisecond waking a thread takes longer
   for_each_subtree(workers, 1e6, [&](std::size_t i) {
     has_failed_[i] = false;

@@ -23,6 +23,8 @@ class BlockCholesky {
   // blocks: one 3 x 3 block for each of the pattern, row-major [n_blocks x 9]; of a diagonal block the lower triangle
   // is read. False where the matrix is not positive definite or not finite; then solve() must not be called.
   bool factorize(std::span<const double> blocks, Workers* workers = nullptr);
+  // the same of blocks wherever they are [n_blocks]
+  bool factorize(std::span<const double* const> blocks, Workers* workers = nullptr);
   // x = A^-1 x in place [n_nodes x 3]; not from several threads at once, it needs the fronts' memory
   void solve(std::span<double> x, Workers* workers = nullptr) const;
 
@@ -54,8 +56,8 @@ class BlockCholesky {
   void map_to_parents();
   void map_entries(const BlockPattern& pattern);
 
-  bool factor(u32 front, std::span<const double> blocks) const;
-  static void assemble(const Front& front, std::span<const double> blocks);
+  bool factor(u32 front, std::span<const double* const> blocks) const;
+  static void assemble(const Front& front, std::span<const double* const> blocks);
   enum class Part { PIVOTS, REST };  // columns of the parent
   static void add_update(const Front& child, const Front& parent, Part part);
   void forward(u32 front, std::span<const double> x) const;

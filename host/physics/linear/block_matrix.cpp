@@ -6,7 +6,7 @@
 namespace pvg {
 namespace {
 
-constexpr u32 NEW_TERM = 1u << 31;  // as in solve/block_matrix.cl
+constexpr u32 NEW_TERM = 1u << 31, TRANSPOSED = 1u << 30;  // as in solve/block_matrix.cl
 
 // Calls found(row node, column node, row slot, column slot, weight) for every pair of moving nodes of one element.
 template <class Found>
@@ -31,7 +31,9 @@ void for_each_pair(std::span<const Site> sites, std::span<const u32> node_is_fix
   for (std::size_t e = 0; e < term.size(); ++e)
     for_each_pair(sites, node_is_fixed, std::span(term.sites()).subspan(e * stencil, stencil),
                   [&](u32 row, u32 column, std::size_t a, std::size_t b, double weight) {
-                    found(row, column, e * 9 * stencil * stencil + 9 * a * stencil + 3 * b, weight);
+                    // only the upper half of an element's blocks is written
+                    const std::size_t first = std::min(a, b), second = std::max(a, b);
+                    found(row, column, e * 9 * stencil * stencil + 9 * first * stencil + 3 * second, a > b, weight);
                   });
 }
 
@@ -42,7 +44,7 @@ MatrixPattern find_pattern(std::span<const Site> sites, std::span<const u32> nod
     if (!node_is_fixed[node]) columns[node].push_back(node);
   for (const Term* term : terms)
     for_each_pair(sites, node_is_fixed, *term,
-                  [&](u32 row, u32 column, std::size_t, double) { columns[row].push_back(column); });
+                  [&](u32 row, u32 column, std::size_t, bool, double) { columns[row].push_back(column); });
   MatrixPattern pattern{{0}, {}};
   for (std::vector<u32>& row : columns) {
     std::sort(row.begin(), row.end());
@@ -72,6 +74,7 @@ BlockMatrix::BlockMatrix(Device& device, std::span<const Site> sites, std::span<
       column_(device, pattern_.column, "column"),
       blocks_(device, 9 * pattern_.n_blocks(), "matrix blocks"),
       element_blocks_(device, 0, "element blocks"),
+      place_(device, 0, "place of block"),
       part_first_(device, 0, "first part of block"),
       part_source_(device, 0, "source of part"),
       part_width_(device, 0, "width of part"),
@@ -88,32 +91,43 @@ BlockMatrix::BlockMatrix(Device& device, std::span<const Site> sites, std::span<
   find_parts(sites, node_is_fixed, terms);
 }
 
-// A counting sort by block: parts of one block stay in the order of the terms and their elements.
+// A counting sort by block on and above the diagonal: parts of one block stay in the order of the terms and their
+// elements.
 void BlockMatrix::find_parts(std::span<const Site> sites, std::span<const u32> node_is_fixed,
                              std::span<Term* const> terms) {
+  std::vector<u32> place, number(pattern_.n_blocks());  // of the upper blocks; among them, of each block
+  for (u32 row = 0; row < pattern_.n_nodes(); ++row)
+    for (u32 block = pattern_.first[row]; block < pattern_.first[row + 1]; ++block) {
+      if (pattern_.column[block] < row) continue;
+      number[block] = u32(place.size() / 2);
+      place.insert(place.end(), {block, pattern_.find(pattern_.column[block], row)});
+    }
   const auto for_each_part = [&](const auto& found) {
     for (const Term* term : terms)
-      for_each_pair(sites, node_is_fixed, *term, [&](u32 row, u32 column, std::size_t from, double weight) {
-        found(pattern_.find(row, column), *term, from, weight);
-      });
+      for_each_pair(sites, node_is_fixed, *term,
+                    [&](u32 row, u32 column, std::size_t from, bool is_transposed, double weight) {
+                      if (row <= column) found(number[pattern_.find(row, column)], *term, from, is_transposed, weight);
+                    });
   };
-  std::vector<u32> first(pattern_.n_blocks() + 1, 0);
-  for_each_part([&](u32 block, const Term&, std::size_t, double) { ++first[block + 1]; });
-  for (std::size_t block = 0; block < pattern_.n_blocks(); ++block) first[block + 1] += first[block];
+  n_upper_blocks_ = u32(place.size() / 2);
+  std::vector<u32> first(n_upper_blocks_ + 1, 0);
+  for_each_part([&](u32 block, const Term&, std::size_t, bool, double) { ++first[block + 1]; });
+  for (std::size_t block = 0; block < n_upper_blocks_; ++block) first[block + 1] += first[block];
   std::vector<u32> next(first.begin(), first.end() - 1), source(first.back()), width(first.back());
   std::vector<double> weights(first.back());
-  std::vector<const Term*> last(pattern_.n_blocks(), nullptr);
-  for_each_part([&](u32 block, const Term& term, std::size_t from, double weight) {
-    const u32 place = next[block]++;
-    source[place] = u32(term.first_block() + from);
-    width[place] = u32(3 * term.stencil()) | (last[block] == &term ? 0 : NEW_TERM);
-    weights[place] = weight;
+  std::vector<const Term*> last(n_upper_blocks_, nullptr);
+  for_each_part([&](u32 block, const Term& term, std::size_t from, bool is_transposed, double weight) {
+    const u32 part = next[block]++;
+    source[part] = u32(term.first_block() + from);
+    width[part] = u32(3 * term.stencil()) | (last[block] == &term ? 0 : NEW_TERM) | (is_transposed ? TRANSPOSED : 0);
+    weights[part] = weight;
     last[block] = &term;
   });
   const auto upload = [](auto& buffer, const auto& values) {
     buffer.resize(values.size());
     buffer.write(values);
   };
+  upload(place_, place);
   upload(part_first_, first);
   upload(part_source_, source);
   upload(part_width_, width);
@@ -121,8 +135,8 @@ void BlockMatrix::find_parts(std::span<const Site> sites, std::span<const u32> n
 }
 
 void BlockMatrix::assemble() {
-  const u32 n = u32(pattern_.n_blocks());
-  assemble_blocks_(n, n, part_first_, part_source_, part_width_, part_weight_, element_blocks_, blocks_);
+  const u32 n = n_upper_blocks_;
+  assemble_blocks_(n, n, place_, part_first_, part_source_, part_width_, part_weight_, element_blocks_, blocks_);
 }
 
 void BlockMatrix::multiply_and_gather(const Buffer<f64>& x, const Gather& gather, const Buffer<u32>& node_is_fixed,

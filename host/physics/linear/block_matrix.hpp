@@ -24,7 +24,8 @@ class BlockMatrix {
  public:
   BlockMatrix(Device& device, std::span<const Site> sites, std::span<const u32> node_is_fixed,
               std::span<Term* const> terms);
-  // the sum of the present blocks of the terms that it was made from, which write them into a buffer of its own
+  // the sum of the present blocks of the terms that it was made from, which write their upper halves into a buffer of
+  // its own
   void assemble();
   // y = A x;  [n_nodes x 3]
   void multiply(const Buffer<f64>& x, Buffer<f64>& y);
@@ -45,7 +46,9 @@ class BlockMatrix {
   Buffer<u32> first_, column_;
   Buffer<f64> blocks_;
   Buffer<f64> element_blocks_;                         // of all terms
-  Buffer<u32> part_first_, part_source_, part_width_;  // what each block is the sum of: by term, in it by element
+  u32 n_upper_blocks_ = 0;                             // on and above the diagonal
+  Buffer<u32> place_;                                  // [n_upper_blocks x 2] in blocks_, and of the transpose
+  Buffer<u32> part_first_, part_source_, part_width_;  // what each is the sum of: by term, in it by element
   Buffer<f64> part_weight_;
 };
 

@@ -183,6 +183,7 @@ void GroupPreconditioner::find_pattern(Group& group) const {
     group.tree = std::move(tree);
     return;
   }
+  group.block_at.resize(group.pattern.row.size());
   group.blocks.resize(9 * group.pattern.row.size());
   group.local.resize(3 * group.nodes.size());
   group.factor = std::make_unique<BlockCholesky>(group.pattern, std::move(tree));
@@ -214,7 +215,7 @@ void GroupPreconditioner::add_contacts(const Term& contacts, std::span<const dou
                      if (!group.is_active) return;
                      const u32 block = find_block(group, node_local_[row], node_local_[column]);
                      if (block != NO_BLOCK)
-                       add(&group.blocks[9 * std::size_t(block)], from, width, weight);
+                       add(own_block(group, block), from, width, weight);
                      else
                        leave_out(group, node_local_[row], node_local_[column], from, width, std::abs(weight));
                    });
@@ -238,8 +239,7 @@ void GroupPreconditioner::leave_out(Group& group, u32 row, u32 column, const dou
   for (std::size_t r = 0; r < 3; ++r)
     for (std::size_t c = 0; c < 3; ++c) square += from[r * width + c] * from[r * width + c];
   for (const u32 node : {row, column})
-    for (int k = 0; k < 3; ++k)
-      group.blocks[9 * std::size_t(find_block(group, node, node)) + 4 * k] += weight * std::sqrt(square);
+    for (int k = 0; k < 3; ++k) own_block(group, find_block(group, node, node))[4 * k] += weight * std::sqrt(square);
 }
 
 // Groups that are more than one thread's share use all threads themselves, one after the other; the others run side by
@@ -268,12 +268,18 @@ void GroupPreconditioner::for_each_group(const Task& task) const {
 void GroupPreconditioner::take_blocks(std::span<const double> values) {
   for_each_group([&](u32 g, Workers*) {
     Group& group = groups_[g];
+    static constexpr double ZERO[9] = {};
     for (std::size_t block = 0; block < group.source.size(); ++block)
-      if (group.source[block] == NO_BLOCK)
-        std::fill_n(&group.blocks[9 * block], 9, 0.0);
-      else
-        std::copy_n(&values[9 * std::size_t(group.source[block])], 9, &group.blocks[9 * block]);
+      group.block_at[block] = group.source[block] == NO_BLOCK ? ZERO : &values[9 * std::size_t(group.source[block])];
   });
+}
+
+// A copy of a block, to be added to.
+double* GroupPreconditioner::own_block(Group& group, u32 block) {
+  double* own = &group.blocks[9 * std::size_t(block)];
+  if (group.block_at[block] != own) std::copy_n(group.block_at[block], 9, own);
+  group.block_at[block] = own;
+  return own;
 }
 
 void GroupPreconditioner::start_factorize(const Buffer<f64>& blocks, const ContactElements& contacts,
@@ -293,7 +299,7 @@ void GroupPreconditioner::start_factorize(const Buffer<f64>& blocks, const Conta
         for (std::size_t i = 0; i < terms.size(); ++i)
           add_contacts(*terms[i], numbers(i + 1, terms[i]->blocks().size()));
         for_each_group([&](u32 g, Workers* workers) {
-          groups_[g].is_factored = groups_[g].factor->factorize(groups_[g].blocks, workers);
+          groups_[g].is_factored = groups_[g].factor->factorize(groups_[g].block_at, workers);
         });
       });
 }

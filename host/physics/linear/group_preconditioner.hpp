@@ -64,7 +64,8 @@ class GroupPreconditioner {
     NodeOrder kind{};
     EliminationTree tree;  // where the device factors
     // where the host does
-    std::vector<double> blocks;  // [n_blocks x 9]
+    std::vector<const double*> block_at;  // [n_blocks] in the matrix; in `blocks` where contacts were added
+    std::vector<double> blocks;           // [n_blocks x 9]
     std::unique_ptr<BlockCholesky> factor;
     bool is_active = false, is_factored = false;
     mutable std::vector<double> local;  // of apply() [n_nodes x 3]
@@ -78,6 +79,7 @@ class GroupPreconditioner {
   static u32 find_block(const Group& group, u32 row, u32 column);
   void add_contacts(const Term& contacts, std::span<const double> blocks);
   void take_blocks(std::span<const double> values);
+  static double* own_block(Group& group, u32 block);
   static void leave_out(Group& group, u32 row, u32 column, const double* from, std::size_t width, double weight);
   template <class Task>
   void for_each_group(const Task& task) const;

@@ -57,7 +57,7 @@ class Term {
   const std::string& name() const { return name_; }
   const std::vector<u32>& sites() const { return sites_; }              // [n_elements x stencil]
   const std::vector<u32>& world_first() const { return world_first_; }  // [n_worlds + 1]
-  // [n_elements x (3 stencil)^2, N/m], from number first_block() on
+  // [n_elements x (3 stencil)^2, N/m], from number first_block() on; of some terms only the upper half is written
   Buffer<f64>& own_blocks() { return blocks_; }
   const Buffer<f64>& blocks() const { return shared_blocks_ ? *shared_blocks_ : blocks_; }
   u32 first_block() const { return first_block_; }

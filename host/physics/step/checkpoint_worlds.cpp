@@ -86,6 +86,7 @@ std::vector<Checkpoint> split(const Checkpoint& whole, const System& system) {
     world.history = {taken(history.velocity, at.node),
                      taken(history.position_before, at.node),
                      taken(history.velocity_before, at.node),
+                     taken(history.velocity_two_before, at.node),
                      {history.length_before[w]}};
     world.anchors = {of_world(whole.anchors[w], at.site)};
     world.time = {whole.time[w]};
@@ -112,6 +113,7 @@ bool put(Checkpoint& whole, std::span<const std::optional<Checkpoint>> worlds, c
         !put_numbers(history.velocity, at.node, world.history.velocity) ||
         !put_numbers(history.position_before, at.node, world.history.position_before) ||
         !put_numbers(history.velocity_before, at.node, world.history.velocity_before) ||
+        !put_numbers(history.velocity_two_before, at.node, world.history.velocity_two_before) ||
         !put_numbers(whole.pressing, at.pressing, world.pressing) ||
         !put_numbers(whole.flowed, at.flowed, world.flowed))
       return false;

@@ -1,9 +1,12 @@
 #include "host/physics/step/extrapolation.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 
 namespace pvg {
 namespace {
+
+constexpr double MOST_UNFORETOLD = 0.3;  // of the last change of velocity: beyond that the next one is not foretold
 
 using Nodes = Eigen::Map<const Eigen::Matrix3Xd>;
 
@@ -42,6 +45,27 @@ void move_affine_body(const Nodes& x, const Nodes& v, const Vec3& centre_of_mass
 }
 
 }  // namespace
+
+std::vector<double> extrapolated_velocities(const System& system, const std::vector<double>& v,
+                                            const std::vector<double>& v_before,
+                                            const std::vector<double>& v_two_before, std::span<const char> goes_on) {
+  std::vector<double> extrapolated = v;
+  for (const WorldRange& range : system.node_ranges) {
+    if (!goes_on[range.world]) continue;
+    const Eigen::Index first = 3 * Eigen::Index(range.begin), n = 3 * Eigen::Index(range.end - range.begin);
+    const auto of_world = [&](const std::vector<double>& values) {
+      return Eigen::Map<const Eigen::VectorXd>(values.data() + first, n);
+    };
+    const Eigen::VectorXd last = of_world(v) - of_world(v_before);
+    const Eigen::VectorXd before = of_world(v_before) - of_world(v_two_before);
+    const double foretold = last.dot(before);
+    if (!(foretold > 0)) continue;
+    const double part = foretold / std::max(last.squaredNorm(), before.squaredNorm());
+    if ((last - part * before).norm() <= MOST_UNFORETOLD * last.norm())
+      Eigen::Map<Eigen::VectorXd>(extrapolated.data() + first, n) += part * last;
+  }
+  return extrapolated;
+}
 
 std::vector<double> extrapolated_motion(const System& system, const std::vector<double>& x,
                                         const std::vector<double>& v, double h) {

@@ -97,6 +97,8 @@ Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
       moved_energy(worlds.size()),
       nodes(system.x.size()),
       velocities(system.x.size()),
+      velocities_before(system.x.size()),
+      velocities_two_before(system.x.size()),
       prescribed_values(device, 0, "prescribed values") {
   std::vector<double> tolerances;
   for (const PhysicalScene& scene : system.scenes) tolerances.push_back(scene.solver.velocity_tolerance);
@@ -238,8 +240,8 @@ void Simulation::restore(const Checkpoint& checkpoint) {
               checkpoint.reading.size() == n_worlds() && checkpoint.past_targets.size() == n_worlds() &&
               checkpoint.pressing.size() == impl.pressing.size() &&
               checkpoint.flowed.size() == impl.potential.flowed().size() && history.length_before.size() == n_worlds();
-  for (const std::vector<double>* nodes :
-       {&checkpoint.position, &history.velocity, &history.position_before, &history.velocity_before})
+  for (const std::vector<double>* nodes : {&checkpoint.position, &history.velocity, &history.position_before,
+                                           &history.velocity_before, &history.velocity_two_before})
     fits = fits && nodes->size() == impl.x.node.size();
   for (std::size_t w = 0; fits && w < n_worlds(); ++w)
     fits = checkpoint.joint_position[w].size() == impl.system.scenes[w].joints.size() &&

@@ -100,11 +100,12 @@ struct Simulation::Impl {
   ConjugateGradients cg;
   WorldReduce reduce;
   WorldChunks speed_chunks;
-  std::vector<double> largest_move, certified, moved_energy;  // [n_worlds] of the last move, as read
-  std::vector<double> nodes, velocities;                      // [n_nodes x 3] at the start of the step
-  std::vector<double> prescribed;                             // [n_nodes x 3] where prescribed bodies are to be
-  Buffer<f64> prescribed_values;                              // the same of prescribed_nodes [n x 3]
-  bool knows_motion = false;                                  // nodes and velocities are those of the device
+  std::vector<double> largest_move, certified, moved_energy;     // [n_worlds] of the last move, as read
+  std::vector<double> nodes, velocities;                         // [n_nodes x 3] at the start of the step
+  std::vector<double> velocities_before, velocities_two_before;  // and of the two before it
+  std::vector<double> prescribed;                                // [n_nodes x 3] where prescribed bodies are to be
+  Buffer<f64> prescribed_values;                                 // the same of prescribed_nodes [n x 3]
+  bool knows_motion = false;                                     // nodes and velocities are those of the device
 
   std::vector<std::vector<Carried>> carried;                  // [n_worlds][n_joints]
   std::vector<std::vector<std::vector<double>>> soft_masses;  // [n_worlds][n_soft][n_nodes, kg]

@@ -207,6 +207,7 @@ void Simulation::Impl::restitute() {
       add_twist(states[w].rigid[b], bodies[b].center, {to.velocity - was.velocity, to.spin - was.spin}, &now[12 * b]);
     }
     integrator.change_velocity(w, first, now, scene.solver.integrator);
+    knows_motion = false;
   }
 }
 

@@ -25,9 +25,14 @@ void Simulation::Impl::move_to_first_guess(double h) {
   if (!knows_motion) {
     x.node.read_later(0, std::span(nodes));
     integrator.velocity().read_later(0, std::span(velocities));
+    integrator.velocity_before().read_later(0, std::span(velocities_before));
+    integrator.velocity_two_before().read_later(0, std::span(velocities_two_before));
     device.finish();
   }
-  std::vector<double> motion = extrapolated_motion(system, nodes, velocities, h);
+  std::vector<char> goes_on;
+  for (std::size_t w = 0; w < is_intact.size(); ++w) goes_on.push_back(integrator.goes_on(w, h));
+  std::vector<double> motion = extrapolated_motion(
+      system, nodes, extrapolated_velocities(system, velocities, velocities_before, velocities_two_before, goes_on), h);
   aim_prescribed(motion);
   dx.write(motion);
   for (std::size_t w = 0; w < is_intact.size(); ++w)
@@ -346,6 +351,8 @@ void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>&
   device.finish();
   give_up_inverted();
   integrator.accept(start.node, x.node, is_intact);
+  std::swap(velocities_two_before, velocities_before);
+  std::swap(velocities_before, velocities);
   integrator.velocity().read_later(0, std::span(velocities));  // read_state() waits for them
   contacts.take_anchors(is_intact);
   knows_motion = std::all_of(is_intact.begin(), is_intact.end(), [](char intact) { return intact; });

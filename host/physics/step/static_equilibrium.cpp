@@ -1,6 +1,7 @@
 #include "host/physics/step/static_equilibrium.hpp"
 
 #include <Eigen/SparseCholesky>
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -77,11 +78,11 @@ class Balance {
     std::vector<Eigen::Triplet<double>> entries;
     for (std::size_t e = 0; e < problem_.mesh.n_elements(); ++e)
       for (std::size_t r = 0; r < size; ++r)
-        for (std::size_t c = 0; c < size; ++c) {
+        for (std::size_t c = r; c < size; ++c) {  // the upper half of the element's, for the lower one of the matrix
           const int i = 3 * unknown_[problem_.mesh.elements[e * n + r / 3]] + int(r % 3);
           const int j = 3 * unknown_[problem_.mesh.elements[e * n + c / 3]] + int(c % 3);
-          // held nodes have -1 and so a negative number; the lower half is enough for the factor
-          if (j >= 0 && i >= j) entries.emplace_back(i, j, blocks[(e * size + r) * size + c]);
+          // held nodes have -1 and so a negative number
+          if (i >= 0 && j >= 0) entries.emplace_back(std::max(i, j), std::min(i, j), blocks[(e * size + r) * size + c]);
         }
     matrix_.resize(3 * n_unknowns_, 3 * n_unknowns_);
     matrix_.setFromTriplets(entries.begin(), entries.end());

@@ -15,6 +15,7 @@ TimeIntegrator::TimeIntegrator(Device& device, const System& system)
       velocity_(device, system.v, "v"),
       position_before_(device, system.x, "x before"),
       velocity_before_(device, system.v, "v before"),
+      velocity_two_before_(device, system.v, "v two before"),
       past_position_(device, system.x, "past x"),
       past_velocity_(device, system.v, "past v"),
       node_ranges_(system.node_ranges),
@@ -45,9 +46,10 @@ void TimeIntegrator::accept(const Buffer<f64>& start, const Buffer<f64>& end, st
   std::vector<Kept> kept;
   for (const WorldRange& range : node_ranges_)
     if (!stepped[range.world])
-      for (Buffer<f64>* buffer : {&position_before_, &velocity_before_, &velocity_})
+      for (Buffer<f64>* buffer : {&position_before_, &velocity_two_before_, &velocity_before_, &velocity_})
         kept.push_back({buffer, 3 * range.begin, buffer->read(3 * range.begin, 3 * (range.end - range.begin))});
   position_before_.copy_from(start);
+  std::swap(velocity_two_before_, velocity_before_);
   std::swap(velocity_before_, velocity_);  // all of velocity_ is written next
   velocity_from_positions_(n_, n_, end, is_second_order_ ? past_position_ : start, inertia_length_, velocity_);
   for (const Kept& k : kept) k.buffer->write(k.first, k.values);
@@ -62,13 +64,15 @@ void TimeIntegrator::change_velocity(std::size_t world, std::size_t first_node, 
 }
 
 MotionHistory TimeIntegrator::history() const {
-  return {velocity_.read(), position_before_.read(), velocity_before_.read(), length_before_};
+  return {velocity_.read(), position_before_.read(), velocity_before_.read(), velocity_two_before_.read(),
+          length_before_};
 }
 
 void TimeIntegrator::restore(const MotionHistory& history) {
   velocity_.write(history.velocity);
   position_before_.write(history.position_before);
   velocity_before_.write(history.velocity_before);
+  velocity_two_before_.write(history.velocity_two_before);
   length_before_ = history.length_before;
 }
 

@@ -26,8 +26,9 @@ class TimeIntegrator {
   // After the step of the worlds for which `stepped`: their new velocities, from the positions at its start and end.
   void accept(const Buffer<f64>& start, const Buffer<f64>& end, std::span<const char> stepped);
 
-  const Buffer<f64>& velocity() const { return velocity_; }                // [n_nodes x 3, m/s]
-  const Buffer<f64>& velocity_before() const { return velocity_before_; }  // at the start of the last step
+  const Buffer<f64>& velocity() const { return velocity_; }                        // [n_nodes x 3, m/s]
+  const Buffer<f64>& velocity_before() const { return velocity_before_; }          // at the start of the last step
+  const Buffer<f64>& velocity_two_before() const { return velocity_two_before_; }  // and of the one before
   // What an impact made of the velocities of nodes from `first_node` on [3 n, m/s]: without a past that BDF2 goes on
   // by.
   void change_velocity(std::size_t world, std::size_t first_node, std::span<const double> velocity,
@@ -40,7 +41,8 @@ class TimeIntegrator {
   Program program_;
   Kernel predict_, backward_difference_, velocity_from_positions_;
   Buffer<u32> node_is_fixed_;
-  Buffer<f64> gravity_, velocity_, position_before_, velocity_before_, past_position_, past_velocity_;
+  Buffer<f64> gravity_, velocity_, position_before_, velocity_before_, velocity_two_before_, past_position_,
+      past_velocity_;
   std::vector<WorldRange> node_ranges_;
   std::vector<double> length_before_;       // [n_worlds, s]
   double length_ = 0, inertia_length_ = 0;  // [s]

@@ -27,22 +27,29 @@ static inline void affine_orthogonality_gradient(const AffineOrthogonality p, co
 
 static inline void affine_orthogonality_hessian(const AffineOrthogonality p, const real3* a, const real3* a0,
                                                 const real h, global real* H) {
-  const Svd3 s = svd3(mat3_of_columns(a[0], a[1], a[2]));
-  const real3 square = s.sigma * s.sigma;
-  const real3 product = (real3)(s.sigma.y * s.sigma.z, s.sigma.z * s.sigma.x, s.sigma.x * s.sigma.y);
-  const real3 others = (real3)(square.y + square.z, square.z + square.x, square.x + square.y);
+  lanes f[3][3], axes[3][3];
+  UPPER_SUM(sum, 3, H);
+  for (int i = 0; i < 3; ++i) {
+    f[i][0] = (lanes)(a[i].x);
+    f[i][1] = (lanes)(a[i].y);
+    f[i][2] = (lanes)(a[i].z);
+    for (int k = 0; k < 3; ++k) axes[i][k] = (lanes)(i == k ? 1 : 0);
+  }
   IsotropicHessian e;
-  e.u = s.u;
-  e.v = s.v;
-  e.stretch = mat3_of_columns((real3)(12 * square.x - 4, 0, 0), (real3)(0, 12 * square.y - 4, 0),
-                              (real3)(0, 0, 12 * square.z - 4));
-  e.twist = 4 * (others - product - 1);
-  e.flip = 4 * (others + product - 1);
+  lanes_svd3(f, &e.svd);
+  const lanes* sigma = e.svd.sigma;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    const lanes product = sigma[i] * sigma[j], others = sigma[i] * sigma[i] + sigma[j] * sigma[j];
+    e.stretch[k][k] = 12 * sigma[k] * sigma[k] - 4;
+    e.stretch[i][j] = e.stretch[j][i] = (lanes)(0);
+    e.twist[k] = 4 * (others - product - 1);
+    e.flip[k] = 4 * (others + product - 1);
+  }
   isotropic_project(&e);
-  const real3 axes[3] = {(real3)(1, 0, 0), (real3)(0, 1, 0), (real3)(0, 0, 1)};
-  for (int k = 0; k < 81; ++k) H[k] = 0;
-  isotropic_add_hessian(e, p.stiffness, 3, axes, H);
-  mirror_upper_in_place(9, H);
+  clear_upper(3, sum);
+  isotropic_add_hessian(&e, (lanes)(p.stiffness), 3, axes, sum);
+  store_upper(3, 1, sum, H);
 }
 
 #define TERM affine_orthogonality

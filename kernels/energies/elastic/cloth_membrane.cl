@@ -11,7 +11,8 @@
 // Hessian: the nearest positive semi-definite one of the fibres' energy and of the shear's, by their eigenvalues: Kim
 // 2020, "A Finite Element Formulation of Baraff-Witkin Cloth".
 #include "energies/elastic/cloth_membrane.h"
-#include "energies/elastic/isotropic.cl"
+#include "energies/mirror_upper.cl"
+#include "shared/mat3.cl"
 
 // A fibre shorter than this part of its rest length has no direction: its force fades to zero instead of turning
 // without bound.

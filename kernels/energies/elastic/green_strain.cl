@@ -8,7 +8,6 @@
 // keeps it positive semi-definite.
 #ifndef PVG_ENERGIES_GREEN_STRAIN_CL
 #define PVG_ENERGIES_GREEN_STRAIN_CL
-#include "energies/mirror_upper.cl"
 #include "energies/contact/smooth_coulomb.cl"
 #include "shared/mat3.cl"
 

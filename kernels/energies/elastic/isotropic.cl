@@ -5,71 +5,130 @@
 //   + sum_k flip_k  (d_ij + d_ji)^2 / 2
 // with twist_k = (Psi_i + Psi_j) / (sigma_i + sigma_j) and flip_k = (Psi_i - Psi_j) / (sigma_i - sigma_j).
 // Smith, De Goes, Kim 2019, "Analytic Eigensystems for Isotropic Distortion Energies".
+// All for N_LANES elements.
 #ifndef PVG_ENERGIES_ISOTROPIC_CL
 #define PVG_ENERGIES_ISOTROPIC_CL
-#include "energies/mirror_upper.cl"
 #include "shared/svd.cl"
 
 typedef struct {
-  Mat3 u, v;
-  Mat3 stretch;       // [Pa]
-  real3 twist, flip;  // entry k belongs to the two other indices [Pa]
+  LanesSvd3 svd;
+  lanes stretch[3][3];       // [Pa]
+  lanes twist[3], flip[3];   // entry k belongs to the two other indices [Pa]
 } IsotropicHessian;
 
 // Clamps every eigenvalue at zero.
 static inline void isotropic_project(IsotropicHessian* e) {
-  e->stretch = mat3_nearest_positive(e->stretch);
-  e->twist = fmax(e->twist, (real3)(0, 0, 0));
-  e->flip = fmax(e->flip, (real3)(0, 0, 0));
+  lanes_set_nearest_positive(e->stretch);
+  for (int k = 0; k < 3; ++k) {
+    e->twist[k] = fmax(e->twist[k], (lanes)(0));
+    e->flip[k] = fmax(e->flip[k], (lanes)(0));
+  }
 }
 
-// c[k][l]: the 3 x 3 block that couples the vectors dF v_k and dF v_l; c[l][k] is its transpose.
-static inline void isotropic_column_blocks(const IsotropicHessian e, Mat3 c[3][3]) {
-  // factors of d_ij^2 and of 2 d_ij d_ji
-  const real3 same = 0.5 * (e.twist + e.flip), cross_term = 0.5 * (e.flip - e.twist);
-  const real3 u0 = e.u.column[0], u1 = e.u.column[1], u2 = e.u.column[2];
-  const Mat3 u00 = mat3_outer(u0, u0), u11 = mat3_outer(u1, u1), u22 = mat3_outer(u2, u2);
-  const Mat3 u01 = mat3_outer(u0, u1), u02 = mat3_outer(u0, u2), u12 = mat3_outer(u1, u2);
-  const Mat3 u10 = mat3_transposed(u01), u20 = mat3_transposed(u02), u21 = mat3_transposed(u12);
-  const Mat3 a = e.stretch;
-#define SUM3(m0, s0, m1, s1, m2, s2) mat3_plus(mat3_plus(mat3_scaled(m0, s0), mat3_scaled(m1, s1)), mat3_scaled(m2, s2))
-#define SUM2(m0, s0, m1, s1) mat3_plus(mat3_scaled(m0, s0), mat3_scaled(m1, s1))
-  c[0][0] = SUM3(u00, a.column[0].x, u11, same.z, u22, same.y);
-  c[1][1] = SUM3(u00, same.z, u11, a.column[1].y, u22, same.x);
-  c[2][2] = SUM3(u00, same.y, u11, same.x, u22, a.column[2].z);
-  c[0][1] = SUM2(u01, a.column[1].x, u10, cross_term.z);
-  c[0][2] = SUM2(u02, a.column[2].x, u20, cross_term.y);
-  c[1][2] = SUM2(u12, a.column[2].y, u21, cross_term.x);
-  c[1][0] = SUM2(u10, a.column[1].x, u01, cross_term.z);
-  c[2][0] = SUM2(u20, a.column[2].x, u02, cross_term.y);
-  c[2][1] = SUM2(u21, a.column[2].y, u12, cross_term.x);
-#undef SUM2
-#undef SUM3
-}
-
-// H += weight d2Psi(F) / dx_a dx_b for F = sum_a x_a b_a^T, blocks a <= b only.
-// b: [n, 1/m or 1];  weight [m^3];  H: row-major [3 n x 3 n]
-static inline void isotropic_add_hessian(const IsotropicHessian e, const real weight, const int n, const real3* b,
-                                         global real* H) {
-  Mat3 c[3][3];
-  isotropic_column_blocks(e, c);
-  for (int i = 0; i < n; ++i) {
-    const real3 bi = weight * mat3_transposed_times(e.v, b[i]);
-    // m[l]: transposed, so that its columns are the rows of the block that is written
-    Mat3 m[3];
-    for (int l = 0; l < 3; ++l)
-      m[l] = mat3_plus(mat3_plus(mat3_scaled(c[l][0], bi.x), mat3_scaled(c[l][1], bi.y)), mat3_scaled(c[l][2], bi.z));
-    for (int j = i; j < n; ++j) {
-      const real3 bj = mat3_transposed_times(e.v, b[j]);
-      for (int row = 0; row < 3; ++row) {
-        global real* h = H + (3 * i + row) * 3 * n + 3 * j;
-        const real3 sum = m[0].column[row] * bj.x + m[1].column[row] * bj.y + m[2].column[row] * bj.z;
-        h[0] += sum.x;
-        h[1] += sum.y;
-        h[2] += sum.z;
+// c[k][l]: weight times the 3 x 3 block [row][column] that couples the vectors dF v_k and dF v_l; c[l][k] is its
+// transpose, and only l >= k is set.
+static inline void isotropic_column_blocks(const IsotropicHessian* e, const lanes weight, lanes c[3][3][3][3]) {
+#pragma unroll
+  for (int k = 0; k < 3; ++k)
+#pragma unroll
+    for (int l = k; l < 3; ++l) {
+      // what multiplies u_k u_l^T and u_l u_k^T; d_ij^2 and 2 d_ij d_ji of the planes (i, j)
+      const lanes *uk = e->svd.u[k], *ul = e->svd.u[l];
+      if (k == l) {
+        const int m = (k + 1) % 3, n = (k + 2) % 3;
+        const lanes along = weight * e->stretch[k][k];
+        const lanes same_n = 0.5 * weight * (e->twist[n] + e->flip[n]), same_m = 0.5 * weight * (e->twist[m] + e->flip[m]);
+        const lanes *um = e->svd.u[m], *un = e->svd.u[n];
+#pragma unroll
+        for (int i = 0; i < 3; ++i)
+#pragma unroll
+          for (int j = 0; j < 3; ++j)
+            c[k][k][i][j] = along * uk[i] * uk[j] + same_n * um[i] * um[j] + same_m * un[i] * un[j];
+      } else {
+        const int n = 3 - k - l;
+        const lanes along = weight * e->stretch[k][l], across = 0.5 * weight * (e->flip[n] - e->twist[n]);
+#pragma unroll
+        for (int i = 0; i < 3; ++i)
+#pragma unroll
+          for (int j = 0; j < 3; ++j) c[k][l][i][j] = along * uk[i] * ul[j] + across * ul[i] * uk[j];
       }
     }
+}
+
+// Where the upper half of an element's matrix of 3 x 3 blocks is summed. With several lanes it is a private array of its
+// own, block after block, stored at the end; with one it is where the numbers belong, since such an array would take up
+// to 4 KB of memory for each work-item.
+#if N_LANES > 1
+#define UPPER_SUM(sum, n, H) lanes sum[9 * (n) * ((n) + 1) / 2]
+typedef lanes* UpperSum;
+static inline int upper_block(const int n, const int i, const int j) { return 9 * (i * n - i * (i - 1) / 2 + j - i); }
+static inline int upper_row(const int n) { return 3; }
+#else
+#define UPPER_SUM(sum, n, H) global real* sum = H
+typedef global real* UpperSum;
+static inline int upper_block(const int n, const int i, const int j) { return 9 * n * i + 3 * j; }
+static inline int upper_row(const int n) { return 3 * n; }
+#endif
+
+static inline void clear_upper(const int n, UpperSum sum) {
+  for (int i = 0; i < n; ++i)
+    for (int j = i; j < n; ++j)
+      for (int k = 0; k < 9; ++k) sum[upper_block(n, i, j) + k / 3 * upper_row(n) + k % 3] = (lanes)(0);
+}
+
+// sum += weight d2Psi(F) / dx_a dx_b for F = sum_a x_a b_a^T, blocks a <= b.
+// b: [n <= 10, 1/m or 1];  weight [m^3]
+static inline void isotropic_add_hessian(const IsotropicHessian* e, const lanes weight, const int n,
+                                         const lanes (*b)[3], UpperSum sum) {
+  lanes c[3][3][3][3], r[10][3];  // r: V^T b
+  isotropic_column_blocks(e, weight, c);
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < 3; ++k) r[i][k] = lanes_dot(e->svd.v[k], b[i]);
+#if N_LANES == 1  // arrays that are indexed at run time lie in memory
+#pragma unroll
+#endif
+  for (int i = 0; i < n; ++i) {
+    lanes m[3][3][3];  // [l]: sum_k r_k c[k][l]
+#pragma unroll
+    for (int row = 0; row < 3; ++row)
+#pragma unroll
+      for (int column = 0; column < 3; ++column) {
+        m[0][row][column] =
+            r[i][0] * c[0][0][row][column] + r[i][1] * c[0][1][column][row] + r[i][2] * c[0][2][column][row];
+        m[1][row][column] =
+            r[i][0] * c[0][1][row][column] + r[i][1] * c[1][1][row][column] + r[i][2] * c[1][2][column][row];
+        m[2][row][column] =
+            r[i][0] * c[0][2][row][column] + r[i][1] * c[1][2][row][column] + r[i][2] * c[2][2][row][column];
+      }
+#if N_LANES == 1
+#pragma unroll
+#endif
+    for (int j = i; j < n; ++j) {
+      UpperSum block = sum + upper_block(n, i, j);
+#pragma unroll
+      for (int row = 0; row < 3; ++row)
+#pragma unroll
+        for (int column = 0; column < 3; ++column)
+          block[row * upper_row(n) + column] +=
+              m[0][row][column] * r[j][0] + m[1][row][column] * r[j][1] + m[2][row][column] * r[j][2];
+    }
   }
+}
+
+// The sums of the first n_elements lanes as the upper halves of row-major matrices [3 n x 3 n], one after the other.
+static inline void store_upper(const int n, const uint n_elements, UpperSum sum, global real* H) {
+#if N_LANES > 1
+  for (int i = 0; i < n; ++i)
+    for (int j = i; j < n; ++j) {
+      const real* number = (const real*)(sum + upper_block(n, i, j));
+      global real* row = H + 9 * n * i + 3 * j;
+      for (uint lane = 0; lane < n_elements; ++lane, ++number, row += 9 * n * n) {
+        vstore3((real3)(number[0], number[N_LANES], number[2 * N_LANES]), 0, row);
+        vstore3((real3)(number[3 * N_LANES], number[4 * N_LANES], number[5 * N_LANES]), 0, row + 3 * n);
+        vstore3((real3)(number[6 * N_LANES], number[7 * N_LANES], number[8 * N_LANES]), 0, row + 6 * n);
+      }
+    }
+#endif
 }
 
 #endif

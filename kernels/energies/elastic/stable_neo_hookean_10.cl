@@ -30,20 +30,32 @@ static inline void stable_neo_hookean_10_gradient(const StableNeoHookean10 p, co
   }
 }
 
-static inline void stable_neo_hookean_10_hessian(const StableNeoHookean10 p, const real3* x, const real3* x0,
-                                                 const real h, global real* H) {
-  for (int k = 0; k < 900; ++k) H[k] = 0;
+// of the n_elements <= N_LANES elements from p on
+static inline void stable_neo_hookean_10_hessian_of_lanes(const uint n_elements, global const StableNeoHookean10* p,
+                                                      global const real* x, global real* H) {
+  lanes at[10][3], rest_inverse[9], volume, mu, lambda;
+  for (int s = 0; s < 10; ++s)
+    for (int k = 0; k < 3; ++k) SET_LANES(at[s][k], n_elements, x[3 * p[e].site[s] + k]);
+  for (int k = 0; k < 9; ++k) SET_LANES(rest_inverse[k], n_elements, p[e].rest_inverse[k]);
+  SET_LANES(volume, n_elements, p[e].volume);
+  SET_LANES(mu, n_elements, p[e].mu);
+  SET_LANES(lambda, n_elements, p[e].lambda);
+  lanes l[4][3], b[10][3], f[3][3];
+  UPPER_SUM(sum, 10, H);
+  lanes_tetrahedron_4_gradients(rest_inverse, l);
+  clear_upper(10, sum);
   for (int q = 0; q < 4; ++q) {
-    real3 b[10];
-    tetrahedron_10_gradients(p.rest_inverse, q, b);
-    isotropic_add_hessian(stable_neo_hookean_hessian(tetrahedron_deformation(10, x, b), p.mu, p.lambda),
-                          0.25 * p.volume, 10, b, H);
+    lanes_tetrahedron_10_gradients(l, q, b);
+    lanes_tetrahedron_deformation(10, at, b, f);
+    IsotropicHessian hessian;
+    stable_neo_hookean_hessian(f, mu, lambda, &hessian);
+    isotropic_add_hessian(&hessian, 0.25 * volume, 10, b, sum);
   }
-  mirror_upper_in_place(30, H);
+  store_upper(10, n_elements, sum, H);
 }
 
 #define TERM stable_neo_hookean_10
 #define PARAMS StableNeoHookean10
 #define STENCIL 10
-#define HESSIAN_IN_PLACE
+#define HESSIAN_OF_LANES
 #include "energies/assemble.cl"

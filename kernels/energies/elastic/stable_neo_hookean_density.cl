@@ -24,23 +24,22 @@ static inline Mat3 stable_neo_hookean_stress(const Mat3 f, const real mu, const 
   return mat3_plus(mat3_scaled(f, mu), mat3_scaled(mat3_cofactor(f), c));
 }
 
-// d2Psi/dF2, positive semi-definite [Pa]
-static inline IsotropicHessian stable_neo_hookean_hessian(const Mat3 f, const real mu, const real lambda) {
-  const Svd3 s = svd3(f);
-  const real3 sigma = s.sigma;
-  const real stiffened = lambda + mu, J = sigma.x * sigma.y * sigma.z;
-  const real c = stiffened * (J - 1) - mu, d = stiffened * (2 * J - 1) - mu;
-  const real3 area = (real3)(sigma.y * sigma.z, sigma.z * sigma.x, sigma.x * sigma.y);
-  IsotropicHessian e;
-  e.u = s.u;
-  e.v = s.v;
-  e.stretch = mat3_of_columns((real3)(mu + stiffened * area.x * area.x, d * sigma.z, d * sigma.y),
-                              (real3)(d * sigma.z, mu + stiffened * area.y * area.y, d * sigma.x),
-                              (real3)(d * sigma.y, d * sigma.x, mu + stiffened * area.z * area.z));
-  e.twist = mu + c * sigma;
-  e.flip = mu - c * sigma;
-  isotropic_project(&e);
-  return e;
+// d2Psi/dF2, positive semi-definite, of N_LANES elements [Pa].  f: [column][row]
+static inline void stable_neo_hookean_hessian(const lanes f[3][3], const lanes mu, const lanes lambda,
+                                              IsotropicHessian* e) {
+  lanes_svd3(f, &e->svd);
+  const lanes* sigma = e->svd.sigma;
+  const lanes stiffened = lambda + mu, J = sigma[0] * sigma[1] * sigma[2];
+  const lanes c = stiffened * (J - 1) - mu, d = stiffened * (2 * J - 1) - mu;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    const lanes area = sigma[i] * sigma[j];
+    e->stretch[k][k] = mu + stiffened * area * area;
+    e->stretch[i][j] = e->stretch[j][i] = d * sigma[k];
+    e->twist[k] = mu + c * sigma[k];
+    e->flip[k] = mu - c * sigma[k];
+  }
+  isotropic_project(e);
 }
 
 #endif

@@ -32,14 +32,14 @@ static inline void strain_effect_10_gradient(const StrainEffect10 p, const real3
 static inline void strain_effect_10_hessian(const StrainEffect10 p, const real3* x, const real3* x0, const real h,
                                             global real* H) {
   const StrainLaw law = STRAIN_LAW_OF(p);
-  for (int k = 0; k < 900; ++k) H[k] = 0;
+  for (int i = 0; i < 30; ++i)
+    for (int j = i / 3 * 3; j < 30; ++j) H[30 * i + j] = 0;
   for (int q = 0; q < 4; ++q) {
     real3 b[10];
     tetrahedron_10_gradients(p.rest_inverse, q, b);
     const Mat3 e0 = green_strain(tetrahedron_deformation(10, x0, b));
     strain_add_hessian(law, tetrahedron_deformation(10, x, b), e0, h, 0.25 * p.volume, 10, b, H);
   }
-  mirror_upper_in_place(30, H);
 }
 
 #define TERM strain_effect_10

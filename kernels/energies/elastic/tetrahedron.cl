@@ -6,6 +6,7 @@
 // rest_inverse: [9, 1/m] row-major inverse of [X1-X0, X2-X0, X3-X0]: its rows are grad L_1, grad L_2, grad L_3.
 #ifndef PVG_ENERGIES_TETRAHEDRON_CL
 #define PVG_ENERGIES_TETRAHEDRON_CL
+#include "shared/lanes.h"
 #include "shared/mat3.cl"
 
 // barycentric coordinates of the quadrature points: (5 + 3 sqrt 5) / 20 toward one corner, (5 - sqrt 5) / 20 else
@@ -38,6 +39,42 @@ static inline Mat3 tetrahedron_deformation(const int n, const real3* x, const re
   Mat3 f = mat3_outer(x[0], b[0]);
   for (int a = 1; a < n; ++a) f = mat3_plus(f, mat3_outer(x[a], b[a]));
   return f;
+}
+
+// ---- the same for N_LANES elements
+
+// rest_inverse: [9, 1/m];  b: [4][3, 1/m]
+static inline void lanes_tetrahedron_4_gradients(const lanes* rest_inverse, lanes (*b)[3]) {
+  for (int k = 0; k < 3; ++k) {
+    for (int a = 0; a < 3; ++a) b[a + 1][k] = rest_inverse[3 * a + k];
+    b[0][k] = -(b[1][k] + b[2][k] + b[3][k]);
+  }
+}
+
+// l: gradients of the barycentric coordinates [4][3, 1/m];  b: [10][3, 1/m]
+static inline void lanes_tetrahedron_10_gradients(const lanes (*l)[3], const int q, lanes (*b)[3]) {
+  real at[4];
+  for (int a = 0; a < 4; ++a) at[a] = a == q ? TETRAHEDRON_NEAR : TETRAHEDRON_FAR;
+  for (int k = 0; k < 3; ++k) {
+    for (int a = 0; a < 4; ++a) b[a][k] = (4 * at[a] - 1) * l[a][k];
+    b[4][k] = 4 * (at[0] * l[1][k] + at[1] * l[0][k]);
+    b[5][k] = 4 * (at[1] * l[2][k] + at[2] * l[1][k]);
+    b[6][k] = 4 * (at[0] * l[2][k] + at[2] * l[0][k]);
+    b[7][k] = 4 * (at[0] * l[3][k] + at[3] * l[0][k]);
+    b[8][k] = 4 * (at[1] * l[3][k] + at[3] * l[1][k]);
+    b[9][k] = 4 * (at[2] * l[3][k] + at[3] * l[2][k]);
+  }
+}
+
+// x: [n][3, m];  f: [column][row]
+static inline void lanes_tetrahedron_deformation(const int n, const lanes (*x)[3], const lanes (*b)[3],
+                                                 lanes f[3][3]) {
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) {
+      lanes sum = x[0][row] * b[0][column];
+      for (int a = 1; a < n; ++a) sum += x[a][row] * b[a][column];
+      f[column][row] = sum;
+    }
 }
 
 #endif

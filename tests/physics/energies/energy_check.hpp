@@ -71,6 +71,8 @@ class EnergyCheck {
     Buffer<double> blocks(device_, with_hessian ? n * SIZE * SIZE : 0, "blocks");
     energy_(n, u32(n), on_device.params, on_device.x, on_device.x0, H, 0u, energy);
     gradient_(n, u32(n), on_device.params, on_device.x, on_device.x0, H, u32(STENCIL), rows);
+    const double not_written = std::nan("");
+    blocks.write(std::vector<double>(blocks.size(), not_written));
     if (with_hessian) hessian_(n, u32(n), on_device.params, on_device.x, on_device.x0, H, 0u, blocks);
     const std::vector<double> energies = energy.read(), all_rows = rows.read(), all_blocks = blocks.read();
     std::vector<EnergyResult> results(n);
@@ -79,7 +81,7 @@ class EnergyCheck {
       results[e].gradient = Eigen::Map<const Eigen::VectorXd>(&all_rows[(e + 1) * SIZE], SIZE);
       if (with_hessian)
         results[e].hessian =
-            Eigen::Map<const Eigen::Matrix<double, SIZE, SIZE, Eigen::RowMajor>>(&all_blocks[e * SIZE * SIZE]);
+            whole(Eigen::Map<const Eigen::Matrix<double, SIZE, SIZE, Eigen::RowMajor>>(&all_blocks[e * SIZE * SIZE]));
     }
     return results;
   }
@@ -227,6 +229,15 @@ class EnergyCheck {
       x0.write(start);
     }
   };
+
+  // with what was not written below the diagonal, which may be all, from above it
+  static Eigen::MatrixXd whole(const Eigen::MatrixXd& written) {
+    Eigen::MatrixXd hessian = written;
+    for (int i = 0; i < SIZE; ++i)
+      for (int j = 0; j < i / 3 * 3; ++j)
+        if (std::isnan(hessian(i, j))) hessian(i, j) = hessian(j, i);
+    return hessian;
+  }
 
   // $PVG_OCLGRIND is set where kernels run in a simulator, a thousand times slower: a few elements are enough there
   static Elements enough(const Elements& all) {

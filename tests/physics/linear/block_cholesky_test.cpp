@@ -98,7 +98,7 @@ TEST(BlockCholesky, RefusesNaNOffTheDiagonal) {
 
 TEST(BlockCholesky, TakesAnEmptyMatrix) {
   BlockCholesky factor(BlockPattern{{0}, {}});
-  EXPECT_TRUE(factor.factorize({}));
+  EXPECT_TRUE(factor.factorize(std::span<const double>()));
   factor.solve({});
   EXPECT_EQ(factor.n_numbers(), 0u);
 }
