@@ -8,6 +8,7 @@
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
+#include "host/capture/objects/lathe.hpp"
 #include "host/capture/objects/object.hpp"
 #include "host/capture/objects/splats.hpp"
 #include "host/capture/objects/standing_object.hpp"
@@ -18,6 +19,8 @@ namespace {
 
 struct CaptureObjectOptions {
   std::string source, output, device;
+  std::string revolve;                                                         // profile, instead of a source
+  double wall = 0;                                                             // [mm]
   double scale = 1, density = 0, mass = 0, detail = 0, bridge = 0, error = 0;  // [1, kg/m^3, kg, mm, mm, mm]
   std::size_t triangles = 2000;
   double voxel = 2, max_depth = 1.5, depth_unit = 0;  // of frames [mm, m, m]
@@ -25,6 +28,7 @@ struct CaptureObjectOptions {
 };
 
 ObjectSource source_of(const CaptureObjectOptions& o, const ObjectSettings& settings) {
+  if (!o.revolve.empty()) return read_lathe_object(o.revolve, 1e-3 * o.wall, o.scale);
   if (std::filesystem::is_directory(o.source)) {
     if (o.scale != 1) throw UsageError("--scale is for meshes and splats; the unit of depth pictures is --depth-unit");
     const Capture capture = read_capture(o.source, o.depth_unit);
@@ -45,12 +49,13 @@ ObjectSource source_of(const CaptureObjectOptions& o, const ObjectSettings& sett
 }
 
 void run_capture_object(const CaptureObjectOptions& o) {
-  if (o.source.empty() || o.output.empty())
+  if (o.source.empty() == o.revolve.empty() || o.output.empty())
     throw UsageError(
-        "capture object needs a mesh file or a folder of frames, and -o FOLDER; `phyvisgen capture object --help` "
-        "shows an "
-        "example");
-  check_apart(o.output, o.source, "capture object");
+        "capture object needs a mesh file, a folder of frames or --revolve PROFILE.csv, and -o FOLDER; `phyvisgen "
+        "capture "
+        "object --help` shows an example");
+  if (o.wall > 0 && o.revolve.empty()) throw UsageError("--wall is for --revolve");
+  check_apart(o.output, o.revolve.empty() ? o.source : o.revolve, "capture object");
   check_output_folder(o.output, {"simulation.obj", "visual.glb", "object.yaml", "report.json"}, "capture object");
   const auto start = std::chrono::steady_clock::now();
   ObjectSettings settings;
@@ -60,6 +65,7 @@ void run_capture_object(const CaptureObjectOptions& o) {
   settings.wrap.spacing = o.detail * 1e-3;
   settings.wrap.bridge = o.bridge * 1e-3;
   settings.error = o.error * 1e-3;
+  settings.error_share = o.revolve.empty() ? 0.02 : 0.002;  // a profile is exact, and walls are thin
   settings.triangles = o.triangles;
   settings.always_wraps = o.wraps;
   const CapturedObject object = capture_object(source_of(o, settings), settings);
@@ -103,6 +109,12 @@ void add_capture_object(CLI::App& program) {
       "Mesh: .obj, .stl, .ply, .glb; holes and crossing triangles are no harm. Or Gaussian splats: .ply of 3DGS, "
       "PGSR, 2DGS, TSGS. Or a folder of depth pictures around a thing on a table, as of capture room");
   command->add_option("-o,--output", o.output, "Folder: simulation.obj, visual.glb, object.yaml, report.json");
+  command->add_option(
+      "--revolve", o.revolve,
+      "Instead of a source: CSV with columns radius, height [m, times --scale], from the axis at the bottom "
+      "along the outside to the rim (see --wall), or on along the inside to the axis");
+  command->add_option("--wall", o.wall, "Of a profile that ends at the rim: thickness of wall and floor [mm]")
+      ->check(CLI::Range(1e-3, 1e3));
   command->add_option("--scale", o.scale, "Metres per unit of the file, such as 0.001")->check(CLI::Range(1e-6, 1e6));
   command->add_option("--density", o.density, "[kg/m^3]")->check(CLI::Range(1e-3, 1e5));
   command->add_option("--mass", o.mass, "[kg], instead of the density")->check(CLI::Range(1e-9, 1e6));
@@ -125,7 +137,8 @@ void add_capture_object(CLI::App& program) {
   command->add_flag("--json", o.as_json, "Print the report as JSON");
   command->footer(
       "Examples:\n  phyvisgen capture object scan.stl --scale 0.001 --density 1200 -o can\n  phyvisgen capture object "
-      "scans/can --mass 0.35 -o can");
+      "scans/can --mass 0.35 -o can\n  phyvisgen capture object --revolve glass.csv --scale 0.001 --wall 2 --density "
+      "2500 -o glass");
 }
 
 }  // namespace pvg

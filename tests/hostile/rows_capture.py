@@ -141,6 +141,23 @@ for name, old, new in (("no width", "width: 64\n", ""), ("a width of 1e9", "widt
                        ("a schema of the future", "schema: 1", "schema: 2")):
     row(f"a camera file: {name}", POSE_OF, N, "camera.yaml|photo.png", *GIVEN, edit("camera.yaml", old, new))
 
+HAND_OF = "calibrate pose photo.png --tags tags.yaml --camera camera.yaml --hand hand.csv"
+HAND = "x,y,z,qx,qy,qz,qw\n0.1,0,0.3,0,0,0,1\n"
+HELD = (*GIVEN, write("hand.csv", HAND))
+row("two photos without the hand", POSE_OF.replace("photo.png", "photo.png photo.png"), N, "--hand", *GIVEN)
+row("a robot without the hand", POSE_OF + " --robot arm.urdf --link tip", N, "--hand", *GIVEN)
+row("a hand without tags in the photo", HAND_OF, N, "0 of 1 photos", *HELD)
+row("a link without a robot", HAND_OF + " --link tip", N, "--robot", *HELD)
+row("a robot that is not there", HAND_OF + " --robot nowhere.urdf --link tip", N, "nowhere.urdf", *HELD)
+for name, old, new, code in (("a row too many", HAND[-18:], HAND[-18:] * 2, N), ("no quaternion", "qw", "w", N), ("a quaternion of zero", "0,0,0,1", "0,0,0,0", N),
+                             ("a gap", "0.3", "", N), ("text", "0.3", "far", FAILED), ("nothing", HAND, "", FAILED)):
+    row(f"the hand's log: {name}", HAND_OF, code, "hand.csv", *GIVEN, write("hand.csv", HAND.replace(old, new)))
+GLASS = "capture object --revolve glass.csv --wall 2 --scale 0.001 -o out"
+for name, text in (("a rim in the axis", "radius,height\n0,0\n0,10\n30,80\n"), ("a negative radius", "radius,height\n0,0\n-3,0\n30,80\n"),
+                   ("a wall thicker than the glass", "radius,height\n0,0\n1,0\n1,80\n"), ("no heights", "radius\n0\n1\n1\n")):
+    row(f"a profile: {name}", GLASS, N, "glass.csv", write("glass.csv", text))
+row("a profile and a mesh", GLASS + " glass.csv", N, "--revolve", write("glass.csv", "radius,height\n0,0\n30,0\n30,80\n"))
+
 # ---- evaluate fidelity
 F = "evaluate fidelity real sim"
 row("fidelity of one folder", "evaluate fidelity real", N, "REAL and SIM", needs="compared")

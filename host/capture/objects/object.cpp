@@ -84,7 +84,8 @@ CapturedObject capture_object(const ObjectSource& source, const ObjectSettings& 
   WrapSettings wrap = settings.wrap;
   if (wrap.spacing <= 0) wrap.spacing = size_of(mesh) / 100;
   if (!(wrap.spacing > 0)) throw UsageError(source.name + ": all points are one");
-  const double error = settings.error > 0 ? settings.error : 2 * wrap.spacing;
+  const double share = settings.wrap.spacing > 0 ? 2 * wrap.spacing : settings.error_share * size_of(mesh);
+  const double error = settings.error > 0 ? settings.error : share;
   TriangleMesh solid = mesh;
   const NearestTriangle source_surface(mesh);
   SourceBound source_bound;

@@ -16,7 +16,8 @@ struct ObjectSettings {
   double density = 0, mass = 0;  // [kg/m^3], [kg]; one of them, or neither: 1000 kg/m^3 is taken and said
   WrapSettings wrap;
   std::size_t triangles = 2000;  // of the simulation mesh
-  double error = 0;              // between source and simulation mesh [m]; 0: two spacings
+  double error = 0;              // between source and simulation mesh [m]; 0: as follows
+  double error_share = 0.02;     // of the size, or two spacings of the wrap where they are given
   bool always_wraps = false;     // also a sound mesh
 };
 

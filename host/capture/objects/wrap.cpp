@@ -2,6 +2,7 @@
 
 #include <meshoptimizer.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -226,10 +227,49 @@ TriangleMesh wrap_surface(const TriangleMesh& soup, WrapSettings settings) {
   return surface_of(samples, field);
 }
 
+namespace {
+
+struct Part {
+  std::vector<Triangle> triangles;
+  Eigen::AlignedBox3d box;
+};
+
+// How often the part's surface goes around the point: the sum of its triangles' solid angles (Van Oosterom and Strackee
+// 1983) over 4 pi.
+double winding_number(const TriangleMesh& mesh, const Part& part, const Vec3& p) {
+  double sum = 0;
+  for (const Triangle& t : part.triangles) {
+    const Vec3 a = mesh.points[t[0]] - p, b = mesh.points[t[1]] - p, c = mesh.points[t[2]] - p;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    sum += 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return sum / (4 * 3.14159265358979);
+}
+
+// Is a part within another one? Both face outward, so that its volume would count twice.
+bool has_nested_part(const TriangleMesh& mesh) {
+  const std::vector<int> component = triangle_components(mesh);
+  std::vector<Part> parts;
+  for (std::size_t i = 0; i < component.size(); ++i) {
+    if (std::size_t(component[i]) >= parts.size()) parts.resize(std::size_t(component[i]) + 1);
+    Part& part = parts[std::size_t(component[i])];
+    part.triangles.push_back(mesh.triangles[i]);
+    for (const std::uint32_t corner : mesh.triangles[i]) part.box.extend(mesh.points[corner]);
+  }
+  for (const Part& inner : parts)
+    for (const Part& outer : parts)
+      if (&inner != &outer && outer.box.contains(inner.box) &&
+          winding_number(mesh, outer, mesh.points[inner.triangles[0][0]]) > 0.5)
+        return true;
+  return false;
+}
+
+}  // namespace
+
 bool is_sound(const TriangleMesh& mesh) {
   // a doubled surface is closed and touches itself only where it shares points, which find_intersection leaves out
   return !closed_surface_defect(mesh) && count_edges(mesh.triangles).crowded == 0 &&
-         !find_intersection(mesh.points, mesh.triangles);
+         !find_intersection(mesh.points, mesh.triangles) && !has_nested_part(mesh);
 }
 
 namespace {

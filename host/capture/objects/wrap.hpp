@@ -17,7 +17,7 @@ struct WrapSettings {
 TriangleMesh wrap_surface(const TriangleMesh& soup, WrapSettings settings);
 
 // A closed mesh that was checked: no defect of closed_surface_defect, no edge with more than two triangles, no
-// self-intersection (exact).
+// self-intersection (exact), no part within another one.
 bool is_sound(const TriangleMesh& mesh);
 
 struct SimplifiedSolid {

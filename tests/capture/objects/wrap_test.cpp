@@ -144,6 +144,12 @@ TEST(Object, AHoleThatCannotBeBridgedWithinTheBoundIsRefused) {
   EXPECT_NEAR(object.to_source.back(), 2.1e-3, 0.6e-3);  // a sample and half of one
 }
 
+TEST(Wrap, APartWithinAnotherOneIsNotSound) {
+  const TriangleMesh ball = sphere_surface(RADIUS, 2), small = sphere_surface(0.4 * RADIUS, 1);
+  EXPECT_FALSE(is_sound(joined(ball, small, Vec3(0.01, 0, 0))));
+  EXPECT_TRUE(is_sound(joined(ball, small, Vec3(0.08, 0, 0))));
+}
+
 TEST(SurfaceDistances, LookAlsoBetweenThePointsOfALargeTriangle) {
   // the nearest place of a square to a point below its middle is the middle of its diagonal: neither a corner (sqrt 3)
   // nor the middle of a triangle
