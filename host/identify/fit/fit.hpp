@@ -148,10 +148,11 @@ Eigen::VectorXd beside_starts(const Eigen::MatrixXd& of_start, const Eigen::Vect
 // The variant with steps of half the length.
 Variant refined(const Variant& variant);
 // What the change from a step to its half is to be multiplied by to give the step's error (Richardson 1911): 4/3 where
-// it is of second order, 2 where it is of first order. What joints dissipate is of first order in every integrator, and
-// of second once it is extrapolated.
+// it is of second order, 2 where it is of first order. BDF2 is of first order where a drive damps the rate of its
+// command, which is the mean over a step, and of second once that is extrapolated.
 double richardson_factor(const Variant& variant);
 bool dissipates(const PhysicalScene& scene);
+bool damps_rate_of_command(const PhysicalScene& scene);
 
 // 1.48 times the median of |r|, at least 1.
 double robust_scale(const std::vector<Eigen::VectorXd>& residual);

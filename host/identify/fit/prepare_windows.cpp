@@ -30,10 +30,18 @@ bool dissipates(const PhysicalScene& scene) {
   });
 }
 
+bool damps_rate_of_command(const PhysicalScene& scene) {
+  return std::any_of(scene.joints.begin(), scene.joints.end(), [](const Joint& joint) {
+    const Drive& drive = joint.drive;
+    return is_driven(joint) && drive.damping > 0 && drive.mode == Drive::Mode::position &&
+           drive.damped_rate != Drive::DampedRate::joint;
+  });
+}
+
 double richardson_factor(const Variant& variant) {
   const PhysicalScene& scene = variant.scene;
-  const bool is_second_order =
-      scene.solver.integrator == SolverSettings::Integrator::bdf2 && (variant.extrapolates || !dissipates(scene));
+  const bool is_second_order = scene.solver.integrator == SolverSettings::Integrator::bdf2 &&
+                               (variant.extrapolates || !damps_rate_of_command(scene));
   return is_second_order ? 4.0 / 3 : 2;
 }
 

@@ -92,15 +92,15 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   // each choice is compared with second order at half the step
   std::vector<Prediction> fine = predict({bdf2, h / 2}), coarse = predict({solver.integrator, h});
   const double misfit_as_given = misfit(data, coarse);
-  const bool is_first_order = dissipates(base.scene);
-  double error = (is_first_order ? 2 : 1) * apart(data, coarse, fine);
+  const bool is_dissipative = dissipates(base.scene);
+  double error = (is_dissipative ? 2 : 1) * apart(data, coarse, fine);
   // with soft bodies and cloth finer steps would take too long
   const bool is_stiff = base.scene.soft_bodies.empty() && base.scene.cloths.empty();
   const bool has_masks = !problem.recording.mask_sources.empty(), by_pixels = is_stiff && has_masks;
-  const bool may_extrapolate =
-      is_first_order && is_stiff && !has_masks && problem.recording.video_sources.empty() && problem.can_restart;
+  const bool may_extrapolate = damps_rate_of_command(base.scene) && is_stiff && !has_masks &&
+                               problem.recording.video_sources.empty() && problem.can_restart;
   const double allowed = by_pixels        ? criteria().step_error_most_masks
-                         : is_first_order ? criteria().step_error_most_dissipative
+                         : is_dissipative ? criteria().step_error_most_dissipative
                                           : criteria().step_error_most;
   const double small = by_pixels ? criteria().step_error_pixels : allowed;
   const bool is_as_given = error < allowed;
@@ -137,15 +137,17 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   if (by_pixels) fitter.expect_whole_pixels();
   fitter.correct_steps_by(std::nullopt);
   // of light damping the error is still of second order
-  if (is_first_order && solver.integrator == bdf2 && !keeps_as_given && !by_pixels && !base.extrapolates) {
+  if (is_dissipative && solver.integrator == bdf2 && !keeps_as_given && !by_pixels && !base.extrapolates) {
     const double first = apart(data, predict({bdf2, solver.time_step}), fine);
     const double second = apart(data, fine, predict({bdf2, solver.time_step / 4}));
     if (second > 0 && std::isfinite(first)) fitter.correct_steps_by(measured_richardson_factor(first / second));
   }
   if (base.extrapolates)
     return fmt::format(
-        "simulated with steps of {:.4g} and {:.4g} ms, BDF2, extrapolated to no length, since joints dissipate and the "
-        "scene's own step would be taken for an effect; finer steps differ by {:.2g} times the noise, which is "
+        "simulated with steps of {:.4g} and {:.4g} ms, BDF2, extrapolated to no length, since a drive damps the rate "
+        "of "
+        "its command and the scene's own step would be taken for an effect; finer steps differ by {:.2g} times the "
+        "noise, which is "
         "corrected",
         1e3 * solver.time_step, 5e2 * solver.time_step, error);
   return fmt::format(

@@ -37,8 +37,8 @@ struct Prediction {
   bool succeeded = true;  // false: the simulation failed before the window's end, residuals are NaN from there
 };
 
-// What steps of no length would give where the error is proportional to the step, as of what joints dissipate: twice
-// what steps of half the length predict minus what the steps do. Of the same jobs.
+// What steps of no length would give where the error is proportional to the step, as of drives that damp the rate of a
+// command: twice what steps of half the length predict minus what the steps do. Of the same jobs.
 std::vector<Prediction> extrapolated(const std::vector<Prediction>& coarse, std::vector<Prediction> fine);
 
 class Journal;

@@ -93,7 +93,8 @@ int add_limit(System& system, std::size_t world, const Joint& joint, const Mat3&
 
 // the row of an effect on a joint, without its numbers
 template <class Row>
-int fill_effect(Rows<Row>& rows, Row row, const Effect& effect) {
+int fill_effect(Rows<Row>& rows, Row row, const Effect& effect, double h) {
+  row.rate_length = h;
   JointNumbers numbers;
   add_numbers(effect, numbers);
   row.damping = numbers.damping;
@@ -108,18 +109,20 @@ int fill_effect(Rows<Row>& rows, Row row, const Effect& effect) {
 }
 
 int add_effect(System& system, std::size_t world, const Joint& joint, const Mat3& triad, const Effect& effect) {
+  const double h = system.scenes[world].solver.time_step;
   if (joint.type == Joint::Type::prismatic) {
     PrismaticEffect row{};
     std::copy_n(offset_row(system, world, joint, triad.col(2)).site, 3, row.site);
-    return fill_effect(system.prismatic_effect, row, effect);
+    return fill_effect(system.prismatic_effect, row, effect, h);
   }
   RevoluteEffect row{};
   set_revolute_sites(system, world, joint, triad, row.site);
-  return fill_effect(system.revolute_effect, row, effect);
+  return fill_effect(system.revolute_effect, row, effect, h);
 }
 
 int add_law(System& system, std::size_t world, const Joint& joint, const Mat3& triad, const Effect& effect) {
   const auto add = [&](auto& rows, auto row) {
+    row.rate_length = system.scenes[world].solver.time_step;
     row.law = number_of(system.joint_laws, law_of(effect)[0].kernel_text);
     std::copy(effect.parameters.begin(), effect.parameters.end(), row.coefficient);
     rows.push_back(row);

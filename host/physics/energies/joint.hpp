@@ -19,7 +19,7 @@ double joint_coordinate(const Joint& joint, const AffineMap& parent, const Affin
 double unwrap_angle(double angle, double near);
 
 // A drive over one step as one spring along its coordinate: effort = cut(feed_forward + stiffness (target - q)), for
-// the effort of a damping c is, with implicit differences, a spring c / h to where the coordinate should come to.
+// the effort of a damping c is, with backward differences, a spring c / h to where the coordinate should come to.
 struct StepDrive {
   double stiffness = 0;     // [N m/rad or N/m]
   double target = 0;        // [rad or m]
@@ -28,8 +28,8 @@ struct StepDrive {
   double damping = 0;       // of a loose drive: beside its play, cut with it [N m s/rad or N s/m]
   double change = 0;        // of the target over the step, which damping follows [rad or m]
 };
-// start: coordinate at the start of the step; target: as given, change: of it over the step; weight: effort that holds
-// what is carried; h [s]
+// start, h [s]: of the rate (q - start) / h at the step's end, those of the step where that is of implicit Euler;
+// target: as given, change: of it over h; weight: effort that holds what is carried
 StepDrive drive_over_step(const Drive& drive, double start, double target, double change, double weight, double h);
 
 // What a drive exerts along its coordinate q at the end of a step of length h [s], which moved at `rate` over it

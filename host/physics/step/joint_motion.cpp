@@ -26,6 +26,10 @@ double past_coordinate(const JointMotion& motion, double q, bool is_second_order
   return is_second_order ? (4 * q - motion.before) / 3 : q;
 }
 
+double rate_lead(const JointMotion& motion, double q, bool is_second_order) {
+  return past_coordinate(motion, q, is_second_order) - q;
+}
+
 double foreseen_change(const JointMotion& motion, double q, bool is_second_order, double inertia_h) {
   const double rate = is_second_order ? (4 * motion.rate - motion.rate_before) / 3 : motion.rate;
   return past_coordinate(motion, q, is_second_order) - q + inertia_h * rate;

@@ -19,6 +19,8 @@ std::vector<JointMotion> initial_motion(const PhysicalScene& scene);
 
 // Where a coordinate q comes from in a step, x* of time integration [rad or m].
 double past_coordinate(const JointMotion& motion, double q, bool is_second_order);
+// The rate at the end of a step is (q - q0 - lead) / h', q0: q at its start; lead as the step begins [rad or m].
+double rate_lead(const JointMotion& motion, double q, bool is_second_order);
 // How inertia alone would change it: x* + h' v* - q [rad or m].
 double foreseen_change(const JointMotion& motion, double q, bool is_second_order, double inertia_h);
 // After a step from q_start to q_end.

@@ -89,7 +89,9 @@ void Potential::update_joints(const System& system) {
   terms_.prismatic_drive.update(system.prismatic_drive.rows);
   terms_.revolute_limit.update(system.revolute_limit.rows);
   terms_.revolute_effect.update(system.revolute_effect.rows);
+  terms_.prismatic_effect.update(system.prismatic_effect.rows);
   terms_.revolute_law.update(system.revolute_law.rows);
+  terms_.prismatic_law.update(system.prismatic_law.rows);
 }
 
 void Potential::update_spin(const System& system) { terms_.spin.update(system.spin.rows); }

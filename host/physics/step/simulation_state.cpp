@@ -15,12 +15,13 @@ void Simulation::Impl::set_joints(double h, const std::vector<std::vector<double
     for (std::size_t j = 0; j < scene.joints.size(); ++j) {
       const Joint& joint = scene.joints[j];
       const double start = states[w].joint_position[j];
+      const double lead = rate_lead(joint_motion[w][j], start, inertia_length != h), of_rate = inertia_length / h;
       if (is_driven(joint)) {
         const double weight = joint.drive.compensates_gravity
                                   ? gravity_feed_forward(nominal[w], joint, carried[w][j], states[w], soft_masses[w])
                                   : 0;
-        drives[w][j] = drive_over_step(joint.drive, start, targets[w][driven], targets[w][driven] - previous[w][driven],
-                                       weight, h);
+        drives[w][j] = drive_over_step(joint.drive, start + lead, targets[w][driven],
+                                       of_rate * (targets[w][driven] - previous[w][driven]), weight, inertia_length);
         ++driven;
       }
       const double foreseen = foreseen_change(joint_motion[w][j], start, inertia_length != h, inertia_length);
@@ -29,9 +30,10 @@ void Simulation::Impl::set_joints(double h, const std::vector<std::vector<double
         row.target = drives[w][j].target;
         row.feed_forward = drives[w][j].feed_forward;
         row.play = drives[w][j].play;
-        row.cut_damping = drives[w][j].damping;
-        row.cut_change = drives[w][j].change;
-        const StepMotion motion = with_armature({joint.damping, 0}, joint.armature, foreseen, h, inertia_length);
+        row.cut_damping = drives[w][j].damping / of_rate;
+        row.cut_change = lead + drives[w][j].change;
+        const StepMotion motion =
+            with_armature({joint.damping / of_rate, lead}, joint.armature, foreseen, h, inertia_length);
         row.damping = motion.damping;
         row.target_change = motion.change;
       };
@@ -43,10 +45,18 @@ void Simulation::Impl::set_joints(double h, const std::vector<std::vector<double
       }
       if (row.drive >= 0 && !turns) fill(system.prismatic_drive.rows[row.drive]);
       if (row.limit >= 0 && turns) system.revolute_limit.rows[row.limit].angle0 = start;
-      for (const int effect : row.effects)
+      const auto set_rate = [&](auto& of_effect) {
+        of_effect.lead = lead;
+        of_effect.rate_length = inertia_length;
+      };
+      for (const int effect : row.effects) {
         if (turns) system.revolute_effect.rows[effect].angle0 = start;
-      for (const int law : row.laws)
+        turns ? set_rate(system.revolute_effect.rows[effect]) : set_rate(system.prismatic_effect.rows[effect]);
+      }
+      for (const int law : row.laws) {
         if (turns) system.revolute_law.rows[law].angle0 = start;
+        turns ? set_rate(system.revolute_law.rows[law]) : set_rate(system.prismatic_law.rows[law]);
+      }
     }
   }
   potential.update_joints(system);
@@ -86,10 +96,12 @@ void Simulation::Impl::read_joints(double h) {
       double q = joint_coordinate(joint, state.rigid[joint.parent], state.rigid[joint.child]);
       if (joint.type == Joint::Type::revolute) q = unwrap_angle(q, state.joint_position[j]);
       if (h > 0) {
-        const double start = state.joint_position[j], rate = (q - start) / h;
-        state.joint_effort[j] = is_driven(joint) ? drive_effort(drives[w][j], joint.drive.effort_limit, q, rate, h) : 0;
+        const double start = state.joint_position[j];
+        const double rate = (q - start - rate_lead(joint_motion[w][j], start, inertia_length != h)) / inertia_length;
+        state.joint_effort[j] =
+            is_driven(joint) ? drive_effort(drives[w][j], joint.drive.effort_limit, q, rate, inertia_length) : 0;
         state.joint_stop_effort[j] = stop_effort(joint, q);
-        state.joint_damping_effort[j] = -joint.damping * (q - start) / h;
+        state.joint_damping_effort[j] = -joint.damping * rate;
         joint_motion[w][j] = after_step(joint_motion[w][j], start, q, inertia_length != h, inertia_length);
       }
       state.joint_position[j] = q;

@@ -5,13 +5,13 @@
 
 static inline real prismatic_effect_energy(const PrismaticEffect p, const real3* x, const real3* x0, const real h) {
   const JointEffectLaw law = JOINT_EFFECT_LAW_OF(p);
-  return joint_effect_energy(law, prismatic_coordinate(x), prismatic_coordinate(x0), h);
+  return joint_effect_energy(law, prismatic_coordinate(x), prismatic_coordinate(x0) + p.lead, p.rate_length);
 }
 
 static inline void prismatic_effect_gradient(const PrismaticEffect p, const real3* x, const real3* x0, const real h,
                                              real3* g) {
   const JointEffectLaw law = JOINT_EFFECT_LAW_OF(p);
-  const real slope = joint_effect_slope(law, prismatic_coordinate(x), prismatic_coordinate(x0), h);
+  const real slope = joint_effect_slope(law, prismatic_coordinate(x), prismatic_coordinate(x0) + p.lead, p.rate_length);
   prismatic_derivatives(x, g);
   for (int s = 0; s < 3; ++s) g[s] *= slope;
 }
@@ -21,7 +21,7 @@ static inline void prismatic_effect_hessian(const PrismaticEffect p, const real3
   const JointEffectLaw law = JOINT_EFFECT_LAW_OF(p);
   real3 dq[3];
   prismatic_derivatives(x, dq);
-  joint_hessian(joint_effect_curvature(law, prismatic_coordinate(x), prismatic_coordinate(x0), h), 3, dq, H);
+  joint_hessian(joint_effect_curvature(law, prismatic_coordinate(x), prismatic_coordinate(x0) + p.lead, p.rate_length), 3, dq, H);
 }
 
 #define TERM prismatic_effect

@@ -12,9 +12,10 @@ typedef struct {
   f64 coulomb, extra;     // friction while it slides, and what sticking adds to it [N]
   f64 stribeck_velocity;  // over which the latter fades [m/s]
   f64 velocity;           // at which friction is fully developed [m/s]
+  f64 lead, rate_length;  // rate (q - q0 - lead) / rate_length, q0: q at the start of the step [m], [s]
   f64 unused_;
 } PrismaticEffect;
-SHARED_SIZE(PrismaticEffect, 80);
+SHARED_SIZE(PrismaticEffect, 96);
 ENERGY_TERM(12, prismatic_effect, PrismaticEffect, 3);
 SHARED_END
 #endif

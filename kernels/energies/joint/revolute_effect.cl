@@ -5,13 +5,13 @@
 
 static inline real revolute_effect_energy(const RevoluteEffect p, const real3* x, const real3* x0, const real h) {
   const JointEffectLaw law = JOINT_EFFECT_LAW_OF(p);
-  return joint_effect_energy(law, revolute_coordinate(x, x0, p.angle0), p.angle0, h);
+  return joint_effect_energy(law, revolute_coordinate(x, x0, p.angle0), p.angle0 + p.lead, p.rate_length);
 }
 
 static inline void revolute_effect_gradient(const RevoluteEffect p, const real3* x, const real3* x0, const real h,
                                             real3* g) {
   const JointEffectLaw law = JOINT_EFFECT_LAW_OF(p);
-  const real slope = joint_effect_slope(law, revolute_coordinate(x, x0, p.angle0), p.angle0, h);
+  const real slope = joint_effect_slope(law, revolute_coordinate(x, x0, p.angle0), p.angle0 + p.lead, p.rate_length);
   revolute_derivatives(x, g);
   for (int s = 0; s < 4; ++s) g[s] *= slope;
 }
@@ -21,7 +21,7 @@ static inline void revolute_effect_hessian(const RevoluteEffect p, const real3* 
   const JointEffectLaw law = JOINT_EFFECT_LAW_OF(p);
   real3 dq[4];
   revolute_derivatives(x, dq);
-  joint_hessian(joint_effect_curvature(law, revolute_coordinate(x, x0, p.angle0), p.angle0, h), 4, dq, H);
+  joint_hessian(joint_effect_curvature(law, revolute_coordinate(x, x0, p.angle0), p.angle0 + p.lead, p.rate_length), 4, dq, H);
 }
 
 #define TERM revolute_effect

@@ -12,8 +12,9 @@ typedef struct {
   f64 stribeck_velocity;  // over which the latter fades [rad/s]
   f64 velocity;           // at which friction is fully developed [rad/s]
   f64 angle0;             // q at the start of the step, whole turns included [rad]
+  f64 lead, rate_length;  // rate (q - q0 - lead) / rate_length, q0: q at the start of the step [rad], [s]
 } RevoluteEffect;
-SHARED_SIZE(RevoluteEffect, 80);
+SHARED_SIZE(RevoluteEffect, 96);
 ENERGY_TERM(11, revolute_effect, RevoluteEffect, 4);
 SHARED_END
 #endif

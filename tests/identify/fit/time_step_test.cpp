@@ -62,28 +62,34 @@ TEST(TimeStep, ErrorOfFirstOrderIsTwiceTheChangeByHalfTheStepAndOfSecondFourThir
   EXPECT_DOUBLE_EQ(measured_richardson_factor(16), 4.0 / 3);
 }
 
-// A cube of 1 kg that falls along its rail by 2 m/s^2 against 2 N s/m: x = t - (1 - exp(-2 t)) / 2. The rate that damps
-// is the mean over a step, which is half a step late: an error of first order.
-TEST(TimeStep, ErrorOfDampingIsExtrapolatedAwayAtTheScenesStep) {
+// A cube of 1 kg that a drive of 1 N/m and 2 N s/m leads along its rail after T = 2 m/s^2 t^2 / 2: it lags by e,
+// e'' = 2 - 2 e' - e, e = 2 (1 - (1 + t) exp(-t)). The command's rate is the mean over a step, half a step late: an
+// error of first order.
+TEST(TimeStep, ErrorOfADampedCommandIsExtrapolatedAwayAtTheScenesStep) {
   const TestFolder folder;
   folder.write("scene.yaml", R"(schema: 1
 name: rail
 time_step: 10 ms
-gravity: [2, 0, 0]
+gravity: [0, 0, 0]
 bodies:
   - {name: base, kind: static, shape: {box: {size: [0.1, 0.1, 0.1]}}, collides: false}
   - {name: cube, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 1, collides: false}
 joints:
-  - {name: rail, type: prismatic, parent: base, child: cube, axis: [1, 0, 0], damping: 2}
+  - {name: rail, type: prismatic, parent: base, child: cube, axis: [1, 0, 0], drive: {stiffness: 1, damping: 2, target: 0}}
 )");
-  std::string run = "t,x\n";
-  for (int i = 0; i <= 100; ++i)
-    run += std::to_string(0.01 * i) + "," + std::to_string(0.01 * i - (1 - std::exp(-0.02 * i)) / 2) + "\n";
+  std::string run = "t,c,x\n";
+  for (int i = 0; i <= 100; ++i) {
+    const double t = 0.01 * i;
+    run += std::to_string(t) + "," + std::to_string(t * t) + "," +
+           std::to_string(t * t - 2 * (1 - (1 + t) * std::exp(-t))) + "\n";
+  }
   folder.write("a.csv", run);
   folder.write("recording.yaml", R"(schema: 1
 scene: scene.yaml
 runs:
   - {file: a.csv, role: fit, initial: {joint/rail/position: 0, joint/rail/velocity: 0}}
+inputs:
+  - {column: c, target: joint/rail/position, unit: m}
 channels:
   - {column: x, kind: position, joint: rail, unit: m, noise: 0.0004}
 )");

@@ -45,16 +45,18 @@ void set_random(Params& p, Random& random) {
   p.extra = random.number(0, 1) < 0.3 ? 0 : random.number(0, 5);
   p.velocity = 2;
   p.stribeck_velocity = random.number(5, 50);
+  p.lead = random.number(-0.02, 0.02);
+  p.rate_length = random.number(0.005, 0.02);
 }
 
-double revolute_energy(const RevoluteEffect& p, const Vec3* x, const Vec3* x0, double h) {
-  return law(p, host_revolute(x, x0, p.angle0), p.angle0, h);
+double revolute_energy(const RevoluteEffect& p, const Vec3* x, const Vec3* x0, double) {
+  return law(p, host_revolute(x, x0, p.angle0), p.angle0 + p.lead, p.rate_length);
 }
 
 double prismatic_coordinate(const Vec3* x) { return (x[1] - x[0]).dot(x[2]); }
 
-double prismatic_energy(const PrismaticEffect& p, const Vec3* x, const Vec3* x0, double h) {
-  return law(p, prismatic_coordinate(x), prismatic_coordinate(x0), h);
+double prismatic_energy(const PrismaticEffect& p, const Vec3* x, const Vec3* x0, double) {
+  return law(p, prismatic_coordinate(x), prismatic_coordinate(x0) + p.lead, p.rate_length);
 }
 
 template <class Params>
@@ -91,8 +93,9 @@ TEST(JointEffect, CurvatureIsThatOfTheEnergyWithoutWhereFrictionFalls) {
     const Vec3 along = elements[i].x[2];  // the child moves along the axis: q changes by its length
     const Eigen::Matrix3d block = results[i].hessian.block<3, 3>(3, 3);
     const double curvature = along.dot(block * along) / std::pow(along.squaredNorm(), 2);
-    const double q = prismatic_coordinate(elements[i].x.data()), q0 = prismatic_coordinate(elements[i].x0.data());
-    const double h = check.H, v = (q - q0) / h, step = 1e-6;
+    const double q = prismatic_coordinate(elements[i].x.data()),
+                 q0 = prismatic_coordinate(elements[i].x0.data()) + p.lead;
+    const double h = p.rate_length, v = (q - q0) / h, step = 1e-6;
     const bool sticks = std::abs(v) < p.velocity;
     if (std::abs(std::abs(v) - p.velocity) < 2 * step) continue;  // between the two
     (sticks ? n_stick : n_slide) += 1;

@@ -29,14 +29,14 @@ double curvature(u32 number, const double* c, double q, double q0, double h) {
   return std::max(exact, 0.0);
 }
 
-double revolute_energy(const RevoluteLaw& p, const Vec3* x, const Vec3* x0, double h) {
-  return law(p.law, p.coefficient, host_revolute(x, x0, p.angle0), p.angle0, h);
+double revolute_energy(const RevoluteLaw& p, const Vec3* x, const Vec3* x0, double) {
+  return law(p.law, p.coefficient, host_revolute(x, x0, p.angle0), p.angle0 + p.lead, p.rate_length);
 }
 
 double prismatic_coordinate(const Vec3* x) { return (x[1] - x[0]).dot(x[2]); }
 
-double prismatic_energy(const PrismaticLaw& p, const Vec3* x, const Vec3* x0, double h) {
-  return law(p.law, p.coefficient, prismatic_coordinate(x), prismatic_coordinate(x0), h);
+double prismatic_energy(const PrismaticLaw& p, const Vec3* x, const Vec3* x0, double) {
+  return law(p.law, p.coefficient, prismatic_coordinate(x), prismatic_coordinate(x0) + p.lead, p.rate_length);
 }
 
 template <class Params>
@@ -45,6 +45,8 @@ void set_random(Params& p, Random& random) {
   p.coefficient[0] = random.number(-5, 5);
   p.coefficient[1] = p.law ? random.number(-20, 20) : random.number(-0.02, 0.02);
   p.coefficient[2] = random.number(0, 5);
+  p.lead = random.number(-0.02, 0.02);
+  p.rate_length = random.number(0.005, 0.02);
 }
 
 template <class Params>
@@ -78,7 +80,9 @@ TEST(JointLaw, CurvatureIsTheSecondDerivativeWhereThatIsPositive) {
   expect_gauss_newton<RevoluteLaw>(
       revolute, with_laws(revolute_joints<RevoluteLaw>(100, 0.01)),
       [](const RevoluteLaw& p, const Vec3* x, const Vec3* x0) { return host_revolute(x, x0, p.angle0); },
-      [](const RevoluteLaw& p, double q, double h) { return curvature(p.law, p.coefficient, q, p.angle0, h); });
+      [](const RevoluteLaw& p, double q, double) {
+        return curvature(p.law, p.coefficient, q, p.angle0 + p.lead, p.rate_length);
+      });
 }
 
 }  // namespace
