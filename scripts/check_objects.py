@@ -8,6 +8,7 @@ Needs numpy, trimesh, rtree, manifold3d, pytetwild and pyvista, which the last o
 """
 import argparse
 import json
+import os
 import pathlib
 import subprocess
 
@@ -75,6 +76,8 @@ def main():
     p.add_argument("--large", action="store_true", help="objects of 80 000 to 330 000 triangles instead")
     a = p.parse_args()
     a.folder.mkdir(parents=True, exist_ok=True)
+    a.program, a.folder = pathlib.Path(a.program).resolve(), a.folder.resolve()
+    os.chdir(a.folder)  # fTetWild leaves a file where it runs
     good, counts, worst, worst_filled = {}, {}, {}, 0
     for i in range(a.count):
         kind, random = KINDS[i % len(KINDS)], np.random.default_rng(a.seed + i)
