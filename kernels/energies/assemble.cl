@@ -43,17 +43,19 @@ static inline void JOIN(TERM, _gradient_of)(const uint e, global const PARAMS* r
   for (int s = 0; s < STENCIL; ++s) vstore3(g[s], first_row + e * STENCIL + s, rows);
 }
 
-#ifndef HESSIAN_OF_LANES
 static inline void JOIN(TERM, _hessian_of)(const uint e, global const PARAMS* restrict params,
                                            global const real* restrict x, global const real* restrict x0, const real h,
                                            const uint first, global real* restrict blocks) {
+  global real* out = blocks + first + (size_t)e * 9 * STENCIL * STENCIL;
+#ifdef HESSIAN_OF_LANES
+  JOIN(TERM, _hessian_of_lanes)(1, params + e, x, out);
+#else
   const PARAMS p = params[e];
   real3 xe[STENCIL], x0e[STENCIL];
   for (int s = 0; s < STENCIL; ++s) {
     xe[s] = vload3(p.site[s], x);
     x0e[s] = vload3(p.site[s], x0);
   }
-  global real* out = blocks + first + (size_t)e * 9 * STENCIL * STENCIL;
 #ifdef HESSIAN_IN_PLACE
   JOIN(TERM, _hessian)(p, xe, x0e, h, out);
 #else
@@ -61,8 +63,8 @@ static inline void JOIN(TERM, _hessian_of)(const uint e, global const PARAMS* re
   JOIN(TERM, _hessian)(p, xe, x0e, h, H);
   for (int k = 0; k < 9 * STENCIL * STENCIL; ++k) out[k] = H[k];
 #endif
-}
 #endif
+}
 
 #ifndef TERM_FUNCTIONS_ONLY
 // x, x0: sites [n_sites x 3, m];  energy: [n, J], from number `first` on
