@@ -145,10 +145,8 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   if (base.extrapolates)
     return fmt::format(
         "simulated with steps of {:.4g} and {:.4g} ms, BDF2, extrapolated to no length, since a drive damps the rate "
-        "of "
-        "its command and the scene's own step would be taken for an effect; finer steps differ by {:.2g} times the "
-        "noise, which is "
-        "corrected",
+        "of its command and the scene's own step would be taken for an effect; finer steps differ by {:.2g} times the "
+        "noise, which is corrected",
         1e3 * solver.time_step, 5e2 * solver.time_step, error);
   return fmt::format(
       "simulated with steps of {:.4g} ms, {}, {}; finer steps differ by {:.2g} times the noise, {}",

@@ -104,6 +104,7 @@ json report_of(const Diagnosis& d) {
                                    {"law", e.candidate->law},
                                    {"target", e.candidate->target},
                                    {"parameters", parameters_of(e)}});
+  report["adjusted"] = json::array();
   for (const AdjustedNumber& number : d.adjusted)
     report["adjusted"].push_back({{"name", number.name},
                                   {"target", number.target},

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cstdlib>
 
 #include "energies/body/inertia.h"
 #include "energies/joint/zero_length_spring.h"
@@ -100,8 +101,7 @@ Eigen::VectorXd solve_densely(u32 n, double k, const std::vector<double>& gradie
   return H.ldlt().solve(-Eigen::Map<const Eigen::VectorXd>(gradient.data(), 3 * n));
 }
 
-TEST(ConjugateGradients, SolvesAChainAcrossGroups) {
-  Device device;
+void expect_solves_chains(Device& device) {
   for (const u32 n : {1u, 3u, 257u}) {
     Chain chain(device, n, 40, 1e4);
     std::vector<double> g(3 * n);
@@ -118,6 +118,19 @@ TEST(ConjugateGradients, SolvesAChainAcrossGroups) {
     const std::vector<double> solved = dx.read();
     for (u32 i = 0; i < 3 * n; ++i) EXPECT_NEAR(solved[i], exact[i], 1e-7 * exact.cwiseAbs().maxCoeff());
   }
+}
+
+TEST(ConjugateGradients, SolvesAChainAcrossGroups) {
+  Device device;
+  expect_solves_chains(device);
+}
+
+// where the residual is tested before the preconditioner is applied again
+TEST(ConjugateGradients, SolvesAChainOnADeviceApartFromTheHost) {
+  setenv("PVG_HOST_FUNCTIONS", "0", 1);
+  Device device;
+  unsetenv("PVG_HOST_FUNCTIONS");
+  expect_solves_chains(device);
 }
 
 TEST(ConjugateGradients, OneGroupIsSolvedInOneIteration) {
