@@ -91,7 +91,8 @@ kernel void JOIN(TERM, _hessian_all)(const uint n, global const PARAMS* restrict
   // the first work-items of each group take all its elements
   const uint in_group = get_local_id(0) * N_LANES, e = get_group_id(0) * get_local_size(0) + in_group;
   if (in_group < get_local_size(0) && e < n)
-    JOIN(TERM, _hessian_of_lanes)(min(n - e, (uint)N_LANES), params + e, x, blocks + first + (size_t)e * 9 * STENCIL * STENCIL);
+    JOIN(TERM, _hessian_of_lanes)(min(n - e, (uint)N_LANES), params + e, x,
+                                  blocks + first + (size_t)e * 9 * STENCIL * STENCIL);
 #else
   const uint e = get_global_id(0);
   if (e < n) JOIN(TERM, _hessian_of)(e, params, x, x0, h, first, blocks);

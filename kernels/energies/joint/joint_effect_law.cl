@@ -1,5 +1,4 @@
-// What friction and springs of a joint do along its coordinate q, v = (q - q0) / h its rate, q0 and h those of its row's
-// rate:
+// What friction and springs of a joint do along its coordinate q, v = (q - q0) / h its rate, q0 and h those of its row:
 //   V(q) = k q^2 / 2 - P q + c v^2 h / 2 + h R(v)
 //   R'(v) = (T + S exp(-(w / u)^2)) s(v),   w = max(|v|, eps),   s(v) = sign(v) (2 - |v| / eps) |v| / eps for |v| <
 //   eps,

@@ -1,6 +1,5 @@
-// What a law f(q, v) of a joint does along its coordinate q, v = (q - q0) / h its rate, q0 and h those of
-// its row's rate: an effort of f at
-// the end of the step, the derivative of
+// What a law f(q, v) of a joint does along its coordinate q, v = (q - q0) / h its rate, q0 and h those of its row: an
+// effort of f at the end of the step, the derivative of
 //   V(q) = - integral from q0 to q of f(s, (s - q0) / h) ds                                                         [J]
 // by Gauss and Legendre's rule of 5 points on panels that halve toward q0, where laws of friction are steep in v. The
 // curvature is the central difference of -f along q, or zero where that is negative.

@@ -21,7 +21,8 @@ static inline void prismatic_effect_hessian(const PrismaticEffect p, const real3
   const JointEffectLaw law = JOINT_EFFECT_LAW_OF(p);
   real3 dq[3];
   prismatic_derivatives(x, dq);
-  joint_hessian(joint_effect_curvature(law, prismatic_coordinate(x), prismatic_coordinate(x0) + p.lead, p.rate_length), 3, dq, H);
+  const real curvature = joint_effect_curvature(law, prismatic_coordinate(x), prismatic_coordinate(x0) + p.lead, p.rate_length);
+  joint_hessian(curvature, 3, dq, H);
 }
 
 #define TERM prismatic_effect

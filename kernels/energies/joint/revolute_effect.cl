@@ -21,7 +21,8 @@ static inline void revolute_effect_hessian(const RevoluteEffect p, const real3* 
   const JointEffectLaw law = JOINT_EFFECT_LAW_OF(p);
   real3 dq[4];
   revolute_derivatives(x, dq);
-  joint_hessian(joint_effect_curvature(law, revolute_coordinate(x, x0, p.angle0), p.angle0 + p.lead, p.rate_length), 4, dq, H);
+  const real curvature = joint_effect_curvature(law, revolute_coordinate(x, x0, p.angle0), p.angle0 + p.lead, p.rate_length);
+  joint_hessian(curvature, 4, dq, H);
 }
 
 #define TERM revolute_effect

@@ -8,7 +8,8 @@ static inline real revolute_law_energy(const RevoluteLaw p, const real3* x, cons
 }
 
 static inline void revolute_law_gradient(const RevoluteLaw p, const real3* x, const real3* x0, const real h, real3* g) {
-  const real slope = joint_law_slope(p.law, revolute_coordinate(x, x0, p.angle0), p.angle0 + p.lead, p.rate_length, p.coefficient);
+  const real slope = joint_law_slope(p.law, revolute_coordinate(x, x0, p.angle0), p.angle0 + p.lead, p.rate_length,
+                                     p.coefficient);
   revolute_derivatives(x, g);
   for (int s = 0; s < 4; ++s) g[s] *= slope;
 }
