@@ -4,6 +4,8 @@
 set -eu
 
 PACKAGES="libopencv-calib3d-dev libapriltag-dev"
+# shellcheck disable=SC2086
+dpkg -s $PACKAGES >/dev/null 2>&1 && { echo "install_calibration: all packages are there"; exit 0; }
 as_root=""
 if [ "$(id -u)" != 0 ]; then
   command -v sudo >/dev/null || { echo "install_calibration: run as root, or install sudo" >&2; exit 1; }

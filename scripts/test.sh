@@ -3,6 +3,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 scripts/install.sh
+scripts/install_calibration.sh || echo "test: without OpenCV's calib3d, the calibration of cameras is not tested"
 scripts/build.sh -DPVG_TESTS=ON
 scripts/install_policy.sh || echo "test: without what PyPI has, the tests of the Python package are skipped"
 echo "test: ctest"
