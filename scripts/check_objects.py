@@ -3,8 +3,8 @@
 
   check_objects.py PHYVISGEN FOLDER [--count 300] [--seed 0] [--fineness 50] [--large]
 
-Needs numpy, trimesh, rtree, manifold3d, pytetwild and pyvista, which the last one imports
-(scripts/python_env.sh objects numpy trimesh rtree manifold3d pytetwild pyvista). Prints a line per kind.
+Needs numpy, scipy, trimesh, rtree, manifold3d, pytetwild and pyvista, which the last one imports
+(scripts/python_env.sh objects numpy scipy trimesh rtree manifold3d pytetwild pyvista). Prints a line per kind.
 """
 import argparse
 import json

@@ -50,7 +50,7 @@ struct Fusion::Impl {
   VoxelGrid grid;
   std::size_t n_grid;
   Program fusion_program, surface_program;
-  Kernel weigh, mark, find_in_view, integrate, count, place_vertices, place_triangles;
+  Kernel find_normals, mark, find_in_view, integrate, count, place_vertices, place_triangles;
   Buffer<float> depth, distance, weight;
   Buffer<std::array<float, 4>> surface;
   Buffer<u32> is_near, place, in_view, in_use, block_of;
@@ -63,7 +63,7 @@ struct Fusion::Impl {
         n_grid(std::size_t(grid.blocks[0]) * grid.blocks[1] * grid.blocks[2]),
         fusion_program(device, "capture/fusion.cl"),
         surface_program(device, "capture/marching_cubes.cl"),
-        weigh(fusion_program.kernel("weigh_depth")),
+        find_normals(fusion_program.kernel("find_normals")),
         mark(fusion_program.kernel("mark_blocks")),
         find_in_view(fusion_program.kernel("find_blocks_in_view")),
         integrate(fusion_program.kernel("integrate_depth")),
@@ -87,7 +87,7 @@ struct Fusion::Impl {
     depth.resize(picture.depth.size());
     surface.resize(picture.depth.size());
     depth.write(picture.depth);
-    weigh(depth.size(), u32(depth.size()), grid, c, depth, surface);
+    find_normals(depth.size(), u32(depth.size()), grid, c, depth, surface);
     return c;
   }
 };
@@ -102,7 +102,7 @@ std::size_t Fusion::voxel_bytes() const { return impl_->n_blocks * BYTES_PER_BLO
 void Fusion::mark(const Camera& camera, const DepthPicture& picture) {
   Impl& f = *impl_;
   const PinholeCamera c = f.load(camera, picture);
-  f.mark(f.depth.size(), u32(f.depth.size()), f.grid, c, f.depth, f.surface, f.is_near);
+  f.mark(f.depth.size(), u32(f.depth.size()), f.grid, c, f.surface, f.is_near);
 }
 
 void Fusion::allocate() {
@@ -151,7 +151,7 @@ void Fusion::integrate(const Camera& camera, const DepthPicture& picture) {
   f.in_use.resize(in_use.size());
   f.in_use.write(in_use);
   const std::size_t n_rows = in_use.size() * GROUP_SIZE;
-  f.integrate(n_rows, u32(n_rows), f.grid, c, f.depth, f.surface, f.place, f.in_use, f.distance, f.weight);
+  f.integrate(n_rows, u32(n_rows), f.grid, c, f.surface, f.place, f.in_use, f.distance, f.weight);
   f.device.finish();
 }
 
