@@ -24,15 +24,15 @@ void Denoiser::operator()(std::uint32_t width, std::uint32_t height, Film& film)
   light_.resize(n);
   other_.resize(n);
   is_border_.resize(n);
-  begin_(n, n, film.sum, film.squares, film.albedo, light_);
-  variance_(n, n, width, height, film.instance, film.albedo, light_, other_, is_border_);
+  begin_(n, n, film.sum, film.squares, film.guides->guide_color, light_);
+  variance_(n, n, width, height, film.instance, light_, other_, is_border_);
   std::swap(light_, other_);
   for (int k = 0; k < PASSES; ++k) {
     pass_(n, n, width, height, std::int32_t(1 << k), film.instance, film.normal, film.place, is_border_, light_,
           other_);
     std::swap(light_, other_);
   }
-  end_(n, n, light_, film.albedo, film.sum);
+  end_(n, n, light_, film.guides->guide_color, film.sum);
 }
 
 }  // namespace pvg

@@ -7,7 +7,7 @@ namespace pvg {
 class Denoiser {
  public:
   explicit Denoiser(Device& device);
-  // replaces the film's sums; its ground truth must be there
+  // replaces the film's sums; its ground truth and its guides must be there
   void operator()(std::uint32_t width, std::uint32_t height, Film& film);
 
  private:

@@ -150,7 +150,7 @@ RenderedFrame Renderer::Impl::finish(const Launch& launch, int camera, std::uint
   RenderedFrame features;
   features.width = int(launch.camera.width);
   features.height = int(launch.camera.height);
-  if (film.guides) read_features(features);
+  if (image_denoise || settings.notes_features) read_features(features);
   if (image_denoise) denoise(features);
   if (denoiser) (*denoiser)(launch.camera.width, launch.camera.height, film);
   RenderedFrame picture = read_film(camera, frame);

@@ -37,14 +37,14 @@ Renderer::Impl::Impl(Device& device_, const Scene& scene_, const RenderSettings&
       settings(settings_),
       look(make_look(scene_)),
       image_denoise(settings.denoises ? ImageDenoise::find(device.info().is_gpu) : std::nullopt),
-      stages(device_, image_denoise || settings.notes_features),
+      stages(device_, settings.denoises || settings.notes_features),
       film(device_) {
   if (settings.samples < 1 || settings.samples > 1 << 16)
     throw UsageError("samples is " + std::to_string(settings.samples) + "; 1 to 65536 paths per pixel");
   if (settings.max_depth < 0 || settings.max_depth > 1000)
     throw UsageError("max_depth is " + std::to_string(settings.max_depth) + "; 0 to 1000 bounces");
   for (const Camera& camera : scene.cameras) check_camera(camera);
-  if (image_denoise || settings.notes_features) film.guides.emplace(device);
+  if (settings.denoises || settings.notes_features) film.guides.emplace(device);
   if (settings.denoises && !image_denoise) {
     denoiser.emplace(device);
     tell_note(std::string("Open Image Denoise is not here (scripts/install_denoiser.sh installs it); ") + OWN_DENOISER +

@@ -13,7 +13,6 @@ Film::Film(Device& device)
       instance(device, 0, "instance"),
       normal(device, 0, "normal"),
       place(device, 0, "place"),
-      albedo(device, 0, "albedo"),
       seen(device, 0, "seen") {}
 
 void Film::begin(std::size_t n_pixels) {
@@ -24,7 +23,6 @@ void Film::begin(std::size_t n_pixels) {
   sum.zero();
   squares.zero();
   place.resize(n_pixels);
-  albedo.resize(3 * n_pixels);
   dropped.zero();
   depth.resize(n_pixels);
   distance.resize(n_pixels);
@@ -99,9 +97,8 @@ void Stages::find_ground_truth(const Launch& launch, bool sees_through_glass, co
   generate(launch.n_pixels, launch);
   kernels_.ground_truth(launch.n_pixels, launch.n_pixels, launch, std::uint32_t(sees_through_glass), scene.trees.top,
                         scene.trees.nodes, scene.trees.blocks, scene.trees.instances, scene.materials, scene.triangles,
-                        scene.vertices, scene.textures, scene.texels, scene.decode, scene.colors, scene.second_uvs,
-                        origin_, direction_, throughput_, film.depth, film.distance, film.instance, film.normal,
-                        film.seen, film.place, film.albedo);
+                        scene.vertices, scene.textures, scene.texels, scene.second_uvs, origin_, direction_,
+                        throughput_, film.depth, film.distance, film.instance, film.normal, film.seen, film.place);
 }
 
 void Stages::find_flow(const Launch& from, const Launch& to, const DeviceScene& scene, const Film& film,

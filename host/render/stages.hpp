@@ -37,9 +37,8 @@ struct Film {
   Buffer<std::uint32_t> instance;
   Buffer<float> normal;          // [n x 3]
   Buffer<F32x4> place;           // the point at the middle, last: its distance [m]
-  Buffer<float> albedo;          // [n x 3], of the surface there
   Buffer<F32x4> seen;            // the hit at the middle: u, v, triangle, instance
-  std::optional<Guides> guides;  // of a denoiser that takes them
+  std::optional<Guides> guides;  // of renderers that denoise or show them
 };
 
 class Stages {

@@ -1,11 +1,11 @@
 // Edge-avoiding filter for previews: an a-trous wavelet (Dammertz et al. 2010) over the light without the surface's own
 // colour, each pixel's weight falling with the difference of normal, plane and light, the latter in units of its own
-// noise (as in Schied et al. 2017). Pixels at the border of two things or colours are left as they are: they are mixtures.
+// noise (as in Schied et al. 2017). Pixels at the border of two things are left as they are: they are mixtures.
 #include "render/path.h"
 
 #define PLANE_DISTANCE 0.01f  // of a neighbour off this pixel's plane, as a share of the distance to the camera
 #define NOISE_WIDTH 3.0f      // standard deviations
-#define COLOR_EDGE 0.1f       // difference of two neighbours' colours, as a share
+#define LEAST_COLOR 0.01f     // that light is divided by
 
 // similarity of two normals: the 64th power of their angle's cosine, by squaring (`pow` took two fifths of a picture)
 static inline float normal_weight(const float cosine) {
@@ -16,33 +16,33 @@ static inline float normal_weight(const float cosine) {
 
 static inline float luminance(const float3 c) { return dot(c, (float3)(0.2126f, 0.7152f, 0.0722f)); }
 
-// film: sums, w: samples;  squares: sum of squared luminance;  light: [height x width] mean without albedo, w: variance
-// of its luminance
+// of what a pixel shows: the mean over its own samples, so that what is finer than a pixel is in it as it is in the light
+static inline float3 mean_color(const float4 guide) { return max(guide.xyz / max(guide.w, 1.0f), (float3)(LEAST_COLOR)); }
+
+// film, guide_color: sums, w: samples;  squares: sum of squared luminance;  light: [height x width] mean without the
+// colour, w: variance of its luminance
 kernel void denoise_begin(const uint n_pixels, global const float4* restrict film, global const float* restrict squares,
-                          global const float* restrict albedo, global float4* restrict light) {
+                          global const float4* restrict guide_color, global float4* restrict light) {
   const uint i = get_global_id(0);
   if (i >= n_pixels) return;
   const float n = film[i].w;
-  const float3 a = vload3(i, albedo);
+  const float3 color = mean_color(guide_color[i]);
   if (n < 2) {
-    light[i] = (float4)(n > 0 ? film[i].xyz / a : (float3)(0.0f), 0);
+    light[i] = (float4)(n > 0 ? film[i].xyz / color : (float3)(0.0f), 0);
     return;
   }
   const float3 mean = film[i].xyz / n;
-  const float L = luminance(mean), scale = luminance(a);
-  light[i] = (float4)(mean / a, max(0.0f, squares[i] / n - L * L) / ((n - 1.0f) * scale * scale));
+  const float L = luminance(mean), scale = luminance(color);
+  light[i] = (float4)(mean / color, max(0.0f, squares[i] / n - L * L) / ((n - 1.0f) * scale * scale));
 }
 
-// the variance is noisy itself: means over 3 x 3 pixels of the same thing.  is_border: another thing or colour is
-// among them
+// the variance is noisy itself: means over 3 x 3 pixels of the same thing.  is_border: another thing is among them
 kernel void denoise_variance(const uint n_pixels, const uint width, const uint height,
-                             global const uint* restrict instance, global const float* restrict albedo,
-                             global const float4* restrict from,
+                             global const uint* restrict instance, global const float4* restrict from,
                              global float4* restrict to, global uint* restrict is_border) {
   const uint i = get_global_id(0);
   if (i >= n_pixels) return;
   const int x = (int)(i % width), y = (int)(i / width);
-  const float own_color = luminance(vload3(i, albedo));
   float sum = 0, n = 0;
   uint border = 0;
   for (int dy = -1; dy <= 1; ++dy)
@@ -54,8 +54,6 @@ kernel void denoise_variance(const uint n_pixels, const uint width, const uint h
         border = 1;
         continue;
       }
-      const float color = luminance(vload3(k, albedo));
-      if (fabs(color - own_color) > COLOR_EDGE * max(color, own_color)) border = 1;
       sum += from[k].w;
       n += 1.0f;
     }
@@ -98,8 +96,8 @@ kernel void denoise_pass(const uint n_pixels, const uint width, const uint heigh
 }
 
 // back to sums of as many samples as there were
-kernel void denoise_end(const uint n_pixels, global const float4* restrict light, global const float* restrict albedo,
-                        global float4* restrict film) {
+kernel void denoise_end(const uint n_pixels, global const float4* restrict light,
+                        global const float4* restrict guide_color, global float4* restrict film) {
   const uint i = get_global_id(0);
-  if (i < n_pixels) film[i] = (float4)(light[i].xyz * vload3(i, albedo) * film[i].w, film[i].w);
+  if (i < n_pixels) film[i] = (float4)(light[i].xyz * mean_color(guide_color[i]) * film[i].w, film[i].w);
 }

@@ -30,36 +30,20 @@ static inline float seen_surface(const Trees trees, const Cutouts c, const uint 
   return INFINITY;
 }
 
-// the colour that a surface gives to light that it scatters; 1 where it has none of its own
-static inline float3 surface_color(const Cutouts c, const Material m, const Hit hit, constant float* decode,
-                                   global const float* colors) {
-  global const Instance* instance = c.instances + hit.instance;
-  const bool has_color = (material_traits(m.kind) & MATERIAL_COLORED) && m.transmission < 0.5f;
-  if (!has_color) return (float3)(1.0f);
-  float3 color = vload3(0, m.color);
-  if (m.texture >= 0)
-    color *= texture_color(c.textures[m.texture], c.texels, decode,
-                           texture_uv(c, instance, m.flags, SECOND_UVS_COLOR, hit.triangle, hit.u, hit.v));
-  if (instance->flags & INSTANCE_COLORS)
-    color *= vertex_color(instance, c.triangles, colors, hit.triangle, hit.u, hit.v);
-  return max(color, (float3)(0.01f));
-}
-
 // origin, direction: [n_pixels] of rays through the middles;  throughput: 0 where the camera sees nothing;  depth,
 // distance: [height x width, m], infinite: nothing;  instance: [height x width] 1 + index of the Visual, 0: none or a
 // light; normal: [height x width x 3] unit, world, toward the camera, or 0;  seen: [height x width] place of the hit: u,
-// v, triangle, instance;  place: [height x width, m] the point, world, w: distance;  albedo: [height x width x 3]
+// v, triangle, instance;  place: [height x width, m] the point, world, w: distance
 kernel void ground_truth(const uint n_pixels, const Launch launch, const uint sees_through_glass,
                          global const float8* restrict top, global const float8* restrict nodes,
                          global const float4* restrict blocks, global const Instance* restrict instances,
                          global const Material* restrict materials, global const uint* restrict triangles,
                          global const Vertex* restrict vertices, global const TextureInfo* restrict textures,
-                         global const uchar4* restrict texels, constant float* restrict decode,
-                         global const float* restrict colors, global const float* restrict second_uvs,
-                         global const float4* restrict origin, global const float4* restrict direction, global const float4* restrict throughput,
-                         global float* restrict depth, global float* restrict distance, global uint* restrict instance,
-                         global float* restrict normal, global float4* restrict seen, global float4* restrict place,
-                         global float* restrict albedo) {
+                         global const uchar4* restrict texels, global const float* restrict second_uvs,
+                         global const float4* restrict origin, global const float4* restrict direction,
+                         global const float4* restrict throughput, global float* restrict depth,
+                         global float* restrict distance, global uint* restrict instance,
+                         global float* restrict normal, global float4* restrict seen, global float4* restrict place) {
   const uint i = get_global_id(0);
   if (i >= n_pixels) return;
   const PinholeCamera c = launch.camera;
@@ -71,7 +55,6 @@ kernel void ground_truth(const uint n_pixels, const Launch launch, const uint se
   vstore3((float3)(0.0f), at, normal);
   seen[at] = (float4)(0, 0, as_float(NO_TRIANGLE), 0);
   place[at] = (float4)(0.0f);
-  vstore3((float3)(1.0f), at, albedo);
   if (throughput[i].x == 0) return;
   const Trees trees = {top, nodes, blocks, instances};
   const float3 d = direction[i].xyz;
@@ -86,7 +69,4 @@ kernel void ground_truth(const uint n_pixels, const Launch launch, const uint se
   vstore3(dot(s.shading, d) < 0 ? s.shading : -s.shading, at, normal);
   seen[at] = (float4)(hit.u, hit.v, as_float(hit.triangle), as_float(hit.instance));
   place[at] = (float4)(s.point, t);
-  global const Instance* shown = instances + hit.instance;
-  if (shown->visual != 0)
-    vstore3(surface_color(cutouts, materials[shown->material], hit, decode, colors), at, albedo);
 }
