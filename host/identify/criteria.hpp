@@ -305,6 +305,9 @@
   X(4, double, screen_shape_high, 5, "1", \
     "factor on a shape parameter that is tried", \
     "a Stribeck curve named Coulomb friction (commit ae8853e)") \
+  X(4, Series, screen_shapes, (Series{0.1, 0.3, 3, 10}), "1", \
+    "factors on the usual shape of a law that are tried with equal strengths", \
+    "Stribeck curves of 1 rad/s, ten times the usual, ended at 0.01 to 0.04 rad/s (new scenarios, seeds 2 and 11)") \
   X(4, Series, screen_limits, (Series{0.95, 0.9, 0.8, 0.7, 0.6, 0.5, 0.35}), "1", \
     "limits that are tried, over where the limit is first reached", \
     "chosen by judgement, not measured") \

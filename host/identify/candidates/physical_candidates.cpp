@@ -45,10 +45,13 @@ double scale_of(const EffectParameter& p, double mass) {
   return c.change_other * (p.high - p.low);
 }
 
+// A shape parameter lies anywhere between its bounds, which are factors apart.
 Parameter parameter_of(const EffectParameter& p, double mass) {
-  const bool is_limit = p.is_strength && p.off == p.high;
-  return {p.name, p.unit,         p.low,   p.high, p.is_strength ? p.off : p.usual, scale_of(p, mass),
-          0,      !p.is_strength, is_limit};
+  Parameter out{p.name, p.unit, p.low, p.high, p.is_strength ? p.off : p.usual, scale_of(p, mass)};
+  out.is_shape = !p.is_strength;
+  out.is_limit = p.is_strength && p.off == p.high;
+  out.is_logarithmic = out.is_shape && p.low > 0;
+  return out;
 }
 
 Candidate candidate_of(const PhysicalScene& scene, const EffectRow& row, const std::string& target) {

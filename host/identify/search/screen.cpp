@@ -6,103 +6,12 @@
 #include <span>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/search/screen_trials.hpp"
 
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
-
-struct Trial {
-  const Candidate* candidate;
-  std::size_t parameter;
-  double step;
-};
-
-Model with(const Model& base, const Candidate& candidate) { return joined(base, model_of({&candidate})); }
-
-// inside the bounds, away from them where possible
-double allowed(const Parameter& p, double step) {
-  if (p.off + step > p.high) step = p.off - step >= p.low ? -step : p.high - p.off;
-  return std::clamp(p.off + step, p.low, p.high) - p.off;
-}
-
-// A shape parameter changes nothing while the strengths are off, so the first strength is on when it is varied.
-std::vector<std::vector<VectorXd>> responses(Fitter& fitter, const FitData& data, const Fit& base,
-                                             const std::vector<Trial>& trials) {
-  std::vector<Model> models;
-  for (const Trial& trial : trials) {
-    Model model = with(base.model, *trial.candidate);
-    model.x[base.model.x.size() + Eigen::Index(trial.parameter)] += trial.step;
-    models.push_back(std::move(model));
-  }
-  const auto found = fitter.evaluate(data, models, std::vector(models.size(), base.delta));
-  std::vector<std::vector<VectorXd>> out(trials.size());
-  for (std::size_t t = 0; t < trials.size(); ++t)
-    for (std::size_t w = 0; w < data.windows.size(); ++w) {
-      VectorXd change = found[t][w].residual - base.residual[w];
-      if (!found[t][w].succeeded) change.setConstant(std::nan(""));
-      out[t].push_back(std::move(change));
-    }
-  return out;
-}
-
-double size_of(const std::vector<VectorXd>& response) {
-  const double size = rms(response);
-  return std::isfinite(size) ? size : -1;
-}
-
-FitData some_windows(const FitData& data, std::size_t most, Fit& base) {
-  FitData some;
-  Fit fit;
-  fit.model = base.model;
-  const std::size_t n = std::min(most, data.windows.size());
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t w = i * data.windows.size() / n;
-    some.windows.push_back(data.windows[w]);
-    some.of_start.push_back(data.of_start[w]);
-    fit.delta.push_back(base.delta[w]);
-    fit.residual.push_back(base.residual[w]);
-  }
-  base = std::move(fit);
-  return some;
-}
-
-// A change of each parameter that changes the residuals by `wanted` times the noise.
-std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& base, double wanted,
-                                const std::vector<const Candidate*>& candidates) {
-  std::vector<Trial> trials;
-  for (const Candidate* candidate : candidates)
-    for (std::size_t i = 0; i < candidate->parameters.size(); ++i)
-      trials.push_back({candidate, i, allowed(candidate->parameters[i], candidate->parameters[i].scale)});
-  Fit few = base;
-  const FitData some = some_windows(data, criteria().screen_n_windows, few);
-  std::vector<std::size_t> open(trials.size());  // whose response is not of about that size
-  for (std::size_t i = 0; i < open.size(); ++i) open[i] = i;
-  for (const bool is_last : {false, true}) {
-    std::vector<Trial> asked;
-    for (const std::size_t i : open) asked.push_back(trials[i]);
-    const std::vector<std::vector<VectorXd>> found = responses(fitter, some, few, asked);
-    std::vector<std::size_t> still_open;
-    for (std::size_t k = 0; k < open.size(); ++k) {
-      Trial& trial = trials[open[k]];
-      const double size = size_of(found[k]);  // negative: the change was too much to be simulated
-      const double factor =
-          size < 0 ? 1 / criteria().screen_factor_most
-          : size < criteria().sensitivity_least
-              ? criteria().screen_factor_most
-              : std::clamp(wanted / size, 1 / criteria().screen_factor_most, criteria().screen_factor_most);
-      if (factor <= 1 / criteria().screen_factor_most || factor >= criteria().screen_factor_most)
-        still_open.push_back(open[k]);
-      const bool is_seen = size >= criteria().sensitivity_least;
-      const Parameter& p = trial.candidate->parameters[trial.parameter];
-      // a change that no sensor sees may still be too large for the solver
-      const double most = criteria().screen_factor_most * p.scale;
-      trial.step = is_last && !is_seen ? 0 : allowed(p, std::clamp(factor * trial.step, -most, most));
-    }
-    open = std::move(still_open);
-  }
-  return trials;
-}
 
 // The base model with the measured starts: those that fit it best may be far off, to make up for the missing
 // effect.
@@ -112,57 +21,6 @@ Fit from_measured_starts(Fitter& fitter, const FitData& data, const Fit& base) {
   measured.slope = base.slope;
   measured.scale = robust_scale(measured.residual);
   return measured;
-}
-
-bool is_limit(const Candidate& candidate) {
-  return candidate.parameters.size() == 1 && candidate.parameters[0].is_limit;
-}
-
-bool is_logarithmic(const Candidate& candidate) {
-  return candidate.parameters.size() == 1 && candidate.parameters[0].is_logarithmic;
-}
-
-// No slope predicts how far to go: all places of a grid are tried.
-bool is_tried_anyway(const Candidate& candidate) { return is_limit(candidate) || is_logarithmic(candidate); }
-
-// Where a candidate is tried: shares of its linear optimum. Where the law is off, residuals are not sensitive to its
-// shape parameter, so neither its optimum nor that of strengths beside the first is known: other shapes are tried, with
-// the strengths unchanged and with all of them equal.
-std::vector<Model> trials_of(const Screened& screened, Eigen::Index n_base) {
-  const std::vector<Parameter>& parameters = screened.candidate->parameters;
-  std::vector<Model> models;
-  const auto add = [&](const auto& value_of) {
-    Model model = screened.model;
-    for (std::size_t k = 0; k < parameters.size(); ++k) {
-      double& x = model.x[n_base + Eigen::Index(k)];
-      x = std::clamp(value_of(k, x), parameters[k].low, parameters[k].high);
-    }
-    models.push_back(std::move(model));
-  };
-  const auto share_of = [&](std::size_t k, double x, double share) {
-    return parameters[k].off + share * (x - parameters[k].off);
-  };
-  const Criteria& c = criteria();
-  for (const double share : {c.screen_share_low, 1.0, c.screen_share_high})
-    add([&](std::size_t k, double x) { return share_of(k, x, share); });
-  // beyond a limit the change starts from zero: no slope predicts how far to go
-  for (const double limit : is_limit(*screened.candidate) ? c.screen_limits : Series())
-    add([&](std::size_t k, double) { return limit * parameters[k].off; });
-  for (const double factor : is_logarithmic(*screened.candidate) ? c.screen_factors : Series()) {
-    add([&](std::size_t k, double) { return factor * parameters[k].off; });
-    add([&](std::size_t k, double) { return parameters[k].off / factor; });
-  }
-  if (std::none_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.is_shape; })) return models;
-  const double first = screened.model.x[n_base] - parameters[0].off;
-  for (const double shape : {c.screen_shape_low, 1.0, c.screen_shape_high})
-    for (const bool is_alike : {false, true}) {
-      if (shape == 1 && !is_alike) continue;  // as above
-      add([&](std::size_t k, double x) {
-        if (parameters[k].is_shape) return shape * x;
-        return is_alike && parameters[k].unit == parameters[0].unit ? parameters[k].off + first : x;
-      });
-    }
-  return models;
 }
 
 // The actual reduction of the robust cost of some windows at each trial: laws with a dead zone or a kink differ from
@@ -184,7 +42,7 @@ void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_d
   std::vector<Model> models;
   std::vector<std::size_t> first = {0};  // [n + 1] of each candidate
   for (std::size_t i = 0; i < n; ++i) {
-    for (Model& model : trials_of(screened[i], base.model.x.size())) models.push_back(std::move(model));
+    for (Model& model : places_of(screened[i], base.model.x.size())) models.push_back(std::move(model));
     first.push_back(models.size());
   }
   const auto found = fitter.evaluate(some, models, std::vector(models.size(), few.delta));
@@ -200,19 +58,6 @@ void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_d
     }
     screened[i].gain = best;
   }
-}
-
-// The same changes in the other direction, of numbers of the scene: a frequency that rises by a quarter of a turn does
-// not predict the change of one that falls.
-std::vector<Trial> mirrored(const std::vector<Trial>& trials) {
-  std::vector<Trial> out;
-  for (Trial trial : trials) {
-    const Parameter& p = trial.candidate->parameters[trial.parameter];
-    trial.step = p.is_logarithmic ? p.off * p.off / (p.off + trial.step) - p.off : -trial.step;
-    const bool is_allowed = p.off + trial.step >= p.low && p.off + trial.step <= p.high;
-    if (trial.candidate->family == Family::parameter && is_allowed) out.push_back(trial);
-  }
-  return out;
 }
 
 // Indices of the trials that change the residuals.
@@ -298,7 +143,7 @@ Signatures signatures_from(const FitData& data, const Fit& base, std::span<const
 Screened linear_optimum(const FitData& data, const Fit& base, double n_data, std::span<const Trial> trials,
                         std::span<const std::vector<VectorXd>> found) {
   const Candidate& candidate = *trials.front().candidate;
-  Screened one{&candidate, with(base.model, candidate), 0, 0};
+  Screened one{&candidate, with_candidate(base.model, candidate), 0, 0};
   const Eigen::Index n_base = base.model.x.size();
   const std::vector<std::size_t> seen = seen_of(found);
   if (seen.empty()) return one;

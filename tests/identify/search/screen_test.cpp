@@ -1,4 +1,5 @@
-// A number of the scene that is far off: screened on a grid, fitted in its logarithm
+// What lies factors away from where a candidate is tried first: a number of the scene, the shape of a law. It is
+// screened on a grid and fitted in its logarithm.
 #include "host/identify/search/screen.hpp"
 
 #include <gtest/gtest.h>
@@ -8,6 +9,7 @@
 
 #include "host/identify/search/choose_windows.hpp"
 #include "host/identify/search/decide.hpp"
+#include "host/identify/search/screen_trials.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg::diagnose {
@@ -64,6 +66,25 @@ TEST(Screen, AStiffness64TimesTooLargeIsReachedAndFitted) {
   const Fit fit = fitter.fit(data, {found[0].model}, 10).front();
   EXPECT_NEAR(fit.model.x[0], 20, 0.2);
   EXPECT_FALSE(is_at_bound(fit));
+}
+
+TEST(Screen, ALawIsTriedAtShapesOfTwoDecadesWithEqualStrengths) {
+  const TestFolder folder;
+  const Problem problem = too_stiff(folder);
+  const std::vector<Candidate> candidates = make_candidates(problem, {});
+  const auto stribeck = std::find_if(candidates.begin(), candidates.end(),
+                                     [](const Candidate& c) { return c.name == "joint_stribeck_friction"; });
+  ASSERT_NE(stribeck, candidates.end());
+  ASSERT_EQ(stribeck->parameters.size(), 3u);  // two strengths and the velocity, 0.1 rad/s at first
+  EXPECT_FALSE(stribeck->parameters[0].is_logarithmic);
+  EXPECT_TRUE(stribeck->parameters[2].is_logarithmic);
+  Screened screened{&*stribeck, model_of({&*stribeck})};
+  screened.model.x.head(2) << 3e-4, 2e-3;
+  const std::vector<Model> places = places_of(screened, 0);
+  for (const double velocity : {0.01, 0.03, 0.1, 0.3, 1.0})
+    EXPECT_TRUE(std::any_of(places.begin(), places.end(), [&](const Model& model) {
+      return model.x.isApprox(Eigen::Vector3d(3e-4, 3e-4, velocity), 1e-12);
+    })) << velocity;
 }
 
 TEST(Screen, AFitAtABoundPassesNothing) {

@@ -1,0 +1,43 @@
+// Changes of candidates that a screening tries: of which parameter, by how much, and what they do to the residuals.
+#pragma once
+#include <vector>
+
+#include "host/identify/search/screen.hpp"
+
+namespace pvg::diagnose {
+
+struct Trial {
+  const Candidate* candidate;
+  std::size_t parameter;
+  double step;
+};
+
+// The base model with a candidate as it is tried first.
+Model with_candidate(const Model& base, const Candidate& candidate);
+
+// What the trials change in the residuals of each window; NaN where a simulation failed.
+std::vector<std::vector<Eigen::VectorXd>> responses(Fitter& fitter, const FitData& data, const Fit& base,
+                                                    const std::vector<Trial>& trials);
+// Root of the mean square of one of them; negative: it failed.
+double size_of(const std::vector<Eigen::VectorXd>& response);
+
+// At most so many windows, evenly spread, and the base's fit of them.
+FitData some_windows(const FitData& data, std::size_t most, Fit& base);
+
+// A change of each parameter that changes the residuals by `wanted` times the noise; steps of 0: no sensor sees it.
+std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& base, double wanted,
+                                const std::vector<const Candidate*>& candidates);
+
+// The same changes in the other direction, of numbers of the scene: a frequency that rises by a quarter of a turn does
+// not predict the change of one that falls.
+std::vector<Trial> mirrored(const std::vector<Trial>& trials);
+
+// No slope predicts how far to go: all places of a grid are tried.
+bool is_tried_anyway(const Candidate& candidate);
+
+// Where a candidate is tried: shares of its linear optimum. Where the law is off, residuals are not sensitive to its
+// shape parameter, so neither its optimum nor that of strengths beside the first is known: other shapes are tried, near
+// ones with the strengths unchanged, all of them with equal strengths. n_base: parameters of the base.
+std::vector<Model> places_of(const Screened& screened, Eigen::Index n_base);
+
+}  // namespace pvg::diagnose
