@@ -108,7 +108,7 @@ std::map<std::string, std::string> contents(const fs::path& set) {
 
 // Five episodes of other lengths, of which some begin in the table; with pictures.
 TEST_F(Generate, EpisodesThatStepTogetherHaveTheBitsTheyHaveAlone) {
-  const fs::path small = fs::path(__FILE__).parent_path().parent_path() / "small_task";
+  const fs::path small = fs::path(PVG_DATA_FOLDER).parent_path() / "tests/pipeline/small_task";
   std::ifstream in(small / "push_beaker.yaml");
   std::string task(std::istreambuf_iterator<char>(in), {});
   const auto replace = [&](const std::string& from, const std::string& to) {
