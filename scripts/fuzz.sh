@@ -9,12 +9,7 @@ seconds="${1:-60}"
 [ $# -gt 0 ] && shift
 loaders="${*:-states set_json recording scene_file task_file urdf mjcf splats colmap mesh_obj mesh_ply mesh_stl mesh_dae mesh_gltf mesh_glb}"
 scripts/install.sh
-for package in clang-14 libclang-rt-14-dev; do
-  dpkg -s "$package" 2>/dev/null | grep -q '^Status: install ok installed' && continue
-  if [ "$(id -u)" = 0 ]; then as_root=""; else as_root="sudo"; fi
-  echo "install: apt-get installs $package"
-  $as_root apt-get install -y -qq --no-install-recommends "$package" >/dev/null
-done
+scripts/apt_install.sh clang-14 libclang-rt-14-dev
 mkdir -p build-fuzz/found
 echo "fuzz: building, log in build-fuzz/build.log"
 targets=""

@@ -20,23 +20,6 @@ PACKAGES="$PACKAGES libjs-three"
 # tests; OpenSubdiv is the oracle of our own subdivision
 PACKAGES="$PACKAGES libgtest-dev libosd-dev"
 
-missing=""
-for package in $PACKAGES; do
-  dpkg -s "$package" 2>/dev/null | grep -q '^Status: install ok installed' || missing="$missing $package"
-done
-if [ -z "$missing" ]; then
-  echo "install: all packages are there"
-  exit 0
-fi
-
-as_root=""
-if [ "$(id -u)" != 0 ]; then
-  command -v sudo >/dev/null || { echo "install: run as root, or install sudo; missing:$missing" >&2; exit 1; }
-  as_root="sudo"
-fi
-echo "install: apt-get installs$missing"
-export DEBIAN_FRONTEND=noninteractive
-$as_root apt-get update -qq
-# no recommended packages: they would double the download
-$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
-echo "install: done"
+# shellcheck disable=SC2086
+"$(dirname "$0")/apt_install.sh" $PACKAGES
+echo "install: all packages are there"

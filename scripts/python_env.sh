@@ -10,8 +10,7 @@ if [ -e ".venv-$name/packages" ] && [ "$(cat ".venv-$name/packages")" = "$wanted
 # Debian's own Python, whose version is known
 python="${PYTHON:-/usr/bin/python3}"
 if [ "$python" = /usr/bin/python3 ] && ! "$python" -c 'import ensurepip' 2>/dev/null; then
-  if [ "$(id -u)" = 0 ]; then as_root=""; else as_root="sudo"; fi
-  $as_root apt-get install -y -qq --no-install-recommends python3-venv >/dev/null
+  scripts/apt_install.sh python3-venv
 fi
 echo "install: .venv-$name gets $wanted"
 "$python" -m venv ".venv-$name"

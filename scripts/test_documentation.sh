@@ -8,6 +8,6 @@ trap 'rm -rf "$folder"' EXIT
 git clone --quiet . "$folder/phyvisgen"
 cd "$folder/phyvisgen"
 scripts/demo.sh
-apt-get install -y -qq --no-install-recommends python3-h5py >/dev/null # what the README's lines of Python need
+scripts/apt_install.sh python3-h5py # what the README's lines of Python need
 tests/documentation/run_commands.py --all . build/bin/phyvisgen
 echo "test_documentation: every command of README and guide runs as it stands"

@@ -5,16 +5,11 @@
 set -eu
 cd "$(dirname "$0")/.."
 scripts/install.sh
-for package in clang-14 libclang-rt-14-dev; do
-  dpkg -s "$package" 2>/dev/null | grep -q '^Status: install ok installed' && continue
-  if [ "$(id -u)" = 0 ]; then as_root=""; else as_root="sudo"; fi
-  echo "install: apt-get installs $package"
-  $as_root apt-get install -y -qq --no-install-recommends "$package" >/dev/null
-done
+scripts/apt_install.sh clang-14 libclang-rt-14-dev
 CC=clang-14 CXX=clang++-14 cmake -S . -B build-sanitize -G Ninja -DPVG_SANITIZE=ON -DPVG_TESTS=ON >/dev/null
 ninja -C build-sanitize
 export ASAN_OPTIONS="detect_leaks=0:strict_string_checks=1" UBSAN_OPTIONS="print_stacktrace=1"
-for program in core_tests io_tests; do
-  echo "test_sanitizers: $program"
-  build-sanitize/bin/$program --gtest_filter="${1:-*}" --gtest_brief=1
+for program in build-sanitize/bin/test_*; do
+  echo "test_sanitizers: ${program##*/}"
+  "$program" --gtest_filter="${1:-*}" --gtest_brief=1
 done

@@ -7,14 +7,7 @@ cd "$(dirname "$0")/.."
 program=$PWD/build/bin/phyvisgen
 task=$PWD/tests/pipeline/small_task/push_beaker.yaml
 episodes="${1:-8}"
-missing=""
-for package in slurmctld slurmd slurm-client munge; do
-  dpkg -s "$package" 2>/dev/null | grep -q '^Status: install ok installed' || missing="$missing $package"
-done
-if [ -n "$missing" ]; then
-  echo "install: apt-get installs$missing"
-  apt-get install -y -qq --no-install-recommends $missing >/dev/null
-fi
+scripts/apt_install.sh slurmctld slurmd slurm-client munge
 
 folder=$(mktemp -d)
 cluster=$folder/cluster

@@ -4,11 +4,7 @@
 # Argument: where the looks are kept (else they are removed).
 set -euo pipefail
 cd "$(dirname "$0")/.."
-if ! command -v tmux >/dev/null; then
-  if [ "$(id -u)" = 0 ]; then as_root=""; else as_root="sudo"; fi
-  echo "install: apt-get installs tmux"
-  $as_root apt-get install -y -qq --no-install-recommends tmux >/dev/null
-fi
+command -v tmux >/dev/null || scripts/apt_install.sh tmux
 folder=$(mktemp -d)
 looks="${1:-$folder/looks}"
 mkdir -p "$looks"

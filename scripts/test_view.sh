@@ -3,11 +3,7 @@
 # complete, something on the 3D view. Arguments: an episode set (else a small one is made), a folder for the screenshots.
 set -eu
 cd "$(dirname "$0")/.."
-if ! command -v chromium >/dev/null; then
-  if [ "$(id -u)" = 0 ]; then as_root=""; else as_root="sudo"; fi
-  echo "install: apt-get installs chromium"
-  $as_root apt-get install -y -qq --no-install-recommends chromium >/dev/null
-fi
+command -v chromium >/dev/null || scripts/apt_install.sh chromium
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 set="${1:-$folder/set}"
