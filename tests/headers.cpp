@@ -1,1 +1,0 @@
-// Compiled once for its precompiled headers, which all tests share.
