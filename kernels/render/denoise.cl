@@ -16,8 +16,10 @@ static inline float normal_weight(const float cosine) {
 
 static inline float luminance(const float3 c) { return dot(c, (float3)(0.2126f, 0.7152f, 0.0722f)); }
 
-// of what a pixel shows: the mean over its own samples, so that what is finer than a pixel is in it as it is in the light
-static inline float3 mean_color(const float4 guide) { return max(guide.xyz / max(guide.w, 1.0f), (float3)(LEAST_COLOR)); }
+// of what a pixel shows: the mean over its own samples, so that what is finer than a pixel is in it as in the light
+static inline float3 mean_color(const float4 guide) {
+  return max(guide.xyz / max(guide.w, 1.0f), (float3)(LEAST_COLOR));
+}
 
 // film, guide_color: sums, w: samples;  squares: sum of squared luminance;  light: [height x width] mean without the
 // colour, w: variance of its luminance

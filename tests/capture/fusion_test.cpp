@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <random>
+#include <set>
 
 #include "host/geometry/mesh_checks.hpp"
 
@@ -83,6 +85,40 @@ TEST(Fusion, ATiltedPlaneIsWhereItWasSeen) {
   const FusedSurface surface = fuse({{camera, look(camera, depth)}}, 0.01);
   ASSERT_GT(surface.triangles.size(), 500u);
   for (const Vec3f& p : surface.points) ASSERT_NEAR(normal.dot(p.cast<double>()), offset, 1e-5);
+}
+
+// A floor that is looked along, at 26 degrees in the middle of the picture: blocks are searched for along the axis, the
+// band lies along the normal. Each pixel that is not at the border has surface within two voxels.
+TEST(Fusion, ASteeplySlantedPlaneHasNoHoles) {
+  constexpr double VOXEL = 0.005;
+  const Vec3 normal = Vec3(0.1, -std::cos(0.45), -std::sin(0.45)).normalized();
+  const double offset = normal.dot(Vec3(0, 0, 0.6));
+  const Camera camera = camera_at({0, 0, 0}, {0, 0, 1});
+  const DepthPicture picture = look(camera, [&](const Vec3&, const Vec3& ray) {
+    const double z = offset / normal.dot(camera.pose.linear() * ray);
+    return z > 0.3 && z < 1.2 ? z : 0;
+  });
+  const FusedSurface surface = fuse({{camera, picture}}, VOXEL);
+  std::set<std::array<int, 3>> cells;  // of two voxels, that hold surface
+  const auto cell = [&](const Vec3& p, int dx, int dy, int dz) {
+    return std::array{int(std::floor(p.x() / (2 * VOXEL))) + dx, int(std::floor(p.y() / (2 * VOXEL))) + dy,
+                      int(std::floor(p.z() / (2 * VOXEL))) + dz};
+  };
+  for (const Vec3f& p : surface.points) cells.insert(cell(p.cast<double>(), 0, 0, 0));
+  int n = 0, n_holes = 0;
+  for (int y = 8; y < camera.height - 8; ++y)
+    for (int x = 8; x < camera.width - 8; ++x) {
+      const auto depth = [&](int u, int v) { return picture.depth[std::size_t(v * camera.width + u)]; };
+      if (depth(x, y - 8) == 0 || depth(x, y + 8) == 0) continue;
+      const double z = depth(x, y);
+      const Vec3 p = camera.pose * Vec3((x - camera.cx) / camera.fx * z, (y - camera.cy) / camera.fy * z, z);
+      bool is_there = false;
+      for (int k = 0; k < 27 && !is_there; ++k) is_there = cells.contains(cell(p, k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+      ++n;
+      n_holes += !is_there;
+    }
+  ASSERT_GT(n, 2000);
+  EXPECT_EQ(n_holes, 0);
 }
 
 TEST(Fusion, ASphereHasItsRadiusWithinHalfAVoxelAndIsClosed) {
