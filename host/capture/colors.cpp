@@ -150,6 +150,28 @@ SurfaceColors color_surface(Device& device, const Photos& photos, const std::vec
   return out;
 }
 
+void see_points(Device& device, const Photos& photos, const std::vector<Vec3f>& points,
+                const std::vector<Vec3f>& normals, double tolerance, int blur,
+                const std::function<void(std::size_t, const std::vector<SeenColor>&)>& use) {
+  const std::size_t n = points.size();
+  Program program(device, "capture/colors.cl");
+  Kernel see = program.kernel("see_colors");
+  Buffer<float> point_buffer(device, packed(points), "points"), normal_buffer(device, packed(normals), "normals");
+  Buffer<F32x4Array> seen_buffer(device, n, "seen");
+  PhotoReader reader(device, photos);
+  std::vector<SeenColor> seen(n);
+  for (std::size_t i = 0; i < photos.frames.size(); ++i) {
+    if (photos.frames[i].color.empty()) continue;
+    const Vec3f gain = photos.gains.empty() ? Vec3f::Ones() : photos.gains[i];
+    const PinholeCamera camera = reader.load(i, blurred(color_of(photos.frames[i]), blur), gain);
+    see(n, u32(n), camera, float(tolerance), point_buffer, normal_buffer, reader.depth, reader.photo, reader.decode,
+        seen_buffer);
+    const std::vector<F32x4Array> colors = seen_buffer.read();
+    for (std::size_t k = 0; k < n; ++k) seen[k] = {{colors[k][0], colors[k][1], colors[k][2]}, colors[k][3]};
+    use(i, seen);
+  }
+}
+
 std::vector<Vec3f> estimate_gains(Device& device, const Photos& photos, const std::vector<Vec3f>& points,
                                   const std::vector<Vec3f>& normals, double tolerance) {
   constexpr std::size_t MOST_POINTS = 20000;
@@ -161,27 +183,17 @@ std::vector<Vec3f> estimate_gains(Device& device, const Photos& photos, const st
     some_points.push_back(points[i]);
     some_normals.push_back(normals[i]);
   }
-  const std::size_t n = some_points.size();
-  Program program(device, "capture/colors.cl");
-  Kernel see = program.kernel("see_colors");
-  Buffer<float> point_buffer(device, packed(some_points), "points"),
-      normal_buffer(device, packed(some_normals), "normals");
-  Buffer<F32x4Array> seen(device, n, "seen");
-  PhotoReader reader(device, photos);
   std::vector<ColorSample> samples;
-  for (std::size_t i = 0; i < photos.frames.size(); ++i) {
-    if (photos.frames[i].color.empty()) continue;
-    const PinholeCamera camera = reader.load(i, blurred(color_of(photos.frames[i]), GAIN_BLUR), Vec3f::Ones());
-    see(n, u32(n), camera, float(tolerance), point_buffer, normal_buffer, reader.depth, reader.photo, reader.decode,
-        seen);
-    const std::vector<F32x4Array> colors = seen.read();
-    for (std::size_t k = 0; k < n; ++k) {
-      const Vec3f color(colors[k][0], colors[k][1], colors[k][2]);
-      if (colors[k][3] > 0 && color.minCoeff() > DARKEST && color.maxCoeff() < BRIGHTEST)
-        samples.push_back({std::uint32_t(k), std::uint32_t(i), color});
-    }
-  }
-  return exposure_gains(samples, n, photos.frames.size());
+  const Photos as_filed{photos.frames, photos.depths, {}};
+  see_points(device, as_filed, some_points, some_normals, tolerance, GAIN_BLUR,
+             [&](std::size_t photo, const std::vector<SeenColor>& seen) {
+               for (std::size_t k = 0; k < seen.size(); ++k) {
+                 const Vec3f& color = seen[k].color;
+                 if (seen[k].weight > 0 && color.minCoeff() > DARKEST && color.maxCoeff() < BRIGHTEST)
+                   samples.push_back({std::uint32_t(k), std::uint32_t(photo), color});
+               }
+             });
+  return exposure_gains(samples, some_points.size(), photos.frames.size());
 }
 
 void apply_color_offset(const ColorOffset& offset, std::span<CaptureFrame> frames, bool are_aligned) {

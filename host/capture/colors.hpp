@@ -1,5 +1,6 @@
 // Colours of the surface from the capture's photos, and where the colour camera is beside the depth camera.
 #pragma once
+#include <functional>
 #include <span>
 
 #include "host/capture/frames.hpp"
@@ -26,6 +27,17 @@ struct Photos {
 SurfaceColors color_surface(Device& device, const Photos& photos, const std::vector<Vec3f>& points,
                             const std::vector<Vec3f>& normals, const std::vector<Triangle>& triangles,
                             double tolerance);
+
+// What one photo shows of a point: linear colour, and a weight that is larger where it was near and looked straight on.
+struct SeenColor {
+  Vec3f color = Vec3f::Zero();
+  float weight = 0;  // 0: not seen
+};
+// Calls `use` for each photo after the other, blurred by so many rounds of a binomial filter. seen [n_points]; of
+// `photos` without gains the colours are those of the files.
+void see_points(Device& device, const Photos& photos, const std::vector<Vec3f>& points,
+                const std::vector<Vec3f>& normals, double tolerance, int blur,
+                const std::function<void(std::size_t photo, const std::vector<SeenColor>& seen)>& use);
 
 // The gains by which the photos agree on points of the surface; those of `photos` are not used. [n_frames]
 std::vector<Vec3f> estimate_gains(Device& device, const Photos& photos, const std::vector<Vec3f>& points,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/formats/depth_files.hpp"
+#include "host/geometry/visual_mesh.hpp"
 #include "host/model/appearance.hpp"
 #include "host/pictures/picture.hpp"
 
@@ -24,10 +25,27 @@ struct Capture {
   bool colors_are_apart = false;
 };
 
+// What is seen of what was captured.
+struct CapturedSurface {
+  VisualMesh mesh;
+  Texture texture;  // empty: the mesh's colours are all there is
+};
+
 // Finds the layout by the files in `folder`; names those that it knows where none fits. Poses are checked: finite,
 // rotations orthonormal within 1e-3 (and then made so). depth_unit: overrides the layout's [m]; 0: the layout's.
 // UsageErrors name file and frame.
 Capture read_capture(const std::filesystem::path& folder, double depth_unit = 0);
+
+// A photo in which someone marked a thing.
+struct MaskedView {
+  std::string name;            // for messages
+  std::filesystem::path mask;  // file: the thing is where it is at least half bright
+  Camera camera;               // optics, and pose: camera to the capture's frame
+};
+
+// The frames of nerfstudio's transforms.json that have a `mask_path`. Poses and cameras are checked as above.
+// UsageErrors name the file.
+std::vector<MaskedView> read_masked_views(const std::filesystem::path& folder);
 
 // The picture of depth of a frame, checked against the camera's size.
 DepthPicture depth_of(const Capture& capture, const CaptureFrame& frame);

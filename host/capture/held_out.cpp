@@ -28,10 +28,10 @@ std::vector<Camera> cameras_of(std::span<const CaptureFrame> frames, Camera Capt
   return cameras;
 }
 
-// meshes: the measured surface, and the guessed one behind it
-std::vector<View> render_views(Device& device, std::span<const CaptureFrame> frames, std::span<const VisualMesh> meshes,
-                               VisualMaterial::Kind kind) {
-  const Scene scene = scene_of(meshes, kind, cameras_of(frames, &CaptureFrame::color_camera));
+// surfaces: the measured one, and the guessed one behind it
+std::vector<View> render_views(Device& device, std::span<const CaptureFrame> frames,
+                               std::span<const CapturedSurface> surfaces, VisualMaterial::Kind kind) {
+  const Scene scene = scene_of(surfaces, kind, cameras_of(frames, &CaptureFrame::color_camera));
   RenderSettings settings;
   settings.samples = 8;
   settings.max_depth = 3;
@@ -130,11 +130,12 @@ DepthErrors measure_depth(Device& device, const Capture& capture, std::span<cons
   return out;
 }
 
-PhotoErrors measure_photos(Device& device, std::span<const CaptureFrame> held_out, std::span<const VisualMesh> meshes) {
+PhotoErrors measure_photos(Device& device, std::span<const CaptureFrame> held_out,
+                           std::span<const CapturedSurface> surfaces) {
   using Kind = VisualMaterial::Kind;
   PhotoErrors out;
   out.n_frames = held_out.size();
-  std::vector<View> views = render_views(device, held_out, meshes, Kind::shadow_receiver);
+  std::vector<View> views = render_views(device, held_out, surfaces, Kind::shadow_receiver);
   out.covered = share_of(views, &View::is_covered);
   out.drawn = share_of(views, &View::is_drawn);
   const Score raw = score(views);
@@ -146,7 +147,7 @@ PhotoErrors measure_photos(Device& device, std::span<const CaptureFrame> held_ou
   out.psnr_lut = tabled.psnr;
   out.ssim_lut = tabled.ssim;
   out.psnr_covered_lut = tabled.psnr_covered;
-  std::vector<View> diffuse = render_views(device, held_out, meshes, Kind::diffuse);
+  std::vector<View> diffuse = render_views(device, held_out, surfaces, Kind::diffuse);
   // the sky's radiance that makes the mean brightness that of the photos
   double rendered = 0, photo = 0;
   for (const View& view : diffuse)

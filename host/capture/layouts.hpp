@@ -13,9 +13,10 @@ Capture read_seven_scenes(const std::filesystem::path& folder);
 bool is_tum(const std::filesystem::path& folder);
 Capture read_tum(const std::filesystem::path& folder);
 
-// transforms.json with depth_file_path in its frames; cameras of OpenGL
+// transforms.json with depth_file_path or mask_path in its frames; cameras of OpenGL
 bool is_nerfstudio(const std::filesystem::path& folder);
 Capture read_nerfstudio(const std::filesystem::path& folder);
+std::vector<MaskedView> read_nerfstudio_masks(const std::filesystem::path& folder);
 
 // sparse/[0/]{cameras,images}.{bin,txt}, images/, stereo/depth_maps/NAME.geometric.bin or depth/STEM.png
 bool is_colmap(const std::filesystem::path& folder);

@@ -25,9 +25,10 @@ constexpr Layout LAYOUTS[] = {{"7-Scenes", is_seven_scenes, read_seven_scenes},
 
 constexpr double ROTATION_TOLERANCE = 1e-2;  // of R^T R - 1; files round their numbers
 
-void check_pose(const fs::path& folder, const CaptureFrame& frame, Camera& camera) {
+// makes the rotation orthonormal
+void check_pose(const fs::path& folder, Camera& camera) {
   const Eigen::Matrix4d m = camera.pose.matrix();
-  const std::string where = folder.string() + ": the pose of " + frame.name;
+  const std::string where = folder.string() + ": the pose of " + camera.name;
   if (!m.allFinite()) throw UsageError(where + " is not finite; leave the frame out or track it again");
   const Eigen::Matrix3d R = m.topLeftCorner<3, 3>();
   if (!((R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < ROTATION_TOLERANCE))
@@ -50,8 +51,8 @@ Capture read_capture(const fs::path& folder, double depth_unit) {
       throw UsageError(folder.string() + ": no frame of this " + layout.name + " folder has both depth and a pose");
     for (CaptureFrame& frame : capture.frames) {
       frame.depth_camera.name = frame.color_camera.name = frame.name;
-      check_pose(folder, frame, frame.depth_camera);
-      check_pose(folder, frame, frame.color_camera);
+      check_pose(folder, frame.depth_camera);
+      check_pose(folder, frame.color_camera);
       check_camera(frame.depth_camera);
       check_camera(frame.color_camera);
     }
@@ -60,6 +61,19 @@ Capture read_capture(const fs::path& folder, double depth_unit) {
   throw UsageError(folder.string() +
                    " is no capture: it holds no frame-N.depth.png beside frame-N.pose.txt (7-Scenes), no depth.txt "
                    "beside groundtruth.txt (TUM), no transforms.json (nerfstudio) and no sparse/ (COLMAP)");
+}
+
+std::vector<MaskedView> read_masked_views(const fs::path& folder) {
+  if (!is_nerfstudio(folder))
+    throw UsageError(folder.string() +
+                     " holds no transforms.json (nerfstudio), which says where each mask was seen from");
+  std::vector<MaskedView> views = read_nerfstudio_masks(folder);
+  for (MaskedView& view : views) {
+    view.camera.name = view.name;
+    check_pose(folder, view.camera);
+    check_camera(view.camera);
+  }
+  return views;
 }
 
 DepthPicture depth_of(const Capture& capture, const CaptureFrame& frame) {

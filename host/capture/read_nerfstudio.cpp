@@ -67,15 +67,20 @@ Camera camera_of(const json& frame, const json& root, const fs::path& file) {
   return camera;
 }
 
+json root_of(const fs::path& file) {
+  json root = json::parse(read_whole_file(file).value_or(""), nullptr, false);
+  if (!root.is_object() || !root.contains("frames") || !root["frames"].is_array())
+    throw UsageError(file.string() + " is no JSON mapping with a list `frames`");
+  return root;
+}
+
 }  // namespace
 
 bool is_nerfstudio(const fs::path& folder) { return is_file(folder / "transforms.json"); }
 
 Capture read_nerfstudio(const fs::path& folder) {
   const fs::path file = folder / "transforms.json";
-  const json root = json::parse(read_whole_file(file).value_or(""), nullptr, false);
-  if (!root.is_object() || !root.contains("frames") || !root["frames"].is_array())
-    throw UsageError(file.string() + " is no JSON mapping with a list `frames`");
+  const json root = root_of(file);
   Capture capture;
   for (const json& item : root["frames"]) {
     if (!item.is_object() || !item.contains("depth_file_path")) continue;
@@ -90,6 +95,18 @@ Capture read_nerfstudio(const fs::path& folder) {
   if (capture.frames.empty())
     throw UsageError(file.string() + ": no frame has `depth_file_path`; a room needs depth beside the photos");
   return capture;
+}
+
+std::vector<MaskedView> read_nerfstudio_masks(const fs::path& folder) {
+  const fs::path file = folder / "transforms.json";
+  const json root = root_of(file);
+  std::vector<MaskedView> views;
+  for (const json& item : root["frames"]) {
+    if (!item.is_object() || !item.contains("mask_path")) continue;
+    const fs::path mask = folder / text_in(item, "mask_path", "", file);
+    views.push_back({mask.stem().string(), mask, camera_of(item, root, file)});
+  }
+  return views;
 }
 
 }  // namespace pvg

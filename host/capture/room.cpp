@@ -11,6 +11,7 @@
 #include "host/capture/background.hpp"
 #include "host/capture/surface.hpp"
 #include "host/capture/surface_views.hpp"
+#include "host/capture/texture_atlas.hpp"
 
 namespace pvg {
 namespace {
@@ -87,25 +88,28 @@ void move(std::vector<CaptureFrame>& frames, const Pose& to_room) {
   }
 }
 
-}  // namespace
+void simplify(const RoomSettings& settings, Room& room) {
+  if (settings.most_triangles > 0 && room.mesh.triangles.size() > settings.most_triangles)
+    room.mesh = simplified(room.mesh, settings.most_triangles, settings.fusion.voxel);
+}
 
-namespace {
-
-// Gains of the photos, then the colours of both surfaces.
-void color_room(Device& device, std::span<const CaptureFrame> frames, double voxel, Room& room) {
+// Gains of the photos, then the colours of both surfaces, simplification, and the texture of what is left.
+void color_room(Device& device, std::span<const CaptureFrame> frames, const RoomSettings& settings, Room& room) {
   std::vector<Camera> cameras;
   for (const CaptureFrame& frame : frames) cameras.push_back(frame.color_camera);
   const std::vector<VisualMesh> meshes = {room.mesh, room.background};
   SurfaceViews views(device, meshes, cameras);
   std::vector<DepthPicture> depths;
   for (std::size_t i = 0; i < frames.size(); ++i) depths.push_back(views.depth(i));
-  const double tolerance = 3 * voxel;
+  const double tolerance = 3 * settings.fusion.voxel;
   const std::vector<Vec3f> normals = point_normals(room.mesh.points, room.mesh.triangles);
   room.gains = estimate_gains(device, {frames, depths, {}}, room.mesh.points, normals, tolerance);
   const Photos photos{frames, depths, room.gains};
   SurfaceColors colors = color_surface(device, photos, room.mesh.points, normals, room.mesh.triangles, tolerance);
   room.share_colored = double(colors.n_seen) / double(room.mesh.points.size());
   room.mesh.colors = std::move(colors.colors);
+  simplify(settings, room);
+  if (settings.has_texture) room.look = texture_surface(device, photos, room.mesh, tolerance);
   if (room.background.triangles.empty()) return;
   room.background.colors = color_surface(device, photos, room.background.points,
                                          point_normals(room.background.points, room.background.triangles),
@@ -151,16 +155,18 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
   }
   if (has_photos) {
     say("colouring");
-    color_room(device, used, settings.fusion.voxel, room);
+    color_room(device, used, settings, room);
+  } else {
+    simplify(settings, room);
   }
-  if (settings.most_triangles > 0 && room.mesh.triangles.size() > settings.most_triangles)
-    room.mesh = simplified(room.mesh, settings.most_triangles, settings.fusion.voxel);
+  if (room.look.mesh.triangles.empty()) room.look.mesh = room.mesh;
   say("finding planes");
   room.planes = find_planes(room.mesh.points, room.mesh.triangles, settings.planes);
   if (!settings.keeps_frame) room.ground = choose_ground(room.planes, upward(used), settings.ground);
   if (room.ground >= 0) room.room_from_capture = room_frame(room.planes[std::size_t(room.ground)], used);
   const Eigen::Isometry3f to_room = room.room_from_capture.cast<float>();
   for (Vec3f& p : room.mesh.points) p = to_room * p;
+  for (Vec3f& p : room.look.mesh.points) p = to_room * p;
   for (Vec3f& p : room.background.points) p = to_room * p;
   for (CapturedPlane& plane : room.planes) plane.pose = room.room_from_capture * plane.pose;
   move(used, room.room_from_capture);
@@ -174,8 +180,8 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
   room.depth = measure_depth(device, capture, measured, room.mesh, settings.fusion.max_depth);
   room.depth.are_held_out = !held_out.empty();
   if (!held_out.empty() && !room.mesh.colors.empty()) {
-    const std::vector<VisualMesh> meshes = {room.mesh, room.background};
-    room.photos = measure_photos(device, held_out, meshes);
+    const CapturedSurface surfaces[] = {room.look, {room.background, {}}};
+    room.photos = measure_photos(device, held_out, surfaces);
   }
   return room;
 }

@@ -20,6 +20,7 @@ struct RoomSettings {
   int ground = -1;                 // index of the plane that becomes z = 0; -1: the largest that faces up
   bool aligns_colors = false;      // the colour camera's place beside the depth camera is estimated
   bool keeps_frame = false;        // of the capture; else z up by the ground plane
+  bool has_texture = true;         // else colours of points alone
   bool guesses_background = true;  // where photos look and no depth was measured
 };
 
@@ -44,6 +45,7 @@ struct PhotoErrors {
 
 struct Room {
   VisualMesh mesh;                    // in the room's frame, with colours where the capture has photos
+  CapturedSurface look;               // the same surface as it is seen, with a texture where one was asked for
   VisualMesh background;              // guessed, behind the measured surface; may be empty
   std::vector<Vec3f> gains;           // of the used photos, see exposure.hpp; empty without photos
   std::vector<CapturedPlane> planes;  // in the room's frame
@@ -66,7 +68,8 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
 // host/capture/held_out.cpp
 DepthErrors measure_depth(Device& device, const Capture& capture, std::span<const CaptureFrame> frames,
                           const VisualMesh& mesh, double max_depth);
-// meshes: the measured surface, then the guessed one
-PhotoErrors measure_photos(Device& device, std::span<const CaptureFrame> held_out, std::span<const VisualMesh> meshes);
+// surfaces: the measured one, then the guessed one
+PhotoErrors measure_photos(Device& device, std::span<const CaptureFrame> held_out,
+                           std::span<const CapturedSurface> surfaces);
 
 }  // namespace pvg

@@ -14,9 +14,10 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-std::vector<float> packed(const std::vector<Vec3f>& v) {
+template <class Vector>
+std::vector<float> packed(const std::vector<Vector>& v) {
   std::vector<float> out;
-  for (const Vec3f& p : v) out.insert(out.end(), {p.x(), p.y(), p.z()});
+  for (const Vector& p : v) out.insert(out.end(), p.begin(), p.end());
   return out;
 }
 
@@ -38,13 +39,15 @@ std::string obj_text(const TriangleMesh& mesh) {
 
 void write_captured_meshes(const fs::path& file, std::span<const NamedMesh> meshes, bool is_unlit) {
   GltfWriter out(meshes.front().name);
-  for (const auto& [name, mesh] : meshes) {
+  for (const auto& [name, mesh, texture] : meshes) {
     if (mesh->triangles.empty()) continue;
     tinygltf::Material material;
     material.name = name;
     material.doubleSided = true;
     material.pbrMetallicRoughness.metallicFactor = 0;
     if (is_unlit) material.extensions["KHR_materials_unlit"] = tinygltf::Value(tinygltf::Value::Object{});
+    if (texture && !texture->rgba.empty())
+      material.pbrMetallicRoughness.baseColorTexture.index = out.add_texture(*texture);
     tinygltf::Primitive part;
     part.mode = TINYGLTF_MODE_TRIANGLES;
     part.material = int(out.model.materials.size());
@@ -55,6 +58,9 @@ void write_captured_meshes(const fs::path& file, std::span<const NamedMesh> mesh
     if (!mesh->colors.empty())
       part.attributes["COLOR_0"] = out.add(packed(mesh->colors), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 3,
                                            TINYGLTF_TARGET_ARRAY_BUFFER);
+    if (!mesh->uvs.empty())
+      part.attributes["TEXCOORD_0"] = out.add(packed(mesh->uvs), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, 2,
+                                              TINYGLTF_TARGET_ARRAY_BUFFER);
     part.indices = out.add_triangles(mesh->triangles);
     tinygltf::Node node;
     node.name = name;
@@ -70,7 +76,7 @@ void write_captured_meshes(const fs::path& file, std::span<const NamedMesh> mesh
 }
 
 void write_captured_mesh(const fs::path& file, const VisualMesh& mesh, const std::string& name, bool is_unlit) {
-  const NamedMesh named{name, &mesh};
+  const NamedMesh named{name, &mesh, nullptr};
   write_captured_meshes(file, {&named, 1}, is_unlit);
 }
 
@@ -83,7 +89,8 @@ TriangleMesh plane_box(const CapturedPlane& plane) {
 }
 
 void write_room(const fs::path& folder, const Room& room, const RoomSettings& settings) {
-  const NamedMesh meshes[] = {{"room", &room.mesh}, {"guessed background", &room.background}};
+  const NamedMesh meshes[] = {{"room", &room.look.mesh, &room.look.texture},
+                              {"guessed background", &room.background, nullptr}};
   write_captured_meshes(folder / "room.glb", meshes, true);
   std::string text =
       "# A captured room: `background: {capture: FOLDER}` in a task shows it and puts its planes under the bodies.\n"
@@ -153,6 +160,8 @@ ordered_json room_report(const Room& room, const RoomSettings& settings, double 
                         {"ms_per_frame", room.ms_per_frame},
                         {"cpu_ms_per_frame", room.cpu_ms_per_frame}}}};
   out["background"] = {{"triangles", room.background.triangles.size()}, {"is_guessed", true}};
+  if (!room.look.texture.rgba.empty())
+    out["texture"] = {{"width", room.look.texture.width}, {"height", room.look.texture.height}};
   if (!room.gains.empty()) {
     Vec3f least = room.gains.front(), most = least;
     for (const Vec3f& gain : room.gains) {

@@ -12,10 +12,12 @@ namespace pvg {
 
 constexpr double PLANE_THICKNESS = 0.03;  // of a plane's box, behind its surface [m]
 
-// Meshes with colours as glTF, one node each; an empty one is left out. `is_unlit` makes them shadow receivers.
+// Meshes with colours or texture as glTF, one node each; an empty one is left out. `is_unlit` makes them shadow
+// receivers.
 struct NamedMesh {
   std::string name;
   const VisualMesh* mesh;
+  const Texture* texture = nullptr;
 };
 void write_captured_meshes(const std::filesystem::path& file, std::span<const NamedMesh> meshes, bool is_unlit);
 void write_captured_mesh(const std::filesystem::path& file, const VisualMesh& mesh, const std::string& name,

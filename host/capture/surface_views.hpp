@@ -2,15 +2,14 @@
 #pragma once
 #include <span>
 
-#include "host/formats/depth_files.hpp"
-#include "host/geometry/visual_mesh.hpp"
+#include "host/capture/frames.hpp"
 #include "host/model/scene.hpp"
 #include "host/render/renderer.hpp"
 
 namespace pvg {
 
-// All meshes with one material of this kind, and these cameras.
-Scene scene_of(std::span<const VisualMesh> meshes, VisualMaterial::Kind kind, std::span<const Camera> cameras);
+// All surfaces with materials of this kind, and these cameras.
+Scene scene_of(std::span<const CapturedSurface> surfaces, VisualMaterial::Kind kind, std::span<const Camera> cameras);
 
 // Depth at the middle of every pixel, 0: nothing is there.
 class SurfaceViews {

@@ -5,6 +5,7 @@
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
+#include "host/formats/picture_files.hpp"
 
 namespace pvg {
 
@@ -61,6 +62,18 @@ int GltfWriter::add_triangles(const std::vector<Triangle>& triangles) {
   for (const Triangle& t : triangles) indices.insert(indices.end(), t.begin(), t.end());
   return add(indices, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, 1,
              TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+}
+
+int GltfWriter::add_texture(const Texture& texture) {
+  const std::vector<std::uint8_t> png = encode_png(texture);
+  tinygltf::Image image;
+  image.mimeType = "image/png";
+  image.bufferView = add_bytes(png.data(), png.size());
+  model.images.push_back(image);
+  tinygltf::Texture entry;
+  entry.source = int(model.images.size()) - 1;
+  model.textures.push_back(entry);
+  return int(model.textures.size()) - 1;
 }
 
 int GltfWriter::add_node(const tinygltf::Node& node) {

@@ -7,6 +7,7 @@
 
 #include "host/formats/tinygltf.hpp"
 #include "host/geometry/mesh.hpp"
+#include "host/pictures/picture.hpp"
 
 namespace pvg {
 
@@ -31,6 +32,7 @@ struct GltfWriter {
   int add_scalars(const Floats& values);
   int add_vectors(const Floats& values, int target = 0);  // with the bounds that the format asks for
   int add_triangles(const std::vector<Triangle>& triangles);
+  int add_texture(const Texture& texture);                          // as PNG inside the file
   int add_bytes(const void* bytes, std::size_t n, int target = 0);  // index of the new buffer view
   int add_node(const tinygltf::Node& node);                         // under the root
 

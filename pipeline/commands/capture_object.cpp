@@ -1,5 +1,6 @@
 // phyvisgen capture object: a mesh of any quality, splats, or depth pictures of a thing on a table become an object
 // that can be simulated.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 #include "host/capture/objects/object.hpp"
 #include "host/capture/objects/splats.hpp"
 #include "host/capture/objects/standing_object.hpp"
+#include "host/capture/objects/vessel.hpp"
 #include "pipeline/command_line/command.hpp"
 
 namespace pvg {
@@ -19,7 +21,7 @@ namespace {
 
 struct CaptureObjectOptions {
   std::string source, output, device;
-  std::string revolve;                                                         // profile, instead of a source
+  std::string revolve, masks;                                                  // profile or masks, instead of a source
   double wall = 0;                                                             // [mm]
   double scale = 1, density = 0, mass = 0, detail = 0, bridge = 0, error = 0;  // [1, kg/m^3, kg, mm, mm, mm]
   std::size_t triangles = 2000;
@@ -27,7 +29,21 @@ struct CaptureObjectOptions {
   bool wraps = false, as_json = false;
 };
 
+ObjectSource vessel_of(const CaptureObjectOptions& o) {
+  Device device(o.device, Purpose::rendering);
+  const Vessel vessel = read_vessel(device, o.masks, o.scale);
+  std::fprintf(
+      stderr,
+      "%s: a vessel at (%.4f, %.4f) m, %.1f mm high, its largest radius %.2f mm; outlines of %zu photos off by "
+      "%.2f pixels\n",
+      o.masks.c_str(), vessel.axis.x(), vessel.axis.y(), 1e3 * vessel.height,
+      1e3 * *std::max_element(vessel.radii.begin(), vessel.radii.end()), vessel.residual_of_view.size(),
+      vessel.residual);
+  return turned_object(o.masks, vessel.outside(), 1e-3 * o.wall);
+}
+
 ObjectSource source_of(const CaptureObjectOptions& o, const ObjectSettings& settings) {
+  if (!o.masks.empty()) return vessel_of(o);
   if (!o.revolve.empty()) return read_lathe_object(o.revolve, 1e-3 * o.wall, o.scale);
   if (std::filesystem::is_directory(o.source)) {
     if (o.scale != 1) throw UsageError("--scale is for meshes and splats; the unit of depth pictures is --depth-unit");
@@ -49,13 +65,14 @@ ObjectSource source_of(const CaptureObjectOptions& o, const ObjectSettings& sett
 }
 
 void run_capture_object(const CaptureObjectOptions& o) {
-  if (o.source.empty() == o.revolve.empty() || o.output.empty())
+  const std::string& input = !o.revolve.empty() ? o.revolve : !o.masks.empty() ? o.masks : o.source;
+  if (o.source.empty() + o.revolve.empty() + o.masks.empty() != 2 || o.output.empty())
     throw UsageError(
-        "capture object needs a mesh file, a folder of frames or --revolve PROFILE.csv, and -o FOLDER; `phyvisgen "
-        "capture "
-        "object --help` shows an example");
-  if (o.wall > 0 && o.revolve.empty()) throw UsageError("--wall is for --revolve");
-  check_apart(o.output, o.revolve.empty() ? o.source : o.revolve, "capture object");
+        "capture object needs one of a source (a mesh file or a folder of frames), --revolve PROFILE.csv and --masks "
+        "FOLDER, and -o FOLDER; `phyvisgen capture object --help` shows an example");
+  const bool is_turned = o.source.empty();
+  if (o.wall > 0 && !is_turned) throw UsageError("--wall is for --revolve and --masks");
+  check_apart(o.output, input, "capture object");
   check_output_folder(o.output, {"simulation.obj", "visual.glb", "object.yaml", "report.json"}, "capture object");
   const auto start = std::chrono::steady_clock::now();
   ObjectSettings settings;
@@ -65,7 +82,7 @@ void run_capture_object(const CaptureObjectOptions& o) {
   settings.wrap.spacing = o.detail * 1e-3;
   settings.wrap.bridge = o.bridge * 1e-3;
   settings.error = o.error * 1e-3;
-  settings.error_share = o.revolve.empty() ? 0.02 : 0.002;  // a profile is exact, and walls are thin
+  settings.error_share = is_turned ? 0.002 : 0.02;  // a profile is exact, and walls are thin
   settings.triangles = o.triangles;
   settings.always_wraps = o.wraps;
   const CapturedObject object = capture_object(source_of(o, settings), settings);
@@ -113,7 +130,12 @@ void add_capture_object(CLI::App& program) {
       "--revolve", o.revolve,
       "Instead of a source: CSV with columns radius, height [m, times --scale], from the axis at the bottom "
       "along the outside to the rim (see --wall), or on along the inside to the axis");
-  command->add_option("--wall", o.wall, "Of a profile that ends at the rim: thickness of wall and floor [mm]")
+  command->add_option("--masks", o.masks,
+                      "Instead of a source: folder with nerfstudio's transforms.json whose frames have `mask_path`: a "
+                      "vessel, turned about a vertical axis, on the table z = 0 (see --wall)");
+  command
+      ->add_option("--wall", o.wall,
+                   "Of a profile that ends at the rim, and of --masks: thickness of wall and floor [mm]")
       ->check(CLI::Range(1e-3, 1e3));
   command->add_option("--scale", o.scale, "Metres per unit of the file, such as 0.001")->check(CLI::Range(1e-6, 1e6));
   command->add_option("--density", o.density, "[kg/m^3]")->check(CLI::Range(1e-3, 1e5));
@@ -138,7 +160,7 @@ void add_capture_object(CLI::App& program) {
   command->footer(
       "Examples:\n  phyvisgen capture object scan.stl --scale 0.001 --density 1200 -o can\n  phyvisgen capture object "
       "scans/can --mass 0.35 -o can\n  phyvisgen capture object --revolve glass.csv --scale 0.001 --wall 2 --density "
-      "2500 -o glass");
+      "2500 -o glass\n  phyvisgen capture object --masks scans/glass --wall 2 --density 2500 -o glass");
 }
 
 }  // namespace pvg

@@ -25,7 +25,7 @@ struct CaptureRoomOptions {
   int hold_out = 0, ground = -1;
   std::size_t triangles = 0;
   std::string align = "auto";
-  bool keeps_frame = false, leaves_holes = false, as_json = false;
+  bool keeps_frame = false, leaves_holes = false, has_no_texture = false, as_json = false;
   std::string device;
 };
 
@@ -72,6 +72,7 @@ RoomSettings settings_of(const CaptureRoomOptions& o, const Capture& capture) {
   settings.most_triangles = o.triangles;
   settings.keeps_frame = o.keeps_frame;
   settings.guesses_background = !o.leaves_holes;
+  settings.has_texture = !o.has_no_texture;
   settings.aligns_colors = o.align == "yes" || (o.align == "auto" && capture.colors_are_apart);
   return settings;
 }
@@ -123,13 +124,15 @@ void add_capture_room(CLI::App& program) {
   command->add_option("--memory", o.memory, "Most device memory for voxels [MiB]")->check(CLI::Range(16.0, 1e6));
   command->add_option("--least-piece", o.least_piece, "Smaller loose pieces are removed [m^2]")
       ->check(CLI::Range(0.0, 100.0));
-  command->add_option("--triangles", o.triangles, "Simplify to about so many; colours become coarser, too");
+  command->add_option("--triangles", o.triangles, "Simplify to about so many");
   command->add_option("--hold-out", o.hold_out, "Leave every N-th frame out and measure the room by it")
       ->check(CLI::Range(0, 1000));
   command->add_option("--ground", o.ground, "Number of the plane that becomes z = 0; else the largest that faces up")
       ->check(CLI::Range(0, 100));
   command->add_flag("--keep-frame", o.keeps_frame, "Keep the capture's frame instead of z up");
   command->add_flag("--leave-holes", o.leaves_holes, "Guess no background where photos look and no depth was measured");
+  command->add_flag("--no-texture", o.has_no_texture,
+                    "Colours of points, the means of all photos, instead of a texture");
   command->add_option("--align-colors", o.align, "Estimate the colour camera's place beside the depth camera")
       ->check(CLI::IsMember({"auto", "yes", "no"}));
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");

@@ -49,16 +49,8 @@ class SceneWriter {
 
   int texture(int i) {
     int& index = texture_.at(std::size_t(i));
-    if (index >= 0) return index;
-    const std::vector<std::uint8_t> png = encode_png(scene_.textures[std::size_t(i)]);
-    tinygltf::Image image;
-    image.mimeType = "image/png";
-    image.bufferView = out_.add_bytes(png.data(), png.size());
-    out_.model.images.push_back(image);
-    tinygltf::Texture entry;
-    entry.source = int(out_.model.images.size()) - 1;
-    out_.model.textures.push_back(entry);
-    return index = int(out_.model.textures.size()) - 1;
+    if (index < 0) index = out_.add_texture(scene_.textures[std::size_t(i)]);
+    return index;
   }
 
   void add_material(const VisualMaterial& from) {

@@ -124,18 +124,21 @@ TriangleMesh revolved(const Profile& outline, std::uint32_t sectors) {
   return mesh;
 }
 
-ObjectSource read_lathe_object(const std::filesystem::path& file, double wall, double scale) {
+ObjectSource turned_object(const std::string& name, const Profile& profile, double wall) {
   ObjectSource source;
-  source.name = file.string();
-  const Profile profile = read_profile(file, scale);
+  source.name = name;
   try {
     source.mesh = revolved(closed_outline(profile, wall), SECTORS);
   } catch (const UsageError& error) {
-    throw UsageError(source.name + ": " + error.what());
+    throw UsageError(name + ": " + error.what());
   }
   for (const Vec3& p : source.mesh.points) source.visual.points.push_back(p.cast<float>());
   source.visual.triangles = source.mesh.triangles;
   return source;
+}
+
+ObjectSource read_lathe_object(const std::filesystem::path& file, double wall, double scale) {
+  return turned_object(file.string(), read_profile(file, scale), wall);
 }
 
 }  // namespace pvg

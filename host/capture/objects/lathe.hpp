@@ -19,6 +19,8 @@ Profile closed_outline(const Profile& profile, double wall);
 // polygons is that of the circles.
 TriangleMesh revolved(const Profile& outline, std::uint32_t sectors);
 
+// closed_outline of the profile, revolved. UsageErrors begin with the name.
+ObjectSource turned_object(const std::string& name, const Profile& profile, double wall);
 ObjectSource read_lathe_object(const std::filesystem::path& file, double wall, double scale);
 
 }  // namespace pvg
