@@ -20,7 +20,7 @@ struct RoomSettings {
   int ground = -1;                 // index of the plane that becomes z = 0; -1: the largest that faces up
   bool aligns_colors = false;      // the colour camera's place beside the depth camera is estimated
   bool keeps_frame = false;        // of the capture; else z up by the ground plane
-  bool has_texture = true;         // else colours of points alone
+  bool has_texture = false;        // else colours of points alone
   bool guesses_background = true;  // where photos look and no depth was measured
 };
 

@@ -25,7 +25,7 @@ struct CaptureRoomOptions {
   int hold_out = 0, ground = -1;
   std::size_t triangles = 0;
   std::string align = "auto";
-  bool keeps_frame = false, leaves_holes = false, has_no_texture = false, as_json = false;
+  bool keeps_frame = false, leaves_holes = false, has_texture = false, as_json = false;
   std::string device;
 };
 
@@ -72,7 +72,7 @@ RoomSettings settings_of(const CaptureRoomOptions& o, const Capture& capture) {
   settings.most_triangles = o.triangles;
   settings.keeps_frame = o.keeps_frame;
   settings.guesses_background = !o.leaves_holes;
-  settings.has_texture = !o.has_no_texture;
+  settings.has_texture = o.has_texture;
   settings.aligns_colors = o.align == "yes" || (o.align == "auto" && capture.colors_are_apart);
   return settings;
 }
@@ -131,8 +131,8 @@ void add_capture_room(CLI::App& program) {
       ->check(CLI::Range(0, 100));
   command->add_flag("--keep-frame", o.keeps_frame, "Keep the capture's frame instead of z up");
   command->add_flag("--leave-holes", o.leaves_holes, "Guess no background where photos look and no depth was measured");
-  command->add_flag("--no-texture", o.has_no_texture,
-                    "Colours of points, the means of all photos, instead of a texture");
+  command->add_flag("--texture", o.has_texture,
+                    "A texture cut from the sharpest photos, instead of colours of points, the means of all photos");
   command->add_option("--align-colors", o.align, "Estimate the colour camera's place beside the depth camera")
       ->check(CLI::IsMember({"auto", "yes", "no"}));
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");

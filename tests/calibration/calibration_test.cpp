@@ -7,6 +7,7 @@
 #include <fstream>
 #include <random>
 
+#include "host/base/error.hpp"
 #include "host/formats/picture_files.hpp"
 #include "tests/calibration/board_photos.hpp"
 #include "tests/expect_error.hpp"

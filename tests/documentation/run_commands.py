@@ -28,6 +28,7 @@ ELSEWHERE = {  # what a block of `console` shows and why no test of one machine 
     r".* capture room scans/kitchen .*": "reads a scan of one's own; scripts/demo_capture.sh captures a synthetic one",
     r".* capture object (scan\.stl|scans/can|point_cloud/.*\.ply) .*": "reads scans of one's own; scripts/demo_capture_object.sh",
     r".* capture object --revolve glass\.csv .*": "reads a profile of one's own",
+    r".* capture object --masks scans/glass .*": "reads masks of one's own",
     r".* calibrate (camera|pose) .*": "reads photos of one's own, needs scripts/install_calibration.sh",
     r"scripts/install_denoiser\.sh": "fetches 60 MB from PyPI; scripts/demo.sh runs it",
     r".* render data/tasks/weigh_beaker\.yaml .* --denoise .*": "needs the denoiser of the command above it",

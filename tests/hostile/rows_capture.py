@@ -1,4 +1,6 @@
 """Captures of rooms and objects, calibration of cameras, and pictures compared with reality."""
+import json
+
 import fixtures
 from table import DONE, FAILED, WRONG_USE, copy, cut, edit, make_folder, remove, row, set_json, write
 
@@ -157,6 +159,34 @@ for name, text in (("a rim in the axis", "radius,height\n0,0\n0,10\n30,80\n"), (
                    ("a wall thicker than the glass", "radius,height\n0,0\n1,0\n1,80\n"), ("no heights", "radius\n0\n1\n1\n")):
     row(f"a profile: {name}", GLASS, N, "glass.csv", write("glass.csv", text))
 row("a profile and a mesh", GLASS + " glass.csv", N, "--revolve", write("glass.csv", "radius,height\n0,0\n30,0\n30,80\n"))
+
+# ---- a vessel from masks
+MASKED = "capture object --masks glass --wall 2 -o out"
+
+
+def transforms(**changes):
+    rows = [[1, 0, 0, 0.1], [0, 0, -1, -0.5], [0, 1, 0, 0.05], [0, 0, 0, 1]]
+    frames = [{"mask_path": f"{i}.png", "transform_matrix": rows} for i in range(3)]
+    return json.dumps({"w": 16, "h": 16, "fl_x": 20, "fl_y": 20, "cx": 8, "cy": 8, "frames": frames, **changes})
+
+
+WHITE = [write(f"glass/{i}.png", fixtures.png(16, 16, (255, 255, 255))) for i in range(3)]
+TRANSFORMS = "glass/transforms.json"
+row("masks that are not there", MASKED, N, "glass.*transforms.json")
+row("masks in an empty folder", MASKED, N, "glass.*transforms.json", make_folder("glass"))
+for name, text, pattern in (("no JSON", "{", "transforms.json"), ("a list", "[]", "transforms.json"), ("no frames", transforms(frames=[]), "three photos"),
+                            ("frames without masks", transforms(frames=[{"file_path": "0.png"}]), "three photos"),
+                            ("a frame without a pose", transforms(frames=[{"mask_path": "0.png"}]), "transform_matrix.*pose"),
+                            ("no focal length", transforms(fl_x="wide"), "fl_x"), ("a focal length of zero", transforms(fl_x=0), "focal|fx"),
+                            ("no size", transforms(w=0), "`w`"), ("another size", transforms(w=32, h=32), "0.png has 16 x 16.*32 x 32"),
+                            ("all white", transforms(), "0.png.*no outline")):
+    row(f"masks: {name}", MASKED, N, pattern, *WHITE, write(TRANSFORMS, text))
+row("masks: one is missing", MASKED, N, "0.png", *WHITE, write(TRANSFORMS, transforms()), remove("glass/0.png"))
+row("masks: bytes", MASKED, N, "0.png", *WHITE, write(TRANSFORMS, transforms()), write("glass/0.png", GLB))
+row("masks and a mesh", MASKED + " thing.obj", N, "one of a source.*--masks", write("thing.obj", OBJ))
+row("masks and a profile", MASKED + " --revolve glass.csv", N, "one of a source.*--masks")
+row("a wall of a mesh", "capture object thing.obj --wall 2 -o out", N, "--wall is for", write("thing.obj", OBJ))
+row("the vessel into its masks", "capture object --masks glass --wall 2 -o glass/out", N, "glass", *WHITE, write(TRANSFORMS, transforms()))
 
 # ---- evaluate fidelity
 F = "evaluate fidelity real sim"
