@@ -116,6 +116,11 @@ TEST(Vessel, AFlaskIsFoundFromItsMasks) {
   EXPECT_LT(vessel.residual, 0.5);
   for (const Vec2& p : vessel.outside())
     EXPECT_NEAR(p.x(), p.x() > 0 ? radius_at(FLASK, p.y()) : 0, p.y() < 0.006 ? 0.8e-3 : HALF_A_PIXEL) << p.y();
+  double worst = 0;  // above the foot's corner
+  for (const Vec2& p : vessel.outside())
+    if (p.y() > 0.006) worst = std::max(worst, std::abs(p.x() - radius_at(FLASK, p.y())));
+  std::printf("axis off by %.3f mm, height by %.3f mm, radii by %.3f mm at most; outlines by %.2f pixels\n",
+              1e3 * (vessel.axis - axis).norm(), 1e3 * std::abs(vessel.height - 0.1), 1e3 * worst, vessel.residual);
   const ObjectSource source = turned_object("flask", vessel.outside(), 2e-3);
   EXPECT_TRUE(is_sound(source.mesh));
   EXPECT_NEAR(enclosed_volume(source.mesh) / enclosed_volume(revolved(closed_outline(FLASK, 2e-3), 96)), 1, 0.02);
