@@ -40,6 +40,7 @@ Potential::Potential(Device& device, const System& system)
       constant_(terms_.all()),
       constant_gather_(device, system.sites, system.n_nodes()),
       contact_gather_(device, system.sites, system.n_nodes()),
+      chunks_(device, system.n_worlds(), GROUP_SIZE),
       contact_sites_(device, 0, "element_sites"),
       rows_(device, 0, "rows"),
       element_energy_(device, 0, "energy"),
@@ -72,6 +73,7 @@ Potential::Potential(Device& device, const System& system)
       large_.push_back(t);
   small_terms_.emplace(device, std::move(small), law_cases("JOINT_LAWS", system.joint_laws));
   preconditioner_ = std::make_unique<Preconditioner>(device, system, *matrix_);
+  chunks_.set(system.node_ranges);
   couplings_.resize(system.n_worlds());
 }
 
@@ -248,13 +250,30 @@ void Potential::product(const Buffer<f64>& direction, Buffer<f64>& out) {
   const u32 n = u32(barrier_.size() + friction_.size());
   product_of_contacts_(n, n, u32(barrier_.size()), contact_sites_, sites_, barrier_.blocks(), friction_.blocks(),
                        direction, n_constant_rows_, rows_);
-  matrix_->multiply_and_gather(direction, contact_gather_, node_is_fixed_, rows_, out);
+  matrix_->multiply(direction, out);
+  contact_gather_.apply(gather_rows_, node_is_fixed_, rows_, true, out);
+}
+
+ContactElements Potential::contact_elements() {
+  return {contact_terms_, n_constant_rows_, &contact_gather_, &contact_sites_, &sites_, &rows_};
+}
+
+CgOperators Potential::operators() {
+  CgOperators operators;
+  operators.product = [this](const Buffer<f64>& direction, Buffer<f64>& out, WorldChunks& chunks) {
+    matrix_->multiply_and_dot(direction, has_contacts() ? &contact_gather_ : nullptr, node_is_fixed_, rows_, out,
+                              chunks);
+    return true;
+  };
+  operators.precondition = [this](const Buffer<f64>& residual, Buffer<f64>& out, WorldChunks& chunks) {
+    return preconditioner_->apply(residual, out, chunks);
+  };
+  operators.elements = contact_elements();
+  return operators;
 }
 
 void Potential::start_factorize(std::span<const char> world_is_active, const Buffer<f64>* gradient) {
-  const Term* const contacts[] = {&barrier_, &friction_};
-  preconditioner_->start_factorize({contacts, n_constant_rows_, &contact_gather_, &contact_sites_, &sites_},
-                                   world_is_active, gradient);
+  preconditioner_->start_factorize(contact_elements(), world_is_active, gradient);
 }
 
 std::optional<u32> Potential::factorize(std::span<const char> world_is_active) {

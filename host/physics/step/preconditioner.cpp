@@ -126,10 +126,10 @@ std::optional<u32> Preconditioner::failed() const {
   return groups_ ? groups_->failed() : std::nullopt;
 }
 
-void Preconditioner::apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned) {
-  if (schwarz_) schwarz_->apply(residual, preconditioned);
-  if (frames_) frames_->add_exactly(residual, preconditioned);
+bool Preconditioner::apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned, WorldChunks& chunks) {
+  if (schwarz_) schwarz_->apply(residual, preconditioned, frames_.get(), chunks);
   if (groups_) groups_->start_apply(residual, schwarz_ != nullptr, preconditioned);
+  return !groups_;
 }
 
 std::size_t Preconditioner::n_bytes() const {

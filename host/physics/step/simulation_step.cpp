@@ -127,9 +127,7 @@ void Simulation::Impl::renew_couplings(Potential::Coupling when) {
 
 void Simulation::Impl::start_solve() {
   const auto timed = clock.time(SolverPhase::solve);
-  cg.start([&](const Buffer<f64>& p, Buffer<f64>& out) { potential.product(p, out); },
-           [&](const Buffer<f64>& r, Buffer<f64>& out) { potential.precondition(r, out); }, gradient, is_active,
-           solver().cg_tolerance, solver().max_cg, dx);
+  cg.start(potential.operators(), gradient, is_active, solver().cg_tolerance, solver().max_cg, dx);
 }
 
 // How far points would move, and whether the candidates serve for that.
