@@ -12,6 +12,7 @@
 #include "solve/site.h"
 #define NO_SLOT 0xffffffffu
 #define IN_SECOND (1u << 31)
+#define LARGEST_STRIDE 96
 
 // ---- set-up -------------------------------------------------------------------------------------------------------
 
@@ -83,34 +84,42 @@ kernel void schwarz_add_contacts(const uint n, const uint stride, global const u
 }
 
 // Inverts each cluster's matrix in place by Gauss-Jordan elimination, which needs no pivoting: it is positive definite.
-// One work-group of 64 per cluster; each work-item owns rows.
+// One work-group of 64 per cluster; each work-item owns rows. Rows behind the last used one are left out.
 // failed: [n_clusters] 1 where a pivot is not positive;  inverse: the same in single precision, exactly symmetric
 kernel __attribute__((reqd_work_group_size(64, 1, 1))) void schwarz_invert(const uint n, const uint stride,
                                                                            global real* restrict matrices,
                                                                            global float* restrict inverse,
                                                                            global uint* restrict failed) {
-  local real pivot_row[96];
+  local real pivot_row[LARGEST_STRIDE];
+  local uint shared_n_used;
   const uint cluster = get_group_id(0), item = get_local_id(0);
   if (cluster * 64 >= n) return;  // whole groups
   global real* a = matrices + (size_t)cluster * stride * stride;
+  if (item == 0) {
+    uint last = stride;
+    while (last > 0 && a[(last - 1) * (stride + 1)] == 0) --last;
+    shared_n_used = last;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+  const uint n_used = shared_n_used;
   for (uint r = item; r < stride; r += 64)
     if (a[r * stride + r] == 0) a[r * stride + r] = 1;
   uint has_failed = 0;
-  for (uint p = 0; p < stride; ++p) {
+  for (uint p = 0; p < n_used; ++p) {
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
     const real pivot = a[p * stride + p];
     has_failed |= !(pivot > 0);
-    for (uint c = item; c < stride; c += 64) pivot_row[c] = (c == p ? 1 : a[p * stride + c]) / pivot;
+    for (uint c = item; c < n_used; c += 64) pivot_row[c] = (c == p ? 1 : a[p * stride + c]) / pivot;
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-    for (uint r = item; r < stride; r += 64) {
+    for (uint r = item; r < n_used; r += 64) {
       global real* row = a + r * stride;
       if (r == p) {
-        for (uint c = 0; c < stride; ++c) row[c] = pivot_row[c];
+        for (uint c = 0; c < n_used; ++c) row[c] = pivot_row[c];
         continue;
       }
       const real factor = row[p];
       row[p] = 0;
-      for (uint c = 0; c < stride; ++c) row[c] -= factor * pivot_row[c];
+      for (uint c = 0; c < n_used; ++c) row[c] -= factor * pivot_row[c];
     }
   }
   barrier(CLK_GLOBAL_MEM_FENCE);
@@ -122,50 +131,72 @@ kernel __attribute__((reqd_work_group_size(64, 1, 1))) void schwarz_invert(const
 
 // ---- application --------------------------------------------------------------------------------------------------
 
-// To all levels. A work-group restricts to the four functions of one cluster on the next level, as P_l^T r over all nodes
-// of the cluster; the last ones take the residual of nodes to the slots of the first level.
-// n_items: 64 n_functions + n_slots, padded;  n_functions: clusters that have such functions
-// target: [n_functions] where these stand in `restricted`;  level: [n_functions] theirs, 0 for the second
-// first: [n_functions + 1] into clusters of the first level (cluster), width slots each
-// node: [n_slots] of each of these, NO_SLOT where it is not used;  functions: [n_slots x n_coarser x 4]
-// restricted: [n_clusters x stride]
-kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void schwarz_restrict(
-    const uint n_items, const uint n_functions, const uint n_slots, const uint width, const uint stride,
-    const uint n_coarser, global const uint* restrict target, global const uint* restrict level,
-    global const uint* restrict first, global const uint* restrict cluster, global const uint* restrict node,
-    global const float* restrict functions, global const real* restrict residual, global float* restrict restricted) {
-  local real of_item[3 * ITEMS];
-  const uint group = get_group_id(0), item = get_local_id(0);
-  const bool restricts = group < n_functions;
-  const uint slot = (group - n_functions) * ITEMS + item;
-  if (!restricts && slot < n_slots && node[slot] != NO_SLOT)
-    vstore3(convert_float3(vload3(node[slot], residual)), 0,
-            restricted + (size_t)(slot / width) * stride + 3 * (slot % width));
-  // item / 4: which slots of each cluster;  item % 4: which function
-  const uint f = restricts ? group : 0, a = item % 4, begin = restricts ? first[f] : 0, end = restricts ? first[f + 1] : 0;
-  real3 sum = (real3)(0);
-  for (uint c = begin; c < end; ++c)
-    for (uint k = item / 4; k < width; k += ITEMS / 4) {
-      const uint s = cluster[c] * width + k;
-      if (node[s] != NO_SLOT) sum += functions[4 * ((size_t)s * n_coarser + level[f]) + a] * vload3(node[s], residual);
-    }
-  vstore3(sum, item, of_item);
-  barrier(CLK_LOCAL_MEM_FENCE);
-  if (!restricts || item >= 4) return;
-  for (uint k = 1; k < ITEMS / 4; ++k) sum += vload3(4 * k + item, of_item);
-  vstore3(convert_float3(sum), 0, restricted + target[f] + 3 * item);
-}
-
-// z = B^-1 r on all levels.  n: n_clusters x stride rows
-kernel void schwarz_solve(const uint n, const uint stride, global const float* restrict inverse,
-                          global const float* restrict restricted, global float* restrict z) {
+// What each cluster of the first level adds to the functions of each coarser one.
+// n: n_clusters x n_coarser, clusters of the first level
+// node: [n_slots] of each slot, NO_SLOT where it is not used;  functions: [n_slots x n_coarser x 4]
+// parts: [n x 3 x 4] by direction, then by function
+kernel void schwarz_restrict(const uint n, const uint width, const uint n_coarser, global const uint* restrict node,
+                             global const float* restrict functions, global const real* restrict residual,
+                             global real* restrict parts) {
   const uint i = get_global_id(0);
   if (i >= n) return;
-  global const float* a = inverse + (size_t)i * stride;
-  global const float* r = restricted + (size_t)(i / stride) * stride;
-  float4 sums = (float4)(0);
-  for (uint k = 0; k < stride / 4; ++k) sums += vload4(k, a) * vload4(k, r);
-  z[i] = (sums.x + sums.y) + (sums.z + sums.w);
+  const uint cluster = i / n_coarser, level = i % n_coarser;
+  double4 x = (double4)(0), y = (double4)(0), z = (double4)(0);
+  for (uint s = cluster * width; s < (cluster + 1) * width; ++s) {
+    if (node[s] == NO_SLOT) continue;
+    const double4 weight = convert_double4(vload4((size_t)s * n_coarser + level, functions));
+    const real3 r = vload3(node[s], residual);
+    x += weight * r.x;
+    y += weight * r.y;
+    z += weight * r.z;
+  }
+  vstore4(x, 3 * (size_t)i, parts);
+  vstore4(y, 3 * (size_t)i + 1, parts);
+  vstore4(z, 3 * (size_t)i + 2, parts);
+}
+
+// One number of P_l^T r: of the first level a node's, of a coarser one the sum over clusters of the first level.
+// row: in the cluster;  first: [functions of all coarser clusters, by fours, + 1] into member;  member: these clusters
+static inline real restricted(const uint cluster, const uint row, const uint n_finest, const uint width,
+                              const uint n_coarser, global const uint* restrict node, global const uint* restrict level,
+                              global const uint* restrict first, global const uint* restrict member,
+                              global const real* restrict parts, global const real* restrict residual) {
+  const uint slot = row / 3, direction = row % 3;
+  if (slot >= width) return 0;
+  if (cluster < n_finest) {
+    const uint i = node[cluster * width + slot];
+    return i == NO_SLOT ? 0 : residual[3 * (size_t)i + direction];
+  }
+  const uint fours = (cluster - n_finest) * (width / 4) + slot / 4;
+  if (slot / 4 >= width / 4) return 0;
+  real sum = 0;
+  for (uint k = first[fours]; k < first[fours + 1]; ++k)
+    sum += parts[((size_t)member[k] * n_coarser + level[cluster] - 1) * 12 + 4 * direction + slot % 4];
+  return sum;
+}
+
+// z = B^-1 P_l^T r on all levels. A work-group has one cluster, or as many as fill it.
+// n_items: 64 for each work-group;  n_finest: clusters of the first level;  level: [n_clusters]
+kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void schwarz_solve(
+    const uint n_items, const uint n_clusters, const uint n_finest, const uint width, const uint stride,
+    const uint n_coarser, global const uint* restrict node, global const uint* restrict level,
+    global const uint* restrict first, global const uint* restrict member, global const real* restrict parts,
+    global const real* restrict residual, global const float* restrict inverse, global float* restrict z) {
+  local float r[LARGEST_STRIDE];
+  const uint per_group = max(1u, ITEMS / stride), begin = get_group_id(0) * per_group;
+  const uint n_rows = min(per_group, n_clusters - begin) * stride;
+  for (uint q = get_local_id(0); q < n_rows; q += ITEMS)
+    r[q] = (float)restricted(begin + q / stride, q % stride, n_finest, width, n_coarser, node, level, first, member,
+                             parts, residual);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (uint q = get_local_id(0); q < n_rows; q += ITEMS) {
+    const size_t row = (size_t)begin * stride + q;
+    global const float* a = inverse + row * stride;
+    local const float* own = r + q / stride * stride;
+    float4 sums = (float4)(0);
+    for (uint k = 0; k < stride / 4; ++k) sums += vload4(k, a) * vload4(k, own);
+    z[row] = (sums.x + sums.y) + (sums.z + sums.w);
+  }
 }
 
 // B^-1 r of one node with inverses in double precision

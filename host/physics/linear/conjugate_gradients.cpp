@@ -98,13 +98,20 @@ void ConjugateGradients::test() {
   std::swap(worlds_, renewed_worlds_);
 }
 
-// On the host's own processor it is cheap to look and dear to iterate in vain: half of what the last solve took, then a
-// few at a time. Elsewhere it is the other way round, and where the last solve took one iteration the residual is
-// tested first: to apply the preconditioner for a test takes more launches than all the rest.
+// How many iterations to start before the host looks. On the host's own processor it is cheap to look and dear to
+// iterate in vain: half of what the last solve took, then a few at a time. Elsewhere a look takes as long as two
+// launches and an iteration six, but to go on after a short solve costs what was started behind it.
+int ConjugateGradients::batch() const {
+  const bool looks_often = device_->info().runs_host_functions;
+  if (n_started_ > 0) return std::max(looks_often || n_started_ < SHORT ? 1 : 2, n_started_ / 8);
+  if (looks_often) return std::max(1, n_last_ / 2);
+  return is_short() ? std::max(1, n_last_) : n_last_ * 3 / 4;
+}
+
+// Where the last solve took one iteration the residual is tested first, elsewhere than on the host's own processor: to
+// apply the preconditioner for a test takes more launches than all the rest.
 void ConjugateGradients::go_on() {
   const bool looks_often = device_->info().runs_host_functions;
-  const int batch =
-      n_started_ == 0 ? (looks_often ? n_last_ / 2 : n_last_) : (looks_often ? n_started_ / 8 : n_started_ / 4);
   const bool tests_residual = !looks_often && n_started_ == 0 && n_last_ == 1 && residual_tells_;
   const auto renew_z = [&] {
     apply(problem_.operators.precondition, residual_, preconditioned_);
@@ -114,7 +121,7 @@ void ConjugateGradients::go_on() {
     residual_tells_ = false;
     renew_z();
   }
-  for (const int until = std::min(problem_.max_iterations, n_started_ + std::max(1, batch)); n_started_ < until;
+  for (const int until = std::min(problem_.max_iterations, n_started_ + batch()); n_started_ < until;
        ++n_started_) {
     turn();
     apply(problem_.operators.product, direction_, product_);

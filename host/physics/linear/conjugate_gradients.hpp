@@ -43,11 +43,15 @@ class ConjugateGradients {
              double tolerance, int max_iterations, Buffer<f64>& dx);
   bool ended() const;
   void go_on();
-  bool may_have_ended() const { return n_started_ >= n_last_; }  // as far as the last solve tells, without looking
+  // as far as the last solve tells, without looking
+  bool may_have_ended() const { return n_started_ >= n_last_; }
+  bool is_short() const { return n_last_ <= SHORT; }
   CgReport report();
 
  private:
-  // what a world knows of itself was not renewed since, as in the kernels
+  static constexpr int SHORT = 4;  // iterations, all of which are started before the host looks
+  int batch() const;
+  // how a world's state is to be renewed when the direction turns, as in the kernels
   enum class When : u32 { as_it_is, at_start, after_iteration };
   struct Problem {
     CgOperators operators;

@@ -76,14 +76,13 @@ MultilevelSchwarz::MultilevelSchwarz(Device& device, const BlockMatrix& matrix, 
       within_column_(device, 0, "columns within clusters"),
       matrices_(device, 0, "cluster matrices"),
       inverse_(device, 0, "cluster inverses"),
-      restricted_(device, 0, "restricted residual"),
       z_(device, 0, "cluster corrections"),
       functions_(device, 0, "functions of slots"),
+      parts_(device, 0, "parts of restricted residuals"),
       coarser_(device, 0, "coarser functions"),
-      function_target_(device, 0, "targets of functions"),
-      function_level_(device, 0, "levels of functions"),
-      function_first_(device, 0, "first cluster of functions"),
-      function_cluster_(device, 0, "clusters of functions"),
+      level_(device, 0, "level of cluster"),
+      member_first_(device, 0, "first cluster of functions"),
+      member_(device, 0, "clusters of functions"),
       site_weights_(device, 0, "coarse functions of sites"),
       part_pair_row_(device, 0, "rows of contact blocks"),
       part_pair_column_(device, 0, "columns of contact blocks"),
@@ -130,9 +129,7 @@ MultilevelSchwarz::MultilevelSchwarz(Device& device, const BlockMatrix& matrix, 
   coarse_blocks_.resize(9 * std::size_t(n_coarse_blocks));
   matrices_.resize(std::size_t(n_clusters) * stride_ * stride_);
   inverse_.resize(matrices_.size());
-  restricted_.resize(std::size_t(n_clusters) * stride_);
-  restricted_.zero();
-  z_.resize(restricted_.size());
+  z_.resize(std::size_t(n_clusters) * stride_);
   failed_.resize(n_clusters);
   has_failed_.resize(n_clusters);
   find_functions(hierarchy);
@@ -186,43 +183,41 @@ void MultilevelSchwarz::find_coarse_blocks(Level& level, const SchwarzLevel& sha
 }
 
 // Of each slot of the first level the functions of all coarser ones, P_l = W_0 ... W_l-1, and the clusters of the first
-// level that each cluster of any consists of.
+// level that each coarser function is of.
 void MultilevelSchwarz::find_functions(const SchwarzHierarchy& hierarchy) {
   const SchwarzLevel& finest = hierarchy.levels.front();
-  const u32 n_finest = u32(finest.n_clusters());
+  const u32 n_finest = u32(finest.n_clusters()), fours = width_ / N_COARSE;
   std::vector<float> functions(finest.n_slots() * n_coarser_ * N_COARSE);
-  std::vector<u32> coarser(std::size_t(n_finest) * n_coarser_);
-  std::vector<u32> target, level_of, first = {0}, members;
+  std::vector<u32> coarser(std::size_t(n_finest) * n_coarser_), level_of;
+  std::vector<std::vector<u32>> members((failed_.size() - n_finest) * fours);
   std::vector<Weights> weights = finest.weights;  // of each slot's functions on the next level
   std::vector<u32> cluster_of(n_finest);          // on the present level
   std::iota(cluster_of.begin(), cluster_of.end(), 0u);
-  for (u32 l = 0; l < n_coarser_; ++l) {
-    const SchwarzLevel &level = hierarchy.levels[l], &next = hierarchy.levels[l + 1];
-    std::vector<std::vector<u32>> finest_of(level.n_clusters());
-    for (u32 c = 0; c < n_finest; ++c) finest_of[cluster_of[c]].push_back(c);
-    for (u32 c = 0; c < level.n_clusters(); ++c) {
-      target.push_back(position(levels_[l + 1], level.parent[c]));
-      level_of.push_back(l);
-      members.insert(members.end(), finest_of[c].begin(), finest_of[c].end());
-      first.push_back(u32(members.size()));
-    }
+  for (u32 l = 0; l < levels_.size(); ++l) level_of.insert(level_of.end(), levels_[l].n_clusters, l);
+  for (u32 l = 0; l < n_coarser_; ++l)
     for (u32 c = 0; c < n_finest; ++c) {
-      const u32 slot = level.parent[cluster_of[c]];
+      const u32 slot = hierarchy.levels[l].parent[cluster_of[c]];
+      const u32 cluster = levels_[l + 1].first_cluster + slot / width_;
       coarser[c * n_coarser_ + l] = position(levels_[l + 1], slot);
+      members[(cluster - n_finest) * fours + slot % width_ / N_COARSE].push_back(c);
       for (u32 s = c * width_; s < (c + 1) * width_; ++s) {
         for (u32 a = 0; a < N_COARSE; ++a)
           functions[(std::size_t(s) * n_coarser_ + l) * N_COARSE + a] = float(weights[s][a]);
-        weights[s] = coarsened(next, slot, weights[s]);
+        weights[s] = coarsened(hierarchy.levels[l + 1], slot, weights[s]);
       }
       cluster_of[c] = slot / width_;
     }
+  std::vector<u32> first = {0}, member;
+  for (const std::vector<u32>& own : members) {
+    member.insert(member.end(), own.begin(), own.end());
+    first.push_back(u32(member.size()));
   }
   refill(functions_, functions);
   refill(coarser_, coarser);
-  refill(function_target_, target);
-  refill(function_level_, level_of);
-  refill(function_first_, first);
-  refill(function_cluster_, members);
+  refill(level_, level_of);
+  refill(member_first_, first);
+  refill(member_, member);
+  parts_.resize(std::size_t(n_finest) * n_coarser_ * 3 * N_COARSE);
 }
 
 // A site's nodes stand in neighbouring slots, in one cluster on every level.
@@ -342,17 +337,18 @@ void MultilevelSchwarz::add_contacts(std::span<const Term* const> contacts) {
 
 void MultilevelSchwarz::apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned, const MultilevelSchwarz* exact,
                               WorldChunks& chunks) {
-  const u32 n_functions = u32(function_target_.size()), n_slots = u32(node_of_slot_.size());
-  const u32 n_restrict = u32(GROUP_SIZE) * n_functions + n_slots, n_rows = u32(restricted_.size());
+  const u32 n_finest = u32(n_clusters()), n_all = u32(failed_.size()), n_parts = n_finest * n_coarser_;
+  const u32 per_group = std::max(1u, u32(GROUP_SIZE) / stride_);
+  const u32 n_solve = u32(GROUP_SIZE) * ((n_all + per_group - 1) / per_group);
   const u32 n_chunk_items = u32(GROUP_SIZE * chunks.n_chunks());
   if (levels_.empty()) {
     preconditioned.zero();
     chunks.partial().zero();
     return;
   }
-  restrict_(n_restrict, n_restrict, n_functions, n_slots, width_, stride_, n_coarser_, function_target_,
-            function_level_, function_first_, function_cluster_, node_of_slot_, functions_, residual, restricted_);
-  solve_(n_rows, n_rows, stride_, inverse_, restricted_, z_);
+  restrict_(n_parts, n_parts, width_, n_coarser_, node_of_slot_, functions_, residual, parts_);
+  solve_(n_solve, n_solve, n_all, n_finest, width_, stride_, n_coarser_, node_of_slot_, level_, member_first_, member_,
+         parts_, residual, inverse_, z_);
   const bool has_exact = exact && !exact->levels_.empty();
   const MultilevelSchwarz& added = has_exact ? *exact : *this;
   prolong_(n_chunk_items, n_chunk_items, chunks.chunks(), width_, stride_, n_coarser_, slot_of_node_, coarser_,

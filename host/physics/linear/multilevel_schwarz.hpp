@@ -69,10 +69,11 @@ class MultilevelSchwarz {
   Buffer<f64> coarse_blocks_;
   Buffer<u32> within_source_, within_row_, within_column_;  // Places
   Buffer<f64> matrices_;                                    // of all clusters
-  Buffer<float> inverse_, restricted_, z_;
-  // as in the kernels: functions of all coarser levels on the first
+  Buffer<float> inverse_, z_;
+  // as in the kernels: functions of all coarser levels on the first, and what adds to them
   Buffer<float> functions_;
-  Buffer<u32> coarser_, function_target_, function_level_, function_first_, function_cluster_;
+  Buffer<f64> parts_;
+  Buffer<u32> coarser_, level_, member_first_, member_;
   // contacts
   std::vector<std::vector<u32>> listed_sites_;  // of each term, which the following was made of
   u32 n_sites_ = 0, n_part_pairs_ = 0;

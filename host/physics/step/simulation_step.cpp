@@ -138,8 +138,8 @@ void Simulation::Impl::start_look_ahead() {
 }
 
 // Factor, solve and move as far as is certified. On the host's own processor, where waiting is cheap, the host looks
-// how far conjugate gradients came before it starts what follows; elsewhere all is started at once, and what was
-// started too early again. Whether the factor succeeded shows only then: a world where it did not is given up, the
+// how far conjugate gradients came before it starts what follows; elsewhere all is started at once if the last solve was
+// short, and what was started too early again. Whether the factor succeeded shows only then: a world where it did not is given up, the
 // others are solved without it.
 CgReport Simulation::Impl::factorize_and_solve(double h, bool settles) {
   const bool waits_for_solve = device.info().runs_host_functions;
@@ -151,16 +151,19 @@ CgReport Simulation::Impl::factorize_and_solve(double h, bool settles) {
     start_solve();
     for (;;) {
       const auto timed = clock.time(SolverPhase::solve);
-      const bool looks_ahead = !waits_for_solve || cg.may_have_ended();
-      if (looks_ahead) start_look_ahead();
-      if (!waits_for_solve) start_certified_move(settles, h, 1);
+      const bool looks_ahead = waits_for_solve ? cg.may_have_ended() : cg.is_short();
+      const auto move_ahead = [&] {
+        start_look_ahead();
+        if (!waits_for_solve) start_certified_move(settles, h, 1);
+      };
+      if (looks_ahead) move_ahead();
       device.finish();
       if (!cg.ended()) {
         cg.go_on();
         continue;
       }
       if (!looks_ahead) {
-        start_look_ahead();
+        move_ahead();
         device.finish();
       }
       break;
