@@ -59,7 +59,13 @@ class ContactSet {
   void start_find_contacts(const Buffer<double>& x);
   void take_contacts();
   const Buffer<u32>& first_contact() const;       // [n_worlds + 1] on the device
-  const std::vector<u32>& contact_sites() const;  // [n_contacts x 4]
+  // [n_contacts x 4]; reads them if start_find_contacts() did not
+  const std::vector<u32>& contact_sites() const;
+  void read_sites(bool wanted);                  // whether it does, from now on; at first it does
+  const Buffer<u32>& sites_on_device() const;    // [n_contacts x 4]
+  // Number of the last search for contacts, as taken, and of the last one whose sites differed from those before.
+  u32 search() const;
+  u32 last_change() const;
   const WorldRows<Barrier>& contacts() const;
 
   // Friction rows from the contacts of the last find_contacts, with normal forces at x (the same x) and anchors for a
@@ -72,7 +78,9 @@ class ContactSet {
   void find_and_lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0, const Buffer<double>& x1);
   void clear_friction();  // no friction rows
   const WorldRows<Friction>& friction() const;
-  const std::vector<u32>& friction_sites() const;  // [n x 4]
+  const std::vector<u32>& friction_sites() const;      // [n x 4]
+  const Buffer<u32>& friction_sites_on_device() const;  // the same
+  const Buffer<u32>& first_friction() const;            // [n_worlds + 1] on the device
 
   // What contacts, as in the present friction rows, remember of a step of length h from x0 to x: started, and taken for
   // these worlds after the device was waited for.

@@ -195,13 +195,26 @@ std::vector<double> Potential::energy(const Positions& x, const ContactSet& cont
   return start_energy(x, contacts).read();
 }
 
+// On a device apart from the host, with its factor there, the host knows only how many contacts there are, unless pairs
+// in contact are in the factor.
+bool Potential::reads_contacts() const {
+  return rows_.memory().device().info().runs_host_functions || preconditioner_->reads_contacts() ||
+         std::any_of(couplings_.begin(), couplings_.end(), [](const auto& pairs) { return !pairs.empty(); });
+}
+
 void Potential::set_contacts(const ContactSet& contacts) {
-  barrier_.set_sites(contacts.contact_sites(), contacts.contacts().first);
+  const bool lists_on_device =
+      !rows_.memory().device().info().runs_host_functions && !preconditioner_->reads_contacts();
+  if (reads_contacts())
+    barrier_.set_sites(contacts.contact_sites(), contacts.contacts().first);
+  else
+    barrier_.set_size(contacts.contacts().first);
   if (!has_contacts()) return;
   barrier_.first_row = n_constant_rows_;
   friction_.first_row = u32(n_constant_rows_ + barrier_.size() * barrier_.stencil());
   const std::size_t n_rows = friction_.first_row + friction_.size() * friction_.stencil();
   if (3 * n_rows > rows_.size()) rows_.resize(3 * n_rows);
+  if (lists_on_device) return list_contacts_on_device(contacts);
   std::vector<u32> sites = barrier_.sites();
   sites.insert(sites.end(), friction_.sites().begin(), friction_.sites().end());
   // late iterations of Newton's method mostly keep the contacts
@@ -212,6 +225,19 @@ void Potential::set_contacts(const ContactSet& contacts) {
   contact_gather_.set(blocks);
   contact_sites_.resize(sites.size());
   contact_sites_.write(sites);
+}
+
+void Potential::list_contacts_on_device(const ContactSet& contacts) {
+  const bool is_same = n_gathered_contacts_ == barrier_.size() && contacts.last_change() <= gathered_search_ &&
+                       gathered_sites_ == friction_.sites() && gathered_search_ > 0;
+  if (is_same) return;
+  n_gathered_contacts_ = barrier_.size();
+  gathered_search_ = contacts.search();
+  gathered_sites_ = friction_.sites();
+  contact_gather_.set_on_device(
+      {contacts.sites_on_device(), u32(barrier_.size()), contacts.first_contact()},
+      {contacts.friction_sites_on_device(), u32(friction_.size()), contacts.first_friction()}, n_constant_rows_, sites_,
+      chunks_, contact_sites_);
 }
 
 void Potential::differentiate(const Positions& x, const ContactSet& contacts, Buffer<f64>& gradient) {
@@ -283,7 +309,10 @@ std::optional<u32> Potential::factorize(std::span<const char> world_is_active) {
 }
 
 void Potential::couple_contacts(std::span<const char> worlds, Coupling when) {
-  if (!preconditioner_->takes_contacts()) return;
+  if (!preconditioner_->takes_contacts() || std::none_of(worlds.begin(), worlds.end(), [](char in) { return in; }))
+    return;
+  if (barrier_.sites().size() < 4 * barrier_.size())  // the device alone has them
+    barrier_.set_sites(contact_sites_.read(0, 4 * barrier_.size()), std::vector<u32>(barrier_.world_first()));
   bool is_changed = false;
   for (std::size_t w = 0; w < worlds.size(); ++w) {
     if (!worlds[w]) continue;

@@ -51,6 +51,9 @@ class Potential {
   void to_sites(const Buffer<f64>& node, Buffer<f64>& value);
   const Buffer<Site>& sites() const { return sites_; }
 
+  // Whether differentiate() needs to know on the host which sites contacts have.
+  bool reads_contacts() const;
+
   // Sum of all terms per world [J], with the contacts of the last find_contacts or start_find_contacts.
   std::vector<double> energy(const Positions& x, const ContactSet& contacts);
   const Buffer<f64>& start_energy(const Positions& x, const ContactSet& contacts);  // on the device
@@ -81,6 +84,7 @@ class Potential {
   ContactElements contact_elements();
   bool has_contacts() const { return barrier_.size() + friction_.size() > 0; }
   void set_contacts(const ContactSet& contacts);
+  void list_contacts_on_device(const ContactSet& contacts);
   void differentiate(const Positions& x, const ContactSet* contacts, Buffer<f64>& gradient);
   void append_coupled(std::span<const u32> sites, std::vector<NodePair>& pairs) const;
   bool is_inertia(const Term& term) const { return &term == &terms_.point_inertia || &term == &terms_.affine_inertia; }
@@ -120,6 +124,7 @@ class Potential {
   Buffer<u32> contact_sites_;            // [n_contacts and n_friction x 4]
   std::vector<u32> gathered_sites_;      // what it holds, which contact_gather_ was made of
   std::size_t n_gathered_contacts_ = 0;  // of these
+  u32 gathered_search_ = 0;              // number of the search for contacts that it was made of on the device
   Buffer<f64> rows_, element_energy_, world_energy_, direction_site_;
   u32 n_constant_rows_ = 0;
   WorldReduce reduce_;

@@ -75,7 +75,7 @@ Device* factoring_device(Device& device) {
 }  // namespace
 
 Preconditioner::Preconditioner(Device& device, const System& system, const BlockMatrix& matrix)
-    : matrix_(matrix), factor_group_(system.node_group) {
+    : matrix_(matrix), factor_group_(system.node_group), factors_on_device_(factoring_device(device) != nullptr) {
   const Kind kind = system.scenes[0].solver.preconditioner;
   std::vector<char> is_exact(system.group_world.size(), kind == Kind::automatic || kind == Kind::factor);
   if (kind == Kind::automatic || kind == Kind::factor)

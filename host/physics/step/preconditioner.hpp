@@ -38,11 +38,13 @@ class Preconditioner {
   void couple(std::span<const NodePair> pairs);
   std::size_t n_bytes() const;                             // of factors and inverses
   bool takes_contacts() const { return takes_contacts_; }  // into its factors, by couple()
+  // Whether start_factorize() needs to know on the host which sites contacts have.
+  bool reads_contacts() const { return schwarz_ || !factors_on_device_; }
 
  private:
   const BlockMatrix& matrix_;
   std::vector<u32> factor_group_;  // of each node; NO_GROUP: in no factor
-  bool takes_contacts_ = true;
+  bool takes_contacts_ = true, factors_on_device_;
   std::unique_ptr<GroupPreconditioner> groups_;
   std::unique_ptr<MultilevelSchwarz> schwarz_, frames_;  // frames_: exact inverses of rigid bodies
 };

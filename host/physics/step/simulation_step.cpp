@@ -92,6 +92,7 @@ void Simulation::Impl::start_certified_move(bool settles, double h, double short
   certified_step(n, n, contacts.first_candidate(), free_parts, is_active_on_device, u32(settles), largest, tolerance, h,
                  short_of, step);
   move(step);
+  contacts.read_sites(potential.reads_contacts());
   contacts.start_find_contacts(trial.site);
   const Buffer<f64>& its_energy = potential.start_energy(trial, contacts);
   step.read_later(0, std::span(certified));
