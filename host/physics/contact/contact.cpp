@@ -66,12 +66,12 @@ struct ContactSet::Impl {
   bool reads_sites = true, has_sites = true;       // to the host; whether contact_sites is that of the contacts
   Buffer<u32> changed;                             // [1]
   u32 search = 0, last_change = 0, read_change = 0;
-  std::size_t sites_serial = 0;                    // of the memory of `sites`
+  std::size_t sites_serial = 0;  // of the memory of `sites`
   Buffer<u32> friction_sites_on_device, first_friction;
   std::vector<u32> written_first_friction;
-  std::vector<Friction> friction_rows;             // as on the device
-  Buffer<Friction> lagged;                         // of the next step, without what the host adds
-  std::vector<Friction> lagged_rows;               // as read
+  std::vector<Friction> friction_rows;  // as on the device
+  Buffer<Friction> lagged;              // of the next step, without what the host adds
+  std::vector<Friction> lagged_rows;    // as read
   std::size_t n_contacts_before = 0;
   Buffer<ContactReport> reports;   // [n_contacts]
   Buffer<double> forces, strains;  // [n_friction x 3, N], [n_friction x 3]
@@ -212,7 +212,17 @@ const Buffer<double>& ContactSet::start_largest_steps(const Buffer<double>& x0, 
 }
 const Buffer<u32>& ContactSet::first_candidate() const { return impl_->candidates.first(); }
 
+Buffer<u32>& ContactSet::activity() {
+  impl_->is_active.resize(candidates().n());
+  return impl_->is_active;
+}
+
 void ContactSet::start_find_contacts(const Buffer<double>& x) {
+  if (candidates().n() > 0) impl_->measure_gaps(x);
+  start_list_contacts();
+}
+
+void ContactSet::start_list_contacts() {
   Impl& impl = *impl_;
   const WorldRows<Barrier>& candidates = impl.candidates.rows();
   impl.contacts.rows.resize(candidates.n());
@@ -221,7 +231,6 @@ void ContactSet::start_find_contacts(const Buffer<double>& x) {
     impl.first.zero();
     return;
   }
-  impl.measure_gaps(x);
   impl.scan(candidates.n(), impl.is_active, impl.offsets);
   impl.sites.resize(4 * std::size_t(candidates.n()));
   if (const std::size_t serial = impl.sites.memory().serial(); serial != impl.sites_serial) {

@@ -79,8 +79,8 @@ void ConjugateGradients::turn() {
   turn_(n, n, n_chunks, u32(when_), chunks_.first(), chunks_.chunks(), chunks_.partial(), is_wanted_,
         problem_.tolerance, u32(problem_.max_iterations), worlds_, renewed_worlds_, preconditioned_, direction_,
         turned_direction_, n_first, n_second, node_world_, has_elements ? *elements->element_sites : no_indices_,
-        has_elements ? *elements->sites : no_sites_, blocks_of(0), blocks_of(1),
-        has_elements ? elements->first_row : 0, has_elements ? *elements->rows : no_rows_);
+        has_elements ? *elements->sites : no_sites_, blocks_of(0), blocks_of(1), has_elements ? elements->first_row : 0,
+        has_elements ? *elements->rows : no_rows_);
   std::swap(worlds_, renewed_worlds_);
   std::swap(direction_, turned_direction_);
 }
@@ -121,8 +121,7 @@ void ConjugateGradients::go_on() {
     residual_tells_ = false;
     renew_z();
   }
-  for (const int until = std::min(problem_.max_iterations, n_started_ + batch()); n_started_ < until;
-       ++n_started_) {
+  for (const int until = std::min(problem_.max_iterations, n_started_ + batch()); n_started_ < until; ++n_started_) {
     turn();
     apply(problem_.operators.product, direction_, product_);
     advance();

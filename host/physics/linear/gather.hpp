@@ -1,5 +1,5 @@
-// Which rows each node sums up, applied on the device in a fixed order. Lists are built on the host, or, of elements that
-// only the device knows, there (kernels/solve/node_rows.cl).
+// Which rows each node sums up, applied on the device in a fixed order. Lists are built on the host, or, of elements
+// that only the device knows, there (kernels/solve/node_rows.cl).
 #pragma once
 #include <optional>
 #include <span>
@@ -28,8 +28,8 @@ class Gather {
  public:
   Gather(Device& device, std::span<const Site> sites, std::size_t n_nodes);
   void set(std::span<const RowBlock> blocks);
-  // The same lists for two kinds of elements whose rows follow each other from first_row on; and element_sites: the sites
-  // of both [n x 4]. sites: of the device; chunks: of at most 64 nodes, which follow each other.
+  // The same lists for two kinds of elements whose rows follow each other from first_row on; and element_sites: the
+  // sites of both [n x 4]. sites: of the device; chunks: of at most 64 nodes, which follow each other.
   void set_on_device(const DeviceElements& first, const DeviceElements& second, u32 first_row,
                      const Buffer<Site>& sites, const WorldChunks& chunks, Buffer<u32>& element_sites);
   // node (+)= the weighted sum of its rows

@@ -22,7 +22,7 @@ class WorldChunks {
   WorldChunks(Device& device, std::size_t n_worlds, u32 length = LENGTH);
   // ranges in any number per world; the order of a world's ranges is the order of its sum
   void set(std::span<const WorldRange> ranges);
-  std::size_t n_chunks() const { return n_chunks_; }  // at least one for each world
+  std::size_t n_chunks() const { return n_chunks_; }       // at least one for each world
   const Buffer<Chunk>& chunks() const { return chunks_; }  // [n_chunks]
   const Buffer<u32>& first() const { return first_; }      // [n_worlds + 1] chunks of each world
   Buffer<f64>& partial() const { return partial_; }        // [n_chunks] of the last reduction

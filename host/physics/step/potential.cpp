@@ -172,26 +172,25 @@ const Buffer<f64>& Potential::origin(const Term& term) const {
   return is_inertia(term) ? predicted_->site : start_->site;
 }
 
-const Buffer<f64>& Potential::start_energy(const Positions& x, const ContactSet& contacts) {
+const Buffer<f64>& Potential::start_energy(const Positions& x, ContactSet& contacts) {
   const u32 first_friction = first_energy_.back(), n_friction = u32(friction_.size());
-  const u32 most_contacts = u32(contacts.contacts().rows.size());  // not all need be contacts yet
-  element_energy_.resize(first_friction + n_friction + most_contacts);
+  const u32 n_candidates = contacts.candidates().n();
+  element_energy_.resize(first_friction + n_friction + n_candidates);
   small_terms_->energy(x.site, start_->site, predicted_->site, h_, inertia_h_, element_energy_);
   for (const std::size_t t : large_)
     constant_[t]->energy(x.site, origin(*constant_[t]), step_length(*constant_[t]), first_energy_[t], element_energy_);
-  if (const u32 n = whole_groups(n_friction) + most_contacts; n > 0)
-    contact_kernels().energy(n, n, n_friction, u32(system_.n_worlds()), contacts.first_contact(),
-                             contacts.friction().rows, contacts.contacts().rows, x.site, start_->site, h_,
-                             first_friction, element_energy_);
+  if (const u32 n = whole_groups(n_friction) + n_candidates; n > 0)
+    contact_kernels().energy(n, n, n_friction, contacts.friction().rows, contacts.candidates().rows, x.site,
+                             start_->site, h_, first_friction, element_energy_, contacts.activity());
   std::vector<WorldRange> ranges = energy_ranges_;
   append_ranges(friction_.world_first(), first_friction, ranges);
   energy_chunks_.set(ranges);
-  reduce_.sum(energy_chunks_, element_energy_, first_friction + n_friction, contacts.first_contact(), most_contacts,
+  reduce_.sum(energy_chunks_, element_energy_, first_friction + n_friction, contacts.first_candidate(), n_candidates,
               world_energy_);
   return world_energy_;
 }
 
-std::vector<double> Potential::energy(const Positions& x, const ContactSet& contacts) {
+std::vector<double> Potential::energy(const Positions& x, ContactSet& contacts) {
   return start_energy(x, contacts).read();
 }
 
@@ -234,10 +233,9 @@ void Potential::list_contacts_on_device(const ContactSet& contacts) {
   n_gathered_contacts_ = barrier_.size();
   gathered_search_ = contacts.search();
   gathered_sites_ = friction_.sites();
-  contact_gather_.set_on_device(
-      {contacts.sites_on_device(), u32(barrier_.size()), contacts.first_contact()},
-      {contacts.friction_sites_on_device(), u32(friction_.size()), contacts.first_friction()}, n_constant_rows_, sites_,
-      chunks_, contact_sites_);
+  contact_gather_.set_on_device({contacts.sites_on_device(), u32(barrier_.size()), contacts.first_contact()},
+                                {contacts.friction_sites_on_device(), u32(friction_.size()), contacts.first_friction()},
+                                n_constant_rows_, sites_, chunks_, contact_sites_);
 }
 
 void Potential::differentiate(const Positions& x, const ContactSet& contacts, Buffer<f64>& gradient) {

@@ -54,9 +54,9 @@ class Potential {
   // Whether differentiate() needs to know on the host which sites contacts have.
   bool reads_contacts() const;
 
-  // Sum of all terms per world [J], with the contacts of the last find_contacts or start_find_contacts.
-  std::vector<double> energy(const Positions& x, const ContactSet& contacts);
-  const Buffer<f64>& start_energy(const Positions& x, const ContactSet& contacts);  // on the device
+  // Sum of all terms per world [J]; which candidates touch is left in contacts.activity().
+  std::vector<double> energy(const Positions& x, ContactSet& contacts);
+  const Buffer<f64>& start_energy(const Positions& x, ContactSet& contacts);  // on the device
   // Gradient [n_nodes x 3, N] and Hessian blocks at x, with these active contacts.
   void differentiate(const Positions& x, const ContactSet& contacts, Buffer<f64>& gradient);
   void differentiate(const Positions& x, Buffer<f64>& gradient);  // without contacts

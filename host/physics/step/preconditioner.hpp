@@ -31,8 +31,8 @@ class Preconditioner {
                        const Buffer<f64>* gradient = nullptr);
   // A node of what is not positive definite, or nothing; after the device was waited for.
   std::optional<u32> failed() const;
-  // preconditioned = M^-1 residual;  [n_nodes x 3]. Returns whether chunks.partial() is their product over each chunk of
-  // at most 64 nodes.
+  // preconditioned = M^-1 residual;  [n_nodes x 3]. Returns whether chunks.partial() is their product over each chunk
+  // of at most 64 nodes.
   bool apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned, WorldChunks& chunks);
   // Takes further pairs of nodes into the factors, if these hold soft bodies or cloths.
   void couple(std::span<const NodePair> pairs);
