@@ -35,15 +35,21 @@ kernel void place_rows(const uint n, global const Barrier* restrict rows, global
 
 // contacts: the active pairs, in order, and their sites [n x 4]; offsets: [n + 1]
 // first_pair, first: [n_worlds + 1] of the worlds' pairs and contacts.  n_items: the more of n and n_worlds + 1
+// changed: [1] gets `search`, the number of this search, where sites differ from what stood there
 kernel void fill_contacts(const uint n_items, const uint n, const uint n_worlds, global const Barrier* restrict pairs,
                           global const u32* restrict offsets, global const u32* restrict first_pair,
-                          global u32* restrict first, global Barrier* restrict contacts, global u32* restrict sites) {
+                          global u32* restrict first, global Barrier* restrict contacts, global u32* restrict sites,
+                          const uint search, global u32* restrict changed) {
   const uint e = get_global_id(0);
   if (e <= n_worlds) first[e] = offsets[first_pair[e]];
   if (e >= n || offsets[e + 1] == offsets[e]) return;
   const uint to = offsets[e];
   contacts[to] = pairs[e];
-  for (uint k = 0; k < 4; ++k) sites[4 * to + k] = pairs[e].site[k];
+  for (uint k = 0; k < 4; ++k)
+    if (sites[4 * to + k] != pairs[e].site[k]) {
+      sites[4 * to + k] = pairs[e].site[k];
+      *changed = search;
+    }
 }
 
 // lambda = kappa w m |b'|  [N]

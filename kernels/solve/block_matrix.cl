@@ -1,7 +1,8 @@
 // A sparse matrix of 3 x 3 blocks, by rows: block k of row i, from first[i] to first[i + 1], stands in column[k].
 //   y_i = sum_k A_k x_column[k]
 // Both halves of the symmetric matrix are kept, so that every row is one work-item's own and the order of sums is fixed.
-#include "shared/real.h"
+#include "solve/group_sum.cl"
+#include "solve/site.h"
 #define NEW_TERM (1u << 31)
 #define TRANSPOSED (1u << 30)
 
@@ -25,18 +26,27 @@ kernel void block_product(const uint n, global const uint* restrict first, globa
   if (i < n) vstore3(product_of_row(i, first, column, blocks, x), i, y);
 }
 
-// The same, and the rows of elements outside the matrix, as gather_rows of solve/nodes.cl adds them.
-kernel void block_product_and_rows(const uint n, global const uint* restrict first, global const uint* restrict column,
-                                   global const real* restrict blocks, global const uint* restrict offset,
-                                   global const uint* restrict row, global const real* restrict weight,
-                                   global const uint* restrict is_fixed, global const real* restrict rows,
-                                   global const real* restrict x, global real* restrict y) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  real3 sum = product_of_row(i, first, column, blocks, x);
-  if (!is_fixed[i])
-    for (uint k = offset[i]; k < offset[i + 1]; ++k) sum += weight[k] * vload3(row[k], rows);
-  vstore3(sum, i, y);
+// The same, and the rows of elements outside the matrix, as gather_rows of solve/nodes.cl adds them, if has_rows.
+// n_items: 64 for each chunk of at most 64 matrix rows;  partial: [n_chunks] sum of x . y over it
+kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void block_product_and_dot(
+    const uint n_items, global const Chunk* restrict chunks, global const uint* restrict first,
+    global const uint* restrict column, global const real* restrict blocks, const uint has_rows,
+    global const uint* restrict offset, global const uint* restrict row, global const real* restrict weight,
+    global const uint* restrict is_fixed, global const real* restrict rows, global const real* restrict x,
+    global real* restrict y, global real* restrict partial) {
+  local real of_item[ITEMS + EIGHTS];
+  const Chunk chunk = chunks[get_group_id(0)];
+  const uint i = chunk.begin + get_local_id(0);
+  real own = 0;
+  if (i < chunk.end) {
+    real3 sum = product_of_row(i, first, column, blocks, x);
+    if (has_rows && !is_fixed[i])
+      for (uint k = offset[i]; k < offset[i + 1]; ++k) sum += weight[k] * vload3(row[k], rows);
+    vstore3(sum, i, y);
+    own = dot(vload3(i, x), sum);
+  }
+  const real sum = sum_of_group(own, of_item);
+  if (get_local_id(0) == 0) partial[get_group_id(0)] = sum;
 }
 
 // Each block of the matrix is the sum of the parts of dense element blocks that fall on it: of each term by itself, in

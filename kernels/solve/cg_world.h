@@ -4,7 +4,7 @@
 #include "shared/types.h"
 SHARED_BEGIN
 typedef struct {
-  f64 rz, rz_old, first_rz, php;  // r . z now, one iteration before and at first; p . H p
+  f64 rz, rz_old, first_rz, pad_;  // r . z now, one iteration before and at first
   u32 is_active, iterations, has_converged, unused;
 } CgWorld;
 SHARED_SIZE(CgWorld, 48);

@@ -5,18 +5,24 @@
 // what slots and clusters are.
 // A cluster's matrix has `stride` rows, 3 x width rounded up to four; rows that nothing uses have a 1 on the diagonal.
 // Matrices are summed and inverted in double precision, inverses and vectors kept in single: CG sees one fixed operator.
-#include "shared/real.h"
+// Clusters of all levels are numbered through, the finest first, and their matrices and vectors stand one behind the other.
+// P_l is kept as a whole: each slot of the first level has four functions of each coarser level, so that one launch
+// restricts to all levels, one solves on all, and one brings all back to the nodes.
+#include "solve/group_sum.cl"
+#include "solve/site.h"
 #define NO_SLOT 0xffffffffu
+#define IN_SECOND (1u << 31)
+#define LARGEST_STRIDE 96
 
 // ---- set-up -------------------------------------------------------------------------------------------------------
 
 // The blocks of the next level. n: 16 x pairs of clusters, (a, b) of the four coarse functions of each.
-// first: [n_pairs + 1] into source;  source: blocks of this level;  row, column: slot of each of them
-// weights: [n_slots x 4];  coarse: [n_pairs x 16 x 9]
+// first: [n_pairs + 1] into source;  source: blocks of this level, which begin at first_block;  row, column: slot of each
+// weights: [n_slots x 4];  coarse: [n_pairs x 16 x 9], from block first_coarse on
 kernel void schwarz_coarsen(const uint n, global const uint* restrict first, global const uint* restrict source,
                             global const uint* restrict row, global const uint* restrict column,
-                            global const real* restrict weights, global const real* restrict blocks,
-                            global real* restrict coarse) {
+                            global const real* restrict weights, global const real* blocks, const uint first_block,
+                            const uint first_coarse, global real* coarse) {
   const uint i = get_global_id(0);
   if (i >= n) return;
   const uint pair = i / 16, a = i / 4 % 4, b = i % 4;
@@ -24,34 +30,40 @@ kernel void schwarz_coarsen(const uint n, global const uint* restrict first, glo
   for (uint k = first[pair]; k < first[pair + 1]; ++k) {
     const uint block = source[k];
     const real weight = weights[4 * (size_t)row[block] + a] * weights[4 * (size_t)column[block] + b];
-    for (int e = 0; e < 9; ++e) sum[e] += weight * blocks[9 * (size_t)block + e];
+    for (int e = 0; e < 9; ++e) sum[e] += weight * blocks[9 * (size_t)(first_block + block) + e];
   }
-  for (int e = 0; e < 9; ++e) coarse[9 * (size_t)i + e] = sum[e];
+  for (int e = 0; e < 9; ++e) coarse[9 * (size_t)(first_coarse + i) + e] = sum[e];
 }
 
-// Puts blocks that lie within a cluster into its matrix, which is zero before.
-// n: such blocks;  within: [n] which;  matrices: [n_clusters x stride x stride]
-kernel void schwarz_place(const uint n, const uint width, const uint stride, global const uint* restrict within,
+// Puts blocks that lie within clusters into their matrices, which are zero before.
+// n: such blocks;  source: [n] which, of the given matrix (fine) or, IN_SECOND, of the coarser levels' (coarse)
+// row: [n] the matrices' row, counted through all clusters, where the block begins;  column: [n] in its matrix
+// matrices: [n_clusters x stride x stride]
+kernel void schwarz_place(const uint n, const uint stride, global const uint* restrict source,
                           global const uint* restrict row, global const uint* restrict column,
-                          global const real* restrict blocks, global real* restrict matrices) {
+                          global const real* restrict fine, global const real* restrict coarse,
+                          global real* restrict matrices) {
   const uint i = get_global_id(0);
   if (i >= n) return;
-  const uint block = within[i], r = row[block], c = column[block];
-  global real* to = matrices + ((size_t)(r / width) * stride + 3 * (r % width)) * stride + 3 * (c % width);
+  const uint block = source[i] & ~IN_SECOND;
+  global const real* from = (source[i] & IN_SECOND ? coarse : fine) + 9 * (size_t)block;
+  global real* to = matrices + (size_t)row[i] * stride + column[i];
   for (uint k = 0; k < 3; ++k)
-    for (uint j = 0; j < 3; ++j) to[k * stride + j] = blocks[9 * (size_t)block + 3 * k + j];
+    for (uint j = 0; j < 3; ++j) to[k * stride + j] = from[3 * k + j];
 }
 
-// Adds what contacts couple. A part is one pair of a contact's four sites; parts that fall on the same functions are
-// summed in one order.
-// n: 16 x pairs of functions' first slots, (a, b) as above;  pair_row, pair_column: [n_pairs] these slots
-// first: [n_pairs + 1] into the parts;  source: where the part's 3 x 3 block begins in element_blocks, whose rows are 12
-// numbers long;  part_row, part_column: its sites;  site_weights: [n_sites x 4] of the functions from each site's slot
-kernel void schwarz_add_contacts(const uint n, const uint width, const uint stride,
-                                 global const uint* restrict pair_row, global const uint* restrict pair_column,
-                                 global const uint* restrict first, global const uint* restrict source,
-                                 global const uint* restrict part_row, global const uint* restrict part_column,
-                                 global const real* restrict site_weights, global const real* restrict element_blocks,
+// Adds what contacts couple, on all levels. A part is one pair of a contact's four sites; parts that fall on the same
+// functions are summed in one order.
+// n: 16 x pairs of functions' first slots, (a, b) as above;  pair_row, pair_column: [n_pairs] where their blocks begin, as
+// in schwarz_place
+// first: [n_pairs + 1] into the parts;  source: where the part's 3 x 3 block begins in the blocks of one kind of elements,
+// or, IN_SECOND, of the other; rows are 12 numbers long;  part_row, part_column: in site_weights
+// site_weights: [n_levels x n_sites x 4] of the functions from each site's slot
+kernel void schwarz_add_contacts(const uint n, const uint stride, global const uint* restrict pair_row,
+                                 global const uint* restrict pair_column, global const uint* restrict first,
+                                 global const uint* restrict source, global const uint* restrict part_row,
+                                 global const uint* restrict part_column, global const real* restrict site_weights,
+                                 global const real* restrict first_blocks, global const real* restrict second_blocks,
                                  global real* restrict matrices) {
   const uint i = get_global_id(0);
   if (i >= n) return;
@@ -62,129 +74,185 @@ kernel void schwarz_add_contacts(const uint n, const uint width, const uint stri
     const real weight = site_weights[4 * (size_t)part_row[k] + a] * site_weights[4 * (size_t)part_column[k] + b];
     if (weight == 0) continue;
     is_used = true;
-    global const real* part = element_blocks + source[k];
+    global const real* part = (source[k] & IN_SECOND ? second_blocks : first_blocks) + (source[k] & ~IN_SECOND);
     for (int e = 0; e < 9; ++e) sum[e] += weight * part[e / 3 * 12 + e % 3];
   }
   if (!is_used) return;  // the slot after a single node may be another's
-  const uint r = pair_row[pair] + a, c = pair_column[pair] + b;
-  global real* to = matrices + ((size_t)(r / width) * stride + 3 * (r % width)) * stride + 3 * (c % width);
+  global real* to = matrices + (size_t)(pair_row[pair] + 3 * a) * stride + pair_column[pair] + 3 * b;
   for (uint k = 0; k < 3; ++k)
     for (uint j = 0; j < 3; ++j) to[k * stride + j] += sum[3 * k + j];
 }
 
 // Inverts each cluster's matrix in place by Gauss-Jordan elimination, which needs no pivoting: it is positive definite.
-// One work-group of 64 per cluster; each work-item owns rows.
-// failed: [first + n_clusters] 1 where a pivot is not positive;  inverse: the same in single precision, exactly symmetric
-kernel __attribute__((reqd_work_group_size(64, 1, 1))) void schwarz_invert(const uint n, const uint stride, const uint first,
+// One work-group of 64 per cluster; each work-item owns rows. Rows behind the last used one are left out.
+// failed: [n_clusters] 1 where a pivot is not positive;  inverse: the same in single precision, exactly symmetric
+kernel __attribute__((reqd_work_group_size(64, 1, 1))) void schwarz_invert(const uint n, const uint stride,
                                                                            global real* restrict matrices,
                                                                            global float* restrict inverse,
                                                                            global uint* restrict failed) {
-  local real pivot_row[96];
+  local real pivot_row[LARGEST_STRIDE];
+  local uint shared_n_used;
   const uint cluster = get_group_id(0), item = get_local_id(0);
   if (cluster * 64 >= n) return;  // whole groups
   global real* a = matrices + (size_t)cluster * stride * stride;
+  if (item == 0) {
+    uint last = stride;
+    while (last > 0 && a[(last - 1) * (stride + 1)] == 0) --last;
+    shared_n_used = last;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+  const uint n_used = shared_n_used;
   for (uint r = item; r < stride; r += 64)
     if (a[r * stride + r] == 0) a[r * stride + r] = 1;
   uint has_failed = 0;
-  for (uint p = 0; p < stride; ++p) {
+  for (uint p = 0; p < n_used; ++p) {
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
     const real pivot = a[p * stride + p];
     has_failed |= !(pivot > 0);
-    for (uint c = item; c < stride; c += 64) pivot_row[c] = (c == p ? 1 : a[p * stride + c]) / pivot;
+    for (uint c = item; c < n_used; c += 64) pivot_row[c] = (c == p ? 1 : a[p * stride + c]) / pivot;
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-    for (uint r = item; r < stride; r += 64) {
+    for (uint r = item; r < n_used; r += 64) {
       global real* row = a + r * stride;
       if (r == p) {
-        for (uint c = 0; c < stride; ++c) row[c] = pivot_row[c];
+        for (uint c = 0; c < n_used; ++c) row[c] = pivot_row[c];
         continue;
       }
       const real factor = row[p];
       row[p] = 0;
-      for (uint c = 0; c < stride; ++c) row[c] -= factor * pivot_row[c];
+      for (uint c = 0; c < n_used; ++c) row[c] -= factor * pivot_row[c];
     }
   }
   barrier(CLK_GLOBAL_MEM_FENCE);
   for (uint r = item; r < stride; r += 64)
     for (uint c = 0; c < stride; ++c)
       inverse[((size_t)cluster * stride + r) * stride + c] = (float)(0.5 * (a[r * stride + c] + a[c * stride + r]));
-  if (item == 0) failed[first + cluster] = has_failed;
+  if (item == 0) failed[cluster] = has_failed;
 }
 
 // ---- application --------------------------------------------------------------------------------------------------
 
-// residual of nodes to slots of the first level.  node: [n_slots], NO_SLOT where a slot is not used
-// restricted: [n_clusters x stride]
-kernel void schwarz_gather(const uint n, const uint width, const uint stride, global const uint* restrict node,
-                           global const real* restrict residual, global float* restrict restricted) {
-  const uint slot = get_global_id(0);
-  if (slot >= n || node[slot] == NO_SLOT) return;
-  vstore3(convert_float3(vload3(node[slot], residual)), 0,
-          restricted + (size_t)(slot / width) * stride + 3 * (slot % width));
-}
-
-// W^T r: n: 4 x clusters of the finer level;  parent: [n_clusters] first slot of each on the coarser one
-kernel void schwarz_restrict(const uint n, const uint width, const uint stride, global const uint* restrict parent,
-                             global const real* restrict weights, global const float* restrict fine,
-                             global float* restrict coarse) {
+// What each cluster of the first level adds to the functions of each coarser one.
+// n: n_clusters x n_coarser, clusters of the first level
+// node: [n_slots] of each slot, NO_SLOT where it is not used;  functions: [n_slots x n_coarser x 4]
+// parts: [n x 3 x 4] by direction, then by function
+kernel void schwarz_restrict(const uint n, const uint width, const uint n_coarser, global const uint* restrict node,
+                             global const float* restrict functions, global const real* restrict residual,
+                             global real* restrict parts) {
   const uint i = get_global_id(0);
   if (i >= n) return;
-  const uint cluster = i / 4, a = i % 4, slot = parent[cluster] + a;
-  float3 sum = (float3)(0);
-  for (uint k = 0; k < width; ++k)
-    sum += (float)weights[4 * ((size_t)cluster * width + k) + a] * vload3(k, fine + (size_t)cluster * stride);
-  vstore3(sum, 0, coarse + (size_t)(slot / width) * stride + 3 * (slot % width));
-}
-
-// z = B^-1 r + W z of the coarser level.  n: n_clusters x stride rows;  has_coarser: 0 on the last level
-kernel void schwarz_solve(const uint n, const uint width, const uint stride, global const float* restrict inverse,
-                          global const float* restrict restricted, const uint has_coarser,
-                          global const uint* restrict parent, global const real* restrict weights,
-                          global const float* restrict coarse, global float* restrict z) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  const uint cluster = i / stride, row = i % stride;
-  global const float* a = inverse + (size_t)i * stride;
-  global const float* r = restricted + (size_t)cluster * stride;
-  float4 sums = (float4)(0);
-  for (uint k = 0; k < stride / 4; ++k) sums += vload4(k, a) * vload4(k, r);
-  float sum = (sums.x + sums.y) + (sums.z + sums.w);
-  if (has_coarser && row < 3 * width) {
-    const size_t slot = (size_t)cluster * width + row / 3;
-    for (uint b = 0; b < 4; ++b) {
-      const uint p = parent[cluster] + b;
-      sum += (float)weights[4 * slot + b] * coarse[(size_t)(p / width) * stride + 3 * (p % width) + row % 3];
-    }
+  const uint cluster = i / n_coarser, level = i % n_coarser;
+  double4 x = (double4)(0), y = (double4)(0), z = (double4)(0);
+  for (uint s = cluster * width; s < (cluster + 1) * width; ++s) {
+    if (node[s] == NO_SLOT) continue;
+    const double4 weight = convert_double4(vload4((size_t)s * n_coarser + level, functions));
+    const real3 r = vload3(node[s], residual);
+    x += weight * r.x;
+    y += weight * r.y;
+    z += weight * r.z;
   }
-  z[i] = sum;
+  vstore4(x, 3 * (size_t)i, parts);
+  vstore4(y, 3 * (size_t)i + 1, parts);
+  vstore4(z, 3 * (size_t)i + 2, parts);
 }
 
-// slots of the first level to nodes; a node without slot gets zero.  slot: [n_nodes]
-kernel void schwarz_scatter(const uint n, const uint width, const uint stride, global const uint* restrict slot,
-                            global const float* restrict z, global real* restrict preconditioned) {
-  const uint node = get_global_id(0);
-  if (node >= n) return;
-  const uint s = slot[node];
-  const real3 value =
-      s == NO_SLOT ? (real3)(0) : convert_double3(vload3(0, z + (size_t)(s / width) * stride + 3 * (s % width)));
-  vstore3(value, node, preconditioned);
-}
-
-// z += B^-1 r with the inverses in double precision, for stiff rigid bodies.  n: n_clusters x stride rows
-// inverses: [n_clusters x stride x stride], as schwarz_invert leaves them;  preconditioned: [n_nodes x 3]
-kernel void schwarz_add_exactly(const uint n, const uint width, const uint stride, global const uint* restrict node,
-                                global const real* restrict inverses, global const real* restrict residual,
-                                global real* restrict preconditioned) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  const uint cluster = i / stride, row = i % stride;
-  if (row >= 3 * width || node[cluster * width + row / 3] == NO_SLOT) return;
-  global const real* a = inverses + (size_t)cluster * stride * stride;
+// One number of P_l^T r: of the first level a node's, of a coarser one the sum over clusters of the first level.
+// row: in the cluster;  first: [functions of all coarser clusters, by fours, + 1] into member;  member: these clusters
+static inline real restricted(const uint cluster, const uint row, const uint n_finest, const uint width,
+                              const uint n_coarser, global const uint* restrict node, global const uint* restrict level,
+                              global const uint* restrict first, global const uint* restrict member,
+                              global const real* restrict parts, global const real* restrict residual) {
+  const uint slot = row / 3, direction = row % 3;
+  if (slot >= width) return 0;
+  if (cluster < n_finest) {
+    const uint i = node[cluster * width + slot];
+    return i == NO_SLOT ? 0 : residual[3 * (size_t)i + direction];
+  }
+  const uint fours = (cluster - n_finest) * (width / 4) + slot / 4;
+  if (slot / 4 >= width / 4) return 0;
   real sum = 0;
+  for (uint k = first[fours]; k < first[fours + 1]; ++k)
+    sum += parts[((size_t)member[k] * n_coarser + level[cluster] - 1) * 12 + 4 * direction + slot % 4];
+  return sum;
+}
+
+// z = B^-1 P_l^T r on all levels. A work-group has one cluster, or as many as fill it.
+// n_items: 64 for each work-group;  n_finest: clusters of the first level;  level: [n_clusters]
+kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void schwarz_solve(
+    const uint n_items, const uint n_clusters, const uint n_finest, const uint width, const uint stride,
+    const uint n_coarser, global const uint* restrict node, global const uint* restrict level,
+    global const uint* restrict first, global const uint* restrict member, global const real* restrict parts,
+    global const real* restrict residual, global const float* restrict inverse, global float* restrict z) {
+  local float r[LARGEST_STRIDE];
+  const uint per_group = max(1u, ITEMS / stride), begin = get_group_id(0) * per_group;
+  const uint n_rows = min(per_group, n_clusters - begin) * stride;
+  for (uint q = get_local_id(0); q < n_rows; q += ITEMS)
+    r[q] = (float)restricted(begin + q / stride, q % stride, n_finest, width, n_coarser, node, level, first, member,
+                             parts, residual);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (uint q = get_local_id(0); q < n_rows; q += ITEMS) {
+    const size_t row = (size_t)begin * stride + q;
+    global const float* a = inverse + row * stride;
+    local const float* own = r + q / stride * stride;
+    float4 sums = (float4)(0);
+    for (uint k = 0; k < stride / 4; ++k) sums += vload4(k, a) * vload4(k, own);
+    z[row] = (sums.x + sums.y) + (sums.z + sums.w);
+  }
+}
+
+// B^-1 r of one node with inverses in double precision
+// node: [n_slots];  inverses: [n_clusters x stride x stride], as schwarz_invert leaves them
+static inline real3 exact_correction(const uint own_slot, const uint width, const uint stride,
+                                     global const uint* restrict node, global const real* restrict inverses,
+                                     global const real* restrict residual) {
+  const uint cluster = own_slot / width, row = 3 * (own_slot % width);
+  global const real* a = inverses + (size_t)cluster * stride * stride;
+  real3 sum = (real3)(0);
   for (uint k = 0; k < width; ++k) {
     const uint from = node[cluster * width + k];
     if (from == NO_SLOT) continue;
-    for (uint c = 0; c < 3; ++c)  // the mean of both halves is exactly symmetric
-      sum += 0.5 * (a[row * stride + 3 * k + c] + a[(3 * k + c) * stride + row]) * residual[3 * (size_t)from + c];
+    for (uint c = 3 * k; c < 3 * k + 3; ++c) {  // the mean of both halves is exactly symmetric
+      const real3 lower = (real3)(a[row * stride + c], a[(row + 1) * stride + c], a[(row + 2) * stride + c]);
+      sum += 0.5 * residual[3 * (size_t)from + c - 3 * k] * (lower + vload3(0, a + c * stride + row));
+    }
   }
-  preconditioned[3 * (size_t)node[cluster * width + row / 3] + row % 3] += sum;
+  return sum;
+}
+
+// From all levels back to nodes; a node without slot gets zero. Besides the exact corrections of stiff rigid bodies.
+// n_items: 64 for each chunk of at most 64 nodes;  slot: [n_nodes];  functions: as above
+// coarser: [n_clusters of the first level x n_coarser] where the four functions of each coarser level stand in z
+// exact_*: as of exact_correction, if has_exact
+// partial: [n_chunks] sum of residual . preconditioned
+kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void schwarz_prolong(
+    const uint n_items, global const Chunk* restrict chunks, const uint width, const uint stride, const uint n_coarser,
+    global const uint* restrict slot, global const uint* restrict coarser, global const float* restrict functions,
+    global const float* restrict z, const uint has_exact,
+    const uint exact_width, const uint exact_stride,
+    global const uint* restrict exact_slot, global const uint* restrict exact_node,
+    global const real* restrict exact_inverses, global const real* restrict residual,
+    global real* restrict preconditioned, global real* restrict partial) {
+  local real of_item[ITEMS + EIGHTS];
+  const Chunk chunk = chunks[get_group_id(0)];
+  const uint i = chunk.begin + get_local_id(0);
+  real own = 0;
+  if (i < chunk.end) {
+    const uint s = slot[i];
+    float3 value = (float3)(0);
+    if (s != NO_SLOT) {
+      value = vload3(0, z + (size_t)(s / width) * stride + 3 * (s % width));
+      for (uint l = 0; l < n_coarser; ++l) {
+        global const float* coarse = z + coarser[s / width * n_coarser + l];
+        const float4 weight = vload4((size_t)s * n_coarser + l, functions);
+        value += (weight.x * vload3(0, coarse) + weight.y * vload3(1, coarse)) +
+                 (weight.z * vload3(2, coarse) + weight.w * vload3(3, coarse));
+      }
+    }
+    real3 all = convert_double3(value);
+    if (has_exact && exact_slot[i] != NO_SLOT)
+      all += exact_correction(exact_slot[i], exact_width, exact_stride, exact_node, exact_inverses, residual);
+    vstore3(all, i, preconditioned);
+    own = dot(vload3(i, residual), all);
+  }
+  const real sum = sum_of_group(own, of_item);
+  if (get_local_id(0) == 0) partial[get_group_id(0)] = sum;
 }

@@ -1,6 +1,7 @@
 // Between nodes and sites, and the vector operations of a time step. Per-world scalars are arrays over worlds, so that
 // the bits of one world do not depend on its companions.
 #include "shared/real.h"
+#include "solve/product_of_four.cl"
 #include "solve/value_at_site.cl"
 
 // node: [n_nodes x 3];  value: [n_sites x 3] = sum_k weight_k node_k
@@ -27,13 +28,8 @@ kernel void product_of_contacts(const uint n, const uint n_first, global const u
     d[3 * s + 1] = v.y;
     d[3 * s + 2] = v.z;
   }
-  global const real* H = e < n_first ? first_blocks + (size_t)e * 144 : second_blocks + (size_t)(e - n_first) * 144;
-  global real* out = rows + (size_t)(first_row + e * 4) * 3;
-  for (int i = 0; i < 12; ++i) {
-    real sum = 0;
-    for (int j = 0; j < 12; ++j) sum += H[i * 12 + j] * d[j];
-    out[i] = sum;
-  }
+  product_of_four(e < n_first ? first_blocks + (size_t)e * 144 : second_blocks + (size_t)(e - n_first) * 144, d,
+                  rows + (size_t)(first_row + e * 4) * 3);
 }
 
 // node[i] (+)= sum over its entries of weight x row; rows lie in a fixed order, so the sum has the same bits every time.

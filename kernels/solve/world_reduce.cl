@@ -7,21 +7,6 @@
 #define CHUNK_LENGTH 128u
 #define ONE_GROUP_PER_WORLD __attribute__((reqd_work_group_size(ITEMS, 1, 1)))
 
-// partial[c] = sum of a . b over the chunk;  a, b: [n_elements x 3]
-kernel void dot_chunks(const uint n, global const Chunk* restrict chunks, global const real* restrict a,
-                       global const real* restrict b, global real* restrict partial) {
-  const uint c = get_global_id(0);
-  if (c < n) partial[c] = dot_of_chunk(chunks[c], a, b);
-}
-
-kernel ONE_GROUP_PER_WORLD void dot_worlds(const uint n_items, const uint has_partial,
-                                           global const uint* restrict first, global const Chunk* restrict chunks,
-                                           global const real* restrict a, global const real* restrict b,
-                                           global real* partial, global real* restrict out) {
-  const real sum = dot_of_world(has_partial, first, chunks, a, b, partial);
-  if (get_local_id(0) == 0) out[get_group_id(0)] = sum;
-}
-
 // partial[c] = sum of a over the chunk;  a: [n_elements]
 kernel void sum_chunks(const uint n, global const Chunk* restrict chunks, global const real* restrict a,
                        global real* restrict partial) {

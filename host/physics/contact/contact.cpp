@@ -63,9 +63,15 @@ struct ContactSet::Impl {
   Buffer<u32> first;                               // [n_worlds + 1] contacts of each world
   Buffer<u32> sites;                               // [n_candidates x 4] of contacts
   std::vector<u32> contact_sites, friction_sites;  // on the host
-  std::vector<Friction> friction_rows;             // as on the device
-  Buffer<Friction> lagged;                         // of the next step, without what the host adds
-  std::vector<Friction> lagged_rows;               // as read
+  bool reads_sites = true, has_sites = true;       // to the host; whether contact_sites is that of the contacts
+  Buffer<u32> changed;                             // [1]
+  u32 search = 0, last_change = 0, read_change = 0;
+  std::size_t sites_serial = 0;  // of the memory of `sites`
+  Buffer<u32> friction_sites_on_device, first_friction;
+  std::vector<u32> written_first_friction;
+  std::vector<Friction> friction_rows;  // as on the device
+  Buffer<Friction> lagged;              // of the next step, without what the host adds
+  std::vector<Friction> lagged_rows;    // as read
   std::size_t n_contacts_before = 0;
   Buffer<ContactReport> reports;   // [n_contacts]
   Buffer<double> forces, strains;  // [n_friction x 3, N], [n_friction x 3]
@@ -95,11 +101,24 @@ struct ContactSet::Impl {
         offsets(device, 0, "contact_offsets"),
         first(device, mesh.n_worlds + 1, "first_contact_of_world"),
         sites(device, 0, "contact_sites"),
+        changed(device, 1, "changed"),
+        friction_sites_on_device(device, 0, "friction_sites"),
+        first_friction(device, mesh.n_worlds + 1, "first_friction_of_world"),
         lagged(device, 0, "lagged friction"),
         reports(device, 0, "contact_reports"),
         forces(device, 0, "friction_forces"),
         strains(device, 0, "friction_strains"),
-        anchors(mesh.n_worlds) {}
+        anchors(mesh.n_worlds) {
+    changed.zero();
+  }
+
+  // to those that are here
+  void read_further_sites() {
+    const std::size_t n = 4 * contacts.n(), n_read = std::min(n, contact_sites.size());
+    contact_sites.resize(n);
+    if (n > n_read) sites.read(n_read, std::span(contact_sites).subspan(n_read));
+    has_sites = true;
+  }
 
   void measure_gaps(const Buffer<double>& x) {
     const WorldRows<Barrier>& pairs = candidates.rows();
@@ -130,8 +149,23 @@ struct ContactSet::Impl {
     if (n > 0 && std::any_of(mesh.effects.begin(), mesh.effects.end(), changes_friction))
       apply_slip_effects(mesh.effects, x0.read(), x1.read(), h, friction_rows);
     friction.rows.write(friction_rows);
-    friction_sites.clear();
-    for (const Friction& row : friction_rows) friction_sites.insert(friction_sites.end(), row.site, row.site + 4);
+    std::vector<u32> own;
+    for (const Friction& row : friction_rows) own.insert(own.end(), row.site, row.site + 4);
+    set_friction_sites(std::move(own));
+  }
+
+  // Only devices apart from the host ask for them there.
+  void set_friction_sites(std::vector<u32> own) {
+    const bool is_known = own == friction_sites;
+    friction_sites = std::move(own);
+    if (device.info().runs_host_functions) return;
+    if (!is_known) {
+      friction_sites_on_device.resize(friction_sites.size());
+      friction_sites_on_device.write(friction_sites);
+    }
+    if (written_first_friction == friction.first) return;
+    written_first_friction = friction.first;
+    first_friction.write(friction.first);
   }
 
   // what friction exerts on the first body of each row, by pair
@@ -178,21 +212,41 @@ const Buffer<double>& ContactSet::start_largest_steps(const Buffer<double>& x0, 
 }
 const Buffer<u32>& ContactSet::first_candidate() const { return impl_->candidates.first(); }
 
+Buffer<u32>& ContactSet::activity() {
+  impl_->is_active.resize(candidates().n());
+  return impl_->is_active;
+}
+
 void ContactSet::start_find_contacts(const Buffer<double>& x) {
+  if (candidates().n() > 0) impl_->measure_gaps(x);
+  start_list_contacts();
+}
+
+void ContactSet::start_list_contacts() {
   Impl& impl = *impl_;
   const WorldRows<Barrier>& candidates = impl.candidates.rows();
   impl.contacts.rows.resize(candidates.n());
+  ++impl.search;
   if (candidates.n() == 0) {
     impl.first.zero();
     return;
   }
-  impl.measure_gaps(x);
   impl.scan(candidates.n(), impl.is_active, impl.offsets);
   impl.sites.resize(4 * std::size_t(candidates.n()));
+  if (const std::size_t serial = impl.sites.memory().serial(); serial != impl.sites_serial) {
+    impl.sites_serial = serial;  // what stands there now says nothing
+    impl.last_change = impl.search;
+  }
   const u32 n = candidates.n(), n_items = std::max(n, impl.mesh.n_worlds + 1);
   impl.fill_contacts(n_items, n_items, n, impl.mesh.n_worlds, candidates.rows, impl.offsets, impl.candidates.first(),
-                     impl.first, impl.contacts.rows, impl.sites);
+                     impl.first, impl.contacts.rows, impl.sites, impl.search, impl.changed);
   impl.first.read_later(0, std::span(impl.contacts.first));
+  impl.changed.read_later(0, std::span(&impl.read_change, 1));
+  impl.has_sites = false;
+  if (!impl.reads_sites) {
+    impl.contact_sites.clear();
+    return;
+  }
   // mostly there are not many more than last time
   impl.contact_sites.resize(
       std::min(impl.sites.size(), 4 * (impl.n_contacts_before + impl.n_contacts_before / 4 + 16)));
@@ -205,12 +259,23 @@ void ContactSet::take_contacts() {
   const std::size_t n = impl.contacts.n(), n_read = impl.contact_sites.size();
   impl.n_contacts_before = n;
   impl.contacts.rows.resize(n);
-  impl.contact_sites.resize(4 * n);
-  if (4 * n > n_read) impl.sites.read(n_read, std::span(impl.contact_sites).subspan(n_read));
+  impl.last_change = std::max(impl.last_change, impl.read_change);
+  impl.has_sites = n == 0 || n_read > 0;
+  if (impl.has_sites) impl.read_further_sites();
 }
 
+void ContactSet::read_sites(bool wanted) { impl_->reads_sites = wanted; }
+const Buffer<u32>& ContactSet::sites_on_device() const { return impl_->sites; }
+u32 ContactSet::search() const { return impl_->search; }
+u32 ContactSet::last_change() const { return impl_->last_change; }
+const Buffer<u32>& ContactSet::friction_sites_on_device() const { return impl_->friction_sites_on_device; }
+const Buffer<u32>& ContactSet::first_friction() const { return impl_->first_friction; }
+
 const Buffer<u32>& ContactSet::first_contact() const { return impl_->first; }
-const std::vector<u32>& ContactSet::contact_sites() const { return impl_->contact_sites; }
+const std::vector<u32>& ContactSet::contact_sites() const {
+  if (!impl_->has_sites) impl_->read_further_sites();
+  return impl_->contact_sites;
+}
 const std::vector<u32>& ContactSet::friction_sites() const { return impl_->friction_sites; }
 
 void ContactSet::find_contacts(const Buffer<double>& x) {
@@ -263,7 +328,7 @@ void ContactSet::clear_friction() {
   impl_->friction.first.assign(impl_->mesh.n_worlds + 1, 0);
   impl_->friction.rows.resize(0);
   impl_->friction_rows.clear();
-  impl_->friction_sites.clear();
+  impl_->set_friction_sites({});
 }
 
 std::vector<double> ContactSet::min_gap(const Buffer<double>& x) {

@@ -3,8 +3,8 @@
 // evaluated by the solver over the parameter buffers that are kept here.
 //
 // In one Newton iteration:  find_contacts(x) -> gradient, Hessian over contacts();  solve for the direction;
-//   find_candidates(x, x + p);  step = largest_step(x, x + p);  line search, at each trial:  find_contacts(trial), the
-//   barrier energy over contacts().  Before the first: find_candidates(x, x), find_contacts(x).
+//   find_candidates(x, x + p);  step = largest_step(x, x + p);  line search, at each trial:  the barrier energy over
+//   candidates(), and at the last one find_contacts(trial).  Before the first: find_candidates(x, x), find_contacts(x).
 // Candidates are kept as long as they serve, so they may be more than are asked for; what is made of them does not
 // change.
 #pragma once
@@ -57,9 +57,18 @@ class ContactSet {
   // The same without waiting: until take_contacts(), after the device was waited for, contacts() has the rows of all
   // candidates, of which first_contact()[n_worlds] are contacts.
   void start_find_contacts(const Buffer<double>& x);
+  // The same where who evaluates the candidates' energies leaves in activity() which exert a force [n_candidates].
+  Buffer<u32>& activity();
+  void start_list_contacts();
   void take_contacts();
-  const Buffer<u32>& first_contact() const;       // [n_worlds + 1] on the device
-  const std::vector<u32>& contact_sites() const;  // [n_contacts x 4]
+  const Buffer<u32>& first_contact() const;  // [n_worlds + 1] on the device
+  // [n_contacts x 4]; reads them if start_find_contacts() did not
+  const std::vector<u32>& contact_sites() const;
+  void read_sites(bool wanted);                // whether it does, from now on; at first it does
+  const Buffer<u32>& sites_on_device() const;  // [n_contacts x 4]
+  // Number of the last search for contacts, as taken, and of the last one whose sites differed from those before.
+  u32 search() const;
+  u32 last_change() const;
   const WorldRows<Barrier>& contacts() const;
 
   // Friction rows from the contacts of the last find_contacts, with normal forces at x (the same x) and anchors for a
@@ -72,7 +81,9 @@ class ContactSet {
   void find_and_lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0, const Buffer<double>& x1);
   void clear_friction();  // no friction rows
   const WorldRows<Friction>& friction() const;
-  const std::vector<u32>& friction_sites() const;  // [n x 4]
+  const std::vector<u32>& friction_sites() const;       // [n x 4]
+  const Buffer<u32>& friction_sites_on_device() const;  // the same
+  const Buffer<u32>& first_friction() const;            // [n_worlds + 1] on the device
 
   // What contacts, as in the present friction rows, remember of a step of length h from x0 to x: started, and taken for
   // these worlds after the device was waited for.

@@ -68,7 +68,7 @@ BlockMatrix::BlockMatrix(Device& device, std::span<const Site> sites, std::span<
     : pattern_(find_pattern(sites, node_is_fixed, terms)),
       program_(device, "solve/block_matrix.cl"),
       block_product_(program_.kernel("block_product")),
-      block_product_and_rows_(program_.kernel("block_product_and_rows")),
+      block_product_and_dot_(program_.kernel("block_product_and_dot")),
       assemble_blocks_(program_.kernel("assemble_blocks")),
       first_(device, pattern_.first, "first block of row"),
       column_(device, pattern_.column, "column"),
@@ -139,11 +139,12 @@ void BlockMatrix::assemble() {
   assemble_blocks_(n, n, place_, part_first_, part_source_, part_width_, part_weight_, element_blocks_, blocks_);
 }
 
-void BlockMatrix::multiply_and_gather(const Buffer<f64>& x, const Gather& gather, const Buffer<u32>& node_is_fixed,
-                                      const Buffer<f64>& rows, Buffer<f64>& y) {
-  const u32 n = u32(pattern_.n_nodes());
-  block_product_and_rows_(n, n, first_, column_, blocks_, gather.offset(), gather.row(), gather.weight(), node_is_fixed,
-                          rows, x, y);
+void BlockMatrix::multiply_and_dot(const Buffer<f64>& x, const Gather* gather, const Buffer<u32>& node_is_fixed,
+                                   const Buffer<f64>& rows, Buffer<f64>& y, WorldChunks& chunks) {
+  const u32 n = u32(GROUP_SIZE * chunks.n_chunks());
+  block_product_and_dot_(n, n, chunks.chunks(), first_, column_, blocks_, u32(gather != nullptr),
+                         gather ? gather->offset() : first_, gather ? gather->row() : column_,
+                         gather ? gather->weight() : blocks_, node_is_fixed, rows, x, y, chunks.partial());
 }
 
 void BlockMatrix::multiply(const Buffer<f64>& x, Buffer<f64>& y) {

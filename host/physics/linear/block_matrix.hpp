@@ -7,6 +7,7 @@
 #include "host/device/device.hpp"
 #include "host/physics/linear/gather.hpp"
 #include "host/physics/linear/term.hpp"
+#include "host/physics/linear/world_reduce.hpp"
 #include "solve/site.h"
 
 namespace pvg {
@@ -29,9 +30,10 @@ class BlockMatrix {
   void assemble();
   // y = A x;  [n_nodes x 3]
   void multiply(const Buffer<f64>& x, Buffer<f64>& y);
-  // y = A x + what these rows are to the nodes
-  void multiply_and_gather(const Buffer<f64>& x, const Gather& gather, const Buffer<u32>& node_is_fixed,
-                           const Buffer<f64>& rows, Buffer<f64>& y);
+  // y = A x + what these rows are to the nodes, if gather is given; and chunks.partial(): x . y over each chunk of at
+  // most 64 nodes
+  void multiply_and_dot(const Buffer<f64>& x, const Gather* gather, const Buffer<u32>& node_is_fixed,
+                        const Buffer<f64>& rows, Buffer<f64>& y, WorldChunks& chunks);
 
   const MatrixPattern& pattern() const { return pattern_; }
   const Buffer<f64>& blocks() const { return blocks_; }  // [n_blocks x 9, N/m]
@@ -42,7 +44,7 @@ class BlockMatrix {
 
   MatrixPattern pattern_;
   Program program_;
-  Kernel block_product_, block_product_and_rows_, assemble_blocks_;
+  Kernel block_product_, block_product_and_dot_, assemble_blocks_;
   Buffer<u32> first_, column_;
   Buffer<f64> blocks_;
   Buffer<f64> element_blocks_;                         // of all terms

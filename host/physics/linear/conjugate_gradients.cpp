@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace pvg {
 namespace {
+
 // |r| / |g| that ends a solve without a test in the preconditioner's norm: with an exact factor rounding is left, 1e-10
 // and less. By judgement: the tolerances in that norm are 1e-4 and above 1e-8 of any scene.
 constexpr double RESIDUAL = 1e-8;
+
+u32 n_groups(u32 n) { return u32((n + GROUP_SIZE - 1) / GROUP_SIZE); }
+
 }  // namespace
 
 ConjugateGradients::ConjugateGradients(Device& device, const std::vector<u32>& node_world, std::size_t n_worlds,
@@ -17,94 +22,118 @@ ConjugateGradients::ConjugateGradients(Device& device, const std::vector<u32>& n
       n_worlds_(n_worlds),
       program_(device, "solve/conjugate_gradients.cl"),
       start_(program_.kernel("cg_start")),
-      begin_(program_.kernel("cg_begin")),
+      dot_(program_.kernel("cg_dot")),
       test_(program_.kernel("cg_test")),
       test_residual_(program_.kernel("cg_test_residual")),
-      step_length_(program_.kernel("cg_step_length")),
-      advance_(program_.kernel("cg_advance")),
       turn_(program_.kernel("cg_turn")),
-      reduce_(device, n_worlds),
-      chunks_(device, n_worlds),
+      advance_(program_.kernel("cg_advance")),
+      chunks_(device, n_worlds, GROUP_SIZE),
       node_world_(device, node_world, "world"),
       is_wanted_(device, n_worlds, "is_wanted"),
       worlds_(device, n_worlds, "worlds"),
+      renewed_worlds_(device, n_worlds, "renewed worlds"),
       residual_(device, 3 * n_nodes_, "residual"),
       preconditioned_(device, 3 * n_nodes_, "preconditioned"),
       direction_(device, 3 * n_nodes_, "direction"),
+      turned_direction_(device, 3 * n_nodes_, "turned direction"),
       product_(device, 3 * n_nodes_, "product"),
-      residual_partial_(device, 0, "partial") {
+      no_indices_(device, 0, "no indices"),
+      no_sites_(device, 0, "no sites"),
+      no_numbers_(device, 0, "no numbers"),
+      no_rows_(device, 0, "no rows") {
   chunks_.set(node_ranges);
-  residual_partial_.resize(2 * chunks_.partial().size());
 }
 
-bool ConjugateGradients::renew_z() {
-  problem_.precondition(residual_, preconditioned_);
-  return reduce_.dot_chunks_of_large(chunks_, residual_, preconditioned_);
+void ConjugateGradients::apply(const CgOperators::Apply& apply, const Buffer<f64>& x, Buffer<f64>& out) {
+  const u32 n = n_node_items();
+  if (!apply(x, out, chunks_)) dot_(n, n, chunks_.chunks(), x, out, chunks_.partial());
 }
 
-void ConjugateGradients::start(Product product, Product precondition, const Buffer<f64>& gradient,
+void ConjugateGradients::start(CgOperators operators, const Buffer<f64>& gradient,
                                const std::vector<char>& world_is_active, double tolerance, int max_iterations,
                                Buffer<f64>& dx) {
-  const u32 n = u32(n_nodes_), n_items = u32(GROUP_SIZE * n_worlds_);
-  problem_ = {std::move(product), std::move(precondition), tolerance, max_iterations, &gradient, &dx};
+  const u32 n = u32(n_nodes_);
+  problem_ = {std::move(operators), tolerance, max_iterations, &gradient, &dx};
   if (wanted_ != world_is_active) {
     wanted_ = world_is_active;
     is_wanted_.write(std::vector<u32>(wanted_.begin(), wanted_.end()));
   }
   start_(n, n, gradient, dx, residual_);
-  const bool has_partial = renew_z();
-  begin_(n_items, n_items, u32(has_partial), chunks_.first(), chunks_.chunks(), residual_, preconditioned_,
-         chunks_.partial(), is_wanted_, tolerance, u32(max_iterations), worlds_, u32(joins_launches()), direction_);
+  apply(problem_.operators.precondition, residual_, preconditioned_);
+  when_ = When::at_start;
   n_started_ = 0;
-  was_tested_ = true;
+  z_is_old_ = false;
   read_.resize(n_worlds_);
   go_on();
 }
 
-// Whether the work-group of a world does what is to be done at its nodes besides: elsewhere than on the host's own
-// processor a launch takes longer.
-bool ConjugateGradients::joins_launches() const {
-  return !device_->info().runs_host_functions && !chunks_.has_large_world();
+void ConjugateGradients::turn() {
+  const u32 n_chunks = u32(chunks_.n_chunks());
+  const auto& elements = problem_.operators.elements;
+  const u32 n_first = elements ? elements->n_of(0) : 0, n_second = elements ? elements->n_of(1) : 0;
+  const bool has_elements = n_first + n_second > 0;
+  const u32 n = u32(GROUP_SIZE) * (n_chunks + n_groups(n_first) + n_groups(n_second));
+  const auto blocks_of = [&](std::size_t term) -> const Buffer<f64>& {
+    return has_elements && term < elements->terms.size() ? elements->terms[term]->blocks() : no_numbers_;
+  };
+  turn_(n, n, n_chunks, u32(when_), chunks_.first(), chunks_.chunks(), chunks_.partial(), is_wanted_,
+        problem_.tolerance, u32(problem_.max_iterations), worlds_, renewed_worlds_, preconditioned_, direction_,
+        turned_direction_, n_first, n_second, node_world_, has_elements ? *elements->element_sites : no_indices_,
+        has_elements ? *elements->sites : no_sites_, blocks_of(0), blocks_of(1), has_elements ? elements->first_row : 0,
+        has_elements ? *elements->rows : no_rows_);
+  std::swap(worlds_, renewed_worlds_);
+  std::swap(direction_, turned_direction_);
+}
+
+void ConjugateGradients::advance() {
+  const u32 n = n_node_items();
+  advance_(n, n, chunks_.first(), chunks_.chunks(), chunks_.partial(), worlds_, direction_, product_, *problem_.dx,
+           residual_);
 }
 
 void ConjugateGradients::test() {
-  const u32 n_items = u32(GROUP_SIZE * n_worlds_);
-  const bool has_partial = renew_z();
-  test_(n_items, n_items, u32(has_partial), chunks_.first(), chunks_.chunks(), residual_, preconditioned_,
-        chunks_.partial(), problem_.tolerance, u32(problem_.max_iterations), worlds_);
-  was_tested_ = true;
+  const u32 n = u32(GROUP_SIZE * n_worlds_);
+  test_(n, n, u32(std::exchange(when_, When::as_it_is)), chunks_.first(), chunks_.partial(), is_wanted_,
+        problem_.tolerance, u32(problem_.max_iterations), worlds_, renewed_worlds_);
+  std::swap(worlds_, renewed_worlds_);
 }
 
-// On the host's own processor it is cheap to look and dear to iterate in vain: half of what the last solve took, then a
-// few at a time. Elsewhere it is the other way round, and where the last solve took one iteration the residual is
-// tested first: to apply the preconditioner for a test takes more launches than all the rest.
+// How many iterations to start before the host looks. On the host's own processor it is cheap to look and dear to
+// iterate in vain: half of what the last solve took, then a few at a time. Elsewhere a look takes as long as two
+// launches and an iteration six, but to go on after a short solve costs what was started behind it.
+int ConjugateGradients::batch() const {
+  const bool looks_often = device_->info().runs_host_functions;
+  if (n_started_ > 0) return std::max(looks_often || n_started_ < SHORT ? 1 : 2, n_started_ / 8);
+  if (looks_often) return std::max(1, n_last_ / 2);
+  return is_short() ? std::max(1, n_last_) : n_last_ * 3 / 4;
+}
+
+// Where the last solve took one iteration the residual is tested first, elsewhere than on the host's own processor: to
+// apply the preconditioner for a test takes more launches than all the rest.
 void ConjugateGradients::go_on() {
   const bool looks_often = device_->info().runs_host_functions;
-  const int batch =
-      n_started_ == 0 ? (looks_often ? n_last_ / 2 : n_last_) : (looks_often ? n_started_ / 8 : n_started_ / 4);
-  const u32 n = u32(n_nodes_), n_items = u32(GROUP_SIZE * n_worlds_);
   const bool tests_residual = !looks_often && n_started_ == 0 && n_last_ == 1 && residual_tells_;
-  if (!was_tested_) {  // the residual was not enough
+  const auto renew_z = [&] {
+    apply(problem_.operators.precondition, residual_, preconditioned_);
+    when_ = When::after_iteration;
+  };
+  if (std::exchange(z_is_old_, false)) {  // the residual was not enough
     residual_tells_ = false;
-    test();
+    renew_z();
   }
-  for (const int until = std::min(problem_.max_iterations, n_started_ + std::max(1, batch)); n_started_ < until;
-       ++n_started_) {
-    const bool joins = joins_launches();
-    if (!(joins && n_started_ == 0)) turn_(n, n, node_world_, worlds_, preconditioned_, direction_);
-    problem_.product(direction_, product_);
-    const bool has_partial = reduce_.dot_chunks_of_large(chunks_, direction_, product_);
-    step_length_(n_items, n_items, u32(has_partial), chunks_.first(), chunks_.chunks(), direction_, product_,
-                 chunks_.partial(), worlds_, u32(joins), *problem_.dx, residual_);
-    if (!joins) advance_(n, n, node_world_, worlds_, direction_, product_, *problem_.dx, residual_);
+  for (const int until = std::min(problem_.max_iterations, n_started_ + batch()); n_started_ < until; ++n_started_) {
+    turn();
+    apply(problem_.operators.product, direction_, product_);
+    advance();
     if (!tests_residual) {
-      test();
+      renew_z();
       continue;
     }
-    test_residual_(n_items, n_items, chunks_.first(), chunks_.chunks(), residual_, *problem_.gradient,
-                   residual_partial_, RESIDUAL, worlds_);
-    was_tested_ = false;
+    const u32 n = u32(GROUP_SIZE * n_worlds_);
+    test_residual_(n, n, chunks_.first(), chunks_.chunks(), residual_, *problem_.gradient, RESIDUAL, worlds_);
+    z_is_old_ = true;
   }
+  if (!z_is_old_) test();
   worlds_.read_later(0, std::span(read_));
 }
 
@@ -126,7 +155,14 @@ CgReport ConjugateGradients::report() {
 CgReport ConjugateGradients::solve(const Product& product, const Product& precondition, const Buffer<f64>& gradient,
                                    const std::vector<char>& world_is_active, double tolerance, int max_iterations,
                                    Buffer<f64>& dx) {
-  start(product, precondition, gradient, world_is_active, tolerance, max_iterations, dx);
+  const auto without_sums = [](const Product& apply) {
+    return [&apply](const Buffer<f64>& x, Buffer<f64>& out, WorldChunks&) {
+      apply(x, out);
+      return false;
+    };
+  };
+  start({without_sums(product), without_sums(precondition), std::nullopt}, gradient, world_is_active, tolerance,
+        max_iterations, dx);
   for (device_->finish(); !ended(); device_->finish()) go_on();
   return report();
 }

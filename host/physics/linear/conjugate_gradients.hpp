@@ -2,9 +2,11 @@
 // (kernels/solve/conjugate_gradients.cl).
 #pragma once
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "host/device/device.hpp"
+#include "host/physics/linear/contact_elements.hpp"
 #include "host/physics/linear/world_reduce.hpp"
 #include "solve/cg_world.h"
 
@@ -15,53 +17,74 @@ struct CgReport {
   std::vector<char> has_converged;  // [n_worlds]
 };
 
+// What a solve is of. Vectors are [n_nodes x 3].
+struct CgOperators {
+  // out = H direction, and out = M^-1 residual. Returns whether it left in chunks.partial() what direction . out, or
+  // residual . out, is over each chunk of at most 64 nodes; if not, a launch of its own does.
+  using Apply = std::function<bool(const Buffer<f64>& x, Buffer<f64>& out, WorldChunks& chunks)>;
+  Apply product, precondition;
+  // Elements whose rows of H direction are found before product() is called, in the launch that turns the direction.
+  std::optional<ContactElements> elements;
+};
+
 class ConjugateGradients {
  public:
   ConjugateGradients(Device& device, const std::vector<u32>& node_world, std::size_t n_worlds,
                      const std::vector<WorldRange>& node_ranges);
   // Solves H dx = -gradient in the worlds that are active; dx = 0 in the others.
-  // product(direction, out): out = H direction;  precondition(residual, out): out = M^-1 residual;  all vectors
-  // [n_nodes x 3]
+  // product(direction, out): out = H direction;  precondition(residual, out): out = M^-1 residual
   using Product = std::function<void(const Buffer<f64>&, Buffer<f64>&)>;
   CgReport solve(const Product& product, const Product& precondition, const Buffer<f64>& gradient,
                  const std::vector<char>& world_is_active, double tolerance, int max_iterations, Buffer<f64>& dx);
 
   // The same without waiting: starts some iterations and to read how far they came. After the device was waited for
   // ended() tells whether they were enough; go_on() starts more.
-  void start(Product product, Product precondition, const Buffer<f64>& gradient,
-             const std::vector<char>& world_is_active, double tolerance, int max_iterations, Buffer<f64>& dx);
+  void start(CgOperators operators, const Buffer<f64>& gradient, const std::vector<char>& world_is_active,
+             double tolerance, int max_iterations, Buffer<f64>& dx);
   bool ended() const;
   void go_on();
-  bool may_have_ended() const { return n_started_ >= n_last_; }  // as far as the last solve tells, without looking
+  // as far as the last solve tells, without looking
+  bool may_have_ended() const { return n_started_ >= n_last_; }
+  bool is_short() const { return n_last_ <= SHORT; }
   CgReport report();
 
  private:
+  static constexpr int SHORT = 4;  // iterations, all of which are started before the host looks
+  int batch() const;
+  // how a world's state is to be renewed when the direction turns, as in the kernels
+  enum class When : u32 { as_it_is, at_start, after_iteration };
   struct Problem {
-    Product product, precondition;
+    CgOperators operators;
     double tolerance;
     int max_iterations;
     const Buffer<f64>* gradient;
     Buffer<f64>* dx;
   };
-  bool renew_z();  // and whether the chunks of r . z were summed
+  u32 n_node_items() const { return u32(GROUP_SIZE * chunks_.n_chunks()); }
+  void apply(const CgOperators::Apply& apply, const Buffer<f64>& x, Buffer<f64>& out);
+  void turn();
+  void advance();
   void test();
-  bool joins_launches() const;
 
   Device* device_;
   std::size_t n_nodes_, n_worlds_;
   Program program_;
-  Kernel start_, begin_, test_, test_residual_, step_length_, advance_, turn_;
-  WorldReduce reduce_;
+  Kernel start_, dot_, test_, test_residual_, turn_, advance_;
   WorldChunks chunks_;
   Buffer<u32> node_world_, is_wanted_;
-  Buffer<CgWorld> worlds_;
-  Buffer<f64> residual_, preconditioned_, direction_, product_, residual_partial_;
+  Buffer<CgWorld> worlds_, renewed_worlds_;
+  Buffer<f64> residual_, preconditioned_, direction_, turned_direction_, product_;
+  // where there are no elements
+  Buffer<u32> no_indices_;
+  Buffer<Site> no_sites_;
+  Buffer<f64> no_numbers_, no_rows_;
   std::vector<char> wanted_;  // what is_wanted_ holds
   Problem problem_{};
+  When when_ = When::at_start;
   std::vector<CgWorld> read_;   // [n_worlds] as the device had them
   int n_started_ = 0;           // iterations
   int n_last_ = 1;              // of the last solve
-  bool was_tested_ = true;      // in the last iteration, in the preconditioner's norm
+  bool z_is_old_ = false;       // the residual was tested instead
   bool residual_tells_ = true;  // where one iteration is enough; false since the residual missed it once
 };
 

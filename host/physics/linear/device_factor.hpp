@@ -8,6 +8,7 @@
 
 #include "host/device/device.hpp"
 #include "host/physics/linear/block_matrix.hpp"
+#include "host/physics/linear/contact_elements.hpp"
 #include "host/physics/linear/elimination_tree.hpp"
 #include "host/physics/linear/factor_schedule.hpp"
 #include "host/physics/linear/gather.hpp"
@@ -15,16 +16,6 @@
 #include "solve/factor_front.h"
 
 namespace pvg {
-
-// What is not assembled: contacts and friction, elements of four sites. Their rows follow each other from first_row on.
-struct ContactElements {
-  std::span<const Term* const> terms;  // at most two
-  u32 first_row = 0;
-  // what the device needs besides
-  const Gather* gather = nullptr;              // from these rows to nodes
-  const Buffer<u32>* element_sites = nullptr;  // [n_elements x 4] of all terms
-  const Buffer<Site>* sites = nullptr;
-};
 
 // One matrix to factor; what it refers to must live during DeviceFactor::set().
 struct FactorGroup {

@@ -9,7 +9,8 @@ namespace {
 
 constexpr u32 N_COARSE = 4;
 constexpr u32 N_PAIR_PARTS = N_COARSE * N_COARSE;
-constexpr u32 LARGEST_WIDTH = 32;  // what a work-group's memory in the kernel is made for
+constexpr u32 LARGEST_WIDTH = 32;    // what a work-group's memory in the kernel is made for
+constexpr u32 IN_SECOND = 1u << 31;  // as in solve/multilevel_schwarz.cl
 
 u32 stride_of(u32 width) { return (3 * width + 3) / 4 * 4; }
 
@@ -28,47 +29,32 @@ void refill(Buffer<T>& buffer, const std::vector<T>& values) {
   buffer.write(values);
 }
 
-std::vector<double> flat(const std::vector<std::array<double, 4>>& weights) {
+using Weights = std::array<double, N_COARSE>;
+
+std::vector<double> flat(const std::vector<Weights>& weights) {
   std::vector<double> numbers;
-  for (const auto& weight : weights) numbers.insert(numbers.end(), weight.begin(), weight.end());
+  for (const Weights& weight : weights) numbers.insert(numbers.end(), weight.begin(), weight.end());
   return numbers;
 }
 
-std::vector<u32> blocks_within(u32 width, const std::vector<u32>& row, const std::vector<u32>& column) {
-  std::vector<u32> within;
-  for (u32 k = 0; k < row.size(); ++k)
-    if (row[k] != NO_SLOT && row[k] / width == column[k] / width) within.push_back(k);
-  return within;
+// what the functions of one level, weighed like this from slot `slot` on, are on the next one
+Weights coarsened(const SchwarzLevel& level, u32 slot, const Weights& weight) {
+  Weights coarse = {0, 0, 0, 0};
+  for (u32 k = 0; k < N_COARSE; ++k)
+    for (u32 b = 0; b < N_COARSE && weight[k] != 0; ++b) coarse[b] += weight[k] * level.weights[slot + k][b];
+  return coarse;
 }
 
 }  // namespace
 
-MultilevelSchwarz::Level::Level(Device& device, const SchwarzLevel& level, u32 stride_, const std::vector<u32>& row_,
+MultilevelSchwarz::Level::Level(Device& device, const SchwarzLevel& level, const std::vector<u32>& row_,
                                 const std::vector<u32>& column_)
-    : width(level.width),
-      stride(stride_),
-      n_clusters(u32(level.n_clusters())),
+    : n_clusters(u32(level.n_clusters())),
       row(device, row_, "row slots"),
       column(device, column_, "column slots"),
-      within(device, blocks_within(width, row_, column_), "blocks within clusters"),
-      blocks(device, 0, "coarse blocks"),
       pair_first(device, 0, "first block of pair"),
       pair_source(device, 0, "blocks of pair"),
-      parent(device, level.parent, "parent slots"),
-      weights(device, flat(level.weights), "coarse functions"),
-      matrices(device, std::size_t(n_clusters) * stride * stride, "cluster matrices"),
-      inverse(device, std::size_t(n_clusters) * stride * stride, "cluster inverses"),
-      restricted(device, std::size_t(n_clusters) * stride, "restricted residual"),
-      z(device, std::size_t(n_clusters) * stride, "cluster corrections"),
-      site_weights(device, 0, "coarse functions of sites"),
-      part_pair_row(device, 0, "rows of contact blocks"),
-      part_pair_column(device, 0, "columns of contact blocks"),
-      part_first(device, 0, "first part of contact block"),
-      part_source(device, 0, "sources of contact parts"),
-      part_row(device, 0, "row sites of contact parts"),
-      part_column(device, 0, "column sites of contact parts") {
-  restricted.zero();
-}
+      weights(device, flat(level.weights), "coarse functions") {}
 
 MultilevelSchwarz::MultilevelSchwarz(Device& device, const BlockMatrix& matrix, std::span<const Site> sites,
                                      const SchwarzNodes& nodes, u32 width, std::size_t most_levels)
@@ -78,26 +64,47 @@ MultilevelSchwarz::MultilevelSchwarz(Device& device, const BlockMatrix& matrix, 
       place_(program_.kernel("schwarz_place")),
       add_contacts_(program_.kernel("schwarz_add_contacts")),
       invert_(program_.kernel("schwarz_invert")),
-      gather_(program_.kernel("schwarz_gather")),
       restrict_(program_.kernel("schwarz_restrict")),
       solve_(program_.kernel("schwarz_solve")),
-      scatter_(program_.kernel("schwarz_scatter")),
-      add_exactly_(program_.kernel("schwarz_add_exactly")),
+      prolong_(program_.kernel("schwarz_prolong")),
       node_of_slot_(device, 0, "node of slot"),
       slot_of_node_(device, 0, "slot of node"),
-      failed_(device, 0, "failed") {
+      failed_(device, 0, "failed"),
+      coarse_blocks_(device, 0, "coarse blocks"),
+      within_source_(device, 0, "blocks within clusters"),
+      within_row_(device, 0, "rows within clusters"),
+      within_column_(device, 0, "columns within clusters"),
+      matrices_(device, 0, "cluster matrices"),
+      inverse_(device, 0, "cluster inverses"),
+      z_(device, 0, "cluster corrections"),
+      functions_(device, 0, "functions of slots"),
+      parts_(device, 0, "parts of restricted residuals"),
+      coarser_(device, 0, "coarser functions"),
+      level_(device, 0, "level of cluster"),
+      member_first_(device, 0, "first cluster of functions"),
+      member_(device, 0, "clusters of functions"),
+      site_weights_(device, 0, "coarse functions of sites"),
+      part_pair_row_(device, 0, "rows of contact blocks"),
+      part_pair_column_(device, 0, "columns of contact blocks"),
+      part_first_(device, 0, "first part of contact block"),
+      part_source_(device, 0, "sources of contact parts"),
+      part_row_(device, 0, "row sites of contact parts"),
+      part_column_(device, 0, "column sites of contact parts") {
   const MatrixPattern& pattern = matrix.pattern();
   const SchwarzHierarchy hierarchy =
       make_schwarz_hierarchy(pattern, nodes, std::min(width, LARGEST_WIDTH), most_levels);
   if (hierarchy.levels.empty()) return;
   const SchwarzLevel& finest = hierarchy.levels.front();
+  width_ = finest.width;
+  stride_ = stride_of(width_);
+  n_coarser_ = u32(hierarchy.levels.size() - 1);
   std::vector<u32> node_of_slot(finest.n_slots(), NO_SLOT), row, column;
   node_of_cluster_.assign(finest.n_clusters(), 0);
   for (u32 node = 0; node < pattern.n_nodes(); ++node) {
     const u32 slot = hierarchy.slot_of_node[node];
     if (slot == NO_SLOT) continue;
     node_of_slot[slot] = node;
-    node_of_cluster_[slot / finest.width] = node;
+    node_of_cluster_[slot / width_] = node;
   }
   refill(node_of_slot_, node_of_slot);
   refill(slot_of_node_, hierarchy.slot_of_node);
@@ -107,16 +114,41 @@ MultilevelSchwarz::MultilevelSchwarz(Device& device, const BlockMatrix& matrix, 
       column.push_back(hierarchy.slot_of_node[pattern.column[k]]);
     }
   levels_.reserve(hierarchy.levels.size());
-  u32 n_clusters = 0;
+  Places places;
+  u32 n_clusters = 0, n_coarse_blocks = 0;
   for (std::size_t l = 0; l < hierarchy.levels.size(); ++l) {
-    Level& level = levels_.emplace_back(device, hierarchy.levels[l], stride_of(finest.width), row, column);
+    Level& level = levels_.emplace_back(device, hierarchy.levels[l], row, column);
     level.first_cluster = std::exchange(n_clusters, n_clusters + level.n_clusters);
-    if (l > 0) level.blocks.resize(9 * row.size());
+    if (l > 0) level.first_block = std::exchange(n_coarse_blocks, n_coarse_blocks + u32(row.size()));
+    add_places(level, row, column, places);
     if (l + 1 < hierarchy.levels.size()) find_coarse_blocks(level, hierarchy.levels[l], row, column);
   }
+  refill(within_source_, places.source);
+  refill(within_row_, places.row);
+  refill(within_column_, places.column);
+  coarse_blocks_.resize(9 * std::size_t(n_coarse_blocks));
+  matrices_.resize(std::size_t(n_clusters) * stride_ * stride_);
+  inverse_.resize(matrices_.size());
+  z_.resize(std::size_t(n_clusters) * stride_);
   failed_.resize(n_clusters);
   has_failed_.resize(n_clusters);
+  find_functions(hierarchy);
   find_site_slots(sites, hierarchy);
+}
+
+u32 MultilevelSchwarz::position(const Level& level, u32 slot) const {
+  return (level.first_cluster + slot / width_) * stride_ + 3 * (slot % width_);
+}
+
+void MultilevelSchwarz::add_places(const Level& level, const std::vector<u32>& row, const std::vector<u32>& column,
+                                   Places& places) const {
+  const bool is_first = level.first_cluster == 0;
+  for (u32 k = 0; k < row.size(); ++k)
+    if (row[k] != NO_SLOT && row[k] / width_ == column[k] / width_) {
+      places.source.push_back(is_first ? k : (level.first_block + k) | IN_SECOND);
+      places.row.push_back(position(level, row[k]));
+      places.column.push_back(3 * (column[k] % width_));
+    }
 }
 
 // Pairs of clusters that blocks of this level connect; row, column: of this level's blocks, then of the next one's.
@@ -150,51 +182,88 @@ void MultilevelSchwarz::find_coarse_blocks(Level& level, const SchwarzLevel& sha
   refill(level.pair_source, source);
 }
 
+// Of each slot of the first level the functions of all coarser ones, P_l = W_0 ... W_l-1, and the clusters of the first
+// level that each coarser function is of.
+void MultilevelSchwarz::find_functions(const SchwarzHierarchy& hierarchy) {
+  const SchwarzLevel& finest = hierarchy.levels.front();
+  const u32 n_finest = u32(finest.n_clusters()), fours = width_ / N_COARSE;
+  std::vector<float> functions(finest.n_slots() * n_coarser_ * N_COARSE);
+  std::vector<u32> coarser(std::size_t(n_finest) * n_coarser_), level_of;
+  std::vector<std::vector<u32>> members((failed_.size() - n_finest) * fours);
+  std::vector<Weights> weights = finest.weights;  // of each slot's functions on the next level
+  std::vector<u32> cluster_of(n_finest);          // on the present level
+  std::iota(cluster_of.begin(), cluster_of.end(), 0u);
+  for (u32 l = 0; l < levels_.size(); ++l) level_of.insert(level_of.end(), levels_[l].n_clusters, l);
+  for (u32 l = 0; l < n_coarser_; ++l)
+    for (u32 c = 0; c < n_finest; ++c) {
+      const u32 slot = hierarchy.levels[l].parent[cluster_of[c]];
+      const u32 cluster = levels_[l + 1].first_cluster + slot / width_;
+      coarser[c * n_coarser_ + l] = position(levels_[l + 1], slot);
+      members[(cluster - n_finest) * fours + slot % width_ / N_COARSE].push_back(c);
+      for (u32 s = c * width_; s < (c + 1) * width_; ++s) {
+        for (u32 a = 0; a < N_COARSE; ++a)
+          functions[(std::size_t(s) * n_coarser_ + l) * N_COARSE + a] = float(weights[s][a]);
+        weights[s] = coarsened(hierarchy.levels[l + 1], slot, weights[s]);
+      }
+      cluster_of[c] = slot / width_;
+    }
+  std::vector<u32> first = {0}, member;
+  for (const std::vector<u32>& own : members) {
+    member.insert(member.end(), own.begin(), own.end());
+    first.push_back(u32(member.size()));
+  }
+  refill(functions_, functions);
+  refill(coarser_, coarser);
+  refill(level_, level_of);
+  refill(member_first_, first);
+  refill(member_, member);
+  parts_.resize(std::size_t(n_finest) * n_coarser_ * 3 * N_COARSE);
+}
+
 // A site's nodes stand in neighbouring slots, in one cluster on every level.
 void MultilevelSchwarz::find_site_slots(std::span<const Site> sites, const SchwarzHierarchy& hierarchy) {
-  const u32 width = hierarchy.levels.front().width;
+  n_sites_ = u32(sites.size());
   std::vector<u32> slots(sites.size(), NO_SLOT);
-  std::vector<std::array<double, 4>> weights(sites.size(), {0, 0, 0, 0});
+  std::vector<Weights> weights(sites.size(), {0, 0, 0, 0});
   for (std::size_t s = 0; s < sites.size(); ++s) {
     slots[s] = hierarchy.slot_of_node[sites[s].node[0]];
     if (slots[s] == NO_SLOT) continue;
     for (std::size_t k = 0; k < 4; ++k) weights[s][k] = sites[s].weight[k];
-    if (width < N_COARSE) std::fill(weights[s].begin() + 1, weights[s].end(), 0.0);
+    if (width_ < N_COARSE) std::fill(weights[s].begin() + 1, weights[s].end(), 0.0);
   }
+  std::vector<double> all;
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     levels_[l].site_slot = slots;
-    refill(levels_[l].site_weights, flat(weights));
+    const std::vector<double> own = flat(weights);
+    all.insert(all.end(), own.begin(), own.end());
     if (l + 1 == levels_.size()) break;
     const SchwarzLevel& shape = hierarchy.levels[l];
     for (std::size_t s = 0; s < sites.size(); ++s) {
       if (slots[s] == NO_SLOT) continue;
-      std::array<double, 4> coarse = {0, 0, 0, 0};
-      for (u32 k = 0; k < 4; ++k)
-        for (u32 b = 0; b < N_COARSE && weights[s][k] != 0; ++b)
-          coarse[b] += weights[s][k] * shape.weights[slots[s] + k][b];
-      weights[s] = coarse;
-      slots[s] = shape.parent[slots[s] / width];
+      weights[s] = coarsened(shape, slots[s], weights[s]);
+      slots[s] = shape.parent[slots[s] / width_];
     }
   }
+  refill(site_weights_, all);
 }
 
 void MultilevelSchwarz::start_factorize(std::span<const Term* const> contacts) {
+  if (levels_.empty()) return;
   const Buffer<f64>* blocks = &matrix_.blocks();
-  for (std::size_t l = 0; l < levels_.size(); ++l) {
+  for (std::size_t l = 0; l + 1 < levels_.size(); ++l) {
     Level& level = levels_[l];
-    level.matrices.zero();
-    const u32 n_within = u32(level.within.size());
-    place_(n_within, n_within, level.width, level.stride, level.within, level.row, level.column, *blocks,
-           level.matrices);
-    for (const Term* term : contacts) add_contacts(level, *term);
-    const u32 n = u32(GROUP_SIZE) * level.n_clusters;
-    invert_(n, n, level.stride, level.first_cluster, level.matrices, level.inverse, failed_);
-    if (l + 1 == levels_.size()) break;
     const u32 n_parts = N_PAIR_PARTS * level.n_pairs;
     coarsen_(n_parts, n_parts, level.pair_first, level.pair_source, level.row, level.column, level.weights, *blocks,
-             levels_[l + 1].blocks);
-    blocks = &levels_[l + 1].blocks;
+             level.first_block, levels_[l + 1].first_block, coarse_blocks_);
+    blocks = &coarse_blocks_;
   }
+  matrices_.zero();
+  const u32 n_within = u32(within_source_.size());
+  place_(n_within, n_within, stride_, within_source_, within_row_, within_column_, matrix_.blocks(), coarse_blocks_,
+         matrices_);
+  add_contacts(contacts);
+  const u32 n = u32(GROUP_SIZE * failed_.size());
+  invert_(n, n, stride_, matrices_, inverse_, failed_);
   failed_.read_later(0, std::span(has_failed_));
 }
 
@@ -211,82 +280,80 @@ std::optional<u32> MultilevelSchwarz::factorize(std::span<const Term* const> con
   return failed();
 }
 
-void MultilevelSchwarz::add_contacts(Level& level, const Term& contacts) {
+void MultilevelSchwarz::list_contacts(std::span<const Term* const> contacts) {
   constexpr u32 STENCIL = 4;
-  std::vector<std::array<u32, 2>> slots;  // of each part's two sites
-  std::vector<std::array<u32, 3>> parts;  // source, row site, column site
-  for (u32 e = 0; e < contacts.size(); ++e)
-    for (u32 a = 0; a < STENCIL; ++a)
-      for (u32 b = 0; b < STENCIL; ++b) {
-        const u32 row = contacts.sites()[STENCIL * e + a], column = contacts.sites()[STENCIL * e + b];
-        const u32 row_slot = level.site_slot[row], column_slot = level.site_slot[column];
-        if (row_slot == NO_SLOT || column_slot == NO_SLOT) continue;
-        if (row_slot / level.width != column_slot / level.width) continue;
-        slots.push_back({row_slot, column_slot});
-        parts.push_back({9 * STENCIL * STENCIL * e + 9 * STENCIL * a + 3 * b, row, column});
-      }
-  if (parts.empty()) return;
+  std::vector<std::array<u32, 2>> places;  // where each part's block begins
+  std::vector<std::array<u32, 3>> parts;   // source, row site, column site
+  for (u32 l = 0; l < levels_.size(); ++l)
+    for (u32 t = 0; t < contacts.size(); ++t) {
+      const std::span<const u32> sites = contacts[t]->sites();
+      for (u32 e = 0; e < contacts[t]->size(); ++e)
+        for (u32 a = 0; a < STENCIL; ++a)
+          for (u32 b = 0; b < STENCIL; ++b) {
+            const u32 row = sites[STENCIL * e + a], column = sites[STENCIL * e + b];
+            const u32 row_slot = levels_[l].site_slot[row], column_slot = levels_[l].site_slot[column];
+            if (row_slot == NO_SLOT || column_slot == NO_SLOT) continue;
+            if (row_slot / width_ != column_slot / width_) continue;
+            places.push_back({position(levels_[l], row_slot), 3 * (column_slot % width_)});
+            parts.push_back({(9 * STENCIL * STENCIL * e + 9 * STENCIL * a + 3 * b) | (t > 0 ? IN_SECOND : 0),
+                             l * n_sites_ + row, l * n_sites_ + column});
+          }
+    }
   std::vector<u32> pair_row, pair_column, first, source, row, column;
-  const std::vector<u32> order = sorted_order(slots);
+  const std::vector<u32> order = sorted_order(places);
   for (u32 k = 0; k < order.size(); ++k) {
-    if (k == 0 || slots[order[k]] != slots[order[k - 1]]) {
+    if (k == 0 || places[order[k]] != places[order[k - 1]]) {
       first.push_back(k);
-      pair_row.push_back(slots[order[k]][0]);
-      pair_column.push_back(slots[order[k]][1]);
+      pair_row.push_back(places[order[k]][0]);
+      pair_column.push_back(places[order[k]][1]);
     }
     source.push_back(parts[order[k]][0]);
     row.push_back(parts[order[k]][1]);
     column.push_back(parts[order[k]][2]);
   }
-  const u32 n = N_PAIR_PARTS * u32(first.size());
+  n_part_pairs_ = u32(first.size());
   first.push_back(u32(order.size()));
-  refill(level.part_pair_row, pair_row);
-  refill(level.part_pair_column, pair_column);
-  refill(level.part_first, first);
-  refill(level.part_source, source);
-  refill(level.part_row, row);
-  refill(level.part_column, column);
-  add_contacts_(n, n, level.width, level.stride, level.part_pair_row, level.part_pair_column, level.part_first,
-                level.part_source, level.part_row, level.part_column, level.site_weights, contacts.blocks(),
-                level.matrices);
+  refill(part_pair_row_, pair_row);
+  refill(part_pair_column_, pair_column);
+  refill(part_first_, first);
+  refill(part_source_, source);
+  refill(part_row_, row);
+  refill(part_column_, column);
 }
 
-void MultilevelSchwarz::apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned) {
-  const u32 n_nodes = u32(slot_of_node_.size()), n_slots = u32(node_of_slot_.size());
+void MultilevelSchwarz::add_contacts(std::span<const Term* const> contacts) {
+  std::vector<std::vector<u32>> sites;
+  for (const Term* term : contacts) sites.push_back(term->sites());
+  if (sites != listed_sites_) {  // late iterations of Newton's method mostly keep the contacts
+    listed_sites_ = std::move(sites);
+    list_contacts(contacts);
+  }
+  const u32 n = N_PAIR_PARTS * n_part_pairs_;
+  if (n == 0) return;
+  const Buffer<f64>& first_blocks = contacts.front()->blocks();
+  add_contacts_(n, n, stride_, part_pair_row_, part_pair_column_, part_first_, part_source_, part_row_, part_column_,
+                site_weights_, first_blocks, contacts.size() > 1 ? contacts[1]->blocks() : first_blocks, matrices_);
+}
+
+void MultilevelSchwarz::apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned, const MultilevelSchwarz* exact,
+                              WorldChunks& chunks) {
+  const u32 n_finest = u32(n_clusters()), n_all = u32(failed_.size()), n_parts = n_finest * n_coarser_;
+  const u32 per_group = std::max(1u, u32(GROUP_SIZE) / stride_);
+  const u32 n_solve = u32(GROUP_SIZE) * ((n_all + per_group - 1) / per_group);
+  const u32 n_chunk_items = u32(GROUP_SIZE * chunks.n_chunks());
   if (levels_.empty()) {
     preconditioned.zero();
+    chunks.partial().zero();
     return;
   }
-  const Level& finest = levels_.front();
-  gather_(n_slots, n_slots, finest.width, finest.stride, node_of_slot_, residual, finest.restricted);
-  for (std::size_t l = 0; l + 1 < levels_.size(); ++l) {
-    const u32 n = N_COARSE * levels_[l].n_clusters;
-    restrict_(n, n, levels_[l].width, levels_[l].stride, levels_[l].parent, levels_[l].weights, levels_[l].restricted,
-              levels_[l + 1].restricted);
-  }
-  for (std::size_t l = levels_.size(); l-- > 0;) {
-    Level& level = levels_[l];
-    const u32 n = level.n_clusters * level.stride, has_coarser = l + 1 < levels_.size();
-    const Buffer<float>& coarse = has_coarser ? levels_[l + 1].z : level.z;
-    solve_(n, n, level.width, level.stride, level.inverse, level.restricted, has_coarser, level.parent, level.weights,
-           coarse, level.z);
-  }
-  scatter_(n_nodes, n_nodes, finest.width, finest.stride, slot_of_node_, finest.z, preconditioned);
-}
-
-void MultilevelSchwarz::add_exactly(const Buffer<f64>& residual, Buffer<f64>& preconditioned) {
-  if (levels_.empty()) return;
-  const Level& level = levels_.front();
-  const u32 n = level.n_clusters * level.stride;
-  add_exactly_(n, n, level.width, level.stride, node_of_slot_, level.matrices, residual, preconditioned);
-}
-
-std::size_t MultilevelSchwarz::n_clusters() const { return levels_.empty() ? 0 : levels_.front().n_clusters; }
-
-std::size_t MultilevelSchwarz::n_bytes() const {
-  std::size_t bytes = 0;
-  for (const Level& level : levels_) bytes += sizeof(float) * level.inverse.size();
-  return bytes;
+  restrict_(n_parts, n_parts, width_, n_coarser_, node_of_slot_, functions_, residual, parts_);
+  solve_(n_solve, n_solve, n_all, n_finest, width_, stride_, n_coarser_, node_of_slot_, level_, member_first_, member_,
+         parts_, residual, inverse_, z_);
+  const bool has_exact = exact && !exact->levels_.empty();
+  const MultilevelSchwarz& added = has_exact ? *exact : *this;
+  prolong_(n_chunk_items, n_chunk_items, chunks.chunks(), width_, stride_, n_coarser_, slot_of_node_, coarser_,
+           functions_, z_, u32(has_exact), added.width_, added.stride_, added.slot_of_node_, added.node_of_slot_,
+           added.matrices_, residual, preconditioned, chunks.partial());
 }
 
 }  // namespace pvg

@@ -52,6 +52,13 @@ void Term::set_sites(const std::vector<u32>& sites, std::vector<u32> world_first
   blocks_.resize(n_block_numbers());
 }
 
+void Term::set_size(std::vector<u32> world_first) {
+  n_ = world_first.back();
+  sites_.clear();
+  world_first_ = std::move(world_first);
+  blocks_.resize(n_block_numbers());
+}
+
 void Term::write_params(std::span<const unsigned char> bytes) {
   if (shared_params_)
     shared_params_->write(first_byte_, bytes);

@@ -4,10 +4,9 @@
 
 namespace pvg {
 
-constexpr u32 CHUNK_LENGTH = 128;  // as in solve/world_reduce.cl
-
-WorldChunks::WorldChunks(Device& device, std::size_t n_worlds)
+WorldChunks::WorldChunks(Device& device, std::size_t n_worlds, u32 length)
     : n_worlds_(n_worlds),
+      length_(length),
       chunks_(device, 0, "chunks"),
       first_(device, n_worlds + 1, "first"),
       partial_(device, 0, "partial") {}
@@ -17,12 +16,14 @@ void WorldChunks::set(std::span<const WorldRange> ranges) {
   ranges_.assign(ranges.begin(), ranges.end());
   std::vector<std::vector<Chunk>> of_world(n_worlds_);
   for (const WorldRange& range : ranges)
-    for (u32 begin = range.begin; begin < range.end; begin += CHUNK_LENGTH)
-      of_world[range.world].push_back({begin, std::min(begin + CHUNK_LENGTH, range.end), range.world, 0});
+    for (u32 begin = range.begin; begin < range.end; begin += length_)
+      of_world[range.world].push_back({begin, std::min(begin + length_, range.end), range.world, 0});
   std::vector<Chunk> chunks;
   std::vector<u32> first = {0};
   most_ = 0;
-  for (const auto& own : of_world) {
+  for (u32 w = 0; w < of_world.size(); ++w) {
+    std::vector<Chunk>& own = of_world[w];
+    if (own.empty()) own.push_back({0, 0, w, 0});
     most_ = std::max(most_, own.size());
     chunks.insert(chunks.end(), own.begin(), own.end());
     first.push_back(u32(chunks.size()));
@@ -37,23 +38,11 @@ void WorldChunks::set(std::span<const WorldRange> ranges) {
 WorldReduce::WorldReduce(Device& device, std::size_t n_worlds)
     : n_worlds_(n_worlds),
       program_(device, "solve/world_reduce.cl"),
-      dot_chunks_(program_.kernel("dot_chunks")),
       sum_chunks_(program_.kernel("sum_chunks")),
       largest_length_chunks_(program_.kernel("largest_length_chunks")),
-      dot_worlds_(program_.kernel("dot_worlds")),
       sum_worlds_(program_.kernel("sum_worlds")),
       largest_worlds_(program_.kernel("largest_worlds")),
       late_partial_(device, 0, "late_partial") {}
-
-bool WorldReduce::dot_chunks_of_large(const WorldChunks& c, const Buffer<f64>& a, const Buffer<f64>& b) {
-  if (c.has_large_world()) dot_chunks_(c.n_chunks_, u32(c.n_chunks_), c.chunks_, a, b, c.partial_);
-  return c.has_large_world();
-}
-
-void WorldReduce::dot(const WorldChunks& c, const Buffer<f64>& a, const Buffer<f64>& b, Buffer<f64>& out) {
-  const bool has_partial = dot_chunks_of_large(c, a, b);
-  dot_worlds_(n_items(), u32(n_items()), u32(has_partial), c.first_, c.chunks_, a, b, c.partial_, out);
-}
 
 void WorldReduce::sum(const WorldChunks& c, const Buffer<f64>& a, bool has_late, u32 from,
                       const Buffer<u32>& late_first, u32 most, Buffer<f64>& out) {
@@ -69,7 +58,7 @@ void WorldReduce::sum(const WorldChunks& c, const Buffer<f64>& a, Buffer<f64>& o
 
 void WorldReduce::sum(const WorldChunks& c, const Buffer<f64>& a, u32 from, const Buffer<u32>& late_first, u32 most,
                       Buffer<f64>& out) {
-  sum(c, a, true, from, late_first, most / CHUNK_LENGTH + 1, out);
+  sum(c, a, true, from, late_first, most / WorldChunks::LENGTH + 1, out);
 }
 
 void WorldReduce::largest_length(const WorldChunks& c, const Buffer<Site>& sites, const Buffer<f64>& a,

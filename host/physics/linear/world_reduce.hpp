@@ -17,9 +17,12 @@ struct WorldRange {
 // The chunks into which the elements of a list are cut, and a buffer for their partial results.
 class WorldChunks {
  public:
-  WorldChunks(Device& device, std::size_t n_worlds);
+  static constexpr u32 LENGTH = 128;  // as in solve/world_reduce.cl
+  // length: most elements of a chunk
+  WorldChunks(Device& device, std::size_t n_worlds, u32 length = LENGTH);
   // ranges in any number per world; the order of a world's ranges is the order of its sum
   void set(std::span<const WorldRange> ranges);
+  std::size_t n_chunks() const { return n_chunks_; }       // at least one for each world
   const Buffer<Chunk>& chunks() const { return chunks_; }  // [n_chunks]
   const Buffer<u32>& first() const { return first_; }      // [n_worlds + 1] chunks of each world
   Buffer<f64>& partial() const { return partial_; }        // [n_chunks] of the last reduction
@@ -30,6 +33,7 @@ class WorldChunks {
   friend class WorldReduce;
   static constexpr std::size_t MOST_IN_ONE_GROUP = 128;  // two rounds of 64 work-items
   std::size_t n_worlds_, n_chunks_ = 0, most_ = 0;       // most_: chunks of one world
+  u32 length_;
   std::vector<WorldRange> ranges_;
   Buffer<Chunk> chunks_;
   Buffer<u32> first_;
@@ -39,12 +43,7 @@ class WorldChunks {
 class WorldReduce {
  public:
   WorldReduce(Device& device, std::size_t n_worlds);
-  // out[w] = sum over the world's elements of a . b;  a, b: [n_elements x 3], out: [n_worlds]
-  void dot(const WorldChunks& chunks, const Buffer<f64>& a, const Buffer<f64>& b, Buffer<f64>& out);
-  // Before a kernel that sums itself, with dot_of_world of solve/world_sum.cl: the chunks' sums, if there is a large
-  // world. Returns whether they were made.
-  bool dot_chunks_of_large(const WorldChunks& chunks, const Buffer<f64>& a, const Buffer<f64>& b);
-  // out[w] = sum of a;  a: [n_elements]
+  // out[w] = sum of a;  a: [n_elements], out: [n_worlds]
   void sum(const WorldChunks& chunks, const Buffer<f64>& a, Buffer<f64>& out);
   // The same over a's first elements, in chunks, then over elements of which the host does not know how many there are:
   // late_first [n_worlds + 1], on the device, counted from element `from`; most: that there may be
@@ -60,7 +59,7 @@ class WorldReduce {
 
   std::size_t n_worlds_;
   Program program_;
-  Kernel dot_chunks_, sum_chunks_, largest_length_chunks_, dot_worlds_, sum_worlds_, largest_worlds_;
+  Kernel sum_chunks_, largest_length_chunks_, sum_worlds_, largest_worlds_;
   Buffer<f64> late_partial_;  // [n_worlds x most chunks]
 };
 

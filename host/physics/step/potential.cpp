@@ -40,6 +40,7 @@ Potential::Potential(Device& device, const System& system)
       constant_(terms_.all()),
       constant_gather_(device, system.sites, system.n_nodes()),
       contact_gather_(device, system.sites, system.n_nodes()),
+      chunks_(device, system.n_worlds(), GROUP_SIZE),
       contact_sites_(device, 0, "element_sites"),
       rows_(device, 0, "rows"),
       element_energy_(device, 0, "energy"),
@@ -72,6 +73,7 @@ Potential::Potential(Device& device, const System& system)
       large_.push_back(t);
   small_terms_.emplace(device, std::move(small), law_cases("JOINT_LAWS", system.joint_laws));
   preconditioner_ = std::make_unique<Preconditioner>(device, system, *matrix_);
+  chunks_.set(system.node_ranges);
   couplings_.resize(system.n_worlds());
 }
 
@@ -170,36 +172,48 @@ const Buffer<f64>& Potential::origin(const Term& term) const {
   return is_inertia(term) ? predicted_->site : start_->site;
 }
 
-const Buffer<f64>& Potential::start_energy(const Positions& x, const ContactSet& contacts) {
+const Buffer<f64>& Potential::start_energy(const Positions& x, ContactSet& contacts) {
   const u32 first_friction = first_energy_.back(), n_friction = u32(friction_.size());
-  const u32 most_contacts = u32(contacts.contacts().rows.size());  // not all need be contacts yet
-  element_energy_.resize(first_friction + n_friction + most_contacts);
+  const u32 n_candidates = contacts.candidates().n();
+  element_energy_.resize(first_friction + n_friction + n_candidates);
   small_terms_->energy(x.site, start_->site, predicted_->site, h_, inertia_h_, element_energy_);
   for (const std::size_t t : large_)
     constant_[t]->energy(x.site, origin(*constant_[t]), step_length(*constant_[t]), first_energy_[t], element_energy_);
-  if (const u32 n = whole_groups(n_friction) + most_contacts; n > 0)
-    contact_kernels().energy(n, n, n_friction, u32(system_.n_worlds()), contacts.first_contact(),
-                             contacts.friction().rows, contacts.contacts().rows, x.site, start_->site, h_,
-                             first_friction, element_energy_);
+  if (const u32 n = whole_groups(n_friction) + n_candidates; n > 0)
+    contact_kernels().energy(n, n, n_friction, contacts.friction().rows, contacts.candidates().rows, x.site,
+                             start_->site, h_, first_friction, element_energy_, contacts.activity());
   std::vector<WorldRange> ranges = energy_ranges_;
   append_ranges(friction_.world_first(), first_friction, ranges);
   energy_chunks_.set(ranges);
-  reduce_.sum(energy_chunks_, element_energy_, first_friction + n_friction, contacts.first_contact(), most_contacts,
+  reduce_.sum(energy_chunks_, element_energy_, first_friction + n_friction, contacts.first_candidate(), n_candidates,
               world_energy_);
   return world_energy_;
 }
 
-std::vector<double> Potential::energy(const Positions& x, const ContactSet& contacts) {
+std::vector<double> Potential::energy(const Positions& x, ContactSet& contacts) {
   return start_energy(x, contacts).read();
 }
 
+// On a device apart from the host, with its factor there, the host knows only how many contacts there are, unless pairs
+// in contact are in the factor.
+bool Potential::reads_contacts() const {
+  return rows_.memory().device().info().runs_host_functions || preconditioner_->reads_contacts() ||
+         std::any_of(couplings_.begin(), couplings_.end(), [](const auto& pairs) { return !pairs.empty(); });
+}
+
 void Potential::set_contacts(const ContactSet& contacts) {
-  barrier_.set_sites(contacts.contact_sites(), contacts.contacts().first);
+  const bool lists_on_device =
+      !rows_.memory().device().info().runs_host_functions && !preconditioner_->reads_contacts();
+  if (reads_contacts())
+    barrier_.set_sites(contacts.contact_sites(), contacts.contacts().first);
+  else
+    barrier_.set_size(contacts.contacts().first);
   if (!has_contacts()) return;
   barrier_.first_row = n_constant_rows_;
   friction_.first_row = u32(n_constant_rows_ + barrier_.size() * barrier_.stencil());
   const std::size_t n_rows = friction_.first_row + friction_.size() * friction_.stencil();
   if (3 * n_rows > rows_.size()) rows_.resize(3 * n_rows);
+  if (lists_on_device) return list_contacts_on_device(contacts);
   std::vector<u32> sites = barrier_.sites();
   sites.insert(sites.end(), friction_.sites().begin(), friction_.sites().end());
   // late iterations of Newton's method mostly keep the contacts
@@ -210,6 +224,18 @@ void Potential::set_contacts(const ContactSet& contacts) {
   contact_gather_.set(blocks);
   contact_sites_.resize(sites.size());
   contact_sites_.write(sites);
+}
+
+void Potential::list_contacts_on_device(const ContactSet& contacts) {
+  const bool is_same = n_gathered_contacts_ == barrier_.size() && contacts.last_change() <= gathered_search_ &&
+                       gathered_sites_ == friction_.sites() && gathered_search_ > 0;
+  if (is_same) return;
+  n_gathered_contacts_ = barrier_.size();
+  gathered_search_ = contacts.search();
+  gathered_sites_ = friction_.sites();
+  contact_gather_.set_on_device({contacts.sites_on_device(), u32(barrier_.size()), contacts.first_contact()},
+                                {contacts.friction_sites_on_device(), u32(friction_.size()), contacts.first_friction()},
+                                n_constant_rows_, sites_, chunks_, contact_sites_);
 }
 
 void Potential::differentiate(const Positions& x, const ContactSet& contacts, Buffer<f64>& gradient) {
@@ -248,13 +274,30 @@ void Potential::product(const Buffer<f64>& direction, Buffer<f64>& out) {
   const u32 n = u32(barrier_.size() + friction_.size());
   product_of_contacts_(n, n, u32(barrier_.size()), contact_sites_, sites_, barrier_.blocks(), friction_.blocks(),
                        direction, n_constant_rows_, rows_);
-  matrix_->multiply_and_gather(direction, contact_gather_, node_is_fixed_, rows_, out);
+  matrix_->multiply(direction, out);
+  contact_gather_.apply(gather_rows_, node_is_fixed_, rows_, true, out);
+}
+
+ContactElements Potential::contact_elements() {
+  return {contact_terms_, n_constant_rows_, &contact_gather_, &contact_sites_, &sites_, &rows_};
+}
+
+CgOperators Potential::operators() {
+  CgOperators operators;
+  operators.product = [this](const Buffer<f64>& direction, Buffer<f64>& out, WorldChunks& chunks) {
+    matrix_->multiply_and_dot(direction, has_contacts() ? &contact_gather_ : nullptr, node_is_fixed_, rows_, out,
+                              chunks);
+    return true;
+  };
+  operators.precondition = [this](const Buffer<f64>& residual, Buffer<f64>& out, WorldChunks& chunks) {
+    return preconditioner_->apply(residual, out, chunks);
+  };
+  operators.elements = contact_elements();
+  return operators;
 }
 
 void Potential::start_factorize(std::span<const char> world_is_active, const Buffer<f64>* gradient) {
-  const Term* const contacts[] = {&barrier_, &friction_};
-  preconditioner_->start_factorize({contacts, n_constant_rows_, &contact_gather_, &contact_sites_, &sites_},
-                                   world_is_active, gradient);
+  preconditioner_->start_factorize(contact_elements(), world_is_active, gradient);
 }
 
 std::optional<u32> Potential::factorize(std::span<const char> world_is_active) {
@@ -264,7 +307,10 @@ std::optional<u32> Potential::factorize(std::span<const char> world_is_active) {
 }
 
 void Potential::couple_contacts(std::span<const char> worlds, Coupling when) {
-  if (!preconditioner_->takes_contacts()) return;
+  if (!preconditioner_->takes_contacts() || std::none_of(worlds.begin(), worlds.end(), [](char in) { return in; }))
+    return;
+  if (barrier_.sites().size() < 4 * barrier_.size())  // the device alone has them
+    barrier_.set_sites(contact_sites_.read(0, 4 * barrier_.size()), std::vector<u32>(barrier_.world_first()));
   bool is_changed = false;
   for (std::size_t w = 0; w < worlds.size(); ++w) {
     if (!worlds[w]) continue;

@@ -8,6 +8,7 @@
 
 #include "host/physics/contact/contact.hpp"
 #include "host/physics/energies/terms.hpp"
+#include "host/physics/linear/conjugate_gradients.hpp"
 #include "host/physics/linear/gather.hpp"
 #include "host/physics/linear/term.hpp"
 #include "host/physics/linear/world_reduce.hpp"
@@ -50,14 +51,18 @@ class Potential {
   void to_sites(const Buffer<f64>& node, Buffer<f64>& value);
   const Buffer<Site>& sites() const { return sites_; }
 
-  // Sum of all terms per world [J], with the contacts of the last find_contacts or start_find_contacts.
-  std::vector<double> energy(const Positions& x, const ContactSet& contacts);
-  const Buffer<f64>& start_energy(const Positions& x, const ContactSet& contacts);  // on the device
+  // Whether differentiate() needs to know on the host which sites contacts have.
+  bool reads_contacts() const;
+
+  // Sum of all terms per world [J]; which candidates touch is left in contacts.activity().
+  std::vector<double> energy(const Positions& x, ContactSet& contacts);
+  const Buffer<f64>& start_energy(const Positions& x, ContactSet& contacts);  // on the device
   // Gradient [n_nodes x 3, N] and Hessian blocks at x, with these active contacts.
   void differentiate(const Positions& x, const ContactSet& contacts, Buffer<f64>& gradient);
   void differentiate(const Positions& x, Buffer<f64>& gradient);  // without contacts
   // out = H direction;  [n_nodes x 3]
   void product(const Buffer<f64>& direction, Buffer<f64>& out);
+  CgOperators operators();  // of the Hessian and the preconditioner, until the next differentiate()
   // Starts to factor the preconditioner at the blocks of the last differentiate(). failed(): a node of the first group
   // of bodies whose matrix is not positive definite, or nothing, after the device was waited for. factorize(): both.
   // gradient: the first precondition() will be of -gradient.
@@ -73,11 +78,13 @@ class Potential {
   const BlockMatrix& matrix() const { return *matrix_; }  // of the terms whose elements never change
   std::size_t preconditioner_bytes() const { return preconditioner_->n_bytes(); }
   // out = M^-1 residual;  [n_nodes x 3]
-  void precondition(const Buffer<f64>& residual, Buffer<f64>& out) { preconditioner_->apply(residual, out); }
+  void precondition(const Buffer<f64>& residual, Buffer<f64>& out) { preconditioner_->apply(residual, out, chunks_); }
 
  private:
+  ContactElements contact_elements();
   bool has_contacts() const { return barrier_.size() + friction_.size() > 0; }
   void set_contacts(const ContactSet& contacts);
+  void list_contacts_on_device(const ContactSet& contacts);
   void differentiate(const Positions& x, const ContactSet* contacts, Buffer<f64>& gradient);
   void append_coupled(std::span<const u32> sites, std::vector<NodePair>& pairs) const;
   bool is_inertia(const Term& term) const { return &term == &terms_.point_inertia || &term == &terms_.affine_inertia; }
@@ -95,6 +102,7 @@ class Potential {
   std::optional<ForceLaws> force_laws_;
   // their rows are kept by the ContactSet and launched together
   Term barrier_, friction_;
+  const Term* const contact_terms_[2] = {&barrier_, &friction_};
   struct ContactKernels {
     explicit ContactKernels(Device& device);
     Program program;
@@ -111,10 +119,12 @@ class Potential {
   Gather constant_gather_, contact_gather_;
   std::unique_ptr<BlockMatrix> matrix_;
   std::unique_ptr<Preconditioner> preconditioner_;
+  WorldChunks chunks_;  // of nodes
   std::vector<std::vector<NodePair>> couplings_;
   Buffer<u32> contact_sites_;            // [n_contacts and n_friction x 4]
   std::vector<u32> gathered_sites_;      // what it holds, which contact_gather_ was made of
   std::size_t n_gathered_contacts_ = 0;  // of these
+  u32 gathered_search_ = 0;              // number of the search for contacts that it was made of on the device
   Buffer<f64> rows_, element_energy_, world_energy_, direction_site_;
   u32 n_constant_rows_ = 0;
   WorldReduce reduce_;

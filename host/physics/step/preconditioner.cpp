@@ -75,7 +75,7 @@ Device* factoring_device(Device& device) {
 }  // namespace
 
 Preconditioner::Preconditioner(Device& device, const System& system, const BlockMatrix& matrix)
-    : matrix_(matrix), factor_group_(system.node_group) {
+    : matrix_(matrix), factor_group_(system.node_group), factors_on_device_(factoring_device(device) != nullptr) {
   const Kind kind = system.scenes[0].solver.preconditioner;
   std::vector<char> is_exact(system.group_world.size(), kind == Kind::automatic || kind == Kind::factor);
   if (kind == Kind::automatic || kind == Kind::factor)
@@ -126,10 +126,10 @@ std::optional<u32> Preconditioner::failed() const {
   return groups_ ? groups_->failed() : std::nullopt;
 }
 
-void Preconditioner::apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned) {
-  if (schwarz_) schwarz_->apply(residual, preconditioned);
-  if (frames_) frames_->add_exactly(residual, preconditioned);
+bool Preconditioner::apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned, WorldChunks& chunks) {
+  if (schwarz_) schwarz_->apply(residual, preconditioned, frames_.get(), chunks);
   if (groups_) groups_->start_apply(residual, schwarz_ != nullptr, preconditioned);
+  return !groups_;
 }
 
 std::size_t Preconditioner::n_bytes() const {

@@ -31,17 +31,20 @@ class Preconditioner {
                        const Buffer<f64>* gradient = nullptr);
   // A node of what is not positive definite, or nothing; after the device was waited for.
   std::optional<u32> failed() const;
-  // preconditioned = M^-1 residual;  [n_nodes x 3]
-  void apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned);
+  // preconditioned = M^-1 residual;  [n_nodes x 3]. Returns whether chunks.partial() is their product over each chunk
+  // of at most 64 nodes.
+  bool apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned, WorldChunks& chunks);
   // Takes further pairs of nodes into the factors, if these hold soft bodies or cloths.
   void couple(std::span<const NodePair> pairs);
   std::size_t n_bytes() const;                             // of factors and inverses
   bool takes_contacts() const { return takes_contacts_; }  // into its factors, by couple()
+  // Whether start_factorize() needs to know on the host which sites contacts have.
+  bool reads_contacts() const { return schwarz_ || !factors_on_device_; }
 
  private:
   const BlockMatrix& matrix_;
   std::vector<u32> factor_group_;  // of each node; NO_GROUP: in no factor
-  bool takes_contacts_ = true;
+  bool takes_contacts_ = true, factors_on_device_;
   std::unique_ptr<GroupPreconditioner> groups_;
   std::unique_ptr<MultilevelSchwarz> schwarz_, frames_;  // frames_: exact inverses of rigid bodies
 };

@@ -71,7 +71,11 @@ struct Simulation::Impl {
   bool find_direction(double h, bool settles);
   // foreseen: `moved_energy` holds what the whole certified step leads to
   void line_search(const std::vector<double>& certified, bool foreseen);
-  std::vector<double> energy_at(const std::vector<double>& length);
+  void start_trial_energy();
+  void start_read_trial();
+  void evaluate(const std::vector<double>& length);
+  std::vector<char> rising_worlds(const std::vector<double>& before) const;
+  void halve_rising(int times);
   void read_state(double h);
   void read_contacts(double h);
   void read_joints(double h);
@@ -90,10 +94,12 @@ struct Simulation::Impl {
   System system;
   Potential potential;
   Program nodes_program, newton_program;
-  Kernel move_along, place_nodes, certified_step;
+  Kernel move_along, place_nodes, certified_step, halve_rising_steps;
   Buffer<u32> node_world, is_active_on_device, prescribed_nodes;
   std::vector<char> active_written;                               // what is_active_on_device and full_step hold
   Buffer<f64> dx, gradient, step, full_step, largest, tolerance;  // full_step: 1 for worlds that move; tolerance [m/s]
+  Buffer<f64> energy_before;                                      // [n_worlds, J] of a line search
+  const Buffer<f64>* trial_energy = nullptr;                      // [n_worlds, J] of the last trial
   TimeIntegrator integrator;
   Positions x, start, predicted, trial;
   ContactSet contacts;

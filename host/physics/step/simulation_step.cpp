@@ -9,7 +9,8 @@
 namespace pvg {
 namespace {
 
-constexpr int MAX_LINE_SEARCH = 40;  // halvings of one Newton step
+constexpr int MAX_LINE_SEARCH = 40;  // lengths of one Newton step that are tried
+constexpr double ROUNDING = 1e-12;   // of an energy
 constexpr int MAX_LAG_PASSES = 50;   // evaluations of the lagged friction, where it is to settle
 constexpr int MANY_CG = 12;     // iterations take longer than to take the contacts into the preconditioner's factor
 constexpr double ENOUGH = 0.1;  // of its first correction ends a pass there: what is lagged is not exact before
@@ -92,10 +93,18 @@ void Simulation::Impl::start_certified_move(bool settles, double h, double short
   certified_step(n, n, contacts.first_candidate(), free_parts, is_active_on_device, u32(settles), largest, tolerance, h,
                  short_of, step);
   move(step);
-  contacts.start_find_contacts(trial.site);
-  const Buffer<f64>& its_energy = potential.start_energy(trial, contacts);
+  start_trial_energy();
+  start_read_trial();
+}
+
+void Simulation::Impl::start_trial_energy() { trial_energy = &potential.start_energy(trial, contacts); }
+
+// How far trial is from x, its contacts and its energy, once the device was waited for.
+void Simulation::Impl::start_read_trial() {
+  contacts.read_sites(potential.reads_contacts());
+  contacts.start_list_contacts();
   step.read_later(0, std::span(certified));
-  its_energy.read_later(0, std::span(moved_energy));
+  trial_energy->read_later(0, std::span(moved_energy));
 }
 
 // How much of the motion from x to trial is free of contact, per world.
@@ -127,9 +136,7 @@ void Simulation::Impl::renew_couplings(Potential::Coupling when) {
 
 void Simulation::Impl::start_solve() {
   const auto timed = clock.time(SolverPhase::solve);
-  cg.start([&](const Buffer<f64>& p, Buffer<f64>& out) { potential.product(p, out); },
-           [&](const Buffer<f64>& r, Buffer<f64>& out) { potential.precondition(r, out); }, gradient, is_active,
-           solver().cg_tolerance, solver().max_cg, dx);
+  cg.start(potential.operators(), gradient, is_active, solver().cg_tolerance, solver().max_cg, dx);
 }
 
 // How far points would move, and whether the candidates serve for that.
@@ -140,9 +147,9 @@ void Simulation::Impl::start_look_ahead() {
 }
 
 // Factor, solve and move as far as is certified. On the host's own processor, where waiting is cheap, the host looks
-// how far conjugate gradients came before it starts what follows; elsewhere all is started at once, and what was
-// started too early again. Whether the factor succeeded shows only then: a world where it did not is given up, the
-// others are solved without it.
+// how far conjugate gradients came before it starts what follows; elsewhere all is started at once if the last solve
+// was short, and what was started too early again. Whether the factor succeeded shows only then: a world where it did
+// not is given up, the others are solved without it.
 CgReport Simulation::Impl::factorize_and_solve(double h, bool settles) {
   const bool waits_for_solve = device.info().runs_host_functions;
   for (;;) {
@@ -153,16 +160,19 @@ CgReport Simulation::Impl::factorize_and_solve(double h, bool settles) {
     start_solve();
     for (;;) {
       const auto timed = clock.time(SolverPhase::solve);
-      const bool looks_ahead = !waits_for_solve || cg.may_have_ended();
-      if (looks_ahead) start_look_ahead();
-      if (!waits_for_solve) start_certified_move(settles, h, 1);
+      const bool looks_ahead = waits_for_solve ? cg.may_have_ended() : cg.is_short();
+      const auto move_ahead = [&] {
+        start_look_ahead();
+        if (!waits_for_solve) start_certified_move(settles, h, 1);
+      };
+      if (looks_ahead) move_ahead();
       device.finish();
       if (!cg.ended()) {
         cg.go_on();
         continue;
       }
       if (!looks_ahead) {
-        start_look_ahead();
+        move_ahead();
         device.finish();
       }
       break;
@@ -214,44 +224,64 @@ bool Simulation::Impl::find_direction(double h, bool settles) {
   return is_active == active_written;
 }
 
-// Moves to trial = x + length dx and finds its contacts. Returns its energy per world [J].
-std::vector<double> Simulation::Impl::energy_at(const std::vector<double>& length) {
+// Moves to trial = x + length dx and finds its contacts and its energy per world [J].
+void Simulation::Impl::evaluate(const std::vector<double>& length) {
   move(length);
-  contacts.start_find_contacts(trial.site);
-  const Buffer<f64>& its_energy = potential.start_energy(trial, contacts);
-  std::vector<double> values(length.size());
-  its_energy.read_later(0, std::span(values));
+  start_trial_energy();
+  start_read_trial();
   device.finish();
   contacts.take_contacts();
-  return values;
+}
+
+// Worlds whose energy is more at trial than it was [J]; a rise within rounding counts as none.
+std::vector<char> Simulation::Impl::rising_worlds(const std::vector<double>& before) const {
+  std::vector<char> rises;
+  for (std::size_t w = 0; w < before.size(); ++w)
+    rises.push_back(is_active[w] && !(moved_energy[w] <= before[w] + ROUNDING * std::abs(before[w])));
+  return rises;
+}
+
+// Halves the steps of worlds whose energy rose, so often at once, and finds their energies each time on the device.
+void Simulation::Impl::halve_rising(int times) {
+  const u32 n = u32(system.n_worlds());
+  for (int i = 0; i < times; ++i) {
+    halve_rising_steps(n, n, is_active_on_device, energy_before, *trial_energy, ROUNDING, step);
+    move(step);
+    start_trial_energy();
+  }
+  start_read_trial();
+  device.finish();
+  contacts.take_contacts();
 }
 
 // Halves each world's step until its energy does not rise. Contact was certified by `longest`, so no pair touches.
 void Simulation::Impl::line_search(const std::vector<double>& longest, bool foreseen) {
   const auto timed = clock.time(SolverPhase::line_search);
-  const std::vector<double> before = energy;
-  std::vector<double> length = longest;
-  for (int halving = 0; halving < MAX_LINE_SEARCH; ++halving) {
-    const std::vector<double> after = halving == 0 && foreseen ? moved_energy : energy_at(length);
-    bool all_fell = true;
-    for (std::size_t w = 0; w < length.size(); ++w) {
-      // a rise within rounding counts as none
-      const bool fell = !is_active[w] || after[w] <= before[w] + 1e-12 * std::abs(before[w]);
-      if (fell) continue;
-      all_fell = false;
-      length[w] /= 2;
-      if (halving + 1 < MAX_LINE_SEARCH) continue;
-      give_up(w, StepEvent::Kind::exhausted_line_search, fastest_node(w),
-              "no decrease of the energy was found along it");
-      length[w] = 0;
-    }
-    if (all_fell) {
-      energy = after;
-      std::swap(x, trial);
-      return;
-    }
+  if (!foreseen) evaluate(longest);
+  std::vector<char> rises = rising_worlds(energy);
+  if (any(rises)) {
+    energy_before.write(energy);
+    write_active(is_active);
   }
-  energy = energy_at(length);
+  for (int halvings = 0; any(rises); rises = rising_worlds(energy)) {
+    if (halvings == MAX_LINE_SEARCH - 1) {
+      std::vector<double> length = certified;
+      for (std::size_t w = 0; w < rises.size(); ++w) {
+        if (!rises[w]) continue;
+        give_up(w, StepEvent::Kind::exhausted_line_search, fastest_node(w),
+                "no decrease of the energy was found along it");
+        length[w] = 0;
+      }
+      evaluate(length);
+      break;
+    }
+    // elsewhere than on the host's own processor a look takes as long as two launches, and one halving takes five
+    const int wanted = device.info().runs_host_functions ? 1 : halvings == 0 ? 2 : 3;
+    const int times = std::min(wanted, MAX_LINE_SEARCH - 1 - halvings);
+    halve_rising(times);
+    halvings += times;
+  }
+  energy = moved_energy;
   std::swap(x, trial);
 }
 

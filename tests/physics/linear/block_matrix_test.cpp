@@ -53,6 +53,24 @@ TEST(BlockMatrix, IsTheSumOfItsElements) {
   const Eigen::MatrixXd by_hand = expected * d;
   const std::vector<double> found = product.read();
   for (int i = 0; i < 15; ++i) EXPECT_NEAR(found[i], by_hand(i / 3, i % 3), 1e-13) << i;
+
+  // with rows of elements outside it, on the fixed node and on the site of two; and direction . product of each chunk
+  const u32 row_sites[] = {2, 3};
+  const RowBlock rows_of[] = {{row_sites, 0}};
+  Gather gather(device, sites, 5);
+  gather.set(rows_of);
+  const Buffer<f64> rows(device, std::vector<double>{100, 100, 100, 4, 8, 12}, "rows");
+  WorldChunks chunks(device, 2, GROUP_SIZE);
+  const WorldRange ranges[] = {{0, 0, 2}, {1, 2, 5}};
+  chunks.set(ranges);
+  matrix.multiply_and_dot(direction, &gather, Buffer<u32>(device, is_fixed, "is_fixed"), rows, product, chunks);
+  Eigen::MatrixXd with_rows = by_hand;
+  with_rows.row(3) += 0.25 * Eigen::RowVector3d(4, 8, 12);
+  with_rows.row(4) += 0.75 * Eigen::RowVector3d(4, 8, 12);
+  const std::vector<double> found_with_rows = product.read(), sums = chunks.partial().read();
+  for (int i = 0; i < 15; ++i) EXPECT_NEAR(found_with_rows[i], with_rows(i / 3, i % 3), 1e-13) << i;
+  EXPECT_NEAR(sums[0], d.topRows(2).cwiseProduct(with_rows.topRows(2)).sum(), 1e-12);
+  EXPECT_NEAR(sums[1], d.bottomRows(3).cwiseProduct(with_rows.bottomRows(3)).sum(), 1e-12);
 }
 
 }  // namespace

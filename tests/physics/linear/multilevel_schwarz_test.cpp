@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <Eigen/Sparse>
 #include <cmath>
 
 #include "host/geometry/primitive_shapes.hpp"
@@ -148,6 +149,77 @@ TEST(MultilevelSchwarz, OneClusterIsTheExactInverse) {
   problem.potential.precondition(ax, back);
   const std::vector<double> found = back.read();
   for (std::size_t i = 0; i < wanted.size(); ++i) EXPECT_NEAR(found[i], wanted[i], 2e-4);  // single precision
+}
+
+using Sparse = Eigen::SparseMatrix<double>;
+
+// W of one level as a matrix, each weight three times
+Sparse coarse_functions(const SchwarzLevel& level, std::size_t n_coarse_slots) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (u32 s = 0; s < level.n_slots(); ++s)
+    for (u32 a = 0; a < 4; ++a)
+      for (u32 c = 0; c < 3; ++c)
+        entries.emplace_back(3 * s + c, 3 * (level.parent[s / level.width] + a) + c, level.weights[s][a]);
+  Sparse w(Eigen::Index(3 * level.n_slots()), Eigen::Index(3 * n_coarse_slots));
+  w.setFromTriplets(entries.begin(), entries.end());
+  return w;
+}
+
+// sum_k P_k B_k^-1 P_k^T r over the levels from l on, in double precision: z_l = B_l^-1 r + W_l z_l+1(W_l^T r)
+Eigen::VectorXd sum_over_levels(const SchwarzHierarchy& hierarchy, std::size_t l, const Sparse& A,
+                                const Eigen::VectorXd& r) {
+  const SchwarzLevel& level = hierarchy.levels[l];
+  const Eigen::Index n = Eigen::Index(3 * level.width);
+  Eigen::VectorXd z(r.size());
+  for (Eigen::Index c = 0; c < Eigen::Index(level.n_clusters()); ++c) {
+    Eigen::MatrixXd block(A.block(n * c, n * c, n, n));
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (block(i, i) == 0) block(i, i) = 1;
+    z.segment(n * c, n) = block.ldlt().solve(r.segment(n * c, n));
+  }
+  if (l + 1 == hierarchy.levels.size()) return z;
+  const Sparse w = coarse_functions(level, hierarchy.levels[l + 1].n_slots());
+  const Sparse coarse = w.transpose() * A * w;
+  return z + w * sum_over_levels(hierarchy, l + 1, coarse, w.transpose() * r);
+}
+
+TEST(MultilevelSchwarz, IsTheSumOfExactSolvesOnAllLevels) {
+  Device device;
+  PhysicalScene scene = empty_scene("block", 0.01);
+  scene.solver.preconditioner = Kind::schwarz;
+  scene.soft_bodies = {soft_block("one", 6, Vec3::Zero())};
+  AtStart problem(device, scene);
+  const System& system = problem.system;
+  const MatrixPattern& pattern = problem.potential.matrix().pattern();
+  const SchwarzHierarchy hierarchy =
+      make_schwarz_hierarchy(pattern, {system.x, system.node_world, system.node_is_fixed, {}}, 32, 12);
+  ASSERT_GE(hierarchy.levels.size(), 3u);
+  std::vector<double> residual(system.x.size());
+  for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = std::cos(0.7 * double(i));
+  const Buffer<f64> r(device, residual, "residual");
+  Buffer<f64> z(device, residual.size(), "M^-1 r");
+  problem.potential.precondition(r, z);
+
+  const std::vector<double> blocks = problem.potential.matrix().blocks().read();
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::VectorXd of_slots = Eigen::VectorXd::Zero(Eigen::Index(3 * hierarchy.levels[0].n_slots()));
+  for (u32 node = 0; node < system.n_nodes(); ++node) {
+    const u32 slot = hierarchy.slot_of_node[node];
+    for (u32 c = 0; c < 3; ++c) of_slots[3 * slot + c] = residual[3 * node + c];
+    for (u32 k = pattern.first[node]; k < pattern.first[node + 1]; ++k)
+      for (u32 e = 0; e < 9; ++e)
+        entries.emplace_back(3 * slot + e / 3, 3 * hierarchy.slot_of_node[pattern.column[k]] + e % 3,
+                             blocks[9 * k + e]);
+  }
+  Sparse A(of_slots.size(), of_slots.size());
+  A.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::VectorXd expected = sum_over_levels(hierarchy, 0, A, of_slots);
+  const std::vector<double> found = z.read();
+  double error = 0;
+  for (u32 node = 0; node < system.n_nodes(); ++node)
+    for (u32 c = 0; c < 3; ++c)
+      error = std::max(error, std::abs(found[3 * node + c] - expected[3 * hierarchy.slot_of_node[node] + c]));
+  EXPECT_LT(error, 1e-5 * expected.cwiseAbs().maxCoeff());  // inverses in single precision
 }
 
 TEST(MultilevelSchwarz, IsSymmetricWithRigidBodiesInIt) {

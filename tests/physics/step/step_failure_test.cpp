@@ -107,7 +107,8 @@ TEST(StepFailure, AnExhaustedLineSearchIsNamed) {
   std::vector<double> up(impl.dx.size(), 0);
   up[2] = 1;
   impl.dx.write(up);
-  impl.energy = impl.energy_at({0.0});
+  impl.evaluate({0.0});
+  impl.energy = impl.moved_energy;
   impl.line_search({1.0}, false);
   ASSERT_EQ(impl.reports[0].events.size(), 1u);
   EXPECT_EQ(impl.reports[0].events[0].kind, Kind::exhausted_line_search);
