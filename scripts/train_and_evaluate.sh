@@ -8,7 +8,7 @@
 #   SAMPLES         paths per pixel (4)
 #   GRIPPER         soft or rigid, in demonstrations and evaluation (else what the task says)
 #   DEMONSTRATIONS, EPISODES (50, 20), LENGTH: periods of an episode (else a quarter more than the planned motion)
-#   STEPS, BATCH    of training (2000 of 32; pictures: 4000 of 8)
+#   STEPS, BATCH    of training (2000 of 32); SAVE: steps from one checkpoint to the next (STEPS)
 #   CHUNK, EXECUTED actions that are predicted, and done before the policy is asked again (10, 5)
 #   LEARNING_RATE, DROPOUT, VAE (1e-4, 0.1, true)
 #   BACKBONE        pictures: weights of ResNet-18, such as ResNet18_Weights.IMAGENET1K_V1, which torchvision downloads
@@ -25,7 +25,7 @@ refuse() {
 task="$1" folder="$2"
 shift 2
 [ $# -gt 0 ] || set -- 1
-demonstrations="${DEMONSTRATIONS:-50}" episodes="${EPISODES:-20}"
+demonstrations="${DEMONSTRATIONS:-50}" episodes="${EPISODES:-20}" steps="${STEPS:-2000}"
 observation="${OBSERVATION:-states}" cameras="${CAMERA:-}" size="${SIZE:-96x96}" samples="${SAMPLES:-4}" gripper="${GRIPPER:-}"
 width="${size%x*}" height="${size#*x}"
 expr "$size" : '[1-9][0-9]*x[1-9][0-9]*$' >/dev/null || refuse "SIZE=$size is not WIDTHxHEIGHT in pixels, such as 96x96"
@@ -40,11 +40,11 @@ done
 case "$observation" in
   states)
     [ -z "$cameras" ] || refuse "CAMERA=$cameras needs OBSERVATION=pictures; on states a policy sees none"
-    generate="--no-render" pack="--no-pictures --environment-state" steps="${STEPS:-2000}" batch="${BATCH:-32}"
+    generate="--no-render" pack="--no-pictures --environment-state"
     training="" show="--env.obs_type=state --env.width=96 --env.height=72 --env.samples=1"
     ;;
   pictures)
-    generate="--width $width --height $height --samples $samples" pack="" steps="${STEPS:-4000}" batch="${BATCH:-8}"
+    generate="--width $width --height $height --samples $samples" pack=""
     training="--policy.vision_backbone=resnet18 --policy.pretrained_backbone_weights=${BACKBONE:-null}"
     training="$training --policy.optimizer_lr_backbone=${LEARNING_RATE:-1e-4} --dataset.video_backend=pyav"
     show="--env.obs_type=pixels_agent_pos --env.width=$width --env.height=$height --env.samples=$samples"
@@ -109,7 +109,7 @@ for seed in "$@"; do
     --policy.latent_dim=16 --policy.chunk_size="${CHUNK:-10}" --policy.n_action_steps="${EXECUTED:-5}" \
     --policy.optimizer_lr="${LEARNING_RATE:-1e-4}" --policy.dropout="${DROPOUT:-0.1}" --policy.use_vae="${VAE:-true}" \
     '--policy.normalization_mapping={"STATE":"MEAN_STD","ENV":"MEAN_STD","ACTION":"MEAN_STD","VISUAL":"MEAN_STD"}' \
-    $training --batch_size="$batch" --steps="$steps" --save_freq="$steps" --log_freq=200 --num_workers=0 \
+    $training --batch_size="${BATCH:-32}" --steps="$steps" --save_freq="${SAVE:-$steps}" --log_freq=100 --num_workers=0 \
     --seed="$seed" --wandb.enable=false --output_dir="$out" >"$folder/train_$seed.log" 2>&1
   # shellcheck disable=SC2086
   "$python/lerobot-eval" --policy.path="$out/checkpoints/last/pretrained_model" --policy.device=cpu \
