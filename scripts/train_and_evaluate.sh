@@ -8,11 +8,13 @@
 #   SAMPLES         paths per pixel (4)
 #   GRIPPER         soft or rigid, in demonstrations and evaluation (else what the task says)
 #   DEMONSTRATIONS, EPISODES (50, 20), LENGTH: periods of an episode (else a quarter more than the planned motion)
-#   STEPS, BATCH    of training (2000 of 32); SAVE: steps from one checkpoint to the next (STEPS)
-#   CHUNK, EXECUTED actions that are predicted, and done before the policy is asked again (10, 5)
-#   LEARNING_RATE, DROPOUT, VAE (1e-4, 0.1, true)
-#   BACKBONE        pictures: weights of ResNet-18, such as ResNet18_Weights.IMAGENET1K_V1, which torchvision downloads
-#                   (null: drawn at random)
+#   BACKBONE        pictures: ResNet-18 keeps random weights (frozen, the default: scripts/policy/train_frozen.py, minutes
+#                   without a GPU), or is trained by lerobot-train from random ones (null) or from those that torchvision
+#                   downloads (ResNet18_Weights.IMAGENET1K_V1)
+#   STEPS, BATCH    of training (2000 of 32; frozen: 3000 of 64)
+#   CHUNK, EXECUTED actions that are predicted, and done before the policy is asked again (10, 5; pictures: 20, 10)
+#   LEARNING_RATE, DROPOUT (1e-4, 0.1; frozen: 5e-4, 0)
+#   VAE, SAVE       of lerobot-train: true or false (true), steps from one checkpoint to the next (STEPS)
 #   TRAINING_PROGRAMS folder of python, lerobot-train and lerobot-eval (.venv-train/bin)
 #   GENERATE        more words for `generate` that change no episode, such as "--worlds 4"
 set -eu
@@ -25,8 +27,10 @@ refuse() {
 task="$1" folder="$2"
 shift 2
 [ $# -gt 0 ] || set -- 1
-demonstrations="${DEMONSTRATIONS:-50}" episodes="${EPISODES:-20}" steps="${STEPS:-2000}"
+demonstrations="${DEMONSTRATIONS:-50}" episodes="${EPISODES:-20}"
 observation="${OBSERVATION:-states}" cameras="${CAMERA:-}" size="${SIZE:-96x96}" samples="${SAMPLES:-4}" gripper="${GRIPPER:-}"
+backbone="" steps="${STEPS:-2000}" batch="${BATCH:-32}" rate="${LEARNING_RATE:-1e-4}" dropout="${DROPOUT:-0.1}"
+chunk="${CHUNK:-10}" executed="${EXECUTED:-5}"
 width="${size%x*}" height="${size#*x}"
 expr "$size" : '[1-9][0-9]*x[1-9][0-9]*$' >/dev/null || refuse "SIZE=$size is not WIDTHxHEIGHT in pixels, such as 96x96"
 case "$gripper" in "" | soft | rigid) ;; *) refuse "GRIPPER=$gripper is neither soft nor rigid" ;; esac
@@ -40,13 +44,16 @@ done
 case "$observation" in
   states)
     [ -z "$cameras" ] || refuse "CAMERA=$cameras needs OBSERVATION=pictures; on states a policy sees none"
+    [ -z "${BACKBONE:-}" ] || refuse "BACKBONE=$BACKBONE needs OBSERVATION=pictures; on states there is none"
     generate="--no-render" pack="--no-pictures --environment-state"
     training="" show="--env.obs_type=state --env.width=96 --env.height=72 --env.samples=1"
     ;;
   pictures)
     generate="--width $width --height $height --samples $samples" pack=""
-    training="--policy.vision_backbone=resnet18 --policy.pretrained_backbone_weights=${BACKBONE:-null}"
-    training="$training --policy.optimizer_lr_backbone=${LEARNING_RATE:-1e-4} --dataset.video_backend=pyav"
+    backbone="${BACKBONE:-frozen}" chunk="${CHUNK:-20}" executed="${EXECUTED:-10}"
+    [ "$backbone" != frozen ] || [ -z "${VAE:-}${SAVE:-}" ] || refuse "VAE and SAVE are of lerobot-train; set BACKBONE=null"
+    training="--policy.vision_backbone=resnet18 --policy.pretrained_backbone_weights=$backbone"
+    training="$training --policy.optimizer_lr_backbone=$rate --dataset.video_backend=pyav"
     show="--env.obs_type=pixels_agent_pos --env.width=$width --env.height=$height --env.samples=$samples"
     list=""
     for camera in $cameras; do
@@ -99,23 +106,36 @@ for name, result in {told["policy"]: told, **told["baselines"]}.items():
     successes = sum(episode["success"] for episode in result["episodes_detail"])
     print(f"{name},,{successes},{result['episodes']}")
 PYTHON
+train() {
+  if [ "$backbone" = frozen ]; then
+    "$python/python" scripts/policy/train_frozen.py --data "$folder/data" --output "$out/checkpoints/last" \
+      --steps "${STEPS:-3000}" --batch "${BATCH:-64}" --chunk "$chunk" --executed "$executed" \
+      --learning-rate "${LEARNING_RATE:-5e-4}" --dropout "${DROPOUT:-0}" --seed "$seed"
+  else
+    # ACT's default leaves environment_state as it is: here it is normalised
+    # shellcheck disable=SC2086
+    "$python/lerobot-train" --dataset.repo_id=local/set --dataset.root="$folder/data" --policy.type=act \
+      --policy.device=cpu --policy.push_to_hub=false --policy.dim_model=128 --policy.dim_feedforward=512 \
+      --policy.n_heads=4 --policy.n_encoder_layers=2 --policy.n_vae_encoder_layers=2 --policy.latent_dim=16 \
+      --policy.chunk_size="$chunk" --policy.n_action_steps="$executed" --policy.optimizer_lr="$rate" \
+      --policy.dropout="$dropout" --policy.use_vae="${VAE:-true}" \
+      '--policy.normalization_mapping={"STATE":"MEAN_STD","ENV":"MEAN_STD","ACTION":"MEAN_STD","VISUAL":"MEAN_STD"}' \
+      $training --batch_size="$batch" --steps="$steps" --save_freq="${SAVE:-$steps}" --log_freq=100 --num_workers=0 \
+      --seed="$seed" --wandb.enable=false --output_dir="$out"
+  fi
+}
+failed() {
+  echo "train_and_evaluate: $1 of seed $seed failed; $2 says why" >&2
+  exit 1
+}
 for seed in "$@"; do
   out="$folder/act_$seed"
-  # ACT's default leaves environment_state as it is: here it is normalised
-  # shellcheck disable=SC2086
-  [ -d "$out/checkpoints/last" ] || "$python/lerobot-train" --dataset.repo_id=local/set --dataset.root="$folder/data" \
-    --policy.type=act --policy.device=cpu --policy.push_to_hub=false --policy.dim_model=128 \
-    --policy.dim_feedforward=512 --policy.n_heads=4 --policy.n_encoder_layers=2 --policy.n_vae_encoder_layers=2 \
-    --policy.latent_dim=16 --policy.chunk_size="${CHUNK:-10}" --policy.n_action_steps="${EXECUTED:-5}" \
-    --policy.optimizer_lr="${LEARNING_RATE:-1e-4}" --policy.dropout="${DROPOUT:-0.1}" --policy.use_vae="${VAE:-true}" \
-    '--policy.normalization_mapping={"STATE":"MEAN_STD","ENV":"MEAN_STD","ACTION":"MEAN_STD","VISUAL":"MEAN_STD"}' \
-    $training --batch_size="${BATCH:-32}" --steps="$steps" --save_freq="${SAVE:-$steps}" --log_freq=100 --num_workers=0 \
-    --seed="$seed" --wandb.enable=false --output_dir="$out" >"$folder/train_$seed.log" 2>&1
+  [ -d "$out/checkpoints/last" ] || train >"$folder/train_$seed.log" 2>&1 || failed training "$folder/train_$seed.log"
   # shellcheck disable=SC2086
   "$python/lerobot-eval" --policy.path="$out/checkpoints/last/pretrained_model" --policy.device=cpu \
     --env.type=phyvisgen --env.task="$task" --env.episode_length="$length" $show $plugin \
     --eval.n_episodes="$episodes" --eval.batch_size=2 --seed=0 \
-    --output_dir="$folder/eval_$seed" >"$folder/eval_$seed.log" 2>&1
+    --output_dir="$folder/eval_$seed" >"$folder/eval_$seed.log" 2>&1 || failed evaluation "$folder/eval_$seed.log"
   "$python/python" - "$folder/eval_$seed/eval_info.json" "$seed" "$episodes" <<'PYTHON' | tee -a "$folder/result.csv"
 import json
 import sys

@@ -36,14 +36,19 @@ class TrainAndEvaluate(unittest.TestCase):
             program = self.folder / name
             program.write_text(PROGRAM.format(python=sys.executable, told=self.told))
             program.chmod(0o755)
-        # by a script, since a link to the interpreter of a virtual environment would leave that environment
-        (self.folder / "python").write_text(f'#!/bin/sh\nexec {sys.executable} "$@"\n')
+        # no link, since a link to the interpreter of a virtual environment would leave that environment; scripts of
+        # training are written down alone
+        (self.folder / "python").write_text(
+            "#!/bin/sh\n"
+            f'case "$1" in *.py) echo "${{1##*/}}" "$@" >>{self.told} ;; *) exec {sys.executable} "$@" ;; esac\n'
+        )
         (self.folder / "python").chmod(0o755)
 
     def run_script(self, **variables):
         """The finished process, and the words of each program that ran, by its name and command."""
         self.told.write_text("")
-        names = {"OBSERVATION", "CAMERA", "SIZE", "SAMPLES", "GRIPPER", "GENERATE", "STEPS", "BATCH", "EPISODES"}
+        names = {"OBSERVATION", "CAMERA", "SIZE", "SAMPLES", "GRIPPER", "GENERATE", "STEPS", "BATCH", "EPISODES",
+                 "BACKBONE", "VAE", "SAVE", "CHUNK", "EXECUTED", "LEARNING_RATE", "DROPOUT"}
         environment = {name: value for name, value in os.environ.items() if name not in names}
         environment |= {"PHYVISGEN_PROGRAM": str(self.folder / "phyvisgen"), "TRAINING_PROGRAMS": str(self.folder)}
         environment |= {"LENGTH": "9", "EPISODES": "2", **variables}
@@ -62,9 +67,17 @@ class TrainAndEvaluate(unittest.TestCase):
         for word in ("--env.obs_type=pixels_agent_pos", "--env.width=128", "--env.height=96", "--env.samples=2"):
             self.assertIn(word, told["lerobot-eval"])
         self.assertIn("--env.cameras=[front,wrist]", told["lerobot-eval"])
-        self.assertIn("--policy.pretrained_backbone_weights=null", told["lerobot-train"])
+        self.assertIn("--chunk 20 --executed 10", " ".join(told["train_frozen.py"]))
+        self.assertNotIn("lerobot-train", told)
         result = (self.folder / "out/result.csv").read_text().split()
         self.assertEqual(result[1:], ["blind,,1,2", "nearest,,1,2", "act,1,2,2"])
+
+    def test_a_backbone_that_is_trained_is_lerobots_own_training(self):
+        process, told = self.run_script(OBSERVATION="pictures", BACKBONE="null", LEARNING_RATE="2e-4", VAE="false")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertNotIn("train_frozen.py", told)
+        for word in ("pretrained_backbone_weights=null", "optimizer_lr=2e-4", "optimizer_lr_backbone=2e-4", "use_vae=false"):
+            self.assertIn(f"--policy.{word}", told["lerobot-train"])
 
     def test_states_need_no_pictures(self):
         process, told = self.run_script()
@@ -87,6 +100,8 @@ class TrainAndEvaluate(unittest.TestCase):
         for variables, sentence in (
             ({"OBSERVATION": "smell"}, "OBSERVATION=smell is neither states nor pictures"),
             ({"CAMERA": "front"}, "CAMERA=front needs OBSERVATION=pictures"),
+            ({"BACKBONE": "null"}, "BACKBONE=null needs OBSERVATION=pictures"),
+            ({"VAE": "true", "OBSERVATION": "pictures"}, "VAE and SAVE are of lerobot-train"),
             ({"SIZE": "96"}, "SIZE=96 is not WIDTHxHEIGHT"),
             ({"SIZE": "96x9o"}, "SIZE=96x9o is not WIDTHxHEIGHT"),
             ({"GRIPPER": "hard"}, "GRIPPER=hard is neither soft nor rigid"),
@@ -97,6 +112,14 @@ class TrainAndEvaluate(unittest.TestCase):
             self.assertEqual((process.returncode, told), (2, {}), variables)
             self.assertIn(sentence, process.stderr)
             self.assertEqual(process.stderr.count("\n"), 1)
+
+    def test_a_training_that_fails_is_told(self):
+        (self.folder / "lerobot-train").write_text("#!/bin/sh\necho no memory\nexit 3\n")
+        process, told = self.run_script()
+        self.assertEqual(process.returncode, 1)
+        self.assertIn(f"training of seed 1 failed; {self.folder}/out/train_1.log says why", process.stderr)
+        self.assertEqual((self.folder / "out/train_1.log").read_text(), "no memory\n")
+        self.assertNotIn("lerobot-eval", told)
 
     def test_a_folder_keeps_to_what_it_was_made_with(self):
         self.run_script(OBSERVATION="pictures")
