@@ -28,7 +28,8 @@ task="$1" folder="$2"
 shift 2
 [ $# -gt 0 ] || set -- 1
 demonstrations="${DEMONSTRATIONS:-50}" episodes="${EPISODES:-20}"
-observation="${OBSERVATION:-states}" cameras="${CAMERA:-}" size="${SIZE:-96x96}" samples="${SAMPLES:-4}" gripper="${GRIPPER:-}"
+observation="${OBSERVATION:-states}" cameras="${CAMERA:-}" size="${SIZE:-96x96}" samples="${SAMPLES:-4}"
+gripper="${GRIPPER:-}"
 backbone="" steps="${STEPS:-2000}" batch="${BATCH:-32}" rate="${LEARNING_RATE:-1e-4}" dropout="${DROPOUT:-0.1}"
 chunk="${CHUNK:-10}" executed="${EXECUTED:-5}"
 width="${size%x*}" height="${size#*x}"
@@ -37,7 +38,9 @@ case "$gripper" in "" | soft | rigid) ;; *) refuse "GRIPPER=$gripper is neither 
 for word in ${GENERATE:-}; do
   case "${word%%=*}" in
     --gripper) refuse "GENERATE has --gripper, which evaluation would not get; set GRIPPER=rigid or GRIPPER=soft" ;;
-    --width | --height | --samples | --fps) refuse "GENERATE has ${word%%=*}, which evaluation would not get; set SIZE or SAMPLES, or write it into the task" ;;
+    --width | --height | --samples | --fps)
+      refuse "GENERATE has ${word%%=*}, which evaluation would not get; set SIZE or SAMPLES, or write it into the task"
+      ;;
   esac
 done
 # words for `generate`, `pack`, `evaluate policy`, `lerobot-train` and `lerobot-eval`

@@ -9,8 +9,10 @@ differ little from picture to picture, and ACT's projection of them (1 x 1) star
 look at pictures for hundreds of steps. Here the projection starts at the whitened principal components of the features.
 """
 import argparse
+import itertools
 from pathlib import Path
 
+import av
 import numpy as np
 import torch
 from lerobot.configs.types import FeatureType, NormalizationMode
@@ -59,18 +61,27 @@ def untrained(meta, w):
     return ACTPolicy(config)
 
 
+def pictures(root, camera):
+    """Of every row in its order, by 64. [n, 3, height, width] in 0 to 1; whole videos are decoded faster than rows"""
+    files = sorted(Path(root).glob(f"videos/{camera}/chunk-*/file-*.mp4"))
+    frames = (frame.to_ndarray(format="rgb24") for file in files for frame in av.open(str(file)).decode(video=0))
+    while some := list(itertools.islice(frames, 64)):
+        yield torch.from_numpy(np.stack(some)).permute(0, 3, 1, 2).float() / 255
+
+
 def normalised(data, policy, prepare):
     """Every row as the policy takes it, pictures as features of the backbone. [n, ...]"""
-    cameras = list(policy.config.image_features)
-    rows = {key: [] for key in (*policy.config.input_features, "action")}
-    loader = torch.utils.data.DataLoader(data, batch_size=64)
+    numbers = {key: torch.tensor(data.hf_dataset.with_format("numpy")[key][:]) for key in ("observation.state", "action")}
+    batch = prepare(numbers)
+    rows = {key: batch[key] for key in numbers}
     with torch.no_grad():
-        for batch in loader:
-            batch = prepare({key: batch[key] for key in rows})
-            for key in rows:
-                value = batch[key]
-                rows[key].append(policy.model.backbone(value)["feature_map"] if key in cameras else value)
-    return {key: torch.cat(values) for key, values in rows.items()}
+        for camera in policy.config.image_features:
+            some = (prepare({camera: batch})[camera] for batch in pictures(data.root, camera))
+            rows[camera] = torch.cat([policy.model.backbone(batch)["feature_map"] for batch in some])
+            if len(rows[camera]) != len(data):
+                raise SystemExit(f"train_frozen: {data.root} has {len(data)} rows, but {len(rows[camera])} pictures of "
+                                 f"{camera}; pack the set anew")
+    return rows
 
 
 def start_at_principal_components(projection, maps):

@@ -3,13 +3,18 @@
 import contextlib
 import importlib.util
 import io
+import subprocess
+import sys
 import tempfile
 import unittest
+from pathlib import Path
 
+import phyvisgen
 from phyvisgen import evaluate
 from small_task import TASK
 
 HAS_LEROBOT = all(importlib.util.find_spec(name) for name in ("lerobot", "lerobot_env_phyvisgen"))
+ROOT = Path(__file__).resolve().parents[3]
 WIDTH, HEIGHT = 32, 24
 
 
@@ -63,6 +68,31 @@ class LeRobot(unittest.TestCase):
             self.assertIn(f"trained on pictures of {WIDTH} x {HEIGHT} pixels of camera front, not {WIDTH} x {WIDTH}", told)
             code, told = judged(*policy, "--picture-height", str(HEIGHT))
             self.assertEqual(code, 0, told)
+
+    def test_a_policy_that_was_trained_on_kept_features_is_a_checkpoint(self):
+        if not (ROOT / ".venv-pack").is_dir():
+            self.skipTest("packing needs pyarrow; run scripts/install_pack.sh")
+        with tempfile.TemporaryDirectory() as folder:
+            made, packed, without = (f"{folder}/{name}" for name in ("set", "packed", "without"))
+            size = ["--width", str(WIDTH), "--height", str(HEIGHT)]
+            program = str(phyvisgen.find_program())
+            for words in (
+                [program, "generate", str(TASK), "-n", "2", *size, "-o", made],
+                [program, "pack", made, "-o", packed],
+                [program, "pack", made, "--no-pictures", "-o", without],
+            ):
+                subprocess.run(words, check=True, capture_output=True)
+            train = [sys.executable, str(ROOT / "scripts/policy/train_frozen.py"), "--steps", "2", "--batch", "4"]
+            out = f"{folder}/out"
+            done = subprocess.run([*train, "--data", packed, "--output", out], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("step 2: mean error of normalised actions", done.stdout)
+            code, told = judged("--policy", f"lerobot:{out}/pretrained_model", "--picture-width", str(WIDTH),
+                                "--picture-height", str(HEIGHT))
+            self.assertEqual(code, 0, told)
+            done = subprocess.run([*train, "--data", without, "--output", out], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("holds no pictures; pack a set that was rendered", done.stderr)
 
 
 if __name__ == "__main__":
