@@ -1,31 +1,92 @@
 #!/bin/sh
-# Trains ACT on states (joints and poses of objects) of demonstrations and judges it in the loop by lerobot's own
-# `lerobot-eval`, beside the mean motion of all demonstrations, on starts that no training has seen.
+# Trains ACT on demonstrations and judges it in the loop by lerobot's own `lerobot-eval`, beside the mean motion of all
+# demonstrations and the replay of the nearest one, all on the same starts, which no training has seen.
 #   scripts/train_and_evaluate.sh TASK FOLDER [SEED...]     TASK: a file; SEED: of trainings, 1 without any
-# FOLDER gets set, data set, checkpoints and result.csv; what is there already is kept. Variables: DEMONSTRATIONS (50),
-# EPISODES (20), STEPS (2000), CHUNK (10) actions of which EXECUTED (5) are done, LEARNING_RATE (1e-4), DROPOUT (0.1), VAE
-# (true), GENERATE: more words for `generate`,
-# LENGTH: periods of an episode (else a quarter more than the planned motion).
+# FOLDER gets set, data set, checkpoints and result.csv; what is there already is kept. Variables:
+#   OBSERVATION     states (joints and poses of objects, the default) or pictures (joints and pictures)
+#   CAMERA, SIZE    pictures: names of cameras with blanks between (else all), WIDTHxHEIGHT in pixels (96x96)
+#   SAMPLES         paths per pixel (4)
+#   GRIPPER         soft or rigid, in demonstrations and evaluation (else what the task says)
+#   DEMONSTRATIONS, EPISODES (50, 20), LENGTH: periods of an episode (else a quarter more than the planned motion)
+#   BACKBONE        pictures: ResNet-18 keeps random weights (frozen, the default: scripts/policy/train_frozen.py, minutes
+#                   without a GPU), or is trained by lerobot-train from random ones (null) or from those that torchvision
+#                   downloads (ResNet18_Weights.IMAGENET1K_V1)
+#   STEPS, BATCH    of training (2000 of 32; frozen: 3000 of 64)
+#   CHUNK, EXECUTED actions that are predicted, and done before the policy is asked again (10, 5; pictures: 20, 10)
+#   LEARNING_RATE, DROPOUT (1e-4, 0.1; frozen: 5e-4, 0)
+#   VAE, SAVE       of lerobot-train: true or false (true), steps from one checkpoint to the next (STEPS)
+#   TRAINING_PROGRAMS folder of python, lerobot-train and lerobot-eval (.venv-train/bin)
+#   GENERATE        more words for `generate` that change no episode, such as "--worlds 4"
 set -eu
 cd "$(dirname "$0")/.."
+refuse() {
+  echo "train_and_evaluate: $1" >&2
+  exit 2
+}
+[ $# -ge 2 ] || refuse "name a task file and a folder, such as data/tasks/weigh_beaker.yaml out/beaker_policy"
 task="$1" folder="$2"
 shift 2
 [ $# -gt 0 ] || set -- 1
 demonstrations="${DEMONSTRATIONS:-50}" episodes="${EPISODES:-20}"
-python=.venv-train/bin
+observation="${OBSERVATION:-states}" cameras="${CAMERA:-}" size="${SIZE:-96x96}" samples="${SAMPLES:-4}"
+gripper="${GRIPPER:-}"
+backbone="" steps="${STEPS:-2000}" batch="${BATCH:-32}" rate="${LEARNING_RATE:-1e-4}" dropout="${DROPOUT:-0.1}"
+chunk="${CHUNK:-10}" executed="${EXECUTED:-5}"
+width="${size%x*}" height="${size#*x}"
+expr "$size" : '[1-9][0-9]*x[1-9][0-9]*$' >/dev/null || refuse "SIZE=$size is not WIDTHxHEIGHT in pixels, such as 96x96"
+case "$gripper" in "" | soft | rigid) ;; *) refuse "GRIPPER=$gripper is neither soft nor rigid" ;; esac
+for word in ${GENERATE:-}; do
+  case "${word%%=*}" in
+    --gripper) refuse "GENERATE has --gripper, which evaluation would not get; set GRIPPER=rigid or GRIPPER=soft" ;;
+    --width | --height | --samples | --fps)
+      refuse "GENERATE has ${word%%=*}, which evaluation would not get; set SIZE or SAMPLES, or write it into the task"
+      ;;
+  esac
+done
+# words for `generate`, `pack`, `evaluate policy`, `lerobot-train` and `lerobot-eval`
+case "$observation" in
+  states)
+    [ -z "$cameras" ] || refuse "CAMERA=$cameras needs OBSERVATION=pictures; on states a policy sees none"
+    [ -z "${BACKBONE:-}" ] || refuse "BACKBONE=$BACKBONE needs OBSERVATION=pictures; on states there is none"
+    generate="--no-render" pack="--no-pictures --environment-state"
+    training="" show="--env.obs_type=state --env.width=96 --env.height=72 --env.samples=1"
+    ;;
+  pictures)
+    generate="--width $width --height $height --samples $samples" pack=""
+    backbone="${BACKBONE:-frozen}" chunk="${CHUNK:-20}" executed="${EXECUTED:-10}"
+    [ "$backbone" != frozen ] || [ -z "${VAE:-}${SAVE:-}" ] || refuse "VAE and SAVE are of lerobot-train; set BACKBONE=null"
+    training="--policy.vision_backbone=resnet18 --policy.pretrained_backbone_weights=$backbone"
+    training="$training --policy.optimizer_lr_backbone=$rate --dataset.video_backend=pyav"
+    show="--env.obs_type=pixels_agent_pos --env.width=$width --env.height=$height --env.samples=$samples"
+    list=""
+    for camera in $cameras; do
+      pack="$pack --camera $camera" list="$list${list:+,}$camera"
+    done
+    [ -z "$list" ] || show="$show --env.cameras=[$list]"
+    ;;
+  *) refuse "OBSERVATION=$observation is neither states nor pictures" ;;
+esac
+[ -z "$gripper" ] || generate="$generate --gripper $gripper" show="$show --env.gripper=$gripper"
+
+python="${TRAINING_PROGRAMS:-.venv-train/bin}"
 program="${PHYVISGEN_PROGRAM:-build/bin/phyvisgen}"
 export PHYVISGEN_PROGRAM="$(realpath "$program")" OMP_NUM_THREADS=1 HF_HUB_OFFLINE=1 HF_HOME="$folder/hf" WANDB_MODE=disabled
 mkdir -p "$folder"
+made="OBSERVATION=$observation CAMERA=$cameras SIZE=$size SAMPLES=$samples GRIPPER=$gripper"
+[ ! -e "$folder/made_with" ] || [ "$(cat "$folder/made_with")" = "$made" ] ||
+  refuse "$folder was made with $(cat "$folder/made_with"), not $made; name another folder"
+echo "$made" >"$folder/made_with"
 # a failed episode is no demonstration and no reason to stop
 # shellcheck disable=SC2086
-"$program" generate "$task" -n "$demonstrations" --no-render ${GENERATE:-} -o "$folder/set" >/dev/null || [ $? = 1 ]
-[ -d "$folder/data" ] || "$program" pack "$folder/set" --no-pictures --environment-state -o "$folder/data"
-length="${LENGTH:-$("$python/python" - "$task" <<'PYTHON'
+"$program" generate "$task" -n "$demonstrations" $generate ${GENERATE:-} -o "$folder/set" >/dev/null || [ $? = 1 ]
+# shellcheck disable=SC2086
+[ -d "$folder/data" ] || "$program" pack "$folder/set" $pack -o "$folder/data"
+length="${LENGTH:-$("$python/python" - "$task" "$gripper" <<'PYTHON'
 import sys
 import phyvisgen
 from phyvisgen.evaluation import planned_length
 
-with phyvisgen.Server(sys.argv[1], render=False) as server:
+with phyvisgen.Server(sys.argv[1], render=False, gripper=sys.argv[2] or None) as server:
     print(planned_length(server, phyvisgen.EVALUATION_SEED))
 PYTHON
 )}"
@@ -36,28 +97,48 @@ plugin=""
   plugin="--env.discover_packages_path=lerobot_env_phyvisgen"
 
 echo "policy,training_seed,successes,episodes" >"$folder/result.csv"
-blind="$(PVG_PYTHON="$python/python" "$program" evaluate policy "$task" --policy blind --demonstrations "$folder/set" \
-  -n "$episodes" --length "$length" --json | "$python/python" -c '
-import json, sys
-told = json.load(sys.stdin)
-print(sum(episode["success"] for episode in told["episodes_detail"]))')"
-echo "blind,,$blind,$episodes" | tee -a "$folder/result.csv"
+PVG_PYTHON="$python/python" "$program" evaluate policy "$task" --policy blind --baseline nearest \
+  --demonstrations "$folder/set" -n "$episodes" --length "$length" ${gripper:+--gripper "$gripper"} --json \
+  >"$folder/baselines.json"
+"$python/python" - "$folder/baselines.json" <<'PYTHON' | tee -a "$folder/result.csv"
+import json
+import sys
+
+told = json.load(open(sys.argv[1]))
+for name, result in {told["policy"]: told, **told["baselines"]}.items():
+    successes = sum(episode["success"] for episode in result["episodes_detail"])
+    print(f"{name},,{successes},{result['episodes']}")
+PYTHON
+train() {
+  if [ "$backbone" = frozen ]; then
+    "$python/python" scripts/policy/train_frozen.py --data "$folder/data" --output "$out/checkpoints/last" \
+      --steps "${STEPS:-3000}" --batch "${BATCH:-64}" --chunk "$chunk" --executed "$executed" \
+      --learning-rate "${LEARNING_RATE:-5e-4}" --dropout "${DROPOUT:-0}" --seed "$seed"
+  else
+    # ACT's default leaves environment_state as it is: here it is normalised
+    # shellcheck disable=SC2086
+    "$python/lerobot-train" --dataset.repo_id=local/set --dataset.root="$folder/data" --policy.type=act \
+      --policy.device=cpu --policy.push_to_hub=false --policy.dim_model=128 --policy.dim_feedforward=512 \
+      --policy.n_heads=4 --policy.n_encoder_layers=2 --policy.n_vae_encoder_layers=2 --policy.latent_dim=16 \
+      --policy.chunk_size="$chunk" --policy.n_action_steps="$executed" --policy.optimizer_lr="$rate" \
+      --policy.dropout="$dropout" --policy.use_vae="${VAE:-true}" \
+      '--policy.normalization_mapping={"STATE":"MEAN_STD","ENV":"MEAN_STD","ACTION":"MEAN_STD","VISUAL":"MEAN_STD"}' \
+      $training --batch_size="$batch" --steps="$steps" --save_freq="${SAVE:-$steps}" --log_freq=100 --num_workers=0 \
+      --seed="$seed" --wandb.enable=false --output_dir="$out"
+  fi
+}
+failed() {
+  echo "train_and_evaluate: $1 of seed $seed failed; $2 says why" >&2
+  exit 1
+}
 for seed in "$@"; do
   out="$folder/act_$seed"
-  # ACT's default leaves environment_state as it is: here it is normalised
-  [ -d "$out/checkpoints/last" ] || "$python/lerobot-train" --dataset.repo_id=local/set --dataset.root="$folder/data" \
-    --policy.type=act --policy.device=cpu --policy.push_to_hub=false --policy.dim_model=128 \
-    --policy.dim_feedforward=512 --policy.n_heads=4 --policy.n_encoder_layers=2 --policy.n_vae_encoder_layers=2 \
-    --policy.latent_dim=16 --policy.chunk_size="${CHUNK:-10}" --policy.n_action_steps="${EXECUTED:-5}" \
-    --policy.optimizer_lr="${LEARNING_RATE:-1e-4}" --policy.dropout="${DROPOUT:-0.1}" --policy.use_vae="${VAE:-true}" \
-    '--policy.normalization_mapping={"STATE":"MEAN_STD","ENV":"MEAN_STD","ACTION":"MEAN_STD","VISUAL":"MEAN_STD"}' \
-    --batch_size=32 --steps="${STEPS:-2000}" --save_freq="${STEPS:-2000}" --log_freq=500 --num_workers=0 \
-    --seed="$seed" --wandb.enable=false --output_dir="$out" >"$folder/train_$seed.log" 2>&1
+  [ -d "$out/checkpoints/last" ] || train >"$folder/train_$seed.log" 2>&1 || failed training "$folder/train_$seed.log"
   # shellcheck disable=SC2086
   "$python/lerobot-eval" --policy.path="$out/checkpoints/last/pretrained_model" --policy.device=cpu \
-    --env.type=phyvisgen --env.task="$task" --env.episode_length="$length" --env.width=96 --env.height=72 \
-    --env.samples=1 $plugin --eval.n_episodes="$episodes" --eval.batch_size=2 --seed=1000 \
-    --output_dir="$folder/eval_$seed" >"$folder/eval_$seed.log" 2>&1
+    --env.type=phyvisgen --env.task="$task" --env.episode_length="$length" $show $plugin \
+    --eval.n_episodes="$episodes" --eval.batch_size=2 --seed=0 \
+    --output_dir="$folder/eval_$seed" >"$folder/eval_$seed.log" 2>&1 || failed evaluation "$folder/eval_$seed.log"
   "$python/python" - "$folder/eval_$seed/eval_info.json" "$seed" "$episodes" <<'PYTHON' | tee -a "$folder/result.csv"
 import json
 import sys

@@ -18,7 +18,7 @@ from lerobot.envs.configs import EnvConfig
 from lerobot.utils.constants import ACTION, OBS_ENV_STATE, OBS_IMAGES, OBS_STATE
 
 from phyvisgen import Facts, Server, TaskEnvironment
-from phyvisgen.environment import OBSERVATION_TYPES
+from phyvisgen.environment import OBSERVATION_TYPES, chosen_cameras
 
 try:
     from lerobot.envs.utils import freeze_after_episode_end
@@ -67,11 +67,12 @@ class PhyVisGenEnv(EnvConfig):
         if "environment_state" in shown:
             self.features["environment_state"] = PolicyFeature(type=FeatureType.ENV, shape=m)
             self.features_map["environment_state"] = OBS_ENV_STATE
-        for name, (width, height) in facts.cameras.items() if "pixels" in shown else ():
-            if self.cameras is None or name in self.cameras:
-                key = f"pixels/{name}"
-                self.features[key] = PolicyFeature(type=FeatureType.VISUAL, shape=(height, width, 3))
-                self.features_map[key] = f"{OBS_IMAGES}.{name}"
+        cameras = chosen_cameras(facts, self.cameras)  # named ones are looked at even where no pictures are shown
+        for name in cameras if "pixels" in shown else ():
+            width, height = facts.cameras[name]
+            key = f"pixels/{name}"
+            self.features[key] = PolicyFeature(type=FeatureType.VISUAL, shape=(height, width, 3))
+            self.features_map[key] = f"{OBS_IMAGES}.{name}"
 
     @property
     def package_name(self) -> str:

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 import os
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Sequence
 
 import gymnasium
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from .server import Answer, Server
+from .server import Answer, Facts, Server
 
-__all__ = ["EVALUATION_SEED", "OBSERVATION_TYPES", "TaskEnvironment"]
+__all__ = ["EVALUATION_SEED", "OBSERVATION_TYPES", "TaskEnvironment", "chosen_cameras"]
 
 # Seeds of sets from here on belong to evaluation: `generate` refuses them, so that no policy is judged on what it saw.
 EVALUATION_SEED = 2**63
@@ -27,6 +27,15 @@ OBSERVATION_TYPES = {
 }
 FARTHEST = 1e3  # bound of observed numbers [m or rad]
 LENGTH_OF_PLAN = 1.25  # of an episode, where none is given: what the planned motion of the first start takes, and more
+
+
+def chosen_cameras(facts: Facts, names: Sequence[str] | None) -> list[str]:
+    """Those named, in the task's order, or all where none is named; a name that the task lacks is refused."""
+    for name in names or ():
+        if name not in facts.cameras:
+            known = ", ".join(facts.cameras) or "none"
+            raise ValueError(f"cameras: the task {facts.task} has no camera {name!r}, but {known}; name one of these")
+    return [camera for camera in facts.cameras if names is None or camera in names]
 
 
 class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
@@ -49,7 +58,7 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
         obs_type: str = "state",
         episode_length: int | None = None,
         set_seed: int = EVALUATION_SEED,
-        cameras: tuple[str, ...] | list[str] | None = None,
+        cameras: Sequence[str] | None = None,
         width: int | None = None,
         height: int | None = None,
         samples: int | None = None,
@@ -80,11 +89,11 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
         self.task_description = facts.task.replace("_", " ")
         self.metadata = {**TaskEnvironment.metadata, "render_fps": round(facts.frames_per_second)}
         self._set_seed = set_seed
-        unknown = [camera for camera in cameras or [] if camera not in facts.cameras]
-        if unknown:
+        try:
+            self._cameras = chosen_cameras(facts, cameras)
+        except ValueError:
             self._server.close()
-            raise ValueError(f"the task has no camera {unknown[0]!r}, but {', '.join(facts.cameras) or 'none'}")
-        self._cameras = [camera for camera in facts.cameras if cameras is None or camera in cameras]
+            raise
         self._picture: NDArray[np.uint8] | None = None
         self._n_periods = 0
         self._ended: Answer | None = None

@@ -13,6 +13,7 @@ import torch
 from lerobot.configs.policies import PreTrainedConfig
 from lerobot.policies.factory import get_policy_class, make_pre_post_processors
 
+from .checkpoint import Inputs
 from .server import Answer, Server
 
 __all__ = ["LeRobotPolicy"]
@@ -23,12 +24,11 @@ class LeRobotPolicy:
 
     def __init__(self, checkpoint: str | os.PathLike[str], prompt: str, device: str = "cpu") -> None:
         folder = Path(checkpoint)
-        if not (folder / "config.json").is_file():
-            raise FileNotFoundError(f"{folder} has no config.json; name the folder `pretrained_model` of a checkpoint")
+        self._inputs = Inputs.read(folder)
         config = PreTrainedConfig.from_pretrained(str(folder))
         config.device = device
         self.name = f"lerobot:{folder}"
-        self.cameras = tuple(key.rsplit(".", 1)[1] for key in config.image_features)
+        self.cameras = tuple(self._inputs.pictures)
         self._prompt = prompt
         with redirect_stdout(sys.stderr):  # what lerobot tells is no part of our output
             self._policy = get_policy_class(config.type).from_pretrained(str(folder), config=config).eval()
@@ -39,6 +39,7 @@ class LeRobotPolicy:
         )
 
     def reset(self, start: Answer) -> None:
+        self._inputs.check(start.arrays)
         self._policy.reset()
 
     def step(self, server: Server, seen: Answer) -> Answer:

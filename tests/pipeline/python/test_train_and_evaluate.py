@@ -1,0 +1,132 @@
+"""scripts/train_and_evaluate.sh with programs that only write down what they are told: demonstrations and evaluation get
+the same words."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+SCRIPT = Path(__file__).resolve().parents[3] / "scripts/train_and_evaluate.sh"
+PROGRAM = """#!{python}
+import json, pathlib, sys
+words = sys.argv[1:]
+with open("{told}", "a") as told:
+    print(pathlib.Path(sys.argv[0]).name, *words, file=told)
+if words[0] == "evaluate":
+    result = {{"policy": "blind", "episodes": 2, "episodes_detail": [{{"success": True}}, {{"success": False}}]}}
+    print(json.dumps({{**result, "baselines": {{"nearest": result}}}}))
+for word in words:
+    if word.startswith("--output_dir=") and "eval_" in word:
+        folder = pathlib.Path(word.split("=")[1])
+        folder.mkdir()
+        (folder / "eval_info.json").write_text('{{"overall": {{"pc_success": 100.0}}}}')
+"""
+
+
+class TrainAndEvaluate(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(self.temporary.cleanup)
+        self.folder = Path(self.temporary.name)
+        self.told = self.folder / "told"
+        for name in ("phyvisgen", "lerobot-train", "lerobot-eval"):
+            program = self.folder / name
+            program.write_text(PROGRAM.format(python=sys.executable, told=self.told))
+            program.chmod(0o755)
+        # no link, since a link to the interpreter of a virtual environment would leave that environment; scripts of
+        # training are written down alone
+        (self.folder / "python").write_text(
+            "#!/bin/sh\n"
+            f'case "$1" in *.py) echo "${{1##*/}}" "$@" >>{self.told} ;; *) exec {sys.executable} "$@" ;; esac\n'
+        )
+        (self.folder / "python").chmod(0o755)
+
+    def run_script(self, **variables):
+        """The finished process, and the words of each program that ran, by its name and command."""
+        self.told.write_text("")
+        names = {"OBSERVATION", "CAMERA", "SIZE", "SAMPLES", "GRIPPER", "GENERATE", "STEPS", "BATCH", "EPISODES",
+                 "BACKBONE", "VAE", "SAVE", "CHUNK", "EXECUTED", "LEARNING_RATE", "DROPOUT"}
+        environment = {name: value for name, value in os.environ.items() if name not in names}
+        environment |= {"PHYVISGEN_PROGRAM": str(self.folder / "phyvisgen"), "TRAINING_PROGRAMS": str(self.folder)}
+        environment |= {"LENGTH": "9", "EPISODES": "2", **variables}
+        words = ["sh", str(SCRIPT), "task.yaml", str(self.folder / "out")]
+        process = subprocess.run(words, env=environment, capture_output=True, text=True)
+        lines = [line.split() for line in self.told.read_text().splitlines()]
+        return process, {line[0] if line[0] != "phyvisgen" else line[1]: line[1:] for line in lines}
+
+    def test_pictures_have_one_size_in_training_and_evaluation(self):
+        process, told = self.run_script(OBSERVATION="pictures", CAMERA="front wrist", SIZE="128x96", SAMPLES="2")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertIn("--width 128 --height 96 --samples 2", " ".join(told["generate"]))
+        self.assertNotIn("--no-render", told["generate"])
+        self.assertIn("--camera front --camera wrist", " ".join(told["pack"]))
+        self.assertNotIn("--environment-state", told["pack"])
+        for word in ("--env.obs_type=pixels_agent_pos", "--env.width=128", "--env.height=96", "--env.samples=2"):
+            self.assertIn(word, told["lerobot-eval"])
+        self.assertIn("--env.cameras=[front,wrist]", told["lerobot-eval"])
+        self.assertIn("--chunk 20 --executed 10", " ".join(told["train_frozen.py"]))
+        self.assertNotIn("lerobot-train", told)
+        result = (self.folder / "out/result.csv").read_text().split()
+        self.assertEqual(result[1:], ["blind,,1,2", "nearest,,1,2", "act,1,2,2"])
+
+    def test_a_backbone_that_is_trained_is_lerobots_own_training(self):
+        process, told = self.run_script(OBSERVATION="pictures", BACKBONE="null", LEARNING_RATE="2e-4", VAE="false")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertNotIn("train_frozen.py", told)
+        for word in ("pretrained_backbone_weights=null", "optimizer_lr=2e-4", "optimizer_lr_backbone=2e-4", "use_vae=false"):
+            self.assertIn(f"--policy.{word}", told["lerobot-train"])
+
+    def test_states_need_no_pictures(self):
+        process, told = self.run_script()
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertIn("--no-render", told["generate"])
+        self.assertIn("--environment-state", told["pack"])
+        self.assertIn("--env.obs_type=state", told["lerobot-eval"])
+        self.assertFalse([word for word in told["lerobot-train"] if "backbone" in word])
+
+    def test_the_gripper_is_the_same_everywhere(self):
+        for observation in ("states", "pictures"):
+            shutil.rmtree(self.folder / "out", ignore_errors=True)
+            process, told = self.run_script(GRIPPER="rigid", OBSERVATION=observation)
+            self.assertEqual(process.returncode, 0, process.stderr)
+            self.assertIn("--gripper rigid", " ".join(told["generate"]))
+            self.assertIn("--gripper rigid", " ".join(told["evaluate"]))
+            self.assertIn("--env.gripper=rigid", told["lerobot-eval"])
+
+    def test_mistakes_are_one_sentence(self):
+        for variables, sentence in (
+            ({"OBSERVATION": "smell"}, "OBSERVATION=smell is neither states nor pictures"),
+            ({"CAMERA": "front"}, "CAMERA=front needs OBSERVATION=pictures"),
+            ({"BACKBONE": "null"}, "BACKBONE=null needs OBSERVATION=pictures"),
+            ({"VAE": "true", "OBSERVATION": "pictures"}, "VAE and SAVE are of lerobot-train"),
+            ({"SIZE": "96"}, "SIZE=96 is not WIDTHxHEIGHT"),
+            ({"SIZE": "96x9o"}, "SIZE=96x9o is not WIDTHxHEIGHT"),
+            ({"GRIPPER": "hard"}, "GRIPPER=hard is neither soft nor rigid"),
+            ({"GENERATE": "--worlds 2 --gripper rigid"}, "set GRIPPER=rigid"),
+            ({"GENERATE": "--width=64"}, "GENERATE has --width"),
+        ):
+            process, told = self.run_script(**variables)
+            self.assertEqual((process.returncode, told), (2, {}), variables)
+            self.assertIn(sentence, process.stderr)
+            self.assertEqual(process.stderr.count("\n"), 1)
+
+    def test_a_training_that_fails_is_told(self):
+        (self.folder / "lerobot-train").write_text("#!/bin/sh\necho no memory\nexit 3\n")
+        process, told = self.run_script()
+        self.assertEqual(process.returncode, 1)
+        self.assertIn(f"training of seed 1 failed; {self.folder}/out/train_1.log says why", process.stderr)
+        self.assertEqual((self.folder / "out/train_1.log").read_text(), "no memory\n")
+        self.assertNotIn("lerobot-eval", told)
+
+    def test_a_folder_keeps_to_what_it_was_made_with(self):
+        self.run_script(OBSERVATION="pictures")
+        process, told = self.run_script(OBSERVATION="pictures", SIZE="64x64")
+        self.assertEqual((process.returncode, told), (2, {}))
+        self.assertIn("SIZE=96x96", process.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
