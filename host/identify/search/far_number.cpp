@@ -79,9 +79,11 @@ std::vector<double> ratios_between(double low, double high, std::size_t n) {
 }
 
 std::optional<FarNumber> find_far_number(Fitter& fitter, const Problem& problem) {
-  if (!problem.can_restart) return std::nullopt;
-  const FitData data =
-      fitter.prepare(make_windows(problem, false, criteria().step_window, criteria().step_n_windows), {}, false);
+  const PhysicalScene& scene = problem.scene.scene;
+  if (!scene.soft_bodies.empty() || !scene.cloths.empty()) return std::nullopt;
+  const FitData data = fitter.prepare(
+      make_windows(problem, false, problem.can_restart ? criteria().step_window : 0, criteria().step_n_windows), {},
+      false);
   const std::vector<Candidate> numbers = unknown_numbers(problem);
   if (data.windows.empty() || numbers.empty()) return std::nullopt;
   const double before = misfit_of(fitter.evaluate(data, {Model{}}, {}).front());

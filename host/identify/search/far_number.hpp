@@ -21,7 +21,7 @@ std::vector<double> factors_away(const Parameter& parameter, const Series& facto
 std::vector<double> ratios_between(double low, double high, std::size_t n);
 
 // The number that explains nearly all of a misfit that is huge, alone and from the measured starts; none where there is
-// no such number, or where runs cannot restart from a measured state: whole runs of soft bodies take too long.
+// no such number, or where anything is soft: each trial would take too long.
 std::optional<FarNumber> find_far_number(Fitter& fitter, const Problem& problem);
 
 }  // namespace pvg::diagnose
