@@ -123,11 +123,11 @@ std::optional<Variant> nearer_scene(Workflow& flow) {
   const std::optional<FarNumber> far = find_far_number(flow.fitter, flow.problem);
   solver = as_given;
   if (!far) return std::nullopt;
-  flow.notes.push_back(
-      fmt::format("{} at {} of {:.3g} {} instead of {:.3g} alone leaves {:.3g} of {:.3g} times the noise: the time step is "
-                  "chosen for it, and all candidates are tried",
-                  far->number.name, far->number.target, far->value, far->number.parameters[0].unit,
-                  far->number.parameters[0].off, far->after, far->before));
+  flow.notes.push_back(fmt::format(
+      "{} at {} of {:.3g} {} instead of {:.3g} alone leaves {:.3g} of {:.3g} times the noise: the time step is "
+      "chosen for it, and all candidates are tried",
+      far->number.name, far->number.target, far->value, far->number.parameters[0].unit, far->number.parameters[0].off,
+      far->after, far->before));
   Model model = model_of({&far->number});
   model.x[0] = far->value;
   return variant_of(flow.base, model);

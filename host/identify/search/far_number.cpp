@@ -101,7 +101,8 @@ std::optional<FarNumber> find_far_number(Fitter& fitter, const Problem& problem)
     std::vector<Place> finer;
     for (const auto& [low, high] : {std::pair(below, best.value), std::pair(best.value, above)})
       if (low < high)
-        for (const double value : ratios_between(low, high, criteria().far_n_between)) finer.push_back({best.number, value});
+        for (const double value : ratios_between(low, high, criteria().far_n_between))
+          finer.push_back({best.number, value});
     find_misfits(fitter, data, finer);
     places.insert(places.end(), finer.begin(), finer.end());
   }

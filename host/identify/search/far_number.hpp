@@ -1,5 +1,5 @@
-// A number of the scene that is wrong by factors, found before the time step is chosen: a stiffness that is 20 times too
-// large would have all else simulated in steps that only this wrong stiffness needs.
+// A number of the scene that is wrong by factors, found before the time step is chosen: a stiffness that is 20 times
+// too large would have all else simulated in steps that only this wrong stiffness needs.
 #pragma once
 #include <optional>
 #include <vector>

@@ -42,7 +42,8 @@ Fit best_of(Workflow& flow, Prepared& prepared, std::vector<Model> models, const
 // Backward check: drop an effect if the model without it fits equally well from where the others are now. The newest is
 // dropped too: the earlier ones may have been short of their optimum, or in windows that were prepared for the scene
 // without them, and a second effect makes up for that. Swap: replace the first by another effect of the first round if
-// that is better beside the later one; beside that alternative the later effect may be swapped for one of its own round.
+// that is better beside the later one; beside that alternative the later effect may be swapped for one of its own
+// round.
 Fit reconsidered(Workflow& flow, Prepared& prepared, const Fit& fit, const std::vector<Fit>& first_round,
                  const std::vector<Fit>& this_round) {
   const std::size_t n_nuisances = std::size_t(fit.model.n_nuisances());

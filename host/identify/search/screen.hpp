@@ -30,8 +30,8 @@ struct Signatures {
 Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& base,
                          const std::vector<const Candidate*>& candidates);
 
-// Where g x + x A x / 2 is least with each x between its bounds, which hold zero. What would go beyond a bound is set to
-// it, the farthest first, and the others are found again beside it.
+// Where g x + x A x / 2 is least with each x between its bounds, which hold zero. What would go beyond a bound is set
+// to it, the farthest first, and the others are found again beside it.
 Eigen::VectorXd least_within(const Eigen::MatrixXd& a, const Eigen::VectorXd& g, const Eigen::VectorXd& low,
                              const Eigen::VectorXd& high);
 

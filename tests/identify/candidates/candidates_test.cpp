@@ -52,8 +52,8 @@ TEST(Candidates, WhatRollsIsBrakedWhicheverBodyOfThePairItIs) {
   EXPECT_EQ(targets_of(make_candidates(problem, {"floor/ball"}), "adhesion"), std::vector<std::string>{"floor/ball"});
 }
 
-// A pendulum that its joint damps swings by damping / mass alone: no motion tells which of the two is wrong. The mass may
-// have been weighed. It remains likelier than an error of a sensor or a missing effect.
+// A pendulum that its joint damps swings by damping / mass alone: no motion tells which of the two is wrong. The mass
+// may have been weighed. It remains likelier than an error of a sensor or a missing effect.
 TEST(Candidates, OfAMassAndADampingTheDampingIsLikelierToBeWrong) {
   const TestFolder folder;
   folder.write("scene.yaml", R"(schema: 1

@@ -32,7 +32,8 @@ bodies:
   - {name: arm, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 1, pose: {position: [0.15, 0, 0]}, collides: false}
 joints:
   - {name: shoulder, type: revolute, parent: base, child: arm, axis: [0, 0, 1], drive: {stiffness: )" +
-                               std::to_string(stiffness) + ", damping: " + std::to_string(damping) + ", target: 0.3}}\n");
+                                 std::to_string(stiffness) + ", damping: " + std::to_string(damping) +
+                                 ", target: 0.3}}\n");
   std::string run = "t,q\n";
   for (int i = 0; i < 60; ++i) run += std::to_string(0.01 * i) + "," + std::to_string(seen(0.01 * i)) + "\n";
   folder.write("a.csv", run);
