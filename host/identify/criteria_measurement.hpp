@@ -147,6 +147,18 @@
   X(1, double, late_clock_most, 0.06, "s", \
     "time simulated beyond a window's end, for clocks and sensors that are late", \
     "not recorded") \
+  X(1, double, far_misfit_least, 30, "noise", \
+    "misfit from which numbers of the scene are tried factors away before the time step is chosen", \
+    "chosen by judgement, not measured") \
+  X(1, double, far_leaves_most, 0.1, "1", \
+    "share of that misfit which such a number may leave, alone and from measured starts", \
+    "chosen by judgement, not measured") \
+  X(1, std::size_t, far_n_refinements, 3, "1", \
+    "how often it is looked for between the neighbours of its best value", \
+    "factors of 4 become 1.6, 1.17 and 1.05, which a swing of some periods tells apart") \
+  X(1, std::size_t, far_n_between, 2, "1", \
+    "values on either side of the best one", \
+    "three parts of each interval") \
   X(1, int, step_n_halvings, 1, "1", \
     "halvings of a step that does not converge; a world that needs more counts as failed", \
     "not recorded") \

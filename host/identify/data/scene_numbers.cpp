@@ -211,8 +211,17 @@ bool write_contact_stiffness(const NumberInFile& number) {
 
 std::span<const SceneNumber> scene_numbers() {
   static const SceneNumber NUMBERS[] = {
-      {"retune_mass", "kg", "the body's mass is not what the scene says, its inertia with it", 0.2, 5, masses,
-       write_mass},
+      // a scale tells it, so it is wrong less often than a number that only motions tell, such as a damping, which
+      // moves
+      // a pendulum alike
+      {.name = "retune_mass",
+       .unit = "kg",
+       .meaning = "the body's mass is not what the scene says, its inertia with it",
+       .low = 0.2,
+       .high = 5,
+       .places = masses,
+       .write = write_mass,
+       .log_prior = -0.4},
       // it mostly follows from shape and mass, so it is wrong alone less often than other numbers
       {.name = "retune_inertia",
        .unit = "kg m^2",

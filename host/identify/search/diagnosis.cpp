@@ -15,6 +15,7 @@
 #include "host/identify/fit/time_step.hpp"
 #include "host/identify/fit/whole_runs.hpp"
 #include "host/identify/search/choose_windows.hpp"
+#include "host/identify/search/far_number.hpp"
 #include "host/identify/search/plan_next.hpp"
 #include "host/identify/search/prove.hpp"
 #include "host/identify/search/regress.hpp"
@@ -114,11 +115,34 @@ Verdict verdict_of(const std::vector<NamedEffect>& effects) {
   return any_physical ? Verdict::effect : any_parameter ? Verdict::retune : Verdict::measurement;
 }
 
+// The scene with the number that is wrong by factors, if there is one. It is looked for in steps of second order.
+std::optional<Variant> nearer_scene(Workflow& flow) {
+  SolverSettings& solver = flow.base.scene.solver;
+  const SolverSettings as_given = solver;
+  solver.integrator = SolverSettings::Integrator::bdf2;
+  const std::optional<FarNumber> far = find_far_number(flow.fitter, flow.problem);
+  solver = as_given;
+  if (!far) return std::nullopt;
+  flow.notes.push_back(fmt::format(
+      "{} at {} of {:.3g} {} instead of {:.3g} alone leaves {:.3g} of {:.3g} times the noise: the time step is "
+      "chosen for it, and all candidates are tried",
+      far->number.name, far->number.target, far->value, far->number.parameters[0].unit, far->number.parameters[0].off,
+      far->after, far->before));
+  Model model = model_of({&far->number});
+  model.x[0] = far->value;
+  return variant_of(flow.base, model);
+}
+
 // The scene's own step where there is no time to compare it with finer ones.
 void choose_step(Workflow& flow) {
   std::string note;
-  if (flow.ends_in_time(criteria().time_measurement, "the comparison with finer time steps",
-                        [&] { note = choose_time_step(flow.fitter, flow.predictor, flow.problem, flow.base); })) {
+  if (flow.ends_in_time(criteria().time_measurement, "the comparison with finer time steps", [&] {
+        std::optional<Variant> nearer = nearer_scene(flow);
+        note = choose_time_step(flow.fitter, flow.predictor, flow.problem, nearer ? *nearer : flow.base);
+        if (!nearer) return;
+        flow.base.scene.solver = nearer->scene.solver;
+        flow.base.extrapolates = nearer->extrapolates;
+      })) {
     flow.notes.push_back(note);
     return;
   }

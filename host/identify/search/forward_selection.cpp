@@ -24,6 +24,10 @@ std::vector<std::string> labels_of(const Model& model, const Model& before = {})
   return labels;
 }
 
+bool begins_with(const std::vector<const Candidate*>& all, const std::vector<const Candidate*>& first) {
+  return first.size() <= all.size() && std::equal(first.begin(), first.end(), all.begin());
+}
+
 Fit best_of(Workflow& flow, Prepared& prepared, std::vector<Model> models, const Fit& fit) {
   const FitData& data = prepared.data();
   std::vector<Fit> fits = flow.fitter.begin(data, std::move(models));
@@ -35,14 +39,16 @@ Fit best_of(Workflow& flow, Prepared& prepared, std::vector<Model> models, const
   return decision.chosen >= 0 ? *decision.ranking[std::size_t(decision.chosen)].fit : fit;
 }
 
-// Backward check: drop the first effect if the model without it fits equally well. Swap: replace it by another effect
-// of the first round if that is better beside the later one; beside that alternative the later effect may be swapped
-// for one of its own round.
+// Backward check: drop an effect if the model without it fits equally well from where the others are now. The newest is
+// dropped too: the earlier ones may have been short of their optimum, or in windows that were prepared for the scene
+// without them, and a second effect makes up for that. Swap: replace the first by another effect of the first round if
+// that is better beside the later one; beside that alternative the later effect may be swapped for one of its own
+// round.
 Fit reconsidered(Workflow& flow, Prepared& prepared, const Fit& fit, const std::vector<Fit>& first_round,
                  const std::vector<Fit>& this_round) {
   const std::size_t n_nuisances = std::size_t(fit.model.n_nuisances());
   std::vector<Model> models = swapped(fit.model, n_nuisances, first_round);
-  for (std::size_t i = n_nuisances; i + 1 < fit.model.parts.size(); ++i) models.push_back(without(fit.model, i));
+  for (Model& simpler : each_left_out(fit.model)) models.push_back(std::move(simpler));
   const Fit first = best_of(flow, prepared, std::move(models), fit);
   const std::vector<const Candidate*>& parts = first.model.parts;
   const auto later = std::find(parts.begin(), parts.end(), fit.model.parts.back());
@@ -156,18 +162,26 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
         named = prepared_again(flow.fitter, prepared, named);
       });
     const double error = rms(named.residual);
+    const bool any_dropped = named.model.effects().size() < n_effects;
+    const bool is_newest_dropped = any_dropped && begins_with(chosen.fit->model.effects(), named.model.effects());
+    if (is_newest_dropped)
+      std::erase_if(out.ranking, [&](const RankedModel& model) { return model.parts == named.model.effects(); });
     if (number > 1)
       out.ranking.insert(out.ranking.begin(), named.model.parts == chosen.fit->model.parts
                                                   ? ranked(chosen)
                                                   : ranked(named, error, chosen.evidence, chosen.probability));
-    if (!set.empty()) out.inseparable.push_back(set);
-    if (named.model.effects().size() < n_effects) {  // the first effect was dropped
-      out.fits.clear();
-      out.inseparable.clear();
+    if (is_newest_dropped) {  // the same effects as before, at a better optimum
+      out.fits.pop_back();
+    } else {
+      if (!set.empty()) out.inseparable.push_back(set);
+      if (any_dropped) {  // the first effect was
+        out.fits.clear();
+        out.inseparable.clear();
+      }
     }
     out.fits.push_back(named);
     out.error = error;
-    if (error < criteria().unexplained) break;
+    if (error < criteria().unexplained || is_newest_dropped) break;
     if (int(named.model.effects().size()) < flow.settings.max_effects)
       flow.report_progress(4, 0.6,
                            "what " + named.model.parts.back()->label() + " leaves is " + std::to_string(error) +

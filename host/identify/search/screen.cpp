@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <span>
 
 #include "host/identify/criteria.hpp"
@@ -139,6 +140,36 @@ Signatures signatures_from(const FitData& data, const Fit& base, std::span<const
   return out;
 }
 
+}  // namespace
+
+VectorXd least_within(const MatrixXd& a, const VectorXd& g, const VectorXd& low, const VectorXd& high) {
+  VectorXd x = VectorXd::Zero(g.size());
+  std::vector<Eigen::Index> open(std::size_t(g.size()));
+  std::iota(open.begin(), open.end(), 0);
+  while (!open.empty()) {
+    const VectorXd left = g + a * x;  // what is open is zero in x
+    const MatrixXd inner = a(open, open);
+    const VectorXd found = -inner.ldlt().solve(left(open));
+    std::size_t farthest = open.size();
+    double most = 0;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      const Eigen::Index k = open[i];
+      const double f = found[Eigen::Index(i)], beyond = std::max(low[k] - f, f - high[k]) / std::max(std::abs(f), 1.0);
+      if (beyond > most) most = beyond, farthest = i;
+    }
+    if (farthest == open.size()) {
+      x(open) = found;
+      break;
+    }
+    const Eigen::Index k = open[farthest];
+    x[k] = std::clamp(found[Eigen::Index(farthest)], low[k], high[k]);
+    open.erase(open.begin() + std::ptrdiff_t(farthest));
+  }
+  return x;
+}
+
+namespace {
+
 // The best sum of one candidate's signatures, starts and base model free; no gain where the residuals do not change.
 Screened linear_optimum(const FitData& data, const Fit& base, double n_data, std::span<const Trial> trials,
                         std::span<const std::vector<VectorXd>> found) {
@@ -152,23 +183,31 @@ Screened linear_optimum(const FitData& data, const Fit& base, double n_data, std
   VectorXd g = reduced.sum_g();
   add_priors(base.model, a, g);
   a.diagonal().array() += criteria().screen_ridge * a.trace();
-  VectorXd dx = -a.ldlt().solve(g);  // in units of the steps
+  // in units of the steps
+  VectorXd low(a.rows()), high(a.rows());
+  const std::vector<const Parameter*> bounds = base.model.parameters();
+  for (Eigen::Index i = 0; i < n_base; ++i) {
+    const Parameter& p = *bounds[std::size_t(i)];
+    // how far a nuisance goes its prior says
+    const double most = i < base.model.n_nuisances() ? INFINITY : criteria().screen_base_steps_most;
+    low[i] = std::max(-most, std::min((p.low - base.model.x[i]) / base.model.scale[i], 0.0));
+    high[i] = std::min(most, std::max((p.high - base.model.x[i]) / base.model.scale[i], 0.0));
+  }
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const Parameter& p = candidate.parameters[trials[seen[i]].parameter];
+    const double step = trials[seen[i]].step, one_end = (p.low - p.off) / step, other_end = (p.high - p.off) / step;
+    low[n_base + Eigen::Index(i)] = std::max(-criteria().screen_steps_most, std::min(one_end, other_end));
+    high[n_base + Eigen::Index(i)] = std::min(criteria().screen_steps_most, std::max(one_end, other_end));
+  }
+  const VectorXd dx = least_within(a, g, low, high);
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const Trial& trial = trials[seen[i]];
-    const Parameter& p = candidate.parameters[trial.parameter];
-    double& d = dx[n_base + Eigen::Index(i)];
-    d = std::clamp(d, -criteria().screen_steps_most, criteria().screen_steps_most);
-    d = (std::clamp(p.off + d * trial.step, p.low, p.high) - p.off) / trial.step;
-    one.model.x[n_base + Eigen::Index(trial.parameter)] = p.off + d * trial.step;
-    one.model.scale[n_base + Eigen::Index(trial.parameter)] = std::abs(trial.step);
+    const Eigen::Index at = n_base + Eigen::Index(trial.parameter);
+    one.model.x[at] = candidate.parameters[trial.parameter].off + dx[n_base + Eigen::Index(i)] * trial.step;
+    one.model.scale[at] = std::abs(trial.step);
     one.sensitivity = std::max(one.sensitivity, size_of(found[seen[i]]));
   }
-  for (Eigen::Index i = 0; i < n_base; ++i)
-    dx[i] = std::clamp(dx[i], -criteria().screen_base_steps_most, criteria().screen_base_steps_most);
   one.model.x.head(n_base) += (dx.head(n_base).array() * base.model.scale.head(n_base).array()).matrix();
-  const std::vector<const Parameter*> bounds = base.model.parameters();
-  for (Eigen::Index i = 0; i < n_base; ++i)
-    one.model.x[i] = std::clamp(one.model.x[i], bounds[std::size_t(i)]->low, bounds[std::size_t(i)]->high);
   one.gain = -(g.dot(dx) + 0.5 * dx.dot(a * dx)) - 0.5 * double(candidate.parameters.size()) * std::log(n_data);
   return one;
 }

@@ -30,6 +30,11 @@ struct Signatures {
 Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& base,
                          const std::vector<const Candidate*>& candidates);
 
+// Where g x + x A x / 2 is least with each x between its bounds, which hold zero. What would go beyond a bound is set
+// to it, the farthest first, and the others are found again beside it.
+Eigen::VectorXd least_within(const Eigen::MatrixXd& a, const Eigen::VectorXd& g, const Eigen::VectorXd& low,
+                             const Eigen::VectorXd& high);
+
 // base: the fit of what is there already (perhaps nothing). Best first; candidates that fail or do nothing are left
 // out. signatures: what was found of them, if wanted, where the base is without any effect.
 std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& base,

@@ -21,6 +21,13 @@ Model without(const Model& model, std::size_t left_out) {
   return less;
 }
 
+std::vector<Model> each_left_out(const Model& model) {
+  std::vector<Model> models;
+  for (std::size_t i = std::size_t(model.n_nuisances()); i < model.parts.size(); ++i)
+    models.push_back(without(model, i));
+  return models;
+}
+
 Model replaced(const Model& model, std::size_t place, const Model& other) {
   Eigen::Index first = 0;
   for (std::size_t i = 0; i < place; ++i) first += Eigen::Index(model.parts[i]->parameters.size());

@@ -8,6 +8,9 @@ namespace pvg::diagnose {
 
 Model without(const Model& model, std::size_t left_out);
 
+// The model without each of its effects in turn, the last one too.
+std::vector<Model> each_left_out(const Model& model);
+
 // The model with the last part of another one at `place`.
 Model replaced(const Model& model, std::size_t place, const Model& other);
 

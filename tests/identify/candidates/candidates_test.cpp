@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "host/identify/candidates/candidate.hpp"
+#include "host/identify/criteria.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg::diagnose {
@@ -48,6 +50,41 @@ TEST(Candidates, WhatRollsIsBrakedWhicheverBodyOfThePairItIs) {
   EXPECT_EQ(rolling("ball/floor"), std::vector<std::string>{"ball/floor"});
   EXPECT_EQ(rolling("ball/tray"), (std::vector<std::string>{"ball/tray", "tray/ball"}));
   EXPECT_EQ(targets_of(make_candidates(problem, {"floor/ball"}), "adhesion"), std::vector<std::string>{"floor/ball"});
+}
+
+// A pendulum that its joint damps swings by damping / mass alone: no motion tells which of the two is wrong. The mass
+// may have been weighed. It remains likelier than an error of a sensor or a missing effect.
+TEST(Candidates, OfAMassAndADampingTheDampingIsLikelierToBeWrong) {
+  const TestFolder folder;
+  folder.write("scene.yaml", R"(schema: 1
+name: pendulum
+time_step: 5 ms
+bodies:
+  - {name: base, kind: static, shape: {box: {size: [0.01, 0.01, 0.01]}}, collides: false}
+  - {name: bar, kind: rigid, shape: {box: {size: [0.05, 0.05, 0.4]}}, mass: 0.8, pose: {position: [0, 0, -0.2]}, collides: false}
+joints:
+  - {name: hinge, type: revolute, parent: base, child: bar, axis: [0, 1, 0], damping: 0.003}
+)");
+  std::string run = "t,q\n";
+  for (int i = 0; i < 9; ++i) run += std::to_string(0.01 * i) + "," + std::to_string(0.1 - 0.001 * i * i) + "\n";
+  folder.write("a.csv", run);
+  folder.write("recording.yaml", R"(schema: 1
+scene: scene.yaml
+runs:
+  - {file: a.csv, role: fit}
+channels:
+  - {column: q, kind: position, joint: hinge, unit: rad, noise: 0.001}
+)");
+  const std::vector<Candidate> candidates = make_candidates(make_problem(folder.path / "recording.yaml"), {});
+  const auto log_prior_of = [&](const std::string& name) {
+    const auto at = std::find_if(candidates.begin(), candidates.end(),
+                                 [&](const Candidate& candidate) { return candidate.name == name; });
+    return at == candidates.end() ? NAN : at->log_prior;
+  };
+  EXPECT_LT(log_prior_of("retune_mass"), log_prior_of("retune_joint_damping"));
+  const double of_mass = log_prior_of("retune_mass") + criteria().log_prior_parameter;
+  EXPECT_GT(of_mass, criteria().log_prior_measurement);
+  EXPECT_GT(of_mass, log_prior_of("joint_viscous_friction") + criteria().log_prior_physical);
 }
 
 }  // namespace

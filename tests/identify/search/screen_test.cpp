@@ -87,6 +87,21 @@ TEST(Screen, ALawIsTriedAtShapesOfTwoDecadesWithEqualStrengths) {
     })) << velocity;
 }
 
+// x = (-10, 11) is the least of 1/2 (x - (-10, 11)) A (x - (-10, 11)). With x_0 held at -1 the best x_1 is, by hand,
+// 11 - 0.99 (10 - 1) = 2.09; the 11 that is best beside -10 is worse than nothing.
+TEST(Screen, WhatIsLimitedIsNoReasonToLeaveTheOthersWhereTheyAreBestWithoutLimits) {
+  const Eigen::Matrix2d a{{1, 0.99}, {0.99, 1}};
+  const Eigen::Vector2d free(-10, 11), g = -a * free;
+  const auto cost = [&](const Eigen::Vector2d& x) { return g.dot(x) + 0.5 * x.dot(a * x); };
+  const Eigen::Vector2d wide = Eigen::Vector2d::Constant(100);
+  EXPECT_TRUE(least_within(a, g, -wide, wide).isApprox(free, 1e-9));
+  const Eigen::Vector2d found = least_within(a, g, Eigen::Vector2d(-1, -100), Eigen::Vector2d(1, 100));
+  EXPECT_NEAR(found[0], -1, 1e-12);
+  EXPECT_NEAR(found[1], 2.09, 1e-9);
+  EXPECT_LT(cost(found), 0);
+  EXPECT_GT(cost({-1, 11}), 0);
+}
+
 TEST(Screen, AFitAtABoundPassesNothing) {
   Candidate stiffness;
   stiffness.parameters = {{"value", "N m/rad", 0.02, 2e4, 20}};

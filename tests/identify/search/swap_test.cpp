@@ -33,6 +33,18 @@ TEST_F(Swap, WhatIsLeftOutTakesItsNumbersAlong) {
   EXPECT_EQ(without(lag_and_spring, 1).x, Eigen::VectorXd::Constant(1, 1));
 }
 
+TEST_F(Swap, EachEffectIsLeftOutInTurnTheNewestTooAndNoNuisance) {
+  Candidate mass = with_parameters("mass", 1);
+  mass.is_nuisance = true;
+  const Model model{{&mass, &lag, &spring}, Eigen::Vector4d(5, 1, 2, 3), Eigen::Vector4d::Ones()};
+  const std::vector<Model> simpler = each_left_out(model);
+  ASSERT_EQ(simpler.size(), 2u);
+  EXPECT_EQ(simpler[0].parts, (std::vector<const Candidate*>{&mass, &spring}));
+  EXPECT_EQ(simpler[0].x, Eigen::Vector3d(5, 2, 3));
+  EXPECT_EQ(simpler[1].parts, (std::vector<const Candidate*>{&mass, &lag}));
+  EXPECT_EQ(simpler[1].x, Eigen::Vector2d(5, 1));
+}
+
 TEST_F(Swap, AnotherPartComesWithItsOwnNumbersAndTheRestKeepsIts) {
   const Fit lag_and_force = of(lag, force, Eigen::Vector4d(9, 4, 5, 6));
   const Model lag_swapped_in = replaced(lag_and_spring, 0, lag_and_force.model);
