@@ -11,7 +11,7 @@
 #   BACKBONE        pictures: ResNet-18 keeps random weights (frozen, the default: scripts/policy/train_frozen.py, minutes
 #                   without a GPU), or is trained by lerobot-train from random ones (null) or from those that torchvision
 #                   downloads (ResNet18_Weights.IMAGENET1K_V1)
-#   STEPS, BATCH    of training (2000 of 32; frozen: 3000 of 64)
+#   STEPS, BATCH    of training (2000 of 32; frozen: 1200 of 64)
 #   CHUNK, EXECUTED actions that are predicted, and done before the policy is asked again (10, 5; pictures: 20, 10)
 #   LEARNING_RATE, DROPOUT (1e-4, 0.1; frozen: 5e-4, 0)
 #   VAE, SAVE       of lerobot-train: true or false (true), steps from one checkpoint to the next (STEPS)
@@ -112,7 +112,7 @@ PYTHON
 train() {
   if [ "$backbone" = frozen ]; then
     "$python/python" scripts/policy/train_frozen.py --data "$folder/data" --output "$out/checkpoints/last" \
-      --steps "${STEPS:-3000}" --batch "${BATCH:-64}" --chunk "$chunk" --executed "$executed" \
+      --steps "${STEPS:-1200}" --batch "${BATCH:-64}" --chunk "$chunk" --executed "$executed" \
       --learning-rate "${LEARNING_RATE:-5e-4}" --dropout "${DROPOUT:-0}" --seed "$seed"
   else
     # ACT's default leaves environment_state as it is: here it is normalised

@@ -2,7 +2,7 @@
 """Trains ACT of lerobot on pictures where there is no GPU: ResNet-18 keeps its weights, so each picture goes through it
 once, before training, and a training step takes a tenth of the time.
 
-    scripts/policy/train_frozen.py --data SET --output FOLDER [--steps 3000] ...
+    scripts/policy/train_frozen.py --data SET --output FOLDER [--steps 1200] ...
 
 SET is a packed set, FOLDER/pretrained_model becomes a checkpoint as lerobot-train writes it. Features of random weights
 differ little from picture to picture, and ACT's projection of them (1 x 1) starts at random, too: trained so, ACT did not
@@ -30,7 +30,7 @@ def words():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--data", required=True)
     parser.add_argument("--output", required=True)
-    parser.add_argument("--steps", type=int, default=3000)
+    parser.add_argument("--steps", type=int, default=1200)
     parser.add_argument("--batch", type=int, default=64)
     parser.add_argument("--chunk", type=int, default=20)
     parser.add_argument("--executed", type=int, default=10)
