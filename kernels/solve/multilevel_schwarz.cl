@@ -91,17 +91,12 @@ kernel __attribute__((reqd_work_group_size(64, 1, 1))) void schwarz_invert(const
                                                                            global float* restrict inverse,
                                                                            global uint* restrict failed) {
   local real pivot_row[LARGEST_STRIDE];
-  local uint shared_n_used;
   const uint cluster = get_group_id(0), item = get_local_id(0);
   if (cluster * 64 >= n) return;  // whole groups
   global real* a = matrices + (size_t)cluster * stride * stride;
-  if (item == 0) {
-    uint last = stride;
-    while (last > 0 && a[(last - 1) * (stride + 1)] == 0) --last;
-    shared_n_used = last;
-  }
-  barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-  const uint n_used = shared_n_used;
+  uint n_used = stride;
+  while (n_used > 0 && a[(n_used - 1) * (stride + 1)] == 0) --n_used;
+  barrier(CLK_GLOBAL_MEM_FENCE);  // the zeros are counted before they become ones
   for (uint r = item; r < stride; r += 64)
     if (a[r * stride + r] == 0) a[r * stride + r] = 1;
   uint has_failed = 0;
