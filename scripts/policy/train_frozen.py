@@ -93,8 +93,9 @@ def start_at_principal_components(projection, maps):
     spread = spread[:n, None] / len(points) ** 0.5
     weight = directions[:n] / torch.clamp(spread, min=float(spread[0]) * LEAST_SPREAD)
     with torch.no_grad():
-        projection.weight.copy_(weight[:, :, None, None])
-        projection.bias.copy_(-weight @ mean)
+        k = len(weight)  # few pictures have fewer components; the other channels stay random
+        projection.weight[:k].copy_(weight[:, :, None, None])
+        projection.bias[:k].copy_(-weight @ mean)
 
 
 class Kept(torch.nn.Module):
