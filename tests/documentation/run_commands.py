@@ -40,7 +40,7 @@ ELSEWHERE = {  # what a block of `console` shows and why no test of one machine 
     r"lerobot-train .*": "needs lerobot, several GB; scripts/check_lerobot.sh trains",
     r"lerobot-eval .*": "needs lerobot and a checkpoint; scripts/test_policy.sh has both",
     r"pip install pipeline/python|export PHYVISGEN_PROGRAM=.*": "changes the user's Python; scripts/test_python.sh",
-    r"scripts/install_(lerobot|policy)\.sh|scripts/train_and_evaluate\.sh .*": "several GB, hours of training",
+    r"scripts/install_(lerobot|policy)\.sh|(\w+=\S+ +)*scripts/train_and_evaluate\.sh .*": "several GB, hours of training",
     r".* evaluate policy .*": "needs a server of policies; scripts/test_python.sh has one",
     r".* evaluate correlate simulated\.csv real\.csv": "reads tables of one's own",
 }

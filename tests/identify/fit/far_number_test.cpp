@@ -1,5 +1,5 @@
 // A number of the scene that is wrong by factors, found before the time step is chosen
-#include "host/identify/search/far_number.hpp"
+#include "host/identify/fit/far_number.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "host/identify/search/far_number.hpp"
+#include "host/identify/fit/far_number.hpp"
 
 #include <algorithm>
 #include <cmath>
