@@ -30,8 +30,9 @@ struct CaptureObjectOptions {
 };
 
 ObjectSource vessel_of(const CaptureObjectOptions& o) {
+  std::vector<MaskedView> views = read_vessel_views(o.masks);  // before the device, whose start takes a while
   Device device(o.device, Purpose::rendering);
-  const Vessel vessel = read_vessel(device, o.masks, o.scale);
+  const Vessel vessel = vessel_of_masks(device, std::move(views), o.scale);
   std::fprintf(
       stderr,
       "%s: a vessel at (%.4f, %.4f) m, %.1f mm high, its largest radius %.2f mm; outlines of %zu photos off by "

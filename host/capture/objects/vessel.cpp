@@ -22,6 +22,8 @@ namespace {
 
 using Vec2 = Eigen::Vector2d;
 
+constexpr std::size_t FEWEST_VIEWS = 3;
+const std::string TOO_FEW = "a vessel takes masks of three photos or more, from different sides";
 constexpr int RINGS = 33;
 constexpr int SAMPLES = 32;        // along a ray, for the deepest point
 constexpr int REFINEMENTS = 14;    // of the golden section between samples
@@ -243,8 +245,7 @@ Profile Vessel::outside() const {
 Vessel fit_vessel(std::span<const TouchingRay> rays, std::size_t n_views) {
   std::vector<bool> is_used(n_views);
   for (const TouchingRay& ray : rays) is_used[ray.view] = true;
-  if (std::count(is_used.begin(), is_used.end(), true) < 3)
-    throw UsageError("a vessel takes masks of three photos or more, from different sides");
+  if (std::size_t(std::count(is_used.begin(), is_used.end(), true)) < FEWEST_VIEWS) throw UsageError(TOO_FEW);
   Vessel v = first_guess(rays);
   const double weight = STIFFNESS * typical_scale(v, rays) * std::sqrt(double(rays.size()) / RINGS);
   double cost = cost_of(v, rays, weight), damping = 1e-3;
@@ -298,8 +299,13 @@ void check_residuals(const Vessel& vessel, std::span<const MaskedView> views) {
           views[i].mask.filename().string(), vessel.residual_of_view[i], median));
 }
 
-Vessel read_vessel(Device& device, const std::filesystem::path& folder, double scale) {
+std::vector<MaskedView> read_vessel_views(const std::filesystem::path& folder) {
   std::vector<MaskedView> views = read_masked_views(folder);
+  if (views.size() < FEWEST_VIEWS) throw UsageError(folder.string() + ": " + TOO_FEW);
+  return views;
+}
+
+Vessel vessel_of_masks(Device& device, std::vector<MaskedView> views, double scale) {
   for (MaskedView& view : views) view.camera.pose.translation() *= scale;
   const std::vector<TouchingRay> rays = touching_rays(device, views, MOST_RAYS);
   try {
@@ -307,7 +313,7 @@ Vessel read_vessel(Device& device, const std::filesystem::path& folder, double s
     check_residuals(vessel, views);
     return vessel;
   } catch (const UsageError& error) {
-    throw UsageError(folder.string() + ": " + error.what());
+    throw UsageError(views.front().mask.parent_path().string() + ": " + error.what());
   }
 }
 

@@ -18,8 +18,10 @@ struct Vessel {
 // three photos have rays, or where they see no such body.
 Vessel fit_vessel(std::span<const TouchingRay> rays, std::size_t n_views);
 
-// Of a folder of masks (read_masked_views); scale: metres per unit of the poses. A UsageError names the photo that
-// disagrees with the others.
-Vessel read_vessel(Device& device, const std::filesystem::path& folder, double scale);
+// The masks of a folder (read_masked_views), three or more.
+std::vector<MaskedView> read_vessel_views(const std::filesystem::path& folder);
+
+// scale: metres per unit of the poses. A UsageError names the photo that disagrees with the others.
+Vessel vessel_of_masks(Device& device, std::vector<MaskedView> views, double scale);
 
 }  // namespace pvg

@@ -85,7 +85,7 @@ struct Photographed {
   }
   Vessel fit(Device& device) {
     folder.write("transforms.json", transforms.dump());
-    return read_vessel(device, folder.path, 1);
+    return vessel_of_masks(device, read_vessel_views(folder.path), 1);
   }
 };
 
