@@ -221,8 +221,7 @@ static inline real3 exact_correction(const uint own_slot, const uint width, cons
 kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void schwarz_prolong(
     const uint n_items, global const Chunk* restrict chunks, const uint width, const uint stride, const uint n_coarser,
     global const uint* restrict slot, global const uint* restrict coarser, global const float* restrict functions,
-    global const float* restrict z, const uint has_exact,
-    const uint exact_width, const uint exact_stride,
+    global const float* restrict z, const uint has_exact, const uint exact_width, const uint exact_stride,
     global const uint* restrict exact_slot, global const uint* restrict exact_node,
     global const real* restrict exact_inverses, global const real* restrict residual,
     global real* restrict preconditioned, global real* restrict partial) {

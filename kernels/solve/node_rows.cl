@@ -34,7 +34,8 @@ kernel CHUNK_PER_GROUP void node_rows_count(const uint n_items, global const Chu
                                             const uint n_second, global const uint* restrict first_of_first,
                                             global const uint* restrict first_of_second,
                                             global const uint* restrict first_sites,
-                                            global const uint* restrict second_sites, global const Site* restrict sites, global uint* restrict element_sites,
+                                            global const uint* restrict second_sites,
+                                            global const Site* restrict sites, global uint* restrict element_sites,
                                             global uint* restrict count, global uint* restrict total) {
   local uint nodes[ITEMS * SLOTS], of_item[ITEMS], is_used;
   const uint item = get_local_id(0), group = get_group_id(0);
@@ -70,7 +71,8 @@ kernel CHUNK_PER_GROUP void node_rows_fill(const uint n_items, const uint n_chun
                                            const uint n_first, global const uint* restrict first_of_first,
                                            global const uint* restrict first_of_second,
                                            global const uint* restrict first_sites,
-                                           global const uint* restrict second_sites, global const Site* restrict sites, global const uint* restrict count, global const uint* restrict total,
+                                           global const uint* restrict second_sites, global const Site* restrict sites,
+                                           global const uint* restrict count, global const uint* restrict total,
                                            const uint first_row, global uint* restrict offset, global uint* restrict row,
                                            global double* restrict weight) {
   local uint nodes[ITEMS * SLOTS], before_chunk[ITEMS], of_item[ITEMS], is_used;

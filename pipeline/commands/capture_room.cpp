@@ -139,7 +139,8 @@ void add_capture_room(CLI::App& program) {
   command->add_flag("--json", o.as_json, "Print the report as JSON");
   command->footer(
       "A task shows the room by `background: {capture: FOLDER}`.\n"
-      "Example:\n  phyvisgen capture room scans/kitchen -o room --hold-out 5");
+      "Examples:\n  phyvisgen capture room scans/kitchen -o room --hold-out 5\n"
+      "  phyvisgen capture room scans/kitchen -o room --triangles 40000 --texture");
 }
 
 }  // namespace pvg

@@ -211,9 +211,8 @@ bool write_contact_stiffness(const NumberInFile& number) {
 
 std::span<const SceneNumber> scene_numbers() {
   static const SceneNumber NUMBERS[] = {
-      // a scale tells it, so it is wrong less often than a number that only motions tell, such as a damping, which
-      // moves
-      // a pendulum alike
+      // a scale tells it, so it is wrong less often than what only motions tell, such as a damping that moves a
+      // pendulum alike
       {.name = "retune_mass",
        .unit = "kg",
        .meaning = "the body's mass is not what the scene says, its inertia with it",

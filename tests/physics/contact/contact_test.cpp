@@ -81,6 +81,25 @@ TEST(ContactSet, CubeOnTheTableTouchesWithItsLowerFace) {
   EXPECT_NEAR(trial.contact.min_gap(x)[0], 5e-4, 1e-15);
 }
 
+// What lists of contacts depend on is told even where their number stays the same.
+TEST(ContactSet, OtherPairsAreAChangeAndTheSameOnesAreNone) {
+  Trial trial(cube_on_table(5e-4));
+  const auto find = [&](const Vec3& by) {
+    const Buffer<double> x = trial.upload(cube_moved(trial.bodies.x, by));
+    trial.contact.find_candidates(x, x);
+    trial.contact.find_contacts(x);
+    return trial.contact.contacts().n();
+  };
+  const u32 n = find({-0.3, -0.3, 0});  // above one of the table's triangles
+  EXPECT_EQ(trial.contact.last_change(), trial.contact.search());
+  const u32 last_change = trial.contact.last_change();
+  EXPECT_EQ(find({-0.301, -0.3, 0}), n);
+  EXPECT_EQ(trial.contact.last_change(), last_change);
+  EXPECT_GT(trial.contact.search(), last_change);
+  EXPECT_EQ(find({0.3, 0.3, 0}), n);  // above the other
+  EXPECT_EQ(trial.contact.last_change(), trial.contact.search());
+}
+
 // A soft strip of two layers of triangles, 0.4 mm apart and with sides of 0.6 mm: closer than the activation distance
 // of 1 mm everywhere. `squeeze` brings the layers together.
 Bodies thin_soft_block(double squeeze) {
