@@ -33,7 +33,8 @@ PackedRectangles pack_rectangles(std::span<const std::array<int, 2>> sizes, int 
   }
   if (std::max(out.width, out.height) > most)
     throw Failure("a texture of " + std::to_string(out.width) + " x " + std::to_string(out.height) +
-                  " pixels would be needed, more than " + std::to_string(most) + " along an edge");
+                  " pixels would be needed, more than " + std::to_string(most) +
+                  " along an edge; take fewer or smaller photos");
   return out;
 }
 

@@ -127,6 +127,10 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
                                                                                                        : used)
         .push_back(capture.frames[i]);
   if (used.empty()) throw UsageError("every frame is left out; give --hold-out 2 or more");
+  const bool has_photos =
+      std::any_of(used.begin(), used.end(), [](const CaptureFrame& frame) { return !frame.color.empty(); });
+  if (settings.has_texture && !has_photos)
+    throw UsageError("--texture needs photos beside the depth pictures, and no frame has one; leave it out");
   Room room;
   room.n_frames = used.size();
   say(fmt::format("fusing {} pictures of depth", used.size()));
@@ -141,8 +145,6 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
   std::vector<Vec3f> normals = point_normals(surface.points, surface.triangles);
   room.mesh.points = surface.points;
   room.mesh.triangles = surface.triangles;
-  const bool has_photos =
-      std::any_of(used.begin(), used.end(), [](const CaptureFrame& frame) { return !frame.color.empty(); });
   if (has_photos && settings.aligns_colors) {
     say("aligning the colour camera");
     room.color_offset = align_color_camera(capture, used, surface.points, normals, settings.fusion.voxel);

@@ -30,6 +30,9 @@ for option, number in (("--voxel", "0"), ("--voxel", "nan"), ("--max-depth", "-1
     row(f"capture room {option} {number}", f"capture room seven -o room {option}={number}", N, rf"{option[2:]}.*{number}|{number}.*devices",
         needs="captures")
 
+row("a texture without photos", "capture room seven -o room --texture", N, "--texture needs photos",
+    *(remove(f"seven/frame-00000{i}.color.png") for i in range(2)), needs="captures")
+
 # ---- 7-Scenes
 capture("no intrinsics", "seven", "camera-intrinsics.txt is missing", remove("seven/camera-intrinsics.txt"))
 for name, text in (("empty", ""), ("in words", "wide"), ("four numbers", "1 2 3 4"), ("nan", "nan 0 1 0 60 1 0 0 1"),
