@@ -1,7 +1,7 @@
 // The device: a context, an in-order queue, buffers that know their length, kernels that check what they are given.
 // This folder is the only place that sees the OpenCL headers; nobody outside says cl:: or cl_.
-// Every launch uses groups of 64 work-items and a padded global size, so no driver recompiles for a new size: a
-// kernel's first act is the bounds test.
+// Every launch uses groups of 64 work-items, or of as many as the kernel requires (reqd_work_group_size), and a padded
+// global size, so no driver recompiles for a new size: a kernel's first act is the bounds test.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -229,6 +229,7 @@ class Kernel {
   void* handle_ = nullptr;
   std::string name_;
   unsigned n_arguments_ = 0;
+  std::size_t group_size_ = GROUP_SIZE;
   std::vector<std::string> argument_names_;        // [n_arguments]; empty where the driver does not tell
   std::vector<std::string> buffer_names_;          // [n_arguments] as last set; of numbers empty
   bool has_new_names_ = false;                     // not checked yet

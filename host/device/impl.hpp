@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/device/device.hpp"
@@ -30,6 +31,16 @@ struct Device::Impl {
     if (!counts_names) return;
     const std::lock_guard lock(counting);
     ++by_name[what + name];
+  }
+  // Commands of the queue whose times the driver was asked for (command_times.hpp), under the names of their kinds.
+  bool times_commands = false;
+  std::mutex timing;
+  std::deque<std::pair<std::string, cl_event>> timed;
+  // where the command that is about to start leaves its event; null where nobody asked for times
+  cl_event* timed_event(const char* what, const std::string& name) {
+    if (!times_commands) return nullptr;
+    const std::lock_guard lock(timing);
+    return &timed.emplace_back(what + name, nullptr).second;
   }
 
   // Small writes do not wait for what was started before them: their bytes are kept here until something that came
@@ -57,6 +68,8 @@ struct Device::Impl {
   std::size_t n_compiled = 0;
 
   ~Impl() {
+    for (const auto& [name, event] : timed)
+      if (event) clReleaseEvent(event);
     if (queue) clFinish(queue), clReleaseCommandQueue(queue);
     for (const auto& [text, program] : built)
       if (program) clReleaseProgram(program);

@@ -21,6 +21,14 @@ std::vector<std::string> argument_names(cl_kernel kernel, unsigned n) {
   return names;
 }
 
+// as its source requires; else that of all launches
+std::size_t group_size_of(const Device::Impl& impl, cl_kernel kernel) {
+  std::size_t required[3] = {};
+  const cl_int code =
+      clGetKernelWorkGroupInfo(kernel, impl.id, CL_KERNEL_COMPILE_WORK_GROUP_SIZE, sizeof required, required, nullptr);
+  return code == CL_SUCCESS && required[0] > 0 ? required[0] : GROUP_SIZE;
+}
+
 }  // namespace
 
 Kernel::Kernel(Device& device, void* program, const std::string& name) : device_(&device), name_(name) {
@@ -30,6 +38,7 @@ Kernel::Kernel(Device& device, void* program, const std::string& name) : device_
   require(
       clGetKernelInfo(static_cast<cl_kernel>(handle_), CL_KERNEL_NUM_ARGS, sizeof n_arguments_, &n_arguments_, nullptr),
       "ask kernel " + name + " for its arguments");
+  group_size_ = group_size_of(device.impl(), static_cast<cl_kernel>(handle_));
   given_.resize(n_arguments_);
   argument_names_ = argument_names(static_cast<cl_kernel>(handle_), n_arguments_);
   buffer_names_.resize(n_arguments_);
@@ -42,6 +51,7 @@ Kernel::Kernel(Kernel&& other) noexcept
       handle_(std::exchange(other.handle_, nullptr)),
       name_(other.name_),
       n_arguments_(other.n_arguments_),
+      group_size_(other.group_size_),
       argument_names_(std::move(other.argument_names_)),
       buffer_names_(std::move(other.buffer_names_)),
       has_new_names_(other.has_new_names_),
@@ -84,9 +94,10 @@ void Kernel::launch(std::size_t n) {
   if (std::exchange(has_new_names_, false)) check_names();
   ++device_->impl().n_launches;
   device_->impl().count("kernel ", name_);
-  const std::size_t local = GROUP_SIZE, global = (n + local - 1) / local * local;
-  const cl_int code = clEnqueueNDRangeKernel(device_->impl().queue, static_cast<cl_kernel>(handle_), 1, nullptr,
-                                             &global, &local, 0, nullptr, nullptr);
+  const std::size_t local = group_size_, global = (n + local - 1) / local * local;
+  const cl_int code =
+      clEnqueueNDRangeKernel(device_->impl().queue, static_cast<cl_kernel>(handle_), 1, nullptr, &global, &local, 0,
+                             nullptr, device_->impl().timed_event("kernel ", name_));
   if (code != CL_SUCCESS) require(code, "run kernel " + name_);
 }
 

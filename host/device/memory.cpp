@@ -55,7 +55,7 @@ void Memory::write(const void* from, std::size_t offset, std::size_t bytes) {
   impl.n_bytes += bytes;
   const auto enqueue = [&](const void* source, cl_bool waits) {
     require(clEnqueueWriteBuffer(impl.queue, static_cast<cl_mem>(handle_), waits, offset, bytes, source, 0, nullptr,
-                                 nullptr),
+                                 impl.timed_event("write of ", name_)),
             "write " + name_);
   };
   if (bytes > (impl.info.runs_host_functions ? LARGEST_STAGED : LARGEST_STAGED_APART)) {
@@ -81,16 +81,16 @@ void Memory::read(void* to, std::size_t offset, std::size_t bytes) const {
   ++impl.n_waits;
   impl.count("wait for a read of ", name_);
   const std::size_t staged = impl.staged_so_far();
-  require(
-      clEnqueueReadBuffer(impl.queue, static_cast<cl_mem>(handle_), CL_TRUE, offset, bytes, to, 0, nullptr, nullptr),
-      "read " + name_);
+  require(clEnqueueReadBuffer(impl.queue, static_cast<cl_mem>(handle_), CL_TRUE, offset, bytes, to, 0, nullptr,
+                              impl.timed_event("read of ", name_)),
+          "read " + name_);
   impl.forget_staged(staged);
 }
 
 void Memory::read_later(void* to, std::size_t offset, std::size_t bytes) const {
   device_->impl().n_bytes += bytes;
   require(clEnqueueReadBuffer(device_->impl().queue, static_cast<cl_mem>(handle_), CL_FALSE, offset, bytes, to, 0,
-                              nullptr, nullptr),
+                              nullptr, device_->impl().timed_event("read of ", name_)),
           "read " + name_);
 }
 
@@ -98,16 +98,16 @@ void Memory::fill_zero(std::size_t bytes) {
   const cl_uchar zero = 0;
   ++device_->impl().n_launches;
   device_->impl().count("fill of ", name_);
-  require(
-      clEnqueueFillBuffer(device_->impl().queue, static_cast<cl_mem>(handle_), &zero, 1, 0, bytes, 0, nullptr, nullptr),
-      "clear " + name_);
+  require(clEnqueueFillBuffer(device_->impl().queue, static_cast<cl_mem>(handle_), &zero, 1, 0, bytes, 0, nullptr,
+                              device_->impl().timed_event("fill of ", name_)),
+          "clear " + name_);
 }
 
 void Memory::copy_from(const Memory& other, std::size_t bytes) {
   ++device_->impl().n_launches;
   device_->impl().count("copy to ", name_);
   require(clEnqueueCopyBuffer(device_->impl().queue, static_cast<cl_mem>(other.handle_), static_cast<cl_mem>(handle_),
-                              0, 0, bytes, 0, nullptr, nullptr),
+                              0, 0, bytes, 0, nullptr, device_->impl().timed_event("copy to ", name_)),
           "copy " + other.name_ + " to " + name_);
 }
 

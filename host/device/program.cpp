@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -36,6 +37,31 @@ void expand(const std::string& name, const std::string& text, std::ostream& out,
     expand(file, read_kernel_file(file), out, depth + 1);
     out << "#line " << number + 1 << " \"" << name << "\"\n";
   }
+}
+
+// NVIDIA's driver tells places by the line of the whole text, as in "<kernel>:12:3: error", whatever #line says.
+// Returns the log with file and line in their stead.
+std::string with_places(const std::string& log, const std::string& source) {
+  std::vector<std::string> places = {""};  // of each line of the text, from 1 on
+  std::istringstream text(source);
+  std::string line, file;
+  for (int next = 1; std::getline(text, line);) {
+    places.push_back(file + ":" + std::to_string(next++));
+    if (line.rfind("#line ", 0) != 0) continue;
+    next = std::stoi(line.substr(6));
+    const std::size_t quote = line.find('"');
+    file = line.substr(quote + 1, line.rfind('"') - quote - 1);
+  }
+  static const std::regex place("<kernel>:([0-9]{1,7})");
+  std::string told;
+  auto rest = log.begin();
+  for (std::sregex_iterator match(log.begin(), log.end(), place), end; match != end; ++match) {
+    const std::size_t number = std::stoul((*match)[1]);
+    told.append(rest, (*match)[0].first);
+    told += number < places.size() ? places[number] : (*match)[0].str();
+    rest = (*match)[0].second;
+  }
+  return told.append(rest, log.end());
 }
 
 }  // namespace
@@ -98,7 +124,7 @@ cl_program compile(Device::Impl& impl, const std::string& name, const std::strin
   std::string log(bytes, '\0');
   clGetProgramBuildInfo(program, impl.id, CL_PROGRAM_BUILD_LOG, bytes, log.data(), nullptr);
   clReleaseProgram(program);
-  throw DeviceError("kernel file " + name + " does not build on " + impl.info.name + ":\n" + log);
+  throw DeviceError("kernel file " + name + " does not build on " + impl.info.name + ":\n" + with_places(log, source));
 }
 
 }  // namespace

@@ -110,11 +110,11 @@ kernel void report_contacts(const uint n, global const Barrier* restrict contact
   reports[e] = report;
 }
 
-// n_items = N_LANES n_worlds;  first: [n_worlds + 1];  none: where there are no values;  least: [n_worlds]
-kernel __attribute__((reqd_work_group_size(N_LANES, 1, 1))) void min_of_worlds(
+// n_items = ITEMS n_worlds;  first: [n_worlds + 1];  none: where there are no values;  least: [n_worlds]
+kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void min_of_worlds(
     const uint n_items, global const u32* restrict first, global const real* restrict values, const real none,
     global real* restrict least) {
-  local real of_lane[N_LANES];
-  const real own = least_of_world(first, values, none, of_lane);
+  local real of_item[ITEMS];
+  const real own = least_of_world(first, values, none, of_item);
   if (get_local_id(0) == 0) least[get_group_id(0)] = own;
 }

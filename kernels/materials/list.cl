@@ -3,12 +3,13 @@
 #define PVG_MATERIALS_LIST_CL
 #include "materials/list.h"
 
-#define NOTHING(...)
+// no variadic macros: drivers refuse them in OpenCL C
+#define NOTHING(ID, name, traits, nearest, meaning)
 
 static inline uint material_traits(const uint kind) {
   switch (kind) {
-#define CASE(ID, name, traits, ...) \
-  case MATERIAL_##ID:               \
+#define CASE(ID, name, traits, nearest, meaning) \
+  case MATERIAL_##ID:                            \
     return traits;
     PVG_MATERIALS(CASE, CASE)
     PVG_DERIVED_MATERIALS(CASE)
@@ -21,8 +22,8 @@ static inline uint material_traits(const uint kind) {
 // f cos [1/sr]
 static inline float3 material_eval(const PointMaterial p, const float3 wo, const float3 wi) {
   switch (p.kind) {
-#define CASE(ID, name, ...) \
-  case MATERIAL_##ID:       \
+#define CASE(ID, name, traits, nearest, meaning) \
+  case MATERIAL_##ID:                            \
     return name##_eval(p, wo, wi);
     PVG_MATERIALS(CASE, NOTHING)
     PVG_DERIVED_MATERIALS(CASE)
@@ -34,8 +35,8 @@ static inline float3 material_eval(const PointMaterial p, const float3 wo, const
 
 static inline float material_pdf(const PointMaterial p, const float3 wo, const float3 wi) {
   switch (p.kind) {
-#define CASE(ID, name, ...) \
-  case MATERIAL_##ID:       \
+#define CASE(ID, name, traits, nearest, meaning) \
+  case MATERIAL_##ID:                            \
     return name##_pdf(p, wo, wi);
     PVG_MATERIALS(CASE, NOTHING)
     PVG_DERIVED_MATERIALS(CASE)
@@ -49,8 +50,8 @@ static inline float material_pdf(const PointMaterial p, const float3 wo, const f
 static inline MaterialSample material_sample(const PointMaterial p, const float3 wo, const float2 u,
                                              const float choice) {
   switch (p.kind) {
-#define CASE(ID, name, ...) \
-  case MATERIAL_##ID:       \
+#define CASE(ID, name, traits, nearest, meaning) \
+  case MATERIAL_##ID:                            \
     return name##_sample(p, wo, u, choice);
     PVG_MATERIALS(CASE, NOTHING)
     PVG_DERIVED_MATERIALS(CASE)

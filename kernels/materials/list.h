@@ -46,7 +46,7 @@
 #define PVG_OWN_NUMBERS(X) X(cloth, sheen_roughness) X(shadow_receiver, ambient)
 
 SHARED_BEGIN
-#define PVG_ID(ID, ...) MATERIAL_##ID,
+#define PVG_ID(ID, name, traits, nearest, meaning) MATERIAL_##ID,
 enum { PVG_MATERIALS(PVG_ID, PVG_ID) PVG_DERIVED_MATERIALS(PVG_ID) N_MATERIALS };
 #undef PVG_ID
 SHARED_END

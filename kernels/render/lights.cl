@@ -105,13 +105,13 @@ static inline LightSample sample_sphere(global const Light* light, const float3 
   const float d2 = dot(center, center), radius = light->radius;
   s.pdf = sphere_pdf(light, origin);
   s.radiance = vload3(0, light->radiance);
-  const float z = 1.0f - u.x * cone_height(radius, d2), r = sqrt(max(0.0f, 1.0f - z * z)), phi = 2.0f * M_PI_F * u.y;
-  const float3 direction = to_world(make_frame(center * rsqrt(d2)), (float3)(r * cos(phi), r * sin(phi), z));
+  // h = 1 - cosine and r = sine of the angle from the center; differences of nearly equal numbers would lose a small sphere
+  const float h = u.x * cone_height(radius, d2), r2 = h * (2.0f - h), r = sqrt(r2), phi = 2.0f * M_PI_F * u.y;
+  const float3 direction = to_world(make_frame(center * rsqrt(d2)), (float3)(r * cos(phi), r * sin(phi), 1.0f - h));
   s.radiance *= spot_share(light, -direction);
   // up to the shell around the triangles
-  const float along = dot(direction, center), shell = SPHERE_SHELL * radius;
-  const float half_chord2 = shell * shell - (d2 - along * along);
-  s.to_light = direction * max(0.0f, along - sqrt(max(0.0f, half_chord2)));
+  const float shell = SPHERE_SHELL * radius, half_chord2 = shell * shell - d2 * r2;
+  s.to_light = direction * max(0.0f, sqrt(d2) * (1.0f - h) - sqrt(max(0.0f, half_chord2)));
   // so close that the shell is around the point: nothing can be between
   if (dot(s.to_light, s.to_light) == 0) s.to_light = direction * (1e-3f * radius);
   return s;

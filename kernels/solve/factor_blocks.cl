@@ -4,6 +4,9 @@
 #include "solve/site.h"
 #define NO_BLOCK 0xffffffffu
 #define IS_TRANSPOSED (1u << 31)
+#define ITEMS 64u
+#define SHARES 16u   // work-items of a block, which share what contacts add to it
+#define NUMBERS 10u  // what each of them finds: a block's nine and what is left out
 
 // What contacts couple: elements of four sites, of two kinds, and of each node the list of (element, slot) that it
 // carries, as rows of the elements.
@@ -45,13 +48,14 @@ static inline bool has_block(const uint a, const uint b, global const uint* rest
   return first < block_last[min(a, b)] && row[first] == wanted;
 }
 
-// n: blocks of all groups' lower triangles, by column;  row, column: their nodes;  source: in the matrix, NO_BLOCK: none
+// n_items: SHARES for each of n blocks of all groups' lower triangles, by column;  row, column: their nodes;  source: in the matrix, NO_BLOCK: none
 // place: its first number in `panels`;  stride: of the panel's columns, and IS_TRANSPOSED
 // block_first, block_last: [n_nodes] of the blocks of a node's column;  node_group: [n_nodes]
 // contact_*: see Contacts; n_contacts = 0: none.  failed: [n_groups, <= n], cleared;  panels: zero before
 // A block C that contacts couple without a place in the factor is left out, and its size goes to both diagonals, as
 // |C| (x^2 + y^2) - 2 x C y >= 0.
-kernel void factor_place_blocks(const uint n, const uint n_groups, global const uint* restrict row,
+kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void factor_place_blocks(
+                                const uint n_items, const uint n, const uint n_groups, global const uint* restrict row,
                                 global const uint* restrict column, global const uint* restrict source,
                                 global const uint* restrict place, global const uint* restrict stride,
                                 global const real* restrict matrix_blocks, global const uint* restrict block_first,
@@ -62,20 +66,16 @@ kernel void factor_place_blocks(const uint n, const uint n_groups, global const 
                                 global const Site* restrict sites, global const real* restrict first_blocks,
                                 global const real* restrict second_blocks, global uint* restrict failed,
                                 global real* restrict panels) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  if (i < n_groups) failed[i] = 0;
+  local real found[ITEMS * NUMBERS];
+  const uint item = get_local_id(0), share = item % SHARES, i = get_global_id(0) / SHARES;
+  if (share == 0 && i < n_groups && i < n) failed[i] = 0;
   real3 sum0 = (real3)(0), sum1 = (real3)(0), sum2 = (real3)(0);  // rows
-  if (source[i] != NO_BLOCK) {
-    global const real* block = matrix_blocks + 9 * (size_t)source[i];
-    sum0 = vload3(0, block), sum1 = vload3(1, block), sum2 = vload3(2, block);
-  }
-  const uint r = row[i], c = column[i];
-  if (n_contacts > 0) {
+  real left_out = 0;
+  const uint r = i < n ? row[i] : 0, c = i < n ? column[i] : 0;
+  if (n_contacts > 0 && i < n) {
     const Contacts contacts = {n_first,        first_row, contact_offset, contact_row, contact_weight, element_sites, sites,
                                first_blocks, second_blocks};
-    real left_out = 0;
-    for (uint k = contact_offset[c]; k < contact_offset[c + 1]; ++k) {
+    for (uint k = contact_offset[c] + share; k < contact_offset[c + 1]; k += SHARES) {
       const uint e = (contact_row[k] - first_row) / 4, column_slot = (contact_row[k] - first_row) % 4;
       for (uint row_slot = 0; row_slot < 4; ++row_slot) {
         global const Site* site = sites + element_sites[4 * e + row_slot];
@@ -93,15 +93,22 @@ kernel void factor_place_blocks(const uint n, const uint n_groups, global const 
         }
       }
     }
-    sum0.x += left_out, sum1.y += left_out, sum2.z += left_out;
   }
-  global real* to = panels + place[i];
+  vstore3(sum0, 0, found + NUMBERS * item);
+  vstore3(sum1, 1, found + NUMBERS * item);
+  vstore3(sum2, 2, found + NUMBERS * item);
+  found[NUMBERS * item + 9] = left_out;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  // nine work-items go on, each with one number of the block
+  if (i >= n || share >= 9) return;
+  const uint q = share / 3, p = share % 3;  // row, column
+  const uint n_found = n_contacts > 0 ? SHARES : 0;
+  real sum = source[i] == NO_BLOCK ? 0 : matrix_blocks[9 * (size_t)source[i] + share];
+  for (uint k = 0; k < n_found; ++k) {
+    local const real* one = found + NUMBERS * (item - share + k);
+    sum += one[share];
+    if (q == p) sum += one[9];
+  }
   const uint s = stride[i] & ~IS_TRANSPOSED;
-  if (stride[i] & IS_TRANSPOSED) {
-    vstore3(sum0, 0, to), vstore3(sum1, 0, to + s), vstore3(sum2, 0, to + 2 * s);
-  } else {
-    vstore3((real3)(sum0.x, sum1.x, sum2.x), 0, to);
-    vstore3((real3)(sum0.y, sum1.y, sum2.y), 0, to + s);
-    vstore3((real3)(sum0.z, sum1.z, sum2.z), 0, to + 2 * s);
-  }
+  panels[place[i] + (stride[i] & IS_TRANSPOSED ? q * s + p : q + p * s)] = sum;
 }

@@ -4,13 +4,37 @@
 #define PVG_SOLVE_FACTOR_FORWARD_CL
 #include "shared/real.h"
 #include "solve/factor_front.h"
-#define ITEMS 64u
-#define WIDTH 12u  // columns that are eliminated together
+#define ITEMS FACTOR_ITEMS
+#define WIDTH FACTOR_WIDTH
 
+// A diagonal block of the factor, row-major, with zeros where the front ends; the upper triangle is not used.
 static inline void load_diagonal(const uint item, global const real* panel, const uint n, const uint first,
                                  const uint width, local real* diagonal) {
-  for (uint k = item; k < width * width; k += ITEMS)
-    diagonal[k / width * WIDTH + k % width] = panel[first + k / width + (size_t)(first + k % width) * n];
+  for (uint k = item; k < WIDTH * WIDTH; k += ITEMS) {
+    const uint r = k / WIDTH, c = k % WIDTH;
+    diagonal[k] = r < width && c < width ? panel[first + r + (size_t)(first + c) * n] : 0;
+  }
+}
+
+// x = L^-1 x and x = L^-T x with such a block, by one work-item; of fixed length, so that compilers unroll them
+static inline void solve_lower(local const real* diagonal, local real* x) {
+  real solved[WIDTH];
+  for (uint c = 0; c < WIDTH; ++c) {
+    real value = x[c];
+    for (uint k = 0; k < c; ++k) value -= diagonal[c * WIDTH + k] * solved[k];
+    solved[c] = value * diagonal[c * WIDTH + c];
+  }
+  for (uint c = 0; c < WIDTH; ++c) x[c] = solved[c];
+}
+
+static inline void solve_upper(local const real* diagonal, local real* x) {
+  real solved[WIDTH];
+  for (uint c = WIDTH; c-- > 0;) {
+    real value = x[c];
+    for (uint k = WIDTH; --k > c;) value -= diagonal[k * WIDTH + c] * solved[k];
+    solved[c] = value * diagonal[c * WIDTH + c];
+  }
+  for (uint c = 0; c < WIDTH; ++c) x[c] = solved[c];
 }
 
 // Solves forward by one front whose children are done.  sign: of the residual
@@ -35,14 +59,9 @@ static inline void forward_front(const uint item, const FactorFront front, globa
   for (uint first = 0; first < front.n_pivots; first += WIDTH) {
     const uint width = min(WIDTH, front.n_pivots - first);
     load_diagonal(item, panel, n, first, width, diagonal);
-    if (item < width) x[item] = v[first + item];
+    if (item < WIDTH) x[item] = item < width ? v[first + item] : 0;
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (item == 0)
-      for (uint c = 0; c < width; ++c) {
-        real value = x[c];
-        for (uint k = 0; k < c; ++k) value -= diagonal[c * WIDTH + k] * x[k];
-        x[c] = value * diagonal[c * WIDTH + c];
-      }
+    if (item == 0) solve_lower(diagonal, x);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item < width) v[first + item] = x[item];
     for (uint r = first + width + item; r < n; r += ITEMS) {

@@ -6,6 +6,8 @@
 #ifndef PVG_SOLVE_FACTOR_FRONT_H
 #define PVG_SOLVE_FACTOR_FRONT_H
 #include "shared/types.h"
+#define FACTOR_ITEMS 256u  // work-items of a task: many, for each waits long for its numbers
+#define FACTOR_WIDTH 12u   // columns that are eliminated together
 SHARED_BEGIN
 typedef struct {
   u32 n_pivots, n_rows;         // numbers, three for each node

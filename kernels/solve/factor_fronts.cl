@@ -58,7 +58,7 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void factor_fronts(
     global const uint* restrict group_is_active, global real* panels, global real* updates, global uint* failed,
     const uint solves, global const uint* restrict nodes, global const real* restrict gradient, global real* vectors) {
   local real diagonal[WIDTH * WIDTH];  // row-major, lower triangle
-  local real x[WIDTH];
+  local real x[WIDTH], reciprocals[WIDTH];
   const uint task = first_task + get_group_id(0), item = get_local_id(0);
   const uint begin = task_first[task];
   const uint end = group_is_active[fronts[task_front[begin]].group] ? task_first[task + 1] : begin;
@@ -80,24 +80,26 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void factor_fronts(
         if (r >= c) subtract_product(panel + r, panel + c, n, first, panel + r + (size_t)c * n, n);
       }
       barrier(CLK_GLOBAL_MEM_FENCE);
-      for (uint k = item; k < width * width; k += ITEMS)
-        diagonal[k / width * WIDTH + k % width] = panel[first + k / width + (size_t)(first + k % width) * n];
+      load_diagonal(item, panel, n, first, width, diagonal);
       barrier(CLK_LOCAL_MEM_FENCE);
+      // each work-item has one number of the block; its columns are divided by the roots of their pivots at the end
+      const uint row = item / WIDTH, column = item % WIDTH;
       for (uint p = 0; p < width; ++p) {
         real pivot = diagonal[p * WIDTH + p];
         const bool is_good = pivot > 0 && isfinite(pivot);
         if (!is_good) pivot = 1;
         if (!is_good && item == 0) failed[front.group] = 1;
-        barrier(CLK_LOCAL_MEM_FENCE);
         const real reciprocal = 1 / sqrt(pivot);
-        if (item == p) diagonal[p * WIDTH + p] = reciprocal;
-        if (item > p && item < width) diagonal[item * WIDTH + p] *= reciprocal;
-        barrier(CLK_LOCAL_MEM_FENCE);
-        if (item > p && item < width)
-          for (uint c = p + 1; c <= item; ++c)
-            diagonal[item * WIDTH + c] -= diagonal[item * WIDTH + p] * diagonal[c * WIDTH + p];
+        if (item == 0) reciprocals[p] = reciprocal;
+        if (p < column && column <= row && row < width)
+          diagonal[row * WIDTH + column] -=
+              (diagonal[row * WIDTH + p] * reciprocal) * (diagonal[column * WIDTH + p] * reciprocal);
         barrier(CLK_LOCAL_MEM_FENCE);
       }
+      if (column <= row && row < width)
+        diagonal[row * WIDTH + column] =
+            row == column ? reciprocals[row] : diagonal[row * WIDTH + column] * reciprocals[column];
+      barrier(CLK_LOCAL_MEM_FENCE);
       for (uint k = item; k < width * width; k += ITEMS)
         if (k / width >= k % width)
           panel[first + k / width + (size_t)(first + k % width) * n] = diagonal[k / width * WIDTH + k % width];

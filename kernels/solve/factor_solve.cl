@@ -60,12 +60,9 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void factor_solve(
         }
         barrier(CLK_LOCAL_MEM_FENCE);
       }
-      if (item == 0)
-        for (uint c = width; c-- > 0;) {
-          real value = v[first + c] - partial[c * ITEMS];
-          for (uint k = c + 1; k < width; ++k) value -= diagonal[k * WIDTH + c] * x[k];
-          x[c] = value * diagonal[c * WIDTH + c];
-        }
+      if (item < WIDTH) x[item] = item < width ? v[first + item] - partial[item * ITEMS] : 0;
+      barrier(CLK_LOCAL_MEM_FENCE);
+      if (item == 0) solve_upper(diagonal, x);
       barrier(CLK_LOCAL_MEM_FENCE);
       if (item < width) v[first + item] = x[item];
       barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);

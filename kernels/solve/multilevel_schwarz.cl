@@ -8,11 +8,21 @@
 // Clusters of all levels are numbered through, the finest first, and their matrices and vectors stand one behind the other.
 // P_l is kept as a whole: each slot of the first level has four functions of each coarser level, so that one launch
 // restricts to all levels, one solves on all, and one brings all back to the nodes.
+#include "shared/lanes.h"
 #include "solve/group_sum.cl"
 #include "solve/site.h"
 #define NO_SLOT 0xffffffffu
 #define IN_SECOND (1u << 31)
 #define LARGEST_STRIDE 96
+#define LONG_PAIR 64u  // parts
+
+// Number `other` of the line of a symmetric matrix that work-item `own` has. Work-items that run side by side take columns,
+// so that they read side by side; those that take turns take rows.
+#if N_LANES > 1
+#define IN_LINE(own, other, stride) ((own) * (stride) + (other))
+#else
+#define IN_LINE(own, other, stride) ((other) * (stride) + (own))
+#endif
 
 // ---- set-up -------------------------------------------------------------------------------------------------------
 
@@ -53,44 +63,87 @@ kernel void schwarz_place(const uint n, const uint stride, global const uint* re
 }
 
 // Adds what contacts couple, on all levels. A part is one pair of a contact's four sites; parts that fall on the same
-// functions are summed in one order.
-// n: 16 x pairs of functions' first slots, (a, b) as above;  pair_row, pair_column: [n_pairs] where their blocks begin, as
-// in schwarz_place
-// first: [n_pairs + 1] into the parts;  source: where the part's 3 x 3 block begins in the blocks of one kind of elements,
-// or, IN_SECOND, of the other; rows are 12 numbers long;  part_row, part_column: in site_weights
+// functions are summed in one order. A pair with many parts, as of a rigid body that lies on a mesh, takes a work-group for
+// each two functions, other pairs a work-item.
+// n_items: 16 x pairs of functions' first slots, (a, b) as above, in whole work-groups; then 64 x 16 x n_long
+// pair_row, pair_column: [n_pairs] where their blocks begin, as in schwarz_place
+// first: [n_pairs + 1] into the parts;  long_pairs: [n_long] those with more than LONG_PAIR parts
+// source: where the part's 3 x 3 block begins in the blocks of one kind of elements, or, IN_SECOND, of the other; rows are
+// 12 numbers long;  part_row, part_column: in site_weights
 // site_weights: [n_levels x n_sites x 4] of the functions from each site's slot
-kernel void schwarz_add_contacts(const uint n, const uint stride, global const uint* restrict pair_row,
-                                 global const uint* restrict pair_column, global const uint* restrict first,
-                                 global const uint* restrict source, global const uint* restrict part_row,
-                                 global const uint* restrict part_column, global const real* restrict site_weights,
-                                 global const real* restrict first_blocks, global const real* restrict second_blocks,
-                                 global real* restrict matrices) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
+kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void schwarz_add_contacts(
+    const uint n_items, const uint n_pairs, const uint stride, global const uint* restrict pair_row,
+    global const uint* restrict pair_column, global const uint* restrict first,
+    global const uint* restrict long_pairs, global const uint* restrict source, global const uint* restrict part_row,
+    global const uint* restrict part_column, global const real* restrict site_weights,
+    global const real* restrict first_blocks, global const real* restrict second_blocks,
+    global real* restrict matrices) {
+  local real parts[9 * ITEMS];
+  local uint is_used;
+  const uint item = get_local_id(0), group = get_group_id(0), n_short = (16 * n_pairs + ITEMS - 1) / ITEMS;
+  const bool is_shared = group >= n_short;  // by the whole work-group
+  const uint i = is_shared ? 16 * long_pairs[(group - n_short) / 16] + (group - n_short) % 16 : group * ITEMS + item;
   const uint pair = i / 16, a = i / 4 % 4, b = i % 4;
+  if (item == 0) is_used = 0;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  uint begin = 0, end = 0;
+  if (pair < n_pairs) begin = first[pair], end = first[pair + 1];
+  if (!is_shared && end - begin > LONG_PAIR) end = begin;
   real sum[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
-  bool is_used = false;
-  for (uint k = first[pair]; k < first[pair + 1]; ++k) {
+  bool is_own_used = false;
+  for (uint k = begin + (is_shared ? item : 0); k < end; k += is_shared ? ITEMS : 1) {
     const real weight = site_weights[4 * (size_t)part_row[k] + a] * site_weights[4 * (size_t)part_column[k] + b];
     if (weight == 0) continue;
-    is_used = true;
+    is_own_used = true;
     global const real* part = (source[k] & IN_SECOND ? second_blocks : first_blocks) + (source[k] & ~IN_SECOND);
     for (int e = 0; e < 9; ++e) sum[e] += weight * part[e / 3 * 12 + e % 3];
   }
-  if (!is_used) return;  // the slot after a single node may be another's
-  global real* to = matrices + (size_t)(pair_row[pair] + 3 * a) * stride + pair_column[pair] + 3 * b;
-  for (uint k = 0; k < 3; ++k)
-    for (uint j = 0; j < 3; ++j) to[k * stride + j] += sum[3 * k + j];
+  // the slot after a single node may be another's, so what is not used is not written
+  global real* to = matrices;
+  if (pair < n_pairs) to += (size_t)(pair_row[pair] + 3 * a) * stride + pair_column[pair] + 3 * b;
+  for (int e = 0; e < 9; ++e) {
+    if (is_shared)
+      parts[e * ITEMS + item] = sum[e];
+    else if (is_own_used)
+      to[e / 3 * stride + e % 3] += sum[e];
+  }
+  if (is_shared && is_own_used) is_used = 1;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (!is_shared || !is_used || item >= 9) return;
+  real all = 0;
+  for (uint k = 0; k < ITEMS; ++k) all += parts[item * ITEMS + k];
+  to[item / 3 * stride + item % 3] += all;
+}
+
+// One pivot of a Gauss-Jordan elimination, for one row or column.  pivot_column: of columns only
+static inline void eliminate(const uint own, const uint pivot, const uint n, const uint stride,
+                             local const real* restrict pivot_row, local const real* restrict pivot_column,
+                             global real* restrict a) {
+#if N_LANES > 1
+  global real* row = a + own * stride;
+  if (own == pivot) {
+    for (uint c = 0; c < n; ++c) row[c] = pivot_row[c];
+    return;
+  }
+  const real factor = row[pivot];
+  row[pivot] = 0;
+  for (uint c = 0; c < n; ++c) row[c] -= factor * pivot_row[c];
+#else
+  for (uint r = 0; r < n; ++r) {
+    const real before = own == pivot ? 0 : a[r * stride + own];
+    a[r * stride + own] = r == pivot ? pivot_row[own] : before - pivot_column[r] * pivot_row[own];
+  }
+#endif
 }
 
 // Inverts each cluster's matrix in place by Gauss-Jordan elimination, which needs no pivoting: it is positive definite.
-// One work-group of 64 per cluster; each work-item owns rows. Rows behind the last used one are left out.
+// One work-group of 64 per cluster; each work-item owns rows or columns. Rows behind the last used one are left out.
 // failed: [n_clusters] 1 where a pivot is not positive;  inverse: the same in single precision, exactly symmetric
 kernel __attribute__((reqd_work_group_size(64, 1, 1))) void schwarz_invert(const uint n, const uint stride,
                                                                            global real* restrict matrices,
                                                                            global float* restrict inverse,
                                                                            global uint* restrict failed) {
-  local real pivot_row[LARGEST_STRIDE];
+  local real pivot_row[LARGEST_STRIDE], pivot_column[LARGEST_STRIDE];
   const uint cluster = get_group_id(0), item = get_local_id(0);
   if (cluster * 64 >= n) return;  // whole groups
   global real* a = matrices + (size_t)cluster * stride * stride;
@@ -104,23 +157,19 @@ kernel __attribute__((reqd_work_group_size(64, 1, 1))) void schwarz_invert(const
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
     const real pivot = a[p * stride + p];
     has_failed |= !(pivot > 0);
-    for (uint c = item; c < n_used; c += 64) pivot_row[c] = (c == p ? 1 : a[p * stride + c]) / pivot;
+    for (uint k = item; k < n_used; k += 64) pivot_row[k] = (k == p ? 1 : a[p * stride + k]) / pivot;
+#if N_LANES == 1
+    for (uint k = item; k < n_used; k += 64) pivot_column[k] = a[k * stride + p];
+#endif
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-    for (uint r = item; r < n_used; r += 64) {
-      global real* row = a + r * stride;
-      if (r == p) {
-        for (uint c = 0; c < n_used; ++c) row[c] = pivot_row[c];
-        continue;
-      }
-      const real factor = row[p];
-      row[p] = 0;
-      for (uint c = 0; c < n_used; ++c) row[c] -= factor * pivot_row[c];
-    }
+    for (uint own = item; own < n_used; own += 64) eliminate(own, p, n_used, stride, pivot_row, pivot_column, a);
   }
   barrier(CLK_GLOBAL_MEM_FENCE);
-  for (uint r = item; r < stride; r += 64)
-    for (uint c = 0; c < stride; ++c)
-      inverse[((size_t)cluster * stride + r) * stride + c] = (float)(0.5 * (a[r * stride + c] + a[c * stride + r]));
+  for (uint own = item; own < stride; own += 64)
+    for (uint other = 0; other < stride; ++other) {
+      const uint at = IN_LINE(own, other, stride), across = IN_LINE(other, own, stride);
+      inverse[(size_t)cluster * stride * stride + at] = (float)(0.5 * (a[at] + a[across]));
+    }
   if (item == 0) failed[cluster] = has_failed;
 }
 
@@ -185,12 +234,17 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void schwarz_solve(
                              parts, residual);
   barrier(CLK_LOCAL_MEM_FENCE);
   for (uint q = get_local_id(0); q < n_rows; q += ITEMS) {
-    const size_t row = (size_t)begin * stride + q;
-    global const float* a = inverse + row * stride;
     local const float* own = r + q / stride * stride;
     float4 sums = (float4)(0);
+#if N_LANES > 1
+    global const float* a = inverse + ((size_t)begin * stride + q) * stride;
     for (uint k = 0; k < stride / 4; ++k) sums += vload4(k, a) * vload4(k, own);
-    z[row] = (sums.x + sums.y) + (sums.z + sums.w);
+#else
+    global const float* a = inverse + (size_t)(begin + q / stride) * stride * stride + q % stride;
+    for (uint k = 0; k < stride / 4; ++k, a += 4 * stride)
+      sums += (float4)(a[0], a[stride], a[2 * stride], a[3 * stride]) * vload4(k, own);
+#endif
+    z[(size_t)begin * stride + q] = (sums.x + sums.y) + (sums.z + sums.w);
   }
 }
 

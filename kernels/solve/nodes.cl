@@ -2,6 +2,7 @@
 // the bits of one world do not depend on its companions.
 #include "shared/real.h"
 #include "solve/product_of_four.cl"
+#include "solve/row_lists.cl"
 #include "solve/value_at_site.cl"
 
 // node: [n_nodes x 3];  value: [n_sites x 3] = sum_k weight_k node_k
@@ -34,32 +35,36 @@ kernel void product_of_contacts(const uint n, const uint n_first, global const u
 
 // node[i] (+)= sum over its entries of weight x row; rows lie in a fixed order, so the sum has the same bits every time.
 // offset: [n + 1] into row, weight;  rows: [n_rows x 3];  is_fixed nodes get zero
-kernel void gather_rows(const uint n, global const uint* restrict offset, global const uint* restrict row,
-                        global const real* restrict weight, global const uint* restrict is_fixed,
-                        global const real* restrict rows, const uint accumulate, global real* restrict node) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  real3 sum = accumulate ? vload3(i, node) : (real3)(0);
-  if (!is_fixed[i])
-    for (uint k = offset[i]; k < offset[i + 1]; ++k) sum += weight[k] * vload3(row[k], rows);
-  vstore3(sum, i, node);
+kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void gather_rows(
+    const uint n, global const uint* restrict offset, global const uint* restrict row,
+    global const real* restrict weight, global const uint* restrict is_fixed, global const real* restrict rows,
+    const uint accumulate, global real* restrict node) {
+  local LongLists long_lists;
+  const uint i = get_global_id(0), begin = get_group_id(0) * ITEMS;
+  const RowLists lists = {offset, row, weight, rows};
+  if (i < n) {
+    const real3 sum = accumulate ? vload3(i, node) : (real3)(0);
+    vstore3(is_fixed[i] ? sum : add_short_list(&lists, i, sum), i, node);
+  }
+  add_long_lists(&lists, begin, min(n, begin + ITEMS), is_fixed, node, &long_lists);
 }
 
 // node[i] = the sum over the entries of one list, then over those of another, as by two calls of gather_rows
-kernel void gather_two_lists(const uint n, global const uint* restrict first_offset, global const uint* restrict first_row,
-                             global const real* restrict first_weight, global const uint* restrict second_offset,
-                             global const uint* restrict second_row, global const real* restrict second_weight,
-                             global const uint* restrict is_fixed, global const real* restrict rows,
-                             global real* restrict node) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  real3 sum = (real3)(0);
-  if (!is_fixed[i]) {
-    for (uint k = first_offset[i]; k < first_offset[i + 1]; ++k) sum += first_weight[k] * vload3(first_row[k], rows);
-    for (uint k = second_offset[i]; k < second_offset[i + 1]; ++k)
-      sum += second_weight[k] * vload3(second_row[k], rows);
+kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void gather_two_lists(
+    const uint n, global const uint* restrict first_offset, global const uint* restrict first_row,
+    global const real* restrict first_weight, global const uint* restrict second_offset,
+    global const uint* restrict second_row, global const real* restrict second_weight,
+    global const uint* restrict is_fixed, global const real* restrict rows, global real* restrict node) {
+  local LongLists long_lists;
+  const uint i = get_global_id(0), begin = get_group_id(0) * ITEMS, end = min(n, begin + ITEMS);
+  const RowLists lists = {first_offset, first_row, first_weight, rows};
+  const RowLists second = {second_offset, second_row, second_weight, rows};
+  if (i < n) {
+    const real3 sum = is_fixed[i] ? (real3)(0) : add_short_list(&lists, i, (real3)(0));
+    vstore3(is_fixed[i] ? sum : add_short_list(&second, i, sum), i, node);
   }
-  vstore3(sum, i, node);
+  add_long_lists(&lists, begin, end, is_fixed, node, &long_lists);
+  add_long_lists(&second, begin, end, is_fixed, node, &long_lists);
 }
 
 // the position that inertia alone would lead to: x~ = x + h v + h^2 g    [n x 3, m]

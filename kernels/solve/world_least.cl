@@ -1,21 +1,29 @@
-// The smallest value of the world of this work-group, for its first work-item: item k takes every N_LANES-th of the
+// The smallest value of the world of this work-group, for its first work-item: item k takes every ITEMS-th of the
 // world's values, then the first item takes theirs.
 #ifndef PVG_SOLVE_WORLD_LEAST_CL
 #define PVG_SOLVE_WORLD_LEAST_CL
 #include "shared/real.h"
 #include "shared/types.h"
-#define N_LANES 64u
+#define ITEMS 64u
 
-// first: [n_worlds + 1] runs of the worlds in values;  none: where there are no values;  of_lane: [N_LANES]
+// first: [n_worlds + 1] runs of the worlds in values;  none: where there are no values;  of_item: [ITEMS]
 static inline real least_of_world(global const u32* restrict first, global const real* restrict values, const real none,
-                                  local real* of_lane) {
+                                  local real* of_item) {
   const uint world = get_group_id(0), item = get_local_id(0), end = first[world + 1];
   real own = none;
-  for (uint k = first[world] + item; k < end; k += N_LANES) own = values[k] < own ? values[k] : own;
-  of_lane[item] = own;
+  uint k = first[world] + item;
+  for (; k + 3 * ITEMS < end; k += 4 * ITEMS) {  // fetched together
+    const real4 four = (real4)(values[k], values[k + ITEMS], values[k + 2 * ITEMS], values[k + 3 * ITEMS]);
+    own = four.x < own ? four.x : own;
+    own = four.y < own ? four.y : own;
+    own = four.z < own ? four.z : own;
+    own = four.w < own ? four.w : own;
+  }
+  for (; k < end; k += ITEMS) own = values[k] < own ? values[k] : own;
+  of_item[item] = own;
   barrier(CLK_LOCAL_MEM_FENCE);
   if (item > 0) return own;
-  for (uint k = 1; k < N_LANES; ++k) own = fmin(own, of_lane[k]);
+  for (uint k = 1; k < ITEMS; ++k) own = fmin(own, of_item[k]);
   return own;
 }
 

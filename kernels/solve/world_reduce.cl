@@ -38,32 +38,40 @@ kernel ONE_GROUP_PER_WORLD void sum_worlds(const uint n_items, const uint has_pa
   out[w] = sum;
 }
 
-// largest |a| over the chunk's sites, infinite where a is not a number;  a: [n_nodes x 3]
-static inline real largest_of_chunk(const Chunk chunk, global const Site* restrict sites, global const real* restrict a) {
+// the larger of two lengths; a length that is not a number is infinite
+static inline real larger(const real largest, const real length) {
+  return length <= largest ? largest : (isnan(length) ? INFINITY : length);
+}
+
+// largest |a| over the chunk's sites from its first one on, each `stride`-th;  a: [n_nodes x 3]
+static inline real largest_of_chunk(const Chunk chunk, const uint first, const uint stride,
+                                    global const Site* restrict sites, global const real* restrict a) {
   real largest = 0;
-  for (uint i = chunk.begin; i < chunk.end; ++i) {
-    const real l = length(value_at_site(sites + i, a));
-    largest = l <= largest ? largest : (isnan(l) ? INFINITY : l);
-  }
+  for (uint i = chunk.begin + first; i < chunk.end; i += stride)
+    largest = larger(largest, length(value_at_site(sites + i, a)));
   return largest;
 }
 
 kernel void largest_length_chunks(const uint n, global const Chunk* restrict chunks, global const Site* restrict sites,
                                   global const real* restrict a, global real* restrict partial) {
   const uint c = get_global_id(0);
-  if (c < n) partial[c] = largest_of_chunk(chunks[c], sites, a);
+  if (c < n) partial[c] = largest_of_chunk(chunks[c], 0, 1, sites, a);
 }
 
+// The largest of numbers is the same in any order, so here each chunk is all work-items'.
 kernel ONE_GROUP_PER_WORLD void largest_worlds(const uint n_items, const uint has_partial,
                                                global const uint* restrict first, global const Chunk* restrict chunks,
                                                global const Site* restrict sites, global const real* restrict a,
-                                               global real* partial, global real* restrict out) {
-  const uint w = get_group_id(0), begin = first[w], end = first[w + 1];
-  for (uint c = has_partial ? end : begin + get_local_id(0); c < end; c += ITEMS)
-    partial[c] = largest_of_chunk(chunks[c], sites, a);
-  barrier(CLK_GLOBAL_MEM_FENCE);
-  if (get_local_id(0) > 0) return;
+                                               global const real* restrict partial, global real* restrict out) {
+  local real of_item[ITEMS];
+  const uint w = get_group_id(0), item = get_local_id(0), begin = first[w], end = first[w + 1];
   real largest = 0;
-  for (uint c = begin; c < end; ++c) largest = max(largest, partial[c]);
+  for (uint c = begin + item; c < (has_partial ? end : begin); c += ITEMS) largest = max(largest, partial[c]);
+  for (uint c = has_partial ? end : begin; c < end; ++c)
+    largest = max(largest, largest_of_chunk(chunks[c], item, ITEMS, sites, a));
+  of_item[item] = largest;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (item > 0) return;
+  for (uint k = 1; k < ITEMS; ++k) largest = max(largest, of_item[k]);
   out[w] = largest;
 }

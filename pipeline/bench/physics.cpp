@@ -42,9 +42,10 @@ struct Repeat {
   PhaseSeconds phases{};
   SolverCounts counts;
   DeviceCountsByName by_name;
+  std::map<std::string, CommandTime> commands;
 };
 
-enum class Measure { times, phases, counts };
+enum class Measure { times, phases, counts, commands };
 
 Repeat repeat(Device& device, const BenchmarkRun& run, std::size_t n_worlds, Measure measure,
               const std::atomic<bool>& stop) {
@@ -59,6 +60,7 @@ Repeat repeat(Device& device, const BenchmarkRun& run, std::size_t n_worlds, Mea
   simulation.restore(start);
   if (measure == Measure::phases) simulation.measure_phases();
   if (measure == Measure::counts) device.count_by_name();
+  if (measure == Measure::commands) time_commands(device);
   Repeat result;
   simulation.restart_counts();
   const std::clock_t cpu_begin = std::clock();
@@ -75,6 +77,7 @@ Repeat repeat(Device& device, const BenchmarkRun& run, std::size_t n_worlds, Mea
   result.cpu_seconds = double(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
   result.counts = simulation.counts();
   result.by_name = device.counts_by_name();
+  if (measure == Measure::commands) result.commands = take_command_times(device);
   result.phases = simulation.phase_seconds();
   return result;
 }
@@ -147,6 +150,18 @@ PhysicsCounts count_physics_benchmark(const PhysicsBenchmark& benchmark, const s
           counted.counts, counted.by_name};
 }
 
+PhysicsCommands time_commands_of_benchmark(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
+                                           const std::string& device_name, std::size_t most_steps,
+                                           const std::atomic<bool>& stop,
+                                           std::optional<SolverSettings::Preconditioner> preconditioner) {
+  BenchmarkRun run = load_run(benchmark, data);
+  if (preconditioner) run.scene.solver.preconditioner = *preconditioner;
+  run.targets.resize(std::min(run.targets.size(), most_steps));
+  Device device(device_name);
+  const Repeat timed = repeat(device, run, benchmark.n_worlds, Measure::commands, stop);
+  return {benchmark.name, benchmark.n_worlds, run.targets.size(), timed.seconds, timed.newton, timed.commands};
+}
+
 double modelled_seconds(const DeviceCounts& counts) {
   constexpr double LAUNCH = 7e-6, WAIT = 15e-6;  // [s] of a discrete GPU, from the host's call to its effect
   constexpr double BYTES_PER_SECOND = 10e9;      // between host and device
@@ -155,12 +170,14 @@ double modelled_seconds(const DeviceCounts& counts) {
 }
 
 PhysicsFigures run_physics_benchmark(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
-                                     const std::string& device_name, std::size_t repeats, const std::atomic<bool>& stop,
+                                     const std::string& device_name, std::size_t repeats, std::size_t most_steps,
+                                     const std::atomic<bool>& stop,
                                      std::optional<SolverSettings::Preconditioner> preconditioner) {
   reset_peak_resident_bytes();
   const std::size_t before = peak_resident_bytes();
   BenchmarkRun run = load_run(benchmark, data);
   if (preconditioner) run.scene.solver.preconditioner = *preconditioner;
+  run.targets.resize(std::min(run.targets.size(), most_steps));
   Device device(device_name);
   std::vector<Repeat> results;
   for (std::size_t i = 0; i < repeats; ++i)

@@ -2,10 +2,12 @@
 #pragma once
 #include <atomic>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "host/device/command_times.hpp"
 #include "host/device/device.hpp"
 #include "host/model/scene.hpp"
 #include "host/physics/step/phase_clock.hpp"
@@ -43,6 +45,14 @@ struct PhysicsCounts {
   DeviceCountsByName by_name;        // of all steps, recording included
 };
 
+struct PhysicsCommands {
+  std::string name;
+  std::size_t worlds = 1, steps = 0;
+  double seconds = 0;  // by the clock, of all steps, each command with its event
+  long long newton = 0;
+  std::map<std::string, CommandTime> commands;  // of all steps
+};
+
 std::vector<PhysicsBenchmark> physics_benchmarks();
 // Those with these names, all of them for none; throws a UsageError that lists them where there is no such one.
 std::vector<PhysicsBenchmark> physics_benchmarks(const std::vector<std::string>& names);
@@ -54,16 +64,23 @@ struct BenchmarkRun {
 };
 BenchmarkRun load_run(const PhysicsBenchmark& benchmark, const std::filesystem::path& data);
 
-// Runs one benchmark `repeats` times after a warm-up of two steps. data: the folder that holds bench/ and tasks/.
-// preconditioner: instead of the scene's. Throws TryAgain where `stop` asks for it.
+// Runs the first `most_steps` steps of one benchmark `repeats` times after a warm-up of two steps. data: the folder
+// that holds bench/ and tasks/. preconditioner: instead of the scene's. Throws TryAgain where `stop` asks for it.
 PhysicsFigures run_physics_benchmark(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
-                                     const std::string& device, std::size_t repeats, const std::atomic<bool>& stop,
+                                     const std::string& device, std::size_t repeats, std::size_t most_steps,
+                                     const std::atomic<bool>& stop,
                                      std::optional<SolverSettings::Preconditioner> preconditioner = {});
 
-// What its first `most_steps` steps ask of the device, after a warm-up as above.
+// What these steps ask of the device.
 PhysicsCounts count_physics_benchmark(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
                                       const std::string& device, std::size_t most_steps, const std::atomic<bool>& stop,
                                       std::optional<SolverSettings::Preconditioner> preconditioner = {});
+
+// How long the device is at work on what, in the same steps.
+PhysicsCommands time_commands_of_benchmark(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
+                                           const std::string& device, std::size_t most_steps,
+                                           const std::atomic<bool>& stop,
+                                           std::optional<SolverSettings::Preconditioner> preconditioner = {});
 
 // What these launches, waits and transfers would cost on a discrete GPU beside its computing [s]: a model, not
 // measured.

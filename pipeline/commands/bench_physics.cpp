@@ -20,7 +20,8 @@ struct BenchPhysicsOptions {
   std::string device;
   std::size_t repeats = 3;
   bool as_json = false;
-  bool counts = false;  // print what is asked of the device, instead of times
+  bool counts = false;    // print what is asked of the device, instead of times
+  bool commands = false;  // print how long the device is at work on what, instead of times
   std::size_t steps = ~std::size_t(0);
   bool lists = false;          // print the names and nothing else
   std::string preconditioner;  // instead of the scenes' own; empty: those
@@ -93,6 +94,26 @@ void print_counts(const PhysicsCounts& c) {
   std::fflush(stdout);
 }
 
+void print_commands(const PhysicsCommands& c) {
+  double busy = 0;
+  std::vector<std::pair<double, std::string>> longest_first;
+  for (const auto& [name, time] : c.commands) {
+    busy += time.seconds;
+    longest_first.push_back({time.seconds, name});
+  }
+  std::sort(longest_first.rbegin(), longest_first.rend());
+  const double by = 1.0 / double(c.steps);
+  std::printf("%s, %zu worlds, %zu steps of %.2f Newton iterations: %.3f ms a step, the device at work for %.3f ms\n",
+              c.name.c_str(), c.worlds, c.steps, double(c.newton) * by / double(c.worlds), 1e3 * c.seconds * by,
+              1e3 * busy * by);
+  std::printf("  %9s %9s %9s\n", "ms a step", "times", "us each");
+  for (const auto& [seconds, name] : longest_first) {
+    const double times = double(c.commands.at(name).times);
+    std::printf("  %9.4f %9.2f %9.2f  %s\n", 1e3 * seconds * by, times * by, 1e6 * seconds / times, name.c_str());
+  }
+  std::fflush(stdout);
+}
+
 void run_bench_physics(const BenchPhysicsOptions& options) {
   const std::vector<PhysicsBenchmark> benchmarks = physics_benchmarks(options.scenes);
   if (options.lists) {
@@ -110,12 +131,18 @@ void run_bench_physics(const BenchPhysicsOptions& options) {
                                            preconditioner));
     return;
   }
+  if (options.commands) {
+    for (const PhysicsBenchmark& each : benchmarks)
+      print_commands(time_commands_of_benchmark(each, data_folder(), options.device, options.steps, stop_on_signals(),
+                                                preconditioner));
+    return;
+  }
   nlohmann::ordered_json out = {{"schema", 1}, {"device", Device(options.device).info().name}};
   out["scenes"] = nlohmann::ordered_json::array();
   if (!options.as_json) print_head();
   for (const PhysicsBenchmark& each : benchmarks) {
-    const PhysicsFigures figures =
-        run_physics_benchmark(each, data_folder(), options.device, options.repeats, stop_on_signals(), preconditioner);
+    const PhysicsFigures figures = run_physics_benchmark(each, data_folder(), options.device, options.repeats,
+                                                         options.steps, stop_on_signals(), preconditioner);
     if (options.as_json)
       out["scenes"].push_back(json_of(figures));
     else
@@ -138,7 +165,9 @@ void add_bench_physics(CLI::App& program) {
       ->check(CLI::IsMember({"automatic", "factor", "schwarz", "block_jacobi"}));
   command->add_flag("--count", o.counts,
                     "Print launches, waits and bytes moved, and what they would cost on a discrete GPU");
-  command->add_option("--steps", o.steps, "With --count: at most this many steps")->check(CLI::PositiveNumber);
+  command->add_flag("--commands", o.commands, "Print how long the device is at work on each kernel, read and write")
+      ->excludes("--count");
+  command->add_option("--steps", o.steps, "At most this many steps of a scene")->check(CLI::PositiveNumber);
   command->add_flag("--list", o.lists, "Print the names of the scenes and end");
   command->add_flag("--json", o.as_json, "Print JSON");
   command->footer(

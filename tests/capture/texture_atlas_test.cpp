@@ -147,7 +147,7 @@ TEST(TextureAtlas, AFloorIsSeenFinerThanItsPoints) {
     frames.push_back(frame);
     depths.push_back({WIDTH, HEIGHT, std::vector<float>(WIDTH * HEIGHT, 1.0f)});
   }
-  Device device("cpu", Purpose::rendering);
+  Device device("", Purpose::rendering);
   const std::vector<Vec3f> gains(3, Vec3f::Ones());
   const CapturedSurface look = texture_surface(device, {frames, depths, gains}, floor.mesh, 0.01);
   ASSERT_EQ(look.mesh.triangles.size(), floor.mesh.triangles.size());

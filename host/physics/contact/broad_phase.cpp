@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <numeric>
 
 #include "host/physics/linear/tree_order.hpp"
 
@@ -66,12 +67,29 @@ Participants find_participants(const CollisionMesh& mesh, const BodyPairTable& t
   return found;
 }
 
-// leaves and bodies of one tree; the boxes come from the device
+// [n_bodies] which body's edges come first among those of its world: the shorter they are. An edge looks among those
+// behind it, so that many short ones find the few long ones; a long one, which would find thousands, would keep a GPU
+// waiting.
+std::vector<u32> order_by_edge_length(const CollisionMesh& mesh, std::span<const Vec3> x) {
+  std::vector<double> length(mesh.bodies.size(), 0), n(mesh.bodies.size(), 0);
+  for (const CollisionEdge& edge : mesh.edges) {
+    length[edge.body] += (x[edge.site[1]] - x[edge.site[0]]).norm();
+    n[edge.body] += 1;
+  }
+  for (std::size_t i = 0; i < n.size(); ++i) length[i] /= std::max(1.0, n[i]);
+  std::vector<u32> bodies(n.size()), rank(n.size());
+  std::iota(bodies.begin(), bodies.end(), 0u);
+  std::stable_sort(bodies.begin(), bodies.end(), [&](u32 i, u32 j) { return length[i] < length[j]; });
+  for (u32 k = 0; k < bodies.size(); ++k) rank[bodies[k]] = k;
+  return rank;
+}
+
+// leaves and bodies of one tree; the boxes come from the device.  rank: [n_bodies] whose leaves come first
 template <class Primitive>
 std::vector<u32> fill_tree(std::span<TreeNode> tree, const std::vector<Primitive>& primitives, u32 begin, u32 end,
-                           std::span<const Vec3> x, const Participants& participants) {
+                           std::span<const Vec3> x, std::span<const u32> rank, const Participants& participants) {
   std::vector<Vec3> centroids;
-  std::vector<u32> body, taken;
+  std::vector<u32> body, rank_of_item, taken;
   for (u32 i = begin; i < end; ++i) {
     if (!participants.has_partner[primitives[i].body]) continue;
     taken.push_back(i);
@@ -79,8 +97,9 @@ std::vector<u32> fill_tree(std::span<TreeNode> tree, const std::vector<Primitive
     for (const u32 site : primitives[i].site) sum += x[site];
     centroids.push_back(sum / double(std::size(primitives[i].site)));
     body.push_back(participants.table.index[primitives[i].body]);
+    rank_of_item.push_back(rank[primitives[i].body]);
   }
-  std::vector<u32> order = order_of_leaves(centroids, body);
+  std::vector<u32> order = order_of_leaves(centroids, rank_of_item);
   const std::size_t n_leaves = tree.size() / 2;
   for (TreeNode& node : tree) node = {{}, {}, MANY_BODIES, NOTHING};
   for (std::size_t slot = 0; slot < order.size(); ++slot) {
@@ -107,13 +126,17 @@ Trees make_trees(const CollisionMesh& mesh, std::span<const Vec3> x, const BodyP
   const std::vector<u32> first_point = first_of_world(mesh, mesh.points), first_edge = first_of_world(mesh, mesh.edges),
                          first_triangle = first_of_world(mesh, mesh.triangles);
   const std::size_t n_nodes = std::size_t(2) << log2_leaves;
+  std::vector<u32> as_given(mesh.bodies.size());
+  std::iota(as_given.begin(), as_given.end(), 0u);
+  const std::vector<u32> by_length = order_by_edge_length(mesh, x);
   Trees trees;
   trees.nodes.resize(2 * mesh.n_worlds * n_nodes);
   for (u32 w = 0; w < mesh.n_worlds; ++w) {
     const std::span<TreeNode> of_triangles(trees.nodes.data() + 2 * w * n_nodes, n_nodes);
     const std::span<TreeNode> of_edges(of_triangles.data() + n_nodes, n_nodes);
-    fill_tree(of_triangles, mesh.triangles, first_triangle[w], first_triangle[w + 1], x, participants);
-    const std::vector<u32> edges = fill_tree(of_edges, mesh.edges, first_edge[w], first_edge[w + 1], x, participants);
+    fill_tree(of_triangles, mesh.triangles, first_triangle[w], first_triangle[w + 1], x, as_given, participants);
+    const std::vector<u32> edges =
+        fill_tree(of_edges, mesh.edges, first_edge[w], first_edge[w + 1], x, by_length, participants);
     trees.first_query_of_world.push_back(u32(trees.queries.size()));
     for (u32 i = first_point[w]; i < first_point[w + 1]; ++i)
       if (participants.has_partner[mesh.points[i].body]) trees.queries.push_back({i, 0, w, 0});

@@ -7,15 +7,15 @@
 namespace pvg {
 namespace {
 
-constexpr u32 IS_TRANSPOSED = 1u << 31;         // as in solve/factor_blocks.cl
-constexpr u32 FORWARD = 1, BACKWARD = 2;        // as in solve/factor_solve.cl
-constexpr u32 FACTOR_WIDTH = 12;                // columns that a work-group eliminates together
+constexpr u32 IS_TRANSPOSED = 1u << 31;   // as in solve/factor_blocks.cl
+constexpr u32 FORWARD = 1, BACKWARD = 2;  // as in solve/factor_solve.cl
+constexpr u32 PLACE_SHARES = 16;          // work-items for each block that is placed, as in solve/factor_blocks.cl
 constexpr std::size_t MOST_NUMBERS = 1u << 31;  // a place has 32 bits
 
 // Estimates for a work-group on a large GPU, by judgement, not measured: what a launch, a barrier with the memory
 // behind it, and a number take. They decide how the tree is divided, not what is computed.
-constexpr unsigned N_UNITS = 100;                                                   // work-groups at a time
-constexpr double LAUNCH = 7e-6, BARRIER = 1e-6, PRODUCT = 1 / 4e9, LOAD = 1 / 2e9;  // [s]
+constexpr unsigned N_UNITS = 100;                                                    // work-groups at a time
+constexpr double LAUNCH = 7e-6, BARRIER = 1e-6, PRODUCT = 1 / 16e9, LOAD = 1 / 8e9;  // [s]
 
 double barriers(const FactorFront& front) { return double(front.n_pivots + FACTOR_WIDTH - 1) / FACTOR_WIDTH; }
 
@@ -211,14 +211,15 @@ void DeviceFactor::start_factorize(const Buffer<f64>& matrix_blocks, const Conta
     return n_contacts > 0 && term < contacts.terms.size() ? contacts.terms[term]->blocks() : no_numbers_;
   };
   const Gather* gather = n_contacts > 0 ? contacts.gather : nullptr;
-  place_blocks_(n, n, n_groups, row_, column_, source_, place_, stride_, matrix_blocks, block_first_, block_last_,
-                node_group_, n_contacts, n_contacts > 0 ? u32(contacts.terms[0]->size()) : 0, contacts.first_row,
-                gather ? gather->offset() : no_indices_, gather ? gather->row() : no_indices_,
+  const u32 n_items = PLACE_SHARES * n;
+  place_blocks_(n_items, n_items, n, n_groups, row_, column_, source_, place_, stride_, matrix_blocks, block_first_,
+                block_last_, node_group_, n_contacts, n_contacts > 0 ? u32(contacts.terms[0]->size()) : 0,
+                contacts.first_row, gather ? gather->offset() : no_indices_, gather ? gather->row() : no_indices_,
                 gather ? gather->weight() : no_numbers_, gather ? *contacts.element_sites : no_indices_,
                 gather ? *contacts.sites : no_sites_, blocks_of(0), blocks_of(1), failed_, panels_);
   for (u32 stage = 0; stage < factoring_.n_stages; ++stage) {
     const u32 first = factoring_.stage_first[stage];
-    const u32 n_items = u32(GROUP_SIZE) * (factoring_.stage_first[stage + 1] - first);
+    const u32 n_items = FACTOR_ITEMS * (factoring_.stage_first[stage + 1] - first);
     factor_fronts_(n_items, n_items, first, factoring_.first, factoring_.front, fronts_, children_, places_,
                    group_is_active_, panels_, updates_, failed_, u32(gradient != nullptr), front_nodes_,
                    gradient ? *gradient : no_numbers_, vectors_);
@@ -236,7 +237,7 @@ void DeviceFactor::solve_stage(u32 stage, u32 parts, bool adds, const Buffer<f64
   const u32 first = solving_.stage_first[stage], n_tasks = solving_.stage_first[stage + 1] - first;
   // the nodes without factor are cleared once
   const bool clears = stage == 0 && (parts & BACKWARD) && !adds;
-  const u32 n_lone = clears ? u32(lone_nodes_.size()) : 0, n_items = u32(GROUP_SIZE) * n_tasks + n_lone;
+  const u32 n_lone = clears ? u32(lone_nodes_.size()) : 0, n_items = FACTOR_ITEMS * n_tasks + n_lone;
   factor_solve_(n_items, n_items, first, n_tasks, parts, u32(adds), n_lone, lone_nodes_, solving_.first, solving_.front,
                 fronts_, children_, places_, front_nodes_, group_is_active_, failed_, panels_, residual, vectors_,
                 preconditioned);

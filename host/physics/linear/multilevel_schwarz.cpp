@@ -9,6 +9,7 @@ namespace {
 
 constexpr u32 N_COARSE = 4;
 constexpr u32 N_PAIR_PARTS = N_COARSE * N_COARSE;
+constexpr u32 LONG_PAIR = 64;        // parts; as in solve/multilevel_schwarz.cl
 constexpr u32 LARGEST_WIDTH = 32;    // what a work-group's memory in the kernel is made for
 constexpr u32 IN_SECOND = 1u << 31;  // as in solve/multilevel_schwarz.cl
 
@@ -87,6 +88,7 @@ MultilevelSchwarz::MultilevelSchwarz(Device& device, const BlockMatrix& matrix, 
       part_pair_row_(device, 0, "rows of contact blocks"),
       part_pair_column_(device, 0, "columns of contact blocks"),
       part_first_(device, 0, "first part of contact block"),
+      long_pairs_(device, 0, "contact blocks with many parts"),
       part_source_(device, 0, "sources of contact parts"),
       part_row_(device, 0, "row sites of contact parts"),
       part_column_(device, 0, "column sites of contact parts") {
@@ -313,6 +315,10 @@ void MultilevelSchwarz::list_contacts(std::span<const Term* const> contacts) {
   }
   n_part_pairs_ = u32(first.size());
   first.push_back(u32(order.size()));
+  std::vector<u32> long_pairs;
+  for (u32 pair = 0; pair < n_part_pairs_; ++pair)
+    if (first[pair + 1] - first[pair] > LONG_PAIR) long_pairs.push_back(pair);
+  refill(long_pairs_, long_pairs);
   refill(part_pair_row_, pair_row);
   refill(part_pair_column_, pair_column);
   refill(part_first_, first);
@@ -328,11 +334,13 @@ void MultilevelSchwarz::add_contacts(std::span<const Term* const> contacts) {
     listed_sites_ = std::move(sites);
     list_contacts(contacts);
   }
-  const u32 n = N_PAIR_PARTS * n_part_pairs_;
-  if (n == 0) return;
+  if (n_part_pairs_ == 0) return;
+  const u32 group = u32(GROUP_SIZE), n_short_groups = (N_PAIR_PARTS * n_part_pairs_ + group - 1) / group;
+  const u32 n = group * (n_short_groups + N_PAIR_PARTS * u32(long_pairs_.size()));
   const Buffer<f64>& first_blocks = contacts.front()->blocks();
-  add_contacts_(n, n, stride_, part_pair_row_, part_pair_column_, part_first_, part_source_, part_row_, part_column_,
-                site_weights_, first_blocks, contacts.size() > 1 ? contacts[1]->blocks() : first_blocks, matrices_);
+  add_contacts_(n, n, n_part_pairs_, stride_, part_pair_row_, part_pair_column_, part_first_, long_pairs_, part_source_,
+                part_row_, part_column_, site_weights_, first_blocks,
+                contacts.size() > 1 ? contacts[1]->blocks() : first_blocks, matrices_);
 }
 
 void MultilevelSchwarz::apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned, const MultilevelSchwarz* exact,

@@ -78,7 +78,7 @@ class MultilevelSchwarz {
   std::vector<std::vector<u32>> listed_sites_;  // of each term, which the following was made of
   u32 n_sites_ = 0, n_part_pairs_ = 0;
   Buffer<f64> site_weights_;
-  Buffer<u32> part_pair_row_, part_pair_column_, part_first_, part_source_, part_row_, part_column_;
+  Buffer<u32> part_pair_row_, part_pair_column_, part_first_, long_pairs_, part_source_, part_row_, part_column_;
 };
 
 }  // namespace pvg

@@ -106,7 +106,7 @@ double radius_at(const Profile& profile, double height) {
 
 // Within half a pixel, 0.28 mm at half a metre, but for the foot's corner, which lies between two of the rings.
 TEST(Vessel, AFlaskIsFoundFromItsMasks) {
-  Device device("cpu", Purpose::rendering);
+  Device device("", Purpose::rendering);
   const Vec2 axis(0.31, -0.12);
   Photographed photos;
   photograph(FLASK, axis, photos);
@@ -127,7 +127,7 @@ TEST(Vessel, AFlaskIsFoundFromItsMasks) {
 }
 
 TEST(Vessel, APhotoThatDisagreesIsNamed) {
-  Device device("cpu", Purpose::rendering);
+  Device device("", Purpose::rendering);
   Photographed photos;
   photograph(FLASK, {0, 0}, photos);
   photos.transforms["frames"][3]["transform_matrix"][0][3] =
@@ -136,7 +136,7 @@ TEST(Vessel, APhotoThatDisagreesIsNamed) {
 }
 
 TEST(Vessel, WhatIsNoVesselIsRefused) {
-  Device device("cpu", Purpose::rendering);
+  Device device("", Purpose::rendering);
   TriangleMesh slab = revolved(closed_outline({{0, 0}, {0.04, 0}, {0.04, 0.1}, {0, 0.1}}, 0), 96);
   for (Vec3& p : slab.points) p.y() *= 0.3;
   Photographed photos;

@@ -87,5 +87,38 @@ TEST(Gather, WithoutElementsOfAKindListsAreRight) {
   expect_same_lists({70, 10}, {20, 3}, {0, 0});
 }
 
+// The longest of these lists are shared by a work-group's 64 work-items, as on devices whose work-items run side by
+// side.
+TEST(Gather, ListsThatAWorkGroupSharesAreSummedWhole) {
+  constexpr u32 N = 130, N_ROWS = 500;
+  Device device;
+  Program program(device, "solve/nodes.cl", "-DLONGEST_OWN_LIST=3u");
+  Kernel gather_rows = program.kernel("gather_rows");
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> number(-1, 1);
+  std::vector<u32> offset = {0}, row, is_fixed(N, 0);
+  std::vector<double> weight, rows, before, expected;
+  for (u32 i = 0; i < 3 * N_ROWS; ++i) rows.push_back(number(random));
+  for (u32 i = 0; i < 3 * N; ++i) before.push_back(number(random));
+  expected = before;
+  is_fixed[64] = 1;
+  for (u32 i = 0; i < N; ++i) {
+    // nodes 0, 5, 64 (which is fixed) and 129 have long lists, as have both ends of a work-group's nodes
+    const u32 n = i == 0 ? 1000 : i == 5 ? 65 : i == 64 || i == 129 ? 64 : i == 63 ? 4 : i % 4;
+    for (u32 k = 0; k < n; ++k) {
+      row.push_back(random() % N_ROWS);
+      weight.push_back(number(random));
+      for (u32 c = 0; c < 3 && !is_fixed[i]; ++c) expected[3 * i + c] += weight.back() * rows[3 * row.back() + c];
+    }
+    offset.push_back(u32(row.size()));
+  }
+  Buffer<f64> node(device, before, "node");
+  gather_rows(N, N, Buffer<u32>(device, offset, "offset"), Buffer<u32>(device, row, "row"),
+              Buffer<f64>(device, weight, "weight"), Buffer<u32>(device, is_fixed, "is_fixed"),
+              Buffer<f64>(device, rows, "rows"), 1u, node);
+  const std::vector<double> found = node.read();
+  for (u32 i = 0; i < 3 * N; ++i) EXPECT_NEAR(found[i], expected[i], 1e-13) << "node " << i / 3;
+}
+
 }  // namespace
 }  // namespace pvg

@@ -56,7 +56,8 @@ TEST(WorldReduce, LargestLengthOfKnownVectors) {
   const WorldRange halfway[] = {{0, 0, 1}, {1, 1, 2}};
   chunks.set(halfway);
   reduce.largest_length(chunks, sites, a, out);
-  EXPECT_EQ(out.read(), (std::vector<double>{5, std::sqrt(1.5 * 1.5 + 1)}));
+  EXPECT_EQ(out.read()[0], 5);
+  EXPECT_DOUBLE_EQ(out.read()[1], std::sqrt(1.5 * 1.5 + 1));  // a device may contract products and sums
 }
 
 TEST(WorldReduce, LargestLengthOfNotANumberIsInfinite) {

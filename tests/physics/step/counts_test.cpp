@@ -23,6 +23,7 @@ PhysicalScene sliding_box_and_rod() {
 struct Counted {
   SolverCounts counts;
   double x = 0;  // of the box [m]
+  bool runs_host_functions = false;
 };
 
 // host_functions: "0" treats the device like one apart from the host;  factor: who factors, the host or the device
@@ -38,7 +39,7 @@ Counted run(const char* host_functions, const char* factor) {
   simulation.restart_counts();
   for (int i = 0; i < STEPS; ++i) simulation.step(std::vector<double>{});
   EXPECT_GT(simulation.state().contacts.size(), 0u);
-  return {simulation.counts(), simulation.state().rigid[2](0, 3)};
+  return {simulation.counts(), simulation.state().rigid[2](0, 3), device.info().runs_host_functions};
 }
 
 void expect_at_most(const SolverCounts& counts, double launches, double waits) {
@@ -57,7 +58,7 @@ double bytes_per_newton(const Counted& counted) {
 TEST(Counts, ANewtonIterationAsksForFewLaunchesAndWaits) {
   const Counted together = run("1", "host"), apart = run("0", "host"), on_device = run("0", "device");
   // what a step takes once counts in each of its iterations, of which there are 64
-  expect_at_most(together.counts, 35.3, 3.91);
+  if (together.runs_host_functions) expect_at_most(together.counts, 35.3, 3.91);
   expect_at_most(apart.counts, 31.3, 4.91);
   expect_at_most(on_device.counts, 35.3, 2.91);
   EXPECT_EQ(together.x, apart.x) << "the same, whether numbers move or not";
