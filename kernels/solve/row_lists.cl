@@ -31,11 +31,16 @@ static inline uint length_of_list(const RowLists* lists, const uint node) {
   return lists->offset[node + 1] - lists->offset[node];
 }
 
+// weight_k row_k
+static inline real3 row_of_list(const RowLists* lists, const uint k) {
+  return lists->weight[k] * vload3(lists->row[k], lists->rows);
+}
+
 // sum + the node's list, unless it is a long one
 static inline real3 add_short_list(const RowLists* lists, const uint node, real3 sum) {
   if (length_of_list(lists, node) > LONGEST_OWN_LIST) return sum;
   for (uint k = lists->offset[node]; k < lists->offset[node + 1]; ++k)
-    sum += lists->weight[k] * vload3(lists->row[k], lists->rows);
+    sum += row_of_list(lists, k);
   return sum;
 }
 
@@ -55,7 +60,13 @@ static inline void add_long_lists(const RowLists* lists, const uint begin, const
     real3 part = (real3)(0);
     const uint first = shared->is_long[node] ? lists->offset[begin + node] : 0;
     const uint last = shared->is_long[node] ? lists->offset[begin + node + 1] : 0;
-    for (uint k = first + item; k < last; k += ITEMS) part += lists->weight[k] * vload3(lists->row[k], lists->rows);
+    uint k = first + item;
+    for (; k + 3 * ITEMS < last; k += 4 * ITEMS) {  // fetched together
+      const real3 a = row_of_list(lists, k), b = row_of_list(lists, k + ITEMS);
+      const real3 c = row_of_list(lists, k + 2 * ITEMS), d = row_of_list(lists, k + 3 * ITEMS);
+      part += (a + b) + (c + d);
+    }
+    for (; k < last; k += ITEMS) part += row_of_list(lists, k);
     vstore3(part, item, shared->parts);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item < 3 * EIGHTS) {

@@ -12,12 +12,10 @@ static inline real least_of_world(global const u32* restrict first, global const
   const uint world = get_group_id(0), item = get_local_id(0), end = first[world + 1];
   real own = none;
   uint k = first[world] + item;
-  for (; k + 3 * ITEMS < end; k += 4 * ITEMS) {  // fetched together
-    const real4 four = (real4)(values[k], values[k + ITEMS], values[k + 2 * ITEMS], values[k + 3 * ITEMS]);
-    own = four.x < own ? four.x : own;
-    own = four.y < own ? four.y : own;
-    own = four.z < own ? four.z : own;
-    own = four.w < own ? four.w : own;
+  for (; k + 7 * ITEMS < end; k += 8 * ITEMS) {  // fetched together
+    real eight[8];
+    for (uint j = 0; j < 8; ++j) eight[j] = values[k + j * ITEMS];
+    for (uint j = 0; j < 8; ++j) own = eight[j] < own ? eight[j] : own;
   }
   for (; k < end; k += ITEMS) own = values[k] < own ? values[k] : own;
   of_item[item] = own;

@@ -33,9 +33,7 @@ kernel ONE_GROUP_PER_WORLD void sum_worlds(const uint n_items, const uint has_pa
   }
   barrier(CLK_GLOBAL_MEM_FENCE);
   if (item > 0) return;
-  real sum = sum_of(begin, end, partial);
-  for (uint c = 0; c < n_late; ++c) sum += late_partial[w * most + c];
-  out[w] = sum;
+  out[w] = add_up(sum_of(begin, end, partial), w * most, w * most + n_late, late_partial);
 }
 
 // the larger of two lengths; a length that is not a number is infinite

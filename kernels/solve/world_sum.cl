@@ -7,9 +7,8 @@
 #include "solve/site.h"
 #define ITEMS 64u
 
-// one after the other, but a GPU fetches eight at a time
-static inline real sum_of(const uint begin, const uint end, global const real* a) {
-  real sum = 0;
+// sum + a_begin + a_begin+1 ..., one after the other, of which a GPU fetches eight at a time
+static inline real add_up(real sum, const uint begin, const uint end, global const real* a) {
   uint i = begin;
   for (; i + 8 <= end; i += 8) {
     const double8 eight = vload8(0, a + i);
@@ -25,5 +24,7 @@ static inline real sum_of(const uint begin, const uint end, global const real* a
   for (; i < end; ++i) sum += a[i];
   return sum;
 }
+
+static inline real sum_of(const uint begin, const uint end, global const real* a) { return add_up(0, begin, end, a); }
 
 #endif
