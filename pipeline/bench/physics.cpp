@@ -90,6 +90,7 @@ std::vector<PhysicsBenchmark> physics_benchmarks() {
       {"sphere_on_mat", "bench/sphere_on_mat.yaml", 1, 0, "a soft ball falls on a soft mat"},
       {"towel", "bench/towel.yaml", 1, 0, "a towel of 961 points is lifted by a corner and folded"},
       {"weigh_beaker", "tasks/weigh_beaker.yaml", 1, 0, "the task Weigh Beaker without pictures"},
+      {"weigh_beaker_16", "tasks/weigh_beaker.yaml", 16, 0, "the same 16 times in one solve"},
       {"two_arms_towel", "bench/two_arms_towel.yaml", 1, 0, "two arms, two soft grippers, a large towel"},
       {"small_grasp", "bench/small_grasp.yaml", 1, 0, "two pads grasp a cube"},
       {"small_grasp_4", "bench/small_grasp.yaml", 4, 0, "the same four times in one solve"},
