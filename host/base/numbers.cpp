@@ -9,7 +9,7 @@
 namespace pvg {
 namespace {
 
-constexpr std::size_t LONGEST_NAME = 64;
+constexpr std::size_t LONGEST_IDENTIFIER = 64;
 
 std::string shown(double value) {
   char text[32];
@@ -64,11 +64,11 @@ bool is_identifier(const std::string& text) {
   const auto may_stand = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
   };
-  return !text.empty() && text.size() <= LONGEST_NAME && std::all_of(text.begin(), text.end(), may_stand);
+  return !text.empty() && text.size() <= LONGEST_IDENTIFIER && std::all_of(text.begin(), text.end(), may_stand);
 }
 
 std::string nearest_word(const std::string& given, const std::vector<std::string>& words) {
-  std::string small = given.substr(0, LONGEST_NAME), nearest;
+  std::string small = given.substr(0, LONGEST_IDENTIFIER), nearest;
   std::transform(small.begin(), small.end(), small.begin(), lower);
   std::size_t least = 1 + std::max<std::size_t>(2, small.size() / 3);
   for (const std::string& word : words) {

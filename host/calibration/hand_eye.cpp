@@ -16,14 +16,14 @@ using Vec12 = Eigen::Matrix<double, 12, 1>;
 using Mat12 = Eigen::Matrix<double, 12, 12>;
 using Pixels = std::vector<Eigen::Vector2d>;
 
-constexpr std::size_t FEWEST_PHOTOS = 4;
-constexpr std::size_t DRAWN = 4;           // photos of a trial
-constexpr int TRIALS = 60;                 // with half of the photos wrong, one of 16 trials has none of them
-constexpr int ITERATIONS = 30;             // of the least squares
-constexpr double LARGEST_RATIO = 3;        // of a photo's residual to the median one
-constexpr double SMALLEST_OUTLIER = 0.5;   // residual of a photo that is never left out [pixels]
-constexpr double LEAST_TURN = 0.09;        // about a second axis, root mean square over all pairs of photos [rad]
-constexpr double LARGEST_RESIDUAL = 0.02;  // of the picture's width: more is no solution
+constexpr std::size_t FEWEST_POSES = 4;
+constexpr std::size_t DRAWN = 4;               // photos of a trial
+constexpr int TRIALS = 60;                     // with half of the photos wrong, one of 16 trials has none of them
+constexpr int ITERATIONS = 30;                 // of the least squares
+constexpr double LARGEST_RATIO = 3;            // of a photo's residual to the median one
+constexpr double SMALLEST_POSE_OUTLIER = 0.5;  // residual of a photo that is never left out [pixels]
+constexpr double LEAST_TURN = 0.09;            // about a second axis, root mean square over all pairs of photos [rad]
+constexpr double LARGEST_RESIDUAL = 0.02;      // of the picture's width: more is no solution
 
 // Corners of one photo's known tags: their places, and where a camera without distortion would see them.
 struct View {
@@ -227,7 +227,7 @@ HandEye calibrate_hand_eye(std::vector<HandPhoto> photos, const std::vector<Plac
     else
       photos[i].reason = "none of the tags is found";
   }
-  if (views.size() < FEWEST_PHOTOS)
+  if (views.size() < FEWEST_POSES)
     throw UsageError("tags are found in " + std::to_string(views.size()) + " of " + std::to_string(photos.size()) +
                      " photos; four are the least, fifteen from all sides are good");
   if (second_turn(views) < LEAST_TURN)
@@ -245,13 +245,13 @@ HandEye calibrate_hand_eye(std::vector<HandPhoto> photos, const std::vector<Plac
   std::vector<const View*> used;
   // each pass decides anew which photos stand out
   for (int pass = 0; pass < 3; ++pass) {
-    const double limit = std::max(SMALLEST_OUTLIER, LARGEST_RATIO * median_residual(views, guess, camera));
+    const double limit = std::max(SMALLEST_POSE_OUTLIER, LARGEST_RATIO * median_residual(views, guess, camera));
     used.clear();
     for (const View& view : views)
       if (residual_of(view, guess, camera) <= limit) used.push_back(&view);
     guess = refined(used, guess, camera, normal);
   }
-  if (used.size() < FEWEST_PHOTOS)
+  if (used.size() < FEWEST_POSES)
     throw UsageError("only " + std::to_string(used.size()) + " photos agree with each other; four are the least");
   std::size_t n_corners = 0;
   for (const View& view : views) {

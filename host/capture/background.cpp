@@ -11,7 +11,7 @@ namespace pvg {
 namespace {
 
 constexpr int REDUCTION = 4;       // of a photo's width and height
-constexpr int BORDER = 24;         // pixels of the reduced photo added on each side, for cameras beside this one
+constexpr int PHOTO_BORDER = 24;   // pixels of the reduced photo added on each side, for cameras beside this one
 constexpr int MARGIN = 2;          // pixels of the reduced photo
 constexpr double VOXEL = 0.025;    // [m]
 constexpr double BEHIND = 0.02;    // the guess lies so far behind what was measured beside it [m]
@@ -70,12 +70,12 @@ void span_membrane(Field& field) {
 
 Camera reduced(const Camera& camera) {
   Camera out = camera;
-  out.width = camera.width / REDUCTION + 2 * BORDER;
-  out.height = camera.height / REDUCTION + 2 * BORDER;
+  out.width = camera.width / REDUCTION + 2 * PHOTO_BORDER;
+  out.height = camera.height / REDUCTION + 2 * PHOTO_BORDER;
   out.fx = camera.fx / REDUCTION;
   out.fy = camera.fy / REDUCTION;
-  out.cx = (camera.cx + 0.5) / REDUCTION - 0.5 + BORDER;
-  out.cy = (camera.cy + 0.5) / REDUCTION - 0.5 + BORDER;
+  out.cx = (camera.cx + 0.5) / REDUCTION - 0.5 + PHOTO_BORDER;
+  out.cy = (camera.cy + 0.5) / REDUCTION - 0.5 + PHOTO_BORDER;
   out.model = Camera::Model::pinhole;
   out.distortion.clear();  // beyond the photo's border it would mean nothing
   return out;

@@ -6,7 +6,7 @@
 namespace pvg {
 namespace {
 
-constexpr int ROUNDS = 20;
+constexpr int CHOICE_ROUNDS = 20;
 constexpr float AGREEMENT = 1.5f;  // worth of having all neighbours' photo, beside a share of the best quality
 constexpr std::uint32_t NONE = 0xffffffffu;
 
@@ -50,7 +50,7 @@ std::vector<int> choose_photos(std::span<const Triangle> triangles, std::span<co
   const auto neighbours = neighbours_of(triangles);
   std::vector<int> photos;
   for (const Candidates& of_triangle : candidates) photos.push_back(of_triangle[0].photo);
-  for (int round = 0; round < ROUNDS; ++round) {
+  for (int round = 0; round < CHOICE_ROUNDS; ++round) {
     bool has_changed = false;
     for (std::size_t f = 0; f < triangles.size(); ++f) {
       float most = 0;

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-constexpr double MOST_PIXELS = 16384;  // along an edge
+constexpr double LONGEST_EDGE = 16384;  // along an edge
 
 double number_in(const json& frame, const json& root, const char* key, const fs::path& file) {
   const json& holder = frame.contains(key) ? frame : root;
@@ -22,7 +22,7 @@ double number_in(const json& frame, const json& root, const char* key, const fs:
 
 int pixels_in(const json& frame, const json& root, const char* key, const fs::path& file) {
   const double number = number_in(frame, root, key, file);
-  if (!(number >= 1 && number <= MOST_PIXELS))
+  if (!(number >= 1 && number <= LONGEST_EDGE))
     throw UsageError(file.string() + ": `" + key + "` must be 1 to 16384 pixels");
   return int(number);
 }

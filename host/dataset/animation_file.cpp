@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 using Floats = std::vector<float>;
 
-struct Writer : GltfWriter {
+struct AnimationWriter : GltfWriter {
   using GltfWriter::GltfWriter;
   tinygltf::Animation animation;
   int times = -1;  // accessor of the pictures' times
@@ -75,7 +75,8 @@ Eigen::Quaterniond rotation_of(const AffineMap& map) {
   return Eigen::Quaterniond(Mat3(svd.matrixU() * svd.matrixV().transpose())).normalized();
 }
 
-void add_rigid(Writer& writer, const RigidBody& body, std::size_t index, const std::vector<SceneState>& states) {
+void add_rigid(AnimationWriter& writer, const RigidBody& body, std::size_t index,
+               const std::vector<SceneState>& states) {
   if (body.collision.triangles.empty()) return;
   const int node = writer.add_body(body.name, floats(body.collision.points), body.collision.triangles, {});
   Floats places, turns;
@@ -93,7 +94,7 @@ void add_rigid(Writer& writer, const RigidBody& body, std::size_t index, const s
 }
 
 // points: of each picture. The first is the mesh, the others are displacements from it, shown one after the other.
-void add_deforming(Writer& writer, const std::string& name, const std::vector<Triangle>& surface,
+void add_deforming(AnimationWriter& writer, const std::string& name, const std::vector<Triangle>& surface,
                    const std::vector<const std::vector<Vec3>*>& points) {
   // the surface's points alone, in order of their first use
   std::vector<int> place(points[0]->size(), -1);
@@ -122,8 +123,8 @@ void add_deforming(Writer& writer, const std::string& name, const std::vector<Tr
   writer.animate(node, "weights", writer.add_scalars(weights));
 }
 
-Writer writer_of(const Scene& scene, const std::vector<SceneState>& states) {
-  Writer writer(scene.name);
+AnimationWriter writer_of(const Scene& scene, const std::vector<SceneState>& states) {
+  AnimationWriter writer(scene.name);
   Floats times;
   for (const SceneState& state : states) times.push_back(float(state.time));
   writer.times = writer.add_scalars(times);

@@ -9,24 +9,24 @@
 namespace pvg {
 namespace {
 
-using Writer = std::unique_ptr<DataSetWriter>;
+using AnyWriter = std::unique_ptr<DataSetWriter>;
 
-Writer make_lerobot(const PackRequest& request, LeRobotVersion version) {
+AnyWriter make_lerobot(const PackRequest& request, LeRobotVersion version) {
   return make_lerobot_writer(request.folder, {version, request.instruction, request.origin, request.has_environment},
                              [&tables = request.tables()](const ParquetTable& table) { tables.write(table); });
 }
 
 constexpr DataSetFormat FORMATS[] = {
     {"lerobot", "LeRobot 3.0", true,
-     [](const PackRequest& r) -> Writer { return make_lerobot(r, LeRobotVersion::v3_0); }},
+     [](const PackRequest& r) -> AnyWriter { return make_lerobot(r, LeRobotVersion::v3_0); }},
     {"lerobot2", "LeRobot 2.1", true,
-     [](const PackRequest& r) -> Writer { return make_lerobot(r, LeRobotVersion::v2_1); }},
+     [](const PackRequest& r) -> AnyWriter { return make_lerobot(r, LeRobotVersion::v2_1); }},
     {"act", "ACT and ALOHA, HDF5", false,
-     [](const PackRequest& r) -> Writer { return make_act_writer(r.folder, r.set.most_frames); }},
+     [](const PackRequest& r) -> AnyWriter { return make_act_writer(r.folder, r.set.most_frames); }},
     {"robomimic", "robomimic and MimicGen, HDF5", false,
-     [](const PackRequest& r) -> Writer { return make_robomimic_writer(r.folder, r.set); }},
+     [](const PackRequest& r) -> AnyWriter { return make_robomimic_writer(r.folder, r.set); }},
     {"zarr", "UMI and Diffusion Policy, zipped zarr", false,
-     [](const PackRequest& r) -> Writer { return make_umi_zarr_writer(r.folder); }},
+     [](const PackRequest& r) -> AnyWriter { return make_umi_zarr_writer(r.folder); }},
 };
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace {
 
 using hdf5::Series;
 
-constexpr std::int64_t SCHEMA = 1;
+constexpr std::int64_t STATES_SCHEMA = 1;
 constexpr std::uint64_t CHUNK_BYTES = 256 << 10, MOST_CHUNK_ROWS = 4096;  // of compressed series other than nodes'
 
 std::vector<std::uint32_t> corners(std::span<const Triangle> triangles) {
@@ -44,7 +44,7 @@ void write_mesh(hdf5::File& file, const std::string& name, std::int64_t body, st
 }
 
 void write_header(hdf5::File& file, const PhysicalScene& scene, const EpisodeHeader& header) {
-  file.attribute("/", "schema", SCHEMA);
+  file.attribute("/", "schema", STATES_SCHEMA);
   file.attribute("/", "task", header.task);
   file.attribute("/", "seed", header.seed);
   file.attribute("/", "episode", header.episode);

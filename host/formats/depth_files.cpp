@@ -18,15 +18,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int LARGEST_SIDE = 16384;  // [pixels]
-constexpr double NONE = 65535;       // of 16-bit files, beside 0
+constexpr int LARGEST_DEPTH_SIDE = 16384;  // [pixels]
+constexpr double NONE = 65535;             // of 16-bit files, beside 0
 
 DepthPicture read_colmap_depth(const fs::path& file, double unit) {
   const auto content = read_whole_file(file);
   if (!content) throw UsageError(file.string() + " cannot be read; a depth map is wanted");
   int width = 0, height = 0, channels = 0, length = 0;
   if (std::sscanf(content->substr(0, 64).c_str(), "%d&%d&%d&%n", &width, &height, &channels, &length) != 3 ||
-      length == 0 || channels != 1 || width < 1 || height < 1 || width > LARGEST_SIDE || height > LARGEST_SIDE)
+      length == 0 || channels != 1 || width < 1 || height < 1 || width > LARGEST_DEPTH_SIDE ||
+      height > LARGEST_DEPTH_SIDE)
     throw UsageError(file.string() + " is no depth map of COLMAP: it must begin with `width&height&1&`");
   const std::size_t n = std::size_t(width) * std::size_t(height);
   if (content->size() != std::size_t(length) + n * sizeof(float))

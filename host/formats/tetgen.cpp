@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t MOST_KEPT = 50;  // meshes
+constexpr std::size_t MOST_KEPT_MESHES = 50;  // meshes
 
 // A folder of its own under the system's temporary folder, gone at the end.
 struct TemporaryFolder {
@@ -149,7 +149,7 @@ TetMesh run(const TriangleMesh& surface, const TetgenOptions& options, const std
 
 TetMesh tetrahedralize(const TriangleMesh& surface, const TetgenOptions& options, const std::string& name) {
   check_closed_surface(surface, name);
-  static KeptResults<TetMesh> kept(MOST_KEPT);
+  static KeptResults<TetMesh> kept(MOST_KEPT_MESHES);
   std::string key = switches(options) + " " + std::to_string(options.nodes_per_element) + "\n";
   pack(key, surface.points);
   pack(key, surface.triangles);

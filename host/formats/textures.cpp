@@ -28,7 +28,7 @@ void check_size(const OIIO::ImageSpec& spec, const std::string& name) {
                      " pixels; scale it down to at most " + std::to_string(LARGEST_SIDE) + " on a side.");
 }
 
-std::unique_ptr<OIIO::ImageInput> open_picture(const std::filesystem::path& file) {
+std::unique_ptr<OIIO::ImageInput> open_texture(const std::filesystem::path& file) {
   if (!is_file(file)) throw UsageError(file.string() + ": there is no such texture file.");
   remember_read(file);
   const OIIO::ImageSpec as_stored = colors_as_stored();
@@ -44,7 +44,7 @@ std::unique_ptr<OIIO::ImageInput> open_picture(const std::filesystem::path& file
 }  // namespace
 
 EnvironmentMap read_environment(const std::filesystem::path& file) {
-  const auto input = open_picture(file);
+  const auto input = open_texture(file);
   const OIIO::ImageSpec& spec = input->spec();
   if (spec.nchannels < 3) throw UsageError(file.string() + ": the picture has no three colours.");
   EnvironmentMap map;
@@ -82,7 +82,7 @@ Texture read_pixels(OIIO::ImageInput& input, const std::string& name) {
 
 }  // namespace
 
-Texture read_texture(const std::filesystem::path& file) { return read_pixels(*open_picture(file), file.string()); }
+Texture read_texture(const std::filesystem::path& file) { return read_pixels(*open_texture(file), file.string()); }
 
 Texture unpack_texture(const std::vector<unsigned char>& bytes, const std::string& name) {
   if (bytes.empty()) throw UsageError(name + ": the picture is missing or empty.");

@@ -117,22 +117,22 @@ bool intersects(const Vec3& a, const Vec3& b, const Vec3& t0, const Vec3& t1, co
 
 namespace {
 
-using Box = Eigen::AlignedBox3d;
+using ExactBox = Eigen::AlignedBox3d;
 
 // Boxes of triangles in a binary tree: node k holds the items begin .. end of `order`, split at their middle.
 struct Tree {
   struct Node {
-    Box box;
+    ExactBox box;
     std::size_t begin, end;
   };
   std::vector<Node> nodes;  // a node's left child follows it; `right` says where the right one is
   std::vector<std::size_t> right;
   std::vector<std::uint32_t> order;
-  std::vector<Box> boxes;
+  std::vector<ExactBox> boxes;
 
   std::size_t build(std::size_t begin, std::size_t end) {
     const std::size_t self = nodes.size();
-    Box box, centers;
+    ExactBox box, centers;
     for (std::size_t i = begin; i < end; ++i) {
       box.extend(boxes[order[i]]);
       centers.extend(boxes[order[i]].center());
@@ -154,7 +154,7 @@ struct Tree {
 
   // calls visit(triangle) for every box that meets `box`, until it returns true
   template <class Visit>
-  bool any(const Box& box, const Visit& visit, std::size_t node = 0) const {
+  bool any(const ExactBox& box, const Visit& visit, std::size_t node = 0) const {
     if (nodes.empty() || !nodes[node].box.intersects(box)) return false;
     if (right[node]) return any(box, visit, node + 1) || any(box, visit, right[node]);
     for (std::size_t i = nodes[node].begin; i < nodes[node].end; ++i)
@@ -166,7 +166,7 @@ struct Tree {
 Tree make_tree(std::span<const Vec3> points, std::span<const Triangle> triangles) {
   Tree tree;
   for (const Triangle& t : triangles) {
-    Box box;
+    ExactBox box;
     for (const std::uint32_t corner : t) box.extend(points[corner]);
     tree.boxes.push_back(box);
   }
@@ -192,7 +192,7 @@ std::optional<IntersectingPair> find_intersection(
   const Tree tree = make_tree(points, triangles);
   for (std::uint32_t e = 0; e < edges.size(); ++e) {
     const Vec3 &a = points[edges[e][0]], &b = points[edges[e][1]];
-    Box box(a);
+    ExactBox box(a);
     box.extend(b);
     IntersectingPair pair{e, 0};
     const bool is_found = tree.any(box, [&](std::uint32_t i) {

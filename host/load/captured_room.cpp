@@ -9,7 +9,7 @@
 namespace pvg {
 namespace {
 
-constexpr double FAR = 1e3;  // [m]
+constexpr double LARGEST_PLANE = 1e3;  // [m]
 
 // about the fixed axes x, y, z in this order
 Vec3 roll_pitch_yaw(const Eigen::Matrix3d& R) {
@@ -59,7 +59,7 @@ BackgroundSection add_captured_room(const CapturedBackground& captured, std::vec
   for (YamlSection& plane : room.sections("planes")) {
     const std::string name = plane.name();
     for (const char* key : {"area", "roughness", "height_sigma", "tilt_sigma", "pose"}) plane.skip(key);
-    plane.numbers("size", Unit::length, 0, FAR);
+    plane.numbers("size", Unit::length, 0, LARGEST_PLANE);
     const std::filesystem::path mesh = plane.file("mesh");
     plane.done();
     known.push_back(name);

@@ -9,7 +9,6 @@
 namespace pvg {
 namespace {
 
-constexpr double PI = std::numbers::pi;
 constexpr int HEIGHT = 360;  // of pictures [pixels]
 constexpr double USUAL_ASPECT = 16.0 / 9;
 constexpr double SMALL = 1e-3;  // radius of a point light, in sizes of what it lights
@@ -34,7 +33,7 @@ Camera read_gltf_camera(const tinygltf::Camera& from, const Eigen::Affine3d& to_
                         const std::string& file) {
   const double field_of_view = from.perspective.yfov;
   const double aspect = from.perspective.aspectRatio > 0 ? from.perspective.aspectRatio : USUAL_ASPECT;
-  if (!(field_of_view > 1e-4 && field_of_view < PI) || !(aspect > 0.02 && aspect < 50))
+  if (!(field_of_view > 1e-4 && field_of_view < std::numbers::pi) || !(aspect > 0.02 && aspect < 50))
     throw UsageError(file + ": camera `" + name + "` has no usable field of view: yfov " +
                      std::to_string(field_of_view) + ", aspectRatio " + std::to_string(aspect) + ".");
   Camera camera;
@@ -61,17 +60,18 @@ SphereLight read_gltf_light(const tinygltf::Light& from, const Eigen::Affine3d& 
   light.direction = -rotation_of(to_world).col(2);  // along -z, too
   light.center = to_world.translation();
   light.radius = SMALL * size;
-  double radiance = from.intensity / (PI * light.radius * light.radius);
+  double radiance = from.intensity / (std::numbers::pi * light.radius * light.radius);
   if (from.type == "directional") {
     light.center = center - FAR * size * light.direction;
     light.radius = FAR * size * std::sin(SUN_RADIUS);
     light.inner_angle = SUN_INNER;
     light.outer_angle = SUN_OUTER;
-    radiance = from.intensity / (PI * std::sin(SUN_RADIUS) * std::sin(SUN_RADIUS));
+    radiance = from.intensity / (std::numbers::pi * std::sin(SUN_RADIUS) * std::sin(SUN_RADIUS));
   } else if (from.type == "spot") {
     light.inner_angle = from.spot.innerConeAngle;
     light.outer_angle = from.spot.outerConeAngle;
-    if (!(light.inner_angle >= 0 && light.inner_angle < light.outer_angle && light.outer_angle <= PI / 2 + 1e-6))
+    if (!(light.inner_angle >= 0 && light.inner_angle < light.outer_angle &&
+          light.outer_angle <= std::numbers::pi / 2 + 1e-6))
       throw UsageError(file + ": spot light `" + name +
                        "` needs innerConeAngle < outerConeAngle, both between 0 and pi / 2.");
   } else if (from.type != "point") {

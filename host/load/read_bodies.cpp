@@ -13,7 +13,7 @@ namespace pvg {
 namespace {
 
 using Section = YamlSection;
-using Kind = BodySection::Kind;
+using BodyKind = BodySection::Kind;
 constexpr double START_TOLERANCE = 1e-6;  // joint frames of parent and child agree at the start within this [m, rad]
 
 template <class Body>
@@ -31,7 +31,7 @@ int index_of_cloth(Section& section, const std::vector<ClothSection>& cloths) {
 }
 
 void set_mass(const Section& section, const BodySection& read, RigidBody& body) {
-  if (read.kind != Kind::rigid) {  // nothing moves it
+  if (read.kind != BodyKind::rigid) {  // nothing moves it
     body.mass = body.volume = 1;
     body.inertia = Mat3::Identity();
     return;
@@ -53,9 +53,9 @@ RigidBody rigid_of(const Section& section, const BodySection& read) {
   RigidBody body;
   body.name = read.name;
   body.collision = read.surface;
-  body.is_fixed = read.kind == Kind::fixed || read.kind == Kind::half_space;
-  body.is_half_space = read.kind == Kind::half_space;
-  body.is_prescribed = read.kind == Kind::moving;
+  body.is_fixed = read.kind == BodyKind::fixed || read.kind == BodyKind::half_space;
+  body.is_half_space = read.kind == BodyKind::half_space;
+  body.is_prescribed = read.kind == BodyKind::moving;
   set_mass(section, read, body);
   body.friction = read.friction;
   body.contact_offset = read.contact_offset;
@@ -104,7 +104,7 @@ void read_body(Section& section, SceneFile& file) {
   const bool is_taken = find_named(scene.rigid_bodies, read.name) || find_named(scene.soft_bodies, read.name) ||
                         find_named(file.task.objects, read.name);
   if (is_taken) section.fail("name", "`" + read.name + "` is taken by a body above");
-  const bool is_soft = read.kind == Kind::soft;
+  const bool is_soft = read.kind == BodyKind::soft;
   if (is_soft)
     scene.soft_bodies.push_back(soft_of(read));
   else

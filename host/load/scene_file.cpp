@@ -44,7 +44,7 @@ void add_body_visuals(Scene& scene, const BodyVisuals& body, int first_rigid, in
   if (body.display.width > 0) add_display(scene, body.display, visual.rigid, 1);
 }
 
-void check_last_point(YamlSection& section, SceneRobot& robot) {
+void check_last_robot_point(YamlSection& section, SceneRobot& robot) {
   RobotPathPoint& point = robot.path.back();
   if (robot.path.size() > 1 && !(point.time > robot.path.end()[-2].time)) section.fail("time", "must ascend");
   if (point.joints.size() != robot.cell.robot.home.size())
@@ -118,7 +118,8 @@ const Fields<SceneRobot>& scene_robot_fields() {
   static const Fields<SceneRobot> FIELDS =
       Fields<SceneRobot>()
           .include(robot_cell_fields(), &SceneRobot::cell)
-          .list("path", &SceneRobot::path, POINT, "where its drives are told to be; none: at `home`", check_last_point);
+          .list("path", &SceneRobot::path, POINT, "where its drives are told to be; none: at `home`",
+                check_last_robot_point);
   return FIELDS;
 }
 

@@ -9,12 +9,12 @@ namespace pvg {
 namespace {
 
 using Section = YamlSection;
-using Kind = BodySection::Kind;
+using BodyKind = BodySection::Kind;
 constexpr double FASTEST = 1e3;     // [m/s]
 constexpr double MOST_TURNS = 1e4;  // [rad/s]
 
-auto is_kind(std::initializer_list<Kind> kinds) {
-  return [kinds = std::vector<Kind>(kinds)](const BodySection& body) {
+auto is_kind(std::initializer_list<BodyKind> kinds) {
+  return [kinds = std::vector<BodyKind>(kinds)](const BodySection& body) {
     return std::find(kinds.begin(), kinds.end(), body.kind) != kinds.end();
   };
 }
@@ -47,12 +47,12 @@ void check_last_point(Section& section, BodySection& body) {
 }
 
 void check_body(Section& section, BodySection& body) {
-  if (body.kind == Kind::rigid && body.density.has_value() == body.mass.has_value()) {
+  if (body.kind == BodyKind::rigid && body.density.has_value() == body.mass.has_value()) {
     section.done();  // a misspelled key is the likelier reason
     section.fail("", "must have either `density` or `mass`, because it can move");
   }
   if (!(body.normal.norm() > 1e-9)) section.fail("normal", "must not have the length zero");
-  if (body.kind != Kind::moving || !section.has("path")) return;
+  if (body.kind != BodyKind::moving || !section.has("path")) return;
   if (section.has("pose")) section.fail("pose", "must not stand beside `path`, which says where the body starts");
   if (body.path.empty()) section.fail("path", "must hold at least one point");
   body.pose = body.path[0].pose;
@@ -144,10 +144,10 @@ const Fields<DriveSection>& drive_fields() {
 
 const Fields<BodySection>& body_fields() {
   using B = BodySection;
-  const auto is_rigid = is_kind({Kind::rigid}), is_soft = is_kind({Kind::soft}),
-             is_half_space = is_kind({Kind::half_space}), is_moving = is_kind({Kind::moving});
-  const auto has_shape = is_kind({Kind::rigid, Kind::soft, Kind::fixed, Kind::moving});
-  const auto has_surface = is_kind({Kind::rigid, Kind::fixed, Kind::moving});
+  const auto is_rigid = is_kind({BodyKind::rigid}), is_soft = is_kind({BodyKind::soft}),
+             is_half_space = is_kind({BodyKind::half_space}), is_moving = is_kind({BodyKind::moving});
+  const auto has_shape = is_kind({BodyKind::rigid, BodyKind::soft, BodyKind::fixed, BodyKind::moving});
+  const auto has_surface = is_kind({BodyKind::rigid, BodyKind::fixed, BodyKind::moving});
   const std::string half_space = "`half_space`", surfaces = "not `soft`, `half_space`";
   static const Fields<PathPoint> POINT =
       Fields<PathPoint>()

@@ -12,7 +12,6 @@ namespace pvg {
 namespace {
 
 using Section = YamlSection;
-constexpr double PI = std::numbers::pi;
 
 const Fields<RobotSection>& robot_drive_fields() {
   using R = RobotSection;
@@ -116,7 +115,7 @@ const Fields<RobotSection>& robot_fields() {
             if (!robot.armature.empty() && robot.armature.size() != robot.home.size())
               section.fail("armature", "must hold as many numbers as `home`");
             for (const double q : robot.home)
-              if (!section.is_resolved() && std::abs(q) > 2 * PI)
+              if (!section.is_resolved() && std::abs(q) > 2 * std::numbers::pi)
                 section.fail("home", fmt::format("holds {:g} rad, which is more than a turn: write `{:g} deg` if it is "
                                                  "in degrees",
                                                  q, q));
@@ -205,9 +204,12 @@ const Fields<SampledPose>& sampled_pose_fields() {
           .number("x", &P::x, Unit::length, -REACH, REACH, "a number or a range `[low, high]`, drawn per episode")
           .number("y", &P::y, Unit::length, -REACH, REACH, "likewise")
           .number("z", &P::z, Unit::length, -REACH, REACH, "likewise")
-          .number("roll", &P::roll, Unit::angle, -2 * PI, 2 * PI, "about the fixed axis x, first; likewise")
-          .number("pitch", &P::pitch, Unit::angle, -2 * PI, 2 * PI, "about the fixed axis y; likewise")
-          .number("yaw", &P::yaw, Unit::angle, -2 * PI, 2 * PI, "about the fixed axis z, last; likewise");
+          .number("roll", &P::roll, Unit::angle, -2 * std::numbers::pi, 2 * std::numbers::pi,
+                  "about the fixed axis x, first; likewise")
+          .number("pitch", &P::pitch, Unit::angle, -2 * std::numbers::pi, 2 * std::numbers::pi,
+                  "about the fixed axis y; likewise")
+          .number("yaw", &P::yaw, Unit::angle, -2 * std::numbers::pi, 2 * std::numbers::pi,
+                  "about the fixed axis z, last; likewise");
   return FIELDS;
 }
 
@@ -219,7 +221,8 @@ const Fields<VisualSection>& visual_fields() {
           .required()
           .text("material", &V::material, "name of a material; glTF files may keep their own")
           .otherwise("required, of glTF its own")
-          .number("crease_angle", &V::crease_angle, Unit::angle, 0, PI, "edges sharper than this stay sharp")
+          .number("crease_angle", &V::crease_angle, Unit::angle, 0, std::numbers::pi,
+                  "edges sharper than this stay sharp")
           .check([](Section& section, V& visual) {
             const bool has_own = visual.mesh.extension() == ".glb" || visual.mesh.extension() == ".gltf";
             if (!has_own) section.text("material");  // says that it is missing

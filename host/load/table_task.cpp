@@ -8,7 +8,6 @@ namespace pvg {
 namespace {
 
 using Section = YamlSection;
-constexpr double PI = std::numbers::pi;
 
 template <class T>
 auto robot_reader(const std::vector<std::string>& robots) {
@@ -129,7 +128,7 @@ Fields<MotionElement> motion_fields(const std::vector<RobotCell>& robots) {
       .when(is_arc, arc)
       .written_when(is_arc)
       .reads([](Section& s, E& e) { normalize_axis(s, e.axis); })
-      .number("angle", &E::angle, Unit::angle, -2 * PI, 2 * PI, "how far")
+      .number("angle", &E::angle, Unit::angle, -2 * std::numbers::pi, 2 * std::numbers::pi, "how far")
       .required()
       .when(is_arc, arc)
       .written_when(is_arc)

@@ -6,8 +6,6 @@
 namespace pvg {
 namespace {
 
-constexpr double PI = std::numbers::pi;
-
 using Section = YamlSection;
 
 template <class T>
@@ -109,12 +107,13 @@ Fields<Task> root_fields(double largest_time_step) {
 }
 
 const Fields<Task>& environment_fields() {
-  static const Fields<Task> MAP = Fields<Task>()
-                                      .file("file", &Task::environment_map,
-                                            ".hdr, .exr, or 8 bits (sRGB); equirectangular, z up, +x in the middle, "
-                                            "+y to the left")
-                                      .required()
-                                      .number("turn", &Task::environment_turn, Unit::angle, -2 * PI, 2 * PI, "about z");
+  static const Fields<Task> MAP =
+      Fields<Task>()
+          .file("file", &Task::environment_map,
+                ".hdr, .exr, or 8 bits (sRGB); equirectangular, z up, +x in the middle, "
+                "+y to the left")
+          .required()
+          .number("turn", &Task::environment_turn, Unit::angle, -2 * std::numbers::pi, 2 * std::numbers::pi, "about z");
   static const Fields<Task> FIELDS =
       Fields<Task>()
           .section("environment_map", std::identity{}, MAP, "picture of the surroundings")
@@ -125,7 +124,8 @@ const Fields<Task>& environment_fields() {
           .otherwise("0, with a map 1")
           .file("environment_map", &Task::environment_map, "picture of the surroundings")
           .only_resolved()
-          .number("environment_turn", &Task::environment_turn, Unit::angle, -2 * PI, 2 * PI, "about z")
+          .number("environment_turn", &Task::environment_turn, Unit::angle, -2 * std::numbers::pi, 2 * std::numbers::pi,
+                  "about z")
           .only_resolved();
   return FIELDS;
 }

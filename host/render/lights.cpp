@@ -11,7 +11,7 @@
 namespace pvg {
 namespace {
 
-void copy(const Vec3f& from, f32 (&to)[3]) {
+void store(const Vec3f& from, f32 (&to)[3]) {
   for (int c = 0; c < 3; ++c) to[c] = from[c];
 }
 
@@ -29,11 +29,11 @@ Light rectangle(const RectangleLight& light) {
   check_radiance(light.name, light.radiance);
   Light l{};
   l.kind = LIGHT_RECTANGLE;
-  copy(light.corner.cast<float>(), l.corner);
-  copy(light.edge_u.cast<float>(), l.edge_u);
-  copy(light.edge_v.cast<float>(), l.edge_v);
-  copy(normal.normalized().cast<float>(), l.normal);
-  copy(light.radiance, l.radiance);
+  store(light.corner.cast<float>(), l.corner);
+  store(light.edge_u.cast<float>(), l.edge_u);
+  store(light.edge_v.cast<float>(), l.edge_v);
+  store(normal.normalized().cast<float>(), l.normal);
+  store(light.radiance, l.radiance);
   l.area = float(normal.norm());
   return l;
 }
@@ -46,8 +46,8 @@ Light sphere(const SphereLight& light) {
   check_radiance(light.name, light.radiance);
   Light l{};
   l.kind = LIGHT_SPHERE;
-  copy(light.center.cast<float>(), l.corner);
-  copy(light.radiance, l.radiance);
+  store(light.center.cast<float>(), l.corner);
+  store(light.radiance, l.radiance);
   l.radius = float(light.radius);
   if (!is_spot(light)) {
     l.edge_v[0] = -2;  // below every cosine: 1 in all directions
@@ -56,7 +56,7 @@ Light sphere(const SphereLight& light) {
   }
   if (!(light.inner_angle >= 0 && light.inner_angle < light.outer_angle) || !(light.direction.norm() > 0))
     throw UsageError("light " + light.name + ": its inner angle must be below its outer one, its direction no zero");
-  copy(light.direction.normalized().cast<float>(), l.edge_u);
+  store(light.direction.normalized().cast<float>(), l.edge_u);
   l.edge_v[0] = float(std::cos(light.outer_angle));
   l.edge_v[1] = float(1 / (std::cos(light.inner_angle) - std::cos(light.outer_angle)));
   return l;

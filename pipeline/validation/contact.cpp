@@ -10,8 +10,8 @@
 namespace pvg {
 namespace {
 
-constexpr double RADIUS = 0.05;  // of the sphere [m]
-constexpr double GRADING = 1.8;  // of its mesh, as in the scene
+constexpr double RADIUS = 0.05;       // of the sphere [m]
+constexpr double BALL_GRADING = 1.8;  // of its mesh, as in the scene
 
 // Approach of a plane to the sphere's mid-plane [m], and the force of the whole sphere [N].
 struct Press {
@@ -34,7 +34,7 @@ Press press_of(const Scene& scene, const WorldState& state) {
 // The sphere in divisions^3 cells per octant, pressed by 1 mm and, if it goes on, by 2 mm: the ends of the two holds.
 std::vector<Press> pressed(const Validation& v, int divisions, bool goes_on, Curve& curve) {
   SceneRun run = v.load("hertz");
-  run.scene.soft_bodies[0].mesh = ball_octant_solid(RADIUS, divisions, GRADING, 10);
+  run.scene.soft_bodies[0].mesh = ball_octant_solid(RADIUS, divisions, BALL_GRADING, 10);
   const std::vector<Vec3>& rest = run.scene.soft_bodies[0].mesh.points;
   for (Stitch& stitch : run.scene.stitches) {  // rollers in the plane across their direction
     stitch.nodes.clear();

@@ -8,7 +8,7 @@
 namespace pvg {
 namespace {
 
-WorldState end_of(const Validation& v, const SceneRun& run) {
+WorldState last_state(const Validation& v, const SceneRun& run) {
   WorldState last;
   v.run(run, [&](const WorldState& state, const StepReport&) {
     last = state;
@@ -74,7 +74,7 @@ void validate_joint_signs(Validation& v) {
 
 void validate_drive(Validation& v) {
   const SceneRun run = v.load("drive");
-  const WorldState last = end_of(v, run);
+  const WorldState last = last_state(v, run);
   const double weight = 9.80665;
   double q = 0;  // k q = m g l cos q; the arm points along x and sinks with positive turns about y
   for (int i = 0; i < 50; ++i) q = weight * 0.2 / 200 * std::cos(q);
@@ -87,7 +87,7 @@ void validate_drive(Validation& v) {
 // meet.
 void validate_four_bar(Validation& v) {
   const SceneRun run = v.load("four_bar");
-  const WorldState last = end_of(v, run);
+  const WorldState last = last_state(v, run);
   const double crank = 0.1, coupler = 0.25, rocker = 0.2, ground = 0.3, start = 1;
   const auto rocker_angle = [&](double t) {
     const Eigen::Vector2d from(crank * std::cos(t), crank * std::sin(t)), to = Eigen::Vector2d(ground, 0) - from;

@@ -11,7 +11,7 @@
 namespace pvg {
 namespace {
 
-constexpr double WIDTH = 720, HEIGHT = 450, LEFT = 90, RIGHT = 20, TOP = 40, BOTTOM = 60;  // [pixels]
+constexpr double PLOT_WIDTH = 720, HEIGHT = 450, LEFT = 90, RIGHT = 20, TOP = 40, BOTTOM = 60;  // [pixels]
 constexpr const char* COLORS[] = {"#1f5fa8", "#c0392b", "#2e8b57", "#8e44ad", "#b9770e", "#117a8b", "#555555"};
 
 std::string escaped(const std::string& text) {
@@ -70,7 +70,7 @@ std::string frame_of(const Plot& plot, const Axis& x, const Axis& y) {
   }
   out += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#333\"/>\n", LEFT, TOP,
                      x.end - LEFT, y.begin - TOP);
-  out += text_at(WIDTH / 2, 24, "middle", plot.title, " font-size=\"15\"");
+  out += text_at(PLOT_WIDTH / 2, 24, "middle", plot.title, " font-size=\"15\"");
   out += text_at((LEFT + x.end) / 2, HEIGHT - 16, "middle", plot.x_label, "");
   const double middle = (TOP + y.begin) / 2;
   return out + text_at(20, middle, "middle", plot.y_label, fmt::format(" transform=\"rotate(-90 20 {})\"", middle));
@@ -95,7 +95,7 @@ std::string curve_of(const Curve& curve, std::size_t number, const Axis& x, cons
 
 std::string svg_of(const Plot& plot) {
   Axis x{plot.x_is_logarithmic}, y{plot.y_is_logarithmic};
-  x.begin = LEFT, x.end = WIDTH - RIGHT;
+  x.begin = LEFT, x.end = PLOT_WIDTH - RIGHT;
   y.begin = HEIGHT - BOTTOM, y.end = TOP;  // upward
   for (const Curve& curve : plot.curves)
     for (std::size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i)
@@ -108,7 +108,7 @@ std::string svg_of(const Plot& plot) {
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
       "font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
-      WIDTH, HEIGHT);
+      PLOT_WIDTH, HEIGHT);
   out += frame_of(plot, x, y);
   for (std::size_t i = 0; i < plot.curves.size(); ++i) out += curve_of(plot.curves[i], i, x, y);
   return out + "</svg>\n";

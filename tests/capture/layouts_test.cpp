@@ -10,13 +10,13 @@
 namespace pvg {
 namespace {
 
-constexpr int WIDTH = 8, HEIGHT = 6;
+constexpr int WALL_WIDTH = 8, WALL_HEIGHT = 6;
 
-DepthPicture wall() { return {WIDTH, HEIGHT, std::vector<float>(WIDTH * HEIGHT, 1.5f)}; }
+DepthPicture wall() { return {WALL_WIDTH, WALL_HEIGHT, std::vector<float>(WALL_WIDTH * WALL_HEIGHT, 1.5f)}; }
 
 void write_photo(const std::filesystem::path& file) {
   std::filesystem::create_directories(file.parent_path());
-  write_picture(file, {WIDTH, HEIGHT, std::vector<std::uint8_t>(3 * WIDTH * HEIGHT, 90)});
+  write_picture(file, {WALL_WIDTH, WALL_HEIGHT, std::vector<std::uint8_t>(3 * WALL_WIDTH * WALL_HEIGHT, 90)});
 }
 
 // fx 10, fy 11, the principal point where OpenCV's (3.5, 2.5) is

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Scene example_scene() {
+Scene moving_scene() {
   Scene scene;
   RigidBody door;
   door.name = "door";
@@ -51,7 +51,7 @@ std::vector<float> read(const tinygltf::Model& model, int accessor, std::size_t 
 }
 
 TEST(AnimationFile, AViewerFindsTheBodiesWhereTheStatesPutThem) {
-  const Scene scene = example_scene();
+  const Scene scene = moving_scene();
   AnimationFile animation(scene);
   animation.append(state_at(scene, 0, 0, Vec3::Zero()));
   animation.append(state_at(scene, 0.5, 1.0, Vec3(1, 2, 3)));
@@ -103,7 +103,7 @@ TEST(AnimationFile, AViewerFindsTheBodiesWhereTheStatesPutThem) {
 }
 
 TEST(AnimationFile, AFolderThatIsNotThereIsNamed) {
-  const Scene scene = example_scene();
+  const Scene scene = moving_scene();
   AnimationFile animation(scene);
   animation.append(state_at(scene, 0, 0, Vec3::Zero()));
   EXPECT_THROW(animation.write("/nowhere/at/all.glb"), Failure);

@@ -12,12 +12,12 @@
 namespace pvg {
 namespace {
 
-std::filesystem::path scratch(const std::string& name) {
+std::filesystem::path checkpoint_path(const std::string& name) {
   return std::filesystem::temp_directory_path() / ("pvg_checkpoint_" + std::to_string(getpid()) + "_" + name);
 }
 
 TEST(CheckpointFile, ComesBackWithEveryBit) {
-  const auto path = scratch("whole.h5");
+  const auto path = checkpoint_path("whole.h5");
   SavedCheckpoint saved;
   Checkpoint& c = saved.checkpoint;
   c.position = {0.1, 1.0 / 3, -0.0, 5e-324, 1e308, 3};
@@ -51,7 +51,7 @@ TEST(CheckpointFile, ComesBackWithEveryBit) {
 }
 
 TEST(CheckpointFile, OtherFilesAreRefusedByName) {
-  const auto path = scratch("other.h5");
+  const auto path = checkpoint_path("other.h5");
   EXPECT_THROW(read_checkpoint(path), UsageError);
   std::ofstream(path) << "no HDF5";
   try {

@@ -15,7 +15,7 @@ namespace {
 using Bytes = std::vector<unsigned char>;
 const Bytes program = {0, 1, 2, 255, 0, 7};
 
-const char* const doubling =
+const char* const twice_text =
     "kernel void twice(const uint n, global const uint* x, global uint* y) {\n"
     "  const uint i = get_global_id(0); if (i >= n) return; y[i] = 2 * x[i]; }\n";
 
@@ -23,7 +23,7 @@ const char* const doubling =
 std::size_t n_compiled_for_twice(const std::string& folder) {
   Device device;
   device.keep_programs_in(folder);
-  Kernel twice = Program::from_text(device, "twice", doubling).kernel("twice");
+  Kernel twice = Program::from_text(device, "twice", twice_text).kernel("twice");
   Buffer<unsigned> x(device, std::vector<unsigned>{21}, "x"), y(device, 1, "y");
   twice(1, 1u, x, y);
   EXPECT_EQ(y.read().at(0), 42u);

@@ -12,19 +12,19 @@
 namespace pvg {
 namespace {
 
-constexpr int WIDTH = 32, HEIGHT = 24;
+constexpr int SERIES_WIDTH = 32, SERIES_HEIGHT = 24;
 
 // black, with the left column of cells of this grey
 Picture8 picture(std::uint8_t grey) {
-  Picture8 picture{WIDTH, HEIGHT, std::vector<std::uint8_t>(3 * WIDTH * HEIGHT, 0)};
-  for (int i = 0; i < WIDTH * HEIGHT; ++i)
-    if (i % WIDTH < WIDTH / 4) std::fill_n(picture.rgb.begin() + 3 * i, 3, grey);
+  Picture8 picture{SERIES_WIDTH, SERIES_HEIGHT, std::vector<std::uint8_t>(3 * SERIES_WIDTH * SERIES_HEIGHT, 0)};
+  for (int i = 0; i < SERIES_WIDTH * SERIES_HEIGHT; ++i)
+    if (i % SERIES_WIDTH < SERIES_WIDTH / 4) std::fill_n(picture.rgb.begin() + 3 * i, 3, grey);
   return picture;
 }
 
 void expect_series(const PictureSeries& series, double tolerance) {
-  EXPECT_EQ(series.width, WIDTH);
-  EXPECT_EQ(series.height, HEIGHT);
+  EXPECT_EQ(series.width, SERIES_WIDTH);
+  EXPECT_EQ(series.height, SERIES_HEIGHT);
   ASSERT_EQ(series.cells.size(), 2u);
   EXPECT_NEAR(series.cells[0][4], 0.215861, tolerance);  // grey 128
   EXPECT_NEAR(series.cells[0][6], 0, tolerance);
@@ -35,7 +35,7 @@ void write_h5(const std::filesystem::path& path, const std::vector<double>& time
   hdf5::File file = hdf5::File::create(path);
   std::vector<std::uint8_t> rgb = picture(128).rgb;
   for (const std::uint8_t value : picture(200).rgb) rgb.push_back(value);
-  file.write("/rgb", {2, HEIGHT, WIDTH, 3}, rgb);
+  file.write("/rgb", {2, SERIES_HEIGHT, SERIES_WIDTH, 3}, rgb);
   if (!time.empty()) file.write("/time", {time.size()}, time);
   file.close();
 }
@@ -59,7 +59,7 @@ TEST(PictureSeries, IsReadFromNumberedPictures) {
 
 TEST(PictureSeries, IsReadFromAVideo) {
   const TestFolder folder;
-  VideoWriter writer(folder.path / "wrist.mp4", WIDTH, HEIGHT, 25);
+  VideoWriter writer(folder.path / "wrist.mp4", SERIES_WIDTH, SERIES_HEIGHT, 25);
   writer.write(picture(128).rgb);
   writer.write(picture(200).rgb);
   writer.finish();

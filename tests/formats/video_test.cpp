@@ -16,7 +16,7 @@
 namespace pvg {
 namespace {
 
-std::filesystem::path scratch(const std::string& name) {
+std::filesystem::path video_path(const std::string& name) {
   return std::filesystem::temp_directory_path() / ("pvg_video_" + std::to_string(getpid()) + "_" + name);
 }
 
@@ -47,13 +47,13 @@ std::string output_of(const std::string& command) {
   return text;
 }
 
-std::string bytes_of(const std::filesystem::path& path) {
+std::string bytes_of_video(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
 TEST(Video, HasTheFramesTheRateAndTheFormatThatWereAskedFor) {
-  const auto path = scratch("format.mp4");
+  const auto path = video_path("format.mp4");
   write_video(path, 17);
   const std::string said = output_of(
       "ffprobe -v error -count_frames -select_streams v:0 -show_entries "
@@ -67,7 +67,7 @@ TEST(Video, HasTheFramesTheRateAndTheFormatThatWereAskedFor) {
 }
 
 TEST(Video, ColoursComeBackWithinAFewLevels) {
-  const auto path = scratch("colours.mp4");
+  const auto path = video_path("colours.mp4");
   write_video(path, 5);
   const std::string raw = output_of("ffmpeg -v error -i " + path.string() +
                                     " -vf scale=in_color_matrix=bt709:flags=accurate_rnd+full_chroma_int -f rawvideo "
@@ -83,12 +83,12 @@ TEST(Video, ColoursComeBackWithinAFewLevels) {
 }
 
 TEST(Video, EqualFramesAreEqualBytes) {
-  const auto first = scratch("first.mp4"), second = scratch("second.mp4");
+  const auto first = video_path("first.mp4"), second = video_path("second.mp4");
   write_video(first, 6);
   usleep(1100000);
   write_video(second, 6);
-  EXPECT_FALSE(bytes_of(first).empty());
-  EXPECT_TRUE(bytes_of(first) == bytes_of(second));
+  EXPECT_FALSE(bytes_of_video(first).empty());
+  EXPECT_TRUE(bytes_of_video(first) == bytes_of_video(second));
   std::filesystem::remove(first);
   std::filesystem::remove(second);
 }
@@ -105,12 +105,12 @@ TEST(Video, AFolderThatIsMissingIsAnErrorThatNamesTheFile) {
 }
 
 TEST(Video, OddSizesAndAMissingProgramAreUsageErrors) {
-  EXPECT_THROW(VideoWriter(scratch("odd.mp4"), 63, 48, 10), UsageError);
-  EXPECT_THROW(VideoWriter(scratch("odd.mp4"), 64, 48, 0), UsageError);
+  EXPECT_THROW(VideoWriter(video_path("odd.mp4"), 63, 48, 10), UsageError);
+  EXPECT_THROW(VideoWriter(video_path("odd.mp4"), 64, 48, 0), UsageError);
   const std::string before = std::getenv("PATH");
   setenv("PATH", "/nonexistent", 1);
   try {
-    VideoWriter video(scratch("none.mp4"), WIDTH, HEIGHT, 10);
+    VideoWriter video(video_path("none.mp4"), WIDTH, HEIGHT, 10);
     ADD_FAILURE() << "nothing was thrown";
   } catch (const UsageError& error) {
     EXPECT_STREQ(error.what(), "the program ffmpeg was not found on PATH; install it (Debian package ffmpeg)");

@@ -12,13 +12,13 @@
 namespace pvg {
 namespace {
 
-struct Case {
+struct EmbeddingCase {
   TetMesh mesh;
   std::vector<Vec3> points;  // inside, on the surface, and up to 1 cm outside
 };
 
 // 10 x 4 x 2 cm about the origin
-std::vector<Case> cases() {
+std::vector<EmbeddingCase> cases() {
   const TetMesh linear = box_solid({0.1, 0.04, 0.02}, {5, 2, 1}, 4);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -30,7 +30,7 @@ std::vector<Case> cases() {
 }
 
 TEST(TetEmbedding, RowsSumToOneAndNameFourNodes) {
-  for (const Case& c : cases()) {
+  for (const EmbeddingCase& c : cases()) {
     const Embedding embedding = embed_points(c.mesh, c.points);
     const SparseRows& W = embedding.weights;
     ASSERT_EQ(W.n_rows(), c.points.size());
@@ -50,7 +50,7 @@ TEST(TetEmbedding, RowsSumToOneAndNameFourNodes) {
 }
 
 TEST(TetEmbedding, DistanceIsThatFromTheBox) {
-  for (const Case& c : cases()) {
+  for (const EmbeddingCase& c : cases()) {
     const Embedding embedding = embed_points(c.mesh, c.points);
     std::size_t n_outside = 0;
     for (std::size_t i = 0; i < c.points.size(); ++i) {
@@ -67,7 +67,7 @@ TEST(TetEmbedding, ALinearFieldIsReproduced) {
   Eigen::Matrix3d A;
   A << 1.2, 0.3, -0.4, 0.1, 0.7, 0.2, -0.5, 0.6, 1.1;
   const auto field = [&](const Vec3& x) { return Vec3(A * x + Vec3(3, -2, 1)); };
-  for (const Case& c : cases()) {
+  for (const EmbeddingCase& c : cases()) {
     std::vector<Vec3> nodes;
     for (const Vec3& x : c.mesh.points) nodes.push_back(field(x));
     const std::vector<Vec3> carried = multiply(embed_points(c.mesh, c.points).weights, nodes);
@@ -78,7 +78,7 @@ TEST(TetEmbedding, ALinearFieldIsReproduced) {
 TEST(TetEmbedding, ARigidMotionIsTheSameRigidMotion) {
   const Eigen::Isometry3d motion =
       Eigen::Translation3d(0.5, -1, 2) * Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized());
-  for (const Case& c : cases()) {
+  for (const EmbeddingCase& c : cases()) {
     std::vector<Vec3> nodes;
     for (const Vec3& x : c.mesh.points) nodes.push_back(motion * x);
     const std::vector<Vec3> carried = multiply(embed_points(c.mesh, c.points).weights, nodes);

@@ -18,7 +18,7 @@ namespace {
 
 using ManySamples = test::ManyPaths;
 
-const char* const text = R"(
+const char* const material_kernels = R"(
 #include "materials/list.cl"
 kernel void sample_all(const uint n, const Material m, global const float* wo, global const float* u,
                        global const float* choice, global float* direction, global float* weight, global float* pdf) {
@@ -170,7 +170,7 @@ std::vector<double> expected_counts(Device& device, Program& program, const Mate
 
 TEST_F(ManySamples, SamplesAreDistributedAsTheDensitySays) {
   Device device;
-  Program program = Program::from_text(device, "materials", text);
+  Program program = Program::from_text(device, "materials", material_kernels);
   const unsigned n = 200000;
   for (const Material& m : scattering())
     for (const double cosine : {0.95, 0.6, 0.25}) {
@@ -205,7 +205,7 @@ TEST_F(ManySamples, SamplesAreDistributedAsTheDensitySays) {
 
 TEST(Materials, WeightIsValueOverDensity) {
   Device device;
-  Program program = Program::from_text(device, "materials", text);
+  Program program = Program::from_text(device, "materials", material_kernels);
   const unsigned n = 1000;
   for (const Material& m : scattering()) {
     const Vec3f wo = direction(0.6, 2);
@@ -226,7 +226,7 @@ TEST(Materials, WeightIsValueOverDensity) {
 
 TEST(Materials, LightMayGoEitherWay) {
   Device device;
-  Program program = Program::from_text(device, "materials", text);
+  Program program = Program::from_text(device, "materials", material_kernels);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(0.05, 1);
   std::vector<float> a, b;
@@ -248,7 +248,7 @@ TEST(Materials, LightMayGoEitherWay) {
 // what passes from one side to the other is, for radiance / n^2 and without the cosine, eta^2 times what passes back
 TEST(Materials, LightMayGoEitherWayThroughASolid) {
   Device device;
-  Program program = Program::from_text(device, "materials", text);
+  Program program = Program::from_text(device, "materials", material_kernels);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> u(0.05, 1);
   std::vector<float> above, below, above_turned, below_turned;
@@ -283,7 +283,7 @@ TEST(Materials, LightMayGoEitherWayThroughASolid) {
 
 TEST_F(ManySamples, NoMoreLightLeavesThanArrives) {
   Device device;
-  Program program = Program::from_text(device, "materials", text);
+  Program program = Program::from_text(device, "materials", material_kernels);
   for (const Material& m : scattering())
     for (const double cosine : {1.0, 0.7, 0.1}) {
       const std::vector<float> weight = draw(device, program, m, direction(cosine, 1), 20000).weight;
@@ -311,7 +311,7 @@ TEST_F(ManySamples, NoMoreLightLeavesThanArrives) {
 
 TEST(Materials, ConductorBecomesAMirror) {
   Device device;
-  Program program = Program::from_text(device, "materials", text);
+  Program program = Program::from_text(device, "materials", material_kernels);
   const Vec3f wo = direction(0.5, 1);
   Material m = make(MATERIAL_CONDUCTOR, 0.0011f);
   m.color[0] = 0.4f;
@@ -330,7 +330,7 @@ TEST(Materials, ConductorBecomesAMirror) {
 
 TEST(Materials, FresnelAgreesWithNumbersByHand) {
   Device device;
-  Program program = Program::from_text(device, "materials", text);
+  Program program = Program::from_text(device, "materials", material_kernels);
   const auto R = [&](double cosine, float eta) {
     Buffer<float> out(device, 1, "R");
     program.kernel("fresnel")(1, 1u, eta, Buffer<float>(device, std::vector<float>{float(cosine)}, "cosine"), out);
@@ -346,7 +346,7 @@ TEST(Materials, FresnelAgreesWithNumbersByHand) {
 
 TEST_F(ManySamples, GlassReflectsTheFresnelShareAndBendsBySnell) {
   Device device;
-  Program program = Program::from_text(device, "materials", text);
+  Program program = Program::from_text(device, "materials", material_kernels);
   const unsigned n = 40000;
   const Vec3f wo = direction(0.5, 0);  // 60 degrees: R = 0.0892 for n = 1.5
   const Samples s = draw(device, program, make(MATERIAL_DIELECTRIC, 0), wo, n);

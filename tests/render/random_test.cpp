@@ -10,7 +10,7 @@
 namespace pvg {
 namespace {
 
-const char* const text = R"(
+const char* const random_kernels = R"(
 #include "render/tiles.cl"
 #include "shared/rng.cl"
 kernel void draw(const uint n, const uint n_samples, global float* xy) {
@@ -40,7 +40,7 @@ std::vector<float> draw(unsigned n_sets, unsigned n_samples) {
   Device device;
   const unsigned n = n_sets * n_samples;
   Buffer<float> xy(device, 2 * n, "xy");
-  Program::from_text(device, "random", text).kernel("draw")(n, n, n_samples, xy);
+  Program::from_text(device, "random", random_kernels).kernel("draw")(n, n, n_samples, xy);
   return xy.read();
 }
 
@@ -87,13 +87,13 @@ TEST(Random, FourPointsAtOnceAreThoseOfTheirDimensions) {
   Device device;
   const unsigned n = 4096;
   Buffer<unsigned> differences(device, n, "differences");
-  Program::from_text(device, "random", text).kernel("differ")(n, n, differences);
+  Program::from_text(device, "random", random_kernels).kernel("differ")(n, n, differences);
   for (const unsigned count : differences.read()) ASSERT_EQ(count, 0u);
 }
 
 TEST(Tiles, EveryPixelComesOnce) {
   Device device;
-  Kernel order = Program::from_text(device, "random", text).kernel("order");
+  Kernel order = Program::from_text(device, "random", random_kernels).kernel("order");
   for (const auto& [width, height] : {std::pair{1u, 1u}, {8u, 8u}, {320u, 180u}, {13u, 7u}, {7u, 13u}, {257u, 3u}}) {
     Buffer<unsigned> place(device, width * height, "place");
     order(width * height, width * height, width, height, place);

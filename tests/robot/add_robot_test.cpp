@@ -13,7 +13,7 @@
 namespace pvg {
 namespace {
 
-const RobotModel& arm() {
+const RobotModel& fr3() {
   static const RobotModel model = load_urdf(PVG_DATA_FOLDER "/robots/fr3/fr3.urdf");
   return model;
 }
@@ -48,13 +48,13 @@ double gap(const Scene& scene, const Joint& joint) {
 
 TEST(AddRobot, BodiesStandWhereForwardKinematicsPutsThemAndJointsClose) {
   Scene scene;
-  const AddedRobot added = add_robot(scene, arm(), base, home);
+  const AddedRobot added = add_robot(scene, fr3(), base, home);
   ASSERT_EQ(scene.rigid_bodies.size(), 8u);  // the massless flange is part of link 7
   ASSERT_EQ(scene.joints.size(), 7u);
-  const std::vector<Pose> expected = link_poses(arm(), home, base);
+  const std::vector<Pose> expected = link_poses(fr3(), home, base);
   for (std::size_t i = 0; i < expected.size(); ++i) {
     const Pose pose = scene.rigid_bodies[added.body[i]].pose * added.link_in_body[i];
-    EXPECT_LT((pose.matrix() - expected[i].matrix()).norm(), 1e-14) << arm().links[i].name;
+    EXPECT_LT((pose.matrix() - expected[i].matrix()).norm(), 1e-14) << fr3().links[i].name;
   }
   for (const Joint& joint : scene.joints) EXPECT_LT(gap(scene, joint), 1e-13) << joint.name;
   EXPECT_TRUE(scene.rigid_bodies[0].is_fixed);
@@ -67,8 +67,8 @@ TEST(AddRobot, BodiesStandWhereForwardKinematicsPutsThemAndJointsClose) {
 
 TEST(AddRobot, AGripperIsCarriedByAFixedJointAndItsDrivesFollowTheArms) {
   Scene scene;
-  const AddedRobot added = add_robot(scene, arm(), base, home);
-  const int flange = arm().link("fr3_link8");
+  const AddedRobot added = add_robot(scene, fr3(), base, home);
+  const int flange = fr3().link("fr3_link8");
   const Pose mount = added.link_in_body[flange] * Eigen::AngleAxisd(0.3, Vec3::UnitZ());
   const AddedRobot gripper = attach_robot(scene, added.body[flange], mount, two_finger_gripper(),
                                           Eigen::Vector2d(0.03, 0.03), {.prefix = "g_"});
@@ -130,19 +130,19 @@ TEST(AddRobot, LinksThatMayCollideKeepApartInTheWorkingRange) {
   const VectorXd center = (VectorXd(7) << 0, -0.3, 0, -2.1, 0, 1.9, 0.785).finished();
   const VectorXd reach = (VectorXd(7) << 1.5, 0.6, 0.6, 0.5, 0.6, 0.6, 1.5).finished();
   Scene scene;
-  const AddedRobot added = add_robot(scene, arm(), Pose::Identity(), home);
+  const AddedRobot added = add_robot(scene, fr3(), Pose::Identity(), home);
   std::set<std::array<int, 2>> apart(scene.noncolliding_rigid_bodies.begin(), scene.noncolliding_rigid_bodies.end());
   for (const Joint& joint : scene.joints) apart.insert({joint.parent, joint.child});
   double least = 1e9;
   for (int sample = 0; sample < 40; ++sample) {
     VectorXd q = center;
     for (int i = 0; i < 7; ++i) q[i] += reach[i] * std::uniform_real_distribution(-1.0, 1.0)(engine);
-    const std::vector<Pose> poses = link_poses(arm(), q);
+    const std::vector<Pose> poses = link_poses(fr3(), q);
     for (int a = 0; a < 8; ++a)
       for (int b = a + 1; b < 8; ++b) {
         if (apart.count({a, b})) continue;
-        least = std::min(least, clearance(arm().links[a].collision, poses[a], arm().links[b].collision, poses[b]));
-        least = std::min(least, clearance(arm().links[b].collision, poses[b], arm().links[a].collision, poses[a]));
+        least = std::min(least, clearance(fr3().links[a].collision, poses[a], fr3().links[b].collision, poses[b]));
+        least = std::min(least, clearance(fr3().links[b].collision, poses[b], fr3().links[a].collision, poses[a]));
       }
   }
   std::printf("least clearance %.1f mm\n", 1e3 * least);
@@ -151,18 +151,18 @@ TEST(AddRobot, LinksThatMayCollideKeepApartInTheWorkingRange) {
 
 TEST(AddRobot, OnlyTheChosenLinksCollide) {
   Scene scene;
-  add_robot(scene, arm(), base, home, {.collision_links = std::vector<std::string>{"fr3_link7"}});
+  add_robot(scene, fr3(), base, home, {.collision_links = std::vector<std::string>{"fr3_link7"}});
   for (const RigidBody& body : scene.rigid_bodies)
     EXPECT_EQ(body.collision.triangles.empty(), body.name != "fr3_link7") << body.name;
 }
 
 TEST(AddRobot, WrongNamesAndPositionsAreRefused) {
   Scene scene;
-  EXPECT_THROW(add_robot(scene, arm(), base, home, {.drives = {{"elbow", Drive{}}}}), UsageError);
-  EXPECT_THROW(add_robot(scene, arm(), base, home, {.collision_links = std::vector<std::string>{"hand"}}), UsageError);
-  EXPECT_THROW(add_robot(scene, arm(), base, VectorXd::Zero(6)), UsageError);
-  EXPECT_THROW(add_robot(scene, arm(), base, VectorXd::Zero(7)), UsageError);  // joint 4 cannot be at 0
-  EXPECT_THROW(attach_robot(scene, 99, base, arm(), home), UsageError);
+  EXPECT_THROW(add_robot(scene, fr3(), base, home, {.drives = {{"elbow", Drive{}}}}), UsageError);
+  EXPECT_THROW(add_robot(scene, fr3(), base, home, {.collision_links = std::vector<std::string>{"hand"}}), UsageError);
+  EXPECT_THROW(add_robot(scene, fr3(), base, VectorXd::Zero(6)), UsageError);
+  EXPECT_THROW(add_robot(scene, fr3(), base, VectorXd::Zero(7)), UsageError);  // joint 4 cannot be at 0
+  EXPECT_THROW(attach_robot(scene, 99, base, fr3(), home), UsageError);
 }
 
 }  // namespace

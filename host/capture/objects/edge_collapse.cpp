@@ -13,7 +13,7 @@
 namespace pvg {
 namespace {
 
-using Box = Eigen::AlignedBox3d;
+using TriangleBox = Eigen::AlignedBox3d;
 using Indices = std::vector<std::uint32_t>;
 
 constexpr double LEAST_TURN = 0.2;          // cosine between a triangle's normals before and after
@@ -38,10 +38,10 @@ struct Quadric {  // v -> v'Av - 2 b'v + c, the weighted sum of squared distance
 class Grid {
  public:
   Grid(const Vec3& origin, double cell) : origin_(origin), cell_(cell) {}
-  void insert(std::uint32_t t, const Box& box) {
+  void insert(std::uint32_t t, const TriangleBox& box) {
     each(box, [&](std::uint64_t key) { cells_[key].push_back(t); });
   }
-  void remove(std::uint32_t t, const Box& box) {
+  void remove(std::uint32_t t, const TriangleBox& box) {
     each(box, [&](std::uint64_t key) {
       Indices& in = cells_[key];
       const auto at = std::find(in.begin(), in.end(), t);
@@ -50,7 +50,7 @@ class Grid {
     });
   }
   // each triangle once, in ascending order
-  void find(const Box& box, Indices& out) const {
+  void find(const TriangleBox& box, Indices& out) const {
     out.clear();
     each(box, [&](std::uint64_t key) {
       if (const auto cell = cells_.find(key); cell != cells_.end())
@@ -62,7 +62,7 @@ class Grid {
 
  private:
   template <class Visit>
-  void each(const Box& box, const Visit& visit) const {
+  void each(const TriangleBox& box, const Visit& visit) const {
     std::int64_t low[3], high[3];
     for (int k = 0; k < 3; ++k) {
       low[k] = std::int64_t(std::floor((box.min()[k] - origin_[k]) / cell_)) + (1 << 20);
@@ -102,7 +102,7 @@ class Collapser {
     is_alive_.assign(triangles_.size(), true);
     sites_.resize(triangles_.size());
     double area = 0;
-    Box all;
+    TriangleBox all;
     for (const Vec3& p : points_) all.extend(p);
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
       const Vec3 normal = normal_of(corners(triangles_[t]));  // twice the area long
@@ -156,8 +156,8 @@ class Collapser {
   using Corners = std::array<Vec3, 3>;
   Corners corners(const Triangle& t) const { return {points_[t[0]], points_[t[1]], points_[t[2]]}; }
   static Vec3 normal_of(const Corners& c) { return (c[1] - c[0]).cross(c[2] - c[0]); }
-  static Box box_of(const Corners& c) {
-    Box box(c[0]);
+  static TriangleBox box_of(const Corners& c) {
+    TriangleBox box(c[0]);
     box.extend(c[1]);
     box.extend(c[2]);
     return box;
@@ -259,7 +259,7 @@ class Collapser {
       for (std::size_t j = 0; j < i; ++j)
         if (meet(changed[i].vertices, changed[i].corners, changed[j].vertices, changed[j].corners)) return true;
     for (const Changed& c : changed) {
-      const Box box = box_of(c.corners);
+      const TriangleBox box = box_of(c.corners);
       grid_.find(box, found_);
       for (const std::uint32_t t : found_) {
         if (std::binary_search(star.begin(), star.end(), t)) continue;

@@ -9,14 +9,14 @@
 namespace pvg::diagnose {
 namespace {
 
-struct Sum {
+struct PhaseSum {
   double squares = 0;
   std::size_t n = 0;
   std::map<int, std::vector<std::pair<double, double>>> in_run;  // time, square
 };
 
 // The first time at which some squares in a row exceed what noise reaches with probability onset_p_value.
-double onset_of(Sum& sum) {
+double onset_of(PhaseSum& sum) {
   double first = -1;
   for (auto& [run, squares] : sum.in_run) {
     std::sort(squares.begin(), squares.end());
@@ -47,13 +47,13 @@ double chi_squared_tail(double sum, double n) {
 std::vector<Cell> localise(const Problem& problem, const std::vector<Window>& windows,
                            const std::vector<Eigen::VectorXd>& residual,
                            const std::vector<std::vector<Phase>>& phases) {
-  std::map<std::pair<std::string, std::string>, Sum> sums;
+  std::map<std::pair<std::string, std::string>, PhaseSum> sums;
   for (std::size_t w = 0; w < windows.size(); ++w) {
     const Run& run = problem.runs[std::size_t(windows[w].run)];
     for (std::size_t i = 0; i < windows[w].data.size(); ++i) {
       const Datum& datum = windows[w].data[i];
       const double square = residual[w][Eigen::Index(i)] * residual[w][Eigen::Index(i)];
-      Sum& sum = sums[{problem.channels[std::size_t(datum.channel)].subject, phase_name(phases[w][i])}];
+      PhaseSum& sum = sums[{problem.channels[std::size_t(datum.channel)].subject, phase_name(phases[w][i])}];
       sum.squares += square;
       ++sum.n;
       sum.in_run[windows[w].run].push_back({run.t[datum.sample] - run.t.front(), square});

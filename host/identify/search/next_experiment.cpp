@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 
-Model model_of(const RankedModel& ranked) {
+Model fitted_model(const RankedModel& ranked) {
   const Eigen::Index n = Eigen::Index(ranked.values.size());
   return {ranked.parts, Eigen::Map<const VectorXd>(ranked.values.data(), n), VectorXd::Ones(n)};
 }
@@ -64,11 +64,11 @@ std::optional<NextExperiment> next_experiment(Device& device, const Problem& pro
   Predictor predictor(device, planned, n_processes);
   predictor.deadline() = deadline;
   Fitter fitter(predictor, base);
-  const Model model = model_of(second);
+  const Model model = fitted_model(second);
   const FitData data = fitter.prepare(windows_of(planned, motions, recorded[0].unknowns), model, false);
   if (data.windows.empty()) return std::nullopt;
   std::vector<Model> models = moved_models(model, second.deviations);
-  models.insert(models.begin(), {model, model_of(first)});
+  models.insert(models.begin(), {model, fitted_model(first)});
   const std::vector<std::vector<Prediction>> found = fitter.evaluate(data, models, {});
   NextExperiment best;
   for (std::size_t w = 0; w < data.windows.size(); ++w) {

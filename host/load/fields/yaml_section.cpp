@@ -48,7 +48,7 @@ const std::vector<NamedUnit>& units_of(Unit unit) {
   return UNITS.at(unit);
 }
 
-std::string shown(double value) {
+std::string number_text(double value) {
   std::ostringstream s;
   s.precision(9);
   s << value;
@@ -170,8 +170,9 @@ double YamlSection::number_of(const YAML::Node& node, const std::string& key, Un
   }
   if (!is_resolved_ && !(value >= low && value <= high)) {
     const std::string range =
-        std::isinf(high) ? "at least " + shown(low) : "between " + shown(low) + " and " + shown(high);
-    fail_at(node, "`" + full_name(key) + "` must be " + range + " [" + si_unit(unit) + "], but is " + shown(value));
+        std::isinf(high) ? "at least " + number_text(low) : "between " + number_text(low) + " and " + number_text(high);
+    fail_at(node,
+            "`" + full_name(key) + "` must be " + range + " [" + si_unit(unit) + "], but is " + number_text(value));
   }
   return value;
 }
@@ -187,7 +188,7 @@ double YamlSection::number(const std::string& key, Unit unit, double low, double
 
 int YamlSection::integer(const std::string& key, int low, int high) {
   const double value = number(key, Unit::none, low, high);
-  if (value != std::floor(value)) fail(key, "must be a whole number, but is " + shown(value));
+  if (value != std::floor(value)) fail(key, "must be a whole number, but is " + number_text(value));
   return int(value);
 }
 

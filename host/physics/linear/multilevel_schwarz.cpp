@@ -7,8 +7,8 @@
 namespace pvg {
 namespace {
 
-constexpr u32 N_COARSE = 4;
-constexpr u32 N_PAIR_PARTS = N_COARSE * N_COARSE;
+constexpr u32 N_FUNCTIONS = 4;
+constexpr u32 N_PAIR_PARTS = N_FUNCTIONS * N_FUNCTIONS;
 constexpr u32 LONG_PAIR = 64;        // parts; as in solve/multilevel_schwarz.cl
 constexpr u32 LARGEST_WIDTH = 32;    // what a work-group's memory in the kernel is made for
 constexpr u32 IN_SECOND = 1u << 31;  // as in solve/multilevel_schwarz.cl
@@ -30,7 +30,7 @@ void refill(Buffer<T>& buffer, const std::vector<T>& values) {
   buffer.write(values);
 }
 
-using Weights = std::array<double, N_COARSE>;
+using Weights = std::array<double, N_FUNCTIONS>;
 
 std::vector<double> flat(const std::vector<Weights>& weights) {
   std::vector<double> numbers;
@@ -41,8 +41,8 @@ std::vector<double> flat(const std::vector<Weights>& weights) {
 // what the functions of one level, weighed like this from slot `slot` on, are on the next one
 Weights coarsened(const SchwarzLevel& level, u32 slot, const Weights& weight) {
   Weights coarse = {0, 0, 0, 0};
-  for (u32 k = 0; k < N_COARSE; ++k)
-    for (u32 b = 0; b < N_COARSE && weight[k] != 0; ++b) coarse[b] += weight[k] * level.weights[slot + k][b];
+  for (u32 k = 0; k < N_FUNCTIONS; ++k)
+    for (u32 b = 0; b < N_FUNCTIONS && weight[k] != 0; ++b) coarse[b] += weight[k] * level.weights[slot + k][b];
   return coarse;
 }
 
@@ -172,8 +172,8 @@ void MultilevelSchwarz::find_coarse_blocks(Level& level, const SchwarzLevel& sha
     const auto& [from, to] = pair_of_block[order[k]];
     if (k > 0 && pair_of_block[order[k]] == pair_of_block[order[k - 1]]) continue;
     first.push_back(k);
-    for (u32 a = 0; a < N_COARSE; ++a)
-      for (u32 b = 0; b < N_COARSE; ++b) {
+    for (u32 a = 0; a < N_FUNCTIONS; ++a)
+      for (u32 b = 0; b < N_FUNCTIONS; ++b) {
         row.push_back(shape.parent[from] + a);
         column.push_back(shape.parent[to] + b);
       }
@@ -188,8 +188,8 @@ void MultilevelSchwarz::find_coarse_blocks(Level& level, const SchwarzLevel& sha
 // level that each coarser function is of.
 void MultilevelSchwarz::find_functions(const SchwarzHierarchy& hierarchy) {
   const SchwarzLevel& finest = hierarchy.levels.front();
-  const u32 n_finest = u32(finest.n_clusters()), fours = width_ / N_COARSE;
-  std::vector<float> functions(finest.n_slots() * n_coarser_ * N_COARSE);
+  const u32 n_finest = u32(finest.n_clusters()), fours = width_ / N_FUNCTIONS;
+  std::vector<float> functions(finest.n_slots() * n_coarser_ * N_FUNCTIONS);
   std::vector<u32> coarser(std::size_t(n_finest) * n_coarser_), level_of;
   std::vector<std::vector<u32>> members((failed_.size() - n_finest) * fours);
   std::vector<Weights> weights = finest.weights;  // of each slot's functions on the next level
@@ -201,10 +201,10 @@ void MultilevelSchwarz::find_functions(const SchwarzHierarchy& hierarchy) {
       const u32 slot = hierarchy.levels[l].parent[cluster_of[c]];
       const u32 cluster = levels_[l + 1].first_cluster + slot / width_;
       coarser[c * n_coarser_ + l] = position(levels_[l + 1], slot);
-      members[(cluster - n_finest) * fours + slot % width_ / N_COARSE].push_back(c);
+      members[(cluster - n_finest) * fours + slot % width_ / N_FUNCTIONS].push_back(c);
       for (u32 s = c * width_; s < (c + 1) * width_; ++s) {
-        for (u32 a = 0; a < N_COARSE; ++a)
-          functions[(std::size_t(s) * n_coarser_ + l) * N_COARSE + a] = float(weights[s][a]);
+        for (u32 a = 0; a < N_FUNCTIONS; ++a)
+          functions[(std::size_t(s) * n_coarser_ + l) * N_FUNCTIONS + a] = float(weights[s][a]);
         weights[s] = coarsened(hierarchy.levels[l + 1], slot, weights[s]);
       }
       cluster_of[c] = slot / width_;
@@ -219,7 +219,7 @@ void MultilevelSchwarz::find_functions(const SchwarzHierarchy& hierarchy) {
   refill(level_, level_of);
   refill(member_first_, first);
   refill(member_, member);
-  parts_.resize(std::size_t(n_finest) * n_coarser_ * 3 * N_COARSE);
+  parts_.resize(std::size_t(n_finest) * n_coarser_ * 3 * N_FUNCTIONS);
 }
 
 // A site's nodes stand in neighbouring slots, in one cluster on every level.
@@ -231,7 +231,7 @@ void MultilevelSchwarz::find_site_slots(std::span<const Site> sites, const Schwa
     slots[s] = hierarchy.slot_of_node[sites[s].node[0]];
     if (slots[s] == NO_SLOT) continue;
     for (std::size_t k = 0; k < 4; ++k) weights[s][k] = sites[s].weight[k];
-    if (width_ < N_COARSE) std::fill(weights[s].begin() + 1, weights[s].end(), 0.0);
+    if (width_ < N_FUNCTIONS) std::fill(weights[s].begin() + 1, weights[s].end(), 0.0);
   }
   std::vector<double> all;
   for (std::size_t l = 0; l < levels_.size(); ++l) {

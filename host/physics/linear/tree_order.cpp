@@ -8,12 +8,12 @@
 namespace pvg {
 namespace {
 
-struct Items {
+struct PlacedItems {
   std::span<const Vec3> centroids;
   std::span<const std::uint32_t> body;
 };
 
-int longest_axis(const Items& items, std::span<const std::uint32_t> range) {
+int longest_axis(const PlacedItems& items, std::span<const std::uint32_t> range) {
   Eigen::AlignedBox<double, 3> box;
   for (const std::uint32_t i : range) box.extend(items.centroids[i]);
   int axis = 0;
@@ -22,7 +22,7 @@ int longest_axis(const Items& items, std::span<const std::uint32_t> range) {
 }
 
 // range is sorted by body on entry; left: how many items the left child takes
-void halve(const Items& items, std::span<std::uint32_t> range, std::size_t left) {
+void halve(const PlacedItems& items, std::span<std::uint32_t> range, std::size_t left) {
   const std::uint32_t body = items.body[range[left]];
   // the items of the body across which the cut runs
   const auto first = std::partition_point(range.begin(), range.end(), [&](auto i) { return items.body[i] < body; });
@@ -36,7 +36,7 @@ void halve(const Items& items, std::span<std::uint32_t> range, std::size_t left)
 }
 
 // range: the items below a node of n_leaves leaves, sorted by body
-void arrange(const Items& items, std::span<std::uint32_t> range, std::size_t n_leaves) {
+void arrange(const PlacedItems& items, std::span<std::uint32_t> range, std::size_t n_leaves) {
   if (n_leaves < 2 || range.size() < 2) return;
   const std::size_t half = n_leaves / 2;
   if (range.size() <= half) return arrange(items, range, half);

@@ -18,7 +18,7 @@
 namespace pvg::diagnose {
 namespace {
 
-constexpr int WIDTH = 64, HEIGHT = 48;
+constexpr int MASK_WIDTH = 64, MASK_HEIGHT = 48;
 
 // A plate whose front of 0.2 x 0.1 m is 1 m from a pinhole of 100 pixels, and a blind before the left half of it; 8
 // masks of this size and part.
@@ -37,7 +37,7 @@ cameras:
   for (int i = 0; i < 8; ++i) run += std::to_string(0.01 * i) + ",0," + std::to_string(0.01 + 0.001 * i) + ",0\n";
   folder.write("a.csv", run);
   hdf5::File file = hdf5::File::create(folder.path / "masks.h5");
-  file.write<std::uint8_t>("/part", {8, height, WIDTH}, std::vector<std::uint8_t>(8 * height * WIDTH, 1));
+  file.write<std::uint8_t>("/part", {8, height, MASK_WIDTH}, std::vector<std::uint8_t>(8 * height * MASK_WIDTH, 1));
   file.attribute("/part", "names", std::vector<std::string>{"nothing", part});
   file.close();
   return folder.write("recording.yaml",
@@ -49,28 +49,29 @@ cameras:
 
 TEST(MaskSight, APlateBehindABlindIsSeenByItsFreeHalf) {
   const TestFolder folder;
-  const Problem problem = make_problem(plate(folder, HEIGHT, "plate"));
+  const Problem problem = make_problem(plate(folder, MASK_HEIGHT, "plate"));
   Device device;
   MaskSight sight(device, problem);
   const std::vector<std::uint8_t> mask = sight.look(0, initial_state(problem.seen));
   // 20 x 10 pixels in the middle, of which the right 10 x 10 are free
-  ASSERT_EQ(mask.size(), std::size_t(WIDTH * HEIGHT));
-  for (int row = 0; row < HEIGHT; ++row)
-    for (int column = 0; column < WIDTH; ++column)
-      EXPECT_EQ(int(mask[std::size_t(row * WIDTH + column)]), int(column >= 32 && column < 42 && row >= 19 && row < 29))
+  ASSERT_EQ(mask.size(), std::size_t(MASK_WIDTH * MASK_HEIGHT));
+  for (int row = 0; row < MASK_HEIGHT; ++row)
+    for (int column = 0; column < MASK_WIDTH; ++column)
+      EXPECT_EQ(int(mask[std::size_t(row * MASK_WIDTH + column)]),
+                int(column >= 32 && column < 42 && row >= 19 && row < 29))
           << row << " " << column;
 }
 
 TEST(MaskSight, MasksThatDoNotFitTheirCameraOrSceneAreRefused) {
   const TestFolder folder;
-  expect_error<UsageError>([&] { make_problem(plate(folder, HEIGHT - 8, "plate")); },
+  expect_error<UsageError>([&] { make_problem(plate(folder, MASK_HEIGHT - 8, "plate")); },
                            {"a.csv", "64 x 40", "`wrist`", "64 x 48"});
-  expect_error<UsageError>([&] { make_problem(plate(folder, HEIGHT, "gripper")); }, {"`gripper`", "plate, blind"});
+  expect_error<UsageError>([&] { make_problem(plate(folder, MASK_HEIGHT, "gripper")); }, {"`gripper`", "plate, blind"});
 }
 
 // A disc that flies across the corner of a wide picture, weightless; its masks through a lens of this k1, which the
 // scene's camera does not have.
-constexpr std::uint64_t N_FRAMES = 11, W = 128, V = 96;
+constexpr std::uint64_t N_MASKS = 11, W = 128, V = 96;
 
 std::string flight_scene(const std::string& lens) {
   return R"(schema: 1
@@ -85,14 +86,14 @@ cameras:
          lens + "}\n";
 }
 
-SceneState flown(const Scene& scene, double time) {
+SceneState disc_flown(const Scene& scene, double time) {
   SceneState state = initial_state(scene);
   state.time = time;
   state.rigid[0].col(3) += time * Vec3(1.6, 0, 1.2);
   return state;
 }
 
-std::filesystem::path flight(const TestFolder& folder, double k1) {
+std::filesystem::path mask_flight(const TestFolder& folder, double k1) {
   const std::filesystem::path truth =
       folder.write("true.yaml", flight_scene(", distortion: [" + std::to_string(k1) + ", 0, 0, 0]"));
   folder.write("scene.yaml", flight_scene(""));
@@ -105,15 +106,15 @@ std::filesystem::path flight(const TestFolder& folder, double k1) {
   Renderer renderer(device, scene, RenderSettings{.samples = 1});
   std::string run = "t\n";
   std::vector<std::uint8_t> pixels;
-  for (std::uint64_t i = 0; i < N_FRAMES; ++i) {
+  for (std::uint64_t i = 0; i < N_MASKS; ++i) {
     const double time = 0.045 * double(i);
     run += std::to_string(time) + "\n";
-    renderer.set_state(flown(scene, time));
+    renderer.set_state(disc_flown(scene, time));
     for (const std::uint32_t instance : renderer.instances(0)) pixels.push_back(std::uint8_t(instance));
   }
   folder.write("a.csv", run);
   hdf5::File file = hdf5::File::create(folder.path / "masks.h5");
-  file.write<std::uint8_t>("/part", {N_FRAMES, V, W}, pixels);
+  file.write<std::uint8_t>("/part", {N_MASKS, V, W}, pixels);
   file.attribute("/part", "names", std::vector<std::string>{"nothing", "disc"});
   file.close();
   return folder.path / "recording.yaml";
@@ -121,13 +122,13 @@ std::filesystem::path flight(const TestFolder& folder, double k1) {
 
 TEST(MaskSight, AddedDistortionIsThatOfACameraWhoseFileSaysSo) {
   const TestFolder folder;
-  const Problem problem = make_problem(flight(folder, -0.1));
+  const Problem problem = make_problem(mask_flight(folder, -0.1));
   const PartMasks& seen = problem.recording.runs[0].masks[0].masks;
   Device device;
   MaskSight sight(device, problem);
   int n_bent = 0;
   for (const std::size_t frame : {0, 3, 10, 0}) {
-    const SceneState state = flown(problem.seen, 0.045 * double(frame));
+    const SceneState state = disc_flown(problem.seen, 0.045 * double(frame));
     EXPECT_EQ(sight.look(0, state, -0.1), seen.pixels[frame]) << frame;
     n_bent += sight.look(0, state) != seen.pixels[frame];
   }
@@ -136,7 +137,7 @@ TEST(MaskSight, AddedDistortionIsThatOfACameraWhoseFileSaysSo) {
 
 TEST(MaskSight, MasksTellTheDistortionOfTheirCamerasLensToAFewPerCent) {
   const TestFolder folder;
-  Problem problem = make_problem(flight(folder, -0.1));
+  Problem problem = make_problem(mask_flight(folder, -0.1));
   measure_noise(problem);
   Device device;
   Predictor predictor(device, problem);
@@ -161,7 +162,7 @@ TEST(MaskSight, MasksTellTheDistortionOfTheirCamerasLensToAFewPerCent) {
 
 TEST(MaskSight, TheStepsErrorIsNotCorrectedByMasksOfWholePixels) {
   const TestFolder folder;
-  Problem problem = make_problem(flight(folder, 0));
+  Problem problem = make_problem(mask_flight(folder, 0));
   measure_noise(problem);
   Device device;
   Predictor predictor(device, problem);
@@ -175,7 +176,7 @@ TEST(MaskSight, TheStepsErrorIsNotCorrectedByMasksOfWholePixels) {
 
 TEST(MaskSight, TheAmendedScenesCameraHasTheLensThatWasFound) {
   const TestFolder folder;
-  const Problem problem = make_problem(flight(folder, -0.1));
+  const Problem problem = make_problem(mask_flight(folder, -0.1));
   const std::vector<Candidate> candidates = make_candidates(problem, {});
   const auto lens = std::find_if(candidates.begin(), candidates.end(),
                                  [](const Candidate& candidate) { return candidate.name == "lens_distortion"; });

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <random>
 
+#include "energies/contact/barrier.h"
 #include "host/geometry/segment_distance.hpp"
 #include "shared/types.h"
 
@@ -22,7 +23,6 @@ const char* const measure_text =
     "  for (int i = 0; i < 4; ++i) out[8 * e + i] = d.c[i];\n"
     "  vstore3(d.n, 0, out + 8 * e + 4); out[8 * e + 7] = d.d; }\n";
 
-constexpr u32 POINT_TRIANGLE = 0, EDGE_EDGE = 1;
 using Four = std::array<Vec3, 4>;
 struct Measured {
   double c[4];

@@ -3,7 +3,7 @@
 
 #include "tests/physics/energies/energy_check.hpp"
 
-namespace pvg {
+namespace pvg::affine_orthogonality_test {
 namespace {
 
 using Element = EnergyElement<AffineOrthogonality>;
@@ -90,4 +90,4 @@ TEST(AffineOrthogonality, ARotationIsAtRest) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::affine_orthogonality_test

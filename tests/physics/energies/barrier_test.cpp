@@ -4,7 +4,7 @@
 #include "host/geometry/segment_distance.hpp"
 #include "tests/physics/energies/energy_check.hpp"
 
-namespace pvg {
+namespace pvg::barrier_test {
 namespace {
 
 using Element = EnergyElement<Barrier>;
@@ -283,4 +283,4 @@ TEST(Barrier, PenetrationCostsInfinitelyMuchAndDistanceNothing) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::barrier_test

@@ -5,7 +5,7 @@
 
 #include "tests/physics/step/small_scenes.hpp"
 
-namespace pvg {
+namespace pvg::body_forces_test {
 namespace {
 
 // 1 kg on 1 kg on the floor: each feels its own weight back, the floor feels both
@@ -55,4 +55,4 @@ TEST(BodyForces, AddUpWithTheirLevers) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::body_forces_test

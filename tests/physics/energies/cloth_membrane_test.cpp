@@ -3,7 +3,7 @@
 #include "energies/elastic/cloth_membrane.h"
 #include "tests/physics/energies/energy_check.hpp"
 
-namespace pvg {
+namespace pvg::cloth_membrane_test {
 namespace {
 
 using Eigen::Matrix2d;
@@ -235,4 +235,4 @@ TEST_F(ClothMembraneTest, FibresStiffenBeyondTheLimit) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::cloth_membrane_test

@@ -6,7 +6,7 @@
 #include "host/physics/energies/effects.hpp"
 #include "tests/physics/step/small_scenes.hpp"
 
-namespace pvg {
+namespace pvg::effects_test {
 namespace {
 
 constexpr double G = 9.81;  // [m/s^2]
@@ -398,4 +398,4 @@ TEST(Effects, RefuseWhatTheSceneDoesNotHave) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::effects_test

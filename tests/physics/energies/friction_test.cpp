@@ -3,7 +3,7 @@
 
 #include "tests/physics/energies/energy_check.hpp"
 
-namespace pvg {
+namespace pvg::friction_test {
 namespace {
 
 using Element = EnergyElement<Friction>;
@@ -100,4 +100,4 @@ TEST(Friction, SlidingIsResistedByTheCoefficientTimesTheNormalForce) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::friction_test

@@ -3,7 +3,7 @@
 #include "energies/joint/revolute_effect.h"
 #include "tests/physics/energies/joint_check.hpp"
 
-namespace pvg {
+namespace pvg::joint_effect_test {
 namespace {
 
 // friction by its definition [N m]
@@ -108,4 +108,4 @@ TEST(JointEffect, CurvatureIsThatOfTheEnergyWithoutWhereFrictionFalls) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::joint_effect_test

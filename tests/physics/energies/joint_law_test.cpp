@@ -4,7 +4,7 @@
 #include "host/physics/energies/laws.hpp"
 #include "tests/physics/energies/joint_check.hpp"
 
-namespace pvg {
+namespace pvg::joint_law_test {
 namespace {
 
 const std::vector<std::string> VARIABLES = {"q", "v"};
@@ -86,4 +86,4 @@ TEST(JointLaw, CurvatureIsTheSecondDerivativeWhereThatIsPositive) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::joint_law_test

@@ -3,7 +3,7 @@
 #include "energies/joint/revolute_limit.h"
 #include "tests/physics/energies/joint_check.hpp"
 
-namespace pvg {
+namespace pvg::joint_limit_test {
 namespace {
 
 template <class Params>
@@ -83,4 +83,4 @@ TEST(PrismaticLimit, ActsBeyondItsStopsOnly) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::joint_limit_test

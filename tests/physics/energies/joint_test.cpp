@@ -7,7 +7,7 @@
 
 #include "tests/physics/step/small_scenes.hpp"
 
-namespace pvg {
+namespace pvg::joint_test {
 namespace {
 
 constexpr double ROD_MASS = 0.16, ROD_CENTRE = 0.2;  // [kg], [m] from the hinge
@@ -243,4 +243,4 @@ TEST(Joint, DampingSlowsItsCoordinateByTheRecurrence) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::joint_test

@@ -5,7 +5,7 @@
 
 #include "tests/physics/step/small_scenes.hpp"
 
-namespace pvg {
+namespace pvg::law_effects_test {
 namespace {
 
 Effect law(const std::string& name, const std::string& target, const std::vector<std::string>& formulas,
@@ -200,4 +200,4 @@ TEST(LawEffects, RefuseWhatCannotBeALaw) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::law_effects_test

@@ -3,7 +3,7 @@
 
 #include "tests/physics/energies/energy_check.hpp"
 
-namespace pvg {
+namespace pvg::point_force_test {
 namespace {
 
 using Elements = std::vector<EnergyElement<PointForce>>;
@@ -51,4 +51,4 @@ TEST(PointForce, EightNewtonAtTwoMetresPerSecond) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::point_force_test

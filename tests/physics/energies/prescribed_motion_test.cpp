@@ -7,7 +7,7 @@
 
 #include "tests/physics/step/small_scenes.hpp"
 
-namespace pvg {
+namespace pvg::prescribed_motion_test {
 namespace {
 
 PathPoint at(double time, const Vec3& position, double yaw) {
@@ -169,4 +169,4 @@ TEST(HalfSpace, ABodyBelowItIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::prescribed_motion_test

@@ -3,7 +3,7 @@
 
 #include "tests/physics/energies/joint_check.hpp"
 
-namespace pvg {
+namespace pvg::prismatic_drive_test {
 namespace {
 
 using Elements = std::vector<EnergyElement<PrismaticDrive>>;
@@ -93,4 +93,4 @@ TEST(PrismaticDrive, CutsTheDampingOfALooseDrive) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::prismatic_drive_test

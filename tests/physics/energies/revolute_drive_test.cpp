@@ -3,7 +3,7 @@
 
 #include "tests/physics/energies/joint_check.hpp"
 
-namespace pvg {
+namespace pvg::revolute_drive_test {
 namespace {
 
 using Elements = std::vector<EnergyElement<RevoluteDrive>>;
@@ -87,4 +87,4 @@ TEST_F(RevoluteDriveTest, TurnsTheChildTowardTheTarget) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::revolute_drive_test

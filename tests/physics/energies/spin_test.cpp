@@ -3,7 +3,7 @@
 
 #include "tests/physics/energies/energy_check.hpp"
 
-namespace pvg {
+namespace pvg::spin_test {
 namespace {
 
 using Elements = std::vector<EnergyElement<Spin>>;
@@ -64,4 +64,4 @@ TEST(Spin, TorqueOfATurningBody) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::spin_test

@@ -4,7 +4,7 @@
 #include "energies/elastic/stable_neo_hookean_4.h"
 #include "tests/physics/energies/energy_check.hpp"
 
-namespace pvg {
+namespace pvg::stable_neo_hookean_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -278,4 +278,4 @@ TEST(StableNeoHookean10, HomogeneousDeformationCostsWhatTheLinearElementSays) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::stable_neo_hookean_test

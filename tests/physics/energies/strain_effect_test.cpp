@@ -3,7 +3,7 @@
 #include "energies/elastic/strain_effect_4.h"
 #include "tests/physics/energies/energy_check.hpp"
 
-namespace pvg {
+namespace pvg::strain_effect_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -108,4 +108,4 @@ TYPED_TEST(StrainEffect, HessianIsExactAtRest) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::strain_effect_test

@@ -5,7 +5,7 @@
 #include "tests/physics/energies/cloth_check.hpp"
 #include "tests/physics/energies/energy_check.hpp"
 
-namespace pvg {
+namespace pvg::triangle_bending_test {
 namespace {
 
 double stiffness(const TriangleBending& p, int i, int j) {
@@ -212,4 +212,4 @@ TEST_F(TriangleBendingTest, ACylinderAtRestHasNoMomentUnlessItsRestIsFlat) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::triangle_bending_test

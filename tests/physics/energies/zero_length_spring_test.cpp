@@ -3,7 +3,7 @@
 
 #include "tests/physics/energies/energy_check.hpp"
 
-namespace pvg {
+namespace pvg::zero_length_spring_test {
 namespace {
 
 double energy(const ZeroLengthSpring& p, const Vec3* x, const Vec3*, double) {
@@ -51,4 +51,4 @@ TEST(ZeroLengthSpring, TwoMillimetresAtTenNewtonPerMillimetre) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::zero_length_spring_test
