@@ -6,7 +6,7 @@
 SET is a set packed for lerobot, FOLDER/pretrained_model becomes a checkpoint as lerobot-train writes it. Networks:
 
     keypoints   four convolutions and a spatial softmax (lerobot_policy_phyvisgen), minutes on two cores
-    resnet18    ResNet-18 as ACT has it, from random weights; wants a GPU
+    resnet18    ResNet-18 as ACT has it; wants a GPU
 
 Few demonstrations are learned by heart, with the noise of their pixels and the traces of their video. So no picture is
 seen twice as it is: each batch is shifted, recoloured and made noisy anew, and joints get noise, too.
@@ -40,9 +40,10 @@ def words():
     parser.add_argument("--data", required=True)
     parser.add_argument("--output", required=True)
     parser.add_argument("--network", choices=NETWORKS, default="keypoints")
+    parser.add_argument("--weights", help="of resnet18, such as ResNet18_Weights.IMAGENET1K_V1; else drawn at random")
     parser.add_argument("--device", default="cpu", help="cpu or cuda (cpu)")
     parser.add_argument("--steps", type=int, default=3000)
-    parser.add_argument("--batch", type=int, default=64)
+    parser.add_argument("--batch", type=int, default=32)
     parser.add_argument("--chunk", type=int, default=20, help="actions that are predicted (20)")
     parser.add_argument("--executed", type=int, default=10, help="actions that are done before the policy is asked again (10)")
     parser.add_argument("--learning-rate", type=float, default=5e-4)
@@ -62,12 +63,14 @@ def untrained(features, w):
     seen = {key: each for key, each in known.items() if key == STATE or each.type is FeatureType.VISUAL}
     if not any(each.type is FeatureType.VISUAL for each in seen.values()):
         raise SystemExit(f"train_pictures: {w.data} holds no pictures; pack a set that was rendered, without --no-pictures")
+    if w.weights and w.network != "resnet18":
+        raise SystemExit(f"train_pictures: --weights {w.weights} needs --network resnet18; {w.network} has none")
     make_config, make_policy = NETWORKS[w.network]
     config = make_config(
         input_features=seen,
         output_features={ACTION: known[ACTION]},
         normalization_mapping={name: NormalizationMode.MEAN_STD for name in ("STATE", "VISUAL", "ACTION")},
-        device=w.device, push_to_hub=False, pretrained_backbone_weights=None, chunk_size=w.chunk,
+        device=w.device, push_to_hub=False, pretrained_backbone_weights=w.weights, chunk_size=w.chunk,
         n_action_steps=w.executed, dim_model=128, dim_feedforward=512, n_heads=4, n_encoder_layers=2, use_vae=False,
         dropout=w.dropout,
     )
@@ -141,7 +144,8 @@ def train(rows, policy, prepare, w):
     episodes = np.unique(rows.episode)
     if not 0 <= w.left_out < len(episodes):
         raise SystemExit(f"train_pictures: --left-out {w.left_out} of {len(episodes)} demonstrations leaves none to train on")
-    seen, unseen = Batches(rows, episodes[: len(episodes) - w.left_out], w), Batches(rows, episodes[len(episodes) - w.left_out :], w)
+    n_seen = len(episodes) - w.left_out
+    seen, unseen = Batches(rows, episodes[:n_seen], w), Batches(rows, episodes[n_seen:], w)
     joint_noise = noise_of_joints(rows.names, w)
     norms = [module for module in policy.modules() if isinstance(module, nn.BatchNorm2d)]
     optimizer = torch.optim.AdamW(policy.parameters(), weight_decay=1e-4)
