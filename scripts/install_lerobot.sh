@@ -22,6 +22,6 @@ else
   echo "install: no Python 3.12 was found, so lerobot is 0.4.4"
   scripts/python_env.sh train "lerobot==0.4.4" h5py setuptools wheel
 fi
-.venv-train/bin/python -c 'import lerobot_env_phyvisgen' 2>/dev/null ||
+.venv-train/bin/python -c 'import lerobot_env_phyvisgen, lerobot_policy_phyvisgen' 2>/dev/null ||
   .venv-train/bin/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation \
-    -e pipeline/python -e pipeline/python/lerobot_env_phyvisgen
+    -e pipeline/python -e pipeline/python/lerobot_env_phyvisgen -e pipeline/python/lerobot_policy_phyvisgen

@@ -8,13 +8,13 @@
 #   SAMPLES         paths per pixel (4)
 #   GRIPPER         soft or rigid, in demonstrations and evaluation (else what the task says)
 #   DEMONSTRATIONS, EPISODES (50, 20), LENGTH: periods of an episode (else a quarter more than the planned motion)
-#   BACKBONE        pictures: ResNet-18 keeps random weights (frozen, the default: scripts/policy/train_frozen.py, minutes
-#                   without a GPU), or is trained by lerobot-train from random ones (null) or from those that torchvision
-#                   downloads (ResNet18_Weights.IMAGENET1K_V1)
-#   STEPS, BATCH    of training (2000 of 32; frozen: 1200 of 64)
+#   NETWORK         pictures: keypoints (the default, minutes on two cores) or resnet18, see scripts/policy/train_pictures.py
+#   WEIGHTS         resnet18: at the start, such as ResNet18_Weights.IMAGENET1K_V1, which is downloaded (else random)
+#   DEVICE          pictures: of training, cpu or cuda (cpu)
+#   STEPS, BATCH    of training (2000 of 32; pictures: 3000 of 32)
 #   CHUNK, EXECUTED actions that are predicted, and done before the policy is asked again (10, 5; pictures: 20, 10)
-#   LEARNING_RATE, DROPOUT (1e-4, 0.1; frozen: 5e-4, 0)
-#   VAE, SAVE       of lerobot-train: true or false (true), steps from one checkpoint to the next (STEPS)
+#   LEARNING_RATE, DROPOUT (1e-4, 0.1; pictures: 5e-4, 0)
+#   VAE, SAVE       states: true or false (true), steps from one checkpoint to the next (STEPS)
 #   TRAINING_PROGRAMS folder of python, lerobot-train and lerobot-eval (.venv-train/bin)
 #   GENERATE        more words for `generate` that change no episode, such as "--worlds 4"
 set -eu
@@ -30,7 +30,7 @@ shift 2
 demonstrations="${DEMONSTRATIONS:-50}" episodes="${EPISODES:-20}"
 observation="${OBSERVATION:-states}" cameras="${CAMERA:-}" size="${SIZE:-96x96}" samples="${SAMPLES:-4}"
 gripper="${GRIPPER:-}"
-backbone="" steps="${STEPS:-2000}" batch="${BATCH:-32}" rate="${LEARNING_RATE:-1e-4}" dropout="${DROPOUT:-0.1}"
+network="${NETWORK:-keypoints}" steps="${STEPS:-2000}" batch="${BATCH:-32}" rate="${LEARNING_RATE:-1e-4}" dropout="${DROPOUT:-0.1}"
 chunk="${CHUNK:-10}" executed="${EXECUTED:-5}"
 width="${size%x*}" height="${size#*x}"
 expr "$size" : '[1-9][0-9]*x[1-9][0-9]*$' >/dev/null || refuse "SIZE=$size is not WIDTHxHEIGHT in pixels, such as 96x96"
@@ -38,6 +38,7 @@ case "$gripper" in "" | soft | rigid) ;; *) refuse "GRIPPER=$gripper is neither 
 for word in ${GENERATE:-}; do
   case "${word%%=*}" in
     --gripper) refuse "GENERATE has --gripper, which evaluation would not get; set GRIPPER=rigid or GRIPPER=soft" ;;
+    --camera) refuse "GENERATE has --camera, which evaluation would not get; set CAMERA" ;;
     --width | --height | --samples | --fps)
       refuse "GENERATE has ${word%%=*}, which evaluation would not get; set SIZE or SAMPLES, or write it into the task"
       ;;
@@ -47,20 +48,20 @@ done
 case "$observation" in
   states)
     [ -z "$cameras" ] || refuse "CAMERA=$cameras needs OBSERVATION=pictures; on states a policy sees none"
-    [ -z "${BACKBONE:-}" ] || refuse "BACKBONE=$BACKBONE needs OBSERVATION=pictures; on states there is none"
+    [ -z "${NETWORK:-}${WEIGHTS:-}${DEVICE:-}" ] || refuse "NETWORK, WEIGHTS and DEVICE need OBSERVATION=pictures"
     generate="--no-render" pack="--no-pictures --environment-state"
-    training="" show="--env.obs_type=state --env.width=96 --env.height=72 --env.samples=1"
+    show="--env.obs_type=state --env.width=96 --env.height=72 --env.samples=1"
     ;;
   pictures)
     generate="--width $width --height $height --samples $samples" pack=""
-    backbone="${BACKBONE:-frozen}" chunk="${CHUNK:-20}" executed="${EXECUTED:-10}"
-    [ "$backbone" != frozen ] || [ -z "${VAE:-}${SAVE:-}" ] || refuse "VAE and SAVE are of lerobot-train; set BACKBONE=null"
-    training="--policy.vision_backbone=resnet18 --policy.pretrained_backbone_weights=$backbone"
-    training="$training --policy.optimizer_lr_backbone=$rate --dataset.video_backend=pyav"
+    chunk="${CHUNK:-20}" executed="${EXECUTED:-10}"
+    case "$network" in keypoints | resnet18) ;; *) refuse "NETWORK=$network is neither keypoints nor resnet18" ;; esac
+    [ "$network" = resnet18 ] || [ -z "${WEIGHTS:-}" ] || refuse "WEIGHTS=$WEIGHTS needs NETWORK=resnet18"
+    [ -z "${VAE:-}${SAVE:-}" ] || refuse "VAE and SAVE need OBSERVATION=states"
     show="--env.obs_type=pixels_agent_pos --env.width=$width --env.height=$height --env.samples=$samples"
     list=""
     for camera in $cameras; do
-      pack="$pack --camera $camera" list="$list${list:+,}$camera"
+      generate="$generate --camera $camera" list="$list${list:+,}$camera"
     done
     [ -z "$list" ] || show="$show --env.cameras=[$list]"
     ;;
@@ -110,20 +111,20 @@ for name, result in {told["policy"]: told, **told["baselines"]}.items():
     print(f"{name},,{successes},{result['episodes']}")
 PYTHON
 train() {
-  if [ "$backbone" = frozen ]; then
-    "$python/python" scripts/policy/train_frozen.py --data "$folder/data" --output "$out/checkpoints/last" \
-      --steps "${STEPS:-1200}" --batch "${BATCH:-64}" --chunk "$chunk" --executed "$executed" \
+  if [ "$observation" = pictures ]; then
+    "$python/python" scripts/policy/train_pictures.py --data "$folder/data" --output "$out/checkpoints/last" \
+      --network "$network" --device "${DEVICE:-cpu}" ${WEIGHTS:+--weights "$WEIGHTS"} \
+      --steps "${STEPS:-3000}" --batch "$batch" --chunk "$chunk" --executed "$executed" \
       --learning-rate "${LEARNING_RATE:-5e-4}" --dropout "${DROPOUT:-0}" --seed "$seed"
   else
     # ACT's default leaves environment_state as it is: here it is normalised
-    # shellcheck disable=SC2086
     "$python/lerobot-train" --dataset.repo_id=local/set --dataset.root="$folder/data" --policy.type=act \
       --policy.device=cpu --policy.push_to_hub=false --policy.dim_model=128 --policy.dim_feedforward=512 \
       --policy.n_heads=4 --policy.n_encoder_layers=2 --policy.n_vae_encoder_layers=2 --policy.latent_dim=16 \
       --policy.chunk_size="$chunk" --policy.n_action_steps="$executed" --policy.optimizer_lr="$rate" \
       --policy.dropout="$dropout" --policy.use_vae="${VAE:-true}" \
       '--policy.normalization_mapping={"STATE":"MEAN_STD","ENV":"MEAN_STD","ACTION":"MEAN_STD","VISUAL":"MEAN_STD"}' \
-      $training --batch_size="$batch" --steps="$steps" --save_freq="${SAVE:-$steps}" --log_freq=100 --num_workers=0 \
+      --batch_size="$batch" --steps="$steps" --save_freq="${SAVE:-$steps}" --log_freq=100 --num_workers=0 \
       --seed="$seed" --wandb.enable=false --output_dir="$out"
   fi
 }

@@ -31,6 +31,7 @@ struct GenerateOptions {
   std::string device;         // as for Device; empty: the best
   std::string render_device;  // empty: a second GPU of the same kind, where neither is named, else `device`
   PictureOverrides pictures;
+  std::vector<std::string> cameras;  // names; empty: all
   std::size_t frames_under_way = 3;  // bound of the stage graph
   bool no_render = false;            // states only
   bool keep_failed = false;          // keep the record of failed episodes
@@ -56,6 +57,19 @@ Shard parse_shard(const std::string& text) {
   return shard;
 }
 
+void check_cameras(const std::vector<std::string>& cameras, const Task& task) {
+  for (const std::string& name : cameras)
+    if (std::none_of(task.cameras.begin(), task.cameras.end(), [&](const CameraSection& c) { return c.name == name; }))
+      throw UsageError("--camera " + name + " is no camera of " + task.file.string());
+}
+
+// each behind a blank
+std::string names_of(const std::vector<std::string>& cameras) {
+  std::string text;
+  for (const std::string& name : cameras) text += " " + name;
+  return text;
+}
+
 EpisodeSet open_set(const GenerateOptions& options, const Task& task, const Device& physics, const Device& rendering) {
   make_writable_folder(options.folder);
   remove_leftovers(options.folder);
@@ -69,7 +83,7 @@ EpisodeSet open_set(const GenerateOptions& options, const Task& task, const Devi
   set.configuration = fingerprint(read_whole_file(task.file).value_or("") + "\n" + std::to_string(p.width) + " " +
                                   std::to_string(p.height) + " " + std::to_string(p.samples) + " " +
                                   std::to_string(p.frames_per_second) + " " + std::to_string(options.no_render) +
-                                  (options.is_rigid ? " rigid" : ""));
+                                  (options.is_rigid ? " rigid" : "") + names_of(options.cameras));
   set.versions = versions(physics, rendering, !options.no_render && task.render.denoise);
   join_set(set);
   write_set(set);
@@ -146,6 +160,9 @@ void run_generate(const GenerateOptions& options) {
   Task task = load_task(options.task);
   apply(options.pictures, task);
   if (options.is_rigid) make_grippers_rigid(task);
+  if (options.no_render && !options.cameras.empty())
+    throw UsageError("--no-render leaves out the cameras that --camera names; give one of the two");
+  check_cameras(options.cameras, task);
   // what would only show after minutes of simulation
   if (!options.no_render) find_program("ffmpeg", "ffmpeg");
   try {
@@ -164,6 +181,7 @@ void run_generate(const GenerateOptions& options) {
                    1,
                    options.frames_under_way,
                    !options.no_render,
+                   options.cameras,
                    options.keep_failed,
                    options.retries_failed,
                    options.is_verbose};
@@ -198,6 +216,8 @@ void add_generate(CLI::App& program) {
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
   command->add_option("--render-device", o.render_device,
                       "The one that renders, if another; where neither is named: a second GPU of the same kind");
+  command->add_option("--camera", o.cameras, "Render this camera only; may stand several times")
+      ->allow_extra_args(false);
   command->add_option("--width", o.pictures.width, "Width of all pictures [pixels]")->check(CLI::Range(2, 16384));
   command->add_option("--height", o.pictures.height, "Height of all pictures [pixels]")->check(CLI::Range(2, 16384));
   command->add_option("--samples", o.pictures.samples, "Paths per pixel")->check(CLI::Range(1, 1 << 20));

@@ -271,13 +271,20 @@ void make_grippers_rigid(Task& task) {
     if (robot.gripper) robot.gripper->is_rigid = true;
 }
 
+bool shows(const EpisodeSettings& settings, const std::string& camera) {
+  return settings.cameras.empty() ||
+         std::find(settings.cameras.begin(), settings.cameras.end(), camera) != settings.cameras.end();
+}
+
 EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, EpisodeDevices& devices,
                           const std::filesystem::path& folder, const std::atomic<bool>& stop,
                           const std::function<void(std::size_t, std::size_t)>& advance) {
   Device &physics = devices.simulation.device(), &rendering = devices.rendering;
   EpisodeReport report;
   const Stopwatch build_watch;
-  const TaskScene built = build_scene(task, settings.seed, settings.episode);
+  TaskScene built = build_scene(task, settings.seed, settings.episode);
+  // after all draws, which are those of the whole task
+  std::erase_if(built.scene.cameras, [&](const Camera& camera) { return !shows(settings, camera.name); });
   const Scene& scene = built.scene;
   report.time_step = scene.solver.time_step;
   report.frames_per_second = task.render.frames_per_second;

@@ -20,6 +20,7 @@ namespace pvg {
 struct EpisodeSettings {
   std::uint64_t seed = 0, episode = 0;
   bool renders = true;
+  std::vector<std::string> cameras;  // whose pictures are rendered, by name; empty: all of the task
   std::size_t frames_under_way = 3;  // bound of the stage graph; no result depends on it
 };
 
@@ -60,6 +61,9 @@ void apply(const PictureOverrides& overrides, Task& task);
 
 // The same task with fingers that do not bend.
 void make_grippers_rigid(Task& task);
+
+// Whether the pictures of this camera are rendered and recorded.
+bool shows(const EpisodeSettings& settings, const std::string& camera);
 
 // Seed of an episode's pictures: neighbouring episodes share no noise.
 std::uint64_t picture_seed(std::uint64_t seed, std::uint64_t episode);

@@ -120,6 +120,7 @@ void make_episode(Run& run, std::uint64_t episode) {
   settings.seed = run.set.seed;
   settings.episode = episode;
   settings.renders = run.options.renders;
+  settings.cameras = run.options.cameras;
   settings.frames_under_way = run.options.frames_under_way;
   PartialFolder folder(episode_folder(run.set.folder, episode));
   run.frames.begin(episode, 0);

@@ -25,6 +25,7 @@ struct MakeOptions {
   std::size_t n_worlds = 1;          // episodes that step together
   std::size_t frames_under_way = 3;  // bound of each stage graph
   bool renders = true;               // else states only
+  std::vector<std::string> cameras;  // whose pictures are rendered; empty: all of the task
   bool keeps_failed = false;         // the record of failed episodes
   bool retries_failed = false;       // makes failed episodes again
   bool is_verbose = false;

@@ -80,7 +80,7 @@ std::string summary_json(const Task& task, const EpisodeSettings& settings, cons
                {"samples_per_pixel", task.render.samples}};
   Json& cameras = json["cameras"] = Json::object();
   for (const CameraSection& camera : task.cameras)
-    cameras[camera.name] = {{"width", camera.width}, {"height", camera.height}};
+    if (shows(settings, camera.name)) cameras[camera.name] = {{"width", camera.width}, {"height", camera.height}};
   json["measured"] = to_json(report.measured);
   json["solver"] = to_json(report.solver);
   json["meshes"] = to_json(report.meshes);

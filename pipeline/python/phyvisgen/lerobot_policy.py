@@ -12,6 +12,7 @@ import numpy as np
 import torch
 from lerobot.configs.policies import PreTrainedConfig
 from lerobot.policies.factory import get_policy_class, make_pre_post_processors
+from lerobot.utils.import_utils import register_third_party_plugins
 
 from .checkpoint import Inputs
 from .server import Answer, Server
@@ -25,6 +26,7 @@ class LeRobotPolicy:
     def __init__(self, checkpoint: str | os.PathLike[str], prompt: str, device: str = "cpu") -> None:
         folder = Path(checkpoint)
         self._inputs = Inputs.read(folder)
+        register_third_party_plugins()  # policies of other packages, such as lerobot_policy_phyvisgen
         config = PreTrainedConfig.from_pretrained(str(folder))
         config.device = device
         self.name = f"lerobot:{folder}"

@@ -147,6 +147,45 @@ TEST_F(Generate, EpisodesThatStepTogetherHaveTheBitsTheyHaveAlone) {
   }
 }
 
+TEST_F(Generate, ChosenCamerasAloneAreRenderedAndTheMotionIsTheSame) {
+  const fs::path small = fs::path(PVG_DATA_FOLDER).parent_path() / "tests/pipeline/small_task";
+  std::ifstream in(small / "push_beaker.yaml");
+  std::string task(std::istreambuf_iterator<char>(in), {});
+  const std::string more =
+      "cameras:\n  - {name: back, width: 16, height: 12, vertical_field_of_view: 44 deg, position: [0, 0.5, 0.3], "
+      "look_at: [0.4, 0, 0.06], up: [0, 0, 1]}\n";
+  for (const auto& [from, to] :
+       std::map<std::string, std::string>{{"../../../data", PVG_DATA_FOLDER},
+                                          {"gripper: gripper.yaml", "gripper: " + (small / "gripper.yaml").string()},
+                                          {"cameras:\n", more}}) {
+    ASSERT_NE(task.find(from), std::string::npos) << from;
+    for (std::size_t at = 0; (at = task.find(from, at)) != std::string::npos; at += to.size())
+      task.replace(at, from.size(), to);
+  }
+  put("task.yaml", task);
+  const auto generate = [&](const std::string& words) {
+    return WEXITSTATUS(std::system((std::string(PVG_PROGRAM) + " generate " + (out / "task.yaml").string() + " -o " +
+                                    out.string() + "/" + words + " >/dev/null 2>" + (out / "stderr").string())
+                                       .c_str()));
+  };
+  // what the summary tells of the motion
+  const auto measured = [&](const std::string& set) {
+    const std::string text = text_of(set + "/episode_000000/summary.json");
+    return text.substr(text.find("\"measured\""), text.find("\"meshes\"") - text.find("\"measured\""));
+  };
+  ASSERT_EQ(generate("all"), 0) << text_of("stderr");
+  ASSERT_EQ(generate("one --camera back"), 0) << text_of("stderr");
+  EXPECT_TRUE(fs::exists(out / "all/episode_000000/front.mp4"));
+  EXPECT_TRUE(fs::exists(out / "one/episode_000000/back.mp4"));
+  EXPECT_FALSE(fs::exists(out / "one/episode_000000/front.mp4"));
+  EXPECT_EQ(text_of("one/episode_000000/summary.json").find("\"front\""), std::string::npos);
+  EXPECT_EQ(measured("one"), measured("all"));
+  EXPECT_EQ(generate("one --camera front"), 2);  // other pictures than those of the set
+  EXPECT_EQ(generate("none --camera side"), 2);
+  EXPECT_NE(text_of("stderr").find("--camera side is no camera of"), std::string::npos) << text_of("stderr");
+  EXPECT_EQ(generate("none --camera back --no-render"), 2);
+}
+
 TEST_F(Generate, TheStatusIsReadOffTheFolder) {
   put("episode_000002/summary.json", "{}");
   put("episode_000000/summary.json", "{}");

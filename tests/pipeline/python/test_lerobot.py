@@ -69,7 +69,7 @@ class LeRobot(unittest.TestCase):
             code, told = judged(*policy, "--picture-height", str(HEIGHT))
             self.assertEqual(code, 0, told)
 
-    def test_a_policy_that_was_trained_on_kept_features_is_a_checkpoint(self):
+    def test_policies_that_were_trained_on_pictures_are_checkpoints(self):
         if not (ROOT / ".venv-pack").is_dir():
             self.skipTest("packing needs pyarrow; run scripts/install_pack.sh")
         with tempfile.TemporaryDirectory() as folder:
@@ -82,14 +82,17 @@ class LeRobot(unittest.TestCase):
                 [program, "pack", made, "--no-pictures", "-o", without],
             ):
                 subprocess.run(words, check=True, capture_output=True)
-            train = [sys.executable, str(ROOT / "scripts/policy/train_frozen.py"), "--steps", "2", "--batch", "4"]
-            out = f"{folder}/out"
-            done = subprocess.run([*train, "--data", packed, "--output", out], capture_output=True, text=True)
-            self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn("step 2: mean error of normalised actions", done.stdout)
-            code, told = judged("--policy", f"lerobot:{out}/pretrained_model", "--picture-width", str(WIDTH),
-                                "--picture-height", str(HEIGHT))
-            self.assertEqual(code, 0, told)
+            train = [sys.executable, str(ROOT / "scripts/policy/train_pictures.py"), "--steps", "2", "--batch", "4"]
+            train += ["--left-out", "1"]
+            for network in ("keypoints", "resnet18"):
+                out = f"{folder}/{network}"
+                words = [*train, "--network", network, "--data", packed, "--output", out]
+                done = subprocess.run(words, capture_output=True, text=True)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertIn("step 2: mean error of normalised actions", done.stdout)
+                code, told = judged("--policy", f"lerobot:{out}/pretrained_model", "--picture-width", str(WIDTH),
+                                    "--picture-height", str(HEIGHT))
+                self.assertEqual(code, 0, told)
             done = subprocess.run([*train, "--data", without, "--output", out], capture_output=True, text=True)
             self.assertEqual(done.returncode, 1)
             self.assertIn("holds no pictures; pack a set that was rendered", done.stderr)

@@ -48,7 +48,7 @@ class TrainAndEvaluate(unittest.TestCase):
         """The finished process, and the words of each program that ran, by its name and command."""
         self.told.write_text("")
         names = {"OBSERVATION", "CAMERA", "SIZE", "SAMPLES", "GRIPPER", "GENERATE", "STEPS", "BATCH", "EPISODES",
-                 "BACKBONE", "VAE", "SAVE", "CHUNK", "EXECUTED", "LEARNING_RATE", "DROPOUT"}
+                 "NETWORK", "WEIGHTS", "DEVICE", "VAE", "SAVE", "CHUNK", "EXECUTED", "LEARNING_RATE", "DROPOUT"}
         environment = {name: value for name, value in os.environ.items() if name not in names}
         environment |= {"PHYVISGEN_PROGRAM": str(self.folder / "phyvisgen"), "TRAINING_PROGRAMS": str(self.folder)}
         environment |= {"LENGTH": "9", "EPISODES": "2", **variables}
@@ -62,22 +62,25 @@ class TrainAndEvaluate(unittest.TestCase):
         self.assertEqual(process.returncode, 0, process.stderr)
         self.assertIn("--width 128 --height 96 --samples 2", " ".join(told["generate"]))
         self.assertNotIn("--no-render", told["generate"])
-        self.assertIn("--camera front --camera wrist", " ".join(told["pack"]))
+        self.assertIn("--camera front --camera wrist", " ".join(told["generate"]))
         self.assertNotIn("--environment-state", told["pack"])
         for word in ("--env.obs_type=pixels_agent_pos", "--env.width=128", "--env.height=96", "--env.samples=2"):
             self.assertIn(word, told["lerobot-eval"])
         self.assertIn("--env.cameras=[front,wrist]", told["lerobot-eval"])
-        self.assertIn("--chunk 20 --executed 10", " ".join(told["train_frozen.py"]))
+        self.assertIn("--network keypoints --device cpu", " ".join(told["train_pictures.py"]))
+        self.assertIn("--chunk 20 --executed 10", " ".join(told["train_pictures.py"]))
         self.assertNotIn("lerobot-train", told)
         result = (self.folder / "out/result.csv").read_text().split()
         self.assertEqual(result[1:], ["blind,,1,2", "nearest,,1,2", "act,1,2,2"])
 
-    def test_a_backbone_that_is_trained_is_lerobots_own_training(self):
-        process, told = self.run_script(OBSERVATION="pictures", BACKBONE="null", LEARNING_RATE="2e-4", VAE="false")
+    def test_another_network_gets_its_weights_and_device(self):
+        process, told = self.run_script(
+            OBSERVATION="pictures", NETWORK="resnet18", WEIGHTS="some", DEVICE="cuda", LEARNING_RATE="2e-4"
+        )
         self.assertEqual(process.returncode, 0, process.stderr)
-        self.assertNotIn("train_frozen.py", told)
-        for word in ("pretrained_backbone_weights=null", "optimizer_lr=2e-4", "optimizer_lr_backbone=2e-4", "use_vae=false"):
-            self.assertIn(f"--policy.{word}", told["lerobot-train"])
+        words = " ".join(told["train_pictures.py"])
+        for word in ("--network resnet18 --device cuda --weights some", "--learning-rate 2e-4"):
+            self.assertIn(word, words)
 
     def test_states_need_no_pictures(self):
         process, told = self.run_script()
@@ -85,7 +88,7 @@ class TrainAndEvaluate(unittest.TestCase):
         self.assertIn("--no-render", told["generate"])
         self.assertIn("--environment-state", told["pack"])
         self.assertIn("--env.obs_type=state", told["lerobot-eval"])
-        self.assertFalse([word for word in told["lerobot-train"] if "backbone" in word])
+        self.assertNotIn("train_pictures.py", told)
 
     def test_the_gripper_is_the_same_everywhere(self):
         for observation in ("states", "pictures"):
@@ -100,8 +103,10 @@ class TrainAndEvaluate(unittest.TestCase):
         for variables, sentence in (
             ({"OBSERVATION": "smell"}, "OBSERVATION=smell is neither states nor pictures"),
             ({"CAMERA": "front"}, "CAMERA=front needs OBSERVATION=pictures"),
-            ({"BACKBONE": "null"}, "BACKBONE=null needs OBSERVATION=pictures"),
-            ({"VAE": "true", "OBSERVATION": "pictures"}, "VAE and SAVE are of lerobot-train"),
+            ({"NETWORK": "resnet18"}, "NETWORK, WEIGHTS and DEVICE need OBSERVATION=pictures"),
+            ({"NETWORK": "resnet", "OBSERVATION": "pictures"}, "NETWORK=resnet is neither keypoints nor resnet18"),
+            ({"WEIGHTS": "some", "OBSERVATION": "pictures"}, "WEIGHTS=some needs NETWORK=resnet18"),
+            ({"VAE": "true", "OBSERVATION": "pictures"}, "VAE and SAVE need OBSERVATION=states"),
             ({"SIZE": "96"}, "SIZE=96 is not WIDTHxHEIGHT"),
             ({"SIZE": "96x9o"}, "SIZE=96x9o is not WIDTHxHEIGHT"),
             ({"GRIPPER": "hard"}, "GRIPPER=hard is neither soft nor rigid"),
