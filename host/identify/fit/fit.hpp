@@ -71,7 +71,7 @@ class Fitter {
   // The windows' sensitivities to their starts at a model, and the change by time steps of half the length there, which
   // is added to all residuals from then on if `corrects`. Windows that cannot be simulated to their end are left out.
   FitData prepare(std::vector<Window> windows, const Model& at, bool corrects = true);
-  // What richardson_factor would say, as it was measured in this scene.
+  // What richardson_factor of their order would say, as it was measured in this scene.
   void correct_steps_by(std::optional<double> factor) { step_factor_ = factor; }
   // The scene without any effect: the numbers that are known with a standard deviation alone, at the values that fit
   // best. None at first.
@@ -147,12 +147,6 @@ Eigen::VectorXd beside_starts(const Eigen::MatrixXd& of_start, const Eigen::Vect
 
 // The variant with steps of half the length.
 Variant refined(const Variant& variant);
-// What the change from a step to its half is to be multiplied by to give the step's error (Richardson 1911): 4/3 where
-// it is of second order, 2 where it is of first order. BDF2 is of first order where a drive damps the rate of its
-// command, which is the mean over a step, and of second once that is extrapolated.
-double richardson_factor(const Variant& variant);
-bool dissipates(const PhysicalScene& scene);
-bool damps_rate_of_command(const PhysicalScene& scene);
 
 // 1.48 times the median of |r|, at least 1.
 double robust_scale(const std::vector<Eigen::VectorXd>& residual);

@@ -4,6 +4,7 @@
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/fit.hpp"
+#include "host/identify/sensing/step_order.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -24,30 +25,10 @@ Variant refined(const Variant& variant) {
   return fine;
 }
 
-bool dissipates(const PhysicalScene& scene) {
-  return std::any_of(scene.joints.begin(), scene.joints.end(), [](const Joint& joint) {
-    return joint.damping > 0 || (is_driven(joint) && joint.drive.damping > 0);
-  });
-}
-
-bool damps_rate_of_command(const PhysicalScene& scene) {
-  return std::any_of(scene.joints.begin(), scene.joints.end(), [](const Joint& joint) {
-    const Drive& drive = joint.drive;
-    return is_driven(joint) && drive.damping > 0 && drive.mode == Drive::Mode::position &&
-           drive.damped_rate != Drive::DampedRate::joint;
-  });
-}
-
-double richardson_factor(const Variant& variant) {
-  const PhysicalScene& scene = variant.scene;
-  const bool is_second_order = scene.solver.integrator == SolverSettings::Integrator::bdf2 &&
-                               (variant.extrapolates || !damps_rate_of_command(scene));
-  return is_second_order ? 4.0 / 3 : 2;
-}
-
 FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corrects) {
   corrects = corrects && corrects_steps_;
   predictor_.settle(base_, windows);
+  for (Window& window : windows) window.correction.resize(0);
   FitData data{std::move(windows), {}, at};
   const Variant variant = variant_of(base_, at);
   std::vector<Job> jobs;
@@ -79,7 +60,7 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corre
     if (!succeeded) continue;
     kept.push_back(window);
     if (better && better->succeeded) {
-      const double factor = step_factor_.value_or(richardson_factor(base_));
+      const double factor = step_factor_.value_or(richardson_factor(order_of_steps(base_)));
       const VectorXd change = factor * (better->residual - here.residual), left = beside_starts(u, change);
       if (left.norm() < criteria().step_correction_most * std::sqrt(double(left.size()))) kept.back().correction = left;
     }

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/fit/whole_runs.hpp"
+#include "host/identify/sensing/step_order.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -61,6 +63,27 @@ double misfit(const FitData& data, const std::vector<Prediction>& predictions) {
   return *middle;
 }
 
+// Where steps are compared: over whole runs, as these are fitted and proved, if the errors of their starts do not
+// outgrow those of the steps, as in chaos and impacts; else in short windows. Of pictures too, which cost more than
+// steps.
+FitData where_steps_show(Fitter& fitter, const Problem& problem) {
+  const auto windows_of = [&](double length) {
+    return fitter.prepare(make_windows(problem, false, length, criteria().step_n_windows), {}, false);
+  };
+  if (!problem.can_restart) return windows_of(0);
+  const bool has_pictures = !problem.recording.mask_sources.empty() || !problem.recording.video_sources.empty();
+  const bool are_short = !has_pictures && std::all_of(problem.runs.begin(), problem.runs.end(), [](const Run& run) {
+    return run.t.back() - run.t.front() <= criteria().whole_run_longest;
+  });
+  if (are_short)
+    if (FitData runs = windows_of(0);
+        !runs.windows.empty() && std::all_of(runs.of_start.begin(), runs.of_start.end(), [](const Eigen::MatrixXd& u) {
+          return start_growth(u) <= criteria().whole_run_growth;
+        }))
+      return runs;
+  return windows_of(criteria().step_window);
+}
+
 }  // namespace
 
 double measured_richardson_factor(double ratio) {
@@ -77,9 +100,7 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   const bool was_extrapolated = base.extrapolates;
   base.extrapolates = false;
   const double h = solver.time_step;
-  const FitData data = fitter.prepare(
-      make_windows(problem, false, problem.can_restart ? criteria().step_window : 0, criteria().step_n_windows),
-      {{}, {}, {}}, false);
+  const FitData data = where_steps_show(fitter, problem);
   const auto predict = [&](const Choice& choice) {
     Variant variant = base;
     variant.scene.solver.integrator = choice.integrator;
@@ -97,32 +118,32 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   // with soft bodies and cloth finer steps would take too long
   const bool is_stiff = base.scene.soft_bodies.empty() && base.scene.cloths.empty();
   const bool has_masks = !problem.recording.mask_sources.empty(), by_pixels = is_stiff && has_masks;
-  const bool may_extrapolate = damps_rate_of_command(base.scene) && is_stiff && !has_masks &&
-                               problem.recording.video_sources.empty() && problem.can_restart;
-  const double allowed = by_pixels        ? criteria().step_error_most_masks
-                         : is_dissipative ? criteria().step_error_most_dissipative
-                                          : criteria().step_error_most;
-  const double small = by_pixels ? criteria().step_error_pixels : allowed;
-  const bool is_as_given = error < allowed;
+  const bool may_extrapolate = is_stiff && !has_masks && problem.recording.video_sources.empty() && problem.can_restart;
+  const auto allowed_of = [&](const Variant& variant) {
+    return by_pixels                                        ? criteria().step_error_most_masks
+           : is_dissipative && order_of_steps(variant) == 1 ? criteria().step_error_most_dissipative
+                                                            : criteria().step_error_most;
+  };
+  const bool is_as_given = error < allowed_of(base);
   if (!is_as_given) {
     if (solver.integrator != bdf2) coarse = predict({bdf2, h});
     solver.integrator = bdf2;
-    error = richardson_factor(base) * apart(data, coarse, fine);
+    error = richardson_factor(order_of_steps(base)) * apart(data, coarse, fine);
   }
+  const double allowed = allowed_of(base), small = by_pixels ? criteria().step_error_pixels : allowed;
+  const int order = order_of_steps(base);
   bool converges = true;
   for (int halving = 0; error >= allowed && converges && halving < criteria().step_n_refinements; ++halving) {
     const double before = error;
     solver.time_step /= 2;
     const std::vector<Prediction> coarser = std::exchange(coarse, std::move(fine));
     fine = predict({bdf2, solver.time_step / 2});
-    error = richardson_factor(base) * apart(data, coarse, fine);
+    error = richardson_factor(order) * apart(data, coarse, fine);
     converges = error < std::max(small, criteria().step_converges * before);
     // two steps twice and four times as long as the next ones cost three quarters of it, and give more
     if (!may_extrapolate || !converges || (error < allowed && !was_extrapolated)) continue;
-    Variant limit = base;
-    limit.extrapolates = true;
-    const double of_limit =
-        richardson_factor(limit) * apart(data, extrapolated(coarser, coarse), extrapolated(coarse, fine));
+    const double of_limit = richardson_factor(order + 1) *
+                            apart(data, extrapolated(coarser, coarse, order), extrapolated(coarse, fine, order));
     if (of_limit >= allowed) continue;
     base.extrapolates = true;
     solver.time_step *= 2;
@@ -144,9 +165,9 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   }
   if (base.extrapolates)
     return fmt::format(
-        "simulated with steps of {:.4g} and {:.4g} ms, BDF2, extrapolated to no length, since a drive damps the rate "
-        "of its command and the scene's own step would be taken for an effect; finer steps differ by {:.2g} times the "
-        "noise, which is corrected",
+        "simulated with steps of {:.4g} and {:.4g} ms, BDF2, extrapolated to no length, since the scene's own step "
+        "would "
+        "be taken for an effect; finer steps differ by {:.2g} times the noise, which is corrected",
         1e3 * solver.time_step, 5e2 * solver.time_step, error);
   return fmt::format(
       "simulated with steps of {:.4g} ms, {}, {}; finer steps differ by {:.2g} times the noise, {}",

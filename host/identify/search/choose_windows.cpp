@@ -5,6 +5,7 @@
 
 #include "host/base/error.hpp"
 #include "host/identify/criteria.hpp"
+#include "host/identify/fit/coarse_model.hpp"
 #include "host/identify/fit/whole_runs.hpp"
 
 namespace pvg::diagnose {
@@ -23,26 +24,6 @@ double n_worlds(const Problem& problem) {
     return !problem.scene.scene.rigid_bodies[std::size_t(b)].collision.triangles.empty();
   };
   return std::any_of(problem.free_bodies.begin(), problem.free_bodies.end(), can_hit) ? 2 * n : n;
-}
-
-// Root mean square of what a window's channels do, in units of noise, about their means.
-double signal_of(const Problem& problem, const Window& window) {
-  const Run& run = problem.runs[std::size_t(window.run)];
-  std::vector<std::vector<double>> of(problem.channels.size() * 4);
-  for (const Datum& d : window.data) {
-    const Channel& c = problem.channels[std::size_t(d.channel)];
-    const double sigma = noise_in(problem, run, std::size_t(d.channel));
-    of[std::size_t(d.channel) * 4 + std::size_t(d.component)].push_back(
-        run.values[std::size_t(d.channel)][d.sample * std::size_t(c.width) + std::size_t(d.component)] / sigma);
-  }
-  double sum = 0, n = 0;
-  for (const std::vector<double>& values : of) {
-    double mean = 0;
-    for (const double v : values) mean += v / double(values.size());
-    for (const double v : values) sum += (v - mean) * (v - mean);
-    n += double(values.size());
-  }
-  return n > 0 ? std::sqrt(sum / n) : 0;
 }
 
 // times: of the bound

@@ -19,6 +19,7 @@
 #include "host/identify/search/plan_next.hpp"
 #include "host/identify/search/prove.hpp"
 #include "host/identify/search/regress.hpp"
+#include "host/identify/search/screening.hpp"
 #include "host/identify/search/workflow.hpp"
 #include "host/identify/sensing/journal.hpp"
 #include "host/identify/sensing/video_sight.hpp"
@@ -310,7 +311,8 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
       *out.candidates = all_candidates(flow, chosen, locate(flow, chosen));
       std::vector<const Candidate*> all;
       for (const Candidate& candidate : *out.candidates) all.push_back(&candidate);
-      flow.show(identifiability(signatures_of(flow.fitter, chosen.data, chosen.base, all)));
+      const Screening screening(flow, chosen.data, chosen.base);
+      flow.show(identifiability(signatures_of(screening.fitter, screening.data, chosen.base, all)));
     });
     Selection nothing;
     nothing.error = out.fit_before;

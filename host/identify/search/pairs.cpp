@@ -7,6 +7,7 @@
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/search/round.hpp"
+#include "host/identify/search/screening.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -73,7 +74,8 @@ std::vector<Screened> pairs_to_fit(Workflow& flow, const std::vector<Candidate>&
   double n_data = 0;
   for (const VectorXd& r : base.residual) n_data += double(r.size());
   std::vector<Screened> starts;
-  for (Pair& pair : best_pairs(signatures_of(flow.fitter, data, base, candidates), n_data))
+  const Screening screening(flow, data, base);
+  for (Pair& pair : best_pairs(signatures_of(screening.fitter, screening.data, base, candidates), n_data))
     starts.push_back({pair.first, joined(base.model, pair.model), pair.gain, 0});
   return starts;
 }

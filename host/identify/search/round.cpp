@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/search/screening.hpp"
 #include "host/identify/search/swap.hpp"
 
 namespace pvg::diagnose {
@@ -66,8 +67,9 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
       candidates.push_back(&c);
   Round round;
   const bool is_first = base.model.effects().empty();
+  const Screening screening(flow, data, base);
   const std::vector<Screened> screened =
-      screen(flow.fitter, data, base, candidates, is_first ? &round.signatures : nullptr);
+      screen(screening.fitter, screening.data, base, candidates, is_first ? &round.signatures : nullptr);
   flow.files.write_screen(name, screened);
   if (is_first) flow.show(identifiability(round.signatures));
   std::vector<Screened> best = shortlist(screened, flow.settings.n_fitted);

@@ -13,6 +13,7 @@
 #include "host/identify/sensing/mask_sight.hpp"
 #include "host/identify/sensing/prediction_bytes.hpp"
 #include "host/identify/sensing/sensor.hpp"
+#include "host/identify/sensing/step_order.hpp"
 #include "host/identify/sensing/support.hpp"
 #include "host/identify/sensing/video_sight.hpp"
 #include "host/identify/sensing/world.hpp"
@@ -57,14 +58,6 @@ const char* phase_name(Phase phase) {
   return NAMES[int(phase)];
 }
 
-std::vector<Prediction> extrapolated(const std::vector<Prediction>& coarse, std::vector<Prediction> fine) {
-  for (std::size_t i = 0; i < fine.size(); ++i) {
-    fine[i].residual = 2 * fine[i].residual - coarse[i].residual;
-    fine[i].succeeded = fine[i].succeeded && coarse[i].succeeded;
-  }
-  return fine;
-}
-
 Predictor::Predictor(Device& device, const Problem& problem, std::size_t n_processes)
     : device_(device), problem_(problem), n_processes_(n_processes) {}
 Predictor::~Predictor() = default;
@@ -98,8 +91,10 @@ std::vector<Prediction> Predictor::predict(std::span<const Job> jobs) {
     }
     return predict_as_stepped(stepped);
   };
+  Variant as_stepped = *jobs[0].variant;
+  as_stepped.extrapolates = false;
   const std::vector<Prediction> coarse = in_steps_of(1);
-  return extrapolated(coarse, in_steps_of(0.5));
+  return extrapolated(coarse, in_steps_of(0.5), order_of_steps(as_stepped));
 }
 
 std::vector<Prediction> Predictor::predict_as_stepped(std::span<const Job> jobs) {

@@ -16,7 +16,7 @@ namespace pvg::diagnose {
 struct Variant {
   PhysicalScene scene;  // what is seen does not vary: Problem::seen
   Sensing sensing;
-  bool extrapolates = false;  // predictions are those of vanishing steps: see extrapolated
+  bool extrapolates = false;  // predictions are those of vanishing steps: see step_order.hpp
 };
 
 enum class Phase { free, driven, impact, stick, slide, roll, rest };
@@ -36,10 +36,6 @@ struct Prediction {
   double mask_overlap = 0;            // as SensorTrace has it
   bool succeeded = true;  // false: the simulation failed before the window's end, residuals are NaN from there
 };
-
-// What steps of no length would give where the error is proportional to the step, as of drives that damp the rate of a
-// command: twice what steps of half the length predict minus what the steps do. Of the same jobs.
-std::vector<Prediction> extrapolated(const std::vector<Prediction>& coarse, std::vector<Prediction> fine);
 
 class Journal;
 class MaskSight;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "tests/identify/fit/spinning_plate.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg::diagnose {
@@ -43,15 +44,15 @@ double step_of(const Problem& problem) {
   return base.scene.solver.time_step;
 }
 
-// BDF2 turns slower by (w h)^2 / 3: at 5 ms 0.33 %, after 20 rad 66 mrad of 50 mm; of four times as fine a step a
-// sixteenth.
+// BDF2 turns slower by (w h)^2 / 3: at 10 ms 1.3 %, after 20 rad 270 mrad of 50 mm. Steps of 10 and 5 ms together are
+// of third order.
 TEST(TimeStep, IsNotCoarserForColumnsInWhichNothingHappens) {
   const TestFolder folder, other;
   const double one =
       step_of(swinging(folder, "{column: x, kind: position, body: cube, axis: [1, 0, 0], unit: m, noise: 0.0003}"));
   const double three =
       step_of(swinging(other, "{columns: [x, y, z], kind: position, body: cube, unit: m, noise: 0.0003}"));
-  EXPECT_DOUBLE_EQ(one, 0.0025);
+  EXPECT_DOUBLE_EQ(one, 0.01);
   EXPECT_DOUBLE_EQ(three, one);
 }
 
@@ -101,6 +102,29 @@ channels:
   const std::string text = choose_time_step(fitter, predictor, problem, base);
   EXPECT_TRUE(base.extrapolates) << text;
   EXPECT_DOUBLE_EQ(base.scene.solver.time_step, 0.01) << text;
+  const std::vector<Window> windows = make_windows(problem, false, 0, 1);
+  const auto error_of = [&](const Variant& variant) {
+    const Job job{&variant, &windows[0], windows[0].initial, false};
+    return rms({predictor.predict({&job, 1})[0].residual});
+  };
+  Variant as_stepped = base;
+  as_stepped.extrapolates = false;
+  EXPECT_LT(error_of(base), 0.1 * error_of(as_stepped));
+}
+
+// The axes of a body go along chords of their circle, so that BDF2 takes its inertia for (w h)^2 4/9 larger: of 5 ms at
+// 30 rad/s for 1 %. An error of second order, which needs steps of a sixteenth, and which two coarse steps extrapolate
+// away.
+TEST(TimeStep, ErrorOfAFastSpinIsExtrapolatedAwayAtCoarseSteps) {
+  const TestFolder folder;
+  const Problem problem = spinning_plate(folder);
+  Device device;
+  Predictor predictor(device, problem);
+  Variant base{problem.scene.scene, {}};
+  Fitter fitter(predictor, base);
+  const std::string text = choose_time_step(fitter, predictor, problem, base);
+  EXPECT_TRUE(base.extrapolates) << text;
+  EXPECT_GE(base.scene.solver.time_step, 0.0025) << text;
   const std::vector<Window> windows = make_windows(problem, false, 0, 1);
   const auto error_of = [&](const Variant& variant) {
     const Job job{&variant, &windows[0], windows[0].initial, false};
