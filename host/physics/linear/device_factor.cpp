@@ -12,8 +12,8 @@ constexpr u32 FORWARD = 1, BACKWARD = 2;  // as in solve/factor_solve.cl
 constexpr u32 PLACE_SHARES = 16;          // work-items for each block that is placed, as in solve/factor_blocks.cl
 constexpr std::size_t MOST_NUMBERS = 1u << 31;  // a place has 32 bits
 
-// Estimates for a work-group of FACTOR_ITEMS on a large GPU, near what an H100 took: what a launch, a barrier with the memory
-// behind it, and a number take. They decide how the tree is divided, not what is computed.
+// Estimates for a work-group of FACTOR_ITEMS on a large GPU, near what an H100 took: what a launch, a barrier with the
+// memory behind it, and a number take. They decide how the tree is divided, not what is computed.
 constexpr unsigned N_UNITS = 100;                                                    // work-groups at a time
 constexpr double LAUNCH = 7e-6, BARRIER = 1e-6, PRODUCT = 1 / 16e9, LOAD = 1 / 8e9;  // [s]
 
