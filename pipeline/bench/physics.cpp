@@ -138,29 +138,41 @@ BenchmarkRun load_run(const PhysicsBenchmark& benchmark, const std::filesystem::
   return run;
 }
 
-PhysicsCounts count_physics_benchmark(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
-                                      const std::string& device_name, std::size_t most_steps,
-                                      const std::atomic<bool>& stop,
-                                      std::optional<SolverSettings::Preconditioner> preconditioner) {
+namespace {
+
+// a run of at most so many steps of a benchmark
+struct MeasuredSteps {
+  Repeat run;
+  std::size_t steps = 0;
+  bool runs_host_functions = false;  // the device
+};
+
+MeasuredSteps measure_steps(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
+                            const std::string& device_name, std::size_t most_steps, const std::atomic<bool>& stop,
+                            std::optional<SolverSettings::Preconditioner> preconditioner, Measure measure) {
   BenchmarkRun run = load_run(benchmark, data);
   if (preconditioner) run.scene.solver.preconditioner = *preconditioner;
   run.targets.resize(std::min(run.targets.size(), most_steps));
   Device device(device_name);
-  const Repeat counted = repeat(device, run, benchmark.n_worlds, Measure::counts, stop);
-  return {benchmark.name, benchmark.n_worlds, run.targets.size(), device.info().runs_host_functions,
-          counted.counts, counted.by_name};
+  return {repeat(device, run, benchmark.n_worlds, measure, stop), run.targets.size(),
+          device.info().runs_host_functions};
+}
+
+}  // namespace
+
+PhysicsCounts count_physics_benchmark(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
+                                      const std::string& device, std::size_t most_steps, const std::atomic<bool>& stop,
+                                      std::optional<SolverSettings::Preconditioner> preconditioner) {
+  const MeasuredSteps m = measure_steps(benchmark, data, device, most_steps, stop, preconditioner, Measure::counts);
+  return {benchmark.name, benchmark.n_worlds, m.steps, m.runs_host_functions, m.run.counts, m.run.by_name};
 }
 
 PhysicsCommands time_commands_of_benchmark(const PhysicsBenchmark& benchmark, const std::filesystem::path& data,
-                                           const std::string& device_name, std::size_t most_steps,
+                                           const std::string& device, std::size_t most_steps,
                                            const std::atomic<bool>& stop,
                                            std::optional<SolverSettings::Preconditioner> preconditioner) {
-  BenchmarkRun run = load_run(benchmark, data);
-  if (preconditioner) run.scene.solver.preconditioner = *preconditioner;
-  run.targets.resize(std::min(run.targets.size(), most_steps));
-  Device device(device_name);
-  const Repeat timed = repeat(device, run, benchmark.n_worlds, Measure::commands, stop);
-  return {benchmark.name, benchmark.n_worlds, run.targets.size(), timed.seconds, timed.newton, timed.commands};
+  const MeasuredSteps m = measure_steps(benchmark, data, device, most_steps, stop, preconditioner, Measure::commands);
+  return {benchmark.name, benchmark.n_worlds, m.steps, m.run.seconds, m.run.newton, m.run.commands};
 }
 
 double modelled_seconds(const DeviceCounts& counts) {

@@ -28,7 +28,11 @@ struct Demonstration {
   explicit Demonstration(const Task& task, Device& device) {
     const std::atomic<bool> stop = false;
     EpisodeDevices devices(device, device);
-    report = run_episode(task, {SEED, EPISODE, false, 3}, devices, folder.path, stop, [](auto, auto) {});
+    EpisodeSettings settings;
+    settings.seed = SEED;
+    settings.episode = EPISODE;
+    settings.renders = false;
+    report = run_episode(task, settings, devices, folder.path, stop, [](auto, auto) {});
     record = std::make_unique<StatesRecord>(folder.path / "states.h5");
     a = record->series("/a");
     T_rigid = record->poses("/T_rigid");
