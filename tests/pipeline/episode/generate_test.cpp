@@ -152,7 +152,7 @@ TEST_F(Generate, ChosenCamerasAloneAreRenderedAndTheMotionIsTheSame) {
   std::ifstream in(small / "push_beaker.yaml");
   std::string task(std::istreambuf_iterator<char>(in), {});
   const std::string more =
-      "cameras:\n  - {name: back, width: 16, height: 12, vertical_field_of_view: 44 deg, position: [0, 0.5, 0.3], "
+      "cameras:\n  - {name: back, width: 24, height: 16, vertical_field_of_view: 44 deg, position: [0, 0.5, 0.3], "
       "look_at: [0.4, 0, 0.06], up: [0, 0, 1]}\n";
   for (const auto& [from, to] :
        std::map<std::string, std::string>{{"../../../data", PVG_DATA_FOLDER},
