@@ -169,11 +169,12 @@ void add_bench_physics(CLI::App& program) {
       ->excludes("--count");
   command->add_option("--steps", o.steps, "At most this many steps of a scene")->check(CLI::PositiveNumber);
   command->add_flag("--list", o.lists, "Print the names of the scenes and end");
-  command->add_flag("--json", o.as_json, "Print JSON");
+  command->add_flag("--json", o.as_json, "Print JSON")->excludes("--commands");
   command->footer(
       "Examples:\n  phyvisgen bench physics --scene mat_twist --scene towel --repeats 1\n"
       "  phyvisgen bench physics --scene block_64k --preconditioner schwarz\n"
-      "  phyvisgen bench physics --scene weigh_beaker --count --steps 100");
+      "  phyvisgen bench physics --scene weigh_beaker --count --steps 100\n"
+      "  phyvisgen bench physics --scene weigh_beaker --commands --steps 20");
 }
 
 }  // namespace pvg
