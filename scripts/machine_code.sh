@@ -3,6 +3,7 @@
 #   machine_code.sh list FOLDER TARGET               rows: kernel,target,registers,private,spills
 #   machine_code.sh check FOLDER TARGET TABLE        fails where a kernel takes more than its row, has none, or is gone
 #   machine_code.sh complete FILE.ptx                fails where a function is called that is not there
+#   machine_code.sh inputs                           checksum of the kernels, their flags and the compilers' versions
 #   machine_code.sh ocloc OCLOC DEVICE KERNELS NAME RESULT    compiles KERNELS/NAME; what ocloc says goes to RESULT.log
 # registers: of one work-item (Intel: of a thread); private: bytes of memory of one work-item; spills: registers kept
 # there. A number that a compiler does not tell is a dash.
@@ -83,6 +84,12 @@ case "$1" in
       printf '%s\n' "machine code: $2 calls what is not there:" "$missing" >&2
       exit 1
     fi ;;
+  inputs)
+    cd "$(dirname "$0")/.."
+    { find kernels -name '*.cl' -o -name '*.h' -o -name CMakeLists.txt | LC_ALL=C sort | xargs sha256sum
+      sha256sum scripts/machine_code.sh
+      # without Debian's list of packages no table is known to be of these compilers
+      dpkg-query -W clang-19 libclc-19 lld-19 intel-opencl-icd libigc1 2>&1 || date +%s%N; } | sha256sum | cut -c 1-32 ;;
   ocloc)
     ocloc=$2 device=$3 kernels=$4 name=$5 result=$6
     # ocloc writes no list of what it read
@@ -94,5 +101,5 @@ case "$1" in
     }
     # the names of the kernels are in the binary's tables
     { printf '%s\n' "$log"; echo "kernels: $("${0%/*}/kernel_names.sh" "$kernels/$name" | tr '\n' ' ')"; } >"$result.log" ;;
-  *) sed -n '2,8p' "$0" >&2; exit 2 ;;
+  *) sed -n '2,9p' "$0" >&2; exit 2 ;;
 esac

@@ -3,12 +3,17 @@
 # NVIDIA's ptxas) and compares what it takes with kernels/machine_code.csv. About three minutes of a processor.
 #   test_vendors.sh                      ptxas, if it is not installed, comes from PyPI (47 MB) into build/vendors
 #   test_vendors.sh --write              renews the table instead
-#   test_vendors.sh --installed FOLDER   in that build folder, with the compilers that are installed: a test
+#   test_vendors.sh --installed FOLDER   in that build folder, with the compilers that are installed: a test. It compiles
+#                                        where kernels, flags or compilers are others than those that made the table
 set -eu
 cd "$(dirname "$0")/.."
 build=build
 if [ "${1:-}" = --installed ]; then
   build=$2
+  if grep -q "^# inputs: $(scripts/machine_code.sh inputs)\$" kernels/machine_code.csv; then
+    echo "test_vendors: kernels/machine_code.csv was made of these kernels by these compilers"
+    exit 0
+  fi
 else
   scripts/install.sh
   [ -f build/CMakeCache.txt ] || cmake -S . -B build -G Ninja -DPVG_IO=OFF >build/configure.log 2>&1
@@ -41,7 +46,8 @@ fi
 targets=$(ls "$code" | grep -vE '_O0$|^files$')
 if [ "${1:-}" = --write ]; then
   table=kernels/machine_code.csv
-  { grep '^#' "$table" 2>/dev/null || true
+  { grep '^#' "$table" 2>/dev/null | grep -v '^# inputs: ' || true
+    echo "# inputs: $(scripts/machine_code.sh inputs)"
     echo "kernel,target,registers,private,spills"
     for target in $targets; do scripts/machine_code.sh list "$code" "$target"; done; } >"$table.new"
   mv "$table.new" "$table"
