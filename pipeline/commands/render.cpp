@@ -49,6 +49,7 @@ struct RenderOptions {
   bool sees_through_glass = false;   // ground truth: of what is behind glass
   bool denoises = false;
   std::string receivers = "kept";  // or relit, emissive
+  bool is_rigid = false;           // grippers, of a task
   std::string device;
   bool is_verbose = false;
 };
@@ -246,7 +247,7 @@ void render_frames(const RenderOptions& options, const ShownScene& shown, const 
 void run_render(const RenderOptions& options) {
   check_options(options);
   if (!options.output.empty()) target_of(options.output);
-  ShownScene shown = load_shown_scene(options.scene, options.states);
+  ShownScene shown = load_shown_scene(options.scene, options.states, options.is_rigid);
   for (const std::string& sentence : shown.notes) std::fprintf(stderr, "phyvisgen: %s\n", sentence.c_str());
   for (const std::string& sentence : complete_for_viewing(shown.scene))
     std::fprintf(stderr, "phyvisgen: %s\n", sentence.c_str());
@@ -290,6 +291,11 @@ void add_render(CLI::App& program) {
                    "kept; relit: captured surfaces as diffuse ones below the scene's lights; emissive: without shadows")
       ->check(CLI::IsMember({"kept", "relit", "emissive"}))
       ->capture_default_str();
+  command
+      ->add_option_function<std::string>(
+          "--gripper", [&o](const std::string& kind) { o.is_rigid = kind == "rigid"; },
+          "soft, or rigid: for states that `generate --gripper rigid` recorded")
+      ->check(CLI::IsMember({"soft", "rigid"}));
   command->add_flag("--ground-truth", o.writes_ground_truth,
                     "Write CAMERA_truth.h5 as well: depth, normals, instances, parts, flow, boxes, poses");
   command->add_flag("--through-glass", o.sees_through_glass, "Ground truth of what is behind glass, not of the glass");

@@ -15,6 +15,7 @@
 #include "host/load/task_file.hpp"
 #include "host/render/motion.hpp"
 #include "host/render/renderer.hpp"
+#include "pipeline/episode/episode.hpp"
 
 namespace pvg {
 namespace {
@@ -55,15 +56,18 @@ void expose(ShownScene& shown) {
 
 }  // namespace
 
-ShownScene load_shown_scene(const std::string& file, const std::string& states) {
+ShownScene load_shown_scene(const std::string& file, const std::string& states, bool has_rigid_grippers) {
   ShownScene shown;
+  if (has_rigid_grippers && (is_gltf_file(file) || !is_task_file(file)))
+    throw UsageError("--gripper rigid: " + file + " is no task; only tasks have grippers");
   if (is_gltf_file(file)) {
     if (!states.empty()) throw UsageError("--states " + states + ": nothing moves in a glTF file such as " + file);
     shown.scene = gltf_as_scene(file, &shown.notes);
     expose(shown);
   } else if (is_task_file(file)) {
     shown.is_task = true;
-    const Task task = load_task(file);
+    Task task = load_task(file);
+    if (has_rigid_grippers) make_grippers_rigid(task);
     shown.render = task.render;
     if (states.empty()) {
       shown.scene = build_scene_at_middle(task).scene;

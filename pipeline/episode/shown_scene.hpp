@@ -20,8 +20,9 @@ struct ShownScene {
 
 // file: a scene, a task or a glTF file, whose pictures are exposed for its KHR_lights_punctual: a white surface in its
 // middle that looks to all of them has the value 1. A task's start is drawn as in the episode that `states` holds;
-// without states every number is in the middle of its range.
-ShownScene load_shown_scene(const std::string& file, const std::string& states);
+// without states every number is in the middle of its range. has_rigid_grippers: of a task, whose fingers do not bend;
+// a UsageError for any other file.
+ShownScene load_shown_scene(const std::string& file, const std::string& states, bool has_rigid_grippers = false);
 
 // The pictures of a motion, in their order. Without a states file there is one: the start.
 class Frames {

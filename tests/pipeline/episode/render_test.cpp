@@ -122,6 +122,20 @@ TEST_F(Render, GroundTruthIsWrittenBesideThePictures) {
   EXPECT_EQ(box[2], int(std::floor(15.5 + focal * 0.05 / 0.95)));
 }
 
+TEST_F(Render, AnEpisodeWithRigidFingersIsShownWithThem) {
+  const std::string task = PVG_DATA_FOLDER "/../tests/pipeline/small_task/push_beaker.yaml";
+  ASSERT_EQ(run("generate " + task + " -n 1 --gripper rigid --no-render -o set"), 0) << message;
+  const std::string render = "render " + task + " --states set/episode_000000/states.h5 --camera front --frames 0 " +
+                             "--width 32 --height 18 --samples 1 -o front.png";
+  EXPECT_EQ(run(render), 2);
+  EXPECT_NE(message.find("or with --gripper rigid"), std::string::npos) << message;
+  EXPECT_EQ(run(render + " --gripper rigid"), 0) << message;
+  EXPECT_TRUE(fs::exists(folder.path / "front.png"));
+  folder.write("falling.yaml", falling);
+  EXPECT_EQ(run("render falling.yaml --gripper rigid --camera a -o a.png"), 2);
+  EXPECT_NE(message.find("falling.yaml is no task"), std::string::npos) << message;
+}
+
 TEST_F(Render, ATableFoundByCalibrateIsAppliedByRender) {
   folder.write("falling.yaml", std::string(falling) + R"(
 materials: [{name: plain, kind: metallic_roughness, color: [0.2, 0.5, 0.8], roughness: 0.6}]
