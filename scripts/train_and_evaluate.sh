@@ -7,6 +7,7 @@
 #   CAMERA, SIZE    pictures: names of cameras with blanks between (else all), WIDTHxHEIGHT in pixels (96x96)
 #   SAMPLES         paths per pixel (4)
 #   GRIPPER         soft or rigid, in demonstrations and evaluation (else what the task says)
+#   JUDGED          another task file, in which policies and baselines are judged, with the fingers that it says (TASK)
 #   DEMONSTRATIONS, EPISODES (50, 20), LENGTH: periods of an episode (else a quarter more than the planned motion)
 #   NETWORK         pictures: keypoints (the default, minutes on two cores) or resnet18, see scripts/policy/train_pictures.py
 #   WEIGHTS         resnet18: at the start, such as ResNet18_Weights.IMAGENET1K_V1, which is downloaded (else random)
@@ -29,7 +30,8 @@ shift 2
 [ $# -gt 0 ] || set -- 1
 demonstrations="${DEMONSTRATIONS:-50}" episodes="${EPISODES:-20}"
 observation="${OBSERVATION:-states}" cameras="${CAMERA:-}" size="${SIZE:-96x96}" samples="${SAMPLES:-4}"
-gripper="${GRIPPER:-}"
+gripper="${GRIPPER:-}" judged="${JUDGED:-$task}" judged_gripper="${GRIPPER:-}"
+[ -z "${JUDGED:-}" ] || judged_gripper=""
 network="${NETWORK:-keypoints}" steps="${STEPS:-2000}" batch="${BATCH:-32}" rate="${LEARNING_RATE:-1e-4}" dropout="${DROPOUT:-0.1}"
 chunk="${CHUNK:-10}" executed="${EXECUTED:-5}"
 width="${size%x*}" height="${size#*x}"
@@ -67,7 +69,8 @@ case "$observation" in
     ;;
   *) refuse "OBSERVATION=$observation is neither states nor pictures" ;;
 esac
-[ -z "$gripper" ] || generate="$generate --gripper $gripper" show="$show --env.gripper=$gripper"
+[ -z "$gripper" ] || generate="$generate --gripper $gripper"
+[ -z "$judged_gripper" ] || show="$show --env.gripper=$judged_gripper"
 
 python="${TRAINING_PROGRAMS:-.venv-train/bin}"
 program="${PHYVISGEN_PROGRAM:-build/bin/phyvisgen}"
@@ -82,7 +85,7 @@ echo "$made" >"$folder/made_with"
 "$program" generate "$task" -n "$demonstrations" $generate ${GENERATE:-} -o "$folder/set" >/dev/null || [ $? = 1 ]
 # shellcheck disable=SC2086
 [ -d "$folder/data" ] || "$program" pack "$folder/set" $pack -o "$folder/data"
-length="${LENGTH:-$("$python/python" - "$task" "$gripper" <<'PYTHON'
+length="${LENGTH:-$("$python/python" - "$judged" "$judged_gripper" <<'PYTHON'
 import sys
 import phyvisgen
 from phyvisgen.evaluation import planned_length
@@ -98,8 +101,8 @@ plugin=""
   plugin="--env.discover_packages_path=lerobot_env_phyvisgen"
 
 echo "policy,training_seed,successes,episodes" >"$folder/result.csv"
-PVG_PYTHON="$python/python" "$program" evaluate policy "$task" --policy blind --baseline nearest \
-  --demonstrations "$folder/set" -n "$episodes" --length "$length" ${gripper:+--gripper "$gripper"} --json \
+PVG_PYTHON="$python/python" "$program" evaluate policy "$judged" --policy blind --baseline nearest \
+  --demonstrations "$folder/set" -n "$episodes" --length "$length" ${judged_gripper:+--gripper "$judged_gripper"} --json \
   >"$folder/baselines.json"
 "$python/python" - "$folder/baselines.json" <<'PYTHON' | tee -a "$folder/result.csv"
 import json
@@ -137,7 +140,7 @@ for seed in "$@"; do
   [ -d "$out/checkpoints/last" ] || train >"$folder/train_$seed.log" 2>&1 || failed training "$folder/train_$seed.log"
   # shellcheck disable=SC2086
   "$python/lerobot-eval" --policy.path="$out/checkpoints/last/pretrained_model" --policy.device=cpu \
-    --env.type=phyvisgen --env.task="$task" --env.episode_length="$length" $show $plugin \
+    --env.type=phyvisgen --env.task="$judged" --env.episode_length="$length" $show $plugin \
     --eval.n_episodes="$episodes" --eval.batch_size=2 --seed=0 \
     --output_dir="$folder/eval_$seed" >"$folder/eval_$seed.log" 2>&1 || failed evaluation "$folder/eval_$seed.log"
   "$python/python" - "$folder/eval_$seed/eval_info.json" "$seed" "$episodes" <<'PYTHON' | tee -a "$folder/result.csv"

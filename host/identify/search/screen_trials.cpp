@@ -95,8 +95,9 @@ std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& 
         still_open.push_back(open[k]);
       const bool is_seen = size >= criteria().sensitivity_least;
       const Parameter& p = trial.candidate->parameters[trial.parameter];
-      // a change that no sensor sees may still be too large for the solver
-      const double most = criteria().screen_factor_most * p.scale;
+      // a change that no sensor sees may still be too large for the solver; one that is seen says how far to go, such
+      // as beside the damping of a robot's stiff drive
+      const double most = is_seen ? INFINITY : criteria().screen_factor_most * p.scale;
       trial.step = is_last && !is_seen ? 0 : allowed(p, std::clamp(factor * trial.step, -most, most));
     }
     open = std::move(still_open);

@@ -35,7 +35,8 @@ class Demonstrations:
         starts: list[NDArray[np.float64]] = []
         for episode in EpisodeSet(folder):
             targets = episode["/a"]
-            last = np.arange(facts.steps_per_period - 1, len(targets), facts.steps_per_period)
+            steps = _steps_per_period(episode["/time"], facts)
+            last = np.arange(steps - 1, len(targets), steps)
             self.actions.append(_columns(targets[last], facts))
             starts.append(_positions(episode["/T_rigid"][0]))
         if not self.actions:
@@ -47,6 +48,11 @@ class Demonstrations:
         """[n_periods, n_columns]; those that have ended stand still."""
         n = max(len(actions) for actions in self.actions)
         return np.mean([np.pad(a, ((0, n - len(a)), (0, 0)), mode="edge") for a in self.actions], axis=0)
+
+
+def _steps_per_period(time: NDArray[np.float64], facts: Facts) -> int:
+    """Of the demonstration itself, whose time step may be another one than that of the task it is judged in."""
+    return max(1, round(1 / (facts.frames_per_second * (time[1] - time[0])))) if len(time) > 1 else facts.steps_per_period
 
 
 def _columns(targets: NDArray[np.float64], facts: Facts) -> NDArray[np.float64]:

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 
 #include "host/identify/search/choose_windows.hpp"
 #include "host/identify/search/decide.hpp"
@@ -66,6 +68,52 @@ TEST(Screen, AStiffness64TimesTooLargeIsReachedAndFitted) {
   const Fit fit = fitter.fit(data, {found[0].model}, 10).front();
   EXPECT_NEAR(fit.model.x[0], 20, 0.2);
   EXPECT_FALSE(is_at_bound(fit));
+}
+
+// An arm that follows v = 0.3 rad/s behind its command by c v / k: I q'' = k (v t - q) + d (v - q') - c q' is solved by
+// q = v t - c v / k. The friction c = 10 N m s/rad is thousands of times what is tried first, which goes by the arm's
+// inertia and is next to nothing beside the drive.
+TEST(Screen, FrictionThatADriveWorksAgainstIsTriedAsFarAsItShows) {
+  const TestFolder folder;
+  folder.write("scene.yaml", R"(schema: 1
+name: driven
+time_step: 2 ms
+gravity: [0, 0, 0]
+solver: {integrator: bdf2}
+bodies:
+  - {name: base, kind: static, shape: {box: {size: [0.01, 0.01, 0.01]}}, collides: false}
+  - {name: arm, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 1, pose: {position: [0.15, 0, 0]}, collides: false}
+joints:
+  - {name: shoulder, type: revolute, parent: base, child: arm, axis: [0, 0, 1], drive: {stiffness: 400, damping: 40, target: 0}}
+)");
+  const double c = 10, k = 400, v = 0.3;
+  std::ostringstream run;
+  run << std::setprecision(12) << "t,command,q\n";
+  for (int i = 0; i < 40; ++i) run << 0.01 * i << "," << v * 0.01 * i << "," << v * 0.01 * i - c * v / k << "\n";
+  folder.write("a.csv", run.str());
+  folder.write("recording.yaml", R"(schema: 1
+scene: scene.yaml
+runs:
+  - {file: a.csv, role: fit}
+inputs:
+  - {column: command, target: joint/shoulder/position}
+channels:
+  - {column: q, kind: position, joint: shoulder, unit: rad, noise: 0.001}
+initial: {joint/shoulder/position: -0.0075, joint/shoulder/velocity: 0.3}
+)");
+  const Problem problem = make_problem(folder.path / "recording.yaml");
+  Device device;
+  Predictor predictor(device, problem);
+  const Variant base{problem.scene.scene, {}};
+  Fitter fitter(predictor, base);
+  const FitData data = fitter.prepare(make_windows(problem, false, 0, 1), Model{}, false);
+  const std::vector<Candidate> candidates = make_candidates(problem, {});
+  const auto friction = std::find_if(candidates.begin(), candidates.end(),
+                                     [](const Candidate& one) { return one.name == "joint_viscous_friction"; });
+  ASSERT_NE(friction, candidates.end());
+  const std::vector<Screened> found = screen(fitter, data, fit_as_it_stands(fitter, data), {&*friction});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].model.x[0], c, 0.1 * c);
 }
 
 TEST(Screen, ALawIsTriedAtShapesOfTwoDecadesWithEqualStrengths) {

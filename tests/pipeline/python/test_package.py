@@ -6,6 +6,7 @@ import subprocess
 import tempfile
 import threading
 import unittest
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -64,6 +65,9 @@ class Recorded(unittest.TestCase):
         demonstrations = Demonstrations(self.set, self.server.facts)
         self.assertEqual(len(demonstrations.actions), 2)
         self.assertEqual(demonstrations.actions[0].shape[1], 8)
+        finer = replace(self.server.facts, steps_per_period=2 * self.server.facts.steps_per_period)
+        for actions, same in zip(demonstrations.actions, Demonstrations(self.set, finer).actions):
+            np.testing.assert_array_equal(actions, same)  # a task of other steps judges by the same demonstrated periods
         mean = demonstrations.mean()
         np.testing.assert_allclose(mean[0], (demonstrations.actions[0][0] + demonstrations.actions[1][0]) / 2)
         start = self.server.reset(5, 1)

@@ -48,7 +48,7 @@ class TrainAndEvaluate(unittest.TestCase):
         """The finished process, and the words of each program that ran, by its name and command."""
         self.told.write_text("")
         names = {"OBSERVATION", "CAMERA", "SIZE", "SAMPLES", "GRIPPER", "GENERATE", "STEPS", "BATCH", "EPISODES",
-                 "NETWORK", "WEIGHTS", "DEVICE", "VAE", "SAVE", "CHUNK", "EXECUTED", "LEARNING_RATE", "DROPOUT"}
+                 "NETWORK", "WEIGHTS", "DEVICE", "VAE", "SAVE", "CHUNK", "EXECUTED", "LEARNING_RATE", "DROPOUT", "JUDGED"}
         environment = {name: value for name, value in os.environ.items() if name not in names}
         environment |= {"PHYVISGEN_PROGRAM": str(self.folder / "phyvisgen"), "TRAINING_PROGRAMS": str(self.folder)}
         environment |= {"LENGTH": "9", "EPISODES": "2", **variables}
@@ -98,6 +98,16 @@ class TrainAndEvaluate(unittest.TestCase):
             self.assertIn("--gripper rigid", " ".join(told["generate"]))
             self.assertIn("--gripper rigid", " ".join(told["evaluate"]))
             self.assertIn("--env.gripper=rigid", told["lerobot-eval"])
+
+    def test_another_task_may_judge_with_its_own_fingers(self):
+        process, told = self.run_script(GRIPPER="rigid", JUDGED="reality.yaml")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertIn("task.yaml", told["generate"])
+        self.assertIn("rigid", told["generate"])
+        self.assertEqual(told["evaluate"][:3], ["evaluate", "policy", "reality.yaml"])
+        self.assertNotIn("--gripper", told["evaluate"])
+        self.assertIn("--env.task=reality.yaml", told["lerobot-eval"])
+        self.assertNotIn("--env.gripper=rigid", told["lerobot-eval"])
 
     def test_mistakes_are_one_sentence(self):
         for variables, sentence in (

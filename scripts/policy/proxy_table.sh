@@ -1,0 +1,105 @@
+#!/bin/sh
+# Does finding a missing effect make better policies? An arm with compliant drives pushes a beaker. "Reality" is the same
+# task with effects that its model lacks (`hidden` below), softer fingers and half the time step. `diagnose` sees three
+# recordings of reality with the noise of cheap encoders and amends the nominal task by what it names. ACT on states learns
+# from demonstrations of the nominal task, of the nominal one with rigid fingers, of the amended one, and, as a bound of
+# what a diagnosis may give, of the nominal one with the hidden effects themselves (`truth`). All are judged in reality on
+# the same starts, which nothing before has seen, beside the expert, who knows the start and no effect.
+#   scripts/policy/proxy_table.sh FOLDER [SEED]     SEED: of trainings, 1 without one
+# FOLDER gets tasks, recordings, diagnosis, a folder per training and proxy.csv; what is there already is kept. Variables:
+#   MINUTES         bound of the diagnosis (30)
+#   those of scripts/train_and_evaluate.sh, such as DEMONSTRATIONS, STEPS (1000) and EPISODES
+set -eu
+cd "$(dirname "$0")/../.."
+refuse() {
+  echo "proxy_table: $1" >&2
+  exit 2
+}
+[ $# = 1 ] || [ $# = 2 ] || refuse "name a folder and, where you like, the seed of trainings, such as out/proxy 1"
+mkdir -p "$1"
+folder="$(realpath "$1")" seed="${2:-1}" root="$PWD"
+expr "$seed" : '[0-9][0-9]*$' >/dev/null || refuse "the seed $seed is no whole number"
+[ -z "${GRIPPER:-}${JUDGED:-}${OBSERVATION:-}" ] || refuse "GRIPPER, JUDGED and OBSERVATION are set by this script"
+python="${TRAINING_PROGRAMS:-.venv-train/bin}/python"
+program="${PHYVISGEN_PROGRAM:-build/bin/phyvisgen}"
+[ -x "$python" ] || refuse "$python is not there; scripts/install_lerobot.sh makes it"
+export STEPS="${STEPS:-1000}" LEARNING_RATE="${LEARNING_RATE:-3e-4}" DROPOUT="${DROPOUT:-0}" VAE="${VAE:-false}"
+
+hidden='
+  - {effect: joint_viscous_friction, target: fr3_joint2, damping: 50}   # [N m s/rad]
+  - {effect: joint_coulomb_friction, target: fr3_joint4, effort: 8}      # [N m]'
+noise=2e-3 # of an encoder, one standard deviation [rad; of the fingers' slides m]
+
+sed -e "s#\.\./\.\./data#$root/data#; s#\.\./\.\./tests#$root/tests#" \
+  -e 's#stiffness: 1e5 N m/rad, damping: 0}#stiffness: 400 N m/rad, damping: 40}#' \
+  scripts/policy/push_beaker.yaml >"$folder/nominal.yaml"
+# of second order, so that long steps are not taken for friction
+echo "solver: {integrator: bdf2}" >>"$folder/nominal.yaml"
+sed -e "s#\.\./\.\./\.\./data#$root/data#; s#mesh: finger.obj#mesh: $root/tests/pipeline/small_task/finger.obj#" \
+  -e 's#youngs_modulus: 10 MPa#youngs_modulus: 5 MPa#' \
+  tests/pipeline/small_task/gripper.yaml >"$folder/softer_gripper.yaml"
+sed -e 's#^time_step: 20 ms#time_step: 10 ms#; s#^gripper: .*#gripper: softer_gripper.yaml#' "$folder/nominal.yaml" \
+  >"$folder/reality.yaml"
+for task in reality truth; do
+  [ $task = reality ] || cp "$folder/nominal.yaml" "$folder/truth.yaml"
+  echo "effects:$hidden" >>"$folder/$task.yaml"
+done
+
+if [ ! -d "$folder/recordings" ]; then
+  rm -rf "$folder/recordings.new"
+  "$program" generate "$folder/reality.yaml" -n 3 --seed 1000 --no-render -o "$folder/recordings.new" >/dev/null ||
+    [ $? = 1 ] # a push that failed is left out
+  "$python" - "$noise" "$folder"/recordings.new/episode_*/states.h5 <<'PYTHON'
+import sys
+
+import h5py
+import numpy as np
+
+random = np.random.default_rng(1000)
+for file in sys.argv[2:]:
+    with h5py.File(file, "r+") as states:
+        q = states["q"]
+        q[...] = q[()] + random.normal(0, float(sys.argv[1]), q.shape)
+PYTHON
+  mv "$folder/recordings.new" "$folder/recordings"
+fi
+[ -e "$folder/diagnosis/report.json" ] ||
+  "$program" diagnose "$folder/recordings" --task "$folder/nominal.yaml" --max-effects 2 \
+    --minutes "${MINUTES:-30}" --jobs 1 -o "$folder/diagnosis"
+verdict="$("$python" -c 'import json, sys; print(json.load(open(sys.argv[1]))["verdict"])' "$folder/diagnosis/report.json")"
+
+judge() { # NAME TASK GRIPPER
+  [ -e "$folder/$1/judged" ] ||
+    JUDGED="$folder/reality.yaml" GRIPPER="$3" scripts/train_and_evaluate.sh "$2" "$folder/$1" "$seed" >/dev/null
+  touch "$folder/$1/judged"
+}
+judge nominal "$folder/nominal.yaml" ""
+judge rigid "$folder/nominal.yaml" rigid
+judge truth "$folder/truth.yaml" ""
+case "$verdict" in
+  effect | retune) judge amended "$folder/diagnosis/scene_amended.yaml" "" ;;
+  *) echo "proxy_table: the verdict is $verdict, so there is no amended task" ;;
+esac
+[ -s "$folder/expert.json" ] ||
+  PVG_PYTHON="$python" "$program" evaluate policy "$folder/reality.yaml" --policy expert -n "${EPISODES:-20}" --json \
+    >"$folder/expert.json"
+"$python" - "$folder" <<'PYTHON' | tee "$folder/proxy.csv"
+import csv
+import json
+import sys
+from pathlib import Path
+
+from phyvisgen.statistics import wilson
+
+folder = Path(sys.argv[1])
+expert = json.loads((folder / "expert.json").read_text())
+rows = [("none", "expert", sum(one["success"] for one in expert["episodes_detail"]), expert["episodes"])]
+for name in ("nominal", "rigid", "amended", "truth"):
+    if (folder / name / "judged").exists():
+        with open(folder / name / "result.csv") as file:
+            rows += [(name, row["policy"], int(row["successes"]), int(row["episodes"])) for row in csv.DictReader(file)]
+print("demonstrations,policy,successes,episodes,low,high")
+for name, policy, successes, episodes in rows:
+    low, high = wilson(successes, episodes)
+    print(f"{name},{policy},{successes},{episodes},{low:.3f},{high:.3f}")
+PYTHON

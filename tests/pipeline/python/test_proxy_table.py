@@ -1,0 +1,70 @@
+"""scripts/policy/proxy_table.sh with programs that only write down what they are told."""
+
+import json
+import os
+import subprocess
+import unittest
+
+import test_train_and_evaluate as training
+
+SCRIPT = training.SCRIPT.parent / "policy/proxy_table.sh"
+
+
+class ProxyTable(unittest.TestCase):
+    setUp = training.TrainAndEvaluate.setUp
+
+    def run_script(self, *words, **variables):
+        environment = {name: value for name, value in os.environ.items() if name not in ("GRIPPER", "JUDGED", "OBSERVATION")}
+        environment |= {"PHYVISGEN_PROGRAM": str(self.folder / "phyvisgen"), "TRAINING_PROGRAMS": str(self.folder)}
+        environment |= {"LENGTH": "9", "EPISODES": "2", **variables}
+        process = subprocess.run(["sh", str(SCRIPT), *words], env=environment, capture_output=True, text=True)
+        return process, self.told.read_text().splitlines() if self.told.exists() else []
+
+    def begin(self, verdict):
+        """A folder whose recordings and diagnosis are there already."""
+        out = self.folder / "out"
+        (out / "recordings").mkdir(parents=True)
+        (out / "diagnosis").mkdir()
+        (out / "diagnosis/report.json").write_text(json.dumps({"verdict": verdict}))
+        return str(out)
+
+    def test_all_are_judged_in_reality(self):
+        out = self.begin("effect")
+        process, told = self.run_script(out)
+        self.assertEqual(process.returncode, 0, process.stderr)
+        judged = [line for line in told if line.startswith("lerobot-eval")]
+        self.assertEqual(len(judged), 4)
+        for line in judged:
+            self.assertIn(f"--env.task={out}/reality.yaml", line)
+        made = [line.split()[2] for line in told if line.startswith("phyvisgen generate")]
+        self.assertEqual(made, [f"{out}/{name}.yaml" for name in ("nominal", "nominal", "truth", "diagnosis/scene_amended")])
+        reality = (self.folder / "out/reality.yaml").read_text()
+        self.assertIn("effects:\n  - {effect: joint_viscous_friction", reality)
+        self.assertIn("time_step: 10 ms", reality)
+        self.assertNotIn("effects:", (self.folder / "out/nominal.yaml").read_text())
+        rows = (self.folder / "out/proxy.csv").read_text().split()
+        self.assertEqual(rows[1], "none,expert,1,2,0.095,0.905")
+        self.assertIn("amended,act,2,2,0.342,1.000", rows)
+
+    def test_nothing_named_is_told(self):
+        process, told = self.run_script(self.begin("none"))
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertIn("the verdict is none, so there is no amended task", process.stdout)
+        self.assertFalse([line for line in told if "scene_amended" in line])
+
+    def test_mistakes_are_one_sentence(self):
+        out = str(self.folder / "out")
+        for words, variables, sentence in (
+            ((), {}, "name a folder"),
+            ((out, "one"), {}, "the seed one is no whole number"),
+            ((out,), {"GRIPPER": "rigid"}, "are set by this script"),
+            ((out,), {"TRAINING_PROGRAMS": "/nowhere"}, "scripts/install_lerobot.sh makes it"),
+        ):
+            process, told = self.run_script(*words, **variables)
+            self.assertEqual((process.returncode, told), (2, []), process.stderr)
+            self.assertIn(sentence, process.stderr)
+            self.assertEqual(process.stderr.count("\n"), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
