@@ -103,6 +103,31 @@ TEST(Prepared, TheBaseIsFittedToThePresentPreparation) {
   EXPECT_NE(before.residual[0], again.residual[0]);
 }
 
+// A preparation may move starts less far than the fit had moved them.
+TEST(Prepared, AFitGoesOnFromTheStartsThatItHas) {
+  const TestFolder folder;
+  const Problem problem = sliding(folder);
+  Device device;
+  Predictor predictor(device, problem);
+  const Variant base{problem.scene.scene, {}};
+  Fitter fitter(predictor, base);
+  const std::vector<Candidate> candidates = make_candidates(problem, {"floor/block"});
+  const auto drag =
+      std::find_if(candidates.begin(), candidates.end(), [](const Candidate& c) { return c.name == "quadratic_drag"; });
+  ASSERT_NE(drag, candidates.end());
+  FitData data = fitter.prepare(make_windows(problem, false, 0, 1), Model{});
+  ASSERT_EQ(data.windows.size(), 1u);
+  for (const Unknown& unknown : data.windows[0].unknowns) move(data.windows[0].initial, unknown, unknown.sigma);
+  const Model model{{&*drag}, Eigen::VectorXd::Constant(1, 0.8), Eigen::VectorXd::Constant(1, 0.1)};
+  Prepared prepared(fitter.prepare(data.windows, model));
+  const Fit fit = fitter.fit(prepared.data(), {model}, 10).front();
+  ASSERT_LT(fit.delta[0].minCoeff(), -0.5);  // of what it was moved by, in which a preparation follows by 0.2
+  for (const char* steps : {"n_start_steps=1", "n_more_steps=1", "n_last_steps=1"}) set_criterion(steps);
+  const Fit again = prepared_again(fitter, prepared, fit);
+  reset_criteria();
+  EXPECT_LT(rms(again.residual), 1.1 * rms(fit.residual));
+}
+
 TEST(Fit, OfTheFirstPartOfAWindowIsThatOfItsFirstSamples) {
   const TestFolder folder;
   const Problem problem = sliding(folder);
