@@ -84,11 +84,8 @@ class Fitter {
     corrects_steps_ = false;
     difference_ = criteria().difference_share_pixels;
   }
-  // The same about the starts that fit best there instead of the measured ones: the response of a body that rests on
-  // something has kinks.
-  FitData prepare_near(std::vector<Window> windows, const Model& at);
-  // Likewise, of what was prepared already, about the starts of a fit of them; as it is where these starts are
-  // are_good_enough.
+  // What was prepared already, about the starts of a fit of it instead of the measured ones, as the response of a body
+  // that rests on something has kinks; as it is where these starts are are_good_enough.
   FitData prepared_nearer(FitData data, const Fit& fit);
   static bool are_good_enough(const Fit& starts);
   // How far that moves the start of each window [sigma], and the windows that begin there.

@@ -70,13 +70,6 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corre
   return data;
 }
 
-FitData Fitter::prepare_near(std::vector<Window> windows, const Model& at) {
-  FitData data = prepare(std::move(windows), at);
-  if (data.windows.empty()) return data;
-  const Fit starts = fit(data, {at}, 0).front();
-  return prepared_nearer(std::move(data), starts);
-}
-
 bool Fitter::are_good_enough(const Fit& starts) {
   return !starts.succeeded || rms(starts.residual) < criteria().start_good_enough;
 }

@@ -44,6 +44,13 @@ channels:
   return make_problem(folder.path / "recording.yaml");
 }
 
+// The run, prepared about the start that fits best without any effect.
+FitData prepared_near(Fitter& fitter, const Problem& problem) {
+  FitData data = fitter.prepare(make_windows(problem, false, 0, 1), Model{});
+  const Fit starts = fitter.fit(data, {Model{}}, 0).front();
+  return fitter.prepared_nearer(std::move(data), starts);
+}
+
 TEST(Fit, EverySampleOfASlideIsOfTheSlideTheFirstAmongThem) {
   const TestFolder folder;
   const Problem problem = sliding(folder);
@@ -51,7 +58,7 @@ TEST(Fit, EverySampleOfASlideIsOfTheSlideTheFirstAmongThem) {
   Predictor predictor(device, problem);
   const Variant base{problem.scene.scene, {}};
   Fitter fitter(predictor, base);
-  const FitData data = fitter.prepare_near(make_windows(problem, false, 0, 1), Model{});
+  const FitData data = prepared_near(fitter, problem);
   ASSERT_EQ(data.windows.size(), 1u);
   const auto found = fitter.evaluate(data, {Model{}}, {}, true);
   const std::vector<Phase>& phase = found.at(0).at(0).phase;
@@ -160,7 +167,7 @@ TEST(Fit, FindsTheDragOfASlidingBlockThoughItsStartMustMoveWithIt) {
   base.scene.solver.velocity_tolerance = 1e-6;
   base.scene.solver.cg_tolerance = 1e-8;
   Fitter fitter(predictor, base);
-  const FitData data = fitter.prepare_near(make_windows(problem, false, 0, 1), Model{});
+  const FitData data = prepared_near(fitter, problem);
   ASSERT_EQ(data.windows.size(), 1u);
   const std::vector<Candidate> candidates = make_candidates(problem, {"floor/block"});
   const auto drag = std::find_if(candidates.begin(), candidates.end(),
