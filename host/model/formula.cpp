@@ -47,8 +47,8 @@ class Parser {
   std::string sum(int depth) {
     return chain("+-", product(depth), [&] { return product(depth); });
   }
-  // A law that its coefficient, 0, switches off is not evaluated: most of a sum of which a regression tries one law after
-  // the other.
+  // A law that its coefficient, 0, switches off is not evaluated: most of a sum of which a regression tries one law
+  // after the other.
   std::string product(int depth) {
     const std::string first = factor(depth), all = chain("*/", first, [&] { return factor(depth); });
     const bool is_scaled = first.starts_with("c[") && all.find('(', 1) != std::string::npos;

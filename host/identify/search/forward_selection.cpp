@@ -163,8 +163,9 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
         named = prepared_again(flow.fitter, prepared, named);
       });
     if (robust_cost(named.residual, named.scale) > robust_cost(base.residual, named.scale)) {
-      flow.notes.push_back(chosen.fit->model.parts.back()->label() +
-                           " leaves more, once starts and steps are those of it, than the scene as it stands: not taken");
+      flow.notes.push_back(
+          chosen.fit->model.parts.back()->label() +
+          " leaves more, once starts and steps are those of it, than the scene as it stands: not taken");
       named = before;
       break;
     }
