@@ -43,7 +43,8 @@ Range range_of(const Problem& problem, const Value& value_of) {
 }
 
 // site joint position: constant, powers, waves, saturating, local and one-sided laws; site joint rate: drags and
-// frictions; and both
+// frictions; and both. What brakes has a positive coefficient, since that is tried first: with the other sign a drag on
+// v^2 lets a motion grow beyond all bounds in a finite time, for which all worlds of a batch wait.
 std::vector<Law> joint_laws(const Range& q) {
   std::vector<Law> laws;
   const auto add = [&](const std::string& formula) { laws.push_back({{formula}, formula}); };
@@ -58,7 +59,7 @@ std::vector<Law> joint_laws(const Range& q) {
   for (const double share : criteria().law_onsets) add("fmax(q - " + number(q.at(share)) + ", 0)");
   const std::string sliding = "tanh(v / " + number(criteria().law_sliding_speed * q.fastest) + ")";
   for (const std::string& law :
-       {std::string("v"), std::string("fabs(v) * v"), sliding, "q * " + sliding, std::string("q * q * v")})
+       {std::string("-v"), std::string("-fabs(v) * v"), "-" + sliding, "q * " + sliding, std::string("-q * q * v")})
     add(law);
   return laws;
 }
@@ -96,13 +97,13 @@ std::vector<Law> force_laws(const Range& distance, double fastest) {
       law.shown.replace(at, 3, "r");
     laws.push_back(law);
   };
-  along("|v|", velocity);
-  along("1 / |v|", velocity);
+  along("-|v|", velocity);
+  along("-1 / |v|", velocity);
   for (const double share : criteria().law_pull_distances)
     along("fmax(1 - " + number(distance.at(share)) + " / {r}, 0)", place);
   const std::string width = number(criteria().law_ring_width * (distance.high - distance.low));
   for (const double share : criteria().law_ring_distances)
-    along("exp(-pow(({r} - " + number(distance.at(share)) + ") / " + width + ", 2)) / |v|", velocity);
+    along("-exp(-pow(({r} - " + number(distance.at(share)) + ") / " + width + ", 2)) / |v|", velocity);
   return laws;
 }
 
@@ -192,8 +193,9 @@ Candidate law_candidate(const LawSite& site, std::span<const std::size_t> laws) 
 std::string shown_sum(const LawSite& site, std::span<const std::size_t> laws, std::span<const double> coefficients) {
   std::string sum;
   for (std::size_t i = 0; i < laws.size(); ++i) {
-    const std::string& law = site.laws[laws[i]].shown;
-    const double c = coefficients[i];
+    const bool is_negative = site.laws[laws[i]].shown.starts_with("-");
+    const std::string law = site.laws[laws[i]].shown.substr(is_negative);
+    const double c = is_negative ? -coefficients[i] : coefficients[i];
     sum += sum.empty() ? number(c) : (c < 0 ? " - " : " + ") + number(std::abs(c));
     if (law != "1") sum += " " + law;
   }
