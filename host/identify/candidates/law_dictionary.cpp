@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 
 #include "host/identify/criteria.hpp"
 
@@ -169,22 +170,37 @@ std::vector<LawSite> law_sites(const Problem& problem) {
   return sites;
 }
 
+namespace {
+std::vector<std::string> coefficient_names(std::size_t n) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < n; ++i) names.push_back("c" + std::to_string(i));
+  return names;
+}
+}  // namespace
+
+Effect law_effect(const LawSite& site, std::span<const std::size_t> laws, std::span<const double> coefficients) {
+  Effect effect{site.effect, site.target, {}, sums_of(site, laws, coefficient_names(laws.size()))};
+  effect.parameters.assign(coefficients.begin(), coefficients.end());
+  return effect;
+}
+
 Candidate law_candidate(const LawSite& site, std::span<const std::size_t> laws) {
   Candidate candidate;
   candidate.name = site.effect;
   candidate.target = site.target;
   candidate.meaning = "a law that a regression found";
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < laws.size(); ++i) {
-    names.push_back("c" + std::to_string(i));
-    candidate.parameters.push_back({names.back(), site.unit, -criteria().law_coefficient_most * site.scale,
+  for (const std::string& name : coefficient_names(laws.size()))
+    candidate.parameters.push_back({name, site.unit, -criteria().law_coefficient_most * site.scale,
                                     criteria().law_coefficient_most * site.scale, 0, site.scale});
-  }
-  const Effect law{site.effect, site.target, {}, sums_of(site, laws, names)};
-  candidate.equation = law.formulas[0];
-  candidate.apply = [law](Variant& variant, std::span<const double> values) {
-    variant.scene.effects.push_back(law);
-    variant.scene.effects.back().parameters.assign(values.begin(), values.end());
+  candidate.equation = law_effect(site, laws, {}).formulas[0];
+  std::vector<std::size_t> all(site.laws.size());
+  std::iota(all.begin(), all.end(), 0);
+  candidate.apply = [whole = law_effect(site, all, std::vector<double>(all.size(), 0.0)),
+                     places = std::vector<std::size_t>(laws.begin(), laws.end())](Variant& variant,
+                                                                                  std::span<const double> values) {
+    Effect effect = whole;
+    for (std::size_t i = 0; i < places.size(); ++i) effect.parameters[places[i]] = values[i];
+    variant.scene.effects.push_back(std::move(effect));
   };
   candidate.amend = amend_last_effect;
   return candidate;

@@ -132,9 +132,7 @@ std::optional<Regressed> regress(Workflow& flow, const ChosenWindows& chosen, co
   std::vector<Curve> curves = std::move(judged.curves);
   const std::vector<Curve> fitted = curves_of(flow.problem, chosen.data, chosen.base, *best.fit, CURVES_OF_FITTED_RUNS);
   curves.insert(curves.end(), fitted.begin(), fitted.end());
-  Variant variant;
-  sum.candidate.apply(variant, coefficients);
-  law.amended = variant.scene.effects.back();
+  law.amended = law_effect(*sum.site, sum.laws, coefficients);
   return Regressed{std::move(law), std::move(curves)};
 }
 

@@ -119,6 +119,12 @@ TEST(LawDictionary, ASumIsWrittenWithItsNumbersInPlace) {
   law_candidate(force, std::vector<std::size_t>{0, 1}).apply(variant, std::vector<double>{2, 3});
   EXPECT_EQ(variant.scene.effects.back().formulas, (std::vector<std::string>{"c1 * x", "c0 + c1 * y", "0"}));
   EXPECT_EQ(variant.scene.effects.back().parameters, (std::vector<double>{2, 3}));
+  const std::vector<std::string> formulas = variant.scene.effects.back().formulas;
+  law_candidate(force, std::vector<std::size_t>{1}).apply(variant, std::vector<double>{3});
+  EXPECT_EQ(variant.scene.effects.back().formulas, formulas) << "one kernel for all sums";
+  EXPECT_EQ(variant.scene.effects.back().parameters, (std::vector<double>{0, 3}));
+  EXPECT_EQ(law_effect(force, std::vector<std::size_t>{1}, std::vector<double>{3}).formulas,
+            (std::vector<std::string>{"c0 * x", "c0 * y", "0"}));
 }
 
 }  // namespace
