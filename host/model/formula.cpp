@@ -11,7 +11,7 @@ namespace pvg {
 namespace {
 
 constexpr std::size_t LONGEST = 2000;  // characters
-constexpr int DEEPEST = 30;            // levels, each up to three brackets as printed: compilers allow 256
+constexpr int DEEPEST = 30;            // levels, each up to four brackets as printed: compilers allow 256
 
 struct Function {
   const char* name;
@@ -45,16 +45,19 @@ class Parser {
 
  private:
   std::string sum(int depth) {
-    return chain("+-", [&] { return product(depth); });
+    return chain("+-", product(depth), [&] { return product(depth); });
   }
+  // A law that its coefficient, 0, switches off is not evaluated: most of a sum of which a regression tries one law
+  // after the other.
   std::string product(int depth) {
-    return chain("*/", [&] { return factor(depth); });
+    const std::string first = factor(depth), all = chain("*/", first, [&] { return factor(depth); });
+    const bool is_scaled = first.starts_with("c[") && all.find('(', 1) != std::string::npos;
+    return is_scaled ? "(" + first + " == 0 ? 0.0 : " + all + ")" : all;
   }
 
   // operands with operators of one rank between them, which C, too, evaluates from the left
   template <class Operand>
-  std::string chain(const char* operators, const Operand& operand) {
-    const std::string first = operand();
+  std::string chain(const char* operators, const std::string& first, const Operand& operand) {
     std::string all = first;
     while (at_ < text_.size() && std::string(operators).find(text_[at_]) != std::string::npos) {
       all += std::string(" ") + text_[at_] + " ";

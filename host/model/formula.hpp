@@ -2,7 +2,8 @@
 //   sum     = product {(+|-) product}
 //   product = factor {(*|/) factor}
 //   factor  = (+|-) factor | number | variable | coefficient | function(sum {, sum}) | ( sum )
-// Only what was understood is printed, so that nothing else can reach a kernel. Every number is printed as a double.
+// Only what was understood is printed, so that nothing else can reach a kernel. Every number is printed as a double. A
+// product that begins with a coefficient of 0 is 0, whatever its other factors are.
 #pragma once
 #include <cstddef>
 #include <span>

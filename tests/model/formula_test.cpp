@@ -44,7 +44,8 @@ TEST(Formula, KeepsTheOrderOfOperations) {
 
 TEST(Formula, KnowsVariablesCoefficientsAndFunctions) {
   const Formula law = parse_formula("c0 * sin(3 * q) + c12*v * fabs(v)", JOINT);
-  EXPECT_EQ(law.kernel_text, "((c[0] * sin((3.0 * q))) + (c[12] * v * fabs(v)))");
+  EXPECT_EQ(law.kernel_text,
+            "((c[0] == 0 ? 0.0 : (c[0] * sin((3.0 * q)))) + (c[12] == 0 ? 0.0 : (c[12] * v * fabs(v))))");
   EXPECT_EQ(law.n_coefficients, 13u);
   EXPECT_EQ(parse_formula("1", JOINT).n_coefficients, 0u);
   EXPECT_EQ(printed("pow(q, 2)"), "pow(q, 2.0)");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 
 #include "host/identify/criteria.hpp"
 
@@ -43,7 +44,8 @@ Range range_of(const Problem& problem, const Value& value_of) {
 }
 
 // site joint position: constant, powers, waves, saturating, local and one-sided laws; site joint rate: drags and
-// frictions; and both
+// frictions; and both. What brakes has a positive coefficient, since that is tried first: with the other sign a drag on
+// v^2 lets a motion grow beyond all bounds in a finite time, for which all worlds of a batch wait.
 std::vector<Law> joint_laws(const Range& q) {
   std::vector<Law> laws;
   const auto add = [&](const std::string& formula) { laws.push_back({{formula}, formula}); };
@@ -58,7 +60,7 @@ std::vector<Law> joint_laws(const Range& q) {
   for (const double share : criteria().law_onsets) add("fmax(q - " + number(q.at(share)) + ", 0)");
   const std::string sliding = "tanh(v / " + number(criteria().law_sliding_speed * q.fastest) + ")";
   for (const std::string& law :
-       {std::string("v"), std::string("fabs(v) * v"), sliding, "q * " + sliding, std::string("q * q * v")})
+       {std::string("-v"), std::string("-fabs(v) * v"), "-" + sliding, "q * " + sliding, std::string("-q * q * v")})
     add(law);
   return laws;
 }
@@ -96,13 +98,13 @@ std::vector<Law> force_laws(const Range& distance, double fastest) {
       law.shown.replace(at, 3, "r");
     laws.push_back(law);
   };
-  along("|v|", velocity);
-  along("1 / |v|", velocity);
+  along("-|v|", velocity);
+  along("-1 / |v|", velocity);
   for (const double share : criteria().law_pull_distances)
     along("fmax(1 - " + number(distance.at(share)) + " / {r}, 0)", place);
   const std::string width = number(criteria().law_ring_width * (distance.high - distance.low));
   for (const double share : criteria().law_ring_distances)
-    along("exp(-pow(({r} - " + number(distance.at(share)) + ") / " + width + ", 2)) / |v|", velocity);
+    along("-exp(-pow(({r} - " + number(distance.at(share)) + ") / " + width + ", 2)) / |v|", velocity);
   return laws;
 }
 
@@ -168,22 +170,37 @@ std::vector<LawSite> law_sites(const Problem& problem) {
   return sites;
 }
 
+namespace {
+std::vector<std::string> coefficient_names(std::size_t n) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < n; ++i) names.push_back("c" + std::to_string(i));
+  return names;
+}
+}  // namespace
+
+Effect law_effect(const LawSite& site, std::span<const std::size_t> laws, std::span<const double> coefficients) {
+  Effect effect{site.effect, site.target, {}, sums_of(site, laws, coefficient_names(laws.size()))};
+  effect.parameters.assign(coefficients.begin(), coefficients.end());
+  return effect;
+}
+
 Candidate law_candidate(const LawSite& site, std::span<const std::size_t> laws) {
   Candidate candidate;
   candidate.name = site.effect;
   candidate.target = site.target;
   candidate.meaning = "a law that a regression found";
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < laws.size(); ++i) {
-    names.push_back("c" + std::to_string(i));
-    candidate.parameters.push_back({names.back(), site.unit, -criteria().law_coefficient_most * site.scale,
+  for (const std::string& name : coefficient_names(laws.size()))
+    candidate.parameters.push_back({name, site.unit, -criteria().law_coefficient_most * site.scale,
                                     criteria().law_coefficient_most * site.scale, 0, site.scale});
-  }
-  const Effect law{site.effect, site.target, {}, sums_of(site, laws, names)};
-  candidate.equation = law.formulas[0];
-  candidate.apply = [law](Variant& variant, std::span<const double> values) {
-    variant.scene.effects.push_back(law);
-    variant.scene.effects.back().parameters.assign(values.begin(), values.end());
+  candidate.equation = law_effect(site, laws, {}).formulas[0];
+  std::vector<std::size_t> all(site.laws.size());
+  std::iota(all.begin(), all.end(), 0);
+  candidate.apply = [whole = law_effect(site, all, std::vector<double>(all.size(), 0.0)),
+                     places = std::vector<std::size_t>(laws.begin(), laws.end())](Variant& variant,
+                                                                                  std::span<const double> values) {
+    Effect effect = whole;
+    for (std::size_t i = 0; i < places.size(); ++i) effect.parameters[places[i]] = values[i];
+    variant.scene.effects.push_back(std::move(effect));
   };
   candidate.amend = amend_last_effect;
   return candidate;
@@ -192,8 +209,9 @@ Candidate law_candidate(const LawSite& site, std::span<const std::size_t> laws) 
 std::string shown_sum(const LawSite& site, std::span<const std::size_t> laws, std::span<const double> coefficients) {
   std::string sum;
   for (std::size_t i = 0; i < laws.size(); ++i) {
-    const std::string& law = site.laws[laws[i]].shown;
-    const double c = coefficients[i];
+    const bool is_negative = site.laws[laws[i]].shown.starts_with("-");
+    const std::string law = site.laws[laws[i]].shown.substr(is_negative);
+    const double c = is_negative ? -coefficients[i] : coefficients[i];
     sum += sum.empty() ? number(c) : (c < 0 ? " - " : " + ") + number(std::abs(c));
     if (law != "1") sum += " " + law;
   }

@@ -27,7 +27,11 @@ struct LawSite {
 // carries. Widths of laws follow from how far and how fast things went.
 std::vector<LawSite> law_sites(const Problem& problem);
 
-// Sum of some laws of a site, each times a coefficient, which are the candidate's parameters.
+// Sum of some laws of a site, each times a coefficient.
+Effect law_effect(const LawSite& site, std::span<const std::size_t> laws, std::span<const double> coefficients);
+
+// The same with the coefficients as the candidate's parameters. It is simulated as the sum of all laws of the site, the
+// others with coefficients of 0, so that one kernel is compiled for all candidates of a site.
 Candidate law_candidate(const LawSite& site, std::span<const std::size_t> laws);
 
 // The sum for people, such as "-0.31 sin(3 * q) + 0.2 q".

@@ -235,17 +235,20 @@ std::vector<char> Fitter::take_best(const FitData& data, const Trials& trials, s
   return is_better;
 }
 
-std::vector<Fit> Fitter::begin(const FitData& data, std::vector<Model> models) {
+std::vector<Fit> Fitter::begin(const FitData& data, std::vector<Model> models, std::vector<VectorXd> starts) {
   std::vector<Fit> fits(models.size());
-  std::vector<VectorXd> zeros;
-  for (const Window& window : data.windows) zeros.push_back(VectorXd::Zero(Eigen::Index(window.unknowns.size())));
-  std::vector<std::vector<Prediction>> found = evaluate(data, models, std::vector(models.size(), zeros));
+  StartSlope slope_there = StartSlope::near;
+  if (starts.empty()) {
+    slope_there = StartSlope::here;
+    for (const Window& window : data.windows) starts.push_back(VectorXd::Zero(Eigen::Index(window.unknowns.size())));
+  }
+  std::vector<std::vector<Prediction>> found = evaluate(data, models, std::vector(models.size(), starts));
   for (std::size_t m = 0; m < models.size(); ++m) {
     const bool is_there = models[m].parts == data.at.parts && models[m].x == data.at.x;
     fits[m].of_start = data.of_start;
-    fits[m].start_slope.assign(data.windows.size(), is_there ? StartSlope::here : StartSlope::stale);
+    fits[m].start_slope.assign(data.windows.size(), is_there ? slope_there : StartSlope::stale);
     fits[m].model = std::move(models[m]);
-    fits[m].delta = zeros;
+    fits[m].delta = starts;
     fits[m].succeeded = true;
     for (Prediction& p : found[m]) {
       fits[m].succeeded = fits[m].succeeded && p.succeeded;

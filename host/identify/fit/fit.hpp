@@ -84,19 +84,20 @@ class Fitter {
     corrects_steps_ = false;
     difference_ = criteria().difference_share_pixels;
   }
-  // The same about the starts that fit best there instead of the measured ones: the response of a body that rests on
-  // something has kinks.
-  FitData prepare_near(std::vector<Window> windows, const Model& at);
-  // Likewise, of what was prepared already, about the starts of a fit of them; as it is where these starts are
-  // are_good_enough.
+  // What was prepared already, about the starts of a fit of it instead of the measured ones, as the response of a body
+  // that rests on something has kinks; as it is where these starts are are_good_enough.
   FitData prepared_nearer(FitData data, const Fit& fit);
   static bool are_good_enough(const Fit& starts);
+  // How far that moves the start of each window [sigma], and the windows that begin there.
+  static std::vector<Eigen::VectorXd> start_shifts(const Fit& starts);
+  static std::vector<Window> with_moved_starts(std::vector<Window> windows, const std::vector<Eigen::VectorXd>& shifts);
   // Each model from where it is, starts fitted too, to the end. n_steps 0: only the starts are fitted.
   std::vector<Fit> fit(const FitData& data, std::vector<Model> models, int n_steps);
-  // The same in parts: where the models are; at most n_steps from there, of those that have not converged; slopes and
-  // covariances there. `scale`: what is taken for an outlier.
+  // The same in parts: where the models are, with starts of all of them as in Fit, zeros where none are given; at most
+  // n_steps from there, of those that have not converged; slopes and covariances there. `scale`: what is taken for an
+  // outlier.
   enum class Scale { of_window, of_all };
-  std::vector<Fit> begin(const FitData& data, std::vector<Model> models);
+  std::vector<Fit> begin(const FitData& data, std::vector<Model> models, std::vector<Eigen::VectorXd> starts = {});
   void improve(const FitData& data, std::vector<Fit>& fits, int n_steps, Scale scale = Scale::of_window,
                bool only_starts = false);
   // Residuals of each fit as a full step from where it is predicts them; of fits that are done as they are.

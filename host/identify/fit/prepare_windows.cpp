@@ -70,28 +70,30 @@ FitData Fitter::prepare(std::vector<Window> windows, const Model& at, bool corre
   return data;
 }
 
-FitData Fitter::prepare_near(std::vector<Window> windows, const Model& at) {
-  FitData data = prepare(std::move(windows), at);
-  if (data.windows.empty()) return data;
-  const Fit starts = fit(data, {at}, 0).front();
-  return prepared_nearer(std::move(data), starts);
-}
-
 bool Fitter::are_good_enough(const Fit& starts) {
   return !starts.succeeded || rms(starts.residual) < criteria().start_good_enough;
 }
 
+std::vector<VectorXd> Fitter::start_shifts(const Fit& starts) {
+  // a wrong model must not move the starts far from the measured ones
+  const double most = are_good_enough(starts) ? 0 : criteria().start_shift_most / criteria().start_looseness;
+  std::vector<VectorXd> shifts;
+  for (const VectorXd& delta : starts.delta) shifts.push_back(delta.cwiseMax(-most).cwiseMin(most));
+  return shifts;
+}
+
+std::vector<Window> Fitter::with_moved_starts(std::vector<Window> windows, const std::vector<VectorXd>& shifts) {
+  for (std::size_t w = 0; w < windows.size(); ++w)
+    for (std::size_t k = 0; k < windows[w].unknowns.size(); ++k) {
+      const Unknown& unknown = windows[w].unknowns[k];
+      move(windows[w].initial, unknown, shifts[w][Eigen::Index(k)] * unknown.sigma);
+    }
+  return windows;
+}
+
 FitData Fitter::prepared_nearer(FitData data, const Fit& fit) {
   if (are_good_enough(fit)) return data;
-  // a wrong model must not move the starts far from the measured ones
-  const double most = criteria().start_shift_most / criteria().start_looseness;
-  for (std::size_t w = 0; w < data.windows.size(); ++w)
-    for (std::size_t k = 0; k < data.windows[w].unknowns.size(); ++k) {
-      const Unknown& unknown = data.windows[w].unknowns[k];
-      const double by = std::clamp(fit.delta[w][Eigen::Index(k)], -most, most);
-      move(data.windows[w].initial, unknown, by * unknown.sigma);
-    }
-  return prepare(std::move(data.windows), data.at);
+  return prepare(with_moved_starts(std::move(data.windows), start_shifts(fit)), data.at);
 }
 
 }  // namespace pvg::diagnose

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/search/alternatives.hpp"
@@ -150,7 +151,7 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
       first_round = passed;
       if (!passed.empty()) best_single = passed.front().model;
     }
-    named = *chosen.fit;
+    const Fit before = std::exchange(named, *chosen.fit);
     if (flow.settings.decide == Decide::workflow && flow.refine_step(named.model)) {
       out = Selection();
       out.asks_for_new_step = true;
@@ -161,6 +162,13 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
         if (n_effects > 1) named = reconsidered(flow, prepared, *chosen.fit, first_round, passed);
         named = prepared_again(flow.fitter, prepared, named);
       });
+    if (robust_cost(named.residual, named.scale) > robust_cost(base.residual, named.scale)) {
+      flow.notes.push_back(
+          chosen.fit->model.parts.back()->label() +
+          " leaves more, once starts and steps are those of it, than the scene as it stands: not taken");
+      named = before;
+      break;
+    }
     const double error = rms(named.residual);
     const bool any_dropped = named.model.effects().size() < n_effects;
     const bool is_newest_dropped = any_dropped && begins_with(chosen.fit->model.effects(), named.model.effects());

@@ -11,9 +11,15 @@ const Fit& Prepared::base(Fitter& fitter) {
 }
 
 Fit prepared_again(Fitter& fitter, Prepared& prepared, const Fit& fit) {
-  FitData near = fitter.prepare_near(prepared.data().windows, fit.model);
+  const std::vector<Eigen::VectorXd> shifts = Fitter::start_shifts(fit);
+  FitData near = fitter.prepare(Fitter::with_moved_starts(prepared.data().windows, shifts), fit.model);
   if (near.windows.size() != prepared.data().windows.size()) return fit;
-  std::vector<Fit> fits = fitter.begin(near, {fit.model});
+  std::vector<Eigen::VectorXd> starts;  // the same states as before
+  for (std::size_t w = 0; w < near.windows.size(); ++w) {
+    if (near.windows[w].unknowns.size() != std::size_t(fit.delta[w].size())) return fit;
+    starts.push_back(fit.delta[w] - shifts[w]);
+  }
+  std::vector<Fit> fits = fitter.begin(near, {fit.model}, std::move(starts));
   const double before = robust_cost(fits.front().residual, fit.scale);
   fitter.improve(near, fits, criteria().n_more_steps);
   fitter.finish(near, fits);

@@ -21,7 +21,8 @@ class Prepared {
 };
 
 // The time step's error and the sensitivities to the starts differ with an effect: both are found again at `fit`, which
-// then continues there. `prepared` becomes the new preparation; it and the fit stay as they are where that fails.
+// then continues there from the starts that it has. `prepared` becomes the new preparation; it and the fit stay as they
+// are where that fails.
 Fit prepared_again(Fitter& fitter, Prepared& prepared, const Fit& fit);
 
 }  // namespace pvg::diagnose

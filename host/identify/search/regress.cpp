@@ -7,6 +7,7 @@
 #include "host/identify/candidates/law_dictionary.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/identify/search/round.hpp"
+#include "host/identify/search/screening.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -36,11 +37,11 @@ struct Sum {
 };
 
 // the best sums of a site's laws, from their signatures
-void add_sums(Workflow& flow, const ChosenWindows& chosen, const LawSite& site, std::deque<Sum>& sums) {
+void add_sums(const Screening& screening, const ChosenWindows& chosen, const LawSite& site, std::deque<Sum>& sums) {
   std::vector<std::size_t> all;
   for (std::size_t i = 0; i < site.laws.size(); ++i) all.push_back(i);
   const Candidate whole = law_candidate(site, all);
-  const Signatures found = signatures_of(flow.fitter, chosen.data, chosen.base, {&whole});
+  const Signatures found = signatures_of(screening.fitter, screening.data, chosen.base, {&whole});
   for (const std::vector<std::size_t>& columns : best_subsets(found, criteria().n_laws, criteria().n_sums)) {
     Sum sum{&site, {}, {}, VectorXd(Eigen::Index(columns.size())), VectorXd(Eigen::Index(columns.size()))};
     for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -100,7 +101,8 @@ std::optional<Regressed> regress(Workflow& flow, const ChosenWindows& chosen, co
                                  bool in_noise) {
   const std::vector<LawSite> sites = worst_sites(flow.problem, where);
   std::deque<Sum> sums;  // candidates stay where they are
-  for (const LawSite& site : sites) add_sums(flow, chosen, site, sums);
+  const Screening screening(flow, chosen.data, chosen.base);
+  for (const LawSite& site : sites) add_sums(screening, chosen, site, sums);
   std::vector<Screened> starts;
   for (const Sum& sum : sums)
     starts.push_back({&sum.candidate, joined(chosen.base.model, {{&sum.candidate}, sum.start, sum.scale}), 0, 0});
@@ -130,9 +132,7 @@ std::optional<Regressed> regress(Workflow& flow, const ChosenWindows& chosen, co
   std::vector<Curve> curves = std::move(judged.curves);
   const std::vector<Curve> fitted = curves_of(flow.problem, chosen.data, chosen.base, *best.fit, CURVES_OF_FITTED_RUNS);
   curves.insert(curves.end(), fitted.begin(), fitted.end());
-  Variant variant;
-  sum.candidate.apply(variant, coefficients);
-  law.amended = variant.scene.effects.back();
+  law.amended = law_effect(*sum.site, sum.laws, coefficients);
   return Regressed{std::move(law), std::move(curves)};
 }
 

@@ -44,6 +44,13 @@ channels:
   return make_problem(folder.path / "recording.yaml");
 }
 
+// The run, prepared about the start that fits best without any effect.
+FitData prepared_near(Fitter& fitter, const Problem& problem) {
+  FitData data = fitter.prepare(make_windows(problem, false, 0, 1), Model{});
+  const Fit starts = fitter.fit(data, {Model{}}, 0).front();
+  return fitter.prepared_nearer(std::move(data), starts);
+}
+
 TEST(Fit, EverySampleOfASlideIsOfTheSlideTheFirstAmongThem) {
   const TestFolder folder;
   const Problem problem = sliding(folder);
@@ -51,7 +58,7 @@ TEST(Fit, EverySampleOfASlideIsOfTheSlideTheFirstAmongThem) {
   Predictor predictor(device, problem);
   const Variant base{problem.scene.scene, {}};
   Fitter fitter(predictor, base);
-  const FitData data = fitter.prepare_near(make_windows(problem, false, 0, 1), Model{});
+  const FitData data = prepared_near(fitter, problem);
   ASSERT_EQ(data.windows.size(), 1u);
   const auto found = fitter.evaluate(data, {Model{}}, {}, true);
   const std::vector<Phase>& phase = found.at(0).at(0).phase;
@@ -103,6 +110,31 @@ TEST(Prepared, TheBaseIsFittedToThePresentPreparation) {
   EXPECT_NE(before.residual[0], again.residual[0]);
 }
 
+// A preparation may move starts less far than the fit had moved them.
+TEST(Prepared, AFitGoesOnFromTheStartsThatItHas) {
+  const TestFolder folder;
+  const Problem problem = sliding(folder);
+  Device device;
+  Predictor predictor(device, problem);
+  const Variant base{problem.scene.scene, {}};
+  Fitter fitter(predictor, base);
+  const std::vector<Candidate> candidates = make_candidates(problem, {"floor/block"});
+  const auto drag =
+      std::find_if(candidates.begin(), candidates.end(), [](const Candidate& c) { return c.name == "quadratic_drag"; });
+  ASSERT_NE(drag, candidates.end());
+  FitData data = fitter.prepare(make_windows(problem, false, 0, 1), Model{});
+  ASSERT_EQ(data.windows.size(), 1u);
+  for (const Unknown& unknown : data.windows[0].unknowns) move(data.windows[0].initial, unknown, unknown.sigma);
+  const Model model{{&*drag}, Eigen::VectorXd::Constant(1, 0.8), Eigen::VectorXd::Constant(1, 0.1)};
+  Prepared prepared(fitter.prepare(data.windows, model));
+  const Fit fit = fitter.fit(prepared.data(), {model}, 10).front();
+  ASSERT_LT(fit.delta[0].minCoeff(), -0.5);  // of what it was moved by, in which a preparation follows by 0.2
+  for (const char* steps : {"n_start_steps=1", "n_more_steps=1", "n_last_steps=1"}) set_criterion(steps);
+  const Fit again = prepared_again(fitter, prepared, fit);
+  reset_criteria();
+  EXPECT_LT(rms(again.residual), 1.1 * rms(fit.residual));
+}
+
 TEST(Fit, OfTheFirstPartOfAWindowIsThatOfItsFirstSamples) {
   const TestFolder folder;
   const Problem problem = sliding(folder);
@@ -135,7 +167,7 @@ TEST(Fit, FindsTheDragOfASlidingBlockThoughItsStartMustMoveWithIt) {
   base.scene.solver.velocity_tolerance = 1e-6;
   base.scene.solver.cg_tolerance = 1e-8;
   Fitter fitter(predictor, base);
-  const FitData data = fitter.prepare_near(make_windows(problem, false, 0, 1), Model{});
+  const FitData data = prepared_near(fitter, problem);
   ASSERT_EQ(data.windows.size(), 1u);
   const std::vector<Candidate> candidates = make_candidates(problem, {"floor/block"});
   const auto drag = std::find_if(candidates.begin(), candidates.end(),

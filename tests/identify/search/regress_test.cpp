@@ -91,17 +91,40 @@ TEST(LawDictionary, EveryLawOfEverySiteIsOneThatASceneTakes) {
   }
 }
 
+// A drag on v^2 of the other sign lets a motion grow beyond all bounds in a finite time.
+TEST(LawDictionary, WhatGrowsWithTheSpeedBrakesWherePositive) {
+  const TestFolder folder;
+  const Problem problem = make_problem(recording(folder));
+  std::size_t n_braking = 0;
+  for (const LawSite& site : law_sites(problem))
+    for (const Law& law : site.laws) {
+      const std::string& text = law.shown;
+      if (text.find("|v|") == std::string::npos && text.find("fabs(v)") == std::string::npos) continue;
+      EXPECT_TRUE(text.starts_with("-")) << text;
+      ++n_braking;
+    }
+  EXPECT_GE(n_braking, 3u);
+}
+
 TEST(LawDictionary, ASumIsWrittenWithItsNumbersInPlace) {
   const LawSite effort{
       "regressed_effort", "hinge", "N m", 1, {{{"1"}, "1"}, {{"q"}, "q"}, {{"sin(3 * q)"}, "sin(3 * q)"}}};
   EXPECT_EQ(shown_sum(effort, std::vector<std::size_t>{0, 2}, std::vector<double>{0.25, -0.3125}),
             "0.25 - 0.312 sin(3 * q)");
+  const LawSite braking{"regressed_effort", "hinge", "N m", 1, {{{"-v"}, "-v"}, {{"q"}, "q"}}};
+  EXPECT_EQ(shown_sum(braking, std::vector<std::size_t>{0, 1}, std::vector<double>{0.25, -2}), "-0.25 v - 2 q");
   EXPECT_EQ(law_candidate(effort, std::vector<std::size_t>{2, 1}).equation, "c0 * sin(3 * q) + c1 * q");
   const LawSite force{"regressed_force", "ball", "N", 1, {{{"0", "1", "0"}, "up"}, {{"x", "y", "0"}, "out"}}};
   Variant variant;
   law_candidate(force, std::vector<std::size_t>{0, 1}).apply(variant, std::vector<double>{2, 3});
   EXPECT_EQ(variant.scene.effects.back().formulas, (std::vector<std::string>{"c1 * x", "c0 + c1 * y", "0"}));
   EXPECT_EQ(variant.scene.effects.back().parameters, (std::vector<double>{2, 3}));
+  const std::vector<std::string> formulas = variant.scene.effects.back().formulas;
+  law_candidate(force, std::vector<std::size_t>{1}).apply(variant, std::vector<double>{3});
+  EXPECT_EQ(variant.scene.effects.back().formulas, formulas) << "one kernel for all sums";
+  EXPECT_EQ(variant.scene.effects.back().parameters, (std::vector<double>{0, 3}));
+  EXPECT_EQ(law_effect(force, std::vector<std::size_t>{1}, std::vector<double>{3}).formulas,
+            (std::vector<std::string>{"c0 * x", "c0 * y", "0"}));
 }
 
 }  // namespace
