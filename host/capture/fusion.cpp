@@ -14,6 +14,8 @@ namespace {
 constexpr std::size_t MOST_GRID_BLOCKS = std::size_t(1) << 28;  // kept or not; four bytes each
 constexpr std::size_t BYTES_PER_BLOCK = BLOCK_VOXELS * 3 * 4;   // distance, weight, first vertex
 
+std::size_t tiles(int pixels) { return (std::size_t(pixels) + TILE_SIDE - 1) / TILE_SIDE; }
+
 VoxelGrid make_grid(const FusionSettings& s, const Box& box) {
   if (!(s.voxel > 0)) throw UsageError("the voxel size must be positive");
   VoxelGrid grid{};
@@ -50,9 +52,10 @@ struct Fusion::Impl {
   VoxelGrid grid;
   std::size_t n_grid;
   Program fusion_program, surface_program;
-  Kernel find_normals, mark, find_in_view, integrate, count, place_vertices, place_triangles;
+  Kernel find_normals, mark, find_bands, find_in_view, integrate, count, place_vertices, place_triangles;
   Buffer<float> depth, distance, weight;
   Buffer<std::array<float, 4>> surface;
+  Buffer<std::array<float, 2>> bands;
   Buffer<u32> is_near, place, in_view, in_use, block_of;
   std::size_t n_blocks = 0;
 
@@ -65,6 +68,7 @@ struct Fusion::Impl {
         surface_program(device, "capture/marching_cubes.cl"),
         find_normals(fusion_program.kernel("find_normals")),
         mark(fusion_program.kernel("mark_blocks")),
+        find_bands(fusion_program.kernel("find_bands")),
         find_in_view(fusion_program.kernel("find_blocks_in_view")),
         integrate(fusion_program.kernel("integrate_depth")),
         count(surface_program.kernel("count_surface")),
@@ -74,6 +78,7 @@ struct Fusion::Impl {
         distance(device, 0, "distance"),
         weight(device, 0, "weight"),
         surface(device, 0, "surface"),
+        bands(device, 0, "bands"),
         is_near(device, n_grid, "is_near"),
         place(device, 0, "place"),
         in_view(device, 0, "in_view"),
@@ -87,7 +92,8 @@ struct Fusion::Impl {
     depth.resize(picture.depth.size());
     surface.resize(picture.depth.size());
     depth.write(picture.depth);
-    find_normals(depth.size(), u32(depth.size()), grid, c, depth, surface);
+    const std::size_t n_items = (depth.size() + 7) / 8;
+    find_normals(n_items, u32(n_items), grid, c, depth, surface);
     return c;
   }
 };
@@ -137,20 +143,18 @@ void Fusion::allocate() {
 void Fusion::integrate(const Camera& camera, const DepthPicture& picture) {
   Impl& f = *impl_;
   const PinholeCamera c = f.load(camera, picture);
-  float largest = 0;
-  for (const float z : picture.depth)
-    if (z < f.grid.max_depth) largest = std::max(largest, z);
-  const double noise =
-      f.settings.noise.base + f.settings.noise.growth * std::pow(double(largest) - f.settings.noise.nearest, 2);
-  const float farthest = largest + std::max(f.grid.truncation, 3 * float(noise));
-  f.find_in_view(f.n_blocks, u32(f.n_blocks), f.grid, c, farthest, f.depth, f.place, f.in_view);
+  const std::size_t n_tiles = tiles(picture.width) * tiles(picture.height);
+  f.bands.resize(n_tiles);
+  f.find_bands(n_tiles, u32(n_tiles), f.grid, c, f.surface, f.bands);
+  f.find_in_view(f.n_blocks, u32(f.n_blocks), f.grid, c, f.bands, f.place, f.in_view);
   const std::vector<u32> in_view = f.in_view.read();
   std::vector<u32> in_use;
   for (std::size_t i = 0; i < in_view.size(); ++i)
-    if (in_view[i]) in_use.push_back(u32(i));
+    for (u32 quarter = 0; quarter < 4; ++quarter)
+      if (in_view[i] >> quarter & 1u) in_use.push_back(u32(4 * i) + quarter);
   f.in_use.resize(in_use.size());
   f.in_use.write(in_use);
-  const std::size_t n_rows = in_use.size() * GROUP_SIZE;
+  const std::size_t n_rows = in_use.size() * BLOCK_SIDE * BLOCK_SIDE / 4;
   f.integrate(n_rows, u32(n_rows), f.grid, c, f.surface, f.place, f.in_use, f.distance, f.weight);
   f.device.finish();
 }

@@ -6,6 +6,7 @@
 #define BLOCK_SIDE 8u      // voxels along a block's edge
 #define BLOCK_VOXELS 512u  // of one block, x fastest
 #define NO_BLOCK 0xffffffffu
+#define TILE_SIDE 4u  // pixels of a picture of depth that are looked at together, to each side
 
 SHARED_BEGIN
 // Samples of the signed distance stand at origin + index * voxel.

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "host/geometry/mesh_checks.hpp"
+#include "host/render/camera.hpp"
 
 namespace pvg {
 namespace {
@@ -119,6 +120,83 @@ TEST(Fusion, ASteeplySlantedPlaneHasNoHoles) {
     }
   ASSERT_GT(n, 2000);
   EXPECT_EQ(n_holes, 0);
+}
+
+// A plane up to 75 degrees off the line of sight, all blocks of the grid kept: a sample that is within the truncation
+// distance of the plane, and whose pixel saw it, lies in a quarter of a block that is fused. Without tolerance but for
+// the rounding of the device, 0.1 % of the truncation distance.
+TEST(Fusion, EverySampleNearASteeplySlantedPlaneIsInABlockInView) {
+  Device device;
+  Program program(device, "capture/fusion.cl");
+  Kernel find_normals = program.kernel("find_normals"), find_bands = program.kernel("find_bands"),
+         find_in_view = program.kernel("find_blocks_in_view");
+  for (const double degrees : {0.0, 60.0, 75.0}) {
+    const double angle = degrees * M_PI / 180, distance = 2;
+    const Camera camera = camera_at({0.03, 0.02, 0.01}, {0.03, 0.42, 1.01});
+    const Vec3 forward = camera.pose.linear().col(2), side = camera.pose.linear().col(0);
+    const Vec3 middle = camera.pose.translation() + distance * forward;
+    const Vec3 normal = Eigen::AngleAxisd(angle, side) * forward;
+    const double offset = normal.dot(middle);
+    const DepthPicture picture = look(camera, [&](const Vec3& eye, const Vec3& ray) {
+      const double z = (offset - normal.dot(eye)) / normal.dot(ray);
+      return z > 0.8 && z < 3.9 ? z : 0;
+    });
+    VoxelGrid grid{};
+    grid.voxel = 0.01f;
+    grid.truncation = 0.04f;
+    grid.noise[0] = 0.0012f;
+    grid.noise[1] = 0.0019f;
+    grid.noise[2] = 0.4f;
+    grid.max_depth = 4;
+    const float corner[3] = {-1.3f, -0.5f, 0.4f};
+    const u32 n_along[3] = {34, 36, 40};
+    for (int axis = 0; axis < 3; ++axis) {
+      grid.origin[axis] = corner[axis];
+      grid.blocks[axis] = n_along[axis];
+    }
+    const std::size_t n = std::size_t(n_along[0]) * n_along[1] * n_along[2], n_pixels = picture.depth.size();
+    std::vector<u32> all(n);
+    for (std::size_t i = 0; i < n; ++i) all[i] = u32(i);
+    const PinholeCamera seen_by = pinhole_camera(camera, camera.pose.matrix());
+    const std::size_t n_tiles = std::size_t(camera.width / TILE_SIDE) * std::size_t(camera.height / TILE_SIDE);
+    Buffer<float> depth(device, picture.depth, "depth");
+    Buffer<std::array<float, 4>> surface(device, n_pixels, "surface");
+    Buffer<std::array<float, 2>> bands(device, n_tiles, "bands");
+    Buffer<u32> place(device, all, "place"), in_view(device, n, "in_view");
+    find_normals(n_pixels / 8, u32(n_pixels / 8), grid, seen_by, depth, surface);
+    find_bands(n_tiles, u32(n_tiles), grid, seen_by, surface, bands);
+    find_in_view(n, u32(n), grid, seen_by, bands, place, in_view);
+    const std::vector<std::array<float, 4>> seen = surface.read();
+    const std::vector<u32> quarters = in_view.read();
+    const Pose to_camera = camera.pose.inverse();
+    std::size_t n_near = 0, n_missed = 0, n_in_view = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t block[3] = {i % n_along[0], i / n_along[0] % n_along[1], i / n_along[0] / n_along[1]};
+      for (u32 k = 0; k < BLOCK_VOXELS; ++k) {
+        const u32 in_block[3] = {k % BLOCK_SIDE, k / BLOCK_SIDE % BLOCK_SIDE, k / BLOCK_SIDE / BLOCK_SIDE};
+        Vec3 sample;
+        for (int axis = 0; axis < 3; ++axis)
+          sample[axis] = double(corner[axis]) + 0.01 * double(block[axis] * BLOCK_SIDE + in_block[axis]);
+        if (std::abs(normal.dot(sample) - offset) > 0.3) continue;  // more than any truncation distance here
+        const Vec3 p = to_camera * sample;
+        if (p.z() <= 0.1) continue;
+        const int x = int(std::floor(camera.fx * p.x() / p.z() + camera.cx + 0.5)),
+                  y = int(std::floor(camera.fy * p.y() / p.z() + camera.cy + 0.5));
+        if (x < 0 || y < 0 || x >= camera.width || y >= camera.height) continue;
+        const double z = double(seen[std::size_t(y * camera.width + x)][3]);
+        if (!(z > 0)) continue;
+        const double tau = std::max(0.04, 3 * (0.0012 + 0.0019 * (z - 0.4) * (z - 0.4)));
+        if (std::abs(normal.dot(sample) - offset) > 0.999 * tau) continue;
+        const u32 quarter = in_block[1] / 4 + 2 * (in_block[2] / 4);
+        ++n_near;
+        n_missed += (quarters[i] >> quarter & 1u) == 0;
+      }
+      n_in_view += quarters[i] != 0;
+    }
+    EXPECT_GT(n_near, 50000u) << degrees << " degrees";
+    EXPECT_EQ(n_missed, 0u) << degrees << " degrees, of " << n_near;
+    EXPECT_LT(n_in_view, n / 4) << degrees << " degrees: few blocks are near the plane";
+  }
 }
 
 TEST(Fusion, ASphereHasItsRadiusWithinHalfAVoxelAndIsClosed) {
