@@ -310,7 +310,8 @@ void add_render(CLI::App& program) {
       "  phyvisgen render data/validation/drape.yaml --states drape.h5 -o drape.mp4 --fps 25\n"
       "  phyvisgen render data/tasks/weigh_beaker.yaml --states out/beaker/episode_000000/states.h5 --camera wrist \\\n"
       "      --frames 10:12 -o wrist\n"
-      "  phyvisgen render data/tasks/weigh_beaker.yaml --receivers relit -o relit.png");
+      "  phyvisgen render data/tasks/weigh_beaker.yaml --receivers relit --camera front -o relit.png\n"
+      "  phyvisgen render data/tasks/weigh_beaker.yaml --gripper rigid --camera front -o rigid.png");
 }
 
 }  // namespace pvg

@@ -86,22 +86,33 @@ TEST(Fit, ResidualsOfANoisyRunAreInUnitsOfItsOwnNoise) {
   EXPECT_LT((4 * noisy - usual).norm(), 1e-4 * usual.norm());  // the correction for the time step follows within 1e-5
 }
 
-// A new preparation changes the residuals, so the scene as it stands must be fitted to it, too, before errors are
-// compared.
-TEST(Prepared, TheBaseIsFittedToThePresentPreparation) {
+// The sliding block, and the drag that brakes it among the candidates.
+struct SlidingBlock {
   const TestFolder folder;
   const Problem problem = sliding(folder);
   Device device;
-  Predictor predictor(device, problem);
+  Predictor predictor{device, problem};
   const Variant base{problem.scene.scene, {}};
-  Fitter fitter(predictor, base);
+  Fitter fitter{predictor, base};
   const std::vector<Candidate> candidates = make_candidates(problem, {"floor/block"});
-  const auto drag =
-      std::find_if(candidates.begin(), candidates.end(), [](const Candidate& c) { return c.name == "quadratic_drag"; });
-  ASSERT_NE(drag, candidates.end());
-  Prepared prepared(fitter.prepare(make_windows(problem, false, 0, 1), Model{}));
+
+  const Candidate* drag() const {
+    const auto found = std::find_if(candidates.begin(), candidates.end(),
+                                    [](const Candidate& c) { return c.name == "quadratic_drag"; });
+    return found == candidates.end() ? nullptr : &*found;
+  }
+};
+
+// A new preparation changes the residuals, so the scene as it stands must be fitted to it, too, before errors are
+// compared.
+TEST(Prepared, TheBaseIsFittedToThePresentPreparation) {
+  SlidingBlock block;
+  Fitter& fitter = block.fitter;
+  const Candidate* drag = block.drag();
+  ASSERT_NE(drag, nullptr);
+  Prepared prepared(fitter.prepare(make_windows(block.problem, false, 0, 1), Model{}));
   const Fit before = prepared.base(fitter);
-  const Model model{{&*drag}, Eigen::VectorXd::Constant(1, 0.6), Eigen::VectorXd::Constant(1, 0.1)};
+  const Model model{{drag}, Eigen::VectorXd::Constant(1, 0.6), Eigen::VectorXd::Constant(1, 0.1)};
   const Fit found = prepared_again(fitter, prepared, fitter.fit(prepared.data(), {model}, 5).front());
   EXPECT_NEAR(found.model.x[0], 0.8, 0.05);
   const Fit again = fit_as_it_stands(fitter, prepared.data());
@@ -112,20 +123,14 @@ TEST(Prepared, TheBaseIsFittedToThePresentPreparation) {
 
 // A preparation may move starts less far than the fit had moved them.
 TEST(Prepared, AFitGoesOnFromTheStartsThatItHas) {
-  const TestFolder folder;
-  const Problem problem = sliding(folder);
-  Device device;
-  Predictor predictor(device, problem);
-  const Variant base{problem.scene.scene, {}};
-  Fitter fitter(predictor, base);
-  const std::vector<Candidate> candidates = make_candidates(problem, {"floor/block"});
-  const auto drag =
-      std::find_if(candidates.begin(), candidates.end(), [](const Candidate& c) { return c.name == "quadratic_drag"; });
-  ASSERT_NE(drag, candidates.end());
-  FitData data = fitter.prepare(make_windows(problem, false, 0, 1), Model{});
+  SlidingBlock block;
+  Fitter& fitter = block.fitter;
+  const Candidate* drag = block.drag();
+  ASSERT_NE(drag, nullptr);
+  FitData data = fitter.prepare(make_windows(block.problem, false, 0, 1), Model{});
   ASSERT_EQ(data.windows.size(), 1u);
   for (const Unknown& unknown : data.windows[0].unknowns) move(data.windows[0].initial, unknown, unknown.sigma);
-  const Model model{{&*drag}, Eigen::VectorXd::Constant(1, 0.8), Eigen::VectorXd::Constant(1, 0.1)};
+  const Model model{{drag}, Eigen::VectorXd::Constant(1, 0.8), Eigen::VectorXd::Constant(1, 0.1)};
   Prepared prepared(fitter.prepare(data.windows, model));
   const Fit fit = fitter.fit(prepared.data(), {model}, 10).front();
   ASSERT_LT(fit.delta[0].minCoeff(), -0.5);  // of what it was moved by, in which a preparation follows by 0.2

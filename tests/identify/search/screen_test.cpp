@@ -56,21 +56,38 @@ initial: {joint/shoulder/position: 0, joint/shoulder/velocity: 0}
   return make_problem(folder.path / "recording.yaml");
 }
 
+// A problem of whole runs, and its candidates, of which one is screened alone.
+struct ScreenedAlone {
+  Device device;
+  Predictor predictor;
+  const Variant base;
+  Fitter fitter;
+  const FitData data;
+  const std::vector<Candidate> candidates;
+
+  explicit ScreenedAlone(const Problem& problem)
+      : predictor(device, problem),
+        base{problem.scene.scene, {}},
+        fitter(predictor, base),
+        data(fitter.prepare(make_windows(problem, false, 0, 1), Model{}, false)),
+        candidates(make_candidates(problem, {})) {}
+
+  std::vector<Screened> screened(const std::string& name) {
+    const auto found =
+        std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& one) { return one.name == name; });
+    EXPECT_NE(found, candidates.end()) << name;
+    if (found == candidates.end()) return {};
+    return screen(fitter, data, fit_as_it_stands(fitter, data), {&*found});
+  }
+};
+
 TEST(Screen, AStiffness64TimesTooLargeIsReachedAndFitted) {
   const TestFolder folder;
   const Problem problem = too_stiff(folder);
-  Device device;
-  Predictor predictor(device, problem);
-  const Variant base{problem.scene.scene, {}};
-  Fitter fitter(predictor, base);
-  const FitData data = fitter.prepare(make_windows(problem, false, 0, 1), Model{}, false);
-  const std::vector<Candidate> candidates = make_candidates(problem, {});
-  const auto stiffness = std::find_if(candidates.begin(), candidates.end(),
-                                      [](const Candidate& c) { return c.name == "retune_drive_stiffness"; });
-  ASSERT_NE(stiffness, candidates.end());
-  const std::vector<Screened> found = screen(fitter, data, fit_as_it_stands(fitter, data), {&*stiffness});
+  ScreenedAlone alone(problem);
+  const std::vector<Screened> found = alone.screened("retune_drive_stiffness");
   ASSERT_EQ(found.size(), 1u);
-  const Fit fit = fitter.fit(data, {found[0].model}, 10).front();
+  const Fit fit = alone.fitter.fit(alone.data, {found[0].model}, 10).front();
   EXPECT_NEAR(fit.model.x[0], 20, 0.2);
   EXPECT_FALSE(is_at_bound(fit));
 }
@@ -97,16 +114,8 @@ channels:
 initial: {joint/shoulder/position: -0.0075, joint/shoulder/velocity: 0.3}
 )");
   const Problem problem = make_problem(folder.path / "recording.yaml");
-  Device device;
-  Predictor predictor(device, problem);
-  const Variant base{problem.scene.scene, {}};
-  Fitter fitter(predictor, base);
-  const FitData data = fitter.prepare(make_windows(problem, false, 0, 1), Model{}, false);
-  const std::vector<Candidate> candidates = make_candidates(problem, {});
-  const auto friction = std::find_if(candidates.begin(), candidates.end(),
-                                     [](const Candidate& one) { return one.name == "joint_viscous_friction"; });
-  ASSERT_NE(friction, candidates.end());
-  const std::vector<Screened> found = screen(fitter, data, fit_as_it_stands(fitter, data), {&*friction});
+  ScreenedAlone alone(problem);
+  const std::vector<Screened> found = alone.screened("joint_viscous_friction");
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0].model.x[0], c, 0.1 * c);
 }
