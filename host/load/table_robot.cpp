@@ -37,7 +37,7 @@ const Fields<GripperSection>& gripper_drive_fields() {
   return FIELDS;
 }
 
-const Fields<FingerSection>& stitch_fields() {
+const Fields<FingerSection>& finger_stitch_fields() {
   using F = FingerSection;
   static const Fields<F> FIELDS =
       Fields<F>()
@@ -108,6 +108,10 @@ const Fields<RobotSection>& robot_fields() {
           .number("armature", &R::armature, Unit::inertia, 0, 1e3,
                   "inertia of each joint's geared rotor, a number per joint (of one that slides in kg)")
           .otherwise("none")
+          .choice(
+              "feedforward", &R::feeds_friction_forward, {"none", "friction"},
+              "`friction`: targets of the planned motion lead by what friction in the joints, of `effects` and of the "
+              "URDF, would hold the arm back")
           .number("friction", &R::friction, Unit::none, 0, 10, "coefficient of friction of all links")
           .text("collision_links", &R::collision_links, "links that collide")
           .otherwise("all that have a shape for it")
@@ -136,7 +140,7 @@ const Fields<FingerSection>& finger_fields() {
           .text("carriage", &F::carriage, "link of the URDF that carries it")
           .required()
           .pose("pose", &F::pose, "finger to carriage")
-          .section("stitch", std::identity{}, stitch_fields(), "what holds it on the carriage")
+          .section("stitch", std::identity{}, finger_stitch_fields(), "what holds it on the carriage")
           .required()
           .section("tetgen", std::identity{}, tetgen_fields(), "how it is filled with tetrahedra")
           .list("visuals", &F::visuals, visual_fields(), "carried by its tetrahedra; none: its own surface is seen");

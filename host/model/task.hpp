@@ -50,13 +50,14 @@ struct Variation {
 };
 
 struct RobotSection {
-  std::filesystem::path urdf;    // empty: no robot (scene files only)
-  Pose base = Pose::Identity();  // base link to world
-  std::vector<double> home;      // [n_joints, rad or m] start configuration
-  std::string flange;            // link that carries the gripper
-  double drive_stiffness = 1e5;  // of every joint's drive [N m/rad]
-  double drive_damping = 0;      // [N m s/rad]
-  std::vector<double> armature;  // [n_joints, kg m^2 or kg] of each joint of `home`; empty: none
+  std::filesystem::path urdf;           // empty: no robot (scene files only)
+  Pose base = Pose::Identity();         // base link to world
+  std::vector<double> home;             // [n_joints, rad or m] start configuration
+  std::string flange;                   // link that carries the gripper
+  double drive_stiffness = 1e5;         // of every joint's drive [N m/rad]
+  double drive_damping = 0;             // [N m s/rad]
+  std::vector<double> armature;         // [n_joints, kg m^2 or kg] of each joint of `home`; empty: none
+  bool feeds_friction_forward = false;  // targets of planned motions lead by what the joints' friction holds back
   double friction = 0.5;
   std::optional<std::vector<std::string>> collision_links;  // links that collide; absent: all that have a shape for it
 };

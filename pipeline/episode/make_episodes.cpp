@@ -33,7 +33,7 @@ void explain(const EpisodeReport& report) {
 }
 
 // What the threads that make the episodes share.
-struct Run {
+struct SetRun {
   const Task& task;
   const EpisodeSet& set;
   const MakeOptions& options;
@@ -73,7 +73,7 @@ std::string failure_sentence(std::uint64_t episode, const std::string& reason) {
 }
 
 // The next episode that is neither done nor known to fail; nothing once the run ends.
-std::optional<std::uint64_t> next_episode(Run& run) {
+std::optional<std::uint64_t> next_episode(SetRun& run) {
   const std::lock_guard lock(run.mutex);
   while (!run.error && run.next < run.set.n_asked) {
     const std::uint64_t episode = run.next;
@@ -96,7 +96,7 @@ std::optional<std::uint64_t> next_episode(Run& run) {
 }
 
 // Puts an episode's folder in its place: complete, or under failed/ with the reason.
-void put_in_place(const Run& run, const EpisodeReport& report, const std::string& summary, PartialFolder& folder,
+void put_in_place(const SetRun& run, const EpisodeReport& report, const std::string& summary, PartialFolder& folder,
                   std::uint64_t episode) {
   const fs::path failed = failed_folder(run.set.folder, episode);
   if (report.has_succeeded) {
@@ -115,7 +115,7 @@ void put_in_place(const Run& run, const EpisodeReport& report, const std::string
   kept.finish();
 }
 
-void make_episode(Run& run, std::uint64_t episode) {
+void make_episode(SetRun& run, std::uint64_t episode) {
   EpisodeSettings settings;
   settings.seed = run.set.seed;
   settings.episode = episode;
@@ -155,7 +155,7 @@ void make_episode(Run& run, std::uint64_t episode) {
   }
 }
 
-void make_until_the_end(Run& run) {
+void make_until_the_end(SetRun& run) {
   try {
     while (const auto episode = next_episode(run)) make_episode(run, *episode);
   } catch (const std::exception&) {
@@ -169,7 +169,7 @@ void make_until_the_end(Run& run) {
 
 MadeEpisodes make_episodes(const Task& task, const EpisodeSet& set, const MakeOptions& options, EpisodeDevices& devices,
                            const std::atomic<bool>& stop) {
-  Run run{task, set, options, devices, stop, {}, options.shard.index, {}, {}, {}, {}, {}};
+  SetRun run{task, set, options, devices, stop, {}, options.shard.index, {}, {}, {}, {}, {}};
   run.progress.total = options.shard.size(set.n_asked);
   if (run.progress.total > 1) run.line.set_line_above([&](int bar_width) { return run.set_line(bar_width); });
   std::vector<std::thread> others;

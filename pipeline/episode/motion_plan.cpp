@@ -9,6 +9,7 @@
 
 #include "host/base/error.hpp"
 #include "host/dataset/states_file.hpp"
+#include "host/robot/friction_feedforward.hpp"
 #include "host/robot/path_planner.hpp"
 #include "host/robot/plan_motion.hpp"
 #include "host/robot/robots_apart.hpp"
@@ -82,6 +83,22 @@ std::vector<Column> columns_of_driven(const TaskScene& built) {
       throw UsageError("joint " + built.scene.joints[joint].name + " has a drive, but no motion reaches it");
   }
   return columns;
+}
+
+// Adds to the targets of arms that feed friction forward what they must lead.   targets: [n_steps][n_driven]
+void feed_friction_forward(const TaskScene& built, const std::vector<RobotCell>& robots,
+                           const std::vector<Column>& columns, std::vector<std::vector<double>>& targets) {
+  const std::vector<std::size_t> driven = driven_joints(built.scene);
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const RobotSection& robot = robots[columns[c].robot].robot;
+    const std::size_t joint = std::size_t(columns[c].column);
+    if (!robot.feeds_friction_forward || joint >= robot.home.size()) continue;  // the gripper's joints come after
+    std::vector<double> q;
+    for (const std::vector<double>& target : targets) q.push_back(target[c]);
+    const std::vector<double> lead = friction_lead(built.scene.joints[driven[c]], built.scene.effects,
+                                                   robot.home[joint], q, built.scene.solver.time_step);
+    for (std::size_t step = 0; step < targets.size(); ++step) targets[step][c] += lead[step];
+  }
 }
 
 // Which steps are those of each element that moves a gripper. element: [n_steps] of elements, groups by their first
@@ -174,6 +191,7 @@ MotionPlan plan_episode(const Task& task, const TaskScene& built) {
     for (const Column& at : columns) target.push_back(trajectories[at.robot].q(Eigen::Index(row), at.column));
     plan.element.push_back(element.at(row));
   }
+  feed_friction_forward(built, robots, columns, plan.targets);
   plan.grips = grips_of(task.motion, plan.element, robots);
   for (std::size_t r = 0; r < robots.size(); ++r) {
     std::vector<int>& own = plan.gripper_columns.emplace_back();

@@ -17,7 +17,8 @@ struct Grip {
 };
 
 struct MotionPlan {
-  std::vector<std::vector<double>> targets;  // [n_steps][n_driven, rad or m] the joints with a drive, as Scene::joints
+  std::vector<std::vector<double>> targets;  // [n_steps][n_driven, rad or m] the joints with a drive, as Scene::joints;
+                                             // they lead the planned path where a robot feeds friction forward
   std::vector<int> element;                  // [n_steps] of Task::motion
   std::size_t steps_per_frame = 1;           // n_steps is a multiple of it
   std::vector<Grip> grips;                   // in their order

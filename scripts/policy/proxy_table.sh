@@ -3,8 +3,10 @@
 # task with effects that its model lacks (`hidden` below), softer fingers and half the time step. `diagnose` sees three
 # recordings of reality with the noise of cheap encoders and amends the nominal task by what it names. ACT on states learns
 # from demonstrations of the nominal task, of the nominal one with rigid fingers, of the amended one, and, as a bound of
-# what a diagnosis may give, of the nominal one with the hidden effects themselves (`truth`). All are judged in reality on
-# the same starts, which nothing before has seen, beside the expert, who knows the start and no effect.
+# what a diagnosis may give, of the nominal one with the hidden effects themselves (`truth`). The expert of each feeds
+# forward the friction of its own task (`feedforward: friction`), so one who knows more reaches farther. All are judged in
+# reality on the same starts, which nothing before has seen, beside the expert of the nominal task (`expert`) and that of
+# reality (`expert_knows`).
 #   scripts/policy/proxy_table.sh FOLDER [SEED]     SEED: of trainings, 1 without one
 # FOLDER gets tasks, recordings, diagnosis, a folder per training and proxy.csv; what is there already is kept. Variables:
 #   MINUTES         bound of the diagnosis (30)
@@ -31,17 +33,18 @@ hidden='
 noise=2e-3 # of an encoder, one standard deviation [rad; of the fingers' slides m]
 
 sed -e "s#\.\./\.\./data#$root/data#; s#\.\./\.\./tests#$root/tests#" \
-  -e 's#stiffness: 1e5 N m/rad, damping: 0}#stiffness: 400 N m/rad, damping: 40}#' \
+  -e 's#drive: {stiffness: 1e5 N m/rad, damping: 0}#drive: {stiffness: 400 N m/rad, damping: 40}\n  feedforward: friction#' \
   scripts/policy/push_beaker.yaml >"$folder/nominal.yaml"
 # of second order, so that long steps are not taken for friction
 echo "solver: {integrator: bdf2}" >>"$folder/nominal.yaml"
 sed -e "s#\.\./\.\./\.\./data#$root/data#; s#mesh: finger.obj#mesh: $root/tests/pipeline/small_task/finger.obj#" \
   -e 's#youngs_modulus: 10 MPa#youngs_modulus: 5 MPa#' \
   tests/pipeline/small_task/gripper.yaml >"$folder/softer_gripper.yaml"
+cp "$folder/nominal.yaml" "$folder/truth.yaml"
 sed -e 's#^time_step: 20 ms#time_step: 10 ms#; s#^gripper: .*#gripper: softer_gripper.yaml#' "$folder/nominal.yaml" \
-  >"$folder/reality.yaml"
-for task in reality truth; do
-  [ $task = reality ] || cp "$folder/nominal.yaml" "$folder/truth.yaml"
+  >"$folder/reality_knows.yaml"
+sed '/^  feedforward: friction$/d' "$folder/reality_knows.yaml" >"$folder/reality.yaml"
+for task in truth reality reality_knows; do
   echo "effects:$hidden" >>"$folder/$task.yaml"
 done
 
@@ -80,9 +83,11 @@ case "$verdict" in
   effect | retune) judge amended "$folder/diagnosis/scene_amended.yaml" "" ;;
   *) echo "proxy_table: the verdict is $verdict, so there is no amended task" ;;
 esac
-[ -s "$folder/expert.json" ] ||
-  PVG_PYTHON="$python" "$program" evaluate policy "$folder/reality.yaml" --policy expert -n "${EPISODES:-20}" --json \
-    >"$folder/expert.json"
+for expert in expert:reality expert_knows:reality_knows; do
+  [ -s "$folder/${expert%:*}.json" ] ||
+    PVG_PYTHON="$python" "$program" evaluate policy "$folder/${expert#*:}.yaml" --policy expert -n "${EPISODES:-20}" --json \
+      >"$folder/${expert%:*}.json"
+done
 "$python" - "$folder" <<'PYTHON' | tee "$folder/proxy.csv"
 import csv
 import json
@@ -92,8 +97,10 @@ from pathlib import Path
 from phyvisgen.statistics import wilson
 
 folder = Path(sys.argv[1])
-expert = json.loads((folder / "expert.json").read_text())
-rows = [("none", "expert", sum(one["success"] for one in expert["episodes_detail"]), expert["episodes"])]
+rows = []
+for name in ("expert", "expert_knows"):
+    expert = json.loads((folder / f"{name}.json").read_text())
+    rows.append(("none", name, sum(one["success"] for one in expert["episodes_detail"]), expert["episodes"]))
 for name in ("nominal", "rigid", "amended", "truth"):
     if (folder / name / "judged").exists():
         with open(folder / name / "result.csv") as file:

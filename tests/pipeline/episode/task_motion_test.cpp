@@ -103,5 +103,26 @@ TEST(TaskMotion, ArmsThatWouldMeetAreRefusedByName) {
                            {"dual_fold_towel.yaml", "`left/", "`right/", "closer than 10 mm", "motion[0] (move)"});
 }
 
+// Targets lead while a braked joint moves; other joints', and those of the end, are as planned.
+TEST(TaskMotion, TargetsLeadByTheFrictionThatTheTaskKnows) {
+  Task task = load_task(fs::path(PVG_DATA_FOLDER) / "../tests/pipeline/small_task/push_beaker.yaml");
+  task.effects = {{"joint_coulomb_friction", "fr3_joint4", {8, 1e-3}}};
+  const auto targets = [&] { return plan_episode(task, build_scene(task, 7, 0)).targets; };
+  const std::vector<std::vector<double>> planned = targets();
+  task.robot.feeds_friction_forward = true;
+  const std::vector<std::vector<double>> led = targets();
+  ASSERT_EQ(led.size(), planned.size());
+  double most = 0;
+  for (std::size_t step = 0; step < led.size(); ++step)
+    for (std::size_t joint = 0; joint < led[step].size(); ++joint) {
+      if (joint == 3)
+        most = std::max(most, std::abs(led[step][joint] - planned[step][joint]));
+      else
+        ASSERT_EQ(led[step][joint], planned[step][joint]) << "joint " << joint << " step " << step;
+    }
+  EXPECT_NEAR(most, 8 / task.robot.drive_stiffness, 1e-9);
+  EXPECT_EQ(led.back(), planned.back());
+}
+
 }  // namespace
 }  // namespace pvg

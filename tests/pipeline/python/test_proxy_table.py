@@ -42,8 +42,12 @@ class ProxyTable(unittest.TestCase):
         self.assertIn("effects:\n  - {effect: joint_viscous_friction", reality)
         self.assertIn("time_step: 10 ms", reality)
         self.assertNotIn("effects:", (self.folder / "out/nominal.yaml").read_text())
+        knowing = {name for name in ("nominal", "truth", "reality", "reality_knows")
+                   if "  feedforward: friction\n" in (self.folder / f"out/{name}.yaml").read_text()}
+        self.assertEqual(knowing, {"nominal", "truth", "reality_knows"})
         rows = (self.folder / "out/proxy.csv").read_text().split()
         self.assertEqual(rows[1], "none,expert,1,2,0.095,0.905")
+        self.assertEqual(rows[2], "none,expert_knows,1,2,0.095,0.905")
         self.assertIn("amended,act,2,2,0.342,1.000", rows)
 
     def test_nothing_named_is_told(self):
