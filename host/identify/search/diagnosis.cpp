@@ -16,7 +16,6 @@
 #include "host/identify/fit/time_step.hpp"
 #include "host/identify/fit/whole_runs.hpp"
 #include "host/identify/search/choose_windows.hpp"
-#include "host/identify/search/plan_next.hpp"
 #include "host/identify/search/prove.hpp"
 #include "host/identify/search/regress.hpp"
 #include "host/identify/search/screening.hpp"
@@ -369,7 +368,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     if (!out.supposed_noise.empty()) out.verdict = Verdict::none;
   }
   keep_adjusted(flow, nuisances, out);
-  plan_next(flow, device, out);
+  out.base = std::move(flow.base);
   out.seconds = flow.seconds();
   out.simulations = flow.predictor.n_simulations();
   out.notes = std::move(flow.notes);
