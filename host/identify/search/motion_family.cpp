@@ -134,25 +134,26 @@ Inputs all_inputs(const PhysicalScene& scene) {
   return {std::vector<bool>(scene.joints.size(), true), std::vector<bool>(scene.rigid_bodies.size(), true)};
 }
 
-Inputs inputs_of(const PhysicalScene& scene, const std::vector<const Candidate*>& in_doubt) {
-  Inputs inputs{std::vector<bool>(scene.joints.size(), false), std::vector<bool>(scene.rigid_bodies.size(), false)};
+std::vector<Inputs> inputs_of(const PhysicalScene& scene, const std::vector<const Candidate*>& in_doubt) {
+  const Inputs none{std::vector<bool>(scene.joints.size(), false), std::vector<bool>(scene.rigid_bodies.size(), false)};
+  Inputs first = none, next = none;
   for (const Candidate* candidate : in_doubt) {
     const auto is_target = [&](const auto& one) { return one.name == candidate->target; };
     const auto joint = std::find_if(scene.joints.begin(), scene.joints.end(), is_target);
     const auto body = std::find_if(scene.rigid_bodies.begin(), scene.rigid_bodies.end(), is_target);
     if (joint != scene.joints.end()) {
-      for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-        const Joint& other = scene.joints[j];
-        if (&other == &*joint || other.child == joint->parent || other.parent == joint->child) inputs.joints[j] = true;
-      }
+      first.joints[std::size_t(joint - scene.joints.begin())] = true;
+      for (std::size_t j = 0; j < scene.joints.size(); ++j)
+        if (scene.joints[j].child == joint->parent || scene.joints[j].parent == joint->child) next.joints[j] = true;
     } else if (body != scene.rigid_bodies.end()) {
-      inputs.bodies[std::size_t(body - scene.rigid_bodies.begin())] = true;
-      mark_carriers(scene, int(body - scene.rigid_bodies.begin()), inputs.joints);
+      first.bodies[std::size_t(body - scene.rigid_bodies.begin())] = true;
+      mark_carriers(scene, int(body - scene.rigid_bodies.begin()), first.joints);
     } else {
-      return all_inputs(scene);
+      return {all_inputs(scene)};
     }
   }
-  return inputs;
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) next.joints[j] = next.joints[j] && !first.joints[j];
+  return {first, next};
 }
 
 std::vector<PlannedMotion> motion_family(const Problem& problem, const Inputs& inputs) {

@@ -22,9 +22,9 @@ struct Inputs {
   std::vector<bool> joints, bodies;  // [n_joints], [n_rigid_bodies]
 };
 
-// Those that tell candidates apart: for what is of a joint this joint and those next to it in its chain, for what is of
-// a body the body itself and the joints that carry it, and all for what belongs to neither.
-Inputs inputs_of(const PhysicalScene& scene, const std::vector<const Candidate*>& in_doubt);
+// Those that tell candidates apart, the surest first, none twice: for what is of a joint this joint, then those next to
+// it in its chain; for what is of a body the body itself and the joints that carry it; all for what belongs to neither.
+std::vector<Inputs> inputs_of(const PhysicalScene& scene, const std::vector<const Candidate*>& in_doubt);
 Inputs all_inputs(const PhysicalScene& scene);
 
 // Driven joints: sines, triangles, steps and chirps of 0.3, 1 and 1.5 times the recorded amplitude about where the

@@ -11,7 +11,8 @@ namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 
-constexpr std::size_t N_AT_ONCE = 12;        // motions of one batch: what is done by the deadline counts
+// Motions of one batch: what is done by the deadline counts.
+constexpr std::size_t N_COMPARED_AT_ONCE = 12, N_WITH_COLUMNS_AT_ONCE = 3;
 constexpr double SHARE_OF_COMPARISON = 0.5;  // of the time, before columns are simulated
 
 Model fitted_model(const RankedModel& ranked) {
@@ -126,7 +127,9 @@ std::vector<PlannedMotion> motions_between(const Problem& problem, const RankedM
   add_lacking(first, second);
   add_lacking(second, first);
   const PhysicalScene& scene = problem.scene.scene;
-  const std::vector<PlannedMotion> motions = motion_family(problem, inputs_of(scene, in_doubt));
+  std::vector<PlannedMotion> motions;
+  for (const Inputs& inputs : inputs_of(scene, in_doubt))
+    for (PlannedMotion& motion : motion_family(problem, inputs)) motions.push_back(std::move(motion));
   return motions.empty() ? motion_family(problem, all_inputs(scene)) : motions;
 }
 
@@ -143,17 +146,21 @@ NextExperiment next_experiment(Device& device, const Problem& problem, const Var
   const std::vector<Window> windows = windows_of(planned, motions, recorded[0].unknowns);
   std::vector<Compared> compared;
   const bool were_all_compared = ends_by(predictor.deadline(), after_share(deadline, SHARE_OF_COMPARISON), [&] {
-    for (; best.n_simulated < windows.size(); best.n_simulated = std::min(windows.size(), best.n_simulated + N_AT_ONCE))
-      search.compare(
-          Windows(windows).subspan(best.n_simulated).first(std::min(N_AT_ONCE, windows.size() - best.n_simulated)),
-          compared);
+    for (; best.n_simulated < windows.size();
+         best.n_simulated = std::min(windows.size(), best.n_simulated + N_COMPARED_AT_ONCE))
+      search.compare(Windows(windows)
+                         .subspan(best.n_simulated)
+                         .first(std::min(N_COMPARED_AT_ONCE, windows.size() - best.n_simulated)),
+                     compared);
   });
   std::stable_sort(compared.begin(), compared.end(),
                    [](const Compared& a, const Compared& b) { return a.bound > b.bound; });
   const bool was_best_found = ends_by(predictor.deadline(), deadline, [&] {
-    for (std::size_t at = 0; at < compared.size() && compared[at].bound > best.separation; at += N_AT_ONCE) {
+    for (std::size_t at = 0; at < compared.size() && compared[at].bound > best.separation;
+         at += N_WITH_COLUMNS_AT_ONCE) {
       std::vector<Window> some;
-      for (std::size_t i = at; i < std::min(compared.size(), at + N_AT_ONCE); ++i) some.push_back(compared[i].window);
+      for (std::size_t i = at; i < std::min(compared.size(), at + N_WITH_COLUMNS_AT_ONCE); ++i)
+        some.push_back(compared[i].window);
       search.take_better(std::move(some), motions, best);
     }
   });

@@ -20,8 +20,8 @@ struct NextExperiment {
   bool had_time = true;                        // false: the deadline ended the search
 };
 
-// Motions of the inputs that tell the models apart: of what one of them has and the other lacks. Of all inputs where
-// none of these was moved in the recordings.
+// Motions of the inputs that tell the models apart, the surest first: of what one of them has and the other lacks. Of
+// all inputs where none of these was moved in the recordings.
 std::vector<PlannedMotion> motions_between(const Problem& problem, const RankedModel& first, const RankedModel& second);
 
 // The best of these motions that was found by the deadline.

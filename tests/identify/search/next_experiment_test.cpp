@@ -118,6 +118,9 @@ TEST(NextExperiment, MovesOnlyWhatIsInDoubt) {
   };
   using Names = std::set<std::string>;
   EXPECT_EQ(between({&viscous, &coulomb}, {&viscous, &stribeck}), (Names{"joint3", "joint4", "joint5"}));
+  const RankedModel one = ranked_model({&coulomb}), other = ranked_model({&stribeck});
+  EXPECT_NE(motions_between(problem, one, other).front().description.find("joint4"), std::string::npos)
+      << "where the doubt is comes first";
   EXPECT_EQ(between({&viscous}, {&drag}), (Names{"joint1", "joint2", "joint3"}));
   EXPECT_EQ(between({&viscous}, {&tilt}).size(), 7u) << "gravity acts on all";
 }
