@@ -14,6 +14,7 @@
 #include "host/formats/parquet_tables.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/identify/report/report.hpp"
+#include "host/identify/search/plan_next.hpp"
 #include "host/load/recording/robot_set.hpp"
 #include "pipeline/command_line/command.hpp"
 #include "pipeline/command_line/parquet_python.hpp"
@@ -185,6 +186,10 @@ void run_diagnose(const DiagnoseOptions& options) {
   diagnose::write_report(problem, found, options.folder);
   std::printf("%s\n", found.sentence.c_str());
   std::fprintf(stderr, "%s\n", (fs::path(options.folder) / "report.html").string().c_str());
+  if (!diagnose::wants_next(settings, found)) return;
+  diagnose::plan_next(device, problem, settings, found);
+  diagnose::write_report(problem, found, options.folder);
+  if (!found.next_experiment.empty()) std::fprintf(stderr, "next experiment: %s\n", found.next_experiment.c_str());
 }
 
 }  // namespace
@@ -208,7 +213,7 @@ void add_diagnose(CLI::App& program) {
       ->capture_default_str();
   command->add_flag("--next", o.plans_next,
                     "Compute the motion that best separates the two best names, and write next_experiment.yaml, also "
-                    "where they are not confused");
+                    "where they are not confused; after the report, in a tenth of --minutes at most");
   command->add_flag("--half-step", o.halves_step,
                     "Simulate with half the time step that would be used: no verdict should depend on it");
   command->add_flag("--quick", o.is_quick, "In one minute: --minutes 1")->excludes("--minutes");

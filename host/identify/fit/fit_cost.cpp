@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 
 #include "host/identify/criteria.hpp"
 
@@ -152,6 +153,52 @@ VectorXd sandwich_of(const MatrixXd& inverse, const std::vector<VectorXd>& score
   return VectorXd((inverse * scatter * inverse * (n / (n - 1))).diagonal());
 }
 
+// The normal equations of a fit, priors included, with the share of the windows' corrections for the time step as one
+// number more, the last.
+struct WithStepShare {
+  MatrixXd a;
+  VectorXd g;
+};
+
+std::optional<WithStepShare> with_step_share(const Fit& fit, const std::vector<Window>& windows) {
+  const Eigen::Index n = fit.model.x.size();
+  Fit wider = fit;
+  bool any_corrected = false;
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const VectorXd& correction = windows[w].correction;
+    wider.slope[w].conservativeResize(fit.residual[w].size(), n + 1);
+    wider.slope[w].col(n).setZero();
+    if (correction.size() == 0) continue;
+    wider.slope[w].col(n) = correction;
+    any_corrected = true;
+  }
+  if (!any_corrected) return std::nullopt;
+  const Reduced reduced = reduce(wider);
+  WithStepShare system{reduced.sum_a(), reduced.sum_g()};
+  const std::vector<const Parameter*> parameters = fit.model.parameters();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Parameter& p = *parameters[std::size_t(i)];
+    system.a(i, i) += 1 / std::pow(prior_sigma_of(p), 2);
+    system.g[i] += (fit.model.x[i] - p.off) / std::pow(prior_sigma_of(p), 2);
+  }
+  system.a(n, n) += 1;  // a correction is as large as it was found, give or take itself
+  return system;
+}
+
+// What the correction for the time step may be wrong by, in the parameters:
+//   e = A^-1 b (d^2 + v)^1/2,   d = -(g_c - b^T A^-1 g) v,   v = (c - b^T A^-1 b)^-1
+// with the normal equations [A b; b^T c] of the parameters and of the correction's share, and their gradients g and
+// g_c: d is how far from 1 the residuals want that share, v its variance. `inverse`: of A.
+VectorXd step_error_of(const Fit& fit, const std::vector<Window>& windows, const MatrixXd& inverse, double correlated) {
+  const Eigen::Index n = fit.model.x.size();
+  const std::optional<WithStepShare> system = with_step_share(fit, windows);
+  if (!system) return VectorXd::Zero(n);
+  const VectorXd b = system->a.col(n).head(n), by_share = inverse * b;
+  const double v = 1 / (system->a(n, n) - b.dot(by_share));
+  const double d = -v * (system->g[n] - by_share.dot(system->g.head(n)));
+  return by_share * std::sqrt(d * d + v * fit.scale * fit.scale * correlated);
+}
+
 }  // namespace
 
 MatrixXd covariance_of(const Fit& fit, const std::vector<Window>& windows, double correlated) {
@@ -169,7 +216,8 @@ MatrixXd covariance_of(const Fit& fit, const std::vector<Window>& windows, doubl
   for (const auto& [run, g] : of_run) runs.push_back(g);
   MatrixXd both = inverse * fit.scale * fit.scale * correlated;
   both.diagonal() = both.diagonal().cwiseMax(sandwich_of(inverse, reduced.g)).cwiseMax(sandwich_of(inverse, runs));
-  return both;
+  const VectorXd step_error = step_error_of(fit, windows, inverse, correlated);
+  return both + step_error * step_error.transpose();
 }
 
 }  // namespace pvg::diagnose

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/base/error.hpp"
+#include "host/base/atomic_files.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/model/effect.hpp"
 
@@ -15,12 +14,6 @@ namespace {
 
 using json = nlohmann::ordered_json;
 constexpr std::size_t MOST_ALTERNATIVES = 3;  // that a sentence holds
-
-void write(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  if (!out) throw Failure(file.string() + " could not be written");
-}
 
 std::string with_interval(const NamedParameter& p) {
   return p.name + " " + shown(p.value) + " +- " + shown((p.high - p.low) / 4) + (p.unit == "1" ? "" : " " + p.unit);
@@ -263,13 +256,14 @@ std::string sentence_of(const Diagnosis& d) {
 
 void write_report(const Problem& problem, Diagnosis& diagnosis, const std::filesystem::path& folder) {
   diagnosis.sentence = sentence_of(diagnosis);
-  write(folder / "scene_amended.yaml", amended_scene(problem, diagnosis, folder));
-  if (diagnosis.next_motion) write(folder / "next_experiment.yaml", next_scene(problem, diagnosis, folder));
-  write(folder / "report.html", html_of(problem, diagnosis));
+  write_text_atomically(folder / "scene_amended.yaml", amended_scene(problem, diagnosis, folder));
+  if (diagnosis.next_motion)
+    write_text_atomically(folder / "next_experiment.yaml", next_scene(problem, diagnosis, folder));
+  write_text_atomically(folder / "report.html", html_of(problem, diagnosis));
   json report = report_of(diagnosis);
   report["noise"] = noise_of(problem);
   if (!diagnosis.supposed_noise.empty()) report["supposed_noise"] = diagnosis.supposed_noise;
-  write(folder / "report.json", report.dump(2) + "\n");
+  write_text_atomically(folder / "report.json", report.dump(2) + "\n");
 }
 
 }  // namespace pvg::diagnose

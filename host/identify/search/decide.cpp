@@ -202,6 +202,7 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
     Judged judged;
     GroupErrors errors;
     std::vector<VectorXd> residual;
+    bool gains = false;
   };
   std::vector<Entry> entries;
   for (const Fit& fit : fits) {
@@ -220,7 +221,8 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
                       0.5 * double(n_parameters(fit.model)) * std::log(std::max(n_data / correlated, 2.0)) +
                       log_prior_of(fit);
     judged.excludes_off = excludes_off(fit, base.model);
-    judged.passes = judged.excludes_off && !is_at_bound(fit) && better.is_gain(criteria().gain_sigma);
+    entry.gains = judged.excludes_off && better.is_gain(criteria().gain_sigma);
+    judged.passes = entry.gains && !is_at_bound(fit);
     entries.push_back(std::move(entry));
   }
   std::stable_sort(entries.begin(), entries.end(),
@@ -273,6 +275,14 @@ Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fi
           is_as_good(entries[i], entries[std::size_t(decision.chosen)], criteria().gain_sigma))
         decision.inseparable.push_back(i);
   if (decision.inseparable.size() < 2) decision.inseparable.clear();
+  for (std::size_t i = 0; decision.chosen >= 0 && i < entries.size(); ++i) {
+    const Entry& chosen = entries[std::size_t(decision.chosen)];
+    const Judged& other = entries[i].judged;
+    if (entries[i].gains && !other.passes && other.evidence > chosen.judged.evidence &&
+        n_parameters(other.fit->model) <= n_parameters(chosen.judged.fit->model) &&
+        is_as_good(entries[i], chosen, criteria().gain_sigma))
+      decision.better_at_bound = int(i);
+  }
   for (Entry& e : entries) decision.ranking.push_back(e.judged);
   return decision;
 }

@@ -25,6 +25,9 @@ struct Decision {
   std::vector<Judged> ranking;           // best first
   int chosen = -1;                       // of ranking; -1: none passes
   std::vector<std::size_t> inseparable;  // of ranking, the chosen one among them; empty: nothing is as good
+  // Of ranking, where one is more probable than the chosen one, has no more numbers, fits as well, and passes nothing
+  // because a number of it ended at its bound: the chosen one then stands for what lies beyond that bound. -1: none.
+  int better_at_bound = -1;
   double base_error = 0;
 };
 

@@ -16,7 +16,6 @@
 #include "host/identify/fit/time_step.hpp"
 #include "host/identify/fit/whole_runs.hpp"
 #include "host/identify/search/choose_windows.hpp"
-#include "host/identify/search/plan_next.hpp"
 #include "host/identify/search/prove.hpp"
 #include "host/identify/search/regress.hpp"
 #include "host/identify/search/screening.hpp"
@@ -342,6 +341,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     flow.report_progress(7, 0.9, "judging on the held-out runs");
     Proof proof = prove(flow, chosen, std::move(selected), out.unit);
     nuisances = proof.nuisances;
+    const std::string better_at_bound = proof.selected.better_at_bound;
     const bool is_at_bound = proof.is_at_bound && settings.decide == Decide::workflow;
     const bool is_enough = closes_enough(proof.held_out);
     add_proof(out, std::move(proof));
@@ -349,7 +349,12 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     if (is_at_bound)
       flow.notes.push_back(
           "a number of the best model ended at its bound: it was not measured, and the model passes no proof");
-    bool is_proved = !out.effects.empty() && !is_at_bound;
+    if (!better_at_bound.empty() && !out.effects.empty())
+      flow.notes.push_back(fmt::format(
+          "{} explains as much and is more probable than {}, but a number of it ended at its bound: neither "
+          "was measured, and the name is withheld",
+          better_at_bound, out.effects.back().candidate->label()));
+    bool is_proved = !out.effects.empty() && !is_at_bound && better_at_bound.empty();
     if (settings.decide == Decide::workflow) is_proved = is_proved && is_enough && out.holds_on_whole_runs;
     out.verdict = is_proved ? verdict_of(out.effects) : Verdict::none;
     if (!is_proved && is_judged && !out.effects.empty()) out.ranking.front().fails_held_out = true;
@@ -369,7 +374,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     if (!out.supposed_noise.empty()) out.verdict = Verdict::none;
   }
   keep_adjusted(flow, nuisances, out);
-  plan_next(flow, device, out);
+  out.base = std::move(flow.base);
   out.seconds = flow.seconds();
   out.simulations = flow.predictor.n_simulations();
   out.notes = std::move(flow.notes);

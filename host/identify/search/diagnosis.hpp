@@ -98,10 +98,11 @@ struct Diagnosis {
   std::size_t simulations = 0;
   PhysicalScene used;            // the base scene with the solver as chosen, and with adjusted numbers
   bool is_extrapolated = false;  // to steps of no length, from its step and half of it
+  Variant base;                  // what the models of the ranking change
   std::shared_ptr<std::vector<Candidate>> candidates;  // owns what the pointers above point to
 };
 
-// folder: of the stages' files; empty: none are written.
+// folder: of the stages' files; empty: none are written. The next experiment is not planned yet (plan_next.hpp).
 Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, const std::filesystem::path& folder);
 
 }  // namespace pvg::diagnose

@@ -189,6 +189,9 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
     }
     out.fits.push_back(named);
     out.error = error;
+    out.better_at_bound.clear();
+    if (decision.better_at_bound >= 0 && flow.settings.decide == Decide::workflow)
+      out.better_at_bound = labels_of(decision.ranking[std::size_t(decision.better_at_bound)].fit->model).back();
     if (error < criteria().unexplained || is_newest_dropped) break;
     if (int(named.model.effects().size()) < flow.settings.max_effects)
       flow.report_progress(4, 0.6,
@@ -203,6 +206,7 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
     flow.ends_in_time(criteria().time_search, "the revision of a pair",
                       [&] { fit = prepared_again(flow.fitter, first, fit); });
     out.fits = {std::move(fit)};
+    out.better_at_bound.clear();
     out.error = rms(out.fits.back().residual);
     out.ranking.insert(out.ranking.begin(), pair.model);
     if (!pair.inseparable.empty()) out.inseparable.push_back(pair.inseparable);

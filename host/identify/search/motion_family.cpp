@@ -48,11 +48,15 @@ PlannedMotion at_rest_in(const Window& window, double seconds, const Run& run) {
   return motion;
 }
 
-void add_commands(const Problem& problem, const PlannedMotion& rest, std::vector<PlannedMotion>& out) {
+void add_commands(const Problem& problem, const Inputs& inputs, const PlannedMotion& rest,
+                  std::vector<PlannedMotion>& out) {
   std::size_t driven = 0;
-  for (const Joint& joint : problem.scene.scene.joints) {
+  const std::vector<Joint>& joints = problem.scene.scene.joints;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const Joint& joint = joints[i];
     if (!is_driven(joint)) continue;
     const std::size_t j = driven++;
+    if (!inputs.joints[i]) continue;
     const double amplitude = amplitude_of(problem, j);
     for (const Shape& shape : SHAPES)
       for (const double share : criteria().next_amplitudes)
@@ -79,11 +83,12 @@ double farthest_of(const std::vector<Window>& windows, std::size_t joint) {
   return most;
 }
 
-void add_releases(const Problem& problem, const PlannedMotion& rest, std::vector<PlannedMotion>& out) {
+void add_releases(const Problem& problem, const Inputs& inputs, const PlannedMotion& rest,
+                  std::vector<PlannedMotion>& out) {
   const std::vector<Window> windows = make_windows(problem, false, criteria().locate_window, criteria().n_windows_most);
   for (const int j : problem.coordinates) {
     const Joint& joint = problem.scene.scene.joints[std::size_t(j)];
-    if (is_driven(joint) || joint.type == Joint::Type::spherical) continue;
+    if (!inputs.joints[std::size_t(j)] || is_driven(joint) || joint.type == Joint::Type::spherical) continue;
     const double most = farthest_of(windows, std::size_t(j));
     for (const double share : criteria().next_releases) {
       if (most == 0) continue;
@@ -96,8 +101,10 @@ void add_releases(const Problem& problem, const PlannedMotion& rest, std::vector
   }
 }
 
-void add_throws(const Problem& problem, const PlannedMotion& rest, std::vector<PlannedMotion>& out) {
-  for (const int b : problem.free_bodies)
+void add_throws(const Problem& problem, const Inputs& inputs, const PlannedMotion& rest,
+                std::vector<PlannedMotion>& out) {
+  for (const int b : problem.free_bodies) {
+    if (!inputs.bodies[std::size_t(b)]) continue;
     for (const double speed : criteria().next_speeds)
       for (const double turn : criteria().next_turns) {
         PlannedMotion motion = rest;
@@ -108,18 +115,55 @@ void add_throws(const Problem& problem, const PlannedMotion& rest, std::vector<P
                                          velocity.y(), velocity.z());
         out.push_back(std::move(motion));
       }
+  }
+}
+
+// The joints between a body and the ground, one after the other.
+void mark_carriers(const PhysicalScene& scene, int body, std::vector<bool>& marked) {
+  for (std::size_t n = 0; n < scene.joints.size(); ++n)
+    for (std::size_t j = 0; j < scene.joints.size(); ++j)
+      if (scene.joints[j].child == body) {
+        marked[j] = true;
+        body = scene.joints[j].parent;
+      }
 }
 
 }  // namespace
 
-std::vector<PlannedMotion> motion_family(const Problem& problem) {
+Inputs all_inputs(const PhysicalScene& scene) {
+  return {std::vector<bool>(scene.joints.size(), true), std::vector<bool>(scene.rigid_bodies.size(), true)};
+}
+
+std::vector<Inputs> inputs_of(const PhysicalScene& scene, const std::vector<const Candidate*>& in_doubt) {
+  const Inputs none{std::vector<bool>(scene.joints.size(), false), std::vector<bool>(scene.rigid_bodies.size(), false)};
+  Inputs first = none, next = none;
+  for (const Candidate* candidate : in_doubt) {
+    const auto is_target = [&](const auto& one) { return one.name == candidate->target; };
+    const auto joint = std::find_if(scene.joints.begin(), scene.joints.end(), is_target);
+    const auto body = std::find_if(scene.rigid_bodies.begin(), scene.rigid_bodies.end(), is_target);
+    if (joint != scene.joints.end()) {
+      first.joints[std::size_t(joint - scene.joints.begin())] = true;
+      for (std::size_t j = 0; j < scene.joints.size(); ++j)
+        if (scene.joints[j].child == joint->parent || scene.joints[j].parent == joint->child) next.joints[j] = true;
+    } else if (body != scene.rigid_bodies.end()) {
+      first.bodies[std::size_t(body - scene.rigid_bodies.begin())] = true;
+      mark_carriers(scene, int(body - scene.rigid_bodies.begin()), first.joints);
+    } else {
+      return {all_inputs(scene)};
+    }
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) next.joints[j] = next.joints[j] && !first.joints[j];
+  return {first, next};
+}
+
+std::vector<PlannedMotion> motion_family(const Problem& problem, const Inputs& inputs) {
   std::vector<PlannedMotion> motions;
   const std::vector<Window> windows = make_windows(problem, false, 0, problem.runs.size());
   if (windows.empty()) return motions;
   const PlannedMotion rest = at_rest_in(windows[0], longest_of(problem), problem.runs[std::size_t(windows[0].run)]);
-  add_commands(problem, rest, motions);
-  add_releases(problem, rest, motions);
-  add_throws(problem, rest, motions);
+  add_commands(problem, inputs, rest, motions);
+  add_releases(problem, inputs, rest, motions);
+  add_throws(problem, inputs, rest, motions);
   return motions;
 }
 

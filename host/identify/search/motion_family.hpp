@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "host/identify/candidates/candidate.hpp"
+
 #include "host/identify/data/window.hpp"
 
 namespace pvg::diagnose {
@@ -15,10 +17,20 @@ struct PlannedMotion {
   std::vector<TargetTable> targets;  // [n_driven] as Run has them
 };
 
+// What can be moved where a scene may be in doubt.
+struct Inputs {
+  std::vector<bool> joints, bodies;  // [n_joints], [n_rigid_bodies]
+};
+
+// Those that tell candidates apart, the surest first, none twice: for what is of a joint this joint, then those next to
+// it in its chain; for what is of a body the body itself and the joints that carry it; all for what belongs to neither.
+std::vector<Inputs> inputs_of(const PhysicalScene& scene, const std::vector<const Candidate*>& in_doubt);
+Inputs all_inputs(const PhysicalScene& scene);
+
 // Driven joints: sines, triangles, steps and chirps of 0.3, 1 and 1.5 times the recorded amplitude about where the
 // commands began, with 1, 3 and 8 cycles. Other joints: releases at rest from other angles. Free bodies: the first
-// recorded start with half and twice the speed, turned about the vertical.
-std::vector<PlannedMotion> motion_family(const Problem& problem);
+// recorded start with half and twice the speed, turned about the vertical. Only of these inputs.
+std::vector<PlannedMotion> motion_family(const Problem& problem, const Inputs& inputs);
 
 // The problem with these motions as its runs: nothing is measured there, so the numbers to compare with are zero.
 Problem planned_problem(const Problem& problem, const std::vector<PlannedMotion>& motions);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "host/identify/criteria.hpp"
 
@@ -9,6 +10,10 @@ namespace pvg::diagnose {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
+
+// Motions of one batch: what is done by the deadline counts.
+constexpr std::size_t N_COMPARED_AT_ONCE = 12, N_WITH_COLUMNS_AT_ONCE = 3;
+constexpr double SHARE_OF_COMPARISON = 0.5;  // of the time, before columns are simulated
 
 Model fitted_model(const RankedModel& ranked) {
   const Eigen::Index n = Eigen::Index(ranked.values.size());
@@ -48,42 +53,118 @@ std::vector<Model> moved_models(const Model& model, const std::vector<double>& d
   return models;
 }
 
+// A motion's window, and |d|.
+struct Compared {
+  Window window;
+  double bound = 0;
+};
+
+using Windows = std::span<const Window>;
+
+class Search {
+ public:
+  Search(Predictor& predictor, const Variant& base, const RankedModel& first, const RankedModel& second)
+      : predictor_(predictor),
+        base_(base),
+        fitter_(predictor, base),
+        models_{fitted_model(second), fitted_model(first)} {
+    for (Model& model : moved_models(models_[0], second.deviations)) models_.push_back(std::move(model));
+  }
+
+  // Appends those that can be simulated.
+  void compare(Windows some, std::vector<Compared>& out) {
+    FitData data{{some.begin(), some.end()}, {}, {}};
+    predictor_.settle(base_, data.windows);
+    const auto found = fitter_.evaluate(data, {models_[0], models_[1]}, {});
+    for (std::size_t w = 0; w < data.windows.size(); ++w) {
+      const double bound = (found[1][w].residual - found[0][w].residual).norm();
+      if (std::isfinite(bound)) out.push_back({data.windows[w], bound});
+    }
+  }
+
+  // Takes the best of these motions if it is better than `best`.
+  void take_better(std::vector<Window> some, const std::vector<PlannedMotion>& motions, NextExperiment& best) {
+    const FitData data = fitter_.prepare(std::move(some), models_[0], false);
+    if (data.windows.empty()) return;
+    const std::vector<std::vector<Prediction>> found = fitter_.evaluate(data, models_, {});
+    for (std::size_t w = 0; w < data.windows.size(); ++w) {
+      const VectorXd& here = found[0][w].residual;
+      const Eigen::Index n_starts = data.of_start[w].cols();
+      MatrixXd columns(here.size(), n_starts + Eigen::Index(models_.size()) - 2);
+      columns.leftCols(n_starts) = data.of_start[w];
+      for (std::size_t m = 2; m < models_.size(); ++m)
+        columns.col(n_starts + Eigen::Index(m) - 2) = found[m][w].residual - here;
+      const VectorXd difference = found[1][w].residual - here;
+      if (!difference.allFinite() || !columns.allFinite()) continue;
+      const double separation = separation_of(difference, columns);
+      if (separation <= best.separation) continue;
+      best.motion = motions[std::size_t(data.windows[w].run)];
+      best.separation = separation;
+      best.n_samples = std::size_t(here.size());
+    }
+  }
+
+ private:
+  Predictor& predictor_;
+  const Variant& base_;
+  Fitter fitter_;
+  std::vector<Model> models_;  // the second, the first, the second with its parameters moved
+};
+
 }  // namespace
 
 double separation_of(const VectorXd& difference, const MatrixXd& columns) {
   return beside_starts(columns, difference).norm();
 }
 
-std::optional<NextExperiment> next_experiment(Device& device, const Problem& problem, const Variant& base,
-                                              const RankedModel& first, const RankedModel& second,
-                                              std::size_t n_processes, Clock::time_point deadline) {
-  const std::vector<PlannedMotion> motions = motion_family(problem);
+std::vector<PlannedMotion> motions_between(const Problem& problem, const RankedModel& first,
+                                           const RankedModel& second) {
+  std::vector<const Candidate*> in_doubt;
+  const auto add_lacking = [&](const RankedModel& of, const RankedModel& in) {
+    for (const Candidate* part : of.parts)
+      if (std::find(in.parts.begin(), in.parts.end(), part) == in.parts.end()) in_doubt.push_back(part);
+  };
+  add_lacking(first, second);
+  add_lacking(second, first);
+  const PhysicalScene& scene = problem.scene.scene;
+  std::vector<PlannedMotion> motions;
+  for (const Inputs& inputs : inputs_of(scene, in_doubt))
+    for (PlannedMotion& motion : motion_family(problem, inputs)) motions.push_back(std::move(motion));
+  return motions.empty() ? motion_family(problem, all_inputs(scene)) : motions;
+}
+
+NextExperiment next_experiment(Device& device, const Problem& problem, const Variant& base, const RankedModel& first,
+                               const RankedModel& second, std::size_t n_processes, Clock::time_point deadline) {
+  NextExperiment best;
+  const std::vector<PlannedMotion> motions = motions_between(problem, first, second);
   const std::vector<Window> recorded = make_windows(problem, false, 0, 1);
-  if (motions.empty() || recorded.empty()) return std::nullopt;
+  if (motions.empty() || recorded.empty()) return best;
+  best.n_motions = motions.size();
   const Problem planned = planned_problem(problem, motions);
   Predictor predictor(device, planned, n_processes);
-  predictor.deadline() = deadline;
-  Fitter fitter(predictor, base);
-  const Model model = fitted_model(second);
-  const FitData data = fitter.prepare(windows_of(planned, motions, recorded[0].unknowns), model, false);
-  if (data.windows.empty()) return std::nullopt;
-  std::vector<Model> models = moved_models(model, second.deviations);
-  models.insert(models.begin(), {model, fitted_model(first)});
-  const std::vector<std::vector<Prediction>> found = fitter.evaluate(data, models, {});
-  NextExperiment best;
-  for (std::size_t w = 0; w < data.windows.size(); ++w) {
-    const VectorXd& here = found[0][w].residual;
-    MatrixXd columns(here.size(), data.of_start[w].cols() + Eigen::Index(models.size()) - 2);
-    columns.leftCols(data.of_start[w].cols()) = data.of_start[w];
-    for (std::size_t m = 2; m < models.size(); ++m)
-      columns.col(data.of_start[w].cols() + Eigen::Index(m) - 2) = found[m][w].residual - here;
-    const VectorXd difference = found[1][w].residual - here;
-    if (!difference.allFinite() || !columns.allFinite()) continue;
-    const double separation = separation_of(difference, columns);
-    if (separation <= best.separation) continue;
-    best = {motions[std::size_t(data.windows[w].run)], separation, std::size_t(here.size())};
-  }
-  if (best.n_samples == 0) return std::nullopt;
+  Search search(predictor, base, first, second);
+  const std::vector<Window> windows = windows_of(planned, motions, recorded[0].unknowns);
+  std::vector<Compared> compared;
+  const bool were_all_compared = ends_by(predictor.deadline(), after_share(deadline, SHARE_OF_COMPARISON), [&] {
+    for (; best.n_simulated < windows.size();
+         best.n_simulated = std::min(windows.size(), best.n_simulated + N_COMPARED_AT_ONCE))
+      search.compare(Windows(windows)
+                         .subspan(best.n_simulated)
+                         .first(std::min(N_COMPARED_AT_ONCE, windows.size() - best.n_simulated)),
+                     compared);
+  });
+  std::stable_sort(compared.begin(), compared.end(),
+                   [](const Compared& a, const Compared& b) { return a.bound > b.bound; });
+  const bool was_best_found = ends_by(predictor.deadline(), deadline, [&] {
+    for (std::size_t at = 0; at < compared.size() && compared[at].bound > best.separation;
+         at += N_WITH_COLUMNS_AT_ONCE) {
+      std::vector<Window> some;
+      for (std::size_t i = at; i < std::min(compared.size(), at + N_WITH_COLUMNS_AT_ONCE); ++i)
+        some.push_back(compared[i].window);
+      search.take_better(std::move(some), motions, best);
+    }
+  });
+  best.had_time = were_all_compared && was_best_found;
   return best;
 }
 

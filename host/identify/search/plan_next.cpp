@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/search/next_experiment.hpp"
-#include "host/identify/search/workflow.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -31,25 +31,33 @@ const RankedModel* confused_with_first(const Diagnosis& d) {
 
 }  // namespace
 
-void plan_next(Workflow& flow, Device& device, Diagnosis& d) {
-  const RankedModel* other = confused_with_first(d);
-  if (other == nullptr || !(flow.settings.plans_next || !d.inseparable.empty())) return;
-  std::optional<NextExperiment> found;
-  const auto end = flow.end_of(criteria().time_proof);
-  if (!flow.ends_in_time(criteria().time_proof, "the next experiment", [&] {
-        found = next_experiment(device, flow.problem, flow.base, d.ranking[0], *other, flow.settings.n_processes, end);
-      }))
-    return;
-  if (!found) {
-    flow.notes.push_back("no motion that could be commanded or released here was found for a next experiment");
+bool wants_next(const Settings& settings, const Diagnosis& d) {
+  return confused_with_first(d) != nullptr && (settings.plans_next || !d.inseparable.empty());
+}
+
+void plan_next(Device& device, const Problem& problem, const Settings& settings, Diagnosis& d) {
+  if (!wants_next(settings, d)) return;
+  const RankedModel& other = *confused_with_first(d);
+  const auto start = Clock::now();
+  const double seconds = std::min(60 * settings.minutes * criteria().time_next, 60 * settings.minutes - d.seconds);
+  const auto deadline = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  NextExperiment found = next_experiment(device, problem, d.base, d.ranking[0], other, settings.n_processes, deadline);
+  d.seconds -= seconds_until(start);
+  if (!found.had_time)
+    d.left_out.push_back(
+        fmt::format("a part of the search for a next experiment: {} of {} motions were simulated in "
+                    "{:.0f} s; `--minutes`, which is {:g}, gives it more",
+                    found.n_simulated, found.n_motions, std::max(seconds, 0.0), settings.minutes));
+  if (found.n_samples == 0) {
+    if (found.had_time)
+      d.notes.push_back("no motion that could be commanded or released here was found for a next experiment");
     return;
   }
-  d.next_experiment =
-      fmt::format("{}: separates {} from {} by {:.3g} times the noise, over {} numbers, of {} motions the most{}",
-                  found->motion.description, label_of(d.ranking[0]), label_of(*other), found->separation,
-                  found->n_samples, motion_family(flow.problem).size(),
-                  found->separation < criteria().told_apart ? ", which is not enough to tell them apart" : "");
-  d.next_motion = std::move(found->motion);
+  d.next_experiment = fmt::format(
+      "{}: separates {} from {} by {:.3g} times the noise, over {} numbers, of {} motions the most{}",
+      found.motion.description, label_of(d.ranking[0]), label_of(other), found.separation, found.n_samples,
+      found.n_simulated, found.separation < criteria().told_apart ? ", which is not enough to tell them apart" : "");
+  d.next_motion = std::move(found.motion);
 }
 
 }  // namespace pvg::diagnose

@@ -59,6 +59,7 @@ struct Selection {
   std::vector<RankedModel> ranking;  // best first
   std::vector<std::vector<std::string>> inseparable;
   double error = 0;                // of the last fit [noise]
+  std::string better_at_bound;     // as Decision has it, of the last effect that was added; empty: none
   bool asks_for_new_step = false;  // what was found needs a finer time step: nothing else is told
 };
 

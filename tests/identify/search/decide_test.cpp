@@ -80,6 +80,27 @@ TEST(Decide, NothingIsNamedWhereItsSizeIsNotMeasured) {
   EXPECT_EQ(decide(one_window(), base, {fit_of(&some, 5, 0.1, residual_of(6))}).chosen, -1) << "closes nothing";
 }
 
+// Another model explains as much at its bound. What is named only because that bound ends there, say adhesion of a
+// block whose friction is more than five times what its scene says, was not measured either.
+TEST(Decide, ANameIsDoubtedWhereAMoreProbableModelEndsAtItsBound) {
+  const Candidate rare = candidate("rare", -3), common = candidate("common", 0);
+  const Fit base = fit_of(nullptr, 0, 0, residual_of(6)), named = fit_of(&rare, 5, 0.1, residual_of(1));
+  const auto doubt_by = [&](const Fit& other) {
+    const std::vector<Fit> fits{named, other};
+    const Decision decision = decide(one_window(), base, fits);
+    EXPECT_EQ(decision.ranking[std::size_t(decision.chosen)].fit->model.parts[0]->name, "rare");
+    return decision.better_at_bound;
+  };
+  const std::vector<Fit> fits{named, fit_of(&common, 10, 0.1, residual_of(1))};
+  const Decision doubted = decide(one_window(), base, fits);
+  ASSERT_GE(doubted.better_at_bound, 0);
+  EXPECT_EQ(doubted.ranking[std::size_t(doubted.better_at_bound)].fit, &fits[1]);
+  EXPECT_EQ(doubt_by(fit_of(&common, 10, 0.1, residual_of(2))), -1) << "it explains less";
+  EXPECT_EQ(doubt_by(fit_of(&common, 10, 6, residual_of(1))), -1) << "it may be off";
+  const Candidate rarer = candidate("rarer", -6);
+  EXPECT_EQ(doubt_by(fit_of(&rarer, 10, 0.1, residual_of(1))), -1) << "it is less probable";
+}
+
 // residuals that are cut do not feel the noise, so a run that is missed by far is no reason to doubt a model that fits
 // it
 TEST(Decide, ARunThatIsMissedByFarDoesNotHideWhatExplainsIt) {

@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
+
+#include "host/identify/search/plan_next.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -47,7 +51,7 @@ Problem driven() {
 
 TEST(NextExperiment, CommandsStayWithinOneAndAHalfTimesWhatWasRecorded) {
   const Problem problem = driven();
-  const std::vector<PlannedMotion> motions = motion_family(problem);
+  const std::vector<PlannedMotion> motions = motion_family(problem, all_inputs(problem.scene.scene));
   EXPECT_EQ(motions.size(), 4u * 3 * 3);
   std::set<std::string> descriptions;
   double most = 0;
@@ -61,6 +65,158 @@ TEST(NextExperiment, CommandsStayWithinOneAndAHalfTimesWhatWasRecorded) {
   const Problem planned = planned_problem(problem, motions);
   EXPECT_EQ(planned.runs.size(), motions.size());
   EXPECT_EQ(planned.runs[0].t.size(), 100u);
+}
+
+// Seven links, one carried by the other, each by a driven joint of the same number.
+Problem driven_arm() {
+  Problem problem = driven();
+  PhysicalScene& scene = problem.scene.scene;
+  const Joint first = scene.joints[0];
+  scene.joints.clear();
+  scene.rigid_bodies.resize(8);
+  problem.coordinates.clear();
+  diagnose::Run& run = problem.runs[0];
+  run.targets.assign(7, TargetTable(run.targets[0]));
+  for (int j = 0; j < 7; ++j) {
+    scene.joints.push_back(first);
+    scene.joints.back().name = "joint" + std::to_string(j + 1);
+    scene.joints.back().parent = j, scene.joints.back().child = j + 1;
+    scene.rigid_bodies[std::size_t(j) + 1].name = "link" + std::to_string(j + 1);
+    problem.coordinates.push_back(j);
+  }
+  return problem;
+}
+
+Candidate candidate_at(const std::string& name, const std::string& target) {
+  Candidate candidate;
+  candidate.name = name;
+  candidate.target = target;
+  return candidate;
+}
+
+RankedModel ranked_model(std::vector<const Candidate*> parts) {
+  RankedModel model;
+  model.parts = std::move(parts);
+  return model;
+}
+
+std::set<std::string> commanded(const std::vector<PlannedMotion>& motions) {
+  std::set<std::string> names;
+  for (const PlannedMotion& motion : motions)
+    names.insert(motion.description.substr(11, motion.description.find(':') - 11));
+  return names;
+}
+
+TEST(NextExperiment, MovesOnlyWhatIsInDoubt) {
+  const Problem problem = driven_arm();
+  const Candidate coulomb = candidate_at("joint_coulomb_friction", "joint4");
+  const Candidate stribeck = candidate_at("joint_stribeck_friction", "joint4");
+  const Candidate viscous = candidate_at("joint_viscous_friction", "joint2");
+  const Candidate drag = candidate_at("linear_drag", "link3"), tilt = candidate_at("gravity_tilt", "scene");
+  const auto between = [&](std::vector<const Candidate*> first, std::vector<const Candidate*> second) {
+    return commanded(motions_between(problem, ranked_model(std::move(first)), ranked_model(std::move(second))));
+  };
+  using Names = std::set<std::string>;
+  EXPECT_EQ(between({&viscous, &coulomb}, {&viscous, &stribeck}), (Names{"joint3", "joint4", "joint5"}));
+  const RankedModel one = ranked_model({&coulomb}), other = ranked_model({&stribeck});
+  EXPECT_NE(motions_between(problem, one, other).front().description.find("joint4"), std::string::npos)
+      << "where the doubt is comes first";
+  EXPECT_EQ(between({&viscous}, {&drag}), (Names{"joint1", "joint2", "joint3"}));
+  EXPECT_EQ(between({&viscous}, {&tilt}).size(), 7u) << "gravity acts on all";
+}
+
+TEST(NextExperiment, MovesEverythingWhereWhatIsInDoubtWasNeverMoved) {
+  Problem problem = driven_arm();
+  for (const std::size_t j : {2, 3, 4}) problem.runs[0].targets[j].value = {0, 0, 0};
+  const Candidate coulomb = candidate_at("joint_coulomb_friction", "joint4");
+  const Candidate stribeck = candidate_at("joint_stribeck_friction", "joint4");
+  EXPECT_EQ(commanded(motions_between(problem, ranked_model({&coulomb}), ranked_model({&stribeck}))),
+            (std::set<std::string>{"joint1", "joint2", "joint6", "joint7"}));
+}
+
+// An arm on a drive of 20 N m/rad that was told to swing: c = 0.1 N m s/rad of friction or 0.02 N m at every rate?
+struct ConfusedFrictions {
+  const TestFolder folder;
+  Device device;
+  Settings settings;
+  Diagnosis found;
+  const Problem problem = recorded();
+  const std::vector<Candidate> candidates = make_candidates(problem, {});
+
+  ConfusedFrictions() {
+    found.base = {problem.scene.scene, {}};
+    found.ranking = {friction("joint_viscous_friction", {0.1}), friction("joint_coulomb_friction", {0.02})};
+    found.inseparable = {{found.ranking[0].parts[0]->label(), found.ranking[1].parts[0]->label()}};
+  }
+
+  RankedModel friction(const std::string& name, const std::vector<double>& values) const {
+    const auto at =
+        std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& c) { return c.name == name; });
+    RankedModel model = ranked_model({&*at});
+    model.values = values;
+    model.deviations.assign(values.size(), 0.1 * values[0]);
+    return model;
+  }
+
+  Problem recorded() const {
+    folder.write("scene.yaml", R"(schema: 1
+name: driven
+time_step: 10 ms
+gravity: [0, 0, 0]
+bodies:
+  - {name: base, kind: static, shape: {box: {size: [0.01, 0.01, 0.01]}}, collides: false}
+  - {name: arm, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 1, pose: {position: [0.15, 0, 0]}, collides: false}
+joints:
+  - {name: shoulder, type: revolute, parent: base, child: arm, axis: [0, 0, 1], drive: {stiffness: 20, damping: 0.6, target: 0}}
+)");
+    std::string run = "t,command,q\n";
+    for (int i = 0; i < 40; ++i) {
+      const std::string angle = std::to_string(0.3 * std::sin(0.2 * i));
+      run += std::to_string(0.01 * i) + "," + angle + "," + angle + "\n";
+    }
+    folder.write("a.csv", run);
+    folder.write("recording.yaml", R"(schema: 1
+scene: scene.yaml
+runs:
+  - {file: a.csv, role: fit}
+inputs:
+  - {column: command, target: joint/shoulder/position}
+channels:
+  - {column: q, kind: position, joint: shoulder, unit: rad, noise: 0.001}
+initial: {joint/shoulder/position: 0, joint/shoulder/velocity: 0}
+)");
+    return make_problem(folder.path / "recording.yaml");
+  }
+};
+
+TEST(PlanNext, IsDoneAfterTheDiagnosisInWhatIsLeftOfItsMinutes) {
+  ConfusedFrictions confused;
+  Diagnosis hurried = confused.found;
+  hurried.seconds = 60 * confused.settings.minutes;
+  plan_next(confused.device, confused.problem, confused.settings, hurried);
+  EXPECT_TRUE(hurried.next_experiment.empty());
+  ASSERT_EQ(hurried.left_out.size(), 1u);
+  EXPECT_NE(hurried.left_out[0].find("0 of 36 motions were simulated in 0 s"), std::string::npos)
+      << hurried.left_out[0];
+  EXPECT_LT(hurried.seconds, 60 * confused.settings.minutes + 5);
+  confused.settings.minutes = 60;
+  plan_next(confused.device, confused.problem, confused.settings, confused.found);
+  EXPECT_NE(confused.found.next_experiment.find("of 36 motions the most"), std::string::npos)
+      << confused.found.next_experiment;
+  EXPECT_TRUE(confused.found.left_out.empty());
+  ASSERT_TRUE(confused.found.next_motion);
+  EXPECT_EQ(confused.found.next_motion->targets.size(), 1u);
+}
+
+TEST(PlanNext, NamesAreConfusedOrItIsAskedFor) {
+  ConfusedFrictions confused;
+  EXPECT_TRUE(wants_next(confused.settings, confused.found));
+  confused.found.inseparable.clear();
+  EXPECT_FALSE(wants_next(confused.settings, confused.found));
+  confused.settings.plans_next = true;
+  EXPECT_TRUE(wants_next(confused.settings, confused.found));
+  confused.found.ranking.resize(1);
+  EXPECT_FALSE(wants_next(confused.settings, confused.found)) << "there is nothing to tell it from";
 }
 
 }  // namespace
