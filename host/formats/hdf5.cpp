@@ -3,23 +3,32 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "host/base/outputs.hpp"
 
 namespace pvg::hdf5 {
 namespace {
 
-// Before anything else of the library. Its own print of its error stack would stand beside our one sentence; and what
-// it does at the end of the program crashes where a file could not be written to its end. Files have owners that close
-// them.
+// The library's own print of its error stack would stand beside our one sentence. It is a setting of each thread.
+void be_quiet_in_this_thread() {
+  thread_local bool is_quiet = false;
+  if (!std::exchange(is_quiet, true)) H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+// Before anything else of the library. What it does at the end of the program crashes where a file could not be written
+// to its end. Files have owners that close them.
 void prepare_library() {
   H5dont_atexit();
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  be_quiet_in_this_thread();
 }
 
 template <auto close>
 Handle own(hid_t id) {
-  return Handle(id, [](std::int64_t value) { return int(close(value)); });
+  return Handle(id, [](std::int64_t value) {
+    be_quiet_in_this_thread();
+    return int(close(value));
+  });
 }
 
 hid_t in_memory(Type type) {
@@ -97,6 +106,12 @@ std::uint64_t chunk_rows(std::uint64_t row_bytes) {
 }
 
 }  // namespace
+
+// Calls of the library that can fail ask for an id, in whichever thread they are made.
+std::int64_t Handle::id() const {
+  be_quiet_in_this_thread();
+  return id_;
+}
 
 void File::fail(const std::string& what, const std::string& object) const {
   if (is_input_)

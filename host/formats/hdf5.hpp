@@ -71,7 +71,7 @@ class Handle {
   ~Handle() {
     if (id_ >= 0) close_(id_);
   }
-  std::int64_t id() const { return id_; }
+  std::int64_t id() const;
 
  private:
   std::int64_t id_ = -1;

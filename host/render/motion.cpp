@@ -30,10 +30,12 @@ std::vector<std::vector<Vec3>> between(const std::vector<std::vector<Vec3>>& a, 
   return points;
 }
 
+constexpr double LEAST_SHARE = 1e-9;  // a time that is a step's but for rounding
+
 }  // namespace
 
 SceneState interpolate(const SceneState& a, const SceneState& b, double share) {
-  if (share <= 0) return a;
+  if (share < LEAST_SHARE) return a;
   if (share >= 1) return b;
   SceneState state;
   state.time = (1 - share) * a.time + share * b.time;

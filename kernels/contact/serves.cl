@@ -1,19 +1,16 @@
 // Whether pairs that were looked for still serve for a motion from x0 to x1 (host/physics/contact/candidates.hpp).
 // serves: one number per list; where it does not serve, `no` is written to it, a number that no check used before.
+// All three lists in one launch: a work-group for each body of the first two, then one for each 64 sites of the third.
 #include "shared/svd.cl"
 #include "shared/types.h"
 #define LANES 64u
 
-// Pairs of bodies: no site may be farther than `allowed` [m] from where it was. n: surface sites
-kernel void sites_moved(const uint n, global const u32* restrict surface, global const real* restrict reference,
-                        global const real* restrict x0, global const real* restrict x1, const real allowed,
-                        const uint list, const uint no, global u32* serves) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  const uint site = surface[i];
+// Pairs of bodies: no site may be farther than `allowed` [m] from where it was.
+static inline void check_site(const uint site, global const real* restrict reference, global const real* restrict x0,
+                              global const real* restrict x1, const real allowed, const uint no, global u32* serves) {
   const real3 from = vload3(site, reference);
   // so that what is not a number moves too
-  if (!(length(vload3(site, x0) - from) <= allowed && length(vload3(site, x1) - from) <= allowed)) serves[list] = no;
+  if (!(length(vload3(site, x0) - from) <= allowed && length(vload3(site, x1) - from) <= allowed)) *serves = no;
 }
 
 // the sum over a work-group, in one order
@@ -31,14 +28,12 @@ static inline real3 sum_of_lanes(const real3 value, local real* lanes) {
 
 // Pairs of one body: apart from the rigid motion that brings it closest to where it was (Kabsch 1976), no site may be
 // farther than `allowed` [m], and the motion may not turn it by more than most_rotation [rad].
-// One work-group per body. n: 64 x bodies;  first: [n_bodies + 1] into sites
-kernel __attribute__((reqd_work_group_size(64, 1, 1))) void bodies_deformed(
-    const uint n, global const u32* restrict first, global const u32* restrict sites,
-    global const real* restrict reference, global const real* restrict x0, global const real* restrict x1,
-    const real allowed, const real most_rotation, const uint list, const uint no, global u32* serves) {
-  local real lanes[3 * LANES];
-  local real turns[2 * 9];
-  const uint body = get_group_id(0), lane = get_local_id(0), begin = first[body], end = first[body + 1];
+// sites: those from `begin` to `end` - 1 are the body's, of one work-group
+static inline void check_body(const uint begin, const uint end, global const u32* restrict sites,
+                              global const real* restrict reference, global const real* restrict x0,
+                              global const real* restrict x1, const real allowed, const real most_rotation,
+                              const uint no, global u32* serves, local real* lanes, local real* turns) {
+  const uint lane = get_local_id(0);
   const real count = end - begin;
   real3 centre = (real3)(0);
   for (uint i = begin + lane; i < end; i += LANES) centre += vload3(sites[i], reference);
@@ -70,12 +65,35 @@ kernel __attribute__((reqd_work_group_size(64, 1, 1))) void bodies_deformed(
     const real3 a = vload3(3 * which, turns), b = vload3(3 * which + 1, turns), c = vload3(3 * which + 2, turns);
     for (uint i = begin + lane; i < end; i += LANES) {
       const real3 from = vload3(sites[i], reference) - centre;
-      if (!(length(vload3(sites[i], x) - moved - (from.x * a + from.y * b + from.z * c)) <= allowed)) serves[list] = no;
+      if (!(length(vload3(sites[i], x) - moved - (from.x * a + from.y * b + from.z * c)) <= allowed)) *serves = no;
     }
   }
   if (lane > 0) return;
   // of the rotation between the two: 1 + 2 cos(angle)
   real trace = 0;
   for (int c = 0; c < 3; ++c) trace += dot(vload3(c, turns), vload3(3 + c, turns));
-  if (!(trace >= 1 + 2 * cos(most_rotation))) serves[list] = no;
+  if (!(trace >= 1 + 2 * cos(most_rotation))) *serves = no;
+}
+
+// n: 64 x work-groups;  first_*: [n_* + 1] into sites_*;  serves: of solids, sheets and pairs of bodies
+kernel __attribute__((reqd_work_group_size(64, 1, 1))) void lists_serve(
+    const uint n, const uint n_solids, global const u32* restrict first_solid, global const u32* restrict sites_solid,
+    global const real* restrict reference_solid, const uint n_sheets, global const u32* restrict first_sheet,
+    global const u32* restrict sites_sheet, global const real* restrict reference_sheet, const uint n_surface,
+    global const u32* restrict surface, global const real* restrict reference, global const real* restrict x0,
+    global const real* restrict x1, const real allowed, const real most_rotation, const uint no, global u32* serves) {
+  local real lanes[3 * LANES];
+  local real turns[2 * 9];
+  const uint group = get_group_id(0);
+  if (group < n_solids + n_sheets) {
+    const bool is_solid = group < n_solids;
+    const uint body = is_solid ? group : group - n_solids;
+    global const u32* first = is_solid ? first_solid : first_sheet;
+    check_body(first[body], first[body + 1], is_solid ? sites_solid : sites_sheet,
+               is_solid ? reference_solid : reference_sheet, x0, x1, allowed, most_rotation, no,
+               serves + (is_solid ? 0 : 1), lanes, turns);
+  } else {
+    const uint i = (group - n_solids - n_sheets) * LANES + get_local_id(0);
+    if (i < n_surface) check_site(surface[i], reference, x0, x1, allowed, no, serves + 2);
+  }
 }

@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,6 +24,7 @@
 #include "host/load/task_file.hpp"
 #include "host/render/renderer.hpp"
 #include "pipeline/command_line/command.hpp"
+#include "pipeline/episode/motion_pictures.hpp"
 #include "pipeline/episode/receiver_look.hpp"
 #include "pipeline/episode/scene_gltf.hpp"
 #include "pipeline/episode/shown_scene.hpp"
@@ -98,19 +99,19 @@ void resize(Camera& camera, int width, int height) {
 }
 
 // a file that appears complete or not at all
-void write_picture(const fs::path& file, const RenderedFrame& frame) {
+void write_picture(const fs::path& file, const MotionPicture& picture) {
   PartialFile partial(file);
   if (file.extension() == ".exr")
-    write_linear_picture(partial.path(), frame.rgb, frame.width, frame.height);
+    write_linear_picture(partial.path(), picture.linear.rgb, picture.linear.width, picture.linear.height);
   else
-    write_picture(partial.path(), encode_srgb8(frame.rgb, frame.width, frame.height));
+    write_picture(partial.path(), picture.encoded);
   partial.finish();
 }
 
 // Where pictures go: each to its file, or all into one video.
-class Pictures {
+class PictureOutput {
  public:
-  Pictures(const RenderOptions& options, double rate)
+  PictureOutput(const RenderOptions& options, double rate)
       : output_(options.output), target_(target_of(output_)), rate_(rate) {
     if (target_ == Target::folder) make_writable_folder(output_);
     if (target_ != Target::folder) check_output_file(output_);
@@ -126,16 +127,16 @@ class Pictures {
                        " cameras; choose one with --camera");
   }
 
-  void add(const RenderedFrame& frame, const std::string& camera, std::size_t number) {
-    if (target_ == Target::picture) return write_picture(output_, frame);
+  void add(const MotionPicture& picture, const std::string& camera) {
+    if (target_ == Target::picture) return write_picture(output_, picture);
     if (target_ == Target::folder) {
-      return write_picture(output_ / fmt::format("{}_{:06}.png", camera, number), frame);
+      return write_picture(output_ / fmt::format("{}_{:06}.png", camera, picture.frame), picture);
     }
     if (!video_) {
       partial_.emplace(output_);
-      video_ = std::make_unique<VideoWriter>(partial_->path(), frame.width, frame.height, rate_);
+      video_ = std::make_unique<VideoWriter>(partial_->path(), picture.encoded.width, picture.encoded.height, rate_);
     }
-    video_->write(encode_srgb8(frame.rgb, frame.width, frame.height).rgb);
+    video_->write(picture.encoded.rgb);
   }
 
   void finish() {
@@ -171,14 +172,14 @@ RenderSettings settings_of(const RenderOptions& options, const ShownScene& shown
   return settings;
 }
 
-void tell_of(const RenderedFrame& frame, const std::string& camera, std::size_t number, double seconds,
-             bool is_verbose) {
+void tell_of(const MotionPicture& picture, const std::string& camera, bool is_verbose) {
+  const RenderedFrame& frame = picture.linear;
   if (is_verbose)
     std::fprintf(stderr, "  %s, frame %zu: %d x %d pixels, %.2f million path segments, %.1f s\n", camera.c_str(),
-                 number, frame.width, frame.height, double(frame.rays) * 1e-6, seconds);
+                 picture.frame, frame.width, frame.height, double(frame.rays) * 1e-6, picture.seconds);
   if (frame.dropped_samples > 0)
     std::fprintf(stderr, "phyvisgen: %s, frame %zu: %u samples were not finite and were left out\n", camera.c_str(),
-                 number, frame.dropped_samples);
+                 picture.frame, frame.dropped_samples);
 }
 
 // The ground truth of one camera: beside the pictures, complete or not at all.
@@ -197,51 +198,41 @@ class Truth {
   TruthFile writer_;
 };
 
-void add_truth(Truth& truth, const RenderedFrame& picture, int camera, const Frames& frames, std::size_t frame,
-               Renderer& renderer) {
-  FlowFrame forward, backward;
-  if (frame + 1 < frames.size()) forward = renderer.flow(frames.state(frame + 1));
-  if (frame > 0) backward = renderer.flow(frames.state(frame - 1));
-  truth.writer().append(picture, forward, backward, frames.state(frame), renderer.camera_pose(camera));
-}
-
 void render_frames(const RenderOptions& options, const ShownScene& shown, const Frames& frames, FrameRange range,
                    double rate) {
-  const std::vector<int> cameras = chosen_cameras(shown.scene, options.cameras);
-  Pictures pictures(options, rate);
-  pictures.check(cameras.size(), range.end - range.begin);
-  std::optional<Lut> lut;
+  const Scene& scene = shown.scene;
+  MotionSettings settings{range, chosen_cameras(scene, options.cameras), settings_of(options, shown), {}, false};
+  settings.finds_flow = options.writes_ground_truth;
+  const std::size_t n = settings.cameras.size() * (range.end - range.begin);
+  PictureOutput pictures(options, rate);
+  pictures.check(settings.cameras.size(), range.end - range.begin);
   const fs::path lut_file = options.lut.empty() ? shown.render.lut : fs::path(options.lut);
-  if (!lut_file.empty()) lut = read_lut(lut_file);
+  if (!lut_file.empty()) settings.lut = read_lut(lut_file);
   const fs::path output(options.output),
       folder = target_of(output) == Target::folder ? output : fs::absolute(output).parent_path();
   const std::atomic<bool>& stop = stop_on_signals();
   Device device(options.device, Purpose::rendering);
-  Renderer renderer(device, shown.scene, settings_of(options, shown));
-  std::vector<std::unique_ptr<Truth>> truths;
-  for (const int camera : cameras)
-    if (options.writes_ground_truth)
-      truths.push_back(std::make_unique<Truth>(folder, shown.scene, shown.scene.cameras[std::size_t(camera)]));
-  Progress progress(shown.scene.name, "pictures", cameras.size() * (range.end - range.begin));
+  std::map<int, Truth> truths;  // by camera
+  for (const int camera : settings.cameras)
+    if (options.writes_ground_truth) truths.try_emplace(camera, folder, scene, scene.cameras[std::size_t(camera)]);
+  Progress progress(scene.name, "pictures", n);
   std::size_t done = 0;
-  for (std::size_t frame = range.begin; frame < range.end; ++frame) {
-    renderer.set_state(frames.state(frame));
-    for (std::size_t i = 0; i < cameras.size(); ++i) {
-      if (stop) throw TryAgain("stopped after " + std::to_string(done) + " pictures; those are complete");
-      const auto start = std::chrono::steady_clock::now();
-      RenderedFrame picture = renderer.render(
-          cameras[i], std::uint32_t(frame), [&](double time) { return frames.at(time); }, frames.state(frame).time);
-      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      const std::string& name = shown.scene.cameras[std::size_t(cameras[i])].name;
-      tell_of(picture, name, frame, seconds, options.is_verbose);
-      if (lut) apply_lut(*lut, picture.rgb);
-      pictures.add(picture, name, frame);
-      if (!truths.empty()) add_truth(*truths[i], picture, cameras[i], frames, frame, renderer);
-      progress.advance_to(++done);
-    }
+  const auto write = [&](const MotionPicture& picture) {
+    const std::string& name = scene.cameras[std::size_t(picture.camera)].name;
+    tell_of(picture, name, options.is_verbose);
+    pictures.add(picture, name);
+    if (const auto truth = truths.find(picture.camera); truth != truths.end())
+      truth->second.writer().append(picture.linear, picture.forward, picture.backward, picture.state,
+                                    picture.T_world_camera);
+    progress.advance_to(++done);
+  };
+  try {
+    render_motion(device, scene, frames, settings, write, stop);
+  } catch (const TryAgain&) {
+    throw TryAgain("stopped after " + std::to_string(done) + " pictures; those are complete");
   }
   pictures.finish();
-  for (const auto& truth : truths) truth->finish();
+  for (auto& [camera, truth] : truths) truth.finish();
 }
 
 void run_render(const RenderOptions& options) {

@@ -10,11 +10,11 @@
 
 #include "host/base/hash.hpp"
 #include "host/formats/lut_file.hpp"
-#include "host/render/motion.hpp"
 #include "host/render/renderer.hpp"
 #include "pipeline/episode/disabled_pairs.hpp"
 #include "pipeline/episode/force_grasp.hpp"
 #include "pipeline/episode/motion_plan.hpp"
+#include "pipeline/episode/picture_stages.hpp"
 #include "pipeline/episode/record.hpp"
 
 namespace pvg {
@@ -29,13 +29,6 @@ struct PhysicsState {
   std::size_t n_steps_planned = 0;
   std::unique_ptr<ForceGrasp> grasp;
   std::size_t n_steps = 0;  // done so far
-};
-
-struct RenderState {
-  std::unique_ptr<Renderer> renderer;  // nothing: no pictures
-  std::mutex* turn = nullptr;          // of the device that renders
-  std::vector<bool> records_mask;      // [n_cameras]
-  std::optional<Lut> lut;              // of the task
 };
 
 struct JudgeState {
@@ -55,29 +48,20 @@ struct Target {
   int element = 0;        // of Task::motion
 };
 
-struct Pictures {
-  std::vector<RenderedFrame> frames;            // [n_cameras]
-  std::vector<Eigen::Matrix4d> T_world_camera;  // [n_cameras]
-};
-
 // clang-format off
 //                                         name          shape                unit         state
 const Field<MotionPlan> motion            ("motion",     "n_step x n_driven", "rad or m",  true);
 const Field<PhysicsState> world           ("world",      "n_node x 3",        "m",         true);
-const Field<RenderState> renderer         ("renderer",   "n_camera",          "-",         true);
 const Field<JudgeState> verdict           ("verdict",    "1",                 "-",         true);
 const Field<RecordState> recording        ("recording",  "1",                 "-",         true);
 const Field<std::vector<Target>> targets  ("targets",    "steps x n_driven",  "rad or m");
 const Field<std::vector<StepRecord>> steps("steps",      "steps",             "SI");
-const Field<std::vector<SceneState>> shown("shown",      "steps x n_node x 3", "m");
-const Field<Pictures> pictures            ("pictures",   "n_camera x h x w",  "W/(sr m^2)");
-const Field<FramePictures> encoded_pictures         ("images",     "n_camera x h x w",  "sRGB");
 // clang-format on
+using fields::shown, fields::images;
 
 }  // namespace
 
-void plan(const Access&), simulate(const Access&), map(const Access&), render(const Access&), encode(const Access&),
-    judge(const Access&), record(const Access&);
+void plan(const Access&), simulate(const Access&), map(const Access&), judge(const Access&), record(const Access&);
 
 // clang-format off
 Table episode_table() {
@@ -87,9 +71,9 @@ Table episode_table() {
       {"simulate", {&targets, &world},           {&world, &steps},      1,     simulate},  // these steps
       {"judge",    {&steps, &verdict},           {&verdict},            1,     judge},     // success and slip
       {"map",      {&steps},                     {&shown},              1,     map},       // what the frame shows
-      {"render",   {&shown, &renderer},          {&pictures},           1,     render},    // every camera
-      {"encode",   {&pictures},                  {&encoded_pictures},             2,     encode},    // to 8 bits
-      {"record",   {&steps, &encoded_pictures, &recording}, {&recording},         1,     record},
+      render_stage(),                                                                      // every camera
+      encode_stage(),                                                                      // to 8 bits
+      {"record",   {&steps, &images, &recording}, {&recording},         1,     record},
   };
 }
 // clang-format on
@@ -114,38 +98,10 @@ void simulate(const Access& access) {
 }
 
 void map(const Access& access) {
-  for (const StepRecord& step : access.read(steps)) access.write(shown).push_back(step.state);
-}
-
-void render(const Access& access) {
-  const RenderState& state = access.read(renderer);
-  if (!state.renderer) return;
-  const std::vector<SceneState>& motion_shown = access.read(shown);
-  {
-    const std::lock_guard turn(*state.turn);
-    state.renderer->set_state(motion_shown.back());
-  }
-  for (int camera = 0; camera < int(state.records_mask.size()); ++camera) {
-    access.stop_here_if_asked();
-    const std::lock_guard turn(*state.turn);
-    RenderedFrame frame = state.renderer->render(
-        camera, std::uint32_t(access.frame()), [&](double time) { return state_at(motion_shown, time); },
-        motion_shown.back().time);
-    if (state.lut) apply_lut(*state.lut, frame.rgb);
-    if (!state.records_mask[std::size_t(camera)]) frame.instance.clear();
-    access.write(pictures).frames.push_back(std::move(frame));
-    access.write(pictures).T_world_camera.push_back(state.renderer->camera_pose(camera));
-  }
-}
-
-void encode(const Access& access) {
-  const Pictures& linear = access.read(pictures);
-  FramePictures& encoded = access.write(encoded_pictures);
-  encoded.T_world_camera = linear.T_world_camera;
-  for (const RenderedFrame& frame : linear.frames) {
-    encoded.pictures.push_back(encode_srgb8(frame.rgb, frame.width, frame.height));
-    encoded.instance.push_back(frame.instance);
-  }
+  Shown& seen = access.write(shown);
+  seen.frame = std::uint32_t(access.frame());
+  for (const StepRecord& step : access.read(steps)) seen.motion.push_back(step.state);
+  seen.state = seen.motion.back();
 }
 
 void judge(const Access& access) {
@@ -168,7 +124,7 @@ void judge(const Access& access) {
 void record(const Access& access) {
   RecordState& state = access.write(recording);
   state.recorder->append_steps(access.read(steps));
-  state.recorder->append_frame(access.read(encoded_pictures));
+  state.recorder->append_frame(access.read(images));
   state.advance(access.frame() + 1);
 }
 
@@ -310,7 +266,7 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Epi
   store.state(world).grasp = std::make_unique<ForceGrasp>(whole);
   store.state(world).n_steps_planned = whole.targets.size();
   const std::size_t n_frames = whole.targets.size() / whole.steps_per_frame;
-  RenderState& render_state = store.state(renderer);
+  RenderState& render_state = store.state(fields::renderer);
   render_state.records_mask = masks_asked(task, scene);
   if (!task.render.lut.empty()) render_state.lut = read_lut(task.render.lut);
   if (settings.renders) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <ranges>
 
 #include "host/base/error.hpp"
 #include "host/load/build_scene.hpp"
@@ -98,19 +99,22 @@ Frames::Frames(const Scene& scene, const std::string& states, double rate) : sta
   for (std::size_t i = 0; double(i) / rate <= last - first + 1e-9; ++i) times_.push_back(first + double(i) / rate);
 }
 
-SceneState Frames::at(double time) const {
-  if (!states_) return start_;
-  std::size_t low = 0, high = states_->n_steps() - 1;
-  if (time <= states_->time(low)) return states_->state(low);
-  if (time >= states_->time(high)) return states_->state(high);
-  while (high - low > 1) {
-    const std::size_t middle = (low + high) / 2;
-    (states_->time(middle) <= time ? low : high) = middle;
-  }
-  const double share = (time - states_->time(low)) / (states_->time(high) - states_->time(low));
-  if (share < 1e-9) return states_->state(low);
-  return interpolate(states_->state(low), states_->state(high), share);
+std::vector<SceneState> Frames::motion(double begin, double end) const {
+  if (!states_) return {start_};
+  const auto steps = std::views::iota(std::size_t(0), states_->n_steps());
+  const auto steps_until = [&](const auto& is_before) {
+    return std::size_t(std::ranges::partition_point(steps, is_before) - steps.begin());
+  };
+  const std::size_t not_after = steps_until([&](std::size_t step) { return states_->time(step) <= begin; }),
+                    before_end = steps_until([&](std::size_t step) { return states_->time(step) < end; });
+  const std::size_t first = std::max<std::size_t>(not_after, 1) - 1,
+                    last = std::min(before_end, states_->n_steps() - 1);
+  std::vector<SceneState> states;
+  for (std::size_t step = first; step <= last; ++step) states.push_back(states_->state(step));
+  return states;
 }
+
+SceneState Frames::at(double time) const { return state_at(motion(time, time), time); }
 
 FrameRange parse_frames(const std::string& text, std::size_t n) {
   if (text.empty()) return {0, n};

@@ -31,6 +31,8 @@ class Frames {
   Frames(const Scene& scene, const std::string& states, double rate);
   std::size_t size() const { return times_.size(); }
   double time(std::size_t frame) const { return times_.at(frame); }  // [s]
+  // from the last step at or before `begin` to the first at or after `end` [s]
+  std::vector<SceneState> motion(double begin, double end) const;
   // at any time; straight lines between steps, at rest before and after
   SceneState at(double time) const;
   SceneState state(std::size_t frame) const { return at(time(frame)); }

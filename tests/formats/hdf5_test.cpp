@@ -12,6 +12,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <thread>
 
 namespace pvg::hdf5 {
 namespace {
@@ -145,6 +146,17 @@ TEST(Hdf5, AFullDiskIsOneSentenceAndTheProgramEndsAsItWants) {
   };
   GTEST_FLAG_SET(death_test_style, "threadsafe");  // a process of its own: one that ends as this one would
   EXPECT_EXIT(write_too_much(), testing::ExitedWithCode(1), "full.h5: HDF5 could not");
+  std::filesystem::remove(path);
+}
+
+// the library's own stack of errors, which each thread would print, beside our sentence
+TEST(Hdf5, NoThreadPrintsMoreThanItsError) {
+  const auto path = scratch("quiet.h5");
+  write_example(path);
+  const File file = File::open(path);
+  testing::internal::CaptureStderr();
+  std::thread([&] { EXPECT_THROW(file.shape("/missing"), UsageError); }).join();
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   std::filesystem::remove(path);
 }
 

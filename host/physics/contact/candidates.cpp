@@ -58,8 +58,7 @@ Candidates::Candidates(Device& device, const CollisionMesh& mesh, std::span<cons
       program_(device, "contact/contact.cl"),
       serves_program_(device, "contact/serves.cl"),
       place_rows_(program_.kernel("place_rows")),
-      sites_moved_(serves_program_.kernel("sites_moved")),
-      bodies_deformed_(serves_program_.kernel("bodies_deformed")),
+      lists_serve_(serves_program_.kernel("lists_serve")),
       between_(no_rows(device, n_worlds_)),
       rows_(no_rows(device, n_worlds_)),
       first_(device, n_worlds_ + 1, "first candidate of world"),
@@ -84,18 +83,19 @@ void Candidates::start_check(const Buffer<double>& x0, const Buffer<double>& x1)
   if (surface_sites_.size() == 0) return;  // nothing collides
   const double allowed = USABLE * 0.5 * margin_;
   ++check_;
-  for (const List list : {SOLIDS, SHEETS}) {
-    Within& within = list == SOLIDS ? solids_ : sheets_;
-    const u32 n = u32(GROUP_SIZE * (within.first_site.size() - 1));
-    if (n == 0)
-      within.has_reference = true;  // there is nothing to look for
-    else if (within.has_reference)
-      bodies_deformed_(n, n, within.first_site, within.sites, within.reference, x0, x1, allowed, MOST_ROTATION,
-                       u32(list), check_, serves_on_device_);
-  }
-  const u32 n = u32(surface_sites_.size());
-  if (has_reference_)
-    sites_moved_(n, n, surface_sites_, reference_, x0, x1, allowed, u32(BETWEEN), check_, serves_on_device_);
+  // lists that were never made are not checked; where there is no body, there is nothing to look for
+  const auto n_checked = [](Within& within) {
+    const u32 n_bodies = u32(within.first_site.size() - 1);
+    if (n_bodies == 0) within.has_reference = true;
+    return within.has_reference ? n_bodies : 0;
+  };
+  const u32 n_solids = n_checked(solids_), n_sheets = n_checked(sheets_),
+            n_surface = has_reference_ ? u32(surface_sites_.size()) : 0;
+  const u32 n = u32(GROUP_SIZE) * (n_solids + n_sheets + u32((n_surface + GROUP_SIZE - 1) / GROUP_SIZE));
+  if (n > 0)
+    lists_serve_(n, n, n_solids, solids_.first_site, solids_.sites, solids_.reference, n_sheets, sheets_.first_site,
+                 sheets_.sites, sheets_.reference, n_surface, surface_sites_, reference_, x0, x1, allowed,
+                 MOST_ROTATION, check_, serves_on_device_);
   serves_on_device_.read_later(0, std::span(serves_));
 }
 

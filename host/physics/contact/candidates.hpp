@@ -52,7 +52,7 @@ class Candidates {
   Within solids_, sheets_;
   BroadPhase between_bodies_;
   Program program_, serves_program_;
-  Kernel place_rows_, sites_moved_, bodies_deformed_;
+  Kernel place_rows_, lists_serve_;
   WorldRows<Barrier> between_, rows_;
   Buffer<u32> first_, place_;   // [n_worlds + 1], [n_worlds] of the list that is placed
   Buffer<u32> first_of_world_;  // [n_worlds + 1] of rows_

@@ -1,0 +1,50 @@
+// The stages that make pictures of what stands somewhere, the same in the table of an episode and in that of `render`.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "host/formats/lut_file.hpp"
+#include "host/render/renderer.hpp"
+#include "pipeline/episode/record.hpp"
+#include "pipeline/graph/graph.hpp"
+
+namespace pvg {
+
+// What is pictured.
+struct Shown {
+  std::uint32_t frame = 0;                  // enters the random numbers
+  std::vector<int> cameras;                 // whose pictures are made; empty: all of the scene
+  SceneState state;                         // at the time of the picture
+  std::vector<SceneState> motion;           // of ascending times, for shutters that are open before it
+  std::optional<SceneState> before, after;  // of the neighbouring frames, where flow is asked for
+};
+
+struct RenderState {
+  std::unique_ptr<Renderer> renderer;  // nothing: no pictures
+  std::mutex* turn = nullptr;          // of a device on which others render, too
+  std::vector<bool> records_mask;      // [n_cameras of the scene]
+  std::optional<Lut> lut;
+  std::optional<std::uint32_t> frame;  // in whose state everything stands
+};
+
+struct Pictures {  // [n_cameras shown]
+  std::vector<RenderedFrame> frames;
+  std::vector<FlowFrame> forward, backward;  // empty where Shown names no neighbour
+  std::vector<Eigen::Matrix4d> T_world_camera;
+  std::vector<double> seconds;  // that each took
+};
+
+namespace fields {
+extern const Field<Shown> shown;
+extern const Field<RenderState> renderer;
+extern const Field<Pictures> pictures;
+extern const Field<FramePictures> images;
+}  // namespace fields
+
+Stage render_stage();  // shown -> pictures: one after the other, each with its ground truth
+Stage encode_stage();  // pictures -> images: to 8 bits
+
+}  // namespace pvg
