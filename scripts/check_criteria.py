@@ -30,6 +30,7 @@ ALLOWED = {
     "report/score.cpp": {"9.9": "rows of the suite's table"},
     "search/workflow.cpp": {"0.02": "progress", "60": "seconds of a minute"},
     "search/prove.cpp": {"UNMOVED": "rounding, shown as 0"},
+    "search/next_experiment.cpp": {"N_COMPARED_AT_ONCE": "size of a batch", "SHARE_OF_COMPARISON": "of a step's time"},
     "search/motion_family.cpp": {"N_COMMANDS": "points of a table", "0.5": "form of steps", "-0.5": "form of steps"},
     "sensing/forked.cpp": {"LOOK_EVERY": "polling of signals"},
     "sensing/rollout.cpp": {"MOST_WORLDS": "size of a batch", "MOST_NODES": "size of a batch"},
