@@ -8,7 +8,7 @@
 #include <set>
 
 #include "host/identify/search/plan_next.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/identify/driven_arm.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -68,7 +68,7 @@ TEST(NextExperiment, CommandsStayWithinOneAndAHalfTimesWhatWasRecorded) {
 }
 
 // Seven links, one carried by the other, each by a driven joint of the same number.
-Problem driven_arm() {
+Problem driven_chain() {
   Problem problem = driven();
   PhysicalScene& scene = problem.scene.scene;
   const Joint first = scene.joints[0];
@@ -108,7 +108,7 @@ std::set<std::string> commanded(const std::vector<PlannedMotion>& motions) {
 }
 
 TEST(NextExperiment, MovesOnlyWhatIsInDoubt) {
-  const Problem problem = driven_arm();
+  const Problem problem = driven_chain();
   const Candidate coulomb = candidate_at("joint_coulomb_friction", "joint4");
   const Candidate stribeck = candidate_at("joint_stribeck_friction", "joint4");
   const Candidate viscous = candidate_at("joint_viscous_friction", "joint2");
@@ -126,7 +126,7 @@ TEST(NextExperiment, MovesOnlyWhatIsInDoubt) {
 }
 
 TEST(NextExperiment, MovesEverythingWhereWhatIsInDoubtWasNeverMoved) {
-  Problem problem = driven_arm();
+  Problem problem = driven_chain();
   for (const std::size_t j : {2, 3, 4}) problem.runs[0].targets[j].value = {0, 0, 0};
   const Candidate coulomb = candidate_at("joint_coulomb_friction", "joint4");
   const Candidate stribeck = candidate_at("joint_stribeck_friction", "joint4");
@@ -159,32 +159,13 @@ struct ConfusedFrictions {
   }
 
   Problem recorded() const {
-    folder.write("scene.yaml", R"(schema: 1
-name: driven
-time_step: 10 ms
-gravity: [0, 0, 0]
-bodies:
-  - {name: base, kind: static, shape: {box: {size: [0.01, 0.01, 0.01]}}, collides: false}
-  - {name: arm, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 1, pose: {position: [0.15, 0, 0]}, collides: false}
-joints:
-  - {name: shoulder, type: revolute, parent: base, child: arm, axis: [0, 0, 1], drive: {stiffness: 20, damping: 0.6, target: 0}}
-)");
+    folder.write("scene.yaml", driven_arm("10 ms", "{stiffness: 20, damping: 0.6, target: 0}"));
     std::string run = "t,command,q\n";
     for (int i = 0; i < 40; ++i) {
       const std::string angle = std::to_string(0.3 * std::sin(0.2 * i));
       run += std::to_string(0.01 * i) + "," + angle + "," + angle + "\n";
     }
-    folder.write("a.csv", run);
-    folder.write("recording.yaml", R"(schema: 1
-scene: scene.yaml
-runs:
-  - {file: a.csv, role: fit}
-inputs:
-  - {column: command, target: joint/shoulder/position}
-channels:
-  - {column: q, kind: position, joint: shoulder, unit: rad, noise: 0.001}
-initial: {joint/shoulder/position: 0, joint/shoulder/velocity: 0}
-)");
+    write_driven_recording(folder, run, "initial: {joint/shoulder/position: 0, joint/shoulder/velocity: 0}\n");
     return make_problem(folder.path / "recording.yaml");
   }
 };

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "host/identify/search/workflow.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/identify/driven_arm.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -13,31 +13,13 @@ namespace {
 // A drive of 2000 N m/rad follows a sine of 1.5 Hz as if it were held: implicit Euler with steps of 5 ms shows no
 // error. One of 20 N m/rad resonates at 4.6 Hz, which implicit Euler damps.
 Problem follower(const TestFolder& folder) {
-  folder.write("scene.yaml", R"(schema: 1
-name: follower
-time_step: 5 ms
-gravity: [0, 0, 0]
-bodies:
-  - {name: base, kind: static, shape: {box: {size: [0.01, 0.01, 0.01]}}, collides: false}
-  - {name: arm, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 1, pose: {position: [0.15, 0, 0]}, collides: false}
-joints:
-  - {name: shoulder, type: revolute, parent: base, child: arm, axis: [0, 0, 1], drive: {stiffness: 2000, damping: 0.6, target: 0}}
-)");
-  std::string run = "t,c,q\n";
+  folder.write("scene.yaml", driven_arm("5 ms", "{stiffness: 2000, damping: 0.6, target: 0}"));
+  std::string run = "t,command,q\n";
   for (int i = 0; i < 60; ++i) {
     const std::string c = std::to_string(0.3 * std::sin(2 * M_PI * 1.5 * 0.01 * i));
     run += std::to_string(0.01 * i) + "," + c + "," + c + "\n";
   }
-  folder.write("a.csv", run);
-  folder.write("recording.yaml", R"(schema: 1
-scene: scene.yaml
-runs:
-  - {file: a.csv, role: fit}
-inputs:
-  - {column: c, target: joint/shoulder/position, unit: rad}
-channels:
-  - {column: q, kind: position, joint: shoulder, unit: rad, noise: 0.001}
-)");
+  write_driven_recording(folder, run);
   return make_problem(folder.path / "recording.yaml");
 }
 

@@ -12,7 +12,7 @@
 #include "host/identify/search/choose_windows.hpp"
 #include "host/identify/search/decide.hpp"
 #include "host/identify/search/screen_trials.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/identify/driven_arm.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -24,24 +24,11 @@ double driven(double t) {
   return 0.3 * (1 - std::exp(-z * t) * (std::cos(w * t) + z / w * std::sin(w * t)));
 }
 
-// A scene: an arm of 1 kg on a drive, without gravity.
-std::string driven_arm(const std::string& drive) {
-  return R"(schema: 1
-name: driven
-time_step: 2 ms
-gravity: [0, 0, 0]
-solver: {integrator: bdf2}
-bodies:
-  - {name: base, kind: static, shape: {box: {size: [0.01, 0.01, 0.01]}}, collides: false}
-  - {name: arm, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 1, pose: {position: [0.15, 0, 0]}, collides: false}
-joints:
-  - {name: shoulder, type: revolute, parent: base, child: arm, axis: [0, 0, 1], drive: )" +
-         drive + "}\n";
-}
+constexpr const char* BDF2 = "solver: {integrator: bdf2}\n";
 
 // The scene says 1280 N m/rad, 64 times too much.
 Problem too_stiff(const TestFolder& folder) {
-  folder.write("scene.yaml", driven_arm("{stiffness: 1280, damping: 0.6, target: 0.3}"));
+  folder.write("scene.yaml", driven_arm("2 ms", "{stiffness: 1280, damping: 0.6, target: 0.3}", BDF2));
   std::string run = "t,q\n";
   for (int i = 0; i < 40; ++i) run += std::to_string(0.01 * i) + "," + std::to_string(driven(0.01 * i)) + "\n";
   folder.write("a.csv", run);
@@ -97,22 +84,13 @@ TEST(Screen, AStiffness64TimesTooLargeIsReachedAndFitted) {
 // inertia and is next to nothing beside the drive.
 TEST(Screen, FrictionThatADriveWorksAgainstIsTriedAsFarAsItShows) {
   const TestFolder folder;
-  folder.write("scene.yaml", driven_arm("{stiffness: 400, damping: 40, target: 0}"));
+  folder.write("scene.yaml", driven_arm("2 ms", "{stiffness: 400, damping: 40, target: 0}", BDF2));
   const double c = 10, k = 400, v = 0.3;
   std::ostringstream run;
   run << std::setprecision(12) << "t,command,q\n";
   for (int i = 0; i < 40; ++i) run << 0.01 * i << "," << v * 0.01 * i << "," << v * 0.01 * i - c * v / k << "\n";
-  folder.write("a.csv", run.str());
-  folder.write("recording.yaml", R"(schema: 1
-scene: scene.yaml
-runs:
-  - {file: a.csv, role: fit}
-inputs:
-  - {column: command, target: joint/shoulder/position}
-channels:
-  - {column: q, kind: position, joint: shoulder, unit: rad, noise: 0.001}
-initial: {joint/shoulder/position: -0.0075, joint/shoulder/velocity: 0.3}
-)");
+  write_driven_recording(folder, run.str(),
+                         "initial: {joint/shoulder/position: -0.0075, joint/shoulder/velocity: 0.3}\n");
   const Problem problem = make_problem(folder.path / "recording.yaml");
   ScreenedAlone alone(problem);
   const std::vector<Screened> found = alone.screened("joint_viscous_friction");
