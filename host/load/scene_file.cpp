@@ -138,6 +138,10 @@ SceneFile load_scene_file(const std::filesystem::path& path) {
   for (YamlSection& section : root.sections("joints")) read_joint(section, file);
   for (YamlSection& section : root.sections("stitches")) read_stitch(section, file);
   for (YamlSection& section : root.sections("noncolliding")) read_noncolliding(section, file);
+  for (const RobotCell& cell : robots_of(file.task))
+    if (cell.robot.feeds_friction_forward)
+      root.fail(cell.name.empty() ? "robot" : "robots",
+                "has `feedforward: friction`, which is for the planned motion of a task; leave it out");
   root.done();
   std::vector<std::string> bodies;
   for (const RigidBody& body : file.added.rigid_bodies) bodies.push_back(body.name);

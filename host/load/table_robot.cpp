@@ -108,10 +108,9 @@ const Fields<RobotSection>& robot_fields() {
           .number("armature", &R::armature, Unit::inertia, 0, 1e3,
                   "inertia of each joint's geared rotor, a number per joint (of one that slides in kg)")
           .otherwise("none")
-          .choice(
-              "feedforward", &R::feeds_friction_forward, {"none", "friction"},
-              "`friction`: targets of the planned motion lead by what friction in the joints, of `effects` and of the "
-              "URDF, would hold the arm back")
+          .choice("feedforward", &R::feeds_friction_forward, {"none", "friction"},
+                  "tasks only. `friction`: targets of the planned motion lead by what friction in the joints, of "
+                  "`effects` and of the URDF, would hold the arm back")
           .number("friction", &R::friction, Unit::none, 0, 10, "coefficient of friction of all links")
           .text("collision_links", &R::collision_links, "links that collide")
           .otherwise("all that have a shape for it")

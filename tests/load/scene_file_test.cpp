@@ -349,6 +349,8 @@ TEST_F(SceneFiles, MistakesInPathsOfRobotsAreNamed) {
   expect_refused_in(text, "    gripper: " PVG_DATA_FOLDER "/grippers/umi_finray/gripper.yaml\n", "\n", 17,
                     "`robots[0].path[0].gripper`");
   expect_refused_in(text, "name: right", "name: left", 19, "`robots[1].name` `left` is taken");
+  expect_refused_in(text, "flange: fr3_link8", "flange: fr3_link8\n      feedforward: friction", 8,
+                    "`robots` has `feedforward");
 }
 
 }  // namespace

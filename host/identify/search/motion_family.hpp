@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "host/identify/candidates/candidate.hpp"
-
 #include "host/identify/data/window.hpp"
 
 namespace pvg::diagnose {
