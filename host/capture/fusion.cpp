@@ -51,6 +51,7 @@ struct Fusion::Impl {
   FusionSettings settings;
   VoxelGrid grid;
   std::size_t n_grid;
+  std::size_t n_lanes;
   Program fusion_program, surface_program;
   Kernel find_normals, mark, find_bands, find_in_view, integrate, count, place_vertices, place_triangles;
   Buffer<float> depth, distance, weight;
@@ -64,7 +65,10 @@ struct Fusion::Impl {
         settings(settings_),
         grid(make_grid(settings_, box)),
         n_grid(std::size_t(grid.blocks[0]) * grid.blocks[1] * grid.blocks[2]),
-        fusion_program(device, "capture/fusion.cl"),
+        n_lanes(settings_.n_lanes > 0  ? settings_.n_lanes
+                : device.info().is_gpu ? 1
+                                       : 16),
+        fusion_program(device, "capture/fusion.cl", "-DN_FLOATS=" + std::to_string(n_lanes)),
         surface_program(device, "capture/marching_cubes.cl"),
         find_normals(fusion_program.kernel("find_normals")),
         mark(fusion_program.kernel("mark_blocks")),
@@ -87,13 +91,14 @@ struct Fusion::Impl {
     is_near.zero();
   }
 
+  std::size_t n_items() const { return (depth.size() + n_lanes - 1) / n_lanes; }
+
   PinholeCamera load(const Camera& camera, const DepthPicture& picture) {
     const PinholeCamera c = pinhole_camera(camera, camera.pose.matrix());
     depth.resize(picture.depth.size());
     surface.resize(picture.depth.size());
     depth.write(picture.depth);
-    const std::size_t n_items = (depth.size() + 7) / 8;
-    find_normals(n_items, u32(n_items), grid, c, depth, surface);
+    find_normals(n_items(), u32(n_items()), grid, c, depth, surface);
     return c;
   }
 };
@@ -108,7 +113,8 @@ std::size_t Fusion::voxel_bytes() const { return impl_->n_blocks * BYTES_PER_BLO
 void Fusion::mark(const Camera& camera, const DepthPicture& picture) {
   Impl& f = *impl_;
   const PinholeCamera c = f.load(camera, picture);
-  f.mark(f.depth.size(), u32(f.depth.size()), f.grid, c, f.surface, f.is_near);
+  f.mark(f.n_items(), u32(f.n_items()), f.grid, c, f.surface, f.is_near);
+  f.device.finish();
 }
 
 void Fusion::allocate() {
@@ -154,8 +160,8 @@ void Fusion::integrate(const Camera& camera, const DepthPicture& picture) {
       if (in_view[i] >> quarter & 1u) in_use.push_back(u32(4 * i) + quarter);
   f.in_use.resize(in_use.size());
   f.in_use.write(in_use);
-  const std::size_t n_rows = in_use.size() * BLOCK_SIDE * BLOCK_SIDE / 4;
-  f.integrate(n_rows, u32(n_rows), f.grid, c, f.surface, f.place, f.in_use, f.distance, f.weight);
+  const std::size_t n_items = in_use.size() * BLOCK_VOXELS / 4 / f.n_lanes;
+  f.integrate(n_items, u32(n_items), f.grid, c, f.surface, f.place, f.in_use, f.distance, f.weight);
   f.device.finish();
 }
 

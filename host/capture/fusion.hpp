@@ -24,6 +24,7 @@ struct FusionSettings {
   DepthNoise noise;
   double least_weight = 0.03;  // of a sample, in pictures from 1 m that look straight on; less is no surface
   std::size_t max_bytes = std::size_t(2) << 30;  // of device memory for voxels
+  std::size_t n_lanes = 0;                       // pixels or samples of a work-item, 1 or 16; 0: 16 on a CPU, else 1
 };
 
 struct FusedSurface {

@@ -32,18 +32,18 @@ FusedSurface fuse(Device& device, const Capture& capture, std::span<const Captur
   }
   if (!(box.lo.x() <= box.hi.x())) throw UsageError("no frame shows a depth below --max-depth");
   Fusion fusion(device, settings, box);
-  for (const CaptureFrame& frame : frames) fusion.mark(frame.depth_camera, depth_of(capture, frame));
-  fusion.allocate();
   double seconds = 0, cpu_seconds = 0;
-  for (const CaptureFrame& frame : frames) {
+  const auto timed = [&](const CaptureFrame& frame, void (Fusion::*pass)(const Camera&, const DepthPicture&)) {
     const DepthPicture picture = depth_of(capture, frame);
-    device.finish();
     const auto start = Clock::now();
     const std::clock_t cpu_start = std::clock();
-    fusion.integrate(frame.depth_camera, picture);
+    (fusion.*pass)(frame.depth_camera, picture);
     seconds += std::chrono::duration<double>(Clock::now() - start).count();
     cpu_seconds += double(std::clock() - cpu_start) / CLOCKS_PER_SEC;
-  }
+  };
+  for (const CaptureFrame& frame : frames) timed(frame, &Fusion::mark);
+  fusion.allocate();
+  for (const CaptureFrame& frame : frames) timed(frame, &Fusion::integrate);
   room.ms_per_frame = 1e3 * seconds / double(frames.size());
   room.cpu_ms_per_frame = 1e3 * cpu_seconds / double(frames.size());
   room.n_blocks = fusion.n_blocks();

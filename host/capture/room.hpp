@@ -55,7 +55,7 @@ struct Room {
   DepthErrors depth;
   std::optional<PhotoErrors> photos;
   std::size_t n_frames = 0, n_blocks = 0, voxel_bytes = 0;
-  double ms_per_frame = 0;                                // to integrate one picture, by the clock
+  double ms_per_frame = 0;                                // both passes of one picture, by the clock
   double cpu_ms_per_frame = 0;                            // of all the processor's cores together
   double share_colored = 0;                               // of the points that a photo sees
   std::size_t n_boundary_edges = 0, n_crowded_edges = 0;  // edges with one, with more than two triangles
