@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <random>
 
 #include "host/render/image_denoise.hpp"
 #include "tests/render/test_scene.hpp"
@@ -111,6 +112,25 @@ TEST_F(LibraryDenoise, BringsEverySceneNearerToTheTruth) {
     const double noisy = error(shot(scene, 8, false), truth), filtered = error(shot(scene, 8, true), truth);
     EXPECT_LT(filtered, noisy) << "kind " << int(kind);
     std::printf("kind %d: error %.4f without it, %.4f with it\n", int(kind), noisy, filtered);
+  }
+}
+
+// A grey wall with noise of 10 %, of any sides: borders and corners are as grey as the middle.
+TEST_F(LibraryDenoise, LeavesBordersAndCornersAsTheyAre) {
+  std::mt19937 random(1);
+  std::normal_distribution<float> noise(1, 0.1f);
+  for (const auto& [width, height] : {std::pair{640u, 360u}, std::pair{100u, 75u}, std::pair{33u, 21u}}) {
+    NoisyPicture picture{width, height, {}, {}, {}};
+    for (std::uint32_t i = 0; i < width * height; ++i) {
+      const float v = 0.25f * noise(random);
+      picture.rgb.insert(picture.rgb.end(), {v, v, v});
+      picture.color.insert(picture.color.end(), {0.5f, 0.5f, 0.5f});
+      picture.normal.insert(picture.normal.end(), {0, 0, 1});
+    }
+    const std::vector<float> filtered = ImageDenoise::find(false)->filter(picture);
+    ASSERT_EQ(filtered.size(), picture.rgb.size());
+    for (std::size_t i = 0; i < filtered.size(); ++i)
+      ASSERT_NEAR(filtered[i], 0.25f, 0.03f) << width << " x " << height << ", pixel " << i / 3;
   }
 }
 
