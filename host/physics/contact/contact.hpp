@@ -57,8 +57,10 @@ class ContactSet {
   // The same without waiting: until take_contacts(), after the device was waited for, contacts() has the rows of all
   // candidates, of which first_contact()[n_worlds] are contacts.
   void start_find_contacts(const Buffer<double>& x);
-  // The same where who evaluates the candidates' energies leaves in activity() which exert a force [n_candidates].
+  // The same where who evaluates the candidates' energies leaves in activity() which exert a force [n_candidates], and
+  // in activity_counts() how many of each 64.
   Buffer<u32>& activity();
+  Buffer<u32>& activity_counts();
   void start_list_contacts();
   void take_contacts();
   const Buffer<u32>& first_contact() const;  // [n_worlds + 1] on the device
