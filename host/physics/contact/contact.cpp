@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "contact/report.h"
-#include "host/physics/contact/candidates.hpp"
 #include "host/physics/contact/continuous_collision.hpp"
 #include "host/physics/contact/slip_effects.hpp"
 
@@ -205,8 +204,9 @@ void ContactSet::start_check(const Buffer<double>& x0, const Buffer<double>& x1)
   impl_->candidates.start_check(x0, x1);
 }
 bool ContactSet::candidates_serve() const { return impl_->candidates.serve(); }
-void ContactSet::renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1) {
-  impl_->candidates.renew(x0, x1);
+Candidates::Lists ContactSet::renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1,
+                                               const Candidates::Lists& at_once) {
+  return impl_->candidates.renew(x0, x1, at_once);
 }
 
 const Buffer<double>& ContactSet::start_largest_steps(const Buffer<double>& x0, const Buffer<double>& x1) {
