@@ -1,4 +1,5 @@
 // From candidates to contacts: gaps, what is active, lagged friction rows, reports; the smallest of a number per world.
+#include "contact/activity.cl"
 #include "contact/mesh.h"
 #include "contact/report.h"
 #include "energies/contact/adhesion_law.cl"
@@ -11,16 +12,24 @@ static inline void load_sites(global const Barrier* row, global const real* rest
 }
 
 // gap: [n, m], infinite where it is not below the activation distance;  is_active: [n] 1 where it exerts a force
-kernel void pair_gaps(const uint n, global const Barrier* restrict pairs, global const real* restrict x,
-                      global real* restrict gap, global u32* restrict is_active) {
+// counts: [n / 64, rounded up] of the active ones
+kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void pair_gaps(
+    const uint n, global const Barrier* restrict pairs, global const real* restrict x, global real* restrict gap,
+    global u32* restrict is_active, global u32* restrict counts) {
+  local uint count;
   const uint e = get_global_id(0);
-  if (e >= n) return;
-  real3 xe[4];
-  load_sites(pairs + e, x, xe);
-  const real g = pair_distance(pairs[e].kind, xe).d - pairs[e].offset;
-  const bool is_near = !(g >= pairs[e].activation_distance);  // so that NaN shows
-  gap[e] = is_near ? g : INFINITY;
-  is_active[e] = is_near && pairs[e].area > 0;
+  bool exerts_force = false;
+  if (e < n) {
+    real3 xe[4];
+    load_sites(pairs + e, x, xe);
+    const real g = pair_distance(pairs[e].kind, xe).d - pairs[e].offset;
+    const bool is_near = !(g >= pairs[e].activation_distance);  // so that NaN shows
+    exerts_force = is_near && pairs[e].area > 0;
+    gap[e] = is_near ? g : INFINITY;
+    is_active[e] = exerts_force;
+  }
+  const uint n_active = count_active(exerts_force, &count);
+  if (get_local_id(0) == 0) counts[get_group_id(0)] = n_active;
 }
 
 // to[place[world] + its number within its world]: rows of one list among those of others
@@ -33,17 +42,37 @@ kernel void place_rows(const uint n, global const Barrier* restrict rows, global
   to[place[world] + e - first[world]] = rows[e];
 }
 
-// contacts: the active pairs, in order, and their sites [n x 4]; offsets: [n + 1]
-// first_pair, first: [n_worlds + 1] of the worlds' pairs and contacts.  n_items: the more of n and n_worlds + 1
+// contacts: the active pairs, in order, and their sites [n x 4].  is_active, counts: as pair_gaps leaves them
+// first_pair, first: [n_worlds + 1] of the worlds' pairs and contacts.  Each work-group begins behind the contacts of
+// those before it, and does nothing where it has neither a contact nor the first pair of a world.
 // changed: [1] gets `search`, the number of this search, where sites differ from what stood there
-kernel void fill_contacts(const uint n_items, const uint n, const uint n_worlds, global const Barrier* restrict pairs,
-                          global const u32* restrict offsets, global const u32* restrict first_pair,
-                          global u32* restrict first, global Barrier* restrict contacts, global u32* restrict sites,
-                          const uint search, global u32* restrict changed) {
-  const uint e = get_global_id(0);
-  if (e <= n_worlds) first[e] = offsets[first_pair[e]];
-  if (e >= n || offsets[e + 1] == offsets[e]) return;
-  const uint to = offsets[e];
+kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void fill_contacts(
+    const uint n, const uint n_worlds, global const Barrier* restrict pairs, global const u32* restrict is_active,
+    global const u32* restrict counts, global const u32* restrict first_pair, global u32* restrict first,
+    global Barrier* restrict contacts, global u32* restrict sites, const uint search, global u32* restrict changed) {
+  local u32 before[ITEMS], offset[ITEMS + 1];  // of work-items' parts of the groups before; of pairs
+  const uint group = get_group_id(0), item = get_local_id(0), begin = group * ITEMS, end = min(n, begin + ITEMS);
+  const bool begins_world = begin == 0 || end == n || pairs[begin - 1].world != pairs[end - 1].world;
+  const bool has_any = counts[group] > 0 || begins_world;
+  u32 own = 0;
+  for (uint c = item; has_any && c < group; c += ITEMS) own += counts[c];
+  before[item] = own;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (item == 0 && has_any) {
+    u32 sum = 0;
+    for (uint k = 0; k < ITEMS; ++k) sum += before[k];
+    for (uint k = 0; k < ITEMS; ++k) {
+      offset[k] = sum;
+      sum += begin + k < end ? is_active[begin + k] : 0;
+    }
+    offset[ITEMS] = sum;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (!has_any) return;
+  for (uint w = item; begins_world && w <= n_worlds; w += ITEMS)
+    if (first_pair[w] >= begin && (first_pair[w] < end || end == n)) first[w] = offset[first_pair[w] - begin];
+  const uint e = begin + item, to = offset[item];
+  if (offset[item + 1] == to) return;
   contacts[to] = pairs[e];
   for (uint k = 0; k < 4; ++k)
     if (sites[4 * to + k] != pairs[e].site[k]) {

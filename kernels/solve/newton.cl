@@ -17,11 +17,3 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void certified_step(
   const bool stays = !is_active[w] || (settles && largest[w] / h <= tolerance[w]);
   step[w] = stays ? 0 : (least < 1 ? short_of * least : least);
 }
-
-// Half the step of each world whose energy rose, but for a part `rounding` of it.  n: worlds;  before, after: [n, J]
-kernel void halve_rising_steps(const uint n, global const u32* restrict is_active, global const real* restrict before,
-                               global const real* restrict after, const real rounding, global real* restrict step) {
-  const uint w = get_global_id(0);
-  if (w >= n || !is_active[w]) return;
-  if (!(after[w] <= before[w] + rounding * fabs(before[w]))) step[w] /= 2;
-}

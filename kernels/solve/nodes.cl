@@ -92,9 +92,17 @@ kernel void backward_difference(const uint n, global const real* restrict now, g
   vstore3((4 * vload3(i, now) - vload3(i, before)) / 3, i, past);
 }
 
-static inline real3 moved_node(const uint i, global const uint* restrict world, global const real* restrict step,
-                               global const real* restrict x, global const real* restrict direction) {
-  return vload3(i, x) + step[world[i]] * vload3(i, direction);
+static inline real3 moved_node(const uint i, const real step, global const real* restrict x,
+                               global const real* restrict direction) {
+  return vload3(i, x) + step * vload3(i, direction);
+}
+
+static inline real3 moved_site(const Site s, const real step, global const real* restrict x,
+                               global const real* restrict direction) {
+  real3 sum = s.weight[0] * moved_node(s.node[0], step, x, direction);
+  for (int k = 1; k < 4; ++k)
+    if (s.weight[k] != 0) sum += s.weight[k] * moved_node(s.node[k], step, x, direction);
+  return sum;
 }
 
 // trial = x + step[world] direction, of nodes and of the sites that they carry.  n: the more of the two
@@ -103,13 +111,37 @@ kernel void move_along(const uint n, const uint n_nodes, const uint n_sites, glo
                        global const real* restrict x, global const real* restrict direction,
                        global real* restrict trial, global real* restrict trial_sites) {
   const uint i = get_global_id(0);
-  if (i < n_nodes) vstore3(moved_node(i, world, step, x, direction), i, trial);
-  if (i >= n_sites) return;
-  const Site s = sites[i];
-  real3 sum = s.weight[0] * moved_node(s.node[0], world, step, x, direction);
-  for (int k = 1; k < 4; ++k)
-    if (s.weight[k] != 0) sum += s.weight[k] * moved_node(s.node[k], world, step, x, direction);
-  vstore3(sum, i, trial_sites);
+  if (i < n_nodes) vstore3(moved_node(i, step[world[i]], x, direction), i, trial);
+  if (i < n_sites) vstore3(moved_site(sites[i], step[world[sites[i].node[0]]], x, direction), i, trial_sites);
+}
+
+// Half the step of a world whose energy rose, but for a part `rounding` of it
+static inline real halved_where_rising(const uint w, global const uint* restrict is_active,
+                                       global const real* restrict before, global const real* restrict after,
+                                       const real rounding, global const real* restrict step) {
+  const bool falls = after[w] <= before[w] + rounding * fabs(before[w]);
+  return is_active[w] && !falls ? step[w] / 2 : step[w];
+}
+
+// The same with the steps of active worlds whose energy rose halved.
+// n: as above, or n_worlds if that is more;  before, after: energies [n_worlds, J];  halved: [n_worlds] gets these steps
+kernel void halve_and_move(const uint n, const uint n_nodes, const uint n_sites, const uint n_worlds,
+                           global const uint* restrict world, global const Site* restrict sites,
+                           global const uint* restrict is_active, global const real* restrict before,
+                           global const real* restrict after, const real rounding, global const real* restrict step,
+                           global const real* restrict x, global const real* restrict direction,
+                           global real* restrict halved, global real* restrict trial,
+                           global real* restrict trial_sites) {
+  const uint i = get_global_id(0);
+  if (i < n_worlds) halved[i] = halved_where_rising(i, is_active, before, after, rounding, step);
+  if (i < n_nodes) {
+    const real own = halved_where_rising(world[i], is_active, before, after, rounding, step);
+    vstore3(moved_node(i, own, x, direction), i, trial);
+  }
+  if (i < n_sites) {
+    const real own = halved_where_rising(world[sites[i].node[0]], is_active, before, after, rounding, step);
+    vstore3(moved_site(sites[i], own, x, direction), i, trial_sites);
+  }
 }
 
 // v = (x - x0) / h

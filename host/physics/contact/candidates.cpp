@@ -83,14 +83,15 @@ void Candidates::start_check(const Buffer<double>& x0, const Buffer<double>& x1)
   if (surface_sites_.size() == 0) return;  // nothing collides
   const double allowed = USABLE * 0.5 * margin_;
   ++check_;
-  // lists that were never made are not checked; where there is no body, there is nothing to look for
-  const auto n_checked = [](Within& within) {
-    const u32 n_bodies = u32(within.first_site.size() - 1);
-    if (n_bodies == 0) within.has_reference = true;
-    return within.has_reference ? n_bodies : 0;
+  // lists that were never made are not checked, nor those that stay empty
+  const auto n_checked = [](const BroadPhase& broad_phase, bool& has_reference, std::size_t n) {
+    if (!broad_phase.finds_nothing()) return has_reference ? u32(n) : 0;
+    has_reference = true;
+    return 0u;
   };
-  const u32 n_solids = n_checked(solids_), n_sheets = n_checked(sheets_),
-            n_surface = has_reference_ ? u32(surface_sites_.size()) : 0;
+  const u32 n_solids = n_checked(solids_.broad_phase, solids_.has_reference, solids_.first_site.size() - 1),
+            n_sheets = n_checked(sheets_.broad_phase, sheets_.has_reference, sheets_.first_site.size() - 1),
+            n_surface = n_checked(between_bodies_, has_reference_, surface_sites_.size());
   const u32 n = u32(GROUP_SIZE) * (n_solids + n_sheets + u32((n_surface + GROUP_SIZE - 1) / GROUP_SIZE));
   if (n > 0)
     lists_serve_(n, n, n_solids, solids_.first_site, solids_.sites, solids_.reference, n_sheets, sheets_.first_site,
@@ -106,23 +107,33 @@ void Candidates::find(const Buffer<double>& x0, const Buffer<double>& x1) {
   renew(x0, x1);
 }
 
-void Candidates::renew(const Buffer<double>& x0, const Buffer<double>& x1) {
-  if (surface_sites_.size() == 0) return;
-  bool has_changed = false;
-  for (const List list : {SOLIDS, SHEETS}) {
-    if (serves(list)) continue;
-    Within& within = list == SOLIDS ? solids_ : sheets_;
-    within.broad_phase.find(x0, x1, margin_, within.pairs);
-    within.reference.copy_from(x1);
-    within.has_reference = has_changed = true;
-  }
-  if (!serves(BETWEEN)) {
+void Candidates::search(List list, const Buffer<double>& x0, const Buffer<double>& x1) {
+  if (list == BETWEEN) {
     between_bodies_.find(x0, x1, margin_, between_);
     reference_.copy_from(x1);
-    has_reference_ = has_changed = true;
+    has_reference_ = true;
+    return;
+  }
+  Within& within = list == SOLIDS ? solids_ : sheets_;
+  within.broad_phase.find(x0, x1, margin_, within.pairs);
+  within.reference.copy_from(x1);
+  within.has_reference = true;
+}
+
+Candidates::Lists Candidates::renew(const Buffer<double>& x0, const Buffer<double>& x1, const Lists& at_once) {
+  Lists lacking = {};
+  if (surface_sites_.size() == 0) return lacking;
+  for (const List list : {SOLIDS, SHEETS, BETWEEN})
+    if (at_once[list]) search(list, x0, x1);
+  bool has_changed = false;
+  for (const List list : {SOLIDS, SHEETS, BETWEEN}) {
+    lacking[list] = !serves(list);
+    if (lacking[list] && !at_once[list]) search(list, x0, x1);
+    has_changed |= lacking[list] || at_once[list];
   }
   serves_.assign(N_LISTS, 0);  // for this motion they all do
   if (has_changed) merge();
+  return lacking;
 }
 
 void Candidates::merge() {

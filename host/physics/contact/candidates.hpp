@@ -4,6 +4,7 @@
 //   Pairs of one body serve while the body, but for a rigid motion of it as a whole, has deformed by less than that;
 //   sheets, which deform all the time, have a list apart from that of solids.
 #pragma once
+#include <array>
 #include <span>
 #include <vector>
 
@@ -13,6 +14,9 @@ namespace pvg {
 
 class Candidates {
  public:
+  enum List : u32 { SOLIDS, SHEETS, BETWEEN, N_LISTS };
+  using Lists = std::array<bool, N_LISTS>;
+
   // x: sites at the start [n_sites, m]; margin [m]
   Candidates(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
              std::span<const Vec3> x, double margin);
@@ -21,8 +25,10 @@ class Candidates {
   // [n_sites x 3, m]. By world: the pairs of one solid, of one sheet, of two bodies; within each in the order of the
   // broad phase.
   void find(const Buffer<double>& x0, const Buffer<double>& x1);
-  // The same where start_check() was for this very motion and the device was waited for since.
-  void renew(const Buffer<double>& x0, const Buffer<double>& x1);
+  // The same where start_check() was for this very motion and the device was waited for since. Returns which lists did
+  // not serve. at_once: lists that are looked for before that is known; where there is one, nobody needs to wait
+  // before.
+  Lists renew(const Buffer<double>& x0, const Buffer<double>& x1, const Lists& at_once = {});
   // Starts to find whether the present ones serve for this motion, which is known after the device was waited for.
   void start_check(const Buffer<double>& x0, const Buffer<double>& x1);
   bool serve() const { return surface_sites_.size() == 0 || (serves(SOLIDS) && serves(SHEETS) && serves(BETWEEN)); }
@@ -39,11 +45,11 @@ class Candidates {
     Buffer<double> reference;       // all sites where these pairs were looked for [n_sites x 3, m]
     bool has_reference = false;
   };
-  enum List : u32 { SOLIDS, SHEETS, BETWEEN, N_LISTS };
   Within make_within(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
                      std::span<const Vec3> x, PairsOf which);
   bool serves(List list) const { return has_reference(list) && serves_[list] != check_; }
   bool has_reference(List list) const;
+  void search(List list, const Buffer<double>& x0, const Buffer<double>& x1);  // waits for how many there are
   void merge();
 
   Device* device_;

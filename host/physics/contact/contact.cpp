@@ -6,8 +6,6 @@
 #include <stdexcept>
 
 #include "contact/report.h"
-#include "host/device/scan.hpp"
-#include "host/physics/contact/candidates.hpp"
 #include "host/physics/contact/continuous_collision.hpp"
 #include "host/physics/contact/slip_effects.hpp"
 
@@ -54,12 +52,11 @@ struct ContactSet::Impl {
   ContinuousCollision collision;
   Program program, friction_program;
   Kernel pair_gaps, fill_contacts, lag_friction, report_contacts, friction_force, friction_strain;
-  Scan scan;
   WorldMinimum minimum;
   WorldRows<Barrier> contacts;
   WorldRows<Friction> friction;
   Buffer<double> gaps;                             // [n_candidates, m]
-  Buffer<u32> is_active, offsets;                  // [n_candidates], [n_candidates + 1]
+  Buffer<u32> is_active, active_counts;            // [n_candidates], of each 64 of them
   Buffer<u32> first;                               // [n_worlds + 1] contacts of each world
   Buffer<u32> sites;                               // [n_candidates x 4] of contacts
   std::vector<u32> contact_sites, friction_sites;  // on the host
@@ -92,13 +89,12 @@ struct ContactSet::Impl {
         report_contacts(program.kernel("report_contacts")),
         friction_force(friction_program.kernel("friction_force")),
         friction_strain(friction_program.kernel("friction_strain")),
-        scan(device),
         minimum(device),
         contacts{Buffer<Barrier>(device, 0, "contacts"), std::vector<u32>(mesh.n_worlds + 1, 0)},
         friction{Buffer<Friction>(device, 0, "friction"), std::vector<u32>(mesh.n_worlds + 1, 0)},
         gaps(device, 0, "candidate_gaps"),
         is_active(device, 0, "candidate_is_active"),
-        offsets(device, 0, "contact_offsets"),
+        active_counts(device, 0, "active_counts"),
         first(device, mesh.n_worlds + 1, "first_contact_of_world"),
         sites(device, 0, "contact_sites"),
         changed(device, 1, "changed"),
@@ -120,11 +116,16 @@ struct ContactSet::Impl {
     has_sites = true;
   }
 
+  void resize_activity() {
+    is_active.resize(candidates.rows().n());
+    active_counts.resize((candidates.rows().n() + GROUP_SIZE - 1) / GROUP_SIZE);
+  }
+
   void measure_gaps(const Buffer<double>& x) {
     const WorldRows<Barrier>& pairs = candidates.rows();
     gaps.resize(pairs.n());
-    is_active.resize(pairs.n());
-    pair_gaps(pairs.n(), pairs.n(), pairs.rows, x, gaps, is_active);
+    resize_activity();
+    pair_gaps(pairs.n(), pairs.n(), pairs.rows, x, gaps, is_active, active_counts);
   }
 
   // rows of what contacts.rows has: of contacts, or, where these are not taken yet, of all candidates
@@ -203,8 +204,9 @@ void ContactSet::start_check(const Buffer<double>& x0, const Buffer<double>& x1)
   impl_->candidates.start_check(x0, x1);
 }
 bool ContactSet::candidates_serve() const { return impl_->candidates.serve(); }
-void ContactSet::renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1) {
-  impl_->candidates.renew(x0, x1);
+Candidates::Lists ContactSet::renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1,
+                                               const Candidates::Lists& at_once) {
+  return impl_->candidates.renew(x0, x1, at_once);
 }
 
 const Buffer<double>& ContactSet::start_largest_steps(const Buffer<double>& x0, const Buffer<double>& x1) {
@@ -213,8 +215,12 @@ const Buffer<double>& ContactSet::start_largest_steps(const Buffer<double>& x0, 
 const Buffer<u32>& ContactSet::first_candidate() const { return impl_->candidates.first(); }
 
 Buffer<u32>& ContactSet::activity() {
-  impl_->is_active.resize(candidates().n());
+  impl_->resize_activity();
   return impl_->is_active;
+}
+Buffer<u32>& ContactSet::activity_counts() {
+  impl_->resize_activity();
+  return impl_->active_counts;
 }
 
 void ContactSet::start_find_contacts(const Buffer<double>& x) {
@@ -231,15 +237,14 @@ void ContactSet::start_list_contacts() {
     impl.first.zero();
     return;
   }
-  impl.scan(candidates.n(), impl.is_active, impl.offsets);
   impl.sites.resize(4 * std::size_t(candidates.n()));
   if (const std::size_t serial = impl.sites.memory().serial(); serial != impl.sites_serial) {
     impl.sites_serial = serial;  // what stands there now says nothing
     impl.last_change = impl.search;
   }
-  const u32 n = candidates.n(), n_items = std::max(n, impl.mesh.n_worlds + 1);
-  impl.fill_contacts(n_items, n_items, n, impl.mesh.n_worlds, candidates.rows, impl.offsets, impl.candidates.first(),
-                     impl.first, impl.contacts.rows, impl.sites, impl.search, impl.changed);
+  const u32 n = candidates.n();
+  impl.fill_contacts(n, n, impl.mesh.n_worlds, candidates.rows, impl.is_active, impl.active_counts,
+                     impl.candidates.first(), impl.first, impl.contacts.rows, impl.sites, impl.search, impl.changed);
   impl.first.read_later(0, std::span(impl.contacts.first));
   impl.changed.read_later(0, std::span(&impl.read_change, 1));
   impl.has_sites = false;

@@ -18,6 +18,7 @@
 #include "host/device/device.hpp"
 #include "host/model/physical_scene.hpp"
 #include "host/model/world_state.hpp"
+#include "host/physics/contact/candidates.hpp"
 #include "host/physics/contact/collision_mesh.hpp"
 #include "host/physics/contact/friction_anchors.hpp"
 #include "host/physics/linear/world_rows.hpp"
@@ -42,7 +43,10 @@ class ContactSet {
   // Starts to find whether the present candidates serve for a motion; known after the device was waited for.
   void start_check(const Buffer<double>& x0, const Buffer<double>& x1);
   bool candidates_serve() const;
-  void renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1);  // for that motion, those that did not
+  // For that motion, the lists that do not serve, and those to be looked for before that is known: as
+  // Candidates::renew()
+  Candidates::Lists renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1,
+                                     const Candidates::Lists& at_once = {});
 
   // The largest part in [0, 1] of the motion x0 -> x1, of each world, that is certified to keep every candidate apart.
   // x0, x1: as given to find_candidates, or any part of that motion. A pair that is already closer than its offset
@@ -57,8 +61,10 @@ class ContactSet {
   // The same without waiting: until take_contacts(), after the device was waited for, contacts() has the rows of all
   // candidates, of which first_contact()[n_worlds] are contacts.
   void start_find_contacts(const Buffer<double>& x);
-  // The same where who evaluates the candidates' energies leaves in activity() which exert a force [n_candidates].
+  // The same where who evaluates the candidates' energies leaves in activity() which exert a force [n_candidates], and
+  // in activity_counts() how many of each 64.
   Buffer<u32>& activity();
+  Buffer<u32>& activity_counts();
   void start_list_contacts();
   void take_contacts();
   const Buffer<u32>& first_contact() const;  // [n_worlds + 1] on the device

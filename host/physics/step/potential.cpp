@@ -181,7 +181,8 @@ const Buffer<f64>& Potential::start_energy(const Positions& x, ContactSet& conta
     constant_[t]->energy(x.site, origin(*constant_[t]), step_length(*constant_[t]), first_energy_[t], element_energy_);
   if (const u32 n = whole_groups(n_friction) + n_candidates; n > 0)
     contact_kernels().energy(n, n, n_friction, contacts.friction().rows, contacts.candidates().rows, x.site,
-                             start_->site, h_, first_friction, element_energy_, contacts.activity());
+                             start_->site, h_, first_friction, element_energy_, contacts.activity(),
+                             contacts.activity_counts());
   std::vector<WorldRange> ranges = energy_ranges_;
   append_ranges(friction_.world_first(), first_friction, ranges);
   energy_chunks_.set(ranges);

@@ -67,7 +67,7 @@ void Simulation::Impl::give_up(StepEvent event) {
   event.time = states[w].time;
   event.length = length;
   reports[w].events.push_back(std::move(event));
-  is_intact[w] = is_unsettled[w] = is_active[w] = false;
+  is_intact[w] = is_unsettled[w] = is_active[w] = has_read_end = read_end_of_trial = false;
   const std::size_t first = 3 * system.node_ranges[w].begin, n = 3 * system.node_ranges[w].end - first;
   x.node.write(first, start.node.read(first, n));
   dx.write(first, std::vector<double>(n, 0));

@@ -54,8 +54,8 @@ struct Simulation::Impl {
   // Starts to move along dx, of these worlds, and to find whether the candidates serve for it.
   void start_move(const std::vector<char>& worlds);
   // From there, starts to move as far as no contact is in the way: certified, trial, its contacts and energy. settles,
-  // h, short_of: as of solve/newton.cl
-  void start_certified_move(bool settles, double h, double short_of);
+  // h, short_of: as of solve/newton.cl; halvings: of steps that rise above energy_before
+  void start_certified_move(bool settles, double h, double short_of, int halvings = 0);
   void find_minimum(double h);
   // is_started: read_contacts() did, at x
   void lag_friction(double h, const Positions& foreseen, bool is_started);
@@ -70,12 +70,15 @@ struct Simulation::Impl {
   // again: a world was given up.
   bool find_direction(double h, bool settles);
   // foreseen: `moved_energy` holds what the whole certified step leads to
-  void line_search(const std::vector<double>& certified, bool foreseen);
+  void line_search(bool foreseen);
+  void start_trial(bool settles, double h);
+  void start_read_end(const Positions& end);
   void start_trial_energy();
   void start_read_trial();
   void evaluate(const std::vector<double>& length);
   std::vector<char> rising_worlds(const std::vector<double>& before) const;
-  void halve_rising(int times);
+  void start_halvings(int times);
+  int halvings_taken() const;
   void read_state(double h);
   void read_contacts(double h);
   void read_joints(double h);
@@ -94,19 +97,22 @@ struct Simulation::Impl {
   System system;
   Potential potential;
   Program nodes_program, newton_program;
-  Kernel move_along, place_nodes, certified_step, halve_rising_steps;
+  Kernel move_along, place_nodes, halve_and_move, certified_step;
   Buffer<u32> node_world, is_active_on_device, prescribed_nodes;
-  std::vector<char> active_written;                               // what is_active_on_device and full_step hold
-  Buffer<f64> dx, gradient, step, full_step, largest, tolerance;  // full_step: 1 for worlds that move; tolerance [m/s]
-  Buffer<f64> energy_before;                                      // [n_worlds, J] of a line search
-  const Buffer<f64>* trial_energy = nullptr;                      // [n_worlds, J] of the last trial
+  std::vector<char> active_written;             // what is_active_on_device and full_step hold
+  Buffer<f64> dx, gradient, step, halved_step;  // step: of each world, and what comes next
+  Buffer<f64> full_step, largest, tolerance;    // full_step: 1 for worlds that move; tolerance [m/s]
+  Buffer<f64> energy_before;                    // [n_worlds, J] of a line search
+  const Buffer<f64>* trial_energy = nullptr;    // [n_worlds, J] of the last trial
   TimeIntegrator integrator;
   Positions x, start, predicted, trial;
   ContactSet contacts;
   ConjugateGradients cg;
   WorldReduce reduce;
   WorldChunks speed_chunks;
-  std::vector<double> largest_move, certified, moved_energy;     // [n_worlds] of the last move, as read
+  std::vector<double> largest_move, moved_energy;                // [n_worlds] of the last move, as read
+  std::vector<double> longest, certified;                        // and its steps before they were halved, and after
+  int n_halvings = 0;                                            // that are started before the host looks
   std::vector<double> nodes, velocities;                         // [n_nodes x 3] at the start of the step
   std::vector<double> velocities_before, velocities_two_before;  // and of the two before it
   std::vector<double> prescribed;                                // [n_nodes x 3] where prescribed bodies are to be
@@ -128,10 +134,12 @@ struct Simulation::Impl {
   std::vector<char> is_active;                                // of these, worlds that Newton's method still moves
   std::vector<WorldState> states;
   std::vector<StepReport> reports;
-  bool begins_step = true;          // no direction was found yet
-  bool served_first_guess = false;  // the candidates, in the last step
-  std::vector<double> energy;       // at x, per world [J]
-  bool has_prescribed;              // bodies
+  bool begins_step = true;                                  // no direction was found yet
+  int n_directions = 0, n_directions_before = 0;            // that were found in this attempt, and in the one before
+  bool read_end_of_trial = false, has_read_end = false;     // start_read_end() was for trial; for x, and waited for
+  Candidates::Lists lacking_at_guess = {true, true, true};  // candidates that did not serve the last first guess
+  std::vector<double> energy;                               // at x, per world [J]
+  bool has_prescribed;                                      // bodies
 };
 
 }  // namespace pvg

@@ -13,10 +13,12 @@ constexpr int MAX_LINE_SEARCH = 40;  // lengths of one Newton step that are trie
 constexpr double ROUNDING = 1e-12;   // of an energy
 constexpr int MAX_LAG_PASSES = 50;   // evaluations of the lagged friction, where it is to settle
 constexpr int MANY_CG = 12;     // iterations take longer than to take the contacts into the preconditioner's factor
+constexpr int MOST_AHEAD = 8;   // halvings of a step are started before the host looks
 constexpr double ENOUGH = 0.1;  // of its first correction ends a pass there: what is lagged is not exact before
 
-bool any(const std::vector<char>& worlds) {
-  return std::any_of(worlds.begin(), worlds.end(), [](char is_in) { return is_in; });
+template <class Flags>
+bool any(const Flags& flags) {
+  return std::any_of(flags.begin(), flags.end(), [](bool is_set) { return is_set; });
 }
 
 }  // namespace
@@ -41,19 +43,19 @@ void Simulation::Impl::move_to_first_guess(double h) {
       give_up(w, StepEvent::Kind::not_finite, *node, "its velocity is not a number");
   // a guess that ends just short of touching would start Newton where the barrier is steepest
   constexpr double SHORT_OF = 0.5;
-  // a whole step's motion is often more than the candidates serve for; elsewhere than on the host's own processor what
-  // follows is started before that is known, as long as they served in the last step
-  const bool starts_early = !device.info().runs_host_functions && served_first_guess;
+  // A whole step's motion is often more than the candidates serve for. Elsewhere than on the host's own processor that
+  // is foreseen from the last step: what follows is started, or candidates are looked for, before it is known.
+  const bool foresees = !device.info().runs_host_functions, searches = foresees && any(lacking_at_guess);
+  const bool starts_early = foresees && !searches;
   {
     const auto timed = clock.time(SolverPhase::broad_phase);
     start_move(is_intact);
     if (starts_early) start_certified_move(false, h, SHORT_OF);
-    device.finish();
-    served_first_guess = contacts.candidates_serve();
-    if (starts_early && !served_first_guess) move(full_step);
-    contacts.renew_candidates(x.site, trial.site);
+    if (!searches) device.finish();
+    if (starts_early && !contacts.candidates_serve()) move(full_step);
+    lacking_at_guess = contacts.renew_candidates(x.site, trial.site, searches ? lacking_at_guess : Candidates::Lists{});
   }
-  if (!(starts_early && served_first_guess)) {
+  if (!starts_early || any(lacking_at_guess)) {
     const auto timed = clock.time(SolverPhase::continuous_collision);
     start_certified_move(false, h, SHORT_OF);
     device.finish();
@@ -87,20 +89,40 @@ void Simulation::Impl::start_move(const std::vector<char>& worlds) {
   contacts.start_check(x.site, trial.site);
 }
 
-void Simulation::Impl::start_certified_move(bool settles, double h, double short_of) {
+void Simulation::Impl::start_certified_move(bool settles, double h, double short_of, int halvings) {
   const Buffer<f64>& free_parts = contacts.start_largest_steps(x.site, trial.site);
   const u32 n = u32(GROUP_SIZE * system.n_worlds());
   certified_step(n, n, contacts.first_candidate(), free_parts, is_active_on_device, u32(settles), largest, tolerance, h,
                  short_of, step);
   move(step);
   start_trial_energy();
+  if (halvings > 0) {
+    step.read_later(0, std::span(longest));
+    start_halvings(halvings);
+  }
   start_read_trial();
+}
+
+// The certified move of an iteration of Newton's method, and what the host keeps of the step if it ends there, as it is
+// foreseen to do after as many iterations as the last one took; else that is read when the step has ended.
+void Simulation::Impl::start_trial(bool settles, double h) {
+  start_certified_move(settles, h, 1, n_halvings);
+  if (n_directions != n_directions_before) return;
+  start_read_end(trial);
+  read_end_of_trial = true;
+}
+
+// What the host keeps of a step that ends at these positions.
+void Simulation::Impl::start_read_end(const Positions& end) {
+  end.node.read_later(0, std::span(nodes));
+  contacts.start_anchors(end.site, start.site, length);
 }
 
 void Simulation::Impl::start_trial_energy() { trial_energy = &potential.start_energy(trial, contacts); }
 
 // How far trial is from x, its contacts and its energy, once the device was waited for.
 void Simulation::Impl::start_read_trial() {
+  read_end_of_trial = false;
   contacts.read_sites(potential.reads_contacts());
   contacts.start_list_contacts();
   step.read_later(0, std::span(certified));
@@ -157,13 +179,14 @@ CgReport Simulation::Impl::factorize_and_solve(double h, bool settles) {
       const auto timed = clock.time(SolverPhase::preconditioner);
       potential.start_factorize(is_active, &gradient);
     }
+    if (n_halvings > 0) energy_before.write(energy);
     start_solve();
     for (;;) {
       const auto timed = clock.time(SolverPhase::solve);
       const bool looks_ahead = waits_for_solve ? cg.may_have_ended() : cg.is_short();
       const auto move_ahead = [&] {
         start_look_ahead();
-        if (!waits_for_solve) start_certified_move(settles, h, 1);
+        if (!waits_for_solve) start_trial(settles, h);
       };
       if (looks_ahead) move_ahead();
       device.finish();
@@ -189,13 +212,15 @@ CgReport Simulation::Impl::factorize_and_solve(double h, bool settles) {
       contacts.renew_candidates(x.site, trial.site);
     }
     const auto timed = clock.time(SolverPhase::line_search);
-    start_certified_move(settles, h, 1);
+    start_trial(settles, h);
     device.finish();
     return cg.report();
   }
 }
 
 bool Simulation::Impl::find_direction(double h, bool settles) {
+  ++n_directions;
+  has_read_end = false;
   {
     const auto timed = clock.time(SolverPhase::assembly);
     potential.differentiate(x, contacts, gradient);
@@ -241,30 +266,39 @@ std::vector<char> Simulation::Impl::rising_worlds(const std::vector<double>& bef
   return rises;
 }
 
-// Halves the steps of worlds whose energy rose, so often at once, and finds their energies each time on the device.
-void Simulation::Impl::halve_rising(int times) {
-  const u32 n = u32(system.n_worlds());
+// Halves the steps of worlds whose energy rose, so often, and finds their energies each time on the device.
+void Simulation::Impl::start_halvings(int times) {
+  const u32 n_worlds = u32(system.n_worlds()), n_nodes = u32(system.n_nodes()), n_sites = u32(system.sites.size());
+  const u32 n = std::max({n_worlds, n_nodes, n_sites});
   for (int i = 0; i < times; ++i) {
-    halve_rising_steps(n, n, is_active_on_device, energy_before, *trial_energy, ROUNDING, step);
-    move(step);
+    halve_and_move(n, n, n_nodes, n_sites, n_worlds, node_world, potential.sites(), is_active_on_device, energy_before,
+                   *trial_energy, ROUNDING, step, x.node, dx, halved_step, trial.node, trial.site);
+    std::swap(step, halved_step);
     start_trial_energy();
   }
-  start_read_trial();
-  device.finish();
-  contacts.take_contacts();
 }
 
-// Halves each world's step until its energy does not rise. Contact was certified by `longest`, so no pair touches.
-void Simulation::Impl::line_search(const std::vector<double>& longest, bool foreseen) {
+// How often the steps of a line search were halved, at most.
+int Simulation::Impl::halvings_taken() const {
+  int most = 0;
+  for (std::size_t w = 0; w < longest.size(); ++w)
+    if (certified[w] > 0) most = std::max(most, std::ilogb(longest[w]) - std::ilogb(certified[w]));
+  return most;
+}
+
+// Halves each world's step until its energy does not rise. Contact was certified by the whole step, so no pair touches.
+void Simulation::Impl::line_search(bool foreseen) {
   const auto timed = clock.time(SolverPhase::line_search);
-  if (!foreseen) evaluate(longest);
+  if (!foreseen) evaluate(certified);
+  int halvings = foreseen ? n_halvings : 0;  // as were started ahead
+  if (halvings == 0) longest = certified;
   std::vector<char> rises = rising_worlds(energy);
   if (any(rises)) {
     energy_before.write(energy);
     write_active(is_active);
   }
-  for (int halvings = 0; any(rises); rises = rising_worlds(energy)) {
-    if (halvings == MAX_LINE_SEARCH - 1) {
+  for (; any(rises); rises = rising_worlds(energy)) {
+    if (halvings >= MAX_LINE_SEARCH - 1) {
       std::vector<double> length = certified;
       for (std::size_t w = 0; w < rises.size(); ++w) {
         if (!rises[w]) continue;
@@ -275,14 +309,20 @@ void Simulation::Impl::line_search(const std::vector<double>& longest, bool fore
       evaluate(length);
       break;
     }
-    // elsewhere than on the host's own processor a look takes as long as two launches, and one halving takes five
+    // elsewhere than on the host's own processor a look takes as long as two launches, and one halving takes four
     const int wanted = device.info().runs_host_functions ? 1 : halvings == 0 ? 2 : 3;
     const int times = std::min(wanted, MAX_LINE_SEARCH - 1 - halvings);
-    halve_rising(times);
+    start_halvings(times);
+    start_read_trial();
+    device.finish();
+    contacts.take_contacts();
     halvings += times;
   }
+  // there, as many are started ahead of the next look
+  if (!device.info().runs_host_functions) n_halvings = std::min(halvings_taken(), MOST_AHEAD);
   energy = moved_energy;
   std::swap(x, trial);
+  has_read_end = read_end_of_trial;
 }
 
 // Newton's method at the friction as it is lagged. A world is done where its correction is within the tolerance, or has
@@ -308,7 +348,7 @@ void Simulation::Impl::minimize(double h, bool may_be_settled, double enough) {
       certified = certify();
       for (std::size_t w = 0; w < is_active.size(); ++w) certified[w] *= is_active[w];
     }
-    line_search(certified, foreseen);
+    line_search(foreseen);
     for (std::size_t w = 0; w < is_active.size(); ++w)
       if (reports[w].residual <= stop[w]) is_active[w] = false;
   }
@@ -322,6 +362,7 @@ void Simulation::Impl::minimize(double h, bool may_be_settled, double enough) {
 // Contacts at x and their friction: normal forces and tangents as they are here, for a step of length h. A world that
 // had no friction and has none now is settled.
 void Simulation::Impl::lag_friction(double h, const Positions& foreseen, bool is_started) {
+  has_read_end = false;
   const std::vector<u32> before = contacts.friction().first;
   {
     const auto timed = clock.time(SolverPhase::narrow_phase);
@@ -375,10 +416,13 @@ void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>&
   potential.begin_step(start, predicted, h, inertia_length);
   potential.set_forces(integrator.velocity());
   set_joints(h, previous, targets);
+  n_directions_before = std::exchange(n_directions, 0);
+  n_halvings = 0;
   find_minimum(h);
-  x.node.read_later(0, std::span(nodes));
-  contacts.start_anchors(x.site, start.site, h);
-  device.finish();
+  if (!has_read_end) {
+    start_read_end(x);
+    device.finish();
+  }
   give_up_inverted();
   integrator.accept(start.node, x.node, is_intact);
   std::swap(velocities_two_before, velocities_before);

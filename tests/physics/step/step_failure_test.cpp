@@ -109,7 +109,8 @@ TEST(StepFailure, AnExhaustedLineSearchIsNamed) {
   impl.dx.write(up);
   impl.evaluate({0.0});
   impl.energy = impl.moved_energy;
-  impl.line_search({1.0}, false);
+  impl.certified = {1.0};
+  impl.line_search(false);
   ASSERT_EQ(impl.reports[0].events.size(), 1u);
   EXPECT_EQ(impl.reports[0].events[0].kind, Kind::exhausted_line_search);
   EXPECT_EQ(impl.reports[0].events[0].body, "cube");
