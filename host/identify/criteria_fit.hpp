@@ -51,6 +51,9 @@
   X(5, Series, fit_dampings, (Series{1e-6, 0.5, 2.5, 8}), "diagonal", \
     "dampings of the steps that are tried", \
     "chosen by judgement, not measured") \
+  X(5, double, step_gain_least, 0.75, "1", \
+    "reduction of the cost over the predicted one from which damped steps are not tried", \
+    "seed 23, case 008: above it the full step was the best of all, or within 0.3 % of the best") \
   X(5, double, start_damping, 0.1, "diagonal", \
     "damping of the starts that is tried besides none", \
     "chosen by judgement, not measured") \

@@ -61,6 +61,7 @@ struct Fit {
   bool has_converged = false;             // a step changes little
   bool is_given_up = false;               // it is not worth further steps
   bool is_far_behind = false;             // another one was better beyond doubt when it was given up
+  bool is_open() const { return succeeded && !has_converged && !is_given_up; }
 };
 
 class Fitter {
@@ -115,11 +116,13 @@ class Fitter {
   struct Trials {
     std::vector<Model> models;
     std::vector<std::vector<Eigen::VectorXd>> delta;
-    std::vector<std::size_t> owner;  // number of the fit
-    void add(Model model, std::vector<Eigen::VectorXd> start, std::size_t of_fit) {
+    std::vector<std::size_t> owner;              // number of the fit
+    std::vector<std::vector<Prediction>> found;  // [n_trials][n_windows]; empty: not simulated yet
+    void add(Model model, std::vector<Eigen::VectorXd> start, std::size_t of_fit, std::vector<Prediction> known = {}) {
       models.push_back(std::move(model));
       delta.push_back(std::move(start));
       owner.push_back(of_fit);
+      found.push_back(std::move(known));
     }
   };
   struct Attempt {  // a model that was tried, with the best starts found there
@@ -128,11 +131,14 @@ class Fitter {
     std::size_t owner = 0;
     double cost = 0;
   };
-  // Renews slopes and sensitivities to the starts that are stale (fit_slopes.cpp).
+  // Steps (fit_trials.cpp). Then: renews slopes and sensitivities to the starts that are stale (fit_slopes.cpp).
   enum class Which { open, all, open_starts };
   void differentiate(const FitData& data, std::vector<Fit>& fits, Which which);
-  void add_trials(const Fit& fit, std::size_t owner, bool only_starts, Trials& trials) const;
-  std::vector<Attempt> attempts_of(const FitData& data, const Trials& trials, const std::vector<Fit>& fits);
+  enum class Steps { full, damped };
+  void add_trials(const Fit& fit, std::size_t owner, bool only_starts, Steps steps, Trials& trials) const;
+  void simulate(const FitData& data, Trials& trials);
+  Trials steps_of(const FitData& data, const std::vector<Fit>& fits, bool only_starts);
+  static std::vector<Attempt> attempts_of(const Trials& trials, const std::vector<Fit>& fits);
   Trials corrected(const std::vector<Attempt>& attempts, const std::vector<Fit>& fits) const;
   std::vector<char> take_best(const FitData& data, const Trials& trials, std::vector<Fit>& fits);
   Predictor& predictor_;

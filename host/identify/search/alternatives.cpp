@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/fit/held_out.hpp"
 #include "host/identify/search/round.hpp"
 
 namespace pvg::diagnose {
@@ -13,12 +14,18 @@ bool leave_the_same(const Fit& a, const Fit& b) {
   return rms(apart) < criteria().same_residual;
 }
 
+bool is_worth_a_second(const Fit& base, const Fit& alternative) {
+  return closed(rms(base.residual), rms(alternative.residual), 1) >= criteria().second_gain_least;
+}
+
 std::optional<FoundPair> find_beside_alternatives(Workflow& flow, const std::vector<Candidate>& candidates,
-                                                  const FitData& data, const std::vector<Fit>& first_round,
-                                                  std::vector<Fit> tried, double most, double expected_seconds) {
+                                                  const FitData& data, const Fit& base,
+                                                  const std::vector<Fit>& first_round, std::vector<Fit> tried,
+                                                  double most, double expected_seconds) {
   std::size_t n = 0;
   for (const Fit& alternative : first_round) {
     if (n == criteria().n_alternatives) break;
+    if (!is_worth_a_second(base, alternative)) continue;
     if (std::any_of(tried.begin(), tried.end(), [&](const Fit& other) { return leave_the_same(other, alternative); }))
       continue;
     const std::string label = alternative.model.parts.back()->label();

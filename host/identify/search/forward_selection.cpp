@@ -211,8 +211,8 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
     out.ranking.insert(out.ranking.begin(), pair.model);
     if (!pair.inseparable.empty()) out.inseparable.push_back(pair.inseparable);
   };
-  if (const std::optional<FoundPair> pair =
-          find_beside_alternatives(flow, candidates, data, first_round, tried, criteria().unexplained, of_round)) {
+  if (const std::optional<FoundPair> pair = find_beside_alternatives(flow, candidates, data, base, first_round, tried,
+                                                                     criteria().unexplained, of_round)) {
     out.inseparable.resize(std::min<std::size_t>(out.inseparable.size(), 1));  // of the first effect
     take(*pair);
     return;
