@@ -318,8 +318,8 @@ void Simulation::Impl::line_search(bool foreseen) {
     contacts.take_contacts();
     halvings += times;
   }
-  // there, as many are started ahead of the next look
-  if (!device.info().runs_host_functions) n_halvings = std::min(halvings_taken(), MOST_AHEAD);
+  // there, as many are started ahead of the next look; of a single world the last halvings say little
+  if (!device.info().runs_host_functions && system.n_worlds() > 1) n_halvings = std::min(halvings_taken(), MOST_AHEAD);
   energy = moved_energy;
   std::swap(x, trial);
   has_read_end = read_end_of_trial;
