@@ -63,6 +63,9 @@
   X(1, std::size_t, start_n_most, 15, "1", \
     "most samples that give a start", \
     "not recorded") \
+  X(1, double, start_rest_most, 9, "1", \
+    "gain in chi-squared of a parabola over a constant up to which a run begins at rest", \
+    "two numbers more gain 9.2 by chance once in a hundred") \
   X(1, double, start_turn_span, 1, "s", \
     "time from the start within which orientations are read", \
     "chosen by judgement, not measured") \

@@ -54,6 +54,9 @@
   X(4, double, signature_ridge, 1e-6, "diagonal", \
     "ridge of those of pairs and laws: columns that are nearly alike must not cancel each other", \
     "chosen by judgement, not measured") \
+  X(4, double, rounding_rate_share, 0.1, "noise", \
+    "rate below which a joint's friction is rounded off, over what the noise hides", \
+    "seed 23, case 038: 1e-3 rad/s, 5 times what the noise hid, moved a friction by six deviations") \
   X(4, double, change_torque, 2e-3, "weight m", \
     "first change that is tried of a torque", \
     "chosen by judgement, not measured") \

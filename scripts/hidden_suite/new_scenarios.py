@@ -161,16 +161,14 @@ def draw(rng, scenario, kind, strength):
 
 
 def weigh(rng, scenario, nature, truth):
-    """A mass that a scale told to half a per cent: nature's differs, the recording says how far it may. [numbers, priors]"""
+    """A mass that a scale told to half a per cent: nature's differs, the recording says how far it may. What a run states of
+    its own, with a load, is exact. [numbers, priors]"""
     retuned = any(e["name"] in ("retune_mass", "payload_mass") for e in truth["effects"])
     if not scenario.masses or retuned or truth["kind"] == "null" or rng.random() < 0.5:
         return nature, []
     number, body = list(scenario.masses.items())[0]
     off = float(np.clip(rng.normal(0, TOLERANCE), -2 * TOLERANCE, 2 * TOLERANCE))
     truth["also"] = [{"name": "retune_mass", "target": body, "parameters": {"value": nature[number] * (1 + off)}, "accept": []}]
-    for run in scenario.runs:
-        if number in run.numbers:
-            run.numbers[number] *= 1 + off
     said = scenario.numbers[number]
     return nature | {number: nature[number] * (1 + off)}, [f"body/{body}/mass: {{value: {said:g} kg, sigma: {said * TOLERANCE:.2g} kg}}"]
 

@@ -1,5 +1,6 @@
 // Every physical effect of the simulator (host/model/effect.hpp), at every place of the scene where it can act.
 #include <algorithm>
+#include <cmath>
 
 #include "host/identify/candidates/candidate.hpp"
 #include "host/identify/criteria.hpp"
@@ -54,7 +55,23 @@ Parameter parameter_of(const EffectParameter& p, double mass) {
   return out;
 }
 
-Candidate candidate_of(const PhysicalScene& scene, const EffectRow& row, const std::string& target) {
+// The rate below which the friction of a joint is rounded off. Stuck it creeps at up to that rate, and a reversal
+// leaves its rate wrong by some of it, which must not be seen:
+//   eps = s min(sigma_q / T, sigma_v)   [rad/s, m/s]
+// with T the longest run, sigma_q the noise of places and turns, sigma_v that of rates, s a share.
+double unseen_rate(const Problem& problem) {
+  double longest = 0, least = INFINITY;
+  for (const Run& run : problem.runs) longest = std::max(longest, run.t.back() - run.t.front());
+  for (const Channel& channel : problem.channels) {
+    const StartRole role = channel.sensor->start;
+    if (role == StartRole::nothing || channel.sigma <= 0) continue;
+    least = std::min(least, role == StartRole::rate ? channel.sigma : channel.sigma / longest);
+  }
+  return criteria().rounding_rate_share * least;
+}
+
+Candidate candidate_of(const Problem& problem, const EffectRow& row, const std::string& target) {
+  const PhysicalScene& scene = problem.scene.scene;
   const EffectKind& kind = row.kind;
   Candidate candidate{
       kind.name, target, Family::physical, kind.site, kind.law, kind.meaning, kind.equation, kind.experiment, {},
@@ -63,7 +80,11 @@ Candidate candidate_of(const PhysicalScene& scene, const EffectRow& row, const s
   Effect effect{kind.name, target, {}};
   for (const EffectParameter& p : kind.parameters) {
     effect.parameters.push_back(p.is_strength ? p.off : p.usual);
-    if (row.rounding != nullptr && p.name == row.rounding) continue;
+    if (row.rounding != nullptr && p.name == row.rounding) {
+      if (kind.target == EffectTarget::joint)
+        effect.parameters.back() = std::clamp(unseen_rate(problem), p.low, p.usual);
+      continue;
+    }
     place.push_back(int(effect.parameters.size()) - 1);
     EffectParameter here = p;
     here.unit = unit_on(scene, target, p.unit);
@@ -158,7 +179,7 @@ void add_physical(const Problem& problem, const std::vector<std::string>& touchi
     if (is_regressed(row.kind)) continue;  // its formula is not known beforehand
     for (const std::string& target : targets_of(problem, touching, row))
       if (!is_there(scene, row.kind.name, target) && (row.is_possible == nullptr || row.is_possible(scene, target)))
-        out.push_back(candidate_of(scene, row, target));
+        out.push_back(candidate_of(problem, row, target));
   }
 }
 

@@ -14,28 +14,48 @@ struct LocalFit {
   bool is_there = false;
 };
 
-// A parabola through the samples around time t0 of component k: value and slope there.
+// Numbers of the samples of component k, by their distance in time from t0 [s].
+std::vector<std::pair<double, std::size_t>> samples_around(const std::vector<double>& t,
+                                                           const std::vector<double>& values, std::size_t width,
+                                                           std::size_t k, double t0) {
+  std::vector<std::pair<double, std::size_t>> near;
+  for (std::size_t i = 0; i < t.size(); ++i)
+    if (std::isfinite(values[i * width + k])) near.push_back({std::abs(t[i] - t0), i});
+  std::sort(near.begin(), near.end());
+  return near;
+}
+
+// A parabola through the samples around time t0 of component k: value and slope there. Where the run begins, and a
+// constant explains its first samples as well, the value is their mean and the slope 0: the few samples that are near
+// enough for the parabola give a rate of up to some sigma to what is at rest, and the law of what sticks or has play
+// has a kink there, over which no fit of the start leads.
 LocalFit fit_around(const std::vector<double>& t, const std::vector<double>& values, std::size_t width, std::size_t k,
                     double t0, double sigma) {
-  std::vector<std::pair<double, double>> near;  // distance in time, index
-  for (std::size_t i = 0; i < t.size(); ++i)
-    if (std::isfinite(values[i * width + k])) near.push_back({std::abs(t[i] - t0), double(i)});
-  std::sort(near.begin(), near.end());
+  const std::vector<std::pair<double, std::size_t>> near = samples_around(t, values, width, k, t0);
+  const std::size_t most = std::min(criteria().start_n_most, near.size());
   std::size_t n = std::min(criteria().start_n_least, near.size());
-  while (n < std::min(criteria().start_n_most, near.size()) && near[n].first < criteria().start_fit_span / 2) ++n;
+  while (n < most && near[n].first < criteria().start_fit_span / 2) ++n;
   LocalFit fit;
   if (n < 3) return fit;
-  Eigen::MatrixXd a(n, 3);
-  Eigen::VectorXd b(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t at = std::size_t(near[i].second);
-    const double dt = t[at] - t0;
-    a.row(Eigen::Index(i)) << 1, dt, dt * dt;
-    b[Eigen::Index(i)] = values[at * width + k];
-  }
+  const auto system = [&](std::size_t n_rows) {
+    std::pair<Eigen::MatrixXd, Eigen::VectorXd> of{Eigen::MatrixXd(n_rows, 3), Eigen::VectorXd(n_rows)};
+    for (std::size_t i = 0; i < n_rows; ++i) {
+      const double dt = t[near[i].second] - t0;
+      of.first.row(Eigen::Index(i)) << 1, dt, dt * dt;
+      of.second[Eigen::Index(i)] = values[near[i].second * width + k];
+    }
+    return of;
+  };
+  const auto [a, b] = system(n);
   const Eigen::Matrix3d normal = a.transpose() * a;
-  const Vec3 x = a.colPivHouseholderQr().solve(b);
+  Vec3 x = a.colPivHouseholderQr().solve(b);
   const Eigen::Matrix3d covariance = sigma * sigma * normal.completeOrthogonalDecomposition().pseudoInverse();
+  if (t0 <= t.front() && most >= criteria().start_n_least) {
+    const auto [wide, first] = system(most);
+    const double mean = first.mean(), of_constant = (first.array() - mean).square().sum(),
+                 of_parabola = (first - wide * wide.colPivHouseholderQr().solve(first)).squaredNorm();
+    if (of_constant - of_parabola <= criteria().start_rest_most * sigma * sigma) x << mean, 0, 0;
+  }
   return {x[0], x[1], std::sqrt(std::max(covariance(0, 0), 0.0)), std::sqrt(std::max(covariance(1, 1), 0.0)), true};
 }
 

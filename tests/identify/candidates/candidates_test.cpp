@@ -87,5 +87,44 @@ channels:
   EXPECT_GT(of_mass, log_prior_of("joint_viscous_friction") + criteria().log_prior_physical);
 }
 
+// The rate below which the friction of a hinge that was measured for 2 s is rounded off [rad/s]. channels: more of
+// them.
+double rounding_of_friction(const std::string& channels) {
+  const TestFolder folder;
+  folder.write("scene.yaml", R"(schema: 1
+name: pendulum
+time_step: 5 ms
+bodies:
+  - {name: base, kind: static, shape: {box: {size: [0.01, 0.01, 0.01]}}, collides: false}
+  - {name: bar, kind: rigid, shape: {box: {size: [0.05, 0.05, 0.4]}}, mass: 0.8, pose: {position: [0, 0, -0.2]}, collides: false}
+joints:
+  - {name: hinge, type: revolute, parent: base, child: bar, axis: [0, 1, 0]}
+)");
+  std::string run = "t,q,w\n";
+  for (int i = 0; i <= 20; ++i) run += std::to_string(0.1 * i) + "," + std::to_string(0.1 * i) + ",1\n";
+  folder.write("a.csv", run);
+  folder.write("recording.yaml",
+               "schema: 1\nscene: scene.yaml\nruns:\n  - {file: a.csv, role: fit}\nchannels:\n" + channels);
+  const Problem problem = make_problem(folder.path / "recording.yaml");
+  for (const Candidate& candidate : make_candidates(problem, {})) {
+    if (candidate.name != "joint_coulomb_friction") continue;
+    Variant variant{problem.scene.scene, {}};
+    const double effort = 0.01;
+    candidate.apply(variant, {&effort, 1});
+    return variant.scene.effects.back().parameters.at(1);
+  }
+  return NAN;
+}
+
+// A tenth of what the noise hides: 0.5 mrad over 2 s are 0.25 mrad/s. A rate's own noise may hide less.
+TEST(Candidates, FrictionOfAJointIsRoundedOffBelowWhatTheNoiseHides) {
+  const std::string place = "  - {column: q, kind: position, joint: hinge, unit: rad, noise: 0.0005}\n";
+  EXPECT_DOUBLE_EQ(rounding_of_friction(place), 2.5e-5);
+  EXPECT_DOUBLE_EQ(
+      rounding_of_friction(place + "  - {column: w, kind: rate, joint: hinge, unit: rad/s, noise: 1e-4}\n"), 1e-5);
+  EXPECT_DOUBLE_EQ(rounding_of_friction("  - {column: q, kind: position, joint: hinge, unit: rad, noise: 0.1}\n"),
+                   1e-3);
+}
+
 }  // namespace
 }  // namespace pvg::diagnose
