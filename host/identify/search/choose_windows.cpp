@@ -26,16 +26,6 @@ double n_worlds(const Problem& problem) {
   return std::any_of(problem.free_bodies.begin(), problem.free_bodies.end(), can_hit) ? 2 * n : n;
 }
 
-// times: of the bound
-bool is_coherent(const Problem& problem, const FitData& data, const Fit& fit, double times = 1) {
-  std::size_t n_near = 0;
-  for (std::size_t w = 0; w < data.windows.size(); ++w)
-    n_near +=
-        rms({fit.residual[w]}) < times * std::max(criteria().window_coherent * signal_of(problem, data.windows[w]),
-                                                  criteria().window_coherent_floor);
-  return double(n_near) >= criteria().windows_coherent_share * double(data.windows.size());
-}
-
 // A fit of the starts alone, with what a base of candidates needs.
 Fit of_no_effect(const FitData& data, Fit fit) {
   fit.slope.assign(data.windows.size(), {});
@@ -47,6 +37,15 @@ Fit of_no_effect(const FitData& data, Fit fit) {
 }
 
 }  // namespace
+
+bool is_coherent(const Problem& problem, const FitData& data, const Fit& fit, double times) {
+  std::size_t n_near = 0;
+  for (std::size_t w = 0; w < data.windows.size(); ++w)
+    n_near +=
+        rms({fit.residual[w]}) < times * std::max(criteria().window_coherent * signal_of(problem, data.windows[w]),
+                                                  criteria().window_coherent_floor);
+  return double(n_near) >= criteria().windows_coherent_share * double(data.windows.size());
+}
 
 std::size_t most_windows(const Problem& problem, double simulated_seconds, double length) {
   const double each = length > 0 ? length : longest_run(problem);

@@ -26,6 +26,9 @@ Fit fit_as_it_stands(Fitter& fitter, const FitData& data);
 // The same windows up to `share` of their lengths.
 FitData first_part(const Problem& problem, const FitData& data, double share);
 
+// Whether a fit follows the measurement closely enough in most windows to be linearised. times: of the bound.
+bool is_coherent(const Problem& problem, const FitData& data, const Fit& fit, double times = 1);
+
 // How many windows of this length are affordable.
 std::size_t most_windows(const Problem& problem, double simulated_seconds, double length);
 

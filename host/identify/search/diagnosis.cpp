@@ -324,7 +324,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     Located located = locate(flow, chosen);
     out.candidates = std::make_shared<std::vector<Candidate>>(all_candidates(flow, chosen, located));
     flow.report_progress(4, 0.25, "screening " + std::to_string(out.candidates->size()) + " candidates");
-    Selection selected = forward_selection(flow, *out.candidates, chosen.data, chosen.base);
+    Selection selected = forward_selection(flow, *out.candidates, chosen);
     if (selected.asks_for_new_step) {
       flow.report_progress(2, 0.3, "again with a finer time step");
       if (ChosenWindows again = find_residual(flow, criteria().time_search); !again.data.windows.empty()) {
@@ -336,11 +336,12 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
         flow.base.scene.solver = out.used.solver;
         flow.base.extrapolates = out.is_extrapolated;
       }
-      selected = forward_selection(flow, *out.candidates, chosen.data, chosen.base);
+      selected = forward_selection(flow, *out.candidates, chosen);
     }
     flow.report_progress(7, 0.9, "judging on the held-out runs");
     Proof proof = prove(flow, chosen, std::move(selected), out.unit);
     nuisances = proof.nuisances;
+    out.used.solver.time_step = flow.base.scene.solver.time_step;
     const std::string better_at_bound = proof.selected.better_at_bound;
     const bool is_at_bound = proof.is_at_bound && settings.decide == Decide::workflow;
     const bool is_enough = closes_enough(proof.held_out);

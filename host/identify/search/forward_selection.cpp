@@ -1,9 +1,12 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/search/alternatives.hpp"
+#include "host/identify/search/on_whole_runs.hpp"
 #include "host/identify/search/pairs.hpp"
 #include "host/identify/search/prepared.hpp"
 #include "host/identify/search/round.hpp"
@@ -101,20 +104,35 @@ std::vector<std::string> told_together(const Round& round, const Judged& chosen)
   return labels;
 }
 
+// From here on what was found is measured, and what else there is looked for, in whole runs, where it can be. Whether
+// it can.
+bool go_to_whole_runs(Workflow& flow, Prepared& prepared, Fit& named) {
+  std::optional<OnWholeRuns> whole = on_whole_runs(flow.fitter, flow.problem, flow.settings.simulated_seconds, named);
+  if (!whole) return false;
+  flow.notes.push_back(
+      fmt::format("{}: {:.3g} times the noise is left in short windows, {:.3g} times in whole runs, which "
+                  "are the windows from here on",
+                  labels_of(named.model).back(), rms(named.residual), rms(whole->fit.residual)));
+  prepared = Prepared(std::move(whole->data));
+  named = std::move(whole->fit);
+  return true;
+}
+
 // `out` is whole after each effect: the time may be over in the search for the next one.
-void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data, const Fit& base,
-            Selection& out) {
+void select(Workflow& flow, const std::vector<Candidate>& candidates, const ChosenWindows& windows, Selection& out) {
+  const FitData& data = windows.data;
+  const Fit& base = windows.base;
   Prepared prepared(data, base);
   std::vector<Fit> first_round, tried;  // tried: single ones beside which a second was looked for
   std::optional<Model> best_single;     // least left-out error of those that pass in the first round
   double of_round = 0;                  // how long the last one took [s]
-  Fit named = base;
+  Fit named = base, of_windows = base;  // of_windows: before whole runs took their place
   // one round more than effects, since a swap takes one
   for (int number = 1; number <= flow.settings.max_effects + (flow.settings.max_effects > 1); ++number) {
     if (int(named.model.effects().size()) >= flow.settings.max_effects) break;
     if (number > 1 && !flow.has_time("an effect beside " + named.model.parts.back()->label(), of_round)) return;
     const double since = flow.seconds();
-    if (named.model.effects().size() == 1) tried.push_back(named);
+    if (named.model.effects().size() == 1) tried.push_back(of_windows);
     const Round round =
         run_round(flow, candidates, prepared.data(), named, std::to_string(number), number == 1 ? 0.4 : 0.75);
     of_round = flow.seconds() - since;
@@ -162,12 +180,21 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
         if (n_effects > 1) named = reconsidered(flow, prepared, *chosen.fit, first_round, passed);
         named = prepared_again(flow.fitter, prepared, named);
       });
-    if (robust_cost(named.residual, named.scale) > robust_cost(base.residual, named.scale)) {
+    const Fit& as_it_stands = out.is_of_whole_runs ? prepared.base(flow.fitter) : base;
+    if (robust_cost(named.residual, named.scale) > robust_cost(as_it_stands.residual, named.scale)) {
       flow.notes.push_back(
           chosen.fit->model.parts.back()->label() +
           " leaves more, once starts and steps are those of it, than the scene as it stands: not taken");
       named = before;
       break;
+    }
+    if (!out.is_of_whole_runs) of_windows = named;
+    if (windows.length > 0 && !out.is_of_whole_runs && flow.settings.decide == Decide::workflow)
+      flow.ends_in_time(criteria().time_search, labels_of(named.model).back() + " on whole runs",
+                        [&] { out.is_of_whole_runs = go_to_whole_runs(flow, prepared, named); });
+    if (out.is_of_whole_runs && number == 1) {
+      RankedModel& first = out.ranking.front();
+      first = ranked(named, first.error, first.evidence, first.probability);
     }
     const double error = rms(named.residual);
     const bool any_dropped = named.model.effects().size() < n_effects;
@@ -198,7 +225,9 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
                            "what " + named.model.parts.back()->label() + " leaves is " + std::to_string(error) +
                                " times the noise: looking for another effect");
   }
-  const bool is_explained = !out.fits.empty() && rms(named.residual) < criteria().unexplained;
+  // short windows that one effect explains tell nothing of pairs
+  const double left = std::min(rms(named.residual), rms(of_windows.residual));
+  const bool is_explained = !out.fits.empty() && left < criteria().unexplained;
   if (is_explained || flow.settings.max_effects < 2 || flow.settings.decide != Decide::workflow) return;
   const auto take = [&](const FoundPair& pair) {
     Prepared first(data, base);
@@ -206,6 +235,7 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
     flow.ends_in_time(criteria().time_search, "the revision of a pair",
                       [&] { fit = prepared_again(flow.fitter, first, fit); });
     out.fits = {std::move(fit)};
+    out.is_of_whole_runs = false;
     out.better_at_bound.clear();
     out.error = rms(out.fits.back().residual);
     out.ranking.insert(out.ranking.begin(), pair.model);
@@ -226,12 +256,11 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const FitD
 
 }  // namespace
 
-Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
-                            const Fit& base) {
+Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const ChosenWindows& chosen) {
   Selection out;
-  out.error = rms(base.residual);
+  out.error = rms(chosen.base.residual);
   flow.ends_in_time(criteria().time_search, "the rest of the search for effects",
-                    [&] { select(flow, candidates, data, base, out); });
+                    [&] { select(flow, candidates, chosen, out); });
   return out;
 }
 

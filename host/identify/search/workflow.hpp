@@ -59,6 +59,8 @@ struct Selection {
   std::vector<RankedModel> ranking;  // best first
   std::vector<std::vector<std::string>> inseparable;
   double error = 0;                // of the last fit [noise]
+  bool is_of_whole_runs = false;   // the fits are, though the windows that were chosen are short
+  bool is_of_other_steps = false;  // its last numbers are those of finer steps, its residuals are not
   std::string better_at_bound;     // as Decision has it, of the last effect that was added; empty: none
   bool asks_for_new_step = false;  // what was found needs a finer time step: nothing else is told
 };
@@ -71,7 +73,6 @@ struct FoundPair {
 };
 
 // Adds one effect after the other, each beside those before. Where the time is over, what was found by then.
-Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
-                            const Fit& base);
+Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const ChosenWindows& chosen);
 
 }  // namespace pvg::diagnose
