@@ -133,6 +133,12 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
     throw UsageError("--texture needs photos beside the depth pictures, and no frame has one; leave it out");
   Room room;
   room.n_frames = used.size();
+  for (const CaptureFrame& frame : used) room.frame_names.push_back(frame.name);
+  if (settings.refinement) {
+    say(fmt::format("refining {} poses", used.size()));
+    room.refinement = refine_poses(device, capture, used, settings.fusion, *settings.refinement);
+    apply_poses(room.refinement->poses, used);
+  }
   say(fmt::format("fusing {} pictures of depth", used.size()));
   FusedSurface surface = without_unused(fuse(device, capture, used, settings.fusion, room));
   surface = without_small_pieces(surface, settings.least_piece);
