@@ -171,15 +171,17 @@ void Fusion::allocate() {
 void Fusion::integrate(const Camera& camera, const DepthPicture& picture) { impl_->change(camera, picture, false); }
 void Fusion::take_out(const Camera& camera, const DepthPicture& picture) { impl_->change(camera, picture, true); }
 
-RegistrationSums Fusion::registration(const Camera& camera) {
+RegistrationSums Fusion::registration(const Camera& camera, const DepthPicture& picture) {
   Impl& f = *impl_;
+  const PinholeCamera c = f.load(camera, picture);
   // a picture of any size gives about as many pixels
   const std::size_t stride = std::max<std::size_t>(1, std::size_t(camera.width) / REGISTRATION_WIDTH);
-  const std::size_t per_row = (std::size_t(camera.width) + stride * REGISTRATION_PIXELS - 1) / (stride * REGISTRATION_PIXELS);
+  const std::size_t per_row =
+      (std::size_t(camera.width) + stride * REGISTRATION_PIXELS - 1) / (stride * REGISTRATION_PIXELS);
   const std::size_t n = per_row * ((std::size_t(camera.height) + stride - 1) / stride);
   f.sums.resize((n + GROUP_SIZE - 1) / GROUP_SIZE * REGISTRATION_SUMS);
-  f.registration(n, u32(n), f.grid, pinhole_camera(camera, camera.pose.matrix()), u32(stride),
-                 float(f.settings.least_weight), f.surface, f.block_of, f.distance, f.weight, f.sums);
+  f.registration(n, u32(n), f.grid, c, u32(stride), float(f.settings.least_weight), f.surface, f.block_of, f.distance,
+                 f.weight, f.sums);
   const std::vector<float> groups = f.sums.read();
   std::array<double, REGISTRATION_SUMS> sum{};
   for (std::size_t i = 0; i < groups.size(); ++i) sum[i % REGISTRATION_SUMS] += double(groups[i]);

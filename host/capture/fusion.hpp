@@ -55,8 +55,8 @@ class Fusion {
   void integrate(const Camera& camera, const DepthPicture& picture);
   // Undoes an integration with the same camera.
   void take_out(const Camera& camera, const DepthPicture& picture);
-  // Of the picture that was marked, integrated or taken out last, as if seen from `camera`, against what is fused.
-  RegistrationSums registration(const Camera& camera);
+  // Of a picture against what is fused.
+  RegistrationSums registration(const Camera& camera, const DepthPicture& picture);
   FusedSurface surface();
   std::size_t n_blocks() const;
   std::size_t voxel_bytes() const;

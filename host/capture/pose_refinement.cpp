@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <ctime>
 
 #include "host/base/error.hpp"
@@ -14,11 +13,13 @@ namespace {
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double PIXELS_PER_MEASUREMENT = 100;  // errors of depth are alike over patches of about ten pixels a side
-constexpr double COARSE_TRUNCATION = 6;         // standard deviations of the poses
-constexpr double LEAST_SHARE = 0.02;            // of a picture's pixels, near what others show
-constexpr int MOST_STEPS = 4;                   // of a picture in a sweep
-constexpr double SMALLEST_STEP = 1e-4;          // [m, rad]: smaller ones end a sweep's steps, and all sweeps
+constexpr double PIXELS_PER_MEASUREMENT = 3000;  // errors of depth are alike over patches of about 55 pixels a side
+constexpr double COARSE_TRUNCATION = 3;          // voxels: more blurs what is thin
+constexpr double LEAST_SHARE = 0.02;             // of a picture's pixels, near what others show
+constexpr int MOST_STEPS = 4;                    // of a picture in a sweep
+constexpr int MOST_STEPS_ALONE = 12;             // of a picture that is registered to what is fused already
+constexpr double SMALLEST_STEP = 1e-4;           // [m, rad]: smaller ones end a picture's steps, and all sweeps
+constexpr double LEAST_GAIN = 0.99;              // of the distance by a sweep; less ends them
 
 Vec3 rotation_vector(const Eigen::Matrix3d& R) {
   const Eigen::AngleAxisd turned(R);
@@ -64,28 +65,35 @@ class Sweeps {
       const Pose before = camera.pose;
       const DepthPicture picture = depth_of(capture_, frames_[i]);
       fusion_.take_out(camera, picture);
-      const double n_pixels = double(picture.depth.size());
-      for (int k = 0; k < MOST_STEPS; ++k) {
-        const RegistrationSums sums = fusion_.registration(camera);
-        if (sums.n_pixels < LEAST_SHARE * n_pixels) {
-          unrefined.push_back({frames_[i].name, sums.n_pixels / n_pixels});
-          camera.pose = given_[i];
-          break;
-        }
-        if (k == 0) {
-          squares += sums.squares;
-          weight += sums.weight;
-        }
-        const Vec6 step = refining_step(sums, motion(given_[i], camera.pose), settings_.sigma);
-        camera.pose.linear() = rotation_of(step.head<3>()) * camera.pose.linear();
-        camera.pose.translation() += step.tail<3>();
-        if (size_of(step) < SMALLEST_STEP) break;
-      }
+      const RegistrationSums first = move(camera, picture, given_[i], MOST_STEPS);
+      squares += first.squares;
+      weight += first.weight;
+      const double share = first.n_pixels / double(picture.depth.size());
+      if (share < LEAST_SHARE) unrefined.push_back({frames_[i].name, share});
       largest = std::max(largest, size_of(motion(before, camera.pose)));
       fusion_.integrate(camera, picture);
     }
     distance = weight > 0 ? std::sqrt(squares / weight) : 0;
     return largest;
+  }
+
+  // Steps of a picture that is not fused; returns the sums before the first one. With too few pixels it is where it was
+  // given.
+  RegistrationSums move(Camera& camera, const DepthPicture& picture, const Pose& given, int most_steps) {
+    const RegistrationSums first = fusion_.registration(camera, picture);
+    RegistrationSums sums = first;
+    for (int k = 0; k < most_steps; ++k) {
+      if (sums.n_pixels < LEAST_SHARE * double(picture.depth.size())) {
+        camera.pose = given;
+        break;
+      }
+      const Vec6 step = refining_step(sums, motion(given, camera.pose), settings_.sigma);
+      camera.pose.linear() = rotation_of(step.head<3>()) * camera.pose.linear();
+      camera.pose.translation() += step.tail<3>();
+      if (size_of(step) < SMALLEST_STEP || k + 1 == most_steps) break;
+      sums = fusion_.registration(camera, picture);
+    }
+    return first;
   }
 
   std::vector<UnrefinedFrame> unrefined;
@@ -148,16 +156,16 @@ PoseRefinement refine_poses(Device& device, const Capture& capture, std::span<co
   for (const CaptureFrame& frame : frames) given.push_back(frame.depth_camera.pose);
   PoseRefinement out;
   out.poses = given;
-  const char* stages = std::getenv("PVG_STAGES");
-  for (const char* s = stages ? stages : "cf"; *s; ++s) {
-    Sweeps sweeps(device, capture, moved, given, *s == 'c' ? coarse(fusion, settings.sigma) : fusion, settings);
+  for (const FusionSettings& grid : {coarse(fusion, settings.sigma), fusion}) {
+    Sweeps sweeps(device, capture, moved, given, grid, settings);
+    double last = INFINITY;
     for (int k = 0; k < settings.most_sweeps; ++k) {
       const double largest = sweeps.sweep();
       ++out.n_sweeps;
-      if (std::getenv("PVG_LOG")) std::fprintf(stderr, "%c sweep %d: largest %.3f mm, distance %.3f mm\n", *s, k, 1e3 * largest, 1e3 * sweeps.distance);
       if (out.n_sweeps == 1) out.distance_before = sweeps.distance;
       out.distance_after = sweeps.distance;
-      if (largest < SMALLEST_STEP) break;
+      if (largest < SMALLEST_STEP || sweeps.distance > LEAST_GAIN * last) break;
+      last = sweeps.distance;
     }
     out.unrefined = sweeps.unrefined;
     for (std::size_t i = 0; i < moved.size(); ++i) out.poses[i] = moved[i].depth_camera.pose;
@@ -174,6 +182,26 @@ PoseRefinement refine_poses(Device& device, const Capture& capture, std::span<co
   }
   out.cpu_ms_per_frame = 1e3 * double(std::clock() - start) / CLOCKS_PER_SEC / n;
   return out;
+}
+
+void register_frames(Device& device, const Capture& capture, std::span<const CaptureFrame> fused,
+                     std::span<CaptureFrame> frames, const FusionSettings& fusion,
+                     const PoseRefinementSettings& settings) {
+  if (frames.empty()) return;
+  std::vector<CaptureFrame> model(fused.begin(), fused.end());
+  std::vector<Pose> given;
+  for (const CaptureFrame& frame : frames) given.push_back(frame.depth_camera.pose);
+  std::vector<Pose> poses = given;
+  for (const FusionSettings& grid : {coarse(fusion, settings.sigma), fusion}) {
+    Sweeps sweeps(device, capture, model, {}, grid, settings);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      Camera camera = frames[i].depth_camera;
+      camera.pose = poses[i];
+      sweeps.move(camera, depth_of(capture, frames[i]), given[i], MOST_STEPS_ALONE);
+      poses[i] = camera.pose;
+    }
+  }
+  apply_poses(poses, frames);
 }
 
 }  // namespace pvg

@@ -1,5 +1,5 @@
-// Poses of a capture's depth pictures, refined from frame to model: a picture is taken out of the fused distances, moved
-// by Gauss-Newton so that it lies on what the others show, and fused again (Bylow et al. 2013; Dai et al. 2017).
+// Poses of a capture's depth pictures, refined from frame to model: a picture is taken out of the fused distances,
+// moved by Gauss-Newton so that it lies on what the others show, and fused again (Bylow et al. 2013; Dai et al. 2017).
 #pragma once
 #include <span>
 
@@ -33,8 +33,13 @@ struct PoseRefinement {
 PoseRefinement refine_poses(Device& device, const Capture& capture, std::span<const CaptureFrame> frames,
                             const FusionSettings& fusion, const PoseRefinementSettings& settings);
 
-// The step (rotation, translation) of one picture: with sums of Gauss-Newton at a pose that is `off` from the given one.
-// Where the sums know nothing the pose stays, or goes back to where it was given.
+// Moves frames onto the surface that others make, such as left-out ones; colour cameras move along.
+void register_frames(Device& device, const Capture& capture, std::span<const CaptureFrame> fused,
+                     std::span<CaptureFrame> frames, const FusionSettings& fusion,
+                     const PoseRefinementSettings& settings);
+
+// The step (rotation, translation) of one picture: with sums of Gauss-Newton at a pose that is `off` from the given
+// one. Where the sums know nothing the pose stays, or goes back to where it was given.
 Eigen::Matrix<double, 6, 1> refining_step(const RegistrationSums& sums, const Eigen::Matrix<double, 6, 1>& off,
                                           double sigma);
 

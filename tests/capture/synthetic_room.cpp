@@ -122,7 +122,8 @@ void write_frames(const std::filesystem::path& folder, int n, int width, int hei
     const RenderedFrame frame = renderer.render(i, 0);
     char name[32];
     std::snprintf(name, sizeof name, "frame-%06d", i);
-    write_depth_picture(folder / (std::string(name) + ".depth.png"), with_kinect_noise({width, height, frame.depth}, random), 1e-3);
+    write_depth_picture(folder / (std::string(name) + ".depth.png"),
+                        with_kinect_noise({width, height, frame.depth}, random), 1e-3);
     write_picture(folder / (std::string(name) + ".color.png"), encode_srgb8(frame.rgb, width, height));
     std::ofstream pose(folder / (std::string(name) + ".pose.txt"));
     pose.precision(17);
