@@ -6,8 +6,8 @@
 // off or the surface faces elsewhere.
 #include "capture/voxels.cl"
 #include "sensors/camera.cl"
-#include "solve/group_sum.cl"
 
+#define ITEMS 64u              // of a work-group
 #define HUBER 2.0f             // standard deviations
 #define LARGEST_DISTANCE 0.8f  // of the truncation distance
 #define SMALLEST_FACING 0.7f   // cosine between the normals of picture and surface
@@ -65,14 +65,15 @@ static inline void add_pixel(const VoxelGrid* grid, const PinholeCamera* camera,
   sums[k] += 1.0f;
 }
 
-// One work-item per REGISTRATION_PIXELS of a row, of which, as of the rows, every stride-th is looked at.  surface:
-// [height x width] of fusion.cl;  sums: [n_groups x REGISTRATION_SUMS]
+// One work-item per REGISTRATION_PIXELS of a row, of which, as of the rows, every stride-th is looked at. Then each of the
+// first work-items of a group sums one number of all of them.  surface: [height x width] of fusion.cl;  sums: [n_groups x
+// REGISTRATION_SUMS]
 kernel void register_depth(const uint n_items, const VoxelGrid grid, const PinholeCamera camera, const uint stride,
                            const float least_weight, global const float4* restrict surface,
                            global const uint* restrict block_of, global const float* restrict distance,
                            global const float* restrict weight, global float* restrict sums) {
-  local float of_item[ITEMS + EIGHTS];
-  const uint i = get_global_id(0), width = camera.width;
+  local float of_item[ITEMS * REGISTRATION_SUMS];
+  const uint i = get_global_id(0), item = get_local_id(0), width = camera.width;
   const uint per_row = (width + stride * REGISTRATION_PIXELS - 1u) / (stride * REGISTRATION_PIXELS);
   const uint y = i / per_row * stride, first = i % per_row * (stride * REGISTRATION_PIXELS);
   float own[REGISTRATION_SUMS];
@@ -80,8 +81,10 @@ kernel void register_depth(const uint n_items, const VoxelGrid grid, const Pinho
   if (i < n_items)
     for (uint x = first; x < min(width, first + stride * REGISTRATION_PIXELS); x += stride)
       add_pixel(&grid, &camera, x, y, surface[y * width + x], least_weight, block_of, distance, weight, own);
-  for (uint k = 0; k < REGISTRATION_SUMS; ++k) {
-    const float sum = sum_of_group(own[k], of_item);
-    if (get_local_id(0) == 0) sums[get_group_id(0) * REGISTRATION_SUMS + k] = sum;
-  }
+  for (uint k = 0; k < REGISTRATION_SUMS; ++k) of_item[item * REGISTRATION_SUMS + k] = own[k];
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (item >= REGISTRATION_SUMS) return;
+  float sum = 0.0f;
+  for (uint k = 0; k < ITEMS; ++k) sum += of_item[k * REGISTRATION_SUMS + item];
+  sums[get_group_id(0) * REGISTRATION_SUMS + item] = sum;
 }
