@@ -46,8 +46,8 @@ Candidates::Within Candidates::make_within(Device& device, const CollisionMesh& 
     all.insert(all.end(), sites.begin(), sites.end());
     first.push_back(u32(all.size()));
   }
-  return {BroadPhase(device, mesh, settings, x, which), no_rows(device, mesh.n_worlds),
-          Buffer<u32>(device, first, "first_site"), Buffer<u32>(device, all, "sites"),
+  return {BroadPhase(device, mesh, settings, x, which),      no_rows(device, mesh.n_worlds),
+          Buffer<u32>(device, first, "first_site"),          Buffer<u32>(device, all, "sites"),
           Buffer<double>(device, 3 * x.size(), "reference"), margin_};
 }
 

@@ -115,7 +115,8 @@ double distance(const At& at, const Corners<2>& p, const Corners<2>& q) {
   return edge_edge_distance(at(p.site[0]), at(p.site[1]), at(q.site[0]), at(q.site[1]));
 }
 
-// What is left of their distance at time t of the motion before they act on each other [m]: within one body from half the gap at rest on, with an offset of at most half the distance at rest.
+// What is left of their distance at time t of the motion before they act on each other [m]: within one body from half
+// the gap at rest on, with an offset of at most half the distance at rest.
 template <std::size_t N, std::size_t M>
 double inactive_gap(const Soup& soup, const Corners<N>& p, const Corners<M>& q, double t) {
   const auto moved = [&](u32 site) -> Vec3 { return (1 - t) * soup.x0[site] + t * soup.x1[site]; };
