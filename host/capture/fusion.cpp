@@ -12,6 +12,7 @@ namespace pvg {
 namespace {
 
 constexpr std::size_t MOST_GRID_BLOCKS = std::size_t(1) << 28;  // kept or not; four bytes each
+constexpr std::size_t REGISTRATION_WIDTH = 320;                 // pixels of a row that are registered, about
 constexpr std::size_t BYTES_PER_BLOCK = BLOCK_VOXELS * 3 * 4;   // distance, weight, first vertex
 
 std::size_t tiles(int pixels) { return (std::size_t(pixels) + TILE_SIDE - 1) / TILE_SIDE; }
@@ -52,9 +53,9 @@ struct Fusion::Impl {
   VoxelGrid grid;
   std::size_t n_grid;
   std::size_t n_lanes;
-  Program fusion_program, surface_program;
-  Kernel find_normals, mark, find_bands, find_in_view, integrate, count, place_vertices, place_triangles;
-  Buffer<float> depth, distance, weight;
+  Program fusion_program, surface_program, registration_program;
+  Kernel find_normals, mark, find_bands, find_in_view, integrate, registration, count, place_vertices, place_triangles;
+  Buffer<float> depth, distance, weight, sums;
   Buffer<std::array<float, 4>> surface;
   Buffer<std::array<float, 2>> bands;
   Buffer<u32> is_near, place, in_view, in_use, block_of;
@@ -70,17 +71,20 @@ struct Fusion::Impl {
                                        : 16),
         fusion_program(device, "capture/fusion.cl", "-DN_FLOATS=" + std::to_string(n_lanes)),
         surface_program(device, "capture/marching_cubes.cl"),
+        registration_program(device, "capture/registration.cl"),
         find_normals(fusion_program.kernel("find_normals")),
         mark(fusion_program.kernel("mark_blocks")),
         find_bands(fusion_program.kernel("find_bands")),
         find_in_view(fusion_program.kernel("find_blocks_in_view")),
         integrate(fusion_program.kernel("integrate_depth")),
+        registration(registration_program.kernel("register_depth")),
         count(surface_program.kernel("count_surface")),
         place_vertices(surface_program.kernel("place_vertices")),
         place_triangles(surface_program.kernel("place_triangles")),
         depth(device, 0, "depth"),
         distance(device, 0, "distance"),
         weight(device, 0, "weight"),
+        sums(device, 0, "sums"),
         surface(device, 0, "surface"),
         bands(device, 0, "bands"),
         is_near(device, n_grid, "is_near"),
@@ -100,6 +104,24 @@ struct Fusion::Impl {
     depth.write(picture.depth);
     find_normals(n_items(), u32(n_items()), grid, c, depth, surface);
     return c;
+  }
+
+  void change(const Camera& camera, const DepthPicture& picture, bool is_taken_out) {
+    const PinholeCamera c = load(camera, picture);
+    const std::size_t n_tiles = tiles(picture.width) * tiles(picture.height);
+    bands.resize(n_tiles);
+    find_bands(n_tiles, u32(n_tiles), grid, c, surface, bands);
+    find_in_view(n_blocks, u32(n_blocks), grid, c, bands, place, in_view);
+    const std::vector<u32> quarters = in_view.read();
+    std::vector<u32> seen;
+    for (std::size_t i = 0; i < quarters.size(); ++i)
+      for (u32 quarter = 0; quarter < 4; ++quarter)
+        if (quarters[i] >> quarter & 1u) seen.push_back(u32(4 * i) + quarter);
+    in_use.resize(seen.size());
+    in_use.write(seen);
+    const std::size_t n = seen.size() * BLOCK_VOXELS / 4 / n_lanes;
+    integrate(n, u32(n), grid, c, surface, place, in_use, u32(is_taken_out), distance, weight);
+    device.finish();
   }
 };
 
@@ -146,23 +168,33 @@ void Fusion::allocate() {
   f.weight.zero();
 }
 
-void Fusion::integrate(const Camera& camera, const DepthPicture& picture) {
+void Fusion::integrate(const Camera& camera, const DepthPicture& picture) { impl_->change(camera, picture, false); }
+void Fusion::take_out(const Camera& camera, const DepthPicture& picture) { impl_->change(camera, picture, true); }
+
+RegistrationSums Fusion::registration(const Camera& camera, const DepthPicture& picture) {
   Impl& f = *impl_;
   const PinholeCamera c = f.load(camera, picture);
-  const std::size_t n_tiles = tiles(picture.width) * tiles(picture.height);
-  f.bands.resize(n_tiles);
-  f.find_bands(n_tiles, u32(n_tiles), f.grid, c, f.surface, f.bands);
-  f.find_in_view(f.n_blocks, u32(f.n_blocks), f.grid, c, f.bands, f.place, f.in_view);
-  const std::vector<u32> in_view = f.in_view.read();
-  std::vector<u32> in_use;
-  for (std::size_t i = 0; i < in_view.size(); ++i)
-    for (u32 quarter = 0; quarter < 4; ++quarter)
-      if (in_view[i] >> quarter & 1u) in_use.push_back(u32(4 * i) + quarter);
-  f.in_use.resize(in_use.size());
-  f.in_use.write(in_use);
-  const std::size_t n_items = in_use.size() * BLOCK_VOXELS / 4 / f.n_lanes;
-  f.integrate(n_items, u32(n_items), f.grid, c, f.surface, f.place, f.in_use, f.distance, f.weight);
-  f.device.finish();
+  // a picture of any size gives about as many pixels
+  const std::size_t stride = std::max<std::size_t>(1, std::size_t(camera.width) / REGISTRATION_WIDTH);
+  const std::size_t per_row =
+      (std::size_t(camera.width) + stride * REGISTRATION_PIXELS - 1) / (stride * REGISTRATION_PIXELS);
+  const std::size_t n = per_row * ((std::size_t(camera.height) + stride - 1) / stride);
+  f.sums.resize((n + GROUP_SIZE - 1) / GROUP_SIZE * REGISTRATION_SUMS);
+  f.registration(n, u32(n), f.grid, c, u32(stride), float(f.settings.least_weight), f.surface, f.block_of, f.distance,
+                 f.weight, f.sums);
+  const std::vector<float> groups = f.sums.read();
+  std::array<double, REGISTRATION_SUMS> sum{};
+  for (std::size_t i = 0; i < groups.size(); ++i) sum[i % REGISTRATION_SUMS] += double(groups[i]);
+  for (double& s : sum) s *= double(stride * stride);
+  RegistrationSums out;
+  std::size_t k = 0;
+  for (int row = 0; row < 6; ++row)
+    for (int column = row; column < 6; ++column) out.hessian(row, column) = out.hessian(column, row) = sum[k++];
+  for (int row = 0; row < 6; ++row) out.gradient(row) = sum[k++];
+  out.squares = sum[k++];
+  out.weight = sum[k++];
+  out.n_pixels = sum[k];
+  return out;
 }
 
 FusedSurface Fusion::surface() {

@@ -2,6 +2,7 @@
 // which marching cubes makes triangles. First every picture marks the blocks that its surface touches, then memory for
 // exactly those is taken, then every picture is integrated.
 #pragma once
+#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
@@ -33,6 +34,15 @@ struct FusedSurface {
   std::vector<Triangle> triangles;  // outward: toward free space
 };
 
+// Sums of Gauss-Newton over the pixels of a picture whose camera may turn about itself and move, both along the axes of
+// the capture's frame; rotation before translation (kernels/capture/registration.cl).
+struct RegistrationSums {
+  Eigen::Matrix<double, 6, 6> hessian;   // [1/rad^2, 1/(rad m), 1/m^2]
+  Eigen::Matrix<double, 6, 1> gradient;  // [1/rad, 1/m]
+  double squares = 0, weight = 0;        // of the distances, and [1/m^2]
+  double n_pixels = 0;                   // of the picture, that lie near the surface
+};
+
 class Fusion {
  public:
   // box: of everything that may be seen, in the capture's frame. A UsageError where the grid of blocks is too large,
@@ -43,6 +53,10 @@ class Fusion {
   // Memory for the marked blocks. A UsageError where they need more than max_bytes, or where there is none.
   void allocate();
   void integrate(const Camera& camera, const DepthPicture& picture);
+  // Undoes an integration with the same camera.
+  void take_out(const Camera& camera, const DepthPicture& picture);
+  // Of a picture against what is fused.
+  RegistrationSums registration(const Camera& camera, const DepthPicture& picture);
   FusedSurface surface();
   std::size_t n_blocks() const;
   std::size_t voxel_bytes() const;

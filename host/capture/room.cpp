@@ -131,8 +131,16 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
       std::any_of(used.begin(), used.end(), [](const CaptureFrame& frame) { return !frame.color.empty(); });
   if (settings.has_texture && !has_photos)
     throw UsageError("--texture needs photos beside the depth pictures, and no frame has one; leave it out");
+  std::vector<CaptureFrame> as_given = held_out;
   Room room;
   room.n_frames = used.size();
+  for (const CaptureFrame& frame : used) room.frame_names.push_back(frame.name);
+  if (settings.refinement) {
+    say(fmt::format("refining {} poses", used.size()));
+    room.refinement = refine_poses(device, capture, used, settings.fusion, *settings.refinement);
+    apply_poses(room.refinement->poses, used);
+    register_frames(device, capture, used, held_out, settings.fusion, *settings.refinement);
+  }
   say(fmt::format("fusing {} pictures of depth", used.size()));
   FusedSurface surface = without_unused(fuse(device, capture, used, settings.fusion, room));
   surface = without_small_pieces(surface, settings.least_piece);
@@ -173,6 +181,7 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
   for (CapturedPlane& plane : room.planes) plane.pose = room.room_from_capture * plane.pose;
   move(used, room.room_from_capture);
   move(held_out, room.room_from_capture);
+  move(as_given, room.room_from_capture);
   const EdgeCounts edges = count_edges(room.mesh.triangles);
   room.n_boundary_edges = edges.boundary;
   room.n_crowded_edges = edges.crowded;
@@ -181,6 +190,8 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
   if (measured.empty()) measured = std::span<const CaptureFrame>(used).first(std::min(used.size(), MOST_MEASURED));
   room.depth = measure_depth(device, capture, measured, room.mesh, settings.fusion.max_depth);
   room.depth.are_held_out = !held_out.empty();
+  if (room.refinement && !held_out.empty())
+    room.depth_as_given = measure_depth(device, capture, as_given, room.mesh, settings.fusion.max_depth);
   if (!held_out.empty() && !room.mesh.colors.empty()) {
     const CapturedSurface surfaces[] = {room.look, {room.background, {}}};
     room.photos = measure_photos(device, held_out, surfaces);

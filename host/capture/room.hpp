@@ -7,6 +7,7 @@
 #include "host/capture/colors.hpp"
 #include "host/capture/fusion.hpp"
 #include "host/capture/planes.hpp"
+#include "host/capture/pose_refinement.hpp"
 #include "host/geometry/visual_mesh.hpp"
 
 namespace pvg {
@@ -14,9 +15,10 @@ namespace pvg {
 struct RoomSettings {
   FusionSettings fusion;
   PlaneSettings planes;
-  double least_piece = 0.02;       // smaller pieces are removed [m^2]
-  std::size_t most_triangles = 0;  // 0: as fused
-  int hold_out = 0;                // every such frame is left out and measured; 0: none
+  std::optional<PoseRefinementSettings> refinement;  // none: poses are taken as they are
+  double least_piece = 0.02;                         // smaller pieces are removed [m^2]
+  std::size_t most_triangles = 0;                    // 0: as fused
+  int hold_out = 0;                                  // every such frame is left out and measured; 0: none
   int ground = -1;                 // index of the plane that becomes z = 0; -1: the largest that faces up
   bool aligns_colors = false;      // the colour camera's place beside the depth camera is estimated
   bool keeps_frame = false;        // of the capture; else z up by the ground plane
@@ -51,8 +53,11 @@ struct Room {
   std::vector<CapturedPlane> planes;  // in the room's frame
   int ground = -1;                    // the plane at z = 0; -1: none was found, the frame is the capture's
   Pose room_from_capture = Pose::Identity();
+  std::optional<PoseRefinement> refinement;
+  std::vector<std::string> frame_names;  // [n_frames] of the used frames
   std::optional<ColorOffset> color_offset;
   DepthErrors depth;
+  std::optional<DepthErrors> depth_as_given;  // of left-out frames, where `depth` is after they were registered
   std::optional<PhotoErrors> photos;
   std::size_t n_frames = 0, n_blocks = 0, voxel_bytes = 0;
   double ms_per_frame = 0;                                // both passes of one picture, by the clock

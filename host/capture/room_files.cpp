@@ -35,6 +35,18 @@ std::string obj_text(const TriangleMesh& mesh) {
   return text;
 }
 
+// of the depth cameras' optical frames in the capture's frame
+std::string poses_text(const Room& room) {
+  std::string text = "frame,x,y,z,qx,qy,qz,qw\n";
+  for (std::size_t i = 0; i < room.frame_names.size(); ++i) {
+    const Vec3 t = room.refinement->poses[i].translation();
+    const Eigen::Quaterniond q(room.refinement->poses[i].linear());
+    text += fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", room.frame_names[i], t.x(),
+                        t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+  }
+  return text;
+}
+
 }  // namespace
 
 void write_captured_meshes(const fs::path& file, std::span<const NamedMesh> meshes, bool is_unlit) {
@@ -92,6 +104,7 @@ void write_room(const fs::path& folder, const Room& room, const RoomSettings& se
   const NamedMesh meshes[] = {{"room", &room.look.mesh, &room.look.texture},
                               {"guessed background", &room.background, nullptr}};
   write_captured_meshes(folder / "room.glb", meshes, true);
+  if (room.refinement) write_text_atomically(folder / "poses.csv", poses_text(room));
   std::string text =
       "# A captured room: `background: {capture: FOLDER}` in a task shows it and puts its planes under the bodies.\n"
       "# Metres; room frame: z up" +
@@ -170,6 +183,25 @@ ordered_json room_report(const Room& room, const RoomSettings& settings, double 
     }
     out["exposure"] = {{"least_gain", {least.x(), least.y(), least.z()}},
                        {"largest_gain", {most.x(), most.y(), most.z()}}};
+  }
+  if (room.refinement) {
+    const PoseRefinement& r = *room.refinement;
+    ordered_json kept = ordered_json::array();
+    for (const UnrefinedFrame& f : r.unrefined) kept.push_back({{"name", f.name}, {"share_near_others", f.share}});
+    out["refinement"] = {{"mean_shift", r.mean_shift},
+                         {"largest_shift", r.largest_shift},
+                         {"mean_turn", r.mean_turn},
+                         {"largest_turn", r.largest_turn},
+                         {"distance_before", r.distance_before},
+                         {"distance_after", r.distance_after},
+                         {"sweeps", r.n_sweeps},
+                         {"cpu_ms_per_frame", r.cpu_ms_per_frame},
+                         {"not_refined", kept}};
+    if (room.depth_as_given)
+      out["refinement"]["left_out_as_given"] = {{"median", room.depth_as_given->median},
+                                                {"p90", room.depth_as_given->p90},
+                                                {"p95", room.depth_as_given->p95},
+                                                {"covered", room.depth_as_given->covered}};
   }
   if (room.color_offset) {
     const Vec3 t = room.color_offset->pose.translation();

@@ -3,19 +3,16 @@
 // cos^2 / sigma(z)^2, falling linearly to 0 behind the surface; sigma is the sensor's noise (Nguyen et al. 2012),
 // tau = max(truncation, 3 sigma). Only blocks of 8 x 8 x 8 samples near a surface are kept, and a picture is fused into
 // those of their quarters that hold samples within tau of what it saw. A work-item has N_FLOATS pixels or samples.
-#include "capture/voxels.h"
+#include "capture/voxels.cl"
 #include "sensors/camera.cl"
 #include "shared/float_lanes.h"
 
 #define LARGEST_REACH 4         // pixels to each side from which a pixel's normal is made
 #define SMALLEST_COSINE 0.2f   // between normal and ray; what is more grazing is left out
+#define LEAST_LEFT 1e-3f        // of a picture's weight, that others must have left where it is taken out
 #define ROUNDING 1e-5f         // of depths, by which bands are widened
 #define SAMPLES_ALONG_RAY 9    // through the truncation band, where blocks are marked
 #define QUARTER_VOXELS 128u    // samples of a quarter of a block, 8 x 4 x 4
-
-static inline float depth_noise(const VoxelGrid* grid, const float z) {
-  return grid->noise[0] + grid->noise[1] * (z - grid->noise[2]) * (z - grid->noise[2]);
-}
 
 static inline floats depth_noises(const VoxelGrid* grid, const floats z) {
   return grid->noise[0] + grid->noise[1] * (z - grid->noise[2]) * (z - grid->noise[2]);
@@ -286,10 +283,11 @@ kernel void find_blocks_in_view(const uint n_blocks, const VoxelGrid grid, const
 }
 
 // One work-item per N_FLOATS samples of a quarter of a block, x fastest, then y.  in_use: [n_in_use] the quarters to look
-// at, four times the block and which;  distance, weight: [n_blocks x 512]
+// at, four times the block and which;  distance, weight: [n_blocks x 512];  is_taken_out: 1: the picture was integrated
+// before with this camera, and goes
 kernel void integrate_depth(const uint n_items, const VoxelGrid grid, const PinholeCamera camera,
                             global const float4* restrict surface, global const uint* restrict place,
-                            global const uint* restrict in_use, global float* restrict distance,
+                            global const uint* restrict in_use, const uint is_taken_out, global float* restrict distance,
                             global float* restrict weight) {
   const uint i = get_global_id(0);
   if (i >= n_items) return;
@@ -333,7 +331,9 @@ kernel void integrate_depth(const uint n_items, const VoxelGrid grid, const Pinh
   if (!ANY_FLOAT(is_seen)) return;
   const uint samples = (block * BLOCK_VOXELS + (in_block.z * BLOCK_SIDE + in_block.y) * BLOCK_SIDE + in_block.x) / N_FLOATS;
   const floats old = LOAD_FLOATS(samples, distance), old_weight = LOAD_FLOATS(samples, weight);
-  const floats w = seen_weight * select((floats)(1.0f), 1.0f + d / tau, d < 0.0f), sum = old_weight + w;
-  STORE_FLOATS(select(old, old + (min(d, tau) - old) * (w / sum), is_seen), samples, distance);
-  STORE_FLOATS(select(old_weight, sum, is_seen), samples, weight);
+  const floats own = seen_weight * select((floats)(1.0f), 1.0f + d / tau, d < 0.0f);
+  const floats w = is_taken_out ? -own : own, sum = old_weight + w, none = 0.0f;
+  const ints is_left = sum > LEAST_LEFT * own;
+  STORE_FLOATS(select(old, old + (min(d, tau) - old) * (w / sum), is_seen & is_left), samples, distance);
+  STORE_FLOATS(select(old_weight, select(none, sum, is_left), is_seen), samples, weight);
 }

@@ -1,22 +1,9 @@
 // Marching cubes (Lorensen and Cline 1987) over kept blocks. A sample owns the vertices on its three edges toward +x,
 // +y, +z, and the cell whose lowest corner it is. Count, sum on the host, fill: the order never changes. The table of
 // cases is made by the host (marching_cubes.cpp), which separates inside corners on every face, so that cells fit.
-#include "capture/voxels.h"
+#include "capture/voxels.cl"
 
 #define CASE_LENGTH 16u  // edges of at most five triangles, then 255
-
-// index of a sample given in block coordinates that may run one over; NO_BLOCK: not kept
-static inline uint sample_index(const VoxelGrid grid, global const uint* restrict block_of, const uint place,
-                                const uint block, const uint3 v) {
-  if (v.x < BLOCK_SIDE && v.y < BLOCK_SIDE && v.z < BLOCK_SIDE)
-    return block * BLOCK_VOXELS + (v.z * BLOCK_SIDE + v.y) * BLOCK_SIDE + v.x;
-  const uint3 b = (uint3)(place % grid.blocks[0], place / grid.blocks[0] % grid.blocks[1],
-                          place / (grid.blocks[0] * grid.blocks[1])) + v / BLOCK_SIDE;
-  if (b.x >= grid.blocks[0] || b.y >= grid.blocks[1] || b.z >= grid.blocks[2]) return NO_BLOCK;
-  const uint other = block_of[(b.z * grid.blocks[1] + b.y) * grid.blocks[0] + b.x];
-  const uint3 w = v % BLOCK_SIDE;
-  return other == NO_BLOCK ? NO_BLOCK : other * BLOCK_VOXELS + (w.z * BLOCK_SIDE + w.y) * BLOCK_SIDE + w.x;
-}
 
 static inline uint3 sample_of_block(const uint i) {
   return (uint3)(i % BLOCK_SIDE, i / BLOCK_SIDE % BLOCK_SIDE, i / (BLOCK_SIDE * BLOCK_SIDE));

@@ -7,6 +7,8 @@
 #define BLOCK_VOXELS 512u  // of one block, x fastest
 #define NO_BLOCK 0xffffffffu
 #define TILE_SIDE 4u  // pixels of a picture of depth that are looked at together, to each side
+#define REGISTRATION_SUMS 30u    // 21 of J^T J, 6 of J^T r, r^2, weight, pixels: registration.cl
+#define REGISTRATION_PIXELS 32u  // of a work-item
 
 SHARED_BEGIN
 // Samples of the signed distance stand at origin + index * voxel.

@@ -105,8 +105,8 @@ typedef struct {
   float8 limit;  // of its box: high, -low, infinity twice
   uint primitive, is_edge, slot;
   uint site[2];                  // of the point (twice) or of the edge
-  real reach;                    // activation distance, margin and its body's offset [m]
   real activation_distance;      // of its world [m]
+  real offset;                   // of its body [m]
   real margin;                   // how much farther is looked [m]
   uint disabled, n_disabled;     // its run in `disabled`
   uint body;
@@ -118,14 +118,14 @@ static inline bool overlaps(const float8 limit, global const TreeNode* node) {
   return !mask8(vload8(0, (global const float*)node) > limit);
 }
 
-// can anything below node k be a partner?
-static inline bool is_worth(const Search* search, global const TreeNode* tree, const uint k, const uint log2_leaves) {
-  global const TreeNode* node = tree + k;
-  if (!overlaps(search->limit, node)) return false;
-  if (node->body != MANY_BODIES && search->may_touch[node->body] < 0) return false;
-  // an edge pair is found once, by the edge that comes first: the last leaf below k must come later
-  const uint below = log2_leaves - (31 - clz(k));
-  return !search->is_edge || ((k + 1) << below) - 1 - (1u << log2_leaves) > search->slot;
+// is all that is below a node of one body that the query's own never touches?
+static inline bool never_touches(const Search* search, global const TreeNode* node) {
+  return node->body != MANY_BODIES && search->may_touch[node->body] < 0;
+}
+
+// can anything below the node be a partner?
+static inline bool is_worth(const Search* search, global const TreeNode* node) {
+  return overlaps(search->limit, node) && !never_touches(search, node);
 }
 
 // a pair that shares a site or that was recorded as never touching
@@ -144,28 +144,33 @@ static inline uint kind_of_triangle(global const CollisionBodyRow* body) {
   return body->is_half_space ? POINT_PLANE : POINT_TRIANGLE;
 }
 
-// Can they come within `reach` [m]? From halfway each moves by half its way, less what all four sites do together.
-static inline bool comes_near(const Search* search, const uint kind, global const u32* site, const real reach,
-                              global const real* restrict x0, global const real* restrict x1) {
-  const uint n_first = search->is_edge ? 2 : 1;
-  real3 half_way[4], motion[4], mean = (real3)(0.0);
+// Two primitives halfway, and how far the sites of each can still come towards the other: by half their way, less what
+// all four sites do together.
+typedef struct {
+  real3 x[4];  // [m]
+  real motion;  // of both [m]
+} HalfWay;
+
+static inline HalfWay half_way_of(const uint* site, const uint n_first, global const real* restrict x0,
+                                  global const real* restrict x1) {
+  HalfWay half_way;
+  real3 motion[4], mean = (real3)(0.0);
   for (uint i = 0; i < 4; ++i) {
-    const uint s = i < n_first ? search->site[i] : site[i - n_first];
-    const real3 a = vload3(s, x0), b = vload3(s, x1);
-    half_way[i] = 0.5 * (a + b);
+    const real3 a = vload3(site[i], x0), b = vload3(site[i], x1);
+    half_way.x[i] = 0.5 * (a + b);
     motion[i] = 0.5 * (b - a);
     mean += 0.25 * motion[i];
   }
-  real first = 0, second = 0;
+  real first = 0, second = 0;  // squared
   for (uint i = 0; i < 4; ++i) {
-    const real length_of_way = length(motion[i] - mean);
+    const real3 own = motion[i] - mean;
     if (i < n_first)
-      first = fmax(first, length_of_way);
+      first = fmax(first, dot(own, own));
     else
-      second = fmax(second, length_of_way);
+      second = fmax(second, dot(own, own));
   }
-  // the last factor covers rounding; written so that NaN stays
-  return !(pair_distance(kind, half_way).d > (reach + first + second) * 1.000001);
+  half_way.motion = sqrt(first) + sqrt(second);
+  return half_way;
 }
 
 // How far from each other two primitives act.
@@ -173,17 +178,20 @@ typedef struct {
   real activation_distance, offset;  // [m]
 } Reach;
 
-// of two primitives of one body; site: of the pair, rest: of all sites in their bodies' rest shapes [n_sites x 3, m],
-// NaN where there is none
-static inline Reach reach_at_rest(const uint is_edge, const uint* site, const real activation_distance,
-                                  const real offset, global const real* restrict rest) {
-  real3 x[4];
-  for (int i = 0; i < 4; ++i) x[i] = vload3(site[i], rest);
-  const real distance = pair_distance(is_edge, x).d;
+// of two primitives of one body that are so far apart in its rest shape [m]; grows with that
+static inline Reach reach_of(const real distance, const real activation_distance, const real offset) {
   Reach reach;
   reach.offset = fmin(offset, 0.5 * distance);
   reach.activation_distance = fmin(activation_distance, 0.5 * (distance - reach.offset));
   return reach;
+}
+
+// site: of the pair, rest: of all sites in their bodies' rest shapes [n_sites x 3, m], NaN where there is none
+static inline Reach reach_at_rest(const uint is_edge, const uint* site, const real activation_distance,
+                                  const real offset, global const real* restrict rest) {
+  real3 x[4];
+  for (int i = 0; i < 4; ++i) x[i] = vload3(site[i], rest);
+  return reach_of(pair_distance(is_edge, x).d, activation_distance, offset);
 }
 
 static inline bool may_pair(const Search* search, const uint other, global const CollisionEdge* restrict edges,
@@ -194,15 +202,27 @@ static inline bool may_pair(const Search* search, const uint other, global const
   global const u32* site = search->is_edge ? edges[other].site : triangles[other].site;
   const uint body = search->is_edge ? edges[other].body : triangles[other].body;
   if (is_excluded(search, site, other, disabled)) return false;
-  const real widest = search->reach + bodies[body].offset;
-  const uint kind = search->is_edge ? EDGE_EDGE : kind_of_triangle(bodies + body);
-  if (!comes_near(search, kind, site, widest, x0, x1)) return false;
-  if (body != search->body) return true;
+  const uint n_first = search->is_edge ? 2 : 1;
   const uint pair[4] = {search->site[0], search->is_edge ? search->site[1] : site[0],
                         search->is_edge ? site[0] : site[1], search->is_edge ? site[1] : site[2]};
-  const Reach reach = reach_at_rest(search->is_edge, pair, search->activation_distance,
-                                    widest - search->activation_distance - search->margin, rest);
-  return comes_near(search, kind, site, reach.activation_distance + reach.offset + search->margin, x0, x1);
+  const HalfWay half_way = half_way_of(pair, n_first, x0, x1);
+  const uint kind = search->is_edge ? EDGE_EDGE : kind_of_triangle(bodies + body);
+  const real offset = search->offset + bodies[body].offset;
+  // the last factor covers rounding
+  const real further = search->margin + half_way.motion,
+             widest = (search->activation_distance + offset + further) * 1.000001;
+  if (is_beyond(kind, half_way.x, widest)) return false;
+  const Distance now = pair_distance(kind, half_way.x);
+  // written so that NaN stays
+  if (now.d > widest) return false;
+  if (body != search->body) return true;
+  // At rest they are no farther apart than what are their closest points now.
+  real3 apart = (real3)(0.0);
+  for (int i = 0; i < 4; ++i) apart += now.c[i] * vload3(pair[i], rest);
+  const Reach most = reach_of(length(apart), search->activation_distance, offset);
+  if (now.d > (most.activation_distance + most.offset + further) * 1.000001) return false;
+  const Reach reach = reach_at_rest(search->is_edge, pair, search->activation_distance, offset, rest);
+  return !(now.d > (reach.activation_distance + reach.offset + further) * 1.000001);
 }
 
 // What a found pair becomes.
@@ -269,7 +289,7 @@ static inline Search make_search(const Query query, const uint q, global const C
   search.body = body;
   search.activation_distance = world.activation_distance;
   search.margin = margin;
-  search.reach = world.activation_distance + margin + bodies[body].offset;
+  search.offset = bodies[body].offset;
   search.may_touch = pair_friction + world.first_pair + bodies[body].index * world.n_bodies;
   search.disabled = disabled_first[q];
   search.n_disabled = disabled_first[q + 1] - disabled_first[q];
@@ -298,15 +318,25 @@ static inline uint next_partner(const Search* search, Walk* walk, global const T
       if (may_pair(search, other, edges, triangles, bodies, rest, disabled, x0, x1)) return other;
       continue;
     }
-    if (is_worth(search, tree, 2 * k + 1, log2_leaves)) walk->stack[walk->n++] = 2 * k + 1;
-    if (is_worth(search, tree, 2 * k, log2_leaves)) walk->stack[walk->n++] = 2 * k;
+    if (is_worth(search, tree + 2 * k + 1)) walk->stack[walk->n++] = 2 * k + 1;
+    if (is_worth(search, tree + 2 * k)) walk->stack[walk->n++] = 2 * k;
   }
   return NOTHING;
 }
 
+// A point begins at the root. An edge pair is found once, by the edge that comes first: an edge begins with what lies to
+// the right of the way from the root to its own leaf.
 static inline void begin_walk(Walk* walk, const Search* search, global const TreeNode* tree, const uint log2_leaves) {
   walk->n = 0;
-  if (is_worth(search, tree, 1, log2_leaves)) walk->stack[walk->n++] = 1;
+  if (!search->is_edge) {
+    if (is_worth(search, tree + 1)) walk->stack[walk->n++] = 1;
+    return;
+  }
+  const uint leaf = (1u << log2_leaves) + search->slot;
+  for (uint below = log2_leaves; below > 0 && !never_touches(search, tree + (leaf >> below)); --below) {
+    const uint k = leaf >> (below - 1);
+    if ((k & 1u) == 0 && is_worth(search, tree + k + 1)) walk->stack[walk->n++] = k + 1;
+  }
 }
 
 // n: queries.  counts: [n];  kept: [n x N_KEPT] the first partners

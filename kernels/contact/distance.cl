@@ -117,4 +117,23 @@ static inline Distance pair_distance(const uint kind, const real3* x) {
   return kind == 0u ? point_triangle_distance(x) : kind == 1u ? edge_edge_distance(x) : point_plane_distance(x);
 }
 
+// Are two primitives certainly farther apart than `reach` >= 0 [m]? Two planes across the line between their centres say
+// so, for a tenth of what the distance takes:
+//   d |n| >= min_b n . x_b - max_a n . x_a > reach |n|,  a of the first, b of the second primitive
+// Never so of a half-space, nor where a coordinate is NaN. The last factor covers rounding.
+static inline bool is_beyond(const uint kind, const real3* x, const real reach) {
+  const int n_first = kind == 1u ? 2 : 1;
+  const real3 n = kind == 1u ? 0.5 * (x[2] + x[3] - x[0] - x[1]) : (x[1] + x[2] + x[3]) / 3 - x[0];
+  real first = -INFINITY, second = INFINITY;
+  for (int i = 0; i < 4; ++i) {
+    const real along = dot(n, x[i] - x[0]);
+    if (i < n_first)
+      first = fmax(first, along);
+    else
+      second = fmin(second, along);
+  }
+  const real room = second - first;
+  return kind < 2u && room > 0 && room * room > reach * reach * dot(n, n) * 1.000001;
+}
+
 #endif

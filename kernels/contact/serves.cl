@@ -81,7 +81,8 @@ kernel __attribute__((reqd_work_group_size(64, 1, 1))) void lists_serve(
     global const real* restrict reference_solid, const uint n_sheets, global const u32* restrict first_sheet,
     global const u32* restrict sites_sheet, global const real* restrict reference_sheet, const uint n_surface,
     global const u32* restrict surface, global const real* restrict reference, global const real* restrict x0,
-    global const real* restrict x1, const real allowed, const real most_rotation, const uint no, global u32* serves) {
+    global const real* restrict x1, const real allowed_solid, const real allowed_sheet, const real allowed, const real most_rotation, const uint no,
+    global u32* serves) {
   local real lanes[3 * LANES];
   local real turns[2 * 9];
   const uint group = get_group_id(0);
@@ -90,7 +91,7 @@ kernel __attribute__((reqd_work_group_size(64, 1, 1))) void lists_serve(
     const uint body = is_solid ? group : group - n_solids;
     global const u32* first = is_solid ? first_solid : first_sheet;
     check_body(first[body], first[body + 1], is_solid ? sites_solid : sites_sheet,
-               is_solid ? reference_solid : reference_sheet, x0, x1, allowed, most_rotation, no,
+               is_solid ? reference_solid : reference_sheet, x0, x1, is_solid ? allowed_solid : allowed_sheet, most_rotation, no,
                serves + (is_solid ? 0 : 1), lanes, turns);
   } else {
     const uint i = (group - n_solids - n_sheets) * LANES + get_local_id(0);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -24,10 +25,14 @@ struct CaptureRoomOptions {
   double least_piece = 0.02;                                       // [m^2]
   int hold_out = 0, ground = -1;
   std::size_t triangles = 0;
+  double pose_sigma = 10;  // [mm]
   std::string align = "auto";
+  bool refines_poses = false;
   bool keeps_frame = false, leaves_holes = false, has_texture = false, as_json = false;
   std::string device;
 };
+
+double degrees(double radians) { return radians * 180 / M_PI; }
 
 void print_report(const Room& room, const fs::path& output, double seconds) {
   std::printf(
@@ -35,11 +40,26 @@ void print_report(const Room& room, const fs::path& output, double seconds) {
       "processor time, %zu MiB of voxels)\n",
       output.c_str(), room.mesh.points.size(), room.mesh.triangles.size(), room.n_frames, seconds, room.ms_per_frame,
       room.cpu_ms_per_frame, room.voxel_bytes >> 20);
+  if (room.refinement) {
+    const PoseRefinement& r = *room.refinement;
+    std::printf(
+        "poses moved by %.1f mm and %.2f degrees on the mean, %.1f mm and %.2f degrees at most, in %d sweeps (%.0f ms "
+        "of "
+        "processor time per frame); pictures are %.2f mm from what the others show, before %.2f mm\n",
+        1e3 * r.mean_shift, degrees(r.mean_turn), 1e3 * r.largest_shift, degrees(r.largest_turn), r.n_sweeps,
+        r.cpu_ms_per_frame, 1e3 * r.distance_after, 1e3 * r.distance_before);
+    for (const UnrefinedFrame& f : r.unrefined)
+      std::printf("%s keeps its pose: only %.1f %% of its pixels are near what other frames show\n", f.name.c_str(),
+                  100 * f.share);
+  }
   const DepthErrors& d = room.depth;
   std::printf(
       "depth of %zu %s frames: %.1f %% covered; off by %.1f mm in the median, %.1f mm at 90 %%, %.1f mm at 95 "
       "%%\n",
       d.n_frames, d.are_held_out ? "left-out" : "used", 100 * d.covered, 1e3 * d.median, 1e3 * d.p90, 1e3 * d.p95);
+  if (room.depth_as_given)
+    std::printf("with the given poses of these frames instead of registered ones: %.1f mm, %.1f mm, %.1f mm\n",
+                1e3 * room.depth_as_given->median, 1e3 * room.depth_as_given->p90, 1e3 * room.depth_as_given->p95);
   if (room.photos)
     std::printf(
         "left-out photos: PSNR %.2f dB, SSIM %.3f; with each photo's own table %.2f dB, %.3f; of the %.1f %% that the "
@@ -73,6 +93,7 @@ RoomSettings settings_of(const CaptureRoomOptions& o, const Capture& capture) {
   settings.keeps_frame = o.keeps_frame;
   settings.guesses_background = !o.leaves_holes;
   settings.has_texture = o.has_texture;
+  if (o.refines_poses) settings.refinement.emplace().sigma = o.pose_sigma * 1e-3;
   settings.aligns_colors = o.align == "yes" || (o.align == "auto" && capture.colors_are_apart);
   return settings;
 }
@@ -84,7 +105,7 @@ void run_capture_room(const CaptureRoomOptions& o) {
         "example");
   if (o.hold_out == 1) throw UsageError("--hold-out 1 leaves every frame out; take 2 or more");
   check_apart(o.output, o.folder, "capture room");
-  check_output_folder(o.output, {"room.glb", "room.yaml", "plane_*.obj", "report.json"}, "capture room");
+  check_output_folder(o.output, {"room.glb", "room.yaml", "plane_*.obj", "report.json", "poses.csv"}, "capture room");
   const auto start = std::chrono::steady_clock::now();
   const Capture capture = read_capture(o.folder, o.depth_unit);
   const RoomSettings settings = settings_of(o, capture);
@@ -114,7 +135,8 @@ void add_capture_room(CLI::App& program) {
                           .add_subcommand("room", "A metric room with its planes from depth pictures with poses");
   CaptureRoomOptions& o = options_of_command(*command, run_capture_room);
   command->add_option("folder", o.folder, "Frames: 7-Scenes, TUM RGB-D, nerfstudio or COLMAP with depth maps");
-  command->add_option("-o,--output", o.output, "Folder to write: room.glb, room.yaml, plane_N.obj, report.json");
+  command->add_option("-o,--output", o.output,
+                      "Folder to write: room.glb, room.yaml, plane_N.obj, report.json, poses.csv");
   command->add_option("--voxel", o.voxel, "Distance of samples [mm]")->check(CLI::Range(0.2, 200.0));
   command->add_option("--max-depth", o.max_depth, "Farther depths are left out [m]")->check(CLI::Range(0.2, 100.0));
   command->add_option("--depth-unit", o.depth_unit, "Metres per unit of the depth files; else the layout's")
@@ -133,6 +155,13 @@ void add_capture_room(CLI::App& program) {
   command->add_flag("--leave-holes", o.leaves_holes, "Guess no background where photos look and no depth was measured");
   command->add_flag("--texture", o.has_texture,
                     "A texture cut from the sharpest photos, instead of colours of points, the means of all photos");
+  CLI::Option* refines =
+      command->add_flag("--refine-poses", o.refines_poses, "Move each depth picture onto what the others show");
+  command
+      ->add_option("--pose-sigma", o.pose_sigma,
+                   "Standard deviation of the given poses [mm], as much at 1 m by rotation; for --refine-poses")
+      ->check(CLI::Range(0.1, 200.0))
+      ->needs(refines);
   command->add_option("--align-colors", o.align, "Estimate the colour camera's place beside the depth camera")
       ->check(CLI::IsMember({"auto", "yes", "no"}));
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
@@ -140,7 +169,8 @@ void add_capture_room(CLI::App& program) {
   command->footer(
       "A task shows the room by `background: {capture: FOLDER}`.\n"
       "Examples:\n  phyvisgen capture room scans/kitchen -o room --hold-out 5\n"
-      "  phyvisgen capture room scans/kitchen -o room --triangles 40000 --texture");
+      "  phyvisgen capture room scans/kitchen -o room --triangles 40000 --texture\n"
+      "  phyvisgen capture room scans/kitchen -o room --refine-poses --pose-sigma 10");
 }
 
 }  // namespace pvg

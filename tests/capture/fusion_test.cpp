@@ -252,6 +252,33 @@ TEST(Fusion, ASphereHasItsRadiusWithinHalfAVoxelAndIsClosed) {
   EXPECT_NEAR(enclosed_volume(mesh), 4.0 / 3 * M_PI * std::pow(RADIUS, 3), 0.01 * 4.2e-3);
 }
 
+// A picture that is taken out again leaves what the other one made, but for rounding; where it alone was, nothing.
+TEST(Fusion, APictureThatIsTakenOutLeavesTheOthers) {
+  const Camera here = camera_at({0, 0, 0}, {0, 0, 1}), there = camera_at({0.3, 0.1, 0}, {0.2, 0, 1});
+  const auto wall = [](double z) { return [z](const Vec3& eye, const Vec3& ray) { return (z - eye.z()) / ray.z(); }; };
+  const DepthPicture first = look(here, wall(0.8)), second = look(there, wall(0.81));
+  const FusedSurface alone = fuse({{here, first}}, 0.01);
+  Device device;
+  FusionSettings settings;
+  settings.voxel = 0.01;
+  settings.least_weight = 0.01;
+  Fusion fusion(device, settings, seen_box(here, first, settings.max_depth));
+  fusion.mark(here, first);
+  fusion.allocate();
+  fusion.integrate(here, first);
+  fusion.integrate(there, second);
+  const FusedSurface both = fusion.surface();
+  fusion.take_out(there, second);
+  const FusedSurface left = fusion.surface();
+  ASSERT_EQ(left.triangles, alone.triangles);
+  double largest = 0;
+  for (std::size_t i = 0; i < left.points.size(); ++i) {
+    ASSERT_LT((left.points[i] - alone.points[i]).norm(), 1e-5f);
+    largest = std::max(largest, std::abs(double(both.points[std::min(i, both.points.size() - 1)].z()) - 0.8));
+  }
+  EXPECT_GT(largest, 3e-3) << "the second picture had moved the wall";
+}
+
 // Whatever the signs of the samples are, neighbouring cells fit: an edge has one triangle on each side, and no other.
 TEST(MarchingCubes, CellsOfRandomSignsCloseAgainstEachOther) {
   const std::vector<std::uint8_t> cases = marching_cubes_cases();

@@ -26,6 +26,7 @@ class BroadPhase {
   // Pairs that may come within activation distance and `margin` [m] while the sites move straight from x0 to x1
   // [n_sites x 3, m]: by world, in it first point-triangle, then edge-edge pairs.
   void find(const Buffer<double>& x0, const Buffer<double>& x1, double margin, WorldRows<Barrier>& pairs);
+  std::size_t n_queries() const { return queries_.size(); }    // points and edges that look for partners
   bool finds_nothing() const { return queries_.size() == 0; }  // no two of these bodies may touch
   const Buffer<CollisionWorld>& worlds() const { return worlds_; }
 

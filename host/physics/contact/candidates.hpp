@@ -17,9 +17,9 @@ class Candidates {
   enum List : u32 { SOLIDS, SHEETS, BETWEEN, N_LISTS };
   using Lists = std::array<bool, N_LISTS>;
 
-  // x: sites at the start [n_sites, m]; margin [m]
+  // x: sites at the start [n_sites, m]; margin [m]; least_margin: where pairs of one body are many [m]
   Candidates(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
-             std::span<const Vec3> x, double margin);
+             std::span<const Vec3> x, double margin, double least_margin);
 
   // At least every pair that may come within activation distance while the sites move straight from x0 to x1
   // [n_sites x 3, m]. By world: the pairs of one solid, of one sheet, of two bodies; within each in the order of the
@@ -43,6 +43,7 @@ class Candidates {
     WorldRows<Barrier> pairs;
     Buffer<u32> first_site, sites;  // [n_bodies + 1], of the bodies' surfaces
     Buffer<double> reference;       // all sites where these pairs were looked for [n_sites x 3, m]
+    double margin;                  // with which they were looked for [m]
     bool has_reference = false;
   };
   Within make_within(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
@@ -54,7 +55,7 @@ class Candidates {
 
   Device* device_;
   std::size_t n_worlds_;
-  double margin_;
+  double margin_, least_margin_;
   Within solids_, sheets_;
   BroadPhase between_bodies_;
   Program program_, serves_program_;

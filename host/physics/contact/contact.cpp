@@ -20,12 +20,18 @@ std::span<Row> of_world(std::vector<Row>& rows, const std::vector<u32>& first, u
 // How much farther than the activation distance candidates are looked for [m]: a part of it, or as far as several last
 // corrections of Newton's method lead. They then mostly serve for the whole step after its first guess. On a device
 // apart from the host a search takes longer, for its launches and waits, than what more candidates take afterwards:
-// chosen by the counts of docs/measured/2026-11-25_counts.md.
-double margin_of(const Device& device, std::span<const ContactSettings> settings, double correction) {
-  double least = INFINITY;
-  for (const ContactSettings& s : settings) least = std::min(least, s.activation_distance);
-  const double part = device.info().runs_host_functions ? 0.5 : 2;
-  return std::max(part * least, 4 * correction);
+// chosen by the counts of docs/measured/2026-11-25_counts.md. `least` where pairs of one body are many:
+// docs/measured/2026-11-27_candidates.md.
+struct Margins {
+  double usual, least;
+};
+
+Margins margins_of(const Device& device, std::span<const ContactSettings> settings, double correction) {
+  double nearest = INFINITY;  // of the activation distances
+  for (const ContactSettings& s : settings) nearest = std::min(nearest, s.activation_distance);
+  const bool is_apart = !device.info().runs_host_functions;
+  const double usual = std::max((is_apart ? 2 : 0.5) * nearest, 4 * correction);
+  return {usual, is_apart ? usual : 0.1 * nearest};
 }
 
 Vec3 vec3(const double* values) { return {values[0], values[1], values[2]}; }
@@ -76,10 +82,10 @@ struct ContactSet::Impl {
   std::vector<std::vector<FrictionAnchor>> anchors;  // [n_worlds], each sorted by pair
 
   Impl(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings, std::span<const Vec3> x,
-       double correction)
+       Margins margins)
       : device(device),
         mesh(mesh),
-        candidates(device, mesh, settings, x, margin_of(device, settings, correction)),
+        candidates(device, mesh, settings, x, margins.usual, margins.least),
         collision(device),
         program(device, "contact/contact.cl"),
         friction_program(device, "energies/contact/friction.cl"),
@@ -185,7 +191,7 @@ ContactSet::ContactSet(Device& device, const CollisionMesh& mesh, std::span<cons
                        std::span<const Vec3> x, double correction) {
   check_settings(mesh, settings);
   check_collision_mesh(mesh, x.size());
-  impl_ = std::make_unique<Impl>(device, mesh, settings, x, correction);
+  impl_ = std::make_unique<Impl>(device, mesh, settings, x, margins_of(device, settings, correction));
 }
 ContactSet::~ContactSet() = default;
 ContactSet::ContactSet(ContactSet&&) noexcept = default;
