@@ -20,7 +20,7 @@ ALLOWED = {
                           "20": "hint", "0.25": "hint"},
     "data/start_places.cpp": {"MOST_STEPS": "iterations of an equation that is solved", "DIFFERENCE": "finite difference",
                               "SMALL_STEP": "rounding"},
-    "data/window.cpp": {"3": "samples of a parabola"},
+    "data/start_fit.cpp": {"3": "samples of a parabola"},
     "fit/fit_cost.cpp": {"3": "samples of third differences"},
     "fit/held_out.cpp": {"-10.0": "lowest share that is shown"},
     "fit/held_out.hpp": {"CURVES_OF_FITTED_RUNS": "curves in a report"},

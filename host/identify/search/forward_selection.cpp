@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/fit/on_whole_runs.hpp"
+#include "host/identify/fit/prepared.hpp"
 #include "host/identify/search/alternatives.hpp"
-#include "host/identify/search/on_whole_runs.hpp"
 #include "host/identify/search/pairs.hpp"
-#include "host/identify/search/prepared.hpp"
 #include "host/identify/search/round.hpp"
 #include "host/identify/search/screen.hpp"
 #include "host/identify/search/swap.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "host/identify/search/choose_windows.hpp"
+#include "host/identify/fit/choose_windows.hpp"
 #include "host/identify/search/diagnosis.hpp"
 #include "host/identify/search/identifiability.hpp"
 #include "host/identify/search/screen.hpp"

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/identify/search/choose_windows.hpp"
-#include "host/identify/search/prepared.hpp"
+#include "host/identify/fit/choose_windows.hpp"
+#include "host/identify/fit/prepared.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg::diagnose {

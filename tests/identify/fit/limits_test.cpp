@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/identify/search/choose_windows.hpp"
+#include "host/identify/fit/choose_windows.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg::diagnose {

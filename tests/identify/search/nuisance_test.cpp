@@ -5,7 +5,7 @@
 #include <random>
 
 #include "host/identify/fit/agreement.hpp"
-#include "host/identify/search/choose_windows.hpp"
+#include "host/identify/fit/choose_windows.hpp"
 #include "host/identify/search/round.hpp"
 #include "host/identify/search/swap.hpp"
 #include "tests/temporary_folder.hpp"

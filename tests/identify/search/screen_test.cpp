@@ -9,7 +9,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "host/identify/search/choose_windows.hpp"
+#include "host/identify/fit/choose_windows.hpp"
 #include "host/identify/search/decide.hpp"
 #include "host/identify/search/screen_trials.hpp"
 #include "tests/identify/driven_arm.hpp"

@@ -1,4 +1,4 @@
-#include "host/identify/search/choose_windows.hpp"
+#include "host/identify/fit/choose_windows.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
-#include "host/identify/search/prepared.hpp"
+#include "host/identify/fit/prepared.hpp"
 
 #include "host/identify/criteria.hpp"
-#include "host/identify/search/choose_windows.hpp"
+#include "host/identify/fit/choose_windows.hpp"
 
 namespace pvg::diagnose {
 

@@ -1,8 +1,8 @@
-#include "host/identify/search/on_whole_runs.hpp"
+#include "host/identify/fit/on_whole_runs.hpp"
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/fit/choose_windows.hpp"
 #include "host/identify/fit/whole_runs.hpp"
-#include "host/identify/search/choose_windows.hpp"
 
 namespace pvg::diagnose {
 

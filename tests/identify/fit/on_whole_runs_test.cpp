@@ -1,5 +1,5 @@
 // What was found in short windows, measured on whole runs
-#include "host/identify/search/on_whole_runs.hpp"
+#include "host/identify/fit/on_whole_runs.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,6 @@ namespace pvg::diagnose {
 namespace {
 
 constexpr double SPRING = 2.0;   // [N m/rad]
-constexpr double NOISE = 0.001;  // [rad]
 
 // A plate of I = 2 / 300 kg m^2 on a spring that the scene does not have, which swings from 0.1 rad for 2 s:
 //   q(t) = 0.1 cos(w t),  w = sqrt(SPRING / I) = 17 rad/s
@@ -30,7 +29,7 @@ joints:
   - {name: spindle, type: revolute, parent: base, child: plate, axis: [0, 0, 1]}
 )");
   std::mt19937 random(5);
-  std::normal_distribution<double> noise(0, NOISE);
+  std::normal_distribution<double> noise(0, 0.001);
   std::string run = "t,q\n";
   for (int i = 0; i <= 200; ++i) {
     const double t = 0.01 * i;
