@@ -162,6 +162,9 @@
   X(1, std::size_t, far_n_between, 2, "1", \
     "values on either side of the best one", \
     "three parts of each interval") \
+  X(1, double, step_moved_most, 2, "sigma", \
+    "how far the correction for the step may move a number before finer steps are tried", \
+    "chosen by judgement: a correction that is wrong by half then moves it by one") \
   X(1, int, step_n_polished, 2, "1", \
     "most halvings of the step for the numbers of what was found", \
     "seed 37, case 015: a spring 11 deviations off beside friction, whose steps differed by 1.3 times the noise") \

@@ -80,6 +80,7 @@ class Fitter {
   void stand_at(Model model) { as_it_stands_ = std::move(model); }
   // From now on nothing is corrected for the length of the steps.
   void take_steps_as_they_are() { corrects_steps_ = false; }
+  bool corrects_steps() const { return corrects_steps_; }
   // Likewise, with larger finite differences: masks change by whole pixels.
   void expect_whole_pixels() {
     corrects_steps_ = false;

@@ -220,4 +220,13 @@ MatrixXd covariance_of(const Fit& fit, const std::vector<Window>& windows, doubl
   return both + step_error * step_error.transpose();
 }
 
+VectorXd moved_by_correction(const Fit& fit, const std::vector<Window>& windows) {
+  const Eigen::Index n = fit.model.x.size();
+  const std::optional<WithStepShare> system = with_step_share(fit, windows);
+  if (!system) return VectorXd::Zero(n);
+  const MatrixXd inverse = system->a.topLeftCorner(n, n).completeOrthogonalDecomposition().pseudoInverse();
+  const VectorXd by = inverse * system->a.col(n).head(n), least = VectorXd::Constant(n, 1e-300);
+  return by.cwiseQuotient(fit.scale * inverse.diagonal().cwiseMax(least).cwiseSqrt());
+}
+
 }  // namespace pvg::diagnose

@@ -19,4 +19,8 @@ double cost_of(const Fit& fit);                       // C
 // they tell.
 Eigen::MatrixXd covariance_of(const Fit& fit, const std::vector<Window>& windows, double correlated);
 
+// How far the correction for the time step moves the parameters [p], to first order, in the deviations that noise of
+// the size of the residuals gives them; 0 where nothing is corrected.
+Eigen::VectorXd moved_by_correction(const Fit& fit, const std::vector<Window>& windows);
+
 }  // namespace pvg::diagnose

@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "host/identify/criteria.hpp"
+#include "host/identify/fit/fit_cost.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -24,43 +28,50 @@ class TriedStep {
   bool is_kept_ = false;
 };
 
-// Whether the numbers that were found changed by more than their standard deviations.
-bool moved(const Fit& before, const Fit& after) {
-  const Eigen::VectorXd by = (after.model.x - before.model.x).cwiseAbs();
-  return (by.array() > after.covariance.diagonal().cwiseMax(0).cwiseSqrt().array()).any();
+// The largest of these changes of the parameters, in standard deviations of the fit.
+double in_deviations(const Eigen::VectorXd& by, const Fit& fit) {
+  double most = 0;
+  for (Eigen::Index i = 0; i < by.size(); ++i)
+    if (fit.covariance(i, i) > 0) most = std::max(most, std::abs(by[i]) / std::sqrt(fit.covariance(i, i)));
+  return most;
+}
+
+// A correction that is left out was too large to be one.
+bool is_step_short_enough(const Fit& fit, const std::vector<Window>& windows) {
+  return std::all_of(windows.begin(), windows.end(), [](const Window& one) { return one.correction.size() > 0; }) &&
+         moved_by_correction(fit, windows).cwiseAbs().maxCoeff() < criteria().step_moved_most;
 }
 
 }  // namespace
 
-void use_finer_steps(Workflow& flow, const ChosenWindows& chosen, Selection& selected) {
+void use_finer_steps(Workflow& flow, Selection& selected) {
   const PhysicalScene& scene = flow.base.scene;
   if (selected.fits.empty() || !scene.soft_bodies.empty() || !scene.cloths.empty()) return;
   Fit& found = selected.fits.back();
+  if (!flow.fitter.corrects_steps() || is_step_short_enough(found, selected.windows)) return;
   double& step = flow.base.scene.solver.time_step;
+  std::vector<Eigen::VectorXd> starts = found.delta;
   flow.ends_in_time(criteria().time_proof, "the numbers of what was found with finer time steps", [&] {
     for (int n = 0; n < criteria().step_n_polished; ++n) {
       TriedStep tried(step, step / 2);
-      const std::vector<Window> windows = selected.is_of_whole_runs
-                                              ? make_windows(flow.problem, false, 0, chosen.data.windows.size())
-                                              : chosen.data.windows;
-      const FitData data = flow.fitter.prepare(windows, found.model);
-      if (data.windows.size() != windows.size()) return;
-      const Fit fit = flow.fitter.fit(data, {found.model}, criteria().n_more_steps).front();
+      const FitData data = flow.fitter.prepare(selected.windows, found.model);
+      if (data.windows.size() != starts.size()) return;
+      std::vector<Fit> fits = flow.fitter.begin(data, {found.model}, starts);
+      flow.fitter.improve(data, fits, criteria().n_more_steps);
+      flow.fitter.finish(data, fits);
+      const Fit& fit = fits.front();
       if (!fit.succeeded) return;
       const Eigen::VectorXd by = fit.model.x - found.model.x;
-      const Eigen::MatrixXd covariance = fit.covariance + by * by.transpose();
-      const bool needs_it = moved(found, fit);
-      if (needs_it) {
-        flow.notes.push_back(
-            fmt::format("numbers of what was found moved by up to {:.2g} standard deviations with steps of "
-                        "{:.4g} ms, which are used from here on",
-                        (by.array() / fit.covariance.diagonal().array().sqrt()).abs().maxCoeff(), 1e3 * step));
-        found.model = fit.model;
-        tried.keep();
-        selected.is_of_other_steps = true;
-      }
-      found.covariance = covariance;
-      if (!needs_it) return;
+      const double most = in_deviations(by, fit);
+      found.covariance = fit.covariance + by * by.transpose();
+      if (most <= 1) return;
+      flow.notes.push_back(
+          fmt::format("numbers of what was found moved by {:.2g} standard deviations with steps of {:.4g} ms, "
+                      "which are used from here on",
+                      most, 1e3 * step));
+      found.model = fit.model;
+      starts = fit.delta;
+      tried.keep();
     }
   });
 }

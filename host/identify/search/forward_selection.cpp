@@ -126,6 +126,7 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const Chos
   std::vector<Fit> first_round, tried;  // tried: single ones beside which a second was looked for
   std::optional<Model> best_single;     // least left-out error of those that pass in the first round
   double of_round = 0;                  // how long the last one took [s]
+  bool is_of_whole_runs = false;
   Fit named = base, of_windows = base;  // of_windows: before whole runs took their place
   // one round more than effects, since a swap takes one
   for (int number = 1; number <= flow.settings.max_effects + (flow.settings.max_effects > 1); ++number) {
@@ -180,7 +181,7 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const Chos
         if (n_effects > 1) named = reconsidered(flow, prepared, *chosen.fit, first_round, passed);
         named = prepared_again(flow.fitter, prepared, named);
       });
-    const Fit& as_it_stands = out.is_of_whole_runs ? prepared.base(flow.fitter) : base;
+    const Fit& as_it_stands = is_of_whole_runs ? prepared.base(flow.fitter) : base;
     if (robust_cost(named.residual, named.scale) > robust_cost(as_it_stands.residual, named.scale)) {
       flow.notes.push_back(
           chosen.fit->model.parts.back()->label() +
@@ -188,11 +189,11 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const Chos
       named = before;
       break;
     }
-    if (!out.is_of_whole_runs) of_windows = named;
-    if (windows.length > 0 && !out.is_of_whole_runs && flow.settings.decide == Decide::workflow)
+    if (!is_of_whole_runs) of_windows = named;
+    if (windows.length > 0 && !is_of_whole_runs && flow.settings.decide == Decide::workflow)
       flow.ends_in_time(criteria().time_search, labels_of(named.model).back() + " on whole runs",
-                        [&] { out.is_of_whole_runs = go_to_whole_runs(flow, prepared, named); });
-    if (out.is_of_whole_runs && number == 1) {
+                        [&] { is_of_whole_runs = go_to_whole_runs(flow, prepared, named); });
+    if (is_of_whole_runs && number == 1) {
       RankedModel& first = out.ranking.front();
       first = ranked(named, first.error, first.evidence, first.probability);
     }
@@ -215,6 +216,7 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const Chos
       }
     }
     out.fits.push_back(named);
+    out.windows = prepared.data().windows;
     out.error = error;
     out.better_at_bound.clear();
     if (decision.better_at_bound >= 0 && flow.settings.decide == Decide::workflow)
@@ -235,7 +237,7 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const Chos
     flow.ends_in_time(criteria().time_search, "the revision of a pair",
                       [&] { fit = prepared_again(flow.fitter, first, fit); });
     out.fits = {std::move(fit)};
-    out.is_of_whole_runs = false;
+    out.windows = first.data().windows;
     out.better_at_bound.clear();
     out.error = rms(out.fits.back().residual);
     out.ranking.insert(out.ranking.begin(), pair.model);

@@ -88,7 +88,7 @@ bool closes_enough(const HeldOut& held_out) {
 
 Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, const std::string& unit) {
   const Problem& problem = flow.problem;
-  if (flow.settings.decide == Decide::workflow) use_finer_steps(flow, chosen, selected);
+  if (flow.settings.decide == Decide::workflow) use_finer_steps(flow, selected);
   std::vector<Model> models;
   for (const Fit& fit : selected.fits) models.push_back(fit.model);
   const std::size_t most = most_windows(problem, flow.settings.simulated_seconds, chosen.length);
@@ -124,9 +124,8 @@ Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, con
   if (any_held_out) flow.notes.push_back(text_of(whole, unit));
   std::vector<NamedEffect> effects = named_of(named);
   std::vector<Curve> curves = std::move(judged.curves);
-  const bool are_others = selected.is_of_whole_runs || selected.is_of_other_steps;
-  const Fit shown =
-      are_others && &named != &chosen.base ? flow.fitter.fit(chosen.data, {named.model}, 0).front() : named;
+  // what was fitted last may be of other windows, or of finer steps
+  const Fit shown = named.model.effects().empty() ? named : flow.fitter.fit(chosen.data, {named.model}, 0).front();
   const std::vector<Curve> fitted = curves_of(problem, chosen.data, chosen.base, shown, CURVES_OF_FITTED_RUNS);
   curves.insert(curves.end(), fitted.begin(), fitted.end());
   return {std::move(selected), std::move(effects), adjusted_of(named), nuisances_in(named),

@@ -59,8 +59,7 @@ struct Selection {
   std::vector<RankedModel> ranking;  // best first
   std::vector<std::vector<std::string>> inseparable;
   double error = 0;                // of the last fit [noise]
-  bool is_of_whole_runs = false;   // the fits are, though the windows that were chosen are short
-  bool is_of_other_steps = false;  // its last numbers are those of finer steps, its residuals are not
+  std::vector<Window> windows;     // of the last fit: those that were chosen, made ready for it, or whole runs
   std::string better_at_bound;     // as Decision has it, of the last effect that was added; empty: none
   bool asks_for_new_step = false;  // what was found needs a finer time step: nothing else is told
 };

@@ -50,8 +50,9 @@ struct Braked {
                                        [](const Candidate& c) { return c.name == "joint_coulomb_friction"; });
     Model model = model_of({&*friction});
     model.x[0] = FRICTION;
-    chosen.data = flow.fitter.prepare(make_windows(problem, false, 0, 1), model);
-    selected.fits = flow.fitter.fit(chosen.data, {model}, 4);
+    const FitData data = flow.fitter.prepare(make_windows(problem, false, 0, 1), model);
+    selected.fits = flow.fitter.fit(data, {model}, 4);
+    selected.windows = data.windows;
   }
   double found() const { return selected.fits.back().model.x[0]; }
   double deviation() const { return std::sqrt(selected.fits.back().covariance(0, 0)); }
@@ -61,15 +62,13 @@ struct Braked {
   Settings settings;
   Workflow flow{device, problem, settings};
   std::vector<Candidate> candidates = make_candidates(problem, {});
-  ChosenWindows chosen;
   Selection selected;
 };
 
 TEST(FinerSteps, FrictionIsNearerToTheTruthWhereTheStepWasTooLong) {
   Braked plate("50 ms");
   const double before = plate.found() - FRICTION;
-  use_finer_steps(plate.flow, plate.chosen, plate.selected);
-  EXPECT_TRUE(plate.selected.is_of_other_steps);
+  use_finer_steps(plate.flow, plate.selected);
   EXPECT_LT(plate.flow.base.scene.solver.time_step, 0.03);
   EXPECT_LT(std::abs(plate.found() - FRICTION), std::abs(before) / 2);
   EXPECT_LT(std::abs(plate.found() - FRICTION), 2 * plate.deviation());
@@ -78,8 +77,7 @@ TEST(FinerSteps, FrictionIsNearerToTheTruthWhereTheStepWasTooLong) {
 TEST(FinerSteps, AStepThatIsShortEnoughStays) {
   Braked plate("4 ms");
   const double before = plate.found();
-  use_finer_steps(plate.flow, plate.chosen, plate.selected);
-  EXPECT_FALSE(plate.selected.is_of_other_steps);
+  use_finer_steps(plate.flow, plate.selected);
   EXPECT_EQ(plate.flow.base.scene.solver.time_step, 4e-3);
   EXPECT_EQ(plate.found(), before);
 }
