@@ -6,7 +6,7 @@
 #include "host/base/error.hpp"
 #include "host/base/files.hpp"
 #include "host/base/outputs.hpp"
-#include "host/formats/xml_depth.hpp"
+#include "host/formats/xml_text.hpp"
 
 namespace pvg::mjcf {
 namespace {
@@ -19,7 +19,7 @@ void parse(TiXmlDocument& document, const fs::path& file) {
   if (!text) throw UsageError(file.string() + " does not exist or cannot be read; correct the path");
   remember_read(file);
   check_xml_depth(*text, file.string());
-  document.Parse(text->c_str());
+  document.Parse(xml_with_end(*text).c_str());
   if (document.Error())
     throw UsageError(file.string() + ":" + std::to_string(document.ErrorRow()) + ": this is no valid XML (" +
                      document.ErrorDesc() + "); correct it");

@@ -15,7 +15,7 @@
 #include "host/base/files.hpp"
 #include "host/base/numbers.hpp"
 #include "host/base/outputs.hpp"
-#include "host/formats/xml_depth.hpp"
+#include "host/formats/xml_text.hpp"
 #include "host/geometry/primitive_visuals.hpp"
 #include "host/pictures/srgb.hpp"
 #include "host/robot/link_mesh.hpp"
@@ -293,7 +293,7 @@ int RobotModel::link(const std::string& link_name) const {
 }
 
 RobotModel load_urdf(const fs::path& file) {
-  const std::string text = read_text(file);
+  const std::string text = xml_with_end(read_text(file));
   check_xml_depth(text, file.string());
   TiXmlDocument document;
   document.Parse(text.c_str());

@@ -3,6 +3,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/files.hpp"
+#include "host/formats/xml_text.hpp"
 #include "host/robot/multibody.hpp"
 #include "host/robot/robot.hpp"
 
@@ -30,7 +31,7 @@ void read_dynamics(const TiXmlElement& robot, const std::string& file, Multibody
 Multibody read_urdf_multibody(const std::filesystem::path& file) {
   const RobotModel robot = load_urdf(file);
   TiXmlDocument document;
-  document.Parse(read_whole_file(file).value_or("").c_str());
+  document.Parse(xml_with_end(read_whole_file(file).value_or("")).c_str());
   Multibody model;
   model.name = robot.name;
   std::vector<int> index(robot.links.size(), -1);  // of the body; of a link without mass that of the one that holds it

@@ -12,7 +12,7 @@
 namespace pvg::diagnose {
 namespace {
 
-constexpr double SPRING = 2.0;   // [N m/rad]
+constexpr double SPRING = 2.0;  // [N m/rad]
 
 // A plate of I = 2 / 300 kg m^2 on a spring that the scene does not have, which swings from 0.1 rad for 2 s:
 //   q(t) = 0.1 cos(w t),  w = sqrt(SPRING / I) = 17 rad/s

@@ -1,6 +1,7 @@
-#include "host/formats/xml_depth.hpp"
+#include "host/formats/xml_text.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "host/base/error.hpp"
 
@@ -8,6 +9,7 @@ namespace pvg {
 namespace {
 
 constexpr int DEEPEST = 1000;
+constexpr std::size_t LONGEST_CHARACTER = 4;  // [byte] of UTF-8
 
 }  // namespace
 
@@ -23,5 +25,7 @@ void check_xml_depth(const std::string& text, const std::string& name) {
       throw UsageError(name + ": more than a thousand elements lie in each other; this is no sound XML file.");
   }
 }
+
+std::string xml_with_end(std::string text) { return std::move(text) + std::string(LONGEST_CHARACTER, '\0'); }
 
 }  // namespace pvg
