@@ -163,8 +163,8 @@
     "values on either side of the best one", \
     "three parts of each interval") \
   X(1, double, step_moved_most, 2, "sigma", \
-    "how far the correction for the step may move a number before finer steps are tried", \
-    "chosen by judgement: a correction that is wrong by half then moves it by one") \
+    "how far half the step may move a number, to first order, before it is fitted with it", \
+    "chosen by judgement, not measured") \
   X(1, int, step_n_polished, 2, "1", \
     "most halvings of the step for the numbers of what was found", \
     "seed 37, case 015: a spring 11 deviations off beside friction, whose steps differed by 1.3 times the noise") \

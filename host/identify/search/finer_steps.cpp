@@ -36,10 +36,10 @@ double in_deviations(const Eigen::VectorXd& by, const Fit& fit) {
   return most;
 }
 
-// A correction that is left out was too large to be one.
-bool is_step_short_enough(const Fit& fit, const std::vector<Window>& windows) {
-  return std::all_of(windows.begin(), windows.end(), [](const Window& one) { return one.correction.size() > 0; }) &&
-         moved_by_correction(fit, windows).cwiseAbs().maxCoeff() < criteria().step_moved_most;
+// The largest change of a number, in deviations, that these residuals instead of the fit's ask for, to first order.
+double asked_for(const Fit& fit, std::vector<Window> windows, const std::vector<Eigen::VectorXd>& residual) {
+  for (std::size_t w = 0; w < windows.size(); ++w) windows[w].correction = residual[w] - fit.residual[w];
+  return moved_by_correction(fit, windows).cwiseAbs().maxCoeff();
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ void use_finer_steps(Workflow& flow, Selection& selected) {
   const PhysicalScene& scene = flow.base.scene;
   if (selected.fits.empty() || !scene.soft_bodies.empty() || !scene.cloths.empty()) return;
   Fit& found = selected.fits.back();
-  if (!flow.fitter.corrects_steps() || is_step_short_enough(found, selected.windows)) return;
+  if (!flow.fitter.corrects_steps()) return;
   double& step = flow.base.scene.solver.time_step;
   std::vector<Eigen::VectorXd> starts = found.delta;
   flow.ends_in_time(criteria().time_proof, "the numbers of what was found with finer time steps", [&] {
@@ -57,6 +57,8 @@ void use_finer_steps(Workflow& flow, Selection& selected) {
       const FitData data = flow.fitter.prepare(selected.windows, found.model);
       if (data.windows.size() != starts.size()) return;
       std::vector<Fit> fits = flow.fitter.begin(data, {found.model}, starts);
+      if (!fits.front().succeeded) return;
+      if (asked_for(found, data.windows, fits.front().residual) < criteria().step_moved_most) return;
       flow.fitter.improve(data, fits, criteria().n_more_steps);
       flow.fitter.finish(data, fits);
       const Fit& fit = fits.front();
@@ -70,6 +72,9 @@ void use_finer_steps(Workflow& flow, Selection& selected) {
                       "which are used from here on",
                       most, 1e3 * step));
       found.model = fit.model;
+      found.residual = fit.residual;
+      found.slope = fit.slope;
+      found.of_start = fit.of_start;
       starts = fit.delta;
       tried.keep();
     }

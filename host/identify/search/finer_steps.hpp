@@ -6,11 +6,11 @@
 
 namespace pvg::diagnose {
 
-// Where the correction for the time step moved a number of what was found last by more than step_moved_most standard
-// deviations, or was too large to be one, fits it again with half the step. Where that moves one by more than its
-// deviation, it is the base's step from then on and half of it is tried, up to step_n_polished times; the last move is
-// added to the deviations. Steps that are part of the scene's model, as in hard impacts, stay as they are, and those of
-// soft bodies and cloth, whose finer ones take too long.
+// Simulates what was found last with half the step. Where the residuals there ask for a number that is more than
+// step_moved_most standard deviations away, it is fitted again. Where that moves one by more than its deviation, it is
+// the base's step from then on and half of it is tried, up to step_n_polished times; the last move is added to the
+// deviations. Steps that are part of the scene's model, as in hard impacts, stay as they are, and those of soft bodies
+// and cloth, whose finer ones take too long.
 void use_finer_steps(Workflow& flow, Selection& selected);
 
 }  // namespace pvg::diagnose
