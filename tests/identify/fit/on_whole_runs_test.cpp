@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "tests/identify/spindle.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg::diagnose {
@@ -17,17 +18,7 @@ constexpr double SPRING = 2.0;  // [N m/rad]
 // A plate of I = 2 / 300 kg m^2 on a spring that the scene does not have, which swings from 0.1 rad for 2 s:
 //   q(t) = 0.1 cos(w t),  w = sqrt(SPRING / I) = 17 rad/s
 Problem swinging(const TestFolder& folder) {
-  folder.write("scene.yaml", R"(schema: 1
-name: plate
-time_step: 5 ms
-gravity: [0, 0, 0]
-solver: {integrator: bdf2}
-bodies:
-  - {name: base, kind: static, shape: {box: {size: [0.1, 0.1, 0.1]}}, collides: false}
-  - {name: plate, kind: rigid, shape: {box: {size: [0.2, 0.2, 0.02]}}, mass: 1, collides: false}
-joints:
-  - {name: spindle, type: revolute, parent: base, child: plate, axis: [0, 0, 1]}
-)");
+  folder.write("scene.yaml", plate_on_a_spindle("5 ms"));
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0, 0.001);
   std::string run = "t,q\n";

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/identify/spindle.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg::diagnose {
@@ -17,15 +18,7 @@ constexpr double FRICTION = 0.01;  // [N m]
 // 0.667 s:
 //   q(t) = t - FRICTION t^2 / (2 I)
 Problem braked(const TestFolder& folder, const std::string& time_step) {
-  folder.write("scene.yaml", "schema: 1\nname: plate\ntime_step: " + time_step + R"(
-gravity: [0, 0, 0]
-solver: {integrator: bdf2}
-bodies:
-  - {name: base, kind: static, shape: {box: {size: [0.1, 0.1, 0.1]}}, collides: false}
-  - {name: plate, kind: rigid, shape: {box: {size: [0.2, 0.2, 0.02]}}, mass: 1, collides: false}
-joints:
-  - {name: spindle, type: revolute, parent: base, child: plate, axis: [0, 0, 1]}
-)");
+  folder.write("scene.yaml", plate_on_a_spindle(time_step));
   const double inertia = 2.0 / 300, stop = inertia / FRICTION;
   std::string run = "t,q\n";
   for (int i = 0; i <= 100; ++i) {
