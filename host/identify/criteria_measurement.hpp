@@ -167,7 +167,7 @@
     "chosen by judgement, not measured") \
   X(1, int, step_n_polished, 2, "1", \
     "most halvings of the step for the numbers of what was found", \
-    "seed 37, case 015: a spring 11 deviations off beside friction, whose steps differed by 1.3 times the noise") \
+    "chosen by judgement, not measured") \
   X(1, int, step_n_halvings, 1, "1", \
     "halvings of a step that does not converge; a world that needs more counts as failed", \
     "not recorded") \
