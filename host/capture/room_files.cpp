@@ -104,7 +104,10 @@ void write_room(const fs::path& folder, const Room& room, const RoomSettings& se
   const NamedMesh meshes[] = {{"room", &room.look.mesh, &room.look.texture},
                               {"guessed background", &room.background, nullptr}};
   write_captured_meshes(folder / "room.glb", meshes, true);
-  if (room.refinement) write_text_atomically(folder / "poses.csv", poses_text(room));
+  if (room.refinement)
+    write_text_atomically(folder / "poses.csv", poses_text(room));
+  else
+    fs::remove(folder / "poses.csv");  // of a room that was here before
   std::string text =
       "# A captured room: `background: {capture: FOLDER}` in a task shows it and puts its planes under the bodies.\n"
       "# Metres; room frame: z up" +

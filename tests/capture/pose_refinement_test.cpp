@@ -9,6 +9,7 @@
 #include <random>
 
 #include "host/render/camera.hpp"
+#include "tests/capture/depth_camera.hpp"
 #include "tests/capture/synthetic_room.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -124,22 +125,6 @@ TEST(PoseRefinement, ExactPosesAreMadeLittleWorse) {
   EXPECT_LE(r.surface_after, r.surface_before + 0.2e-3);
 }
 
-Camera wall_camera(const Vec3& eye, const Vec3& at) {
-  Camera camera;
-  camera.name = "depth";
-  camera.width = 160;
-  camera.height = 120;
-  camera.fx = camera.fy = 150;
-  camera.cx = 79.5;
-  camera.cy = 59.5;
-  const Vec3 z = (at - eye).normalized(), x = Vec3::UnitY().cross(z).normalized();
-  camera.pose.linear().col(0) = x;
-  camera.pose.linear().col(1) = z.cross(x);
-  camera.pose.linear().col(2) = z;
-  camera.pose.translation() = eye;
-  return camera;
-}
-
 // of the plane z = 0
 DepthPicture wall_seen_by(const Camera& camera) {
   DepthPicture picture{camera.width, camera.height, {}};
@@ -170,7 +155,7 @@ Capture wall_capture(const TestFolder& folder, const std::vector<Camera>& camera
 std::vector<Camera> cameras_before_a_wall() {
   std::vector<Camera> cameras;
   for (int i = 0; i < 5; ++i)
-    cameras.push_back(wall_camera({0.12 * (i - 2), 0.1 * (i % 2), -0.9 - 0.1 * (i % 3)}, {0.05 * (2 - i), 0.05, 0}));
+    cameras.push_back(camera_at({0.12 * (i - 2), 0.1 * (i % 2), -0.9 - 0.1 * (i % 3)}, {0.05 * (2 - i), 0.05, 0}));
   return cameras;
 }
 
@@ -207,7 +192,7 @@ TEST(PoseRefinement, AWallMovesAPictureOnlyToItselfAndNotAlongItself) {
 
 TEST(PoseRefinement, AFrameThatSeesNothingOfTheOthersIsNamedAndStays) {
   std::vector<Camera> cameras = cameras_before_a_wall();
-  cameras.push_back(wall_camera({3, 0, -1}, {3, 0, 0}));
+  cameras.push_back(camera_at({3, 0, -1}, {3, 0, 0}));
   const TestFolder folder;
   const Capture capture = wall_capture(folder, cameras);
   Device device;
@@ -313,7 +298,7 @@ TEST(Registration, TheDerivativeIsThatOfTheTrilinearDistance) {
   Buffer<float> distance(device, samples.distance, "distance"),
       weight(device, std::vector<float>(8 * BLOCK_VOXELS, 1.0f), "weight");
   Buffer<u32> block_of(device, std::vector<u32>{0, 1, 2, 3, 4, 5, 6, 7}, "block_of");
-  Camera camera = wall_camera({0.02, 0.01, 0.0}, {0.1, 0.05, 1});
+  Camera camera = camera_at({0.02, 0.01, 0.0}, {0.1, 0.05, 1});
   camera.width = 40;  // more than a work-item has
   camera.height = 3;
   camera.cx = 20;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/fit_cost.hpp"
@@ -50,32 +51,30 @@ void use_finer_steps(Workflow& flow, Selection& selected) {
   Fit& found = selected.fits.back();
   if (!flow.fitter.corrects_steps()) return;
   double& step = flow.base.scene.solver.time_step;
-  std::vector<Eigen::VectorXd> starts = found.delta;
   flow.ends_in_time(criteria().time_proof, "the numbers of what was found with finer time steps", [&] {
     for (int n = 0; n < criteria().step_n_polished; ++n) {
       TriedStep tried(step, step / 2);
       const FitData data = flow.fitter.prepare(selected.windows, found.model);
-      if (data.windows.size() != starts.size()) return;
-      std::vector<Fit> fits = flow.fitter.begin(data, {found.model}, starts);
+      if (data.windows.size() != found.delta.size()) return;
+      std::vector<Fit> fits = flow.fitter.begin(data, {found.model}, found.delta);
       if (!fits.front().succeeded) return;
       if (asked_for(found, data.windows, fits.front().residual) < criteria().step_moved_most) return;
       flow.fitter.improve(data, fits, criteria().n_more_steps);
       flow.fitter.finish(data, fits);
-      const Fit& fit = fits.front();
+      Fit& fit = fits.front();
       if (!fit.succeeded) return;
       const Eigen::VectorXd by = fit.model.x - found.model.x;
       const double most = in_deviations(by, fit);
-      found.covariance = fit.covariance + by * by.transpose();
-      if (most <= 1) return;
+      fit.covariance += by * by.transpose();
+      if (most <= 1) {
+        found.covariance = std::move(fit.covariance);
+        return;
+      }
       flow.notes.push_back(
           fmt::format("numbers of what was found moved by {:.2g} standard deviations with steps of {:.4g} ms, "
                       "which are used from here on",
                       most, 1e3 * step));
-      found.model = fit.model;
-      found.residual = fit.residual;
-      found.slope = fit.slope;
-      found.of_start = fit.of_start;
-      starts = fit.delta;
+      found = std::move(fit);
       tried.keep();
     }
   });

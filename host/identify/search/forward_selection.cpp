@@ -8,6 +8,7 @@
 #include "host/identify/fit/on_whole_runs.hpp"
 #include "host/identify/fit/prepared.hpp"
 #include "host/identify/search/alternatives.hpp"
+#include "host/identify/search/finer_steps.hpp"
 #include "host/identify/search/pairs.hpp"
 #include "host/identify/search/round.hpp"
 #include "host/identify/search/screen.hpp"
@@ -193,10 +194,6 @@ void select(Workflow& flow, const std::vector<Candidate>& candidates, const Chos
     if (windows.length > 0 && !is_of_whole_runs && flow.settings.decide == Decide::workflow)
       flow.ends_in_time(criteria().time_search, labels_of(named.model).back() + " on whole runs",
                         [&] { is_of_whole_runs = go_to_whole_runs(flow, prepared, named); });
-    if (is_of_whole_runs && number == 1) {
-      RankedModel& first = out.ranking.front();
-      first = ranked(named, first.error, first.evidence, first.probability);
-    }
     const double error = rms(named.residual);
     const bool any_dropped = named.model.effects().size() < n_effects;
     const bool is_newest_dropped = any_dropped && begins_with(chosen.fit->model.effects(), named.model.effects());
@@ -263,6 +260,11 @@ Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candid
   out.error = rms(chosen.base.residual);
   flow.ends_in_time(criteria().time_search, "the rest of the search for effects",
                     [&] { select(flow, candidates, chosen, out); });
+  if (out.fits.empty() || flow.settings.decide != Decide::workflow) return out;
+  use_finer_steps(flow, out);
+  const Fit& found = out.fits.back();
+  for (RankedModel& model : out.ranking)
+    if (model.parts == found.model.effects()) model = ranked(found, model.error, model.evidence, model.probability);
   return out;
 }
 

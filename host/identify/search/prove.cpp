@@ -8,7 +8,6 @@
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/limits.hpp"
 #include "host/identify/fit/whole_runs.hpp"
-#include "host/identify/search/finer_steps.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -67,6 +66,22 @@ WholeRuns prove_on_whole_runs(Workflow& flow, const ChosenWindows& chosen, const
   return whole;
 }
 
+// What was found in the windows of the scene as it stands, beside it. Fitted to whole runs it is simulated in these
+// windows first; none where there is no time.
+std::vector<Curve> fitted_curves(Workflow& flow, const ChosenWindows& chosen, const Fit& named) {
+  const auto curves = [&](const Fit& shown) {
+    return curves_of(flow.problem, chosen.data, chosen.base, shown, CURVES_OF_FITTED_RUNS);
+  };
+  if (named.residual.size() == chosen.data.windows.size()) return curves(named);
+  std::vector<Curve> found;
+  flow.ends_in_time(criteria().time_proof, "curves of the fitting runs", [&] {
+    const FitData data = flow.fitter.prepare(chosen.data.windows, named.model);
+    if (data.windows.size() == chosen.data.windows.size())
+      found = curves(flow.fitter.fit(data, {named.model}, 0).front());
+  });
+  return found;
+}
+
 // A sentence on them; unit: of the errors.
 std::string text_of(const WholeRuns& whole, const std::string& unit) {
   if (!whole.is_judged()) return "the held-out runs were judged by windows alone, not whole: " + whole.why_not;
@@ -88,7 +103,6 @@ bool closes_enough(const HeldOut& held_out) {
 
 Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, const std::string& unit) {
   const Problem& problem = flow.problem;
-  if (flow.settings.decide == Decide::workflow) use_finer_steps(flow, selected);
   std::vector<Model> models;
   for (const Fit& fit : selected.fits) models.push_back(fit.model);
   const std::size_t most = most_windows(problem, flow.settings.simulated_seconds, chosen.length);
@@ -124,9 +138,7 @@ Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, con
   if (any_held_out) flow.notes.push_back(text_of(whole, unit));
   std::vector<NamedEffect> effects = named_of(named);
   std::vector<Curve> curves = std::move(judged.curves);
-  // what was fitted last may be of other windows, or of finer steps
-  const Fit shown = named.model.effects().empty() ? named : flow.fitter.fit(chosen.data, {named.model}, 0).front();
-  const std::vector<Curve> fitted = curves_of(problem, chosen.data, chosen.base, shown, CURVES_OF_FITTED_RUNS);
+  const std::vector<Curve> fitted = fitted_curves(flow, chosen, named);
   curves.insert(curves.end(), fitted.begin(), fitted.end());
   return {std::move(selected), std::move(effects), adjusted_of(named), nuisances_in(named),
           std::move(judged),   std::move(whole),   std::move(curves),  any_selected && is_at_bound(named)};

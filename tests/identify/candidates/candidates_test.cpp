@@ -52,19 +52,21 @@ TEST(Candidates, WhatRollsIsBrakedWhicheverBodyOfThePairItIs) {
   EXPECT_EQ(targets_of(make_candidates(problem, {"floor/ball"}), "adhesion"), std::vector<std::string>{"floor/ball"});
 }
 
-// A pendulum that its joint damps swings by damping / mass alone: no motion tells which of the two is wrong. The mass
-// may have been weighed. It remains likelier than an error of a sensor or a missing effect.
-TEST(Candidates, OfAMassAndADampingTheDampingIsLikelierToBeWrong) {
-  const TestFolder folder;
-  folder.write("scene.yaml", R"(schema: 1
+// A scene of a bar on a hinge; what the hinge has besides follows.
+const std::string PENDULUM = R"(schema: 1
 name: pendulum
 time_step: 5 ms
 bodies:
   - {name: base, kind: static, shape: {box: {size: [0.01, 0.01, 0.01]}}, collides: false}
   - {name: bar, kind: rigid, shape: {box: {size: [0.05, 0.05, 0.4]}}, mass: 0.8, pose: {position: [0, 0, -0.2]}, collides: false}
 joints:
-  - {name: hinge, type: revolute, parent: base, child: bar, axis: [0, 1, 0], damping: 0.003}
-)");
+  - {name: hinge, type: revolute, parent: base, child: bar, axis: [0, 1, 0])";
+
+// A pendulum that its joint damps swings by damping / mass alone: no motion tells which of the two is wrong. The mass
+// may have been weighed. It remains likelier than an error of a sensor or a missing effect.
+TEST(Candidates, OfAMassAndADampingTheDampingIsLikelierToBeWrong) {
+  const TestFolder folder;
+  folder.write("scene.yaml", PENDULUM + ", damping: 0.003}\n");
   std::string run = "t,q\n";
   for (int i = 0; i < 9; ++i) run += std::to_string(0.01 * i) + "," + std::to_string(0.1 - 0.001 * i * i) + "\n";
   folder.write("a.csv", run);
@@ -91,15 +93,7 @@ channels:
 // them.
 double rounding_of_friction(const std::string& channels) {
   const TestFolder folder;
-  folder.write("scene.yaml", R"(schema: 1
-name: pendulum
-time_step: 5 ms
-bodies:
-  - {name: base, kind: static, shape: {box: {size: [0.01, 0.01, 0.01]}}, collides: false}
-  - {name: bar, kind: rigid, shape: {box: {size: [0.05, 0.05, 0.4]}}, mass: 0.8, pose: {position: [0, 0, -0.2]}, collides: false}
-joints:
-  - {name: hinge, type: revolute, parent: base, child: bar, axis: [0, 1, 0]}
-)");
+  folder.write("scene.yaml", PENDULUM + "}\n");
   std::string run = "t,q,w\n";
   for (int i = 0; i <= 20; ++i) run += std::to_string(0.1 * i) + "," + std::to_string(0.1 * i) + ",1\n";
   folder.write("a.csv", run);
