@@ -66,12 +66,6 @@
   X(5, int, n_last_steps, 2, "1", \
     "last steps, with one scale for all windows", \
     "not recorded; from the change that let resting bodies start on their support (commit bac2ea0)") \
-  X(5, double, settled_gain, 0.02, "log-likelihood", \
-    "what the next step may still promise at the end, samples that hang together counted as one", \
-    "a fifth of a standard deviation") \
-  X(5, int, n_settling_steps, 8, "1", \
-    "most steps to there", \
-    "chosen by judgement") \
   X(5, std::size_t, n_finalists, 5, "1", \
     "candidates that are fitted to the end", \
     "not recorded") \

@@ -140,25 +140,8 @@ void Fitter::take_last_steps(const FitData& data, std::vector<Fit>& fits) {
   improve(data, fits, criteria().n_last_steps, Scale::of_all);
 }
 
-void Fitter::settle(const FitData& data, std::vector<Fit>& fits) {
-  for (int step = 0; step < criteria().n_settling_steps; ++step) {
-    for (Fit& fit : fits) fit.has_converged = false;
-    differentiate(data, fits, Which::open);
-    for (Fit& fit : fits) {
-      if (!fit.is_open()) continue;
-      fit.scale = robust_scale(fit.residual);
-      fit.window_scale.clear();
-      const double samples = correlation_length(data.windows, fit.residual);
-      fit.has_converged = promised_gain(fit) <= criteria().settled_gain * samples * fit.scale * fit.scale;
-    }
-    if (std::none_of(fits.begin(), fits.end(), [](const Fit& fit) { return fit.is_open(); })) return;
-    improve(data, fits, 1, Scale::of_all);
-  }
-}
-
 void Fitter::finish(const FitData& data, std::vector<Fit>& fits) {
   take_last_steps(data, fits);
-  settle(data, fits);
   conclude(data, fits);
 }
 

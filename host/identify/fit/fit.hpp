@@ -104,11 +104,9 @@ class Fitter {
                bool only_starts = false);
   // Residuals of each fit as a full step from where it is predicts them; of fits that are done as they are.
   std::vector<std::vector<Eigen::VectorXd>> predicted(const FitData& data, std::vector<Fit>& fits);
-  // The last steps, with outliers as of all windows, those to the optimum, and conclude.
+  // The last steps, with outliers as of all windows, and conclude.
   void finish(const FitData& data, std::vector<Fit>& fits);
   void take_last_steps(const FitData& data, std::vector<Fit>& fits);
-  // Steps until the next one promises next to nothing: a relative change of a cost of thousands is many deviations.
-  void settle(const FitData& data, std::vector<Fit>& fits);
   void conclude(const FitData& data, std::vector<Fit>& fits);
   // Residuals at given models; delta as in Fit, empty: zeros.
   std::vector<std::vector<Prediction>> evaluate(const FitData& data, const std::vector<Model>& models,
@@ -141,7 +139,6 @@ class Fitter {
   void add_trials(const Fit& fit, std::size_t owner, bool only_starts, Steps steps, Trials& trials) const;
   void simulate(const FitData& data, Trials& trials);
   Trials steps_of(const FitData& data, const std::vector<Fit>& fits, bool only_starts);
-  static double promised_gain(const Fit& fit);  // what a full step lowers the cost by, if all is linear
   static std::vector<Attempt> attempts_of(const Trials& trials, const std::vector<Fit>& fits);
   Trials corrected(const std::vector<Attempt>& attempts, const std::vector<Fit>& fits) const;
   std::vector<char> take_best(const FitData& data, const Trials& trials, std::vector<Fit>& fits);

@@ -222,18 +222,6 @@ std::vector<char> Fitter::take_best(const FitData& data, const Trials& trials, s
   return is_better;
 }
 
-double Fitter::promised_gain(const Fit& fit) {
-  const Model next = fit.model.x.size() > 0 ? stepped(fit, criteria().fit_dampings[0]) : fit.model;
-  const VectorXd dx = next.x - fit.model.x;
-  double cost = prior_cost(next);
-  for (std::size_t w = 0; w < fit.residual.size(); ++w) {
-    const VectorXd delta = fit.delta[w].size() > 0 ? VectorXd(fit.delta[w] + best_start(fit, w, dx)) : VectorXd();
-    cost += start_cost({delta}) +
-            robust_cost({fit.residual[w] + predicted_change(fit, w, next.x, delta)}, scale_of(fit, w));
-  }
-  return cost_of(fit) - cost;
-}
-
 std::vector<std::vector<VectorXd>> Fitter::predicted(const FitData& data, std::vector<Fit>& fits) {
   differentiate(data, fits, Which::open);
   std::vector<std::vector<VectorXd>> residuals;
