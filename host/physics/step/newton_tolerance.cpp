@@ -1,7 +1,9 @@
-// Within the rate eps over which the dry friction T of a joint is smoothed its curvature is up to 2 T / (eps h), so large that a
-// correction from there is F / (2 T) eps, whatever force F is left. That it is slow proves nothing before it is slow beside eps:
+// Within the rate eps over which the dry friction T of a joint is smoothed its curvature is up to 2 T / (eps h), so
+// large that a correction from there is F / (2 T) eps, whatever force F is left. That it is slow proves nothing before
+// it is slow beside eps:
 //   v_tol = min(velocity_tolerance, 0.1 eps r),   r = (a . I a / m + |a x c|^2)^1/2
-// r: the child's radius of gyration about the axis a, I its inertia, c its centre of mass from the axis; 1 where it slides.
+// r: the child's radius of gyration about the axis a, I its inertia, c its centre of mass from the axis; 1 where it
+// slides.
 #include "host/physics/step/newton_tolerance.hpp"
 
 #include <algorithm>

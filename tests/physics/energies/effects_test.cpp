@@ -134,8 +134,9 @@ TEST(Effects, ViscousFrictionOfAJointSlowsByTheSameFactorEachStep) {
   EXPECT_NEAR(slide_on_rail({"joint_viscous_friction", "rail", {3}}, 1, 20), x, 1e-8);
 }
 
-// A rod lets go from level against friction whose smoothing is a thousandth of the speed that one step gives. By the usual
-// tolerance the first correction, from within the smoothing, would count as the last one. M = m g l, I = I_c + m l^2.
+// A rod lets go from level against friction whose smoothing is a thousandth of the speed that one step gives. By the
+// usual tolerance the first correction, from within the smoothing, would count as the last one. M = m g l, I = I_c + m
+// l^2.
 TEST(Effects, CoulombFrictionLetsGoAtOnceHoweverFineItsSmoothing) {
   PhysicalScene scene = rod_on_hinge(M_PI / 2, {});
   scene.solver.time_step = 0.01;
