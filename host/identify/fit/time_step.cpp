@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "host/identify/criteria.hpp"
@@ -23,9 +24,11 @@ struct Choice {
 // rms of the difference of two predictions of the same windows [noise]; the largest tenth of each column of a window is
 // left out: an impact one step earlier is no error of the motion. Columns in which almost nothing happens are left out,
 // too: they would only dilute the error of those that move.
-double apart(const FitData& data, const std::vector<Prediction>& a, const std::vector<Prediction>& b) {
+double apart(const FitData& data, const std::vector<Prediction>& a, const std::vector<Prediction>& b,
+             std::optional<std::size_t> only_window = {}) {
   std::map<std::pair<int, int>, std::pair<double, double>> columns;  // channel, component: sum of squares, how many
   for (std::size_t w = 0; w < a.size(); ++w) {
+    if (only_window && w != *only_window) continue;
     if (!a[w].succeeded || !b[w].succeeded) continue;
     const Eigen::VectorXd d = beside_starts(data.of_start[w], a[w].residual - b[w].residual);
     std::map<std::pair<int, int>, std::vector<double>> squares;
@@ -49,6 +52,14 @@ double apart(const FitData& data, const std::vector<Prediction>& a, const std::v
     n += total.second;
   }
   return n > 0 ? std::sqrt(sum / n) : INFINITY;
+}
+
+// The same of the window where it is largest: a fast run among slow ones shows what the step costs it.
+double most_apart(const FitData& data, const std::vector<Prediction>& a, const std::vector<Prediction>& b) {
+  double most = apart(data, a, b);
+  for (std::size_t w = 0; w < a.size(); ++w)
+    if (const double here = apart(data, a, b, w); std::isfinite(here)) most = std::max(most, here);
+  return most;
 }
 
 // Median over the windows of the rms of the residuals with the best starts [noise].
@@ -143,8 +154,8 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
     // two steps twice and four times as long as the next ones cost three quarters of it, and give more
     if (!may_extrapolate || !converges || (error < allowed && !was_extrapolated)) continue;
     const double of_limit = richardson_factor(order + 1) *
-                            apart(data, extrapolated(coarser, coarse, order), extrapolated(coarse, fine, order));
-    if (of_limit >= allowed) continue;
+                            most_apart(data, extrapolated(coarser, coarse, order), extrapolated(coarse, fine, order));
+    if (of_limit >= std::min(allowed, criteria().step_error_most_extrapolated)) continue;
     base.extrapolates = true;
     solver.time_step *= 2;
     error = of_limit;
