@@ -10,7 +10,7 @@
 #include "host/device/device.hpp"
 #include "host/geometry/mesh.hpp"
 
-namespace pvg {
+namespace pvg::primal_dual_friction_test {
 namespace {
 
 constexpr double H = 0.02, EPSILON = 1e-4 * H;  // [s], [m] sliding at which friction is fully developed
@@ -129,4 +129,4 @@ TEST(PrimalDualFriction, NewtonFindsTheBendWithoutALineSearch) {
 }
 
 }  // namespace
-}  // namespace pvg
+}  // namespace pvg::primal_dual_friction_test
