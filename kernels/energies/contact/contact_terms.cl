@@ -2,7 +2,6 @@
 #define TERM_FUNCTIONS_ONLY
 #include "contact/activity.cl"
 #include "energies/contact/barrier.cl"
-#include "energies/contact/friction.cl"
 #include "energies/contact/primal_dual_friction.cl"
 
 // Of all candidates, 0 where they are too far apart: contacts are found from is_active and counts afterwards, as

@@ -6,6 +6,8 @@
 // lambda are lagged, so the exact Hessian is positive semi-definite; Newton's method takes that of
 // primal_dual_friction.cl. e is what a sticking contact carries from step to step
 // (host/physics/contact/friction_anchors.hpp). Stencil: 4 sites.
+#ifndef PVG_ENERGIES_FRICTION_CL
+#define PVG_ENERGIES_FRICTION_CL
 #include "energies/contact/friction.h"
 #include "energies/contact/smooth_coulomb.cl"
 
@@ -111,3 +113,5 @@ kernel void friction_strain(const uint n, global const Friction* restrict params
   const real3 u = friction_sliding(&p, xe, x0e) / (p.friction_velocity * h);
   vstore3(u / fmax(1.0, length(u)), e, strain);
 }
+
+#endif

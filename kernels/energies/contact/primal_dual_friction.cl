@@ -7,9 +7,10 @@
 // and the Hessian is made with sigma' and the new u. A contact that slid one way and now would slide the other is then
 // stiff; at the minimum sigma is the pull itself and the Hessian exact.
 // Chan, Golub, Mulet 1999, "A nonlinear primal-dual method for total variation-based image restoration"; cut as by
-// Hintermueller, Stadler 2006. To be included after friction.cl.
+// Hintermueller, Stadler 2006.
 #ifndef PVG_ENERGIES_PRIMAL_DUAL_FRICTION_CL
 #define PVG_ENERGIES_PRIMAL_DUAL_FRICTION_CL
+#include "energies/contact/friction.cl"
 
 // sigma' [-];  u: sliding now [m]
 static inline real3 next_pull(const Friction* p, const FrictionDual* last, const real3 u, const real h) {
