@@ -97,8 +97,8 @@ FitData where_steps_show(Fitter& fitter, const Problem& problem) {
 
 }  // namespace
 
-double measured_richardson_factor(double ratio) {
-  const double by = std::clamp(ratio, 2.0, 4.0);
+double measured_richardson_factor(double ratio, double most) {
+  const double by = std::clamp(ratio, 2.0, most);
   return by / (by - 1);
 }
 
@@ -144,6 +144,7 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   const double allowed = allowed_of(base), small = by_pixels ? criteria().step_error_pixels : allowed;
   const int order = order_of_steps(base);
   bool converges = true;
+  std::vector<double> of_limits;  // changes of what two steps extrapolate, by each halving
   for (int halving = 0; error >= allowed && converges && halving < criteria().step_n_refinements; ++halving) {
     const double before = error;
     solver.time_step /= 2;
@@ -153,8 +154,9 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
     converges = error < std::max(small, criteria().step_converges * before);
     // two steps twice and four times as long as the next ones cost three quarters of it, and give more
     if (!may_extrapolate || !converges || (error < allowed && !was_extrapolated)) continue;
-    const double of_limit = richardson_factor(order + 1) *
-                            most_apart(data, extrapolated(coarser, coarse, order), extrapolated(coarse, fine, order));
+    of_limits.push_back(
+        most_apart(data, extrapolated(coarser, coarse, order), extrapolated(coarse, fine, order)));
+    const double of_limit = richardson_factor(order + 1) * of_limits.back();
     if (of_limit >= std::min(allowed, criteria().step_error_most_extrapolated)) continue;
     base.extrapolates = true;
     solver.time_step *= 2;
@@ -168,11 +170,15 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   }
   if (by_pixels) fitter.expect_whole_pixels();
   fitter.correct_steps_by(std::nullopt);
+  // coarse steps have not reached the third order yet
+  if (base.extrapolates && of_limits.size() > 1 && of_limits.back() > 0)
+    fitter.correct_steps_by(
+        measured_richardson_factor(of_limits[of_limits.size() - 2] / of_limits.back(), std::exp2(order + 1)));
   // of light damping the error is still of second order
   if (is_dissipative && solver.integrator == bdf2 && !keeps_as_given && !by_pixels && !base.extrapolates) {
     const double first = apart(data, predict({bdf2, solver.time_step}), fine);
     const double second = apart(data, fine, predict({bdf2, solver.time_step / 4}));
-    if (second > 0 && std::isfinite(first)) fitter.correct_steps_by(measured_richardson_factor(first / second));
+    if (second > 0 && std::isfinite(first)) fitter.correct_steps_by(measured_richardson_factor(first / second, 4));
   }
   if (base.extrapolates)
     return fmt::format(
