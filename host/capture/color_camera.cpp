@@ -6,7 +6,7 @@
 
 #include "host/base/error.hpp"
 #include "host/capture/colors.hpp"
-#include "host/capture/gray_photo.hpp"
+#include "host/pictures/gray_photo.hpp"
 
 namespace pvg {
 namespace {

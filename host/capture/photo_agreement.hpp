@@ -4,7 +4,7 @@
 #include <span>
 
 #include "host/capture/fusion.hpp"
-#include "host/capture/gray_photo.hpp"
+#include "host/pictures/gray_photo.hpp"
 
 namespace pvg {
 

@@ -145,11 +145,6 @@ TEST(PoseRefinement, PhotosBringThemNearer) {
   EXPECT_LE(r.after.turn, 0.06 / DEGREES);
 }
 
-TEST(PoseRefinement, DISABLED_PhotosMakeExactPosesLittleWorse) {
-  const Refined r = refine_synthetic_room(0, 0, true);
-  EXPECT_LE(r.after.shift, 1e-3);
-}
-
 // of the plane z = 0
 DepthPicture wall_seen_by(const Camera& camera) {
   DepthPicture picture{camera.width, camera.height, {}};

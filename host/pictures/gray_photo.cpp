@@ -1,4 +1,4 @@
-#include "host/capture/gray_photo.hpp"
+#include "host/pictures/gray_photo.hpp"
 
 #include <cmath>
 
