@@ -6,6 +6,7 @@
 
 #include "host/base/error.hpp"
 #include "host/capture/colors.hpp"
+#include "host/pictures/gray_photo.hpp"
 
 namespace pvg {
 namespace {
@@ -18,48 +19,6 @@ constexpr double PRIOR_TRANSLATION = 0.05, PRIOR_ROTATION = 0.05, PRIOR_FOCAL = 
 // how far a single photo may be from where the poses put it: tracking, and shutters that open at different times [m,
 // rad]; the prior counts as much as a hundred residuals of 0.04
 constexpr double MOTION_TRANSLATION = 0.005, MOTION_ROTATION = 0.003, MOTION_PRIOR = 100 * 0.04 * 0.04;
-
-struct Gray {
-  int width = 0, height = 0;
-  std::vector<float> value;  // sRGB luma [height x width]
-
-  // bilinear, with its slope per pixel; false: outside
-  bool at(double x, double y, double& v, Eigen::Vector2d& slope) const {
-    const int i = int(std::floor(x)), j = int(std::floor(y));
-    if (i < 0 || j < 0 || i + 1 >= width || j + 1 >= height) return false;
-    const double f = x - i, g = y - j;
-    const float* p = &value[std::size_t(j) * std::size_t(width) + std::size_t(i)];
-    const double a = p[0], b = p[1], c = p[width], d = p[width + 1];
-    v = (a * (1 - f) + b * f) * (1 - g) + (c * (1 - f) + d * f) * g;
-    slope = {(b - a) * (1 - g) + (d - c) * g, (c - a) * (1 - f) + (d - b) * f};
-    return true;
-  }
-};
-
-Gray gray_of(const Picture8& picture) {
-  Gray gray{picture.width, picture.height, {}};
-  for (std::size_t i = 0; i + 2 < picture.rgb.size(); i += 3)
-    gray.value.push_back(float(0.299 * picture.rgb[i] + 0.587 * picture.rgb[i + 1] + 0.114 * picture.rgb[i + 2]) / 255);
-  return gray;
-}
-
-// binomial filter, `rounds` times; each adds 1/2 to the variance [pixels^2]
-void blur(Gray& gray, int rounds) {
-  for (int k = 0; k < rounds; ++k)
-    for (int axis = 0; axis < 2; ++axis) {
-      std::vector<float> out(gray.value.size());
-      const int step = axis == 0 ? 1 : gray.width;
-      for (int y = 0; y < gray.height; ++y)
-        for (int x = 0; x < gray.width; ++x) {
-          const int at = y * gray.width + x, along = axis == 0 ? x : y,
-                    last = (axis == 0 ? gray.width : gray.height) - 1;
-          const float* v = gray.value.data();
-          out[std::size_t(at)] =
-              0.5f * v[at] + 0.25f * v[along > 0 ? at - step : at] + 0.25f * v[along < last ? at + step : at];
-        }
-      gray.value.swap(out);
-    }
-}
 
 struct Sight {  // of a point by a frame
   std::uint32_t point, frame;
@@ -130,7 +89,7 @@ struct Seen {
 };
 
 // unknowns, gains: of each frame
-Seen look(const std::vector<Sight>& sights, std::span<const CaptureFrame> frames, const std::vector<Gray>& photos,
+Seen look(const std::vector<Sight>& sights, std::span<const CaptureFrame> frames, const std::vector<GrayPhoto>& photos,
           const std::vector<double>& gains, std::size_t n_points, const std::vector<Unknowns>& unknowns) {
   Seen out;
   out.value.assign(sights.size(), -1);
@@ -168,8 +127,9 @@ void update_gains(const std::vector<double>& up, const std::vector<double>& down
 }
 
 // One Gauss-Newton step against the mean brightness of each point; returns the root mean square disagreement before it.
-double step(const std::vector<Sight>& sights, std::span<const CaptureFrame> frames, const std::vector<Gray>& photos,
-            std::vector<double>& gains, std::size_t n_points, Unknowns& u, bool moves) {
+double step(const std::vector<Sight>& sights, std::span<const CaptureFrame> frames,
+            const std::vector<GrayPhoto>& photos, std::vector<double>& gains, std::size_t n_points, Unknowns& u,
+            bool moves) {
   const Seen seen = look(sights, frames, photos, gains, n_points, std::vector<Unknowns>(frames.size(), u));
   Eigen::Matrix<double, UNKNOWNS, UNKNOWNS> H = Eigen::Matrix<double, UNKNOWNS, UNKNOWNS>::Zero();
   Eigen::Matrix<double, UNKNOWNS, 1> g = Eigen::Matrix<double, UNKNOWNS, 1>::Zero();
@@ -217,8 +177,8 @@ double step(const std::vector<Sight>& sights, std::span<const CaptureFrame> fram
 // Moves each photo a little against the means, which stand still meanwhile; `u`: where all would be without. Returns
 // the root mean square disagreement before it.
 double move_photos(const std::vector<Sight>& sights, std::span<const CaptureFrame> frames,
-                   const std::vector<Gray>& photos, std::vector<double>& gains, std::size_t n_points, const Unknowns& u,
-                   std::vector<Unknowns>& moved) {
+                   const std::vector<GrayPhoto>& photos, std::vector<double>& gains, std::size_t n_points,
+                   const Unknowns& u, std::vector<Unknowns>& moved) {
   using Vec6 = Eigen::Matrix<double, 6, 1>;
   const Seen seen = look(sights, frames, photos, gains, n_points, moved);
   std::vector<Eigen::Matrix<double, 6, 6>> H(frames.size(), Eigen::Matrix<double, 6, 6>::Zero());
@@ -279,19 +239,19 @@ ColorOffset align_color_camera(const Capture& capture, std::span<const CaptureFr
   if (out.n_points < FEWEST_POINTS)
     throw UsageError("the colour camera cannot be aligned: only " + std::to_string(out.n_points) +
                      " points of the surface are seen by three photos; take more photos, or give --align-colors no");
-  std::vector<Gray> sharp(frames.size());
+  std::vector<GrayPhoto> sharp(frames.size());
   for (std::size_t f = 0; f < frames.size(); ++f)
     if (!frames[f].color.empty()) sharp[f] = gray_of(color_of(frames[f]));
   Unknowns u;
   std::vector<double> gains(frames.size(), 1.0);
   bool is_first = true;
   for (const int rounds : {64, 16, 4, 1}) {  // blurred by 5.7, 2.8, 1.4 and 0.7 pixels
-    std::vector<Gray> photos = sharp;
-    for (Gray& photo : photos)
+    std::vector<GrayPhoto> photos = sharp;
+    for (GrayPhoto& photo : photos)
       if (photo.width > 0) blur(photo, rounds);
     if (is_first) {
-      std::vector<Gray> last = sharp;
-      for (Gray& photo : last)
+      std::vector<GrayPhoto> last = sharp;
+      for (GrayPhoto& photo : last)
         if (photo.width > 0) blur(photo, 1);
       out.disagreement_before = step(sights, frames, last, gains, chosen.size(), u, false);
       is_first = false;
@@ -301,8 +261,8 @@ ColorOffset align_color_camera(const Capture& capture, std::span<const CaptureFr
   }
   std::vector<Unknowns> moved(frames.size(), u);
   for (const int rounds : {8, 2}) {  // blurred by 2 and 1 pixels
-    std::vector<Gray> photos = sharp;
-    for (Gray& photo : photos)
+    std::vector<GrayPhoto> photos = sharp;
+    for (GrayPhoto& photo : photos)
       if (photo.width > 0) blur(photo, rounds);
     for (int i = 0; i < 12; ++i)
       out.disagreement_moved = move_photos(sights, frames, photos, gains, chosen.size(), u, moved);

@@ -7,6 +7,7 @@
 #include <ctime>
 
 #include "host/base/error.hpp"
+#include "host/capture/photo_agreement.hpp"
 
 namespace pvg {
 namespace {
@@ -20,6 +21,7 @@ constexpr int MOST_STEPS = 4;                    // of a picture in a sweep
 constexpr int MOST_STEPS_ALONE = 12;             // of a picture that is registered to what is fused already
 constexpr double SMALLEST_STEP = 1e-4;           // [m, rad]: smaller ones end a picture's steps, and all sweeps
 constexpr double LEAST_GAIN = 0.99;              // of the distance by a sweep; less ends them
+constexpr int PHOTO_BLUR[] = {8, 2};             // rounds: by 2 pixels, then by one
 
 Vec3 rotation_vector(const Eigen::Matrix3d& R) {
   const Eigen::AngleAxisd turned(R);
@@ -56,8 +58,10 @@ class Sweeps {
     for (const CaptureFrame& frame : frames_) fusion_.integrate(frame.depth_camera, depth_of(capture_, frame));
   }
 
-  // returns the largest motion of a frame
-  double sweep() {
+  FusedSurface surface() { return fusion_.surface(); }
+
+  // returns the largest motion of a frame; photos count as well where they are given
+  double sweep(PhotoAgreement* photos = nullptr) {
     unrefined.clear();
     double largest = 0, squares = 0, weight = 0;
     for (std::size_t i = 0; i < frames_.size(); ++i) {
@@ -65,7 +69,9 @@ class Sweeps {
       const Pose before = camera.pose;
       const DepthPicture picture = depth_of(capture_, frames_[i]);
       fusion_.take_out(camera, picture);
-      const RegistrationSums first = move(camera, picture, given_[i], MOST_STEPS);
+      const RegistrationSums first = move(camera, picture, given_[i], MOST_STEPS, photos, i);
+      frames_[i].color_camera.pose = camera.pose * before.inverse() * frames_[i].color_camera.pose;
+      if (photos) photos->update(i, camera.pose);
       squares += first.squares;
       weight += first.weight;
       const double share = first.n_pixels / double(picture.depth.size());
@@ -77,15 +83,21 @@ class Sweeps {
     return largest;
   }
 
-  // Steps of a picture that is not fused; returns the sums before the first one. With too few pixels it is where it was
-  // given.
-  RegistrationSums move(Camera& camera, const DepthPicture& picture, const Pose& given, int most_steps) {
+  // Steps of a picture that is not fused, which is that of the photo `frame` where there are photos; returns the sums
+  // of depth before the first one. With too few pixels it is where it was given.
+  RegistrationSums move(Camera& camera, const DepthPicture& picture, const Pose& given, int most_steps,
+                        const PhotoAgreement* photos = nullptr, std::size_t frame = 0) {
     const RegistrationSums first = fusion_.registration(camera, picture);
     RegistrationSums sums = first;
     for (int k = 0; k < most_steps; ++k) {
       if (sums.n_pixels < LEAST_SHARE * double(picture.depth.size())) {
         camera.pose = given;
         break;
+      }
+      if (photos) {
+        const RegistrationSums seen = photos->registration(frame, camera.pose, sums.n_pixels);
+        sums.hessian += seen.hessian;
+        sums.gradient += seen.gradient;
       }
       const Vec6 step = refining_step(sums, motion(given, camera.pose), settings_.sigma);
       camera.pose.linear() = rotation_of(step.head<3>()) * camera.pose.linear();
@@ -117,6 +129,28 @@ class Sweeps {
   const PoseRefinementSettings& settings_;
   Fusion fusion_;
 };
+
+// How far the frames moved from where they were given.
+void tell_motion(std::span<const Pose> given, PoseRefinement& out) {
+  const double n = double(given.size());
+  out.mean_turn = out.mean_shift = out.largest_turn = out.largest_shift = 0;
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const Vec6 m = motion(given[i], out.poses[i]);
+    out.mean_turn += m.head<3>().norm() / n;
+    out.mean_shift += m.tail<3>().norm() / n;
+    out.largest_turn = std::max(out.largest_turn, m.head<3>().norm());
+    out.largest_shift = std::max(out.largest_shift, m.tail<3>().norm());
+  }
+}
+
+// The frames go where the sweeps brought them, but for their mean motion.
+void take_poses(std::span<const Pose> given, std::vector<CaptureFrame>& frames, PoseRefinement& out) {
+  std::vector<Pose> poses;
+  for (const CaptureFrame& frame : frames) poses.push_back(frame.depth_camera.pose);
+  hold_mean(given, poses);
+  apply_poses(poses, frames);
+  out.poses = std::move(poses);
+}
 
 }  // namespace
 
@@ -168,20 +202,38 @@ PoseRefinement refine_poses(Device& device, const Capture& capture, std::span<co
       last = sweeps.distance;
     }
     out.unrefined = sweeps.unrefined;
-    for (std::size_t i = 0; i < moved.size(); ++i) out.poses[i] = moved[i].depth_camera.pose;
-    hold_mean(given, out.poses);
-    apply_poses(out.poses, moved);
+    take_poses(given, moved, out);
   }
-  const double n = double(frames.size());
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    const Vec6 m = motion(given[i], out.poses[i]);
-    out.mean_turn += m.head<3>().norm() / n;
-    out.mean_shift += m.tail<3>().norm() / n;
-    out.largest_turn = std::max(out.largest_turn, m.head<3>().norm());
-    out.largest_shift = std::max(out.largest_shift, m.tail<3>().norm());
-  }
-  out.cpu_ms_per_frame = 1e3 * double(std::clock() - start) / CLOCKS_PER_SEC / n;
+  tell_motion(given, out);
+  out.cpu_ms_per_frame = 1e3 * double(std::clock() - start) / CLOCKS_PER_SEC / double(frames.size());
   return out;
+}
+
+void refine_with_photos(Device& device, const Capture& capture, std::span<const CaptureFrame> frames,
+                        std::span<const Pose> given, const FusionSettings& fusion,
+                        const PoseRefinementSettings& settings, PoseRefinement& refined) {
+  const std::clock_t start = std::clock();
+  std::vector<CaptureFrame> moved(frames.begin(), frames.end());
+  for (const int blur_rounds : PHOTO_BLUR) {
+    PhotoAgreement photos(device, moved, blur_rounds);
+    Sweeps sweeps(device, capture, moved, given, fusion, settings);
+    double last = INFINITY;
+    for (int k = 0; k < settings.most_sweeps; ++k) {
+      photos.look(capture, moved, sweeps.surface(), fusion.voxel);
+      const double disagreement = photos.disagreement();
+      if (disagreement > LEAST_GAIN * last) break;
+      last = disagreement;
+      if (k == 0) refined.disagreement_before = disagreement;
+      const double largest = sweeps.sweep(&photos);
+      ++refined.n_sweeps;
+      refined.distance_after = sweeps.distance;
+      if (largest < SMALLEST_STEP) break;
+    }
+    refined.disagreement_after = photos.disagreement();
+    take_poses(given, moved, refined);
+  }
+  tell_motion(given, refined);
+  refined.cpu_ms_per_frame += 1e3 * double(std::clock() - start) / CLOCKS_PER_SEC / double(frames.size());
 }
 
 void register_frames(Device& device, const Capture& capture, std::span<const CaptureFrame> fused,

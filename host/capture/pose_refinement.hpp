@@ -25,6 +25,8 @@ struct PoseRefinement {
   // root mean square distance of pictures from what the others show, weighted by the noise of depth, at the coarse
   // voxels: with the given poses, with the refined ones [m]
   double distance_before = 0, distance_after = 0;
+  // root mean square disagreement of the photos, blurred by a pixel, before and after they counted [sRGB]; 0: none did
+  double disagreement_before = 0, disagreement_after = 0;
   int n_sweeps = 0;
   double cpu_ms_per_frame = 0;
 };
@@ -32,6 +34,12 @@ struct PoseRefinement {
 // The mean motion of all frames is removed: the capture's frame stays where it is. UsageErrors name the frame.
 PoseRefinement refine_poses(Device& device, const Capture& capture, std::span<const CaptureFrame> frames,
                             const FusionSettings& fusion, const PoseRefinementSettings& settings);
+
+// Goes on from refined frames, by depth and photos together: what depth does not show, colours do. The colour cameras
+// must be where they are beside the depth cameras. given: poses before any refinement.
+void refine_with_photos(Device& device, const Capture& capture, std::span<const CaptureFrame> frames,
+                        std::span<const Pose> given, const FusionSettings& fusion,
+                        const PoseRefinementSettings& settings, PoseRefinement& refined);
 
 // Moves frames onto the surface that others make, such as left-out ones; colour cameras move along.
 void register_frames(Device& device, const Capture& capture, std::span<const CaptureFrame> fused,

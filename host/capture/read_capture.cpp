@@ -1,8 +1,10 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "host/base/error.hpp"
+#include "host/base/files.hpp"
 #include "host/capture/layouts.hpp"
 #include "host/formats/picture_files.hpp"
 #include "host/render/camera.hpp"
@@ -104,6 +106,30 @@ void check_depth_scale(const Capture& capture, const CaptureFrame& frame, const 
     throw UsageError(frame.depth.string() + ": half of its depths are " + (median < 0.1 ? "below " : "above ") +
                      std::to_string(median) + " m with " + std::to_string(capture.depth_unit) +
                      " m per unit; give the unit with --depth-unit (1 of files in metres, 0.001 in millimetres)");
+}
+
+// what several layouts need
+std::vector<double> numbers_in(const std::filesystem::path& file) {
+  const auto content = read_whole_file(file);
+  if (!content) throw UsageError(file.string() + " cannot be read");
+  std::vector<double> numbers;
+  std::istringstream lines(*content);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line.substr(0, line.find('#')));
+    for (std::string word; words >> word;) {
+      char* end = nullptr;
+      numbers.push_back(std::strtod(word.c_str(), &end));
+      if (end == word.c_str() || *end != 0)
+        throw UsageError(file.string() + ": `" + word.substr(0, 40) + "` is no number");
+    }
+  }
+  return numbers;
+}
+
+void set_size_of(const std::filesystem::path& picture, Camera& camera) {
+  const PictureSize size = picture_size(picture);
+  camera.width = size.width;
+  camera.height = size.height;
 }
 
 }  // namespace pvg

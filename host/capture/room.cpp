@@ -117,6 +117,19 @@ void color_room(Device& device, std::span<const CaptureFrame> frames, const Room
                                .colors;
 }
 
+// Poses by depth, then by photos as well where these are registered to depth. Where the colour camera's place is only
+// estimated, depth became worse by them.
+void refine(Device& device, const Capture& capture, const RoomSettings& settings, bool has_photos,
+            std::vector<CaptureFrame>& frames, Room& room) {
+  std::vector<Pose> given;
+  for (const CaptureFrame& frame : frames) given.push_back(frame.depth_camera.pose);
+  room.refinement = refine_poses(device, capture, frames, settings.fusion, *settings.refinement);
+  apply_poses(room.refinement->poses, frames);
+  if (!has_photos || capture.colors_are_apart || settings.aligns_colors) return;
+  refine_with_photos(device, capture, frames, given, settings.fusion, *settings.refinement, *room.refinement);
+  apply_poses(room.refinement->poses, frames);
+}
+
 }  // namespace
 
 Room capture_room(Device& device, const Capture& capture, const RoomSettings& settings,
@@ -137,8 +150,7 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
   for (const CaptureFrame& frame : used) room.frame_names.push_back(frame.name);
   if (settings.refinement) {
     say(fmt::format("refining {} poses", used.size()));
-    room.refinement = refine_poses(device, capture, used, settings.fusion, *settings.refinement);
-    apply_poses(room.refinement->poses, used);
+    refine(device, capture, settings, has_photos, used, room);
     register_frames(device, capture, used, held_out, settings.fusion, *settings.refinement);
   }
   say(fmt::format("fusing {} pictures of depth", used.size()));

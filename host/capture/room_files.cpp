@@ -47,6 +47,17 @@ std::string poses_text(const Room& room) {
   return text;
 }
 
+// of a room that was here before; this one may have fewer
+void remove_planes_and_poses(const fs::path& folder) {
+  fs::remove(folder / "poses.csv");
+  std::vector<fs::path> planes;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (const std::string name = entry.path().filename().string();
+        name.starts_with("plane_") && entry.path().extension() == ".obj")
+      planes.push_back(entry.path());
+  for (const fs::path& plane : planes) fs::remove(plane);
+}
+
 }  // namespace
 
 void write_captured_meshes(const fs::path& file, std::span<const NamedMesh> meshes, bool is_unlit) {
@@ -104,10 +115,8 @@ void write_room(const fs::path& folder, const Room& room, const RoomSettings& se
   const NamedMesh meshes[] = {{"room", &room.look.mesh, &room.look.texture},
                               {"guessed background", &room.background, nullptr}};
   write_captured_meshes(folder / "room.glb", meshes, true);
-  if (room.refinement)
-    write_text_atomically(folder / "poses.csv", poses_text(room));
-  else
-    fs::remove(folder / "poses.csv");  // of a room that was here before
+  remove_planes_and_poses(folder);
+  if (room.refinement) write_text_atomically(folder / "poses.csv", poses_text(room));
   std::string text =
       "# A captured room: `background: {capture: FOLDER}` in a task shows it and puts its planes under the bodies.\n"
       "# Metres; room frame: z up" +
@@ -197,6 +206,8 @@ ordered_json room_report(const Room& room, const RoomSettings& settings, double 
                          {"largest_turn", r.largest_turn},
                          {"distance_before", r.distance_before},
                          {"distance_after", r.distance_after},
+                         {"photo_disagreement_before", r.disagreement_before},
+                         {"photo_disagreement_after", r.disagreement_after},
                          {"sweeps", r.n_sweeps},
                          {"cpu_ms_per_frame", r.cpu_ms_per_frame},
                          {"not_refined", kept}};

@@ -111,6 +111,13 @@ void run_capture_object(const CaptureObjectOptions& o) {
   if (const double asked = o.bridge > 0 ? 1e-3 * o.bridge : object.bound; object.bridge > 0 && object.bridge < asked)
     std::printf("holes up to %.2f mm are closed, no larger ones: the surface across them would be too far away\n",
                 2e3 * object.bridge);
+  if (const auto& t = report["thickness"]; !t.is_null() && t["share_below"].get<double>() > 0)
+    std::printf(
+        "%.1f %% of its walls are thinner than %.3g mm, within which contact acts (the thinnest %.3g mm); if it is to "
+        "be "
+        "soft, give the task a smaller activation_distance\n",
+        100 * t["share_below"].get<double>(), 1e3 * t["activation_distance"].get<double>(),
+        1e3 * t["least"].get<double>());
   if (o.density == 0 && o.mass == 0) std::printf("the mass is that of water: give --density or --mass\n");
 }
 

@@ -103,5 +103,25 @@ TEST(Room, ThePlaneOfATableIsAClosedBoxBelowIt) {
   EXPECT_NEAR(lowest, 0.74 - PLANE_THICKNESS, 1e-12);
 }
 
+TEST(Room, NothingOfAnEarlierRoomStaysBesideIt) {
+  const TestFolder folder;
+  Room room;
+  room.look.mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  room.look.mesh.triangles = {{0, 1, 2}};
+  room.planes.resize(2);
+  for (CapturedPlane& plane : room.planes) plane.width = plane.height = 1;
+  room.frame_names = {"frame"};
+  room.refinement.emplace().poses = {Pose::Identity()};
+  write_room(folder.path, room, {});
+  for (const char* file : {"poses.csv", "plane_0.obj", "plane_1.obj"})
+    EXPECT_TRUE(std::filesystem::exists(folder.path / file)) << file;
+  room.planes.resize(1);
+  room.refinement.reset();
+  write_room(folder.path, room, {});
+  EXPECT_TRUE(std::filesystem::exists(folder.path / "plane_0.obj"));
+  for (const char* file : {"poses.csv", "plane_1.obj"})
+    EXPECT_FALSE(std::filesystem::exists(folder.path / file)) << file;
+}
+
 }  // namespace
 }  // namespace pvg

@@ -83,6 +83,31 @@ std::vector<Camera> walk(int n, int width, int height) {
 
 }  // namespace
 
+float wave_pattern(const Vec3& p) {
+  double sum = 0;
+  for (int k = 0; k < 6; ++k) {
+    const Vec3 direction(std::sin(1.3 * k), std::cos(2.1 * k), std::sin(0.7 + 2.9 * k));
+    sum += std::sin(2 * M_PI * direction.normalized().dot(p) / (0.06 + 0.03 * k) + k);
+  }
+  return float(0.75 + 0.1 * sum);
+}
+
+namespace {
+
+void paint_pattern(RenderedFrame& frame, const Camera& camera) {
+  for (int y = 0; y < frame.height; ++y)
+    for (int x = 0; x < frame.width; ++x) {
+      const std::size_t i = std::size_t(y) * std::size_t(frame.width) + std::size_t(x);
+      const double z = double(frame.depth[i]);
+      if (!std::isfinite(z)) continue;
+      const float shade =
+          wave_pattern(camera.pose * Vec3((x - camera.cx) / camera.fx * z, (y - camera.cy) / camera.fy * z, z));
+      for (std::size_t k = 0; k < 3; ++k) frame.rgb[3 * i + k] *= shade;
+    }
+}
+
+}  // namespace
+
 DepthPicture with_kinect_noise(const DepthPicture& exact, std::mt19937& random) {
   std::normal_distribution<double> unit(0, 1);
   DepthPicture picture{exact.width, exact.height, std::vector<float>(exact.depth.size(), 0.0f)};
@@ -95,7 +120,8 @@ DepthPicture with_kinect_noise(const DepthPicture& exact, std::mt19937& random) 
   return picture;
 }
 
-void write_frames(const std::filesystem::path& folder, int n, int width, int height, const Pose& from_room) {
+void write_frames(const std::filesystem::path& folder, int n, int width, int height, const Pose& from_room,
+                  bool is_patterned) {
   Scene scene;
   VisualMaterial material;
   material.name = "room";
@@ -119,7 +145,8 @@ void write_frames(const std::filesystem::path& folder, int n, int width, int hei
   std::ofstream(folder / "camera-intrinsics.txt")
       << c.fx << " 0 " << c.cx << "\n0 " << c.fy << ' ' << c.cy << "\n0 0 1\n";
   for (int i = 0; i < n; ++i) {
-    const RenderedFrame frame = renderer.render(i, 0);
+    RenderedFrame frame = renderer.render(i, 0);
+    if (is_patterned) paint_pattern(frame, scene.cameras[std::size_t(i)]);
     char name[32];
     std::snprintf(name, sizeof name, "frame-%06d", i);
     write_depth_picture(folder / (std::string(name) + ".depth.png"),

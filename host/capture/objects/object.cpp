@@ -10,11 +10,13 @@
 #include "host/base/error.hpp"
 #include "host/capture/objects/splats.hpp"
 #include "host/capture/objects/surface_distance.hpp"
+#include "host/capture/objects/thickness.hpp"
 #include "host/capture/room_files.hpp"
 #include "host/capture/surface.hpp"
 #include "host/formats/mesh_files.hpp"
 #include "host/geometry/exact_intersection.hpp"
 #include "host/geometry/mesh_checks.hpp"
+#include "host/model/physical_scene.hpp"
 
 namespace pvg {
 namespace {
@@ -30,6 +32,31 @@ double mean(const std::vector<double>& values) {
 
 double at_share(const std::vector<double>& sorted, double share) {
   return sorted.empty() ? 0 : sorted[std::size_t(share * double(sorted.size() - 1))];
+}
+
+// of even bins from zero to the largest value
+nlohmann::ordered_json histogram(const std::vector<double>& values, double largest) {
+  constexpr int BINS = 16;
+  std::vector<std::size_t> counts(BINS, 0);
+  const double width = largest / BINS;
+  for (const double v : values) ++counts[std::size_t(width > 0 ? std::clamp(int(v / width), 0, BINS - 1) : 0)];
+  return {{"width", width}, {"counts", counts}};
+}
+
+nlohmann::ordered_json thickness_report(const TriangleMesh& mesh) {
+  const std::vector<WallThickness> walls = wall_thickness(mesh);
+  if (walls.empty()) return nullptr;
+  std::vector<double> values;
+  for (const WallThickness& wall : walls) values.push_back(wall.thickness);
+  const Vec3& thinnest = walls.front().place;
+  const double reach = ContactSettings{}.activation_distance;
+  return {{"least", values.front()},
+          {"least_at", {thinnest.x(), thinnest.y(), thinnest.z()}},
+          {"p05", at_share(values, 0.05)},
+          {"median", at_share(values, 0.5)},
+          {"histogram", histogram(values, values.back())},
+          {"activation_distance", reach},  // a task's, unless it says otherwise
+          {"share_below", share_thinner(walls, reach)}};
 }
 
 double size_of(const TriangleMesh& mesh) {
@@ -155,11 +182,13 @@ nlohmann::ordered_json object_report(const CapturedObject& object, const ObjectS
           {"mass", object.mass.mass},
           {"center", {object.mass.center.x(), object.mass.center.y(), object.mass.center.z()}},
           {"inertia", {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)}},
+          {"thickness", thickness_report(object.simulation)},
           {"distance",
            {{"mean", mean(object.to_source)},
             {"p95", at_share(object.to_source, 0.95)},
             {"max", at_share(object.to_source, 1)},
             {"bound", object.bound},
+            {"histogram", histogram(object.to_source, at_share(object.to_source, 1))},
             {"from_source_mean", mean(object.from_source)},  // inner walls of the source have no place in the mesh
             {"from_source_max", at_share(object.from_source, 1)}}}};
 }
