@@ -154,8 +154,7 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
     converges = error < std::max(small, criteria().step_converges * before);
     // two steps twice and four times as long as the next ones cost three quarters of it, and give more
     if (!may_extrapolate || !converges || (error < allowed && !was_extrapolated)) continue;
-    of_limits.push_back(
-        most_apart(data, extrapolated(coarser, coarse, order), extrapolated(coarse, fine, order)));
+    of_limits.push_back(most_apart(data, extrapolated(coarser, coarse, order), extrapolated(coarse, fine, order)));
     const double of_limit = richardson_factor(order + 1) * of_limits.back();
     if (of_limit >= std::min(allowed, criteria().step_error_most_extrapolated)) continue;
     base.extrapolates = true;

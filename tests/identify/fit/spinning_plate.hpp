@@ -1,5 +1,5 @@
-// A plate of 1 kg and 2 / 300 kg m^2 about a spindle, which 0.2 N m turn by 15 t^2 rad, measured for a second; beside it
-// runs in which a hundredth of that turns it.
+// A plate of 1 kg and 2 / 300 kg m^2 about a spindle, which 0.2 N m turn by 15 t^2 rad, measured for a second; beside
+// it runs in which a hundredth of that and more turns it.
 #pragma once
 #include <string>
 
@@ -21,7 +21,7 @@ joints:
 )");
   std::string runs;
   for (int i = 0; i <= n_slow; ++i) {
-    const double share = i == 0 ? 1 : 0.01;
+    const double share = i == 0 ? 1 : 0.01 * i;
     std::string run = "t,push,q\n";
     for (int k = 0; k <= 200; ++k) {
       const double t = 0.005 * k;
