@@ -11,7 +11,7 @@
 #   DEMONSTRATIONS, EPISODES (50, 20), LENGTH: periods of an episode (else a quarter more than the planned motion)
 #   NETWORK         pictures: keypoints (the default, minutes on two cores) or resnet18, see scripts/policy/train_pictures.py
 #   WEIGHTS         resnet18: at the start, such as ResNet18_Weights.IMAGENET1K_V1, which is downloaded (else random)
-#   DEVICE          pictures: of training, cpu or cuda (cpu)
+#   DEVICE          of training, cpu or cuda (cpu)
 #   STEPS, BATCH    of training (2000 of 32; pictures: 3000 of 32)
 #   CHUNK, EXECUTED actions that are predicted, and done before the policy is asked again (10, 5; pictures: 20, 10)
 #   LEARNING_RATE, DROPOUT (1e-4, 0.1; pictures: 5e-4, 0)
@@ -50,7 +50,7 @@ done
 case "$observation" in
   states)
     [ -z "$cameras" ] || refuse "CAMERA=$cameras needs OBSERVATION=pictures; on states a policy sees none"
-    [ -z "${NETWORK:-}${WEIGHTS:-}${DEVICE:-}" ] || refuse "NETWORK, WEIGHTS and DEVICE need OBSERVATION=pictures"
+    [ -z "${NETWORK:-}${WEIGHTS:-}" ] || refuse "NETWORK and WEIGHTS need OBSERVATION=pictures"
     generate="--no-render" pack="--no-pictures --environment-state"
     show="--env.obs_type=state --env.width=96 --env.height=72 --env.samples=1"
     ;;
@@ -121,8 +121,8 @@ train() {
       --learning-rate "${LEARNING_RATE:-5e-4}" --dropout "${DROPOUT:-0}" --seed "$seed"
   else
     # ACT's default leaves environment_state as it is: here it is normalised
-    "$python/lerobot-train" --dataset.repo_id=local/set --dataset.root="$folder/data" --policy.type=act \
-      --policy.device=cpu --policy.push_to_hub=false --policy.dim_model=128 --policy.dim_feedforward=512 \
+    "$python/python" scripts/policy/train_states.py --dataset.repo_id=local/set --dataset.root="$folder/data" --policy.type=act \
+      --policy.device="${DEVICE:-cpu}" --policy.push_to_hub=false --policy.dim_model=128 --policy.dim_feedforward=512 \
       --policy.n_heads=4 --policy.n_encoder_layers=2 --policy.n_vae_encoder_layers=2 --policy.latent_dim=16 \
       --policy.chunk_size="$chunk" --policy.n_action_steps="$executed" --policy.optimizer_lr="$rate" \
       --policy.dropout="$dropout" --policy.use_vae="${VAE:-true}" \

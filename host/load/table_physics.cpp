@@ -78,7 +78,7 @@ const Fields<SolverSettings>& solver_fields() {
           .choice("integrator", &S::integrator, {"implicit_euler", "bdf2"},
                   "`bdf2` is of second order; its first step is implicit Euler's")
           .number("velocity_tolerance", &S::velocity_tolerance, Unit::speed, 1e-9, 1,
-                  "Newton stops when its next correction moves no point faster")
+                  "Newton stops when its next correction moves no point faster; less where a joint has dry friction")
           .number("max_newton", &S::max_newton, Unit::none, 1, 10000, "Newton iterations per step")
           .choice(
               "preconditioner", &S::preconditioner, {PRECONDITIONER_NAMES.begin(), PRECONDITIONER_NAMES.end()},

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
-#include <ranges>
 
 #include "host/base/error.hpp"
 #include "host/load/build_scene.hpp"
@@ -101,14 +100,11 @@ Frames::Frames(const Scene& scene, const std::string& states, double rate) : sta
 
 std::vector<SceneState> Frames::motion(double begin, double end) const {
   if (!states_) return {start_};
-  const auto steps = std::views::iota(std::size_t(0), states_->n_steps());
-  const auto steps_until = [&](const auto& is_before) {
-    return std::size_t(std::ranges::partition_point(steps, is_before) - steps.begin());
-  };
-  const std::size_t not_after = steps_until([&](std::size_t step) { return states_->time(step) <= begin; }),
-                    before_end = steps_until([&](std::size_t step) { return states_->time(step) < end; });
-  const std::size_t first = std::max<std::size_t>(not_after, 1) - 1,
-                    last = std::min(before_end, states_->n_steps() - 1);
+  std::vector<double> times;
+  for (std::size_t step = 0; step < states_->n_steps(); ++step) times.push_back(states_->time(step));
+  const auto not_after = std::size_t(std::ranges::upper_bound(times, begin) - times.begin()),
+             before_end = std::size_t(std::ranges::lower_bound(times, end) - times.begin());
+  const std::size_t first = std::max<std::size_t>(not_after, 1) - 1, last = std::min(before_end, times.size() - 1);
   std::vector<SceneState> states;
   for (std::size_t step = first; step <= last; ++step) states.push_back(states_->state(step));
   return states;

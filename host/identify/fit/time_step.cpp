@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "host/identify/criteria.hpp"
@@ -23,9 +24,11 @@ struct Choice {
 // rms of the difference of two predictions of the same windows [noise]; the largest tenth of each column of a window is
 // left out: an impact one step earlier is no error of the motion. Columns in which almost nothing happens are left out,
 // too: they would only dilute the error of those that move.
-double apart(const FitData& data, const std::vector<Prediction>& a, const std::vector<Prediction>& b) {
+double apart(const FitData& data, const std::vector<Prediction>& a, const std::vector<Prediction>& b,
+             std::optional<std::size_t> only_window = {}) {
   std::map<std::pair<int, int>, std::pair<double, double>> columns;  // channel, component: sum of squares, how many
   for (std::size_t w = 0; w < a.size(); ++w) {
+    if (only_window && w != *only_window) continue;
     if (!a[w].succeeded || !b[w].succeeded) continue;
     const Eigen::VectorXd d = beside_starts(data.of_start[w], a[w].residual - b[w].residual);
     std::map<std::pair<int, int>, std::vector<double>> squares;
@@ -49,6 +52,14 @@ double apart(const FitData& data, const std::vector<Prediction>& a, const std::v
     n += total.second;
   }
   return n > 0 ? std::sqrt(sum / n) : INFINITY;
+}
+
+// The same of the window where it is largest: a fast run among slow ones shows what the step costs it.
+double most_apart(const FitData& data, const std::vector<Prediction>& a, const std::vector<Prediction>& b) {
+  double most = apart(data, a, b);
+  for (std::size_t w = 0; w < a.size(); ++w)
+    if (const double here = apart(data, a, b, w); std::isfinite(here)) most = std::max(most, here);
+  return most;
 }
 
 // Median over the windows of the rms of the residuals with the best starts [noise].
@@ -86,8 +97,8 @@ FitData where_steps_show(Fitter& fitter, const Problem& problem) {
 
 }  // namespace
 
-double measured_richardson_factor(double ratio) {
-  const double by = std::clamp(ratio, 2.0, 4.0);
+double measured_richardson_factor(double ratio, double most) {
+  const double by = std::clamp(ratio, 2.0, most);
   return by / (by - 1);
 }
 
@@ -133,6 +144,7 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   const double allowed = allowed_of(base), small = by_pixels ? criteria().step_error_pixels : allowed;
   const int order = order_of_steps(base);
   bool converges = true;
+  std::vector<double> of_limits;  // changes of what two steps extrapolate, by each halving
   for (int halving = 0; error >= allowed && converges && halving < criteria().step_n_refinements; ++halving) {
     const double before = error;
     solver.time_step /= 2;
@@ -142,9 +154,10 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
     converges = error < std::max(small, criteria().step_converges * before);
     // two steps twice and four times as long as the next ones cost three quarters of it, and give more
     if (!may_extrapolate || !converges || (error < allowed && !was_extrapolated)) continue;
-    const double of_limit = richardson_factor(order + 1) *
-                            apart(data, extrapolated(coarser, coarse, order), extrapolated(coarse, fine, order));
-    if (of_limit >= allowed) continue;
+    of_limits.push_back(
+        most_apart(data, extrapolated(coarser, coarse, order), extrapolated(coarse, fine, order)));
+    const double of_limit = richardson_factor(order + 1) * of_limits.back();
+    if (of_limit >= std::min(allowed, criteria().step_error_most_extrapolated)) continue;
     base.extrapolates = true;
     solver.time_step *= 2;
     error = of_limit;
@@ -157,11 +170,15 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   }
   if (by_pixels) fitter.expect_whole_pixels();
   fitter.correct_steps_by(std::nullopt);
+  // coarse steps have not reached the third order yet
+  if (base.extrapolates && of_limits.size() > 1 && of_limits.back() > 0)
+    fitter.correct_steps_by(
+        measured_richardson_factor(of_limits[of_limits.size() - 2] / of_limits.back(), std::exp2(order + 1)));
   // of light damping the error is still of second order
   if (is_dissipative && solver.integrator == bdf2 && !keeps_as_given && !by_pixels && !base.extrapolates) {
     const double first = apart(data, predict({bdf2, solver.time_step}), fine);
     const double second = apart(data, fine, predict({bdf2, solver.time_step / 4}));
-    if (second > 0 && std::isfinite(first)) fitter.correct_steps_by(measured_richardson_factor(first / second));
+    if (second > 0 && std::isfinite(first)) fitter.correct_steps_by(measured_richardson_factor(first / second, 4));
   }
   if (base.extrapolates)
     return fmt::format(

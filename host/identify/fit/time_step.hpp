@@ -8,8 +8,8 @@
 namespace pvg::diagnose {
 
 // What the change from a step to its half is to be multiplied by to give the step's error, where halving once more
-// changes the predictions by `ratio` less: of order log2(ratio), between first and second (Richardson 1911).
-double measured_richardson_factor(double ratio);
+// changes the predictions by `ratio` less: of order log2(ratio), between the first and that of `most` (Richardson 1911).
+double measured_richardson_factor(double ratio, double most);
 
 // Sets the solver of `base` and says what it did. An error of the integration that the sensors can see would be taken
 // for an effect (implicit Euler damps), so predictions are compared with those of finer steps and of second order. An

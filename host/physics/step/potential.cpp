@@ -34,6 +34,7 @@ Potential::Potential(Device& device, const System& system)
       terms_(device, system),
       barrier_(device, "contact", "barrier", 4),
       friction_(device, "contact", "friction", 4),
+      friction_dual_(device, 0, "friction dual"),
       flows_4_(device, system.plastic_flow_4, "plastic_flow_4"),
       flows_10_(device, system.plastic_flow_10, "plastic_flow_10"),
       world_steps_(device, system.n_worlds(), "world steps"),
@@ -162,6 +163,8 @@ Potential::ContactKernels& Potential::contact_kernels() {
 
 void Potential::set_friction(const ContactSet& contacts) {
   friction_.set_sites(contacts.friction_sites(), contacts.friction().first);
+  friction_dual_.resize(friction_.size());
+  friction_is_new_ = true;
 }
 
 void Potential::to_sites(const Buffer<f64>& node, Buffer<f64>& value) {
@@ -258,7 +261,8 @@ void Potential::differentiate(const Positions& x, const ContactSet* contacts, Bu
     const u32 n = whole_groups(n_friction) + n_contacts;
     contact_kernels().derivatives(n, n, n_friction, n_contacts, contacts->friction().rows, contacts->contacts().rows,
                                   x.site, start_->site, h_, barrier_.first_row, rows_, barrier_.own_blocks(),
-                                  friction_.own_blocks());
+                                  friction_.own_blocks(), u32(friction_is_new_), friction_dual_);
+    friction_is_new_ = false;
   }
   matrix_->assemble();
   const u32 n = u32(system_.n_nodes());

@@ -102,6 +102,8 @@ class Potential {
   std::optional<ForceLaws> force_laws_;
   // their rows are kept by the ContactSet and launched together
   Term barrier_, friction_;
+  Buffer<FrictionDual> friction_dual_;  // [n_friction]
+  bool friction_is_new_ = true;         // no Hessian was made since set_friction()
   const Term* const contact_terms_[2] = {&barrier_, &friction_};
   struct ContactKernels {
     explicit ContactKernels(Device& device);

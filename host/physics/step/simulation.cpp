@@ -4,6 +4,7 @@
 #include "host/model/display.hpp"
 #include "host/physics/energies/prescribed_motion.hpp"
 #include "host/physics/step/checkpoint_worlds.hpp"
+#include "host/physics/step/newton_tolerance.hpp"
 #include "host/physics/step/separate_bodies.hpp"
 #include "host/physics/step/simulation_impl.hpp"
 
@@ -53,7 +54,7 @@ std::vector<std::vector<NodePair>> node_pairs(const std::vector<std::vector<doub
 double largest_correction(const System& system) {
   double largest = 0;
   for (const PhysicalScene& scene : system.scenes)
-    largest = std::max(largest, scene.solver.velocity_tolerance * scene.solver.time_step);
+    largest = std::max(largest, newton_tolerance(scene) * scene.solver.time_step);
   return largest;
 }
 
@@ -104,9 +105,8 @@ Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
       velocities_before(system.x.size()),
       velocities_two_before(system.x.size()),
       prescribed_values(device, 0, "prescribed values") {
-  std::vector<double> tolerances;
-  for (const PhysicalScene& scene : system.scenes) tolerances.push_back(scene.solver.velocity_tolerance);
-  tolerance.write(tolerances);
+  for (const PhysicalScene& scene : system.scenes) least_stop.push_back(newton_tolerance(scene));
+  tolerance.write(least_stop);
   has_prescribed = has_prescribed_bodies(system);
   std::vector<u32> own;
   for_each_prescribed([&](u32 first) {

@@ -102,6 +102,7 @@ struct Simulation::Impl {
   std::vector<char> active_written;             // what is_active_on_device and full_step hold
   Buffer<f64> dx, gradient, step, halved_step;  // step: of each world, and what comes next
   Buffer<f64> full_step, largest, tolerance;    // full_step: 1 for worlds that move; tolerance [m/s]
+  std::vector<double> least_stop;               // [n_worlds] newton_tolerance [m/s]
   Buffer<f64> energy_before;                    // [n_worlds, J] of a line search
   const Buffer<f64>* trial_energy = nullptr;    // [n_worlds, J] of the last trial
   TimeIntegrator integrator;

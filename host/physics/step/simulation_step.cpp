@@ -183,7 +183,7 @@ void Simulation::Impl::minimize(double h, bool may_be_settled, double enough) {
       if (!is_active[w]) continue;
       reports[w].residual = largest_move[w] / h;
       if (iteration > 0) continue;
-      const double least = system.scenes[w].solver.velocity_tolerance;
+      const double least = least_stop[w];
       const std::vector<u32>& first = contacts.friction().first;
       const bool has_friction = first[w + 1] > first[w];  // else there is no further pass that would go on
       stop[w] = has_friction ? std::max(least, enough * reports[w].residual) : least;

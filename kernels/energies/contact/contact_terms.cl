@@ -2,7 +2,7 @@
 #define TERM_FUNCTIONS_ONLY
 #include "contact/activity.cl"
 #include "energies/contact/barrier.cl"
-#include "energies/contact/friction.cl"
+#include "energies/contact/primal_dual_friction.cl"
 
 // Of all candidates, 0 where they are too far apart: contacts are found from is_active and counts afterwards, as
 // contact/contact.cl does with pair_gaps.
@@ -35,17 +35,18 @@ kernel __attribute__((reqd_work_group_size(64, 1, 1))) void contact_energy(
 }
 
 // Gradient rows, of the contacts from row first_row on and of friction behind them, and the 12 x 12 Hessian blocks of
-// each kind. n: n_friction, rounded up as above, and n_contacts
+// each kind. n: n_friction, rounded up as above, and n_contacts;  begins, dual: as in primal_dual_friction.cl
 kernel void contact_derivatives(const uint n, const uint n_friction, const uint n_contacts,
                                 global const Friction* restrict friction, global const Barrier* restrict contacts,
                                 global const real* restrict x, global const real* restrict x0, const real h,
                                 const uint first_row, global real* restrict rows, global real* restrict contact_blocks,
-                                global real* restrict friction_blocks) {
+                                global real* restrict friction_blocks, const uint begins,
+                                global FrictionDual* restrict dual) {
   const uint i = get_global_id(0), n_friction_items = (n_friction + 63) / 64 * 64;
   if (i >= n) return;
   if (i < n_friction) {
     friction_gradient_of(i, friction, x, x0, h, first_row + 4 * n_contacts, rows);
-    friction_hessian_of(i, friction, x, x0, h, 0, friction_blocks);
+    primal_dual_friction_hessian_of(i, friction, x, x0, h, begins, dual, friction_blocks);
   } else if (i >= n_friction_items) {
     barrier_gradient_of(i - n_friction_items, contacts, x, x0, h, first_row, rows);
     barrier_hessian_of(i - n_friction_items, contacts, x, x0, h, 0, contact_blocks);

@@ -17,5 +17,12 @@ typedef struct {
   f64 dissipation;        // chi: of the approach along the normal [s/m]
 } Friction;
 SHARED_SIZE(Friction, 144);
+
+// Of one lagged contact where its Hessian was made last. The formulas stand in primal_dual_friction.cl.
+typedef struct {
+  f64 sliding[3];  // u, in the tangent plane [m]
+  f64 pull[3];     // sigma: friction as an unknown of its own, of mu lambda
+} FrictionDual;
+SHARED_SIZE(FrictionDual, 48);
 SHARED_END
 #endif

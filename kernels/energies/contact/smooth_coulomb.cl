@@ -20,4 +20,9 @@ static inline real smooth_coulomb_less_along(const real y, const real eps) {
   return y > 0 ? (y < eps ? 1 / (eps * eps * y) : 1 / (y * y * y)) : 0;
 }
 
+// d/dy (y / f0'): 1 where friction is fully developed
+static inline real smooth_coulomb_ratio_slope(const real y, const real eps) {
+  return y < eps ? 1 / ((2 - y / eps) * (2 - y / eps)) : 1;
+}
+
 #endif

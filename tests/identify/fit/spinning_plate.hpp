@@ -1,4 +1,5 @@
-// A plate of 1 kg and 2 / 300 kg m^2 about a spindle, which 0.2 N m turn by 15 t^2 rad, measured for a second.
+// A plate of 1 kg and 2 / 300 kg m^2 about a spindle, which 0.2 N m turn by 15 t^2 rad, measured for a second; beside it
+// runs in which a hundredth of that turns it.
 #pragma once
 #include <string>
 
@@ -7,7 +8,7 @@
 
 namespace pvg::diagnose {
 
-inline Problem spinning_plate(const TestFolder& folder) {
+inline Problem spinning_plate(const TestFolder& folder, int n_slow = 0) {
   folder.write("scene.yaml", R"(schema: 1
 name: flywheel
 time_step: 5 ms
@@ -18,17 +19,22 @@ bodies:
 joints:
   - {name: spindle, type: revolute, parent: base, child: plate, axis: [0, 0, 1]}
 )");
-  std::string run = "t,push,q\n";
-  for (int i = 0; i <= 200; ++i) {
-    const double t = 0.005 * i;
-    run += std::to_string(t) + ",0.2," + std::to_string(15 * t * t) + "\n";
+  std::string runs;
+  for (int i = 0; i <= n_slow; ++i) {
+    const double share = i == 0 ? 1 : 0.01;
+    std::string run = "t,push,q\n";
+    for (int k = 0; k <= 200; ++k) {
+      const double t = 0.005 * k;
+      run += std::to_string(t) + "," + std::to_string(share * 0.2) + "," + std::to_string(share * 15 * t * t) + "\n";
+    }
+    const std::string file = "run_" + std::to_string(i) + ".csv";
+    folder.write(file, run);
+    runs += "  - {file: " + file + ", role: fit, initial: {joint/spindle/position: 0, joint/spindle/velocity: 0}}\n";
   }
-  folder.write("a.csv", run);
-  folder.write("recording.yaml", R"(schema: 1
+  folder.write("recording.yaml", std::string(R"(schema: 1
 scene: scene.yaml
 runs:
-  - {file: a.csv, role: fit, initial: {joint/spindle/position: 0, joint/spindle/velocity: 0}}
-inputs:
+)") + runs + R"(inputs:
   - {column: push, target: joint/spindle/torque, unit: N m}
 channels:
   - {column: q, kind: position, joint: spindle, unit: rad, noise: 0.001}

@@ -76,10 +76,15 @@ TEST(TimeStep, IsNotCoarserForColumnsInWhichNothingHappens) {
 }
 
 TEST(TimeStep, ErrorOfFirstOrderIsTwiceTheChangeByHalfTheStepAndOfSecondFourThirds) {
-  EXPECT_DOUBLE_EQ(measured_richardson_factor(2), 2);
-  EXPECT_DOUBLE_EQ(measured_richardson_factor(4), 4.0 / 3);
-  EXPECT_DOUBLE_EQ(measured_richardson_factor(1), 2);  // no order below the first
-  EXPECT_DOUBLE_EQ(measured_richardson_factor(16), 4.0 / 3);
+  EXPECT_DOUBLE_EQ(measured_richardson_factor(2, 4), 2);
+  EXPECT_DOUBLE_EQ(measured_richardson_factor(4, 4), 4.0 / 3);
+  EXPECT_DOUBLE_EQ(measured_richardson_factor(1, 4), 2);  // no order below the first
+  EXPECT_DOUBLE_EQ(measured_richardson_factor(16, 4), 4.0 / 3);
+}
+
+TEST(TimeStep, OfThirdOrderTheErrorIsEightSeventhsOfTheChangeWhereThatOrderIsReached) {
+  EXPECT_DOUBLE_EQ(measured_richardson_factor(9, 8), 8.0 / 7);
+  EXPECT_DOUBLE_EQ(measured_richardson_factor(3.7, 8), 3.7 / 2.7);
 }
 
 // A cube of 1 kg that a drive of 1 N/m and 2 N s/m leads along its rail after T = 2 m/s^2 t^2 / 2: it lags by e,
@@ -124,6 +129,11 @@ TEST(TimeStep, ErrorOfAFastSpinIsExtrapolatedAwayAtCoarseSteps) {
   const TestFolder folder;
   const Problem problem = spinning_plate(folder);
   EXPECT_GE(extrapolated_step(problem), 0.0025);
+}
+
+TEST(TimeStep, OfAFastRunIsNotCoarserAmongSlowOnes) {
+  const TestFolder alone, among;
+  EXPECT_LE(extrapolated_step(spinning_plate(among, 8)), extrapolated_step(spinning_plate(alone)));
 }
 
 // A cube of 1 kg that is pushed along its rail by 1 N/s t: x = t^3 / 6, 0.17 m after a second, then at 0.5 m/s. A push

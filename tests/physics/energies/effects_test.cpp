@@ -134,6 +134,20 @@ TEST(Effects, ViscousFrictionOfAJointSlowsByTheSameFactorEachStep) {
   EXPECT_NEAR(slide_on_rail({"joint_viscous_friction", "rail", {3}}, 1, 20), x, 1e-8);
 }
 
+// A rod lets go from level against friction whose smoothing is a thousandth of the speed that one step gives. By the
+// usual tolerance the first correction, from within the smoothing, would count as the last one. M = m g l, I = I_c + m
+// l^2.
+TEST(Effects, CoulombFrictionLetsGoAtOnceHoweverFineItsSmoothing) {
+  PhysicalScene scene = rod_on_hinge(M_PI / 2, {});
+  scene.solver.time_step = 0.01;
+  scene.solver.velocity_tolerance = 1e-3;
+  scene.effects = {{"joint_coulomb_friction", "hinge", {0.05, 1e-5}}};
+  const RigidBody& rod = scene.rigid_bodies[1];
+  const double inertia = rod.inertia(1, 1) + 0.16 * 0.2 * 0.2, effort = 0.16 * G * 0.2 - 0.05;
+  const double turned = std::abs(run(scene, 1).joint_position[0] - M_PI / 2);
+  EXPECT_NEAR(turned, effort / inertia * 1e-4, 0.01 * effort / inertia * 1e-4);
+}
+
 // far above the Stribeck velocity it slides as by Coulomb's friction alone; below, it is braked harder
 TEST(Effects, StribeckFrictionBrakesSlowMotionHarder) {
   const auto lost = [](double extra, double speed) {

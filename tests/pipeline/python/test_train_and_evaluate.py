@@ -1,6 +1,7 @@
 """scripts/train_and_evaluate.sh with programs that only write down what they are told: demonstrations and evaluation get
 the same words."""
 
+import importlib.util
 import os
 import shutil
 import subprocess
@@ -26,13 +27,32 @@ for word in words:
 """
 
 
+class KeptRows(unittest.TestCase):
+    def test_a_row_is_read_once_and_cannot_be_spoilt(self):
+        class DataSet:
+            reads = []
+
+            def __getitem__(self, index):
+                self.reads.append(index)
+                return {"action": index}
+
+        specification = importlib.util.spec_from_file_location("train_states", SCRIPT.parent / "policy/train_states.py")
+        train_states = importlib.util.module_from_spec(specification)
+        specification.loader.exec_module(train_states)
+        train_states.keep_rows(DataSet)
+        one, other = DataSet(), DataSet()
+        one[3]["action"] = "spoilt"
+        self.assertEqual([one[3], one[4], other[3]], [{"action": 3}, {"action": 4}, {"action": 3}])
+        self.assertEqual(DataSet.reads, [3, 4, 3])
+
+
 class TrainAndEvaluate(unittest.TestCase):
     def setUp(self):
         self.temporary = tempfile.TemporaryDirectory()
         self.addCleanup(self.temporary.cleanup)
         self.folder = Path(self.temporary.name)
         self.told = self.folder / "told"
-        for name in ("phyvisgen", "lerobot-train", "lerobot-eval"):
+        for name in ("phyvisgen", "lerobot-eval"):
             program = self.folder / name
             program.write_text(PROGRAM.format(python=sys.executable, told=self.told))
             program.chmod(0o755)
@@ -69,7 +89,7 @@ class TrainAndEvaluate(unittest.TestCase):
         self.assertIn("--env.cameras=[front,wrist]", told["lerobot-eval"])
         self.assertIn("--network keypoints --device cpu", " ".join(told["train_pictures.py"]))
         self.assertIn("--chunk 20 --executed 10", " ".join(told["train_pictures.py"]))
-        self.assertNotIn("lerobot-train", told)
+        self.assertNotIn("train_states.py", told)
         result = (self.folder / "out/result.csv").read_text().split()
         self.assertEqual(result[1:], ["blind,,1,2", "nearest,,1,2", "act,1,2,2"])
 
@@ -83,8 +103,9 @@ class TrainAndEvaluate(unittest.TestCase):
             self.assertIn(word, words)
 
     def test_states_need_no_pictures(self):
-        process, told = self.run_script()
+        process, told = self.run_script(DEVICE="cuda")
         self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertIn("--policy.device=cuda", told["train_states.py"])
         self.assertIn("--no-render", told["generate"])
         self.assertIn("--environment-state", told["pack"])
         self.assertIn("--env.obs_type=state", told["lerobot-eval"])
@@ -113,7 +134,7 @@ class TrainAndEvaluate(unittest.TestCase):
         for variables, sentence in (
             ({"OBSERVATION": "smell"}, "OBSERVATION=smell is neither states nor pictures"),
             ({"CAMERA": "front"}, "CAMERA=front needs OBSERVATION=pictures"),
-            ({"NETWORK": "resnet18"}, "NETWORK, WEIGHTS and DEVICE need OBSERVATION=pictures"),
+            ({"NETWORK": "resnet18"}, "NETWORK and WEIGHTS need OBSERVATION=pictures"),
             ({"NETWORK": "resnet", "OBSERVATION": "pictures"}, "NETWORK=resnet is neither keypoints nor resnet18"),
             ({"WEIGHTS": "some", "OBSERVATION": "pictures"}, "WEIGHTS=some needs NETWORK=resnet18"),
             ({"VAE": "true", "OBSERVATION": "pictures"}, "VAE and SAVE need OBSERVATION=states"),
@@ -129,7 +150,9 @@ class TrainAndEvaluate(unittest.TestCase):
             self.assertEqual(process.stderr.count("\n"), 1)
 
     def test_a_training_that_fails_is_told(self):
-        (self.folder / "lerobot-train").write_text("#!/bin/sh\necho no memory\nexit 3\n")
+        (self.folder / "python").write_text(
+            f'#!/bin/sh\ncase "$1" in *.py) echo no memory; exit 3 ;; *) exec {sys.executable} "$@" ;; esac\n'
+        )
         process, told = self.run_script()
         self.assertEqual(process.returncode, 1)
         self.assertIn(f"training of seed 1 failed; {self.folder}/out/train_1.log says why", process.stderr)
