@@ -75,12 +75,15 @@ double set_residuals(std::vector<BoardPhoto>& photos, const Points& points, cons
       cv::fisheye::projectPoints(points.board[i], projected, s.turn[i], s.shift[i], s.K, s.distortion);
     else
       cv::projectPoints(points.board[i], s.turn[i], s.shift[i], s.K, s.distortion, projected);
+    BoardPhoto& photo = photos[points.photo[i]];
+    photo.differences.clear();
     double sum = 0;
     for (std::size_t k = 0; k < projected.size(); ++k) {
-      const cv::Point2f d = projected[k] - points.picture[i][k];
-      sum += double(d.x) * double(d.x) + double(d.y) * double(d.y);
+      const cv::Point2f d = points.picture[i][k] - projected[k];
+      photo.differences.emplace_back(double(d.x), double(d.y));
+      sum += photo.differences.back().squaredNorm();
     }
-    photos[points.photo[i]].residual = std::sqrt(sum / double(projected.size()));
+    photo.residual = std::sqrt(sum / double(projected.size()));
     all += sum;
     n_all += projected.size();
   }
@@ -145,6 +148,7 @@ CameraCalibration calibrate_camera(std::vector<BoardPhoto> photos, int width, in
     const std::size_t outlier = worst_outlier(photos, settings.largest_ratio);
     if (outlier == photos.size() || n_used(photos) <= FEWEST_PHOTOS) break;
     photos[outlier].is_used = false;
+    photos[outlier].differences.clear();
     photos[outlier].reason = "its residual stands out: is the board bent, blurred or another one?";
   }
   if (largest_tilt(s) < LEAST_TILT)

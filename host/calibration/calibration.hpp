@@ -13,7 +13,8 @@ struct BoardPhoto {
   std::vector<BoardCorner> corners;
   double residual = 0;  // root mean square of its corners [pixels]; 0: not used
   bool is_used = true;
-  std::string reason;  // why it is not used
+  std::string reason;                        // why it is not used
+  std::vector<Eigen::Vector2d> differences;  // [n_corners] found minus computed [pixels]; empty: not used
 };
 
 struct CameraCalibration {

@@ -184,8 +184,13 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
   if (room.look.mesh.triangles.empty()) room.look.mesh = room.mesh;
   say("finding planes");
   room.planes = find_planes(room.mesh.points, room.mesh.triangles, settings.planes);
-  if (!settings.keeps_frame) room.ground = choose_ground(room.planes, upward(used), settings.ground);
-  if (room.ground >= 0) room.room_from_capture = room_frame(room.planes[std::size_t(room.ground)], used);
+  room.is_placed = settings.room_from_capture.has_value();
+  const Vec3 up = room.is_placed ? Vec3(settings.room_from_capture->linear().row(2)) : upward(used);
+  if (!settings.keeps_frame) room.ground = choose_ground(room.planes, up, settings.ground);
+  if (room.is_placed)
+    room.room_from_capture = *settings.room_from_capture;
+  else if (room.ground >= 0)
+    room.room_from_capture = room_frame(room.planes[std::size_t(room.ground)], used);
   const Eigen::Isometry3f to_room = room.room_from_capture.cast<float>();
   for (Vec3f& p : room.mesh.points) p = to_room * p;
   for (Vec3f& p : room.look.mesh.points) p = to_room * p;

@@ -19,11 +19,12 @@ struct RoomSettings {
   double least_piece = 0.02;                         // smaller pieces are removed [m^2]
   std::size_t most_triangles = 0;                    // 0: as fused
   int hold_out = 0;                                  // every such frame is left out and measured; 0: none
-  int ground = -1;                 // index of the plane that becomes z = 0; -1: the largest that faces up
-  bool aligns_colors = false;      // the colour camera's place beside the depth camera is estimated
-  bool keeps_frame = false;        // of the capture; else z up by the ground plane
-  bool has_texture = false;        // else colours of points alone
-  bool guesses_background = true;  // where photos look and no depth was measured
+  int ground = -1;                        // index of the plane that becomes z = 0; -1: the largest that faces up
+  bool aligns_colors = false;             // the colour camera's place beside the depth camera is estimated
+  bool keeps_frame = false;               // of the capture; else z up by the ground plane
+  std::optional<Pose> room_from_capture;  // given, as by tags: neither of these two
+  bool has_texture = false;               // else colours of points alone
+  bool guesses_background = true;         // where photos look and no depth was measured
 };
 
 // Depths of left-out frames (of all, where none was left out) against the surface.
@@ -51,7 +52,8 @@ struct Room {
   VisualMesh background;              // guessed, behind the measured surface; may be empty
   std::vector<Vec3f> gains;           // of the used photos, see exposure.hpp; empty without photos
   std::vector<CapturedPlane> planes;  // in the room's frame
-  int ground = -1;                    // the plane at z = 0; -1: none was found, the frame is the capture's
+  int ground = -1;                    // the plane that bodies stand on; -1: none was found
+  bool is_placed = false;             // its frame was given; else z = 0 is the ground, or the frame the capture's
   Pose room_from_capture = Pose::Identity();
   std::optional<PoseRefinement> refinement;
   std::vector<std::string> frame_names;  // [n_frames] of the used frames

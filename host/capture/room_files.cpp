@@ -120,7 +120,9 @@ void write_room(const fs::path& folder, const Room& room, const RoomSettings& se
   std::string text =
       "# A captured room: `background: {capture: FOLDER}` in a task shows it and puts its planes under the bodies.\n"
       "# Metres; room frame: z up" +
-      std::string(room.ground >= 0 ? ", z = 0 on the plane `ground`\n" : "? no plane that faces up was found\n");
+      std::string(room.is_placed     ? ", the frame of the tags\n"
+                  : room.ground >= 0 ? ", z = 0 on the plane `ground`\n"
+                                     : "? no plane that faces up was found\n");
   text += "schema: 1\nmesh: room.glb\n";
   text += "capture_to_room: " + pose_text(room.room_from_capture) + "\n";
   text += fmt::format("voxel: {:.9g}\n", settings.fusion.voxel);

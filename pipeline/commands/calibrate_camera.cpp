@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,6 +14,7 @@
 #include "host/calibration/calibration.hpp"
 #include "host/formats/picture_files.hpp"
 #include "pipeline/command_line/command.hpp"
+#include "pipeline/validation/plot.hpp"
 
 namespace pvg {
 namespace {
@@ -87,6 +89,45 @@ nlohmann::ordered_json report(const CameraCalibration& c) {
           {"photos", photos}};
 }
 
+// the next 1, 2 or 5 times a power of ten below
+double round_below(double value) {
+  const double ten = std::pow(10, std::floor(std::log10(value)));
+  return value >= 5 * ten ? 5 * ten : value >= 2 * ten ? 2 * ten : ten;
+}
+
+// What is left of all used photos' corners over the picture, long enough to be seen, and each photo's residual.
+std::string residual_plots(const CameraCalibration& c) {
+  constexpr double SHARE = 0.02;  // of the picture's width that the root mean square is drawn as
+  const double longer = c.residual > 0 ? round_below(SHARE * c.camera.width / c.residual) : 1;
+  Plot picture{
+      "corners",
+      fmt::format("residuals of corners, {:g} times as long; root mean square {:.3g} pixels", longer, c.residual),
+      "x [pixels]",
+      "y [pixels]",
+      {}};
+  picture.is_picture = true;
+  Curve edge{"",
+             {0, c.camera.width - 1.0, c.camera.width - 1.0, 0, 0},
+             {0, 0, c.camera.height - 1.0, c.camera.height - 1.0, 0}};
+  Curve corners, photos;
+  corners.form = Curve::Form::arrows;
+  photos.form = Curve::Form::bars;
+  for (std::size_t i = 0; i < c.photos.size(); ++i) {
+    const BoardPhoto& photo = c.photos[i];
+    for (std::size_t k = 0; k < photo.differences.size(); ++k)
+      for (const double length : {0.0, longer}) {
+        corners.x.push_back(photo.corners[k].pixel.x() + length * photo.differences[k].x());
+        corners.y.push_back(photo.corners[k].pixel.y() + length * photo.differences[k].y());
+      }
+    photos.x.push_back(double(i + 1));
+    photos.y.push_back(photo.residual);
+  }
+  picture.curves = {edge, corners};
+  const Plot bars{
+      "photos", "residual of each photo", "photo, in the order of the file; none: left out", "pixels", {photos}};
+  return svg_of(std::vector<Plot>{picture, bars});
+}
+
 void print(const CameraCalibration& c) {
   const auto sigma = [&](std::size_t i) { return i < c.sigma.size() ? fmt::format(" +- {:.3g}", c.sigma[i]) : ""; };
   const std::vector<double> k = intrinsics_of(c.camera);
@@ -141,6 +182,7 @@ void run_calibrate_camera(const CalibrateCameraOptions& o) {
   settings.n_distortion = o.distortion;
   const CameraCalibration calibration = calibrate_camera(std::move(photos), width, height, settings);
   write_text_atomically(o.output, camera_yaml(calibration, board));
+  write_text_atomically(fs::path(o.output).replace_extension(".svg"), residual_plots(calibration));
   if (o.as_json)
     std::printf("%s\n", report(calibration).dump(2).c_str());
   else
@@ -154,7 +196,8 @@ void add_calibrate_camera(CLI::App& program) {
                           .add_subcommand("camera", "Intrinsics and distortion from photos of a printed board");
   CalibrateCameraOptions& o = options_of_command(*command, run_calibrate_camera);
   command->add_option("photos", o.photos, "Photos of the board from all sides, or folders of them");
-  command->add_option("-o,--output", o.output, "Camera file to write (.yaml)");
+  command->add_option("-o,--output", o.output,
+                      "Camera file to write (.yaml); beside it a plot of the residuals (.svg)");
   command->add_option("--board", o.board, "KIND,COLUMNSxROWS,SQUARE[,TAG] in mm; KIND: charuco, chessboard or tags");
   command->add_option("--print", o.print, "Write the board as SVG in true size");
   command->add_option("--model", o.model, "Of the lens")->check(CLI::IsMember({"pinhole", "fisheye"}));

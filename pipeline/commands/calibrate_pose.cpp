@@ -1,5 +1,7 @@
 // phyvisgen calibrate pose: where a camera stands, from a photo of tags; or where it is mounted on a robot's hand, from
 // photos and the hand's pose at each of them.
+#include "pipeline/commands/calibrate_pose.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -19,16 +21,7 @@
 #include "pipeline/command_line/command.hpp"
 
 namespace pvg {
-namespace {
 
-struct CalibratePoseOptions {
-  std::vector<std::string> photos;
-  std::string tags, camera, output;
-  std::string hand, robot, link;  // log of the hand
-  bool as_json = false;
-};
-
-// tags: a list of {id, size, position, rotation}
 std::vector<PlacedTag> read_tags(const std::string& file) {
   YamlSection root = YamlSection::load(file, "list of tags");
   root.integer("schema", 1, 1, 1);
@@ -47,6 +40,15 @@ std::vector<PlacedTag> read_tags(const std::string& file) {
   if (tags.empty()) root.fail("tags", "holds no tag: {id, size, position, rotation}");
   return tags;
 }
+
+namespace {
+
+struct CalibratePoseOptions {
+  std::vector<std::string> photos;
+  std::string tags, camera, output;
+  std::string hand, robot, link;  // log of the hand
+  bool as_json = false;
+};
 
 Picture8 read_photo(const std::string& file, const Camera& camera) {
   Picture8 photo = read_picture(file);

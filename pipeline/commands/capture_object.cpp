@@ -10,10 +10,12 @@
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/capture/objects/lathe.hpp"
+#include "host/capture/objects/mesh_pictures.hpp"
 #include "host/capture/objects/object.hpp"
 #include "host/capture/objects/splats.hpp"
 #include "host/capture/objects/standing_object.hpp"
 #include "host/capture/objects/vessel.hpp"
+#include "host/formats/picture_files.hpp"
 #include "pipeline/command_line/command.hpp"
 
 namespace pvg {
@@ -26,7 +28,7 @@ struct CaptureObjectOptions {
   double scale = 1, density = 0, mass = 0, detail = 0, bridge = 0, error = 0;  // [1, kg/m^3, kg, mm, mm, mm]
   std::size_t triangles = 2000;
   double voxel = 2, max_depth = 1.5, depth_unit = 0;  // of frames [mm, m, m]
-  bool wraps = false, as_json = false;
+  bool wraps = false, draws_meshes = false, as_json = false;
 };
 
 ObjectSource vessel_of(const CaptureObjectOptions& o) {
@@ -74,7 +76,8 @@ void run_capture_object(const CaptureObjectOptions& o) {
   const bool is_turned = o.source.empty();
   if (o.wall > 0 && !is_turned) throw UsageError("--wall is for --revolve and --masks");
   check_apart(o.output, input, "capture object");
-  check_output_folder(o.output, {"simulation.obj", "visual.glb", "object.yaml", "report.json"}, "capture object");
+  check_output_folder(o.output, {"simulation.obj", "visual.glb", "object.yaml", "report.json", "meshes.png"},
+                      "capture object");
   const auto start = std::chrono::steady_clock::now();
   ObjectSettings settings;
   settings.scale = o.scale;
@@ -90,6 +93,12 @@ void run_capture_object(const CaptureObjectOptions& o) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   PartialFolder folder(o.output);
   write_object(folder.path(), object, settings, seconds);
+  const std::filesystem::path picture = folder.path() / "meshes.png";
+  std::filesystem::remove(picture);  // of an earlier run
+  if (o.draws_meshes) {
+    Device device(o.device, Purpose::rendering);
+    write_picture(picture, picture_of_meshes(device, object.visual, object.simulation));
+  }
   folder.finish();
   const nlohmann::ordered_json report = object_report(object, settings, seconds);
   if (o.as_json) {
@@ -164,6 +173,7 @@ void add_capture_object(CLI::App& program) {
       ->check(CLI::Range(1e-6, 10.0));
   command->add_option("--device", o.device,
                       "OpenCL device that fuses depth and draws splats: an index, part of its name, cpu or gpu");
+  command->add_flag("--picture", o.draws_meshes, "Draw both meshes side by side: meshes.png");
   command->add_flag("--json", o.as_json, "Print the report as JSON");
   command->footer(
       "Examples:\n  phyvisgen capture object scan.stl --scale 0.001 --density 1200 -o can\n  phyvisgen capture object "

@@ -10,8 +10,10 @@
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
+#include "host/calibration/tag_frame.hpp"
 #include "host/capture/room_files.hpp"
 #include "pipeline/command_line/command.hpp"
+#include "pipeline/commands/calibrate_pose.hpp"
 
 namespace pvg {
 namespace {
@@ -19,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct CaptureRoomOptions {
-  std::string folder, output;
+  std::string folder, output, tags;
   double voxel = 5, max_depth = 4, depth_unit = 0, memory = 2048;  // [mm, m, m, MiB]
   double noise = 1;                                                // factor of the Kinect's
   double least_piece = 0.02;                                       // [m^2]
@@ -75,7 +77,9 @@ void print_report(const Room& room, const fs::path& output, double seconds) {
         "plane_%zu: %.2f x %.2f m at (%.2f, %.2f, %.2f), normal (%.2f, %.2f, %.2f), rough by %.1f mm, known to "
         "%.2f mm%s\n",
         i, p.width, p.height, c.x(), c.y(), c.z(), n.x(), n.y(), n.z(), 1e3 * p.roughness, 1e3 * p.height_sigma,
-        int(i) == room.ground ? "; the ground, z = 0" : "");
+        int(i) != room.ground ? ""
+        : room.is_placed      ? "; the ground"
+                              : "; the ground, z = 0");
   }
 }
 
@@ -98,6 +102,20 @@ RoomSettings settings_of(const CaptureRoomOptions& o, const Capture& capture) {
   return settings;
 }
 
+// The room's frame by tags in the photos, whose poses in the capture are known.
+TagFrame frame_of_tags(const CaptureRoomOptions& o, const Capture& capture) {
+  if (o.keeps_frame) throw UsageError("--tags and --keep-frame exclude each other");
+  if (capture.colors_are_apart)
+    throw UsageError("--tags needs photos that are registered to the depth pictures; those of " + capture.layout +
+                     " are of another sensor, whose place beside the depth camera the files do not give");
+  const std::vector<PlacedTag> tags = read_tags(o.tags);
+  std::vector<TagPhoto> photos;
+  for (const CaptureFrame& frame : capture.frames)
+    if (!frame.color.empty()) photos.push_back({frame.name, frame.color_camera, find_tags_finely(color_of(frame))});
+  if (photos.empty()) throw UsageError("--tags needs photos beside the depth pictures, and no frame has one");
+  return locate_tags(photos, tags);
+}
+
 void run_capture_room(const CaptureRoomOptions& o) {
   if (o.folder.empty() || o.output.empty())
     throw UsageError(
@@ -108,13 +126,19 @@ void run_capture_room(const CaptureRoomOptions& o) {
   check_output_folder(o.output, {"room.glb", "room.yaml", "plane_*.obj", "report.json", "poses.csv"}, "capture room");
   const auto start = std::chrono::steady_clock::now();
   const Capture capture = read_capture(o.folder, o.depth_unit);
-  const RoomSettings settings = settings_of(o, capture);
+  RoomSettings settings = settings_of(o, capture);
+  if (!o.tags.empty()) {
+    const TagFrame frame = frame_of_tags(o, capture);
+    settings.room_from_capture = frame.world_from_capture;
+    std::fprintf(stderr, "%zu tags in %zu photos: corners are %.2f mm from their places, lengths %.2f %% off\n",
+                 frame.used.size(), frame.n_photos, 1e3 * frame.residual, 100 * (1 / frame.scale - 1));
+  }
   Device device(o.device, Purpose::rendering);
   std::fprintf(stderr, "%s: %zu frames, layout of %s\n", o.folder.c_str(), capture.frames.size(),
                capture.layout.c_str());
   const Room room = capture_room(device, capture, settings,
                                  [](const std::string& what) { std::fprintf(stderr, "  %s\n", what.c_str()); });
-  if (room.ground < 0 && !o.keeps_frame)
+  if (room.ground < 0 && !o.keeps_frame && !room.is_placed)
     std::fprintf(stderr, "phyvisgen: no plane faces up, so the room keeps the capture's frame; see --ground\n");
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const nlohmann::ordered_json report = room_report(room, settings, seconds, device.peak_bytes());
@@ -149,8 +173,13 @@ void add_capture_room(CLI::App& program) {
   command->add_option("--triangles", o.triangles, "Simplify to about so many");
   command->add_option("--hold-out", o.hold_out, "Leave every N-th frame out and measure the room by it")
       ->check(CLI::Range(0, 1000));
-  command->add_option("--ground", o.ground, "Number of the plane that becomes z = 0; else the largest that faces up")
+  command
+      ->add_option(
+          "--ground", o.ground,
+          "Number of the plane that becomes z = 0 (with --tags: that bodies stand on); else the largest that faces up")
       ->check(CLI::Range(0, 100));
+  command->add_option("--tags", o.tags,
+                      "YAML: tags: [{id, size, position, rotation}], whose frame the room gets, z up");
   command->add_flag("--keep-frame", o.keeps_frame, "Keep the capture's frame instead of z up");
   command->add_flag("--leave-holes", o.leaves_holes, "Guess no background where photos look and no depth was measured");
   command->add_flag("--texture", o.has_texture,

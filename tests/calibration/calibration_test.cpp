@@ -100,7 +100,7 @@ TEST(CalibrateCamera, FifteenPathTracedPhotosGiveTheCameraBack) {
   const std::vector<Picture8> pictures = photos(board_scene(BOARD), truth, fifteen_poses(), 8);
   std::vector<BoardPhoto> seen;
   for (std::size_t i = 0; i < pictures.size(); ++i)
-    seen.push_back({"photo " + std::to_string(i), find_board(pictures[i], BOARD), 0, true, ""});
+    seen.push_back({"photo " + std::to_string(i), find_board(pictures[i], BOARD), 0, true, "", {}});
   CalibrationSettings settings;
   settings.n_distortion = 4;
   const CameraCalibration c = calibrate_camera(seen, truth.width, truth.height, settings);
@@ -125,7 +125,7 @@ TEST(CalibrateCamera, APhotoOfABentBoardIsNamed) {
   std::normal_distribution<double> noise(0, 0.05);
   const std::vector<Pose> poses = fifteen_poses();
   for (std::size_t i = 0; i < 8; ++i) {  // corners as a camera without distortion sees them
-    BoardPhoto photo{"photo " + std::to_string(i), {}, 0, true, ""};
+    BoardPhoto photo{"photo " + std::to_string(i), {}, 0, true, "", {}};
     for (int k = 0; k < 70; ++k) {
       const Vec3 point(0.02 * (k % 10 + 1), 0.02 * (k / 10 + 1), 0), p = poses[i].inverse() * point;
       photo.corners.push_back(
@@ -138,6 +138,12 @@ TEST(CalibrateCamera, APhotoOfABentBoardIsNamed) {
   for (BoardCorner& corner : seen[3].corners) corner.pixel += Eigen::Vector2d(3 * std::sin(40 * corner.point.x()), 0);
   const CameraCalibration c = calibrate_camera(seen, truth.width, truth.height, {});
   for (std::size_t i = 0; i < c.photos.size(); ++i) EXPECT_EQ(c.photos[i].is_used, i != 3) << i;
+  EXPECT_TRUE(c.photos[3].differences.empty());
+  double sum = 0;
+  for (const BoardPhoto& photo : c.photos)
+    for (const Eigen::Vector2d& d : photo.differences) sum += d.squaredNorm();
+  EXPECT_NEAR(c.residual, std::sqrt(sum / (7 * 70)), 1e-9);
+  EXPECT_NEAR(c.residual, 0.05 * std::sqrt(2.0), 0.01);  // the noise of both coordinates
   seen.resize(1);
   expect_error<UsageError>([&] { calibrate_camera(seen, truth.width, truth.height, {}); }, {"1 of 1", "three"});
 }

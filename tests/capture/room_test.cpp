@@ -55,6 +55,28 @@ TEST(Room, ASyntheticRoomStandsUprightOnItsPlane) {
   EXPECT_LE(std::min(std::abs(height), std::abs(height + 0.7)), 4e-3);
 }
 
+// As by tags: the boxes' frame, a third of a metre higher. The ground keeps its height there.
+TEST(Room, ASyntheticRoomStandsInTheFrameThatIsGiven) {
+  const TestFolder folder;
+  write_frames(folder.path, 6, 160, 120, some_frame());
+  Device device;
+  RoomSettings settings;
+  settings.fusion.voxel = 0.02;
+  settings.guesses_background = false;
+  settings.room_from_capture = Eigen::Translation3d(0, 0, 1.0 / 3) * some_frame().inverse();
+  const Room room = capture_room(device, read_capture(folder.path), settings, [](const std::string&) {});
+  EXPECT_TRUE(room.is_placed);
+  EXPECT_EQ(room.room_from_capture.matrix(), settings.room_from_capture->matrix());
+  ASSERT_GE(room.ground, 0);
+  const Pose& ground = room.planes[std::size_t(room.ground)].pose;
+  EXPECT_GT(ground.linear()(2, 2), 0.999);
+  const double height = ground.translation().z() - 1.0 / 3;
+  EXPECT_LE(std::min(std::abs(height), std::abs(height + 0.7)), 0.01) << height;
+  double sum = 0;
+  for (const Vec3f& p : room.mesh.points) sum += distance_to_room(p.cast<double>() - Vec3(0, 0, 1.0 / 3));
+  EXPECT_LE(sum / double(room.mesh.points.size()), 0.01);  // half a voxel
+}
+
 // A minute of two cores: scripts/measure_capture.sh
 TEST(Room, DISABLED_ASyntheticRoomIsWithinThreeMillimetresOnTheMean) {
   const Measured m = measure(30, 640, 480, 0.005);

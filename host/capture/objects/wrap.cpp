@@ -156,9 +156,45 @@ std::vector<float> distance_to_marked(const Samples& s, const std::vector<bool>&
   return d;
 }
 
+// Does an edge of one triangle meet the other one, with which it shares no point?
+bool meet(const std::vector<Vec3>& points, const Triangle& a, const Triangle& b) {
+  const auto pierces = [&](const Triangle& by, const Triangle& t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = by[k], to = by[(k + 1) % 3];
+      const bool shares = std::any_of(t.begin(), t.end(), [&](std::uint32_t c) { return c == from || c == to; });
+      if (!shares && intersects(points[from], points[to], points[t[0]], points[t[1]], points[t[2]])) return true;
+    }
+    return false;
+  };
+  return pierces(a, b) || pierces(b, a);
+}
+
+// Where two sheets pass through one cell, or its loop is long, triangles of the cell may meet though every point is on
+// its own edge. With all points in the middles of their edges no case of marching cubes has such a pair (a test), so
+// the points of such a cell go half of the way there, and again, until none is left.
+// begin: [n_cells + 1] first triangle of each cell that has some; middle: [n_points] of the point's edge
+void separate_within_cells(const std::vector<std::size_t>& begin, const std::vector<Vec3>& middle, TriangleMesh& mesh) {
+  std::vector<bool> moves(mesh.points.size(), true);
+  while (std::find(moves.begin(), moves.end(), true) != moves.end()) {
+    moves.assign(moves.size(), false);
+    for (std::size_t cell = 0; cell + 1 < begin.size(); ++cell) {
+      bool is_crossed = false;
+      for (std::size_t i = begin[cell]; i < begin[cell + 1] && !is_crossed; ++i)
+        for (std::size_t k = i + 1; k < begin[cell + 1] && !is_crossed; ++k)
+          is_crossed = meet(mesh.points, mesh.triangles[i], mesh.triangles[k]);
+      for (std::size_t i = begin[cell]; i < begin[cell + 1] && is_crossed; ++i)
+        for (const std::uint32_t corner : mesh.triangles[i]) moves[corner] = true;
+    }
+    for (std::size_t i = 0; i < moves.size(); ++i)
+      if (moves[i]) mesh.points[i] = 0.5 * (mesh.points[i] + middle[i]);
+  }
+}
+
 TriangleMesh surface_of(const Samples& s, const std::vector<float>& field) {
   static const std::vector<std::uint8_t> CASES = marching_cubes_cases();
   TriangleMesh mesh;
+  std::vector<Vec3> middle;                                // of the edges that the points are on
+  std::vector<std::size_t> begin;                          // of each cell's triangles
   std::vector<std::uint32_t> vertex(3 * field.size(), 0);  // 1 + number, by sample and axis
   const auto vertex_at = [&](int x, int y, int z, int axis) {
     const std::size_t i = s.index(x, y, z);
@@ -167,7 +203,9 @@ TriangleMesh surface_of(const Samples& s, const std::vector<float>& field) {
       const std::size_t j = s.index(x + (axis == 0), y + (axis == 1), z + (axis == 2));
       // kept off the samples, so that no triangle loses its area
       const double share = std::clamp(double(field[i]) / (double(field[i]) - double(field[j])), 0.02, 0.98);
-      mesh.points.push_back(s.place(x, y, z) + share * s.spacing * Vec3(axis == 0, axis == 1, axis == 2));
+      const Vec3 edge = s.spacing * Vec3(axis == 0, axis == 1, axis == 2);
+      mesh.points.push_back(s.place(x, y, z) + share * edge);
+      middle.push_back(s.place(x, y, z) + 0.5 * edge);
       known = std::uint32_t(mesh.points.size());
     }
     return known - 1;
@@ -179,6 +217,7 @@ TriangleMesh surface_of(const Samples& s, const std::vector<float>& field) {
         for (int k = 0; k < 8; ++k)
           if (field[s.index(x + (k & 1), y + (k >> 1 & 1), z + (k >> 2))] < 0) inside |= 1u << k;
         const std::uint8_t* row = &CASES[inside * 16];
+        if (row[0] != 255) begin.push_back(mesh.triangles.size());
         for (int k = 0; k < 15 && row[k] != 255; k += 3) {
           Triangle t;
           for (int c = 0; c < 3; ++c) {
@@ -192,6 +231,8 @@ TriangleMesh surface_of(const Samples& s, const std::vector<float>& field) {
           mesh.triangles.push_back(t);
         }
       }
+  begin.push_back(mesh.triangles.size());
+  separate_within_cells(begin, middle, mesh);
   return mesh;
 }
 

@@ -7,8 +7,10 @@
 #include <random>
 
 #include "host/base/error.hpp"
+#include "host/capture/fusion.hpp"
 #include "host/capture/objects/object.hpp"
 #include "host/capture/objects/surface_distance.hpp"
+#include "host/geometry/exact_intersection.hpp"
 #include "host/geometry/mesh_checks.hpp"
 #include "host/geometry/primitive_shapes.hpp"
 #include "host/geometry/segment_distance.hpp"
@@ -129,14 +131,19 @@ TriangleMesh ball_with_hole(double radius, double hole) {
 
 // A hole of w = 3.9 mm radius: the ball of B = 4 mm does not enter, but sinks in by B - sqrt(B^2 - w^2) = 3.1 mm, so
 // that the middle of its cap is sqrt(w^2 + 3.1^2) = 5 mm from the rim, and a sample of 0.4 mm less: more than the
-// bridge.
-TEST(Object, AHoleThatCannotBeBridgedWithinTheBoundIsRefused) {
+// bridge. Balls of 0.93^k B are tried, k < 4; that of 3.46 mm enters along samples that are up to 0.28 mm off the axis,
+// and leaves the hole open.
+TEST(Object, AHoleThatCannotBeBridgedWithinTheBoundIsLeftOpenByASmallerBall) {
   ObjectSource source;
   source.name = "ball";
   source.mesh = ball_with_hole(8e-3, 3.9e-3);
   ObjectSettings settings;
   settings.wrap = {0.4e-3, 0, 4e-3};
-  expect_error<UsageError>([&] { capture_object(source, settings); }, {"ball", "more than the 4.00 mm of --bridge"});
+  const CapturedObject open = capture_object(source, settings);
+  EXPECT_DOUBLE_EQ(open.bound, 4e-3);
+  EXPECT_LE(open.bridge, 0.93 * 4e-3);
+  EXPECT_GE(open.bridge, 0.93 * 0.93 * 0.93 * 4e-3);
+  EXPECT_LE(open.to_source.back(), 1.2e-3);  // two details and the offset of 0.6
   source.mesh = ball_with_hole(8e-3, 2e-3);  // sinks in by 0.54 mm: 2.1 mm from the rim
   const CapturedObject object = capture_object(source, settings);
   EXPECT_DOUBLE_EQ(object.bound, 4e-3);
@@ -180,6 +187,54 @@ TEST(Wrap, ASheetWithoutThicknessIsNotLost) {
   EXPECT_TRUE(is_sound(wrapped));
   EXPECT_LE(surface_distances(sheet, wrapped).back(), 1e-3);  // 0.6 mm, and where the samples are
   EXPECT_NEAR(enclosed_volume(wrapped), 0.1 * 0.06 * 1.2e-3, 0.25 * 0.1 * 0.06 * 1.2e-3);
+}
+
+// What the wrap relies on where triangles of one cell would meet.
+TEST(MarchingCubes, WithPointsInTheMiddlesOfTheEdgesNoTrianglesOfACellMeet) {
+  const std::vector<std::uint8_t> cases = marching_cubes_cases();
+  const auto middle = [](std::uint8_t edge) {
+    const int axis = edge / 4, low = edge & 1, high = edge >> 1 & 1;
+    return Vec3(axis == 0 ? 0.5 : low, axis == 1 ? 0.5 : axis == 0 ? low : high, axis == 2 ? 0.5 : high);
+  };
+  for (std::size_t which = 0; which < 256; ++which) {
+    TriangleMesh cell;
+    for (std::uint8_t edge = 0; edge < 12; ++edge) cell.points.push_back(middle(edge));
+    for (std::size_t k = 16 * which; cases[k] != 255; k += 3)
+      cell.triangles.push_back({cases[k], cases[k + 1], cases[k + 2]});
+    EXPECT_FALSE(find_intersection(cell.points, cell.triangles)) << "case " << which;
+  }
+}
+
+// A tube of 40 sectors, 60 mm wide with a wall of 4 mm, and fins that stand off it at any angle: in the clefts beside
+// them two sheets of the wrap pass through one cell. Of the first four seeds the last one's surface met itself there.
+TEST(Wrap, ClosesNarrowCleftsWithoutCrossingItself) {
+  constexpr std::uint32_t SECTORS = 40;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  TriangleMesh tube;
+  for (std::uint32_t k = 0; k < SECTORS; ++k)
+    for (const double radius : {0.03, 0.034})
+      for (const double z : {-0.04, 0.04})
+        tube.points.push_back(
+            {radius * std::cos(2 * M_PI * k / SECTORS), radius * std::sin(2 * M_PI * k / SECTORS), z});
+  for (std::uint32_t k = 0; k < SECTORS; ++k)
+    for (const std::array<std::uint32_t, 2> side : {std::array{1u, 0u}, {2u, 3u}, {0u, 2u}, {3u, 1u}}) {
+      const std::uint32_t a = 4 * k, b = 4 * ((k + 1) % SECTORS);
+      tube.triangles.insert(tube.triangles.end(),
+                            {{a + side[0], a + side[1], b + side[1]}, {a + side[0], b + side[1], b + side[0]}});
+    }
+  for (int i = 0; i < 15; ++i) {
+    const Triangle t = tube.triangles[random() % (8 * SECTORS)];
+    tube.points.push_back(1.15 * tube.points[t[0]]);
+    tube.triangles.push_back({t[0], t[1], std::uint32_t(tube.points.size() - 1)});
+  }
+  const Eigen::Quaterniond turn(normal(random), normal(random), normal(random), normal(random));
+  for (Vec3& p : tube.points) p = turn.normalized() * p;
+  WrapSettings settings;
+  settings.spacing = 2.27e-3;
+  const TriangleMesh wrapped = wrap_surface(tube, settings);
+  EXPECT_TRUE(is_sound(wrapped));
+  EXPECT_LE(surface_distances(wrapped, tube).back(), 4 * settings.spacing);
 }
 
 TEST(Wrap, WhatIsNoMeshIsRefused) {
