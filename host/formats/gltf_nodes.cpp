@@ -196,6 +196,12 @@ bool keep_bytes(tinygltf::Image* image, int, std::string*, std::string*, int, in
   return true;
 }
 
+// The library opens a folder as a file, whose length then is none.
+bool is_readable_file(const std::string& path, void*) {
+  std::error_code none;
+  return fs::is_regular_file(path, none);
+}
+
 void check_version(const tinygltf::Model& model, const fs::path& file) {
   if (!model.asset.version.starts_with("2"))
     throw UsageError(file.string() + ": is glTF of version " + model.asset.version + "; export version 2.0.");
@@ -212,6 +218,8 @@ tinygltf::Model load_gltf(const fs::path& file) {
   remember_read(file);
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(keep_bytes, nullptr);
+  loader.SetFsCallbacks(
+      {is_readable_file, tinygltf::ExpandFilePath, tinygltf::ReadWholeFile, tinygltf::WriteWholeFile, nullptr});
   tinygltf::Model model;
   std::string error, warning;
   const bool is_binary = file.extension() == ".glb" || file.extension() == ".GLB";

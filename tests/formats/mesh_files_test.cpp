@@ -115,6 +115,8 @@ TEST(MeshFiles, BrokenFilesAreNamed) {
          {"inward.obj", "inward"});
   expect("cut.gltf", R"({"asset":{"version":"2.0")", {"cut.gltf", "glTF"});
   expect("lost.gltf", gltf_json("lost.bin", false), {"lost.gltf", "lost.bin"});
+  std::filesystem::create_directory(folder.path / "folder");
+  expect("opened.gltf", gltf_json("folder", false), {"opened.gltf", "folder"});
   folder.write("short.bin", gltf_buffer(1).substr(0, 60));
   expect("short.gltf", gltf_json("short.bin", false), {"short.gltf"});
   expect("far.obj", "v 0 0 0\nv 1e30 0 0\nv 0 2 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
