@@ -176,7 +176,8 @@ void add_capture_object(CLI::App& program) {
   command->add_flag("--picture", o.draws_meshes, "Draw both meshes side by side: meshes.png");
   command->add_flag("--json", o.as_json, "Print the report as JSON");
   command->footer(
-      "Examples:\n  phyvisgen capture object scan.stl --scale 0.001 --density 1200 -o can\n  phyvisgen capture object "
+      "Examples:\n  phyvisgen capture object scan.stl --scale 0.001 --density 1200 --picture -o can\n  phyvisgen "
+      "capture object "
       "scans/can --mass 0.35 -o can\n  phyvisgen capture object --revolve glass.csv --scale 0.001 --wall 2 --density "
       "2500 -o glass\n  phyvisgen capture object --masks scans/glass --wall 2 --density 2500 -o glass");
 }

@@ -199,7 +199,8 @@ void add_capture_room(CLI::App& program) {
       "A task shows the room by `background: {capture: FOLDER}`.\n"
       "Examples:\n  phyvisgen capture room scans/kitchen -o room --hold-out 5\n"
       "  phyvisgen capture room scans/kitchen -o room --triangles 40000 --texture\n"
-      "  phyvisgen capture room scans/kitchen -o room --refine-poses --pose-sigma 10");
+      "  phyvisgen capture room scans/kitchen -o room --refine-poses --pose-sigma 10\n"
+      "  phyvisgen capture room scans/kitchen -o room --tags tags.yaml");
 }
 
 }  // namespace pvg
