@@ -67,15 +67,14 @@ struct Factors {
   int depth;
 };
 
-// C[rows x 3] -= A[rows x depth] B[3 x depth]^T for N vectors of rows
+// C[rows x 3] -= A[rows x depth] B[3 x depth]^T for N vectors of rows. The product is summed by itself: what it takes
+// from C cancels most of it in the end, and to round C at each turn would cost single precision two digits.
 // IS_SET: C is taken as zero before
 template <int N, bool IS_SET, int N_LANES, class Real>
 INLINE void multiply_tile(Real* c, int c_stride, const Factors<Real>& f, const Real* b) {
   using Rows = typename VectorOf<Real, N_LANES>::Rows;
   const Real* a = f.a;
   Rows sum[3][N] = {};
-  for (int j = 0; j < 3 && !IS_SET; ++j)
-    for (int i = 0; i < N; ++i) load(sum[j][i], c + j * c_stride + N_LANES * i);
   for (int k = 0; k < f.depth; ++k, a += f.a_stride, b += f.b_stride)
     for (int i = 0; i < N; ++i) {
       Rows rows;
@@ -83,7 +82,11 @@ INLINE void multiply_tile(Real* c, int c_stride, const Factors<Real>& f, const R
       for (int j = 0; j < 3; ++j) sum[j][i] -= rows * b[j];
     }
   for (int j = 0; j < 3; ++j)
-    for (int i = 0; i < N; ++i) store(c + j * c_stride + N_LANES * i, sum[j][i]);
+    for (int i = 0; i < N; ++i) {
+      Rows before = {};
+      if (!IS_SET) load(before, c + j * c_stride + N_LANES * i);
+      store(c + j * c_stride + N_LANES * i, before + sum[j][i]);
+    }
 }
 
 // the same for n_rows of at most ROWS (a multiple of GRAIN) and n_columns (of 3)
