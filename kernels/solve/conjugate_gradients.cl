@@ -45,6 +45,32 @@ static inline real sum_of_world(const uint world, global const uint* restrict fi
   return sum_of_group(own, of_item);
 }
 
+// The same of a . b where no launch left it in partial, which small worlds save: the bits of cg_dot, for the work-items
+// add up what those of the chunks would, eight nodes each.
+static inline real dot_of_world(const uint world, global const uint* restrict first, global const Chunk* restrict chunks,
+                                global const real* restrict a, global const real* restrict b, local real* of_item) {
+  const uint item = get_local_id(0), begin = first[world], end = first[world + 1];
+  real own = 0;
+  for (uint done = 0; done < end - begin; done += EIGHTS) {
+    const uint c = begin + done + item / EIGHTS, width = ITEMS / EIGHTS;
+    real sum = 0;
+    if (c < end) {
+      const uint from = chunks[c].begin + item % EIGHTS * width;
+      for (uint i = from; i < from + width; ++i) sum += i < chunks[c].end ? dot(vload3(i, a), vload3(i, b)) : 0;
+    }
+    of_item[item] = sum;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    const uint mine = item - done % ITEMS;  // chunk of these, if it is less than EIGHTS
+    if (mine < EIGHTS) {
+      real of_chunk = 0;
+      for (uint k = 0; k < EIGHTS; ++k) of_chunk += of_item[mine * EIGHTS + k];
+      own += of_chunk;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+  }
+  return sum_of_group(own, of_item);
+}
+
 static inline void find_whether_done(CgWorld* world, const real tolerance, const uint most_iterations) {
   const bool is_done = world->rz <= tolerance * tolerance * world->first_rz;
   if (world->is_active && (is_done || !isfinite(world->rz))) {
@@ -75,13 +101,17 @@ static inline CgWorld renewed(const CgWorld before, const uint when, const real 
 }
 
 // is_wanted: [n_worlds] whether the world is solved;  worlds: [n_worlds]
+// has_partial: whether partial is r . z;  residual, preconditioned: r and z, where it is not
 kernel CHUNK_PER_GROUP void cg_test(const uint n_items, const uint when, global const uint* restrict first,
-                                    global const real* restrict partial, global const uint* restrict is_wanted,
+                                    global const Chunk* restrict chunks, const uint has_partial,
+                                    global const real* restrict partial, global const real* restrict residual,
+                                    global const real* restrict preconditioned, global const uint* restrict is_wanted,
                                     const real tolerance, const uint most_iterations,
                                     global const CgWorld* restrict before, global CgWorld* restrict worlds) {
   local real of_item[ITEMS + EIGHTS];
   const uint w = get_group_id(0);
-  const real rz = sum_of_world(w, first, partial, of_item);
+  const real rz = has_partial ? sum_of_world(w, first, partial, of_item)
+                              : dot_of_world(w, first, chunks, residual, preconditioned, of_item);
   if (get_local_id(0) == 0) worlds[w] = renewed(before[w], when, rz, is_wanted[w], tolerance, most_iterations);
 }
 
@@ -103,14 +133,15 @@ static inline real3 turned_site(global const Site* restrict site, const bool is_
 
 // The new direction, and H times it for elements that are not assembled: of four sites, of two kinds.
 // n_items: 64 for each chunk, then for each 64 elements of the first kind, then of the second
-// direction: [n_nodes x 3];  node_world: [n_nodes];  element_sites: [(n_first + n_second) x 4], ascending by world in each
+// has_partial, residual: as of cg_test;  direction: [n_nodes x 3];  node_world: [n_nodes];  element_sites: [(n_first + n_second) x 4], ascending by world in each
 // kind;  first_blocks, second_blocks: [12 x 12] of each element;  rows: from row first_row on, four of each element
 kernel CHUNK_PER_GROUP void cg_turn(const uint n_items, const uint n_chunks, const uint when,
                                     global const uint* restrict first, global const Chunk* restrict chunks,
-                                    global const real* restrict partial, global const uint* restrict is_wanted,
+                                    const uint has_partial, global const real* restrict partial,
+                                    global const uint* restrict is_wanted,
                                     const real tolerance, const uint most_iterations,
                                     global const CgWorld* restrict before, global CgWorld* restrict worlds,
-                                    global const real* restrict preconditioned,
+                                    global const real* restrict residual, global const real* restrict preconditioned,
                                     global const real* restrict direction_before, global real* restrict direction,
                                     const uint n_first, const uint n_second, global const uint* restrict node_world,
                                     global const uint* restrict element_sites, global const Site* restrict sites,
@@ -135,7 +166,8 @@ kernel CHUNK_PER_GROUP void cg_turn(const uint n_items, const uint n_chunks, con
   real beta = 0;
   bool is_active = false;
   for (uint w = first_world; w <= last_world; ++w) {
-    const real rz = sum_of_world(w, first, partial, of_item);
+    const real rz = has_partial ? sum_of_world(w, first, partial, of_item)
+                                : dot_of_world(w, first, chunks, residual, preconditioned, of_item);
     if (item == 0) {
       const CgWorld world = renewed(before[w], when, rz, is_wanted[w], tolerance, most_iterations);
       if (has_nodes && group == first[w]) worlds[w] = world;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
+#include <type_traits>
 
 namespace pvg {
 namespace {
@@ -10,18 +10,33 @@ namespace {
 int round_up(int n, int multiple) { return (n + multiple - 1) / multiple * multiple; }
 
 // Whole cache lines, an odd number of them: a power of two would put all columns into the same few cache sets.
-int column_stride(int n_rows) {
-  const int lines = round_up(n_rows, 8) / 8;
-  return 8 * (lines | 1);
+int column_stride(int n_rows, int in_line) {
+  const int lines = round_up(n_rows, in_line) / in_line;
+  return in_line * (lines | 1);
 }
+
+// Double precision keeps its subnormal numbers.
+struct Nothing {
+  Nothing() {}
+};
+template <class Real>
+using Subnormals = std::conditional_t<std::is_same_v<Real, float>, SubnormalsAreZero, Nothing>;
+
+// of a number on the diagonal, that its pivot must be above
+template <class Real>
+constexpr Real LEAST_PIVOT = 0;
+template <>
+constexpr float LEAST_PIVOT<float> = 1e-4f;
 
 }  // namespace
 
-BlockCholesky::BlockCholesky(const BlockPattern& pattern, std::span<const Vec3> position,
-                             std::optional<NodeOrder> order)
+template <class Real>
+BlockCholesky<Real>::BlockCholesky(const BlockPattern& pattern, std::span<const Vec3> position,
+                                   std::optional<NodeOrder> order)
     : BlockCholesky(pattern, eliminate(pattern, position, order)) {}
 
-BlockCholesky::BlockCholesky(const BlockPattern& pattern, EliminationTree tree)
+template <class Real>
+BlockCholesky<Real>::BlockCholesky(const BlockPattern& pattern, EliminationTree tree)
     : tree_(std::move(tree)), fronts_(tree_.supernodes.size()) {
   lay_out_panels();
   choose_subtrees();
@@ -30,31 +45,35 @@ BlockCholesky::BlockCholesky(const BlockPattern& pattern, EliminationTree tree)
   map_entries(pattern);
 }
 
-void BlockCholesky::lay_out_panels() {
-  std::size_t n_panel = 0, n_x = 0;
+template <class Real>
+void BlockCholesky<Real>::lay_out_panels() {
+  std::size_t n_panel = 0, n_x = 0, n_pivots = 0;
   for (const bool has_memory : {false, true}) {
-    if (has_memory) panels_.resize(n_panel / 8), x_.resize(n_x / 8);
-    n_panel = n_x = 0;
+    if (has_memory) panels_.resize(n_panel / IN_LINE), x_.resize(n_x / IN_LINE), least_.resize(n_pivots);
+    n_panel = n_x = n_pivots = 0;
     for (std::size_t s = 0; s < fronts_.size(); ++s) {
-      Panel& panel = fronts_[s].panel;
+      Panel<Real>& panel = fronts_[s].panel;
       panel.n_pivots = 3 * int(tree_.supernodes[s].n_pivots);
       panel.first_row = round_up(panel.n_pivots, 4);
       panel.n_rows = 3 * int(tree_.supernodes[s].rows.size());
       panel.last_row = panel.first_row + round_up(panel.n_rows, 4);
-      panel.stride = column_stride(panel.last_row);
+      panel.stride = column_stride(panel.last_row, IN_LINE);
       if (has_memory) {
         // counted over all lines, which follow each other without gaps
-        panel.values = reinterpret_cast<double*>(panels_.data()) + n_panel;
-        fronts_[s].x = reinterpret_cast<double*>(x_.data()) + n_x;
+        panel.values = reinterpret_cast<Real*>(panels_.data()) + n_panel;
+        fronts_[s].x = reinterpret_cast<Real*>(x_.data()) + n_x;
+        fronts_[s].least = least_.data() + n_pivots;
       }
       n_panel += std::size_t(panel.stride) * panel.n_pivots;
       n_x += panel.stride;
+      n_pivots += panel.n_pivots;
     }
   }
 }
 
 // Cuts the costliest subtree at its root as long as that shortens the time two threads would take.
-void BlockCholesky::choose_subtrees() {
+template <class Real>
+void BlockCholesky<Real>::choose_subtrees() {
   const u32 n = u32(fronts_.size());
   std::vector<double> cost(n);
   std::vector<u32> first(n);
@@ -88,13 +107,15 @@ void BlockCholesky::choose_subtrees() {
 
 // An update lives from its front to the parent's. Within a subtree those of even and of odd depth form two stacks: a
 // front pops its children's from one and pushes its own on the other. The update of a subtree's root has its own place.
-void BlockCholesky::lay_out_updates() {
+template <class Real>
+void BlockCholesky<Real>::lay_out_updates() {
   std::vector<std::size_t> offset(fronts_.size(), 0);
   std::vector<u32> depth(fronts_.size(), 0);
   for (u32 s = u32(fronts_.size()); s-- > 0;)
     if (tree_.supernodes[s].parent != NO_PARENT) depth[s] = depth[tree_.supernodes[s].parent] + 1;
   const auto size = [&](u32 s) { return std::size_t(fronts_[s].update_stride) * fronts_[s].panel.n_rows; };
-  for (Front& front : fronts_) front.update_stride = front.panel.n_rows > 0 ? column_stride(front.panel.n_rows) : 0;
+  for (Front& front : fronts_)
+    front.update_stride = front.panel.n_rows > 0 ? column_stride(front.panel.n_rows, IN_LINE) : 0;
   std::vector<char> is_in_stack(fronts_.size(), false);
   std::size_t n_numbers = 0;
   const auto lay_out = [&](const std::vector<u32>& fronts) {
@@ -120,12 +141,13 @@ void BlockCholesky::lay_out_updates() {
     lay_out(fronts);
   }
   lay_out(top_);
-  updates_.resize(n_numbers / 8);
+  updates_.resize(n_numbers / IN_LINE);
   for (u32 s = 0; s < fronts_.size(); ++s)
-    if (size(s) > 0) fronts_[s].update = reinterpret_cast<double*>(updates_.data()) + offset[s];
+    if (size(s) > 0) fronts_[s].update = reinterpret_cast<Real*>(updates_.data()) + offset[s];
 }
 
-void BlockCholesky::map_to_parents() {
+template <class Real>
+void BlockCholesky<Real>::map_to_parents() {
   for (u32 s = 0; s < fronts_.size(); ++s) {
     const Supernode& node = tree_.supernodes[s];
     if (node.parent == NO_PARENT) continue;
@@ -146,7 +168,8 @@ void BlockCholesky::map_to_parents() {
   }
 }
 
-void BlockCholesky::map_entries(const BlockPattern& pattern) {
+template <class Real>
+void BlockCholesky<Real>::map_entries(const BlockPattern& pattern) {
   std::vector<u32> owner(pattern.n_nodes());
   for (u32 s = 0; s < fronts_.size(); ++s)
     for (u32 k = 0; k < tree_.supernodes[s].n_pivots; ++k) owner[tree_.supernodes[s].first + k] = s;
@@ -164,28 +187,32 @@ void BlockCholesky::map_entries(const BlockPattern& pattern) {
     }
 }
 
-void BlockCholesky::assemble(const Front& front, std::span<const double* const> blocks) {
+template <class Real>
+void BlockCholesky<Real>::assemble(const Front& front, std::span<const double* const> blocks) {
   const int stride = front.panel.stride;
-  std::fill_n(front.panel.values, std::size_t(stride) * front.panel.n_pivots, 0.0);
+  std::fill_n(front.panel.values, std::size_t(stride) * front.panel.n_pivots, Real(0));
   for (const Entry& entry : front.entries) {
     const double* from = blocks[entry.block];
-    double* to = front.panel.values + entry.first;
+    Real* to = front.panel.values + entry.first;
     for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) to[r + c * stride] = entry.is_transposed ? from[3 * c + r] : from[3 * r + c];
+      for (int c = 0; c < 3; ++c) to[r + c * stride] = Real(entry.is_transposed ? from[3 * c + r] : from[3 * r + c]);
   }
+  for (int k = 0; k < front.panel.n_pivots; ++k)
+    front.least[k] = LEAST_PIVOT<Real> * front.panel.values[k + k * stride];
 }
 
-void BlockCholesky::add_update(const Front& child, const Front& parent, Part part) {
-  const Panel& panel = parent.panel;
+template <class Real>
+void BlockCholesky<Real>::add_update(const Front& child, const Front& parent, Part part) {
+  const Panel<Real>& panel = parent.panel;
   for (std::size_t k = 0; k < child.to_parent.size(); ++k) {
     const Run& columns = child.to_parent[k];
     if ((columns.to < panel.n_pivots) != (part == Part::PIVOTS)) continue;
     for (int c = 0; c < columns.n; ++c) {
       const int column = columns.to + c;
-      const double* from = child.update + (columns.from + c) * child.update_stride;
-      double* to = part == Part::PIVOTS
-                       ? panel.values + column * panel.stride
-                       : parent.update + (column - panel.first_row) * parent.update_stride - panel.first_row;
+      const Real* from = child.update + (columns.from + c) * child.update_stride;
+      Real* to = part == Part::PIVOTS
+                     ? panel.values + column * panel.stride
+                     : parent.update + (column - panel.first_row) * parent.update_stride - panel.first_row;
       const Run diagonal{columns.from + c, column, columns.n - c};
       add_runs(to, from, &diagonal, 1);
       add_runs(to, from, &columns + 1, child.to_parent.size() - k - 1);
@@ -193,12 +220,13 @@ void BlockCholesky::add_update(const Front& child, const Front& parent, Part par
   }
 }
 
-bool BlockCholesky::factor(u32 s, std::span<const double* const> blocks) const {
+template <class Real>
+bool BlockCholesky<Real>::factor(u32 s, std::span<const double* const> blocks) const {
   const Front& front = fronts_[s];
   const std::vector<u32>& children = tree_.supernodes[s].children;
   assemble(front, blocks);
   for (const u32 child : children) add_update(fronts_[child], front, Part::PIVOTS);
-  if (!factor_panel(front.panel)) return false;
+  if (!factor_panel(front.panel, front.least)) return false;
   if (front.panel.n_rows == 0) return true;
   // product first, so that nothing need be cleared
   set_negative_outer_product(front.panel, front.update, front.update_stride);
@@ -206,20 +234,27 @@ bool BlockCholesky::factor(u32 s, std::span<const double* const> blocks) const {
   return true;
 }
 
+template <class Real>
 template <class Task>
-void BlockCholesky::for_each_subtree(Workers* workers, double least_cost, const Task& task) const {
+void BlockCholesky<Real>::for_each_subtree(Workers* workers, double least_cost, const Task& task) const {
   if (workers != nullptr && workers->n_threads() > 1 && subtrees_.size() > 1 && tree_.cost >= least_cost)
-    return workers->run(subtrees_.size(), task);
+    return workers->run(subtrees_.size(), [&](std::size_t i) {
+      const Subnormals<Real> here;
+      task(i);
+    });
   for (std::size_t i = 0; i < subtrees_.size(); ++i) task(i);
 }
 
-bool BlockCholesky::factorize(std::span<const double> blocks, Workers* workers) {
+template <class Real>
+bool BlockCholesky<Real>::factorize(std::span<const double> blocks, Workers* workers) {
   std::vector<const double*> each;
   for (std::size_t first = 0; first < blocks.size(); first += 9) each.push_back(&blocks[first]);
   return factorize(each, workers);
 }
 
-bool BlockCholesky::factorize(std::span<const double* const> blocks, Workers* workers) {
+template <class Real>
+bool BlockCholesky<Real>::factorize(std::span<const double* const> blocks, Workers* workers) {
+  const Subnormals<Real> here;
   // below about a tenth of a millisecond waking a thread takes longer
   for_each_subtree(workers, 1e6, [&](std::size_t i) {
     has_failed_[i] = false;
@@ -229,12 +264,13 @@ bool BlockCholesky::factorize(std::span<const double* const> blocks, Workers* wo
   return std::all_of(top_.begin(), top_.end(), [&](u32 s) { return factor(s, blocks); });
 }
 
-void BlockCholesky::forward(u32 s, std::span<const double> x) const {
+template <class Real>
+void BlockCholesky<Real>::forward(u32 s, std::span<const double> x) const {
   const Front& front = fronts_[s];
   const Supernode& node = tree_.supernodes[s];
   for (u32 k = 0; k < node.n_pivots; ++k)
-    std::copy_n(&x[3 * std::size_t(tree_.order[node.first + k])], 3, front.x + 3 * k);
-  std::fill(front.x + front.panel.n_pivots, front.x + front.panel.stride, 0.0);
+    for (int i = 0; i < 3; ++i) front.x[3 * k + i] = Real(x[3 * std::size_t(tree_.order[node.first + k]) + i]);
+  std::fill(front.x + front.panel.n_pivots, front.x + front.panel.stride, Real(0));
   for (const u32 c : node.children) {
     const Front& child = fronts_[c];
     add_runs(front.x, child.x + child.panel.first_row, child.to_parent.data(), child.to_parent.size());
@@ -242,7 +278,8 @@ void BlockCholesky::forward(u32 s, std::span<const double> x) const {
   solve_forward(front.panel, front.x);
 }
 
-void BlockCholesky::backward(u32 s, std::span<double> x) const {
+template <class Real>
+void BlockCholesky<Real>::backward(u32 s, std::span<double> x) const {
   const Front& front = fronts_[s];
   const Supernode& node = tree_.supernodes[s];
   for (const Run& run : front.to_parent)
@@ -252,7 +289,9 @@ void BlockCholesky::backward(u32 s, std::span<double> x) const {
     std::copy_n(front.x + 3 * k, 3, &x[3 * std::size_t(tree_.order[node.first + k])]);
 }
 
-void BlockCholesky::solve(std::span<double> x, Workers* workers) const {
+template <class Real>
+void BlockCholesky<Real>::solve(std::span<double> x, Workers* workers) const {
+  const Subnormals<Real> here;
   const double least_cost = 3e7;
   for_each_subtree(workers, least_cost, [&](std::size_t i) {
     for (u32 s = subtrees_[i].first; s < subtrees_[i].last; ++s) forward(s, x);
@@ -263,5 +302,8 @@ void BlockCholesky::solve(std::span<double> x, Workers* workers) const {
     for (u32 s = subtrees_[i].last; s-- > subtrees_[i].first;) backward(s, x);
   });
 }
+
+template class BlockCholesky<double>;
+template class BlockCholesky<float>;
 
 }  // namespace pvg

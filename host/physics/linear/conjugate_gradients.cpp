@@ -11,6 +11,9 @@ namespace {
 // and less. By judgement: the tolerances in that norm are 1e-4 and above 1e-8 of any scene.
 constexpr double RESIDUAL = 1e-8;
 
+// of a world, up to which each of its work-groups finds r . z of all of them itself
+constexpr std::size_t MOST_CHUNKS = 8;
+
 u32 n_groups(u32 n) { return u32((n + GROUP_SIZE - 1) / GROUP_SIZE); }
 
 }  // namespace
@@ -49,6 +52,14 @@ void ConjugateGradients::apply(const CgOperators::Apply& apply, const Buffer<f64
   if (!apply(x, out, chunks_)) dot_(n, n, chunks_.chunks(), x, out, chunks_.partial());
 }
 
+void ConjugateGradients::precondition() {
+  has_rz_ = problem_.operators.precondition(residual_, preconditioned_, chunks_);
+  if (has_rz_ || chunks_.most() <= MOST_CHUNKS) return;
+  const u32 n = n_node_items();
+  dot_(n, n, chunks_.chunks(), residual_, preconditioned_, chunks_.partial());
+  has_rz_ = true;
+}
+
 void ConjugateGradients::start(CgOperators operators, const Buffer<f64>& gradient,
                                const std::vector<char>& world_is_active, double tolerance, int max_iterations,
                                Buffer<f64>& dx) {
@@ -59,7 +70,7 @@ void ConjugateGradients::start(CgOperators operators, const Buffer<f64>& gradien
     is_wanted_.write(std::vector<u32>(wanted_.begin(), wanted_.end()));
   }
   start_(n, n, gradient, dx, residual_);
-  apply(problem_.operators.precondition, residual_, preconditioned_);
+  precondition();
   when_ = When::at_start;
   n_started_ = 0;
   z_is_old_ = false;
@@ -76,11 +87,11 @@ void ConjugateGradients::turn() {
   const auto blocks_of = [&](std::size_t term) -> const Buffer<f64>& {
     return has_elements && term < elements->terms.size() ? elements->terms[term]->blocks() : no_numbers_;
   };
-  turn_(n, n, n_chunks, u32(when_), chunks_.first(), chunks_.chunks(), chunks_.partial(), is_wanted_,
-        problem_.tolerance, u32(problem_.max_iterations), worlds_, renewed_worlds_, preconditioned_, direction_,
-        turned_direction_, n_first, n_second, node_world_, has_elements ? *elements->element_sites : no_indices_,
-        has_elements ? *elements->sites : no_sites_, blocks_of(0), blocks_of(1), has_elements ? elements->first_row : 0,
-        has_elements ? *elements->rows : no_rows_);
+  turn_(n, n, n_chunks, u32(when_), chunks_.first(), chunks_.chunks(), u32(has_rz_), chunks_.partial(), is_wanted_,
+        problem_.tolerance, u32(problem_.max_iterations), worlds_, renewed_worlds_, residual_, preconditioned_,
+        direction_, turned_direction_, n_first, n_second, node_world_,
+        has_elements ? *elements->element_sites : no_indices_, has_elements ? *elements->sites : no_sites_,
+        blocks_of(0), blocks_of(1), has_elements ? elements->first_row : 0, has_elements ? *elements->rows : no_rows_);
   std::swap(worlds_, renewed_worlds_);
   std::swap(direction_, turned_direction_);
 }
@@ -93,8 +104,9 @@ void ConjugateGradients::advance() {
 
 void ConjugateGradients::test() {
   const u32 n = u32(GROUP_SIZE * n_worlds_);
-  test_(n, n, u32(std::exchange(when_, When::as_it_is)), chunks_.first(), chunks_.partial(), is_wanted_,
-        problem_.tolerance, u32(problem_.max_iterations), worlds_, renewed_worlds_);
+  test_(n, n, u32(std::exchange(when_, When::as_it_is)), chunks_.first(), chunks_.chunks(), u32(has_rz_),
+        chunks_.partial(), residual_, preconditioned_, is_wanted_, problem_.tolerance, u32(problem_.max_iterations),
+        worlds_, renewed_worlds_);
   std::swap(worlds_, renewed_worlds_);
 }
 
@@ -114,7 +126,7 @@ void ConjugateGradients::go_on() {
   const bool looks_often = device_->info().runs_host_functions;
   const bool tests_residual = !looks_often && n_started_ == 0 && n_last_ == 1 && residual_tells_;
   const auto renew_z = [&] {
-    apply(problem_.operators.precondition, residual_, preconditioned_);
+    precondition();
     when_ = When::after_iteration;
   };
   if (std::exchange(z_is_old_, false)) {  // the residual was not enough

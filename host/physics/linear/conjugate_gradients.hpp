@@ -62,6 +62,7 @@ class ConjugateGradients {
   };
   u32 n_node_items() const { return u32(GROUP_SIZE * chunks_.n_chunks()); }
   void apply(const CgOperators::Apply& apply, const Buffer<f64>& x, Buffer<f64>& out);
+  void precondition();  // z; r . z of small worlds is left to who needs it
   void turn();
   void advance();
   void test();
@@ -84,6 +85,7 @@ class ConjugateGradients {
   std::vector<CgWorld> read_;   // [n_worlds] as the device had them
   int n_started_ = 0;           // iterations
   int n_last_ = 1;              // of the last solve
+  bool has_rz_ = true;          // in chunks_.partial()
   bool z_is_old_ = false;       // the residual was tested instead
   bool residual_tells_ = true;  // where one iteration is enough; false since the residual missed it once
 };

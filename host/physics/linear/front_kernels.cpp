@@ -5,6 +5,7 @@
 
 // one function for each kind of processor, chosen when the program starts
 #if defined(__x86_64__) && defined(__gnu_linux__)
+#include <immintrin.h>
 #define FOR_EACH_PROCESSOR __attribute__((target_clones("fma", "default")))
 #define FOR_WIDE_PROCESSOR __attribute__((target("avx512f,fma")))
 #define HAS_WIDE_PROCESSOR __builtin_cpu_supports("avx512f")
@@ -18,65 +19,101 @@
 namespace pvg {
 namespace {
 
-using Vector = double __attribute__((vector_size(32), may_alias));                   // four rows
-using WideVector = double __attribute__((vector_size(64), may_alias, aligned(32)));  // eight
-constexpr int LANES = 4, BLOCK = 12;  // BLOCK: columns factored at once, four nodes
+// N_LANES rows in a vector, which begin at a multiple of four
+template <class Real, int N_LANES>
+struct VectorOf;
+template <>
+struct VectorOf<double, 4> {
+  using Rows = double __attribute__((vector_size(32), may_alias));
+};
+template <>
+struct VectorOf<double, 8> {
+  using Rows = double __attribute__((vector_size(64), may_alias, aligned(32)));
+};
+template <>
+struct VectorOf<float, 4> {
+  using Rows = float __attribute__((vector_size(16), may_alias));
+};
+template <>
+struct VectorOf<float, 8> {
+  using Rows = float __attribute__((vector_size(32), may_alias, aligned(16)));
+};
+template <>
+struct VectorOf<float, 16> {
+  using Rows = float __attribute__((vector_size(64), may_alias, aligned(16)));
+};
+template <class Real>
+constexpr int LANES = 32 / sizeof(Real);  // of AVX2
+template <class Real>
+constexpr int WIDE_LANES = 64 / sizeof(Real);  // of AVX-512
+constexpr int GRAIN = 4,
+              BLOCK = 12;  // GRAIN: rows come in multiples of it; BLOCK: columns factored at once, four nodes
 
-template <class AnyVector>
-INLINE void load(AnyVector& v, const double* from) {
+template <class AnyVector, class Real>
+INLINE void load(AnyVector& v, const Real* from) {
   v = *reinterpret_cast<const AnyVector*>(from);
 }
-template <class AnyVector>
-INLINE void store(double* to, const AnyVector& v) {
+template <class AnyVector, class Real>
+INLINE void store(Real* to, const AnyVector& v) {
   *reinterpret_cast<AnyVector*>(to) = v;
 }
 
 // A and B of a product A B^T: rows lie next to each other, columns (of the depth) a stride apart.
+template <class Real>
 struct Factors {
-  const double *a, *b;
+  const Real *a, *b;
   int a_stride, b_stride;
   int b_next;  // from three rows of B to the next three
   int depth;
 };
 
-// C[rows x 3] -= A[rows x depth] B[3 x depth]^T for N vectors of rows
+// C[rows x 3] -= A[rows x depth] B[3 x depth]^T for N vectors of rows. The product is summed by itself: what it takes
+// from C cancels most of it in the end, and to round C at each turn would cost single precision two digits.
 // IS_SET: C is taken as zero before
-template <int N, bool IS_SET, class AnyVector>
-INLINE void multiply_tile(double* c, int c_stride, const Factors& f, const double* b) {
-  constexpr int N_LANES = sizeof(AnyVector) / sizeof(double);
-  const double* a = f.a;
-  AnyVector sum[3][N] = {};
-  for (int j = 0; j < 3 && !IS_SET; ++j)
-    for (int i = 0; i < N; ++i) load(sum[j][i], c + j * c_stride + N_LANES * i);
+template <int N, bool IS_SET, int N_LANES, class Real>
+INLINE void multiply_tile(Real* c, int c_stride, const Factors<Real>& f, const Real* b) {
+  using Rows = typename VectorOf<Real, N_LANES>::Rows;
+  const Real* a = f.a;
+  Rows sum[3][N] = {};
   for (int k = 0; k < f.depth; ++k, a += f.a_stride, b += f.b_stride)
     for (int i = 0; i < N; ++i) {
-      AnyVector rows;
+      Rows rows;
       load(rows, a + N_LANES * i);
       for (int j = 0; j < 3; ++j) sum[j][i] -= rows * b[j];
     }
   for (int j = 0; j < 3; ++j)
-    for (int i = 0; i < N; ++i) store(c + j * c_stride + N_LANES * i, sum[j][i]);
+    for (int i = 0; i < N; ++i) {
+      Rows before = {};
+      if (!IS_SET) load(before, c + j * c_stride + N_LANES * i);
+      store(c + j * c_stride + N_LANES * i, before + sum[j][i]);
+    }
 }
 
-// the same for n_rows of at most ROWS (a multiple of LANES) and n_columns (of 3)
-template <bool IS_WIDE>
-constexpr int ROWS = IS_WIDE ? 32 : 16;
-template <bool IS_SET, bool IS_WIDE>
-INLINE void multiply_rows(double* c, int c_stride, const Factors& f, int n_rows, int n_columns) {
-  const double* b = f.b;
+// the same for n_rows of at most ROWS (a multiple of GRAIN) and n_columns (of 3)
+template <bool IS_WIDE, class Real>
+constexpr int ROWS = 4 * (IS_WIDE ? WIDE_LANES<Real> : LANES<Real>);
+template <bool IS_SET, bool IS_WIDE, class Real>
+INLINE void multiply_rows(Real* c, int c_stride, const Factors<Real>& f, int n_rows, int n_columns) {
+  constexpr int N_LANES = LANES<Real>;
+  const Real* b = f.b;
   for (int j = 0; j < n_columns; j += 3, b += f.b_next) {
-    double* tile = c + j * c_stride;
-    if (IS_WIDE && n_rows == ROWS<true>) {
-      multiply_tile<4, IS_SET, WideVector>(tile, c_stride, f, b);
+    Real* tile = c + j * c_stride;
+    if (IS_WIDE && n_rows == ROWS<true, Real>) {
+      multiply_tile<4, IS_SET, WIDE_LANES<Real>>(tile, c_stride, f, b);
       continue;
     }
-    Factors rest = f;
+    Factors<Real> rest = f;
     int i = 0;
-    for (; i + 4 * LANES <= n_rows; i += 4 * LANES, rest.a += 4 * LANES)
-      multiply_tile<4, IS_SET, Vector>(tile + i, c_stride, rest, b);
-    if (n_rows - i == 3 * LANES) multiply_tile<3, IS_SET, Vector>(tile + i, c_stride, rest, b);
-    if (n_rows - i == 2 * LANES) multiply_tile<2, IS_SET, Vector>(tile + i, c_stride, rest, b);
-    if (n_rows - i == 1 * LANES) multiply_tile<1, IS_SET, Vector>(tile + i, c_stride, rest, b);
+    for (; i + 4 * N_LANES <= n_rows; i += 4 * N_LANES, rest.a += 4 * N_LANES)
+      multiply_tile<4, IS_SET, N_LANES>(tile + i, c_stride, rest, b);
+    const int n_vectors = (n_rows - i) / N_LANES;
+    if (n_vectors == 3) multiply_tile<3, IS_SET, N_LANES>(tile + i, c_stride, rest, b);
+    if (n_vectors == 2) multiply_tile<2, IS_SET, N_LANES>(tile + i, c_stride, rest, b);
+    if (n_vectors == 1) multiply_tile<1, IS_SET, N_LANES>(tile + i, c_stride, rest, b);
+    if constexpr (N_LANES > GRAIN) {
+      i += n_vectors * N_LANES, rest.a += n_vectors * N_LANES;
+      if (i < n_rows) multiply_tile<1, IS_SET, GRAIN>(tile + i, c_stride, rest, b);
+    }
   }
 }
 
@@ -84,44 +121,46 @@ constexpr int DEPTH = 192, COLUMNS = 96;  // of a packed piece: three rows of B 
 
 // The columns [first_column, first_column + n_columns) of multiply() below, packed: each column of a large panel lies
 // on a page of its own, and a tile walks over all of them.
-template <bool IS_SET, bool IS_WIDE>
-INLINE void multiply_packed(double* c, int c_stride, const double* a, const double* b, int stride, int depth,
-                            int n_rows, int first_column, int n_columns) {
-  alignas(64) double a_piece[DEPTH * ROWS<IS_WIDE>];
-  alignas(64) double b_piece[DEPTH * COLUMNS];
+template <bool IS_SET, bool IS_WIDE, class Real>
+INLINE void multiply_packed(Real* c, int c_stride, const Real* a, const Real* b, int stride, int depth, int n_rows,
+                            int first_column, int n_columns) {
+  constexpr int N_ROWS = ROWS<IS_WIDE, Real>;
+  alignas(64) Real a_piece[DEPTH * N_ROWS];
+  alignas(64) Real b_piece[DEPTH * COLUMNS];
   for (int j = 0; j < n_columns; j += 3)
     for (int k = 0; k < depth; ++k)
       for (int r = 0; r < 3; ++r) b_piece[j * depth + 3 * k + r] = b[first_column + j + r + k * stride];
-  for (int i = first_column / ROWS<IS_WIDE> * ROWS<IS_WIDE>; i < n_rows; i += ROWS<IS_WIDE>) {
-    const int n_here = std::min(n_rows - i, ROWS<IS_WIDE>);
+  for (int i = first_column / N_ROWS * N_ROWS; i < n_rows; i += N_ROWS) {
+    const int n_here = std::min(n_rows - i, N_ROWS);
     const int n_lower = std::min(n_columns, i + n_here - first_column);
     for (int k = 0; k < depth; ++k)
-      for (int r = 0; r < n_here; ++r) a_piece[k * ROWS<IS_WIDE> + r] = a[i + r + k * stride];
-    multiply_rows<IS_SET, IS_WIDE>(c + i + first_column * c_stride, c_stride,
-                                   {a_piece, b_piece, ROWS<IS_WIDE>, 3, 3 * depth, depth}, n_here, n_lower);
+      for (int r = 0; r < n_here; ++r) a_piece[k * N_ROWS + r] = a[i + r + k * stride];
+    multiply_rows<IS_SET, IS_WIDE, Real>(c + i + first_column * c_stride, c_stride,
+                                         {a_piece, b_piece, N_ROWS, 3, 3 * depth, depth}, n_here, n_lower);
   }
 }
 
-// C -= A B^T, or = with IS_SET, for n_rows (a multiple of LANES) x n_columns (of 3), lower triangle: column j from row
+// C -= A B^T, or = with IS_SET, for n_rows (a multiple of GRAIN) x n_columns (of 3), lower triangle: column j from row
 // j on
-template <bool IS_SET>
-INLINE void multiply_few(double* c, int c_stride, const double* a, const double* b, int stride, int depth, int n_rows,
+template <bool IS_SET, class Real>
+INLINE void multiply_few(Real* c, int c_stride, const Real* a, const Real* b, int stride, int depth, int n_rows,
                          int n_columns) {
-  for (int i = 0; i < n_rows; i += ROWS<false>) {
-    const int n_here = std::min(n_rows - i, ROWS<false>);
-    multiply_rows<IS_SET, false>(c + i, c_stride, {a + i, b, stride, stride, 3, depth}, n_here,
-                                 std::min(n_columns, i + n_here));
+  constexpr int N_ROWS = ROWS<false, Real>;
+  for (int i = 0; i < n_rows; i += N_ROWS) {
+    const int n_here = std::min(n_rows - i, N_ROWS);
+    multiply_rows<IS_SET, false, Real>(c + i, c_stride, {a + i, b, stride, stride, 3, depth}, n_here,
+                                       std::min(n_columns, i + n_here));
   }
 }
 
 // the same where packing pays
-template <bool IS_SET, bool IS_WIDE>
-INLINE void multiply(double* c, int c_stride, const double* a, const double* b, int stride, int depth, int n_rows,
+template <bool IS_SET, bool IS_WIDE, class Real>
+INLINE void multiply(Real* c, int c_stride, const Real* a, const Real* b, int stride, int depth, int n_rows,
                      int n_columns) {
   if (depth < 48 || n_rows < 64) return multiply_few<IS_SET>(c, c_stride, a, b, stride, depth, n_rows, n_columns);
   for (int k = 0; k < depth; k += DEPTH)
     for (int j = 0; j < n_columns; j += COLUMNS) {
-      const double *a_from = a + k * stride, *b_from = b + k * stride;
+      const Real *a_from = a + k * stride, *b_from = b + k * stride;
       const int depth_here = std::min(depth - k, DEPTH), n_here = std::min(n_columns - j, COLUMNS);
       if (IS_SET && k == 0)
         multiply_packed<true, IS_WIDE>(c, c_stride, a_from, b_from, stride, depth_here, n_rows, j, n_here);
@@ -131,15 +170,16 @@ INLINE void multiply(double* c, int c_stride, const double* a, const double* b, 
 }
 
 // Cholesky of the lower triangle in place; inverse: 1 / diagonal
-INLINE bool factor_diagonal(double* a, int stride, int n, double* inverse) {
+template <class Real>
+INLINE bool factor_diagonal(Real* a, int stride, int n, const Real* least, Real* inverse) {
   for (int k = 0; k < n; ++k) {
-    double pivot = a[k + k * stride];
+    Real pivot = a[k + k * stride];
     for (int d = 0; d < k; ++d) pivot -= a[k + d * stride] * a[k + d * stride];
-    if (!(pivot > 0 && std::isfinite(pivot))) return false;
+    if (!(pivot > least[k] && std::isfinite(pivot))) return false;
     a[k + k * stride] = std::sqrt(pivot);
     inverse[k] = 1 / a[k + k * stride];
     for (int i = k + 1; i < n; ++i) {
-      double sum = a[i + k * stride];
+      Real sum = a[i + k * stride];
       for (int d = 0; d < k; ++d) sum -= a[i + d * stride] * a[k + d * stride];
       a[i + k * stride] = sum * inverse[k];
     }
@@ -147,71 +187,102 @@ INLINE bool factor_diagonal(double* a, int stride, int n, double* inverse) {
   return true;
 }
 
-// X L^T = B for N columns in place, rows [0, n_rows), n_rows a multiple of LANES
-template <int N>
-INLINE void solve_rows(double* b, int stride, int n_rows, const double* lower, const double* inverse) {
-  for (int i = 0; i < n_rows; i += LANES) {
-    Vector x[N];
-    for (int c = 0; c < N; ++c) load(x[c], b + i + c * stride);
-    for (int c = 0; c < N; ++c) {
-      x[c] *= inverse[c];
-      for (int d = c + 1; d < N; ++d) x[d] -= x[c] * lower[d + c * stride];
-    }
-    for (int c = 0; c < N; ++c) store(b + i + c * stride, x[c]);
+// X L^T = B for N columns in place, the rows of one vector
+template <int N_LANES, int N, class Real>
+INLINE void solve_vector(Real* b, int stride, const Real* lower, const Real* inverse) {
+  typename VectorOf<Real, N_LANES>::Rows x[N];
+  for (int c = 0; c < N; ++c) load(x[c], b + c * stride);
+  for (int c = 0; c < N; ++c) {
+    x[c] *= inverse[c];
+    for (int d = c + 1; d < N; ++d) x[d] -= x[c] * lower[d + c * stride];
   }
+  for (int c = 0; c < N; ++c) store(b + c * stride, x[c]);
 }
 
-// x[rows] -= L[rows x N] y
-template <int N>
-INLINE void subtract_columns(double* x, const double* lower, int stride, int n_rows, const double* y) {
-  for (int i = 0; i < n_rows; i += LANES) {
-    Vector sum;
-    load(sum, x + i);
-    for (int c = 0; c < N; ++c) {
-      Vector rows;
-      load(rows, lower + i + c * stride);
-      sum -= rows * y[c];
-    }
-    store(x + i, sum);
+// the same for rows [0, n_rows), n_rows a multiple of GRAIN
+template <int N, class Real>
+INLINE void solve_rows(Real* b, int stride, int n_rows, const Real* lower, const Real* inverse) {
+  constexpr int N_LANES = LANES<Real>;
+  int i = 0;
+  for (; i + N_LANES <= n_rows; i += N_LANES) solve_vector<N_LANES, N>(b + i, stride, lower, inverse);
+  if (i < n_rows) solve_vector<GRAIN, N>(b + i, stride, lower, inverse);
+}
+
+// x[rows] -= L[rows x N] y, the rows of one vector
+template <int N_LANES, int N, class Real>
+INLINE void subtract_columns_of_vector(Real* x, const Real* lower, int stride, const Real* y) {
+  typename VectorOf<Real, N_LANES>::Rows sum, rows;
+  load(sum, x);
+  for (int c = 0; c < N; ++c) {
+    load(rows, lower + c * stride);
+    sum -= rows * y[c];
+  }
+  store(x, sum);
+}
+
+template <int N, class Real>
+INLINE void subtract_columns(Real* x, const Real* lower, int stride, int n_rows, const Real* y) {
+  constexpr int N_LANES = LANES<Real>;
+  int i = 0;
+  for (; i + N_LANES <= n_rows; i += N_LANES) subtract_columns_of_vector<N_LANES, N>(x + i, lower + i, stride, y);
+  if (i < n_rows) subtract_columns_of_vector<GRAIN, N>(x + i, lower + i, stride, y);
+}
+
+template <class Real, class AnyVector>
+INLINE Real sum_of_lanes(const AnyVector& v) {
+  if constexpr (sizeof(AnyVector) == 8 * sizeof(Real))
+    return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
+  else
+    return (v[0] + v[1]) + (v[2] + v[3]);
+}
+
+// sum[N] += L[rows x N]^T x, the rows of one vector
+template <int N, class Real, class AnyVector>
+INLINE void add_products(AnyVector* sum, const Real* lower, int stride, const Real* x) {
+  AnyVector here, rows;
+  load(here, x);
+  for (int c = 0; c < N; ++c) {
+    load(rows, lower + c * stride);
+    sum[c] += rows * here;
   }
 }
 
 // y[N] -= L[rows x N]^T x
-template <int N>
-INLINE void subtract_dot_products(double* y, const double* lower, int stride, int n_rows, const double* x) {
-  Vector sum[N] = {};
-  for (int i = 0; i < n_rows; i += LANES) {
-    Vector here;
-    load(here, x + i);
-    for (int c = 0; c < N; ++c) {
-      Vector rows;
-      load(rows, lower + i + c * stride);
-      sum[c] += rows * here;
-    }
+template <int N, class Real>
+INLINE void subtract_dot_products(Real* y, const Real* lower, int stride, int n_rows, const Real* x) {
+  constexpr int N_LANES = LANES<Real>;
+  typename VectorOf<Real, N_LANES>::Rows sum[N] = {};
+  int i = 0;
+  for (; i + N_LANES <= n_rows; i += N_LANES) add_products<N>(sum, lower + i, stride, x + i);
+  for (int c = 0; c < N; ++c) y[c] -= sum_of_lanes<Real>(sum[c]);
+  if constexpr (N_LANES > GRAIN) {
+    if (i == n_rows) return;
+    typename VectorOf<Real, GRAIN>::Rows last[N] = {};
+    add_products<N>(last, lower + i, stride, x + i);
+    for (int c = 0; c < N; ++c) y[c] -= sum_of_lanes<Real>(last[c]);
   }
-  for (int c = 0; c < N; ++c) y[c] -= (sum[c][0] + sum[c][1]) + (sum[c][2] + sum[c][3]);
 }
 
 // Left-looking over pieces of COLUMNS and, in each, over blocks of BLOCK columns: each is updated by all before it at
 // once, so that the sums stay in registers.
-template <bool IS_WIDE>
-INLINE bool factor(const Panel& panel) {
+template <bool IS_WIDE, class Real>
+INLINE bool factor(const Panel<Real>& panel, const Real* least) {
   const int stride = panel.stride;
   for (int first = 0; first < panel.n_pivots; first += BLOCK) {
     const int n = std::min(BLOCK, panel.n_pivots - first), piece = first / COLUMNS * COLUMNS;
-    double* diagonal = panel.values + first + first * stride;
+    Real* diagonal = panel.values + first + first * stride;
     if (first == piece && first > 0) {
-      const double* before = panel.values + first;
-      multiply<false, IS_WIDE>(diagonal, stride, before, before, stride, first, panel.last_row - first,
-                               std::min(COLUMNS, panel.n_pivots - first));
+      const Real* before = panel.values + first;
+      multiply<false, IS_WIDE, Real>(diagonal, stride, before, before, stride, first, panel.last_row - first,
+                                     std::min(COLUMNS, panel.n_pivots - first));
     } else if (first > piece) {
-      const double* before = panel.values + first + piece * stride;
-      multiply_few<false>(diagonal, stride, before, before, stride, first - piece, panel.last_row - first, n);
+      const Real* before = panel.values + first + piece * stride;
+      multiply_few<false, Real>(diagonal, stride, before, before, stride, first - piece, panel.last_row - first, n);
     }
-    double inverse[BLOCK];
-    if (!factor_diagonal(diagonal, stride, n, inverse)) return false;
+    Real inverse[BLOCK];
+    if (!factor_diagonal(diagonal, stride, n, least + first, inverse)) return false;
     const int below = first + n == panel.n_pivots ? panel.first_row : first + n, n_rows = panel.last_row - below;
-    double* rows = panel.values + below + first * stride;
+    Real* rows = panel.values + below + first * stride;
     if (n == 12) solve_rows<12>(rows, stride, n_rows, diagonal, inverse);
     if (n == 9) solve_rows<9>(rows, stride, n_rows, diagonal, inverse);
     if (n == 6) solve_rows<6>(rows, stride, n_rows, diagonal, inverse);
@@ -220,42 +291,26 @@ INLINE bool factor(const Panel& panel) {
   return true;
 }
 
-template <bool IS_WIDE>
-INLINE void multiply_rows_below(const Panel& panel, double* update, int update_stride) {
-  const double* rows = panel.values + panel.first_row;
-  multiply<true, IS_WIDE>(update, update_stride, rows, rows, panel.stride, panel.n_pivots,
-                          panel.last_row - panel.first_row, panel.n_rows);
+template <bool IS_WIDE, class Real>
+INLINE void multiply_rows_below(const Panel<Real>& panel, Real* update, int update_stride) {
+  const Real* rows = panel.values + panel.first_row;
+  multiply<true, IS_WIDE, Real>(update, update_stride, rows, rows, panel.stride, panel.n_pivots,
+                                panel.last_row - panel.first_row, panel.n_rows);
 }
 
-FOR_WIDE_PROCESSOR bool factor_wide(const Panel& panel) { return factor<true>(panel); }
-FOR_EACH_PROCESSOR bool factor_narrow(const Panel& panel) { return factor<false>(panel); }
-FOR_WIDE_PROCESSOR void multiply_wide(const Panel& panel, double* update, int update_stride) {
-  multiply_rows_below<true>(panel, update, update_stride);
-}
-FOR_EACH_PROCESSOR void multiply_narrow(const Panel& panel, double* update, int update_stride) {
-  multiply_rows_below<false>(panel, update, update_stride);
-}
-
-}  // namespace
-
-bool factor_panel(const Panel& panel) { return HAS_WIDE_PROCESSOR ? factor_wide(panel) : factor_narrow(panel); }
-
-void set_negative_outer_product(const Panel& panel, double* update, int update_stride) {
-  HAS_WIDE_PROCESSOR ? multiply_wide(panel, update, update_stride) : multiply_narrow(panel, update, update_stride);
-}
-
-FOR_EACH_PROCESSOR void solve_forward(const Panel& panel, double* x) {
+template <class Real>
+INLINE void forward(const Panel<Real>& panel, Real* x) {
   const int stride = panel.stride;
   for (int first = 0; first < panel.n_pivots; first += BLOCK) {
     const int n = std::min(BLOCK, panel.n_pivots - first);
-    const double* diagonal = panel.values + first + first * stride;
-    double* y = x + first;
+    const Real* diagonal = panel.values + first + first * stride;
+    Real* y = x + first;
     for (int c = 0; c < n; ++c) {
       y[c] /= diagonal[c + c * stride];
       for (int i = c + 1; i < n; ++i) y[i] -= diagonal[i + c * stride] * y[c];
     }
     const int below = first + n == panel.n_pivots ? panel.first_row : first + n, n_rows = panel.last_row - below;
-    const double* rows = panel.values + below + first * stride;
+    const Real* rows = panel.values + below + first * stride;
     if (n == 12) subtract_columns<12>(x + below, rows, stride, n_rows, y);
     if (n == 9) subtract_columns<9>(x + below, rows, stride, n_rows, y);
     if (n == 6) subtract_columns<6>(x + below, rows, stride, n_rows, y);
@@ -263,14 +318,15 @@ FOR_EACH_PROCESSOR void solve_forward(const Panel& panel, double* x) {
   }
 }
 
-FOR_EACH_PROCESSOR void solve_backward(const Panel& panel, double* x) {
+template <class Real>
+INLINE void backward(const Panel<Real>& panel, Real* x) {
   const int stride = panel.stride;
   for (int first = (panel.n_pivots - 1) / BLOCK * BLOCK; first >= 0; first -= BLOCK) {
     const int n = std::min(BLOCK, panel.n_pivots - first);
-    const double* diagonal = panel.values + first + first * stride;
-    double* y = x + first;
+    const Real* diagonal = panel.values + first + first * stride;
+    Real* y = x + first;
     const int below = first + n == panel.n_pivots ? panel.first_row : first + n, n_rows = panel.last_row - below;
-    const double* rows = panel.values + below + first * stride;
+    const Real* rows = panel.values + below + first * stride;
     if (n == 12) subtract_dot_products<12>(y, rows, stride, n_rows, x + below);
     if (n == 9) subtract_dot_products<9>(y, rows, stride, n_rows, x + below);
     if (n == 6) subtract_dot_products<6>(y, rows, stride, n_rows, x + below);
@@ -282,11 +338,82 @@ FOR_EACH_PROCESSOR void solve_backward(const Panel& panel, double* x) {
   }
 }
 
-FOR_EACH_PROCESSOR void add_runs(double* to, const double* from, const Run* runs, std::size_t n_runs) {
+template <class Real>
+INLINE void add(Real* to, const Real* from, const Run* runs, std::size_t n_runs) {
   for (std::size_t k = 0; k < n_runs; ++k) {
     const Run run = runs[k];
     for (int i = 0; i < run.n; ++i) to[run.to + i] += from[run.from + i];
   }
 }
+
+// what no template can be: a function for each kind of processor
+#define FOR_EACH_REAL(Real)                                                                           \
+  FOR_WIDE_PROCESSOR bool factor_wide(const Panel<Real>& panel, const Real* least) {                  \
+    return factor<true>(panel, least);                                                                \
+  }                                                                                                   \
+  FOR_EACH_PROCESSOR bool factor_narrow(const Panel<Real>& panel, const Real* least) {                \
+    return factor<false>(panel, least);                                                               \
+  }                                                                                                   \
+  FOR_WIDE_PROCESSOR void multiply_wide(const Panel<Real>& panel, Real* update, int stride) {         \
+    multiply_rows_below<true>(panel, update, stride);                                                 \
+  }                                                                                                   \
+  FOR_EACH_PROCESSOR void multiply_narrow(const Panel<Real>& panel, Real* update, int stride) {       \
+    multiply_rows_below<false>(panel, update, stride);                                                \
+  }                                                                                                   \
+  FOR_EACH_PROCESSOR void forward_here(const Panel<Real>& panel, Real* x) { forward(panel, x); }      \
+  FOR_EACH_PROCESSOR void backward_here(const Panel<Real>& panel, Real* x) { backward(panel, x); }    \
+  FOR_EACH_PROCESSOR void add_here(Real* to, const Real* from, const Run* runs, std::size_t n_runs) { \
+    add(to, from, runs, n_runs);                                                                      \
+  }
+FOR_EACH_REAL(double)
+FOR_EACH_REAL(float)
+
+}  // namespace
+
+#if defined(__x86_64__) && defined(__gnu_linux__)
+SubnormalsAreZero::SubnormalsAreZero() : before_(_mm_getcsr()) {
+  _mm_setcsr(before_ | _MM_FLUSH_ZERO_ON | _MM_DENORMALS_ZERO_ON);
+}
+SubnormalsAreZero::~SubnormalsAreZero() { _mm_setcsr(before_); }
+#else
+SubnormalsAreZero::SubnormalsAreZero() = default;
+SubnormalsAreZero::~SubnormalsAreZero() = default;
+#endif
+
+template <class Real>
+bool factor_panel(const Panel<Real>& panel, const Real* least) {
+  return HAS_WIDE_PROCESSOR ? factor_wide(panel, least) : factor_narrow(panel, least);
+}
+
+template <class Real>
+void set_negative_outer_product(const Panel<Real>& panel, Real* update, int update_stride) {
+  HAS_WIDE_PROCESSOR ? multiply_wide(panel, update, update_stride) : multiply_narrow(panel, update, update_stride);
+}
+
+template <class Real>
+void solve_forward(const Panel<Real>& panel, Real* x) {
+  forward_here(panel, x);
+}
+
+template <class Real>
+void solve_backward(const Panel<Real>& panel, Real* x) {
+  backward_here(panel, x);
+}
+
+template <class Real>
+void add_runs(Real* to, const Real* from, const Run* runs, std::size_t n_runs) {
+  add_here(to, from, runs, n_runs);
+}
+
+template bool factor_panel(const Panel<double>&, const double*);
+template bool factor_panel(const Panel<float>&, const float*);
+template void set_negative_outer_product(const Panel<double>&, double*, int);
+template void set_negative_outer_product(const Panel<float>&, float*, int);
+template void solve_forward(const Panel<double>&, double*);
+template void solve_forward(const Panel<float>&, float*);
+template void solve_backward(const Panel<double>&, double*);
+template void solve_backward(const Panel<float>&, float*);
+template void add_runs(double*, const double*, const Run*, std::size_t);
+template void add_runs(float*, const float*, const Run*, std::size_t);
 
 }  // namespace pvg

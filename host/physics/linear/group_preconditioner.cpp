@@ -10,7 +10,10 @@ namespace pvg {
 namespace {
 
 constexpr double WORTH_A_THREAD = 3e5;  // operations; to wake one takes as long
-constexpr double OF_A_CONTACT = 2e3;    // operations, about, to add one
+// Operations above which single precision saves more than the iterations of conjugate gradients that it adds; by
+// measurement between 3e6 and 7e7 (docs/measured/2026-11-27_single_precision_factor.md).
+constexpr double WORTH_SINGLE = 2e7;
+constexpr double OF_A_CONTACT = 2e3;  // operations, about, to add one
 
 // to += weight x the 3 x 3 block of a row-major element block
 void add(double* to, const double* from, std::size_t width, double weight) {
@@ -186,13 +189,17 @@ void GroupPreconditioner::find_pattern(Group& group) const {
   group.block_at.resize(group.pattern.row.size());
   group.blocks.resize(9 * group.pattern.row.size());
   group.local.resize(3 * group.nodes.size());
-  group.factor = std::make_unique<BlockCholesky>(group.pattern, std::move(tree));
+  if (tree.cost >= WORTH_SINGLE)
+    group.single_factor = std::make_unique<BlockCholesky<float>>(group.pattern, std::move(tree));
+  else
+    group.factor = std::make_unique<BlockCholesky<double>>(group.pattern, std::move(tree));
 }
 
-std::size_t GroupPreconditioner::n_numbers() const {
-  if (device_factor_) return device_factor_->n_numbers();
+std::size_t GroupPreconditioner::n_bytes() const {
+  if (device_factor_) return sizeof(double) * device_factor_->n_numbers();
   std::size_t n = 0;
-  for (const Group& group : groups_) n += group.factor->n_numbers();
+  for (const Group& group : groups_)
+    n += (group.factor ? group.factor->n_bytes() : 0) + (group.single_factor ? group.single_factor->n_bytes() : 0);
   return n;
 }
 
@@ -248,7 +255,7 @@ template <class Task>
 void GroupPreconditioner::for_each_group(const Task& task) const {
   double total = 0;
   for (const Group& group : groups_)
-    if (group.is_active) total += group.factor->cost();
+    if (group.is_active) total += group.cost;
   if (total < WORTH_A_THREAD) {
     for (u32 g = 0; g < groups_.size(); ++g)
       if (groups_[g].is_active) task(g, nullptr);
@@ -257,7 +264,7 @@ void GroupPreconditioner::for_each_group(const Task& task) const {
   std::vector<u32> small;
   for (u32 g = 0; g < groups_.size(); ++g) {
     if (!groups_[g].is_active) continue;
-    if (groups_[g].factor->cost() * double(workers_->n_threads()) > total)
+    if (groups_[g].cost * double(workers_->n_threads()) > total)
       task(g, workers_.get());
     else
       small.push_back(g);
@@ -282,6 +289,13 @@ double* GroupPreconditioner::own_block(Group& group, u32 block) {
   return own;
 }
 
+bool GroupPreconditioner::factor(Group& group, Workers* workers) {
+  group.is_single = group.single_factor && group.single_factor->factorize(group.block_at, workers);
+  if (group.is_single) return true;
+  if (!group.factor) group.factor = std::make_unique<BlockCholesky<double>>(group.pattern, group.single_factor->tree());
+  return group.factor->factorize(group.block_at, workers);
+}
+
 void GroupPreconditioner::start_factorize(const Buffer<f64>& blocks, const ContactElements& contacts,
                                           std::span<const char> world_is_active, const Buffer<f64>* gradient) {
   if (device_factor_) return device_factor_->start_factorize(blocks, contacts, world_is_active, gradient);
@@ -298,9 +312,7 @@ void GroupPreconditioner::start_factorize(const Buffer<f64>& blocks, const Conta
         take_blocks(numbers(0, n));
         for (std::size_t i = 0; i < terms.size(); ++i)
           add_contacts(*terms[i], numbers(i + 1, terms[i]->blocks().size()));
-        for_each_group([&](u32 g, Workers* workers) {
-          groups_[g].is_factored = groups_[g].factor->factorize(groups_[g].block_at, workers);
-        });
+        for_each_group([&](u32 g, Workers* workers) { groups_[g].is_factored = factor(groups_[g], workers); });
       });
 }
 
@@ -343,7 +355,10 @@ void GroupPreconditioner::apply(std::span<const double> residual, std::span<doub
     if (!group.is_factored) return;
     for (std::size_t i = 0; i < group.nodes.size(); ++i)
       std::copy_n(&residual[3 * std::size_t(group.nodes[i])], 3, &group.local[3 * i]);
-    group.factor->solve(group.local, workers);
+    if (group.is_single)
+      group.single_factor->solve(group.local, workers);
+    else
+      group.factor->solve(group.local, workers);
     for (std::size_t i = 0; i < group.nodes.size(); ++i)
       std::copy_n(&group.local[3 * i], 3, &preconditioned[3 * std::size_t(group.nodes[i])]);
   });

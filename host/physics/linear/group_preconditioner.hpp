@@ -1,7 +1,9 @@
-// The preconditioner: one exact sparse factor per group of bodies that joints and stitches hold together (a robot with
+// The preconditioner: one sparse factor per group of bodies that joints and stitches hold together (a robot with
 // its fingers is one group; the bodies that stand alone are another, if they are few), contact and friction within a
 // group's own nodes included. What is left to conjugate gradients is the coupling of groups, and of distant parts of
-// one body, through contact; or that is taken into the factor too, where it is told of the pairs of nodes.
+// one body, through contact; or that is taken into the factor too, where it is told of the pairs of nodes. The host
+// factors large groups in single precision, in double where that loses too much (block_cholesky.hpp); a device in
+// double.
 #pragma once
 #include <array>
 #include <memory>
@@ -50,7 +52,7 @@ class GroupPreconditioner {
   void start_apply(const Buffer<f64>& residual, bool adds, Buffer<f64>& preconditioned) const;
   double cost(u32 group) const { return lone_cost_[group]; }  // of a group's factor without contact, operations
   std::size_t n_groups() const { return groups_.size(); }
-  std::size_t n_numbers() const;  // stored in all factors
+  std::size_t n_bytes() const;  // of all factors
 
  private:
   struct Group {
@@ -66,9 +68,10 @@ class GroupPreconditioner {
     // where the host does
     std::vector<const double*> block_at;  // [n_blocks] in the matrix; in `blocks` where contacts were added
     std::vector<double> blocks;           // [n_blocks x 9]
-    std::unique_ptr<BlockCholesky> factor;
-    bool is_active = false, is_factored = false;
-    mutable std::vector<double> local;  // of apply() [n_nodes x 3]
+    std::unique_ptr<BlockCholesky<float>> single_factor;  // of a large group
+    std::unique_ptr<BlockCholesky<double>> factor;        // of any other, and where single precision once lost too much
+    bool is_active = false, is_factored = false, is_single = false;  // is_single: is_factored in single precision
+    mutable std::vector<double> local;                               // of apply() [n_nodes x 3]
   };
   template <class Found>
   void for_each_block(std::span<const u32> element_sites, std::span<const double> block, const Found& found) const;
@@ -79,6 +82,7 @@ class GroupPreconditioner {
   static u32 find_block(const Group& group, u32 row, u32 column);
   void add_contacts(const Term& contacts, std::span<const double> blocks);
   void take_blocks(std::span<const double> values);
+  static bool factor(Group& group, Workers* workers);
   static double* own_block(Group& group, u32 block);
   static void leave_out(Group& group, u32 row, u32 column, const double* from, std::size_t width, double weight);
   template <class Task>

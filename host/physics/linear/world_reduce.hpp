@@ -26,6 +26,7 @@ class WorldChunks {
   const Buffer<Chunk>& chunks() const { return chunks_; }  // [n_chunks]
   const Buffer<u32>& first() const { return first_; }      // [n_worlds + 1] chunks of each world
   Buffer<f64>& partial() const { return partial_; }        // [n_chunks] of the last reduction
+  std::size_t most() const { return most_; }               // chunks of one world
   // Whether a world has so many chunks that they are worth a launch of their own, before that of the worlds.
   bool has_large_world() const { return most_ > MOST_IN_ONE_GROUP; }
 

@@ -133,7 +133,7 @@ bool Preconditioner::apply(const Buffer<f64>& residual, Buffer<f64>& preconditio
 }
 
 std::size_t Preconditioner::n_bytes() const {
-  return (groups_ ? sizeof(double) * groups_->n_numbers() : 0) + (schwarz_ ? schwarz_->n_bytes() : 0);
+  return (groups_ ? groups_->n_bytes() : 0) + (schwarz_ ? schwarz_->n_bytes() : 0);
 }
 
 void Preconditioner::couple(std::span<const NodePair> pairs) {

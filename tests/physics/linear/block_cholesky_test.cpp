@@ -11,7 +11,8 @@
 namespace pvg {
 namespace {
 
-Eigen::VectorXd solve(BlockCholesky& factor, Eigen::VectorXd x, Workers* workers = nullptr) {
+template <class Real>
+Eigen::VectorXd solve(BlockCholesky<Real>& factor, Eigen::VectorXd x, Workers* workers = nullptr) {
   factor.solve(std::span(x.data(), std::size_t(x.size())), workers);
   return x;
 }
@@ -20,7 +21,7 @@ TEST(BlockCholesky, SolvesAsEigenDoes) {
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.name);
     const Matrix matrix = masses_and_springs(c.n_nodes, c.edges, 1.0, 3.0, 5);
-    BlockCholesky factor(matrix.pattern);
+    BlockCholesky<double> factor(matrix.pattern);
     ASSERT_TRUE(factor.factorize(matrix.blocks));
     const Eigen::VectorXd x = solve(factor, right_hand_side(matrix));
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> reference(lower_triangle(matrix));
@@ -34,7 +35,7 @@ TEST(BlockCholesky, StaysBackwardStableForStiffSpringsBesideSmallMasses) {
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.name);
     const Matrix matrix = masses_and_springs(c.n_nodes, c.edges, 1e-3, 1e9, 6);
-    BlockCholesky factor(matrix.pattern);
+    BlockCholesky<double> factor(matrix.pattern);
     ASSERT_TRUE(factor.factorize(matrix.blocks));
     EXPECT_LE(backward_error(matrix, solve(factor, right_hand_side(matrix))), 1e-14);
   }
@@ -44,7 +45,7 @@ TEST(BlockCholesky, FactorsNewNumbersAsIfTheyWereTheFirst) {
   const Edges edges = solid(4, 5, 30);
   const Matrix first = masses_and_springs(600, edges, 1.0, 3.0, 7),
                second = masses_and_springs(600, edges, 2.0, 5.0, 8);
-  BlockCholesky factor(first.pattern), fresh(second.pattern);
+  BlockCholesky<double> factor(first.pattern), fresh(second.pattern);
   ASSERT_TRUE(factor.factorize(first.blocks));
   ASSERT_TRUE(factor.factorize(second.blocks));
   ASSERT_TRUE(fresh.factorize(second.blocks));
@@ -55,7 +56,7 @@ TEST(BlockCholesky, GivesTheSameBitsForAnyNumberOfThreads) {
   // above the size at which threads are used, in solves too
   const Edges edges = solid(5, 12, 60);
   const Matrix matrix = masses_and_springs(3600, edges, 1.0, 3.0, 9);
-  BlockCholesky factor(matrix.pattern);
+  BlockCholesky<double> factor(matrix.pattern);
   ASSERT_TRUE(factor.uses_threads());
   ASSERT_TRUE(factor.factorize(matrix.blocks));
   const Eigen::VectorXd expected = solve(factor, right_hand_side(matrix));
@@ -73,7 +74,7 @@ TEST(BlockCholesky, RefusesWhatIsNotPositiveDefiniteAndRecovers) {
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.name);
     const Matrix matrix = masses_and_springs(c.n_nodes, c.edges, 1.0, 3.0, 10);
-    BlockCholesky factor(matrix.pattern);
+    BlockCholesky<double> factor(matrix.pattern);
     for (const u32 node : {0u, c.n_nodes / 2, c.n_nodes - 1})
       for (const double spoiled :
            {-1e-3, 0.0, -1e9, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
@@ -88,7 +89,7 @@ TEST(BlockCholesky, RefusesWhatIsNotPositiveDefiniteAndRecovers) {
 
 TEST(BlockCholesky, RefusesNaNOffTheDiagonal) {
   Matrix matrix = masses_and_springs(57, chain(57), 1.0, 3.0, 11);
-  BlockCholesky factor(matrix.pattern);
+  BlockCholesky<double> factor(matrix.pattern);
   for (u32 block = 0; block < matrix.pattern.row.size(); ++block) {
     Matrix broken = matrix;
     broken.blocks[9 * block + 6] = std::numeric_limits<double>::quiet_NaN();  // third row, first column
@@ -96,11 +97,56 @@ TEST(BlockCholesky, RefusesNaNOffTheDiagonal) {
   }
 }
 
+// Condition numbers up to about 1e4, rounding 6e-8 and a few of them to each number.
+TEST(BlockCholesky, SolvesInSinglePrecisionToItsRounding) {
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    const Matrix matrix = masses_and_springs(c.n_nodes, c.edges, 1.0, 3.0, 5);
+    BlockCholesky<double> factor(matrix.pattern);
+    BlockCholesky<float> single(matrix.pattern);
+    ASSERT_TRUE(factor.factorize(matrix.blocks));
+    ASSERT_TRUE(single.factorize(matrix.blocks));
+    const Eigen::VectorXd expected = solve(factor, right_hand_side(matrix));
+    EXPECT_LE((solve(single, right_hand_side(matrix)) - expected).norm(), 1e-3 * expected.norm());
+  }
+}
+
+TEST(BlockCholesky, RefusesInSinglePrecisionWhatThatLoses) {
+  // 57 masses against two springs: by hand the last pivot is about 57 / 1e7 and 57 / 1e5 of the diagonal
+  for (const bool is_lost : {true, false}) {
+    const Matrix matrix = masses_and_isotropic_springs(57, chain(57), 1.0, is_lost ? 1e7 : 1e5);
+    BlockCholesky<float> single(matrix.pattern);
+    EXPECT_EQ(single.factorize(matrix.blocks), !is_lost);
+    BlockCholesky<double> factor(matrix.pattern);
+    EXPECT_TRUE(factor.factorize(matrix.blocks));
+  }
+}
+
+// A chain of stiff masses and soft springs: by hand the factor falls by 1e-6 from node to node, to 1e-60 at the tenth,
+// where single precision has nothing left.
+TEST(BlockCholesky, TakesSubnormalNumbersForZeroWhileItWorksAlone) {
+  const volatile float tiny = 1e-30f, part = 1e-12f;
+  ASSERT_GT(tiny * part, 0.0f);
+  const Matrix matrix = masses_and_springs(57, chain(57), 1.0, 1e-6, 11);
+  BlockCholesky<float> single(matrix.pattern);
+  ASSERT_TRUE(single.factorize(matrix.blocks));
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(3 * 57);
+  b[0] = 1;
+  const Eigen::VectorXd x = solve(single, b);
+  EXPECT_NEAR(x[0], 1, 0.6);  // the first mass is 1 to 1.5 kg
+  EXPECT_EQ(x.tail(3), Eigen::VectorXd::Zero(3));
+  EXPECT_GT(tiny * part, 0.0f);  // as before
+#ifdef __x86_64__
+  const SubnormalsAreZero here;
+  EXPECT_EQ(tiny * part, 0.0f);
+#endif
+}
+
 TEST(BlockCholesky, TakesAnEmptyMatrix) {
-  BlockCholesky factor(BlockPattern{{0}, {}});
+  BlockCholesky<double> factor(BlockPattern{{0}, {}});
   EXPECT_TRUE(factor.factorize(std::span<const double>()));
   factor.solve({});
-  EXPECT_EQ(factor.n_numbers(), 0u);
+  EXPECT_EQ(factor.n_bytes(), 0u);
 }
 
 TEST(EliminationTree, KeepsALongThinSolidSparse) {
@@ -146,8 +192,8 @@ TEST(EliminationTree, DissectsWhatLiesInOnePlaceOrInPieces) {
 
 TEST(BlockCholesky, SolvesInTheOrderOfDissection) {
   const Matrix matrix = masses_and_springs(1000, solid(10, 10, 10), 1, 100, 3);
-  BlockCholesky with(matrix.pattern, lattice(10, 10, 10)), without(matrix.pattern);
-  EXPECT_LT(with.cost(), without.cost());  // so that it is taken here
+  BlockCholesky<double> with(matrix.pattern, lattice(10, 10, 10)), without(matrix.pattern);
+  EXPECT_LT(with.tree().cost, without.tree().cost);  // so that it is taken here
   ASSERT_TRUE(with.factorize(matrix.blocks));
   ASSERT_TRUE(without.factorize(matrix.blocks));
   const Eigen::VectorXd b = right_hand_side(matrix), x = solve(with, b);

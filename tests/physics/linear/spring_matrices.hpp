@@ -56,6 +56,23 @@ inline Matrix masses_and_springs(u32 n_nodes, const Edges& edges, double mass, d
   return matrix;
 }
 
+// The same with springs that pull alike in all directions: as a whole it moves against the masses alone, so that all
+// but mass / stiffness of what stands on the diagonal cancels in its last pivot.
+inline Matrix masses_and_isotropic_springs(u32 n_nodes, const Edges& edges, double mass, double stiffness) {
+  Matrix matrix{pattern_of(n_nodes, edges), {}};
+  matrix.blocks.assign(9 * matrix.pattern.row.size(), 0.0);
+  for (u32 column = 0; column < n_nodes; ++column)
+    for (u32 k = matrix.pattern.column_first[column]; k < matrix.pattern.column_first[column + 1]; ++k) {
+      const u32 row = matrix.pattern.row[k];
+      for (int c = 0; c < 3; ++c) {
+        matrix.blocks[9 * k + 4 * c] += row == column ? mass : -stiffness;
+        if (row == column) continue;
+        for (const u32 end : {row, column}) matrix.blocks[9 * matrix.pattern.column_first[end] + 4 * c] += stiffness;
+      }
+    }
+  return matrix;
+}
+
 inline Eigen::SparseMatrix<double> lower_triangle(const Matrix& matrix) {
   std::vector<Eigen::Triplet<double>> entries;
   for (u32 column = 0; column < matrix.pattern.n_nodes(); ++column)
