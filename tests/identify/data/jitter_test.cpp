@@ -4,10 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 #include "host/base/error.hpp"
-#include "host/identify/fit/fit.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -44,26 +42,18 @@ TEST(Jitter, OfATurnIsThatOfItsRateWhateverTheSignOfItsQuaternion) {
   for (const double one : noise) EXPECT_NEAR(one, JITTER * 2, 1e-6);
 }
 
-// A plate that turns at 30 rad/s, seen with 0.5 mrad of noise and 0.1 ms of jitter, which is six times as much.
-Problem turning(const TestFolder& folder, const std::string& said) {
+// A plate whose recording says this of its channel.
+Problem said_of_a_channel(const TestFolder& folder, const std::string& said) {
   folder.write("scene.yaml", R"(schema: 1
 name: turning
 time_step: 5 ms
-gravity: [0, 0, 0]
 bodies:
   - {name: base, kind: static, shape: {box: {size: [0.01, 0.01, 0.01]}}, collides: false}
   - {name: plate, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.02]}}, mass: 1, collides: false}
 joints:
   - {name: spindle, type: revolute, parent: base, child: plate, axis: [0, 0, 1]}
 )");
-  std::mt19937 engine(1);
-  std::normal_distribution<double> normal;
-  std::string run = "t,q\n";
-  for (int i = 0; i <= 100; ++i) {
-    const double t = 0.01 * i;
-    run += std::to_string(t) + "," + std::to_string(30 * (t + JITTER * normal(engine)) + 5e-4 * normal(engine)) + "\n";
-  }
-  folder.write("a.csv", run);
+  folder.write("a.csv", "t,q\n0,0\n0.01,0.1\n0.02,0.3\n");
   folder.write("recording.yaml", R"(schema: 1
 scene: scene.yaml
 runs:
@@ -73,24 +63,19 @@ channels:
   return make_problem(folder.path / "recording.yaml");
 }
 
-double error_of(const std::string& said) {
+TEST(Jitter, IsReadFromTheRecording) {
   const TestFolder folder;
-  const Problem problem = turning(folder, said);
-  Device device;
-  Predictor predictor(device, problem);
-  Fitter fitter(predictor, Variant{problem.scene.scene, {}});
-  const FitData data = fitter.prepare(make_windows(problem, false, 0, 1), Model{});
-  return rms(fitter.fit(data, {Model{}}, 4).front().residual);
-}
-
-TEST(Jitter, ThatIsStatedIsPartOfTheNoise) {
-  EXPECT_NEAR(error_of("noise: 0.0005, jitter: 0.1 ms"), 1, 0.15);
-  EXPECT_GT(error_of("noise: 0.0005"), 4);
+  const Problem problem = said_of_a_channel(folder, "noise: 0.0005, jitter: 0.1 ms");
+  const diagnose::Run& run = problem.runs.at(0);
+  EXPECT_NEAR(noise_of_number(problem, run, 0, 1, 0), std::hypot(5e-4, 1e-4 * 15), 1e-12);
+  EXPECT_NEAR(noise_around(problem, run, 0, 0.02), std::hypot(5e-4, 1e-4 * 20), 1e-12);
+  const Problem without = said_of_a_channel(folder, "noise: 0.0005");
+  EXPECT_EQ(noise_of_number(without, without.runs.at(0), 0, 1, 0), 5e-4);
 }
 
 TEST(Jitter, BesideANoiseThatIsMeasuredIsRefused) {
   const TestFolder folder;
-  expect_error<UsageError>([&] { turning(folder, "noise: unknown, jitter: 0.1 ms"); },
+  expect_error<UsageError>([&] { said_of_a_channel(folder, "noise: unknown, jitter: 0.1 ms"); },
                            {"jitter", "needs a number for `noise`"});
 }
 
