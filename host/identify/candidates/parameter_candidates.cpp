@@ -43,6 +43,7 @@ Candidate candidate_of(const Problem& problem, const SceneNumber& number, const 
                       {},
                       number.log_prior};
   candidate.parameters[0].is_logarithmic = number.is_logarithmic;
+  candidate.parameters[0].is_often_far = number.is_often_far;
   set_prior(candidate.parameters[0], problem, number, place);
   candidate.apply = [set = place.set](Variant& variant, std::span<const double> values) {
     set(variant.scene, values[0]);
@@ -61,7 +62,7 @@ Candidate nuisance_of(const Problem& problem, const SceneNumber& number, const N
   p.low = std::max(p.low, p.off - criteria().prior_reach * p.prior_sigma);
   p.high = std::min(p.high, p.off + criteria().prior_reach * p.prior_sigma);
   p.scale = p.prior_sigma;
-  p.is_logarithmic = false;  // it is not far off
+  p.is_logarithmic = p.is_often_far = false;  // it is not far off
   return nuisance;
 }
 

@@ -30,8 +30,8 @@ std::vector<double> jitter_noise(const Channel& channel, const std::vector<doubl
   for (std::size_t k = 0; k < own.size() && own.size() > 1; ++k) {
     const std::size_t before = own[k > 0 ? k - 1 : 0], after = own[std::min(k + 1, own.size() - 1)];
     for (std::size_t c = 0; c < n; ++c)
-      noise[own[k] * n + c] =
-          channel.jitter * rate_between(&values[before * width], &values[after * width], width, c, t[after] - t[before]);
+      noise[own[k] * n + c] = channel.jitter * rate_between(&values[before * width], &values[after * width], width, c,
+                                                            t[after] - t[before]);
   }
   return noise;
 }
@@ -45,8 +45,8 @@ double noise_of_number(const Problem& problem, const Run& run, std::size_t chann
 
 double noise_around(const Problem& problem, const Run& run, std::size_t channel, double t0) {
   double largest = noise_in(problem, run, channel);
-  const std::size_t next =
-      std::size_t(std::lower_bound(run.t.begin(), run.t.end(), t0) - run.t.begin()), n = run.t.size();
+  const std::size_t next = std::size_t(std::lower_bound(run.t.begin(), run.t.end(), t0) - run.t.begin()),
+                    n = run.t.size();
   for (std::size_t i = next > 0 ? next - 1 : 0; i < std::min(next + 2, n); ++i)
     for (int k = 0; k < problem.channels[channel].n; ++k)
       largest = std::max(largest, noise_of_number(problem, run, channel, i, k));

@@ -60,8 +60,8 @@ std::vector<MeasuredPlace> places_at(const Problem& problem, const Run& run, dou
     const Channel& channel = problem.channels[c];
     if (!belongs(channel)) continue;
     for (int k = 0; k < channel.width; ++k) {
-      const LocalFit fit =
-          fit_around(run.t, run.values[c], std::size_t(channel.width), std::size_t(k), t0, noise_around(problem, run, c, t0));
+      const LocalFit fit = fit_around(run.t, run.values[c], std::size_t(channel.width), std::size_t(k), t0,
+                                      noise_around(problem, run, c, t0));
       const Vec3 direction = channel.has_axis ? channel.axis : Vec3(Vec3::Unit(k));
       if (fit.is_there)
         places.push_back(
@@ -91,8 +91,8 @@ void start_body(const Problem& problem, const Run& run, int b, double t0, bool i
     const StartRole role = channel.sensor->start;
     if (role != StartRole::place && role != StartRole::rate) continue;
     for (int k = 0; k < channel.width; ++k) {
-      const LocalFit fit =
-          fit_around(run.t, run.values[c], std::size_t(channel.width), std::size_t(k), t0, noise_around(problem, run, c, t0));
+      const LocalFit fit = fit_around(run.t, run.values[c], std::size_t(channel.width), std::size_t(k), t0,
+                                      noise_around(problem, run, c, t0));
       if (!fit.is_there) continue;
       const Vec3 direction = channel.has_axis ? channel.axis : Vec3(Vec3::Unit(k));
       if (role == StartRole::rate) {

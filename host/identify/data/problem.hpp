@@ -23,11 +23,11 @@ struct PrescribedPath {
 struct Run {
   std::string name;
   bool is_held_out = false;
-  std::vector<double> t;                    // [n_samples, s]
-  std::vector<std::vector<double>> values;  // [n_channels][n_samples x width]
-  std::vector<double> noise_scale;          // [n_channels] the noise of this run over the channel's, at least 1
+  std::vector<double> t;                          // [n_samples, s]
+  std::vector<std::vector<double>> values;        // [n_channels][n_samples x width]
+  std::vector<double> noise_scale;                // [n_channels] the noise of this run over the channel's, at least 1
   std::vector<std::vector<double>> jitter_noise;  // [n_channels], by jitter.hpp; empty: nothing
-  std::vector<TargetTable> targets;         // [n_driven], times as in the run
+  std::vector<TargetTable> targets;               // [n_driven], times as in the run
   std::vector<PrescribedPath> prescribed;
   std::vector<SceneChange> changes;  // what the scene, or a variant of it, has otherwise in this run
   std::vector<GivenStart> given;     // what is known of its start

@@ -216,7 +216,8 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   return fmt::format(
       "simulated with steps of {:.4g} ms, {}, {}; finer steps differ by {:.2g} times the noise, {}",
       1e3 * solver.time_step, solver.integrator == bdf2 ? "BDF2" : "implicit Euler",
-      is_as_given || keeps_as_given ? "as the scene says" : "since the scene's own would be taken for an effect", error.all,
+      is_as_given || keeps_as_given ? "as the scene says" : "since the scene's own would be taken for an effect",
+      error.all,
       is_small          ? (by_pixels ? "whole pixels among it, which is not corrected" : "which is corrected")
       : !keeps_as_given ? "which is too much to be corrected: what depends on it is not known"
       : converges       ? "and are farther from what was measured: the step is part of the scene's model"

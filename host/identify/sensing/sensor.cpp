@@ -132,8 +132,7 @@ Eigen::VectorXd SensorTrace::residual() const {
     }
     residual[Eigen::Index(i)] =
         seen.empty() ? std::nan("")
-                     : difference[datum.component] /
-                           noise_of_number(*problem_, run, c, datum.sample, datum.component);
+                     : difference[datum.component] / noise_of_number(*problem_, run, c, datum.sample, datum.component);
   }
   if (window.correction.size() > 0) residual += window.correction;
   return residual;

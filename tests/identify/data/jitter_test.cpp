@@ -59,7 +59,8 @@ scene: scene.yaml
 runs:
   - {file: a.csv, role: fit}
 channels:
-  - {column: q, kind: position, joint: spindle, unit: rad, )" + said + "}\n");
+  - {column: q, kind: position, joint: spindle, unit: rad, )" +
+                                     said + "}\n");
   return make_problem(folder.path / "recording.yaml");
 }
 

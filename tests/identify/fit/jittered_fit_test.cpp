@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "host/identify/fit/fit.hpp"
+#include "host/identify/fit/choose_windows.hpp"
 #include "host/identify/fit/fit_cost.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -37,7 +37,8 @@ scene: scene.yaml
 runs:
   - {file: a.csv, role: fit}
 channels:
-  - {column: q, kind: position, joint: spindle, unit: rad, )" + said + "}\n");
+  - {column: q, kind: position, joint: spindle, unit: rad, )" +
+                                     said + "}\n");
   return make_problem(folder.path / "recording.yaml");
 }
 
@@ -49,7 +50,7 @@ double error_of(const std::string& said) {
   const Variant base{problem.scene.scene, {}};
   Fitter fitter(predictor, base);
   const FitData data = fitter.prepare(make_windows(problem, false, 0, 1), Model{});
-  return rms(fitter.fit(data, {Model{}}, 4).front().residual);
+  return rms(fit_as_it_stands(fitter, data).residual);
 }
 
 TEST(Jitter, ThatIsStatedIsPartOfTheNoise) {

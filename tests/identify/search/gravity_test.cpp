@@ -25,8 +25,8 @@ std::string thrown(double vx, double vz, unsigned seed) {
   return table;
 }
 
-// On one ball a constant force says the same, with two numbers more and a good part of the weight. Bounds of 10 per cent
-// around 9.81 m/s^2 left the force alone.
+// On one ball a constant force says the same, with two numbers more and a good part of the weight. Bounds of 10 per
+// cent around 9.81 m/s^2 left the force alone.
 TEST(Gravity, FarOffIsNamedTogetherWithAConstantForce) {
   const TestFolder folder;
   folder.write("scene.yaml", R"(schema: 1
