@@ -1,6 +1,8 @@
 // Gravity that is far from what the scene says
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "host/identify/fit/choose_windows.hpp"
@@ -47,10 +49,11 @@ runs:
 channels:
   - {columns: [x, y, z], kind: position, body: ball, unit: m, noise: 0.001}
 )");
-  const Problem problem = make_problem(folder.path / "recording.yaml");
+  Problem problem = make_problem(folder.path / "recording.yaml");
   Device device;
   const Settings settings;
   Workflow flow(device, problem, settings);
+  flow.base.scene = problem.scene.scene;
   std::vector<Candidate> candidates = make_candidates(problem, {});
   std::erase_if(candidates, [](const Candidate& c) {
     return c.name != "retune_gravity" && c.name != "constant_force" && c.name != "gravity_tilt" &&
