@@ -136,24 +136,6 @@ TEST(TimeStep, OfAFastRunIsNotCoarserAmongSlowOnes) {
   EXPECT_LE(extrapolated_step(spinning_plate(among, 8)), extrapolated_step(spinning_plate(alone)));
 }
 
-// The mean error of all runs was small enough to be corrected, that of the fast run alone was not, and so it was not
-// corrected at all.
-TEST(TimeStep, TheFastRunAmongSlowOnesIsCorrectedToo) {
-  for (const int n_slow : {2, 5}) {
-    const TestFolder folder;
-    const Problem problem = spinning_plate(folder, n_slow);
-    Device device;
-    Predictor predictor(device, problem);
-    Variant base{problem.scene.scene, {}};
-    Fitter fitter(predictor, base);
-    const std::string text = choose_time_step(fitter, predictor, problem, base);
-    const FitData data = fitter.prepare(make_windows(problem, false, 0, 9), Model{});
-    const std::vector<Prediction> found = fitter.evaluate(data, {Model{}}, {}).front();
-    ASSERT_EQ(found.size(), std::size_t(n_slow) + 1);
-    for (const Prediction& window : found) EXPECT_LT(rms({window.residual}), 0.5) << text;
-  }
-}
-
 // A cube of 1 kg that is pushed along its rail by 1 N/s t: x = t^3 / 6, 0.17 m after a second, then at 0.5 m/s. A push
 // that is half a step of 10 ms late would leave it 2.5 mm behind.
 TEST(TimeStep, OfSecondOrderTakesTheEffortOfItsEnd) {
