@@ -198,7 +198,8 @@ def channel_text(sensor):
     file = '"{run}_camera.csv"' if sensor.own_file else ""
     parts = [*([f"file: {file}"] if file else []), columns, sensor.yaml, f"unit: {sensor.unit}",
              f"noise: {sensor.noise:.4g}" if sensor.noise_is_told else "noise: unknown",
-             *([f"latency: {sensor.latency * 1000:g} ms"] if sensor.latency else [])]
+             *([f"latency: {sensor.latency * 1000:g} ms"] if sensor.latency else []),
+             *([f"jitter: {sensor.jitter * 1000:.3g} ms"] if sensor.jitter and sensor.noise_is_told else [])]
     return "  - {" + ", ".join(parts) + "}"
 
 

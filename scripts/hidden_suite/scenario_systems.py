@@ -289,7 +289,8 @@ def flywheel(rng):
                        + f"  - {{name: plate, kind: rigid, shape: {{box: {{size: [{n['side']:.6g}, {n['side']:.6g}, 0.02]}}}}, mass: {n['mass']:.6g}, collides: false}}\njoints:\n"
                        f"  - {{name: spindle, type: revolute, parent: base, child: plate, axis: [0, 0, 1], damping: {n['damping']:.6g}}}\n")
     runs = [Run((0.0, 0.0), duration, c, role, True) for c, role in commands(rng, inertia * rng.uniform(15, 30), duration, 100)]
-    sensors = encoder(rng, ["spindle", "spindle"][:1])
+    sensors = encoder(rng, ["spindle"])
+    sensors[0].rate = 200 if sensors[0].rate == 200 else 100  # so that its table has each bend of the command
     sensors.append(Sensor(["w"], "kind: rate, joint: spindle", "rad/s", lambda y: y[:, [1]], rng.choice([50, 100]), rng.uniform(0.01, 0.04), own_file=rng.random() < 0.5))
     return Scenario(
         "flywheel", models.Flywheel(), n, scene, runs, sensors,

@@ -23,9 +23,11 @@ struct Parameter {
   double low = 0, high = 0, off = 0;  // with `off` the candidate changes nothing
   double scale = 1;                   // a change of this size is worth trying first
   double prior_sigma = 0;             // one standard deviation from `off` of what is known before any data; 0: anything
-  bool is_shape = false;              // does nothing while the others are off
-  bool is_limit = false;              // does nothing where it is higher than what the runs reach (limits.hpp)
-  bool is_logarithmic = false;        // positive, and may be wrong by factors: steps are those of its logarithm
+  bool prior_is_habit = false;  // the prior is one of scenes in general (prior.hpp), of this one nothing is stated
+  bool is_shape = false;        // does nothing while the others are off
+  bool is_limit = false;        // does nothing where it is higher than what the runs reach (limits.hpp)
+  bool is_logarithmic = false;  // positive, and may be wrong by factors: steps are those of its logarithm
+  bool is_often_far = false;    // also tried at factors of its value
 };
 
 // The scene file to which a diagnosis writes what it found.

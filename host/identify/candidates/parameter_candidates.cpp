@@ -16,11 +16,15 @@ std::string as_the_scene_says(double value, const std::string& unit) {
   return "the scene says " + (text + (unit == "1" ? "" : " " + unit));
 }
 
-// One standard deviation before any data, as the recording states it, or as the row says; 0: anything.
-double prior_sigma_of(const Problem& problem, const SceneNumber& number, const NumberPlace& place) {
+// What is known before any data: what the recording states, or else the habit that the row says.
+void set_prior(Parameter& p, const Problem& problem, const SceneNumber& number, const NumberPlace& place) {
+  p.prior_sigma = number.prior_sigma_share > 0 ? number.prior_sigma_share * place.value : number.prior_sigma;
+  p.prior_is_habit = true;
   for (const NumberPrior& prior : problem.priors)
-    if (prior.number == number.name && prior.target == place.target) return prior.sigma;
-  return number.prior_sigma_share > 0 ? number.prior_sigma_share * place.value : number.prior_sigma;
+    if (prior.number == number.name && prior.target == place.target) {
+      p.prior_sigma = prior.sigma;
+      p.prior_is_habit = false;
+    }
 }
 
 Candidate candidate_of(const Problem& problem, const SceneNumber& number, const NumberPlace& place) {
@@ -39,7 +43,8 @@ Candidate candidate_of(const Problem& problem, const SceneNumber& number, const 
                       {},
                       number.log_prior};
   candidate.parameters[0].is_logarithmic = number.is_logarithmic;
-  candidate.parameters[0].prior_sigma = prior_sigma_of(problem, number, place);
+  candidate.parameters[0].is_often_far = number.is_often_far;
+  set_prior(candidate.parameters[0], problem, number, place);
   candidate.apply = [set = place.set](Variant& variant, std::span<const double> values) {
     set(variant.scene, values[0]);
   };
@@ -57,7 +62,7 @@ Candidate nuisance_of(const Problem& problem, const SceneNumber& number, const N
   p.low = std::max(p.low, p.off - criteria().prior_reach * p.prior_sigma);
   p.high = std::min(p.high, p.off + criteria().prior_reach * p.prior_sigma);
   p.scale = p.prior_sigma;
-  p.is_logarithmic = false;  // it is not far off
+  p.is_logarithmic = p.is_often_far = false;  // it is not far off
   return nuisance;
 }
 

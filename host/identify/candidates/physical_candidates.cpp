@@ -89,8 +89,10 @@ Candidate candidate_of(const Problem& problem, const EffectRow& row, const std::
     EffectParameter here = p;
     here.unit = unit_on(scene, target, p.unit);
     candidate.parameters.push_back(parameter_of(here, mass_of(scene, target)));
-    if (row.prior_sigma != nullptr)
+    if (row.prior_sigma != nullptr) {
       candidate.parameters.back().prior_sigma = row.prior_sigma(scene, here.unit, mass_of(scene, target));
+      candidate.parameters.back().prior_is_habit = true;
+    }
   }
   candidate.apply = [effect, place](Variant& variant, std::span<const double> values) {
     Effect added = effect;

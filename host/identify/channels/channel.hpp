@@ -38,6 +38,7 @@ struct Channel {
   int trace_width = 1;              // numbers that are kept of each step, from which predictions are made
   int n = 1;                        // numbers that are compared: 1 or 3
   double sigma = 0;                 // one standard deviation of the noise [unit]; measured by stage 1 if unknown
+  double jitter = 0;                // of the time stamps, one standard deviation [s]
   bool is_noise_known = false;
   bool is_noise_of_repeats = false;  // measured as what runs of the same commands do not share
   bool is_noise_assumed = false;     // unknown, and there are too few neighbouring samples to measure it

@@ -78,6 +78,7 @@ Resolved measured_in(const ChannelPlace& where, const RecordedChannel& recorded,
   if (c.n > 1 || where.recording.channels.size() > 1) c.name += " (" + recorded.columns[0] + ")";
   c.is_noise_known = recorded.noise > 0;
   c.sigma = c.is_noise_known ? recorded.noise * resolved.to_si : 0;
+  c.jitter = recorded.clock.jitter;
   const Readout& readout = recorded.readout;
   c.readout = {readout.low_pass, readout.resolution * resolved.to_si, readout.lowest * resolved.to_si,
                readout.highest * resolved.to_si};

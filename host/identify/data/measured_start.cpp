@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/data/jitter.hpp"
 #include "host/identify/data/start_fit.hpp"
 #include "host/identify/data/start_places.hpp"
 
@@ -22,7 +23,7 @@ void start_joint(const Problem& problem, const Run& run, int j, double t0, bool 
     const Channel& channel = problem.channels[c];
     const StartRole role = channel.sensor->start;
     if (channel.joint != j || (role != StartRole::place && role != StartRole::rate)) continue;
-    const LocalFit fit = fit_around(run.t, run.values[c], 1, 0, t0, noise_in(problem, run, c));
+    const LocalFit fit = fit_around(run.t, run.values[c], 1, 0, t0, noise_around(problem, run, c, t0));
     if (!fit.is_there) continue;
     if (role == StartRole::rate) {
       start.state.rate[std::size_t(j)] = fit.value;
@@ -59,8 +60,8 @@ std::vector<MeasuredPlace> places_at(const Problem& problem, const Run& run, dou
     const Channel& channel = problem.channels[c];
     if (!belongs(channel)) continue;
     for (int k = 0; k < channel.width; ++k) {
-      const LocalFit fit =
-          fit_around(run.t, run.values[c], std::size_t(channel.width), std::size_t(k), t0, noise_in(problem, run, c));
+      const LocalFit fit = fit_around(run.t, run.values[c], std::size_t(channel.width), std::size_t(k), t0,
+                                      noise_around(problem, run, c, t0));
       const Vec3 direction = channel.has_axis ? channel.axis : Vec3(Vec3::Unit(k));
       if (fit.is_there)
         places.push_back(
@@ -79,7 +80,7 @@ void start_body(const Problem& problem, const Run& run, int b, double t0, bool i
     const Channel& channel = problem.channels[c];
     if (channel.rigid != b) continue;
     if (channel.sensor->start == StartRole::turn) {
-      const TurnFit fit = turn_around(run, run.values[c], t0, noise_in(problem, run, c));
+      const TurnFit fit = turn_around(run, run.values[c], t0, noise_around(problem, run, c, t0));
       pose.linear() = fit.rotation;
       start.state.spin[std::size_t(b)] = fit.spin;
       for (int k = 0; k < 3; ++k) {
@@ -90,8 +91,8 @@ void start_body(const Problem& problem, const Run& run, int b, double t0, bool i
     const StartRole role = channel.sensor->start;
     if (role != StartRole::place && role != StartRole::rate) continue;
     for (int k = 0; k < channel.width; ++k) {
-      const LocalFit fit =
-          fit_around(run.t, run.values[c], std::size_t(channel.width), std::size_t(k), t0, noise_in(problem, run, c));
+      const LocalFit fit = fit_around(run.t, run.values[c], std::size_t(channel.width), std::size_t(k), t0,
+                                      noise_around(problem, run, c, t0));
       if (!fit.is_there) continue;
       const Vec3 direction = channel.has_axis ? channel.axis : Vec3(Vec3::Unit(k));
       if (role == StartRole::rate) {

@@ -52,6 +52,10 @@ struct Differences {
   double sigma = 0;        // of white noise that would make them
   double correlation = 0;  // of neighbours
   double least = 0;        // the sigma of what is in all frequencies; of few samples that of neighbours
+  double rounding = 0;     // that of their last digit
+  bool is_seen() const {
+    return correlation < criteria().noise_white_correlation && sigma > criteria().noise_over_digits * rounding;
+  }
 };
 
 // Third differences of samples `lag` apart. Their correlation uses sizes cut at noise_cut, since an impact is in four
@@ -125,7 +129,7 @@ Differences differences_of(const std::vector<double>& values, std::size_t width)
     if (here) found.push_back(*here);
     if (!here || here->correlation >= 0) break;  // a motion shows
   }
-  if (found.empty()) return {std::nan(""), 0, 0};
+  if (found.empty()) return {std::nan(""), 0, 0, 0};
   const Differences neighbours = found.front();
   const auto hangs_less = [](const Differences& a, const Differences& b) { return a.correlation < b.correlation; };
   Differences noise = *std::min_element(found.begin(), found.end(), hangs_less);
@@ -137,7 +141,7 @@ Differences differences_of(const std::vector<double>& values, std::size_t width)
         noise.sigma < criteria().noise_smoothed * neighbours.sigma)
       noise = neighbours;
   }
-  const double rounding = quantum_of(values, width) / std::sqrt(12.0);
+  const double rounding = noise.rounding = quantum_of(values, width) / std::sqrt(12.0);
   noise.sigma = std::max(noise.sigma, rounding);
   const double least = noise_of_all_frequencies(values, width);
   noise.least = std::max(std::isfinite(least) ? least : neighbours.sigma, rounding);
@@ -234,16 +238,18 @@ void measure_noise(Problem& problem) {
     const std::size_t width = std::size_t(channel.width);
     std::vector<double> found, least;
     std::vector<Differences> of_run;
+    bool is_seen = true;
     for (const Run& run : problem.runs) {
       Differences noise = differences_of(own_samples(run.t, run.values[c], width), width);
+      is_seen = is_seen && noise.is_seen();
       noise.sigma *= model.per_number;
       noise.least *= model.per_number;
       if (std::isfinite(noise.sigma)) found.push_back(noise.sigma), least.push_back(noise.least);
       of_run.push_back(noise);
     }
     const auto [range, brightest] = extent_of(problem, c);
-    const double smallest =
-        std::max({criteria().noise_least * range, criteria().noise_floor, rounding_noise(channel.readout)});
+    const double smallest = std::max({(is_seen ? criteria().noise_least_white : criteria().noise_least) * range,
+                                      criteria().noise_floor, rounding_noise(channel.readout)});
     channel.is_noise_assumed = found.empty();
     channel.sigma =
         found.empty() ? std::max(criteria().noise_assumed * range, smallest) : std::max(median(found), smallest);

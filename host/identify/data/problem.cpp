@@ -5,6 +5,7 @@
 
 #include "host/base/error.hpp"
 #include "host/formats/lut_file.hpp"
+#include "host/identify/data/jitter.hpp"
 #include "host/identify/data/resolve.hpp"
 #include "host/identify/data/start_places.hpp"
 #include "host/load/overview.hpp"
@@ -55,6 +56,7 @@ Run make_run(const Problem& problem, const RecordedRun& recorded, const std::vec
       for (std::size_t i = 0; i < n; ++i)
         values[i * channel.columns.size() + k] = to_si[c] * (std::isfinite(column[i]) ? column[i] : std::nan(""));
     }
+    run.jitter_noise.push_back(jitter_noise(problem.channels[c], run.t, values));
     run.values.push_back(std::move(values));
     run.noise_scale.push_back(1);
   }

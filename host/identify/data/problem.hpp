@@ -23,10 +23,11 @@ struct PrescribedPath {
 struct Run {
   std::string name;
   bool is_held_out = false;
-  std::vector<double> t;                    // [n_samples, s]
-  std::vector<std::vector<double>> values;  // [n_channels][n_samples x width]
-  std::vector<double> noise_scale;          // [n_channels] the noise of this run over the channel's, at least 1
-  std::vector<TargetTable> targets;         // [n_driven], times as in the run
+  std::vector<double> t;                          // [n_samples, s]
+  std::vector<std::vector<double>> values;        // [n_channels][n_samples x width]
+  std::vector<double> noise_scale;                // [n_channels] the noise of this run over the channel's, at least 1
+  std::vector<std::vector<double>> jitter_noise;  // [n_channels], by jitter.hpp; empty: nothing
+  std::vector<TargetTable> targets;               // [n_driven], times as in the run
   std::vector<PrescribedPath> prescribed;
   std::vector<SceneChange> changes;  // what the scene, or a variant of it, has otherwise in this run
   std::vector<GivenStart> given;     // what is known of its start
@@ -46,7 +47,7 @@ struct Problem {
   bool can_restart = false;  // the state at any time is measured: windows may begin anywhere
 };
 
-// One standard deviation of a channel's noise in a run [the channel's unit].
+// One standard deviation of a channel's noise in a run, its jitter apart [the channel's unit].
 inline double noise_in(const Problem& problem, const Run& run, std::size_t channel) {
   return problem.channels[channel].sigma * run.noise_scale[channel];
 }

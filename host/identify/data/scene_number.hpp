@@ -42,6 +42,7 @@ struct SceneNumber {
   double prior_sigma_share = 0;        // the same as a share of the scene's value
   double log_prior = 0;                // log of how likely it is before any data
   bool is_logarithmic = false;         // as Parameter has it
+  bool is_often_far = false;           // likewise
 };
 
 std::span<const SceneNumber> scene_numbers();

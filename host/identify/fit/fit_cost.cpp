@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/fit/prior.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -42,15 +43,10 @@ double start_cost(const std::vector<VectorXd>& delta) {
   return sum;
 }
 
-double prior_sigma_of(const Parameter& p) { return p.prior_sigma > 0 ? p.prior_sigma : p.high - p.low; }
-
 double prior_cost(const Model& model) {
   const std::vector<const Parameter*> parameters = model.parameters();
   double sum = 0;
-  for (Eigen::Index i = 0; i < model.x.size(); ++i) {
-    const Parameter& p = *parameters[std::size_t(i)];
-    sum += 0.5 * std::pow((model.x[i] - p.off) / prior_sigma_of(p), 2);
-  }
+  for (Eigen::Index i = 0; i < model.x.size(); ++i) sum += prior_cost(*parameters[std::size_t(i)], model.x[i]);
   return sum;
 }
 
@@ -178,8 +174,9 @@ std::optional<WithStepShare> with_step_share(const Fit& fit, const std::vector<W
   const std::vector<const Parameter*> parameters = fit.model.parameters();
   for (Eigen::Index i = 0; i < n; ++i) {
     const Parameter& p = *parameters[std::size_t(i)];
-    system.a(i, i) += 1 / std::pow(prior_sigma_of(p), 2);
-    system.g[i] += (fit.model.x[i] - p.off) / std::pow(prior_sigma_of(p), 2);
+    const double weight = prior_weight(p, fit.model.x[i]);
+    system.a(i, i) += weight;
+    system.g[i] += weight * (fit.model.x[i] - p.off);
   }
   system.a(n, n) += 1;  // a correction is as large as it was found, give or take itself
   return system;
@@ -205,7 +202,7 @@ MatrixXd covariance_of(const Fit& fit, const std::vector<Window>& windows, doubl
   const Reduced reduced = reduce(fit);
   MatrixXd a = reduced.sum_a();
   const std::vector<const Parameter*> parameters = fit.model.parameters();
-  for (Eigen::Index i = 0; i < a.rows(); ++i) a(i, i) += 1 / std::pow(prior_sigma_of(*parameters[std::size_t(i)]), 2);
+  for (Eigen::Index i = 0; i < a.rows(); ++i) a(i, i) += prior_weight(*parameters[std::size_t(i)], fit.model.x[i]);
   const MatrixXd inverse = a.completeOrthogonalDecomposition().pseudoInverse();
   std::map<int, VectorXd> of_run;
   for (std::size_t w = 0; w < windows.size(); ++w) {

@@ -5,9 +5,6 @@
 namespace pvg::diagnose {
 
 double start_cost(const std::vector<Eigen::VectorXd>& delta);
-// Standard deviation of a parameter's prior, by default the width of its bounds: a parameter to which nothing is
-// sensitive keeps its value.
-double prior_sigma_of(const Parameter& p);
 double prior_cost(const Model& model);
 double scale_of(const Fit& fit, std::size_t window);  // s of its residuals
 double cost_of(const Fit& fit);                       // C

@@ -9,6 +9,7 @@
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/fit.hpp"
 #include "host/identify/fit/fit_cost.hpp"
+#include "host/identify/fit/prior.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -80,7 +81,7 @@ Model stepped(const Fit& fit, double damping) {
   const std::vector<const Parameter*> parameters = fit.model.parameters();
   for (Eigen::Index i = 0; i < g.size(); ++i) {
     const Parameter& p = *parameters[std::size_t(i)];
-    const double weight = 1 / (prior_sigma_of(p) * prior_sigma_of(p));
+    const double weight = prior_weight(p, fit.model.x[i]);
     a(i, i) += weight;
     g[i] += weight * (fit.model.x[i] - p.off);
   }

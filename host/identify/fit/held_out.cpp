@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/data/jitter.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -36,8 +37,10 @@ double error_in(const Problem& problem, const FitData& data, const std::vector<V
     if (!counts[w]) continue;
     const Window& window = data.windows[w];
     for (std::size_t i = 0; i < window.data.size(); ++i) {
-      const double unit =
-          in_noise ? 1 : noise_in(problem, problem.runs[std::size_t(window.run)], std::size_t(window.data[i].channel));
+      const Datum& d = window.data[i];
+      const double unit = in_noise ? 1
+                                   : noise_of_number(problem, problem.runs[std::size_t(window.run)],
+                                                     std::size_t(d.channel), d.sample, d.component);
       sum += std::pow(residual[w][Eigen::Index(i)] * unit, 2);
       n += 1;
     }
@@ -82,8 +85,9 @@ std::vector<Curve> curves_of(const Problem& problem, const FitData& data, const 
           const double measured = turn ? 0 : run.values[c][d.sample * std::size_t(channel.width) + std::size_t(k)];
           curve.t.push_back(run.t[d.sample]);
           curve.measured.push_back(measured);
-          curve.before.push_back(measured - before.residual[w][Eigen::Index(i)] * sigma);
-          curve.after.push_back(measured - after.residual[w][Eigen::Index(i)] * sigma);
+          const double unit = noise_of_number(problem, run, c, d.sample, k);
+          curve.before.push_back(measured - before.residual[w][Eigen::Index(i)] * unit);
+          curve.after.push_back(measured - after.residual[w][Eigen::Index(i)] * unit);
         }
         if (!curve.t.empty()) curves.push_back(std::move(curve));
       }

@@ -62,6 +62,34 @@ double most_apart(const FitData& data, const std::vector<Prediction>& a, const s
   return most;
 }
 
+// rms of the difference in the window where it is largest, nothing left out [noise].
+double largest_change(const FitData& data, const std::vector<Prediction>& a, const std::vector<Prediction>& b) {
+  double largest = 0;
+  for (std::size_t w = 0; w < a.size(); ++w)
+    if (a[w].succeeded && b[w].succeeded)
+      largest = std::max(largest, rms({beside_starts(data.of_start[w], a[w].residual - b[w].residual)}));
+  return largest;
+}
+
+// The error of a step from its change by half of it [noise]: over all windows, and what is to be corrected in the run
+// that needs it most. In short windows an impact is no motion to correct.
+struct StepError {
+  double all = 0, most = 0;
+};
+
+StepError error_of(const Problem& problem, const FitData& data, double factor, const std::vector<Prediction>& coarse,
+                   const std::vector<Prediction>& fine) {
+  const bool are_whole = std::all_of(data.windows.begin(), data.windows.end(), [&](const Window& window) {
+    const Run& run = problem.runs[std::size_t(window.run)];
+    return window.start == run.t.front() && window.end == run.t.back();
+  });
+  return {factor * apart(data, coarse, fine), are_whole ? factor * largest_change(data, coarse, fine) : 0};
+}
+
+bool is_below(const StepError& error, double allowed) {
+  return error.all < allowed && error.most < criteria().step_correction_most;
+}
+
 // Median over the windows of the rms of the residuals with the best starts [noise].
 double misfit(const FitData& data, const std::vector<Prediction>& predictions) {
   std::vector<double> of_window;
@@ -125,7 +153,7 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
   std::vector<Prediction> fine = predict({bdf2, h / 2}), coarse = predict({solver.integrator, h});
   const double misfit_as_given = misfit(data, coarse);
   const bool is_dissipative = dissipates(base.scene);
-  double error = (is_dissipative ? 2 : 1) * apart(data, coarse, fine);
+  StepError error = error_of(problem, data, is_dissipative ? 2 : 1, coarse, fine);
   // with soft bodies and cloth finer steps would take too long
   const bool is_stiff = base.scene.soft_bodies.empty() && base.scene.cloths.empty();
   const bool has_masks = !problem.recording.mask_sources.empty(), by_pixels = is_stiff && has_masks;
@@ -135,33 +163,33 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
            : is_dissipative && order_of_steps(variant) == 1 ? criteria().step_error_most_dissipative
                                                             : criteria().step_error_most;
   };
-  const bool is_as_given = error < allowed_of(base);
+  const bool is_as_given = is_below(error, allowed_of(base));
   if (!is_as_given) {
     if (solver.integrator != bdf2) coarse = predict({bdf2, h});
     solver.integrator = bdf2;
-    error = richardson_factor(order_of_steps(base)) * apart(data, coarse, fine);
+    error = error_of(problem, data, richardson_factor(order_of_steps(base)), coarse, fine);
   }
   const double allowed = allowed_of(base), small = by_pixels ? criteria().step_error_pixels : allowed;
   const int order = order_of_steps(base);
   bool converges = true;
   std::vector<double> of_limits;  // changes of what two steps extrapolate, by each halving
-  for (int halving = 0; error >= allowed && converges && halving < criteria().step_n_refinements; ++halving) {
-    const double before = error;
+  for (int halving = 0; !is_below(error, allowed) && converges && halving < criteria().step_n_refinements; ++halving) {
+    const double before = error.all;
     solver.time_step /= 2;
     const std::vector<Prediction> coarser = std::exchange(coarse, std::move(fine));
     fine = predict({bdf2, solver.time_step / 2});
-    error = richardson_factor(order) * apart(data, coarse, fine);
-    converges = error < std::max(small, criteria().step_converges * before);
+    error = error_of(problem, data, richardson_factor(order), coarse, fine);
+    converges = error.all < std::max(small, criteria().step_converges * before);
     // two steps twice and four times as long as the next ones cost three quarters of it, and give more
-    if (!may_extrapolate || !converges || (error < allowed && !was_extrapolated)) continue;
+    if (!may_extrapolate || !converges || (is_below(error, allowed) && !was_extrapolated)) continue;
     of_limits.push_back(most_apart(data, extrapolated(coarser, coarse, order), extrapolated(coarse, fine, order)));
     const double of_limit = richardson_factor(order + 1) * of_limits.back();
     if (of_limit >= std::min(allowed, criteria().step_error_most_extrapolated)) continue;
     base.extrapolates = true;
     solver.time_step *= 2;
-    error = of_limit;
+    error = {of_limit, of_limit};
   }
-  const bool is_small = error < small, is_nearer = misfit(data, fine) < misfit_as_given;
+  const bool is_small = is_below(error, small), is_nearer = misfit(data, fine) < misfit_as_given;
   const bool keeps_as_given = !is_small && !(converges && is_nearer);
   if (keeps_as_given) {
     solver = as_given;
@@ -184,11 +212,12 @@ std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem
         "simulated with steps of {:.4g} and {:.4g} ms, BDF2, extrapolated to no length, since the scene's own step "
         "would "
         "be taken for an effect; finer steps differ by {:.2g} times the noise, which is corrected",
-        1e3 * solver.time_step, 5e2 * solver.time_step, error);
+        1e3 * solver.time_step, 5e2 * solver.time_step, error.all);
   return fmt::format(
       "simulated with steps of {:.4g} ms, {}, {}; finer steps differ by {:.2g} times the noise, {}",
       1e3 * solver.time_step, solver.integrator == bdf2 ? "BDF2" : "implicit Euler",
-      is_as_given || keeps_as_given ? "as the scene says" : "since the scene's own would be taken for an effect", error,
+      is_as_given || keeps_as_given ? "as the scene says" : "since the scene's own would be taken for an effect",
+      error.all,
       is_small          ? (by_pixels ? "whole pixels among it, which is not corrected" : "which is corrected")
       : !keeps_as_given ? "which is too much to be corrected: what depends on it is not known"
       : converges       ? "and are farther from what was measured: the step is part of the scene's model"

@@ -7,6 +7,7 @@
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/correlation.hpp"
+#include "host/identify/fit/prior.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -71,10 +72,7 @@ double log_prior_of(const Fit& fit) {
   for (const Candidate* part : fit.model.effects()) log_prior += part->log_prior + family_log_prior(part->family);
   const std::vector<const Parameter*> parameters = fit.model.parameters();
   for (std::size_t i = 0; i < parameters.size(); ++i)
-    if (parameters[i]->prior_sigma > 0) {
-      const double away = (fit.model.x[Eigen::Index(i)] - parameters[i]->off) / parameters[i]->prior_sigma;
-      log_prior -= 0.5 * away * away;
-    }
+    if (parameters[i]->prior_sigma > 0) log_prior -= prior_cost(*parameters[i], fit.model.x[Eigen::Index(i)]);
   return log_prior;
 }
 

@@ -20,8 +20,8 @@ bool is_limit(const Candidate& candidate) {
   return candidate.parameters.size() == 1 && candidate.parameters[0].is_limit;
 }
 
-bool is_logarithmic(const Candidate& candidate) {
-  return candidate.parameters.size() == 1 && candidate.parameters[0].is_logarithmic;
+bool is_often_far(const Candidate& candidate) {
+  return candidate.parameters.size() == 1 && candidate.parameters[0].is_often_far;
 }
 
 }  // namespace
@@ -116,7 +116,7 @@ std::vector<Trial> mirrored(const std::vector<Trial>& trials) {
   return out;
 }
 
-bool is_tried_anyway(const Candidate& candidate) { return is_limit(candidate) || is_logarithmic(candidate); }
+bool is_tried_anyway(const Candidate& candidate) { return is_limit(candidate) || is_often_far(candidate); }
 
 std::vector<Model> places_of(const Screened& screened, Eigen::Index n_base) {
   const std::vector<Parameter>& parameters = screened.candidate->parameters;
@@ -138,7 +138,7 @@ std::vector<Model> places_of(const Screened& screened, Eigen::Index n_base) {
   // beyond a limit the change starts from zero: no slope predicts how far to go
   for (const double limit : is_limit(*screened.candidate) ? c.screen_limits : Series())
     add([&](std::size_t k, double) { return limit * parameters[k].off; });
-  for (const double factor : is_logarithmic(*screened.candidate) ? c.screen_factors : Series()) {
+  for (const double factor : is_often_far(*screened.candidate) ? c.screen_factors : Series()) {
     add([&](std::size_t k, double) { return factor * parameters[k].off; });
     add([&](std::size_t k, double) { return parameters[k].off / factor; });
   }

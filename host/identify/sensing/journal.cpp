@@ -170,7 +170,10 @@ std::uint64_t question_of(const Problem& problem, std::span<const Job> jobs) {
   std::vector<char> bytes;
   for (const double value : {criteria().drive_memory, criteria().late_clock_most}) put(bytes, value);
   for (const Channel& channel : problem.channels) put(bytes, channel.sigma);
-  for (const Run& run : problem.runs) put_list(bytes, run.noise_scale);
+  for (const Run& run : problem.runs) {
+    put_list(bytes, run.noise_scale);
+    for (const std::vector<double>& noise : run.jitter_noise) put_list(bytes, noise);
+  }
   std::map<const Variant*, std::uint64_t> known;
   for (const Job& job : jobs) {
     const auto [at, is_new] = known.try_emplace(job.variant, 0);

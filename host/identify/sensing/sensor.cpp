@@ -5,6 +5,7 @@
 
 #include "host/identify/channels/prediction.hpp"
 #include "host/identify/criteria.hpp"
+#include "host/identify/data/jitter.hpp"
 #include "host/physics/energies/system.hpp"
 
 namespace pvg::diagnose {
@@ -129,7 +130,9 @@ Eigen::VectorXd SensorTrace::residual() const {
       const double* measured = &run.values[c][datum.sample * std::size_t(channel.width)];
       if (!seen.empty()) difference = channel.sensor->difference(measured, seen.data(), channel.n);
     }
-    residual[Eigen::Index(i)] = seen.empty() ? std::nan("") : difference[datum.component] / noise_in(*problem_, run, c);
+    residual[Eigen::Index(i)] =
+        seen.empty() ? std::nan("")
+                     : difference[datum.component] / noise_of_number(*problem_, run, c, datum.sample, datum.component);
   }
   if (window.correction.size() > 0) residual += window.correction;
   return residual;

@@ -81,6 +81,7 @@ ChannelClock read_clock(YamlSection& section) {
   clock.file = section.text("file", "");
   clock.time = section.text("time", "");
   clock.latency = section.number("latency", Unit::time, -MOST_LATE, MOST_LATE, 0);
+  clock.jitter = section.number("jitter", Unit::time, 0, MOST_LATE, 0);
   if (!section.has("clock")) return clock;
   YamlSection shown = section.section("clock");
   clock.offset = shown.number("offset", Unit::time, -MOST_APART, MOST_APART, 0);
@@ -233,6 +234,8 @@ void read_columns_of_table(YamlSection& section, const ChannelKeys& keys, Record
                  "must name " + std::to_string(n) + (n == 1 ? " column" : " columns") +
                      (n == 3 ? "; fewer are enough where `axis` or `axes` give their directions" : ""));
   channel.clock = read_clock(section);
+  if (channel.clock.jitter > 0 && channel.noise < 0)
+    section.fail("jitter", "needs a number for `noise` beside it: noise that is measured has the jitter in it");
   channel.readout = read_readout(section);
   const bool is_readout_of_numbers = keys.n_columns != 4;
   if (!is_readout_of_numbers && (channel.readout.low_pass > 0 || std::isfinite(channel.readout.highest)))

@@ -21,9 +21,9 @@
 //                                                    # `time: stamp` names its column of times, else `t`
 //   initial: first_sample            # or fitted, or a mapping such as {joint/shoulder/position: 0.1}
 //   priors: {body/tip/mass: {value: 0.37 kg, sigma: 0.01 kg}}
-// Of any channel of a table also `latency: 20 ms`, `clock: {offset: 0.1 s, rate: 1.0001}`, `filter: {low_pass: 20 Hz}`,
-// `resolution` and `saturation: [low, high]` in the channel's unit.
-// A run may state what is its own:
+// Of any channel of a table also `latency: 20 ms`, `jitter: 0.05 ms`, `clock: {offset: 0.1 s, rate: 1.0001}`, `filter:
+// {low_pass: 20 Hz}`, `resolution` and `saturation: [low, high]` in the channel's unit. A run may state what is its
+// own:
 //     - {file: run_01.csv, role: fit, set: {body/tip/mass: 52 g}, initial: {joint/hinge/velocity: {value: 0, sigma:
 //     0.01}}}
 #pragma once
@@ -83,6 +83,7 @@ struct ChannelClock {
   std::string time;  // the column of times [s]; empty: `t`
   // The sample that is stamped s shows what was there at (1 + rate) s + offset - latency of the run's clock.
   double latency = 0, offset = 0, rate = 0;  // [s], [s], 1
+  double jitter = 0;                         // of each stamp, one standard deviation [s]
   bool is_that_of_run() const { return file.empty() && time.empty() && latency == 0 && offset == 0 && rate == 0; }
 };
 

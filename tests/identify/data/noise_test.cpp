@@ -26,6 +26,32 @@ TEST(OwnSamples, OfAFullTableAreItsRows) {
   EXPECT_EQ(own_samples({0, 0.011, 0.019, 0.03}, values, 2), values);
 }
 
+// An angle of seven turns: its noise is a thirty thousandth of its range, and is seen. What shows no noise, or only its
+// digits, has the least one.
+TEST(Noise, OfAWideRangeIsWhatIsSeenOfIt) {
+  const auto measured = [](double sigma, double digit) {
+    std::mt19937 engine(1);
+    std::normal_distribution<double> noise(0, 1);
+    Problem problem;
+    problem.channels.resize(1);
+    diagnose::Run run;
+    run.noise_scale = {1};
+    run.values.emplace_back();
+    for (int i = 0; i <= 480; ++i) {
+      const double t = 0.005 * i, q = 22 * (1 - std::cos(std::numbers::pi * t / 2.4)) + sigma * noise(engine);
+      run.t.push_back(t);
+      run.values[0].push_back(digit > 0 ? digit * std::round(q / digit) : q);
+    }
+    problem.runs.push_back(std::move(run));
+    measure_noise(problem);
+    return problem.channels[0].sigma;
+  };
+  EXPECT_NEAR(measured(1.3e-3, 0), 1.3e-3, 2e-4);
+  EXPECT_NEAR(measured(1.3e-3, 1e-5), 1.3e-3, 2e-4);
+  EXPECT_NEAR(measured(0, 0), 4.4e-3, 1e-5);
+  EXPECT_NEAR(measured(0, 1e-2), 4.4e-3, 1e-5);
+}
+
 struct Motion {
   double noise = 0, chatter = 0;  // sigma, amplitude
 };
