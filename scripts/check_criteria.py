@@ -14,6 +14,7 @@ ALLOWED = {
     "channels/angular_velocity.cpp": {"BIAS": "layout of a trace"},
     "channels/prediction.cpp": {"4": "steps of a cubic", "1e-6": "rounding of a time"},
     "candidates/law_dictionary.cpp": {"3": "components of a vector"},
+    "data/jitter.cpp": {"N_OF_TURN": "components of a quaternion"},
     "data/scene_numbers.cpp": {"1e-9": "rounding of moments"},
     "data/noise.cpp": {"1e-9": "rounding of commands", "TYPICAL": "sigma of a normal distribution over the median of its size"},
     "data/warnings.cpp": {"TURN": "2 pi", "200": "hint", "0.5": "hint", "100": "hint", "57.3": "hint", "10": "hint",
