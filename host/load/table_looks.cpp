@@ -320,6 +320,8 @@ const Fields<RenderSection>& render_fields() {
       Fields<R>()
           .number("frames_per_second", &R::frames_per_second, Unit::frequency, 0.1, 1000, "of the videos")
           .number("samples", &R::samples, Unit::none, 1, 65536, "paths per pixel")
+          .flag("adaptive", &R::adaptive,
+                "more paths where the noise is, `samples` is their mean; see [pictures](../guide/pictures.md)")
           .number("max_depth", &R::max_depth, Unit::none, 1, 64, "bounces of a path")
           .file("lut", &R::lut, "table of `calibrate lut`, applied to the pictures")
           .flag("denoise", &R::denoise, "filters the noise of few samples, see [pictures](../guide/pictures.md)");

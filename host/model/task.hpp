@@ -158,7 +158,8 @@ struct ClothSection {
 
 struct RenderSection {
   double frames_per_second = 10;
-  int samples = 16;  // paths per pixel
+  int samples = 16;       // paths per pixel
+  bool adaptive = false;  // more of them where the noise is
   int max_depth = 8;
   std::filesystem::path lut;  // applied to the pictures; empty: none
   bool denoise = false;       // the noise of few samples is filtered

@@ -30,8 +30,8 @@ void Features::note(std::size_t n, const Launch& launch, const DeviceScene& scen
         scene.cells, hit, hit_instance, direction, throughput, feature_color_, feature_normal_);
 }
 
-void Features::accumulate(const Launch& launch, Guides& guides) {
-  accumulate_(launch.n_pixels, launch.n_pixels, launch, feature_color_, feature_normal_, guides.guide_color,
+void Features::accumulate(const Launch& launch, const Buffer<std::uint32_t>& pixels, Guides& guides) {
+  accumulate_(launch.n_pixels, launch.n_pixels, launch, pixels, feature_color_, feature_normal_, guides.guide_color,
               guides.guide_normal);
 }
 

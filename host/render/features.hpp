@@ -21,7 +21,7 @@ class Features {
             const Buffer<F32x4>& hit, const Buffer<std::uint32_t>& hit_instance, const Buffer<F32x4>& direction,
             const Buffer<F32x4>& throughput);
   // the launch's samples to those of its pixels
-  void accumulate(const Launch& launch, Guides& guides);
+  void accumulate(const Launch& launch, const Buffer<std::uint32_t>& pixels, Guides& guides);
 
  private:
   Program program_;

@@ -3,15 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/render/adaptive.hpp"
 #include "host/render/camera.hpp"
+#include "host/render/pixel_order.hpp"
 #include "host/render/renderer_impl.hpp"
 #include "host/render/sensor.hpp"
 
 namespace pvg {
 namespace {
 
-constexpr int MOST_INSTANTS = 16;        // of a moving picture
-constexpr std::uint32_t STRIP_ROWS = 8;  // a tile's, tiles.cl: rows that a rolling shutter reads together
+constexpr int LEAST_FIRST_SAMPLES = 4;      // of a pixel, from which its noise is estimated
+constexpr int ROUNDS = 3;                   // in which the rest is dealt out
+constexpr int MOST_INSTANTS = 16;           // of a moving picture
+constexpr std::uint32_t STRIP_ROWS = TILE;  // that a rolling shutter reads together: those of a row of tiles
 
 // as hash_u32 in kernels/shared/rng.cl
 std::uint32_t hash_u32(std::uint32_t x) {
@@ -46,8 +50,8 @@ Launch Renderer::Impl::begin_launch(int camera, std::uint32_t frame) {
   return launch;
 }
 
-std::uint64_t Renderer::Impl::add_samples(Launch launch, std::uint32_t first, std::uint32_t last, int first_sample,
-                                          int n_samples) {
+std::uint64_t Renderer::Impl::add_samples(Launch launch, const Buffer<std::uint32_t>& pixels, std::uint32_t first,
+                                          std::uint32_t last, int first_sample, int n_samples) {
   std::uint64_t rays = 0;
   // more samples than a batch can hold go one part after the other
   const int at_once = int(std::min<std::size_t>(std::size_t(n_samples), stages.max_paths()));
@@ -57,7 +61,35 @@ std::uint64_t Renderer::Impl::add_samples(Launch launch, std::uint32_t first, st
     const std::uint32_t batch = std::uint32_t(std::max<std::size_t>(1, stages.max_paths() / launch.n_samples));
     for (launch.first_pixel = first; launch.first_pixel < last; launch.first_pixel += batch) {
       launch.n_pixels = std::min(batch, last - launch.first_pixel);
-      rays += stages.trace(launch, *on_device, film);
+      rays += stages.trace(launch, pixels, *on_device, film);
+    }
+  }
+  return rays;
+}
+
+// A first part goes to all pixels, the rest in rounds to those whose noise it shows.
+std::uint64_t Renderer::Impl::add_adaptive_samples(const Launch& launch, float exposure) {
+  const std::uint32_t width = launch.camera.width, n_pixels = width * launch.camera.height;
+  const int first_round = std::min(settings.samples, std::max(LEAST_FIRST_SAMPLES, settings.samples / 4));
+  std::uint64_t rays = add_samples(launch, film.order, 0, n_pixels, 0, first_round);
+  std::vector<std::uint32_t> counts(n_pixels, std::uint32_t(first_round));
+  const std::vector<std::uint32_t> order = film.order.read();
+  for (int round = 1; round <= ROUNDS; ++round) {
+    const int mean = first_round + (settings.samples - first_round) * round / ROUNDS;
+    const std::vector<std::uint32_t> wanted = doubled_counts(
+        path_variances(film.sum.read(), film.squares.read(), width, exposure), counts, std::uint64_t(mean) * n_pixels);
+    for (std::uint32_t count = std::uint32_t(first_round);; count *= 2) {
+      std::vector<std::uint32_t> pixels;
+      bool goes_on = false;
+      for (const std::uint32_t pixel : order) {
+        goes_on |= wanted[pixel] > count;
+        if (counts[pixel] == count && wanted[pixel] > count) pixels.push_back(pixel);
+      }
+      if (!goes_on) break;
+      chosen.resize(pixels.size());
+      chosen.write(pixels);
+      rays += add_samples(launch, chosen, 0, std::uint32_t(pixels.size()), int(count), int(count));
+      for (const std::uint32_t pixel : pixels) counts[pixel] *= 2;
     }
   }
   return rays;
@@ -81,7 +113,7 @@ std::uint64_t Renderer::Impl::add_moving_samples(int camera, std::uint32_t frame
       const double within = (k + double(key) * 0x1p-32) / n_instants;
       move_to(at(closes - seen_by.exposure_time * (1 - within)));
       const int first = settings.samples * k / n_instants, last = settings.samples * (k + 1) / n_instants;
-      rays += add_samples(begin_launch(camera, frame), row * width, end * width, first, last - first);
+      rays += add_samples(begin_launch(camera, frame), film.order, row * width, end * width, first, last - first);
     }
   }
   move_to(at(time));
@@ -195,9 +227,11 @@ RenderedFrame Renderer::render(int camera, std::uint32_t frame) {
   r.check_camera_index(camera);
   const Camera& seen_by = r.scene.cameras[std::size_t(camera)];
   const std::uint32_t n_pixels = std::uint32_t(seen_by.width) * std::uint32_t(seen_by.height);
-  r.film.begin(n_pixels);
+  r.film.begin(std::uint32_t(seen_by.width), std::uint32_t(seen_by.height));
   const Launch launch = r.begin_launch(camera, frame);
-  const std::uint64_t rays = r.add_samples(launch, 0, n_pixels, 0, r.settings.samples);
+  const std::uint64_t rays = r.settings.is_adaptive
+                                 ? r.add_adaptive_samples(launch, float(seen_by.exposure))
+                                 : r.add_samples(launch, r.film.order, 0, n_pixels, 0, r.settings.samples);
   return r.finish(launch, camera, frame, rays);
 }
 
@@ -210,7 +244,7 @@ RenderedFrame Renderer::render(int camera, std::uint32_t frame, const std::funct
     if (r.state.time != time) r.move_to(at(time));
     return render(camera, frame);
   }
-  r.film.begin(std::size_t(seen_by.width) * std::size_t(seen_by.height));
+  r.film.begin(std::uint32_t(seen_by.width), std::uint32_t(seen_by.height));
   const std::uint64_t rays = r.add_moving_samples(camera, frame, at, time);
   return r.finish(r.begin_launch(camera, frame), camera, frame, rays);
 }
@@ -219,7 +253,7 @@ std::vector<std::uint32_t> Renderer::instances(int camera) {
   Impl& r = *impl_;
   r.check_camera_index(camera);
   const Camera& seen_by = r.scene.cameras[std::size_t(camera)];
-  r.film.begin(std::size_t(seen_by.width) * std::size_t(seen_by.height));
+  r.film.begin(std::uint32_t(seen_by.width), std::uint32_t(seen_by.height));
   r.find_ground_truth(r.begin_launch(camera, 0));
   r.last_camera = camera;
   return r.film.instance.read();

@@ -14,7 +14,9 @@
 namespace pvg {
 
 struct RenderSettings {
-  int samples = 16;    // paths per pixel
+  int samples = 16;  // paths per pixel
+  bool is_adaptive =
+      false;           // `samples` is the mean: more where the noise is, see adaptive.hpp; not where a shutter moves
   int max_depth = 12;  // bounces; a glass wall takes two
   std::uint64_t seed = 0;
   // clear glass between a light and a diffuse surface or shadow receiver attenuates the shadow ray, which goes straight

@@ -34,8 +34,10 @@ struct Renderer::Impl {
 
   // renderer.cpp
   Launch begin_launch(int camera, std::uint32_t frame);
-  // samples first_sample .. of the pixels first .. last - 1, in the order of tiles.cl, into the film
-  std::uint64_t add_samples(Launch launch, std::uint32_t first, std::uint32_t last, int first_sample, int n_samples);
+  // samples first_sample .. of the pixels first .. last - 1 of a list, into the film
+  std::uint64_t add_samples(Launch launch, const Buffer<std::uint32_t>& pixels, std::uint32_t first, std::uint32_t last,
+                            int first_sample, int n_samples);
+  std::uint64_t add_adaptive_samples(const Launch& launch, float exposure);
   std::uint64_t add_moving_samples(int camera, std::uint32_t frame, const std::function<SceneState(double)>& at,
                                    double time);
   void find_ground_truth(Launch launch);
@@ -65,7 +67,8 @@ struct Renderer::Impl {
   std::optional<Denoiser> denoiser;           // else this
   Stages stages;
   Film film;
-  int last_camera = -1;  // whose ground truth the film holds
+  Buffer<std::uint32_t> chosen;  // pixels that get more samples
+  int last_camera = -1;          // whose ground truth the film holds
 };
 
 }  // namespace pvg

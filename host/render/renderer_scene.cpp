@@ -38,7 +38,8 @@ Renderer::Impl::Impl(Device& device_, const Scene& scene_, const RenderSettings&
       look(make_look(scene_)),
       image_denoise(settings.denoises ? ImageDenoise::find(device.info().is_gpu) : std::nullopt),
       stages(device_, settings.denoises || settings.notes_features),
-      film(device_) {
+      film(device_),
+      chosen(device_, 0, "chosen") {
   if (settings.samples < 1 || settings.samples > 1 << 16)
     throw UsageError("samples is " + std::to_string(settings.samples) + "; 1 to 65536 paths per pixel");
   if (settings.max_depth < 0 || settings.max_depth > 1000)

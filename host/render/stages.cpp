@@ -2,10 +2,13 @@
 
 #include <utility>
 
+#include "host/render/pixel_order.hpp"
+
 namespace pvg {
 
 Film::Film(Device& device)
-    : sum(device, 0, "film"),
+    : order(device, 0, "order"),
+      sum(device, 0, "film"),
       squares(device, 0, "squares"),
       dropped(device, 0, "dropped"),
       depth(device, 0, "depth"),
@@ -15,7 +18,14 @@ Film::Film(Device& device)
       place(device, 0, "place"),
       seen(device, 0, "seen") {}
 
-void Film::begin(std::size_t n_pixels) {
+void Film::begin(std::uint32_t width, std::uint32_t height) {
+  const std::size_t n_pixels = std::size_t(width) * height;
+  if (width != width_ || height != height_) {
+    order.resize(n_pixels);
+    order.write(tile_order(width, height));
+    width_ = width;
+    height_ = height;
+  }
   sum.resize(n_pixels);
   squares.resize(n_pixels);
   dropped.resize(n_pixels);
@@ -74,10 +84,11 @@ Stages::Stages(Device& device, bool notes_features)
   if (notes_features) features_.emplace(device);
 }
 
-std::uint64_t Stages::trace(const Launch& launch, const DeviceScene& scene, Film& film) {
+std::uint64_t Stages::trace(const Launch& launch, const Buffer<std::uint32_t>& pixels, const DeviceScene& scene,
+                            Film& film) {
   std::size_t n = std::size_t(launch.n_pixels) * launch.n_samples;
   std::uint64_t segments = 0;
-  generate(n, launch);
+  generate(n, launch, pixels);
   for (unsigned depth = 0; depth <= launch.max_depth && n > 0; ++depth) {
     segments += n;
     intersect(n, scene);
@@ -88,17 +99,19 @@ std::uint64_t Stages::trace(const Launch& launch, const DeviceScene& scene, Film
     if (launch.n_lights > 0) shadow(n, launch, scene);
     n = compact(n);
   }
-  kernels_.accumulate(launch.n_pixels, launch.n_pixels, launch, radiance_, film.sum, film.squares, film.dropped);
-  if (features_) features_->accumulate(launch, film.guides.value());
+  kernels_.accumulate(launch.n_pixels, launch.n_pixels, launch, pixels, radiance_, film.sum, film.squares,
+                      film.dropped);
+  if (features_) features_->accumulate(launch, pixels, film.guides.value());
   return segments;
 }
 
 void Stages::find_ground_truth(const Launch& launch, bool sees_through_glass, const DeviceScene& scene, Film& film) {
-  generate(launch.n_pixels, launch);
-  kernels_.ground_truth(launch.n_pixels, launch.n_pixels, launch, std::uint32_t(sees_through_glass), scene.trees.top,
-                        scene.trees.nodes, scene.trees.blocks, scene.trees.instances, scene.materials, scene.triangles,
-                        scene.vertices, scene.textures, scene.texels, scene.second_uvs, origin_, direction_,
-                        throughput_, film.depth, film.distance, film.instance, film.normal, film.seen, film.place);
+  generate(launch.n_pixels, launch, film.order);
+  kernels_.ground_truth(launch.n_pixels, launch.n_pixels, launch, film.order, std::uint32_t(sees_through_glass),
+                        scene.trees.top, scene.trees.nodes, scene.trees.blocks, scene.trees.instances, scene.materials,
+                        scene.triangles, scene.vertices, scene.textures, scene.texels, scene.second_uvs, origin_,
+                        direction_, throughput_, film.depth, film.distance, film.instance, film.normal, film.seen,
+                        film.place);
 }
 
 void Stages::find_flow(const Launch& from, const Launch& to, const DeviceScene& scene, const Film& film,
@@ -115,13 +128,13 @@ std::uint32_t Stages::find_camera_media(const Launch& launch, const DeviceScene&
   return media_.read().front();
 }
 
-void Stages::generate(std::size_t n, const Launch& launch) {
+void Stages::generate(std::size_t n, const Launch& launch, const Buffer<std::uint32_t>& pixels) {
   for (Buffer<F32x4>* buffer :
        {&origin_, &direction_, &throughput_, &radiance_, &hit_, &shadow_origin_, &shadow_direction_, &shadow_light_})
     buffer->resize(n);
   stream_.resize(n);
   for (Buffer<std::uint32_t>* buffer : {&hit_instance_, &queue_, &next_queue_, &alive_}) buffer->resize(n);
-  kernels_.generate(n, std::uint32_t(n), launch, origin_, direction_, throughput_, radiance_, stream_, queue_);
+  kernels_.generate(n, std::uint32_t(n), launch, pixels, origin_, direction_, throughput_, radiance_, stream_, queue_);
 }
 
 void Stages::intersect(std::size_t n, const DeviceScene& scene) {

@@ -29,9 +29,10 @@ struct DeviceScene {
 // What a picture is gathered in  [height x width].
 struct Film {
   explicit Film(Device& device);
-  void begin(std::size_t n_pixels);  // empties it
-  Buffer<F32x4> sum;                 // of radiance; last: samples in it
-  Buffer<float> squares;             // of luminance
+  void begin(std::uint32_t width, std::uint32_t height);  // empties it
+  Buffer<std::uint32_t> order;                            // of its pixels: tile_order
+  Buffer<F32x4> sum;                                      // of radiance; last: samples in it
+  Buffer<float> squares;                                  // of luminance
   Buffer<std::uint32_t> dropped;
   Buffer<float> depth, distance;
   Buffer<std::uint32_t> instance;
@@ -39,6 +40,9 @@ struct Film {
   Buffer<F32x4> place;           // the point at the middle, last: its distance [m]
   Buffer<F32x4> seen;            // the hit at the middle: u, v, triangle, instance
   std::optional<Guides> guides;  // of renderers that denoise or show them
+
+ private:
+  std::uint32_t width_ = 0, height_ = 0;
 };
 
 class Stages {
@@ -48,9 +52,10 @@ class Stages {
   // At most so many paths are under way at once, about 150 bytes each: on a CPU what stays near its caches (6 % faster
   // than four times as many), on a GPU what fills it.
   std::size_t max_paths() const { return max_paths_; }
-  // follows the launch's paths to their end and adds them to the film; the number of segments traced
-  std::uint64_t trace(const Launch& launch, const DeviceScene& scene, Film& film);
-  // one ray per pixel of the launch
+  // follows the paths of the launch's part of the pixels to their end and adds them to the film; the number of segments
+  // traced
+  std::uint64_t trace(const Launch& launch, const Buffer<std::uint32_t>& pixels, const DeviceScene& scene, Film& film);
+  // one ray per pixel of the launch, of the film's order
   void find_ground_truth(const Launch& launch, bool sees_through_glass, const DeviceScene& scene, Film& film);
   // where the points of the film's last ground truth are in the picture `to`, whose scene this is
   void find_flow(const Launch& from, const Launch& to, const DeviceScene& scene, const Film& film, Buffer<float>& flow,
@@ -59,7 +64,7 @@ class Stages {
   std::uint32_t find_camera_media(const Launch& launch, const DeviceScene& scene);
 
  private:
-  void generate(std::size_t n, const Launch& launch);
+  void generate(std::size_t n, const Launch& launch, const Buffer<std::uint32_t>& pixels);
   void intersect(std::size_t n, const DeviceScene& scene);
   void pass_holes(std::size_t n, unsigned depth, const DeviceScene& scene);
   void shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene);

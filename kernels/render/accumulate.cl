@@ -1,17 +1,15 @@
 // Stage 5: adds the samples of each pixel in their order to what is there. Samples that are not finite are left out and counted.
 #include "render/path.h"
-#include "render/tiles.cl"
 
 // radiance: [n_pixels x n_samples];  film: [height x width], sum of radiance, w: samples in it;  squares: [height x
 // width], sum of their squared luminance;  dropped: [height x
 // width]
-kernel void accumulate(const uint n_pixels, const Launch launch, global const float4* restrict radiance,
-                       global float4* restrict film, global float* restrict squares,
+kernel void accumulate(const uint n_pixels, const Launch launch, global const uint* restrict pixels,
+                       global const float4* restrict radiance, global float4* restrict film, global float* restrict squares,
                        global uint* restrict dropped) {
   const uint i = get_global_id(0);
   if (i >= n_pixels) return;
-  const uint2 pixel = tile_pixel(launch.first_pixel + i, launch.camera.width, launch.camera.height);
-  const uint at = pixel.y * launch.camera.width + pixel.x;
+  const uint at = pixels[launch.first_pixel + i];
   float4 sum = film[at];
   float sum_of_squares = squares[at];
   uint n_dropped = dropped[at];

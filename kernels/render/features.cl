@@ -5,7 +5,6 @@
 #include "shared/pocl.h"
 
 #include "render/interact.cl"
-#include "render/tiles.cl"
 
 // the share of white light that the surface scatters back or shines, at most 1
 static inline float3 scattered_color(const Shading scene, global const Instance* instance, const Material m,
@@ -61,13 +60,13 @@ kernel void note_features(const uint n, const Launch launch, global const uint* 
 }
 
 // guide_color, guide_normal: [height x width] sums over the samples, in their order, as accumulate.cl
-kernel void accumulate_features(const uint n_pixels, const Launch launch, global const float4* restrict feature_color,
+kernel void accumulate_features(const uint n_pixels, const Launch launch, global const uint* restrict pixels,
+                                global const float4* restrict feature_color,
                                 global const float4* restrict feature_normal, global float4* restrict guide_color,
                                 global float4* restrict guide_normal) {
   const uint i = get_global_id(0);
   if (i >= n_pixels) return;
-  const uint2 pixel = tile_pixel(launch.first_pixel + i, launch.camera.width, launch.camera.height);
-  const uint at = pixel.y * launch.camera.width + pixel.x;
+  const uint at = pixels[launch.first_pixel + i];
   float4 color = guide_color[at], normal = guide_normal[at];
   for (uint s = 0; s < launch.n_samples; ++s) {
     color += (float4)(feature_color[i * launch.n_samples + s].xyz, 1);

@@ -114,7 +114,7 @@ typedef struct {
 } PinholeCamera;
 SHARED_SIZE(PinholeCamera, 128);
 
-// one batch: all samples of the pixels first_pixel .. in tile order
+// one batch: samples first_sample .. of the pixels first_pixel .. of a list
 typedef struct {
   PinholeCamera camera;
   u32 first_pixel, n_pixels;

@@ -2,7 +2,6 @@
 // mixing at edges. Glass is a surface like any other, or is looked through, straight on; holes of masks are not there.
 #include "materials/list.cl"
 #include "render/cutout.cl"
-#include "render/tiles.cl"
 
 // a surface that is looked through where glass is
 static inline bool is_glass(global const Instance* instance, global const Material* materials) {
@@ -34,7 +33,8 @@ static inline float seen_surface(const Trees trees, const Cutouts c, const uint 
 // distance: [height x width, m], infinite: nothing;  instance: [height x width] 1 + index of the Visual, 0: none or a
 // light; normal: [height x width x 3] unit, world, toward the camera, or 0;  seen: [height x width] place of the hit: u,
 // v, triangle, instance;  place: [height x width, m] the point, world, w: distance
-kernel void ground_truth(const uint n_pixels, const Launch launch, const uint sees_through_glass,
+kernel void ground_truth(const uint n_pixels, const Launch launch, global const uint* restrict pixels,
+                         const uint sees_through_glass,
                          global const float8* restrict top, global const float8* restrict nodes,
                          global const float4* restrict blocks, global const Instance* restrict instances,
                          global const Material* restrict materials, global const uint* restrict triangles,
@@ -47,8 +47,7 @@ kernel void ground_truth(const uint n_pixels, const Launch launch, const uint se
   const uint i = get_global_id(0);
   if (i >= n_pixels) return;
   const PinholeCamera c = launch.camera;
-  const uint2 pixel = tile_pixel(launch.first_pixel + i, c.width, c.height);
-  const uint at = pixel.y * c.width + pixel.x;
+  const uint at = pixels[launch.first_pixel + i];
   depth[at] = INFINITY;
   distance[at] = INFINITY;
   instance[at] = 0;

@@ -48,6 +48,7 @@ struct RenderOptions {
   std::string lut;                   // .csv of calibrate lut; empty: what the file says
   bool writes_ground_truth = false;  // CAMERA_truth.h5 beside the pictures
   bool sees_through_glass = false;   // ground truth: of what is behind glass
+  bool is_adaptive = false;
   bool denoises = false;
   std::string receivers = "kept";  // or relit, emissive
   bool is_rigid = false;           // grippers, of a task
@@ -168,6 +169,7 @@ RenderSettings settings_of(const RenderOptions& options, const ShownScene& shown
   settings.seed = options.seed ? options.seed : shown.seed;
   settings.sees_through_glass = options.sees_through_glass;
   settings.notes_features = options.writes_ground_truth;
+  settings.is_adaptive = options.is_adaptive || shown.render.adaptive;
   settings.denoises = options.denoises || shown.render.denoise;
   return settings;
 }
@@ -276,6 +278,8 @@ void add_render(CLI::App& program) {
   command->add_option("--fps", o.frames_per_second, "Pictures per second of motion")->check(CLI::Range(0.01, 1000.0));
   command->add_option("--seed", o.seed, "Of the pictures' noise");
   command->add_option("--lut", o.lut, "Lookup table of `calibrate lut` (.csv); else what the file says");
+  command->add_flag("--adaptive", o.is_adaptive,
+                    "More paths where the noise is, --samples is their mean; also where the file says so");
   command->add_flag("--denoise", o.denoises, "Filter the noise of few samples; also where the file says so");
   command
       ->add_option("--receivers", o.receivers,

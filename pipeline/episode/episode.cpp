@@ -212,6 +212,16 @@ std::uint64_t picture_seed(std::uint64_t seed, std::uint64_t episode) {
   return mixed_bits(seed + 0x9e3779b97f4a7c15u * episode);
 }
 
+RenderSettings picture_settings(const Task& task, std::uint64_t seed, std::uint64_t episode) {
+  RenderSettings settings;
+  settings.samples = task.render.samples;
+  settings.is_adaptive = task.render.adaptive;
+  settings.max_depth = task.render.max_depth;
+  settings.denoises = task.render.denoise;
+  settings.seed = picture_seed(seed, episode);
+  return settings;
+}
+
 void apply(const PictureOverrides& overrides, Task& task) {
   for (CameraSection& camera : task.cameras) {
     if (overrides.width) camera.width = overrides.width;
@@ -270,14 +280,10 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Epi
   render_state.records_mask = masks_asked(task, scene);
   if (!task.render.lut.empty()) render_state.lut = read_lut(task.render.lut);
   if (settings.renders) {
-    RenderSettings pictures_settings;
-    pictures_settings.samples = task.render.samples;
-    pictures_settings.max_depth = task.render.max_depth;
-    pictures_settings.denoises = task.render.denoise;
-    pictures_settings.seed = picture_seed(settings.seed, settings.episode);
     render_state.turn = &devices.rendering_turn;
     const std::lock_guard turn(devices.rendering_turn);
-    render_state.renderer = std::make_unique<Renderer>(rendering, scene, pictures_settings);
+    render_state.renderer =
+        std::make_unique<Renderer>(rendering, scene, picture_settings(task, settings.seed, settings.episode));
   }
   JudgeState& judge_state = store.state(verdict);
   judge_state.monitor =

@@ -11,6 +11,7 @@
 #include "host/device/device.hpp"
 #include "host/load/build_scene.hpp"
 #include "host/model/task.hpp"
+#include "host/render/renderer.hpp"
 #include "pipeline/episode/shared_simulation.hpp"
 #include "pipeline/episode/success.hpp"
 #include "pipeline/graph/graph.hpp"
@@ -67,6 +68,8 @@ bool shows(const EpisodeSettings& settings, const std::string& camera);
 
 // Seed of an episode's pictures: neighbouring episodes share no noise.
 std::uint64_t picture_seed(std::uint64_t seed, std::uint64_t episode);
+// How the pictures of an episode are made, of `generate` and of `serve` alike.
+RenderSettings picture_settings(const Task& task, std::uint64_t seed, std::uint64_t episode);
 
 // What the episodes under way share.
 struct EpisodeDevices {

@@ -77,7 +77,8 @@ std::string summary_json(const Task& task, const EpisodeSettings& settings, cons
                {"frames", settings.renders ? report.n_frames : 0},
                {"frames_per_second", report.frames_per_second},
                {"duration_s", double(report.solver.steps) * report.time_step},
-               {"samples_per_pixel", task.render.samples}};
+               {"samples_per_pixel", task.render.samples},
+               {"adaptive_samples", task.render.adaptive}};
   Json& cameras = json["cameras"] = Json::object();
   for (const CameraSection& camera : task.cameras)
     if (shows(settings, camera.name)) cameras[camera.name] = {{"width", camera.width}, {"height", camera.height}};

@@ -203,11 +203,7 @@ Picture8 ServedTask::picture(std::size_t camera) {
   if (!rendering_) throw UsageError("this server makes no pictures: it was started with --no-render");
   const Scene& scene = built().scene;
   if (!renderer_) {
-    RenderSettings settings;
-    settings.samples = task_.render.samples;
-    settings.max_depth = task_.render.max_depth;
-    settings.seed = picture_seed(seed_, episode_);
-    renderer_ = std::make_unique<Renderer>(*rendering_, scene, settings);
+    renderer_ = std::make_unique<Renderer>(*rendering_, scene, picture_settings(task_, seed_, episode_));
   }
   const std::uint32_t frame = n_steps_ == 0 ? START_FRAME : std::uint32_t((n_steps_ - 1) / facts_.steps_per_period);
   renderer_->set_state(last_states_.back());

@@ -5,13 +5,13 @@
 #include <set>
 
 #include "host/device/device.hpp"
+#include "host/render/pixel_order.hpp"
 #include "tests/render/test_scene.hpp"
 
 namespace pvg {
 namespace {
 
 const char* const random_kernels = R"(
-#include "render/tiles.cl"
 #include "shared/rng.cl"
 kernel void draw(const uint n, const uint n_samples, global float* xy) {
   const uint i = get_global_id(0);
@@ -28,12 +28,6 @@ kernel void differ(const uint n, global uint* differences) {
   uint count = 0;
   for (uint k = 0; k < 4; ++k) count += any(points[k] != sample_2d(key, sample, dimension + k)) ? 1 : 0;
   differences[i] = count;
-}
-kernel void order(const uint n, const uint width, const uint height, global uint* place) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  const uint2 pixel = tile_pixel(i, width, height);
-  place[i] = pixel.x < width && pixel.y < height ? pixel.y * width + pixel.x : 0xffffffff;
 })";
 
 std::vector<float> draw(unsigned n_sets, unsigned n_samples) {
@@ -92,15 +86,20 @@ TEST(Random, FourPointsAtOnceAreThoseOfTheirDimensions) {
 }
 
 TEST(Tiles, EveryPixelComesOnce) {
-  Device device;
-  Kernel order = Program::from_text(device, "random", random_kernels).kernel("order");
   for (const auto& [width, height] : {std::pair{1u, 1u}, {8u, 8u}, {320u, 180u}, {13u, 7u}, {7u, 13u}, {257u, 3u}}) {
-    Buffer<unsigned> place(device, width * height, "place");
-    order(width * height, width * height, width, height, place);
-    const std::vector<unsigned> places = place.read();
-    const std::set<unsigned> distinct(places.begin(), places.end());
+    const std::vector<std::uint32_t> places = tile_order(width, height);
+    const std::set<std::uint32_t> distinct(places.begin(), places.end());
+    EXPECT_EQ(places.size(), width * height);
     EXPECT_EQ(distinct.size(), width * height);
     EXPECT_EQ(*distinct.rbegin(), width * height - 1);
+  }
+}
+
+TEST(Tiles, SixtyFourNeighboursInTheListAreATile) {
+  const std::vector<std::uint32_t> places = tile_order(320, 180);
+  for (std::size_t i = 0; i < 64; ++i) {
+    EXPECT_LT(places[64 + i] / 320, 8u);  // the second tile
+    EXPECT_EQ(places[64 + i] % 320 / 8, 1u);
   }
 }
 

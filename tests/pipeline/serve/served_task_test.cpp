@@ -162,6 +162,21 @@ TEST_F(Served, AHandThatStaysAwayFails) {
   }
 }
 
+// the policy sees what the demonstrations' videos show
+TEST_F(Served, PicturesAreFilteredWhereTheTaskSaysSo) {
+  setenv("PVG_DENOISER", "none", 1);  // the built-in filter
+  Task task = small_task();
+  task.render.samples = 2;
+  const auto shown = [&](bool denoise) {
+    task.render.denoise = denoise;
+    ServedTask served(task, device(), &device());
+    served.reset(SEED, EPISODE);
+    return served.picture(0);
+  };
+  EXPECT_NE(shown(true).rgb, shown(false).rgb);
+  unsetenv("PVG_DENOISER");
+}
+
 TEST_F(Served, WhatCannotBeDoneIsRefusedAndChangesNothing) {
   ServedTask served(small_task(), device(), nullptr);
   expect_error<UsageError>([&] { served.act(std::vector<double>(8, 0.0)); }, {"no episode", "reset"});
