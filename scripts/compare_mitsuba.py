@@ -2,7 +2,7 @@
 """Renders a scene with phyvisgen and with Mitsuba 3, in turns, and prints paths per processor second of both, the means of
 both pictures, and their errors at equal processor seconds.
 
-  compare_mitsuba.py PHYVISGEN [SCENE.yaml] [--without ball] [--straight-shadows] [--turns 5] [--error 4096]
+  compare_mitsuba.py PHYVISGEN [SCENE.yaml] [--without ball] [--straight-shadows] [--turns 5] [--error 4096] [--adaptive]
 
 A program's time is user and system time of its process; that of its start, of compiling and of writing is taken away as the
 difference of two numbers of samples. Mitsuba's scene is made from the same file: same meshes, camera, light, number of bounces,
@@ -11,7 +11,8 @@ their throughput by the index of refraction; phyvisgen's samples are stratified,
 Refracted light of lamps is traced by both, unless --straight-shadows.
 
 --error N: relative squared error, the mean of (x - r)^2 / (r^2 + 0.01) over pixels and channels. Each program's reference r has
-N samples of another seed; its own noise, 1 / N of the error of one sample, is taken away.
+N samples of another seed; its own noise, 1 / N of the error of one sample, is taken away. --adaptive: ours once more with
+adaptive samples, against the same reference.
 
 Needs mitsuba 3.9.1 and PyYAML (scripts/python_env.sh mitsuba mitsuba==3.9.1 pyyaml). The variant llvm_ad_rgb needs the library
 of LLVM that DRJIT_LIBLLVM_PATH names.
@@ -131,6 +132,19 @@ def error(picture, reference):
     return float(np.mean((picture - reference) ** 2 / (reference ** 2 + 0.01)))
 
 
+def error_and_cost(program, reference):
+    """Error of the larger number of samples, reference's noise included; processor seconds a sample."""
+    few = program.render(SAMPLES[0], seed=3)
+    seconds = program.render(SAMPLES[1], seed=3) - few
+    return error(program.picture(), reference), seconds / (SAMPLES[1] - SAMPLES[0])
+
+
+def report_cost(name, less_noise, per_sample):
+    print(f"{name}: error of {SAMPLES[1]} samples, less the reference's noise, {less_noise:.4f}; "
+          f"{per_sample:.4f} processor seconds a sample", flush=True)
+    return less_noise * per_sample
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", type=pathlib.Path)
@@ -142,6 +156,7 @@ def main():
     parser.add_argument("--variant", default="llvm_ad_rgb", help="of Mitsuba")
     parser.add_argument("--turns", type=int, default=5)
     parser.add_argument("--error", type=int, default=0, metavar="N", help="samples of the references")
+    parser.add_argument("--adaptive", action="store_true", help="with --error: ours with adaptive samples, too")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)
@@ -169,19 +184,22 @@ def main():
         print("means of red, green, blue: " + "; ".join(" ".join(f"{c:.4f}" for c in mean) for mean in means) +
               f"; ours over theirs - 1: {' '.join(f'{100 * c:+.2f} %' for c in means[0] / means[1] - 1)}", flush=True)
         if arguments.error:
-            results = []
+            costs = []
             for program in (ours, theirs):
                 program.render(arguments.error, seed=2)
                 reference = program.picture()
-                few = program.render(SAMPLES[0], seed=3)
-                seconds = program.render(SAMPLES[1], seed=3) - few
-                measured = error(program.picture(), reference)
-                less_noise = measured / (1 + SAMPLES[1] / arguments.error)
-                per_sample = seconds / (SAMPLES[1] - SAMPLES[0])
-                results.append(less_noise * SAMPLES[1] * per_sample)
-                print(f"{program.name}: error of {SAMPLES[1]} samples {measured:.4f}, less noise {less_noise:.4f}; "
-                      f"{per_sample:.4f} processor seconds a sample", flush=True)
-            print(f"error at equal processor seconds, ours over theirs: {results[0] / results[1]:.2f}")
+                measured, per_sample = error_and_cost(program, reference)
+                of_reference = measured * SAMPLES[1] / (arguments.error + SAMPLES[1])
+                costs.append(report_cost(program.name, measured - of_reference, per_sample))
+                if program is ours and arguments.adaptive:
+                    ours.command.append("--adaptive")
+                    measured, per_sample = error_and_cost(ours, reference)
+                    adaptive = report_cost(f"{ours.name} --adaptive", measured - of_reference, per_sample)
+                    shift = 100 * (ours.picture().mean() / reference.mean() - 1)
+                    print(f"its mean over that of the reference - 1: {shift:+.2f} %", flush=True)
+            print(f"error at equal processor seconds, ours over theirs: {costs[0] / costs[1]:.2f}")
+            if arguments.adaptive:
+                print(f"the same with --adaptive: {adaptive / costs[1]:.2f}")
 
 
 if __name__ == "__main__":

@@ -300,7 +300,7 @@ void add_render(CLI::App& program) {
   command->add_flag("-v,--verbose", o.is_verbose, "Tell of every picture: rays, time, dropped samples");
   command->footer(
       "Examples:\n  phyvisgen render data/scenes/beaker_on_scale.yaml -o beaker.png --samples 64\n"
-      "  phyvisgen render data/scenes/cornell_glass.yaml -o cornell.exr --samples 1024 --caustics\n"
+      "  phyvisgen render data/scenes/cornell_glass.yaml -o cornell.exr --samples 1024 --caustics --adaptive\n"
       "  phyvisgen render model.glb -o model.png\n"
       "  phyvisgen render data/validation/drape.yaml --states drape.h5 -o drape.mp4 --fps 25\n"
       "  phyvisgen render data/tasks/weigh_beaker.yaml --states out/beaker/episode_000000/states.h5 --camera wrist \\\n"
