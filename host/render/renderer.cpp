@@ -13,7 +13,7 @@ namespace pvg {
 namespace {
 
 constexpr int LEAST_FIRST_SAMPLES = 4;      // of a pixel, from which its noise is estimated
-constexpr int ROUNDS = 3;                   // in which the rest is dealt out
+constexpr int ROUNDS = 3;                   // in which the rest is shared out
 constexpr int MOST_INSTANTS = 16;           // of a moving picture
 constexpr std::uint32_t STRIP_ROWS = TILE;  // that a rolling shutter reads together: those of a row of tiles
 
