@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/base/error.hpp"
 #include "tests/expect_error.hpp"
 
 namespace pvg {
