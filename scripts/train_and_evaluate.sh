@@ -2,7 +2,8 @@
 # Trains ACT on demonstrations and judges it in the loop by lerobot's own `lerobot-eval`, beside the mean motion of all
 # demonstrations and the replay of the nearest one, all on the same starts, which no training has seen.
 #   scripts/train_and_evaluate.sh TASK FOLDER [SEED...]     TASK: a file; SEED: of trainings, 1 without any
-# FOLDER gets set, data set, checkpoints and result.csv; what is there already is kept. Variables:
+# FOLDER gets set, data set, checkpoints and result.csv; what is there already is kept, so that the same command goes on
+# where it was stopped, but for a training, which begins again. Variables:
 #   OBSERVATION     states (joints and poses of objects, the default) or pictures (joints and pictures)
 #   CAMERA, SIZE    pictures: names of cameras with blanks between (else all), WIDTHxHEIGHT in pixels (96x96)
 #   SAMPLES         paths per pixel (4)
@@ -13,7 +14,8 @@
 #   WEIGHTS         resnet18: at the start, such as ResNet18_Weights.IMAGENET1K_V1, which is downloaded (else random)
 #   DEVICE          of training, cpu or cuda (cpu)
 #   STEPS, BATCH    of training (2000 of 32; pictures: 3000 of 32)
-#   CHUNK, EXECUTED actions that are predicted, and done before the policy is asked again (10, 5; pictures: 20, 10)
+#   CHUNK, EXECUTED actions that are predicted, and done before the policy is asked again (10, 5; pictures: 20, 10);
+#                   EXECUTED="5 1" judges each policy twice
 #   LEARNING_RATE, DROPOUT (1e-4, 0.1; pictures: 5e-4, 0)
 #   VAE, SAVE       states: true or false (true), steps from one checkpoint to the next (STEPS)
 #   TRAINING_PROGRAMS folder of python, lerobot-train and lerobot-eval (.venv-train/bin)
@@ -33,7 +35,7 @@ observation="${OBSERVATION:-states}" cameras="${CAMERA:-}" size="${SIZE:-96x96}"
 gripper="${GRIPPER:-}" judged="${JUDGED:-$task}" judged_gripper="${GRIPPER:-}"
 [ -z "${JUDGED:-}" ] || judged_gripper=""
 network="${NETWORK:-keypoints}" steps="${STEPS:-2000}" batch="${BATCH:-32}" rate="${LEARNING_RATE:-1e-4}" dropout="${DROPOUT:-0.1}"
-chunk="${CHUNK:-10}" executed="${EXECUTED:-5}"
+chunk="${CHUNK:-10}" all_executed="${EXECUTED:-5}"
 width="${size%x*}" height="${size#*x}"
 expr "$size" : '[1-9][0-9]*x[1-9][0-9]*$' >/dev/null || refuse "SIZE=$size is not WIDTHxHEIGHT in pixels, such as 96x96"
 case "$gripper" in "" | soft | rigid) ;; *) refuse "GRIPPER=$gripper is neither soft nor rigid" ;; esac
@@ -56,7 +58,7 @@ case "$observation" in
     ;;
   pictures)
     generate="--width $width --height $height --samples $samples" pack=""
-    chunk="${CHUNK:-20}" executed="${EXECUTED:-10}"
+    chunk="${CHUNK:-20}" all_executed="${EXECUTED:-10}"
     case "$network" in keypoints | resnet18) ;; *) refuse "NETWORK=$network is neither keypoints nor resnet18" ;; esac
     [ "$network" = resnet18 ] || [ -z "${WEIGHTS:-}" ] || refuse "WEIGHTS=$WEIGHTS needs NETWORK=resnet18"
     [ -z "${VAE:-}${SAVE:-}" ] || refuse "VAE and SAVE need OBSERVATION=states"
@@ -69,6 +71,11 @@ case "$observation" in
     ;;
   *) refuse "OBSERVATION=$observation is neither states nor pictures" ;;
 esac
+executed="${all_executed%% *}" # of the checkpoint
+for number in $all_executed; do
+  expr "$number" : '[1-9][0-9]*$' >/dev/null && [ "$number" -le "$chunk" ] ||
+    refuse "EXECUTED=$all_executed holds $number, which is no number from 1 to the $chunk actions of a chunk"
+done
 [ -z "$gripper" ] || generate="$generate --gripper $gripper"
 [ -z "$judged_gripper" ] || show="$show --env.gripper=$judged_gripper"
 
@@ -100,10 +107,14 @@ plugin=""
 "$python/python" -c 'from lerobot.utils.import_utils import register_third_party_plugins' 2>/dev/null ||
   plugin="--env.discover_packages_path=lerobot_env_phyvisgen"
 
-echo "policy,training_seed,successes,episodes" >"$folder/result.csv"
-PVG_PYTHON="$python/python" "$program" evaluate policy "$judged" --policy blind --baseline nearest \
-  --demonstrations "$folder/set" -n "$episodes" --length "$length" ${judged_gripper:+--gripper "$judged_gripper"} --json \
-  >"$folder/baselines.json"
+echo "policy,training_seed,successes,episodes,executed" >"$folder/result.csv"
+how="$judged $judged_gripper $episodes $length" # a judgement that was made so is kept
+if [ "$(cat "$folder/baselines.how" 2>/dev/null)" != "$how" ]; then
+  PVG_PYTHON="$python/python" "$program" evaluate policy "$judged" --policy blind --baseline nearest \
+    --demonstrations "$folder/set" -n "$episodes" --length "$length" ${judged_gripper:+--gripper "$judged_gripper"} --json \
+    >"$folder/baselines.json"
+  echo "$how" >"$folder/baselines.how"
+fi
 "$python/python" - "$folder/baselines.json" <<'PYTHON' | tee -a "$folder/result.csv"
 import json
 import sys
@@ -111,7 +122,7 @@ import sys
 told = json.load(open(sys.argv[1]))
 for name, result in {told["policy"]: told, **told["baselines"]}.items():
     successes = sum(episode["success"] for episode in result["episodes_detail"])
-    print(f"{name},,{successes},{result['episodes']}")
+    print(f"{name},,{successes},{result['episodes']},")
 PYTHON
 train() {
   if [ "$observation" = pictures ]; then
@@ -135,19 +146,32 @@ failed() {
   echo "train_and_evaluate: $1 of seed $seed failed; $2 says why" >&2
   exit 1
 }
-for seed in "$@"; do
-  out="$folder/act_$seed"
-  [ -d "$out/checkpoints/last" ] || train >"$folder/train_$seed.log" 2>&1 || failed training "$folder/train_$seed.log"
-  # shellcheck disable=SC2086
-  "$python/lerobot-eval" --policy.path="$out/checkpoints/last/pretrained_model" --policy.device=cpu \
-    --env.type=phyvisgen --env.task="$judged" --env.episode_length="$length" $show $plugin \
-    --eval.n_episodes="$episodes" --eval.batch_size=2 --seed=0 \
-    --output_dir="$folder/eval_$seed" >"$folder/eval_$seed.log" 2>&1 || failed evaluation "$folder/eval_$seed.log"
-  "$python/python" - "$folder/eval_$seed/eval_info.json" "$seed" "$episodes" <<'PYTHON' | tee -a "$folder/result.csv"
+judge() { # NUMBER of actions that are done before the policy is asked again
+  told="$folder/eval_$seed"
+  [ "$1" = "$executed" ] || told="${told}_executed_$1"
+  if [ "$(cat "$told.how" 2>/dev/null)" != "$how" ]; then
+    # shellcheck disable=SC2086
+    "$python/lerobot-eval" --policy.path="$out/checkpoints/last/pretrained_model" --policy.device=cpu \
+      --policy.n_action_steps="$1" --env.type=phyvisgen --env.task="$judged" --env.episode_length="$length" $show $plugin \
+      --eval.n_episodes="$episodes" --eval.batch_size=2 --seed=0 \
+      --output_dir="$told" >"$told.log" 2>&1 || failed evaluation "$told.log"
+    echo "$how" >"$told.how"
+  fi
+  "$python/python" - "$told/eval_info.json" "$seed" "$episodes" "$1" <<'PYTHON' | tee -a "$folder/result.csv"
 import json
 import sys
 
 told = json.load(open(sys.argv[1]))["overall"]
-print(f"act,{sys.argv[2]},{round(told['pc_success'] * int(sys.argv[3]) / 100)},{sys.argv[3]}")
+print(f"act,{sys.argv[2]},{round(told['pc_success'] * int(sys.argv[3]) / 100)},{sys.argv[3]},{sys.argv[4]}")
 PYTHON
+}
+for seed in "$@"; do
+  out="$folder/act_$seed"
+  if [ ! -d "$out/checkpoints/last" ]; then
+    rm -rf "$out" "$folder/eval_$seed".how "$folder/eval_${seed}_executed_"*.how # a training goes on from no half of it
+    train >"$folder/train_$seed.log" 2>&1 || failed training "$folder/train_$seed.log"
+  fi
+  for number in $all_executed; do
+    judge "$number"
+  done
 done

@@ -3,7 +3,8 @@
 //   row f       picture f, the end of the simulation step s(f) = /frame_step [f], at the time f / frames_per_second
 //   state       of the joints at the end of step s(f), which is what picture f shows
 //   action      the absolute target applied in step s(f + 1): where the robot is told to be when the next picture is
-//               taken. In the last row the target of the last step: stand still.
+//               taken. In the last row the target of the last step: stand still. Disturbances are in the state, never
+//               in the action.
 //
 // The joints of one gripper are one column, its width: the sum of their positions, which is how far the fingers are
 // apart.

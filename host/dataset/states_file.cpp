@@ -29,6 +29,7 @@ struct StatesFile::Impl {
   Impl(const std::filesystem::path& path, const Scene& scene, const EpisodeHeader& header)
       : file(hdf5::File::create(path)), states(header.states), layout(lay_out_states(scene, header)) {
     open_series(scene);
+    if (header.is_disturbed) add<double>("/disturbance", {layout.driven.size()});
   }
 
   void open_series(const Scene& scene) {
@@ -199,7 +200,8 @@ StatesFile::StatesFile(const std::filesystem::path& path, const Scene& scene, co
 StatesFile::~StatesFile() = default;
 StatesFile::StatesFile(StatesFile&&) noexcept = default;
 
-void StatesFile::append_step(const WorldState& state, const StepReport& report, std::span<const double> target) {
+void StatesFile::append_step(const WorldState& state, const StepReport& report, std::span<const double> target,
+                             std::span<const double> disturbance) {
   Impl& to = *impl_;
   std::vector<double> q, torque, T_link, T_rigid;
   for (const std::size_t i : to.layout.driven) {
@@ -211,6 +213,7 @@ void StatesFile::append_step(const WorldState& state, const StepReport& report, 
   to.put<double>("/time", {state.time});
   to.put("/q", q);
   to.put<double>("/a", {target.begin(), target.end()});
+  if (!disturbance.empty()) to.put<double>("/disturbance", {disturbance.begin(), disturbance.end()});
   to.put("/torque", torque);
   to.put("/T_link", T_link);
   to.put("/T_rigid", T_rigid);

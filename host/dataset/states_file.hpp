@@ -3,6 +3,7 @@
 // same (task, seed, episode) gives the same bytes.
 //
 //   /time [T, s]  /frame_step [F]  /q /a /torque [T, J]  /T_link [T, L, 3, 4]  /T_rigid [T, R, 3, 4]
+//   /disturbance [T, J]   what pushed the targets that the drives followed away from /a; missing where nothing did
 //   /X_gripper/<name> /X_deform/<name> [T, V, 3, m]      soft bodies stitched to a rigid one; free ones and cloths
 //   /bodies/{source, row, is_fixed}     of every body: the data set its state is in and the row there
 //   /bodies/noncolliding [n, 2]         pairs of bodies that never touch: jointed links and those the scene names
@@ -43,6 +44,7 @@ struct EpisodeHeader {
   // Not `full`: /X_gripper and /X_deform are rounded to whole NODE_GRID and everything is compressed. `frames`: rows of
   // steps that keep_nodes() did not name are NaN there, /node_step [K] holds those that it named.
   RecordedStates states = RecordedStates::full;
+  bool is_disturbed = false;  // /disturbance is there
 };
 
 // A power of two: a number rounded to it is at most half of it off, 0.95 um, and float32 holds it below 32 m.
@@ -63,8 +65,10 @@ class StatesFile {
   ~StatesFile();
   StatesFile(StatesFile&&) noexcept;
 
-  // target: of each joint with a drive, in the order of Scene::joints [rad or m]
-  void append_step(const WorldState& state, const StepReport& report, std::span<const double> target);
+  // target: of each joint with a drive, in the order of Scene::joints [rad or m]; disturbance: what was added to it,
+  // likewise, where the header says that there is one
+  void append_step(const WorldState& state, const StepReport& report, std::span<const double> target,
+                   std::span<const double> disturbance = {});
   // The nodes of the last step appended so far are kept where only those of frames are.
   void keep_nodes();
   // A frame shows the last step appended so far. T_world_camera: of each camera of the scene.

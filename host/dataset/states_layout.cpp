@@ -98,10 +98,11 @@ std::vector<std::string> names_of(const PhysicalScene& scene, const std::vector<
   return names;
 }
 
-void write_names(hdf5::File& file, const Scene& scene, const StatesLayout& layout) {
+void write_names(hdf5::File& file, const Scene& scene, const EpisodeHeader& header, const StatesLayout& layout) {
   std::vector<std::string> joints;
   for (const std::size_t i : layout.driven) joints.push_back(scene.joints[i].name);
   for (const char* name : {"/q", "/a", "/torque"}) file.attribute(name, "names", joints);
+  if (header.is_disturbed) file.attribute("/disturbance", "names", joints);
   std::vector<std::string> all_joints;
   for (const Joint& joint : scene.joints) all_joints.push_back(joint.name);
   file.attribute("/joint", "names", all_joints);
@@ -197,7 +198,7 @@ void write_constants(hdf5::File& file, const Scene& scene, const EpisodeHeader& 
   write_header(file, scene, header);
   write_meshes(file, scene, header.states != RecordedStates::full);
   write_disabled(file, disabled);
-  write_names(file, scene, layout);
+  write_names(file, scene, header, layout);
   write_places(file, scene, layout);
   write_what_never_touches(file, scene);
 }

@@ -151,6 +151,7 @@ TaskScene build(const Task& nominal, Draw draw) {
   TaskScene built;
   draw.record = &built.sampled;
   const Task task = varied(nominal, draw);
+  built.disturbances = task.disturbances;
   Scene& scene = built.scene;
   scene.name = task.name;
   scene.contact = task.contact;

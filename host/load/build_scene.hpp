@@ -28,8 +28,9 @@ struct BuiltRobot {
 // A scene and what the planner and the record need to know about it beyond the Scene itself.
 struct TaskScene {
   Scene scene;
-  std::vector<SampledValue> sampled;  // only quantities whose range is not a point
-  std::vector<BuiltRobot> robots;     // as robots_of(task)
+  std::vector<SampledValue> sampled;      // only quantities whose range is not a point
+  std::vector<BuiltRobot> robots;         // as robots_of(task)
+  std::vector<Disturbance> disturbances;  // drawn, in their order
 };
 
 // Evenly distributed in [0, 1), a function of its three arguments alone.

@@ -239,6 +239,21 @@ const Fields<ClothSection>& cloth_fields() {
   return FIELDS;
 }
 
+namespace {
+
+// A hand that grips or lets go is left in peace.
+void check_disturbed(const YamlSection& section, const std::vector<std::string>& during) {
+  std::vector<std::string> allowed;
+  for (const MotionKind& kind : MOTION_KINDS)
+    if (kind.given != GivenMotion::gripper_position) allowed.push_back(kind.name);
+  if (during.empty()) section.fail("during", "must name at least one motion element");
+  for (const std::string& name : during)
+    if (std::find(allowed.begin(), allowed.end(), name) == allowed.end())
+      section.fail("during", "names `" + name + "`, but must name some of: " + shown_names(allowed));
+}
+
+}  // namespace
+
 const Fields<Variation>& variation_fields() {
   using V = Variation;
   using Quantity = V::Quantity;
@@ -246,16 +261,18 @@ const Fields<Variation>& variation_fields() {
   const auto turns = [](const V& v) { return v.quantity == Quantity::camera_rotation; };
   const auto swaps = [](const V& v) { return v.quantity == Quantity::texture; };
   const auto is_presence = [](const V& v) { return v.quantity == Quantity::presence; };
-  const auto scales = [=](const V& v) { return !shifts(v) && !turns(v) && !swaps(v) && !is_presence(v); };
+  const auto pushes = [](const V& v) { return v.quantity == Quantity::disturbance; };
+  const auto scales = [=](const V& v) { return !shifts(v) && !turns(v) && !swaps(v) && !is_presence(v) && !pushes(v); };
   static const Fields<V> FIELDS =
       Fields<V>()
           .choice("quantity", &V::quantity,
                   {"size", "mass", "friction", "stiffness", "color", "light", "exposure", "camera_position",
-                   "camera_rotation", "focal_length", "texture", "presence"},
+                   "camera_rotation", "focal_length", "texture", "presence", "disturbance"},
                   "what is drawn")
           .required()
           .text("of", &V::of,
-                "name of the object, cloth, finger, material, light or camera; `background`, `environment`")
+                "name of the object, cloth, finger, material, light or camera; `background`, `environment`; of a "
+                "disturbance `gripper_base`, of robot NAME `NAME/gripper_base`")
           .required()
           .then([=](V& v) {
             v.range = scales(v) ? Range{1, 1} : Range{0, 0};
@@ -278,7 +295,25 @@ const Fields<Variation>& variation_fields() {
                   "how often the object is there, such as a distractor")
           .when(is_presence, "of `presence`")
           .written_when(is_presence)
-          .check([](YamlSection& s, const V& v) {
+          .number("by", &V::range, Unit::length, -0.2, 0.2,
+                  "`[low, high]`, drawn for each axis of the tool; what of it points along the tool's way is left out")
+          .when(pushes, "of `disturbance`")
+          .written_when(pushes)
+          .number("turn", &V::turn, Unit::angle, -0.5, 0.5, "`[low, high]`, drawn for each axis of the tool")
+          .when(pushes, "of `disturbance`")
+          .written_when(pushes)
+          .number("times", &V::times, Unit::none, 1, 100, "how many in an episode, spread over it; none overlap")
+          .when(pushes, "of `disturbance`")
+          .written_when(pushes)
+          .number("duration", &V::duration, Unit::time, 0.02, 10, "from the way and back to it; a range is drawn")
+          .when(pushes, "of `disturbance`")
+          .written_when(pushes)
+          .text("during", &V::during, "names of motion elements in which it may happen, not `close` and `open`")
+          .when(pushes, "of `disturbance`")
+          .otherwise(shown_names(V().during))
+          .written_when(pushes)
+          .check([=](YamlSection& s, const V& v) {
+            if (pushes(v)) check_disturbed(s, v.during);
             if (v.quantity == Quantity::texture && v.files.empty()) s.fail("files", "must name at least one picture");
           });
   return FIELDS;

@@ -21,7 +21,7 @@ void for_each_gripper(Task& task, Do act) {
 const char* name_of(Quantity quantity) {
   constexpr const char* NAMES[] = {"size",    "mass",     "friction",        "stiffness",       "color",
                                    "light",   "exposure", "camera_position", "camera_rotation", "focal_length",
-                                   "texture", "presence"};
+                                   "texture", "presence", "disturbance"};
   return NAMES[int(quantity)];
 }
 
@@ -157,6 +157,30 @@ bool apply_to_camera(Task& task, const Variation& variation, const Vec3& by) {
   return false;
 }
 
+// Every push of an episode; draw_three: of a name and a range.
+template <class DrawThree>
+bool apply_disturbance(Task& task, const Variation& variation, const std::string& name, const DrawNumber& draw,
+                       const DrawThree& draw_three) {
+  const std::vector<RobotCell> robots = robots_of(task);
+  const auto is_meant = [&](const RobotCell& robot) { return robot.gripper && hand_name(robot.name) == variation.of; };
+  if (std::none_of(robots.begin(), robots.end(), is_meant)) return false;
+  if (std::any_of(task.disturbances.begin(), task.disturbances.end(),
+                  [&](const Disturbance& other) { return other.of == variation.of; }))
+    throw UsageError(task.file.string() + ": `vary` draws disturbances of `" + variation.of +
+                     "` twice; give one entry more `times`");
+  for (int k = 1; k <= variation.times; ++k) {
+    const std::string one = name + "/" + std::to_string(k);
+    Disturbance& drawn = task.disturbances.emplace_back();
+    drawn.of = variation.of;
+    drawn.during = variation.during;
+    drawn.when = draw(one + "/when", {0, 1});
+    drawn.duration = draw(one + "/duration", variation.duration);
+    drawn.by = draw_three(one + "/by", variation.range);
+    drawn.turn = draw_three(one + "/turn", variation.turn);
+  }
+  return true;
+}
+
 // u in [0, 1) as an index of the list
 std::size_t drawn_index(double u, const std::vector<std::filesystem::path>& list) {
   return std::min(std::size_t(u * double(list.size())), list.size() - 1);
@@ -167,20 +191,23 @@ std::size_t drawn_index(double u, const std::vector<std::filesystem::path>& list
 Task varied(Task task, const DrawNumber& draw) {
   for (const Variation& variation : task.variations) {
     const std::string name = variation.of + "/" + name_of(variation.quantity);
-    const auto three = [&](const std::array<const char*, 3>& parts) {
+    const auto three = [&](const std::array<const char*, 3>& parts, const std::string& of, const Range& range) {
       Vec3 drawn;
-      for (int k = 0; k < 3; ++k) drawn[k] = draw(name + "/" + parts[std::size_t(k)], variation.range);
+      for (int k = 0; k < 3; ++k) drawn[k] = draw(of + "/" + parts[std::size_t(k)], range);
       return drawn;
     };
+    const auto of_axes = [&](const std::string& of, const Range& range) { return three({"x", "y", "z"}, of, range); };
     bool is_there = false;
     if (variation.quantity == Quantity::color)
-      is_there = apply_color(task, variation.of, three({"red", "green", "blue"}));
+      is_there = apply_color(task, variation.of, three({"red", "green", "blue"}, name, variation.range));
     else if (variation.quantity == Quantity::camera_position || variation.quantity == Quantity::camera_rotation)
-      is_there = apply_to_camera(task, variation, three({"x", "y", "z"}));
+      is_there = apply_to_camera(task, variation, of_axes(name, variation.range));
     else if (variation.quantity == Quantity::texture)
       is_there = apply_texture(task, variation.of, variation.files[drawn_index(draw(name, {0, 1}), variation.files)]);
     else if (variation.quantity == Quantity::presence)
       is_there = apply_presence(task, variation.of, draw(name, {0, 1}) < variation.probability);
+    else if (variation.quantity == Quantity::disturbance)
+      is_there = apply_disturbance(task, variation, name, draw, of_axes);
     else
       is_there = apply_factor(task, variation, draw(name, variation.range));
     if (!is_there)

@@ -6,6 +6,7 @@
 //     - {quantity: camera_position, of: front, by: [-10 mm, 10 mm]}          and camera_rotation [rad], about each axis
 //     - {quantity: texture, of: background, files: [a.png, b.png]}           or of a material or the environment
 //     - {quantity: presence, of: mug, probability: 0.5}                      an object that is not always there
+//     - {quantity: disturbance, of: gripper_base, by: [-10 mm, 10 mm], times: 3}     pushes of a hand off its way
 #pragma once
 #include <functional>
 #include <string>

@@ -40,13 +40,29 @@ struct Variation {
     camera_rotation,
     focal_length,
     texture,
-    presence
+    presence,
+    disturbance
   };
   Quantity quantity = Quantity::size;
-  std::string of;  // name of the object, cloth, finger, material, light or camera; `background`, `environment`
-  Range range;     // a factor; of the camera's pose a shift [m] or turn [rad], drawn for each of its axes
+  std::string of;  // name of the object, cloth, finger, material, light or camera; `background`, `environment`; of a
+                   // disturbance `gripper_base`, of robot left `left/gripper_base`
+  Range range;     // a factor; of the camera's pose a shift [m] or turn [rad], drawn for each of its axes, of a
+                   // disturbance a shift [m] for each axis of the tool
   std::vector<std::filesystem::path> files = {};  // of `texture`: one of them is drawn
   double probability = 0.5;                       // of `presence`: how often the object is there
+  int times = 1;                                  // of `disturbance`: how many in an episode
+  Range turn = {};                                // likewise, for each axis of the tool [rad]
+  Range duration = {0.4, 0.4};                    // likewise [s]
+  // likewise: names of motion elements in which it may happen
+  std::vector<std::string> during = {"approach", "carry", "move", "retreat"};
+};
+
+// A push of a hand off its way, as drawn: when is a share of the time in which it may begin.
+struct Disturbance {
+  std::string of;  // as Variation::of
+  double when = 0, duration = 0;
+  Vec3 by = Vec3::Zero(), turn = Vec3::Zero();  // in the tool's frame [m, rad]
+  std::vector<std::string> during;
 };
 
 struct RobotSection {
@@ -211,6 +227,7 @@ struct Task {
   std::vector<Condition> success;  // the episode succeeded if all of these hold
   std::vector<Condition> failure;  // it has failed as soon as one of these holds
   std::vector<Variation> variations;
+  std::vector<Disturbance> disturbances;  // of one episode; a file names none, they are drawn by `vary`
   RenderSection render;
   RecordSection record;
 };
@@ -222,5 +239,8 @@ inline std::vector<RobotCell> robots_of(const Task& task) {
   robots.insert(robots.end(), task.more_robots.begin(), task.more_robots.end());
   return robots;
 }
+
+// What stands for the hand of the robot of this name.
+inline std::string hand_name(const std::string& robot) { return (robot.empty() ? "" : robot + "/") + "gripper_base"; }
 
 }  // namespace pvg

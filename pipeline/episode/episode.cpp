@@ -44,8 +44,9 @@ struct RecordState {
 };
 
 struct Target {
-  std::vector<double> q;  // [n_driven, rad or m]
-  int element = 0;        // of Task::motion
+  std::vector<double> q;            // [n_driven, rad or m]
+  int element = 0;                  // of Task::motion
+  std::vector<double> disturbance;  // [n_driven]; empty: none
 };
 
 // clang-format off
@@ -82,7 +83,8 @@ void plan(const Access& access) {
   const MotionPlan& whole = access.read(motion);
   for (std::size_t i = 0; i < whole.steps_per_frame; ++i) {
     const std::size_t step = access.frame() * whole.steps_per_frame + i;
-    access.write(targets).push_back({whole.targets.at(step), whole.element.at(step)});
+    access.write(targets).push_back({whole.targets.at(step), whole.element.at(step),
+                                     whole.disturbance.empty() ? std::vector<double>() : whole.disturbance.at(step)});
   }
 }
 
@@ -91,8 +93,10 @@ void simulate(const Access& access) {
   for (const Target& target : access.read(targets)) {
     access.stop_here_if_asked();
     const std::vector<double> q = physics.grasp->target(physics.n_steps++, physics.world->state());
-    const StepReport report = physics.world->step(q);
-    access.write(steps).push_back({q, target.element, physics.world->state(), report});
+    std::vector<double> followed = q;
+    for (std::size_t j = 0; j < target.disturbance.size(); ++j) followed[j] += target.disturbance[j];
+    const StepReport report = physics.world->step(followed);
+    access.write(steps).push_back({q, target.disturbance, target.element, physics.world->state(), report});
   }
   if (physics.n_steps == physics.n_steps_planned) physics.world.reset();
 }
@@ -149,6 +153,7 @@ RecordSettings record_settings(const Task& task, const TaskScene& built, const E
   record.header.episode = settings.episode;
   record.header.configuration = resolved_yaml(task, built);
   record.header.states = task.record.states;
+  record.header.is_disturbed = !built.disturbances.empty();
   record.header.versions = versions(physics, rendering, settings.renders && task.render.denoise);
   for (const SampledValue& sampled : built.sampled) record.header.sampled.emplace_back(sampled.name, sampled.value);
   for (const ObjectSection& object : task.objects) record.header.objects.push_back(object.name);

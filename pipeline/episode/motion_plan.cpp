@@ -9,6 +9,7 @@
 
 #include "host/base/error.hpp"
 #include "host/dataset/states_file.hpp"
+#include "host/robot/disturbance.hpp"
 #include "host/robot/friction_feedforward.hpp"
 #include "host/robot/path_planner.hpp"
 #include "host/robot/plan_motion.hpp"
@@ -99,6 +100,52 @@ void feed_friction_forward(const TaskScene& built, const std::vector<RobotCell>&
                                                    robot.home[joint], q, built.scene.solver.time_step);
     for (std::size_t step = 0; step < targets.size(); ++step) targets[step][c] += lead[step];
   }
+}
+
+// In which steps of the plan a robot's hand may be pushed: all it does in them is among the elements named.
+std::vector<bool> disturbed_steps(const std::vector<MotionElement>& elements, const std::vector<int>& element,
+                                  int robot, const std::vector<std::string>& during) {
+  const auto may = [&](int first) {
+    bool moves = false;
+    for (std::size_t i = std::size_t(first); i < elements.size(); ++i) {
+      if (i > std::size_t(first) && !elements[i].is_with_previous) break;
+      if (elements[i].robot != robot) continue;
+      if (std::find(during.begin(), during.end(), kind_of(elements[i]).name) == during.end()) return false;
+      moves = true;
+    }
+    return moves;
+  };
+  std::vector<bool> steps;
+  for (const int first : element) steps.push_back(may(first));
+  return steps;
+}
+
+// What pushes each target, of all hands.   -> [n_steps][n_driven]
+std::vector<std::vector<double>> disturb(const Task& task, const TaskScene& built,
+                                         const std::vector<PlannedRobot>& planned,
+                                         const std::vector<JointTrajectory>& trajectories,
+                                         const std::vector<Column>& columns) {
+  std::vector<Eigen::MatrixXd> shifts;
+  for (std::size_t r = 0; r < planned.size(); ++r) {
+    const JointTrajectory& trajectory = trajectories[r];
+    const MotionSetup& setup = planned[r].setup;
+    Eigen::MatrixXd& shift = shifts.emplace_back(Eigen::MatrixXd::Zero(trajectory.q.rows(), trajectory.q.cols()));
+    std::vector<Push> pushes;
+    std::vector<std::string> during;
+    for (const Disturbance& drawn : built.disturbances) {
+      if (drawn.of != hand_name(built.robots[r].name)) continue;
+      pushes.push_back({drawn.when, drawn.duration, drawn.by, drawn.turn});
+      during = drawn.during;  // the same of all
+    }
+    if (pushes.empty()) continue;
+    const std::vector<bool> may = disturbed_steps(task.motion, trajectory.element, int(r), during);
+    shift.leftCols(setup.q_start.size()) = pushed_aside({planned[r].model, setup.tool_link, setup.flange_to_tool},
+                                                        trajectory.q, may, pushes, trajectory.time_step);
+  }
+  std::vector<std::vector<double>> rows(std::size_t(shifts.front().rows()));
+  for (std::size_t step = 0; step < rows.size(); ++step)
+    for (const Column& at : columns) rows[step].push_back(shifts[at.robot](Eigen::Index(step), at.column));
+  return rows;
 }
 
 // Which steps are those of each element that moves a gripper. element: [n_steps] of elements, groups by their first
@@ -192,6 +239,10 @@ MotionPlan plan_episode(const Task& task, const TaskScene& built) {
     plan.element.push_back(element.at(row));
   }
   feed_friction_forward(built, robots, columns, plan.targets);
+  if (!built.disturbances.empty()) {
+    plan.disturbance = disturb(task, built, planned, trajectories, columns);
+    plan.disturbance.resize(plan.targets.size(), std::vector<double>(columns.size(), 0));
+  }
   plan.grips = grips_of(task.motion, plan.element, robots);
   for (std::size_t r = 0; r < robots.size(); ++r) {
     std::vector<int>& own = plan.gripper_columns.emplace_back();

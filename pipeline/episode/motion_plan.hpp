@@ -19,9 +19,11 @@ struct Grip {
 struct MotionPlan {
   std::vector<std::vector<double>> targets;  // [n_steps][n_driven, rad or m] the joints with a drive, as Scene::joints;
                                              // they lead the planned path where a robot feeds friction forward
-  std::vector<int> element;                  // [n_steps] of Task::motion
-  std::size_t steps_per_frame = 1;           // n_steps is a multiple of it
-  std::vector<Grip> grips;                   // in their order
+  std::vector<std::vector<double>> disturbance;  // [n_steps][n_driven] what pushes the drives' targets away from
+                                                 // `targets`, which stay what is wanted; empty: nothing does
+  std::vector<int> element;                      // [n_steps] of Task::motion
+  std::size_t steps_per_frame = 1;               // n_steps is a multiple of it
+  std::vector<Grip> grips;                       // in their order
   std::vector<std::vector<int>> gripper_columns, gripper_joints;  // [n_robots] of targets; of Scene::joints
 };
 

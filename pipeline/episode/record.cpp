@@ -35,7 +35,7 @@ EpisodeRecorder::EpisodeRecorder(const std::filesystem::path& folder, const Scen
 
 void EpisodeRecorder::append_steps(const std::vector<StepRecord>& steps) {
   for (const StepRecord& step : steps) {
-    states_.append_step(step.state, step.report, step.target);
+    states_.append_step(step.state, step.report, step.target, step.disturbance);
     time_ = step.state.time;
     element_ = step.element;
     ++n_steps_;

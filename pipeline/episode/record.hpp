@@ -15,9 +15,10 @@ namespace pvg {
 
 // One simulation step as it goes on record.
 struct StepRecord {
-  std::vector<double> target;  // [n_driven, rad or m]
-  int element = 0;             // motion element under way, of Task::motion
-  WorldState state;            // at the end of the step
+  std::vector<double> target;       // [n_driven, rad or m]
+  std::vector<double> disturbance;  // likewise: what was added to it; empty: nothing ever is
+  int element = 0;                  // motion element under way, of Task::motion
+  WorldState state;                 // at the end of the step
   StepReport report;
 };
 

@@ -7,8 +7,9 @@
 # forward the friction of its own task (`feedforward: friction`), so one who knows more reaches farther. All are judged in
 # reality on the same starts, which nothing before has seen, beside the expert of the nominal task (`expert`) and that of
 # reality (`expert_knows`).
-#   scripts/policy/proxy_table.sh FOLDER [SEED]     SEED: of trainings, 1 without one
-# FOLDER gets tasks, recordings, diagnosis, a folder per training and proxy.csv; what is there already is kept. Variables:
+#   scripts/policy/proxy_table.sh FOLDER [SEED...]     SEED: of trainings, 1 without any
+# FOLDER gets tasks, recordings, diagnosis, a folder per kind of demonstrations and proxy.csv. What is there already is
+# kept: the same command goes on where it was stopped, one with more seeds adds their trainings. Variables:
 #   MINUTES         bound of the diagnosis (30)
 #   those of scripts/train_and_evaluate.sh, such as DEMONSTRATIONS, STEPS (1000) and EPISODES
 set -eu
@@ -17,10 +18,14 @@ refuse() {
   echo "proxy_table: $1" >&2
   exit 2
 }
-[ $# = 1 ] || [ $# = 2 ] || refuse "name a folder and, where you like, the seed of trainings, such as out/proxy 1"
+[ $# -ge 1 ] || refuse "name a folder and, where you like, seeds of trainings, such as out/proxy 1 2 3"
 mkdir -p "$1"
-folder="$(realpath "$1")" seed="${2:-1}" root="$PWD"
-expr "$seed" : '[0-9][0-9]*$' >/dev/null || refuse "the seed $seed is no whole number"
+folder="$(realpath "$1")" root="$PWD"
+shift
+[ $# -gt 0 ] || set -- 1
+for seed in "$@"; do
+  expr "$seed" : '[0-9][0-9]*$' >/dev/null || refuse "the seed $seed is no whole number"
+done
 [ -z "${GRIPPER:-}${JUDGED:-}${OBSERVATION:-}" ] || refuse "GRIPPER, JUDGED and OBSERVATION are set by this script"
 python="${TRAINING_PROGRAMS:-.venv-train/bin}/python"
 program="${PHYVISGEN_PROGRAM:-build/bin/phyvisgen}"
@@ -71,24 +76,27 @@ fi
     --minutes "${MINUTES:-30}" --jobs 1 -o "$folder/diagnosis"
 verdict="$("$python" -c 'import json, sys; print(json.load(open(sys.argv[1]))["verdict"])' "$folder/diagnosis/report.json")"
 
-judge() { # NAME TASK GRIPPER
-  [ -e "$folder/$1/judged" ] ||
-    JUDGED="$folder/reality.yaml" GRIPPER="$3" scripts/train_and_evaluate.sh "$2" "$folder/$1" "$seed" >/dev/null
-  touch "$folder/$1/judged"
+judge() { # NAME TASK GRIPPER SEED...
+  name="$1" task="$2" gripper="$3"
+  shift 3
+  JUDGED="$folder/reality.yaml" GRIPPER="$gripper" scripts/train_and_evaluate.sh "$task" "$folder/$name" "$@" >/dev/null
 }
-judge nominal "$folder/nominal.yaml" ""
-judge rigid "$folder/nominal.yaml" rigid
-judge truth "$folder/truth.yaml" ""
+judge nominal "$folder/nominal.yaml" "" "$@"
+judge rigid "$folder/nominal.yaml" rigid "$@"
+judge truth "$folder/truth.yaml" "" "$@"
 case "$verdict" in
-  effect | retune) judge amended "$folder/diagnosis/scene_amended.yaml" "" ;;
+  effect | retune) judge amended "$folder/diagnosis/scene_amended.yaml" "" "$@" ;;
   *) echo "proxy_table: the verdict is $verdict, so there is no amended task" ;;
 esac
 for expert in expert:reality expert_knows:reality_knows; do
-  [ -s "$folder/${expert%:*}.json" ] ||
+  told="$folder/${expert%:*}_${EPISODES:-20}.json"
+  if [ ! -e "$told" ]; then
     PVG_PYTHON="$python" "$program" evaluate policy "$folder/${expert#*:}.yaml" --policy expert -n "${EPISODES:-20}" --json \
-      >"$folder/${expert%:*}.json"
+      >"$told.new"
+    mv "$told.new" "$told"
+  fi
 done
-"$python" - "$folder" <<'PYTHON' | tee "$folder/proxy.csv"
+"$python" - "$folder" "${EPISODES:-20}" "$verdict" <<'PYTHON' | tee "$folder/proxy.csv"
 import csv
 import json
 import sys
@@ -99,14 +107,15 @@ from phyvisgen.statistics import wilson
 folder = Path(sys.argv[1])
 rows = []
 for name in ("expert", "expert_knows"):
-    expert = json.loads((folder / f"{name}.json").read_text())
-    rows.append(("none", name, sum(one["success"] for one in expert["episodes_detail"]), expert["episodes"]))
-for name in ("nominal", "rigid", "amended", "truth"):
-    if (folder / name / "judged").exists():
-        with open(folder / name / "result.csv") as file:
-            rows += [(name, row["policy"], int(row["successes"]), int(row["episodes"])) for row in csv.DictReader(file)]
-print("demonstrations,policy,successes,episodes,low,high")
-for name, policy, successes, episodes in rows:
+    expert = json.loads((folder / f"{name}_{sys.argv[2]}.json").read_text())
+    rows.append(("none", name, "", sum(one["success"] for one in expert["episodes_detail"]), expert["episodes"]))
+amended = ["amended"] if sys.argv[3] in ("effect", "retune") else []
+for name in ["nominal", "rigid", *amended, "truth"]:
+    with open(folder / name / "result.csv") as file:
+        for row in csv.DictReader(file):
+            rows.append((name, row["policy"], row["training_seed"], int(row["successes"]), int(row["episodes"])))
+print("demonstrations,policy,training_seed,successes,episodes,low,high")
+for name, policy, seed, successes, episodes in rows:
     low, high = wilson(successes, episodes)
-    print(f"{name},{policy},{successes},{episodes},{low:.3f},{high:.3f}")
+    print(f"{name},{policy},{seed},{successes},{episodes},{low:.3f},{high:.3f}")
 PYTHON

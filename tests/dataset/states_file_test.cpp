@@ -123,6 +123,25 @@ void write_example(const std::filesystem::path& path) {
   file.close();
 }
 
+TEST(StatesFile, KeepsWhatPushedTheTargetsApartFromThem) {
+  for (const bool is_disturbed : {false, true}) {
+    const auto path = scratch("disturbed.h5");
+    EpisodeHeader header;
+    header.is_disturbed = is_disturbed;
+    const std::vector<double> push = {0.01, -0.02}, none;
+    StatesFile states(path, example_scene(), header, {});
+    states.append_step(example_state(0), {}, std::vector<double>{0.2, 0.4}, is_disturbed ? push : none);
+    states.close();
+    const hdf5::File file = hdf5::File::open(path);
+    EXPECT_EQ(file.read<double>("/a").values, (std::vector<double>{0.2, 0.4}));
+    ASSERT_EQ(file.has("/disturbance"), is_disturbed);
+    if (is_disturbed) {
+      EXPECT_EQ(file.read<double>("/disturbance").values, push);
+      EXPECT_EQ(file.texts_attribute("/disturbance", "names"), file.texts_attribute("/a", "names"));
+    }
+  }
+}
+
 TEST(StatesFile, HasTheLayoutThatReadersRelyOn) {
   const auto path = scratch("layout.h5");
   write_example(path);

@@ -325,6 +325,39 @@ TEST(Variation, ADistractorIsThereAsOftenAsAsked) {
   expect_error<UsageError>([&] { build_scene(nominal, 1, 0); }, {"presence", "beaker", "motion"});
 }
 
+// The start is that of the episode without pushes; every push has its own numbers.
+TEST(Variation, DrawsDisturbancesOfAHandAndNothingElseChanges) {
+  Task nominal = task();
+  Variation push{Variation::Quantity::disturbance, "gripper_base", {-0.02, 0.02}};
+  push.times = 3;
+  push.duration = {0.3, 0.6};
+  nominal.variations.push_back(push);
+  const TaskScene plain = build_scene(task(), 3, 4), pushed = build_scene(nominal, 3, 4),
+                  other = build_scene(nominal, 3, 5);
+  EXPECT_TRUE(plain.disturbances.empty());
+  ASSERT_EQ(pushed.disturbances.size(), 3u);
+  EXPECT_EQ(pushed.sampled.size(), plain.sampled.size() + 3 * 5);
+  for (const SampledValue& value : plain.sampled)
+    EXPECT_TRUE(std::any_of(pushed.sampled.begin(), pushed.sampled.end(), [&](const SampledValue& same) {
+      return same.name == value.name && same.value == value.value;
+    })) << value.name;
+  for (const Disturbance& drawn : pushed.disturbances) {
+    EXPECT_EQ(drawn.of, "gripper_base");
+    EXPECT_LE(drawn.by.cwiseAbs().maxCoeff(), 0.02);
+    EXPECT_GE(drawn.duration, 0.3);
+    EXPECT_LE(drawn.duration, 0.6);
+    EXPECT_EQ(drawn.turn, Vec3::Zero());
+    EXPECT_EQ(drawn.during, Variation().during);
+  }
+  EXPECT_NE(pushed.disturbances[0].by, pushed.disturbances[1].by);
+  EXPECT_NE(pushed.disturbances[0].when, other.disturbances[0].when);
+  nominal.variations.push_back(push);
+  expect_error<UsageError>([&] { build_scene(nominal, 3, 4); }, {"disturbances", "gripper_base", "twice"});
+  nominal.variations = {push};
+  nominal.variations[0].of = "left/gripper_base";
+  expect_error<UsageError>([&] { build_scene(nominal, 3, 4); }, {"left/gripper_base", "disturbance"});
+}
+
 TEST(Variation, OfSomethingThatIsNotThereIsRefused) {
   Task nominal = task();
   nominal.variations = {{Variation::Quantity::mass, "kettle", {1, 2}}};

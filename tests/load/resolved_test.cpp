@@ -72,7 +72,12 @@ TEST(Resolved, EverySceneIsReadAgainAsItWasWritten) {
 TEST(Resolved, HoldsSizeVariationsAndTheRobotOfAHandsCondition) {
   Task task = load_task(fs::path(PVG_DATA_FOLDER) / "tasks/weigh_beaker.yaml");
   task.objects[0].size = 1.25;
-  task.variations = {{Variation::Quantity::camera_rotation, "front", {-0.01, 0.02}}};
+  task.variations = {{Variation::Quantity::camera_rotation, "front", {-0.01, 0.02}},
+                     {Variation::Quantity::disturbance, "gripper_base", {-0.03, 0.02}}};
+  task.variations[1].times = 4;
+  task.variations[1].turn = {-0.1, 0.1};
+  task.variations[1].duration = {0.25, 0.5};
+  task.variations[1].during = {"lift", "wait"};
   Condition moved;
   moved.quantity = Condition::Quantity::moved_in_hand;
   moved.robot = 1;
@@ -82,11 +87,16 @@ TEST(Resolved, HoldsSizeVariationsAndTheRobotOfAHandsCondition) {
   EXPECT_EQ(YAML::Load(text)["success"][0]["robot"].as<int>(), 1);
   const Task again = read_resolved(text, task.file);
   EXPECT_EQ(again.objects[0].size, 1.25);
-  ASSERT_EQ(again.variations.size(), 1u);
+  ASSERT_EQ(again.variations.size(), 2u);
   EXPECT_EQ(again.variations[0].quantity, Variation::Quantity::camera_rotation);
   EXPECT_EQ(again.variations[0].of, "front");
   EXPECT_EQ(again.variations[0].range.low, -0.01);
   EXPECT_EQ(again.variations[0].range.high, 0.02);
+  EXPECT_EQ(again.variations[1].range.low, -0.03);
+  EXPECT_EQ(again.variations[1].times, 4);
+  EXPECT_EQ(again.variations[1].turn.low, -0.1);
+  EXPECT_EQ(again.variations[1].duration.high, 0.5);
+  EXPECT_EQ(again.variations[1].during, (std::vector<std::string>{"lift", "wait"}));
 }
 
 TEST(Resolved, ADamagedConfigurationIsNamed) {

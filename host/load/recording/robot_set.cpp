@@ -14,7 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t LEAST_ROWS = 8;  // of a run
 
-// ---- our own records: /time [T], /q [T, J] and the targets /a [T, J] of the driven joints
+// ---- our own records: /time [T], /q [T, J] and the targets /a [T, J] of the driven joints, with /disturbance [T, J]
+// what pushed them away, which the drives followed
 
 RobotEpisode read_states(const fs::path& file, const std::string& name) {
   const hdf5::File in = hdf5::File::open(file);
@@ -38,6 +39,11 @@ RobotEpisode read_states(const fs::path& file, const std::string& name) {
   };
   episode.state = columns("/q");
   episode.target = columns("/a");
+  if (in.has("/disturbance")) {
+    const std::vector<std::vector<double>> pushed = columns("/disturbance");
+    for (std::size_t j = 0; j < width; ++j)
+      for (std::size_t i = 0; i < n; ++i) episode.target[j][i] += pushed[j][i];
+  }
   return episode;
 }
 

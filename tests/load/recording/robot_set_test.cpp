@@ -108,7 +108,8 @@ TEST(RobotSet, ThatDoesNotFitItsTaskIsRefused) {
       {"pendulum.yaml", "no task"});
 }
 
-TEST(RobotSet, OfOurOwnRecordsHasTheirTargets) {
+// What pushed the targets away is what the drives followed.
+void expect_targets_of_records(bool is_disturbed) {
   const TestFolder folder;
   const std::filesystem::path set = folder.path / "set";
   std::filesystem::create_directories(set / "episode_000000");
@@ -125,6 +126,11 @@ TEST(RobotSet, OfOurOwnRecordsHasTheirTargets) {
   file.write("/q", {9, 9}, q);
   file.write("/a", {9, 9}, a);
   file.attribute("/q", "names", joints);
+  if (is_disturbed) {
+    std::vector<double> pushed(81, 0);
+    pushed[3 * 9 + 6] = -0.5;
+    file.write("/disturbance", {9, 9}, pushed);
+  }
   file.close();
   EXPECT_TRUE(is_robot_set(set / "episode_000000"));
   const Recording r = load_robot_set(set, TASK, {});
@@ -132,8 +138,13 @@ TEST(RobotSet, OfOurOwnRecordsHasTheirTargets) {
   EXPECT_FALSE(r.runs[0].is_held_out);
   EXPECT_EQ(r.channels.size(), 9u);
   EXPECT_EQ(r.runs[0].table[r.channels[6].columns[0]][3], 7.5);
-  EXPECT_EQ(r.runs[0].table[r.inputs[6].columns[0]][3], 7.75);
+  EXPECT_EQ(r.runs[0].table[r.inputs[6].columns[0]][3], is_disturbed ? 7.25 : 7.75);
+  EXPECT_EQ(r.runs[0].table[r.inputs[6].columns[0]][4], 8.25);
 }
+
+TEST(RobotSet, OfOurOwnRecordsHasTheirTargets) { expect_targets_of_records(false); }
+
+TEST(RobotSet, OfDisturbedRecordsHasWhatTheDrivesFollowed) { expect_targets_of_records(true); }
 
 TEST(RobotsAlone, AreAnArmAndItsGripperThatNothingTouches) {
   const SceneRun run = load_robots_alone(TASK);

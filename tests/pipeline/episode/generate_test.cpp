@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "host/base/error.hpp"
+#include "host/formats/hdf5.hpp"
 #include "pipeline/episode/episode_set.hpp"
 
 namespace pvg {
@@ -91,6 +92,63 @@ TEST_F(Generate, WhatFailedBeforeIsCountedAndNotMadeAgain) {
   EXPECT_EQ(WEXITSTATUS(status), 1);
   EXPECT_NE(text_of("stderr").find("episode 0 failed: the beaker fell"), std::string::npos) << text_of("stderr");
   EXPECT_FALSE(fs::exists(out / "episode_000000"));
+}
+
+// Pushes that the record does not call wanted: /a is that of the episode without them to the bit, the hand is where
+// they put it. The same seed gives the same bytes.
+TEST_F(Generate, ADisturbedHandIsRecordedWithTheTargetsThatLeadItBack) {
+  const fs::path small = fs::path(PVG_DATA_FOLDER).parent_path() / "tests/pipeline/small_task";
+  std::ifstream in(small / "push_beaker.yaml");
+  std::string task(std::istreambuf_iterator<char>(in), {});
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    ASSERT_NE(task.find(from), std::string::npos) << from;
+    for (std::size_t at = 0; (at = task.find(from, at)) != std::string::npos; at += to.size())
+      task.replace(at, from.size(), to);
+  };
+  replace("../../../data", PVG_DATA_FOLDER);
+  replace("gripper: gripper.yaml", "gripper: " + (small / "gripper.yaml").string());
+  put("plain.yaml", task);
+  put("pushed.yaml",
+      task +
+          "\nvary:\n  - {quantity: disturbance, of: gripper_base, by: [4 mm, 8 mm], duration: 0.2, times: 2, "
+          "during: [approach]}\n");
+  put("grip.yaml", task + "\nvary: [{quantity: disturbance, of: gripper_base, by: 4 mm, during: [close]}]\n");
+  const auto run = [&](const std::string& name, const std::string& set) {
+    const int status = std::system((std::string(PVG_PROGRAM) + " generate " + (out / (name + ".yaml")).string() +
+                                    " -n 1 --seed 3 --no-render --keep-failed -o " + (out / set).string() +
+                                    " >/dev/null 2>" + (out / "stderr").string())
+                                       .c_str());
+    return WEXITSTATUS(status);
+  };
+  EXPECT_EQ(run("grip", "grip"), 2);
+  EXPECT_NE(text_of("stderr").find("`close`"), std::string::npos) << text_of("stderr");
+  ASSERT_EQ(run("plain", "plain"), 0) << text_of("stderr");
+  ASSERT_EQ(run("pushed", "pushed"), 0) << text_of("stderr");
+  ASSERT_EQ(run("pushed", "again"), 0) << text_of("stderr");
+  EXPECT_EQ(text_of("pushed/episode_000000/states.h5"), text_of("again/episode_000000/states.h5"));
+  const auto open = [&](const std::string& set) { return hdf5::File::open(out / set / "episode_000000/states.h5"); };
+  const hdf5::File plain = open("plain"), pushed = open("pushed");
+  EXPECT_FALSE(plain.has("/disturbance"));
+  EXPECT_EQ(plain.read<double>("/a").values, pushed.read<double>("/a").values);
+  const std::vector<double> a = pushed.read<double>("/a").values, q = pushed.read<double>("/q").values,
+                            d = pushed.read<double>("/disturbance").values;
+  const std::size_t width = pushed.texts_attribute("/q", "names").size(), n_steps = q.size() / width;
+  ASSERT_EQ(d.size(), q.size());
+  int n_pushed = 0;
+  for (std::size_t step = 0; step < n_steps; ++step) {
+    double largest = 0, off_the_push = 0;
+    for (std::size_t j = 0; j < width; ++j) {
+      const std::size_t i = step * width + j;
+      largest = std::max(largest, std::abs(d[i]));
+      off_the_push = std::max(off_the_push, std::abs(q[i] - a[i] - d[i]));
+    }
+    n_pushed += largest > 0;
+    if (largest > 0) EXPECT_LT(off_the_push, 2e-3) << step;  // the lag of its drives
+  }
+  EXPECT_EQ(n_pushed, 2 * 9);  // of 10 steps of 20 ms; after the last the hand is on its way again
+  double farthest = 0;
+  for (const double number : d) farthest = std::max(farthest, std::abs(number));
+  EXPECT_GT(farthest, 5e-3);
 }
 
 // Everything in the set that is of its episodes, by path: their bytes, and of a summary what does not tell of time.

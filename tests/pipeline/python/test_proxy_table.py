@@ -46,9 +46,29 @@ class ProxyTable(unittest.TestCase):
                    if "  feedforward: friction\n" in (self.folder / f"out/{name}.yaml").read_text()}
         self.assertEqual(knowing, {"nominal", "truth", "reality_knows"})
         rows = (self.folder / "out/proxy.csv").read_text().split()
-        self.assertEqual(rows[1], "none,expert,1,2,0.095,0.905")
-        self.assertEqual(rows[2], "none,expert_knows,1,2,0.095,0.905")
-        self.assertIn("amended,act,2,2,0.342,1.000", rows)
+        self.assertEqual(rows[1], "none,expert,,1,2,0.095,0.905")
+        self.assertEqual(rows[2], "none,expert_knows,,1,2,0.095,0.905")
+        self.assertIn("amended,act,1,2,2,0.342,1.000", rows)
+
+    def test_it_goes_on_where_it_was_stopped_and_adds_seeds(self):
+        out = self.begin("effect")
+        (self.folder / "lerobot-eval").rename(self.folder / "whole")
+        (self.folder / "lerobot-eval").write_text("#!/bin/sh\nexit 3\n")
+        (self.folder / "lerobot-eval").chmod(0o755)
+        process, _ = self.run_script(out)
+        self.assertNotEqual(process.returncode, 0)  # stopped after its first training
+        (self.folder / "whole").rename(self.folder / "lerobot-eval")
+        for name in ("nominal", "rigid", "truth", "amended"):  # no training really runs here
+            (self.folder / f"out/{name}/act_1/checkpoints/last").mkdir(parents=True)
+        process, told = self.run_script(out)
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertEqual(len([line for line in told if line.startswith("train_states.py")]), 1)
+        before = len(told)
+        process, told = self.run_script(out, "1", "2")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        again = [line.split()[0] for line in told[before:] if not line.startswith(("phyvisgen generate", "phyvisgen pack"))]
+        self.assertEqual(again, ["train_states.py", "lerobot-eval"] * 4)  # of seed 2 alone
+        self.assertIn("rigid,act,2,2,2,0.342,1.000", (self.folder / "out/proxy.csv").read_text().split())
 
     def test_nothing_named_is_told(self):
         process, told = self.run_script(self.begin("none"))

@@ -22,7 +22,7 @@ if words[0] == "evaluate":
 for word in words:
     if word.startswith("--output_dir=") and "eval_" in word:
         folder = pathlib.Path(word.split("=")[1])
-        folder.mkdir()
+        folder.mkdir(exist_ok=True)
         (folder / "eval_info.json").write_text('{{"overall": {{"pc_success": 100.0}}}}')
 """
 
@@ -91,7 +91,7 @@ class TrainAndEvaluate(unittest.TestCase):
         self.assertIn("--chunk 20 --executed 10", " ".join(told["train_pictures.py"]))
         self.assertNotIn("train_states.py", told)
         result = (self.folder / "out/result.csv").read_text().split()
-        self.assertEqual(result[1:], ["blind,,1,2", "nearest,,1,2", "act,1,2,2"])
+        self.assertEqual(result[1:], ["blind,,1,2,", "nearest,,1,2,", "act,1,2,2,10"])
 
     def test_another_network_gets_its_weights_and_device(self):
         process, told = self.run_script(
@@ -110,6 +110,20 @@ class TrainAndEvaluate(unittest.TestCase):
         self.assertIn("--environment-state", told["pack"])
         self.assertIn("--env.obs_type=state", told["lerobot-eval"])
         self.assertNotIn("train_pictures.py", told)
+
+    def test_a_policy_is_asked_as_often_as_told_and_judged_anew_where_that_changes(self):
+        process, told = self.run_script(EXECUTED="5 1")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertIn("--policy.n_action_steps=5", told["train_states.py"])
+        result = (self.folder / "out/result.csv").read_text().split()
+        self.assertEqual(result[-2:], ["act,1,2,2,5", "act,1,2,2,1"])
+        (self.folder / "out/act_1/checkpoints/last").mkdir(parents=True)  # no training really ran
+        process, told = self.run_script(EXECUTED="5 1")
+        self.assertEqual(sorted(told), ["generate", "pack"])
+        self.assertEqual((self.folder / "out/result.csv").read_text().split(), result)
+        process, told = self.run_script(EXECUTED="5 1", EPISODES="3")
+        self.assertEqual(sorted(told), ["evaluate", "generate", "lerobot-eval", "pack"])
+        self.assertIn("--policy.n_action_steps=1", told["lerobot-eval"])
 
     def test_the_gripper_is_the_same_everywhere(self):
         for observation in ("states", "pictures"):
@@ -140,6 +154,8 @@ class TrainAndEvaluate(unittest.TestCase):
             ({"VAE": "true", "OBSERVATION": "pictures"}, "VAE and SAVE need OBSERVATION=states"),
             ({"SIZE": "96"}, "SIZE=96 is not WIDTHxHEIGHT"),
             ({"SIZE": "96x9o"}, "SIZE=96x9o is not WIDTHxHEIGHT"),
+            ({"EXECUTED": "5 20"}, "EXECUTED=5 20 holds 20"),
+            ({"EXECUTED": "all"}, "EXECUTED=all holds all"),
             ({"GRIPPER": "hard"}, "GRIPPER=hard is neither soft nor rigid"),
             ({"GENERATE": "--worlds 2 --gripper rigid"}, "set GRIPPER=rigid"),
             ({"GENERATE": "--width=64"}, "GENERATE has --width"),
