@@ -38,11 +38,11 @@ TEST(ObjectParts, EachNodeIsAPartAndNoTwoMeet) {
   const TestFolder folder;
   ObjectSettings settings;
   settings.mass = 2;
+  settings.wrap.spacing = 2e-3;  // the wrap is 1.2 mm larger and simplified by up to 4 mm: too coarse for the gap
   const std::vector<NamedSource> sources = read_object_parts(write_pot(folder, 1e-3), settings);
   ASSERT_EQ(sources.size(), 2u);
   EXPECT_EQ(sources[0].name, "pot");
   EXPECT_EQ(sources[1].name, "lid");
-  // alone, with its own detail of 1 mm, the lid's wrap would be 0.6 mm larger and simplified by up to 2 mm
   const std::vector<CapturedPart> parts = capture_parts(sources, settings);
   TriangleMesh all;
   std::vector<std::uint32_t> group;
@@ -58,6 +58,7 @@ TEST(ObjectParts, EachNodeIsAPartAndNoTwoMeet) {
   EXPECT_FALSE(find_intersection(all.points, all.triangles));
   EXPECT_TRUE(parts[0].object.was_sound);
   EXPECT_FALSE(parts[1].object.was_sound);
+  EXPECT_LT(parts[1].object.spacing, 1.5e-3);  // made anew
   EXPECT_NEAR(parts[0].object.mass.mass + parts[1].object.mass.mass, 2, 1e-9);
   EXPECT_NEAR(parts[0].object.mass.mass, 2 * 5 / 6.0, 0.05);
   fs::create_directories(folder.path / "out");
@@ -72,7 +73,8 @@ TEST(ObjectParts, EachNodeIsAPartAndNoTwoMeet) {
 
 TEST(ObjectParts, WhatAUserCanGetWrongIsOneSentence) {
   const TestFolder folder;
-  const ObjectSettings settings;
+  ObjectSettings settings;
+  settings.wrap.spacing = 4e-3;
   expect_error<UsageError>([&] { read_object_parts(folder.path / "pot.stl", settings); }, {"--parts", "glTF"});
   expect_error<UsageError>([&] { read_object_parts(write_pot(folder, 1e-3, "a lid"), settings); },
                            {"a lid", "pot.glb"});

@@ -37,7 +37,8 @@ TEST(SoftObject, ItsTetrahedraFillItWithFewSlivers) {
   EXPECT_GE(quality.least_dihedral, 2 * M_PI / 180);
   double volume = 0;
   for (const double v : element_volumes(*object.tetrahedra)) volume += v;
-  EXPECT_NEAR(volume, enclosed_volume(object.simulation), 1e-6 * volume);  // TetGen puts its points on the planes of facets
+  EXPECT_NEAR(volume, enclosed_volume(object.simulation),
+              1e-6 * volume);  // TetGen puts its points on the planes of facets
   const nlohmann::ordered_json report = object_report(object, settings, 0)["tetrahedra"];
   EXPECT_EQ(report["slivers"], quality.n_slivers);
   EXPECT_NEAR(report["least_dihedral_degrees"], quality.least_dihedral * 180 / M_PI, 1e-9);
