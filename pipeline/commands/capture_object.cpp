@@ -9,6 +9,7 @@
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
+#include "host/capture/meshes/room_mesh.hpp"
 #include "host/capture/objects/lathe.hpp"
 #include "host/capture/objects/mesh_pictures.hpp"
 #include "host/capture/objects/object.hpp"
@@ -16,7 +17,6 @@
 #include "host/capture/objects/splats.hpp"
 #include "host/capture/objects/standing_object.hpp"
 #include "host/capture/objects/vessel.hpp"
-#include "host/capture/room_mesh.hpp"
 #include "host/formats/picture_files.hpp"
 #include "pipeline/command_line/command.hpp"
 

@@ -11,9 +11,9 @@
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/calibration/tag_frame.hpp"
+#include "host/capture/meshes/room_mesh.hpp"
 #include "host/capture/objects/room_solid.hpp"
 #include "host/capture/room_files.hpp"
-#include "host/capture/room_mesh.hpp"
 #include "pipeline/command_line/command.hpp"
 #include "pipeline/commands/calibrate_pose.hpp"
 

@@ -1,5 +1,5 @@
 // Rooms from meshes that were written by hand, whose floor is known.
-#include "host/capture/room_mesh.hpp"
+#include "host/capture/meshes/room_mesh.hpp"
 
 #include <gtest/gtest.h>
 

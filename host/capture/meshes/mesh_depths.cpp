@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
-#include "host/capture/room_mesh.hpp"
+#include "host/capture/meshes/room_mesh.hpp"
 #include "host/capture/surface.hpp"
 #include "host/capture/surface_views.hpp"
 

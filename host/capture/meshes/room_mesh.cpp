@@ -1,4 +1,4 @@
-#include "host/capture/room_mesh.hpp"
+#include "host/capture/meshes/room_mesh.hpp"
 
 #include <fmt/format.h>
 
