@@ -20,7 +20,8 @@ if(PVG_IO)
   pvg_library(host/load               base geometry pictures model formats robot load/fields                   )
   pvg_library(host/load/recording     base geometry pictures model formats robot load/fields load              )
   pvg_library(host/capture            base device geometry pictures model render formats                       )
-  pvg_library(host/capture/objects    base device geometry pictures model render formats capture               )
+  pvg_library(host/capture/meshes     base device geometry pictures model render formats load capture          )
+  pvg_library(host/capture/objects    base device geometry pictures model render formats load capture          )
   pvg_library(host/calibration        base geometry pictures model                                             )
   pvg_library(host/dataset            base geometry pictures model formats robot load/fields load              )
   set(PHYSICS physics/linear physics/contact physics/energies physics/step)
@@ -43,7 +44,7 @@ if(PVG_IO)
   pvg_library(pipeline/validation      ${EPISODE} episode identify/report                                      )
   pvg_library(pipeline/bench           ${EPISODE} episode                                                      )
   pvg_library(pipeline/command_line    base                                                                    )
-  pvg_library(pipeline/commands        ${EPISODE} load/recording episode serve capture capture/objects calibration
+  pvg_library(pipeline/commands        ${EPISODE} load/recording episode serve capture capture/meshes capture/objects calibration
                                        validation bench command_line identify identify/channels identify/data identify/sensing
                                        identify/candidates identify/fit identify/search identify/report        )
 endif()

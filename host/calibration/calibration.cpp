@@ -1,5 +1,7 @@
 #include "host/calibration/calibration.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
@@ -90,6 +92,54 @@ double set_residuals(std::vector<BoardPhoto>& photos, const Points& points, cons
   return std::sqrt(all / double(n_all));
 }
 
+// How the corners of a photo move with the intrinsics (8 columns: fx fy cx cy k1 to k4) and with the board's pose (6).
+Eigen::Matrix<double, Eigen::Dynamic, 14> fisheye_jacobian(const std::vector<cv::Point3f>& board, const Solution& s,
+                                                           std::size_t photo) {
+  const auto project = [&](int parameter, double by) {
+    cv::Mat K = s.K.clone(), distortion = s.distortion.clone(), turn = s.turn[photo].clone(),
+            shift = s.shift[photo].clone();
+    double* const moved[14] = {&K.at<double>(0, 0),          &K.at<double>(1, 1),          &K.at<double>(0, 2),
+                               &K.at<double>(1, 2),          distortion.ptr<double>(),     distortion.ptr<double>() + 1,
+                               distortion.ptr<double>() + 2, distortion.ptr<double>() + 3, turn.ptr<double>(),
+                               turn.ptr<double>() + 1,       turn.ptr<double>() + 2,       shift.ptr<double>(),
+                               shift.ptr<double>() + 1,      shift.ptr<double>() + 2};
+    *moved[parameter] += by;
+    const std::vector<cv::Point3d> points(board.begin(), board.end());
+    std::vector<cv::Point2d> pixels;
+    cv::fisheye::projectPoints(points, pixels, turn, shift, K, distortion);
+    return pixels;
+  };
+  Eigen::Matrix<double, Eigen::Dynamic, 14> J(2 * Eigen::Index(board.size()), 14);
+  for (int parameter = 0; parameter < 14; ++parameter) {
+    const double step = parameter < 4 ? 1e-2 : 1e-5;  // pixels; rad, m and the distortion's own numbers
+    const std::vector<cv::Point2d> more = project(parameter, step), less = project(parameter, -step);
+    for (std::size_t i = 0; i < board.size(); ++i) {
+      J(2 * Eigen::Index(i), parameter) = (more[i].x - less[i].x) / (2 * step);
+      J(2 * Eigen::Index(i) + 1, parameter) = (more[i].y - less[i].y) / (2 * step);
+    }
+  }
+  return J;
+}
+
+// Standard deviations of the intrinsics: of the inverse of J^T J over all photos, whose poses are eliminated (Schur
+// complement), times the variance of a coordinate: the squares over 2 n - 8 - 6 n_photos. OpenCV gives none.
+std::vector<double> fisheye_sigma(const Points& points, const Solution& s, double residual) {
+  Eigen::Matrix<double, 8, 8> information = Eigen::Matrix<double, 8, 8>::Zero();
+  double n = 0;
+  for (std::size_t i = 0; i < points.photo.size(); ++i) {
+    const Eigen::Matrix<double, Eigen::Dynamic, 14> J = fisheye_jacobian(points.board[i], s, i);
+    const Eigen::Matrix<double, 14, 14> A = J.transpose() * J;
+    information += A.topLeftCorner<8, 8>() -
+                   A.topRightCorner<8, 6>() * A.bottomRightCorner<6, 6>().ldlt().solve(A.bottomLeftCorner<6, 8>());
+    n += double(points.board[i].size());
+  }
+  const double freedom = std::max(1.0, 2 * n - 8 - 6 * double(points.photo.size()));
+  const Eigen::Matrix<double, 8, 1> variance = information.inverse().diagonal() * (residual * residual * n / freedom);
+  std::vector<double> sigma;
+  for (const double v : variance) sigma.push_back(std::sqrt(v));
+  return sigma;
+}
+
 double largest_tilt(const Solution& s) {
   std::vector<cv::Vec3d> normals;
   for (const cv::Mat& turn : s.turn) {
@@ -165,7 +215,9 @@ CameraCalibration calibrate_camera(std::vector<BoardPhoto> photos, int width, in
   camera.cy = s.K.at<double>(1, 2);
   const std::size_t n = is_fisheye ? 4 : std::size_t(settings.n_distortion);
   for (std::size_t i = 0; i < n; ++i) camera.distortion.push_back(s.distortion.ptr<double>()[i]);
-  if (!is_fisheye)
+  if (is_fisheye)
+    out.sigma = fisheye_sigma(points_of(photos), s, out.residual);
+  else
     for (std::size_t i = 0; i < 4 + n; ++i) out.sigma.push_back(s.sigma.ptr<double>()[i]);
   out.photos = std::move(photos);
   return out;

@@ -1,6 +1,7 @@
 // What a capture consists of: pictures of depth and colour whose poses are known.
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,9 +13,10 @@
 namespace pvg {
 
 struct CaptureFrame {
-  std::string name;                    // for messages, such as "frame-000020"
-  std::filesystem::path color, depth;  // files; color may be empty
-  Camera depth_camera, color_camera;   // optics, and pose: camera to the capture's frame
+  std::string name;                                 // for messages, such as "frame-000020"
+  std::filesystem::path color, depth;               // files; color may be empty, depth where it was drawn
+  std::shared_ptr<const DepthPicture> drawn_depth;  // of a mesh, instead of a file (meshes/room_mesh.hpp)
+  Camera depth_camera, color_camera;                // optics, and pose: camera to the capture's frame
 };
 
 struct Capture {
@@ -23,6 +25,10 @@ struct Capture {
   double depth_unit = 1e-3;  // of a file's numbers [m]
   // depth and colour are of two sensors whose relative pose the files do not give
   bool colors_are_apart = false;
+  // A mesh beside photos without depth, and points in the capture's frame that lie on it: draw_depths
+  // (meshes/room_mesh.hpp) makes the frames' depths of it.
+  std::filesystem::path mesh;
+  std::vector<Vec3> points;
 };
 
 // What is seen of what was captured.

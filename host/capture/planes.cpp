@@ -30,11 +30,34 @@ struct Facets {
   std::vector<Facet> cells;  // what lies in each cube, as one
 };
 
+// A triangle in pieces whose edges are no longer than a cell: its longest edge is halved as often as it takes.
+void add_pieces(const std::array<Vec3, 3>& triangle, std::vector<std::array<Vec3, 3>>& pieces) {
+  std::vector<std::array<Vec3, 3>> open = {triangle};
+  while (!open.empty()) {
+    const std::array<Vec3, 3> t = open.back();
+    open.pop_back();
+    std::size_t longest = 0;
+    const auto length = [&](std::size_t k) { return (t[(k + 1) % 3] - t[k]).norm(); };
+    for (const std::size_t k : {1, 2})
+      if (length(k) > length(longest)) longest = k;
+    if (length(longest) <= CELL) {
+      pieces.push_back(t);
+      continue;
+    }
+    const Vec3 &a = t[longest], &b = t[(longest + 1) % 3], &c = t[(longest + 2) % 3];
+    const Vec3 middle = 0.5 * (a + b);
+    open.push_back({a, middle, c});
+    open.push_back({middle, b, c});
+  }
+}
+
 Facets facets_of(const std::vector<Vec3f>& points, const std::vector<Triangle>& triangles) {
   Facets out;
   std::map<std::array<int, 3>, std::size_t> place;
-  for (const Triangle& t : triangles) {
-    const Vec3 a = points[t[0]].cast<double>(), b = points[t[1]].cast<double>(), c = points[t[2]].cast<double>();
+  std::vector<std::array<Vec3, 3>> pieces;
+  for (const Triangle& t : triangles)
+    add_pieces({points[t[0]].cast<double>(), points[t[1]].cast<double>(), points[t[2]].cast<double>()}, pieces);
+  for (const auto& [a, b, c] : pieces) {
     const Vec3 n = (b - a).cross(c - a), center = (a + b + c) / 3;
     const double area = n.norm() / 2;
     if (!(area > 0)) continue;

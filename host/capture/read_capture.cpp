@@ -79,6 +79,7 @@ std::vector<MaskedView> read_masked_views(const fs::path& folder) {
 }
 
 DepthPicture depth_of(const Capture& capture, const CaptureFrame& frame) {
+  if (frame.drawn_depth) return *frame.drawn_depth;
   DepthPicture picture = read_depth_picture(frame.depth, capture.depth_unit);
   const Camera& camera = frame.depth_camera;
   if (picture.width != camera.width || picture.height != camera.height)

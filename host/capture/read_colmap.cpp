@@ -1,5 +1,6 @@
 // COLMAP's sparse model, binary or text, with depth maps of its dense stage or 16-bit pictures in depth/. Poses are
 // camera from world, quaternion w first. The scale of a model from photos alone is arbitrary: the reader says so.
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <map>
@@ -169,6 +170,56 @@ std::vector<Image> read_images_txt(const fs::path& file) {
   return images;
 }
 
+// the places of the model's points
+std::vector<Vec3> read_points_bin(const fs::path& file) {
+  Bytes in{file, read_whole_file(file).value_or("")};
+  std::vector<Vec3> points;
+  for (auto n = in.next<std::uint64_t>(); n-- > 0;) {
+    in.next<std::uint64_t>();
+    Vec3& p = points.emplace_back();
+    for (double& x : p) x = in.next<double>();
+    for (int channel = 0; channel < 3; ++channel) in.next<std::uint8_t>();
+    in.next<double>();
+    const auto n_seen = in.next<std::uint64_t>();
+    if (n_seen > (in.content.size() - in.at) / 8) throw UsageError(file.string() + " ends too early; write it again");
+    in.at += n_seen * 8;
+  }
+  return points;
+}
+
+std::vector<Vec3> read_points_txt(const fs::path& file) {
+  std::vector<Vec3> points;
+  for (const std::string& line : lines_of(file)) {
+    if (line.empty()) continue;
+    std::istringstream in(line);
+    std::uint64_t id = 0;
+    Vec3& p = points.emplace_back();
+    in >> id >> p.x() >> p.y() >> p.z();
+    if (!in) throw UsageError(file.string() + ": `" + line.substr(0, 60) + "` is no point");
+  }
+  return points;
+}
+
+std::vector<Vec3> read_points(const fs::path& model) {
+  for (const bool is_binary : {true, false}) {
+    const fs::path file = model / (is_binary ? "points3D.bin" : "points3D.txt");
+    if (is_file(file)) return is_binary ? read_points_bin(file) : read_points_txt(file);
+  }
+  throw UsageError((model / "points3D.bin").string() +
+                   " is missing: its points tell how the mesh beside the model lies among the photos");
+}
+
+// Map-Anything's dense_mesh.glb, or the only GLB of the folder; empty: there is none
+fs::path mesh_beside(const fs::path& folder) {
+  if (is_file(folder / "dense_mesh.glb")) return folder / "dense_mesh.glb";
+  std::vector<fs::path> meshes;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file() && entry.path().extension() == ".glb") meshes.push_back(entry.path());
+  if (meshes.size() > 1)
+    throw UsageError(folder.string() + ": it holds several .glb files and no depth maps; leave the one to be taken");
+  return meshes.empty() ? fs::path() : meshes.front();
+}
+
 // empty: there is none
 fs::path depth_file_of(const fs::path& folder, const std::string& name) {
   const std::string stem = fs::path(name).replace_extension().string();
@@ -194,22 +245,30 @@ Capture read_colmap(const fs::path& folder) {
     CaptureFrame frame;
     frame.name = image.name;
     frame.depth = depth_file_of(folder, image.name);
-    if (frame.depth.empty()) continue;
+    frame.color = folder / "images" / image.name;
+    if (!is_file(frame.color)) frame.color.clear();
+    if (frame.depth.empty() && frame.color.empty()) continue;
     const auto camera = cameras.find(image.camera);
     if (camera == cameras.end())
       throw UsageError((model / "images").string() + ": " + image.name + " names a camera that is not there");
-    frame.color = folder / "images" / image.name;
-    if (!is_file(frame.color)) frame.color.clear();
     frame.depth_camera = camera->second;
     frame.depth_camera.pose = image.pose;
     frame.color_camera = frame.depth_camera;
     if (frame.depth.extension() == ".bin") capture.depth_unit = 1;
     capture.frames.push_back(std::move(frame));
   }
-  if (capture.frames.empty())
+  const auto has_no_depth = [](const CaptureFrame& frame) { return frame.depth.empty(); };
+  if (!std::all_of(capture.frames.begin(), capture.frames.end(), has_no_depth)) {
+    std::erase_if(capture.frames, has_no_depth);
+    return capture;
+  }
+  capture.mesh = mesh_beside(folder);
+  if (capture.mesh.empty() || capture.frames.empty())
     throw UsageError(folder.string() +
-                     ": no image has a depth map (stereo/depth_maps/NAME.geometric.bin or depth/NAME.png); a room "
-                     "needs depth beside the photos");
+                     ": no image has a depth map (stereo/depth_maps/NAME.geometric.bin or depth/NAME.png), and no mesh "
+                     "lies beside them; points alone make no surface: give depth maps, or a dense_mesh.glb as "
+                     "Map-Anything writes with --save_glb");
+  capture.points = read_points(model);
   return capture;
 }
 

@@ -9,6 +9,7 @@
 
 #include "host/base/error.hpp"
 #include "host/capture/background.hpp"
+#include "host/capture/room_frame.hpp"
 #include "host/capture/surface.hpp"
 #include "host/capture/surface_views.hpp"
 #include "host/capture/texture_atlas.hpp"
@@ -18,7 +19,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double UPRIGHT = 0.8;                // cosine between a plane's normal and up from which it can be the ground
 constexpr double BACKGROUND_TOLERANCE = 0.08;  // of depth at 1 m, from which a photo does not see it [m]
 constexpr std::size_t MOST_MEASURED = 16;      // frames, where none was left out
 
@@ -58,27 +58,10 @@ Vec3 upward(std::span<const CaptureFrame> frames) {
   return up.normalized();
 }
 
-int choose_ground(const std::vector<CapturedPlane>& planes, const Vec3& up, int asked) {
-  if (asked >= int(planes.size()))
-    throw UsageError("--ground " + std::to_string(asked) + ": only " + std::to_string(planes.size()) +
-                     " planes were found; they count from 0, the largest first");
-  if (asked >= 0) return asked;
-  for (int i = 0; i < int(planes.size()); ++i)
-    if (planes[std::size_t(i)].pose.linear().col(2).dot(up) > UPRIGHT) return i;
-  return -1;
-}
-
-// z along the ground's normal, the origin in the middle of its rectangle, x along its longer side, away from the
-// cameras
-Pose room_frame(const CapturedPlane& ground, std::span<const CaptureFrame> frames) {
-  Pose pose = ground.pose;
+Vec3 mean_eye(std::span<const CaptureFrame> frames) {
   Vec3 eye = Vec3::Zero();
   for (const CaptureFrame& frame : frames) eye += frame.depth_camera.pose.translation() / double(frames.size());
-  if ((eye - pose.translation()).dot(pose.linear().col(0)) > 0) {
-    pose.linear().col(0) *= -1;
-    pose.linear().col(1) *= -1;
-  }
-  return pose.inverse();
+  return eye;
 }
 
 void move(std::vector<CaptureFrame>& frames, const Pose& to_room) {
@@ -109,7 +92,7 @@ void color_room(Device& device, std::span<const CaptureFrame> frames, const Room
   room.share_colored = double(colors.n_seen) / double(room.mesh.points.size());
   room.mesh.colors = std::move(colors.colors);
   simplify(settings, room);
-  if (settings.has_texture) room.look = texture_surface(device, photos, room.mesh, tolerance);
+  if (settings.has_texture) room.looks = {texture_surface(device, photos, room.mesh, tolerance)};
   if (room.background.triangles.empty()) return;
   room.background.colors = color_surface(device, photos, room.background.points,
                                          point_normals(room.background.points, room.background.triangles),
@@ -181,21 +164,9 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
   } else {
     simplify(settings, room);
   }
-  if (room.look.mesh.triangles.empty()) room.look.mesh = room.mesh;
+  if (room.looks.empty()) room.looks = {{room.mesh, {}}};
   say("finding planes");
-  room.planes = find_planes(room.mesh.points, room.mesh.triangles, settings.planes);
-  room.is_placed = settings.room_from_capture.has_value();
-  const Vec3 up = room.is_placed ? Vec3(settings.room_from_capture->linear().row(2)) : upward(used);
-  if (!settings.keeps_frame) room.ground = choose_ground(room.planes, up, settings.ground);
-  if (room.is_placed)
-    room.room_from_capture = *settings.room_from_capture;
-  else if (room.ground >= 0)
-    room.room_from_capture = room_frame(room.planes[std::size_t(room.ground)], used);
-  const Eigen::Isometry3f to_room = room.room_from_capture.cast<float>();
-  for (Vec3f& p : room.mesh.points) p = to_room * p;
-  for (Vec3f& p : room.look.mesh.points) p = to_room * p;
-  for (Vec3f& p : room.background.points) p = to_room * p;
-  for (CapturedPlane& plane : room.planes) plane.pose = room.room_from_capture * plane.pose;
+  place_room(settings, upward(used), mean_eye(used), room);
   move(used, room.room_from_capture);
   move(held_out, room.room_from_capture);
   move(as_given, room.room_from_capture);
@@ -210,7 +181,8 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
   if (room.refinement && !held_out.empty())
     room.depth_as_given = measure_depth(device, capture, as_given, room.mesh, settings.fusion.max_depth);
   if (!held_out.empty() && !room.mesh.colors.empty()) {
-    const CapturedSurface surfaces[] = {room.look, {room.background, {}}};
+    std::vector<CapturedSurface> surfaces = room.looks;
+    surfaces.push_back({room.background, {}});
     room.photos = measure_photos(device, held_out, surfaces);
   }
   return room;

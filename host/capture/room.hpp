@@ -47,13 +47,15 @@ struct PhotoErrors {
 };
 
 struct Room {
-  VisualMesh mesh;                    // in the room's frame, with colours where the capture has photos
-  CapturedSurface look;               // the same surface as it is seen, with a texture where one was asked for
-  VisualMesh background;              // guessed, behind the measured surface; may be empty
-  std::vector<Vec3f> gains;           // of the used photos, see exposure.hpp; empty without photos
-  std::vector<CapturedPlane> planes;  // in the room's frame
-  int ground = -1;                    // the plane that bodies stand on; -1: none was found
-  bool is_placed = false;             // its frame was given; else z = 0 is the ground, or the frame the capture's
+  VisualMesh mesh;                      // in the room's frame, with colours where the capture has photos
+  std::vector<CapturedSurface> looks;   // the same surface as it is seen, in pieces of one texture or none
+  VisualMesh background;                // guessed, behind the measured surface; may be empty
+  std::vector<Vec3f> gains;             // of the used photos, see exposure.hpp; empty without photos
+  std::vector<CapturedPlane> planes;    // in the room's frame
+  int ground = -1;                      // the plane that bodies stand on; -1: none was found
+  TriangleMesh solid;                   // that bodies lie on, of objects/room_solid.hpp; may be empty
+  std::vector<double> solid_distances;  // of the surface in its reach from it, ascending [m]
+  bool is_placed = false;               // its frame was given; else z = 0 is the ground, or the frame the capture's
   Pose room_from_capture = Pose::Identity();
   std::optional<PoseRefinement> refinement;
   std::vector<std::string> frame_names;  // [n_frames] of the used frames

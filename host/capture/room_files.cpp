@@ -50,6 +50,7 @@ std::string poses_text(const Room& room) {
 // of a room that was here before; this one may have fewer
 void remove_planes_and_poses(const fs::path& folder) {
   fs::remove(folder / "poses.csv");
+  fs::remove(folder / "surface.obj");
   std::vector<fs::path> planes;
   for (const auto& entry : fs::directory_iterator(folder))
     if (const std::string name = entry.path().filename().string();
@@ -112,8 +113,10 @@ TriangleMesh plane_box(const CapturedPlane& plane) {
 }
 
 void write_room(const fs::path& folder, const Room& room, const RoomSettings& settings) {
-  const NamedMesh meshes[] = {{"room", &room.look.mesh, &room.look.texture},
-                              {"guessed background", &room.background, nullptr}};
+  std::vector<NamedMesh> meshes;
+  for (std::size_t i = 0; i < room.looks.size(); ++i)
+    meshes.push_back({i == 0 ? "room" : fmt::format("room {}", i + 1), &room.looks[i].mesh, &room.looks[i].texture});
+  meshes.push_back({"guessed background", &room.background, nullptr});
   write_captured_meshes(folder / "room.glb", meshes, true);
   remove_planes_and_poses(folder);
   if (room.refinement) write_text_atomically(folder / "poses.csv", poses_text(room));
@@ -125,7 +128,11 @@ void write_room(const fs::path& folder, const Room& room, const RoomSettings& se
                                      : "? no plane that faces up was found\n");
   text += "schema: 1\nmesh: room.glb\n";
   text += "capture_to_room: " + pose_text(room.room_from_capture) + "\n";
-  text += fmt::format("voxel: {:.9g}\n", settings.fusion.voxel);
+  if (room.n_frames > 0) text += fmt::format("voxel: {:.9g}\n", settings.fusion.voxel);
+  if (!room.solid.triangles.empty()) {
+    write_text_atomically(folder / "surface.obj", obj_text(room.solid));
+    text += "surface: surface.obj    # for `contact: surface`\n";
+  }
   text += fmt::format("ground: {}\n", room.ground >= 0 ? fmt::format("plane_{}", room.ground) : "none");
   text += "# size: of the rectangle [m]; roughness: of the surface on it [m]; sigmas: of the plane's place and tilt\n";
   text += "planes:\n";
@@ -156,7 +163,6 @@ ordered_json room_report(const Room& room, const RoomSettings& settings, double 
                       {"height_sigma", p.height_sigma},
                       {"tilt_sigma", p.tilt_sigma}});
   }
-  const DepthErrors& d = room.depth;
   ordered_json out = {{"schema", 1},
                       {"mesh",
                        {{"vertices", room.mesh.points.size()},
@@ -169,26 +175,28 @@ ordered_json room_report(const Room& room, const RoomSettings& settings, double 
                       {"planes", planes},
                       {"scale", 1.0},
                       {"seconds", seconds},
-                      {"peak_bytes", peak_bytes},
-                      {"distance",
-                       {{"mean", d.mean},
-                        {"median", d.median},
-                        {"p90", d.p90},
-                        {"p95", d.p95},
-                        {"max", d.max},
-                        {"covered", d.covered},
-                        {"frames", d.n_frames},
-                        {"held_out", d.are_held_out}}},
-                      {"fusion",
-                       {{"frames", room.n_frames},
-                        {"voxel", settings.fusion.voxel},
-                        {"blocks", room.n_blocks},
-                        {"voxel_bytes", room.voxel_bytes},
-                        {"ms_per_frame", room.ms_per_frame},
-                        {"cpu_ms_per_frame", room.cpu_ms_per_frame}}}};
+                      {"peak_bytes", peak_bytes}};
+  if (!room.solid.triangles.empty()) {
+    const auto at = [&](std::size_t percent) {
+      return room.solid_distances[(room.solid_distances.size() - 1) * percent / 100];
+    };
+    out["surface"] = {{"triangles", room.solid.triangles.size()},
+                      {"distance_median", at(50)},
+                      {"distance_p95", at(95)},
+                      {"distance_max", at(100)}};
+  }
+  if (room.n_frames > 0) {
+    const DepthErrors& d = room.depth;
+    out["distance"] = {{"mean", d.mean}, {"median", d.median},   {"p90", d.p90},         {"p95", d.p95},
+                       {"max", d.max},   {"covered", d.covered}, {"frames", d.n_frames}, {"held_out", d.are_held_out}};
+    out["fusion"] = {{"frames", room.n_frames},           {"voxel", settings.fusion.voxel},
+                     {"blocks", room.n_blocks},           {"voxel_bytes", room.voxel_bytes},
+                     {"ms_per_frame", room.ms_per_frame}, {"cpu_ms_per_frame", room.cpu_ms_per_frame}};
+  }
   out["background"] = {{"triangles", room.background.triangles.size()}, {"is_guessed", true}};
-  if (!room.look.texture.rgba.empty())
-    out["texture"] = {{"width", room.look.texture.width}, {"height", room.look.texture.height}};
+  for (const CapturedSurface& look : room.looks)
+    if (!look.texture.rgba.empty())
+      out["textures"].push_back({{"width", look.texture.width}, {"height", look.texture.height}});
   if (!room.gains.empty()) {
     Vec3f least = room.gains.front(), most = least;
     for (const Vec3f& gain : room.gains) {

@@ -57,17 +57,25 @@ FusedSurface without_unused(const FusedSurface& surface) {
   return out;
 }
 
-FusedSurface without_small_pieces(const FusedSurface& surface, double least_area) {
-  Parts parts(surface.points.size());
-  for (const Triangle& t : surface.triangles) {
+std::vector<bool> in_large_pieces(const std::vector<Vec3f>& points, const std::vector<Triangle>& triangles,
+                                  double least_area) {
+  Parts parts(points.size());
+  for (const Triangle& t : triangles) {
     parts.join(t[0], t[1]);
     parts.join(t[0], t[2]);
   }
-  std::vector<double> area(surface.points.size(), 0.0);
-  for (const Triangle& t : surface.triangles) area[parts.find(t[0])] += area_of(surface.points, t);
+  std::vector<double> area(points.size(), 0.0);
+  for (const Triangle& t : triangles) area[parts.find(t[0])] += area_of(points, t);
+  std::vector<bool> out;
+  for (const Triangle& t : triangles) out.push_back(area[parts.find(t[0])] >= least_area);
+  return out;
+}
+
+FusedSurface without_small_pieces(const FusedSurface& surface, double least_area) {
+  const std::vector<bool> stays = in_large_pieces(surface.points, surface.triangles, least_area);
   FusedSurface kept{surface.points, surface.sureness, {}};
-  for (const Triangle& t : surface.triangles)
-    if (area[parts.find(t[0])] >= least_area) kept.triangles.push_back(t);
+  for (std::size_t i = 0; i < stays.size(); ++i)
+    if (stays[i]) kept.triangles.push_back(surface.triangles[i]);
   return without_unused(kept);
 }
 
@@ -115,6 +123,7 @@ VisualMesh simplified(const VisualMesh& mesh, std::size_t n_triangles, double er
       if (number[old] == 0) {
         out.points.push_back(mesh.points[old]);
         if (!mesh.normals.empty()) out.normals.push_back(mesh.normals[old]);
+        if (!mesh.uvs.empty()) out.uvs.push_back(mesh.uvs[old]);
         if (!mesh.colors.empty()) out.colors.push_back(mesh.colors[old]);
         number[old] = std::uint32_t(out.points.size());
       }

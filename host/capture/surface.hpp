@@ -8,6 +8,10 @@ namespace pvg {
 // Points that no triangle uses, and triangles without area, go.
 FusedSurface without_unused(const FusedSurface& surface);
 
+// Whether a triangle belongs to a connected part whose triangles together have at least least_area [m^2].
+std::vector<bool> in_large_pieces(const std::vector<Vec3f>& points, const std::vector<Triangle>& triangles,
+                                  double least_area);
+
 // Without the connected parts whose triangles together have less than least_area [m^2].
 FusedSurface without_small_pieces(const FusedSurface& surface, double least_area);
 

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "host/capture/pack_rectangles.hpp"
 #include "host/capture/photo_choice.hpp"
 #include "host/capture/seam_levels.hpp"
 #include "host/capture/surface.hpp"
+#include "host/pictures/pack_rectangles.hpp"
 #include "host/pictures/srgb.hpp"
 #include "host/render/camera.hpp"
 

@@ -18,6 +18,7 @@
 #include "host/formats/assimp_reader.hpp"
 #include "host/formats/raw_mesh.hpp"
 #include "host/geometry/mesh_checks.hpp"
+#include "host/pictures/srgb.hpp"
 
 namespace pvg {
 namespace {
@@ -30,7 +31,7 @@ constexpr double FARTHEST = 1e9;        // coordinate of a vertex [m]: squares a
 // What has been joined so far, and whether every part had normals and texture coordinates.
 struct Joined {
   RawMesh mesh;
-  bool has_normals = true, has_uvs = true;
+  bool has_normals = true, has_uvs = true, has_colors = true;
 };
 
 void append(const aiMesh& part, const aiMatrix4x4& to_root, Joined& out, const fs::path& file) {
@@ -40,6 +41,7 @@ void append(const aiMesh& part, const aiMatrix4x4& to_root, Joined& out, const f
   for_normals.Inverse().Transpose();
   out.has_normals &= part.HasNormals();
   out.has_uvs &= part.HasTextureCoords(0);
+  out.has_colors &= part.HasVertexColors(0);
   for (unsigned i = 0; i < part.mNumVertices; ++i) {
     const aiVector3D p = to_root * part.mVertices[i];
     out.mesh.points.emplace_back(p.x, p.y, p.z);
@@ -48,6 +50,9 @@ void append(const aiMesh& part, const aiMatrix4x4& to_root, Joined& out, const f
     // assimp counts v from the bottom row
     const aiVector3D uv = part.HasTextureCoords(0) ? part.mTextureCoords[0][i] : aiVector3D();
     out.mesh.uvs.emplace_back(uv.x, 1 - uv.y);
+    // who writes colours of points takes them from pictures, in sRGB
+    const aiColor4D color = part.HasVertexColors(0) ? part.mColors[0][i] : aiColor4D();
+    out.mesh.colors.emplace_back(srgb_to_linear(color.r), srgb_to_linear(color.g), srgb_to_linear(color.b));
   }
   const bool mirrors = rotation.Determinant() < 0;
   for (unsigned i = 0; i < part.mNumFaces; ++i) {
@@ -187,6 +192,7 @@ RawMesh import(const fs::path& file) {
   append_node(*scene, *scene->mRootNode, aiMatrix4x4(), joined, file);
   if (!joined.has_normals) joined.mesh.normals.clear();
   if (!joined.has_uvs) joined.mesh.uvs.clear();
+  if (!joined.has_colors) joined.mesh.colors.clear();
   return std::move(joined.mesh);
 }
 
@@ -199,14 +205,15 @@ RawMesh read_with_assimp(const fs::path& file) {
     return in_child_process(file.string(), limits_to_read(file), [&] {
       const RawMesh mesh = import(file);
       std::string packed;
-      pack(packed, mesh.points), pack(packed, mesh.normals), pack(packed, mesh.uvs), pack(packed, mesh.triangles);
+      pack(packed, mesh.points), pack(packed, mesh.normals), pack(packed, mesh.uvs), pack(packed, mesh.colors);
+      pack(packed, mesh.triangles);
       return packed;
     });
   });
   RawMesh mesh;
   std::size_t at = 0;
   unpack(bytes, at, mesh.points), unpack(bytes, at, mesh.normals), unpack(bytes, at, mesh.uvs);
-  unpack(bytes, at, mesh.triangles);
+  unpack(bytes, at, mesh.colors), unpack(bytes, at, mesh.triangles);
   return mesh;
 }
 
@@ -241,6 +248,17 @@ VisualMesh read_visual_mesh(const fs::path& file, double crease_angle) {
     normals = corner_normals(mesh, crease_angle);
   }
   return unified(mesh, normals);
+}
+
+VisualMesh read_colored_mesh(const fs::path& file) {
+  const RawMesh mesh = read_any(file);
+  check_finite(mesh, file);
+  VisualMesh out;
+  for (const Vec3& p : mesh.points) out.points.push_back(p.cast<float>());
+  out.uvs = mesh.uvs;
+  out.colors = mesh.colors;
+  out.triangles = mesh.triangles;
+  return out;
 }
 
 VisualMesh visual_of(const TriangleMesh& surface) {

@@ -18,6 +18,9 @@ TriangleMesh read_closed_surface(const std::filesystem::path& file);
 // smooth normals: the file's if it has them, else across edges flatter than crease_angle [rad]. crease_angle 0: none.
 VisualMesh read_visual_mesh(const std::filesystem::path& file, double crease_angle = 0.7);
 
+// As it lies in the file, flat shaded, with the colours of its points, which OBJ and PLY files may have in sRGB.
+VisualMesh read_colored_mesh(const std::filesystem::path& file);
+
 // A surface as it is, flat shaded.
 VisualMesh visual_of(const TriangleMesh& surface);
 

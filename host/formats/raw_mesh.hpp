@@ -12,6 +12,7 @@ struct RawMesh {
   std::vector<Vec3> points;   // [n, m], node transforms applied
   std::vector<Vec3> normals;  // [n] or empty if any part has none
   std::vector<Vec2f> uvs;     // [n] or empty if any part has none; v = 0 at the top row
+  std::vector<Vec3f> colors;  // [n] linear Rec. 709, or empty if any part has none; not read of glTF
   std::vector<Triangle> triangles;
 };
 

@@ -61,6 +61,7 @@ std::string switches(const TetgenOptions& options) {
   s << std::setprecision(9) << "-pz";
   if (options.keeps_surface) s << "Y";
   if (options.radius_edge_ratio > 0) s << "q" << options.radius_edge_ratio;
+  if (options.radius_edge_ratio > 0 && options.least_dihedral > 0) s << "/" << options.least_dihedral;
   if (options.max_volume > 0) s << "a" << std::fixed << std::setprecision(18) << options.max_volume;
   return s.str();
 }

@@ -66,6 +66,7 @@ void add_views(const tinygltf::Model& model, const GltfNodes& nodes, const fs::p
 GltfScene read_gltf_scene(const fs::path& file) {
   const tinygltf::Model model = load_gltf(file);
   GltfScene scene;
+  scene.generator = model.asset.generator;
   GltfMaterialReader reader(model, file, scene.textures);
   std::vector<GltfMaterial> materials;
   for (const tinygltf::Material& material : model.materials) materials.push_back(reader.read(material));

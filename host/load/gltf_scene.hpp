@@ -22,6 +22,7 @@ struct GltfScene {
   std::vector<GltfPart> parts;
   std::vector<Camera> cameras;        // perspective ones
   std::vector<SphereLight> lights;    // of KHR_lights_punctual, see gltf_views.hpp
+  std::string generator;              // the program that wrote the file, as the file says; may be empty
   std::vector<std::string> left_out;  // what was not understood, a sentence each
 };
 

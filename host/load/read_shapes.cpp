@@ -5,8 +5,10 @@
 
 #include "host/base/error.hpp"
 #include "host/formats/mesh_files.hpp"
+#include "host/formats/tet_file.hpp"
 #include "host/formats/tetgen.hpp"
 #include "host/geometry/primitive_shapes.hpp"
+#include "host/geometry/tet_mesh.hpp"
 #include "host/load/tables.hpp"
 #include "host/robot/robot.hpp"
 
@@ -86,6 +88,15 @@ struct Filled {
   TriangleMesh surface;
   TetgenOptions options;
   std::string file;
+};
+
+struct Tetrahedra {
+  std::filesystem::path mesh;
+  int nodes_per_element = TetgenOptions{}.nodes_per_element;
+  TetMesh solid() const {
+    const TetMesh linear = read_tetrahedra(mesh);
+    return nodes_per_element == 10 ? make_quadratic(linear) : linear;
+  }
 };
 
 TriangleMesh joined(const std::vector<Part>& parts) {
@@ -253,6 +264,11 @@ const OneOf<TetMesh>& solid_shapes() {
           .include(
               nodes_per_element_fields(), [](auto& f) -> auto& { return f.options.nodes_per_element; })
           .reads([](Section& s, Filled& f) { f.file = s.path().string(); });
+  const auto tetrahedra =
+      Fields<Tetrahedra>()
+          .file("mesh", &Tetrahedra::mesh, "Gmsh's MSH 2.2 as text, such as `capture object --soft` writes")
+          .required()
+          .include(nodes_per_element_fields(), &Tetrahedra::nodes_per_element);
   static const OneOf<TetMesh> SHAPES =
       OneOf<TetMesh>()
           .form(
@@ -266,7 +282,8 @@ const OneOf<TetMesh>& solid_shapes() {
               "the part x, y, z >= 0 of a ball around the origin")
           .form(
               "filled", filled, [](const Filled& f) { return tetrahedralize(f.surface, f.options, f.file); },
-              "the inside of a closed surface, by TetGen");
+              "the inside of a closed surface, by TetGen")
+          .form("tetrahedra", tetrahedra, std::mem_fn(&Tetrahedra::solid), "of a file, as they are");
   return SHAPES;
 }
 

@@ -15,7 +15,7 @@
 #include "host/base/files.hpp"
 #include "host/base/numbers.hpp"
 #include "host/base/outputs.hpp"
-#include "host/formats/xml_text.hpp"
+#include "host/base/xml_text.hpp"
 #include "host/geometry/primitive_visuals.hpp"
 #include "host/pictures/srgb.hpp"
 #include "host/robot/link_mesh.hpp"

@@ -3,7 +3,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/files.hpp"
-#include "host/formats/xml_text.hpp"
+#include "host/base/xml_text.hpp"
 #include "host/robot/multibody.hpp"
 #include "host/robot/robot.hpp"
 

@@ -9,9 +9,11 @@
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
+#include "host/capture/meshes/room_mesh.hpp"
 #include "host/capture/objects/lathe.hpp"
 #include "host/capture/objects/mesh_pictures.hpp"
 #include "host/capture/objects/object.hpp"
+#include "host/capture/objects/object_parts.hpp"
 #include "host/capture/objects/splats.hpp"
 #include "host/capture/objects/standing_object.hpp"
 #include "host/capture/objects/vessel.hpp"
@@ -29,6 +31,7 @@ struct CaptureObjectOptions {
   std::size_t triangles = 2000;
   double voxel = 2, max_depth = 1.5, depth_unit = 0;  // of frames [mm, m, m]
   bool wraps = false, draws_meshes = false, as_json = false;
+  bool is_soft = false, has_parts = false;
 };
 
 ObjectSource vessel_of(const CaptureObjectOptions& o) {
@@ -50,8 +53,9 @@ ObjectSource source_of(const CaptureObjectOptions& o, const ObjectSettings& sett
   if (!o.revolve.empty()) return read_lathe_object(o.revolve, 1e-3 * o.wall, o.scale);
   if (std::filesystem::is_directory(o.source)) {
     if (o.scale != 1) throw UsageError("--scale is for meshes and splats; the unit of depth pictures is --depth-unit");
-    const Capture capture = read_capture(o.source, o.depth_unit);
+    Capture capture = read_capture(o.source, o.depth_unit);
     Device device(o.device, Purpose::rendering);
+    if (!capture.mesh.empty()) draw_depths(device, capture);
     StandingSettings standing;
     standing.voxel = 1e-3 * o.voxel;
     standing.max_depth = o.max_depth;
@@ -67,6 +71,27 @@ ObjectSource source_of(const CaptureObjectOptions& o, const ObjectSettings& sett
   return read_splat_object(device, o.source, settings);
 }
 
+// --parts
+void capture_several(const CaptureObjectOptions& o, const ObjectSettings& settings) {
+  if (o.source.empty() || o.is_soft || o.draws_meshes)
+    throw UsageError("--parts goes with a glTF file, and not with --soft or --picture");
+  const auto start = std::chrono::steady_clock::now();
+  const std::vector<CapturedPart> parts = capture_parts(read_object_parts(o.source, settings), settings);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  PartialFolder folder(o.output);
+  write_parts(folder.path(), parts, settings, seconds);
+  folder.finish();
+  if (o.as_json) {
+    std::printf("%s\n", parts_report(parts, settings, seconds).dump(2).c_str());
+    return;
+  }
+  for (const CapturedPart& part : parts)
+    std::printf("%s: %zu triangles%s, %.4g kg\n", part.name.c_str(), part.object.simulation.triangles.size(),
+                part.object.was_sound ? "; the source was sound" : "; wrapped around the source",
+                part.object.mass.mass);
+  std::printf("%s: %zu parts that do not meet, in %.1f s\n", o.output.c_str(), parts.size(), seconds);
+}
+
 void run_capture_object(const CaptureObjectOptions& o) {
   const std::string& input = !o.revolve.empty() ? o.revolve : !o.masks.empty() ? o.masks : o.source;
   if (o.source.empty() + o.revolve.empty() + o.masks.empty() != 2 || o.output.empty())
@@ -76,7 +101,9 @@ void run_capture_object(const CaptureObjectOptions& o) {
   const bool is_turned = o.source.empty();
   if (o.wall > 0 && !is_turned) throw UsageError("--wall is for --revolve and --masks");
   check_apart(o.output, input, "capture object");
-  check_output_folder(o.output, {"simulation.obj", "visual.glb", "object.yaml", "report.json", "meshes.png"},
+  check_output_folder(o.output,
+                      {"simulation.obj", "visual.glb", "object.yaml", "report.json", "meshes.png", "thickness.png",
+                       "tetrahedra.msh", "part_*"},
                       "capture object");
   const auto start = std::chrono::steady_clock::now();
   ObjectSettings settings;
@@ -89,15 +116,24 @@ void run_capture_object(const CaptureObjectOptions& o) {
   settings.error_share = is_turned ? 0.002 : 0.02;  // a profile is exact, and walls are thin
   settings.triangles = o.triangles;
   settings.always_wraps = o.wraps;
+  settings.is_soft = o.is_soft;
+  if (o.has_parts) {
+    capture_several(o, settings);
+    return;
+  }
   const CapturedObject object = capture_object(source_of(o, settings), settings);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   PartialFolder folder(o.output);
   write_object(folder.path(), object, settings, seconds);
   const std::filesystem::path picture = folder.path() / "meshes.png";
+  const std::filesystem::path thickness = folder.path() / "thickness.png";
   std::filesystem::remove(picture);  // of an earlier run
+  std::filesystem::remove(thickness);
   if (o.draws_meshes) {
     Device device(o.device, Purpose::rendering);
     write_picture(picture, picture_of_meshes(device, object.visual, object.simulation));
+    write_picture(thickness, picture_of_thickness(device, object.visual, object.simulation,
+                                                  ContactSettings{}.activation_distance));
   }
   folder.finish();
   const nlohmann::ordered_json report = object_report(object, settings, seconds);
@@ -127,6 +163,13 @@ void run_capture_object(const CaptureObjectOptions& o) {
         "soft, give the task a smaller activation_distance\n",
         100 * t["share_below"].get<double>(), 1e3 * t["activation_distance"].get<double>(),
         1e3 * t["least"].get<double>());
+  if (const auto& t = report["tetrahedra"]; !t.is_null())
+    std::printf(
+        "tetrahedra.msh: %zu of %zu nodes; the least dihedral angle is %.1f degrees, the largest ratio of radius to "
+        "edge "
+        "%.2f, %zu are slivers below 5 degrees\n",
+        t["elements"].get<std::size_t>(), t["nodes"].get<std::size_t>(), t["least_dihedral_degrees"].get<double>(),
+        t["largest_radius_edge"].get<double>(), t["slivers"].get<std::size_t>());
   if (o.density == 0 && o.mass == 0) std::printf("the mass is that of water: give --density or --mass\n");
 }
 
@@ -165,6 +208,10 @@ void add_capture_object(CLI::App& program) {
       ->check(CLI::Range(1e-3, 1e4));
   command->add_option("--triangles", o.triangles, "Of the simulation mesh, where the error allows");
   command->add_flag("--wrap", o.wraps, "Wrap also a source that is closed and does not intersect itself");
+  command->add_flag("--soft", o.is_soft,
+                    "Also tetrahedra by TetGen: tetrahedra.msh, and object.yaml becomes a soft body of a scene");
+  command->add_flag("--parts", o.has_parts,
+                    "One part for each name of the nodes of a glTF file: part_NAME.obj, part_NAME.glb");
   command->add_option("--voxel", o.voxel, "Of a folder: distance of samples [mm]")->check(CLI::Range(0.2, 50.0));
   command->add_option("--max-depth", o.max_depth, "Of a folder: farther depths are left out [m]")
       ->check(CLI::Range(0.2, 100.0));
@@ -173,13 +220,16 @@ void add_capture_object(CLI::App& program) {
       ->check(CLI::Range(1e-6, 10.0));
   command->add_option("--device", o.device,
                       "OpenCL device that fuses depth and draws splats: an index, part of its name, cpu or gpu");
-  command->add_flag("--picture", o.draws_meshes, "Draw both meshes side by side: meshes.png");
+  command->add_flag("--picture", o.draws_meshes,
+                    "Draw both meshes side by side, meshes.png, and the thickness of the walls, thickness.png");
   command->add_flag("--json", o.as_json, "Print the report as JSON");
   command->footer(
       "Examples:\n  phyvisgen capture object scan.stl --scale 0.001 --density 1200 --picture -o can\n  phyvisgen "
       "capture object "
       "scans/can --mass 0.35 -o can\n  phyvisgen capture object --revolve glass.csv --scale 0.001 --wall 2 --density "
-      "2500 -o glass\n  phyvisgen capture object --masks scans/glass --wall 2 --density 2500 -o glass");
+      "2500 -o glass\n  phyvisgen capture object --masks scans/glass --wall 2 --density 2500 -o glass\n"
+      "  phyvisgen capture object pot_and_lid.glb --parts --mass 1.2 -o pot\n"
+      "  phyvisgen capture object sponge.stl --scale 0.001 --soft --density 80 -o sponge");
 }
 
 }  // namespace pvg

@@ -11,6 +11,8 @@
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/calibration/tag_frame.hpp"
+#include "host/capture/meshes/room_mesh.hpp"
+#include "host/capture/objects/room_solid.hpp"
 #include "host/capture/room_files.hpp"
 #include "pipeline/command_line/command.hpp"
 #include "pipeline/commands/calibrate_pose.hpp"
@@ -21,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct CaptureRoomOptions {
-  std::string folder, output, tags;
+  std::string source, output, tags;
   double voxel = 5, max_depth = 4, depth_unit = 0, memory = 2048;  // [mm, m, m, MiB]
   double noise = 1;                                                // factor of the Kinect's
   double least_piece = 0.02;                                       // [m^2]
@@ -32,11 +34,39 @@ struct CaptureRoomOptions {
   bool refines_poses = false;
   bool keeps_frame = false, leaves_holes = false, has_texture = false, as_json = false;
   std::string device;
+  double contact = 0, detail = 10;  // [m, mm]; contact 0: no solid
+  double scale = 1;                 // of a mesh
+  std::string up = "z";             // of a mesh
+  CLI::App* command = nullptr;      // tells which options were given
 };
 
 double degrees(double radians) { return radians * 180 / M_PI; }
 
+void print_planes(const Room& room) {
+  if (!room.solid.triangles.empty())
+    std::printf("surface.obj: %zu triangles, half of the surface within %.2f mm of it, 95 %% within %.2f mm\n",
+                room.solid.triangles.size(), 1e3 * room.solid_distances[room.solid_distances.size() / 2],
+                1e3 * room.solid_distances[room.solid_distances.size() * 95 / 100]);
+  for (std::size_t i = 0; i < room.planes.size(); ++i) {
+    const CapturedPlane& p = room.planes[i];
+    const Vec3 c = p.pose.translation(), n = p.pose.linear().col(2);
+    std::printf(
+        "plane_%zu: %.2f x %.2f m at (%.2f, %.2f, %.2f), normal (%.2f, %.2f, %.2f), rough by %.1f mm, known to "
+        "%.2f mm%s\n",
+        i, p.width, p.height, c.x(), c.y(), c.z(), n.x(), n.y(), n.z(), 1e3 * p.roughness, 1e3 * p.height_sigma,
+        int(i) != room.ground ? ""
+        : room.is_placed      ? "; the ground"
+                              : "; the ground, z = 0");
+  }
+}
+
 void print_report(const Room& room, const fs::path& output, double seconds) {
+  if (room.n_frames == 0) {
+    std::printf("%s: %zu vertices, %zu triangles of a mesh in %.1f s\n", output.c_str(), room.mesh.points.size(),
+                room.mesh.triangles.size(), seconds);
+    print_planes(room);
+    return;
+  }
   std::printf(
       "%s: %zu vertices, %zu triangles of %zu frames in %.1f s (%.0f ms per frame, %.0f ms of "
       "processor time, %zu MiB of voxels)\n",
@@ -70,20 +100,10 @@ void print_report(const Room& room, const fs::path& output, double seconds) {
         room.photos->psnr, room.photos->ssim, room.photos->psnr_lut, room.photos->ssim_lut, 100 * room.photos->covered,
         room.photos->psnr_covered, room.photos->psnr_covered_lut, room.photos->psnr_diffuse, room.photos->ssim_diffuse,
         room.photos->psnr_diffuse_lut, room.photos->ssim_diffuse_lut, 100 - 100 * room.photos->drawn);
-  for (std::size_t i = 0; i < room.planes.size(); ++i) {
-    const CapturedPlane& p = room.planes[i];
-    const Vec3 c = p.pose.translation(), n = p.pose.linear().col(2);
-    std::printf(
-        "plane_%zu: %.2f x %.2f m at (%.2f, %.2f, %.2f), normal (%.2f, %.2f, %.2f), rough by %.1f mm, known to "
-        "%.2f mm%s\n",
-        i, p.width, p.height, c.x(), c.y(), c.z(), n.x(), n.y(), n.z(), 1e3 * p.roughness, 1e3 * p.height_sigma,
-        int(i) != room.ground ? ""
-        : room.is_placed      ? "; the ground"
-                              : "; the ground, z = 0");
-  }
+  print_planes(room);
 }
 
-RoomSettings settings_of(const CaptureRoomOptions& o, const Capture& capture) {
+RoomSettings settings_of(const CaptureRoomOptions& o, bool colors_are_apart) {
   RoomSettings settings;
   settings.fusion.voxel = o.voxel * 1e-3;
   settings.fusion.max_depth = o.max_depth;
@@ -98,7 +118,7 @@ RoomSettings settings_of(const CaptureRoomOptions& o, const Capture& capture) {
   settings.guesses_background = !o.leaves_holes;
   settings.has_texture = o.has_texture;
   if (o.refines_poses) settings.refinement.emplace().sigma = o.pose_sigma * 1e-3;
-  settings.aligns_colors = o.align == "yes" || (o.align == "auto" && capture.colors_are_apart);
+  settings.aligns_colors = o.align == "yes" || (o.align == "auto" && colors_are_apart);
   return settings;
 }
 
@@ -116,34 +136,82 @@ TagFrame frame_of_tags(const CaptureRoomOptions& o, const Capture& capture) {
   return locate_tags(photos, tags);
 }
 
-void run_capture_room(const CaptureRoomOptions& o) {
-  if (o.folder.empty() || o.output.empty())
-    throw UsageError(
-        "capture room needs a folder of frames and -o FOLDER; `phyvisgen capture room --help` shows an "
-        "example");
-  if (o.hold_out == 1) throw UsageError("--hold-out 1 leaves every frame out; take 2 or more");
-  check_apart(o.output, o.folder, "capture room");
-  check_output_folder(o.output, {"room.glb", "room.yaml", "plane_*.obj", "report.json", "poses.csv"}, "capture room");
-  const auto start = std::chrono::steady_clock::now();
-  const Capture capture = read_capture(o.folder, o.depth_unit);
-  RoomSettings settings = settings_of(o, capture);
+// What is read from the source, and the room that is made of it.
+struct MadeRoom {
+  Room room;
+  RoomSettings settings;
+  std::size_t peak_bytes = 0;  // of the device
+};
+
+void tell_step(const std::string& what) { std::fprintf(stderr, "  %s\n", what.c_str()); }
+
+MadeRoom room_of_frames(const CaptureRoomOptions& o) {
+  for (const char* of_meshes : {"--up", "--scale"})
+    if (o.command->count(of_meshes) > 0) throw UsageError(std::string(of_meshes) + " is for a mesh, not for frames");
+  Capture capture = read_capture(o.source, o.depth_unit);
+  MadeRoom made{{}, settings_of(o, capture.colors_are_apart)};
   if (!o.tags.empty()) {
     const TagFrame frame = frame_of_tags(o, capture);
-    settings.room_from_capture = frame.world_from_capture;
+    made.settings.room_from_capture = frame.world_from_capture;
     std::fprintf(stderr, "%zu tags in %zu photos: corners are %.2f mm from their places, lengths %.2f %% off\n",
                  frame.used.size(), frame.n_photos, 1e3 * frame.residual, 100 * (1 / frame.scale - 1));
   }
   Device device(o.device, Purpose::rendering);
-  std::fprintf(stderr, "%s: %zu frames, layout of %s\n", o.folder.c_str(), capture.frames.size(),
+  std::fprintf(stderr, "%s: %zu frames, layout of %s\n", o.source.c_str(), capture.frames.size(),
                capture.layout.c_str());
-  const Room room = capture_room(device, capture, settings,
-                                 [](const std::string& what) { std::fprintf(stderr, "  %s\n", what.c_str()); });
+  if (!capture.mesh.empty()) {
+    tell_step("no depth maps: depths are drawn of " + capture.mesh.filename().string());
+    draw_depths(device, capture);
+  }
+  made.room = capture_room(device, capture, made.settings, tell_step);
+  made.peak_bytes = device.peak_bytes();
+  return made;
+}
+
+Vec3 axis_of(const std::string& name) {
+  const double sign = name.front() == '-' ? -1 : 1;
+  return sign * Vec3::Unit(name.back() - 'x');
+}
+
+MadeRoom room_of_mesh_file(const CaptureRoomOptions& o) {
+  for (const char* of_frames : {"--max-depth", "--depth-unit", "--noise", "--memory", "--hold-out", "--tags",
+                                "--texture", "--refine-poses", "--align-colors", "--leave-holes", "--device"})
+    if (o.command->count(of_frames) > 0)
+      throw UsageError(std::string(of_frames) + " is for frames, and " + o.source + " is a mesh");
+  MadeRoom made{{}, settings_of(o, false)};
+  std::vector<CapturedSurface> surfaces = read_room_mesh(o.source);
+  for (CapturedSurface& surface : surfaces)
+    for (Vec3f& p : surface.mesh.points) p *= float(o.scale);
+  made.room = room_of_mesh(std::move(surfaces), made.settings, axis_of(o.up), tell_step);
+  return made;
+}
+
+void run_capture_room(const CaptureRoomOptions& o) {
+  if (o.source.empty() || o.output.empty())
+    throw UsageError(
+        "capture room needs a folder of frames or a mesh, and -o FOLDER; `phyvisgen capture room --help` shows an "
+        "example");
+  if (o.hold_out == 1) throw UsageError("--hold-out 1 leaves every frame out; take 2 or more");
+  check_apart(o.output, o.source, "capture room");
+  check_output_folder(o.output, {"room.glb", "room.yaml", "plane_*.obj", "surface.obj", "report.json", "poses.csv"},
+                      "capture room");
+  if (o.command->count("--detail") > 0 && o.contact == 0)
+    throw UsageError("--detail is that of --contact, which is not given");
+  const auto start = std::chrono::steady_clock::now();
+  const bool is_mesh = fs::is_regular_file(o.source);
+  MadeRoom made = is_mesh ? room_of_mesh_file(o) : room_of_frames(o);
+  Room& room = made.room;
+  if (o.contact > 0) {
+    tell_step("making the surface solid");
+    make_solid({o.contact, 1e-3 * o.detail}, room);
+  }
   if (room.ground < 0 && !o.keeps_frame && !room.is_placed)
-    std::fprintf(stderr, "phyvisgen: no plane faces up, so the room keeps the capture's frame; see --ground\n");
+    std::fprintf(stderr, "phyvisgen: no plane faces up, so the room keeps the capture's frame; see --ground%s\n",
+                 is_mesh ? " and --up" : "");
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const nlohmann::ordered_json report = room_report(room, settings, seconds, device.peak_bytes());
+  const nlohmann::ordered_json report = room_report(room, made.settings, seconds, made.peak_bytes);
   PartialFolder folder(o.output);
-  write_room(folder.path(), room, settings);
+  write_room(folder.path(), room, made.settings);
   write_text_atomically(folder.path() / "report.json", report.dump(2) + "\n");
   folder.finish();
   if (o.as_json)
@@ -155,12 +223,17 @@ void run_capture_room(const CaptureRoomOptions& o) {
 }  // namespace
 
 void add_capture_room(CLI::App& program) {
-  CLI::App* command = command_group(program, "capture")
-                          .add_subcommand("room", "A metric room with its planes from depth pictures with poses");
+  CLI::App* command =
+      command_group(program, "capture")
+          .add_subcommand("room", "A metric room with its planes from depth pictures with poses, or a mesh");
   CaptureRoomOptions& o = options_of_command(*command, run_capture_room);
-  command->add_option("folder", o.folder, "Frames: 7-Scenes, TUM RGB-D, nerfstudio or COLMAP with depth maps");
+  o.command = command;
+  command->add_option(
+      "source", o.source,
+      "Frames: 7-Scenes, TUM RGB-D, nerfstudio, COLMAP with depth maps or a mesh beside (Map-Anything); "
+      "or a mesh in metres: .glb, .gltf, .ply, .obj");
   command->add_option("-o,--output", o.output,
-                      "Folder to write: room.glb, room.yaml, plane_N.obj, report.json, poses.csv");
+                      "Folder to write: room.glb, room.yaml, plane_N.obj, report.json, poses.csv, surface.obj");
   command->add_option("--voxel", o.voxel, "Distance of samples [mm]")->check(CLI::Range(0.2, 200.0));
   command->add_option("--max-depth", o.max_depth, "Farther depths are left out [m]")->check(CLI::Range(0.2, 100.0));
   command->add_option("--depth-unit", o.depth_unit, "Metres per unit of the depth files; else the layout's")
@@ -180,6 +253,14 @@ void add_capture_room(CLI::App& program) {
       ->check(CLI::Range(0, 100));
   command->add_option("--tags", o.tags,
                       "YAML: tags: [{id, size, position, rotation}], whose frame the room gets, z up");
+  command
+      ->add_option("--contact", o.contact,
+                   "Make the surface within this distance of the origin a solid [m], for `contact: surface` of a task")
+      ->check(CLI::Range(0.01, 100.0));
+  command->add_option("--detail", o.detail, "Of that solid: finest detail [mm]")->check(CLI::Range(0.1, 1000.0));
+  command->add_option("--up", o.up, "Of a mesh: the axis that points up, after glTF's y up became z up")
+      ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}));
+  command->add_option("--scale", o.scale, "Of a mesh: metres per unit of the file")->check(CLI::Range(1e-6, 1e6));
   command->add_flag("--keep-frame", o.keeps_frame, "Keep the capture's frame instead of z up");
   command->add_flag("--leave-holes", o.leaves_holes, "Guess no background where photos look and no depth was measured");
   command->add_flag("--texture", o.has_texture,
@@ -199,6 +280,9 @@ void add_capture_room(CLI::App& program) {
       "A task shows the room by `background: {capture: FOLDER}`.\n"
       "Examples:\n  phyvisgen capture room scans/kitchen -o room --hold-out 5\n"
       "  phyvisgen capture room scans/kitchen -o room --triangles 40000 --texture\n"
+      "  phyvisgen capture room scans/kitchen -o room --contact 1 --detail 10\n"
+      "  phyvisgen capture room kitchen.glb -o room --triangles 40000\n"
+      "  phyvisgen capture room kitchen.ply -o room --up y --scale 0.001\n"
       "  phyvisgen capture room scans/kitchen -o room --refine-poses --pose-sigma 10\n"
       "  phyvisgen capture room scans/kitchen -o room --tags tags.yaml");
 }

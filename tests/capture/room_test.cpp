@@ -128,8 +128,9 @@ TEST(Room, ThePlaneOfATableIsAClosedBoxBelowIt) {
 TEST(Room, NothingOfAnEarlierRoomStaysBesideIt) {
   const TestFolder folder;
   Room room;
-  room.look.mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  room.look.mesh.triangles = {{0, 1, 2}};
+  room.looks.resize(1);
+  room.looks[0].mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  room.looks[0].mesh.triangles = {{0, 1, 2}};
   room.planes.resize(2);
   for (CapturedPlane& plane : room.planes) plane.width = plane.height = 1;
   room.frame_names = {"frame"};

@@ -7,10 +7,10 @@
 #include <random>
 #include <set>
 
-#include "host/capture/pack_rectangles.hpp"
 #include "host/capture/photo_choice.hpp"
 #include "host/capture/seam_levels.hpp"
 #include "host/formats/picture_files.hpp"
+#include "host/pictures/pack_rectangles.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg {

@@ -8,4 +8,9 @@ namespace pvg {
 
 Picture8 picture_of_meshes(Device& device, const VisualMesh& visual, const TriangleMesh& simulation);
 
+// The visual mesh from two opposite sides, each triangle in the colour of the wall below it, as the simulation mesh has
+// it (thickness.hpp): red where it is thinner than `reach`, the distance of contact [m], then from yellow to blue at a
+// hundred times that, by the logarithm. A scale in millimetres stands beside.
+Picture8 picture_of_thickness(Device& device, const VisualMesh& visual, const TriangleMesh& simulation, double reach);
+
 }  // namespace pvg

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
@@ -14,8 +15,11 @@
 #include "host/capture/room_files.hpp"
 #include "host/capture/surface.hpp"
 #include "host/formats/mesh_files.hpp"
+#include "host/formats/tet_file.hpp"
+#include "host/formats/tetgen.hpp"
 #include "host/geometry/exact_intersection.hpp"
 #include "host/geometry/mesh_checks.hpp"
+#include "host/geometry/tet_quality.hpp"
 #include "host/model/physical_scene.hpp"
 
 namespace pvg {
@@ -57,6 +61,45 @@ nlohmann::ordered_json thickness_report(const TriangleMesh& mesh) {
           {"histogram", histogram(values, values.back())},
           {"activation_distance", reach},  // a task's, unless it says otherwise
           {"share_below", share_thinner(walls, reach)}};
+}
+
+constexpr double RADIUS_EDGE = 1.4;    // that TetGen is asked for
+constexpr double LEAST_DIHEDRAL = 14;  // [degrees]; it may ask for up to 18, and ends surely below that
+
+// Points may be added on the surface, which stays where it is: else its needles would be slivers inside.
+TetMesh filled(const TriangleMesh& surface, const std::string& name) {
+  TetgenOptions options;
+  options.radius_edge_ratio = RADIUS_EDGE;
+  options.least_dihedral = LEAST_DIHEDRAL;
+  options.keeps_surface = false;
+  options.nodes_per_element = 4;
+  return tetrahedralize(surface, options, name);
+}
+
+nlohmann::ordered_json tetrahedra_report(const TetMesh& mesh) {
+  const TetQuality quality = tet_quality(mesh);
+  return {{"nodes", mesh.points.size()},
+          {"elements", mesh.n_elements()},
+          {"least_dihedral_degrees", quality.least_dihedral * 180 / std::numbers::pi},
+          {"largest_radius_edge", quality.largest_radius_edge},
+          {"slivers", quality.n_slivers}};
+}
+
+// an entry of `objects` of a task
+std::string rigid_entry(const MassProperties& m) {
+  return fmt::format(
+      "objects:\n  - name: object\n    mesh: simulation.obj\n    visuals: [{{mesh: visual.glb}}]\n"
+      "    mass: {:.6g} kg\n    friction: 0.5    # not measured\n",
+      m.mass);
+}
+
+// an entry of `bodies` of a scene
+std::string soft_entry(const MassProperties& m) {
+  return fmt::format(
+      "bodies:\n  - name: object\n    kind: soft\n    shape: {{tetrahedra: {{mesh: tetrahedra.msh}}}}\n"
+      "    material: {{density: {:.6g}, youngs_modulus: 1e5, poisson_ratio: 0.4}}    # stiffness: not measured\n"
+      "    visuals: [{{mesh: visual.glb}}]\n    friction: 0.5    # not measured\n",
+      m.mass / m.volume);
 }
 
 double size_of(const TriangleMesh& mesh) {
@@ -155,6 +198,7 @@ CapturedObject capture_object(const ObjectSource& source, const ObjectSettings& 
   if (out.was_sound) out.volume_error = enclosed_volume(out.simulation) / out.mass.volume - 1;
   out.visual = source.visual;
   if (source.stands) stand_on_ground(out);
+  if (settings.is_soft) out.tetrahedra = filled(out.simulation, source.name);
   return out;
 }
 
@@ -183,6 +227,7 @@ nlohmann::ordered_json object_report(const CapturedObject& object, const ObjectS
           {"center", {object.mass.center.x(), object.mass.center.y(), object.mass.center.z()}},
           {"inertia", {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)}},
           {"thickness", thickness_report(object.simulation)},
+          {"tetrahedra", object.tetrahedra ? tetrahedra_report(*object.tetrahedra) : nlohmann::ordered_json(nullptr)},
           {"distance",
            {{"mean", mean(object.to_source)},
             {"p95", at_share(object.to_source, 0.95)},
@@ -204,14 +249,16 @@ void write_object(const std::filesystem::path& folder, const CapturedObject& obj
   const MassProperties& m = object.mass;
   write_text_atomically(
       folder / "object.yaml",
-      fmt::format("# An entry of `objects` of a task; paths are relative to this folder. Mass properties{}:\n"
+      fmt::format("# An entry of {}; paths are relative to this folder. Mass properties{}:\n"
                   "#   volume {:.6g} m^3, centre ({:.6g}, {:.6g}, {:.6g}) m, inertia about it ({:.6g}, {:.6g}, {:.6g}) "
-                  "kg m^2\n"
-                  "objects:\n  - name: object\n    mesh: simulation.obj\n    visuals: [{{mesh: visual.glb}}]\n"
-                  "    mass: {:.6g} kg\n    friction: 0.5    # not measured\n",
+                  "kg m^2\n",
+                  object.tetrahedra ? "`bodies` of a scene" : "`objects` of a task",
                   settings.density <= 0 && settings.mass <= 0 ? " of water, for want of --density or --mass" : "",
-                  m.volume, m.center.x(), m.center.y(), m.center.z(), m.inertia(0, 0), m.inertia(1, 1), m.inertia(2, 2),
-                  m.mass));
+                  m.volume, m.center.x(), m.center.y(), m.center.z(), m.inertia(0, 0), m.inertia(1, 1),
+                  m.inertia(2, 2)) +
+          (object.tetrahedra ? soft_entry(m) : rigid_entry(m)));
+  std::filesystem::remove(folder / "tetrahedra.msh");  // of an earlier object
+  if (object.tetrahedra) write_text_atomically(folder / "tetrahedra.msh", tetrahedra_text(*object.tetrahedra));
   write_text_atomically(folder / "report.json", object_report(object, settings, seconds).dump(2) + "\n");
 }
 

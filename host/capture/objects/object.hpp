@@ -3,6 +3,7 @@
 #pragma once
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 
 #include "host/capture/objects/wrap.hpp"
 #include "host/device/device.hpp"
@@ -19,6 +20,7 @@ struct ObjectSettings {
   double error = 0;              // between source and simulation mesh [m]; 0: as follows
   double error_share = 0.02;     // of the size, or two spacings of the wrap where they are given
   bool always_wraps = false;     // also a sound mesh
+  bool is_soft = false;          // tetrahedra are made
 };
 
 struct CapturedObject {
@@ -30,6 +32,7 @@ struct CapturedObject {
   double bridge = 0;                           // radius of the wrap's ball [m]
   double bound = 0;                            // no point of the simulation mesh is farther from the source [m]
   double volume_error = 0;                     // of the simulation mesh beside a sound source, as a share
+  std::optional<TetMesh> tetrahedra;           // that fill the simulation mesh, of 4 nodes, if it is soft
   std::vector<double> to_source, from_source;  // distances between the surfaces, ascending [m]
 };
 
@@ -48,7 +51,7 @@ ObjectSource read_splat_object(Device& device, const std::filesystem::path& file
 
 CapturedObject capture_object(const ObjectSource& source, const ObjectSettings& settings);
 
-// simulation.obj, visual.glb, object.yaml, report.json
+// simulation.obj, visual.glb, object.yaml, report.json; of soft ones tetrahedra.msh
 void write_object(const std::filesystem::path& folder, const CapturedObject& object, const ObjectSettings& settings,
                   double seconds);
 nlohmann::ordered_json object_report(const CapturedObject& object, const ObjectSettings& settings, double seconds);

@@ -1,4 +1,4 @@
-#include "host/capture/pack_rectangles.hpp"
+#include "host/pictures/pack_rectangles.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "host/formats/xml_text.hpp"
+#include "host/base/xml_text.hpp"
 
 #include <algorithm>
 #include <utility>
