@@ -336,7 +336,8 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
         flow.base.scene.solver = out.used.solver;
         flow.base.extrapolates = out.is_extrapolated;
       }
-      selected = forward_selection(flow, *out.candidates, chosen);
+      const std::vector<Model> ends = std::move(selected.ends);
+      selected = forward_selection(flow, *out.candidates, chosen, ends);
     }
     flow.report_progress(7, 0.9, "judging on the held-out runs");
     Proof proof = prove(flow, chosen, std::move(selected), out.unit);

@@ -93,8 +93,8 @@ bool go_to_whole_runs(Workflow& flow, Prepared& prepared, Fit& named) {
 class ForwardSelection {
  public:
   ForwardSelection(Workflow& flow, const std::vector<Candidate>& candidates, const ChosenWindows& windows,
-                   Selection& out)
-      : flow_(flow), candidates_(candidates), windows_(windows), out_(out) {}
+                   const std::vector<Model>& ends, Selection& out)
+      : flow_(flow), candidates_(candidates), windows_(windows), ends_(ends), out_(out) {}
 
   void run() {
     // one round more than effects, since a swap takes one
@@ -118,8 +118,8 @@ class ForwardSelection {
       return Next::nothing;
     const double since = flow_.seconds();
     if (n_named() == 1) tried_.push_back(of_windows_);
-    const Round round =
-        run_round(flow_, candidates_, prepared_.data(), named_, std::to_string(number), number == 1 ? 0.4 : 0.75);
+    const Round round = run_round(flow_, candidates_, prepared_.data(), named_, std::to_string(number),
+                                  number == 1 ? 0.4 : 0.75, number == 1 ? ends_ : std::vector<Model>());
     of_round_ = flow_.seconds() - since;
     const Decision& decision = round.decision;
     if (number == 1)
@@ -137,6 +137,7 @@ class ForwardSelection {
     if (is_workflow() && flow_.refine_step(named_.model)) {
       out_ = Selection();
       out_.asks_for_new_step = true;
+      for (const Fit& fit : round.fits) out_.ends.push_back(fit.model);
       return Next::nothing;
     }
     if (is_workflow()) revise(chosen, this_round);
@@ -278,6 +279,7 @@ class ForwardSelection {
   Workflow& flow_;
   const std::vector<Candidate>& candidates_;
   const ChosenWindows& windows_;
+  const std::vector<Model>& ends_;  // of the first round with another time step
   Selection& out_;
   Prepared prepared_{windows_.data, windows_.base};
   Fit named_ = windows_.base, of_windows_ = windows_.base;  // of_windows_: before whole runs took their place
@@ -289,11 +291,12 @@ class ForwardSelection {
 
 }  // namespace
 
-Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const ChosenWindows& chosen) {
+Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const ChosenWindows& chosen,
+                            const std::vector<Model>& ends) {
   Selection out;
   out.error = rms(chosen.base.residual);
   flow.ends_in_time(criteria().time_search, "the rest of the search for effects",
-                    [&] { ForwardSelection(flow, candidates, chosen, out).run(); });
+                    [&] { ForwardSelection(flow, candidates, chosen, ends, out).run(); });
   if (out.fits.empty() || flow.settings.decide != Decide::workflow) return out;
   use_finer_steps(flow, out);
   const Fit& found = out.fits.back();

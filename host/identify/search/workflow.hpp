@@ -58,10 +58,12 @@ struct Selection {
   std::vector<Fit> fits;             // one effect more each; empty: none is better than the scene as it is
   std::vector<RankedModel> ranking;  // best first
   std::vector<std::vector<std::string>> inseparable;
-  double error = 0;                // of the last fit [noise]
-  std::vector<Window> windows;     // of the last fit: those that were chosen, made ready for it, or whole runs
-  std::string better_at_bound;     // as Decision has it, of the last effect that was added; empty: none
-  bool asks_for_new_step = false;  // what was found needs a finer time step: nothing else is told
+  double error = 0;             // of the last fit [noise]
+  std::vector<Window> windows;  // of the last fit: those that were chosen, made ready for it, or whole runs
+  std::string better_at_bound;  // as Decision has it, of the last effect that was added; empty: none
+  // What was found needs a finer time step: nothing else is told but where the fits of the first round ended.
+  bool asks_for_new_step = false;
+  std::vector<Model> ends;
 };
 
 // A model of two effects that another search than forward selection found.
@@ -72,6 +74,8 @@ struct FoundPair {
 };
 
 // Adds one effect after the other, each beside those before. Where the time is over, what was found by then.
-Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const ChosenWindows& chosen);
+// ends: of the same first round with another time step.
+Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const ChosenWindows& chosen,
+                            const std::vector<Model>& ends = {});
 
 }  // namespace pvg::diagnose

@@ -1,0 +1,30 @@
+// Whether anything is left to be explained
+#include "host/identify/search/explained.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/identify/damped_pendulum.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+// The center of mass in the place of a spring leaves hardly more than the noise in small swings, and several times as
+// much in a large one.
+TEST(Explained, IsNotWhatHeldOutRunsContradict) {
+  DampedPendulum pendulum;
+  const Fit wrong = pendulum.fitted({"center_of_mass_offset", "joint_viscous_friction"});
+  ASSERT_LT(rms(wrong.residual), criteria().unexplained);
+  EXPECT_FALSE(is_explained(pendulum.flow, pendulum.data, wrong, 0));
+  ASSERT_EQ(pendulum.flow.notes.size(), 1u);
+  EXPECT_NE(pendulum.flow.notes[0].find("held-out"), std::string::npos);
+}
+
+TEST(Explained, IsWhatLeavesTheNoise) {
+  DampedPendulum pendulum;
+  EXPECT_TRUE(
+      is_explained(pendulum.flow, pendulum.data, pendulum.fitted({"joint_spring", "joint_viscous_friction"}), 0));
+  EXPECT_TRUE(pendulum.flow.notes.empty());
+}
+
+}  // namespace
+}  // namespace pvg::diagnose
