@@ -47,9 +47,9 @@ bodies:
 joints:
   - {name: hinge, type: revolute, parent: base, child: bar, axis: [0, 1, 0]}
 )");
-    folder.write("a.csv", released(0.5, 2, 1));
-    folder.write("b.csv", released(-0.7, 2, 2));
-    folder.write("c.csv", released(1.3, 2, 3));
+    folder.write("a.csv", released(0.8, 2, 1));
+    folder.write("b.csv", released(-1.0, 2, 2));
+    folder.write("c.csv", released(1.8, 2, 3));
     folder.write("recording.yaml", R"(schema: 1
 scene: scene.yaml
 runs:

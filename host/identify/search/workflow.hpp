@@ -1,6 +1,7 @@
 // What the stages of a diagnosis work with, and the search for effects, one after the other (stages 4 to 6). Results
 // travel as values: each stage returns its own.
 #pragma once
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct Workflow {
   Problem& problem;
   const Settings& settings;
   Clock::time_point start = Clock::now();
+  std::clock_t processor_start = std::clock();
   Predictor predictor;
   Variant base;
   std::vector<Candidate> nuisances = nuisances_of(problem);
@@ -28,6 +30,8 @@ struct Workflow {
   std::vector<std::string> left_out;  // for want of time, likewise
 
   double seconds() const { return -seconds_until(start); }  // since it began
+  // How long so many seconds of the processor take by the clock, as busy as the machine has been since it began.
+  double by_the_clock(double processor_seconds) const;
   // When a stage has to end: a share of the time given.
   Clock::time_point end_of(double share) const;
   // Whether there is time to look for something further, which takes about so many seconds, before this share of the

@@ -8,8 +8,8 @@
 namespace pvg::diagnose {
 namespace {
 
-// The center of mass in the place of a spring leaves hardly more than the noise in small swings, and several times as
-// much in a large one.
+// The center of mass in the place of a spring leaves 1.16 times the noise in swings of 1 rad, and 20 times in one of
+// 1.8 rad.
 TEST(Explained, IsNotWhatHeldOutRunsContradict) {
   DampedPendulum pendulum;
   const Fit wrong = pendulum.fitted({"center_of_mass_offset", "joint_viscous_friction"});

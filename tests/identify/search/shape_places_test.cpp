@@ -87,7 +87,7 @@ TEST_F(FallingFriction, EndsAtItsSpeed) {
   ASSERT_EQ(found.size(), 1u);
   const Fit fit = fitter.fit(data, {found[0].model}, 10).front();
   EXPECT_NEAR(fit.model.x[2], SPEED, 3 * std::sqrt(fit.covariance(2, 2)));
-  EXPECT_NEAR(fit.model.x[2], SPEED, 0.5 * SPEED);
+  EXPECT_GT(fit.model.x[2], SPEED / 3);  // below it is dry friction
   EXPECT_NEAR(rms(fit.residual), 1, 0.1);
 }
 
