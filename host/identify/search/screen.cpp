@@ -8,7 +8,6 @@
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/search/screen_trials.hpp"
-#include "host/identify/search/shape_places.hpp"
 
 namespace pvg::diagnose {
 namespace {

@@ -1,5 +1,5 @@
 // Whether anything is left to be explained
-#include "host/identify/search/explained.hpp"
+#include "host/identify/search/prove.hpp"
 
 #include <gtest/gtest.h>
 

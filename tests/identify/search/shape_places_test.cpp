@@ -1,5 +1,5 @@
 // Friction that falls with speed, on a plate that is mostly much faster than the speed at which it falls
-#include "host/identify/search/shape_places.hpp"
+#include "host/identify/search/screen_trials.hpp"
 
 #include <gtest/gtest.h>
 
