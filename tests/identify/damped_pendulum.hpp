@@ -26,7 +26,7 @@ struct DampedPendulum {
     std::string table = "t,q\n";
     double w = 0;
     for (int i = 0; i <= int(duration / H); ++i) {
-      if (i % 20 == 0) table += std::to_string(H * i) + "," + std::to_string(q + noise(engine)) + "\n";
+      if (i % 5 == 0) table += std::to_string(H * i) + "," + std::to_string(q + noise(engine)) + "\n";
       const double a1 = acceleration(q, w), a2 = acceleration(q + H / 2 * w, w + H / 2 * a1),
                    a3 = acceleration(q + H / 2 * (w + H / 2 * a1), w + H / 2 * a2),
                    a4 = acceleration(q + H * (w + H / 2 * a2), w + H * a3);
