@@ -30,6 +30,7 @@ ALLOWED = {
     "report/report_html.cpp": {"WIDTH": "layout", "4": "layout", "12": "layout"},
     "report/score.cpp": {"9.9": "rows of the suite's table"},
     "search/workflow.cpp": {"0.02": "progress", "60": "seconds of a minute"},
+    "search/diagnosis.cpp": {"LAW_COMPILATION": "time of a compilation"},
     "search/prove.cpp": {"UNMOVED": "rounding, shown as 0"},
     "search/next_experiment.cpp": {"N_COMPARED_AT_ONCE": "size of a batch", "SHARE_OF_COMPARISON": "of a step's time"},
     "search/motion_family.cpp": {"N_COMMANDS": "points of a table", "0.5": "form of steps", "-0.5": "form of steps"},

@@ -26,6 +26,8 @@
 namespace pvg::diagnose {
 namespace {
 
+constexpr double LAW_COMPILATION = 5;  // of the kernels of a site's laws, which no deadline ends [processor seconds]
+
 bool any_significant(const std::vector<Cell>& cells) {
   return std::any_of(cells.begin(), cells.end(), [](const Cell& cell) { return cell.is_significant; });
 }
@@ -336,7 +338,8 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
         flow.base.scene.solver = out.used.solver;
         flow.base.extrapolates = out.is_extrapolated;
       }
-      selected = forward_selection(flow, *out.candidates, chosen);
+      const std::vector<Model> ends = std::move(selected.ends);
+      selected = forward_selection(flow, *out.candidates, chosen, ends);
     }
     flow.report_progress(7, 0.9, "judging on the held-out runs");
     Proof proof = prove(flow, chosen, std::move(selected), out.unit);
@@ -360,7 +363,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     out.verdict = is_proved ? verdict_of(out.effects) : Verdict::none;
     if (!is_proved && is_judged && !out.effects.empty()) out.ranking.front().fails_held_out = true;
     if (out.verdict == Verdict::none && is_judged && settings.decide == Decide::workflow &&
-        flow.has_time("a law without a name", 0, criteria().time_proof)) {
+        flow.has_time("a law without a name", flow.by_the_clock(LAW_COMPILATION), criteria().time_proof)) {
       flow.report_progress(7, 0.6, "none of the known effects: looking for a law of the motion");
       std::optional<Regressed> found;
       flow.ends_in_time(criteria().time_proof, "a law without a name",

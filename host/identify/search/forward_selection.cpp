@@ -10,15 +10,14 @@
 #include "host/identify/search/alternatives.hpp"
 #include "host/identify/search/finer_steps.hpp"
 #include "host/identify/search/pairs.hpp"
+#include "host/identify/search/prove.hpp"
+#include "host/identify/search/revise.hpp"
 #include "host/identify/search/round.hpp"
 #include "host/identify/search/screen.hpp"
-#include "host/identify/search/swap.hpp"
 #include "host/identify/search/workflow.hpp"
 
 namespace pvg::diagnose {
 namespace {
-
-using Eigen::VectorXd;
 
 // Of the effects that `before` does not have.
 std::vector<std::string> labels_of(const Model& model, const Model& before = {}) {
@@ -33,34 +32,6 @@ bool begins_with(const std::vector<const Candidate*>& all, const std::vector<con
   return first.size() <= all.size() && std::equal(first.begin(), first.end(), all.begin());
 }
 
-Fit best_of(Workflow& flow, Prepared& prepared, std::vector<Model> models, const Fit& fit) {
-  const FitData& data = prepared.data();
-  std::vector<Fit> fits = flow.fitter.begin(data, std::move(models));
-  std::erase_if(fits, [](const Fit& other) { return !other.succeeded; });
-  flow.fitter.improve(data, fits, criteria().n_more_steps);
-  flow.fitter.finish(data, fits);
-  fits.push_back(fit);
-  const Decision decision = decide(data, prepared.base(flow.fitter), fits);
-  return decision.chosen >= 0 ? *decision.ranking[std::size_t(decision.chosen)].fit : fit;
-}
-
-// Backward check: drop an effect if the model without it fits equally well from where the others are now. The newest is
-// dropped too: the earlier ones may have been short of their optimum, or in windows that were prepared for the scene
-// without them, and a second effect makes up for that. Swap: replace the first by another effect of the first round if
-// that is better beside the later one; beside that alternative the later effect may be swapped for one of its own
-// round.
-Fit reconsidered(Workflow& flow, Prepared& prepared, const Fit& fit, const std::vector<Fit>& first_round,
-                 const std::vector<Fit>& this_round) {
-  const std::size_t n_nuisances = std::size_t(fit.model.n_nuisances());
-  std::vector<Model> models = swapped(fit.model, n_nuisances, first_round);
-  for (Model& simpler : each_left_out(fit.model)) models.push_back(std::move(simpler));
-  const Fit first = best_of(flow, prepared, std::move(models), fit);
-  const std::vector<const Candidate*>& parts = first.model.parts;
-  const auto later = std::find(parts.begin(), parts.end(), fit.model.parts.back());
-  if (first.model.effects().size() < 2 || parts == fit.model.parts || later == parts.end()) return first;
-  return best_of(flow, prepared, swapped(first.model, std::size_t(later - parts.begin()), this_round), first);
-}
-
 // The left-out error of another single effect in the present preparation: infinite where it fails there.
 double error_of_single(Workflow& flow, Prepared& prepared, const Model& model) {
   std::vector<Fit> fits = flow.fitter.begin(prepared.data(), {model});
@@ -70,9 +41,6 @@ double error_of_single(Workflow& flow, Prepared& prepared, const Model& model) {
   return decision.ranking.empty() ? INFINITY : decision.ranking.front().error;
 }
 
-}  // namespace
-
-namespace {
 RankedModel ranked(const Fit& fit, double error, double evidence, double probability) {
   RankedModel model{fit.model.effects(), error, evidence, probability, {}, {}};
   for (Eigen::Index i = fit.model.n_nuisances(); i < fit.model.x.size(); ++i) {
@@ -82,6 +50,7 @@ RankedModel ranked(const Fit& fit, double error, double evidence, double probabi
   }
   return model;
 }
+
 }  // namespace
 
 RankedModel ranked(const Judged& judged) {
@@ -119,147 +88,215 @@ bool go_to_whole_runs(Workflow& flow, Prepared& prepared, Fit& named) {
   return true;
 }
 
-// `out` is whole after each effect: the time may be over in the search for the next one.
-void select(Workflow& flow, const std::vector<Candidate>& candidates, const ChosenWindows& windows, Selection& out) {
-  const FitData& data = windows.data;
-  const Fit& base = windows.base;
-  Prepared prepared(data, base);
-  std::vector<Fit> first_round, tried;  // tried: single ones beside which a second was looked for
-  std::optional<Model> best_single;     // least left-out error of those that pass in the first round
-  double of_round = 0;                  // how long the last one took [s]
-  bool is_of_whole_runs = false;
-  Fit named = base, of_windows = base;  // of_windows: before whole runs took their place
-  // one round more than effects, since a swap takes one
-  for (int number = 1; number <= flow.settings.max_effects + (flow.settings.max_effects > 1); ++number) {
-    if (int(named.model.effects().size()) >= flow.settings.max_effects) break;
-    if (number > 1 && !flow.has_time("an effect beside " + named.model.parts.back()->label(), of_round)) return;
-    const double since = flow.seconds();
-    if (named.model.effects().size() == 1) tried.push_back(of_windows);
-    const Round round =
-        run_round(flow, candidates, prepared.data(), named, std::to_string(number), number == 1 ? 0.4 : 0.75);
-    of_round = flow.seconds() - since;
+// One effect after the other, then sums of two. `out` is whole after each effect: the time may be over in the search
+// for the next one.
+class ForwardSelection {
+ public:
+  ForwardSelection(Workflow& flow, const std::vector<Candidate>& candidates, const ChosenWindows& windows,
+                   const std::vector<Model>& ends, Selection& out)
+      : flow_(flow), candidates_(candidates), windows_(windows), ends_(ends), out_(out) {}
+
+  void run() {
+    // one round more than effects, since a swap takes one
+    const int n_rounds = flow_.settings.max_effects + (flow_.settings.max_effects > 1);
+    Next next = Next::another_round;
+    for (int number = 1; number <= n_rounds && next == Next::another_round; ++number) next = add_effect(number);
+    if (next == Next::nothing || flow_.settings.max_effects < 2 || !is_workflow()) return;
+    if (tells_of_pairs()) look_for_pairs();
+  }
+
+ private:
+  enum class Next { another_round, pairs, nothing };
+
+  bool is_workflow() const { return flow_.settings.decide == Decide::workflow; }
+  int n_named() const { return int(named_.model.effects().size()); }
+  double length() const { return is_of_whole_runs_ ? 0 : windows_.length; }
+
+  Next add_effect(int number) {
+    if (n_named() >= flow_.settings.max_effects) return Next::pairs;
+    if (number > 1 && !flow_.has_time("an effect beside " + named_.model.parts.back()->label(), of_round_))
+      return Next::nothing;
+    const double since = flow_.seconds();
+    if (n_named() == 1) tried_.push_back(of_windows_);
+    const Round round = run_round(flow_, candidates_, prepared_.data(), named_, std::to_string(number),
+                                  number == 1 ? 0.4 : 0.75, number == 1 ? ends_ : std::vector<Model>());
+    of_round_ = flow_.seconds() - since;
     const Decision& decision = round.decision;
     if (number == 1)
-      for (const Judged& judged : decision.ranking) out.ranking.push_back(ranked(judged));
-    if (decision.chosen < 0) break;
+      for (const Judged& judged : decision.ranking) out_.ranking.push_back(ranked(judged));
+    if (decision.chosen < 0) return Next::pairs;
     const Judged& chosen = decision.ranking[std::size_t(decision.chosen)];
-    // a second effect also helps where the law of the first is not quite right; another single effect may help as much
-    if (number > 1) {
-      const bool is_another = best_single && best_single->parts != named.model.parts;
-      const double of_another = is_another ? error_of_single(flow, prepared, *best_single) : INFINITY;
-      if (closed(std::min(decision.base_error, of_another), chosen.error, 1) < criteria().second_gain_least) break;
-    }
+    if (number > 1 && !closes_enough_of_the_rest(decision, chosen)) return Next::pairs;
     if (number == 1)
-      std::rotate(out.ranking.begin(), out.ranking.begin() + decision.chosen,
-                  out.ranking.begin() + decision.chosen + 1);
-    std::vector<std::string> set;
-    for (const std::size_t i : decision.inseparable) {
-      const std::vector<std::string> labels = labels_of(decision.ranking[i].fit->model, named.model);
-      set.insert(set.end(), labels.begin(), labels.end());
+      std::rotate(out_.ranking.begin(), out_.ranking.begin() + decision.chosen,
+                  out_.ranking.begin() + decision.chosen + 1);
+    const std::vector<std::string> set = not_told_apart(round, chosen, number);
+    const StandIns this_round = stand_ins_of(decision);
+    if (number == 1) first_round_ = this_round;
+    const Fit before = std::exchange(named_, *chosen.fit);
+    if (is_workflow() && flow_.refine_step(named_.model)) {
+      out_ = Selection();
+      out_.asks_for_new_step = true;
+      for (const Fit& fit : round.fits) out_.ends.push_back(fit.model);
+      return Next::nothing;
     }
-    if (number == 1 && flow.settings.decide == Decide::workflow)
-      for (const std::string& label : told_together(round, chosen))
-        if (std::find(set.begin(), set.end(), label) == set.end()) {
-          if (set.empty()) set.push_back(chosen.fit->model.parts.back()->label());
-          set.push_back(label);
-        }
-    const std::size_t n_effects = chosen.fit->model.effects().size();
-    std::vector<Fit> passed;  // best first
-    for (const Judged& judged : decision.ranking)
-      if (judged.passes) passed.push_back(*judged.fit);
-    if (number == 1) {
-      first_round = passed;
-      if (!passed.empty()) best_single = passed.front().model;
-    }
-    const Fit before = std::exchange(named, *chosen.fit);
-    if (flow.settings.decide == Decide::workflow && flow.refine_step(named.model)) {
-      out = Selection();
-      out.asks_for_new_step = true;
-      return;
-    }
-    if (flow.settings.decide == Decide::workflow)
-      flow.ends_in_time(criteria().time_search, "the revision of " + labels_of(named.model).back(), [&] {
-        if (n_effects > 1) named = reconsidered(flow, prepared, *chosen.fit, first_round, passed);
-        named = prepared_again(flow.fitter, prepared, named);
-      });
-    const Fit& as_it_stands = is_of_whole_runs ? prepared.base(flow.fitter) : base;
-    if (robust_cost(named.residual, named.scale) > robust_cost(as_it_stands.residual, named.scale)) {
-      flow.notes.push_back(
+    if (is_workflow()) revise(chosen, this_round);
+    if (leaves_more_than_the_scene()) {
+      flow_.notes.push_back(
           chosen.fit->model.parts.back()->label() +
           " leaves more, once starts and steps are those of it, than the scene as it stands: not taken");
-      named = before;
-      break;
+      named_ = before;
+      return Next::pairs;
     }
-    if (!is_of_whole_runs) of_windows = named;
-    if (windows.length > 0 && !is_of_whole_runs && flow.settings.decide == Decide::workflow)
-      flow.ends_in_time(criteria().time_search, labels_of(named.model).back() + " on whole runs",
-                        [&] { is_of_whole_runs = go_to_whole_runs(flow, prepared, named); });
-    const double error = rms(named.residual);
-    const bool any_dropped = named.model.effects().size() < n_effects;
-    const bool is_newest_dropped = any_dropped && begins_with(chosen.fit->model.effects(), named.model.effects());
-    if (is_newest_dropped)
-      std::erase_if(out.ranking, [&](const RankedModel& model) { return model.parts == named.model.effects(); });
-    if (number > 1)
-      out.ranking.insert(out.ranking.begin(), named.model.parts == chosen.fit->model.parts
-                                                  ? ranked(chosen)
-                                                  : ranked(named, error, chosen.evidence, chosen.probability));
-    if (is_newest_dropped) {  // the same effects as before, at a better optimum
-      out.fits.pop_back();
+    measure_in_whole_runs();
+    const bool is_newest_dropped = take(chosen, set, number);
+    if (decision.better_at_bound >= 0 && is_workflow())
+      out_.better_at_bound = labels_of(decision.ranking[std::size_t(decision.better_at_bound)].fit->model).back();
+    is_explained_ =
+        is_workflow() ? is_explained(flow_, prepared_.data(), named_, length()) : out_.error < criteria().unexplained;
+    if (is_newest_dropped || is_explained_) return Next::pairs;
+    if (n_named() < flow_.settings.max_effects)
+      flow_.report_progress(4, 0.6,
+                            "what " + named_.model.parts.back()->label() + " leaves is " + std::to_string(out_.error) +
+                                " times the noise: looking for another effect");
+    return Next::another_round;
+  }
+
+  // A second effect also helps where the law of the first is not quite right; another single effect may help as much.
+  bool closes_enough_of_the_rest(const Decision& decision, const Judged& chosen) {
+    const bool is_another =
+        !first_round_.passed.empty() && first_round_.passed.front().model.parts != named_.model.parts;
+    const double of_another =
+        is_another ? error_of_single(flow_, prepared_, first_round_.passed.front().model) : INFINITY;
+    return closed(std::min(decision.base_error, of_another), chosen.error, 1) >= criteria().second_gain_least;
+  }
+
+  // What these recordings do not tell from the effect that was chosen, that one among them; empty: nothing.
+  std::vector<std::string> not_told_apart(const Round& round, const Judged& chosen, int number) const {
+    std::vector<std::string> set;
+    for (const std::size_t i : round.decision.inseparable) {
+      const std::vector<std::string> labels = labels_of(round.decision.ranking[i].fit->model, named_.model);
+      set.insert(set.end(), labels.begin(), labels.end());
+    }
+    if (number > 1 || !is_workflow()) return set;
+    for (const std::string& label : told_together(round, chosen)) {
+      if (std::find(set.begin(), set.end(), label) != set.end()) continue;
+      if (set.empty()) set.push_back(chosen.fit->model.parts.back()->label());
+      set.push_back(label);
+    }
+    return set;
+  }
+
+  void revise(const Judged& chosen, const StandIns& this_round) {
+    flow_.ends_in_time(criteria().time_search, "the revision of " + labels_of(named_.model).back(), [&] {
+      if (chosen.fit->model.effects().size() > 1)
+        named_ = revised(flow_, prepared_, *chosen.fit, first_round_, this_round);
+      named_ = prepared_again(flow_.fitter, prepared_, named_);
+    });
+  }
+
+  bool leaves_more_than_the_scene() {
+    const Fit& scene = is_of_whole_runs_ ? prepared_.base(flow_.fitter) : windows_.base;
+    return robust_cost(named_.residual, named_.scale) > robust_cost(scene.residual, named_.scale);
+  }
+
+  void measure_in_whole_runs() {
+    if (!is_of_whole_runs_) of_windows_ = named_;
+    if (windows_.length > 0 && !is_of_whole_runs_ && is_workflow())
+      flow_.ends_in_time(criteria().time_search, labels_of(named_.model).back() + " on whole runs",
+                         [&] { is_of_whole_runs_ = go_to_whole_runs(flow_, prepared_, named_); });
+  }
+
+  // What is named now becomes the selection. Whether the newest effect was dropped in the revision: these are the same
+  // effects as before, at a better optimum.
+  bool take(const Judged& chosen, const std::vector<std::string>& set, int number) {
+    const Model& found = chosen.fit->model;
+    const bool any_dropped = n_named() < int(found.effects().size());
+    const bool is_newest_dropped = any_dropped && begins_with(found.effects(), named_.model.effects());
+    out_.error = rms(named_.residual);
+    if (is_newest_dropped) {
+      std::erase_if(out_.ranking, [&](const RankedModel& model) { return model.parts == named_.model.effects(); });
+      out_.fits.pop_back();
     } else {
-      if (!set.empty()) out.inseparable.push_back(set);
+      if (!set.empty()) out_.inseparable.push_back(set);
       if (any_dropped) {  // the first effect was
-        out.fits.clear();
-        out.inseparable.clear();
+        out_.fits.clear();
+        out_.inseparable.clear();
       }
     }
-    out.fits.push_back(named);
-    out.windows = prepared.data().windows;
-    out.error = error;
-    out.better_at_bound.clear();
-    if (decision.better_at_bound >= 0 && flow.settings.decide == Decide::workflow)
-      out.better_at_bound = labels_of(decision.ranking[std::size_t(decision.better_at_bound)].fit->model).back();
-    if (error < criteria().unexplained || is_newest_dropped) break;
-    if (int(named.model.effects().size()) < flow.settings.max_effects)
-      flow.report_progress(4, 0.6,
-                           "what " + named.model.parts.back()->label() + " leaves is " + std::to_string(error) +
-                               " times the noise: looking for another effect");
+    if (number > 1)
+      out_.ranking.insert(out_.ranking.begin(), named_.model.parts == found.parts
+                                                    ? ranked(chosen)
+                                                    : ranked(named_, out_.error, chosen.evidence, chosen.probability));
+    out_.fits.push_back(named_);
+    out_.windows = prepared_.data().windows;
+    out_.better_at_bound.clear();
+    return is_newest_dropped;
   }
-  // short windows that one effect explains tell nothing of pairs
-  const double left = std::min(rms(named.residual), rms(of_windows.residual));
-  const bool is_explained = !out.fits.empty() && left < criteria().unexplained;
-  if (is_explained || flow.settings.max_effects < 2 || flow.settings.decide != Decide::workflow) return;
-  const auto take = [&](const FoundPair& pair) {
-    Prepared first(data, base);
+
+  // Short windows that one effect explains tell nothing of pairs.
+  bool tells_of_pairs() const {
+    return out_.fits.empty() ||
+           (!is_explained_ && (windows_.length == 0 || rms(of_windows_.residual) >= criteria().unexplained));
+  }
+
+  void look_for_pairs() {
+    // a pair has to be better than what is named already
+    const double left = out_.fits.empty() ? INFINITY : std::min(rms(named_.residual), rms(of_windows_.residual));
+    const double most = std::min(criteria().unexplained, left);
+    const auto is_better = [&](const std::optional<FoundPair>& pair) {
+      return pair && (left >= criteria().unexplained || is_explained(flow_, windows_.data, pair->fit, windows_.length));
+    };
+    const std::vector<Fit> alternatives = first_round_.all();
+    if (const std::optional<FoundPair> pair = find_beside_alternatives(flow_, candidates_, windows_.data, windows_.base,
+                                                                       alternatives, tried_, most, of_round_);
+        is_better(pair)) {
+      out_.inseparable.resize(std::min<std::size_t>(out_.inseparable.size(), 1));  // of the first effect
+      take(*pair);
+      return;
+    }
+    if (!flow_.has_time("a pair of effects", of_round_)) return;
+    if (const std::optional<FoundPair> pair = find_pair(flow_, candidates_, windows_.data, windows_.base, most);
+        is_better(pair)) {
+      out_.inseparable.clear();
+      take(*pair);
+    }
+  }
+
+  void take(const FoundPair& pair) {
+    Prepared first(windows_.data, windows_.base);
     Fit fit = pair.fit;
-    flow.ends_in_time(criteria().time_search, "the revision of a pair",
-                      [&] { fit = prepared_again(flow.fitter, first, fit); });
-    out.fits = {std::move(fit)};
-    out.windows = first.data().windows;
-    out.better_at_bound.clear();
-    out.error = rms(out.fits.back().residual);
-    out.ranking.insert(out.ranking.begin(), pair.model);
-    if (!pair.inseparable.empty()) out.inseparable.push_back(pair.inseparable);
-  };
-  if (const std::optional<FoundPair> pair = find_beside_alternatives(flow, candidates, data, base, first_round, tried,
-                                                                     criteria().unexplained, of_round)) {
-    out.inseparable.resize(std::min<std::size_t>(out.inseparable.size(), 1));  // of the first effect
-    take(*pair);
-    return;
+    flow_.ends_in_time(criteria().time_search, "the revision of a pair",
+                       [&] { fit = prepared_again(flow_.fitter, first, fit); });
+    out_.fits = {std::move(fit)};
+    out_.windows = first.data().windows;
+    out_.better_at_bound.clear();
+    out_.error = rms(out_.fits.back().residual);
+    out_.ranking.insert(out_.ranking.begin(), pair.model);
+    if (!pair.inseparable.empty()) out_.inseparable.push_back(pair.inseparable);
   }
-  if (!flow.has_time("a pair of effects", of_round)) return;
-  if (const std::optional<FoundPair> pair = find_pair(flow, candidates, data, base, criteria().unexplained)) {
-    out.inseparable.clear();
-    take(*pair);
-  }
-}
+
+  Workflow& flow_;
+  const std::vector<Candidate>& candidates_;
+  const ChosenWindows& windows_;
+  const std::vector<Model>& ends_;  // of the first round with another time step
+  Selection& out_;
+  Prepared prepared_{windows_.data, windows_.base};
+  Fit named_ = windows_.base, of_windows_ = windows_.base;  // of_windows_: before whole runs took their place
+  StandIns first_round_;
+  std::vector<Fit> tried_;  // single ones beside which a second was looked for
+  double of_round_ = 0;     // how long the last one took [s]
+  bool is_of_whole_runs_ = false, is_explained_ = false;
+};
 
 }  // namespace
 
-Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const ChosenWindows& chosen) {
+Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const ChosenWindows& chosen,
+                            const std::vector<Model>& ends) {
   Selection out;
   out.error = rms(chosen.base.residual);
   flow.ends_in_time(criteria().time_search, "the rest of the search for effects",
-                    [&] { select(flow, candidates, chosen, out); });
+                    [&] { ForwardSelection(flow, candidates, chosen, ends, out).run(); });
   if (out.fits.empty() || flow.settings.decide != Decide::workflow) return out;
   use_finer_steps(flow, out);
   const Fit& found = out.fits.back();

@@ -26,4 +26,10 @@ bool closes_enough(const HeldOut& held_out);
 // unit: of held-out errors, as measure() says.
 Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, const std::string& unit);
 
+// Whether no further effect need be looked for beside `named`: not where it leaves more than `unexplained`; less is
+// judged by its samples, and where these say that more than noise is left, by held-out runs, which it must explain as
+// a report asks for. A model of the wrong effects may leave hardly more than the noise where it was fitted.
+// length: of windows [s] in held-out runs, 0: whole ones.
+bool is_explained(Workflow& flow, const FitData& data, const Fit& named, double length);
+
 }  // namespace pvg::diagnose

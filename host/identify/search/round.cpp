@@ -55,8 +55,31 @@ std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const std::vector
   return fits;
 }
 
+namespace {
+
+void begin_at_ends(Fitter& fitter, const FitData& data, const std::vector<Model>& ends, std::vector<Screened>& best) {
+  std::vector<Model> models;
+  std::vector<Screened*> owner;
+  for (Screened& screened : best)
+    for (const Model& end : ends) {
+      if (end.parts != screened.model.parts) continue;
+      models.push_back(screened.model);
+      models.push_back(end);
+      owner.push_back(&screened);
+    }
+  const std::vector<Fit> fits = fitter.begin(data, std::move(models));
+  for (std::size_t i = 0; i < owner.size(); ++i) {
+    const Fit &first = fits[2 * i], &end = fits[2 * i + 1];
+    const double scale = robust_scale(first.residual);
+    if (end.succeeded && !(robust_cost(first.residual, scale) < robust_cost(end.residual, scale)))
+      owner[i]->model = end.model;
+  }
+}
+
+}  // namespace
+
 Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
-                const std::string& name, double share) {
+                const std::string& name, double share, const std::vector<Model>& ends) {
   std::vector<const Candidate*> candidates;
   const auto is_free_already = [&](const Candidate& c) {
     return std::any_of(base.model.parts.begin(), base.model.parts.end(),
@@ -74,6 +97,7 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
   if (is_first) flow.show(identifiability(round.signatures));
   std::vector<Screened> best = shortlist(screened, flow.settings.n_fitted);
   for (Model& model : with_wrong_numbers(base.model, all)) best.push_back({model.parts.back(), std::move(model), 0, 0});
+  if (!ends.empty()) begin_at_ends(flow.fitter, data, ends, best);
   flow.report_progress(
       5, share, "fitting " + std::to_string(best.size()) + " of " + std::to_string(candidates.size()) + " candidates");
   if (best.empty()) return round;

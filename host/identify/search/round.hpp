@@ -14,9 +14,10 @@ struct Round {
   Signatures signatures;  // of the candidates, where the base is without any effect
 };
 
-// name: of the stages' files; share: of the whole work that is done when the fits begin.
+// name: of the stages' files; share: of the whole work that is done when the fits begin; ends: where fits of the same
+// models ended before, with another time step: they begin there, where that is nearer to the data.
 Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
-                const std::string& name, double share);
+                const std::string& name, double share, const std::vector<Model>& ends = {});
 
 // The fits to the end of those that may still win, all with slopes and covariances. Where the time is over the steps
 // end early, and a note says so.

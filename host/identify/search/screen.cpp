@@ -44,6 +44,7 @@ void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_d
   std::vector<std::size_t> first = {0};  // [n + 1] of each candidate
   for (std::size_t i = 0; i < n; ++i) {
     for (Model& model : places_of(screened[i], base.model.x.size())) models.push_back(std::move(model));
+    for (Model& model : places_at_shapes(fitter, some, few, screened[i])) models.push_back(std::move(model));
     first.push_back(models.size());
   }
   const auto found = fitter.evaluate(some, models, std::vector(models.size(), few.delta));

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "host/identify/criteria.hpp"
-
 namespace pvg::diagnose {
 using Eigen::VectorXd;
 
@@ -45,10 +43,10 @@ Model replaced(const Model& model, std::size_t place, const Model& other) {
   return next;
 }
 
-std::vector<Model> swapped(const Model& model, std::size_t place, const std::vector<Fit>& others) {
+std::vector<Model> swapped(const Model& model, std::size_t place, const std::vector<Fit>& others, std::size_t most) {
   std::vector<Model> models;
   for (const Fit& other : others)
-    if (models.size() < criteria().n_swaps &&
+    if (models.size() < most &&
         std::find(model.parts.begin(), model.parts.end(), other.model.parts.back()) == model.parts.end())
       models.push_back(replaced(model, place, other.model));
   return models;

@@ -14,8 +14,8 @@ std::vector<Model> each_left_out(const Model& model);
 // The model with the last part of another one at `place`.
 Model replaced(const Model& model, std::size_t place, const Model& other);
 
-// Likewise of the first three of `others` (best first) whose last part the model does not have.
-std::vector<Model> swapped(const Model& model, std::size_t place, const std::vector<Fit>& others);
+// Likewise of the first `most` of `others` (best first) whose last part the model does not have.
+std::vector<Model> swapped(const Model& model, std::size_t place, const std::vector<Fit>& others, std::size_t most);
 
 // For each nuisance that went as far as it may: the model with the candidate for that number instead, which is free to
 // go farther, as an effect.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "host/identify/criteria.hpp"
@@ -15,6 +16,11 @@ void Workflow::report_progress(int stage, double share, const std::string& text)
                share > 0.02 && share < 1
                    ? (", about " + std::to_string(int(since * (1 - share) / share) + 1) + " s left").c_str()
                    : "");
+}
+
+double Workflow::by_the_clock(double processor_seconds) const {
+  const double used = double(std::clock() - processor_start) / CLOCKS_PER_SEC;
+  return processor_seconds * std::max(used > 0 ? seconds() / used : 1.0, 1.0);
 }
 
 Clock::time_point Workflow::end_of(double share) const {

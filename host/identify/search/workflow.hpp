@@ -1,6 +1,7 @@
 // What the stages of a diagnosis work with, and the search for effects, one after the other (stages 4 to 6). Results
 // travel as values: each stage returns its own.
 #pragma once
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct Workflow {
   Problem& problem;
   const Settings& settings;
   Clock::time_point start = Clock::now();
+  std::clock_t processor_start = std::clock();
   Predictor predictor;
   Variant base;
   std::vector<Candidate> nuisances = nuisances_of(problem);
@@ -28,6 +30,8 @@ struct Workflow {
   std::vector<std::string> left_out;  // for want of time, likewise
 
   double seconds() const { return -seconds_until(start); }  // since it began
+  // How long so many seconds of the processor take by the clock, as busy as the machine has been since it began.
+  double by_the_clock(double processor_seconds) const;
   // When a stage has to end: a share of the time given.
   Clock::time_point end_of(double share) const;
   // Whether there is time to look for something further, which takes about so many seconds, before this share of the
@@ -58,10 +62,12 @@ struct Selection {
   std::vector<Fit> fits;             // one effect more each; empty: none is better than the scene as it is
   std::vector<RankedModel> ranking;  // best first
   std::vector<std::vector<std::string>> inseparable;
-  double error = 0;                // of the last fit [noise]
-  std::vector<Window> windows;     // of the last fit: those that were chosen, made ready for it, or whole runs
-  std::string better_at_bound;     // as Decision has it, of the last effect that was added; empty: none
-  bool asks_for_new_step = false;  // what was found needs a finer time step: nothing else is told
+  double error = 0;             // of the last fit [noise]
+  std::vector<Window> windows;  // of the last fit: those that were chosen, made ready for it, or whole runs
+  std::string better_at_bound;  // as Decision has it, of the last effect that was added; empty: none
+  // What was found needs a finer time step: nothing else is told but where the fits of the first round ended.
+  bool asks_for_new_step = false;
+  std::vector<Model> ends;
 };
 
 // A model of two effects that another search than forward selection found.
@@ -72,6 +78,8 @@ struct FoundPair {
 };
 
 // Adds one effect after the other, each beside those before. Where the time is over, what was found by then.
-Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const ChosenWindows& chosen);
+// ends: of the same first round with another time step.
+Selection forward_selection(Workflow& flow, const std::vector<Candidate>& candidates, const ChosenWindows& chosen,
+                            const std::vector<Model>& ends = {});
 
 }  // namespace pvg::diagnose

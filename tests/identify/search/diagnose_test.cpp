@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <numeric>
 #include <random>
+#include <thread>
 
 #include "host/base/error.hpp"
 #include "host/geometry/embedded_point.hpp"
@@ -245,6 +247,18 @@ TEST(Workflow, SaysWhatItHadNoTimeToLookFor) {
   EXPECT_EQ(hurried.left_out[0],
             "a pair of effects was not looked for: 0 s were over and it takes some 61 s more; `--minutes`, which is 1, "
             "gives it more");
+}
+
+// While this process waits, as on a machine that others use, a second of the processor takes longer by the clock.
+TEST(Workflow, TellsHowLongWorkTakesOnABusyMachine) {
+  const TestFolder folder;
+  Problem problem = make_problem(chain(folder, BOTH));
+  Device device;
+  const Settings settings;
+  const Workflow flow(device, problem, settings);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_GT(flow.by_the_clock(1), 2);
+  EXPECT_DOUBLE_EQ(flow.by_the_clock(0), 0);
 }
 
 // Nothing can be compared in a tenth of a second; still there is a report, and it says so.

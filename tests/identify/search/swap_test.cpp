@@ -59,7 +59,7 @@ TEST_F(Swap, AnotherPartComesWithItsOwnNumbersAndTheRestKeepsIts) {
 TEST_F(Swap, NoPartIsInAModelTwice) {
   const std::vector<Fit> others = {of(delay, spring, Eigen::Vector3d(7, 8, 8)),
                                    of(spring, delay, Eigen::Vector3d(8, 8, 7))};
-  const std::vector<Model> models = swapped(lag_and_spring, 0, others);
+  const std::vector<Model> models = swapped(lag_and_spring, 0, others, 3);
   ASSERT_EQ(models.size(), 1u);
   EXPECT_EQ(models[0].parts, (std::vector<const Candidate*>{&delay, &spring}));
 }

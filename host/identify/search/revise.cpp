@@ -1,0 +1,84 @@
+#include "host/identify/search/revise.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "host/identify/criteria.hpp"
+#include "host/identify/search/decide.hpp"
+#include "host/identify/search/swap.hpp"
+
+namespace pvg::diagnose {
+namespace {
+
+// Those models that a step of their fit brings nearest to the data, best first.
+std::vector<Model> nearest(Workflow& flow, const FitData& data, std::vector<Model> models, std::size_t most) {
+  if (models.empty() || most == 0) return {};
+  std::vector<Fit> fits = flow.fitter.begin(data, std::move(models));
+  std::erase_if(fits, [](const Fit& fit) { return !fit.succeeded; });
+  const auto after_a_step = flow.fitter.predicted(data, fits);
+  double scale = std::numeric_limits<double>::infinity();
+  for (const Fit& fit : fits) scale = std::min(scale, robust_scale(fit.residual));
+  std::vector<double> cost;
+  for (std::size_t i = 0; i < fits.size(); ++i)
+    cost.push_back(std::min(robust_cost(fits[i].residual, scale), robust_cost(after_a_step[i], scale)));
+  std::vector<std::size_t> order(fits.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return cost[a] < cost[b]; });
+  std::vector<Model> best;
+  for (std::size_t i = 0; i < std::min(most, order.size()); ++i) best.push_back(std::move(fits[order[i]].model));
+  return best;
+}
+
+// The model with its effect at `place` replaced.
+std::vector<Model> with_stand_ins(Workflow& flow, const FitData& data, const Model& model, std::size_t place,
+                                  const StandIns& stand_ins) {
+  std::vector<Model> models = swapped(model, place, stand_ins.passed, criteria().n_swaps);
+  const std::size_t n_more = criteria().n_swaps - models.size();
+  if (n_more == 0) return models;
+  for (Model& other : nearest(flow, data, swapped(model, place, stand_ins.others, stand_ins.others.size()), n_more))
+    models.push_back(std::move(other));
+  return models;
+}
+
+Fit best_of(Workflow& flow, Prepared& prepared, std::vector<Model> models, const Fit& fit) {
+  const FitData& data = prepared.data();
+  std::vector<Fit> fits = flow.fitter.begin(data, std::move(models));
+  std::erase_if(fits, [](const Fit& other) { return !other.succeeded; });
+  flow.fitter.improve(data, fits, criteria().n_more_steps);
+  flow.fitter.finish(data, fits);
+  fits.push_back(fit);
+  const Decision decision = decide(data, prepared.base(flow.fitter), fits);
+  return decision.chosen >= 0 ? *decision.ranking[std::size_t(decision.chosen)].fit : fit;
+}
+
+}  // namespace
+
+std::vector<Fit> StandIns::all() const {
+  std::vector<Fit> fits = passed;
+  if (fits.size() < criteria().n_swaps) fits.insert(fits.end(), others.begin(), others.end());
+  return fits;
+}
+
+StandIns stand_ins_of(const Decision& decision) {
+  StandIns stand_ins;
+  for (const Judged& judged : decision.ranking)
+    (judged.passes ? stand_ins.passed : stand_ins.others).push_back(*judged.fit);
+  return stand_ins;
+}
+
+Fit revised(Workflow& flow, Prepared& prepared, const Fit& fit, const StandIns& first_round,
+            const StandIns& this_round) {
+  const FitData& data = prepared.data();
+  std::vector<Model> models = with_stand_ins(flow, data, fit.model, std::size_t(fit.model.n_nuisances()), first_round);
+  for (Model& simpler : each_left_out(fit.model)) models.push_back(std::move(simpler));
+  const Fit first = best_of(flow, prepared, std::move(models), fit);
+  const std::vector<const Candidate*>& parts = first.model.parts;
+  const auto later = std::find(parts.begin(), parts.end(), fit.model.parts.back());
+  if (first.model.effects().size() < 2 || parts == fit.model.parts || later == parts.end()) return first;
+  const std::size_t place = std::size_t(later - parts.begin());
+  return best_of(flow, prepared, swapped(first.model, place, this_round.passed, criteria().n_swaps), first);
+}
+
+}  // namespace pvg::diagnose
