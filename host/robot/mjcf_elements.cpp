@@ -6,7 +6,7 @@
 #include "host/base/error.hpp"
 #include "host/base/files.hpp"
 #include "host/base/outputs.hpp"
-#include "host/base/xml_text.hpp"
+#include "host/robot/xml_text.hpp"
 
 namespace pvg::mjcf {
 namespace {

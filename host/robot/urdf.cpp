@@ -15,11 +15,11 @@
 #include "host/base/files.hpp"
 #include "host/base/numbers.hpp"
 #include "host/base/outputs.hpp"
-#include "host/base/xml_text.hpp"
 #include "host/geometry/primitive_visuals.hpp"
 #include "host/pictures/srgb.hpp"
 #include "host/robot/link_mesh.hpp"
 #include "host/robot/robot.hpp"
+#include "host/robot/xml_text.hpp"
 
 namespace pvg {
 namespace {

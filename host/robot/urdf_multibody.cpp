@@ -3,9 +3,9 @@
 
 #include "host/base/error.hpp"
 #include "host/base/files.hpp"
-#include "host/base/xml_text.hpp"
 #include "host/robot/multibody.hpp"
 #include "host/robot/robot.hpp"
+#include "host/robot/xml_text.hpp"
 
 namespace pvg {
 namespace {

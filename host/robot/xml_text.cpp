@@ -1,4 +1,4 @@
-#include "host/base/xml_text.hpp"
+#include "host/robot/xml_text.hpp"
 
 #include <algorithm>
 #include <utility>

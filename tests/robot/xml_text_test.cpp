@@ -1,5 +1,5 @@
 // The text of XML files
-#include "host/base/xml_text.hpp"
+#include "host/robot/xml_text.hpp"
 
 #include <gtest/gtest.h>
 #include <tinyxml.h>
