@@ -23,7 +23,7 @@ CaptureFrame frame_of(const TestFolder& folder, const std::string& name, std::ui
   const std::size_t n = 16 * 12;
   write_depth_picture(folder.path / (name + ".depth.png"), {16, 12, std::vector<float>(n, 2)}, 1e-3);
   write_picture(folder.path / (name + ".png"), {16, 12, std::vector<std::uint8_t>(3 * n, grey)});
-  return {name, folder.path / (name + ".png"), folder.path / (name + ".depth.png"), camera, camera};
+  return {name, folder.path / (name + ".png"), folder.path / (name + ".depth.png"), nullptr, camera, camera};
 }
 
 // IEC 61966-2-1

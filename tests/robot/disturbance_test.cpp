@@ -9,7 +9,7 @@
 namespace pvg {
 namespace {
 
-constexpr double STEP = 0.02;
+constexpr double PUSH_STEP = 0.02;
 
 struct DisturbedArm : testing::Test {
   RobotModel model = load_urdf(PVG_DATA_FOLDER "/robots/fr3/fr3.urdf");
@@ -31,7 +31,8 @@ struct DisturbedArm : testing::Test {
 // of a hand that rests the offset is what was asked for, in the tool's frame; second order in it: 20 mm of about 0.5 m
 TEST_F(DisturbedArm, AHandAtRestGoesByItsOffsetAndItsTurnAndComesBack) {
   const Push push{0, 0.4, Vec3(0.012, -0.008, 0.014), Vec3(0.02, 0, -0.03)};
-  const Eigen::MatrixXd q = resting(60), shift = pushed_aside(robot, q, std::vector<bool>(60, true), {&push, 1}, STEP);
+  const Eigen::MatrixXd q = resting(60),
+                        shift = pushed_aside(robot, q, std::vector<bool>(60, true), {&push, 1}, PUSH_STEP);
   const Pose from = tool(home), to = tool(home + shift.row(9).transpose());  // the middle: u = 1/2
   const Pose moved = from.inverse() * to;
   EXPECT_LT((moved.translation() - push.offset).norm(), 1.5e-3);
@@ -44,7 +45,8 @@ TEST_F(DisturbedArm, AHandAtRestGoesByItsOffsetAndItsTurnAndComesBack) {
 
 TEST_F(DisturbedArm, AHandUnderWayGoesBesideItsWayOnly) {
   const Push push{0, 0.4, Vec3(0.01, 0.01, 0.01)};
-  const Eigen::MatrixXd q = turning(40), shift = pushed_aside(robot, q, std::vector<bool>(40, true), {&push, 1}, STEP);
+  const Eigen::MatrixXd q = turning(40),
+                        shift = pushed_aside(robot, q, std::vector<bool>(40, true), {&push, 1}, PUSH_STEP);
   ASSERT_EQ(shift.cols(), 7);
   const VectorXd planned = q.row(9).head(7).transpose();
   const Vec3 moved = tool(planned + shift.row(9).transpose()).translation() - tool(planned).translation();
@@ -61,7 +63,7 @@ TEST_F(DisturbedArm, PushesComeWhereTheyMayOneAfterTheOther) {
   for (int i = 40; i < 60; ++i) may[std::size_t(i)] = false;
   std::vector<Push> pushes;
   for (const double start : {0.99, 0.0, 0.99}) pushes.push_back({start, 0.3, Vec3(0, 0.01, 0)});
-  const Eigen::MatrixXd shift = pushed_aside(robot, resting(100), may, pushes, STEP);
+  const Eigen::MatrixXd shift = pushed_aside(robot, resting(100), may, pushes, PUSH_STEP);
   int n_begun = 0, n_pushed = 0;
   for (int i = 0; i < 100; ++i) {
     const bool is_pushed = shift.row(i).norm() > 0;
@@ -79,7 +81,7 @@ TEST_F(DisturbedArm, APushThatFitsNowhereIsRefused) {
   for (std::size_t i = 0; i < may.size(); i += 20) may[i] = false;
   expect_error<UsageError>(
       [&] {
-        pushed_aside(robot, resting(60), may, {&push, 1}, STEP);
+        pushed_aside(robot, resting(60), may, {&push, 1}, PUSH_STEP);
       },
       {"0.5 s", "duration", "during"});
 }
@@ -89,7 +91,7 @@ TEST_F(DisturbedArm, JointsStayWithinTheirLimits) {
   Eigen::MatrixXd q = resting(40);
   const double upper = model.joints[std::size_t(model.actuated[3])].upper;
   q.col(3).setConstant(upper - 1e-3);
-  const Eigen::MatrixXd shift = pushed_aside(robot, q, std::vector<bool>(40, true), {&push, 1}, STEP);
+  const Eigen::MatrixXd shift = pushed_aside(robot, q, std::vector<bool>(40, true), {&push, 1}, PUSH_STEP);
   EXPECT_NEAR((q + shift).col(3).maxCoeff(), upper, 1e-12);
 }
 

@@ -143,7 +143,9 @@ TEST_F(Generate, ADisturbedHandIsRecordedWithTheTargetsThatLeadItBack) {
       off_the_push = std::max(off_the_push, std::abs(q[i] - a[i] - d[i]));
     }
     n_pushed += largest > 0;
-    if (largest > 0) EXPECT_LT(off_the_push, 2e-3) << step;  // the lag of its drives
+    if (largest > 0) {
+      EXPECT_LT(off_the_push, 2e-3) << step;  // the lag of its drives
+    }
   }
   EXPECT_EQ(n_pushed, 2 * 9);  // of 10 steps of 20 ms; after the last the hand is on its way again
   double farthest = 0;
