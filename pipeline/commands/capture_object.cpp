@@ -165,7 +165,8 @@ void run_capture_object(const CaptureObjectOptions& o) {
         1e3 * t["least"].get<double>());
   if (const auto& t = report["tetrahedra"]; !t.is_null())
     std::printf(
-        "tetrahedra.msh: %zu tetrahedra, %zu nodes; the least dihedral angle is %.1f degrees, the largest ratio of radius to "
+        "tetrahedra.msh: %zu tetrahedra, %zu nodes; the least dihedral angle is %.1f degrees, the largest ratio of "
+        "radius to "
         "edge "
         "%.2f, %zu are slivers below 5 degrees\n",
         t["elements"].get<std::size_t>(), t["nodes"].get<std::size_t>(), t["least_dihedral_degrees"].get<double>(),

@@ -186,17 +186,18 @@ TEST(Render, SamplesThatAreNotFiniteAreLeftOutAndCounted) {
       std::vector<F32x4>{
           {{1, 2, 3, 0}}, {{nan, 0, 0, 0}}, {{3, 4, 5, 0}}, {{0, inf, 0, 0}}, {{1, 1, -inf, 0}}, {{0, 0, nan, 0}}},
       "radiance");
+  Buffer<std::uint32_t> pixels(device, std::vector<std::uint32_t>{1, 0}, "pixels");
   Buffer<F32x4> film(device, 2, "film");
   Buffer<float> squares(device, 2, "squares");
   Buffer<std::uint32_t> dropped(device, 2, "dropped");
   film.zero();
   squares.zero();
   dropped.zero();
-  accumulate(2, 2u, launch, radiance, film, squares, dropped);
+  accumulate(2, 2u, launch, pixels, radiance, film, squares, dropped);
   const std::vector<F32x4> sums = film.read();
-  EXPECT_EQ(std::vector<float>(sums[0].v, sums[0].v + 4), (std::vector<float>{4, 6, 8, 2}));
-  EXPECT_EQ(std::vector<float>(sums[1].v, sums[1].v + 4), (std::vector<float>{0, 0, 0, 0}));
-  EXPECT_EQ(dropped.read(), (std::vector<std::uint32_t>{1, 3}));
+  EXPECT_EQ(std::vector<float>(sums[1].v, sums[1].v + 4), (std::vector<float>{4, 6, 8, 2}));
+  EXPECT_EQ(std::vector<float>(sums[0].v, sums[0].v + 4), (std::vector<float>{0, 0, 0, 0}));
+  EXPECT_EQ(dropped.read(), (std::vector<std::uint32_t>{3, 1}));
 }
 
 TEST_F(Picture, VisualsFollowTheirBodies) {

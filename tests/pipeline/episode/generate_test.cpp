@@ -94,19 +94,26 @@ TEST_F(Generate, WhatFailedBeforeIsCountedAndNotMadeAgain) {
   EXPECT_FALSE(fs::exists(out / "episode_000000"));
 }
 
+void replace(std::string& text, const std::string& from, const std::string& to) {
+  ASSERT_NE(text.find(from), std::string::npos) << from;
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+}
+
+// push_beaker.yaml, to be written anywhere
+std::string small_task() {
+  const fs::path folder = fs::path(PVG_DATA_FOLDER).parent_path() / "tests/pipeline/small_task";
+  std::ifstream in(folder / "push_beaker.yaml");
+  std::string task(std::istreambuf_iterator<char>(in), {});
+  replace(task, "../../../data", PVG_DATA_FOLDER);
+  replace(task, "gripper: gripper.yaml", "gripper: " + (folder / "gripper.yaml").string());
+  return task;
+}
+
 // Pushes that the record does not call wanted: /a is that of the episode without them to the bit, the hand is where
 // they put it. The same seed gives the same bytes.
 TEST_F(Generate, ADisturbedHandIsRecordedWithTheTargetsThatLeadItBack) {
-  const fs::path small = fs::path(PVG_DATA_FOLDER).parent_path() / "tests/pipeline/small_task";
-  std::ifstream in(small / "push_beaker.yaml");
-  std::string task(std::istreambuf_iterator<char>(in), {});
-  const auto replace = [&](const std::string& from, const std::string& to) {
-    ASSERT_NE(task.find(from), std::string::npos) << from;
-    for (std::size_t at = 0; (at = task.find(from, at)) != std::string::npos; at += to.size())
-      task.replace(at, from.size(), to);
-  };
-  replace("../../../data", PVG_DATA_FOLDER);
-  replace("gripper: gripper.yaml", "gripper: " + (small / "gripper.yaml").string());
+  const std::string task = small_task();
   put("plain.yaml", task);
   put("pushed.yaml",
       task +
@@ -168,19 +175,10 @@ std::map<std::string, std::string> contents(const fs::path& set) {
 
 // Five episodes of other lengths, of which some begin in the table; with pictures.
 TEST_F(Generate, EpisodesThatStepTogetherHaveTheBitsTheyHaveAlone) {
-  const fs::path small = fs::path(PVG_DATA_FOLDER).parent_path() / "tests/pipeline/small_task";
-  std::ifstream in(small / "push_beaker.yaml");
-  std::string task(std::istreambuf_iterator<char>(in), {});
-  const auto replace = [&](const std::string& from, const std::string& to) {
-    ASSERT_NE(task.find(from), std::string::npos) << from;
-    for (std::size_t at = 0; (at = task.find(from, at)) != std::string::npos; at += to.size())
-      task.replace(at, from.size(), to);
-  };
-  replace("../../../data", PVG_DATA_FOLDER);
-  replace("gripper: gripper.yaml", "gripper: " + (small / "gripper.yaml").string());
-  replace("x: [0.420, 0.424]", "x: [0.41, 0.44]");
-  replace("z: 0.5 mm", "z: [-0.2 mm, 0.6 mm]");
-  replace("at_most: 12 mm", "at_most: 16 mm");
+  std::string task = small_task();
+  replace(task, "x: [0.420, 0.424]", "x: [0.41, 0.44]");
+  replace(task, "z: 0.5 mm", "z: [-0.2 mm, 0.6 mm]");
+  replace(task, "at_most: 12 mm", "at_most: 16 mm");
   put("task.yaml", task);
   std::map<std::string, std::string> alone;
   for (const std::string worlds : {"1", "3", "5"}) {
@@ -208,20 +206,11 @@ TEST_F(Generate, EpisodesThatStepTogetherHaveTheBitsTheyHaveAlone) {
 }
 
 TEST_F(Generate, ChosenCamerasAloneAreRenderedAndTheMotionIsTheSame) {
-  const fs::path small = fs::path(PVG_DATA_FOLDER).parent_path() / "tests/pipeline/small_task";
-  std::ifstream in(small / "push_beaker.yaml");
-  std::string task(std::istreambuf_iterator<char>(in), {});
+  std::string task = small_task();
   const std::string more =
       "cameras:\n  - {name: back, width: 24, height: 16, vertical_field_of_view: 44 deg, position: [0, 0.5, 0.3], "
       "look_at: [0.4, 0, 0.06], up: [0, 0, 1]}\n";
-  for (const auto& [from, to] :
-       std::map<std::string, std::string>{{"../../../data", PVG_DATA_FOLDER},
-                                          {"gripper: gripper.yaml", "gripper: " + (small / "gripper.yaml").string()},
-                                          {"cameras:\n", more}}) {
-    ASSERT_NE(task.find(from), std::string::npos) << from;
-    for (std::size_t at = 0; (at = task.find(from, at)) != std::string::npos; at += to.size())
-      task.replace(at, from.size(), to);
-  }
+  replace(task, "cameras:\n", more);
   put("task.yaml", task);
   const auto generate = [&](const std::string& words) {
     return WEXITSTATUS(std::system((std::string(PVG_PROGRAM) + " generate " + (out / "task.yaml").string() + " -o " +

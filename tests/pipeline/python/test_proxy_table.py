@@ -1,8 +1,6 @@
 """scripts/policy/proxy_table.sh with programs that only write down what they are told."""
 
 import json
-import os
-import subprocess
 import unittest
 
 import test_train_and_evaluate as training
@@ -14,11 +12,7 @@ class ProxyTable(unittest.TestCase):
     setUp = training.TrainAndEvaluate.setUp
 
     def run_script(self, *words, **variables):
-        environment = {name: value for name, value in os.environ.items() if name not in ("GRIPPER", "JUDGED", "OBSERVATION")}
-        environment |= {"PHYVISGEN_PROGRAM": str(self.folder / "phyvisgen"), "TRAINING_PROGRAMS": str(self.folder)}
-        environment |= {"LENGTH": "9", "EPISODES": "2", **variables}
-        process = subprocess.run(["sh", str(SCRIPT), *words], env=environment, capture_output=True, text=True)
-        return process, self.told.read_text().splitlines() if self.told.exists() else []
+        return training.run_table(self, SCRIPT, words, ("GRIPPER", "JUDGED", "OBSERVATION"), variables)
 
     def begin(self, verdict):
         """A folder whose recordings and diagnosis are there already."""

@@ -1,7 +1,5 @@
 """scripts/policy/recovery_table.sh with programs that only write down what they are told."""
 
-import os
-import subprocess
 import unittest
 
 import test_train_and_evaluate as training
@@ -13,11 +11,7 @@ class RecoveryTable(unittest.TestCase):
     setUp = training.TrainAndEvaluate.setUp
 
     def run_script(self, *words, **variables):
-        environment = {name: value for name, value in os.environ.items() if name not in ("JUDGED", "OBSERVATION", "EXECUTED")}
-        environment |= {"PHYVISGEN_PROGRAM": str(self.folder / "phyvisgen"), "TRAINING_PROGRAMS": str(self.folder)}
-        environment |= {"LENGTH": "9", "EPISODES": "2", **variables}
-        process = subprocess.run(["sh", str(SCRIPT), *words], env=environment, capture_output=True, text=True)
-        return process, self.told.read_text().splitlines() if self.told.exists() else []
+        return training.run_table(self, SCRIPT, words, ("JUDGED", "OBSERVATION", "EXECUTED"), variables)
 
     def test_both_are_judged_without_disturbances(self):
         out = self.folder / "out"

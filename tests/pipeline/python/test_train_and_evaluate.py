@@ -46,6 +46,15 @@ class KeptRows(unittest.TestCase):
         self.assertEqual(DataSet.reads, [3, 4, 3])
 
 
+def run_table(test, script, words, without, variables):
+    """A script of tables in the folder of `test`: the finished process, and what its programs were told, line by line."""
+    environment = {name: value for name, value in os.environ.items() if name not in without}
+    environment |= {"PHYVISGEN_PROGRAM": str(test.folder / "phyvisgen"), "TRAINING_PROGRAMS": str(test.folder)}
+    environment |= {"LENGTH": "9", "EPISODES": "2", **variables}
+    process = subprocess.run(["sh", str(script), *words], env=environment, capture_output=True, text=True)
+    return process, test.told.read_text().splitlines() if test.told.exists() else []
+
+
 class TrainAndEvaluate(unittest.TestCase):
     def setUp(self):
         self.temporary = tempfile.TemporaryDirectory()
