@@ -25,7 +25,9 @@ SLOW = {  # what only --all runs, and why
 ELSEWHERE = {  # what a block of `console` shows and why no test of one machine runs it
     r".* --device 0 --render-device 1 .*": "needs two GPUs",
     r"apt-get install .*": "changes the machine",
+    r".* capture room kitchen.glb .*": "reads a mesh of one's own; RoomMesh.* read meshes that are written there",
     r".* capture room scans/kitchen .*": "reads a scan of one's own; scripts/demo_capture.sh captures a synthetic one",
+    r".* capture object (pot_and_lid\.glb --parts|sponge\.stl .*--soft) .*": "reads meshes of one's own; ObjectParts.*, SoftObject.*",
     r".* capture object (scan\.stl|scans/can|point_cloud/.*\.ply) .*": "reads scans of one's own; scripts/demo_capture_object.sh",
     r".* capture object --revolve glass\.csv .*": "reads a profile of one's own",
     r".* capture object --masks scans/glass .*": "reads masks of one's own",

@@ -101,7 +101,7 @@ void replace(std::string& text, const std::string& from, const std::string& to) 
 }
 
 // push_beaker.yaml, to be written anywhere
-std::string small_task() {
+std::string push_beaker_text() {
   const fs::path folder = fs::path(PVG_DATA_FOLDER).parent_path() / "tests/pipeline/small_task";
   std::ifstream in(folder / "push_beaker.yaml");
   std::string task(std::istreambuf_iterator<char>(in), {});
@@ -113,7 +113,7 @@ std::string small_task() {
 // Pushes that the record does not call wanted: /a is that of the episode without them to the bit, the hand is where
 // they put it. The same seed gives the same bytes.
 TEST_F(Generate, ADisturbedHandIsRecordedWithTheTargetsThatLeadItBack) {
-  const std::string task = small_task();
+  const std::string task = push_beaker_text();
   put("plain.yaml", task);
   put("pushed.yaml",
       task +
@@ -175,7 +175,7 @@ std::map<std::string, std::string> contents(const fs::path& set) {
 
 // Five episodes of other lengths, of which some begin in the table; with pictures.
 TEST_F(Generate, EpisodesThatStepTogetherHaveTheBitsTheyHaveAlone) {
-  std::string task = small_task();
+  std::string task = push_beaker_text();
   replace(task, "x: [0.420, 0.424]", "x: [0.41, 0.44]");
   replace(task, "z: 0.5 mm", "z: [-0.2 mm, 0.6 mm]");
   replace(task, "at_most: 12 mm", "at_most: 16 mm");
@@ -206,7 +206,7 @@ TEST_F(Generate, EpisodesThatStepTogetherHaveTheBitsTheyHaveAlone) {
 }
 
 TEST_F(Generate, ChosenCamerasAloneAreRenderedAndTheMotionIsTheSame) {
-  std::string task = small_task();
+  std::string task = push_beaker_text();
   const std::string more =
       "cameras:\n  - {name: back, width: 24, height: 16, vertical_field_of_view: 44 deg, position: [0, 0.5, 0.3], "
       "look_at: [0.4, 0, 0.06], up: [0, 0, 1]}\n";
