@@ -18,6 +18,7 @@
 #include "host/capture/objects/standing_object.hpp"
 #include "host/capture/objects/vessel.hpp"
 #include "host/formats/picture_files.hpp"
+#include "host/model/physical_scene.hpp"
 #include "pipeline/command_line/command.hpp"
 
 namespace pvg {
