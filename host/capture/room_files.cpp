@@ -6,6 +6,7 @@
 
 #include "host/base/atomic_files.hpp"
 #include "host/formats/gltf_writer.hpp"
+#include "host/formats/mesh_files.hpp"
 #include "host/geometry/primitive_shapes.hpp"
 
 namespace pvg {
@@ -26,13 +27,6 @@ std::string pose_text(const Pose& pose) {
   const Eigen::Quaterniond q(pose.linear());
   return fmt::format("{{position: [{:.9g}, {:.9g}, {:.9g}], quaternion: [{:.9g}, {:.9g}, {:.9g}, {:.9g}]}}", t.x(),
                      t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
-}
-
-std::string obj_text(const TriangleMesh& mesh) {
-  std::string text;
-  for (const Vec3& p : mesh.points) text += fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
-  for (const Triangle& t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
-  return text;
 }
 
 // of the depth cameras' optical frames in the capture's frame

@@ -261,6 +261,13 @@ VisualMesh read_colored_mesh(const fs::path& file) {
   return out;
 }
 
+std::string obj_text(const TriangleMesh& mesh) {
+  std::string text;
+  for (const Vec3& p : mesh.points) text += fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
+  for (const Triangle& t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  return text;
+}
+
 VisualMesh visual_of(const TriangleMesh& surface) {
   VisualMesh mesh;
   for (const Vec3& p : surface.points) mesh.points.push_back(p.cast<float>());

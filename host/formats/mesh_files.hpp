@@ -2,6 +2,7 @@
 // transforms of its nodes applied. Units are taken as metres. UsageErrors name the file and what to do.
 #pragma once
 #include <filesystem>
+#include <string>
 
 #include "host/geometry/mesh.hpp"
 #include "host/geometry/visual_mesh.hpp"
@@ -23,6 +24,9 @@ VisualMesh read_colored_mesh(const std::filesystem::path& file);
 
 // A surface as it is, flat shaded.
 VisualMesh visual_of(const TriangleMesh& surface);
+
+// As an OBJ file, to nine digits.
+std::string obj_text(const TriangleMesh& mesh);
 
 // Notes on stderr that a body of this size may be in millimetres.
 void tell_of_size(const TriangleMesh& mesh, const std::string& file);

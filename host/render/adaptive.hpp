@@ -4,7 +4,8 @@
 //   Of all counts with the same sum the least E has n in proportion to the root of v (Lagrange's multiplier).
 // v of a few paths is noisy itself, and a pixel whose first paths found nothing bright would never get more: v and L^2
 // are means over a square of pixels, so that what one pixel found its neighbours use too. A count that depends on what
-// was found makes a mean that is slightly too dark; measured in docs/measured/2026-11-27_adaptive_sampling.md.
+// was found biases the mean: it is too dark where rare paths are bright, too bright where most have no noise and rare
+// ones are dark. Measured in docs/measured/2026-11-27_adaptive_sampling.md.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -51,6 +51,10 @@ Renderer::Impl::Impl(Device& device_, const Scene& scene_, const RenderSettings&
     tell_note(std::string("Open Image Denoise is not here (scripts/install_denoiser.sh installs it); ") + OWN_DENOISER +
               " takes its place, which leaves more noise");
   }
+  for (const Camera& camera : scene.cameras)
+    if (settings.is_adaptive && (camera.exposure_time > 0 || camera.row_time > 0))
+      tell_note("camera " + camera.name +
+                " has an exposure time or a rolling shutter; its samples are even, not adaptive, while things move");
   GeometryArrays geometry;
   meshes.resize(scene.visual_meshes.size());
   mesh_is_packed.resize(scene.visual_meshes.size());

@@ -104,7 +104,7 @@ void run_capture_object(const CaptureObjectOptions& o) {
   check_apart(o.output, input, "capture object");
   check_output_folder(o.output,
                       {"simulation.obj", "visual.glb", "object.yaml", "report.json", "meshes.png", "thickness.png",
-                       "tetrahedra.msh", "part_*"},
+                       "tetrahedra.msh", "part_*.obj", "part_*.glb"},
                       "capture object");
   const auto start = std::chrono::steady_clock::now();
   ObjectSettings settings;
@@ -129,7 +129,6 @@ void run_capture_object(const CaptureObjectOptions& o) {
   const std::filesystem::path picture = folder.path() / "meshes.png";
   const std::filesystem::path thickness = folder.path() / "thickness.png";
   std::filesystem::remove(picture);  // of an earlier run
-  std::filesystem::remove(thickness);
   if (o.draws_meshes) {
     Device device(o.device, Purpose::rendering);
     write_picture(picture, picture_of_meshes(device, object.visual, object.simulation));
@@ -167,9 +166,7 @@ void run_capture_object(const CaptureObjectOptions& o) {
   if (const auto& t = report["tetrahedra"]; !t.is_null())
     std::printf(
         "tetrahedra.msh: %zu tetrahedra, %zu nodes; the least dihedral angle is %.1f degrees, the largest ratio of "
-        "radius to "
-        "edge "
-        "%.2f, %zu are slivers below 5 degrees\n",
+        "radius to edge %.2f, %zu are slivers below 5 degrees\n",
         t["elements"].get<std::size_t>(), t["nodes"].get<std::size_t>(), t["least_dihedral_degrees"].get<double>(),
         t["largest_radius_edge"].get<double>(), t["slivers"].get<std::size_t>());
   if (o.density == 0 && o.mass == 0) std::printf("the mass is that of water: give --density or --mass\n");

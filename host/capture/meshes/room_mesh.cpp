@@ -9,6 +9,7 @@
 #include "host/base/error.hpp"
 #include "host/capture/room_frame.hpp"
 #include "host/capture/surface.hpp"
+#include "host/formats/assimp_reader.hpp"
 #include "host/formats/mesh_files.hpp"
 #include "host/load/gltf_scene.hpp"
 #include "host/pictures/srgb.hpp"
@@ -134,9 +135,9 @@ void check_size(const std::vector<CapturedSurface>& surfaces) {
 }  // namespace
 
 std::vector<CapturedSurface> read_room_mesh(const fs::path& file) {
-  const std::string ending = file.extension().string();
+  const std::string ending = ending_of(file);
   std::vector<CapturedSurface> surfaces;
-  if (ending == ".glb" || ending == ".gltf" || ending == ".GLB") {
+  if (ending == ".glb" || ending == ".gltf") {
     surfaces = read_gltf_room(file);
   } else {
     surfaces.push_back({read_colored_mesh(file), {}});

@@ -102,15 +102,6 @@ std::string soft_entry(const MassProperties& m) {
       m.mass / m.volume);
 }
 
-double size_of(const TriangleMesh& mesh) {
-  Vec3 low = Vec3::Constant(INFINITY), high = -low;
-  for (const Vec3& p : mesh.points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  return (high - low).maxCoeff();
-}
-
 // The wrap adds its offset below a foot, too.
 void stand_on_ground(CapturedObject& object) {
   Vec3 low = Vec3::Constant(INFINITY), high = -low;
@@ -125,6 +116,15 @@ void stand_on_ground(CapturedObject& object) {
 }
 
 }  // namespace
+
+double size_of(const TriangleMesh& mesh) {
+  Vec3 low = Vec3::Constant(INFINITY), high = -low;
+  for (const Vec3& p : mesh.points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  return (high - low).maxCoeff();
+}
 
 ObjectSource read_object(const std::filesystem::path& file, const ObjectSettings& settings) {
   ObjectSource source{file.string(), read_surface(file), {}};
@@ -152,7 +152,7 @@ CapturedObject capture_object(const ObjectSource& source, const ObjectSettings& 
   CapturedObject out;
   out.was_sound = is_sound(mesh);
   WrapSettings wrap = settings.wrap;
-  if (wrap.spacing <= 0) wrap.spacing = size_of(mesh) / 100;
+  if (wrap.spacing <= 0) wrap.spacing = size_of(mesh) / SAMPLES_ACROSS;
   if (!(wrap.spacing > 0)) throw UsageError(source.name + ": all points are one");
   const double share = settings.wrap.spacing > 0 ? 2 * wrap.spacing : settings.error_share * size_of(mesh);
   const double error = settings.error > 0 ? settings.error : share;
@@ -240,11 +240,7 @@ nlohmann::ordered_json object_report(const CapturedObject& object, const ObjectS
 
 void write_object(const std::filesystem::path& folder, const CapturedObject& object, const ObjectSettings& settings,
                   double seconds) {
-  std::string obj;
-  for (const Vec3& p : object.simulation.points) obj += fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
-  for (const Triangle& t : object.simulation.triangles)
-    obj += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
-  write_text_atomically(folder / "simulation.obj", obj);
+  write_text_atomically(folder / "simulation.obj", obj_text(object.simulation));
   write_captured_mesh(folder / "visual.glb", object.visual, "object", false);
   const MassProperties& m = object.mass;
   write_text_atomically(
@@ -257,7 +253,6 @@ void write_object(const std::filesystem::path& folder, const CapturedObject& obj
                   m.volume, m.center.x(), m.center.y(), m.center.z(), m.inertia(0, 0), m.inertia(1, 1),
                   m.inertia(2, 2)) +
           (object.tetrahedra ? soft_entry(m) : rigid_entry(m)));
-  std::filesystem::remove(folder / "tetrahedra.msh");  // of an earlier object
   if (object.tetrahedra) write_text_atomically(folder / "tetrahedra.msh", tetrahedra_text(*object.tetrahedra));
   write_text_atomically(folder / "report.json", object_report(object, settings, seconds).dump(2) + "\n");
 }

@@ -49,6 +49,9 @@ ObjectSource read_object(const std::filesystem::path& file, const ObjectSettings
 // The surface of a file of Gaussian splats (splats.hpp).
 ObjectSource read_splat_object(Device& device, const std::filesystem::path& file, const ObjectSettings& settings);
 
+// largest extent along an axis [m]
+double size_of(const TriangleMesh& mesh);
+
 CapturedObject capture_object(const ObjectSource& source, const ObjectSettings& settings);
 
 // simulation.obj, visual.glb, object.yaml, report.json; of soft ones tetrahedra.msh

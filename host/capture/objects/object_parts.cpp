@@ -10,6 +10,8 @@
 #include "host/base/error.hpp"
 #include "host/base/numbers.hpp"
 #include "host/capture/room_files.hpp"
+#include "host/formats/assimp_reader.hpp"
+#include "host/formats/mesh_files.hpp"
 #include "host/geometry/exact_intersection.hpp"
 #include "host/geometry/mesh_checks.hpp"
 #include "host/geometry/mesh_parts.hpp"
@@ -56,30 +58,17 @@ std::optional<std::array<std::size_t, 2>> overlapping_pair(const std::vector<Cap
   return {};
 }
 
-// as capture_object takes it where nothing is given
 void halve(const NamedSource& part, ObjectSettings& settings) {
-  if (settings.wrap.spacing <= 0) {
-    Eigen::AlignedBox3d box;
-    for (const Vec3& p : part.source.mesh.points) box.extend(p);
-    settings.wrap.spacing = box.sizes().maxCoeff() / 100;
-  }
+  if (settings.wrap.spacing <= 0) settings.wrap.spacing = size_of(part.source.mesh) / SAMPLES_ACROSS;
   settings.wrap.spacing /= 2;
   settings.wrap.bridge /= 2;
   settings.error /= 2;
 }
 
-std::string obj_of(const TriangleMesh& mesh) {
-  std::string obj;
-  for (const Vec3& p : mesh.points) obj += fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
-  for (const Triangle& t : mesh.triangles) obj += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
-  return obj;
-}
-
 }  // namespace
 
 std::vector<NamedSource> read_object_parts(const fs::path& file, const ObjectSettings& settings) {
-  const std::string ending = file.extension().string();
-  if (ending != ".glb" && ending != ".gltf")
+  if (const std::string ending = ending_of(file); ending != ".glb" && ending != ".gltf")
     throw UsageError("--parts needs a glTF file, whose nodes have names, and " + file.string() + " is none");
   const GltfScene scene = read_gltf_scene(file);
   std::vector<NamedSource> parts;
@@ -155,10 +144,6 @@ nlohmann::ordered_json parts_report(const std::vector<CapturedPart>& parts, cons
 
 void write_parts(const fs::path& folder, const std::vector<CapturedPart>& parts, const ObjectSettings& settings,
                  double seconds) {
-  std::vector<fs::path> earlier;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().filename().string().starts_with("part_")) earlier.push_back(entry.path());
-  for (const fs::path& file : earlier) fs::remove(file);
   std::string objects = fmt::format(
       "# Entries of `objects` and `joints` of a task; paths are relative to this folder. The joints hold the parts "
       "together:\n"
@@ -166,7 +151,7 @@ void write_parts(const fs::path& folder, const std::vector<CapturedPart>& parts,
       settings.density <= 0 && settings.mass <= 0 ? "; masses are those of water" : "");
   std::string joints = "joints:\n";
   for (const CapturedPart& part : parts) {
-    write_text_atomically(folder / ("part_" + part.name + ".obj"), obj_of(part.object.simulation));
+    write_text_atomically(folder / ("part_" + part.name + ".obj"), obj_text(part.object.simulation));
     write_captured_mesh(folder / ("part_" + part.name + ".glb"), part.object.visual, part.name, false);
     objects += fmt::format(
         "  - name: {0}\n    mesh: part_{0}.obj\n    visuals: [{{mesh: part_{0}.glb}}]\n    mass: {1:.6g} kg\n    "

@@ -7,8 +7,10 @@
 
 namespace pvg {
 
+constexpr double SAMPLES_ACROSS = 100;  // a mesh, where no spacing is given
+
 struct WrapSettings {
-  double spacing = 0;  // of the samples [m]; 0: a hundredth of the size
+  double spacing = 0;  // of the samples [m]; 0: size / SAMPLES_ACROSS
   double offset = 0;   // outward, so that sheets without thickness stay [m]; at least 0.6 spacings
   double bridge = 0;   // holes up to twice this are closed [m]; 0: four spacings
 };
