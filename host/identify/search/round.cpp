@@ -1,9 +1,13 @@
 #include "host/identify/search/round.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/fit/choose_windows.hpp"
+#include "host/identify/fit/held_out.hpp"
 #include "host/identify/search/screening.hpp"
 #include "host/identify/search/swap.hpp"
 
@@ -13,8 +17,26 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Some steps of all fits, then those of the finalists to their end.
-void improve_finalists(Fitter& fitter, const FitData& data, std::vector<Fit>& fits) {
+// Whether any of these residuals is so much nearer to the data than those of the base that further steps are worth it:
+// by a share that counts, and to where changes can be linearised, or by most of the way there. Where the base is near
+// the data each may.
+bool any_gets_nearer(const Problem& problem, const FitData& data, const Fit& base,
+                     const std::vector<std::vector<VectorXd>>& left) {
+  const double before = rms(base.residual);
+  if (!(before > criteria().far_misfit_least)) return true;
+  return std::any_of(left.begin(), left.end(), [&](const std::vector<VectorXd>& residual) {
+    Fit there;
+    there.residual = residual;
+    const double share = closed(before, rms(residual), 1);
+    return share >= criteria().gap_closed_least ||
+           (share >= criteria().second_gain_least && is_coherent(problem, data, there, criteria().window_hopeless));
+  });
+}
+
+// Some steps of all fits, then those of the finalists to their end. False where none gets nearer to the data: all are
+// given up.
+bool improve_finalists(Workflow& flow, const FitData& data, const Fit& base, std::vector<Fit>& fits) {
+  Fitter& fitter = flow.fitter;
   fitter.improve(data, fits, criteria().n_first_steps);
   std::vector<double> scales;  // of each window by the fit that has it best
   for (const Fit& fit : fits) {
@@ -24,6 +46,12 @@ void improve_finalists(Fitter& fitter, const FitData& data, std::vector<Fit>& fi
   }
   // fits are ranked by the predicted cost of their next step: the true effect may still be far from its optimum
   const std::vector<std::vector<VectorXd>> predicted = fitter.predicted(data, fits);
+  std::vector<std::vector<VectorXd>> left = predicted;
+  for (const Fit& fit : fits) left.push_back(fit.residual);
+  if (!any_gets_nearer(flow.problem, data, base, left)) {
+    for (Fit& fit : fits) fit.is_given_up = true;
+    return false;
+  }
   std::vector<double> key;
   for (std::size_t i = 0; i < fits.size(); ++i)
     key.push_back(std::min(robust_cost(fits[i].residual, scales), robust_cost(predicted[i], scales)));
@@ -38,19 +66,25 @@ void improve_finalists(Fitter& fitter, const FitData& data, std::vector<Fit>& fi
   }
   fitter.improve(data, fits, criteria().n_more_steps);
   fitter.take_last_steps(data, fits);
+  return true;
 }
 
 }  // namespace
 
-std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const std::vector<Screened>& best) {
+std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const Fit& base, const std::vector<Screened>& best) {
   Fitter& fitter = flow.fitter;
   std::vector<Model> models;
   for (const Screened& s : best) models.push_back(s.model);
   std::vector<Fit> fits = fitter.begin(data, std::move(models));
   std::erase_if(fits, [](const Fit& fit) { return !fit.succeeded; });
+  bool gets_nearer = true;
   if (!ends_by(fitter.deadline(), after_share(fitter.deadline(), criteria().time_steps),
-               [&] { improve_finalists(fitter, data, fits); }))
+               [&] { gets_nearer = improve_finalists(flow, data, base, fits); }))
     flow.note_left_out("the last steps of fits");
+  if (!gets_nearer)
+    flow.notes.push_back(
+        fmt::format("{} models end after their first steps: none gets near the data, {:.3g} times the noise away",
+                    fits.size(), rms(base.residual)));
   fitter.conclude(data, fits);
   return fits;
 }
@@ -106,7 +140,7 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
     std::erase_if(round.fits, [](const Fit& fit) { return !fit.succeeded; });
     flow.fitter.conclude(data, round.fits);
   } else {
-    round.fits = fit_best(flow, data, best);
+    round.fits = fit_best(flow, data, base, best);
   }
   round.decision =
       flow.settings.decide == Decide::workflow ? decide(data, base, round.fits) : decide_lowest(base, round.fits);

@@ -20,7 +20,8 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
                 const std::string& name, double share, const std::vector<Model>& ends = {});
 
 // The fits to the end of those that may still win, all with slopes and covariances. Where the time is over the steps
-// end early, and a note says so.
-std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const std::vector<Screened>& best);
+// end early, and a note says so; so they do where the base is far from the data (far_misfit_least) and none of them has
+// come near after the first steps, as where inputs are those of another run.
+std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const Fit& base, const std::vector<Screened>& best);
 
 }  // namespace pvg::diagnose
