@@ -186,7 +186,8 @@ class ForwardSelection {
   // Pairs may still explain it.
   bool explains_little() {
     const double before = rms(windows_.base.residual), left = rms(named_.residual);
-    if (!(left > criteria().far_misfit_least) || is_worth_a_second(windows_.base, named_)) return false;
+    if (!(left > criteria().far_misfit_least) || gets_nearer(windows_.data, windows_.base, named_.residual))
+      return false;
     flow_.notes.push_back(fmt::format(
         "{}, the best single effect, leaves {:.3g} of {:.3g} times the noise: no second one is looked for beside it; "
         "are inputs and rows those of their run?",

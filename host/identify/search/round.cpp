@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "host/identify/criteria.hpp"
-#include "host/identify/fit/choose_windows.hpp"
 #include "host/identify/fit/held_out.hpp"
 #include "host/identify/search/screening.hpp"
 #include "host/identify/search/swap.hpp"
@@ -15,28 +14,22 @@ namespace pvg::diagnose {
 
 using Eigen::VectorXd;
 
-namespace {
-
-// Whether any of these residuals is so much nearer to the data than those of the base that further steps are worth it:
-// by a share that counts, and to where changes can be linearised, or by most of the way there. Where the base is near
-// the data each may.
-bool any_gets_nearer(const Problem& problem, const FitData& data, const Fit& base,
-                     const std::vector<std::vector<VectorXd>>& left) {
+bool gets_nearer(const FitData& data, const Fit& base, const std::vector<VectorXd>& left) {
   const double before = rms(base.residual);
   if (!(before > criteria().far_misfit_least)) return true;
-  return std::any_of(left.begin(), left.end(), [&](const std::vector<VectorXd>& residual) {
-    Fit there;
-    there.residual = residual;
-    const double share = closed(before, rms(residual), 1);
-    return share >= criteria().gap_closed_least ||
-           (share >= criteria().second_gain_least && is_coherent(problem, data, there, criteria().window_hopeless));
+  const double shortest = criteria().window_lengths.back();
+  const bool are_shortest = std::all_of(data.windows.begin(), data.windows.end(), [&](const Window& window) {
+    return window.end - window.start < (1 + criteria().window_missing) * shortest;
   });
+  const bool is_last_resort = are_shortest && base.model.effects().empty();
+  return closed(before, rms(left), 1) >= (is_last_resort ? criteria().gap_closed_least : criteria().second_gain_least);
 }
+
+namespace {
 
 // Some steps of all fits, then those of the finalists to their end. False where none gets nearer to the data: all are
 // given up.
-bool improve_finalists(Workflow& flow, const FitData& data, const Fit& base, std::vector<Fit>& fits) {
-  Fitter& fitter = flow.fitter;
+bool improve_finalists(Fitter& fitter, const FitData& data, const Fit& base, std::vector<Fit>& fits) {
   fitter.improve(data, fits, criteria().n_first_steps);
   std::vector<double> scales;  // of each window by the fit that has it best
   for (const Fit& fit : fits) {
@@ -48,7 +41,7 @@ bool improve_finalists(Workflow& flow, const FitData& data, const Fit& base, std
   const std::vector<std::vector<VectorXd>> predicted = fitter.predicted(data, fits);
   std::vector<std::vector<VectorXd>> left = predicted;
   for (const Fit& fit : fits) left.push_back(fit.residual);
-  if (!any_gets_nearer(flow.problem, data, base, left)) {
+  if (std::none_of(left.begin(), left.end(), [&](const auto& residual) { return gets_nearer(data, base, residual); })) {
     for (Fit& fit : fits) fit.is_given_up = true;
     return false;
   }
@@ -77,11 +70,11 @@ std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const Fit& base, 
   for (const Screened& s : best) models.push_back(s.model);
   std::vector<Fit> fits = fitter.begin(data, std::move(models));
   std::erase_if(fits, [](const Fit& fit) { return !fit.succeeded; });
-  bool gets_nearer = true;
+  bool any_nearer = true;
   if (!ends_by(fitter.deadline(), after_share(fitter.deadline(), criteria().time_steps),
-               [&] { gets_nearer = improve_finalists(flow, data, base, fits); }))
+               [&] { any_nearer = improve_finalists(fitter, data, base, fits); }))
     flow.note_left_out("the last steps of fits");
-  if (!gets_nearer)
+  if (!any_nearer)
     flow.notes.push_back(
         fmt::format("{} models end after their first steps: none gets near the data, {:.3g} times the noise away",
                     fits.size(), rms(base.residual)));
