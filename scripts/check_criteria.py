@@ -18,7 +18,7 @@ ALLOWED = {
     "data/scene_numbers.cpp": {"1e-9": "rounding of moments"},
     "data/noise.cpp": {"1e-9": "rounding of commands", "TYPICAL": "sigma of a normal distribution over the median of its size"},
     "data/warnings.cpp": {"TURN": "2 pi", "200": "hint", "0.5": "hint", "100": "hint", "57.3": "hint", "10": "hint",
-                          "20": "hint", "0.25": "hint"},
+                          "20": "hint", "0.25": "hint", "UNRELATED": "hint", "FEWEST": "hint"},
     "data/start_places.cpp": {"MOST_STEPS": "iterations of an equation that is solved", "DIFFERENCE": "finite difference",
                               "SMALL_STEP": "rounding"},
     "data/start_fit.cpp": {"3": "samples of a parabola"},

@@ -39,9 +39,10 @@
   X(6, double, correlation_significant, 3, "1/sqrt(n)", \
     "autocorrelation of the residuals below which it counts as ended", \
     "chosen by judgement, not measured") \
-  X(6, double, left_out_ridge, 1e-6, "diagonal", \
-    "ridge of a fit without one group, as a share of that of all", \
-    "chosen by judgement, not measured") \
+  X(6, double, left_out_ridge, 0.1, "1", \
+    "what a fit without one group knows beforehand, as a share of the information of all: it stays within some three " \
+    "standard deviations of the fit of all", \
+    "a Stribeck curve whose speed one run of three tells was refused for that run (new scenarios, seed 51, case 007)") \
   X(6, double, log_prior_physical, -1, "log", \
     "log prior of a missing effect against a wrong number", \
     "not recorded (commit 0fd3dd3)") \
@@ -78,6 +79,9 @@
   X(6, double, same_residual, 1, "noise", \
     "difference below which two fits leave the same", \
     "backlash beside friction, spring beside delay (commit 0ec3434)") \
+  X(6, double, same_residual_share, 0.35, "what is left", \
+    "the same over the smaller of both residuals: a second effect beside either would be the same", \
+    "new scenarios, seed 83, case 035: delay, lag and clock took the places of a friction") \
   X(6, std::size_t, n_pairs, 8, "1", \
     "pairs that are fitted", \
     "two effects of the hidden suite (commit b878db3)") \

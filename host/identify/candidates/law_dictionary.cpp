@@ -6,6 +6,8 @@
 #include <numeric>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/data/start_places.hpp"
+#include "host/identify/data/window.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -38,6 +40,18 @@ Range range_of(const Problem& problem, const Value& value_of) {
       const double speed = std::abs(value - value_of(run, i - apart)) / (run.t[i] - run.t[i - apart]);
       if (std::isfinite(speed)) range.fastest = std::max(range.fastest, speed);
     }
+  }
+  range.is_there = range.high > range.low;
+  return range;
+}
+
+// Of a joint that no channel measures itself: from starts of short windows, which the places of its bodies tell.
+Range range_of_starts(const Problem& problem, std::size_t joint) {
+  Range range{INFINITY, -INFINITY, 0, false};
+  for (const Window& window : make_windows(problem, false, criteria().locate_window, criteria().n_windows_most)) {
+    range.low = std::min(range.low, window.initial.position[joint]);
+    range.high = std::max(range.high, window.initial.position[joint]);
+    range.fastest = std::max(range.fastest, std::abs(window.initial.rate[joint]));
   }
   range.is_there = range.high > range.low;
   return range;
@@ -129,9 +143,13 @@ void add_joint(const Problem& problem, std::size_t j, std::vector<LawSite>& site
   const auto channel = std::find_if(problem.channels.begin(), problem.channels.end(), [&](const Channel& c) {
     return c.joint == int(j) && c.sensor->start == StartRole::place;
   });
-  if (channel == problem.channels.end() || !can_move(child)) return;
+  const bool is_measured = channel != problem.channels.end();
+  const std::vector<int> seen = joints_seen_by_places(problem);
+  const bool is_seen = problem.can_restart && std::find(seen.begin(), seen.end(), int(j)) != seen.end();
+  if ((!is_measured && !is_seen) || !can_move(child)) return;
   const std::size_t c = std::size_t(channel - problem.channels.begin());
-  const Range q = range_of(problem, [&](const Run& run, std::size_t i) { return run.values[c][i]; });
+  const Range q = is_measured ? range_of(problem, [&](const Run& run, std::size_t i) { return run.values[c][i]; })
+                              : range_of_starts(problem, j);
   const bool turns = joint.type == Joint::Type::revolute;
   if (q.is_there)
     sites.push_back({"regressed_effort", joint.name, turns ? "N m" : "N", criteria().law_change * 9.81 * child.mass,

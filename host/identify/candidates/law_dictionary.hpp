@@ -23,8 +23,8 @@ struct LawSite {
   std::vector<Law> laws;
 };
 
-// The places of a scene where something was measured that such a law could move: joints, and bodies that no joint
-// carries. Widths of laws follow from how far and how fast things went.
+// The places of a scene where something was measured that such a law could move: joints, by themselves or by places of
+// the bodies they carry, and bodies that no joint carries. Widths of laws follow from how far and how fast things went.
 std::vector<LawSite> law_sites(const Problem& problem);
 
 // Sum of some laws of a site, each times a coefficient.

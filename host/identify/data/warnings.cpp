@@ -45,6 +45,33 @@ void add_hints_of_units(const Problem& problem, std::vector<std::string>& senten
   }
 }
 
+// Where a channel changes as much from one sample to the next as over the whole run, as rows in any order do: mean
+// square successive difference over twice the variance (von Neumann 1941), which is 1 of samples that have nothing to
+// do with each other. What is within ten times the noise may be noise.
+void add_hints_of_order(const Problem& problem, std::vector<std::string>& sentences) {
+  constexpr double UNRELATED = 0.7, MANY_NOISES = 10;
+  constexpr std::size_t FEWEST = 50;
+  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+    const Channel& channel = problem.channels[c];
+    if (channel.width != 1 || !(channel.sigma > 0)) continue;
+    for (const Run& run : problem.runs) {
+      std::vector<double> values = own_samples(run.t, run.values[c], 1);
+      std::erase_if(values, [](double value) { return !std::isfinite(value); });
+      if (values.size() < FEWEST) continue;
+      double mean = 0, variance = 0, successive = 0;
+      for (const double value : values) mean += value / double(values.size());
+      for (const double value : values) variance += (value - mean) * (value - mean) / double(values.size());
+      for (std::size_t i = 1; i < values.size(); ++i)
+        successive += (values[i] - values[i - 1]) * (values[i] - values[i - 1]) / double(values.size() - 1);
+      if (std::sqrt(variance) > MANY_NOISES * channel.sigma && successive > UNRELATED * 2 * variance) {
+        sentences.push_back("the " + channel.name + " changes as much from one sample to the next as over all of " +
+                            run.name + ": are its rows in the order of time?");
+        break;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> warnings(const Problem& problem) {
@@ -84,6 +111,7 @@ std::vector<std::string> warnings(const Problem& problem) {
       sentences.push_back("the " + problem.channels[c].name + " is constant");
   }
   add_hints_of_units(problem, sentences);
+  add_hints_of_order(problem, sentences);
   for (const VideoSource& video : problem.recording.video_sources)
     for (const Camera& camera : problem.seen.cameras)
       if (camera.name == video.camera && (camera.exposure_time > 0 || camera.row_time > 0))

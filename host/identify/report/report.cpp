@@ -15,8 +15,12 @@ namespace {
 using json = nlohmann::ordered_json;
 constexpr std::size_t MOST_ALTERNATIVES = 3;  // that a sentence holds
 
+// One standard deviation, or both ends where the interval of two reaches much farther up than down.
 std::string with_interval(const NamedParameter& p) {
-  return p.name + " " + shown(p.value) + " +- " + shown((p.high - p.low) / 4) + (p.unit == "1" ? "" : " " + p.unit);
+  const bool is_lopsided = p.high - p.value > 2 * (p.value - p.low);
+  const std::string interval =
+      is_lopsided ? " (" + shown(p.low) + " to " + shown(p.high) + ")" : " +- " + shown((p.high - p.low) / 4);
+  return p.name + " " + shown(p.value) + interval + (p.unit == "1" ? "" : " " + p.unit);
 }
 
 // " (these data cannot tell it from linear_drag at ball)": the other names of the sets that hold this one.

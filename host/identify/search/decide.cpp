@@ -49,8 +49,8 @@ std::vector<VectorXd> left_out(const Fit& fit, const std::vector<std::size_t>& g
       a(i, i) += 1 / (p.prior_sigma * p.prior_sigma);
       g[i] += (fit.model.x[i] - p.off) / (p.prior_sigma * p.prior_sigma);
     }
-    // a parameter to which the others are not sensitive stays where it is
-    a.diagonal().array() += criteria().left_out_ridge * reduced.sum_a().diagonal().array();
+    // numbers, and sums of them, to which the others are not sensitive stay where they are
+    a += criteria().left_out_ridge * reduced.sum_a();
     VectorXd dx = -a.ldlt().solve(g);
     for (Eigen::Index i = 0; i < dx.size(); ++i) {
       const Parameter& p = *fit.model.parameters()[std::size_t(i)];

@@ -260,6 +260,22 @@ void add_proof(Diagnosis& out, Proof proof) {
   out.curves = std::move(proof.curves);
 }
 
+// A law without a name, if there is time and one explains what was held out.
+std::optional<Regressed> find_law(Workflow& flow, const ChosenWindows& chosen, const std::vector<Cell>& where,
+                                  const std::string& unit) {
+  std::optional<Regressed> found;
+  if (!flow.has_time("a law without a name", flow.by_the_clock(LAW_COMPILATION), criteria().time_proof)) return found;
+  flow.report_progress(7, 0.6, "none of the known effects explains it all: looking for a law of the motion");
+  flow.ends_in_time(criteria().time_proof, "a law without a name",
+                    [&] { found = regress(flow, chosen, where, unit == "noise"); });
+  return found;
+}
+
+// Whether what is named only imitates what has no name: it leaves more than noise, of which the law explains most.
+bool is_imitation(const Diagnosis& named, const RegressedLaw& law) {
+  return closed(named.after, law.after, named.floor) >= criteria().gap_closed_least;
+}
+
 // What the data make of the numbers with a prior holds in all that is written. A scene that explains nothing tells
 // nothing of them.
 void keep_adjusted(Workflow& flow, const Model& nuisances, Diagnosis& out) {
@@ -347,7 +363,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
     out.used.solver.time_step = flow.base.scene.solver.time_step;
     const std::string better_at_bound = proof.selected.better_at_bound;
     const bool is_at_bound = proof.is_at_bound && settings.decide == Decide::workflow;
-    const bool is_enough = closes_enough(proof.held_out);
+    const bool is_enough = closes_enough(proof.held_out), follows = proof.selected.follows;
     add_proof(out, std::move(proof));
     const bool is_judged = out.floor > 0;
     if (is_at_bound)
@@ -359,20 +375,25 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
           "was measured, and the name is withheld",
           better_at_bound, out.effects.back().candidate->label()));
     bool is_proved = !out.effects.empty() && !is_at_bound && better_at_bound.empty();
-    if (settings.decide == Decide::workflow) is_proved = is_proved && is_enough && out.holds_on_whole_runs;
-    out.verdict = is_proved ? verdict_of(out.effects) : Verdict::none;
-    if (!is_proved && is_judged && !out.effects.empty()) out.ranking.front().fails_held_out = true;
-    if (out.verdict == Verdict::none && is_judged && settings.decide == Decide::workflow &&
-        flow.has_time("a law without a name", flow.by_the_clock(LAW_COMPILATION), criteria().time_proof)) {
-      flow.report_progress(7, 0.6, "none of the known effects: looking for a law of the motion");
-      std::optional<Regressed> found;
-      flow.ends_in_time(criteria().time_proof, "a law without a name",
-                        [&] { found = regress(flow, chosen, located.where, out.unit == "noise"); });
+    if (settings.decide == Decide::workflow) is_proved = is_proved && is_enough && follows && out.holds_on_whole_runs;
+    const bool leaves_much = !is_proved || out.after > criteria().unexplained * out.floor;
+    if (leaves_much && follows && is_judged && settings.decide == Decide::workflow) {
+      std::optional<Regressed> found = find_law(flow, chosen, located.where, out.unit);
+      if (found && is_proved && !is_imitation(out, found->law)) found.reset();
+      if (found && is_proved) {
+        flow.notes.push_back(
+            fmt::format("{} leaves {:.3g} times the noise in held-out runs, a law without a name {:.3g} times: the "
+                        "name is withheld",
+                        out.effects.back().candidate->label(), out.after / out.floor, found->law.after / out.floor));
+        is_proved = false;
+      }
       if (found) {
         out.regressed = std::move(found->law);
         out.curves = std::move(found->curves);
       }
     }
+    out.verdict = is_proved ? verdict_of(out.effects) : Verdict::none;
+    if (!is_proved && is_judged && !out.effects.empty()) out.ranking.front().fails_held_out = true;
     out.where = std::move(located.where);
     out.supposed_verdict = out.verdict;
     if (!out.supposed_noise.empty()) out.verdict = Verdict::none;

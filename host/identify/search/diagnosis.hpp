@@ -12,6 +12,7 @@
 #include "host/identify/search/identifiability.hpp"
 #include "host/identify/search/localise.hpp"
 #include "host/identify/search/motion_family.hpp"
+#include "host/identify/sensing/deadline.hpp"
 
 namespace pvg::diagnose {
 
@@ -24,6 +25,7 @@ struct Settings {
   Decide decide = Decide::workflow;
   int max_effects = 2;
   double minutes = 5;                                       // after which the report is written, whatever is left out
+  Clock::time_point began = Clock::now();                   // from when they count
   std::size_t n_fitted = criteria().n_fitted;               // candidates that are fitted, of those screened
   double simulated_seconds = criteria().simulated_seconds;  // of all windows of one evaluation, about
   std::size_t n_processes = 1;                              // that simulate, as Predictor has them

@@ -124,7 +124,8 @@ class ForwardSelection {
     const Decision& decision = round.decision;
     if (number == 1)
       for (const Judged& judged : decision.ranking) out_.ranking.push_back(ranked(judged));
-    if (decision.chosen < 0) return Next::pairs;
+    if (number == 1 && is_workflow()) out_.follows = any_follows(round);
+    if (decision.chosen < 0) return out_.follows ? Next::pairs : Next::nothing;
     const Judged& chosen = decision.ranking[std::size_t(decision.chosen)];
     if (number > 1 && !closes_enough_of_the_rest(decision, chosen)) return Next::pairs;
     if (number == 1)
@@ -134,6 +135,10 @@ class ForwardSelection {
     const StandIns this_round = stand_ins_of(decision);
     if (number == 1) first_round_ = this_round;
     const Fit before = std::exchange(named_, *chosen.fit);
+    if (number == 1 && is_workflow() && (!out_.follows || explains_little())) {
+      take(chosen, set, number);
+      return out_.follows ? Next::pairs : Next::nothing;
+    }
     if (is_workflow() && flow_.refine_step(named_.model)) {
       out_ = Selection();
       out_.asks_for_new_step = true;
@@ -160,6 +165,34 @@ class ForwardSelection {
                             "what " + named_.model.parts.back()->label() + " leaves is " + std::to_string(out_.error) +
                                 " times the noise: looking for another effect");
     return Next::another_round;
+  }
+
+  // Whether the scene with any single effect is so near to the recorded motion that changes of it can be linearised: a
+  // drive that is far too stiff is found, the command of another run is not. Else no pair and no law can be found.
+  bool any_follows(const Round& round) {
+    const auto follows = [&](const Fit& fit) {
+      return rms(fit.residual) <= criteria().far_misfit_least ||
+             is_coherent(flow_.problem, prepared_.data(), fit, criteria().window_hopeless);
+    };
+    if (std::any_of(round.fits.begin(), round.fits.end(), follows)) return true;
+    flow_.notes.push_back(
+        fmt::format("with no single effect the scene follows the recorded motion, {:.3g} times the noise away as it "
+                    "stands: neither pairs nor laws were looked for; are inputs and rows those of their run?",
+                    rms(windows_.base.residual)));
+    return false;
+  }
+
+  // Whether even the best single effect leaves nearly all of a large misfit, as beside the command of another run.
+  // Pairs may still explain it.
+  bool explains_little() {
+    const double before = rms(windows_.base.residual), left = rms(named_.residual);
+    if (!(left > criteria().far_misfit_least) || gets_nearer(windows_.data, windows_.base, named_.residual))
+      return false;
+    flow_.notes.push_back(fmt::format(
+        "{}, the best single effect, leaves {:.3g} of {:.3g} times the noise: no second one is looked for beside it; "
+        "are inputs and rows those of their run?",
+        labels_of(named_.model).back(), left, before));
+    return true;
   }
 
   // A second effect also helps where the law of the first is not quite right; another single effect may help as much.

@@ -86,10 +86,11 @@ std::vector<Screened> pairs_of_first_parts(Workflow& flow, const std::vector<Can
   const double first_share = criteria().pair_first_part;
   for (const double share : {first_share, criteria().pair_second_part}) {
     const FitData part = first_part(flow.problem, data, share);
-    if (share == first_share) starts = pairs_to_fit(flow, all, part, fit_as_it_stands(flow.fitter, part));
+    const Fit base = fit_as_it_stands(flow.fitter, part);
+    if (share == first_share) starts = pairs_to_fit(flow, all, part, base);
     if (starts.empty()) break;
     std::vector<Screened> next;
-    for (Fit& fit : fit_best(flow, part, starts))
+    for (Fit& fit : fit_best(flow, part, base, starts))
       if (fit.succeeded && !fit.is_given_up) next.push_back({fit.model.parts.back(), std::move(fit.model), 0, 0});
     starts = std::move(next);
   }
@@ -104,7 +105,7 @@ std::optional<FoundPair> find_pair(Workflow& flow, const std::vector<Candidate>&
                                                                 : pairs_of_first_parts(flow, candidates, data);
   if (starts.empty()) return std::nullopt;
   flow.report_progress(5, 0.8, "fitting " + std::to_string(starts.size()) + " pairs of candidates");
-  const std::vector<Fit> fits = fit_best(flow, data, starts);
+  const std::vector<Fit> fits = fit_best(flow, data, base, starts);
   const Decision decision = decide(data, base, fits);
   flow.files.write_fits("pairs", decision);
   if (decision.chosen < 0) return std::nullopt;

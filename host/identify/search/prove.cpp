@@ -21,8 +21,7 @@ std::vector<NamedEffect> named_of(const Fit& fit) {
     NamedEffect effect{part, {}};
     for (const Parameter& p : part->parameters) {
       const double sigma = std::sqrt(std::max(fit.covariance(at, at), 0.0)), found = fit.model.x[at++];
-      const double x = std::abs(found - p.off) < UNMOVED * sigma ? p.off : found;
-      effect.parameters.push_back({p.name, p.unit, x, std::max(x - 2 * sigma, p.low), std::min(x + 2 * sigma, p.high)});
+      effect.parameters.push_back(named_parameter(p, std::abs(found - p.off) < UNMOVED * sigma ? p.off : found, sigma));
     }
     named.push_back(std::move(effect));
   }
@@ -92,6 +91,13 @@ std::string text_of(const WholeRuns& whole, const std::string& unit) {
 }
 
 }  // namespace
+
+NamedParameter named_parameter(const Parameter& p, double x, double sigma) {
+  const double factor = p.is_logarithmic ? std::exp(2 * sigma / x) : 1;
+  const double low = p.is_logarithmic ? x / factor : x - 2 * sigma,
+               high = p.is_logarithmic ? x * factor : x + 2 * sigma;
+  return {p.name, p.unit, x, std::max(low, p.low), std::min(high, p.high)};
+}
 
 bool closes_enough(const HeldOut& held_out) {
   const auto of = [&](double after) { return closed(held_out.before, after, held_out.floor); };

@@ -7,6 +7,10 @@
 
 namespace pvg::diagnose {
 
+// A number with its interval of two standard deviations, within its bounds. Of one that is fitted in its logarithm it
+// is x e^(-2 sigma / x) to x e^(2 sigma / x).
+NamedParameter named_parameter(const Parameter& parameter, double x, double sigma);
+
 // The effects that the held-out runs confirm, and the curves. Without a held-out run the floor is 0.
 struct Proof {
   Selection selected;  // without the effects that proved nothing

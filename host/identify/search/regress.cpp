@@ -107,7 +107,7 @@ std::optional<Regressed> regress(Workflow& flow, const ChosenWindows& chosen, co
   for (const Sum& sum : sums)
     starts.push_back({&sum.candidate, joined(chosen.base.model, {{&sum.candidate}, sum.start, sum.scale}), 0, 0});
   if (starts.empty()) return std::nullopt;
-  const std::vector<Fit> fits = fit_best(flow, chosen.data, starts);
+  const std::vector<Fit> fits = fit_best(flow, chosen.data, chosen.base, starts);
   const Decision decision = decide(chosen.data, chosen.base, fits);
   if (decision.chosen < 0) return std::nullopt;
   const Judged& best = decision.ranking[std::size_t(decision.chosen)];

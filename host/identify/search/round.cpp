@@ -1,9 +1,12 @@
 #include "host/identify/search/round.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/fit/held_out.hpp"
 #include "host/identify/search/screening.hpp"
 #include "host/identify/search/swap.hpp"
 
@@ -11,10 +14,22 @@ namespace pvg::diagnose {
 
 using Eigen::VectorXd;
 
+bool gets_nearer(const FitData& data, const Fit& base, const std::vector<VectorXd>& left) {
+  const double before = rms(base.residual);
+  if (!(before > criteria().far_misfit_least)) return true;
+  const double shortest = criteria().window_lengths.back();
+  const bool are_shortest = std::all_of(data.windows.begin(), data.windows.end(), [&](const Window& window) {
+    return window.end - window.start < (1 + criteria().window_missing) * shortest;
+  });
+  const bool is_last_resort = are_shortest && base.model.effects().empty();
+  return closed(before, rms(left), 1) >= (is_last_resort ? criteria().gap_closed_least : criteria().second_gain_least);
+}
+
 namespace {
 
-// Some steps of all fits, then those of the finalists to their end.
-void improve_finalists(Fitter& fitter, const FitData& data, std::vector<Fit>& fits) {
+// Some steps of all fits, then those of the finalists to their end. False where none gets nearer to the data: all are
+// given up.
+bool improve_finalists(Fitter& fitter, const FitData& data, const Fit& base, std::vector<Fit>& fits) {
   fitter.improve(data, fits, criteria().n_first_steps);
   std::vector<double> scales;  // of each window by the fit that has it best
   for (const Fit& fit : fits) {
@@ -24,6 +39,12 @@ void improve_finalists(Fitter& fitter, const FitData& data, std::vector<Fit>& fi
   }
   // fits are ranked by the predicted cost of their next step: the true effect may still be far from its optimum
   const std::vector<std::vector<VectorXd>> predicted = fitter.predicted(data, fits);
+  std::vector<std::vector<VectorXd>> left = predicted;
+  for (const Fit& fit : fits) left.push_back(fit.residual);
+  if (std::none_of(left.begin(), left.end(), [&](const auto& residual) { return gets_nearer(data, base, residual); })) {
+    for (Fit& fit : fits) fit.is_given_up = true;
+    return false;
+  }
   std::vector<double> key;
   for (std::size_t i = 0; i < fits.size(); ++i)
     key.push_back(std::min(robust_cost(fits[i].residual, scales), robust_cost(predicted[i], scales)));
@@ -38,19 +59,25 @@ void improve_finalists(Fitter& fitter, const FitData& data, std::vector<Fit>& fi
   }
   fitter.improve(data, fits, criteria().n_more_steps);
   fitter.take_last_steps(data, fits);
+  return true;
 }
 
 }  // namespace
 
-std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const std::vector<Screened>& best) {
+std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const Fit& base, const std::vector<Screened>& best) {
   Fitter& fitter = flow.fitter;
   std::vector<Model> models;
   for (const Screened& s : best) models.push_back(s.model);
   std::vector<Fit> fits = fitter.begin(data, std::move(models));
   std::erase_if(fits, [](const Fit& fit) { return !fit.succeeded; });
+  bool any_nearer = true;
   if (!ends_by(fitter.deadline(), after_share(fitter.deadline(), criteria().time_steps),
-               [&] { improve_finalists(fitter, data, fits); }))
+               [&] { any_nearer = improve_finalists(fitter, data, base, fits); }))
     flow.note_left_out("the last steps of fits");
+  if (!any_nearer)
+    flow.notes.push_back(
+        fmt::format("{} models end after their first steps: none gets near the data, {:.3g} times the noise away",
+                    fits.size(), rms(base.residual)));
   fitter.conclude(data, fits);
   return fits;
 }
@@ -106,7 +133,7 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
     std::erase_if(round.fits, [](const Fit& fit) { return !fit.succeeded; });
     flow.fitter.conclude(data, round.fits);
   } else {
-    round.fits = fit_best(flow, data, best);
+    round.fits = fit_best(flow, data, base, best);
   }
   round.decision =
       flow.settings.decide == Decide::workflow ? decide(data, base, round.fits) : decide_lowest(base, round.fits);

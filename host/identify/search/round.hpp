@@ -19,8 +19,15 @@ struct Round {
 Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
                 const std::string& name, double share, const std::vector<Model>& ends = {});
 
+// Whether these residuals are so much nearer to the data than the base's that further steps, or a second effect, are
+// worth it: by second_gain_least, but beside no effect in the shortest windows, whose starts take up much and which are
+// the last resort of a scene that does not follow the recording, by gap_closed_least. So is all where the base is near
+// the data, within far_misfit_least.
+bool gets_nearer(const FitData& data, const Fit& base, const std::vector<Eigen::VectorXd>& left);
+
 // The fits to the end of those that may still win, all with slopes and covariances. Where the time is over the steps
-// end early, and a note says so.
-std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const std::vector<Screened>& best);
+// end early, and a note says so; so they do where none of them gets_nearer in the first steps, as where inputs are
+// those of another run.
+std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const Fit& base, const std::vector<Screened>& best);
 
 }  // namespace pvg::diagnose

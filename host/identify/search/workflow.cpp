@@ -20,7 +20,7 @@ void Workflow::report_progress(int stage, double share, const std::string& text)
 
 double Workflow::by_the_clock(double processor_seconds) const {
   const double used = double(std::clock() - processor_start) / CLOCKS_PER_SEC;
-  return processor_seconds * std::max(used > 0 ? seconds() / used : 1.0, 1.0);
+  return processor_seconds * std::max(used > 0 ? -seconds_until(clock_start) / used : 1.0, 1.0);
 }
 
 Clock::time_point Workflow::end_of(double share) const {

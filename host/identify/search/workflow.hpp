@@ -18,7 +18,9 @@ struct Workflow {
       : problem(problem), settings(settings), predictor(device, problem, settings.n_processes) {}
   Problem& problem;
   const Settings& settings;
-  Clock::time_point start = Clock::now();
+  Clock::time_point start = settings.began;
+  // what shows how busy the machine is is counted from here
+  Clock::time_point clock_start = Clock::now();
   std::clock_t processor_start = std::clock();
   Predictor predictor;
   Variant base;
@@ -67,6 +69,7 @@ struct Selection {
   std::string better_at_bound;  // as Decision has it, of the last effect that was added; empty: none
   // What was found needs a finer time step: nothing else is told but where the fits of the first round ended.
   bool asks_for_new_step = false;
+  bool follows = true;  // with some single effect the scene is near the recorded motion; else that is all
   std::vector<Model> ends;
 };
 

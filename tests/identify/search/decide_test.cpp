@@ -122,6 +122,45 @@ TEST(Decide, ARunThatIsMissedByFarDoesNotHideWhatExplainsIt) {
   EXPECT_EQ(decide(data, base, {fit}).chosen, 0);
 }
 
+// One run of three is a hundred times as sensitive as the others. Noise of theirs, 0.1 per sample along what the effect
+// does, says that there is none where that run is left out.
+TEST(Decide, AnEffectThatOneRunAloneShowsIsNamed) {
+  const Candidate some = candidate("some", 0);
+  FitData data;
+  Fit base = fit_of(nullptr, 0, 0, residual_of(1)), fit = fit_of(&some, 5, 0.1, residual_of(1));
+  base.residual.clear(), fit.residual.clear(), base.slope.clear(), fit.slope.clear();
+  const double size[] = {0.01, 0.01, 1}, left[] = {0.1, 0.1, -0.002};  // the sum of their products is 0
+  for (int run = 0; run < 3; ++run) {
+    data.windows.push_back(one_window().windows[0]);
+    data.windows.back().run = run;
+    data.of_start.push_back(Eigen::MatrixXd(N, 0));
+    fit.residual.push_back(noise(2) + left[run] * alternating());
+    fit.slope.push_back(size[run] * alternating());
+    base.residual.push_back(fit.residual.back() - 5 * size[run] * alternating());
+    base.slope.push_back(Eigen::MatrixXd(N, 0));
+  }
+  base.of_start = fit.of_start = data.of_start;
+  base.delta = fit.delta = {VectorXd(0), VectorXd(0), VectorXd(0)};
+  const std::vector<Fit> fits{fit};
+  const Decision decision = decide(data, base, fits);
+  EXPECT_EQ(decision.chosen, 0);
+  EXPECT_NEAR(decision.ranking.at(0).error, 1, 0.02);
+  set_criterion("left_out_ridge", 1e-6);
+  EXPECT_EQ(decide(data, base, fits).chosen, -1);
+  reset_criteria();
+}
+
+TEST(NamedParameter, OfALogarithmHasItsIntervalThere) {
+  Parameter speed{"velocity", "rad/s", 1e-3, 10, 0.1};
+  const NamedParameter linear = named_parameter(speed, 0.02, 0.04);
+  EXPECT_DOUBLE_EQ(linear.low, 1e-3);  // its bound
+  EXPECT_DOUBLE_EQ(linear.high, 0.1);
+  speed.is_logarithmic = true;
+  const NamedParameter found = named_parameter(speed, 0.02, 0.02);
+  EXPECT_DOUBLE_EQ(found.low, 0.02 * std::exp(-2));
+  EXPECT_DOUBLE_EQ(found.high, 0.02 * std::exp(2));
+}
+
 TEST(Decide, TheSimplerModelIsNamedUnlessItsLogPriorIsLow) {
   const auto named = [&](double prior_of_simple) {
     const Candidate simple = candidate("simple", prior_of_simple);

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
 #include "host/identify/candidates/law_dictionary.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -89,6 +93,39 @@ TEST(LawDictionary, EveryLawOfEverySiteIsOneThatASceneTakes) {
     EXPECT_NO_THROW(check_effects(variant.scene)) << site.target;
     EXPECT_EQ(variant.scene.effects.back().parameters.size(), site.laws.size());
   }
+}
+
+// A sledge whose place is measured goes from -0.2 to 0.8 m along its rail, at 0.5 m/s; windows begin each quarter of a
+// second, so the middle of what they see is at 0.24 m.
+TEST(LawDictionary, AJointThatPlacesOfItsBodyTellIsASite) {
+  const TestFolder folder;
+  folder.write("scene.yaml", R"(schema: 1
+name: rail
+time_step: 5 ms
+bodies:
+  - {name: base, kind: static, shape: {box: {size: [0.1, 0.1, 0.1]}}, collides: false}
+  - {name: sledge, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 2, pose: {position: [0.3, 0, 0]}, collides: false}
+joints:
+  - {name: rail, type: prismatic, parent: base, child: sledge, axis: [1, 0, 0]}
+)");
+  std::string rows = "t,x\n";
+  for (int i = 0; i <= 200; ++i) rows += std::to_string(0.01 * i) + "," + std::to_string(0.1 + 0.005 * i) + "\n";
+  folder.write("run.csv", rows);
+  folder.write("recording.yaml", R"(schema: 1
+scene: scene.yaml
+runs:
+  - {file: run.csv, role: fit}
+channels:
+  - {column: x, kind: position, body: sledge, axis: [1, 0, 0], unit: m, noise: 0.001}
+initial: first_sample
+)");
+  const std::vector<LawSite> sites = law_sites(make_problem(folder.path));
+  ASSERT_EQ(sites.size(), 1u);
+  EXPECT_EQ(sites[0].effect + " " + sites[0].target + " " + sites[0].unit, "regressed_effort rail N");
+  EXPECT_TRUE(std::any_of(sites[0].laws.begin(), sites[0].laws.end(), [](const Law& law) {
+    double onset = 0;
+    return std::sscanf(law.shown.c_str(), "fmax(q - %lf", &onset) == 1 && std::abs(onset - 0.24) < 0.02;
+  }));
 }
 
 // A drag on v^2 of the other sign lets a motion grow beyond all bounds in a finite time.
