@@ -63,14 +63,19 @@ nlohmann::ordered_json thickness_report(const TriangleMesh& mesh) {
           {"share_below", share_thinner(walls, reach)}};
 }
 
-constexpr double RADIUS_EDGE = 1.4;    // that TetGen is asked for
-constexpr double LEAST_DIHEDRAL = 14;  // [degrees]; it may ask for up to 18, and ends surely below that
+// Needles on the surface become slivers inside, so the surface of a soft thing has none below this shape (see
+// edge_collapse.hpp). Measured on seven shapes, docs/measured/2026-11-27_capture_all_rows.md.
+constexpr double SOFT_SHAPE = 0.2;
+constexpr double RADIUS_EDGE = 1.4;       // that TetGen is asked for
+constexpr double LEAST_DIHEDRAL = 10;     // [degrees]; it may ask for up to 18, and ends surely below that
+constexpr double LARGEST_DIHEDRAL = 130;  // [degrees]; flips and smoothing for this are what removes slivers
 
-// Points may be added on the surface, which stays where it is: else its needles would be slivers inside.
+// Points may be added on the surface, which stays where it is: of few triangles it has long ones.
 TetMesh filled(const TriangleMesh& surface, const std::string& name) {
   TetgenOptions options;
   options.radius_edge_ratio = RADIUS_EDGE;
   options.least_dihedral = LEAST_DIHEDRAL;
+  options.largest_dihedral = LARGEST_DIHEDRAL;
   options.keeps_surface = false;
   options.nodes_per_element = 4;
   return tetrahedralize(surface, options, name);
@@ -168,7 +173,8 @@ CapturedObject capture_object(const ObjectSource& source, const ObjectSettings& 
     out.bridge = wrapped.settings.bridge;
   }
   const SourceBound source_bound{source_surface ? &*source_surface : nullptr, out.bound, wrapped.distance};
-  SimplifiedSolid simplified = simplified_solid(wrapped.mesh, settings.triangles, error, source_bound);
+  SimplifiedSolid simplified =
+      simplified_solid(wrapped.mesh, settings.triangles, error, source_bound, settings.is_soft ? SOFT_SHAPE : NEEDLE);
   out.simulation = std::move(simplified.mesh);
   const bool is_wrapped = out.spacing > 0;  // else the distances are those of the simplification
   out.to_source = is_wrapped ? surface_distances(out.simulation, *source_surface) : std::move(simplified.to_original);
