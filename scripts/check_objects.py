@@ -1,16 +1,20 @@
 #!/usr/bin/env python3
 """Breaks meshes in many ways, has `phyvisgen capture object` mend them, and checks the results by manifold3d and fTetWild.
 
-  check_objects.py PHYVISGEN FOLDER [--count 300] [--seed 0] [--fineness 50] [--large]
+  check_objects.py PHYVISGEN FOLDER [--count 300] [--seed 0] [--fineness 50] [--large [N]] [--sound N]
 
 Needs numpy, scipy, trimesh, rtree, manifold3d, pytetwild and pyvista, which the last one imports
-(scripts/python_env.sh objects numpy scipy trimesh rtree manifold3d pytetwild pyvista). Prints a line per kind.
+(scripts/python_env.sh objects numpy scipy trimesh rtree manifold3d pytetwild pyvista). Prints a line per fault and per kind.
+The same command continues a run that was stopped: FOLDER/cases.jsonl keeps what every case gave.
 """
 import argparse
+import hashlib
 import json
 import os
 import pathlib
+import resource
 import subprocess
+import time
 
 import manifold3d
 import numpy as np
@@ -66,58 +70,117 @@ def tetrahedral_error(v, f):
     return abs(volumes.sum() / enclosed - 1) if volumes.min() >= 0 else np.inf
 
 
+def broken_mesh(kind, index, arguments):
+    """Points and faces of a case, from its own random numbers alone."""
+    random = np.random.default_rng(arguments.seed + index)
+    base = BASES[index // len(KINDS) % len(BASES)]()
+    while len(base.faces) < arguments.large:
+        base = base.subdivide()
+    turn = trimesh.transformations.random_rotation_matrix(random.random(3))[:3, :3]
+    return kind(base.vertices @ turn.T, base.faces, random)
+
+
+def bumpy_ball(n):
+    """A sound ball of 0.1 m with bumps of 5 % of its radius and at least n triangles (20 times a power of 4)."""
+    ball = trimesh.creation.icosphere(max(0, int(np.ceil(np.log(n / 20) / np.log(4)))), 1)
+    x, y, z = ball.vertices.T
+    return 0.05 * ball.vertices * (1 + 0.05 * np.sin(9 * x) * np.sin(8 * y) * np.cos(7 * z))[:, None], ball.faces
+
+
+def check_mesh(name, index, v, f, bound, options, arguments):
+    """Mends one mesh and checks it. bound: that the program must keep, as a share of the size.
+    {index, kind, fault (none: ""), far (share of the size), filled, triangles, seconds (of processor), clock [s]}."""
+    source, out = arguments.folder / "source.obj", arguments.folder / "object"
+    write_obj(source, v, f)
+    size, before, start = float(np.ptp(v, 0).max()), resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+    run = subprocess.run([arguments.program, "capture", "object", source, "-o", out, "--density", "1000", "--json", *options],
+                         capture_output=True, text=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    case = {"index": index, "kind": name, "fault": "", "far": 0, "filled": 0, "triangles": len(f),
+            "seconds": after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime, "clock": time.monotonic() - start}
+    if run.returncode != 0:
+        return case | {"fault": run.stderr.strip()[-200:] or f"exit code {run.returncode}"}
+    report = json.loads(run.stdout)
+    vertices, faces = read_obj(out / "simulation.obj")
+    solid = manifold3d.Manifold(manifold3d.Mesh(vertices.astype(np.float32), faces.astype(np.uint32)))
+    is_closed = edges_are_paired(faces)
+    is_good = (is_closed and solid.status() == manifold3d.Error.NoError and solid.volume() > 0 and
+               report["mesh"]["self_intersections"] == 0)
+    # sampled anew, since the program's own distances might be wrong
+    told = report["distance"]
+    samples = np.vstack([vertices, trimesh.sample.sample_surface(trimesh.Trimesh(vertices, faces, process=False), 2000, seed=index)[0]])
+    far = float(trimesh.proximity.closest_point(trimesh.Trimesh(v, f, process=False), samples)[1].max())
+    # a little between the program's own samples
+    is_near = told["max"] <= told["bound"] <= bound * size * (1 + 1e-4) and far <= 1.01 * told["bound"]
+    filled = tetrahedral_error(vertices, faces) if is_good else np.inf
+    case |= {"far": far / size, "filled": filled}
+    if not (is_good and is_near and filled <= 0.01):
+        case["fault"] = (f"closed {is_closed}, {solid.status()}, distance {told['max']:.3e}, sampled {far:.3e}, of "
+                         f"{told['bound']:.3e}, tetrahedra {100 * filled:.2f} % off")
+    return case
+
+
+def check_broken(index, arguments):
+    kind = KINDS[index % len(KINDS)]
+    v, f = broken_mesh(kind, index, arguments)
+    detail = float(np.ptp(v, 0).max()) / arguments.fineness
+    # four details of the wrap, which the program guarantees
+    return check_mesh(kind.__name__, index, v, f, 4 / arguments.fineness, ["--triangles", "1500", "--detail", "%g" % (1e3 * detail)], arguments)
+
+
+def known_cases(arguments):
+    """Cases of an earlier run that was stopped. cases.jsonl holds what was asked, then a line per case."""
+    record = arguments.folder / "cases.jsonl"
+    asked = {"seed": arguments.seed, "fineness": arguments.fineness, "large": arguments.large,
+             "program": hashlib.sha256(arguments.program.read_bytes()).hexdigest()}
+    if not record.exists():
+        record.write_text(json.dumps(asked) + "\n")
+    lines = [json.loads(line) for line in record.read_text().splitlines()]
+    if lines[0] != asked:
+        raise SystemExit(f"{record} belongs to another program or other options ({lines[0]}): take another folder")
+    return {case["index"]: case for case in lines[1:]}
+
+
+def tell(cases):
+    for kind in dict.fromkeys(case["kind"] for case in cases):
+        of_kind = [case for case in cases if case["kind"] == kind]
+        print(f"{kind}: {sum(not case['fault'] for case in of_kind)} of {len(of_kind)}, at most "
+              f"{100 * max(case['far'] for case in of_kind):.2f} % of the size off")
+    print(f"{sum(not case['fault'] for case in cases)} of {len(cases)}; volumes of fTetWild's tetrahedra at most "
+          f"{100 * max(case['filled'] for case in cases):.2f} % off; at most "
+          f"{max(case['seconds'] for case in cases):.1f} s of processor time, {max(case['clock'] for case in cases):.1f} s by the "
+          f"clock, {max(case['triangles'] for case in cases)} triangles")
+
+
 def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("program")
+    p.add_argument("program", type=pathlib.Path)
     p.add_argument("folder", type=pathlib.Path)
     p.add_argument("--count", type=int, default=300)
     p.add_argument("--seed", type=int, default=0)
     p.add_argument("--fineness", type=float, default=50, help="details of the wrap along the size; 300 objects take some 5 min at 50")
-    p.add_argument("--large", action="store_true", help="objects of 80 000 to 330 000 triangles instead")
+    p.add_argument("--large", type=int, nargs="?", const=80000, default=0, metavar="N",
+                   help="objects of at least N (80 000) triangles instead, less than four times as many")
+    p.add_argument("--sound", type=int, metavar="N", help="instead: a sound bumpy ball of at least N triangles to 5000")
     a = p.parse_args()
     a.folder.mkdir(parents=True, exist_ok=True)
-    a.program, a.folder = pathlib.Path(a.program).resolve(), a.folder.resolve()
+    a.program, a.folder = a.program.resolve(), a.folder.resolve()
     os.chdir(a.folder)  # fTetWild leaves a file where it runs
-    good, counts, worst, worst_filled = {}, {}, {}, 0
+    if a.sound:
+        case = check_mesh("sound", 0, *bumpy_ball(a.sound), 0.02, ["--triangles", "5000"], a)
+        print(case["fault"], flush=True)
+        tell([case])
+        return
+    known = known_cases(a)
     for i in range(a.count):
-        kind, random = KINDS[i % len(KINDS)], np.random.default_rng(a.seed + i)
-        base = BASES[i // len(KINDS) % len(BASES)]()
-        while a.large and len(base.faces) < 80000:
-            base = base.subdivide()
-        turn = trimesh.transformations.random_rotation_matrix(random.random(3))[:3, :3]
-        v, f = kind(base.vertices @ turn.T, base.faces, random)
-        source, out = a.folder / "source.obj", a.folder / "object"
-        write_obj(source, v, f)
-        run = subprocess.run([a.program, "capture", "object", source, "-o", out, "--density", "1000", "--triangles", "1500",
-                              "--detail", "%g" % (1e3 * float(np.ptp(v, 0).max()) / a.fineness), "--json"],
-                             capture_output=True, text=True)
-        counts[kind.__name__] = counts.get(kind.__name__, 0) + 1
-        if run.returncode != 0:
-            print(f"{kind.__name__} {i}: {run.stderr.strip()[-200:]}", flush=True)
+        if i in known:
             continue
-        report = json.loads(run.stdout)
-        vertices, faces = read_obj(out / "simulation.obj")
-        solid = manifold3d.Manifold(manifold3d.Mesh(vertices.astype(np.float32), faces.astype(np.uint32)))
-        is_closed = edges_are_paired(faces)
-        is_good = (is_closed and solid.status() == manifold3d.Error.NoError and solid.volume() > 0 and
-                   report["mesh"]["self_intersections"] == 0)
-        # four details of the wrap, which the program guarantees; sampled anew, since its own distances might be wrong
-        size = float(np.ptp(v, 0).max())
-        bound, told = 4 * size / a.fineness * (1 + 1e-4), report["distance"]
-        samples = np.vstack([vertices, trimesh.sample.sample_surface(trimesh.Trimesh(vertices, faces, process=False), 2000, seed=i)[0]])
-        far = float(trimesh.proximity.closest_point(trimesh.Trimesh(v, f, process=False), samples)[1].max())
-        is_near = told["max"] <= told["bound"] <= bound and far <= 1.01 * told["bound"]  # a little between the program's own samples
-        worst[kind.__name__] = max(worst.get(kind.__name__, 0), far / size)
-        filled = tetrahedral_error(vertices, faces) if is_good else np.inf
-        worst_filled = max(worst_filled, filled)
-        if not (is_good and is_near and filled <= 0.01):
-            print(f"{kind.__name__} {i}: closed {is_closed}, {solid.status()}, distance {told['max']:.3e}, sampled {far:.3e}, of "
-                  f"{told['bound']:.3e}, tetrahedra {100 * filled:.2f} % off", flush=True)
-            continue
-        good[kind.__name__] = good.get(kind.__name__, 0) + 1
-    for kind in counts:
-        print(f"{kind}: {good.get(kind, 0)} of {counts[kind]}, at most {100 * worst.get(kind, 0):.2f} % of the size off", flush=True)
-    print(f"{sum(good.values())} of {a.count}; volumes of fTetWild's tetrahedra at most {100 * worst_filled:.2f} % off")
+        known[i] = check_broken(i, a)
+        if known[i]["fault"]:
+            print(f"{known[i]['kind']} {i}: {known[i]['fault']}", flush=True)
+        with open("cases.jsonl", "a") as record:
+            record.write(json.dumps(known[i]) + "\n")
+    tell([known[i] for i in range(a.count)])
 
 
 main()

@@ -55,7 +55,8 @@ void write_smesh(const fs::path& file, const TriangleMesh& surface) {
   if (!out.flush()) throw Failure(file.string() + ": cannot be written.");
 }
 
-// p: a surface is given, z: numbers from 0, Y: nothing is added on the surface, q: quality, a: largest volume
+// p: a surface is given, z: numbers from 0, Y: nothing is added on the surface, q: quality, a: largest volume, O: all
+// ways of optimisation, o/: largest dihedral angle
 std::string switches(const TetgenOptions& options) {
   std::ostringstream s;
   s << std::setprecision(9) << "-pz";
@@ -63,6 +64,7 @@ std::string switches(const TetgenOptions& options) {
   if (options.radius_edge_ratio > 0) s << "q" << options.radius_edge_ratio;
   if (options.radius_edge_ratio > 0 && options.least_dihedral > 0) s << "/" << options.least_dihedral;
   if (options.max_volume > 0) s << "a" << std::fixed << std::setprecision(18) << options.max_volume;
+  if (options.largest_dihedral > 0) s << "O9/7o/" << options.largest_dihedral;
   return s.str();
 }
 

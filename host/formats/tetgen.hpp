@@ -13,6 +13,7 @@ struct TetgenOptions {
   bool keeps_surface = true;       // no vertices are added on the surface
   int nodes_per_element = 10;      // 4 or 10
   double least_dihedral = 0;       // that is aimed at [degrees]; 0: TetGen's own
+  double largest_dihedral = 0;     // beyond which flips and smoothing are tried at the end [degrees]; 0: TetGen's own
 };
 
 // name: the body or file, for messages. The surface's points come first and in order. Failure if `tetgen` cannot be run

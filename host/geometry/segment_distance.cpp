@@ -6,22 +6,27 @@
 
 namespace pvg {
 
-double point_segment_distance(const Vec3& p, const Vec3& a, const Vec3& b) {
+namespace {
+
+double squared_segment_distance(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 e = b - a;
   const double ee = e.squaredNorm();
   const double s = ee > 0 ? std::clamp((p - a).dot(e) / ee, 0.0, 1.0) : 0.0;
-  return (a + s * e - p).norm();
+  return (a + s * e - p).squaredNorm();
+}
+
+}  // namespace
+
+double point_segment_distance(const Vec3& p, const Vec3& a, const Vec3& b) {
+  return std::sqrt(squared_segment_distance(p, a, b));
 }
 
 double point_triangle_distance(const Vec3& p, const Vec3& t0, const Vec3& t1, const Vec3& t2) {
-  const double at_border = std::min(
-      {point_segment_distance(p, t0, t1), point_segment_distance(p, t1, t2), point_segment_distance(p, t2, t0)});
   const Vec3 normal = (t1 - t0).cross(t2 - t0);
-  const double nn = normal.squaredNorm();
-  if (!(nn > 0)) return at_border;
   const auto side = [&](const Vec3& a, const Vec3& b) { return (b - a).cross(p - a).dot(normal); };
-  const bool is_inside = side(t0, t1) > 0 && side(t1, t2) > 0 && side(t2, t0) > 0;
-  return is_inside ? std::min(at_border, std::abs((p - t0).dot(normal)) / std::sqrt(nn)) : at_border;
+  if (side(t0, t1) > 0 && side(t1, t2) > 0 && side(t2, t0) > 0) return std::abs((p - t0).dot(normal)) / normal.norm();
+  return std::sqrt(std::min(
+      {squared_segment_distance(p, t0, t1), squared_segment_distance(p, t1, t2), squared_segment_distance(p, t2, t0)}));
 }
 
 double edge_edge_distance(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1) {

@@ -150,8 +150,8 @@ void run_capture_object(const CaptureObjectOptions& o) {
       1e3 * d["mean"].get<double>(), 1e3 * d["max"].get<double>(), object.mass.mass);
   if (object.simulation.triangles.size() > o.triangles)
     std::printf(
-        "not the %zu triangles that were asked for: fewer would cross each other or leave the surface by more than "
-        "--error; give a larger --error or --detail\n",
+        "not the %zu triangles that were asked for: fewer would cross each other, leave the surface by more than "
+        "--error or, with --soft, be needles; give a larger --error or --detail\n",
         o.triangles);
   if (const double asked = o.bridge > 0 ? 1e-3 * o.bridge : object.bound; object.bridge > 0 && object.bridge < asked)
     std::printf("holes up to %.2f mm are closed, no larger ones: the surface across them would be too far away\n",

@@ -34,6 +34,18 @@ Pose looking(const Vec3& eye, const Vec3& at, double roll) {
   return pose;
 }
 
+std::vector<Pose> poses_around_board(int n) {
+  std::vector<Pose> poses;
+  const Vec3 middle(0.11, 0.08, 0);
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2.4 * i, tilt = 0.15 + 0.045 * i, distance = 0.25 + 0.015 * (i % 5);
+    const Vec3 from(std::sin(tilt) * std::cos(angle), std::sin(tilt) * std::sin(angle), std::cos(tilt));
+    const Vec3 aside(0.035 * std::cos(1.7 * i), 0.03 * std::sin(1.7 * i), 0);
+    poses.push_back(looking(middle + distance * from, middle + aside, 0.2 * (i % 3 - 1)));
+  }
+  return poses;
+}
+
 Scene board_scene(const Board& board) {
   Scene scene;
   const Vec2f size = board_size(board);
@@ -64,7 +76,12 @@ Scene board_scene(const Board& board) {
   return scene;
 }
 
-std::vector<Picture8> photos(Scene scene, const Camera& optics, const std::vector<Pose>& poses, int samples) {
+namespace {
+
+// a picture of each camera that `render` makes
+template <class Render>
+std::vector<Picture8> pictures(Scene& scene, const Camera& optics, const std::vector<Pose>& poses, int samples,
+                               const Render& render) {
   for (const Pose& pose : poses) {
     scene.cameras.push_back(optics);
     scene.cameras.back().pose = pose;
@@ -77,10 +94,35 @@ std::vector<Picture8> photos(Scene scene, const Camera& optics, const std::vecto
   renderer.set_state(initial_state(scene));
   std::vector<Picture8> out;
   for (int i = 0; i < int(poses.size()); ++i) {
-    const RenderedFrame frame = renderer.render(i, std::uint32_t(i));
+    const RenderedFrame frame = render(renderer, i);
     out.push_back(encode_srgb8(frame.rgb, frame.width, frame.height));
   }
   return out;
+}
+
+}  // namespace
+
+std::vector<Picture8> photos(Scene scene, const Camera& optics, const std::vector<Pose>& poses, int samples) {
+  return pictures(scene, optics, poses, samples,
+                  [](Renderer& renderer, int i) { return renderer.render(i, std::uint32_t(i)); });
+}
+
+std::vector<Picture8> photos_in_motion(Scene scene, const Camera& optics, const std::vector<Pose>& poses,
+                                       const std::vector<Vec3>& velocity, int samples) {
+  scene.rigid_bodies.emplace_back();
+  for (Visual& visual : scene.visuals) visual.rigid = 0;
+  return pictures(scene, optics, poses, samples, [&](Renderer& renderer, int i) {
+    const Vec3 in_world = poses[std::size_t(i)].linear() * velocity[std::size_t(i)];
+    const auto at = [&](double time) {
+      SceneState state;
+      state.time = time;
+      state.rigid = {AffineMap::Zero()};
+      state.rigid[0].leftCols<3>() = Eigen::Matrix3d::Identity();
+      state.rigid[0].col(3) = time * in_world;
+      return state;
+    };
+    return renderer.render(i, std::uint32_t(i), at, 0);
+  });
 }
 
 }  // namespace pvg

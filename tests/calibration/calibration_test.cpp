@@ -19,18 +19,6 @@ namespace fs = std::filesystem;
 
 const Board BOARD = parse_board("charuco,11x8,20,15");
 
-std::vector<Pose> fifteen_poses() {
-  std::vector<Pose> poses;
-  const Vec3 middle(0.11, 0.08, 0);
-  for (int i = 0; i < 15; ++i) {
-    const double angle = 2.4 * i, tilt = 0.15 + 0.045 * i, distance = 0.25 + 0.015 * (i % 5);
-    const Vec3 from(std::sin(tilt) * std::cos(angle), std::sin(tilt) * std::sin(angle), std::cos(tilt));
-    const Vec3 aside(0.035 * std::cos(1.7 * i), 0.03 * std::sin(1.7 * i), 0);
-    poses.push_back(looking(middle + distance * from, middle + aside, 0.2 * (i % 3 - 1)));
-  }
-  return poses;
-}
-
 TEST(Board, TheTextOfABoardIsReadBack) {
   for (const char* text : {"charuco,7x5,30,22", "chessboard,9x6,24.5", "tags,6x4,40,30"})
     EXPECT_EQ(name_of(parse_board(text)), text);
@@ -97,7 +85,7 @@ TEST(Tags, AreWhereTheTagLibrarySays) {
 
 TEST(CalibrateCamera, FifteenPathTracedPhotosGiveTheCameraBack) {
   const Camera truth = real_camera();
-  const std::vector<Picture8> pictures = photos(board_scene(BOARD), truth, fifteen_poses(), 8);
+  const std::vector<Picture8> pictures = photos(board_scene(BOARD), truth, poses_around_board(15), 8);
   std::vector<BoardPhoto> seen;
   for (std::size_t i = 0; i < pictures.size(); ++i)
     seen.push_back({"photo " + std::to_string(i), find_board(pictures[i], BOARD), 0, true, "", {}});
@@ -123,7 +111,7 @@ TEST(CalibrateCamera, APhotoOfABentBoardIsNamed) {
   std::vector<BoardPhoto> seen;
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0, 0.05);
-  const std::vector<Pose> poses = fifteen_poses();
+  const std::vector<Pose> poses = poses_around_board(15);
   for (std::size_t i = 0; i < 8; ++i) {  // corners as a camera without distortion sees them
     BoardPhoto photo{"photo " + std::to_string(i), {}, 0, true, "", {}};
     for (int k = 0; k < 70; ++k) {

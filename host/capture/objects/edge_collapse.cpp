@@ -17,7 +17,6 @@ using TriangleBox = Eigen::AlignedBox3d;
 using Indices = std::vector<std::uint32_t>;
 
 constexpr double LEAST_TURN = 0.2;          // cosine between a triangle's normals before and after
-constexpr double LEAST_SHAPE = 1e-3;        // twice a triangle's area over its longest edge squared
 constexpr double LENGTH_SHARE = 1e-5;       // of an edge's squared length in its cost, so that flat parts stay regular
 constexpr double LEAST_DETERMINANT = 1e-6;  // of a quadric whose minimum is taken, relative to its size
 
@@ -49,15 +48,13 @@ class Grid {
       in.pop_back();
     });
   }
-  // each triangle once, in ascending order
+  // those that may touch the box; some more than once
   void find(const TriangleBox& box, Indices& out) const {
     out.clear();
     each(box, [&](std::uint64_t key) {
       if (const auto cell = cells_.find(key); cell != cells_.end())
         out.insert(out.end(), cell->second.begin(), cell->second.end());
     });
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
   }
 
  private:
@@ -88,11 +85,12 @@ struct Entry {  // of the queue; holds while both ends are as they were
 
 class Collapser {
  public:
-  Collapser(const TriangleMesh& mesh, std::size_t n_wanted, double error, const SourceBound& source)
+  Collapser(const TriangleMesh& mesh, std::size_t n_wanted, double error, const SourceBound& source, double least_shape)
       : points_(mesh.points),
         triangles_(mesh.triangles),
         original_(mesh),
         error_(error),
+        least_shape_(least_shape),
         source_(source),
         grid_(Vec3::Zero(), 1) {
     const std::size_t n = points_.size();
@@ -228,28 +226,38 @@ class Collapser {
     return edge_meets(s, p, t, q) || edge_meets(t, q, s, p);
   }
 
-  bool keeps_shape(const std::vector<Changed>& changed) const {
+  static double shape_of(const Corners& c) {
+    return normal_of(c).norm() /
+           std::max({(c[0] - c[1]).squaredNorm(), (c[1] - c[2]).squaredNorm(), (c[2] - c[0]).squaredNorm()});
+  }
+
+  bool keeps_shape(const std::vector<Changed>& changed, const Indices& star) const {
+    double least = least_shape_;
+    for (const std::uint32_t t : star) least = std::min(least, shape_of(corners(triangles_[t])));
+    least = std::max(least, NEEDLE);
     for (const Changed& c : changed) {
       const Vec3 before = normal_of(corners(triangles_[c.index])), after = normal_of(c.corners);
-      const double longest =
-          std::max({(c.corners[0] - c.corners[1]).squaredNorm(), (c.corners[1] - c.corners[2]).squaredNorm(),
-                    (c.corners[2] - c.corners[0]).squaredNorm()});
-      if (!(after.norm() > LEAST_SHAPE * longest)) return false;
+      if (!(shape_of(c.corners) > least)) return false;
       if (!(before.dot(after) > LEAST_TURN * before.norm() * after.norm())) return false;
     }
     return true;
   }
 
-  bool is_near(const Vec3& p) const {
-    return original_.distance(p) <= error_ && (!source_.surface || source_.surface->distance(p) <= source_.most);
+  // on_original: a point of the original, whose distance is a bound that needs no search
+  bool is_near(const Vec3& p, const Vec3& on_original) const {
+    const double bound = (p - on_original).norm();
+    return (bound <= error_ || original_.is_within(p, error_)) &&
+           (!source_.surface || bound + source_.own <= source_.most || source_.surface->is_within(p, source_.most));
   }
 
-  bool stays_near(const std::vector<Changed>& changed, const Vec3& place) const {
-    if (!is_near(place)) return false;
+  // The place, the new triangles' middles and those of their edges at the place; the other edges are as they were.
+  bool stays_near(const std::vector<Changed>& changed, std::uint32_t a, const Vec3& place) const {
+    const Vec3& on_original = original_.mesh().points[a];
+    if (!is_near(place, on_original)) return false;
     for (const Changed& c : changed) {
-      if (!is_near((c.corners[0] + c.corners[1] + c.corners[2]) / 3)) return false;
+      if (!is_near((c.corners[0] + c.corners[1] + c.corners[2]) / 3, on_original)) return false;
       for (std::size_t k = 0; k < 3; ++k)
-        if (!is_near(0.5 * (c.corners[k] + c.corners[(k + 1) % 3]))) return false;
+        if (c.vertices[k] == a && !is_near(0.5 * (place + c.corners[(k + 1) % 3]), on_original)) return false;
     }
     return true;
   }
@@ -258,14 +266,15 @@ class Collapser {
     for (std::size_t i = 0; i < changed.size(); ++i)
       for (std::size_t j = 0; j < i; ++j)
         if (meet(changed[i].vertices, changed[i].corners, changed[j].vertices, changed[j].corners)) return true;
-    for (const Changed& c : changed) {
-      const TriangleBox box = box_of(c.corners);
-      grid_.find(box, found_);
-      for (const std::uint32_t t : found_) {
-        if (std::binary_search(star.begin(), star.end(), t)) continue;
-        const Corners other = corners(triangles_[t]);
-        if (box_of(other).intersects(box) && meet(c.vertices, c.corners, triangles_[t], other)) return true;
-      }
+    TriangleBox all;
+    for (const Changed& c : changed) all.extend(box_of(c.corners));
+    grid_.find(all, found_);
+    for (const std::uint32_t t : found_) {
+      const Corners other = corners(triangles_[t]);
+      const TriangleBox box = box_of(other);
+      if (!box.intersects(all) || std::binary_search(star.begin(), star.end(), t)) continue;
+      for (const Changed& c : changed)
+        if (box_of(c.corners).intersects(box) && meet(c.vertices, c.corners, triangles_[t], other)) return true;
     }
     return false;
   }
@@ -315,7 +324,7 @@ class Collapser {
       changed.push_back(c);
     }
     std::vector<Indices> sites;
-    if (!keeps_shape(changed) || !hand_over_sites(changed, star, sites) || !stays_near(changed, place) ||
+    if (!keeps_shape(changed, star) || !hand_over_sites(changed, star, sites) || !stays_near(changed, a, place) ||
         meets_others(changed, star))
       return false;
     for (const std::uint32_t t : star) {
@@ -343,7 +352,7 @@ class Collapser {
   std::vector<Vec3> points_;
   std::vector<Triangle> triangles_;
   NearestTriangle original_;
-  double error_;
+  double error_, least_shape_;
   SourceBound source_;
   Grid grid_;
   std::vector<Indices> of_vertex_;  // triangles
@@ -357,9 +366,9 @@ class Collapser {
 
 }  // namespace
 
-TriangleMesh collapse_edges(const TriangleMesh& mesh, std::size_t n_triangles, double error,
-                            const SourceBound& source) {
-  return Collapser(mesh, n_triangles, error, source).run(n_triangles);
+TriangleMesh collapse_edges(const TriangleMesh& mesh, std::size_t n_triangles, double error, const SourceBound& source,
+                            double least_shape) {
+  return Collapser(mesh, n_triangles, error, source, least_shape).run(n_triangles);
 }
 
 }  // namespace pvg

@@ -8,6 +8,7 @@ class NearestTriangle {
  public:
   explicit NearestTriangle(const TriangleMesh& mesh);  // which must outlive it, and has a triangle
   double distance(const Vec3& p) const;                // [m]
+  bool is_within(const Vec3& p, double most) const;    // distance(p) <= most, sooner
   const TriangleMesh& mesh() const { return *mesh_; }
 
  private:
@@ -16,6 +17,7 @@ class NearestTriangle {
     std::uint32_t first, count;  // of order_; count 0: its halves are nodes first and first + 1
   };
   void divide(std::size_t node, std::uint32_t first, std::uint32_t last);
+  double nearest(const Vec3& p, double below, double enough) const;
   const TriangleMesh* mesh_;
   std::vector<std::uint32_t> order_;
   std::vector<Vec3> center_;

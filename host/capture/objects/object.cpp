@@ -9,6 +9,7 @@
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
+#include "host/capture/objects/sound_wrap.hpp"
 #include "host/capture/objects/splats.hpp"
 #include "host/capture/objects/surface_distance.hpp"
 #include "host/capture/objects/thickness.hpp"
@@ -26,7 +27,6 @@ namespace pvg {
 namespace {
 
 constexpr double WATER = 1000;  // [kg/m^3]
-constexpr int ATTEMPTS = 4;     // of the wrap, each with other samples
 
 double mean(const std::vector<double>& values) {
   double sum = 0;
@@ -63,14 +63,19 @@ nlohmann::ordered_json thickness_report(const TriangleMesh& mesh) {
           {"share_below", share_thinner(walls, reach)}};
 }
 
-constexpr double RADIUS_EDGE = 1.4;    // that TetGen is asked for
-constexpr double LEAST_DIHEDRAL = 14;  // [degrees]; it may ask for up to 18, and ends surely below that
+// Needles on the surface become slivers inside, so the surface of a soft thing has none below this shape (see
+// edge_collapse.hpp). Measured on seven shapes, docs/measured/2026-11-27_capture_all_rows.md.
+constexpr double SOFT_SHAPE = 0.2;
+constexpr double RADIUS_EDGE = 1.4;       // that TetGen is asked for
+constexpr double LEAST_DIHEDRAL = 10;     // [degrees]; it may ask for up to 18, and ends surely below that
+constexpr double LARGEST_DIHEDRAL = 130;  // [degrees]; flips and smoothing for this are what removes slivers
 
-// Points may be added on the surface, which stays where it is: else its needles would be slivers inside.
+// Points may be added on the surface, which stays where it is: of few triangles it has long ones.
 TetMesh filled(const TriangleMesh& surface, const std::string& name) {
   TetgenOptions options;
   options.radius_edge_ratio = RADIUS_EDGE;
   options.least_dihedral = LEAST_DIHEDRAL;
+  options.largest_dihedral = LARGEST_DIHEDRAL;
   options.keeps_surface = false;
   options.nodes_per_element = 4;
   return tetrahedralize(surface, options, name);
@@ -156,37 +161,23 @@ CapturedObject capture_object(const ObjectSource& source, const ObjectSettings& 
   if (!(wrap.spacing > 0)) throw UsageError(source.name + ": all points are one");
   const double share = settings.wrap.spacing > 0 ? 2 * wrap.spacing : settings.error_share * size_of(mesh);
   const double error = settings.error > 0 ? settings.error : share;
-  TriangleMesh solid = mesh;
-  const NearestTriangle source_surface(mesh);
-  SourceBound source_bound;
+  SoundWrap wrapped{mesh, {}, 0};
+  std::optional<NearestTriangle> source_surface;  // that was wrapped
   out.bound = error;
   if (!out.was_sound || settings.always_wraps) {
     if (wrap.bridge <= 0) wrap.bridge = 4 * wrap.spacing;
     out.bound = std::max(wrap.bridge, 0.6 * wrap.spacing + error);
-    source_bound = {&source_surface, out.bound, 0};
-    double nearest = INFINITY;  // of the sound ones
-    for (int attempt = 0; attempt < ATTEMPTS && nearest > out.bound; ++attempt) {
-      solid = wrap_surface(mesh, wrap);
-      out.spacing = wrap.spacing;
-      out.bridge = wrap.bridge;
-      source_bound.own = surface_distances(solid, source_surface).back();
-      if (is_sound(solid)) nearest = std::min(nearest, source_bound.own);
-      // samples lie elsewhere, and a smaller ball may enter what it bridged
-      wrap.spacing *= 0.93;
-      wrap.bridge *= 0.93;
-    }
-    if (std::isinf(nearest))
-      throw Failure(source.name + ": no sound surface was found around it; take another --detail");
-    if (nearest > out.bound)
-      throw UsageError(fmt::format(
-          "{}: a surface that closes its holes and clefts is {:.2f} mm away from it, more than the {:.2f} mm "
-          "of --bridge; take another --bridge: a smaller one leaves them open",
-          source.name, 1e3 * nearest, 1e3 * out.bound));
+    source_surface.emplace(mesh);
+    wrapped = sound_wrap(*source_surface, wrap, out.bound, source.name);
+    out.spacing = wrapped.settings.spacing;
+    out.bridge = wrapped.settings.bridge;
   }
-  SimplifiedSolid simplified = simplified_solid(solid, settings.triangles, error, source_bound);
+  const SourceBound source_bound{source_surface ? &*source_surface : nullptr, out.bound, wrapped.distance};
+  SimplifiedSolid simplified =
+      simplified_solid(wrapped.mesh, settings.triangles, error, source_bound, settings.is_soft ? SOFT_SHAPE : NEEDLE);
   out.simulation = std::move(simplified.mesh);
   const bool is_wrapped = out.spacing > 0;  // else the distances are those of the simplification
-  out.to_source = is_wrapped ? surface_distances(out.simulation, source_surface) : std::move(simplified.to_original);
+  out.to_source = is_wrapped ? surface_distances(out.simulation, *source_surface) : std::move(simplified.to_original);
   out.from_source = is_wrapped ? surface_distances(mesh, out.simulation) : std::move(simplified.from_original);
   const double density = settings.density > 0 ? settings.density : WATER;
   const TriangleMesh& weighed = out.was_sound ? mesh : out.simulation;

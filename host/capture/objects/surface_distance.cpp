@@ -21,7 +21,7 @@ std::vector<double> surface_distances(const TriangleMesh& from, const NearestTri
     const int n = step > 0 ? int(std::min(std::ceil(longest / step), 200.0)) : 1;
     for (int i = 0; i < n; ++i)
       for (int j = 0; i + j <= n; ++j)
-        if (j < n && i + j > 0)  // no corner
+        if (i < n && j < n && i + j > 0)  // no corner
           distances.push_back(to.distance((double(i) * a + double(j) * b + double(n - i - j) * c) / n));
   }
   std::sort(distances.begin(), distances.end());

@@ -351,7 +351,7 @@ std::optional<TriangleMesh> reduced(const TriangleMesh& mesh, std::size_t n_tria
 }  // namespace
 
 SimplifiedSolid simplified_solid(const TriangleMesh& mesh, std::size_t n_triangles, double error,
-                                 const SourceBound& source) {
+                                 const SourceBound& source, double least_shape) {
   SimplifiedSolid out{mesh, {0}, {0}};
   if (mesh.triangles.size() <= n_triangles) return out;
   const std::size_t first = std::max(FEW, REDUCTION * n_triangles);
@@ -363,8 +363,8 @@ SimplifiedSolid simplified_solid(const TriangleMesh& mesh, std::size_t n_triangl
   const NearestTriangle original(mesh);
   for (const double share : {1.0, 0.7, 0.4, 0.2}) {
     const SourceBound held{source.surface, source.own + share * (source.most - source.own), source.own};
-    out.mesh = fewer ? collapse_edges(*fewer, n_triangles, (1 - FIRST_SHARE) * share * error, held)
-                     : collapse_edges(mesh, n_triangles, share * error, held);
+    out.mesh = fewer ? collapse_edges(*fewer, n_triangles, (1 - FIRST_SHARE) * share * error, held, least_shape)
+                     : collapse_edges(mesh, n_triangles, share * error, held, least_shape);
     fewer.reset();
     out.to_original = surface_distances(out.mesh, original);
     if (out.to_original.back() > error) continue;

@@ -28,8 +28,9 @@ struct SimplifiedSolid {
 };
 
 // At most n_triangles where that is possible: the result is_sound, neither surface is farther than `error` [m] from the
-// other, and it keeps the bound. The mesh itself must be sound; it comes back where nothing smaller is.
+// other, and it keeps the bound. The mesh itself must be sound; it comes back where nothing smaller is. least_shape: as
+// of collapse_edges.
 SimplifiedSolid simplified_solid(const TriangleMesh& mesh, std::size_t n_triangles, double error,
-                                 const SourceBound& source = {});
+                                 const SourceBound& source = {}, double least_shape = NEEDLE);
 
 }  // namespace pvg
