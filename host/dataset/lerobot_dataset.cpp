@@ -22,7 +22,6 @@ constexpr double LEAST_STD = 1e-2, LEAST_STD_OF_WIDTH = 1e-3;  // [rad], [m]
 // Of an object: what a hand tilts or shifts in passing, which no demonstration need have shown. With 0.001 a policy
 // whose demonstrations never tilt a beaker answers 0.01 rad of tilt with 0.1 rad of its joints.
 constexpr double LEAST_STD_OF_POSITION = 1e-2, LEAST_STD_OF_QUATERNION = 5e-2;  // [m], [-]
-constexpr std::size_t N_OF_POSITION = 3, N_OF_POSE = 7;                         // x, y, z, then qx, qy, qz, qw
 constexpr std::size_t MOST_SAMPLED = 100;  // pictures of an episode that its statistics look at
 
 std::string in_words(std::string name) {
@@ -151,11 +150,13 @@ class LeRobotWriter : public DataSetWriter {
     features_ = {{"observation.state", "float", first.columns, n, least, {}},
                  {"action", "float", first.columns, n, least, {}}};
     if (settings_.has_environment) {
-      const std::vector<std::string>& names = first.environment_columns;
-      std::vector<double> least_of_poses;
-      for (std::size_t i = 0; i < names.size(); ++i)
-        least_of_poses.push_back(i % N_OF_POSE < N_OF_POSITION ? LEAST_STD_OF_POSITION : LEAST_STD_OF_QUATERNION);
-      features_.push_back({"observation.environment_state", "float", names, names.size(), least_of_poses, {}});
+      std::vector<std::string> names;
+      std::vector<double> least_of_environment;
+      for (const EnvironmentColumn& column : first.environment_columns) {
+        names.push_back(column.name);
+        least_of_environment.push_back(column.is_length ? LEAST_STD_OF_POSITION : LEAST_STD_OF_QUATERNION);
+      }
+      features_.push_back({"observation.environment_state", "float", names, names.size(), least_of_environment, {}});
     }
     for (const PackedCamera& camera : first.cameras) {
       cameras_.push_back(camera);

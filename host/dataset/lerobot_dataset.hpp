@@ -1,7 +1,7 @@
 // The layouts of LeRobot, 3.0 and 2.1: Parquet tables, videos as they are, JSON. One data file and one video per camera
 // and episode in both, so that episodes can be added and taken out by files.
 //   observation.state, action [D]       f32 [rad or m]; what they mean: packed_episode.hpp
-//   observation.environment_state [E]   f32, where asked for: poses of the objects, pose_numbers of packed_columns.hpp
+//   observation.environment_state [E]   f32, where asked for: of objects and cloths, environment_state.hpp
 //   observation.images.<camera>         video
 //   camera.<camera>.K [9], camera.<camera>.T_world_camera [16]   f32, row by row; OpenCV's conventions
 //   timestamp, frame_index, episode_index, index, task_index

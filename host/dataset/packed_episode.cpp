@@ -15,9 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The robots that the recorded configuration names.
-std::vector<RobotCell> read_robots(const StatesRecord& record) {
-  const std::vector<RobotCell> robots = robots_of(read_resolved(record.text("configuration"), record.path()));
+// The robots of the recorded configuration.
+std::vector<RobotCell> read_robots(const Task& task, const StatesRecord& record) {
+  const std::vector<RobotCell> robots = robots_of(task);
   const auto is_whole = [](const RobotCell& robot) { return !robot.gripper || !robot.gripper->joints.empty(); };
   if (robots.empty() || !std::all_of(robots.begin(), robots.end(), is_whole))
     throw UsageError(record.path().string() +
@@ -34,6 +34,41 @@ std::vector<double> sums(const StatesRecord::Series& series, std::size_t step,
     row.push_back(sum);
   }
   return row;
+}
+
+// Of a cloth: its keypoints, and its points at every step.
+struct RecordedCloth {
+  ClothKeypoints keypoints;
+  std::size_t n_points = 0;
+  std::vector<Vec3> points;  // [T x n_points]
+  std::span<const Vec3> at(std::size_t step) const { return std::span(points).subspan(step * n_points, n_points); }
+};
+
+// values: [n x 3]
+std::vector<Vec3> points_of(const std::vector<double>& values) {
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i + 2 < values.size(); i += 3) points.emplace_back(values[i], values[i + 1], values[i + 2]);
+  return points;
+}
+
+// Those that the recorded configuration names. filmed: steps whose points are asked for.
+std::vector<RecordedCloth> read_cloths(const Task& task, const StatesRecord& record,
+                                       const std::vector<std::size_t>& filmed) {
+  std::vector<RecordedCloth> cloths;
+  if (task.cloths.empty()) return cloths;
+  const std::vector<std::size_t> kept = record.kept_steps();
+  for (const std::size_t step : filmed)
+    if (!std::binary_search(kept.begin(), kept.end(), step))
+      throw UsageError(record.path().string() + " keeps no nodes of step " + std::to_string(step) +
+                       "; make the record again with `record: {states: float32}`");
+  for (const StatesRecord::Body& body : record.bodies()) {
+    const auto is_body = [&](const ClothSection& section) { return section.cloth.name == body.name; };
+    if (std::none_of(task.cloths.begin(), task.cloths.end(), is_body)) continue;
+    const std::vector<Vec3> rest = points_of(record.mesh(body).rest);
+    if (rest.empty()) throw UsageError(record.path().string() + " is damaged: `" + body.name + "` has no points");
+    cloths.push_back({cloth_keypoints(body.name, rest), rest.size(), points_of(record.rows(body.data_set))});
+  }
+  return cloths;
 }
 
 // poses: [T, n, 3, 4]
@@ -94,7 +129,9 @@ PackedEpisode read_rows(const StatesRecord& record, const std::vector<std::size_
   const std::vector<std::string>& joints = q.names;
   if (a.names != joints) throw UsageError(record.path().string() + " is damaged: /a and /q are of different joints");
   const std::vector<std::string> links = record.poses_names("/T_link"), objects = record.poses_names("/T_rigid");
-  const std::vector<RobotCell> robots = read_robots(record);
+  const Task task = read_resolved(record.text("configuration"), record.path());
+  const std::vector<RobotCell> robots = read_robots(task, record);
+  const std::vector<RecordedCloth> cloths = read_cloths(task, record, filmed);
   const std::vector<PackedToolJoints> tools = find_tools(robots, links, joints);
   const std::vector<PackedColumn> columns = find_columns(joints, tools);
 
@@ -107,10 +144,10 @@ PackedEpisode read_rows(const StatesRecord& record, const std::vector<std::size_
     episode.columns.push_back(column.name);
     episode.is_width.push_back(column.is_width);
   }
-  for (const std::string& name : objects) {
-    episode.objects.push_back({without_slashes(name), {}});
-    for (const char* number : POSE_NUMBERS) episode.environment_columns.push_back(without_slashes(name) + "_" + number);
-  }
+  for (const std::string& name : objects) episode.objects.push_back({without_slashes(name), {}});
+  std::vector<ClothKeypoints> keypoints;
+  for (const RecordedCloth& cloth : cloths) keypoints.push_back(cloth.keypoints);
+  episode.environment_columns = environment_columns(objects, keypoints);
   for (const PackedToolJoints& tool : tools) episode.tools.push_back({without_slashes(tool.base), {}, {}, {}});
 
   const std::vector<double> T_link = record.poses("/T_link"), T_rigid = record.poses("/T_rigid");
@@ -137,6 +174,10 @@ PackedEpisode read_rows(const StatesRecord& record, const std::vector<std::size_
     for (std::size_t i = 0; i < episode.objects.size(); ++i) {
       episode.objects[i].pose.push_back(pose_at(T_rigid, objects.size(), step, i));
       const auto numbers = pose_numbers(episode.objects[i].pose.back().topRows<3>());
+      environment.insert(environment.end(), numbers.begin(), numbers.end());
+    }
+    for (const RecordedCloth& cloth : cloths) {
+      const auto numbers = keypoint_numbers(cloth.keypoints, cloth.at(step));
       environment.insert(environment.end(), numbers.begin(), numbers.end());
     }
   }

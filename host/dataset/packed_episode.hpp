@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "host/dataset/environment_state.hpp"
+
 namespace pvg {
 
 using Rows = std::vector<std::vector<double>>;  // [n_frames][width]
@@ -50,8 +52,8 @@ struct PackedEpisode {
   Rows state, velocity, action;      // [n_frames][n_columns, rad or m, per s]
   std::vector<PackedTool> tools;
   std::vector<PackedObject> objects;
-  std::vector<std::string> environment_columns;  // beaker_x, ..., beaker_qw: pose_numbers of each object
-  Rows environment;                              // [n_frames][n_environment_columns, m or -]
+  std::vector<EnvironmentColumn> environment_columns;  // poses of objects, keypoints of cloths
+  Rows environment;                                    // [n_frames][n_environment_columns, m or -]
   std::vector<PackedCamera> cameras;
   std::size_t n_frames() const { return state.size(); }
 };

@@ -102,6 +102,12 @@ const Fields<RobotSection>& robot_fields() {
           .pose("base", &R::base, "base link to world")
           .number("home", &R::home, Unit::angle, -1e3, 1e3, "start configuration, a number per joint")
           .required()
+          .number(
+              "posture", &R::posture, Unit::angle, -1e3, 1e3,
+              "tasks only. Of several configurations that reach a target the nearest to this one is planned, a number "
+              "per joint")
+          .otherwise("none: the nearest to where the arm is")
+          .written_when([](const R& robot) { return !robot.posture.empty(); })
           .text("flange", &R::flange, "link that carries the gripper")
           .required()
           .section("drive", std::identity{}, robot_drive_fields(), "of all joints")
@@ -117,6 +123,8 @@ const Fields<RobotSection>& robot_fields() {
           .check([](Section& section, R& robot) {
             if (!robot.armature.empty() && robot.armature.size() != robot.home.size())
               section.fail("armature", "must hold as many numbers as `home`");
+            if (!robot.posture.empty() && robot.posture.size() != robot.home.size())
+              section.fail("posture", "must hold as many numbers as `home`");
             for (const double q : robot.home)
               if (!section.is_resolved() && std::abs(q) > 2 * std::numbers::pi)
                 section.fail("home", fmt::format("holds {:g} rad, which is more than a turn: write `{:g} deg` if it is "

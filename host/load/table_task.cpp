@@ -172,6 +172,11 @@ Fields<MotionElement> motion_fields(const std::vector<RobotCell>& robots) {
       .when(is_target, target)
       .flag("plan", &E::avoids_obstacles, "plans a path around what stands in the scene")
       .when(is_target, target)
+      .number(
+          "blend_radius", &E::blend_radius, Unit::length, 0, 1,
+          "goes on into the next element without a stop, while the tool is within it of the end; 0: stops and rests")
+      .when(is_way, ways)
+      .written_when([](const E& e) { return e.blend_radius > 0; })
       .check(check_element);
 }
 

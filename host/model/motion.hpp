@@ -50,6 +50,7 @@ struct MotionElement {
   double speed = 0.3;              // share of the velocity and acceleration limits, in (0, 1]
   bool is_straight = true;         // the tool's origin moves on a straight line
   bool avoids_obstacles = false;   // the path to the target is planned around what stands in the scene
+  double blend_radius = 0;         // the arm goes on into the next element within it of the target [m]; 0: it stops
   std::string place = {};          // FILE:LINE of the task, for messages; empty: unknown
 };
 

@@ -69,6 +69,7 @@ struct RobotSection {
   std::filesystem::path urdf;           // empty: no robot (scene files only)
   Pose base = Pose::Identity();         // base link to world
   std::vector<double> home;             // [n_joints, rad or m] start configuration
+  std::vector<double> posture;          // [n_joints, rad or m] that planned motions stay near; empty: none
   std::string flange;                   // link that carries the gripper
   double drive_stiffness = 1e5;         // of every joint's drive [N m/rad]
   double drive_damping = 0;             // [N m s/rad]

@@ -8,10 +8,17 @@
 #include <string>
 #include <vector>
 
+#include "host/model/scene.hpp"
 #include "host/robot/kinematics.hpp"
-#include "host/robot/obstacle.hpp"
 
 namespace pvg {
+
+// What an arm must not run into: a rigid thing of the world, or carried by a link (the gripper).
+struct Obstacle {
+  std::string name;
+  TriangleMesh mesh;             // [m]
+  Pose pose = Pose::Identity();  // to the robot's base frame, or to the link that carries it
+};
 
 class PathPlanner {
  public:

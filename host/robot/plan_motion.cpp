@@ -9,6 +9,7 @@
 #include "host/base/error.hpp"
 #include "host/robot/joint_path.hpp"
 #include "host/robot/motion_check.hpp"
+#include "host/robot/motion_timing.hpp"
 
 namespace pvg {
 namespace {
@@ -19,18 +20,6 @@ constexpr double LARGEST_JUMP = 0.15;    // of a joint between two knots: more i
 constexpr double END_MARGIN = 0.02;      // kept from the joints' ends [rad]
 constexpr int CANDIDATES = 6;            // configurations of a target that are tried, nearest first
 constexpr int MOST_ATTEMPTS = 60;        // of planning the rest of the motion after such a choice
-
-struct RobotState {
-  VectorXd q;      // [n_actuated, rad]
-  double gripper;  // [m]
-};
-
-// What one element does to its robot, still without time.
-struct Segment {
-  std::optional<JointPath> path;  // of the arm; nothing: it stands still
-  RobotState start, end;
-  double needed = 0;  // shortest time that the limits allow [s]
-};
 
 // One robot: a choice of paths for its elements such that each can begin where the one before it ended.
 struct Planner {
@@ -45,12 +34,7 @@ struct Planner {
   int attempts = 0;
 };
 
-std::string describe(const Planner& planner, std::size_t index) {
-  const MotionElement& element = planner.elements[index];
-  const std::string object = element.object.empty() ? "" : " relative to '" + element.object + "'";
-  return (element.place.empty() ? "" : element.place + ": ") + "motion element " + std::to_string(index + 1) + " (" +
-         kind_of(element).name + object + ")";
-}
+std::string describe(const Planner& planner, std::size_t index) { return describe_element(planner.elements, index); }
 
 bool fail(Planner& planner, std::size_t index, const std::string& reason) {
   if (planner.failure.empty() || index > planner.deepest) {
@@ -59,8 +43,6 @@ bool fail(Planner& planner, std::size_t index, const std::string& reason) {
   }
   return false;
 }
-
-int steps_for(double seconds, double time_step) { return int(std::ceil(seconds / time_step - 1e-9)); }
 
 Pose current_pose(const Planner& planner, const VectorXd& q) {
   return tool_pose(planner.model, q, planner.setup.tool_link, planner.setup.flange_to_tool);
@@ -201,17 +183,18 @@ std::vector<JointPath> find_paths(Planner& planner, std::size_t index, const Rob
   }
   InverseKinematics search = settings();
   search.n_solutions = CANDIDATES;
+  const VectorXd& wanted = planner.setup.posture.size() ? planner.setup.posture : state.q;
   std::vector<JointPath> paths;
   for (VectorXd q :
-       reach_pose(planner.model, planner.setup.tool_link, planner.setup.flange_to_tool, target, state.q, search)) {
-    // the elbow of a redundant arm is free: take it as near to where the arm is as it goes
+       reach_pose(planner.model, planner.setup.tool_link, planner.setup.flange_to_tool, target, wanted, search)) {
+    // the elbow of a redundant arm is free: take it as near to what is wanted as it goes
     InverseKinematics nearer = settings();
     nearer.max_iterations = 300;
-    nearer.posture = state.q;
+    nearer.posture = wanted;
     nearer.posture_gain = 0.2;
     const auto better =
         follow_pose(planner.model, planner.setup.tool_link, planner.setup.flange_to_tool, target, q, nearer);
-    if (better && (*better - state.q).norm() < (q - state.q).norm()) q = *better;
+    if (better && (*better - wanted).norm() < (q - wanted).norm()) q = *better;
     if (const auto path = path_between(planner, index, state, q)) paths.push_back(*path);
   }
   if (paths.empty())
@@ -283,60 +266,6 @@ bool plan_from(Planner& planner, std::size_t index, const RobotState& state) {
   }
 }
 
-// Position of the robot at the share u of a segment's time.
-Eigen::RowVectorXd position(const Segment& segment, double u, int n_gripper_joints) {
-  const double s = smoothstep(u).value;
-  Eigen::RowVectorXd row(segment.end.q.size() + n_gripper_joints);
-  row.head(segment.end.q.size()) = segment.path ? segment.path->at(s).q : segment.end.q;
-  row.tail(n_gripper_joints).setConstant(segment.start.gripper + s * (segment.end.gripper - segment.start.gripper));
-  return row;
-}
-
-// Elements [first, last) that go on together, and how many steps they move before they rest.
-struct Group {
-  std::size_t first = 0, last = 0;
-  int moving = 0;
-};
-
-std::vector<Group> group_elements(const std::vector<Planner>& planners, std::span<const MotionElement> elements) {
-  std::vector<Group> groups;
-  for (std::size_t i = 0; i < elements.size(); ++i) {
-    if (i == 0 || !elements[i].is_with_previous) groups.push_back({i, i, 0});
-    Group& group = groups.back();
-    group.last = i + 1;
-    const Planner& planner = planners[std::size_t(elements[i].robot)];
-    const double seconds = std::max(elements[i].duration, planner.segments[i]->needed);
-    // a wait of no time still takes none; anything that moves takes at least a step
-    const bool waits = kind_of(elements[i]).given == GivenMotion::duration;
-    group.moving = std::max({group.moving, steps_for(seconds, planner.setup.time_step), waits ? 0 : 1});
-  }
-  return groups;
-}
-
-JointTrajectory sample(const Planner& planner, const std::vector<Group>& groups) {
-  const MotionSetup& setup = planner.setup;
-  const int pause = steps_for(setup.rest, setup.time_step);
-  JointTrajectory trajectory;
-  trajectory.time_step = setup.time_step;
-  Eigen::Index n_steps = 0;
-  for (const Group& group : groups) n_steps += group.moving + pause;
-  trajectory.q.resize(n_steps, setup.q_start.size() + setup.n_gripper_joints);
-  Segment still{std::nullopt, {setup.q_start, setup.gripper_start}, {setup.q_start, setup.gripper_start}, 0};
-  Eigen::Index next = 0;
-  for (const Group& group : groups) {
-    Segment segment = still;
-    for (std::size_t i = group.first; i < group.last; ++i)
-      if (planner.segments[i]) segment = *planner.segments[i];
-    for (int k = 0; k < group.moving + pause; ++k) {
-      const double u = k < group.moving ? double(k + 1) / group.moving : 1;
-      trajectory.q.row(next++) = position(segment, u, setup.n_gripper_joints);
-      trajectory.element.push_back(int(group.first));
-    }
-    still.start = still.end = segment.end;
-  }
-  return trajectory;
-}
-
 void check(const RobotModel& model, const MotionSetup& setup) {
   if (!(setup.time_step > 0)) throw UsageError("the time step of a motion must be positive; correct time_step");
   if (setup.tool_link < 0 || setup.tool_link >= int(model.links.size()))
@@ -367,12 +296,16 @@ std::vector<JointTrajectory> plan_motion(std::span<const PlannedRobot> robots,
     for (const int joint : robot.model.actuated) planner.joints.push_back(robot.model.joints[joint]);
     if (!plan_from(planner, 0, {robot.setup.q_start, robot.setup.gripper_start})) throw UsageError(planner.failure);
   }
-  const std::vector<Group> groups = group_elements(planners, elements);
+  std::vector<RobotMotion> motions;
+  for (const Planner& planner : planners) motions.push_back({planner.model, planner.setup, planner.segments});
+  const std::vector<ElementGroup> groups = time_elements(motions, elements);
   std::vector<JointTrajectory> trajectories;
-  for (const Planner& planner : planners) {
-    const JointTrajectory& trajectory = trajectories.emplace_back(sample(planner, groups));
-    const auto left = limit_left(planner.model, planner.setup.q_start, trajectory.q, trajectory.time_step);
-    if (left) throw UsageError("the planned motion leaves a limit of the robot: " + *left + "; lower `speed`");
+  for (const RobotMotion& motion : motions) {
+    const JointTrajectory& trajectory = trajectories.emplace_back(sample_motion(motion, groups));
+    const auto left = limit_left(motion.model, motion.setup.q_start, trajectory.q, trajectory.time_step);
+    if (left)
+      throw UsageError("the planned motion leaves a limit of the robot: " + *left + "; lower `speed`" +
+                       (any_blends(elements) ? " or `blend_radius`" : ""));
   }
   return trajectories;
 }

@@ -3,7 +3,12 @@
 // around obstacles. It is run through from rest to rest by
 //   s(u) = 10 u^3 - 15 u^4 + 6 u^5,   u = t / duration,
 // with the shortest duration, a whole number of steps, that keeps every joint inside its limits of velocity (also the
-// position-dependent one), acceleration and jerk. Elements that go on together take the time of the slowest.
+// position-dependent one), acceleration and jerk. Elements that go on together take the time of the slowest. Blended
+// elements do not rest between (motion_timing.hpp).
+//
+// Of the configurations that reach a target the nearest to the `posture` comes first, without one the nearest to where
+// the arm is. Others are tried where the rest of the motion cannot be planned from it. So one posture keeps the motions
+// of all starts in one branch of the inverse kinematics, from which ways of the tool go on.
 #pragma once
 #include <functional>
 #include <map>
@@ -26,6 +31,7 @@ struct MotionSetup {
   int tool_link = -1;                        // link that carries the tool: the flange
   Pose flange_to_tool = Pose::Identity();    // tool frame in that link's frame
   VectorXd q_start = {};                     // [n_actuated, rad]
+  VectorXd posture = {};                     // [n_actuated, rad] whose branch is preferred; empty: where it is
   int n_gripper_joints = 0;                  // they follow the arm's joints in q_ref and all move alike
   double gripper_start = 0;                  // their position [m]
   double gripper_speed = 0.05;               // limit [m/s]

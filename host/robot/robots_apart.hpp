@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "host/robot/kinematics.hpp"
-#include "host/robot/obstacle.hpp"
+#include "host/robot/path_planner.hpp"
 
 namespace pvg {
 

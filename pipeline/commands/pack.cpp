@@ -26,7 +26,7 @@ struct PackOptions {
   std::string format = "lerobot";    // of data_set_formats()
   std::string instruction;           // what the robot is told to do; empty: the task's name in words
   std::vector<std::string> cameras;  // names; empty: all
-  bool has_environment = false;      // poses of the objects, too
+  bool has_environment = false;      // poses of objects and keypoints of cloths, too
   bool no_pictures = false;
 };
 
@@ -125,8 +125,9 @@ void add_pack(CLI::App& program) {
   command->add_option("--format", o.format, help)->check(CLI::IsMember(names))->capture_default_str();
   command->add_option("-o,--output", o.output, "Folder to make");
   command->add_option("--camera", o.cameras, "Only this camera; may stand several times")->allow_extra_args(false);
-  command->add_flag("--environment-state", o.has_environment,
-                    "Write observation.environment_state, too: position and quaternion of each object");
+  command->add_flag(
+      "--environment-state", o.has_environment,
+      "Write observation.environment_state, too: position and quaternion of each object, keypoints of each cloth");
   command->add_flag("--no-pictures", o.no_pictures, "Pack joints alone; the set may be made with --no-render");
   command->add_option("--instruction", o.instruction, "What the robot is told to do; else the task's name in words");
   command->footer(

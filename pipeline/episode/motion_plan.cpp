@@ -54,6 +54,7 @@ MotionSetup motion_setup(const RobotCell& cell, const BuiltRobot& robot, const S
   setup.tool_link = model.link(cell.robot.flange);
   setup.flange_to_tool = robot.flange_to_tool;
   setup.q_start = Eigen::Map<const VectorXd>(cell.robot.home.data(), Eigen::Index(cell.robot.home.size()));
+  setup.posture = Eigen::Map<const VectorXd>(cell.robot.posture.data(), Eigen::Index(cell.robot.posture.size()));
   setup.time_step = scene.solver.time_step;
   if (cell.gripper) {
     setup.n_gripper_joints = int(robot.gripper.size());

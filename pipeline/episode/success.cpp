@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "host/base/names.hpp"
+#include "host/geometry/nearest_point.hpp"
 
 namespace pvg {
 namespace {
@@ -18,13 +19,6 @@ Vec3 into_frame(const AffineMap& frame, const Vec3& point) {
 }
 
 Vec3 out_of_frame(const AffineMap& frame, const Vec3& point) { return frame.leftCols<3>() * point + frame.col(3); }
-
-std::uint32_t nearest_point(const std::vector<Vec3>& points, const Vec3& place) {
-  std::size_t nearest = 0;
-  for (std::size_t i = 1; i < points.size(); ++i)
-    if ((points[i] - place).squaredNorm() < (points[nearest] - place).squaredNorm()) nearest = i;
-  return std::uint32_t(nearest);
-}
 
 // "42.0 mm", "5.7 degrees", "3"
 std::string shown(const Condition& condition, double value) {

@@ -58,10 +58,10 @@ class SuccessMonitor {
     bool is_cloth = false;
     int target = -1;  // rigid body
     int joint = -1;
-    std::vector<std::array<std::uint32_t, 2>> pairs;  // of the cloth's points, whose distance counts
-    double start_height = 0;                          // [m]
-    std::optional<Vec3> held_at;                      // object's origin in the hand when the grip had closed
-    std::map<std::size_t, Patch> patches;             // by soft body
+    std::vector<std::array<std::size_t, 2>> pairs;  // of the cloth's points, whose distance counts
+    double start_height = 0;                        // [m]
+    std::optional<Vec3> held_at;                    // object's origin in the hand when the grip had closed
+    std::map<std::size_t, Patch> patches;           // by soft body
     bool was_carrying = false;
     double last = 0, largest = 0, smallest = 0;  // of its quantity
     bool is_number = true;                       // false: a step had none

@@ -35,6 +35,7 @@ ServedFacts facts_of(const Task& task, const TaskScene& built) {
   std::vector<std::string> links;
   for (const RigidBody& body : scene.rigid_bodies)
     (is_object(task, body.name) ? facts.objects : links).push_back(body.name);
+  for (const Cloth& cloth : scene.cloths) facts.cloths.push_back(cloth_keypoints(cloth.name, cloth.mesh.points));
   const std::vector<std::size_t> driven = driven_joints(scene);
   for (const std::size_t joint : driven) facts.driven.push_back(scene.joints[joint].name);
   for (const PackedColumn& column : find_columns(facts.driven, find_tools(robots_of(task), links, facts.driven)))
@@ -188,6 +189,10 @@ std::vector<double> ServedTask::environment() const {
   for (const std::size_t body : object_bodies_) {
     const auto pose = pose_numbers(state().rigid[body]);
     numbers.insert(numbers.end(), pose.begin(), pose.end());
+  }
+  for (std::size_t i = 0; i < facts_.cloths.size(); ++i) {
+    const auto keypoints = keypoint_numbers(facts_.cloths[i], state().cloth[i]);
+    numbers.insert(numbers.end(), keypoints.begin(), keypoints.end());
   }
   return numbers;
 }

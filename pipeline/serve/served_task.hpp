@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "host/dataset/environment_state.hpp"
 #include "host/dataset/packed_columns.hpp"
 #include "host/device/device.hpp"
 #include "host/formats/lut_file.hpp"
@@ -31,9 +32,10 @@ struct ServedColumn {
 // What holds for every episode of the task.
 struct ServedFacts {
   std::vector<ServedColumn> columns;
-  std::vector<std::string> driven;   // names of the joints with a drive, as the columns of /a in states.h5
-  std::vector<std::string> objects;  // names, as in environment_state
-  std::size_t steps_per_period = 1;  // of a period, 1 / frames_per_second
+  std::vector<std::string> driven;     // names of the joints with a drive, as the columns of /a in states.h5
+  std::vector<std::string> objects;    // names, as in environment_state
+  std::vector<ClothKeypoints> cloths;  // of the scene's, in their order; after the objects in environment_state
+  std::size_t steps_per_period = 1;    // of a period, 1 / frames_per_second
 };
 
 class ServedTask {
@@ -64,7 +66,7 @@ class ServedTask {
   const TaskScene& built() const;
   const WorldState& state() const;
   std::vector<double> joints() const;       // [n_columns, rad or m]
-  std::vector<double> environment() const;  // [n_objects x 7] pose_numbers of each
+  std::vector<double> environment() const;  // as environment_columns of objects and cloths
   const std::vector<double>& targets() const { return targets_; }
   // What speaks against success, if the episode ended now; nothing: it would be one.
   std::optional<std::string> failure() const;

@@ -174,6 +174,7 @@ Message greeting(const ServedTask& served, const std::string& program) {
                   {"columns", Json::array()},
                   {"driven", facts.driven},
                   {"objects", facts.objects},
+                  {"cloths", Json::array()},
                   {"environment", Json::array()},
                   {"cameras", Json::array()}};
   for (const ServedColumn& column : facts.columns)
@@ -182,9 +183,10 @@ Message greeting(const ServedTask& served, const std::string& program) {
                                        {"joints", column.packed.joints},
                                        {"low", or_null(column.low)},
                                        {"high", or_null(column.high)}});
-  for (const std::string& object : facts.objects)
-    for (const char* number : POSE_NUMBERS)
-      message.head["environment"].push_back(without_slashes(object) + "_" + number);
+  for (const ClothKeypoints& cloth : facts.cloths)
+    message.head["cloths"].push_back({{"name", cloth.name}, {"keypoints", cloth.vertices}});
+  for (const EnvironmentColumn& column : environment_columns(facts.objects, facts.cloths))
+    message.head["environment"].push_back(column.name);
   for (const CameraSection& camera : task.cameras)
     message.head["cameras"].push_back({{"name", camera.name}, {"width", camera.width}, {"height", camera.height}});
   return message;

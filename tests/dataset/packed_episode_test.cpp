@@ -49,11 +49,26 @@ TEST(PackedEpisode, PosesOfObjectsAreNumbersOfTheEnvironment) {
   const TestFolder root;
   const PackedEpisode episode = read_packed_episode(write_small_episode(root, "a", 0), {});
   ASSERT_EQ(episode.environment_columns.size(), 7u);
-  EXPECT_EQ(episode.environment_columns.front(), "cup_x");
-  EXPECT_EQ(episode.environment_columns.back(), "cup_qw");
+  EXPECT_EQ(episode.environment_columns.front().name, "cup_x");
+  EXPECT_EQ(episode.environment_columns.back().name, "cup_qw");
   ASSERT_EQ(episode.environment.size(), 3u);
   const std::vector<double> expected = {0, 4, 0, 0, 0, 0, 1};
   for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(episode.environment[1][i], expected[i], 1e-12);
+}
+
+TEST(PackedEpisode, KeypointsOfAClothAreItsNodesInTheRecord) {
+  const TestFolder root;
+  const PackedEpisode episode = read_packed_episode(write_small_episode(root, "a", 0, 3, "", true, true), {});
+  ASSERT_EQ(episode.environment_columns.size(), 7u + 24u);
+  EXPECT_EQ(episode.environment_columns[7].name, "towel_corner_0_x");
+  const std::vector<double> around_x = {0, 1, 2, 2, 2, 1, 0, 0}, around_y = {0, 0, 0, 1, 2, 2, 2, 1};
+  for (std::size_t f = 0; f < 3; ++f)
+    for (std::size_t k = 0; k < 8; ++k) {
+      const double* const keypoint = &episode.environment[f][7 + 3 * k];
+      EXPECT_EQ(keypoint[0], around_x[k]) << k;
+      EXPECT_EQ(keypoint[1], around_y[k]) << k;
+      EXPECT_EQ(keypoint[2], 2.0 * double(f + 1)) << k;  // the picture is taken at the end of step 2 f + 1
+    }
 }
 
 TEST(PackedEpisode, PoseNumbersAreThoseOfTheNearestRotation) {

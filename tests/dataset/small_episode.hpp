@@ -2,7 +2,7 @@
 // slide, six steps of 0.1 s, a picture at the end of every second one.
 //   joint of step s: q = s + 1, its target 10 (s + 1); each finger: q = 0.01 (s + 1), its target 0.02 (s + 1)
 //   the hand is at x = s + 1, turned by 90 degrees about z; the tool frame 0.5 m along the hand's x; the cup at y = s +
-//   1 picture f of the camera is grey, 40 (f + 1)
+//   1 picture f of the camera is grey, 40 (f + 1). A towel of 3 x 3 points, 1 m apart from (0, 0) on, is at z = s + 1
 #pragma once
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ namespace pvg {
 
 inline constexpr int SMALL_WIDTH = 32, SMALL_HEIGHT = 16;
 
-// prefix: of the names of joints and links, such as "left/"; is_filmed: there are pictures
+// prefix: of the names of joints and links, such as "left/"; is_filmed: there are pictures; has_towel: so is the towel
 inline Scene small_scene(const std::string& prefix) {
   Scene scene;
   scene.solver.time_step = 0.1;
@@ -42,7 +42,7 @@ inline Scene small_scene(const std::string& prefix) {
 
 inline std::filesystem::path write_small_episode(const TestFolder& root, const std::string& folder,
                                                  std::uint64_t number, int n_frames = 3, const std::string& prefix = "",
-                                                 bool is_filmed = true) {
+                                                 bool is_filmed = true, bool has_towel = false) {
   const char* const summary = R"({"frames_per_second": 5.0, "cameras": {"wrist": {"width": 32, "height": 16}}})";
   const std::filesystem::path path = root.write(folder + "/summary.json", summary).parent_path();
   EpisodeHeader header;
@@ -54,7 +54,13 @@ inline std::filesystem::path write_small_episode(const TestFolder& root, const s
       "robot: {urdf: ../robots/arm.urdf}\n"
       "gripper: {base_link: hand, joints: [slide1, slide2], "
       "tool_center: {position: [0.5, 0, 0], quaternion: [0, 0, 0, 1]}}\n";
-  StatesFile states(path / "states.h5", small_scene(prefix), header, {});
+  Scene scene = small_scene(prefix);
+  if (has_towel) {
+    header.configuration += "cloths: [{name: towel}]\n";
+    scene.cloths.emplace_back().name = "towel";
+    for (int point = 0; point < 9; ++point) scene.cloths[0].mesh.points.emplace_back(point % 3, point / 3, 0);
+  }
+  StatesFile states(path / "states.h5", scene, header, {});
   VideoWriter video(path / "wrist.mp4", SMALL_WIDTH, SMALL_HEIGHT, 5);
   for (int step = 0; step < 2 * n_frames; ++step) {
     const double s = step + 1;
@@ -68,7 +74,11 @@ inline std::filesystem::path write_small_episode(const TestFolder& root, const s
     state.rigid = {hand, cup};
     state.joint_position = {s, 0.01 * s, 0.01 * s};
     state.joint_effort = state.joint_stop_effort = state.joint_damping_effort = {0, 0, 0};
-    state.body_force.resize(2);
+    state.body_force.resize(2 + scene.cloths.size());
+    for (const Cloth& cloth : scene.cloths) {
+      state.cloth.push_back(cloth.mesh.points);
+      for (Vec3& point : state.cloth.back()) point.z() = s;
+    }
     states.append_step(state, {}, std::vector<double>{10 * s, 0.02 * s, 0.02 * s});
     if (step % 2 == 0 || !is_filmed) continue;
     Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "host/base/error.hpp"
@@ -237,6 +238,65 @@ TEST(PlanMotion, RobotsThatMoveTogetherBeginAndEndTogether) {
   }
 }
 
+// Two branches reach the same targets, such as with the elbow to the other side; the posture says which one is planned.
+TEST(PlanMotion, APostureKeepsTheMotionsOfAllStartsInItsBranch) {
+  MotionSetup s = setup();
+  std::vector<MotionElement> elements = {{.target = at(0, 0.1, 0.3), .is_straight = false}};
+  const auto end_of = [&] { return VectorXd(plan_motion(arm(), s, elements).q.bottomRows(1).leftCols(7).transpose()); };
+  const VectorXd usual = end_of();
+  const Pose target = s.base.inverse() * elements[0].target;
+  const std::vector<VectorXd> branches =
+      reach_pose(arm(), s.tool_link, s.flange_to_tool, target, s.q_start, {.n_solutions = 6, .margin = 0.02});
+  ASSERT_FALSE(branches.empty());
+  const VectorXd other = branches.back();
+  ASSERT_GT((other - usual).cwiseAbs().maxCoeff(), 1.0);
+  s.posture = other;
+  for (const double shift : {-0.06, -0.02, 0.0, 0.03, 0.06}) {
+    elements[0].target = at(shift, 0.1 - shift, 0.3, shift);
+    const VectorXd q = end_of();
+    EXPECT_LT((q - other).cwiseAbs().maxCoeff(), 0.5) << shift;
+    const Pose reached = s.base * tool_pose(arm(), q, s.tool_link, s.flange_to_tool);
+    EXPECT_LT(pose_difference(reached, elements[0].target).norm(), 1e-6) << shift;
+  }
+}
+
+// Lifted and carried on without a stop: past the target between, near both straight lines, within the limits.
+TEST(PlanMotion, ABlendedElementGoesOnIntoTheNextWithoutAStop) {
+  const MotionSetup s = setup();
+  std::vector<MotionElement> elements = pick_and_place();
+  const JointTrajectory stops = plan_motion(arm(), s, elements);
+  constexpr double RADIUS = 0.03;
+  elements[3].blend_radius = RADIUS;
+  const JointTrajectory blends = plan_motion(arm(), s, elements);
+  const Vec3 start = tool_at(s, stops.q.row(last_row(stops, 2))).translation(),
+             target = tool_at(s, stops.q.row(last_row(stops, 3))).translation(),
+             end = tool_at(s, stops.q.row(last_row(stops, 4))).translation();
+  const auto beside = [](const Vec3& point, const Vec3& from, const Vec3& to) {
+    const double share = std::clamp((point - from).dot(to - from) / (to - from).squaredNorm(), 0.0, 1.0);
+    return (point - from - share * (to - from)).norm();
+  };
+  double slowest = 1, farthest = 0, nearest = 1;
+  const Eigen::Index first = last_row(blends, 2) + 1, last = last_row(blends, 4);
+  for (Eigen::Index k = first; k <= last; ++k) {
+    const Vec3 at = tool_at(s, blends.q.row(k)).translation();
+    nearest = std::min(nearest, (at - target).norm());
+    farthest = std::max(farthest, std::min(beside(at, start, target), beside(at, target, end)));
+    if ((at - target).norm() < RADIUS)
+      slowest = std::min(slowest, (at - tool_at(s, blends.q.row(k - 1)).translation()).norm() / s.time_step);
+  }
+  EXPECT_GT(slowest, 0.05);  // [m/s]; where it stops it rests for ten steps
+  EXPECT_GT(nearest, 1e-4);  // it cuts the corner
+  EXPECT_LT(nearest, RADIUS);
+  EXPECT_LT(farthest, RADIUS);
+  expect_within_limits(s, blends);
+  // before and after it is the same motion, and it has lost the rest and what is shared
+  EXPECT_LT(blends.q.rows(), stops.q.rows() - 10);
+  EXPECT_EQ(blends.q.topRows(first), stops.q.topRows(first));
+  const Eigen::Index after = blends.q.rows() - 1 - last;
+  EXPECT_EQ(blends.q.bottomRows(after), stops.q.bottomRows(after));
+  EXPECT_TRUE(std::is_sorted(blends.element.begin(), blends.element.end()));
+}
+
 TEST(JointPath, DerivativesAreThoseOfTheSpline) {
   Eigen::MatrixXd knots(9, 2);
   for (int k = 0; k < 9; ++k) knots.row(k) << std::sin(k / 8.0), k / 8.0 * k / 8.0 * k / 8.0;
@@ -323,6 +383,16 @@ TEST(PlanMotion, WhatCannotBeDoneIsNamed) {
   elements[2].duration = 0.01;
   message = refusal(s, elements);
   EXPECT_NE(message.find("motion element 3 (close): its duration of 0.010 s is shorter"), std::string::npos) << message;
+
+  elements = pick_and_place();
+  elements[1].blend_radius = 0.02;  // the gripper closes next
+  message = refusal(s, elements);
+  EXPECT_NE(message.find("motion element 2 (approach relative to 'beaker'): `blend_radius` needs a next element"),
+            std::string::npos)
+      << message;
+  elements[1].blend_radius = 0;
+  elements[8].blend_radius = 0.02;  // nothing comes next
+  EXPECT_NE(refusal(s, elements).find("motion element 9"), std::string::npos) << refusal(s, elements);
 
   elements = pick_and_place();
   elements[1].speed = 1.5;

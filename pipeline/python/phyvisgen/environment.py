@@ -41,8 +41,8 @@ def chosen_cameras(facts: Facts, names: Sequence[str] | None) -> list[str]:
 class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
     """An episode of a task, from its start to `episode_length` actions [periods].
 
-    Observations, by `obs_type`: agent_pos [n_columns, rad or m], environment_state [n_objects x 7] (position and
-    quaternion x, y, z, w of each object), pixels/<camera> [height, width, 3] sRGB. An action says where the joints are
+    Observations, by `obs_type`: agent_pos [n_columns, rad or m], environment_state [n_objects x 7 + n_cloths x 24]
+    (position and quaternion x, y, z, w of each object, then 8 keypoints of each cloth), pixels/<camera> [height, width, 3] sRGB. An action says where the joints are
     to be at the end of the period; the targets go there on straight lines. Reward 1 where the episode ends in success,
     else 0. `is_success` is in `info` at the end only: the task's conditions judge the whole episode.
 

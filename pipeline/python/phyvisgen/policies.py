@@ -8,8 +8,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from .records import EpisodeSet
+from .records import Episode, EpisodeSet
 from .server import Answer, Facts, Server
+
+QUATERNION = ("_qx", "_qy", "_qz", "_qw")  # ends of the names in environment_state that are no lengths
 
 __all__ = ["BlindMean", "Demonstrations", "Expert", "NearestDemonstration", "Policy"]
 
@@ -38,10 +40,11 @@ class Demonstrations:
             steps = _steps_per_period(episode["/time"], facts)
             last = np.arange(steps - 1, len(targets), steps)
             self.actions.append(_columns(targets[last], facts))
-            starts.append(_positions(episode["/T_rigid"][0]))
+            starts.append(_places(episode, facts))
         if not self.actions:
             raise ValueError(f"{folder} holds no finished episode; make some with `phyvisgen generate`")
-        self.starts = np.array(starts)  # [n_demonstrations, n_objects x 3, m] after the first step
+        self.starts = np.array(starts)  # [n_demonstrations, n_objects x 3 + n_cloths x 24, m] after the first step
+        self.is_length = np.array([not name.endswith(QUATERNION) for name in facts.environment], dtype=bool)
         self.seed = EpisodeSet(folder).seed
 
     def mean(self) -> NDArray[np.float64]:
@@ -60,8 +63,14 @@ def _columns(targets: NDArray[np.float64], facts: Facts) -> NDArray[np.float64]:
     return np.stack([targets[:, list(column.joints)].sum(axis=1) for column in facts.columns], axis=1)
 
 
-def _positions(maps: NDArray[np.float64]) -> NDArray[np.float64]:
-    return maps[:, :, 3].reshape(-1)
+def _places(episode: Episode, facts: Facts) -> NDArray[np.float64]:
+    """Positions of the objects and keypoints of the cloths in the first step whose nodes are kept, in the order of
+    environment_state."""
+    kept = episode["/node_step"][0] if "/node_step" in episode.file else 0
+    places = [episode["/T_rigid"][kept, :, :, 3].reshape(-1)]
+    for name, keypoints in facts.cloths.items():
+        places.append(episode.file[f"/X_deform/{name}"][kept][list(keypoints)].reshape(-1))
+    return np.concatenate(places)
 
 
 class _Replay:
@@ -94,7 +103,7 @@ class BlindMean(_Replay):
 
 
 class NearestDemonstration(_Replay):
-    """The demonstration whose objects start nearest to those of this episode."""
+    """The demonstration whose objects and cloths start nearest to those of this episode."""
 
     name = "nearest"
 
@@ -104,8 +113,8 @@ class NearestDemonstration(_Replay):
 
     def reset(self, start: Answer) -> None:
         self._at = 0
-        poses = start.arrays["environment_state"].reshape(-1, 7)
-        distance = np.linalg.norm(self._demonstrations.starts - poses[:, :3].reshape(-1), axis=1)
+        places = start.arrays["environment_state"][self._demonstrations.is_length]
+        distance = np.linalg.norm(self._demonstrations.starts - places, axis=1)
         self._actions = self._demonstrations.actions[int(distance.argmin())]
 
 

@@ -93,6 +93,7 @@ class Facts:
     columns: tuple[Column, ...]
     driven: tuple[str, ...]  # joints with a drive, the columns of /a in states.h5
     objects: tuple[str, ...]
+    cloths: dict[str, tuple[int, ...]]  # keypoints of each: points of its mesh
     environment: tuple[str, ...]  # names of the numbers of environment_state
     cameras: dict[str, tuple[int, int]]  # (width, height) [pixels]
 
@@ -120,6 +121,7 @@ def _facts(head: Mapping[str, Any]) -> Facts:
         columns,
         tuple(head["driven"]),
         tuple(head["objects"]),
+        {cloth["name"]: tuple(cloth["keypoints"]) for cloth in head["cloths"]},
         tuple(head["environment"]),
         {camera["name"]: (camera["width"], camera["height"]) for camera in head["cameras"]},
     )

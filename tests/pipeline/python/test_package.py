@@ -9,6 +9,7 @@ import unittest
 from dataclasses import replace
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 import phyvisgen
@@ -17,8 +18,45 @@ from phyvisgen.evaluation import EpisodeResult, PolicyResult, evaluate as evalua
 from phyvisgen.perturbation import Perturbed, shuffled_control
 from phyvisgen.policies import BlindMean, Demonstrations, Expert, NearestDemonstration
 from phyvisgen.records import EpisodeSet
+from phyvisgen.server import Answer
 from phyvisgen.statistics import wilson
 from small_task import TASK
+
+
+class Starts(unittest.TestCase):
+    """Where objects and cloths are at the start of a demonstration, in the order of environment_state."""
+
+    def episode(self, folder, name, towel_x, node_step=None):
+        path = Path(folder) / "set" / name
+        path.mkdir(parents=True)
+        (path.parent / "set.json").write_text('{"seed": 7}')
+        with h5py.File(path / "states.h5", "w") as file:
+            file["time"], file["a"] = [0.1, 0.2], [[1.0], [2.0]]
+            file["T_rigid"] = np.tile([[1.0, 0, 0, 5], [0, 1, 0, 6], [0, 0, 1, 7]], (2, 1, 1, 1))
+            points = np.full((2, 9, 3), np.nan)
+            points[node_step or 0] = np.arange(27).reshape(9, 3) + [towel_x, 0, 0]
+            file["X_deform/towel"] = points
+            if node_step is not None:
+                file["node_step"] = [node_step]
+        return path.parent
+
+    def test_the_nearest_demonstration_goes_by_keypoints_of_cloths(self):
+        names = ["cup_x", "cup_y", "cup_z", "cup_qx", "cup_qy", "cup_qz", "cup_qw"]
+        around = (0, 1, 2, 5, 8, 7, 6, 3)
+        names += [f"towel_{k}_{axis}" for k in range(8) for axis in "xyz"]
+        column = phyvisgen.server.Column("joint", "rad", (0,), -1, 1)
+        facts = phyvisgen.Facts(
+            "fold", "", 0.1, 10, 1, True, (column,), ("joint",), ("cup",), {"towel": around}, tuple(names), {}
+        )
+        with tempfile.TemporaryDirectory() as folder:
+            self.episode(folder, "episode_000000", 0.0)
+            demonstrations = Demonstrations(self.episode(folder, "episode_000001", 0.3, node_step=1), facts)
+        points = np.arange(27).reshape(9, 3)[list(around)]
+        np.testing.assert_array_equal(demonstrations.starts[0], [5, 6, 7, *points.reshape(-1)])
+        seen = np.concatenate([[5, 6, 7, 0, 0, 0, 1], (points + [0.2, 0, 0]).reshape(-1)])
+        nearest = NearestDemonstration(demonstrations)
+        nearest.reset(Answer({}, {"environment_state": seen}))
+        self.assertIs(nearest._actions, demonstrations.actions[1])
 
 
 class Recorded(unittest.TestCase):

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -175,6 +176,34 @@ TEST_F(Served, PicturesAreFilteredWhereTheTaskSaysSo) {
   };
   EXPECT_NE(shown(true).rgb, shown(false).rgb);
   unsetenv("PVG_DENOISER");
+}
+
+// A cloth of 3 x 3 points that falls beside the push.
+TEST_F(Served, KeypointsOfAClothFollowItsObjects) {
+  Task task = small_task();
+  ClothSection& section = task.cloths.emplace_back();
+  section.cloth.name = "towel";
+  for (int point = 0; point < 9; ++point)
+    section.cloth.mesh.points.emplace_back(0.02 * (point % 3), 0.02 * (point / 3), 0);
+  for (std::uint32_t corner : {0u, 1u, 3u, 4u}) {
+    section.cloth.mesh.triangles.push_back({corner, corner + 1, corner + 4});
+    section.cloth.mesh.triangles.push_back({corner, corner + 4, corner + 3});
+  }
+  section.pose.x = {0.4, 0.4};
+  section.pose.y = {0.3, 0.3};
+  section.pose.z = {0.2, 0.2};
+  ServedTask served(task, device(), nullptr);
+  served.reset(SEED, EPISODE);
+  const std::size_t first = 7 * served.facts().objects.size();
+  ASSERT_EQ(served.environment().size(), first + 24);
+  served.act(served.joints());
+  const std::vector<Vec3>& points = served.state().cloth.at(0);
+  const std::vector<double> environment = served.environment();
+  const std::array<std::size_t, 8> around = {0, 1, 2, 5, 8, 7, 6, 3};
+  for (std::size_t k = 0; k < around.size(); ++k)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      EXPECT_EQ(environment[first + 3 * k + axis], points[around[k]][Eigen::Index(axis)]) << k;
+  EXPECT_LT(points[0].z(), 0.18);  // it has fallen for 0.1 s
 }
 
 TEST_F(Served, WhatCannotBeDoneIsRefusedAndChangesNothing) {
