@@ -79,9 +79,6 @@
   X(6, double, same_residual, 1, "noise", \
     "difference below which two fits leave the same", \
     "backlash beside friction, spring beside delay (commit 0ec3434)") \
-  X(6, double, same_residual_share, 0.35, "what is left", \
-    "the same over the smaller of both residuals: a second effect beside either would be the same", \
-    "new scenarios, seed 83, case 035: delay, lag and clock took the places of a friction") \
   X(6, std::size_t, n_pairs, 8, "1", \
     "pairs that are fitted", \
     "two effects of the hidden suite (commit b878db3)") \

@@ -11,8 +11,7 @@ namespace pvg::diagnose {
 bool leave_the_same(const Fit& a, const Fit& b) {
   std::vector<Eigen::VectorXd> apart;
   for (std::size_t w = 0; w < a.residual.size(); ++w) apart.push_back(a.residual[w] - b.residual[w]);
-  const double least = std::min(rms(a.residual), rms(b.residual));
-  return rms(apart) < std::max(criteria().same_residual, criteria().same_residual_share * least);
+  return rms(apart) < criteria().same_residual;
 }
 
 bool is_worth_a_second(const Fit& base, const Fit& alternative) {

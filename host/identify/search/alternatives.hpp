@@ -8,8 +8,7 @@
 
 namespace pvg::diagnose {
 
-// Whether two fits to the same windows leave the same, within the noise or a third of what is left: a lag and a delay,
-// beside which a second effect would be the same.
+// Whether two fits to the same windows leave the same, within the noise.
 bool leave_the_same(const Fit& a, const Fit& b);
 
 // Whether an effect closes enough of what `base` leaves for a second one to be looked for beside it; beside one that
