@@ -25,7 +25,7 @@ std::optional<FoundPair> find_beside_alternatives(Workflow& flow, const std::vec
   std::size_t n = 0;
   for (const Fit& alternative : first_round) {
     if (n == criteria().n_alternatives) break;
-    if (!is_worth_a_second(base, alternative)) continue;
+    if (!is_worth_a_second(base, alternative) || !gets_nearer(data, base, alternative.residual)) continue;
     if (std::any_of(tried.begin(), tried.end(), [&](const Fit& other) { return leave_the_same(other, alternative); }))
       continue;
     const std::string label = alternative.model.parts.back()->label();
