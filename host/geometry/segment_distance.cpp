@@ -21,12 +21,14 @@ double point_segment_distance(const Vec3& p, const Vec3& a, const Vec3& b) {
   return std::sqrt(squared_segment_distance(p, a, b));
 }
 
+// Of a triangle without area the normal, and with it the side, is rounding alone: the border is looked at in any case.
 double point_triangle_distance(const Vec3& p, const Vec3& t0, const Vec3& t1, const Vec3& t2) {
+  const double at_border = std::sqrt(std::min(
+      {squared_segment_distance(p, t0, t1), squared_segment_distance(p, t1, t2), squared_segment_distance(p, t2, t0)}));
   const Vec3 normal = (t1 - t0).cross(t2 - t0);
   const auto side = [&](const Vec3& a, const Vec3& b) { return (b - a).cross(p - a).dot(normal); };
-  if (side(t0, t1) > 0 && side(t1, t2) > 0 && side(t2, t0) > 0) return std::abs((p - t0).dot(normal)) / normal.norm();
-  return std::sqrt(std::min(
-      {squared_segment_distance(p, t0, t1), squared_segment_distance(p, t1, t2), squared_segment_distance(p, t2, t0)}));
+  const bool is_inside = side(t0, t1) > 0 && side(t1, t2) > 0 && side(t2, t0) > 0;
+  return is_inside ? std::min(at_border, std::abs((p - t0).dot(normal)) / normal.norm()) : at_border;
 }
 
 double edge_edge_distance(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1) {
