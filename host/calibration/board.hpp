@@ -43,6 +43,9 @@ struct BoardCorner {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  // OpenCV: (0, 0) is the centre of the top left pixel
 };
 std::vector<BoardCorner> find_board(const Picture8& photo, const Board& board);
+// The same in the photo mirrored left to right, whose pixels are given: what a board that was printed mirrored or is
+// seen from behind gives. A chessboard looks like its mirror image and is found by find_board.
+std::vector<BoardCorner> find_mirrored_board(const Picture8& photo, const Board& board);
 
 // A tag of the family 36h11 in a photo: its corners as the tag library orders them, counter-clockwise from the lower
 // left one as the tag stands upright (in the picture: left below, right below, right above, left above).

@@ -199,6 +199,16 @@ std::vector<BoardCorner> find_charuco(const cv::Mat& gray, const std::vector<Det
   return found;
 }
 
+std::vector<BoardCorner> find_in(const cv::Mat& gray, const Board& board) {
+  if (board.kind == Board::Kind::chessboard) return find_chessboard(gray, board);
+  std::vector<DetectedTag> tags = without_doubles(detect(gray));
+  if (board.kind == Board::Kind::tags) {
+    const cv::Mat linear = linear_of(gray);
+    for (DetectedTag& each : tags) refine_corners(linear, each.tag);
+  }
+  return board.kind == Board::Kind::tags ? find_tag_grid(tags, board) : find_charuco(gray, tags, board);
+}
+
 }  // namespace
 
 std::vector<BlackRectangle> board_rectangles(const Board& board) {
@@ -215,14 +225,13 @@ std::vector<BlackRectangle> board_rectangles(const Board& board) {
 }
 
 std::vector<BoardCorner> find_board(const Picture8& photo, const Board& board) {
-  const cv::Mat gray = gray_of(photo);
-  if (board.kind == Board::Kind::chessboard) return find_chessboard(gray, board);
-  std::vector<DetectedTag> tags = without_doubles(detect(gray));
-  if (board.kind == Board::Kind::tags) {
-    const cv::Mat linear = linear_of(gray);
-    for (DetectedTag& each : tags) refine_corners(linear, each.tag);
-  }
-  return board.kind == Board::Kind::tags ? find_tag_grid(tags, board) : find_charuco(gray, tags, board);
+  return find_in(gray_of(photo), board);
+}
+
+std::vector<BoardCorner> find_mirrored_board(const Picture8& photo, const Board& board) {
+  cv::Mat mirrored;
+  cv::flip(gray_of(photo), mirrored, 1);  // about the vertical axis
+  return find_in(mirrored, board);
 }
 
 std::vector<FoundTag> find_tags(const Picture8& photo) {

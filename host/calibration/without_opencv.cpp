@@ -16,6 +16,7 @@ namespace {
 
 std::vector<BlackRectangle> board_rectangles(const Board&) { refuse(); }
 std::vector<BoardCorner> find_board(const Picture8&, const Board&) { refuse(); }
+std::vector<BoardCorner> find_mirrored_board(const Picture8&, const Board&) { refuse(); }
 std::vector<FoundTag> find_tags(const Picture8&) { refuse(); }
 std::vector<FoundTag> find_tags_finely(const Picture8&) { refuse(); }
 CameraCalibration calibrate_camera(std::vector<BoardPhoto>, int, int, const CalibrationSettings&) { refuse(); }

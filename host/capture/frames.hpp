@@ -22,7 +22,8 @@ struct CaptureFrame {
 struct Capture {
   std::string layout;  // name of the layout that was found
   std::vector<CaptureFrame> frames;
-  double depth_unit = 1e-3;  // of a file's numbers [m]
+  std::vector<std::string> left_out;  // names of frames that lack depth or a finite pose
+  double depth_unit = 1e-3;           // of a file's numbers [m]
   // depth and colour are of two sensors whose relative pose the files do not give
   bool colors_are_apart = false;
   // A mesh beside photos without depth, and points in the capture's frame that lie on it: draw_depths
@@ -37,9 +38,9 @@ struct CapturedSurface {
   Texture texture;  // empty: the mesh's colours are all there is
 };
 
-// Finds the layout by the files in `folder`; names those that it knows where none fits. Poses are checked: finite,
-// rotations orthonormal within 1e-3 (and then made so). depth_unit: overrides the layout's [m]; 0: the layout's.
-// UsageErrors name file and frame.
+// Finds the layout by the files in `folder`; names those that it knows where none fits. Poses are checked:
+// rotations orthonormal within 1e-3 (and then made so), cameras near each other. depth_unit: overrides the layout's
+// [m]; 0: the layout's. UsageErrors name file and frame.
 Capture read_capture(const std::filesystem::path& folder, double depth_unit = 0);
 
 // A photo in which someone marked a thing.

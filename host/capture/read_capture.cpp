@@ -1,3 +1,7 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -5,6 +9,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/files.hpp"
+#include "host/base/notes.hpp"
 #include "host/capture/layouts.hpp"
 #include "host/formats/picture_files.hpp"
 #include "host/render/camera.hpp"
@@ -26,6 +31,8 @@ constexpr Layout LAYOUTS[] = {{"7-Scenes", is_seven_scenes, read_seven_scenes},
                               {"COLMAP", is_colmap, read_colmap}};
 
 constexpr double ROTATION_TOLERANCE = 1e-2;  // of R^T R - 1; files round their numbers
+constexpr double MOST_SPREAD = 100;          // of the cameras of a room [m]; poses in millimetres are beyond it
+constexpr std::size_t MOST_NAMED = 3;        // of the frames that are left out
 
 // makes the rotation orthonormal
 void check_pose(const fs::path& folder, Camera& camera) {
@@ -40,6 +47,33 @@ void check_pose(const fs::path& folder, Camera& camera) {
   camera.pose.linear() = svd.matrixU() * svd.matrixV().transpose();
 }
 
+// Where tracking was lost, some programs write a pose of infinities or NaN instead of none.
+void leave_out_lost(Capture& capture) {
+  const auto is_lost = [](const CaptureFrame& frame) { return !frame.depth_camera.pose.matrix().allFinite(); };
+  for (const CaptureFrame& frame : capture.frames)
+    if (is_lost(frame)) capture.left_out.push_back(frame.name);
+  std::erase_if(capture.frames, is_lost);
+}
+
+void check_spread(const fs::path& folder, const Capture& capture) {
+  Eigen::AlignedBox3d cameras;
+  for (const CaptureFrame& frame : capture.frames) cameras.extend(frame.depth_camera.pose.translation());
+  if (const double spread = cameras.sizes().maxCoeff(); spread > MOST_SPREAD)
+    throw UsageError(fmt::format(
+        "{}: its cameras are up to {:.0f} m apart, more than the {:.0f} m of a room; poses must be in metres, so scale "
+        "their positions, or leave out where tracking went astray",
+        folder.string(), spread, MOST_SPREAD));
+}
+
+void tell_left_out(const fs::path& folder, const Capture& capture) {
+  if (capture.left_out.empty()) return;
+  const std::size_t n = capture.left_out.size(), n_named = std::min(n, MOST_NAMED);
+  const auto first = capture.left_out.begin();
+  tell_note(fmt::format("{}: {} of {} frames lack depth or a finite pose and are left out: {}{}", folder.string(), n,
+                        n + capture.frames.size(), fmt::join(first, first + std::ptrdiff_t(n_named), ", "),
+                        n > n_named ? ", ..." : ""));
+}
+
 }  // namespace
 
 Capture read_capture(const fs::path& folder, double depth_unit) {
@@ -49,8 +83,10 @@ Capture read_capture(const fs::path& folder, double depth_unit) {
     Capture capture = layout.read(folder);
     capture.layout = layout.name;
     if (depth_unit > 0) capture.depth_unit = depth_unit;
+    leave_out_lost(capture);
     if (capture.frames.empty())
-      throw UsageError(folder.string() + ": no frame of this " + layout.name + " folder has both depth and a pose");
+      throw UsageError(folder.string() + ": no frame of this " + layout.name +
+                       " folder has both depth and a finite pose");
     for (CaptureFrame& frame : capture.frames) {
       frame.depth_camera.name = frame.color_camera.name = frame.name;
       check_pose(folder, frame.depth_camera);
@@ -58,6 +94,8 @@ Capture read_capture(const fs::path& folder, double depth_unit) {
       check_camera(frame.depth_camera);
       check_camera(frame.color_camera);
     }
+    check_spread(folder, capture);
+    tell_left_out(folder, capture);
     return capture;
   }
   throw UsageError(folder.string() +

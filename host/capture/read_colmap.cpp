@@ -247,7 +247,10 @@ Capture read_colmap(const fs::path& folder) {
     frame.depth = depth_file_of(folder, image.name);
     frame.color = folder / "images" / image.name;
     if (!is_file(frame.color)) frame.color.clear();
-    if (frame.depth.empty() && frame.color.empty()) continue;
+    if (frame.depth.empty() && frame.color.empty()) {
+      capture.left_out.push_back(image.name);
+      continue;
+    }
     const auto camera = cameras.find(image.camera);
     if (camera == cameras.end())
       throw UsageError((model / "images").string() + ": " + image.name + " names a camera that is not there");
@@ -259,6 +262,8 @@ Capture read_colmap(const fs::path& folder) {
   }
   const auto has_no_depth = [](const CaptureFrame& frame) { return frame.depth.empty(); };
   if (!std::all_of(capture.frames.begin(), capture.frames.end(), has_no_depth)) {
+    for (const CaptureFrame& frame : capture.frames)
+      if (has_no_depth(frame)) capture.left_out.push_back(frame.name);
     std::erase_if(capture.frames, has_no_depth);
     return capture;
   }

@@ -83,7 +83,10 @@ Capture read_nerfstudio(const fs::path& folder) {
   const json root = root_of(file);
   Capture capture;
   for (const json& item : root["frames"]) {
-    if (!item.is_object() || !item.contains("depth_file_path")) continue;
+    if (!item.is_object() || !item.contains("depth_file_path")) {
+      capture.left_out.push_back(text_in(item, "file_path", "a frame without a name", file));
+      continue;
+    }
     CaptureFrame frame;
     frame.depth = folder / text_in(item, "depth_file_path", "", file);
     const std::string color = text_in(item, "file_path", "", file);

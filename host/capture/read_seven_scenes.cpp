@@ -10,13 +10,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string DEPTH = ".depth.png";
+const std::string DEPTH = ".depth.png", POSE = ".pose.txt";
 
-std::vector<std::string> frame_names(const fs::path& folder) {
+// of the files that end so
+std::vector<std::string> frame_names(const fs::path& folder, const std::string& ending = DEPTH) {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string file = entry.path().filename().string();
-    if (file.ends_with(DEPTH)) names.push_back(file.substr(0, file.size() - DEPTH.size()));
+    if (file.ends_with(ending)) names.push_back(file.substr(0, file.size() - ending.size()));
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -42,11 +43,10 @@ Capture read_seven_scenes(const fs::path& folder) {
   if (K.size() != 9) throw UsageError(intrinsics.string() + ": must hold nine numbers, the rows of a 3 x 3 matrix");
   Capture capture;
   capture.colors_are_apart = true;
-  std::size_t n_without_pose = 0;
   for (const std::string& name : frame_names(folder)) {
-    const fs::path pose = folder / (name + ".pose.txt");
+    const fs::path pose = folder / (name + POSE);
     if (!is_file(pose)) {
-      ++n_without_pose;
+      capture.left_out.push_back(name);
       continue;
     }
     CaptureFrame frame;
@@ -65,9 +65,11 @@ Capture read_seven_scenes(const fs::path& folder) {
     set_size_of(frame.color.empty() ? frame.depth : frame.color, frame.color_camera);
     capture.frames.push_back(std::move(frame));
   }
-  if (capture.frames.empty() && n_without_pose > 0)
-    throw UsageError(folder.string() + ": none of " + std::to_string(n_without_pose) +
+  if (capture.frames.empty())
+    throw UsageError(folder.string() + ": none of " + std::to_string(capture.left_out.size()) +
                      " frames has a pose; frame-N.pose.txt must stand beside frame-N.depth.png");
+  for (const std::string& name : frame_names(folder, POSE))
+    if (!is_file(folder / (name + DEPTH))) capture.left_out.push_back(name);
   return capture;
 }
 

@@ -68,7 +68,10 @@ Capture read_tum(const fs::path& folder) {
   capture.depth_unit = DEPTH_UNIT;
   for (const Stamped& item : depth) {
     const int row = nearest(poses.size() / 8, item.time, [&](std::size_t i) { return poses[8 * i]; });
-    if (row < 0) continue;
+    if (row < 0) {
+      capture.left_out.push_back(item.file);
+      continue;
+    }
     const double* p = &poses[8 * std::size_t(row)];
     CaptureFrame frame;
     frame.name = fs::path(item.file).stem().string();

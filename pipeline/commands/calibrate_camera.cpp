@@ -149,6 +149,16 @@ void print(const CameraCalibration& c) {
   std::printf("residual %.3f pixels over %zu of %zu photos\n", c.residual, used, c.photos.size());
 }
 
+// Where no photo shows the board, its mirror image may be there.
+void refuse_mirrored_board(const std::vector<BoardPhoto>& photos, const Board& board, std::size_t fewest_corners) {
+  const auto shows_board = [&](const BoardPhoto& photo) { return photo.corners.size() >= fewest_corners; };
+  if (std::any_of(photos.begin(), photos.end(), shows_board)) return;
+  for (const BoardPhoto& photo : photos)
+    if (photo.is_used && find_mirrored_board(read_picture(photo.file), board).size() >= fewest_corners)
+      throw UsageError("the board is mirrored in " + photo.file +
+                       ": was it printed mirrored, or photographed from behind or in a mirror?");
+}
+
 void run_calibrate_camera(const CalibrateCameraOptions& o) {
   const Board board = parse_board(o.board);
   if (!o.print.empty()) {
@@ -180,6 +190,7 @@ void run_calibrate_camera(const CalibrateCameraOptions& o) {
   CalibrationSettings settings;
   settings.model = o.model == "fisheye" ? Camera::Model::fisheye : Camera::Model::pinhole;
   settings.n_distortion = o.distortion;
+  refuse_mirrored_board(photos, board, settings.fewest_corners);
   const CameraCalibration calibration = calibrate_camera(std::move(photos), width, height, settings);
   write_text_atomically(o.output, camera_yaml(calibration, board));
   write_text_atomically(fs::path(o.output).replace_extension(".svg"), residual_plots(calibration));

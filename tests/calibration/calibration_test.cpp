@@ -27,28 +27,44 @@ TEST(Board, TheTextOfABoardIsReadBack) {
   expect_error<UsageError>([] { parse_board("tags,40x40,30,22"); }, {"587"});
 }
 
+constexpr double RESOLUTION = 5000;  // [pixels per m]
+constexpr int MARGIN = 150;          // white around the board [pixels]
+
+Picture8 printed(const Board& board, bool is_mirrored) {
+  const Texture print = board_picture(board, RESOLUTION);
+  Picture8 photo{print.width + 2 * MARGIN, print.height + 2 * MARGIN, {}};
+  photo.rgb.assign(std::size_t(photo.width) * std::size_t(photo.height) * 3, 255);
+  for (int y = 0; y < print.height; ++y)
+    for (int x = 0; x < print.width; ++x)
+      for (int k = 0; k < 3; ++k)
+        photo.rgb[std::size_t(((y + MARGIN) * photo.width + x + MARGIN) * 3 + k)] =
+            print.rgba[std::size_t((y * print.width + (is_mirrored ? print.width - 1 - x : x)) * 4 + k)];
+  return photo;
+}
+
 // Printed at 5 pixels per millimetre and looked at straight on, every corner is where the board says.
 TEST(Board, EveryCornerOfAPrintedBoardIsFoundWhereItIs) {
   for (const char* text : {"charuco,7x5,30,22", "chessboard,7x6,30", "tags,4x3,40,30"}) {
     const Board board = parse_board(text);
-    constexpr double RESOLUTION = 5000;
-    constexpr int MARGIN = 150;
-    const Texture print = board_picture(board, RESOLUTION);
-    Picture8 photo{print.width + 2 * MARGIN, print.height + 2 * MARGIN, {}};
-    photo.rgb.assign(std::size_t(photo.width) * std::size_t(photo.height) * 3, 255);
-    for (int y = 0; y < print.height; ++y)
-      for (int x = 0; x < print.width; ++x)
-        for (int k = 0; k < 3; ++k)
-          photo.rgb[std::size_t(((y + MARGIN) * photo.width + x + MARGIN) * 3 + k)] =
-              print.rgba[std::size_t((y * print.width + x) * 4 + k)];
+    const Picture8 photo = printed(board, false);
     const std::vector<BoardCorner> corners = find_board(photo, board);
     const bool is_grid = board.kind == Board::Kind::tags;
     EXPECT_EQ(corners.size(), std::size_t(is_grid ? 4 * 12 : (board.columns - 1) * (board.rows - 1))) << text;
     for (const BoardCorner& c : corners) {
       // an edge of the print lies between two pixels
       EXPECT_NEAR(c.pixel.x(), MARGIN + c.point.x() * RESOLUTION - 0.5, is_grid ? 0.3 : 0.1) << text;
-      EXPECT_NEAR(c.pixel.y(), MARGIN + print.height - c.point.y() * RESOLUTION - 0.5, is_grid ? 0.3 : 0.1) << text;
+      EXPECT_NEAR(c.pixel.y(), photo.height - MARGIN - c.point.y() * RESOLUTION - 0.5, is_grid ? 0.3 : 0.1) << text;
     }
+  }
+}
+
+TEST(Board, AMirroredBoardIsFoundAsSuch) {
+  for (const char* text : {"charuco,7x5,30,22", "tags,4x3,40,30"}) {
+    const Board board = parse_board(text);
+    const std::size_t all = board.kind == Board::Kind::tags ? 4 * 12 : 6 * 4;
+    EXPECT_LT(find_board(printed(board, true), board).size(), CalibrationSettings().fewest_corners) << text;
+    EXPECT_EQ(find_mirrored_board(printed(board, true), board).size(), all) << text;
+    EXPECT_LT(find_mirrored_board(printed(board, false), board).size(), CalibrationSettings().fewest_corners) << text;
   }
 }
 

@@ -39,9 +39,11 @@ for name, text in (("empty", ""), ("in words", "wide"), ("four numbers", "1 2 3 
                    ("zero", "0 0 31.5 0 0 23.5 0 0 1"), ("negative", "-60 0 31.5 0 -60 23.5 0 0 1"), ("1e300", "1e300 0 31.5 0 1e300 23.5 0 0 1")):
     capture(f"intrinsics {name}", "seven", "camera-intrinsics.txt|camera|focal|fx|depth|surface", write("seven/camera-intrinsics.txt", text))
 POSE = "seven/frame-000001.pose.txt"
-for name, text in (("in words", "here"), ("three numbers", "1 2 3"), ("nan", "nan " * 16), ("that scales", "2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1"),
+for name, text in (("in words", "here"), ("three numbers", "1 2 3"), ("that scales", "2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1"),
                    ("that mirrors", "-1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1"), ("1e12 m away", "1 0 0 1e12 0 1 0 0 0 0 1 0 0 0 0 1")):
-    capture(f"a pose {name}", "seven", "frame-000001|too large|surface|depth", write(POSE, text))
+    capture(f"a pose {name}", "seven", "frame-000001|m apart.*in metres", write(POSE, text))
+capture("a pose of nan", "seven --align-colors no", "1 of 2 frames lack depth or a finite pose", write(POSE, "nan " * 16), code=DONE, makes=["room"])
+capture("poses of nan", "seven", "no frame .* a finite pose", write(POSE, "nan " * 16), write(POSE.replace("1.pose", "0.pose"), "nan " * 16))
 capture("no pose at all", "seven", "none of 2 frames has a pose", remove(POSE), remove(POSE.replace("1.pose", "0.pose")))
 DEPTH = "seven/frame-000001.depth.png"
 for name, step in (("empty", write(DEPTH)), ("bytes", write(DEPTH, GLB)), ("cut off", cut(DEPTH, 0.5)),
