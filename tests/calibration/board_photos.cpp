@@ -1,6 +1,7 @@
 #include "tests/calibration/board_photos.hpp"
 
 #include <cmath>
+#include <string>
 
 #include "host/render/renderer.hpp"
 
@@ -123,6 +124,15 @@ std::vector<Picture8> photos_in_motion(Scene scene, const Camera& optics, const 
     };
     return renderer.render(i, std::uint32_t(i), at, 0);
   });
+}
+
+CameraCalibration calibration_from(const std::vector<Picture8>& pictures, const Board& board) {
+  std::vector<BoardPhoto> seen;
+  for (std::size_t i = 0; i < pictures.size(); ++i)
+    seen.push_back({"photo " + std::to_string(i), find_board(pictures[i], board), 0, true, "", {}});
+  CalibrationSettings settings;
+  settings.n_distortion = 4;
+  return calibrate_camera(seen, pictures.front().width, pictures.front().height, settings);
 }
 
 }  // namespace pvg

@@ -1,6 +1,7 @@
 // Path-traced photos of boards and tags, whose truth is known.
 #pragma once
 #include "host/calibration/board.hpp"
+#include "host/calibration/calibration.hpp"
 #include "host/model/scene.hpp"
 
 namespace pvg {
@@ -24,5 +25,8 @@ std::vector<Picture8> photos(Scene scene, const Camera& optics, const std::vecto
 // given when the last row is read (Camera::row_time).
 std::vector<Picture8> photos_in_motion(Scene scene, const Camera& optics, const std::vector<Pose>& poses,
                                        const std::vector<Vec3>& velocity, int samples);
+
+// What photos of a board, all of one size, say of their camera, with k1, k2, p1 and p2.
+CameraCalibration calibration_from(const std::vector<Picture8>& pictures, const Board& board);
 
 }  // namespace pvg

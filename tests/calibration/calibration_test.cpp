@@ -101,13 +101,7 @@ TEST(Tags, AreWhereTheTagLibrarySays) {
 
 TEST(CalibrateCamera, FifteenPathTracedPhotosGiveTheCameraBack) {
   const Camera truth = real_camera();
-  const std::vector<Picture8> pictures = photos(board_scene(BOARD), truth, poses_around_board(15), 8);
-  std::vector<BoardPhoto> seen;
-  for (std::size_t i = 0; i < pictures.size(); ++i)
-    seen.push_back({"photo " + std::to_string(i), find_board(pictures[i], BOARD), 0, true, "", {}});
-  CalibrationSettings settings;
-  settings.n_distortion = 4;
-  const CameraCalibration c = calibrate_camera(seen, truth.width, truth.height, settings);
+  const CameraCalibration c = calibration_from(photos(board_scene(BOARD), truth, poses_around_board(15), 8), BOARD);
   std::printf(
       "fx %.3f (%.3f +- %.3f) fy %.3f (%.3f) cx %.3f (%.3f +- %.3f) cy %.3f (%.3f) k1 %.4f +- %.4f k2 %.4f +- %.4f, "
       "%.3f px\n",

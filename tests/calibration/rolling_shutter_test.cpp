@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "host/calibration/calibration.hpp"
 #include "tests/calibration/board_photos.hpp"
 
 namespace pvg {
@@ -31,12 +30,8 @@ CameraCalibration calibrated(const Camera& truth, int n, double speed, int sampl
   const Board board = parse_board("charuco,11x8,20,15");
   std::vector<Vec3> velocity;
   for (int i = 0; i < n; ++i) velocity.push_back(speed * Vec3(std::cos(2.1 * i), std::sin(2.1 * i), 0));
-  std::vector<BoardPhoto> seen;
-  for (const Picture8& picture : photos_in_motion(board_scene(board), truth, poses_around_board(n), velocity, samples))
-    seen.push_back({"photo " + std::to_string(seen.size()), find_board(picture, board), 0, true, "", {}});
-  CalibrationSettings settings;
-  settings.n_distortion = 4;
-  const CameraCalibration c = calibrate_camera(seen, truth.width, truth.height, settings);
+  const CameraCalibration c =
+      calibration_from(photos_in_motion(board_scene(board), truth, poses_around_board(n), velocity, samples), board);
   std::printf(
       "%.2f m/s: fx %.2f %% off (sigma %.2f %%), centre %.2f and %.2f pixels (%.2f), k1 %.3f off (%.3f), residual %.3f "
       "pixels\n",
