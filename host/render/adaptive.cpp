@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace pvg {
 namespace {
@@ -54,22 +53,23 @@ std::vector<float> path_variances(const std::vector<F32x4>& film, const std::vec
 
 std::vector<std::uint32_t> doubled_counts(const std::vector<float>& variances, const std::vector<std::uint32_t>& counts,
                                           std::uint64_t total) {
-  const auto counts_for = [&](double paths_per_root) {
-    std::vector<std::uint32_t> result(counts.size());
-    for (std::size_t i = 0; i < counts.size(); ++i)
-      result[i] = doubled(counts[i], paths_per_root * std::sqrt(double(variances[i])));
-    return result;
-  };
-  const auto sum = [](const std::vector<std::uint32_t>& n) {
-    return std::accumulate(n.begin(), n.end(), std::uint64_t(0));
+  std::vector<double> roots;
+  roots.reserve(variances.size());
+  for (const float variance : variances) roots.push_back(std::sqrt(double(variance)));
+  const auto sum_for = [&](double paths_per_root) {
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < counts.size(); ++i) sum += doubled(counts[i], paths_per_root * roots[i]);
+    return sum;
   };
   // the largest factor whose counts are few enough, to a hundredth
   double low = 1e-6, high = 1e12;
   while (high > 1.01 * low) {
     const double middle = std::sqrt(low * high);
-    (sum(counts_for(middle)) <= total ? low : high) = middle;
+    (sum_for(middle) <= total ? low : high) = middle;
   }
-  return counts_for(low);
+  std::vector<std::uint32_t> result(counts.size());
+  for (std::size_t i = 0; i < counts.size(); ++i) result[i] = doubled(counts[i], low * roots[i]);
+  return result;
 }
 
 }  // namespace pvg

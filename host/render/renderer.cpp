@@ -7,7 +7,6 @@
 #include "host/render/camera.hpp"
 #include "host/render/pixel_order.hpp"
 #include "host/render/renderer_impl.hpp"
-#include "host/render/sensor.hpp"
 
 namespace pvg {
 namespace {
@@ -16,19 +15,6 @@ constexpr int LEAST_FIRST_SAMPLES = 4;      // of a pixel, from which its noise 
 constexpr int ROUNDS = 3;                   // in which the rest is shared out
 constexpr int MOST_INSTANTS = 16;           // of a moving picture
 constexpr std::uint32_t STRIP_ROWS = TILE;  // that a rolling shutter reads together: those of a row of tiles
-
-// as hash_u32 in kernels/shared/rng.cl
-std::uint32_t hash_u32(std::uint32_t x) {
-  const std::uint32_t state = x * 747796405u + 2891336453u;
-  const std::uint32_t word = ((state >> ((state >> 28) + 4u)) ^ state) * 277803737u;
-  return (word >> 22) ^ word;
-}
-std::uint32_t picture_key(std::uint64_t seed, std::uint32_t frame, std::uint32_t camera) {
-  std::uint32_t key = 0;
-  for (const std::uint32_t part : {std::uint32_t(seed), std::uint32_t(seed >> 32), frame, camera})
-    key = hash_u32(key ^ hash_u32(part));
-  return key;
-}
 
 }  // namespace
 
@@ -130,7 +116,7 @@ void Renderer::Impl::find_ground_truth(Launch launch) {
   }
 }
 
-RenderedFrame Renderer::Impl::read_film(int camera, std::uint32_t frame) const {
+RenderedFrame Renderer::Impl::read_film(int camera) const {
   const Camera& seen_by = scene.cameras[camera];
   RenderedFrame picture;
   picture.width = seen_by.width;
@@ -139,15 +125,15 @@ RenderedFrame Renderer::Impl::read_film(int camera, std::uint32_t frame) const {
   picture.distance = film.distance.read();
   picture.instance = film.instance.read();
   picture.normal = film.normal.read();
+  const double exposure = finish->denoises() ? 1 : seen_by.exposure;
   const std::vector<F32x4> sums = film.sum.read();
   picture.rgb.resize(3 * sums.size());
   for (std::size_t i = 0; i < sums.size(); ++i) {
-    // a pixel that lost all its samples is black; dropped_samples tells
-    const float scale = sums[i].v[3] > 0 ? seen_by.exposure / sums[i].v[3] : 0.0f;
+    // a pixel that lost all its samples is black; dropped_samples tells. What is filtered is exposed after it
+    const float scale = sums[i].v[3] > 0 ? float(exposure / sums[i].v[3]) : 0.0f;
     for (int c = 0; c < 3; ++c) picture.rgb[3 * i + c] = sums[i].v[c] * scale;
   }
   for (const std::uint32_t dropped : film.dropped.read()) picture.dropped_samples += dropped;
-  expose_sensor(seen_by, picture_key(settings.seed, frame, std::uint32_t(camera)), picture.rgb);
   return picture;
 }
 
@@ -163,33 +149,12 @@ void Renderer::Impl::read_features(RenderedFrame& picture) const {
   picture.mean_normal = means(film.guides->guide_normal.read());
 }
 
-// replaces the film's sums
-void Renderer::Impl::denoise(const RenderedFrame& features) {
-  std::vector<F32x4> sums = film.sum.read();
-  NoisyPicture picture{
-      std::uint32_t(features.width), std::uint32_t(features.height), {}, features.albedo, features.mean_normal};
-  for (const F32x4& sum : sums)
-    for (int c = 0; c < 3; ++c) picture.rgb.push_back(sum.v[3] > 0 ? sum.v[c] / sum.v[3] : 0.0f);
-  const std::vector<float> filtered = image_denoise->filter(picture);
-  for (std::size_t i = 0; i < sums.size(); ++i)
-    for (int c = 0; c < 3; ++c) sums[i].v[c] = filtered[3 * i + std::size_t(c)] * sums[i].v[3];
-  film.sum.write(sums);
-}
-
-RenderedFrame Renderer::Impl::finish(const Launch& launch, int camera, std::uint32_t frame, std::uint64_t rays) {
+RenderedFrame Renderer::Impl::take_picture(const Launch& launch, int camera, std::uint64_t rays) {
   find_ground_truth(launch);
   last_camera = camera;
-  RenderedFrame features;
-  features.width = int(launch.camera.width);
-  features.height = int(launch.camera.height);
-  if (image_denoise || settings.notes_features) read_features(features);
-  if (image_denoise) denoise(features);
   if (denoiser) (*denoiser)(launch.camera.width, launch.camera.height, film);
-  RenderedFrame picture = read_film(camera, frame);
-  if (settings.notes_features) {
-    picture.albedo = std::move(features.albedo);
-    picture.mean_normal = std::move(features.mean_normal);
-  }
+  RenderedFrame picture = read_film(camera);
+  if (finish->denoises() || settings.notes_features) read_features(picture);
   picture.rays = rays;
   return picture;
 }
@@ -222,31 +187,45 @@ void Renderer::set_distortion(int camera, const std::vector<double>& distortion)
   impl_->scene.cameras[std::size_t(camera)] = std::move(seen_by);
 }
 
-RenderedFrame Renderer::render(int camera, std::uint32_t frame) {
-  Impl& r = *impl_;
-  r.check_camera_index(camera);
-  const Camera& seen_by = r.scene.cameras[std::size_t(camera)];
+RenderedFrame Renderer::Impl::trace(int camera, std::uint32_t frame) {
+  check_camera_index(camera);
+  const Camera& seen_by = scene.cameras[std::size_t(camera)];
   const std::uint32_t n_pixels = std::uint32_t(seen_by.width) * std::uint32_t(seen_by.height);
-  r.film.begin(std::uint32_t(seen_by.width), std::uint32_t(seen_by.height));
-  const Launch launch = r.begin_launch(camera, frame);
-  const std::uint64_t rays = r.settings.is_adaptive
-                                 ? r.add_adaptive_samples(launch, float(seen_by.exposure))
-                                 : r.add_samples(launch, r.film.order, 0, n_pixels, 0, r.settings.samples);
-  return r.finish(launch, camera, frame, rays);
+  film.begin(std::uint32_t(seen_by.width), std::uint32_t(seen_by.height));
+  const Launch launch = begin_launch(camera, frame);
+  const std::uint64_t rays = settings.is_adaptive
+                                 ? add_adaptive_samples(launch, float(seen_by.exposure))
+                                 : add_samples(launch, film.order, 0, n_pixels, 0, settings.samples);
+  return take_picture(launch, camera, rays);
 }
 
-RenderedFrame Renderer::render(int camera, std::uint32_t frame, const std::function<SceneState(double)>& at,
-                               double time) {
+RenderedFrame Renderer::trace(int camera, std::uint32_t frame, const std::function<SceneState(double)>& at,
+                              double time) {
   Impl& r = *impl_;
   r.check_camera_index(camera);
   const Camera& seen_by = r.scene.cameras[std::size_t(camera)];
   if (seen_by.exposure_time == 0 && seen_by.row_time == 0) {
     if (r.state.time != time) r.move_to(at(time));
-    return render(camera, frame);
+    return r.trace(camera, frame);
   }
   r.film.begin(std::uint32_t(seen_by.width), std::uint32_t(seen_by.height));
   const std::uint64_t rays = r.add_moving_samples(camera, frame, at, time);
-  return r.finish(r.begin_launch(camera, frame), camera, frame, rays);
+  return r.take_picture(r.begin_launch(camera, frame), camera, rays);
+}
+
+std::shared_ptr<PictureFinish> Renderer::finish() const { return impl_->finish; }
+
+RenderedFrame Renderer::render(int camera, std::uint32_t frame) {
+  RenderedFrame picture = impl_->trace(camera, frame);
+  (*impl_->finish)(picture, camera, frame);
+  return picture;
+}
+
+RenderedFrame Renderer::render(int camera, std::uint32_t frame, const std::function<SceneState(double)>& at,
+                               double time) {
+  RenderedFrame picture = trace(camera, frame, at, time);
+  (*impl_->finish)(picture, camera, frame);
+  return picture;
 }
 
 std::vector<std::uint32_t> Renderer::instances(int camera) {

@@ -36,6 +36,8 @@ inline constexpr const char* OWN_DENOISER = "the built-in filter";
 // what filters the noise on this device: the library with its version, or OWN_DENOISER
 std::string denoiser_name(const Device& device);
 
+class PictureFinish;
+
 class Renderer {
  public:
   Renderer(Device& device, const Scene& scene, const RenderSettings& settings);
@@ -52,6 +54,10 @@ class Renderer {
   // The same of a motion: `at` says where everything is at a time [s], the picture's is `time`, at which the shutter
   // closes (of a rolling one the last row's). Ground truth is that of `time`.
   RenderedFrame render(int camera, std::uint32_t frame, const std::function<SceneState(double)>& at, double time);
+  // The light alone, neither filtered by Open Image Denoise nor exposed where it is, without the sensor's noise:
+  // finish() makes it what render() gives, and may be at work while the next picture is traced.
+  RenderedFrame trace(int camera, std::uint32_t frame, const std::function<SceneState(double)>& at, double time);
+  std::shared_ptr<PictureFinish> finish() const;
   // What is at the middle of each pixel, as RenderedFrame::instance; no light is followed.
   std::vector<std::uint32_t> instances(int camera);
   // of the picture made last, to the same camera's picture of another state

@@ -4,9 +4,9 @@
 
 #include "host/render/denoiser.hpp"
 #include "host/render/geometry.hpp"
-#include "host/render/image_denoise.hpp"
 #include "host/render/lights.hpp"
 #include "host/render/look.hpp"
+#include "host/render/picture_finish.hpp"
 #include "host/render/renderer.hpp"
 #include "host/render/soft_visual.hpp"
 #include "host/render/stages.hpp"
@@ -41,10 +41,10 @@ struct Renderer::Impl {
   std::uint64_t add_moving_samples(int camera, std::uint32_t frame, const std::function<SceneState(double)>& at,
                                    double time);
   void find_ground_truth(Launch launch);
-  void denoise(const RenderedFrame& features);
   void read_features(RenderedFrame& picture) const;
-  RenderedFrame finish(const Launch& launch, int camera, std::uint32_t frame, std::uint64_t rays);
-  RenderedFrame read_film(int camera, std::uint32_t frame) const;
+  RenderedFrame take_picture(const Launch& launch, int camera, std::uint64_t rays);
+  RenderedFrame read_film(int camera) const;
+  RenderedFrame trace(int camera, std::uint32_t frame);
   void check_camera_index(int camera) const;
 
   Device& device;
@@ -63,8 +63,8 @@ struct Renderer::Impl {
   LightList lights;
   bool has_insides = false;  // of materials that a camera could be inside of
   std::unique_ptr<DeviceScene> on_device;
-  std::optional<ImageDenoise> image_denoise;  // of renderers that denoise, where it is there,
-  std::optional<Denoiser> denoiser;           // else this
+  std::shared_ptr<PictureFinish> finish;
+  std::optional<Denoiser> denoiser;  // of renderers that denoise, where the library is not there
   Stages stages;
   Film film;
   Buffer<std::uint32_t> chosen;  // pixels that get more samples

@@ -36,7 +36,7 @@ Renderer::Impl::Impl(Device& device_, const Scene& scene_, const RenderSettings&
       scene(scene_),
       settings(settings_),
       look(make_look(scene_)),
-      image_denoise(settings.denoises ? ImageDenoise::find(device.info().is_gpu) : std::nullopt),
+      finish(std::make_shared<PictureFinish>(scene_, settings_, device.info().is_gpu)),
       stages(device_, settings.denoises || settings.notes_features),
       film(device_),
       chosen(device_, 0, "chosen") {
@@ -46,7 +46,7 @@ Renderer::Impl::Impl(Device& device_, const Scene& scene_, const RenderSettings&
     throw UsageError("max_depth is " + std::to_string(settings.max_depth) + "; 0 to 1000 bounces");
   for (const Camera& camera : scene.cameras) check_camera(camera);
   if (settings.denoises || settings.notes_features) film.guides.emplace(device);
-  if (settings.denoises && !image_denoise) {
+  if (settings.denoises && !finish->denoises()) {
     denoiser.emplace(device);
     tell_note(std::string("Open Image Denoise is not here (scripts/install_denoiser.sh installs it); ") + OWN_DENOISER +
               " takes its place, which leaves more noise");

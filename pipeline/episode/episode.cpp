@@ -73,6 +73,7 @@ Table episode_table() {
       {"judge",    {&steps, &verdict},           {&verdict},            1,     judge},     // success and slip
       {"map",      {&steps},                     {&shown},              1,     map},       // what the frame shows
       render_stage(),                                                                      // every camera
+      finish_stage(),                                                                      // noise, exposure, sensor
       encode_stage(),                                                                      // to 8 bits
       {"record",   {&steps, &images, &recording}, {&recording},         1,     record},
   };
@@ -281,14 +282,15 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Epi
   store.state(world).grasp = std::make_unique<ForceGrasp>(whole);
   store.state(world).n_steps_planned = whole.targets.size();
   const std::size_t n_frames = whole.targets.size() / whole.steps_per_frame;
-  RenderState& render_state = store.state(fields::renderer);
-  render_state.records_mask = masks_asked(task, scene);
-  if (!task.render.lut.empty()) render_state.lut = read_lut(task.render.lut);
+  const std::vector<bool> records_mask = masks_asked(task, scene);
   if (settings.renders) {
-    render_state.turn = &devices.rendering_turn;
+    store.state(fields::renderer).turn = &devices.rendering_turn;
+    std::optional<Lut> lut;
+    if (!task.render.lut.empty()) lut = read_lut(task.render.lut);
     const std::lock_guard turn(devices.rendering_turn);
-    render_state.renderer =
-        std::make_unique<Renderer>(rendering, scene, picture_settings(task, settings.seed, settings.episode));
+    start_pictures(
+        store, std::make_unique<Renderer>(rendering, scene, picture_settings(task, settings.seed, settings.episode)),
+        std::move(lut), records_mask);
   }
   JudgeState& judge_state = store.state(verdict);
   judge_state.monitor =
@@ -296,7 +298,7 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Epi
   judge_state.phase = phases(task.motion, whole.element, int(built.robots.size()));
   RecordState& record_state = store.state(recording);
   record_state.recorder = std::make_unique<EpisodeRecorder>(
-      folder, scene, record_settings(task, built, settings, physics, rendering, n_frames, render_state.records_mask),
+      folder, scene, record_settings(task, built, settings, physics, rendering, n_frames, records_mask),
       disabled_pairs(scene));
   record_state.advance = [&](std::size_t done) {
     report.n_frames = done;

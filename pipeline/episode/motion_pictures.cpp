@@ -64,6 +64,7 @@ Table motion_table() {
       // stage   reads                                                      writes                     width  does
       {"read",  {&moved},                                                  {&moved, &fields::shown},  1,     read_states},
       render_stage(),
+      finish_stage(),
       encode_stage(),
       {"write", {&fields::shown, &fields::pictures, &fields::images},      {&motion_sink},            1,     write_one},
   };
@@ -81,10 +82,8 @@ void render_motion(Device& device, const Scene& scene, const Frames& frames, con
   state.finds_flow = settings.finds_flow;
   for (const int camera : settings.cameras)
     state.shutter = std::max(state.shutter, shutter_of(scene.cameras.at(std::size_t(camera))));
-  RenderState& render = store.state(fields::renderer);
-  render.renderer = std::make_unique<Renderer>(device, scene, settings.pictures);
-  render.records_mask.assign(scene.cameras.size(), true);
-  render.lut = settings.lut;
+  start_pictures(store, std::make_unique<Renderer>(device, scene, settings.pictures), settings.lut,
+                 std::vector<bool>(scene.cameras.size(), true));
   store.state(motion_sink).write = write;
   const std::size_t n = settings.cameras.size() * (settings.range.end - settings.range.begin);
   try {

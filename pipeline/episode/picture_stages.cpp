@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "host/render/motion.hpp"
+#include "host/render/picture_finish.hpp"
 
 namespace pvg {
 namespace fields {
@@ -11,7 +12,9 @@ namespace fields {
 //                                     name        shape               unit            state
 const Field<Shown> shown              ("shown",    "steps x n_node x 3", "m");
 const Field<RenderState> renderer     ("renderer", "n_camera",         "-",            true);
-const Field<Pictures> pictures        ("pictures", "n_camera x h x w", "W/(sr m^2)");
+const Field<FinishState> finish       ("finish",   "n_camera",         "-",            true);
+const Field<Pictures> traced          ("traced",   "n_camera x h x w", "W/(sr m^2)");
+const Field<Pictures> pictures        ("pictures", "n_camera x h x w", "exposed");
 const Field<FramePictures> images     ("images",   "n_camera x h x w", "sRGB");
 // clang-format on
 
@@ -24,14 +27,17 @@ std::unique_lock<std::mutex> turn_of(const RenderState& state) {
   return state.turn ? std::unique_lock(*state.turn) : std::unique_lock<std::mutex>();
 }
 
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
 void render_one(RenderState& state, const Shown& seen, int camera, Pictures& made) {
   const auto turn = turn_of(state);
-  const auto start = std::chrono::steady_clock::now();
+  const Clock::time_point start = Clock::now();
   Renderer& renderer = *state.renderer;
-  RenderedFrame picture = renderer.render(
+  RenderedFrame picture = renderer.trace(
       camera, seen.frame, [&](double time) { return state_at(seen.motion, time); }, seen.state.time);
-  made.seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  if (state.lut) apply_lut(*state.lut, picture.rgb);
+  made.cameras.push_back(camera);
+  made.seconds.push_back(seconds_since(start));
   if (!state.records_mask[std::size_t(camera)]) picture.instance.clear();
   made.frames.push_back(std::move(picture));
   made.forward.push_back(seen.after ? renderer.flow(*seen.after) : FlowFrame());
@@ -53,7 +59,21 @@ void render_all(const Access& access) {
     for (std::size_t camera = 0; camera < state.records_mask.size(); ++camera) cameras.push_back(int(camera));
   for (const int camera : cameras) {
     access.stop_here_if_asked();
-    render_one(state, seen, camera, access.write(fields::pictures));
+    render_one(state, seen, camera, access.write(fields::traced));
+  }
+}
+
+void finish_all(const Access& access) {
+  FinishState& state = access.write(fields::finish);
+  if (!state.finish) return;
+  Pictures& made = access.write(fields::pictures);
+  made = access.read(fields::traced);
+  for (std::size_t i = 0; i < made.frames.size(); ++i) {
+    access.stop_here_if_asked();
+    const Clock::time_point start = Clock::now();
+    (*state.finish)(made.frames[i], made.cameras[i], access.read(fields::shown).frame);
+    if (state.lut) apply_lut(*state.lut, made.frames[i].rgb);
+    made.seconds[i] += seconds_since(start);
   }
 }
 
@@ -69,10 +89,23 @@ void encode_all(const Access& access) {
 
 }  // namespace
 
+void start_pictures(Store& store, std::unique_ptr<Renderer> renderer, std::optional<Lut> lut,
+                    std::vector<bool> records_mask) {
+  FinishState& finish = store.state(fields::finish);
+  finish.finish = renderer->finish();
+  finish.lut = std::move(lut);
+  RenderState& render = store.state(fields::renderer);
+  render.renderer = std::move(renderer);
+  render.records_mask = std::move(records_mask);
+}
+
 // clang-format off
 //                                reads                              writes                               width
 Stage render_stage() {
-  return {"render", {&fields::shown, &fields::renderer}, {&fields::renderer, &fields::pictures}, 1, render_all};
+  return {"render", {&fields::shown, &fields::renderer}, {&fields::renderer, &fields::traced}, 1, render_all};
+}
+Stage finish_stage() {
+  return {"finish", {&fields::shown, &fields::traced, &fields::finish}, {&fields::finish, &fields::pictures}, 1, finish_all};
 }
 Stage encode_stage() { return {"encode", {&fields::pictures}, {&fields::images}, 2, encode_all}; }
 // clang-format on

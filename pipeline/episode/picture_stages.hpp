@@ -26,11 +26,16 @@ struct RenderState {
   std::unique_ptr<Renderer> renderer;  // nothing: no pictures
   std::mutex* turn = nullptr;          // of a device on which others render, too
   std::vector<bool> records_mask;      // [n_cameras of the scene]
-  std::optional<Lut> lut;
   std::optional<std::uint32_t> frame;  // in whose state everything stands
 };
 
+struct FinishState {
+  std::shared_ptr<PictureFinish> finish;  // of the renderer; nothing: no pictures
+  std::optional<Lut> lut;
+};
+
 struct Pictures {  // [n_cameras shown]
+  std::vector<int> cameras;
   std::vector<RenderedFrame> frames;
   std::vector<FlowFrame> forward, backward;  // empty where Shown names no neighbour
   std::vector<Eigen::Matrix4d> T_world_camera;
@@ -40,11 +45,18 @@ struct Pictures {  // [n_cameras shown]
 namespace fields {
 extern const Field<Shown> shown;
 extern const Field<RenderState> renderer;
-extern const Field<Pictures> pictures;
+extern const Field<FinishState> finish;
+extern const Field<Pictures> traced;    // their light alone
+extern const Field<Pictures> pictures;  // finished
 extern const Field<FramePictures> images;
 }  // namespace fields
 
-Stage render_stage();  // shown -> pictures: one after the other, each with its ground truth
+// Gives the stages what they keep.
+void start_pictures(Store& store, std::unique_ptr<Renderer> renderer, std::optional<Lut> lut,
+                    std::vector<bool> records_mask);
+
+Stage render_stage();  // shown -> traced: one after the other, each with its ground truth
+Stage finish_stage();  // traced -> pictures: filtered and exposed, while the next are traced
 Stage encode_stage();  // pictures -> images: to 8 bits
 
 }  // namespace pvg
