@@ -193,9 +193,8 @@ RenderedFrame Renderer::Impl::trace(int camera, std::uint32_t frame) {
   const std::uint32_t n_pixels = std::uint32_t(seen_by.width) * std::uint32_t(seen_by.height);
   film.begin(std::uint32_t(seen_by.width), std::uint32_t(seen_by.height));
   const Launch launch = begin_launch(camera, frame);
-  const std::uint64_t rays = settings.is_adaptive
-                                 ? add_adaptive_samples(launch, float(seen_by.exposure))
-                                 : add_samples(launch, film.order, 0, n_pixels, 0, settings.samples);
+  const std::uint64_t rays = settings.is_adaptive ? add_adaptive_samples(launch, float(seen_by.exposure))
+                                                  : add_samples(launch, film.order, 0, n_pixels, 0, settings.samples);
   return take_picture(launch, camera, rays);
 }
 

@@ -12,7 +12,7 @@ namespace fields {
 //                                     name        shape               unit            state
 const Field<Shown> shown              ("shown",    "steps x n_node x 3", "m");
 const Field<RenderState> renderer     ("renderer", "n_camera",         "-",            true);
-const Field<FinishState> finish       ("finish",   "n_camera",         "-",            true);
+const Field<FinishState> finish       ("sensors",  "n_camera",         "-",            true);
 const Field<Pictures> traced          ("traced",   "n_camera x h x w", "W/(sr m^2)");
 const Field<Pictures> pictures        ("pictures", "n_camera x h x w", "exposed");
 const Field<FramePictures> images     ("images",   "n_camera x h x w", "sRGB");

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "host/render/image_denoise.hpp"
+#include "host/render/picture_finish.hpp"
 #include "tests/render/test_scene.hpp"
 
 namespace pvg::test {
@@ -113,6 +114,23 @@ TEST_F(LibraryDenoise, BringsEverySceneNearerToTheTruth) {
     EXPECT_LT(filtered, noisy) << "kind " << int(kind);
     std::printf("kind %d: error %.4f without it, %.4f with it\n", int(kind), noisy, filtered);
   }
+}
+
+// as the stages of an episode do it: a picture is finished when the next one has been traced
+TEST_F(LibraryDenoise, FilteredLaterIsTheSamePicture) {
+  Scene scene = room(Kind::diffuse);
+  scene.cameras[0].exposure = 1.7;
+  scene.cameras[0].full_well = 2000;
+  Device device;
+  Renderer renderer(device, scene, {.samples = 4, .denoises = true});
+  const RenderedFrame first = renderer.render(0, 1), second = renderer.render(0, 2);
+  const auto still = [&](double) { return initial_state(scene); };
+  RenderedFrame traced_first = renderer.trace(0, 1, still, 0), traced_second = renderer.trace(0, 2, still, 0);
+  EXPECT_NE(traced_first.rgb, first.rgb);
+  (*renderer.finish())(traced_first, 0, 1);
+  (*renderer.finish())(traced_second, 0, 2);
+  EXPECT_EQ(traced_first.rgb, first.rgb);
+  EXPECT_EQ(traced_second.rgb, second.rgb);
 }
 
 // A grey wall with noise of 10 %, of any sides: borders and corners are as grey as the middle.
