@@ -26,7 +26,7 @@ ALLOWED = {
     "fit/held_out.cpp": {"-10.0": "lowest share that is shown"},
     "fit/held_out.hpp": {"CURVES_OF_FITTED_RUNS": "curves in a report"},
     "fit/limits.cpp": {"N_BETWEEN": "steps of a bisection"},
-    "report/report.cpp": {"MOST_ALTERNATIVES": "names in a sentence"},
+    "report/report.cpp": {"MOST_ALTERNATIVES": "names in a sentence", "LEAST_ON_EARTH": "gravity, for a remark"},
     "report/report_html.cpp": {"WIDTH": "layout", "4": "layout", "12": "layout"},
     "report/score.cpp": {"9.9": "rows of the suite's table"},
     "search/workflow.cpp": {"0.02": "progress", "60": "seconds of a minute"},
