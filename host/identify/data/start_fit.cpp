@@ -8,47 +8,91 @@
 namespace pvg::diagnose {
 namespace {
 
-// Numbers of the samples of component k, by their distance in time from t0 [s].
-std::vector<std::pair<double, std::size_t>> samples_around(const std::vector<double>& t,
-                                                           const std::vector<double>& values, std::size_t width,
-                                                           std::size_t k, double t0) {
-  std::vector<std::pair<double, std::size_t>> near;
+struct Sample {
+  double after, value;  // of t0 [s]
+};
+
+// Component k of the channel, nearest to t0 first.
+std::vector<Sample> samples_around(const std::vector<double>& t, const std::vector<double>& values, std::size_t width,
+                                   std::size_t k, double t0) {
+  std::vector<Sample> near;
   for (std::size_t i = 0; i < t.size(); ++i)
-    if (std::isfinite(values[i * width + k])) near.push_back({std::abs(t[i] - t0), i});
-  std::sort(near.begin(), near.end());
+    if (std::isfinite(values[i * width + k])) near.push_back({t[i] - t0, values[i * width + k]});
+  std::stable_sort(near.begin(), near.end(),
+                   [](const Sample& a, const Sample& b) { return std::abs(a.after) < std::abs(b.after); });
   return near;
+}
+
+constexpr Eigen::Index PARABOLA = 3, QUARTIC = 5;  // numbers of a polynomial
+
+struct Polynomial {
+  LocalFit fit;
+  double left = 0;  // what it leaves, squares summed
+  Eigen::Index n_samples = 0, n_terms = 0;
+  bool is_within(double sigma) const {
+    return left <= std::pow(criteria().unexplained * sigma, 2) * double(n_samples - n_terms);
+  }
+};
+
+// Through the first n samples, at least n_terms.
+Polynomial polynomial_through(const std::vector<Sample>& samples, std::size_t n, Eigen::Index n_terms, double sigma) {
+  Eigen::MatrixXd a(n, n_terms);
+  Eigen::VectorXd b(n);
+  for (Eigen::Index i = 0; i < Eigen::Index(n); ++i) {
+    const Sample& one = samples[std::size_t(i)];
+    a(i, 0) = 1;
+    for (Eigen::Index k = 1; k < n_terms; ++k) a(i, k) = a(i, k - 1) * one.after;
+    b[i] = one.value;
+  }
+  const Eigen::MatrixXd normal = a.transpose() * a;
+  const Eigen::VectorXd x = a.colPivHouseholderQr().solve(b);
+  const Eigen::MatrixXd covariance = sigma * sigma * normal.completeOrthogonalDecomposition().pseudoInverse();
+  return {{x[0], x[1], std::sqrt(std::max(covariance(0, 0), 0.0)), std::sqrt(std::max(covariance(1, 1), 0.0)), true},
+          (b - a * x).squaredNorm(),
+          Eigen::Index(n),
+          n_terms};
+}
+
+// What hits something has a kink in its way: no parabola follows it, and no quartic, as one would follow what is merely
+// fast. The samples of one side say more of it than those of both, where its parabola is within the noise and its slope
+// farther off than the looseness of starts makes up for.
+Polynomial beside_a_kink(const std::vector<Sample>& near, const Polynomial& both, double sigma) {
+  const auto n = std::size_t(both.n_samples);
+  if (both.n_samples <= QUARTIC || both.is_within(sigma) ||
+      polynomial_through(near, n, QUARTIC, sigma).is_within(sigma))
+    return both;
+  for (const double side : {1.0, -1.0}) {
+    std::vector<Sample> samples;
+    for (const Sample& one : near)
+      if (one.after * side >= 0 && std::abs(one.after) < criteria().start_fit_span) samples.push_back(one);
+    if (samples.size() < criteria().start_n_least) continue;
+    const Polynomial alone = polynomial_through(samples, std::min(n, samples.size()), PARABOLA, sigma);
+    const double apart = std::abs(alone.fit.slope - both.fit.slope);
+    if (alone.is_within(sigma) && apart > criteria().start_looseness * both.fit.slope_sigma) return alone;
+  }
+  return both;
 }
 
 }  // namespace
 
 LocalFit fit_around(const std::vector<double>& t, const std::vector<double>& values, std::size_t width, std::size_t k,
                     double t0, double sigma) {
-  const std::vector<std::pair<double, std::size_t>> near = samples_around(t, values, width, k, t0);
+  const std::vector<Sample> near = samples_around(t, values, width, k, t0);
   const std::size_t most = std::min(criteria().start_n_most, near.size());
   std::size_t n = std::min(criteria().start_n_least, near.size());
-  while (n < most && near[n].first < criteria().start_fit_span / 2) ++n;
-  LocalFit fit;
-  if (n < 3) return fit;
-  const auto system = [&](std::size_t n_rows) {
-    std::pair<Eigen::MatrixXd, Eigen::VectorXd> of{Eigen::MatrixXd(n_rows, 3), Eigen::VectorXd(n_rows)};
-    for (std::size_t i = 0; i < n_rows; ++i) {
-      const double dt = t[near[i].second] - t0;
-      of.first.row(Eigen::Index(i)) << 1, dt, dt * dt;
-      of.second[Eigen::Index(i)] = values[near[i].second * width + k];
-    }
-    return of;
-  };
-  const auto [a, b] = system(n);
-  const Eigen::Matrix3d normal = a.transpose() * a;
-  Vec3 x = a.colPivHouseholderQr().solve(b);
-  const Eigen::Matrix3d covariance = sigma * sigma * normal.completeOrthogonalDecomposition().pseudoInverse();
-  if (t0 <= t.front() && most >= criteria().start_n_least) {
-    const auto [wide, first] = system(most);
-    const double mean = first.mean(), of_constant = (first.array() - mean).square().sum(),
-                 of_parabola = (first - wide * wide.colPivHouseholderQr().solve(first)).squaredNorm();
-    if (of_constant - of_parabola <= criteria().start_rest_most * sigma * sigma) x << mean, 0, 0;
+  while (n < most && std::abs(near[n].after) < criteria().start_fit_span / 2) ++n;
+  if (n < 3) return {};
+  Polynomial parabola = polynomial_through(near, n, PARABOLA, sigma);
+  if (t0 > t.front()) return beside_a_kink(near, parabola, sigma).fit;
+  if (most >= criteria().start_n_least) {
+    double mean = 0, of_constant = 0;
+    for (std::size_t i = 0; i < most; ++i) mean += near[i].value / double(most);
+    for (std::size_t i = 0; i < most; ++i) of_constant += std::pow(near[i].value - mean, 2);
+    if (of_constant - polynomial_through(near, most, PARABOLA, sigma).left <=
+        criteria().start_rest_most * sigma * sigma)
+      parabola.fit.value = mean, parabola.fit.slope = 0;
   }
-  return {x[0], x[1], std::sqrt(std::max(covariance(0, 0), 0.0)), std::sqrt(std::max(covariance(1, 1), 0.0)), true};
+  return parabola.fit;
 }
 
 TurnFit turn_around(const Run& run, const std::vector<double>& values, double t0, double sigma) {

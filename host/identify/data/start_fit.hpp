@@ -15,7 +15,8 @@ struct LocalFit {  // slope per second
 // A parabola through the samples around time t0 of component k: value and slope there. Where the run begins, and a
 // constant explains its first samples as well, the value is their mean and the slope 0: the few samples that are near
 // enough for the parabola give a rate of up to some sigma to what is at rest, and the law of what sticks or has play
-// has a kink there, over which no fit of the start leads.
+// has a kink there, over which no fit of the start leads. Within a run, where the samples of both sides of t0 follow no
+// parabola and those of one side do, as beside an impact, that side's counts.
 LocalFit fit_around(const std::vector<double>& t, const std::vector<double>& values, std::size_t width, std::size_t k,
                     double t0, double sigma);
 

@@ -13,7 +13,8 @@ namespace pvg::diagnose {
 namespace {
 
 using json = nlohmann::ordered_json;
-constexpr std::size_t MOST_ALTERNATIVES = 3;  // that a sentence holds
+constexpr std::size_t MOST_ALTERNATIVES = 3;                   // that a sentence holds
+constexpr double LEAST_ON_EARTH = 9.76, MOST_ON_EARTH = 9.84;  // gravity at the ground [m/s^2]
 
 // One standard deviation, or both ends where the interval of two reaches much farther up than down.
 std::string with_interval(const NamedParameter& p) {
@@ -39,6 +40,16 @@ std::string alternatives_of(const Diagnosis& d, const std::string& label) {
   for (std::size_t i = 1; i < std::min(others.size(), MOST_ALTERNATIVES); ++i) text += " or " + others[i];
   if (others.size() > MOST_ALTERNATIVES) text += " or " + std::to_string(others.size() - MOST_ALTERNATIVES) + " others";
   return text + ")";
+}
+
+// A gravity beyond doubt not the Earth's in a scene with the Earth's: what is named so is something that acts like it.
+std::string doubt_of(const Diagnosis& d, const NamedEffect& effect) {
+  const double stated = d.used.gravity.norm();
+  if (effect.candidate->name != "retune_gravity" || stated < LEAST_ON_EARTH || stated > MOST_ON_EARTH) return "";
+  const NamedParameter& found = effect.parameters.at(0);
+  if (found.high >= LEAST_ON_EARTH && found.low <= MOST_ON_EARTH) return "";
+  return ", which is nowhere on Earth (" + shown(LEAST_ON_EARTH) + " to " + shown(MOST_ON_EARTH) +
+         "): on level ground it stands for a constant force, or for lengths or times that are recorded wrong";
 }
 
 json parameters_of(const NamedEffect& effect) {
@@ -228,7 +239,7 @@ std::string sentence_of(const Diagnosis& d, Verdict verdict) {
     std::string values;
     for (const NamedParameter& p : e.parameters) values += (values.empty() ? "" : ", ") + with_interval(p);
     what += (what.empty() ? "" : "; ") + std::string(word) + e.candidate->label() + ", " + values +
-            alternatives_of(d, e.candidate->label());
+            alternatives_of(d, e.candidate->label()) + doubt_of(d, e);
   }
   std::string text = what + "; " + judged;
   if (d.floor > 0 && d.after > criteria().explained_held_out * d.floor)

@@ -72,6 +72,20 @@ TEST(Sentence, OfAnUnknownNoiseSaysWhatWouldBeNamedWithLess) {
           "falls from 10.8 to 2.33 times the noise, noise floor 1; partly explained: 2.33 times the noise is left");
 }
 
+TEST(Sentence, DoubtsAGravityThatIsNowhereOnEarth) {
+  const Candidate gravity = candidate("retune_gravity", Family::parameter);
+  Diagnosis d = heavy(gravity);
+  d.used.gravity = Vec3(0, 0, -9.81);
+  const auto has_doubt = [&](double value, double deviation) {
+    d.effects[0].parameters = {{"value", "m/s^2", value, value - 2 * deviation, value + 2 * deviation}};
+    return sentence_of(d).find("nowhere on Earth (9.76 to 9.84)") != std::string::npos;
+  };
+  EXPECT_TRUE(has_doubt(8.03, 0.08));
+  EXPECT_FALSE(has_doubt(9.65, 0.06));  // its interval reaches the Earth's
+  d.used.gravity = Vec3(0, 0, -1.62);   // a scene on the Moon
+  EXPECT_FALSE(has_doubt(8.03, 0.08));
+}
+
 // two named effects of one set are no alternatives to each other
 TEST(Sentence, OfTwoEffectsNeitherIsAnAlternativeToTheOther) {
   const Candidate mass = candidate("retune_mass", Family::parameter), drag = candidate("drag", Family::physical);
