@@ -5,16 +5,19 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from pathlib import Path
 from typing import Any, Sequence
 
 from .evaluation import PolicyResult, evaluate, planned_length
 from .environment import EVALUATION_SEED
+from .film import film_failures
 from .perturbation import Curve, Perturbed
 from .policies import BlindMean, Demonstrations, Expert, NearestDemonstration, Policy
 from .server import ServeError, Server
 
 EXAMPLE = "Example: phyvisgen evaluate policy push.yaml --policy ws://localhost:8000 -n 20 --perturb friction=0.5:2 --points 3"
 BASELINES = ("blind", "nearest", "expert")
+N_VIDEOS = 3  # of the first failures
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -43,6 +46,7 @@ def _parser() -> argparse.ArgumentParser:
         "starts at each amount; may be repeated",
     )
     parser.add_argument("--points", type=int, default=5, help="amounts from LOW to HIGH (5)")
+    parser.add_argument("--videos", metavar="FOLDER", help=f"of the policy's first {N_VIDEOS} failures, by the first camera")
     parser.add_argument("--json", action="store_true")
     return parser
 
@@ -78,10 +82,19 @@ def _sentence(result: PolicyResult) -> str:
     )
 
 
-def _server(words: argparse.Namespace, perturb: dict[str, float] | None = None) -> Server:
+def _difference(result: PolicyResult, other: PolicyResult) -> str:
+    told = result.above(other)
+    return (
+        f"{result.policy} above {other.policy}: {100 * told['difference']:+.1f} % "
+        f"(95 %: {100 * told['low']:+.1f} to {100 * told['high']:+.1f} %; gains {told['gained']} starts, "
+        f"loses {told['lost']}; sign test p = {told['p']:.4f})"
+    )
+
+
+def _server(words: argparse.Namespace, perturb: dict[str, float] | None = None, render: bool = False) -> Server:
     return Server(
         words.task,
-        render=bool(words.camera) or words.policy.startswith("lerobot:"),
+        render=render or bool(words.camera) or words.policy.startswith("lerobot:"),
         width=words.picture_width,
         height=words.picture_height,
         samples=words.samples,
@@ -98,6 +111,14 @@ def _curve(words: argparse.Namespace, policy: Policy, perturbed: Perturbed, star
         with _server(words, {perturbed.quantity: amount}) as server:
             results.append(evaluate(server, policy, length=length, starts=starts))
     return Curve(perturbed, results)
+
+
+def _videos(words: argparse.Namespace, policy: Policy, result: PolicyResult, length: int) -> list[str]:
+    with _server(words, render=True) as server:
+        cameras = words.camera or list(server.facts.cameras)
+        if not cameras:
+            raise ValueError(f"--videos: the task {server.facts.task} has no camera; give it one")
+        return [str(file) for file in film_failures(server, policy, result, Path(words.videos), cameras[0], length, N_VIDEOS)]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -122,17 +143,25 @@ def _run(words: argparse.Namespace, server: Server, perturbed: list[Perturbed]) 
     starts = [episode.seed for episode in result.episodes]  # the same for all, so that differences are paired
     beside = {name: evaluate(server, each, length=length, starts=starts) for name, each in baselines.items()}
     curves = [_curve(words, policy, each, starts, length).as_json() for each in perturbed]
+    videos = _videos(words, policy, result, length) if words.videos else []
     if words.json:
         told: dict[str, Any] = {"schema": 1, "policy": policy.name, **result.as_json()}
-        told["baselines"] = {name: each.as_json() for name, each in beside.items()}
+        told["baselines"] = {
+            name: {**each.as_json(), "policy_above": result.above(each)} for name, each in beside.items()
+        }
         told["perturbed"] = curves
+        told["videos"] = videos
         print(json.dumps(told, indent=2))
         return 0
     for each in [result, *beside.values()]:
         print(_sentence(each))
+    for each in beside.values():
+        print(_difference(result, each))
     for episode in result.episodes:
         if not episode.success:
             print(f"  start {episode.seed}: {episode.reason}")
+    for video in videos:
+        print(f"  {video}")
     for curve in curves:
         for point in curve["points"]:
             print(f"{curve['quantity']} {point['amount']:g}: {100 * point['success']:.1f} % "

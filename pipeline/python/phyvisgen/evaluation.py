@@ -10,7 +10,7 @@ from typing import Any, Iterable
 from .environment import EVALUATION_SEED, LENGTH_OF_PLAN
 from .policies import Policy
 from .server import Server
-from .statistics import wilson
+from .statistics import beta_interval, paired_difference, wilson
 
 __all__ = ["EpisodeResult", "PolicyResult", "evaluate", "run_episode"]
 
@@ -35,6 +35,12 @@ class PolicyResult:
     def n_successes(self) -> int:
         return sum(episode.success for episode in self.episodes)
 
+    def above(self, other: PolicyResult) -> dict[str, float | int]:
+        """Paired difference to another policy, which had the same starts."""
+        if [episode.seed for episode in self.episodes] != [episode.seed for episode in other.episodes]:
+            raise ValueError(f"{self.policy} and {other.policy} had other starts; judge both on the same")
+        return paired_difference([each.success for each in self.episodes], [each.success for each in other.episodes])
+
     def as_json(self) -> dict[str, Any]:
         n = len(self.episodes)
         low, high = wilson(self.n_successes, n)
@@ -44,6 +50,7 @@ class PolicyResult:
             "success": self.n_successes / n if n else 0.0,
             "low": low,
             "high": high,
+            "beta": list(beta_interval(self.n_successes, n)),
             "events": dict(sorted(events.items())),
             "episodes_detail": [asdict(episode) for episode in self.episodes],
         }

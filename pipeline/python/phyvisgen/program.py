@@ -27,7 +27,7 @@ def find_program() -> Path:
 
 def _task_folders(program: Path) -> list[Path]:
     """Of an installation, and of a source tree whose build folder holds the program."""
-    return [program.parents[1] / "share/phyvisgen/data/tasks", program.parents[2] / "data/tasks"]
+    return [program.parent.parent / "share/phyvisgen/data/tasks", program.parent.parent.parent / "data/tasks"]
 
 
 def tasks(program: Path | None = None) -> dict[str, Path]:

@@ -15,11 +15,12 @@ import numpy as np
 import phyvisgen
 from phyvisgen import evaluate
 from phyvisgen.evaluation import EpisodeResult, PolicyResult, evaluate as evaluate_policy
+from phyvisgen.film import film_failures
 from phyvisgen.perturbation import Perturbed, shuffled_control
 from phyvisgen.policies import BlindMean, Demonstrations, Expert, NearestDemonstration
 from phyvisgen.records import EpisodeSet
 from phyvisgen.server import Answer
-from phyvisgen.statistics import wilson
+from phyvisgen.statistics import beta_interval, paired_difference, wilson
 from small_task import TASK
 
 
@@ -137,12 +138,59 @@ class Recorded(unittest.TestCase):
         self.assertEqual(details[1][0]["seed"], 0)
 
 
+class Stays:
+    """Asks the joints to stay."""
+
+    name, cameras = "stays", ()
+
+    def reset(self, start):
+        self.action = start.arrays["agent_pos"]
+
+    def step(self, server, seen):
+        return server.step(self.action)
+
+
+class Videos(unittest.TestCase):
+    def test_failures_are_filmed_as_they_were_judged(self):
+        with tempfile.TemporaryDirectory() as folder, phyvisgen.Server(TASK, width=16, height=12, samples=1) as server:
+            length = 2
+            result = evaluate_policy(server, Stays(), episodes=2, length=length)
+            files = film_failures(server, Stays(), result, Path(folder), "front", length, most=1)
+            self.assertEqual([file.name for file in files], ["failure_0_front.mp4"])
+            words = ["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames,width", "-of", "csv=p=0"]
+            self.assertEqual(subprocess.check_output([*words, files[0]], text=True).strip(), f"16,{length}")
+            other = PolicyResult("stays", [replace(result.episodes[0], reason="it was another failure")])
+            with self.assertRaisesRegex(phyvisgen.ServeError, "did not repeat start 0"):
+                film_failures(server, Stays(), other, Path(folder), "front", length, most=1)
+
+
 class Figures(unittest.TestCase):
     def test_wilsons_interval(self):
         low, high = wilson(16, 20)  # 0.584 to 0.919, as tables give it
         self.assertAlmostEqual(low, 0.584, 3)
         self.assertAlmostEqual(high, 0.919, 3)
         self.assertEqual(wilson(0, 0), (0.0, 1.0))
+
+    def test_the_beta_interval_holds_what_it_says(self):
+        # no success of one: density 2 (1 - x), distribution function 1 - (1 - x)^2
+        low, high = beta_interval(0, 1)
+        self.assertAlmostEqual(low, 1 - 0.975**0.5, 12)
+        self.assertAlmostEqual(high, 1 - 0.025**0.5, 12)
+        # trapezoids of the density under the interval of 16 of 20
+        x = np.linspace(*beta_interval(16, 20), 20001)
+        inside = np.trapezoid(x**16 * (1 - x) ** 4, x) * 21 * 4845  # 1 / B(17, 5) = 21 (20 over 16)
+        self.assertAlmostEqual(inside, 0.95, 6)
+
+    def test_a_paired_difference_goes_by_the_starts_on_which_two_differ(self):
+        # 6 starts gained and none lost of 20: p = 2 / 2^6, (7 - 1) / 22 +- 1.96 sqrt((8 / 22 - (6 / 22)^2) / 22)
+        told = paired_difference([True] * 20, [False] * 6 + [True] * 14)
+        self.assertEqual((told["gained"], told["lost"], told["difference"]), (6, 0, 0.3))
+        self.assertEqual(told["p"], 2 / 64)
+        self.assertAlmostEqual(told["low"], 6 / 22 - 1.959964 * (8 / 22 - (6 / 22) ** 2) ** 0.5 / 22**0.5, 6)
+        same = paired_difference([True, False], [True, False])
+        self.assertEqual((same["difference"], same["p"], same["low"]), (0.0, 1.0, -same["high"]))
+        with self.assertRaisesRegex(ValueError, "no pairs"):
+            paired_difference([True], [])
 
     def test_a_shuffled_control_knows_chance(self):
         # two amounts, four starts, all well at one and none at the other: of the 16 ways to shuffle each start's pair two

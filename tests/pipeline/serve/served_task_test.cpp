@@ -240,7 +240,8 @@ TEST_F(Served, AStepThatCannotBeDoneEndsTheEpisodeWithItsReason) {
 
 TEST(Tasks, TheStartOfEveryTaskIsNoSuccess) {
   namespace fs = std::filesystem;
-  std::vector<fs::path> files = {PVG_DATA_FOLDER "/../scripts/policy/push_beaker.yaml"};
+  std::vector<fs::path> files = {PVG_DATA_FOLDER "/../scripts/policy/push_beaker.yaml",
+                                 PVG_DATA_FOLDER "/../scripts/policy/fold_towel.yaml"};
   for (const auto& entry : fs::directory_iterator(PVG_DATA_FOLDER "/tasks")) files.push_back(entry.path());
   for (const fs::path& file : files) {
     const Task task = load_task(file);
