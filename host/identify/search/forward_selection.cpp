@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "host/identify/criteria.hpp"
@@ -66,10 +67,12 @@ std::vector<std::string> told_together(const Round& round, const Judged& chosen)
   std::vector<std::string> labels;
   for (const Candidate* other : look_alikes(round.signatures, *model.parts.back(),
                                             model.x.tail(Eigen::Index(model.parts.back()->parameters.size())))) {
-    const bool was_fitted = std::any_of(round.fits.begin(), round.fits.end(), [&](const Fit& fit) {
+    const auto is_worse = [&](const Fit& fit) {
       return fit.succeeded && (!fit.is_given_up || fit.is_far_behind) && fit.model.parts.back() == other;
-    });
-    if (!was_fitted) labels.push_back(other->label());
+    };
+    const bool any_worse = std::any_of(round.fits.begin(), round.fits.end(), is_worse) ||
+                           std::any_of(round.refuted.begin(), round.refuted.end(), is_worse);
+    if (!any_worse) labels.push_back(other->label());
   }
   return labels;
 }
@@ -102,7 +105,7 @@ class ForwardSelection {
     Next next = Next::another_round;
     for (int number = 1; number <= n_rounds && next == Next::another_round; ++number) next = add_effect(number);
     if (next == Next::nothing || flow_.settings.max_effects < 2 || !is_workflow()) return;
-    if (tells_of_pairs()) look_for_pairs();
+    if (!is_explained_) look_for_pairs();
   }
 
  private:
@@ -118,13 +121,16 @@ class ForwardSelection {
       return Next::nothing;
     const double since = flow_.seconds();
     if (n_named() == 1) tried_.push_back(of_windows_);
-    const Round round = run_round(flow_, candidates_, prepared_.data(), named_, std::to_string(number),
-                                  number == 1 ? 0.4 : 0.75, number == 1 ? ends_ : std::vector<Model>());
+    Round round = run_round(flow_, candidates_, prepared_.data(), named_, std::to_string(number),
+                            number == 1 ? 0.4 : 0.75, number == 1 ? ends_ : std::vector<Model>());
     of_round_ = flow_.seconds() - since;
+    if (number == 1 && is_workflow()) {
+      out_.follows = any_follows(round);
+      if (out_.follows) prefer_what_follows_whole_runs(round);
+    }
     const Decision& decision = round.decision;
     if (number == 1)
       for (const Judged& judged : decision.ranking) out_.ranking.push_back(ranked(judged));
-    if (number == 1 && is_workflow()) out_.follows = any_follows(round);
     if (decision.chosen < 0) return out_.follows ? Next::pairs : Next::nothing;
     const Judged& chosen = decision.ranking[std::size_t(decision.chosen)];
     if (number > 1 && !closes_enough_of_the_rest(decision, chosen)) return Next::pairs;
@@ -171,10 +177,9 @@ class ForwardSelection {
   // drive that is far too stiff is found, the command of another run is not. Else no pair and no law can be found.
   bool any_follows(const Round& round) {
     const auto follows = [&](const Fit& fit) {
-      return rms(fit.residual) <= criteria().far_misfit_least ||
-             is_coherent(flow_.problem, prepared_.data(), fit, criteria().window_hopeless);
+      return is_coherent(flow_.problem, prepared_.data(), fit, criteria().window_hopeless);
     };
-    if (std::any_of(round.fits.begin(), round.fits.end(), follows)) return true;
+    if (round.fits.empty() || std::any_of(round.fits.begin(), round.fits.end(), follows)) return true;
     flow_.notes.push_back(
         fmt::format("with no single effect the scene follows the recorded motion, {:.3g} times the noise away as it "
                     "stands: neither pairs nor laws were looked for; are inputs and rows those of their run?",
@@ -182,12 +187,42 @@ class ForwardSelection {
     return false;
   }
 
+  // Each short window has a start of its own, so that an effect may explain them all and not the runs: where the one
+  // that was chosen does not follow these, and another does that explains nearly as much, what does not follow is out.
+  void prefer_what_follows_whole_runs(Round& round) {
+    const Decision& decision = round.decision;
+    if (windows_.length == 0 || decision.chosen < 0) return;
+    const Judged& chosen = decision.ranking[std::size_t(decision.chosen)];
+    std::vector<Model> models = {chosen.fit->model};
+    for (const Judged& other : decision.ranking)
+      if (&other != &chosen && other.passes &&
+          decision.base_error - other.error > criteria().nearly_as_much * (decision.base_error - chosen.error))
+        models.push_back(other.fit->model);
+    const double seconds = flow_.settings.simulated_seconds;
+    flow_.ends_in_time(criteria().time_search, "which effects follow whole runs", [&] {
+      const auto follow = follow_whole_runs(flow_.fitter, flow_.problem, seconds, models);
+      if (!follow || follow->front() || std::none_of(follow->begin(), follow->end(), std::identity()) ||
+          on_whole_runs(flow_.fitter, flow_.problem, seconds, *chosen.fit))
+        return;
+      flow_.notes.push_back(labels_of(models.front()).back() +
+                            " explains short windows but does not follow whole runs, which another effect does");
+      const auto does_follow = [&](const Fit& fit) {
+        for (std::size_t i = 0; i < models.size(); ++i)
+          if (models[i].parts == fit.model.parts) return bool((*follow)[i]);
+        return false;
+      };
+      const auto refuted = std::stable_partition(round.fits.begin(), round.fits.end(), does_follow);
+      round.refuted.assign(refuted, round.fits.end());
+      round.fits.erase(refuted, round.fits.end());
+      round.decision = decide(prepared_.data(), windows_.base, round.fits);
+    });
+  }
+
   // Whether even the best single effect leaves nearly all of a large misfit, as beside the command of another run.
   // Pairs may still explain it.
   bool explains_little() {
     const double before = rms(windows_.base.residual), left = rms(named_.residual);
-    if (!(left > criteria().far_misfit_least) || gets_nearer(windows_.data, windows_.base, named_.residual))
-      return false;
+    if (gets_nearer(flow_.problem, windows_.data, windows_.base, named_.residual)) return false;
     flow_.notes.push_back(fmt::format(
         "{}, the best single effect, leaves {:.3g} of {:.3g} times the noise: no second one is looked for beside it; "
         "are inputs and rows those of their run?",
@@ -267,12 +302,6 @@ class ForwardSelection {
     return is_newest_dropped;
   }
 
-  // Short windows that one effect explains tell nothing of pairs.
-  bool tells_of_pairs() const {
-    return out_.fits.empty() ||
-           (!is_explained_ && (windows_.length == 0 || rms(of_windows_.residual) >= criteria().unexplained));
-  }
-
   void look_for_pairs() {
     // a pair has to be better than what is named already
     const double left = out_.fits.empty() ? INFINITY : std::min(rms(named_.residual), rms(of_windows_.residual));
@@ -280,16 +309,11 @@ class ForwardSelection {
     const auto is_better = [&](const std::optional<FoundPair>& pair) {
       return pair && (left >= criteria().unexplained || is_explained(flow_, windows_.data, pair->fit, windows_.length));
     };
-    const std::vector<Fit> alternatives = first_round_.all();
-    if (const std::optional<FoundPair> pair = find_beside_alternatives(flow_, candidates_, windows_.data, windows_.base,
-                                                                       alternatives, tried_, most, of_round_);
-        is_better(pair)) {
-      out_.inseparable.resize(std::min<std::size_t>(out_.inseparable.size(), 1));  // of the first effect
-      take(*pair);
-      return;
-    }
     if (!flow_.has_time("a pair of effects", of_round_)) return;
-    if (const std::optional<FoundPair> pair = find_pair(flow_, candidates_, windows_.data, windows_.base, most);
+    const std::vector<Fit> alternatives =
+        alternatives_of(flow_, windows_.data, windows_.base, first_round_.all(), tried_);
+    if (const std::optional<FoundPair> pair =
+            find_pair(flow_, candidates_, windows_.data, windows_.base, alternatives, most);
         is_better(pair)) {
       out_.inseparable.clear();
       take(*pair);

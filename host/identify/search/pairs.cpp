@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/search/alternatives.hpp"
 #include "host/identify/search/round.hpp"
 #include "host/identify/search/screening.hpp"
 
@@ -80,6 +80,10 @@ std::vector<Screened> pairs_to_fit(Workflow& flow, const std::vector<Candidate>&
   return starts;
 }
 
+bool has_same_parts(const Model& a, const Model& b) {
+  return std::is_permutation(a.parts.begin(), a.parts.end(), b.parts.begin(), b.parts.end());
+}
+
 // The pairs, each fitted to longer and longer first parts.
 std::vector<Screened> pairs_of_first_parts(Workflow& flow, const std::vector<Candidate>& all, const FitData& data) {
   std::vector<Screened> starts;
@@ -100,9 +104,14 @@ std::vector<Screened> pairs_of_first_parts(Workflow& flow, const std::vector<Can
 }  // namespace
 
 std::optional<FoundPair> find_pair(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
-                                   const Fit& base, double most) {
-  const std::vector<Screened> starts = flow.problem.can_restart ? pairs_to_fit(flow, candidates, data, base)
-                                                                : pairs_of_first_parts(flow, candidates, data);
+                                   const Fit& base, const std::vector<Fit>& alternatives, double most) {
+  std::vector<Screened> starts = flow.problem.can_restart ? pairs_to_fit(flow, candidates, data, base)
+                                                          : pairs_of_first_parts(flow, candidates, data);
+  // what was simulated beside an alternative is a better start than a sum of small changes
+  for (Screened& pair : pairs_beside(flow, candidates, data, alternatives)) {
+    std::erase_if(starts, [&](const Screened& sum) { return has_same_parts(sum.model, pair.model); });
+    starts.push_back(std::move(pair));
+  }
   if (starts.empty()) return std::nullopt;
   flow.report_progress(5, 0.8, "fitting " + std::to_string(starts.size()) + " pairs of candidates");
   const std::vector<Fit> fits = fit_best(flow, data, base, starts);
@@ -111,10 +120,13 @@ std::optional<FoundPair> find_pair(Workflow& flow, const std::vector<Candidate>&
   if (decision.chosen < 0) return std::nullopt;
   const Judged& chosen = decision.ranking[std::size_t(decision.chosen)];
   if (rms(chosen.fit->residual) >= most) return std::nullopt;
-  std::set<std::string> labels;
+  std::map<std::string, std::size_t> n_of;  // inseparable pairs that hold an effect
   for (const std::size_t i : decision.inseparable)
-    for (const Candidate* part : decision.ranking[i].fit->model.effects()) labels.insert(part->label());
-  return FoundPair{*chosen.fit, ranked(chosen), {labels.begin(), labels.end()}};
+    for (const Candidate* part : decision.ranking[i].fit->model.effects()) ++n_of[part->label()];
+  FoundPair found{*chosen.fit, ranked(chosen), {}};
+  for (const auto& [label, n] : n_of)  // what all of them hold is not in doubt
+    if (n < decision.inseparable.size()) found.inseparable.push_back(label);
+  return found;
 }
 
 }  // namespace pvg::diagnose

@@ -18,8 +18,9 @@ struct Pair {
 // with whatever is beside it.
 std::vector<Pair> best_pairs(const Signatures& signatures, double n_data);
 
-// The pair that the decision names, if it leaves less than `most` times the noise.
+// The pair that the decision names, if it leaves less than `most` times the noise: of the best sums, and of what is
+// best beside each of the `alternatives` to the first effect.
 std::optional<FoundPair> find_pair(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
-                                   const Fit& base, double most);
+                                   const Fit& base, const std::vector<Fit>& alternatives, double most);
 
 }  // namespace pvg::diagnose
