@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <utility>
 
 #include "host/identify/criteria.hpp"
@@ -10,6 +9,7 @@
 #include "host/identify/fit/prepared.hpp"
 #include "host/identify/search/alternatives.hpp"
 #include "host/identify/search/finer_steps.hpp"
+#include "host/identify/search/follow.hpp"
 #include "host/identify/search/pairs.hpp"
 #include "host/identify/search/prove.hpp"
 #include "host/identify/search/revise.hpp"
@@ -125,8 +125,8 @@ class ForwardSelection {
                             number == 1 ? 0.4 : 0.75, number == 1 ? ends_ : std::vector<Model>());
     of_round_ = flow_.seconds() - since;
     if (number == 1 && is_workflow()) {
-      out_.follows = any_follows(round);
-      if (out_.follows) prefer_what_follows_whole_runs(round);
+      out_.follows = any_follows(flow_, windows_, round);
+      if (out_.follows) prefer_what_follows_whole_runs(flow_, windows_, round);
     }
     const Decision& decision = round.decision;
     if (number == 1)
@@ -141,7 +141,7 @@ class ForwardSelection {
     const StandIns this_round = stand_ins_of(decision);
     if (number == 1) first_round_ = this_round;
     const Fit before = std::exchange(named_, *chosen.fit);
-    if (number == 1 && is_workflow() && (!out_.follows || explains_little())) {
+    if (number == 1 && is_workflow() && (!out_.follows || explains_little(flow_, windows_, named_))) {
       take(chosen, set, number);
       return out_.follows ? Next::pairs : Next::nothing;
     }
@@ -171,63 +171,6 @@ class ForwardSelection {
                             "what " + named_.model.parts.back()->label() + " leaves is " + std::to_string(out_.error) +
                                 " times the noise: looking for another effect");
     return Next::another_round;
-  }
-
-  // Whether the scene with any single effect is so near to the recorded motion that changes of it can be linearised: a
-  // drive that is far too stiff is found, the command of another run is not. Else no pair and no law can be found.
-  bool any_follows(const Round& round) {
-    const auto follows = [&](const Fit& fit) {
-      return is_coherent(flow_.problem, prepared_.data(), fit, criteria().window_hopeless);
-    };
-    if (round.fits.empty() || std::any_of(round.fits.begin(), round.fits.end(), follows)) return true;
-    flow_.notes.push_back(
-        fmt::format("with no single effect the scene follows the recorded motion, {:.3g} times the noise away as it "
-                    "stands: neither pairs nor laws were looked for; are inputs and rows those of their run?",
-                    rms(windows_.base.residual)));
-    return false;
-  }
-
-  // Each short window has a start of its own, so that an effect may explain them all and not the runs: where the one
-  // that was chosen does not follow these, and another does that explains nearly as much, what does not follow is out.
-  void prefer_what_follows_whole_runs(Round& round) {
-    const Decision& decision = round.decision;
-    if (windows_.length == 0 || decision.chosen < 0) return;
-    const Judged& chosen = decision.ranking[std::size_t(decision.chosen)];
-    std::vector<Model> models = {chosen.fit->model};
-    for (const Judged& other : decision.ranking)
-      if (&other != &chosen && other.passes &&
-          decision.base_error - other.error > criteria().nearly_as_much * (decision.base_error - chosen.error))
-        models.push_back(other.fit->model);
-    const double seconds = flow_.settings.simulated_seconds;
-    flow_.ends_in_time(criteria().time_search, "which effects follow whole runs", [&] {
-      const auto follow = follow_whole_runs(flow_.fitter, flow_.problem, seconds, models);
-      if (!follow || follow->front() || std::none_of(follow->begin(), follow->end(), std::identity()) ||
-          on_whole_runs(flow_.fitter, flow_.problem, seconds, *chosen.fit))
-        return;
-      flow_.notes.push_back(labels_of(models.front()).back() +
-                            " explains short windows but does not follow whole runs, which another effect does");
-      const auto does_follow = [&](const Fit& fit) {
-        for (std::size_t i = 0; i < models.size(); ++i)
-          if (models[i].parts == fit.model.parts) return bool((*follow)[i]);
-        return false;
-      };
-      const auto refuted = std::stable_partition(round.fits.begin(), round.fits.end(), does_follow);
-      round.refuted.assign(refuted, round.fits.end());
-      round.fits.erase(refuted, round.fits.end());
-      round.decision = decide(prepared_.data(), windows_.base, round.fits);
-    });
-  }
-
-  // Whether even the best single effect leaves nearly all of a large misfit, as beside the command of another run.
-  // Pairs may still explain it.
-  bool explains_little() {
-    const double before = rms(windows_.base.residual), left = rms(named_.residual);
-    if (gets_nearer(flow_.problem, windows_.data, windows_.base, named_.residual)) return false;
-    flow_.notes.push_back(fmt::format(
-        "{}, the best single effect, leaves {:.3g} of {:.3g} times the noise: no second one is looked for beside it; "
-        "are inputs and rows those of their run?",
-        labels_of(named_.model).back(), left, before));
-    return true;
   }
 
   // A second effect also helps where the law of the first is not quite right; another single effect may help as much.

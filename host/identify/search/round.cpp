@@ -23,16 +23,19 @@ std::vector<const Candidate*> others_than(const std::vector<Candidate>& all, con
   return others;
 }
 
+bool are_shortest(const FitData& data) {
+  const double shortest = criteria().window_lengths.back();
+  return std::all_of(data.windows.begin(), data.windows.end(), [&](const Window& window) {
+    return window.end - window.start < (1 + criteria().window_missing) * shortest;
+  });
+}
+
 bool gets_nearer(const Problem& problem, const FitData& data, const Fit& base, const std::vector<VectorXd>& left) {
   const double before = rms(base.residual);
   const bool is_near =
       !(before > criteria().far_misfit_least) && is_coherent(problem, data, base, criteria().window_hopeless);
   if (is_near) return true;
-  const double shortest = criteria().window_lengths.back();
-  const bool are_shortest = std::all_of(data.windows.begin(), data.windows.end(), [&](const Window& window) {
-    return window.end - window.start < (1 + criteria().window_missing) * shortest;
-  });
-  const bool is_last_resort = are_shortest && base.model.effects().empty();
+  const bool is_last_resort = are_shortest(data) && base.model.effects().empty();
   return closed(before, rms(left), 1) >= (is_last_resort ? criteria().gap_closed_least : criteria().second_gain_least);
 }
 

@@ -23,6 +23,9 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
 // The candidates that a model does not hold.
 std::vector<const Candidate*> others_than(const std::vector<Candidate>& all, const Model& model);
 
+// Whether these are the shortest windows, the last resort of a scene that does not follow the recording.
+bool are_shortest(const FitData& data);
+
 // Whether these residuals are so much nearer to the data than the base's that further steps, or a second effect, are
 // worth it: by second_gain_least, but beside no effect in the shortest windows, whose starts take up much and which are
 // the last resort of a scene that does not follow the recording, by gap_closed_least. So is all where the base is near
