@@ -94,12 +94,13 @@ class Strength:
         self.scenario, self.told = scenario, told
 
     def left(self, run, nature, effects):
-        at_first = states_of(self.scenario, run, nature, effects, np.zeros(1))[0, : len(run.start)]
-        # the start that the told scene would pass through the same state from, to first order
-        later = states_of(self.scenario, from_start(run, at_first), self.told, {}, np.zeros(1))[0, : len(run.start)]
+        starts = [np.array(run.start, float)]
+        if not run.is_released:  # or where the told scene would pass through nature's first state from, to first order
+            at_first = states_of(self.scenario, run, nature, effects, np.zeros(1))[0, : len(run.start)]
+            later = states_of(self.scenario, from_start(run, at_first), self.told, {}, np.zeros(1))[0, : len(run.start)]
+            starts.append(2 * at_first - later)
         wanted = in_noise(self.scenario, run, nature, effects)
-        fits = [fit_start(self.scenario, run, self.told, wanted, start) for start in (np.array(run.start, float), 2 * at_first - later)]
-        return min(fits, key=np.linalg.norm)
+        return min((fit_start(self.scenario, run, self.told, wanted, start) for start in starts), key=np.linalg.norm)
 
     def of_role(self, role, nature, effects):
         left = np.concatenate([self.left(run, nature, effects) for run in self.scenario.runs if run.role == role])

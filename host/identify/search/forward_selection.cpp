@@ -105,7 +105,7 @@ class ForwardSelection {
     Next next = Next::another_round;
     for (int number = 1; number <= n_rounds && next == Next::another_round; ++number) next = add_effect(number);
     if (next == Next::nothing || flow_.settings.max_effects < 2 || !is_workflow()) return;
-    if (!is_explained_) look_for_pairs();
+    if (tells_of_pairs()) look_for_pairs();
   }
 
  private:
@@ -243,6 +243,12 @@ class ForwardSelection {
     out_.windows = prepared_.data().windows;
     out_.better_at_bound.clear();
     return is_newest_dropped;
+  }
+
+  // Short windows that one effect explains tell nothing of pairs.
+  bool tells_of_pairs() const {
+    return out_.fits.empty() ||
+           (!is_explained_ && (windows_.length == 0 || rms(of_windows_.residual) >= criteria().unexplained));
   }
 
   void look_for_pairs() {
