@@ -14,11 +14,11 @@ namespace {
 
 constexpr double NOISE = 2e-3;  // [rad]
 
-// I q'' = -c q^3 with I = 2 / 300 kg m^2 and c = 12 N m/rad^3, let go at rest from q, by Runge and Kutta's fourth
-// order.
-std::vector<double> on_a_cubic_spring(double q, std::size_t n_samples) {
+// I q'' = -k q - c q^3 with I = 2 / 300 kg m^2, k = 1 N m/rad and c = 2 N m/rad^3, let go at rest from q, by Runge and
+// Kutta's fourth order.
+std::vector<double> on_a_stiffening_spring(double q, std::size_t n_samples) {
   constexpr double INERTIA = 2.0 / 300, H = 1e-3;
-  const auto acceleration = [](double at) { return -12 * at * at * at / INERTIA; };
+  const auto acceleration = [](double at) { return -(at + 2 * at * at * at) / INERTIA; };
   std::vector<double> samples;
   double w = 0;
   for (std::size_t i = 0; i < 10 * n_samples; ++i) {
@@ -44,11 +44,13 @@ std::string table(std::vector<double> samples, unsigned seed, bool is_shuffled) 
 
 Diagnosis diagnosed(bool is_shuffled) {
   const TestFolder folder;
-  folder.write("scene.yaml", plate_on_a_spindle("5 ms"));
-  const std::vector<double> starts = {0.3, 0.34, 0.32};
+  std::string scene = plate_on_a_spindle("5 ms");  // with the linear part of the spring
+  scene.insert(scene.rfind('}'), ", drive: {stiffness: 1, target: 0}");
+  folder.write("scene.yaml", scene);
+  const std::vector<double> starts = {0.3, 0.34, 0.36};
   for (std::size_t i = 0; i < starts.size(); ++i)
     folder.write("run_" + std::to_string(i) + ".csv",
-                 table(on_a_cubic_spring(starts[i], 61), unsigned(i), is_shuffled));
+                 table(on_a_stiffening_spring(starts[i], is_shuffled ? 31 : 61), unsigned(i), is_shuffled));
   folder.write("recording.yaml", R"(schema: 1
 scene: scene.yaml
 runs:
@@ -71,12 +73,12 @@ bool any_says(const std::vector<std::string>& notes, const std::string& words) {
                      [&](const std::string& note) { return note.find(words) != std::string::npos; });
 }
 
-// A linear spring closes most of the gap and leaves more than noise, a cube of the angle leaves the noise.
+// Another stiffness closes most of the gap and leaves 4.7 times the noise, a cube of the angle leaves the noise.
 TEST(WithheldName, IsOneThatALawBeats) {
   const Diagnosis found = diagnosed(false);
   EXPECT_EQ(found.verdict, Verdict::none);
   ASSERT_FALSE(found.effects.empty());
-  EXPECT_GT(found.gap_closed, criteria().gap_closed_least) << "the spring would have been named";
+  EXPECT_GT(found.gap_closed, criteria().gap_closed_least) << "the stiffness would have been named";
   EXPECT_TRUE(any_says(found.notes, "the name is withheld"));
   ASSERT_TRUE(found.regressed.has_value());
   EXPECT_LT(found.regressed->after, 1.3 * found.regressed->floor);
