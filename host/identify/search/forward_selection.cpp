@@ -7,7 +7,6 @@
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/on_whole_runs.hpp"
 #include "host/identify/fit/prepared.hpp"
-#include "host/identify/search/alternatives.hpp"
 #include "host/identify/search/finer_steps.hpp"
 #include "host/identify/search/follow.hpp"
 #include "host/identify/search/pairs.hpp"
