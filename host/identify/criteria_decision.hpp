@@ -73,9 +73,9 @@
   X(6, std::size_t, n_swaps, 3, "1", \
     "alternatives that replace the first effect", \
     "not recorded; from the change that let resting bodies start on their support (commit bac2ea0)") \
-  X(6, std::size_t, n_alternatives, 2, "1", \
+  X(6, std::size_t, n_alternatives, 4, "1", \
     "alternatives to the first effect beside which a second one is searched", \
-    "backlash beside friction, spring beside delay (commit 0ec3434)") \
+    "friction and payload of a carriage, of which play and clocks left less alone (new scenarios, seed 83, case 035)") \
   X(6, double, same_residual, 1, "noise", \
     "difference below which two fits leave the same", \
     "backlash beside friction, spring beside delay (commit 0ec3434)") \
@@ -83,7 +83,7 @@
     "pairs that are fitted", \
     "two effects of the hidden suite (commit b878db3)") \
   X(6, std::size_t, n_pairs_of_one, 3, "1", \
-    "pairs that may hold the same candidate", \
+    "pairs that may hold the same candidate, and second effects that are fitted beside one alternative", \
     "two effects of the hidden suite (commit b878db3)") \
   X(6, double, pair_first_part, 0.25, "1", \
     "first share of the runs in which pairs of soft bodies are searched", \

@@ -18,4 +18,9 @@ struct OnWholeRuns {
 std::optional<OnWholeRuns> on_whole_runs(Fitter& fitter, const Problem& problem, double simulated_seconds,
                                          const Fit& found);
 
+// Which of these models, with the starts alone fitted, are near enough to the whole fitting runs to be linearised.
+// Nothing where that cannot be told.
+std::optional<std::vector<bool>> follow_whole_runs(Fitter& fitter, const Problem& problem, double simulated_seconds,
+                                                   const std::vector<Model>& models);
+
 }  // namespace pvg::diagnose

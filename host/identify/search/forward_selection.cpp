@@ -7,8 +7,8 @@
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/on_whole_runs.hpp"
 #include "host/identify/fit/prepared.hpp"
-#include "host/identify/search/alternatives.hpp"
 #include "host/identify/search/finer_steps.hpp"
+#include "host/identify/search/follow.hpp"
 #include "host/identify/search/pairs.hpp"
 #include "host/identify/search/prove.hpp"
 #include "host/identify/search/revise.hpp"
@@ -66,10 +66,12 @@ std::vector<std::string> told_together(const Round& round, const Judged& chosen)
   std::vector<std::string> labels;
   for (const Candidate* other : look_alikes(round.signatures, *model.parts.back(),
                                             model.x.tail(Eigen::Index(model.parts.back()->parameters.size())))) {
-    const bool was_fitted = std::any_of(round.fits.begin(), round.fits.end(), [&](const Fit& fit) {
+    const auto is_worse = [&](const Fit& fit) {
       return fit.succeeded && (!fit.is_given_up || fit.is_far_behind) && fit.model.parts.back() == other;
-    });
-    if (!was_fitted) labels.push_back(other->label());
+    };
+    const bool any_worse = std::any_of(round.fits.begin(), round.fits.end(), is_worse) ||
+                           std::any_of(round.refuted.begin(), round.refuted.end(), is_worse);
+    if (!any_worse) labels.push_back(other->label());
   }
   return labels;
 }
@@ -118,13 +120,16 @@ class ForwardSelection {
       return Next::nothing;
     const double since = flow_.seconds();
     if (n_named() == 1) tried_.push_back(of_windows_);
-    const Round round = run_round(flow_, candidates_, prepared_.data(), named_, std::to_string(number),
-                                  number == 1 ? 0.4 : 0.75, number == 1 ? ends_ : std::vector<Model>());
+    Round round = run_round(flow_, candidates_, prepared_.data(), named_, std::to_string(number),
+                            number == 1 ? 0.4 : 0.75, number == 1 ? ends_ : std::vector<Model>());
     of_round_ = flow_.seconds() - since;
+    if (number == 1 && is_workflow()) {
+      out_.follows = any_follows(flow_, windows_, round);
+      if (out_.follows) prefer_what_follows_whole_runs(flow_, windows_, round);
+    }
     const Decision& decision = round.decision;
     if (number == 1)
       for (const Judged& judged : decision.ranking) out_.ranking.push_back(ranked(judged));
-    if (number == 1 && is_workflow()) out_.follows = any_follows(round);
     if (decision.chosen < 0) return out_.follows ? Next::pairs : Next::nothing;
     const Judged& chosen = decision.ranking[std::size_t(decision.chosen)];
     if (number > 1 && !closes_enough_of_the_rest(decision, chosen)) return Next::pairs;
@@ -135,7 +140,7 @@ class ForwardSelection {
     const StandIns this_round = stand_ins_of(decision);
     if (number == 1) first_round_ = this_round;
     const Fit before = std::exchange(named_, *chosen.fit);
-    if (number == 1 && is_workflow() && (!out_.follows || explains_little())) {
+    if (number == 1 && is_workflow() && (!out_.follows || explains_little(flow_, windows_, named_))) {
       take(chosen, set, number);
       return out_.follows ? Next::pairs : Next::nothing;
     }
@@ -165,34 +170,6 @@ class ForwardSelection {
                             "what " + named_.model.parts.back()->label() + " leaves is " + std::to_string(out_.error) +
                                 " times the noise: looking for another effect");
     return Next::another_round;
-  }
-
-  // Whether the scene with any single effect is so near to the recorded motion that changes of it can be linearised: a
-  // drive that is far too stiff is found, the command of another run is not. Else no pair and no law can be found.
-  bool any_follows(const Round& round) {
-    const auto follows = [&](const Fit& fit) {
-      return rms(fit.residual) <= criteria().far_misfit_least ||
-             is_coherent(flow_.problem, prepared_.data(), fit, criteria().window_hopeless);
-    };
-    if (std::any_of(round.fits.begin(), round.fits.end(), follows)) return true;
-    flow_.notes.push_back(
-        fmt::format("with no single effect the scene follows the recorded motion, {:.3g} times the noise away as it "
-                    "stands: neither pairs nor laws were looked for; are inputs and rows those of their run?",
-                    rms(windows_.base.residual)));
-    return false;
-  }
-
-  // Whether even the best single effect leaves nearly all of a large misfit, as beside the command of another run.
-  // Pairs may still explain it.
-  bool explains_little() {
-    const double before = rms(windows_.base.residual), left = rms(named_.residual);
-    if (!(left > criteria().far_misfit_least) || gets_nearer(windows_.data, windows_.base, named_.residual))
-      return false;
-    flow_.notes.push_back(fmt::format(
-        "{}, the best single effect, leaves {:.3g} of {:.3g} times the noise: no second one is looked for beside it; "
-        "are inputs and rows those of their run?",
-        labels_of(named_.model).back(), left, before));
-    return true;
   }
 
   // A second effect also helps where the law of the first is not quite right; another single effect may help as much.
@@ -280,16 +257,11 @@ class ForwardSelection {
     const auto is_better = [&](const std::optional<FoundPair>& pair) {
       return pair && (left >= criteria().unexplained || is_explained(flow_, windows_.data, pair->fit, windows_.length));
     };
-    const std::vector<Fit> alternatives = first_round_.all();
-    if (const std::optional<FoundPair> pair = find_beside_alternatives(flow_, candidates_, windows_.data, windows_.base,
-                                                                       alternatives, tried_, most, of_round_);
-        is_better(pair)) {
-      out_.inseparable.resize(std::min<std::size_t>(out_.inseparable.size(), 1));  // of the first effect
-      take(*pair);
-      return;
-    }
     if (!flow_.has_time("a pair of effects", of_round_)) return;
-    if (const std::optional<FoundPair> pair = find_pair(flow_, candidates_, windows_.data, windows_.base, most);
+    const std::vector<Fit> alternatives =
+        alternatives_of(flow_, windows_.data, windows_.base, first_round_.all(), tried_);
+    if (const std::optional<FoundPair> pair =
+            find_pair(flow_, candidates_, windows_.data, windows_.base, alternatives, most);
         is_better(pair)) {
       out_.inseparable.clear();
       take(*pair);

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
-#include <set>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/fit/held_out.hpp"
 #include "host/identify/search/round.hpp"
 #include "host/identify/search/screening.hpp"
 
@@ -65,6 +66,29 @@ std::vector<Pair> best_pairs(const Signatures& signatures, double n_data) {
   return best;
 }
 
+bool leave_the_same(const Fit& a, const Fit& b) {
+  std::vector<Eigen::VectorXd> apart;
+  for (std::size_t w = 0; w < a.residual.size(); ++w) apart.push_back(a.residual[w] - b.residual[w]);
+  return rms(apart) < criteria().same_residual;
+}
+
+bool is_worth_a_second(const Fit& base, const Fit& alternative) {
+  return closed(rms(base.residual), rms(alternative.residual), 1) >= criteria().second_gain_least;
+}
+
+std::vector<Fit> alternatives_of(Workflow& flow, const FitData& data, const Fit& base,
+                                 const std::vector<Fit>& first_round, std::vector<Fit> tried) {
+  std::vector<Fit> alternatives;
+  for (const Fit& fit : first_round) {
+    if (alternatives.size() == criteria().n_alternatives) break;
+    if (!is_worth_a_second(base, fit) || !gets_nearer(flow.problem, data, base, fit.residual)) continue;
+    if (std::any_of(tried.begin(), tried.end(), [&](const Fit& other) { return leave_the_same(other, fit); })) continue;
+    tried.push_back(fit);
+    alternatives.push_back(fit);
+  }
+  return alternatives;
+}
+
 namespace {
 
 std::vector<Screened> pairs_to_fit(Workflow& flow, const std::vector<Candidate>& all, const FitData& data,
@@ -78,6 +102,10 @@ std::vector<Screened> pairs_to_fit(Workflow& flow, const std::vector<Candidate>&
   for (Pair& pair : best_pairs(signatures_of(screening.fitter, screening.data, base, candidates), n_data))
     starts.push_back({pair.first, joined(base.model, pair.model), pair.gain, 0});
   return starts;
+}
+
+bool has_same_parts(const Model& a, const Model& b) {
+  return std::is_permutation(a.parts.begin(), a.parts.end(), b.parts.begin(), b.parts.end());
 }
 
 // The pairs, each fitted to longer and longer first parts.
@@ -97,12 +125,35 @@ std::vector<Screened> pairs_of_first_parts(Workflow& flow, const std::vector<Can
   return starts;
 }
 
+// Beside each alternative the effects that explain most of what it leaves, each pair from where both were found.
+std::vector<Screened> pairs_beside(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
+                                   const std::vector<Fit>& alternatives) {
+  std::vector<Screened> pairs;
+  for (std::size_t i = 0; i < alternatives.size(); ++i) {
+    const Fit& alternative = alternatives[i];
+    flow.report_progress(4, 0.7,
+                         "looking for an effect beside " + alternative.model.parts.back()->label() + " instead");
+    const Screening screening(flow, data, alternative);
+    std::vector<Screened> screened =
+        screen(screening.fitter, screening.data, alternative, others_than(candidates, alternative.model));
+    flow.files.write_screen("beside_alternative_" + std::to_string(i + 1), screened);
+    screened.resize(std::min(screened.size(), criteria().n_pairs_of_one));
+    std::move(screened.begin(), screened.end(), std::back_inserter(pairs));
+  }
+  return pairs;
+}
+
 }  // namespace
 
 std::optional<FoundPair> find_pair(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
-                                   const Fit& base, double most) {
-  const std::vector<Screened> starts = flow.problem.can_restart ? pairs_to_fit(flow, candidates, data, base)
-                                                                : pairs_of_first_parts(flow, candidates, data);
+                                   const Fit& base, const std::vector<Fit>& alternatives, double most) {
+  std::vector<Screened> starts = flow.problem.can_restart ? pairs_to_fit(flow, candidates, data, base)
+                                                          : pairs_of_first_parts(flow, candidates, data);
+  // what was simulated beside an alternative is a better start than a sum of small changes
+  for (Screened& pair : pairs_beside(flow, candidates, data, alternatives)) {
+    std::erase_if(starts, [&](const Screened& sum) { return has_same_parts(sum.model, pair.model); });
+    starts.push_back(std::move(pair));
+  }
   if (starts.empty()) return std::nullopt;
   flow.report_progress(5, 0.8, "fitting " + std::to_string(starts.size()) + " pairs of candidates");
   const std::vector<Fit> fits = fit_best(flow, data, base, starts);
@@ -111,10 +162,13 @@ std::optional<FoundPair> find_pair(Workflow& flow, const std::vector<Candidate>&
   if (decision.chosen < 0) return std::nullopt;
   const Judged& chosen = decision.ranking[std::size_t(decision.chosen)];
   if (rms(chosen.fit->residual) >= most) return std::nullopt;
-  std::set<std::string> labels;
+  std::map<std::string, std::size_t> n_of;  // inseparable pairs that hold an effect
   for (const std::size_t i : decision.inseparable)
-    for (const Candidate* part : decision.ranking[i].fit->model.effects()) labels.insert(part->label());
-  return FoundPair{*chosen.fit, ranked(chosen), {labels.begin(), labels.end()}};
+    for (const Candidate* part : decision.ranking[i].fit->model.effects()) ++n_of[part->label()];
+  FoundPair found{*chosen.fit, ranked(chosen), {}};
+  for (const auto& [label, n] : n_of)  // what all of them hold is not in doubt
+    if (n < decision.inseparable.size()) found.inseparable.push_back(label);
+  return found;
 }
 
 }  // namespace pvg::diagnose

@@ -7,10 +7,13 @@
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/search/decide.hpp"
+#include "host/identify/search/round.hpp"
 #include "host/identify/search/swap.hpp"
 
 namespace pvg::diagnose {
 namespace {
+
+using Eigen::VectorXd;
 
 // Those models that a step of their fit brings nearest to the data, best first.
 std::vector<Model> nearest(Workflow& flow, const FitData& data, std::vector<Model> models, std::size_t most) {
@@ -46,8 +49,16 @@ Fit best_of(Workflow& flow, Prepared& prepared, std::vector<Model> models, const
   const FitData& data = prepared.data();
   std::vector<Fit> fits = flow.fitter.begin(data, std::move(models));
   std::erase_if(fits, [](const Fit& other) { return !other.succeeded; });
+  // what is far behind the fit that is there already, or behind another, need not be fitted to its end
+  flow.fitter.improve(data, fits, criteria().n_first_steps);
+  std::vector<std::vector<VectorXd>> predicted = flow.fitter.predicted(data, fits);
+  fits.push_back(fit);
+  predicted.push_back(fit.residual);
+  give_up_the_last(fits, predicted);
+  fits.pop_back();
   flow.fitter.improve(data, fits, criteria().n_more_steps);
-  flow.fitter.finish(data, fits);
+  flow.fitter.take_last_steps(data, fits);
+  flow.fitter.conclude(data, fits);
   fits.push_back(fit);
   const Decision decision = decide(data, prepared.base(flow.fitter), fits);
   return decision.chosen >= 0 ? *decision.ranking[std::size_t(decision.chosen)].fit : fit;

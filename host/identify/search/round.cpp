@@ -14,36 +14,37 @@ namespace pvg::diagnose {
 
 using Eigen::VectorXd;
 
-bool gets_nearer(const FitData& data, const Fit& base, const std::vector<VectorXd>& left) {
-  const double before = rms(base.residual);
-  if (!(before > criteria().far_misfit_least)) return true;
+std::vector<const Candidate*> others_than(const std::vector<Candidate>& all, const Model& model) {
+  std::vector<const Candidate*> others;
+  for (const Candidate& candidate : all)
+    if (std::none_of(model.parts.begin(), model.parts.end(),
+                     [&](const Candidate* part) { return part->label() == candidate.label(); }))
+      others.push_back(&candidate);
+  return others;
+}
+
+bool are_shortest(const FitData& data) {
   const double shortest = criteria().window_lengths.back();
-  const bool are_shortest = std::all_of(data.windows.begin(), data.windows.end(), [&](const Window& window) {
+  return std::all_of(data.windows.begin(), data.windows.end(), [&](const Window& window) {
     return window.end - window.start < (1 + criteria().window_missing) * shortest;
   });
-  const bool is_last_resort = are_shortest && base.model.effects().empty();
+}
+
+bool gets_nearer(const Problem& problem, const FitData& data, const Fit& base, const std::vector<VectorXd>& left) {
+  const double before = rms(base.residual);
+  const bool is_near =
+      !(before > criteria().far_misfit_least) && is_coherent(problem, data, base, criteria().window_hopeless);
+  if (is_near) return true;
+  const bool is_last_resort = are_shortest(data) && base.model.effects().empty();
   return closed(before, rms(left), 1) >= (is_last_resort ? criteria().gap_closed_least : criteria().second_gain_least);
 }
 
-namespace {
-
-// Some steps of all fits, then those of the finalists to their end. False where none gets nearer to the data: all are
-// given up.
-bool improve_finalists(Fitter& fitter, const FitData& data, const Fit& base, std::vector<Fit>& fits) {
-  fitter.improve(data, fits, criteria().n_first_steps);
+void give_up_the_last(std::vector<Fit>& fits, const std::vector<std::vector<VectorXd>>& predicted) {
   std::vector<double> scales;  // of each window by the fit that has it best
   for (const Fit& fit : fits) {
     const std::vector<double> of = window_scales(fit.residual);
     if (scales.empty()) scales = of;
     for (std::size_t w = 0; w < of.size(); ++w) scales[w] = std::min(scales[w], of[w]);
-  }
-  // fits are ranked by the predicted cost of their next step: the true effect may still be far from its optimum
-  const std::vector<std::vector<VectorXd>> predicted = fitter.predicted(data, fits);
-  std::vector<std::vector<VectorXd>> left = predicted;
-  for (const Fit& fit : fits) left.push_back(fit.residual);
-  if (std::none_of(left.begin(), left.end(), [&](const auto& residual) { return gets_nearer(data, base, residual); })) {
-    for (Fit& fit : fits) fit.is_given_up = true;
-    return false;
   }
   std::vector<double> key;
   for (std::size_t i = 0; i < fits.size(); ++i)
@@ -57,6 +58,24 @@ bool improve_finalists(Fitter& fitter, const FitData& data, const Fit& base, std
         key[order[i]] > key[order[0]] + criteria().finalist_behind_most * best.scale * best.scale;
     fits[order[i]].is_given_up = i >= criteria().n_finalists || fits[order[i]].is_far_behind;
   }
+}
+
+namespace {
+
+// Some steps of all fits, then those of the finalists to their end. False where none gets nearer to the data: all are
+// given up.
+bool improve_finalists(Workflow& flow, const FitData& data, const Fit& base, std::vector<Fit>& fits) {
+  Fitter& fitter = flow.fitter;
+  fitter.improve(data, fits, criteria().n_first_steps);
+  const std::vector<std::vector<VectorXd>> predicted = fitter.predicted(data, fits);
+  std::vector<std::vector<VectorXd>> left = predicted;
+  for (const Fit& fit : fits) left.push_back(fit.residual);
+  if (std::none_of(left.begin(), left.end(),
+                   [&](const auto& residual) { return gets_nearer(flow.problem, data, base, residual); })) {
+    for (Fit& fit : fits) fit.is_given_up = true;
+    return false;
+  }
+  give_up_the_last(fits, predicted);
   fitter.improve(data, fits, criteria().n_more_steps);
   fitter.take_last_steps(data, fits);
   return true;
@@ -72,7 +91,7 @@ std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const Fit& base, 
   std::erase_if(fits, [](const Fit& fit) { return !fit.succeeded; });
   bool any_nearer = true;
   if (!ends_by(fitter.deadline(), after_share(fitter.deadline(), criteria().time_steps),
-               [&] { any_nearer = improve_finalists(fitter, data, base, fits); }))
+               [&] { any_nearer = improve_finalists(flow, data, base, fits); }))
     flow.note_left_out("the last steps of fits");
   if (!any_nearer)
     flow.notes.push_back(
@@ -107,14 +126,9 @@ void begin_at_ends(Fitter& fitter, const FitData& data, const std::vector<Model>
 
 Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
                 const std::string& name, double share, const std::vector<Model>& ends) {
-  std::vector<const Candidate*> candidates;
-  const auto is_free_already = [&](const Candidate& c) {
-    return std::any_of(base.model.parts.begin(), base.model.parts.end(),
-                       [&](const Candidate* part) { return part->label() == c.label(); });
-  };
-  for (const Candidate& c : all)
-    if (!is_free_already(c) && (flow.settings.decide != Decide::retune || c.family == Family::parameter))
-      candidates.push_back(&c);
+  std::vector<const Candidate*> candidates = others_than(all, base.model);
+  if (flow.settings.decide == Decide::retune)
+    std::erase_if(candidates, [](const Candidate* candidate) { return candidate->family != Family::parameter; });
   Round round;
   const bool is_first = base.model.effects().empty();
   const Screening screening(flow, data, base);

@@ -10,8 +10,9 @@ namespace pvg::diagnose {
 
 struct Round {
   std::vector<Fit> fits;
-  Decision decision;      // points to them
-  Signatures signatures;  // of the candidates, where the base is without any effect
+  Decision decision;         // points to them
+  std::vector<Fit> refuted;  // fits to short windows that do not follow whole runs
+  Signatures signatures;     // of the candidates, where the base is without any effect
 };
 
 // name: of the stages' files; share: of the whole work that is done when the fits begin; ends: where fits of the same
@@ -19,11 +20,22 @@ struct Round {
 Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
                 const std::string& name, double share, const std::vector<Model>& ends = {});
 
+// The candidates that a model does not hold.
+std::vector<const Candidate*> others_than(const std::vector<Candidate>& all, const Model& model);
+
+// Whether these are the shortest windows, the last resort of a scene that does not follow the recording.
+bool are_shortest(const FitData& data);
+
 // Whether these residuals are so much nearer to the data than the base's that further steps, or a second effect, are
 // worth it: by second_gain_least, but beside no effect in the shortest windows, whose starts take up much and which are
 // the last resort of a scene that does not follow the recording, by gap_closed_least. So is all where the base is near
-// the data, within far_misfit_least.
-bool gets_nearer(const FitData& data, const Fit& base, const std::vector<Eigen::VectorXd>& left);
+// the data: within far_misfit_least, and following the recorded motion.
+bool gets_nearer(const Problem& problem, const FitData& data, const Fit& base,
+                 const std::vector<Eigen::VectorXd>& left);
+
+// Gives up those fits that stay behind after their first steps: all but n_finalists, and what is far behind the best.
+// predicted: residuals of each after a further step, since the true effect may still be far from its optimum.
+void give_up_the_last(std::vector<Fit>& fits, const std::vector<std::vector<Eigen::VectorXd>>& predicted);
 
 // The fits to the end of those that may still win, all with slopes and covariances. Where the time is over the steps
 // end early, and a note says so; so they do where none of them gets_nearer in the first steps, as where inputs are

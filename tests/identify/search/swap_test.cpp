@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/identify/search/alternatives.hpp"
+#include "host/identify/search/pairs.hpp"
 
 namespace pvg::diagnose {
 namespace {
