@@ -14,6 +14,13 @@ namespace pvg::diagnose {
 
 using Eigen::VectorXd;
 
+namespace {
+
+constexpr std::size_t SCREENED_AT_ONCE = 4;  // candidates between one look at the clock and the next
+constexpr double SHARE_OF_SCREENING = 0.45;  // of a round's time, where not all can be screened
+
+}  // namespace
+
 bool gets_nearer(const FitData& data, const Fit& base, const std::vector<VectorXd>& left) {
   const double before = rms(base.residual);
   if (!(before > criteria().far_misfit_least)) return true;
@@ -105,6 +112,16 @@ void begin_at_ends(Fitter& fitter, const FitData& data, const std::vector<Model>
 
 }  // namespace
 
+namespace {
+
+// Whole runs of soft bodies and cloth take seconds each.
+Effort effort_of(const Workflow& flow) {
+  if (flow.problem.can_restart) return {};
+  return {SCREENED_AT_ONCE, SHARE_OF_SCREENING, flow.settings.n_fitted};
+}
+
+}  // namespace
+
 Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
                 const std::string& name, double share, const std::vector<Model>& ends) {
   std::vector<const Candidate*> candidates;
@@ -118,8 +135,11 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
   Round round;
   const bool is_first = base.model.effects().empty();
   const Screening screening(flow, data, base);
-  const std::vector<Screened> screened =
-      screen(screening.fitter, screening.data, base, candidates, is_first ? &round.signatures : nullptr);
+  const auto [screened, n_screened] = screen(screening.fitter, screening.data, base, candidates,
+                                             is_first ? &round.signatures : nullptr, effort_of(flow));
+  if (n_screened < candidates.size())
+    flow.note_left_out(fmt::format("{} of {} candidates, at places where less of the misfit is",
+                                   candidates.size() - n_screened, candidates.size()));
   flow.files.write_screen(name, screened);
   if (is_first) flow.show(identifiability(round.signatures));
   std::vector<Screened> best = shortlist(screened, flow.settings.n_fitted);
