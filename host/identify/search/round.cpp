@@ -9,6 +9,7 @@
 #include "host/identify/fit/held_out.hpp"
 #include "host/identify/search/screening.hpp"
 #include "host/identify/search/swap.hpp"
+#include "host/identify/sensing/world.hpp"
 
 namespace pvg::diagnose {
 
@@ -18,6 +19,7 @@ namespace {
 
 constexpr std::size_t SCREENED_AT_ONCE = 4;  // candidates between one look at the clock and the next
 constexpr double SHARE_OF_SCREENING = 0.45;  // of a round's time, where not all can be screened
+constexpr std::size_t FITTED_OF_LARGE = 4;   // candidates, where a simulation takes seconds
 
 }  // namespace
 
@@ -114,10 +116,9 @@ void begin_at_ends(Fitter& fitter, const FitData& data, const std::vector<Model>
 
 namespace {
 
-// Whole runs of soft bodies and cloth take seconds each.
 Effort effort_of(const Workflow& flow) {
-  if (flow.problem.can_restart) return {};
-  return {SCREENED_AT_ONCE, SHARE_OF_SCREENING, flow.settings.n_fitted};
+  if (!is_large(flow.problem.scene.scene)) return {.n_fitted = flow.settings.n_fitted};
+  return {SCREENED_AT_ONCE, SHARE_OF_SCREENING, 0, std::min(FITTED_OF_LARGE, flow.settings.n_fitted)};
 }
 
 }  // namespace
@@ -135,14 +136,15 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
   Round round;
   const bool is_first = base.model.effects().empty();
   const Screening screening(flow, data, base);
-  const auto [screened, n_screened] = screen(screening.fitter, screening.data, base, candidates,
-                                             is_first ? &round.signatures : nullptr, effort_of(flow));
+  const Effort effort = effort_of(flow);
+  const auto [screened, n_screened] =
+      screen(screening.fitter, screening.data, base, candidates, is_first ? &round.signatures : nullptr, effort);
   if (n_screened < candidates.size())
     flow.note_left_out(fmt::format("{} of {} candidates, at places where less of the misfit is",
                                    candidates.size() - n_screened, candidates.size()));
   flow.files.write_screen(name, screened);
   if (is_first) flow.show(identifiability(round.signatures));
-  std::vector<Screened> best = shortlist(screened, flow.settings.n_fitted);
+  std::vector<Screened> best = shortlist(screened, effort.n_fitted);
   for (Model& model : with_wrong_numbers(base.model, all)) best.push_back({model.parts.back(), std::move(model), 0, 0});
   if (!ends.empty()) begin_at_ends(flow.fitter, data, ends, best);
   flow.report_progress(

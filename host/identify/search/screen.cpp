@@ -294,9 +294,9 @@ ScreeningResult screen(Fitter& fitter, const FitData& data, const Fit& fitted,
   }
   const auto is_better = [](const Screened& a, const Screened& b) { return a.gain > b.gain; };
   std::stable_sort(screened.begin(), screened.end(), is_better);
+  if (screened.empty() || effort.n_tried == 0) return result;
   std::stable_partition(screened.begin(), screened.end(),
                         [](const Screened& s) { return is_tried_anyway(*s.candidate); });
-  if (screened.empty()) return result;
   try_optima(fitter, data, base, n_data, effort.n_tried, screened);
   std::stable_sort(screened.begin(), screened.begin() + std::ptrdiff_t(std::min(effort.n_tried, screened.size())),
                    is_better);

@@ -42,6 +42,7 @@ struct Effort {
   std::size_t at_once = SIZE_MAX;                   // candidates
   double share = 1;                                 // of the time until the deadline
   std::size_t n_tried = criteria().screen_n_tried;  // candidates that are simulated at their optimum
+  std::size_t n_fitted = criteria().n_fitted;       // candidates that are fitted, at least
 };
 
 struct ScreeningResult {

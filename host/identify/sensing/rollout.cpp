@@ -24,16 +24,6 @@ namespace {
 
 constexpr std::size_t MOST_WORLDS = 256;   // of one solve
 constexpr std::size_t MOST_NODES = 20000;  // likewise
-// A solve assembles all of its worlds until the slowest one has converged. Where a launch costs little beside that, as
-// on the host's own processor, worlds of more nodes than these are simulated one after the other.
-constexpr std::size_t LARGE_WORLD = 1000;
-
-std::size_t n_nodes(const PhysicalScene& scene) {
-  std::size_t n = 4 * scene.rigid_bodies.size();
-  for (const SoftBody& body : scene.soft_bodies) n += body.mesh.points.size();
-  for (const Cloth& cloth : scene.cloths) n += cloth.mesh.points.size();
-  return n;
-}
 
 std::size_t steps_of(const Window& window, double h) {
   return std::size_t(std::ceil((window.end - window.start + criteria().late_clock_most) / h)) + 1;
@@ -99,8 +89,10 @@ void Predictor::settle(const Variant& variant, std::vector<Window>& windows) {
   }
 }
 
+// A solve assembles all of its worlds until the slowest one has converged. Where a launch costs little beside that, as
+// on the host's own processor, large worlds are simulated one after the other.
 bool Predictor::is_large() const {
-  return device_.info().runs_host_functions && n_nodes(problem_.scene.scene) > LARGE_WORLD;
+  return device_.info().runs_host_functions && diagnose::is_large(problem_.scene.scene);
 }
 
 const Predictor::Expected* Predictor::expected_of(const Job& job) const {
