@@ -108,9 +108,9 @@ void order_by_place(const Problem& problem, const std::vector<Cell>& where, std:
     for (const Cell& cell : where)
       if (bodies.contains(cell.body)) at->second += cell.share;
   }
-  std::stable_sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
-    return share_at.at(a.target) > share_at.at(b.target);
-  });
+  const auto key = [&](const Candidate& c) { return std::pair(-share_at.at(c.target), c.family != Family::parameter); };
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [&](const Candidate& a, const Candidate& b) { return key(a) < key(b); });
 }
 
 }  // namespace pvg::diagnose

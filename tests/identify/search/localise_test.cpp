@@ -19,7 +19,9 @@ Candidate acting_on(const std::string& target) {
 TEST(OrderByPlace, BodiesJointsAndContactsComeByTheirShareOfTheMisfit) {
   const TestFolder folder;
   folder.write("scene.yaml", driven_arm("2 ms", "{stiffness: 20, target: 0.3}", ""));
-  folder.write("a.csv", "t,q\n0,0\n0.1,0.1\n0.2,0.2\n0.3,0.3\n");
+  std::string run = "t,q\n";
+  for (int i = 0; i < 10; ++i) run += std::to_string(0.1 * i) + "," + std::to_string(0.1 * i) + "\n";
+  folder.write("a.csv", run);
   folder.write("recording.yaml", R"(schema: 1
 scene: scene.yaml
 runs:
@@ -39,10 +41,15 @@ channels:
                                     std::string("cup/table"), std::string("table"), arm, channel})
     candidates.push_back(acting_on(target));
   order_by_place(problem, where, candidates);
+  candidates[0].family = Family::parameter;  // "shoulder" by now
+  candidates.push_back(acting_on("cup"));
+  candidates.back().family = Family::parameter;
+  order_by_place(problem, where, candidates);
   std::vector<std::string> order;
   for (const Candidate& candidate : candidates) order.push_back(candidate.target);
-  const std::vector<std::string> expected = {"shoulder", arm, channel, "cup", "cup/table", "scene", "table"};
+  const std::vector<std::string> expected = {"shoulder", arm, channel, "cup", "cup", "cup/table", "scene", "table"};
   EXPECT_EQ(order, expected);
+  EXPECT_EQ(candidates[3].family, Family::parameter);  // of both that act on the cup
 }
 
 }  // namespace
