@@ -109,9 +109,15 @@ class Table:
             for carriage, is_its in (("left_carriage", rest[:, 1] < 0), ("right_carriage", rest[:, 1] > 0)):
                 bend[is_its] -= motion.pose(carriage, step)[:, 3] - motion.pose(carriage, 0)[:, 3]
             deformed.append(float(np.linalg.norm(bend, axis=1).max()))
-        q = motion.file["joint/position"][:, :2] + random.normal(0, ENCODER, (len(motion.time), 2))
-        np.savez(seen / "log.npz", time=motion.time, q=q, frames=times, deformed=deformed)
+        time, q = self.joint_log(motion, thing, name)
+        np.savez(seen / "log.npz", time=time, q=q, frames=times, deformed=deformed)
         return seen
+
+    def joint_log(self, motion, thing, name):
+        """time [n, s] and positions of both slides [n, 2, m] as encoders tell them, from the start on"""
+        random = np.random.default_rng([self.seed, len(thing), len(name), 1])
+        q = np.concatenate([np.full((1, 2), scenes.OBJECTS[thing]["open"]), motion.file["joint/position"][:, :2]])
+        return np.concatenate([[0.0], motion.time]), q + random.normal(0, ENCODER, q.shape)
 
     def masks(self, name, scene, states):
         """folder with masks/NAME.png of a simulation"""
@@ -145,9 +151,11 @@ class Table:
                 part = file.create_dataset("part", data=masks.astype(np.uint8), compression="gzip")
                 part.attrs["names"] = ["nothing", "fingers"]
                 file["time"] = np.round(log["frames"], 3)
-            x, y = grasp.offset
+            x, y = grasp.offset  # the gripper stands open and still before it closes
+            slides = ", ".join(f"joint/{side}_slide/position: {scenes.OBJECTS[thing]['open']}, joint/{side}_slide/velocity: 0"
+                               for side in ("left", "right"))
             runs += (f"  - {{file: {name}.csv, role: {'fit' if name == 'fit' else 'held_out'}, "
-                     f"initial: {{body/{thing}/position: [{x}, {y}, 0.0005]}}}}\n")
+                     f"initial: {{body/{thing}/position: [{x}, {y}, 0.0005], {slides}}}}}\n")
         inputs = "".join(f"  - {{column: command, target: joint/{s}_slide/position, unit: m}}\n" for s in ("left", "right"))
         channels = "".join(f"  - {{column: {s}, kind: position, joint: {s}_slide, unit: m, noise: {ENCODER}}}\n"
                            for s in ("left", "right"))

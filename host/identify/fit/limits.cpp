@@ -11,30 +11,17 @@ namespace {
 
 constexpr int N_BETWEEN = 7;  // between one that is felt and its double
 
-// Whether each value of the candidate's only parameter changes the residuals; a failed simulation counts as a change.
-std::vector<char> is_felt(Fitter& fitter, const FitData& data, const Fit& base, const Candidate& candidate,
-                          const std::vector<double>& values) {
-  std::vector<Model> models;
-  for (const double value : values)
-    models.push_back(
-        joined(base.model, {{&candidate}, Eigen::VectorXd::Constant(1, value), Eigen::VectorXd::Constant(1, value)}));
-  const auto found = fitter.evaluate(data, models, std::vector(models.size(), base.delta));
-  std::vector<char> felt;
-  for (const std::vector<Prediction>& windows : found) {
-    std::vector<Eigen::VectorXd> change;
-    bool succeeded = true;
-    for (std::size_t w = 0; w < windows.size(); ++w) {
-      succeeded = succeeded && windows[w].succeeded;
-      if (succeeded) change.push_back(windows[w].residual - base.residual[w]);
-    }
-    felt.push_back(!succeeded || rms(change) > criteria().limit_felt);
+// Whether a value of the candidate's only parameter changes the residuals; a failed simulation counts as a change.
+bool is_felt(Fitter& fitter, const FitData& data, const Fit& base, const Candidate& candidate, double value) {
+  const Eigen::VectorXd x = Eigen::VectorXd::Constant(1, value);
+  const std::vector<Prediction> windows =
+      fitter.evaluate(data, {joined(base.model, {{&candidate}, x, x})}, {base.delta}).front();
+  std::vector<Eigen::VectorXd> change;
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    if (!windows[w].succeeded) return true;
+    change.push_back(windows[w].residual - base.residual[w]);
   }
-  return felt;
-}
-
-// The index of the highest of descending values that changes the residuals; their number if none does.
-std::size_t first_felt(const std::vector<char>& felt) {
-  return std::size_t(std::find(felt.begin(), felt.end(), char(true)) - felt.begin());
+  return rms(change) > criteria().limit_felt;
 }
 
 }  // namespace
@@ -47,14 +34,16 @@ void place_limits(Fitter& fitter, const FitData& data, const Fit& base, std::vec
     for (double value = std::min(limit.high, criteria().limit_highest);
          value > std::max(limit.low, criteria().limit_lowest); value /= 2)
       values.push_back(value);
-    const std::size_t coarse = first_felt(is_felt(fitter, data, base, candidate, values));
-    if (coarse == values.size()) continue;
-    const double felt = values[coarse];
+    // the highest one that is felt: those below it are felt, too
+    const auto is_silent = [&](double value) { return !is_felt(fitter, data, base, candidate, value); };
+    const auto coarse = std::partition_point(values.begin(), values.end(), is_silent);
+    if (coarse == values.end()) continue;
+    const double felt = *coarse;
     values.clear();
-    for (int k = N_BETWEEN; k >= 0; --k) values.push_back(felt * std::exp2(double(k) / (N_BETWEEN + 1)));
-    const std::size_t fine = first_felt(is_felt(fitter, data, base, candidate, values));
+    for (int k = N_BETWEEN; k > 0; --k) values.push_back(felt * std::exp2(double(k) / (N_BETWEEN + 1)));
+    const auto fine = std::partition_point(values.begin(), values.end(), is_silent);
     const double ratio = std::exp2(1.0 / (N_BETWEEN + 1));
-    limit.off = limit.high = values.at(fine) * ratio;  // the last of them is `felt` again
+    limit.off = limit.high = (fine == values.end() ? felt : *fine) * ratio;
     limit.scale = limit.off - limit.off / ratio;
   }
 }

@@ -22,6 +22,7 @@
 #include "host/identify/search/workflow.hpp"
 #include "host/identify/sensing/journal.hpp"
 #include "host/identify/sensing/video_sight.hpp"
+#include "host/identify/sensing/world.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -234,6 +235,7 @@ std::vector<Candidate> all_candidates(Workflow& flow, const ChosenWindows& chose
   flow.ends_in_time(criteria().time_localisation, "where limits such as a yield strain are reached",
                     [&] { place_limits(flow.fitter, chosen.data, chosen.base, candidates); });
   const std::vector<Cell>& where = located.where;
+  if (is_large(flow.problem.scene.scene)) order_by_place(flow.problem, where, candidates);
   flow.report_progress(3, 0.2,
                        where.empty() ? "nothing located"
                                      : where[0].body + ", " + where[0].phase + ": " +

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "host/identify/criteria.hpp"
 
@@ -33,6 +34,20 @@ double onset_of(PhaseSum& sum) {
     }
   }
   return first;
+}
+
+std::set<std::string> bodies_of(const Problem& problem, const std::string& target) {
+  const PhysicalScene& scene = problem.scene.scene;
+  std::set<std::string> bodies = {target};
+  for (const Joint& joint : scene.joints)
+    if (joint.name == target)
+      for (const int body : {joint.parent, joint.child})
+        if (body >= 0) bodies.insert(scene.rigid_bodies[std::size_t(body)].name);
+  for (const Channel& channel : problem.channels)
+    if (channel.name == target) bodies.insert(channel.subject);
+  if (const std::size_t cut = target.find('/'); cut != std::string::npos)
+    bodies.insert({target.substr(0, cut), target.substr(cut + 1)});
+  return bodies;
 }
 
 }  // namespace
@@ -82,6 +97,20 @@ std::vector<Cell> localise(const Problem& problem, const std::vector<Window>& wi
   }
   std::stable_sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return a.share > b.share; });
   return cells;
+}
+
+void order_by_place(const Problem& problem, const std::vector<Cell>& where, std::vector<Candidate>& candidates) {
+  std::map<std::string, double> share_at;  // target
+  for (const Candidate& candidate : candidates) {
+    const auto [at, is_new] = share_at.try_emplace(candidate.target, 0);
+    if (!is_new) continue;
+    const std::set<std::string> bodies = bodies_of(problem, candidate.target);
+    for (const Cell& cell : where)
+      if (bodies.contains(cell.body)) at->second += cell.share;
+  }
+  const auto key = [&](const Candidate& c) { return std::pair(-share_at.at(c.target), c.family != Family::parameter); };
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [&](const Candidate& a, const Candidate& b) { return key(a) < key(b); });
 }
 
 }  // namespace pvg::diagnose

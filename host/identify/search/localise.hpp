@@ -26,4 +26,10 @@ std::vector<Cell> localise(const Problem& problem, const std::vector<Window>& wi
 // Probability that noise alone makes a sum of squares of n residuals at least as large (Wilson and Hilferty 1931).
 double chi_squared_tail(double sum, double n);
 
+// Those first that act where most of the misfit is: on a body, or on one of the two that a joint or a contact holds
+// together, by the sum of the cells' shares there. Errors of a channel are at the body that it measures. What acts on
+// the whole scene or recording comes last. At equal places numbers of the scene come first, of which a wrong one is the
+// most common error; else equals stay as they were.
+void order_by_place(const Problem& problem, const std::vector<Cell>& where, std::vector<Candidate>& candidates);
+
 }  // namespace pvg::diagnose

@@ -9,10 +9,19 @@
 #include "host/identify/fit/held_out.hpp"
 #include "host/identify/search/screening.hpp"
 #include "host/identify/search/swap.hpp"
+#include "host/identify/sensing/world.hpp"
 
 namespace pvg::diagnose {
 
 using Eigen::VectorXd;
+
+namespace {
+
+constexpr std::size_t SCREENED_AT_ONCE = 4;  // candidates between one look at the clock and the next
+constexpr double SHARE_OF_SCREENING = 0.45;  // of a round's time, where not all can be screened
+constexpr std::size_t FITTED_OF_LARGE = 4;   // candidates, where a simulation takes seconds
+
+}  // namespace
 
 std::vector<const Candidate*> others_than(const std::vector<Candidate>& all, const Model& model) {
   std::vector<const Candidate*> others;
@@ -122,6 +131,11 @@ void begin_at_ends(Fitter& fitter, const FitData& data, const std::vector<Model>
   }
 }
 
+Effort effort_of(const Workflow& flow) {
+  if (!is_large(flow.problem.scene.scene)) return {.n_fitted = flow.settings.n_fitted};
+  return {SCREENED_AT_ONCE, SHARE_OF_SCREENING, 0, std::min(FITTED_OF_LARGE, flow.settings.n_fitted)};
+}
+
 }  // namespace
 
 Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
@@ -132,11 +146,15 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
   Round round;
   const bool is_first = base.model.effects().empty();
   const Screening screening(flow, data, base);
-  const std::vector<Screened> screened =
-      screen(screening.fitter, screening.data, base, candidates, is_first ? &round.signatures : nullptr);
+  const Effort effort = effort_of(flow);
+  const auto [screened, n_screened] =
+      screen(screening.fitter, screening.data, base, candidates, is_first ? &round.signatures : nullptr, effort);
+  if (n_screened < candidates.size())
+    flow.note_left_out(fmt::format("{} of {} candidates, at places where less of the misfit is",
+                                   candidates.size() - n_screened, candidates.size()));
   flow.files.write_screen(name, screened);
   if (is_first) flow.show(identifiability(round.signatures));
-  std::vector<Screened> best = shortlist(screened, flow.settings.n_fitted);
+  std::vector<Screened> best = shortlist(screened, effort.n_fitted);
   for (Model& model : with_wrong_numbers(base.model, all)) best.push_back({model.parts.back(), std::move(model), 0, 0});
   if (!ends.empty()) begin_at_ends(flow.fitter, data, ends, best);
   flow.report_progress(

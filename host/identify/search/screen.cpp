@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 #include <span>
+#include <tuple>
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/search/screen_trials.hpp"
@@ -26,7 +27,8 @@ Fit from_measured_starts(Fitter& fitter, const FitData& data, const Fit& base) {
 
 // The actual reduction of the robust cost of some windows at each trial: laws with a dead zone or a kink differ from
 // the linear prediction. The best trial becomes the candidate's model.
-void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_data, std::vector<Screened>& screened) {
+void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_data, std::size_t n_tried,
+                std::vector<Screened>& screened) {
   Fit few = base;
   const FitData some = some_windows(data, criteria().screen_n_windows, few);
   const std::vector<double> scales = window_scales(few.residual);
@@ -39,7 +41,7 @@ void try_optima(Fitter& fitter, const FitData& data, const Fit& base, double n_d
   const double before = cost_of([&](std::size_t w) { return few.residual[w]; });
   double n_some = 0;
   for (const VectorXd& r : few.residual) n_some += double(r.size());
-  const std::size_t n = std::min(criteria().screen_n_tried, screened.size());
+  const std::size_t n = std::min(n_tried, screened.size());
   std::vector<Model> models;
   std::vector<std::size_t> first = {0};  // [n + 1] of each candidate
   for (std::size_t i = 0; i < n; ++i) {
@@ -215,22 +217,68 @@ Screened linear_optimum(const FitData& data, const Fit& base, double n_data, std
 
 }  // namespace
 
-std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fitted,
-                             const std::vector<const Candidate*>& candidates, Signatures* signatures) {
+namespace {
+
+// Changes of candidates' parameters and what they do; those of numbers to the other side after all others.
+struct Tried {
+  std::vector<Trial> trials;
+  std::vector<std::vector<VectorXd>> found;
+  std::size_t n_first = 0;  // to the one side
+};
+
+Tried try_changes(Fitter& fitter, const FitData& data, const Fit& base, double wanted,
+                  const std::vector<const Candidate*>& candidates) {
+  Tried tried;
+  tried.trials = choose_steps(fitter, data, base, wanted, candidates);
+  std::erase_if(tried.trials, [](const Trial& t) { return t.step == 0; });
+  tried.n_first = tried.trials.size();
+  const std::vector<Trial> other_side = mirrored(tried.trials);
+  tried.trials.insert(tried.trials.end(), other_side.begin(), other_side.end());
+  tried.found = responses(fitter, data, base, tried.trials);
+  return tried;
+}
+
+void append(Tried& all, Tried more) {
+  const auto insert = [](auto& to, std::size_t at, auto& from, std::size_t begin, std::size_t end) {
+    to.insert(to.begin() + std::ptrdiff_t(at), from.begin() + std::ptrdiff_t(begin),
+              from.begin() + std::ptrdiff_t(end));
+  };
+  for (const auto& [at, begin, end] : {std::tuple(all.trials.size(), more.n_first, more.trials.size()),
+                                       std::tuple(all.n_first, std::size_t(0), more.n_first)}) {
+    insert(all.trials, at, more.trials, begin, end);
+    insert(all.found, at, more.found, begin, end);
+  }
+  all.n_first += more.n_first;
+}
+
+}  // namespace
+
+ScreeningResult screen(Fitter& fitter, const FitData& data, const Fit& fitted,
+                       const std::vector<const Candidate*>& candidates, Signatures* signatures, const Effort& effort) {
+  ScreeningResult result;
+  std::vector<Screened>& screened = result.best;
   const Fit base = from_measured_starts(fitter, data, fitted);
   // the misfit itself
-  std::vector<Trial> trials = choose_steps(
-      fitter, data, base,
-      std::clamp(rms(fitted.residual), criteria().screen_change_least, criteria().screen_change_most), candidates);
-  std::erase_if(trials, [](const Trial& t) { return t.step == 0; });
-  const std::size_t n_first = trials.size();
-  const std::vector<Trial> other_side = mirrored(trials);
-  trials.insert(trials.end(), other_side.begin(), other_side.end());
-  const std::vector<std::vector<VectorXd>> found = responses(fitter, data, base, trials);
+  const double wanted = std::clamp(rms(fitted.residual), criteria().screen_change_least, criteria().screen_change_most);
+  Tried tried;
+  const auto try_all = [&] {
+    while (result.n_screened < candidates.size()) {
+      const std::size_t n = std::min(effort.at_once, candidates.size() - result.n_screened);
+      const auto first = candidates.begin() + std::ptrdiff_t(result.n_screened);
+      append(tried, try_changes(fitter, data, base, wanted, {first, first + std::ptrdiff_t(n)}));
+      result.n_screened += n;
+    }
+  };
+  if (effort.share < 1)
+    ends_by(fitter.deadline(), after_share(fitter.deadline(), effort.share), try_all);
+  else
+    try_all();
+  const std::vector<Trial>& trials = tried.trials;
+  const std::vector<std::vector<VectorXd>>& found = tried.found;
+  const std::size_t n_first = tried.n_first;
   if (signatures != nullptr) *signatures = signatures_from(data, base, std::span(trials).first(n_first), found);
   double n_data = 0;
   for (const VectorXd& r : base.residual) n_data += double(r.size());
-  std::vector<Screened> screened;
   for (std::size_t first = 0, last = 0; first < trials.size(); first = last) {
     const std::size_t end = first < n_first ? n_first : trials.size();
     while (last < end && trials[last].candidate == trials[first].candidate) ++last;
@@ -246,13 +294,13 @@ std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& fit
   }
   const auto is_better = [](const Screened& a, const Screened& b) { return a.gain > b.gain; };
   std::stable_sort(screened.begin(), screened.end(), is_better);
+  if (screened.empty() || effort.n_tried == 0) return result;
   std::stable_partition(screened.begin(), screened.end(),
                         [](const Screened& s) { return is_tried_anyway(*s.candidate); });
-  if (screened.empty()) return screened;
-  try_optima(fitter, data, base, n_data, screened);
-  std::stable_sort(screened.begin(),
-                   screened.begin() + std::ptrdiff_t(std::min(criteria().screen_n_tried, screened.size())), is_better);
-  return screened;
+  try_optima(fitter, data, base, n_data, effort.n_tried, screened);
+  std::stable_sort(screened.begin(), screened.begin() + std::ptrdiff_t(std::min(effort.n_tried, screened.size())),
+                   is_better);
+  return result;
 }
 
 Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& fitted,

@@ -2,6 +2,7 @@
 // see, as worlds of one solve; the change of the residuals is its signature, and the best sum of a candidate's
 // signatures, with every window's start free, bounds how much of the misfit it explains.
 #pragma once
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -35,10 +36,25 @@ Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& base,
 Eigen::VectorXd least_within(const Eigen::MatrixXd& a, const Eigen::VectorXd& g, const Eigen::VectorXd& low,
                              const Eigen::VectorXd& high);
 
-// base: the fit of what is there already (perhaps nothing). Best first; candidates that fail or do nothing are left
-// out. signatures: what was found of them, if wanted, where the base is without any effect.
-std::vector<Screened> screen(Fitter& fitter, const FitData& data, const Fit& base,
-                             const std::vector<const Candidate*>& candidates, Signatures* signatures = nullptr);
+// How much of its time a screening may take. Where a simulation takes long, candidates are screened some at a time, in
+// their order, until a share of the time is over.
+struct Effort {
+  std::size_t at_once = SIZE_MAX;                   // candidates
+  double share = 1;                                 // of the time until the deadline
+  std::size_t n_tried = criteria().screen_n_tried;  // candidates that are simulated at their optimum
+  std::size_t n_fitted = criteria().n_fitted;       // candidates that are fitted, at least
+};
+
+struct ScreeningResult {
+  std::vector<Screened> best;  // best first
+  std::size_t n_screened = 0;  // of the candidates, the first ones
+};
+
+// base: the fit of what is there already (perhaps nothing). Candidates that fail or do nothing are left out.
+// signatures: what was found of them, if wanted, where the base is without any effect.
+ScreeningResult screen(Fitter& fitter, const FitData& data, const Fit& base,
+                       const std::vector<const Candidate*>& candidates, Signatures* signatures = nullptr,
+                       const Effort& effort = {});
 
 // Where C is least with these columns alone, and by how much it falls at x.
 Eigen::VectorXd optimum_of(const Signatures& signatures, std::span<const std::size_t> columns);

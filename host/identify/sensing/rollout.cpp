@@ -16,8 +16,8 @@
 #include "host/identify/sensing/step_order.hpp"
 #include "host/identify/sensing/support.hpp"
 #include "host/identify/sensing/video_sight.hpp"
+#include "host/identify/sensing/window_worlds.hpp"
 #include "host/identify/sensing/world.hpp"
-#include "host/physics/step/simulation.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -25,15 +25,25 @@ namespace {
 constexpr std::size_t MOST_WORLDS = 256;   // of one solve
 constexpr std::size_t MOST_NODES = 20000;  // likewise
 
-std::size_t n_nodes(const PhysicalScene& scene) {
-  std::size_t n = 4 * scene.rigid_bodies.size();
-  for (const SoftBody& body : scene.soft_bodies) n += body.mesh.points.size();
-  for (const Cloth& cloth : scene.cloths) n += cloth.mesh.points.size();
-  return n;
-}
-
 std::size_t steps_of(const Window& window, double h) {
   return std::size_t(std::ceil((window.end - window.start + criteria().late_clock_most) / h)) + 1;
+}
+
+// The steps that its samples need: a cubic takes two beyond the time of the last one. Phases and contacts are told of
+// all that a window may need.
+std::size_t steps_of(const Problem& problem, const Job& job, double h) {
+  const std::size_t most = steps_of(*job.window, h);
+  if (job.wants_phases) return most;
+  double last = 0;
+  for (const Datum& datum : job.window->data)
+    last = std::max(
+        last, time_of_sample(problem, job.variant->sensing, *job.window, std::size_t(datum.channel), datum.sample));
+  return std::min(most, std::size_t(std::max(last / h, 1.0)) + 2);
+}
+
+void go_on_before(Clock::time_point deadline) {
+  if (stop_on_signals()) throw TryAgain("stopped; what the finished stages found is kept, call again to continue");
+  if (Clock::now() > deadline) throw OutOfTime();
 }
 
 using WorkPacket = std::vector<std::size_t>;  // the jobs of one process
@@ -79,6 +89,49 @@ void Predictor::settle(const Variant& variant, std::vector<Window>& windows) {
   }
 }
 
+// A solve assembles all of its worlds until the slowest one has converged. Where a launch costs little beside that, as
+// on the host's own processor, large worlds are simulated one after the other.
+bool Predictor::is_large() const {
+  return device_.info().runs_host_functions && diagnose::is_large(problem_.scene.scene);
+}
+
+const Predictor::Expected* Predictor::expected_of(const Job& job) const {
+  const SolverSettings& solver = job.variant->scene.solver;
+  for (const Expected& one : expected_)
+    if (one.window.run == job.window->run && one.window.start == job.window->start &&
+        one.integrator == solver.integrator && one.time_step == solver.time_step)
+      return &one;
+  return nullptr;
+}
+
+// Simulates the scene as it stands in windows and steps of which no motion is known yet. Before work is split, so that
+// all processes expect the same.
+void Predictor::expect(std::span<const Job> jobs) {
+  for (const Job& job : jobs) {
+    if (expected_of(job) != nullptr) continue;
+    PhysicalScene scene = problem_.scene.scene;
+    scene.solver = job.variant->scene.solver;
+    const double h = scene.solver.time_step;
+    Expected one{*job.window, scene.solver.integrator, h, {}};
+    try {
+      WindowWorlds world(device_, problem_, {world_of(problem_, scene, *job.window, job.window->initial)},
+                         {job.window});
+      std::vector<double> before = world.simulation().checkpoint().position;
+      for (std::size_t step = 1; step <= steps_of(*job.window, h); ++step) {
+        go_on_before(deadline_);
+        world.step(step);
+        std::vector<double> now = world.simulation().checkpoint().position, motion(now.size());
+        for (std::size_t i = 0; i < now.size(); ++i) motion[i] = now[i] - before[i];
+        one.motion.push_back(std::move(motion));
+        before = std::move(now);
+      }
+    } catch (const UsageError&) {   // a start that cannot be: nothing is expected
+    } catch (const StepFailure&) {  // nothing from there on
+    }
+    expected_.push_back(std::move(one));
+  }
+}
+
 std::vector<Prediction> Predictor::predict(std::span<const Job> jobs) {
   if (jobs.empty() || !jobs[0].variant->extrapolates) return predict_as_stepped(jobs);
   const auto in_steps_of = [&](double share) {
@@ -116,8 +169,9 @@ std::vector<Prediction> Predictor::predict_as_stepped(std::span<const Job> jobs)
     };
     return key(*jobs[a].window) < key(*jobs[b].window);
   });
-  const std::size_t per_batch =
-      std::clamp<std::size_t>(MOST_NODES / std::max<std::size_t>(1, n_nodes(problem_.scene.scene)), 1, MOST_WORLDS);
+  const std::size_t n = std::max<std::size_t>(1, n_nodes(problem_.scene.scene));
+  const std::size_t per_batch = is_large() ? 1 : std::clamp<std::size_t>(MOST_NODES / n, 1, MOST_WORLDS);
+  if (is_large()) expect(jobs);
   const std::vector<WorkPacket> packets = work_packets(order, n_processes_);
   const auto work_off = [&](const WorkPacket& packet) {
     for (std::size_t i = 0; i < packet.size(); i += per_batch)
@@ -145,18 +199,20 @@ std::vector<Prediction> Predictor::predict_as_stepped(std::span<const Job> jobs)
 
 void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::size_t> which,
                               std::vector<Prediction>& out) {
-  std::vector<PhysicalScene> worlds;
+  std::vector<PhysicalScene> scenes;
   std::vector<SensorTrace> traces;
-  std::size_t n_steps = 0;
+  const double h = jobs[which[0]].variant->scene.solver.time_step;
+  std::vector<std::size_t> n_steps;  // of each world
   for (const std::size_t i : which) {
-    worlds.push_back(world_of(problem_, jobs[i].variant->scene, *jobs[i].window, jobs[i].initial));
+    scenes.push_back(world_of(problem_, jobs[i].variant->scene, *jobs[i].window, jobs[i].initial));
     traces.emplace_back(problem_, jobs[i], sight(), video());
-    n_steps = std::max(n_steps, steps_of(*jobs[i].window, worlds[0].solver.time_step));
+    n_steps.push_back(steps_of(problem_, jobs[i], h));
   }
-  const double h = worlds[0].solver.time_step;
-  std::unique_ptr<Simulation> made;
+  std::vector<const Window*> windows;
+  for (const std::size_t i : which) windows.push_back(jobs[i].window);
+  std::unique_ptr<WindowWorlds> made;
   try {
-    made = std::make_unique<Simulation>(device_, worlds);
+    made = std::make_unique<WindowWorlds>(device_, problem_, std::move(scenes), std::move(windows));
   } catch (const UsageError& refused) {  // a start that cannot be: the others go on without it
     const std::size_t n = which.size();
     if (n > 1) {
@@ -170,35 +226,21 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::si
     none.succeeded = false;
     return;
   }
-  Simulation& simulation = *made;
-  const auto targets_at = [&](std::size_t step) {
-    std::vector<std::vector<double>> targets;
-    for (std::size_t w = 0; w < which.size(); ++w) {
-      const Window& window = *jobs[which[w]].window;
-      targets.push_back(
-          targets_of(worlds[w], problem_.runs[std::size_t(window.run)], window.start + double(step) * h, h));
-    }
-    return targets;
-  };
-  Checkpoint begin = simulation.checkpoint();
-  for (std::size_t w = 0; w < which.size(); ++w) {  // so that no drive sees its reference jump in the first step
-    const Window& window = *jobs[which[w]].window;
-    DriveMemory memory = memory_of(worlds[w], problem_.runs[std::size_t(window.run)], window.start, h);
-    begin.targets[w] = std::move(memory.command);
-    begin.past_targets[w] = std::move(memory.past);
-  }
-  simulation.restore(begin);
+  WindowWorlds& worlds = *made;
+  Simulation& simulation = worlds.simulation();
+  const Expected* expected = is_large() ? expected_of(jobs[which[0]]) : nullptr;
   std::vector<char> succeeded(which.size(), true);
   const auto look = [&](std::size_t step) {
     for (std::size_t w = 0; w < which.size(); ++w)
-      if (succeeded[w] && step <= steps_of(*jobs[which[w]].window, h)) traces[w].add(worlds[w], simulation.state(w));
+      if (succeeded[w] && step <= n_steps[w]) traces[w].add(worlds.scene(w), simulation.state(w));
   };
   look(0);
-  for (std::size_t step = 1; step <= n_steps; ++step) {
-    if (stop_on_signals()) throw TryAgain("stopped; what the finished stages found is kept, call again to continue");
-    if (Clock::now() > deadline_) throw OutOfTime();
+  const std::size_t n_all = *std::max_element(n_steps.begin(), n_steps.end());
+  for (std::size_t step = 1; step <= n_all; ++step) {
+    go_on_before(deadline_);
+    if (expected != nullptr && step <= expected->motion.size()) simulation.expect(0, expected->motion[step - 1]);
     try {
-      simulation.step(targets_at(step));
+      worlds.step(step);
     } catch (const StepFailure& failure) {
       for (const StepEvent& event : failure.events) {
         succeeded[event.world] = false;
@@ -208,7 +250,7 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::si
     }
     look(step);
     for (std::size_t w = 0; w < which.size(); ++w)
-      if (step == steps_of(*jobs[which[w]].window, h)) simulation.retire(w);
+      if (step == n_steps[w]) simulation.retire(w);
   }
   for (std::size_t w = 0; w < which.size(); ++w) {
     Prediction& prediction = out[which[w]];

@@ -59,7 +59,18 @@ class Predictor {
   double world_seconds() const { return world_seconds_; }  // simulated, summed over all worlds
 
  private:
+  // Node motions of each step of a window as the scene stands, [n_steps][n_nodes x 3, m]: where Newton's method starts
+  // in worlds that differ from it a little.
+  struct Expected {
+    Window window;
+    SolverSettings::Integrator integrator;
+    double time_step;
+    std::vector<std::vector<double>> motion;
+  };
   std::vector<Prediction> predict_as_stepped(std::span<const Job> jobs);
+  bool is_large() const;  // a world is simulated by itself
+  const Expected* expected_of(const Job& job) const;
+  void expect(std::span<const Job> jobs);
   void predict_batch(std::span<const Job> jobs, std::span<const std::size_t> which, std::vector<Prediction>& out);
   MaskSight* sight();
   Device& device_;
@@ -67,6 +78,7 @@ class Predictor {
   std::size_t n_processes_;
   std::unique_ptr<MaskSight> sight_;   // made when first needed
   std::unique_ptr<VideoSight> video_;  // likewise
+  std::vector<Expected> expected_;
   Journal* journal_ = nullptr;
   std::size_t n_simulations_ = 0;
   double world_seconds_ = 0;

@@ -89,12 +89,16 @@ PictureCells SensorTrace::cells_of(std::size_t source) {
   return cells;
 }
 
-double SensorTrace::time_of(std::size_t channel, std::size_t sample) const {
-  const Sensing& sensing = job_->variant->sensing;
-  const Run& run = problem_->runs[std::size_t(job_->window->run)];
+double time_of_sample(const Problem& problem, const Sensing& sensing, const Window& window, std::size_t channel,
+                      std::size_t sample) {
+  const Run& run = problem.runs[std::size_t(window.run)];
   const double latency = sensing.latency.empty() ? 0 : sensing.latency[channel];
   const double since = run.t[sample] - run.t.front();
-  return since * (1 + sensing.clock_rate) + sensing.clock_offset - latency - (job_->window->start - run.t.front());
+  return since * (1 + sensing.clock_rate) + sensing.clock_offset - latency - (window.start - run.t.front());
+}
+
+double SensorTrace::time_of(std::size_t channel, std::size_t sample) const {
+  return time_of_sample(*problem_, job_->variant->sensing, *job_->window, channel, sample);
 }
 
 std::vector<double> SensorTrace::value_at(std::size_t channel, const std::vector<double>& trace, double time) const {

@@ -16,6 +16,10 @@
 
 namespace pvg::diagnose {
 
+// When a sample of a channel was taken, in the simulation of a window [s].
+double time_of_sample(const Problem& problem, const Sensing& sensing, const Window& window, std::size_t channel,
+                      std::size_t sample);
+
 class SensorTrace : private Pictures {
  public:
   // sight, video: where masks and videos were measured, else null
@@ -37,7 +41,7 @@ class SensorTrace : private Pictures {
   // trace: of the channel, as filtered() has it  [width], empty: not simulated to there
   std::vector<double> value_at(std::size_t channel, const std::vector<double>& trace, double time) const;
   std::vector<std::vector<double>> filtered() const;              // values_ behind the sensors' own filters
-  double time_of(std::size_t channel, std::size_t sample) const;  // in the simulation [s]
+  double time_of(std::size_t channel, std::size_t sample) const;  // as time_of_sample has it
   Phase phase_of(const PhysicalScene& world, const WorldState& state, const Channel& channel) const;
 
   const Problem* problem_;

@@ -8,6 +8,11 @@
 #include "host/physics/step/actuator.hpp"
 
 namespace pvg::diagnose {
+namespace {
+
+constexpr std::size_t LARGE_WORLD = 1000;  // nodes
+
+}  // namespace
 
 PhysicalScene world_of(const Problem& problem, const PhysicalScene& variant, const Window& window,
                        const InitialState& initial) {
@@ -53,5 +58,14 @@ DriveMemory memory_of(const PhysicalScene& scene, const Run& run, double time, d
   memory.past = actuators.past();
   return memory;
 }
+
+std::size_t n_nodes(const PhysicalScene& scene) {
+  std::size_t n = 4 * scene.rigid_bodies.size();
+  for (const SoftBody& body : scene.soft_bodies) n += body.mesh.points.size();
+  for (const Cloth& cloth : scene.cloths) n += cloth.mesh.points.size();
+  return n;
+}
+
+bool is_large(const PhysicalScene& scene) { return n_nodes(scene) > LARGE_WORLD; }
 
 }  // namespace pvg::diagnose

@@ -22,4 +22,9 @@ struct DriveMemory {
 };
 DriveMemory memory_of(const PhysicalScene& scene, const Run& run, double time, double h);
 
+std::size_t n_nodes(const PhysicalScene& scene);
+
+// Whether it has so many nodes that a simulation takes seconds of a processor.
+bool is_large(const PhysicalScene& scene);
+
 }  // namespace pvg::diagnose

@@ -121,6 +121,7 @@ Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
   is_active = is_unsettled = is_intact;
   const std::size_t n = worlds.size();
   states.resize(n);
+  expected.resize(n);
   pressing.resize(system.rolling_resistance.size());
   reports.resize(n);
   for (std::size_t w = 0; w < n; ++w) {
@@ -198,8 +199,17 @@ std::vector<StepReport> Simulation::step(std::span<const std::vector<double>> ta
     last_events.push_back(impl.reports[w].events.back());
     message += (message.empty() ? "" : "; ") + describe(last_events.back(), impl.system.scenes[w].name);
   }
+  impl.expected.assign(n_worlds(), {});
   if (!last_events.empty()) throw StepFailure(message, last_events);
   return impl.reports;
+}
+
+void Simulation::expect(std::size_t world, std::vector<double> motion) {
+  const WorldRange& range = impl_->system.node_ranges.at(world);
+  if (motion.size() != 3 * std::size_t(range.end - range.begin))
+    throw UsageError("a motion of " + std::to_string(motion.size() / 3) + " nodes is expected of a world of " +
+                     std::to_string(range.end - range.begin));
+  impl_->expected.at(world) = std::move(motion);
 }
 
 const std::vector<StepReport>& Simulation::reports() const { return impl_->reports; }

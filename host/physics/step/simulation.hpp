@@ -40,6 +40,10 @@ class Simulation {
   std::vector<StepReport> step(std::span<const std::vector<double>> targets);
   StepReport step(const std::vector<double>& targets) { return step(std::span(&targets, 1)).front(); }
 
+  // How far each node of a world probably moves in its next step, such as it did in a simulation that was nearly the
+  // same: Newton's method starts there, instead of where the velocities lead.  [n_nodes of the world x 3, m]
+  void expect(std::size_t world, std::vector<double> motion);
+
   // What the last step cost each world, also where it threw a StepFailure.  [n_worlds]
   const std::vector<StepReport>& reports() const;
 

@@ -48,7 +48,8 @@ struct Simulation::Impl {
         if (system.scenes[w].rigid_bodies[b].is_prescribed) found(3 * system.rigid_first_node[w][b]);
   }
   void move_to_first_guess(double h);
-  void move(const std::vector<double>& length);  // trial = x + length dx, per world
+  void take_expected(std::vector<double>& motion) const;  // [n_nodes x 3] of worlds of which a motion is expected
+  void move(const std::vector<double>& length);           // trial = x + length dx, per world
   void move(const Buffer<f64>& length);
   void write_active(const std::vector<char>& worlds);
   // Starts to move along dx, of these worlds, and to find whether the candidates serve for it.
@@ -116,6 +117,7 @@ struct Simulation::Impl {
   int n_halvings = 0;                                            // that are started before the host looks
   std::vector<double> nodes, velocities;                         // [n_nodes x 3] at the start of the step
   std::vector<double> velocities_before, velocities_two_before;  // and of the two before it
+  std::vector<std::vector<double>> expected;                     // [n_worlds][n_nodes of it x 3] empty: no motion is
   std::vector<double> prescribed;                                // [n_nodes x 3] where prescribed bodies are to be
   Buffer<f64> prescribed_values;                                 // the same of prescribed_nodes [n x 3]
   bool knows_motion = false;                                     // nodes and velocities are those of the device

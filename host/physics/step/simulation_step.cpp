@@ -33,6 +33,7 @@ void Simulation::Impl::move_to_first_guess(double h) {
   for (std::size_t w = 0; w < is_intact.size(); ++w) goes_on.push_back(integrator.goes_on(w, h));
   std::vector<double> motion = extrapolated_motion(
       system, nodes, extrapolated_velocities(system, velocities, velocities_before, velocities_two_before, goes_on), h);
+  if (h == this->h()) take_expected(motion);
   aim_prescribed(motion);
   dx.write(motion);
   for (std::size_t w = 0; w < is_intact.size(); ++w)
@@ -60,6 +61,11 @@ void Simulation::Impl::move_to_first_guess(double h) {
   contacts.take_contacts();
   std::swap(x, trial);
   energy = moved_energy;
+}
+
+void Simulation::Impl::take_expected(std::vector<double>& motion) const {
+  for (std::size_t w = 0; w < expected.size(); ++w)
+    std::copy(expected[w].begin(), expected[w].end(), motion.begin() + 3 * std::ptrdiff_t(system.node_ranges[w].begin));
 }
 
 // Takes contacts into the preconditioner's factor: where conjugate gradients took long they are what it lacks, and in a

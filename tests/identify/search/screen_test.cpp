@@ -64,7 +64,7 @@ struct ScreenedAlone {
         std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& one) { return one.name == name; });
     EXPECT_NE(found, candidates.end()) << name;
     if (found == candidates.end()) return {};
-    return screen(fitter, data, fit_as_it_stands(fitter, data), {&*found});
+    return screen(fitter, data, fit_as_it_stands(fitter, data), {&*found}).best;
   }
 };
 
@@ -141,6 +141,31 @@ TEST(Screen, AFitAtABoundPassesNothing) {
   EXPECT_TRUE(is_at_bound(fit));
   fit.model.x[0] = 0.03;
   EXPECT_FALSE(is_at_bound(fit));
+}
+
+// One candidate at a time finds what all at once do, and the time ends it after whole ones.
+TEST(Screen, InPartsFindsTheSameAndStopsAtItsShareOfTheTime) {
+  const TestFolder folder;
+  const Problem problem = too_stiff(folder);
+  ScreenedAlone of(problem);
+  std::vector<const Candidate*> some;
+  for (const Candidate& candidate : of.candidates)
+    if (candidate.target == "shoulder" && some.size() < 5) some.push_back(&candidate);
+  ASSERT_EQ(some.size(), 5u);
+  const Fit scene = fit_as_it_stands(of.fitter, of.data);
+  const auto screened_by = [&](const Effort& effort) {
+    return screen(of.fitter, of.data, scene, some, nullptr, effort);
+  };
+  const ScreeningResult at_once = screened_by({}), in_parts = screened_by({1, 0.9});
+  EXPECT_EQ(in_parts.n_screened, some.size());
+  ASSERT_EQ(in_parts.best.size(), at_once.best.size());
+  for (std::size_t i = 0; i < at_once.best.size(); ++i) {
+    EXPECT_EQ(in_parts.best[i].candidate, at_once.best[i].candidate);
+    EXPECT_EQ(in_parts.best[i].gain, at_once.best[i].gain);
+  }
+  const ScreeningResult none = screened_by({1, -1e-9});  // its time was over before it began
+  EXPECT_EQ(none.n_screened, 0u);
+  EXPECT_TRUE(none.best.empty());
 }
 
 }  // namespace

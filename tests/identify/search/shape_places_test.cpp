@@ -83,7 +83,7 @@ TEST_F(FallingFriction, IsTriedWithTheStrengthsOfEachSpeed) {
 }
 
 TEST_F(FallingFriction, EndsAtItsSpeed) {
-  const std::vector<Screened> found = screen(fitter, data, scene, {&law});
+  const std::vector<Screened> found = screen(fitter, data, scene, {&law}).best;
   ASSERT_EQ(found.size(), 1u);
   const Fit fit = fitter.fit(data, {found[0].model}, 10).front();
   EXPECT_NEAR(fit.model.x[2], SPEED, 3 * std::sqrt(fit.covariance(2, 2)));

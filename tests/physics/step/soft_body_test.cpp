@@ -108,6 +108,51 @@ TEST(SoftBody, ABarHangingByItsWeightStretchesAsTheoryTells) {
   EXPECT_NEAR(drop, expected, 0.01 * expected);
 }
 
+// A block that falls onto the floor and spreads there, once with and once without the motion of a stiffer one expected.
+TEST(SoftBody, AnExpectedMotionChangesTheWayToAStepsEndNotTheEnd) {
+  Device device;
+  const auto falling = [](double modulus) {
+    PhysicalScene scene;
+    scene.name = "falling block";
+    scene.solver.time_step = 0.02;
+    scene.solver.velocity_tolerance = 1e-6;
+    SoftBody body;
+    body.name = "block";
+    body.mesh = block({2, 2, 2}, 0.02, false);
+    body.material = {1000, modulus, 0.4};
+    body.pose.translation() = Vec3(0, 0, 0.02);
+    scene.soft_bodies = {body};
+    RigidBody floor = plate("floor", Vec3(0, 0, 0));
+    floor.is_half_space = true;
+    scene.rigid_bodies = {floor};
+    return scene;
+  };
+  struct End {
+    std::vector<std::vector<double>> motion;  // of each step
+    std::vector<Vec3> points;
+    int n_newton = 0;
+  };
+  const auto end_of = [&](double modulus, const std::vector<std::vector<double>>& expected) {
+    End end;
+    Simulation simulation(device, falling(modulus));
+    for (std::size_t step = 0; step < 8; ++step) {
+      const std::vector<double> before = simulation.checkpoint().position;
+      if (step < expected.size()) simulation.expect(0, expected[step]);
+      end.n_newton += simulation.step(std::vector<double>{}).newton;
+      end.motion.push_back(simulation.checkpoint().position);
+      for (std::size_t i = 0; i < before.size(); ++i) end.motion.back()[i] -= before[i];
+    }
+    end.points = simulation.state().soft[0];
+    return end;
+  };
+  const End stiffer = end_of(2.02e4, {}), plain = end_of(2e4, {}), expecting = end_of(2e4, stiffer.motion);
+  EXPECT_LT(expecting.n_newton, plain.n_newton);
+  for (std::size_t i = 0; i < plain.points.size(); ++i)
+    EXPECT_LT((expecting.points[i] - plain.points[i]).norm(), 1e-6);  // of a fall by 18 mm; 8 steps of 2e-8 m
+  Simulation simulation(device, falling(2e4));
+  EXPECT_THROW(simulation.expect(0, {0, 0, 0}), UsageError);
+}
+
 TEST(SoftBody, ABlockRestsOnTheFloorWithItsWeight) {
   Device device;
   for (const bool quadratic : {false, true}) {
