@@ -5,6 +5,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/names.hpp"
+#include "pipeline/serve/shared_memory.hpp"
 #include "pipeline/serve/state_arrays.hpp"
 
 namespace pvg {
@@ -51,8 +52,43 @@ std::vector<std::size_t> cameras_asked(const ServedTask& task, const Json& reque
   return asked;
 }
 
+// Where pictures go instead of into the answer.
+std::optional<SharedMemory> memory_asked(const ServedTask& task, const Json& request) {
+  if (!request.contains("memory")) return std::nullopt;
+  if (!request["memory"].is_string()) throw UsageError("`memory` is the path of a file in memory");
+  std::size_t n_bytes = 0;
+  for (const std::size_t camera : cameras_asked(task, request)) {
+    const CameraSection& section = task.task().cameras[camera];
+    n_bytes += 3 * std::size_t(section.width) * std::size_t(section.height);
+  }
+  return SharedMemory(request["memory"].get<std::string>(), n_bytes);
+}
+
+// before anything is done: a mistake leaves the episode as it is
+void check_pictures(const ServedTask& task, const Json& request) {
+  cameras_asked(task, request);
+  memory_asked(task, request);
+}
+
+void add_pictures(ServedTask& task, const Json& request, Message& message) {
+  const std::optional<SharedMemory> memory = memory_asked(task, request);
+  std::size_t offset = 0;
+  for (const std::size_t camera : cameras_asked(task, request)) {
+    const Picture8 picture = task.picture(camera);
+    const std::string name = "pictures/" + task.task().cameras[camera].name;
+    const std::vector<std::size_t> shape = {std::size_t(picture.height), std::size_t(picture.width), 3};
+    if (!memory) {
+      add_array(message, name, shape, std::span<const std::uint8_t>(picture.rgb));
+      continue;
+    }
+    std::copy(picture.rgb.begin(), picture.rgb.end(), memory->bytes().begin() + std::ptrdiff_t(offset));
+    message.head["arrays"].push_back({{"name", name}, {"type", "|u1"}, {"shape", shape}, {"memory_offset", offset}});
+    offset += picture.rgb.size();
+  }
+}
+
 void observe(ServedTask& task, const Json& request, Message& message) {
-  const std::vector<std::size_t> cameras = cameras_asked(task, request);
+  check_pictures(task, request);
   const std::optional<std::string> failure = task.failure();
   Json& head = message.head;
   head["time"] = task.state().time;
@@ -67,15 +103,11 @@ void observe(ServedTask& task, const Json& request, Message& message) {
   const std::vector<double> joints = task.joints(), environment = task.environment();
   add_array(message, "agent_pos", {joints.size()}, std::span<const double>(joints));
   add_array(message, "environment_state", {environment.size()}, std::span<const double>(environment));
-  for (const std::size_t camera : cameras) {
-    const Picture8 picture = task.picture(camera);
-    add_array(message, "pictures/" + task.task().cameras[camera].name,
-              {std::size_t(picture.height), std::size_t(picture.width), 3}, std::span<const std::uint8_t>(picture.rgb));
-  }
+  add_pictures(task, request, message);
 }
 
 void reset(ServedTask& task, const Json& request, Message& message) {
-  cameras_asked(task, request);  // a mistake in it leaves the episode before as it is
+  check_pictures(task, request);
   const std::uint64_t seed = whole(request, "seed"), episode = whole(request, "episode");
   task.reset(seed, episode);
   message.head["sampled"] = Json::object();
@@ -84,7 +116,7 @@ void reset(ServedTask& task, const Json& request, Message& message) {
 }
 
 void step(ServedTask& task, const Json& request, Message& message) {
-  cameras_asked(task, request);
+  check_pictures(task, request);
   const int n = int(request.contains("action")) + int(request.contains("targets")) + int(request.contains("plan"));
   if (n != 1) throw UsageError("a step has one of the keys `action`, `targets` and `plan`");
   if (request.contains("action")) {
@@ -118,9 +150,9 @@ void measure(ServedTask& task, const Json&, Message& message) {
 
 const std::vector<RequestKind>& request_kinds() {
   static const std::vector<RequestKind> KINDS = {
-      {"reset", {"seed", "episode", "pictures"}, reset},
-      {"step", {"action", "targets", "plan", "pictures"}, step},
-      {"observe", {"pictures"}, observe},
+      {"reset", {"seed", "episode", "pictures", "memory"}, reset},
+      {"step", {"action", "targets", "plan", "pictures", "memory"}, step},
+      {"observe", {"pictures", "memory"}, observe},
       {"state", {}, state},
       {"measure", {}, measure},
       {"plan", {}, plan},

@@ -134,8 +134,9 @@ std::vector<Screened> pairs_beside(Workflow& flow, const std::vector<Candidate>&
     flow.report_progress(4, 0.7,
                          "looking for an effect beside " + alternative.model.parts.back()->label() + " instead");
     const Screening screening(flow, data, alternative);
-    std::vector<Screened> screened =
-        screen(screening.fitter, screening.data, alternative, others_than(candidates, alternative.model));
+    std::vector<Screened> screened = screen(screening.fitter, screening.data, alternative,
+                                            others_than(candidates, alternative.model), nullptr, effort_of(flow))
+                                         .best;
     flow.files.write_screen("beside_alternative_" + std::to_string(i + 1), screened);
     screened.resize(std::min(screened.size(), criteria().n_pairs_of_one));
     std::move(screened.begin(), screened.end(), std::back_inserter(pairs));

@@ -23,6 +23,11 @@ constexpr std::size_t FITTED_OF_LARGE = 4;   // candidates, where a simulation t
 
 }  // namespace
 
+Effort effort_of(const Workflow& flow) {
+  if (!is_large(flow.problem.scene.scene)) return {.n_fitted = flow.settings.n_fitted};
+  return {SCREENED_AT_ONCE, SHARE_OF_SCREENING, 0, std::min(FITTED_OF_LARGE, flow.settings.n_fitted)};
+}
+
 std::vector<const Candidate*> others_than(const std::vector<Candidate>& all, const Model& model) {
   std::vector<const Candidate*> others;
   for (const Candidate& candidate : all)
@@ -129,11 +134,6 @@ void begin_at_ends(Fitter& fitter, const FitData& data, const std::vector<Model>
     if (end.succeeded && !(robust_cost(first.residual, scale) < robust_cost(end.residual, scale)))
       owner[i]->model = end.model;
   }
-}
-
-Effort effort_of(const Workflow& flow) {
-  if (!is_large(flow.problem.scene.scene)) return {.n_fitted = flow.settings.n_fitted};
-  return {SCREENED_AT_ONCE, SHARE_OF_SCREENING, 0, std::min(FITTED_OF_LARGE, flow.settings.n_fitted)};
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "host/identify/search/decide.hpp"
+#include "host/identify/search/screen.hpp"
 #include "host/identify/search/workflow.hpp"
 
 namespace pvg::diagnose {
@@ -19,6 +20,9 @@ struct Round {
 // models ended before, with another time step: they begin there, where that is nearer to the data.
 Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
                 const std::string& name, double share, const std::vector<Model>& ends = {});
+
+// What one screening may cost: less in scenes so large that a simulation takes seconds.
+Effort effort_of(const Workflow& flow);
 
 // The candidates that a model does not hold.
 std::vector<const Candidate*> others_than(const std::vector<Candidate>& all, const Model& model);

@@ -8,6 +8,7 @@ simulation takes 10 to 300 ms.
 from __future__ import annotations
 
 import json
+import mmap
 import os
 import socket as sockets
 import struct
@@ -34,7 +35,7 @@ class ServeError(RuntimeError):
 
 @dataclass(frozen=True)
 class Answer:
-    """head: the JSON object of the message; arrays: by name, read-only views into the bytes that came."""
+    """head: the JSON object of the message; arrays: by name, read-only."""
 
     head: dict[str, Any]
     arrays: dict[str, NDArray[Any]]
@@ -127,6 +128,24 @@ def _facts(head: Mapping[str, Any]) -> Facts:
     )
 
 
+class _PictureMemory:
+    """Memory that a program on this machine maps, too, and into which it writes its pictures. It is gone with this
+    process, however that ends."""
+
+    def __init__(self, n_bytes: int) -> None:
+        self._file = os.memfd_create("phyvisgen pictures")
+        os.ftruncate(self._file, n_bytes)
+        self._bytes = mmap.mmap(self._file, n_bytes)
+        self.path = f"/proc/{os.getpid()}/fd/{self._file}"
+
+    def copy(self, n: int, offset: int) -> bytes:
+        return self._bytes[offset : offset + n]
+
+    def close(self) -> None:
+        self._bytes.close()
+        os.close(self._file)
+
+
 def _read(stream: BinaryIO, n: int) -> bytes:
     data = stream.read(n)
     if len(data) < n:
@@ -147,7 +166,8 @@ class Server:
     task: a file, or the name of one of the program's own. width, height [pixels], samples [per pixel] and fps [1/s]:
     instead of what the task says. gripper: "soft" or "rigid". perturb: amounts by which the task is other than it says,
     such as {"friction": 0.5}; `evaluate policy --perturb` lists the names. With `socket` it asks a server that already runs there,
-    and the other arguments are those of that server.
+    and the other arguments are those of that server; its pictures come through the socket, those of a process of its own
+    through shared memory.
     """
 
     def __init__(
@@ -167,6 +187,7 @@ class Server:
     ) -> None:
         self._process: subprocess.Popen[bytes] | None = None
         self._socket: sockets.socket | None = None
+        self._memory: _PictureMemory | None = None
         if socket is not None:
             self._socket = sockets.socket(sockets.AF_UNIX, sockets.SOCK_STREAM)
             self._socket.connect(os.fspath(socket))
@@ -187,6 +208,9 @@ class Server:
             assert self._process.stdin and self._process.stdout
             self._input, self._output = self._process.stdin, self._process.stdout
         self.facts = _facts(self._receive().head)
+        n_bytes = sum(3 * width * height for width, height in self.facts.cameras.values())
+        if self._process and render and n_bytes > 0:
+            self._memory = _PictureMemory(n_bytes)
 
     def _receive(self) -> Answer:
         try:
@@ -199,12 +223,17 @@ class Server:
         arrays = {}
         for array in head.get("arrays", []):
             count = int(np.prod(array["shape"], dtype=np.int64))
-            flat = np.frombuffer(data, dtype=array["type"], count=count, offset=array["offset"])
+            if self._memory and "memory_offset" in array:
+                flat = np.frombuffer(self._memory.copy(count, array["memory_offset"]), dtype=array["type"])
+            else:
+                flat = np.frombuffer(data, dtype=array["type"], count=count, offset=array["offset"])
             arrays[array["name"]] = flat.reshape(array["shape"])
         return Answer(head, arrays)
 
     def request(self, do: str, **keys: Any) -> Answer:
         """Any request of the protocol. What the server refuses is a ServeError, and the episode goes on as it was."""
+        if self._memory and keys.get("pictures"):
+            keys["memory"] = self._memory.path
         head = json.dumps({"do": do, **keys}).encode()
         try:
             self._input.write(_LENGTHS.pack(len(head), 0) + head)
@@ -255,6 +284,9 @@ class Server:
                 pass
         if self._process:
             self._process.wait()
+        if self._memory:
+            self._memory.close()
+            self._memory = None
         if self._socket:
             self._socket.close()
 

@@ -240,6 +240,35 @@ class Socket(unittest.TestCase):
             process.stderr.close()
 
 
+class Pictures(unittest.TestCase):
+    def test_shared_memory_and_a_socket_bring_the_same_pictures(self):
+        small = ["--samples", "1", "--width", "64", "--height", "36"]
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "task.sock"
+            process = subprocess.Popen(
+                [phyvisgen.find_program(), "serve", TASK, *small, "--socket", path], stderr=subprocess.PIPE
+            )
+            while b"serves push_beaker" not in process.stderr.readline():
+                pass
+            with phyvisgen.Server(socket=path) as server:
+                first = server.reset(1, 1, pictures=True)
+            process.terminate()
+            process.wait()
+            process.stderr.close()
+        self.assertTrue(all("offset" in array for array in first.head["arrays"]))
+        with phyvisgen.Server(TASK, samples=1, width=64, height=36) as server:
+            shared = server.reset(1, 1, pictures=True)
+            kept = {name: picture.copy() for name, picture in shared.pictures.items()}
+            server.follow_plan(pictures=True)
+            self.assertTrue(any("memory_offset" in array for array in shared.head["arrays"]))
+            self.assertEqual(set(shared.pictures), set(server.facts.cameras))
+            for name, picture in first.pictures.items():
+                self.assertEqual(picture.shape, (36, 64, 3))
+                self.assertGreater(np.ptp(picture), 0)
+                np.testing.assert_array_equal(picture, shared.pictures[name])
+                np.testing.assert_array_equal(kept[name], shared.pictures[name])  # the next request leaves it alone
+
+
 class OpenPi(unittest.TestCase):
     def test_chunks_of_a_server_are_done_in_order(self):
         try:

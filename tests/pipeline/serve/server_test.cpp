@@ -2,6 +2,7 @@
 #include "pipeline/serve/server.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <thread>
@@ -85,6 +86,9 @@ TEST_F(Server, WhatIsWrongWithARequestIsOneSentence) {
   EXPECT_EQ(started["id"], 5);
   EXPECT_EQ(started["success"], false);
   EXPECT_TRUE(started["sampled"].contains("beaker/x"));
+  const int memory = memfd_create("small", 0);
+  ASSERT_EQ(ftruncate(memory, 10), 0);
+  const std::string small = "/proc/self/fd/" + std::to_string(memory);
   for (const auto& [request, part] : std::vector<std::pair<Json, std::string>>{
            {{{"do", "fly"}}, "`fly`"},
            {{{"time", 1}}, "one of reset, step"},
@@ -98,11 +102,16 @@ TEST_F(Server, WhatIsWrongWithARequestIsOneSentence) {
            {{{"do", "step"}, {"targets", {1}}}, "list of numbers"},
            {{{"do", "observe"}, {"pictures", {"back"}}}, "no camera"},
            {{{"do", "observe"}, {"pictures", 3}}, "`pictures` is"},
+           {{{"do", "observe"}, {"pictures", true}, {"memory", 3}}, "`memory` is the path"},
+           {{{"do", "observe"}, {"pictures", true}, {"memory", "/nowhere"}}, "cannot be opened"},
+           {{{"do", "observe"}, {"pictures", true}, {"memory", small}}, "has 10 bytes"},
+           {{{"do", "observe"}, {"pictures", true}, {"memory", "/dev/null"}}, "no file in memory"},
        }) {
     const Json got = ask(request);
     ASSERT_TRUE(got.contains("error")) << request;
     EXPECT_NE(got["error"].get<std::string>().find(part), std::string::npos) << got;
   }
+  close(memory);
   const Json after = ask({{"do", "observe"}});
   EXPECT_EQ(after["n_steps"], 0);
   EXPECT_EQ(after["failure"], started["failure"]);
