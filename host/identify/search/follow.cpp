@@ -28,14 +28,17 @@ bool may_follow_whole_runs(Workflow& flow, const std::vector<const Fit*>& fits) 
 
 bool any_follows(Workflow& flow, const ChosenWindows& windows, const Round& round) {
   if (round.fits.empty()) return true;
+  const bool is_last_resort = are_shortest(windows.data);
   std::vector<const Fit*> near;
   for (const Fit& fit : round.fits)
-    if (is_coherent(flow.problem, windows.data, fit, criteria().window_hopeless)) near.push_back(&fit);
+    if ((!is_last_resort && rms(fit.residual) <= criteria().far_misfit_least) ||
+        is_coherent(flow.problem, windows.data, fit, criteria().window_hopeless))
+      near.push_back(&fit);
   const double near_noise = criteria().window_hopeless * criteria().window_coherent_floor;
   bool any = std::any_of(near.begin(), near.end(), [&](const Fit* fit) { return rms(fit->residual) <= near_noise; });
   if (!any && !near.empty()) {
     any = true;
-    if (are_shortest(windows.data))
+    if (is_last_resort)
       flow.ends_in_time(criteria().time_search, "whether any effect follows whole runs",
                         [&] { any = may_follow_whole_runs(flow, near); });
   }

@@ -46,8 +46,8 @@ bool are_shortest(const FitData& data) {
 
 bool gets_nearer(const Problem& problem, const FitData& data, const Fit& base, const std::vector<VectorXd>& left) {
   const double before = rms(base.residual);
-  const bool is_near =
-      !(before > criteria().far_misfit_least) && is_coherent(problem, data, base, criteria().window_hopeless);
+  const bool is_near = !(before > criteria().far_misfit_least) &&
+                       (!are_shortest(data) || is_coherent(problem, data, base, criteria().window_hopeless));
   if (is_near) return true;
   const bool is_last_resort = are_shortest(data) && base.model.effects().empty();
   return closed(before, rms(left), 1) >= (is_last_resort ? criteria().gap_closed_least : criteria().second_gain_least);

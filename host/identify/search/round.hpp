@@ -33,7 +33,7 @@ bool are_shortest(const FitData& data);
 // Whether these residuals are so much nearer to the data than the base's that further steps, or a second effect, are
 // worth it: by second_gain_least, but beside no effect in the shortest windows, whose starts take up much and which are
 // the last resort of a scene that does not follow the recording, by gap_closed_least. So is all where the base is near
-// the data: within far_misfit_least, and following the recorded motion.
+// the data: within far_misfit_least, and in the shortest windows following the recorded motion.
 bool gets_nearer(const Problem& problem, const FitData& data, const Fit& base,
                  const std::vector<Eigen::VectorXd>& left);
 
