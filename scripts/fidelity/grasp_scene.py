@@ -1,4 +1,4 @@
-"""Scenes of one grasp: the gripper of data/grippers/umi_finray stands still and closes around an object of a task.
+"""Scenes of one grasp: the gripper of data/grippers/umi_finray stands still, closes around an object of a task and opens.
 
 The fingers are one soft body of two pieces, so that both have one material. What a scene is told is in Grasp; what the
 nominal model and reality differ in is in Model. Lengths in m, times in s, angles in rad.
@@ -47,11 +47,21 @@ class Grasp:
     offset: tuple  # of the object from below the tool centre, x and y
     yaw: float
     closed: float
-    closing: float  # duration
-    duration: float
+    closing: float  # durations, one after the other
+    holding: float
+    opening: float
+
+    @property
+    def opens_at(self):
+        return round(self.closing + self.holding, 4)
+
+    @property
+    def duration(self):
+        return round(self.opens_at + self.opening, 4)
 
     def command(self, t):
-        return self.closed + (OBJECTS[self.thing]["open"] - self.closed) * (1 - smooth(t / self.closing))
+        closed = smooth(t / self.closing) - smooth((t - self.opens_at) / self.opening)
+        return self.closed + (OBJECTS[self.thing]["open"] - self.closed) * (1 - closed)
 
 
 def smooth(s):

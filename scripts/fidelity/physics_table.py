@@ -41,7 +41,8 @@ def drawn(seed):
 
 
 def grasps(thing, seed):
-    """One grasp to fit, one to judge: the object stands elsewhere and the fingers close further and faster."""
+    """One grasp to fit, one to judge: the object stands elsewhere and the fingers close further and faster. Both open again:
+    while a gripper only closes, play and dry friction of a drive hold its slide back alike."""
     random = np.random.default_rng([seed, len(thing)])
     closed = scenes.OBJECTS[thing]["closed"]
 
@@ -49,8 +50,13 @@ def grasps(thing, seed):
         return tuple(float(f"{x:.5f}") for x in random.uniform(-0.001, 0.001, 2)), round(float(random.uniform(-yaw, yaw)), 4)
 
     (fit, yaw), (judged, _) = at(0.2), at(0.2)  # a recording states places of its runs, not turns
-    return {"fit": Grasp(thing, fit, yaw, closed, 0.16, 0.20),
-            "judged": Grasp(thing, judged, yaw, max(closed - 0.003, 0.0), 0.20, 0.28)}
+    return {"fit": Grasp(thing, fit, yaw, closed, 0.16, 0.04, 0.08),
+            "judged": Grasp(thing, judged, yaw, max(closed - 0.003, 0.0), 0.20, 0.08, 0.08)}
+
+
+def picture_times(grasp):
+    """times of the pictures [n, s]: while the grasp closes and holds; the joint logs go on while it opens"""
+    return np.arange(FIRST, grasp.opens_at, 1 / FPS)
 
 
 def reality_model(truth, thing):
@@ -93,7 +99,7 @@ class Table:
         camera = dict(scenes.CAMERA, position=(0.082, 0, height - 0.020), target=(0.014, 0, height - 0.125), up=(1, 0, 0))
         photographer = photograph.Photographer(camera, self.truth, self.samples, random)
         (seen / "masks").mkdir(parents=True, exist_ok=True)
-        times = np.arange(FIRST, grasp.duration, 1 / FPS)
+        times = picture_times(grasp)
         points, triangles = visual(thing)
         rest, deformed = motion.fingers(0), []
         for i, t in enumerate(times):
@@ -119,8 +125,8 @@ class Table:
         q = np.concatenate([np.full((1, 2), scenes.OBJECTS[thing]["open"]), motion.file["joint/position"][:, :2]])
         return np.concatenate([[0.0], motion.time]), q + random.normal(0, ENCODER, q.shape)
 
-    def masks(self, name, scene, states):
-        """folder with masks/NAME.png of a simulation"""
+    def masks(self, name, scene, states, grasp):
+        """folder with masks/NAME.png of a simulation until the grasp opens, as the camera takes them"""
         seen = name
         if not (seen / "masks").exists():
             self.run("render", scene, "--states", states, "--fps", FPS, "--samples", 1, "--ground-truth", "-o", seen)
@@ -128,7 +134,7 @@ class Table:
             with h5py.File(seen / "wrist_truth.h5") as file:
                 names = [n.decode() if isinstance(n, bytes) else str(n) for n in file["part"].attrs["names"]]
                 fingers = [i for i, n in enumerate(names) if n.startswith("finger")]
-                for i, part in enumerate(file["part"][:]):
+                for i, part in enumerate(file["part"][:len(picture_times(grasp))]):
                     Image.fromarray(np.uint8(255 * np.isin(part, fingers))).save(seen / f"masks/wrist_{i:06}.png")
         return seen
 
@@ -196,7 +202,8 @@ class Table:
         judged = both["judged"]
         columns = {}
         for name, model in (("rigid", self.nominal(rigid=True)), ("nominal", self.nominal())):
-            columns[name] = self.masks(folder / name, *self.simulated(folder / name, scenes.text(judged, model, folder)))
+            columns[name] = self.masks(folder / name, *self.simulated(folder / name, scenes.text(judged, model, folder)),
+                                       judged)
         real = self.reality(folder, thing, "judged", judged)
         sentence = "not diagnosed"
         if self.diagnoses:
@@ -205,7 +212,7 @@ class Table:
             sentence = json.loads((report / "report.json").read_text())["sentence"]
             amended = yaml.safe_load((report / "scene_amended.yaml").read_text())
             text = judged_scene(amended, scenes.text(judged, self.nominal(), folder))
-            columns["after"] = self.masks(folder / "after", *self.simulated(report / "after", text))
+            columns["after"] = self.masks(folder / "after", *self.simulated(report / "after", text), judged)
         sheet(real, columns).save(folder / "sheet.png")
         last = list(columns)[-1]
         compared = self.compare(folder, real, columns[last], {k: v for k, v in columns.items() if k != last})
