@@ -144,7 +144,10 @@ class ForwardSelection {
       take(chosen, set, number);
       return out_.follows ? Next::pairs : Next::nothing;
     }
-    if (is_workflow() && flow_.refine_step(named_.model)) {
+    // all is searched again with the finer step, which takes as long as this round
+    if (is_workflow() && flow_.may_refine_step &&
+        flow_.has_time("whether what was found needs a finer time step", of_round_) &&
+        flow_.refine_step(named_.model)) {
       out_ = Selection();
       out_.asks_for_new_step = true;
       for (const Fit& fit : round.fits) out_.ends.push_back(fit.model);
