@@ -81,7 +81,7 @@ void add_pictures(ServedTask& task, const Json& request, Message& message) {
       add_array(message, name, shape, std::span<const std::uint8_t>(picture.rgb));
       continue;
     }
-    std::copy(picture.rgb.begin(), picture.rgb.end(), memory->bytes().begin() + std::ptrdiff_t(offset));
+    memory->write(offset, picture.rgb);
     message.head["arrays"].push_back({{"name", name}, {"type", "|u1"}, {"shape", shape}, {"memory_offset", offset}});
     offset += picture.rgb.size();
   }

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <linux/magic.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/vfs.h>
 #include <unistd.h>
@@ -16,37 +15,45 @@
 namespace pvg {
 namespace {
 
-struct OpenFile {
-  int number;
-  ~OpenFile() {
-    if (number >= 0) close(number);
-  }
-};
-
-}  // namespace
-
-SharedMemory::SharedMemory(const std::string& path, std::size_t least) {
-  const OpenFile file{open(path.c_str(), O_RDWR | O_CLOEXEC)};
-  if (file.number < 0) throw UsageError("`memory` names " + path + ", which cannot be opened: " + std::strerror(errno));
+void check(int file, const std::string& path, std::size_t least) {
   struct statfs system {};
   struct stat about {};
-  if (fstatfs(file.number, &system) != 0 || fstat(file.number, &about) != 0)
+  if (fstatfs(file, &system) != 0 || fstat(file, &about) != 0)
     throw UsageError("`memory` names " + path + ": " + std::strerror(errno));
   if (system.f_type != TMPFS_MAGIC || !S_ISREG(about.st_mode))
     throw UsageError("`memory` names " + path + ", which is no file in memory; make it in /dev/shm or by memfd_create");
-  const std::size_t size = std::size_t(about.st_size);
-  if (size < least)
-    throw UsageError("`memory` has " + std::to_string(size) + " bytes, the pictures take " + std::to_string(least));
-  void* mapped = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, file.number, 0);
-  if (mapped == MAP_FAILED)
-    throw UsageError("`memory` names " + path + ", which cannot be mapped: " + std::strerror(errno));
-  bytes_ = {static_cast<unsigned char*>(mapped), size};
+  if (std::size_t(about.st_size) < least)
+    throw UsageError("`memory` has " + std::to_string(about.st_size) + " bytes, the pictures take " +
+                     std::to_string(least));
 }
 
-SharedMemory::SharedMemory(SharedMemory&& other) noexcept : bytes_(std::exchange(other.bytes_, {})) {}
+}  // namespace
+
+SharedMemory::SharedMemory(const std::string& path, std::size_t least)
+    : file_(open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK)) {
+  if (file_ < 0) throw UsageError("`memory` names " + path + ", which cannot be opened: " + std::strerror(errno));
+  try {
+    check(file_, path, least);
+  } catch (...) {
+    close(file_);
+    throw;
+  }
+}
+
+SharedMemory::SharedMemory(SharedMemory&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
 
 SharedMemory::~SharedMemory() {
-  if (!bytes_.empty()) munmap(bytes_.data(), bytes_.size());
+  if (file_ >= 0) close(file_);
+}
+
+// not mapped: a client that makes its file shorter meanwhile would end the server
+void SharedMemory::write(std::size_t offset, std::span<const std::uint8_t> bytes) const {
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t n = pwrite(file_, bytes.data() + done, bytes.size() - done, off_t(offset + done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) throw Failure(std::string("`memory` cannot be written: ") + std::strerror(errno));
+    done += std::size_t(n);
+  }
 }
 
 }  // namespace pvg

@@ -1,6 +1,7 @@
-// Memory that a client of `serve` shares: a file of a memory file system, mapped by both.
+// Memory that a client of `serve` shares: a file of a memory file system, which the client maps.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -8,15 +9,16 @@ namespace pvg {
 
 class SharedMemory {
  public:
-  // Maps the whole file. A UsageError where it cannot be opened, lies on a disk or has fewer than `least` bytes.
+  // Opens the file. A UsageError where it cannot be opened, lies on a disk or has fewer than `least` bytes.
   SharedMemory(const std::string& path, std::size_t least);
   ~SharedMemory();
   SharedMemory(SharedMemory&& other) noexcept;
   SharedMemory(const SharedMemory&) = delete;
-  std::span<unsigned char> bytes() const { return bytes_; }
+  // A Failure where the memory is full.
+  void write(std::size_t offset, std::span<const std::uint8_t> bytes) const;
 
  private:
-  std::span<unsigned char> bytes_;
+  int file_ = -1;
 };
 
 }  // namespace pvg

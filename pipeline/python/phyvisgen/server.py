@@ -129,7 +129,7 @@ def _facts(head: Mapping[str, Any]) -> Facts:
 
 
 class _PictureMemory:
-    """Memory that a program on this machine maps, too, and into which it writes its pictures. It is gone with this
+    """Memory into which a program on this machine writes its pictures. It is gone with this
     process, however that ends."""
 
     def __init__(self, n_bytes: int) -> None:
