@@ -54,7 +54,8 @@ void add_evaluate_policy(CLI::App& program) {
   command->footer(
       "Words: TASK --policy ws://HOST:PORT|blind|nearest|expert, and those of `phyvisgen evaluate policy TASK "
       "--help`.\n"
-      "Example:\n  phyvisgen evaluate policy data/tasks/weigh_beaker.yaml --policy ws://localhost:8000 -n 20 --json");
+      "Examples:\n  phyvisgen evaluate policy data/tasks/weigh_beaker.yaml --policy ws://localhost:8000 -n 20 --json\n"
+      "  phyvisgen evaluate policy push.yaml --policy blind --baseline expert --videos out/failures");
 }
 
 }  // namespace pvg

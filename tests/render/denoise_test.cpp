@@ -131,6 +131,14 @@ TEST_F(LibraryDenoise, FilteredLaterIsTheSamePicture) {
   (*renderer.finish())(traced_second, 0, 2);
   EXPECT_EQ(traced_first.rgb, first.rgb);
   EXPECT_EQ(traced_second.rgb, second.rgb);
+  // without the sensor's noise the exposure is a factor of what is filtered
+  scene.cameras[0].full_well = 0;
+  Renderer exposed(device, scene, {.samples = 4, .denoises = true});
+  scene.cameras[0].exposure = 1;
+  Renderer as_it_is(device, scene, {.samples = 4, .denoises = true});
+  const RenderedFrame bright = exposed.render(0, 1), dim = as_it_is.render(0, 1);
+  ASSERT_EQ(bright.rgb.size(), dim.rgb.size());
+  for (std::size_t i = 0; i < dim.rgb.size(); ++i) ASSERT_EQ(bright.rgb[i], 1.7f * dim.rgb[i]);
 }
 
 // A grey wall with noise of 10 %, of any sides: borders and corners are as grey as the middle.

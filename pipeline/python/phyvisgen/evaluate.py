@@ -15,7 +15,10 @@ from .perturbation import Curve, Perturbed
 from .policies import BlindMean, Demonstrations, Expert, NearestDemonstration, Policy
 from .server import ServeError, Server
 
-EXAMPLE = "Example: phyvisgen evaluate policy push.yaml --policy ws://localhost:8000 -n 20 --perturb friction=0.5:2 --points 3"
+EXAMPLE = (
+    "Examples: phyvisgen evaluate policy push.yaml --policy ws://localhost:8000 -n 20 --perturb friction=0.5:2 --points 3; "
+    "phyvisgen evaluate policy push.yaml --policy blind --baseline expert --videos out/failures"
+)
 BASELINES = ("blind", "nearest", "expert")
 N_VIDEOS = 3  # of the first failures
 
