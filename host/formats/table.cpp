@@ -108,6 +108,7 @@ Header header_of(const std::vector<std::string>& lines) {
 }
 
 MeasuredTable read_csv(const std::filesystem::path& file) {
+  refuse_log(file);
   const std::vector<std::string> lines = lines_of(file);
   const auto [names, n_header] = header_of(lines);
   if (names.size() == 1 && lines[0].find(';') != std::string::npos)
@@ -157,6 +158,13 @@ MeasuredTable read_arrays(const hdf5::File& in, const std::filesystem::path& fil
 }
 
 }  // namespace
+
+void refuse_log(const std::filesystem::path& file) {
+  for (const char* kind : {".mcap", ".db3", ".bag", ".c3d"})
+    if (file.extension() == kind)
+      throw UsageError(file.string() + " is a log, no table: `scripts/convert_log.py " + file.string() +
+                       " -o FOLDER` makes a recording of it");
+}
 
 const std::vector<double>& MeasuredTable::operator[](const std::string& name) const {
   const auto found = columns.find(name);

@@ -35,6 +35,7 @@ ELSEWHERE = {  # what a block of `console` shows and why no test of one machine 
     r"scripts/install_denoiser\.sh": "fetches 60 MB from PyPI; scripts/demo.sh runs it",
     r".* render data/tasks/weigh_beaker\.yaml .* --denoise .*": "needs the denoiser of the command above it",
     r".* evaluate fidelity .*": "compares pictures of a real camera",
+    r"scripts/(install_logs\.sh|convert_log\.py run_0\.mcap .*)": "reads logs of one's own; tests/scripts/convert_log_test.py writes some",
     r"scripts/hidden_suite/make_cases\.py .*": "needs the packages above it; minutes",
     r".* diagnose --suite out/cases .*": "reads what the command above it makes",
     r".* calibrate lut --render rendered --real photos .*": "needs photos of one's own",

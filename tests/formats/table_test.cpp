@@ -51,6 +51,14 @@ Frame,Time (Seconds),X,X,X,
   EXPECT_EQ(table["hand Position X"][1], 8);
 }
 
+TEST(MeasuredTable, LogsAreRefusedWithTheCommandThatConvertsThem) {
+  const TestFolder folder;
+  for (const char* name : {"run.mcap", "run.db3", "run.bag", "run.c3d"}) {
+    folder.write(name, "t\n");
+    expect_error<UsageError>([&] { read_table(folder.path / name); }, {name, "scripts/convert_log.py"});
+  }
+}
+
 TEST(MeasuredTable, AFoldersFilesAreThoseOfThePrefixInTheOrderOfTheirNames) {
   const TestFolder folder;
   for (const char* name : {"run_b.csv", "run_a.csv", "run_a.txt", "other.csv"}) folder.write(name, "t\n");

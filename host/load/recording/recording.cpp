@@ -117,6 +117,7 @@ void demand_different_runs(const Recording& recording) {
 
 Recording load_recording(const std::filesystem::path& path) {
   Recording recording;
+  refuse_log(path);
   recording.file = std::filesystem::is_directory(path) ? path / "recording.yaml" : path;
   YamlSection root = YamlSection::load(recording.file, "recording");
   check_schema(root);
