@@ -148,7 +148,7 @@ def _run(words: argparse.Namespace, server: Server, perturbed: list[Perturbed]) 
     curves = [_curve(words, policy, each, starts, length).as_json() for each in perturbed]
     videos = _videos(words, policy, result, length) if words.videos else []
     if words.json:
-        told: dict[str, Any] = {"schema": 1, "policy": policy.name, **result.as_json()}
+        told: dict[str, Any] = {"schema": 1, "task": server.facts.task, "policy": policy.name, **result.as_json()}
         told["baselines"] = {
             name: {**each.as_json(), "policy_above": result.above(each)} for name, each in beside.items()
         }

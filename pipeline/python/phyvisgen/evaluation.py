@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from dataclasses import asdict, dataclass, field
 from typing import Any, Iterable
 
-from .environment import EVALUATION_SEED, LENGTH_OF_PLAN
+from .environment import EVALUATION_SEED, planned_length
 from .policies import Policy
 from .server import Server
 from .statistics import beta_interval, paired_difference, wilson
 
-__all__ = ["EpisodeResult", "PolicyResult", "evaluate", "run_episode"]
+__all__ = ["EpisodeResult", "PolicyResult", "evaluate", "planned_length", "run_episode"]
 
 LEAST_EPISODES, MOST_EPISODES = 10, 200  # of an evaluation that stops by itself
 
@@ -70,12 +69,6 @@ def run_episode(server: Server, policy: Policy, start: int, length: int, set_see
     if seen.is_over:
         names.append("step_failed")
     return EpisodeResult(start, seen.is_success, seen.failure, names, periods)
-
-
-def planned_length(server: Server, set_seed: int) -> int:
-    """Periods of an episode: what the planned motion of the first start takes, and a quarter more."""
-    server.reset(set_seed, 0)
-    return max(1, math.ceil(LENGTH_OF_PLAN * server.planned_periods()))
 
 
 def evaluate(

@@ -138,6 +138,81 @@ TEST_F(Served, AnActionIsReachedOnAStraightLine) {
   EXPECT_EQ(served.n_steps(), 5u);
 }
 
+// everything that is simulated, to the bit
+std::vector<unsigned char> state_bytes(const ServedTask& served) {
+  Message message;
+  add_state_arrays(served, message);
+  return message.bytes;
+}
+
+// Three worlds that begin, end and step at different times, with other actions, against each of them alone.
+TEST_F(Served, WorldsThatStepTogetherHaveTheBitsTheyHaveAlone) {
+  constexpr std::size_t N = 3, N_PERIODS = 4;
+  const auto begin = [](ServedTask& served, std::size_t world, std::size_t period) {
+    if (period == 0) served.ask_reset(SEED, world);
+    if (period == 2 && world == 1) served.ask_reset(SEED + 1, 8);
+  };
+  const auto ask = [](ServedTask& served, std::size_t world, std::size_t period) {
+    if (world == 2 && period == 1) return;  // rests
+    if (world == 2 && period == 3) return served.ask_targets({served.targets(), served.targets()});
+    if (world == 0) return void(served.ask_plan());
+    std::vector<double> action = served.joints();
+    action[0] += 0.01 * double(world);
+    action[1] += 0.02;
+    served.ask_action(action);
+  };
+  ServedWorlds worlds(small_task(), device(), nullptr, N);
+  std::vector<ServedTask*> all;
+  for (std::size_t w = 0; w < N; ++w) all.push_back(&worlds[w]);
+  std::vector<std::vector<std::vector<unsigned char>>> together(N_PERIODS);
+  for (std::size_t period = 0; period < N_PERIODS; ++period) {
+    for (std::size_t w = 0; w < N; ++w) begin(worlds[w], w, period);
+    ServedTask::advance_together(all);
+    for (std::size_t w = 0; w < N; ++w) ask(worlds[w], w, period);
+    ServedTask::advance_together(all);
+    for (std::size_t w = 0; w < N; ++w) together[period].push_back(state_bytes(worlds[w]));
+  }
+  for (std::size_t w = 0; w < N; ++w) {
+    ServedTask alone(small_task(), device(), nullptr);
+    ServedTask* const only = &alone;
+    for (std::size_t period = 0; period < N_PERIODS; ++period) {
+      begin(alone, w, period);
+      ServedTask::advance_together(std::span(&only, 1));
+      ask(alone, w, period);
+      ServedTask::advance_together(std::span(&only, 1));
+      EXPECT_TRUE(state_bytes(alone) == together[period][w]) << "world " << w << ", period " << period;
+    }
+  }
+  EXPECT_EQ(worlds[2].n_steps(), 12u);
+  EXPECT_FALSE(together[3][0] == together[3][2]);
+}
+
+// Of several that are to begin, one cannot: the others do.
+TEST_F(Served, AStartThatIntersectsIsTheErrorOfItsWorldAlone) {
+  Task task = small_task();
+  ASSERT_EQ(task.objects.at(1).name, "beaker");
+  task.objects[1].pose.z = {-0.002, 0.002};  // of the table's top
+  ServedWorlds worlds(task, device(), nullptr, 2);
+  const auto height = [&](std::uint64_t episode) {
+    const TaskScene built = build_scene(task, SEED, episode);
+    for (const RigidBody& body : built.scene.rigid_bodies)
+      if (body.name == "beaker") return body.pose.translation().z();
+    throw Failure("no beaker");
+  };
+  std::uint64_t in_table = 0, above = 0;
+  while (height(in_table) > -1e-4) ++in_table;
+  while (height(above) < 1e-3) ++above;
+  worlds[0].ask_reset(SEED, in_table);
+  worlds[1].ask_reset(SEED, above);
+  ServedTask* const both[] = {&worlds[0], &worlds[1]};
+  const std::vector<std::string> errors = ServedTask::advance_together(both);
+  EXPECT_NE(errors[0].find("intersect"), std::string::npos) << errors[0];
+  EXPECT_EQ(errors[1], "");
+  expect_error<UsageError>([&] { worlds[0].act(worlds[1].joints()); }, {"no episode has begun"});
+  worlds[1].act(worlds[1].joints());
+  EXPECT_EQ(worlds[1].n_steps(), 5u);
+}
+
 // Drives that are late by a period do nothing in the first and all of it in the second.
 TEST_F(Served, APerturbedLatencyHoldsActionsBack) {
   Task task = small_task();
