@@ -14,7 +14,7 @@ const card = (...children) => element("div", { class: "card" }, ...children);
 // Rates with their intervals: [[label, rate, low, high, text]].
 function intervals(rows) {
   const H = 30, left = 150, width = 300, x = (share) => left + width * share;
-  const svg = drawing("svg", { viewBox: `0 0 620 ${H * rows.length + 22}`, style: "max-width:760px", role: "img" });
+  const svg = drawing("svg", { viewBox: `0 0 700 ${H * rows.length + 22}`, style: "max-width:860px", role: "img" });
   for (const share of [0, 0.25, 0.5, 0.75, 1]) {
     svg.append(drawing("line", { x1: x(share), x2: x(share), y1: 2, y2: H * rows.length, stroke: "#e3e8ed" }));
     svg.append(drawing("text", { x: x(share), y: H * rows.length + 16, "text-anchor": "middle" }, `${100 * share} %`));
@@ -73,7 +73,7 @@ function curve({ quantity, points, control }) {
     svg.append(drawing("line", { x1: x(p.amount), x2: x(p.amount), y1: y(p.low), y2: y(p.high), stroke: COLORS[0], "stroke-width": 3, "stroke-opacity": 0.45 }));
     svg.append(drawing("circle", { cx: x(p.amount), cy: y(p.success), r: 4, fill: COLORS[0] }));
   }
-  const says = control.p <= 0.05 ? "it depends on the amount" : "it does not tell that success depends on the amount";
+  const says = control.p <= 0.05 ? "success depends on the amount" : "this curve does not show that success depends on the amount";
   const text = `Spread of the rates ${control.spread.toFixed(3)}; of 95 % of curves with shuffled amounts at most ${control.shuffled_spread_95.toFixed(3)}; p = ${round(control.p)}: ${says}.`;
   return element("div", {}, element("h3", { text: `success over ${quantity}; dashed: the task as it is` }), svg, element("p", { class: "quiet", text }));
 }

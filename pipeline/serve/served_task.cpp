@@ -74,6 +74,7 @@ const WorldState& ServedTask::state() const {
 
 void ServedTask::ask_reset(std::uint64_t seed, std::uint64_t episode) {
   renderer_.reset();
+  surfaces_.reset();
   grasps_.reset();
   monitor_.reset();
   world_.reset();
@@ -210,6 +211,10 @@ void ServedTask::ask_action(std::span<const double> action) {
   for (std::size_t c = 0; c < action.size(); ++c) {
     const std::vector<std::size_t>& joints = facts_.columns[c].packed.joints;
     for (const std::size_t joint : joints) to[joint] = action[c] / double(joints.size());
+    // a gripper is told to close beyond its stop, so that it presses
+    const ServedColumn& column = facts_.columns[c];
+    if (!column.packed.is_width && (action[c] < column.low || action[c] > column.high))
+      grasps_->add("out_of_reach", column.packed.name, state().time);
   }
   const std::size_t n = facts_.steps_per_period;
   asked_ = {};
@@ -289,6 +294,12 @@ std::optional<std::string> ServedTask::failure() const {
   if (!monitor_) throw UsageError("no episode has begun; send a reset first");
   if (n_steps_ == 0) return "nothing was done yet";  // conditions judge steps
   return monitor_->failure();
+}
+
+std::string ServedTask::intersection() {
+  const WorldState& now = state();
+  if (!surfaces_) surfaces_ = std::make_unique<Surfaces>(built_->scene);
+  return surfaces_->meeting(now);
 }
 
 Picture8 ServedTask::picture(std::size_t camera) {

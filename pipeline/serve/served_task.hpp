@@ -20,6 +20,7 @@
 #include "pipeline/episode/shared_simulation.hpp"
 #include "pipeline/episode/success.hpp"
 #include "pipeline/serve/grasps.hpp"
+#include "pipeline/serve/surfaces.hpp"
 
 namespace pvg {
 
@@ -84,6 +85,8 @@ class ServedTask {
   std::optional<std::string> failure() const;
   Measured measured() const { return monitor_->measured(); }
   const std::vector<EpisodeEvent>& events() const { return grasps_->events(); }
+  // Bodies whose surfaces intersect now, such as "beaker and table"; empty: none. By an exact test of its own.
+  std::string intersection();
   // What the camera sees; of the start it is a frame of its own.
   Picture8 picture(std::size_t camera);
 
@@ -113,6 +116,7 @@ class ServedTask {
   std::unique_ptr<SharedSimulation::World> world_;
   std::unique_ptr<SuccessMonitor> monitor_;
   std::unique_ptr<Grasps> grasps_;
+  std::unique_ptr<Surfaces> surfaces_;  // where they were asked for
   std::unique_ptr<Renderer> renderer_;
   std::unique_ptr<MotionPlan> plan_;
   std::unique_ptr<ForceGrasp> plan_grasp_;

@@ -152,6 +152,8 @@ void measure(ServedTask& task, const Json&, Message& message) {
   head["finger_deformation_m"] = measured.finger_deformation;
 }
 
+void intersection(ServedTask& task, const Json&, Message& message) { message.head["bodies"] = task.intersection(); }
+
 void nothing(ServedTask&, const Json&, Message&) {}
 
 const std::vector<RequestKind>& request_kinds() {
@@ -162,6 +164,7 @@ const std::vector<RequestKind>& request_kinds() {
       {"state", {}, nothing, state},
       {"measure", {}, nothing, measure},
       {"plan", {}, nothing, plan},
+      {"intersection", {}, nothing, intersection},
       {"close", {}, nothing, nothing},
   };
   return KINDS;

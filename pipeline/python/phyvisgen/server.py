@@ -203,6 +203,10 @@ class World:
         """What the task's conditions look at, so far."""
         return dict(self.request("measure").head["measured"])
 
+    def intersection(self) -> str:
+        """Bodies whose surfaces intersect now, by an exact test of its own, such as "beaker and table"; empty: none."""
+        return str(self.request("intersection").head["bodies"])
+
     def planned_periods(self) -> int:
         """Periods of the motion that `generate` plans for this episode; 0: it cannot be planned."""
         return int(self.request("plan").head["periods"])

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
@@ -211,6 +212,34 @@ TEST_F(Served, AStartThatIntersectsIsTheErrorOfItsWorldAlone) {
   expect_error<UsageError>([&] { worlds[0].act(worlds[1].joints()); }, {"no episode has begun"});
   worlds[1].act(worlds[1].joints());
   EXPECT_EQ(worlds[1].n_steps(), 5u);
+}
+
+TEST_F(Served, SurfacesThatMeetAreNamed) {
+  ServedTask served(small_task(), device(), nullptr);
+  served.reset(SEED, EPISODE);
+  EXPECT_EQ(served.intersection(), "");
+  WorldState pushed_in = served.state();
+  const Scene& scene = served.built().scene;
+  for (std::size_t i = 0; i < scene.rigid_bodies.size(); ++i)
+    if (scene.rigid_bodies[i].name == "beaker") pushed_in.rigid[i](2, 3) -= 0.01;
+  const std::string meeting = Surfaces(scene).meeting(pushed_in);
+  EXPECT_TRUE(meeting == "beaker and table" || meeting == "table and beaker") << meeting;
+}
+
+TEST_F(Served, AnActionBeyondAStopIsAnEvent) {
+  ServedTask served(small_task(), device(), nullptr);
+  served.reset(0, 0);
+  std::vector<double> action = served.joints();
+  action[7] = -0.004;  // a gripper that presses
+  served.act(action);
+  for (const EpisodeEvent& event : served.events()) EXPECT_NE(event.name, "out_of_reach");
+  ASSERT_TRUE(std::isfinite(served.facts().columns[0].high));
+  action[0] = served.facts().columns[0].high + 0.001;
+  served.act(action);
+  const auto is_it = [&](const EpisodeEvent& event) {
+    return event.name == "out_of_reach" && event.of == served.facts().columns[0].packed.name;
+  };
+  EXPECT_EQ(std::count_if(served.events().begin(), served.events().end(), is_it), 1);
 }
 
 // Drives that are late by a period do nothing in the first and all of it in the second.
