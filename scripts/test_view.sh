@@ -1,6 +1,6 @@
 #!/bin/sh
-# Makes the page of a set and of one of its episodes and opens them in headless Chromium: no message of an error, the page
-# complete, something on the 3D view. Arguments: an episode set (else a small one is made), a folder for the screenshots.
+# Makes the pages of a set, of one of its episodes and, where there is the Python of scripts/install_policy.sh, of an evaluation, and
+# opens them in headless Chromium: no message of an error, the page complete, something on the 3D view. Arguments: an episode set (else a small one is made), a folder for the screenshots.
 set -eu
 cd "$(dirname "$0")/.."
 command -v chromium >/dev/null || scripts/apt_install.sh chromium
@@ -12,7 +12,15 @@ mkdir -p "$pictures"
 [ $# -gt 0 ] || build/bin/phyvisgen generate tests/pipeline/small_task/push_beaker.yaml -n 2 -o "$set"
 build/bin/phyvisgen view "$set" -o "$folder/set.html"
 build/bin/phyvisgen view "$set/episode_000000" -o "$folder/episode.html"
-for page in set episode; do
+pages="set episode"
+if [ -x .venv-policy/bin/python ]; then
+  pages="$pages evaluation"
+  # eight periods are too few to succeed, so that there is something to film
+  build/bin/phyvisgen evaluate policy tests/pipeline/small_task/push_beaker.yaml --policy blind --baseline expert \
+    --demonstrations "$set" -n 2 --length 8 --perturb latency=0:0.1 --points 2 --videos "$folder/videos" --json >"$folder/evaluation.json"
+  build/bin/phyvisgen view "$folder/evaluation.json" -o "$folder/evaluation.html"
+fi
+for page in $pages; do
   for what in "--screenshot=$pictures/$page.png" --dump-dom; do
     # WebGL by software; every message of the page goes to the log
     timeout 120 chromium --headless --no-sandbox --disable-dev-shm-usage --use-gl=angle --use-angle=swiftshader \
@@ -24,9 +32,11 @@ for page in set episode; do
     echo "test_view: $page: the page complains" >&2
     exit 1
   fi
-  for part in 'data-state="complete"' '<video' '<polyline' '<canvas'; do
+  parts='data-state="complete" <video <polyline <canvas'
+  [ $page != evaluation ] || parts='data-state="complete" <video <polyline <circle sign'
+  for part in $parts; do
     grep -q "$part" "$folder/$page.dom" || { echo "test_view: $page: the page lacks $part" >&2; exit 1; }
   done
   test -s "$pictures/$page.png"
 done
-echo "test_view: both pages are complete and without complaint"
+echo "test_view: the pages of $pages are complete and without complaint"

@@ -244,7 +244,8 @@ def main():
         print(f"{name}: {len(part.points)} points, volume {tools.volume(part) * 1e6:.3f} cm^3")
     towels = {"towel": towel(*2 * [graded(-0.15, 0.15, 0.005, 0.016, 12)]),
               "towel_coarse": towel(*2 * [graded(-0.15, 0.15, 0.006, 0.024, 7)]),
-              "towel_large": towel(graded(-0.15, 0.15, 0.005, 0.020, 10), graded(-0.20, 0.20, 0.005, 0.020, 10, 10))}
+              "towel_large": towel(graded(-0.15, 0.15, 0.005, 0.020, 10), graded(-0.20, 0.20, 0.005, 0.020, 10, 10)),
+              "towel_large_coarse": towel(graded(-0.15, 0.15, 0.007, 0.030, 5), graded(-0.20, 0.20, 0.007, 0.033, 5, 5))}
     os.makedirs(os.path.join(HERE, "..", "cloths"), exist_ok=True)
     for name, sheet in towels.items():
         tools.write_obj(os.path.join(HERE, "..", "cloths", name + ".obj"), sheet, f"{name}, written by make_objects.py [m]")

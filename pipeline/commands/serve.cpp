@@ -29,6 +29,7 @@ struct ServeOptions {
   std::string socket;  // path; empty: standard input and output
   std::vector<std::string> perturbations;
   PictureOverrides pictures;
+  int n_worlds = 1;
   bool no_render = false, is_rigid = false;
 };
 
@@ -75,13 +76,13 @@ class Listener {
 };
 
 // One client after the other; what one of them breaks off ends its own stream.
-void serve_socket(ServedTask& task, const std::string& path) {
+void serve_socket(ServedWorlds& worlds, const std::string& path) {
   const Listener listener(path);
-  std::fprintf(stderr, "phyvisgen: serves %s at %s\n", task.task().name.c_str(), path.c_str());
+  std::fprintf(stderr, "phyvisgen: serves %s at %s\n", worlds.front().task().name.c_str(), path.c_str());
   while (true) {
     const OpenFile client(listener.next_client());
     try {
-      serve_stream(task, program_version(), client, client);
+      serve_stream(worlds, program_version(), client, client);
     } catch (const DeviceError&) {
       throw;
     } catch (const Failure& failure) {
@@ -102,7 +103,7 @@ void run_serve(const ServeOptions& options) {
   if (!options.no_render)
     rendering.emplace(std::to_string(choose_render_device(list_devices(), options.device, options.render_device).index),
                       Purpose::rendering);
-  ServedTask served(std::move(task), physics, rendering ? &*rendering : nullptr);
+  ServedWorlds served(task, physics, rendering ? &*rendering : nullptr, std::size_t(options.n_worlds));
   if (!options.socket.empty()) return serve_socket(served, options.socket);
   // whatever else is printed goes where messages to people go
   const OpenFile answers(dup(STDOUT_FILENO));
@@ -125,6 +126,9 @@ void add_serve(CLI::App& program) {
   command->add_option("--samples", o.pictures.samples, "Paths per pixel")->check(CLI::Range(1, 1 << 20));
   command->add_option("--fps", o.pictures.frames_per_second, "Actions per second, as frames of `generate`")
       ->check(CLI::Range(0.01, 1000.0));
+  command->add_option("--worlds", o.n_worlds, "So many episodes of the task, which step together in one solve")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
   command->add_flag("--no-render", o.no_render, "No pictures will be asked for");
   command
       ->add_option_function<std::string>(
@@ -136,7 +140,8 @@ void add_serve(CLI::App& program) {
   command->footer(
       "The protocol is in docs/reference/serve.md; the Python package of pipeline/python speaks it.\n"
       "Example:\n  phyvisgen serve data/tasks/weigh_beaker.yaml --no-render --socket /tmp/beaker.sock\n"
-      "  phyvisgen serve data/tasks/weigh_beaker.yaml --no-render --perturb friction=0.5");
+      "  phyvisgen serve data/tasks/weigh_beaker.yaml --no-render --perturb friction=0.5\n"
+      "  phyvisgen serve data/tasks/weigh_beaker.yaml --no-render --worlds 16");
 }
 
 }  // namespace pvg

@@ -1,4 +1,4 @@
-// phyvisgen view: one HTML page that needs nothing else, of a set or of an episode.
+// phyvisgen view: one HTML page that needs nothing else, of a set, of an episode or of an evaluation of a policy.
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -13,6 +13,7 @@
 #include "pipeline/command_line/command.hpp"
 #include "pipeline/command_line/data_folder.hpp"
 #include "pipeline/episode/episode_set.hpp"
+#include "pipeline/episode/evaluation_data.hpp"
 #include "pipeline/episode/report_data.hpp"
 
 namespace pvg {
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct ViewOptions {
-  std::string folder, output;    // of a set or of an episode, HTML file
+  std::string source, output;    // folder of a set or of an episode, or file of an evaluation; HTML file
   std::uint64_t n_episodes = 6;  // of a set, shown with videos and motion; all others stand in the table
 };
 
@@ -60,27 +61,38 @@ Json set_report(const fs::path& folder, std::uint64_t n_whole) {
   return {{"status", Json::parse(status_json(set))}, {"episodes", episodes}};
 }
 
+Json folder_report(const fs::path& folder, std::uint64_t n_whole) {
+  if (fs::exists(folder / "set.json")) return set_report(folder, n_whole);
+  if (fs::exists(folder / "summary.json")) return {{"episodes", Json::array({episode_report(folder, true)})}};
+  throw UsageError(folder.string() + " holds neither set.json nor summary.json; name a set or an episode of generate");
+}
+
+std::string page_of(const Json& report, const std::string& script, bool shows_motion) {
+  const std::string ours = "is the installation complete?", package = "install the Debian package libjs-three";
+  const auto three = [&](const char* file) {
+    return shows_motion ? safe_in_script(text_of(fs::path(THREE) / file, package)) : std::string();
+  };
+  const fs::path view = data_folder() / "view";
+  std::string page = text_of(view / "report.html", ours);
+  replace(page, "/*DATA*/", safe_in_script(report.dump()));
+  replace(page, "/*SCRIPT*/", text_of(view / "page.js", ours) + text_of(view / script, ours));
+  replace(page, "/*CONTROLS*/", three("examples/js/controls/OrbitControls.js"));
+  replace(page, "/*THREE*/", three("three.min.js"));
+  return page;
+}
+
 void run_view(const ViewOptions& options) {
-  if (options.folder.empty()) throw UsageError("view needs the folder of a set or an episode; `phyvisgen view --help`");
+  if (options.source.empty())
+    throw UsageError(
+        "view needs the folder of a set or an episode, or a file of an evaluation; `phyvisgen view --help`");
   if (options.output.empty()) throw UsageError("view needs a page to write: -o FILE.html");
   const fs::path output = fs::absolute(options.output);
   if (output.extension() == ".html" || output.extension() == ".htm") make_writable_folder(output.parent_path());
   check_output_file(options.output, {".html", ".htm"});
-  const fs::path folder = fs::path(options.folder).lexically_normal();
-  const fs::path named = folder.has_filename() ? folder : folder.parent_path();
-  Json report;
-  if (fs::exists(named / "set.json"))
-    report = set_report(named, options.n_episodes);
-  else if (fs::exists(named / "summary.json"))
-    report = {{"episodes", Json::array({episode_report(named, true)})}};
-  else
-    throw UsageError(named.string() + " holds neither set.json nor summary.json; name a set or an episode of generate");
-  const std::string ours = "is the installation complete?", package = "install the Debian package libjs-three";
-  std::string page = text_of(data_folder() / "view/report.html", ours);
-  replace(page, "/*DATA*/", safe_in_script(report.dump()));
-  replace(page, "/*SCRIPT*/", text_of(data_folder() / "view/report.js", ours));
-  replace(page, "/*CONTROLS*/", text_of(fs::path(THREE) / "examples/js/controls/OrbitControls.js", package));
-  replace(page, "/*THREE*/", safe_in_script(text_of(fs::path(THREE) / "three.min.js", package)));
+  const fs::path source = fs::path(options.source).lexically_normal();
+  const fs::path named = source.has_filename() ? source : source.parent_path();
+  const std::string page = is_file(named) ? page_of(evaluation_report(named), "evaluation.js", false)
+                                          : page_of(folder_report(named, options.n_episodes), "report.js", true);
   write_text_atomically(output, page);
   std::printf("%s: %.1f MB\n", options.output.c_str(), double(page.size()) / 1e6);
 }
@@ -88,14 +100,16 @@ void run_view(const ViewOptions& options) {
 }  // namespace
 
 void add_view(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("view", "One HTML page of an episode or a set: videos, curves, 3D");
+  CLI::App* command = program.add_subcommand("view", "One HTML page of an episode, a set or an evaluation of a policy");
   ViewOptions& o = options_of_command(*command, run_view);
-  command->add_option("DIR", o.folder, "Folder of a set or of an episode");
+  command->add_option("SOURCE", o.source,
+                      "Folder of a set or of an episode, or a file that `evaluate policy --json` printed");
   command->add_option("-o,--output", o.output, "Page to write (.html); it needs no other file");
   command->add_option("-n,--episodes", o.n_episodes, "So many episodes of a set with videos and 3D")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  command->footer("Example:\n  phyvisgen view out/beaker -o beaker.html");
+  command->footer(
+      "Examples:\n  phyvisgen view out/beaker -o beaker.html\n  phyvisgen view out/evaluation.json -o evaluation.html");
 }
 
 }  // namespace pvg

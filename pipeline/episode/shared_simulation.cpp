@@ -47,14 +47,41 @@ StepReport SharedSimulation::World::step(const std::vector<double>& targets) {
 }
 
 std::unique_ptr<SharedSimulation::World> SharedSimulation::join(const PhysicalScene& scene) {
+  const PhysicalScene* const only = &scene;
+  return std::move(join(std::span(&only, 1)).front());
+}
+
+std::vector<std::unique_ptr<SharedSimulation::World>> SharedSimulation::join(
+    std::span<const PhysicalScene* const> scenes) {
   const std::lock_guard lock(mutex_);
-  const auto member = std::make_shared<World::Member>(scene);
   Members members = members_;
-  members.push_back(member);
+  for (const PhysicalScene* scene : scenes) members.push_back(std::make_shared<World::Member>(*scene));
   make_simulation(members);
+  std::vector<std::unique_ptr<World>> worlds;
+  for (std::size_t i = members_.size(); i < members.size(); ++i) {
+    members[i]->state = simulation_->state(members[i]->place);
+    worlds.push_back(std::unique_ptr<World>(new World(*this, members[i])));
+  }
   members_ = std::move(members);
-  member->state = simulation_->state(member->place);
-  return std::unique_ptr<World>(new World(*this, member));
+  return worlds;
+}
+
+std::vector<std::exception_ptr> SharedSimulation::step(std::span<World* const> worlds,
+                                                       std::span<const std::vector<double>> targets) {
+  const std::lock_guard lock(mutex_);
+  for (const World* world : worlds)
+    if (world->member_->has_left) throw UsageError("a world that failed takes no further steps");
+  for (std::size_t i = 0; i < worlds.size(); ++i) {
+    worlds[i]->member_->targets = targets[i];
+    worlds[i]->member_->waits = true;
+  }
+  step_waiting();
+  std::vector<std::exception_ptr> errors;
+  for (World* world : worlds) {
+    errors.push_back(world->member_->error);
+    if (errors.back()) leave(*world->member_);
+  }
+  return errors;
 }
 
 void SharedSimulation::leave(World::Member& member) {
@@ -68,7 +95,7 @@ void SharedSimulation::leave(World::Member& member) {
   step_if_all_wait();  // perhaps it was the one that all waited for
 }
 
-// The simulation of these members, of which the last one may be new. If it throws, all is as it was before.
+// The simulation of these members, of which the last ones may be new. If it throws, all is as it was before.
 void SharedSimulation::make_simulation(const Members& members) {
   std::vector<PhysicalScene> scenes;
   for (const auto& member : members) scenes.push_back(member->scene);
@@ -91,6 +118,11 @@ void SharedSimulation::step_if_all_wait() {
     anybody_waits |= member->waits;
   }
   if (!anybody_waits) return;
+  step_waiting();
+  has_stepped_.notify_all();
+}
+
+void SharedSimulation::step_waiting() {
   try {
     step_all();
   } catch (...) {  // of the device: it is everybody's
@@ -98,7 +130,6 @@ void SharedSimulation::step_if_all_wait() {
       if (member->waits) member->error = std::current_exception();
   }
   for (const auto& member : members_) member->waits = false;
-  has_stepped_.notify_all();
 }
 
 void SharedSimulation::step_all() {

@@ -2,15 +2,17 @@
 // when it has ended or failed; the others go on. A world's bits do not depend on who else is there, nor on when they
 // come.
 //
-// Each episode has a thread of its own, which waits in step() until all that are under way have said where their joints
-// are to be; the last one steps for all. One that has not stepped yet is not waited for. Whoever joins or leaves is a
-// change of scenes: the simulation is made anew and the worlds that stay are put where they were.
+// Either each episode has a thread of its own, which waits in World::step() until all that are under way have said
+// where their joints are to be; the last one steps for all. One that has not stepped yet is not waited for. Or one
+// thread steps several worlds by SharedSimulation::step(). Whoever joins or leaves is a change of scenes: the
+// simulation is made anew and the worlds that stay are put where they were.
 #pragma once
 #include <condition_variable>
 #include <cstddef>
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "host/device/device.hpp"
@@ -43,12 +45,19 @@ class SharedSimulation {
   // A UsageError where the scene cannot be simulated or begins with intersections; the others hear nothing of it. All
   // worlds must have one time step and one set of solver settings: be of one task.
   std::unique_ptr<World> join(const PhysicalScene& scene);
+  // Several at once, for which the simulation is made anew only once. A UsageError of one is one of all.
+  std::vector<std::unique_ptr<World>> join(std::span<const PhysicalScene* const> scenes);
+
+  // One step of these worlds; the others rest. Returns for each why its step could not be done, or nothing. Worlds that
+  // are stepped so have no threads of their own.
+  std::vector<std::exception_ptr> step(std::span<World* const> worlds, std::span<const std::vector<double>> targets);
 
  private:
   using Members = std::vector<std::shared_ptr<World::Member>>;
   void leave(World::Member& member);
   void make_simulation(const Members& members);
   void step_if_all_wait();
+  void step_waiting();
   void step_all();
 
   Device& device_;

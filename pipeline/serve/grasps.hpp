@@ -14,8 +14,8 @@
 namespace pvg {
 
 struct EpisodeEvent {
-  std::string name;  // grasped, carried, dropped, slipped, bumped, at_stop
-  std::string of;    // object or joint
+  std::string name;  // grasped, carried, dropped, slipped, bumped, at_stop, out_of_reach
+  std::string of;    // object, joint or column of actions
   double time = 0;   // [s]
 };
 
@@ -30,6 +30,8 @@ class Grasps {
   explicit Grasps(const TaskScene& built);
   void observe(const WorldState& state);
   const std::vector<Phase>& phase() const { return phase_; }  // of each robot
+  // An event that others saw; once, as all are.
+  void add(const std::string& name, const std::string& of, double time);
   // each name once per object or joint, in the order of time
   const std::vector<EpisodeEvent>& events() const { return events_; }
 
@@ -45,7 +47,6 @@ class Grasps {
   bool touched_by_hand_alone(std::size_t robot, const std::vector<int>& others) const;
   void observe_fall(std::size_t robot, const WorldState& state, const Touching& touching);
   double width(std::size_t robot, const WorldState& state) const;
-  void add(const std::string& name, const std::string& of, double time);
   void observe_hand(std::size_t robot, const WorldState& state, const Touching& touching);
   void observe_accidents(const WorldState& state, const Touching& touching);
 

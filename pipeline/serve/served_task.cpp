@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "host/dataset/states_file.hpp"
 #include "host/render/motion.hpp"
@@ -48,11 +49,18 @@ ServedFacts facts_of(const Task& task, const TaskScene& built) {
 
 ServedTask::ServedTask(Task task, Device& physics, Device* rendering)
     : task_(std::move(task)),
-      physics_(physics),
+      simulation_(std::make_shared<SharedSimulation>(physics)),
       rendering_(rendering),
       facts_(facts_of(task_, build_scene_at_middle(task_))) {
   if (!task_.render.lut.empty()) lut_ = read_lut(task_.render.lut);
 }
+
+ServedTask::ServedTask(const ServedTask& first, Device* rendering)
+    : task_(first.task_),
+      simulation_(first.simulation_),
+      rendering_(rendering),
+      facts_(first.facts_),
+      lut_(first.lut_) {}
 
 const TaskScene& ServedTask::built() const {
   if (!built_) throw UsageError("no episode has begun; send a reset first");
@@ -60,78 +68,164 @@ const TaskScene& ServedTask::built() const {
 }
 
 const WorldState& ServedTask::state() const {
-  if (!simulation_) throw UsageError("no episode has begun; send a reset first");
-  return simulation_->state();
+  if (!world_) throw UsageError("no episode has begun; send a reset first");
+  return world_->state();
 }
 
-void ServedTask::reset(std::uint64_t seed, std::uint64_t episode) {
+void ServedTask::ask_reset(std::uint64_t seed, std::uint64_t episode) {
   renderer_.reset();
+  surfaces_.reset();
   grasps_.reset();
   monitor_.reset();
-  simulation_.reset();
+  world_.reset();
   plan_grasp_.reset();
   plan_.reset();
   seed_ = seed;
   episode_ = episode;
   n_steps_ = 0;
   reason_.clear();
+  asked_ = {};
   built_ = std::make_unique<TaskScene>(build_scene(task_, seed, episode));
+  asked_.begins = true;
+}
+
+void ServedTask::join(std::unique_ptr<SharedSimulation::World> world) {
   const Scene& scene = built_->scene;
   object_bodies_.clear();
   for (std::size_t i = 0; i < scene.rigid_bodies.size(); ++i)
     if (is_object(task_, scene.rigid_bodies[i].name)) object_bodies_.push_back(i);
   targets_.clear();
   for (const std::size_t joint : driven_joints(scene)) targets_.push_back(scene.joints[joint].initial);
-  simulation_ = std::make_unique<Simulation>(physics_, scene);
-  monitor_ = std::make_unique<SuccessMonitor>(task_, scene, hands_of(*built_), simulation_->state());
+  world_ = std::move(world);
+  monitor_ = std::make_unique<SuccessMonitor>(task_, scene, hands_of(*built_), world_->state());
   grasps_ = std::make_unique<Grasps>(*built_);
-  last_states_ = {simulation_->state()};
+  last_states_ = {world_->state()};
 }
 
 void ServedTask::demand_running() const {
-  if (!simulation_) throw UsageError("no episode has begun; send a reset first");
+  if (!world_) throw UsageError("no episode has begun; send a reset first");
   if (is_over()) throw UsageError("the episode is over (" + reason_ + "); send a reset first");
 }
 
-void ServedTask::step(const std::vector<double>& targets) {
+void ServedTask::take_step(const std::vector<double>& targets, const std::exception_ptr& error) {
   try {
-    simulation_->step(targets);
+    if (error) std::rethrow_exception(error);
   } catch (const StepFailure& failure) {
     reason_ = failure.what();
+    asked_ = {};
     return;
   }
   targets_ = targets;
   ++n_steps_;
-  const WorldState& now = simulation_->state();
+  const WorldState& now = world_->state();
   grasps_->observe(now);
   monitor_->observe(now, grasps_->phase());
   if (n_steps_ % facts_.steps_per_period == 1 || facts_.steps_per_period == 1) last_states_.clear();
   last_states_.push_back(now);
 }
 
+std::optional<std::vector<double>> ServedTask::next_targets() {
+  if (asked_.n_of_plan > 0) {
+    --asked_.n_of_plan;
+    return plan_grasp_->target(n_steps_, world_->state());
+  }
+  if (asked_.n_done < asked_.targets.size()) return asked_.targets[asked_.n_done++];
+  asked_ = {};
+  return std::nullopt;
+}
+
+std::vector<std::string> ServedTask::advance_together(std::span<ServedTask* const> tasks) {
+  std::vector<std::string> errors(tasks.size());
+  if (tasks.empty()) return errors;
+  SharedSimulation& shared = *tasks.front()->simulation_;
+  std::vector<std::size_t> beginning;
+  std::vector<const PhysicalScene*> scenes;
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    if (!std::exchange(tasks[i]->asked_.begins, false)) continue;
+    beginning.push_back(i);
+    scenes.push_back(&tasks[i]->built_->scene);
+  }
+  try {
+    std::vector<std::unique_ptr<SharedSimulation::World>> worlds;
+    if (!scenes.empty()) worlds = shared.join(scenes);
+    for (std::size_t k = 0; k < worlds.size(); ++k) tasks[beginning[k]]->join(std::move(worlds[k]));
+  } catch (const UsageError&) {  // one of them cannot begin: which, and the others do
+    for (std::size_t k = 0; k < scenes.size(); ++k) try {
+        tasks[beginning[k]]->join(shared.join(*scenes[k]));
+      } catch (const UsageError& error) {
+        errors[beginning[k]] = error.what();
+      }
+  }
+  while (true) {
+    std::vector<ServedTask*> stepping;
+    std::vector<SharedSimulation::World*> worlds;
+    std::vector<std::vector<double>> targets;
+    for (ServedTask* task : tasks)
+      if (std::optional<std::vector<double>> next = task->next_targets()) {
+        stepping.push_back(task);
+        worlds.push_back(task->world_.get());
+        targets.push_back(std::move(*next));
+      }
+    if (stepping.empty()) return errors;
+    const std::vector<std::exception_ptr> failures = shared.step(worlds, targets);
+    for (std::size_t i = 0; i < stepping.size(); ++i) stepping[i]->take_step(targets[i], failures[i]);
+  }
+}
+
+void ServedTask::advance() {
+  ServedTask* const only = this;
+  const std::string error = advance_together(std::span(&only, 1)).front();
+  if (!error.empty()) throw UsageError(error);
+}
+
+void ServedTask::reset(std::uint64_t seed, std::uint64_t episode) {
+  ask_reset(seed, episode);
+  advance();
+}
+
 void ServedTask::act(std::span<const double> action) {
+  ask_action(action);
+  advance();
+}
+
+void ServedTask::follow(const std::vector<std::vector<double>>& targets) {
+  ask_targets(targets);
+  advance();
+}
+
+bool ServedTask::follow_plan() {
+  const bool goes_on = ask_plan();
+  advance();
+  return goes_on;
+}
+
+void ServedTask::ask_action(std::span<const double> action) {
   demand_running();
   if (action.size() != facts_.columns.size())
     throw UsageError("an action has " + std::to_string(facts_.columns.size()) + " numbers, this one has " +
                      std::to_string(action.size()));
   if (!std::all_of(action.begin(), action.end(), [](double number) { return std::isfinite(number); }))
     throw UsageError("an action holds what is not a finite number");
-  const std::vector<double> from = targets_;
+  const std::vector<double>& from = targets_;
   std::vector<double> to = from;
   for (std::size_t c = 0; c < action.size(); ++c) {
     const std::vector<std::size_t>& joints = facts_.columns[c].packed.joints;
     for (const std::size_t joint : joints) to[joint] = action[c] / double(joints.size());
+    // a gripper is told to close beyond its stop, so that it presses
+    const ServedColumn& column = facts_.columns[c];
+    if (!column.packed.is_width && (action[c] < column.low || action[c] > column.high))
+      grasps_->add("out_of_reach", column.packed.name, state().time);
   }
   const std::size_t n = facts_.steps_per_period;
-  for (std::size_t i = 1; i <= n && !is_over(); ++i) {
-    std::vector<double> targets = to;  // the last ones to the bit
+  asked_ = {};
+  for (std::size_t i = 1; i <= n; ++i) {
+    std::vector<double>& targets = asked_.targets.emplace_back(to);  // the last ones to the bit
     for (std::size_t j = 0; i < n && j < to.size(); ++j)
       targets[j] = from[j] + double(i) / double(n) * (to[j] - from[j]);
-    step(targets);
   }
 }
 
-void ServedTask::follow(const std::vector<std::vector<double>>& targets) {
+void ServedTask::ask_targets(std::vector<std::vector<double>> targets) {
   demand_running();
   for (const std::vector<double>& row : targets) {
     if (row.size() != targets_.size())
@@ -140,10 +234,8 @@ void ServedTask::follow(const std::vector<std::vector<double>>& targets) {
     if (!std::all_of(row.begin(), row.end(), [](double number) { return std::isfinite(number); }))
       throw UsageError("a row of targets holds what is not a finite number");
   }
-  for (const std::vector<double>& row : targets) {
-    if (is_over()) return;
-    step(row);
-  }
+  asked_ = {};
+  asked_.targets = std::move(targets);
 }
 
 bool ServedTask::make_plan() {
@@ -162,14 +254,14 @@ std::size_t ServedTask::n_planned_periods() {
   return make_plan() ? plan_->targets.size() / facts_.steps_per_period : 0;
 }
 
-bool ServedTask::follow_plan() {
+bool ServedTask::ask_plan() {
   demand_running();
   if (!plan_ && n_steps_ > 0)
     throw UsageError("the planned motion begins where an episode begins; send a reset before it");
+  asked_ = {};
   if (!make_plan()) return true;  // it is over, with its reason
   if (n_steps_ + facts_.steps_per_period > plan_->targets.size()) return false;
-  for (std::size_t i = 0; i < facts_.steps_per_period && !is_over(); ++i)
-    step(plan_grasp_->target(n_steps_, simulation_->state()));
+  asked_.n_of_plan = facts_.steps_per_period;
   return true;
 }
 
@@ -204,6 +296,12 @@ std::optional<std::string> ServedTask::failure() const {
   return monitor_->failure();
 }
 
+std::string ServedTask::intersection() {
+  const WorldState& now = state();
+  if (!surfaces_) surfaces_ = std::make_unique<Surfaces>(built_->scene);
+  return surfaces_->meeting(now);
+}
+
 Picture8 ServedTask::picture(std::size_t camera) {
   if (!rendering_) throw UsageError("this server makes no pictures: it was started with --no-render");
   const Scene& scene = built().scene;
@@ -216,6 +314,11 @@ Picture8 ServedTask::picture(std::size_t camera) {
       int(camera), frame, [&](double time) { return state_at(last_states_, time); }, last_states_.back().time);
   if (lut_) apply_lut(*lut_, rendered.rgb);
   return encode_srgb8(rendered.rgb, rendered.width, rendered.height);
+}
+
+ServedWorlds::ServedWorlds(const Task& task, Device& physics, Device* rendering, std::size_t n) {
+  tasks_.push_back(std::make_unique<ServedTask>(task, physics, rendering));
+  while (tasks_.size() < n) tasks_.push_back(std::make_unique<ServedTask>(*tasks_.front(), rendering));
 }
 
 }  // namespace pvg

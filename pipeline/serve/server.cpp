@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/base/error.hpp"
 #include "host/base/names.hpp"
@@ -13,11 +14,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The keys that each request may have besides `do`; reading one by `at` names what is missing.
+// What a request does: `ask` says what is to be simulated, which is then done, of all requests of one `together` in
+// one solve; `tell` answers.
 struct RequestKind {
   const char* name;
-  std::vector<std::string> keys;
-  void (*act)(ServedTask& task, const Json& request, Message& answer);
+  std::vector<std::string> keys;  // that it may have besides `do`, `id` and `world`
+  void (*ask)(ServedTask& task, const Json& request, Message& answer);
+  void (*tell)(ServedTask& task, const Json& request, Message& answer);
 };
 
 std::uint64_t whole(const Json& request, const std::string& key) {
@@ -106,31 +109,32 @@ void observe(ServedTask& task, const Json& request, Message& message) {
   add_pictures(task, request, message);
 }
 
-void reset(ServedTask& task, const Json& request, Message& message) {
+void ask_reset(ServedTask& task, const Json& request, Message&) {
   check_pictures(task, request);
-  const std::uint64_t seed = whole(request, "seed"), episode = whole(request, "episode");
-  task.reset(seed, episode);
+  task.ask_reset(whole(request, "seed"), whole(request, "episode"));
+}
+
+void tell_reset(ServedTask& task, const Json& request, Message& message) {
   message.head["sampled"] = Json::object();
   for (const SampledValue& drawn : task.built().sampled) message.head["sampled"][drawn.name] = drawn.value;
   observe(task, request, message);
 }
 
-void step(ServedTask& task, const Json& request, Message& message) {
+void ask_step(ServedTask& task, const Json& request, Message& message) {
   check_pictures(task, request);
   const int n = int(request.contains("action")) + int(request.contains("targets")) + int(request.contains("plan"));
   if (n != 1) throw UsageError("a step has one of the keys `action`, `targets` and `plan`");
   if (request.contains("action")) {
-    task.act(numbers(request["action"], "action"));
+    task.ask_action(numbers(request["action"], "action"));
   } else if (request.contains("targets")) {
     if (!request["targets"].is_array()) throw UsageError("`targets` is a list of rows");
     std::vector<std::vector<double>> rows;
     for (const Json& row : request["targets"]) rows.push_back(numbers(row, "targets"));
-    task.follow(rows);
+    task.ask_targets(std::move(rows));
   } else {
     if (request["plan"] != true) throw UsageError("`plan` is true where it is given");
-    message.head["plan_ended"] = !task.follow_plan();
+    message.head["plan_ended"] = !task.ask_plan();
   }
-  observe(task, request, message);
 }
 
 void plan(ServedTask& task, const Json&, Message& message) {
@@ -148,33 +152,42 @@ void measure(ServedTask& task, const Json&, Message& message) {
   head["finger_deformation_m"] = measured.finger_deformation;
 }
 
+void intersection(ServedTask& task, const Json&, Message& message) { message.head["bodies"] = task.intersection(); }
+
+void nothing(ServedTask&, const Json&, Message&) {}
+
 const std::vector<RequestKind>& request_kinds() {
   static const std::vector<RequestKind> KINDS = {
-      {"reset", {"seed", "episode", "pictures", "memory"}, reset},
-      {"step", {"action", "targets", "plan", "pictures", "memory"}, step},
-      {"observe", {"pictures", "memory"}, observe},
-      {"state", {}, state},
-      {"measure", {}, measure},
-      {"plan", {}, plan},
-      {"close", {}, [](ServedTask&, const Json&, Message&) {}},
+      {"reset", {"seed", "episode", "pictures", "memory"}, ask_reset, tell_reset},
+      {"step", {"action", "targets", "plan", "pictures", "memory"}, ask_step, observe},
+      {"observe", {"pictures", "memory"}, nothing, observe},
+      {"state", {}, nothing, state},
+      {"measure", {}, nothing, measure},
+      {"plan", {}, nothing, plan},
+      {"intersection", {}, nothing, intersection},
+      {"close", {}, nothing, nothing},
   };
   return KINDS;
 }
 
+std::string wish_of(const Json& request) {
+  return request.contains("do") && request["do"].is_string() ? request["do"].get<std::string>() : "";
+}
+
 const RequestKind& request_kind(const Json& request) {
   std::string names;
-  const std::string wanted =
-      request.contains("do") && request["do"].is_string() ? request["do"].get<std::string>() : "";
+  const std::string wanted = wish_of(request);
   for (const RequestKind& kind : request_kinds()) {
     if (wanted == kind.name) return kind;
-    names += (names.empty() ? "" : ", ") + std::string(kind.name);
+    names += std::string(kind.name) + ", ";
   }
-  throw UsageError("`do` of a request is one of " + names + ", this one is `" + wanted.substr(0, 40) + "`");
+  throw UsageError("`do` of a request is one of " + names + "together, this one is `" + wanted.substr(0, 40) + "`");
 }
 
 void check_keys(const RequestKind& kind, const Json& request) {
   for (const auto& [key, value] : request.items())
-    if (key != "do" && key != "id" && std::find(kind.keys.begin(), kind.keys.end(), key) == kind.keys.end())
+    if (key != "do" && key != "id" && key != "world" &&
+        std::find(kind.keys.begin(), kind.keys.end(), key) == kind.keys.end())
       throw UsageError("a " + std::string(kind.name) + " has no key `" + key.substr(0, 40) + "`");
 }
 
@@ -185,13 +198,97 @@ Message error_message(const std::string& sentence, const Json& request) {
   return message;
 }
 
+// A request of one world, from when it is read until it is answered.
+struct Asked {
+  const Json* request;
+  std::size_t world = 0;
+  const RequestKind* kind = nullptr;
+  Message message;
+  std::string error;
+};
+
+std::size_t world_of(const ServedWorlds& worlds, const Json& request) {
+  if (!request.contains("world")) return 0;
+  const Json& wish = request["world"];
+  if (!wish.is_number_integer() || wish < 0 || wish >= worlds.size())
+    throw UsageError("`world` is a whole number from 0 to " + std::to_string(worlds.size() - 1) + ", this one is " +
+                     wish.dump().substr(0, 40));
+  return wish.get<std::size_t>();
+}
+
+// What is wrong with one is its own error; the others are done.
+void answer_all(ServedWorlds& worlds, std::vector<Asked>& all) {
+  std::vector<char> is_asked(worlds.size());
+  std::vector<ServedTask*> tasks;
+  std::vector<Asked*> asking;
+  const auto try_to = [](Asked& each, const auto& act) {
+    try {
+      act();
+    } catch (const UsageError& error) {
+      each.error = error.what();
+    }
+  };
+  for (Asked& each : all)
+    try_to(each, [&] {
+      each.kind = &request_kind(*each.request);
+      check_keys(*each.kind, *each.request);
+      each.world = world_of(worlds, *each.request);
+      if (std::exchange(is_asked[each.world], true))
+        throw UsageError("`together` has two requests of world " + std::to_string(each.world));
+      each.kind->ask(worlds[each.world], *each.request, each.message);
+      tasks.push_back(&worlds[each.world]);
+      asking.push_back(&each);
+    });
+  const std::vector<std::string> errors = ServedTask::advance_together(tasks);
+  for (std::size_t i = 0; i < asking.size(); ++i) {
+    Asked& each = *asking[i];
+    each.error = errors[i];
+    if (each.error.empty()) try_to(each, [&] { each.kind->tell(worlds[each.world], *each.request, each.message); });
+  }
+  for (Asked& each : all) {
+    if (!each.error.empty())
+      each.message = error_message(each.error, *each.request);
+    else if (each.request->contains("id"))
+      each.message.head["id"] = (*each.request)["id"];
+  }
+}
+
+// Several requests, each of another world; their arrays lie one after the other.
+Message answer_together(ServedWorlds& worlds, const Json& request) {
+  for (const auto& [key, value] : request.items())
+    if (key != "do" && key != "id" && key != "requests")
+      throw UsageError("a together has no key `" + key.substr(0, 40) + "`");
+  const auto is_object = [](const Json& each) { return each.is_object(); };
+  if (!request.contains("requests") || !request["requests"].is_array() ||
+      !std::all_of(request["requests"].begin(), request["requests"].end(), is_object))
+    throw UsageError("a together needs the key `requests`, a list of requests");
+  std::vector<Asked> all;
+  for (const Json& each : request["requests"]) {
+    if (wish_of(each) == "close") throw UsageError("a close cannot be among the `requests` of a together");
+    all.push_back({&each, 0, nullptr, {}, {}});
+  }
+  answer_all(worlds, all);
+  Message message;
+  if (request.contains("id")) message.head["id"] = request["id"];
+  message.head["answers"] = Json::array();
+  for (Asked& each : all) {
+    if (each.message.head.contains("arrays"))
+      for (Json& array : each.message.head["arrays"])
+        if (array.contains("offset")) array["offset"] = array["offset"].get<std::size_t>() + message.bytes.size();
+    message.bytes.insert(message.bytes.end(), each.message.bytes.begin(), each.message.bytes.end());
+    message.head["answers"].push_back(std::move(each.message.head));
+  }
+  return message;
+}
+
 bool closes(const MotionElement& element) { return kind_of(element).grip == GripChange::closes; }
 
 Json or_null(double number) { return std::isfinite(number) ? Json(number) : Json(nullptr); }
 
 }  // namespace
 
-Message greeting(const ServedTask& served, const std::string& program) {
+Message greeting(const ServedWorlds& worlds, const std::string& program) {
+  const ServedTask& served = worlds.front();
   const Task& task = served.task();
   const ServedFacts& facts = served.facts();
   Message message;
@@ -199,6 +296,7 @@ Message greeting(const ServedTask& served, const std::string& program) {
                   {"protocol", PROTOCOL_VERSION},
                   {"program", program},
                   {"task", task.name},
+                  {"worlds", worlds.size()},
                   {"time_step", task.solver.time_step},
                   {"frames_per_second", task.render.frames_per_second},
                   {"steps_per_period", facts.steps_per_period},
@@ -224,21 +322,19 @@ Message greeting(const ServedTask& served, const std::string& program) {
   return message;
 }
 
-Message answer(ServedTask& task, const Message& request) {
+Message answer(ServedWorlds& worlds, const Message& request) {
   try {
-    const RequestKind& kind = request_kind(request.head);
-    check_keys(kind, request.head);
-    Message message;
-    if (request.head.contains("id")) message.head["id"] = request.head["id"];
-    kind.act(task, request.head, message);
-    return message;
+    if (wish_of(request.head) == "together") return answer_together(worlds, request.head);
   } catch (const UsageError& error) {
     return error_message(error.what(), request.head);
   }
+  std::vector<Asked> only = {{&request.head, 0, nullptr, {}, {}}};
+  answer_all(worlds, only);
+  return std::move(only.front().message);
 }
 
-void serve_stream(ServedTask& task, const std::string& program, int from, int to) {
-  write_message(to, greeting(task, program));
+void serve_stream(ServedWorlds& worlds, const std::string& program, int from, int to) {
+  write_message(to, greeting(worlds, program));
   while (true) {
     std::optional<Message> request;
     try {
@@ -248,7 +344,7 @@ void serve_stream(ServedTask& task, const std::string& program, int from, int to
       continue;
     }
     if (!request) return;
-    write_message(to, answer(task, *request));
+    write_message(to, answer(worlds, *request));
     if (request->head.value("do", Json()) == "close") return;
   }
 }

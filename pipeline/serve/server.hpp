@@ -1,4 +1,5 @@
-// Answers requests about one task, message by message (docs/reference/serve.md).
+// Answers requests about one task, of which several worlds may step together, message by message
+// (docs/reference/serve.md).
 #pragma once
 #include <string>
 
@@ -8,13 +9,13 @@
 namespace pvg {
 
 // The first message of a stream: what holds for every episode. program: its version.
-Message greeting(const ServedTask& task, const std::string& program);
+Message greeting(const ServedWorlds& worlds, const std::string& program);
 
 // The answer to one request. What is wrong with a request is an answer with the key `error`, one sentence; nothing is
 // lost by it. Other failures are thrown.
-Message answer(ServedTask& task, const Message& request);
+Message answer(ServedWorlds& worlds, const Message& request);
 
 // Greets, then answers until the stream of requests ends or one asks to close. A Failure where a stream breaks off.
-void serve_stream(ServedTask& task, const std::string& program, int from, int to);
+void serve_stream(ServedWorlds& worlds, const std::string& program, int from, int to);
 
 }  // namespace pvg

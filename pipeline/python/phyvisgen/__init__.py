@@ -8,7 +8,8 @@ from gymnasium.envs.registration import register, registry
 
 from .environment import EVALUATION_SEED, TaskEnvironment
 from .program import find_program, find_task, tasks
-from .server import Answer, Column, Facts, ServeError, Server
+from .server import Answer, Column, Facts, ServeError, Server, World
+from .vector import TaskVectorEnvironment
 
 __all__ = [
     "EVALUATION_SEED",
@@ -18,6 +19,8 @@ __all__ = [
     "ServeError",
     "Server",
     "TaskEnvironment",
+    "TaskVectorEnvironment",
+    "World",
     "environment_id",
     "find_program",
     "find_task",
@@ -32,15 +35,16 @@ def environment_id(task: str) -> str:
 
 def _register() -> None:
     entry = "phyvisgen.environment:TaskEnvironment"
+    together = "phyvisgen.vector:TaskVectorEnvironment"
     if "phyvisgen/Task-v0" not in registry:
-        register("phyvisgen/Task-v0", entry_point=entry)
+        register("phyvisgen/Task-v0", entry_point=entry, vector_entry_point=together)
     try:
         known = tasks()
     except FileNotFoundError:  # the program may be named later; any task can be made by phyvisgen/Task-v0
         return
     for name, file in known.items():
         if environment_id(name) not in registry:
-            register(environment_id(name), entry_point=entry, kwargs={"task": str(file)})
+            register(environment_id(name), entry_point=entry, vector_entry_point=together, kwargs={"task": str(file)})
 
 
 _register()

@@ -11,9 +11,9 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from .server import Answer, Facts, Server
+from .server import Answer, Facts, Server, World, action_numbers
 
-__all__ = ["EVALUATION_SEED", "OBSERVATION_TYPES", "TaskEnvironment", "chosen_cameras"]
+__all__ = ["EVALUATION_SEED", "OBSERVATION_TYPES", "TaskEnvironment", "chosen_cameras", "planned_length"]
 
 # Seeds of sets from here on belong to evaluation: `generate` refuses them, so that no policy is judged on what it saw.
 EVALUATION_SEED = 2**63
@@ -38,6 +38,12 @@ def chosen_cameras(facts: Facts, names: Sequence[str] | None) -> list[str]:
     return [camera for camera in facts.cameras if names is None or camera in names]
 
 
+def planned_length(server: World, set_seed: int) -> int:
+    """Periods of an episode: what the planned motion of the first start takes, and a quarter more."""
+    server.reset(set_seed, 0)
+    return max(1, math.ceil(LENGTH_OF_PLAN * server.planned_periods()))
+
+
 class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
     """An episode of a task, from its start to `episode_length` actions [periods].
 
@@ -48,6 +54,9 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
 
     `reset(seed=k)` begins start k, always the same. Starts for evaluation are none that `generate` makes
     (EVALUATION_SEED). A step that cannot be simulated ends the episode as failed, with its reason in `info`.
+
+    world: one of a server that already serves this task, instead of a process of its own; task and what comes after
+    `cameras` are then those of that server.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 10}
@@ -66,6 +75,7 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
         gripper: str | None = None,
         device: str | None = None,
         render_mode: str | None = None,
+        world: World | None = None,
     ) -> None:
         if obs_type not in OBSERVATION_TYPES:
             raise ValueError(f"obs_type is one of {', '.join(OBSERVATION_TYPES)}, not {obs_type!r}")
@@ -73,7 +83,7 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
             raise ValueError(f"render_mode is None or 'rgb_array', not {render_mode!r}")
         self._shows = OBSERVATION_TYPES[obs_type]
         self._has_pictures = "pixels" in self._shows
-        self._server = Server(
+        self._owned = None if world else Server(
             task,
             render=self._has_pictures or render_mode is not None,
             width=width,
@@ -83,6 +93,7 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
             gripper=gripper,
             device=device,
         )
+        self._server: World = world or self._owned
         facts = self._server.facts
         self.render_mode = render_mode
         self.task = facts.task
@@ -92,12 +103,12 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
         try:
             self._cameras = chosen_cameras(facts, cameras)
         except ValueError:
-            self._server.close()
+            self.close()
             raise
         self._picture: NDArray[np.uint8] | None = None
         self._n_periods = 0
         self._ended: Answer | None = None
-        self._max_episode_steps = episode_length or self._planned_length()
+        self._max_episode_steps = episode_length or planned_length(self._server, set_seed)
         n, m = len(facts.columns), len(facts.environment)
         everything = {
             "agent_pos": spaces.Box(-FARTHEST, FARTHEST, (n,), np.float64),
@@ -114,12 +125,8 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
         )
 
     @property
-    def server(self) -> Server:
+    def server(self) -> World:
         return self._server
-
-    def _planned_length(self) -> int:
-        self._server.reset(self._set_seed, 0)
-        return max(1, math.ceil(LENGTH_OF_PLAN * self._server.planned_periods()))
 
     def _wish(self) -> list[str]:
         return self._cameras if self._has_pictures else []
@@ -131,22 +138,24 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
         everything["pixels"] = pictures
         return {name: everything[name] for name in self._shows}
 
-    def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[dict[str, Any], dict[str, Any]]:
+    # reset and step in two halves each, so that several environments may ask together (vector.py)
+
+    def reset_request(self, seed: int | None) -> dict[str, Any]:
         super().reset(seed=seed)
-        start = int(self.np_random.integers(2**31)) if seed is None else int(seed)
-        answer = self._server.reset(self._set_seed, start, self._wish())
+        self._start = int(self.np_random.integers(2**31)) if seed is None else int(seed)
+        return {"do": "reset", "seed": self._set_seed, "episode": self._start, "pictures": self._wish()}
+
+    def after_reset(self, answer: Answer) -> tuple[dict[str, Any], dict[str, Any]]:
         self._n_periods = 0
         self._ended = None
-        return self._observation(answer), {"start": start}
+        return self._observation(answer), {"start": self._start}
 
-    def step(
-        self, action: NDArray[np.float64]
-    ) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
+    def step_request(self, action: NDArray[np.float64]) -> dict[str, Any]:
         if self._ended is not None:
             raise RuntimeError("the episode has ended; call reset before the next step")
-        answer = self._server.step(action, self._wish())
+        return {"do": "step", "action": action_numbers(action), "pictures": self._wish()}
+
+    def after_step(self, answer: Answer) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
         self._n_periods += 1
         is_last = self._n_periods >= self._max_episode_steps
         info: dict[str, Any] = {}
@@ -157,6 +166,14 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
         reward = float(info.get("is_success", False))
         return self._observation(answer), reward, answer.is_over, is_last and not answer.is_over, info
 
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        return self.after_reset(self._server.request(**self.reset_request(seed)))
+
+    def step(self, action: NDArray[np.float64]) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
+        return self.after_step(self._server.request(**self.step_request(action)))
+
     def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
         """What the first camera sees."""
         if self.render_mode is None or not self._cameras:
@@ -166,4 +183,5 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
         return self._picture
 
     def close(self) -> None:
-        self._server.close()
+        if self._owned:
+            self._owned.close()

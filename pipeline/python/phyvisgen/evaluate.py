@@ -17,7 +17,8 @@ from .server import ServeError, Server
 
 EXAMPLE = (
     "Examples: phyvisgen evaluate policy push.yaml --policy ws://localhost:8000 -n 20 --perturb friction=0.5:2 --points 3; "
-    "phyvisgen evaluate policy push.yaml --policy blind --baseline expert --videos out/failures"
+    "phyvisgen evaluate policy push.yaml --policy blind --baseline expert --videos out/failures; "
+    "phyvisgen evaluate policy push.yaml --policy expert -n 10 --check-intersections"
 )
 BASELINES = ("blind", "nearest", "expert")
 N_VIDEOS = 3  # of the first failures
@@ -49,6 +50,11 @@ def _parser() -> argparse.ArgumentParser:
         "starts at each amount; may be repeated",
     )
     parser.add_argument("--points", type=int, default=5, help="amounts from LOW to HIGH (5)")
+    parser.add_argument(
+        "--check-intersections",
+        action="store_true",
+        help="look after each period whether surfaces intersect, by an exact test: event `intersected`",
+    )
     parser.add_argument("--videos", metavar="FOLDER", help=f"of the policy's first {N_VIDEOS} failures, by the first camera")
     parser.add_argument("--json", action="store_true")
     return parser
@@ -142,13 +148,14 @@ def _run(words: argparse.Namespace, server: Server, perturbed: list[Perturbed]) 
     length = words.length or planned_length(server, EVALUATION_SEED)
     policy = _policy(words.policy, words, server)
     baselines = {name: _policy(name, words, server) for name in words.baseline}
-    result = evaluate(server, policy, words.episodes, words.width, length)
+    checks = words.check_intersections
+    result = evaluate(server, policy, words.episodes, words.width, length, check_intersections=checks)
     starts = [episode.seed for episode in result.episodes]  # the same for all, so that differences are paired
-    beside = {name: evaluate(server, each, length=length, starts=starts) for name, each in baselines.items()}
+    beside = {name: evaluate(server, each, length=length, starts=starts, check_intersections=checks) for name, each in baselines.items()}
     curves = [_curve(words, policy, each, starts, length).as_json() for each in perturbed]
     videos = _videos(words, policy, result, length) if words.videos else []
     if words.json:
-        told: dict[str, Any] = {"schema": 1, "policy": policy.name, **result.as_json()}
+        told: dict[str, Any] = {"schema": 1, "task": server.facts.task, "policy": policy.name, **result.as_json()}
         told["baselines"] = {
             name: {**each.as_json(), "policy_above": result.above(each)} for name, each in beside.items()
         }

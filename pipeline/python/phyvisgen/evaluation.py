@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from dataclasses import asdict, dataclass, field
 from typing import Any, Iterable
 
-from .environment import EVALUATION_SEED, LENGTH_OF_PLAN
+from .environment import EVALUATION_SEED, planned_length
 from .policies import Policy
 from .server import Server
 from .statistics import beta_interval, paired_difference, wilson
 
-__all__ = ["EpisodeResult", "PolicyResult", "evaluate", "run_episode"]
+__all__ = ["EpisodeResult", "PolicyResult", "evaluate", "planned_length", "run_episode"]
 
 LEAST_EPISODES, MOST_EPISODES = 10, 200  # of an evaluation that stops by itself
 
@@ -56,26 +55,27 @@ class PolicyResult:
         }
 
 
-def run_episode(server: Server, policy: Policy, start: int, length: int, set_seed: int) -> EpisodeResult:
-    """From the start to `length` periods, or to a step that cannot be simulated."""
+def run_episode(
+    server: Server, policy: Policy, start: int, length: int, set_seed: int, check_intersections: bool = False
+) -> EpisodeResult:
+    """From the start to `length` periods, or to a step that cannot be simulated. check_intersections: of surfaces,
+    after each period."""
     seen = server.reset(set_seed, start, policy.cameras)
     policy.reset(seen)
     periods = 0
+    is_intersected = False
     while periods < length and not seen.is_over:
         seen = policy.step(server, seen)
         periods += 1
+        is_intersected = is_intersected or (check_intersections and server.intersection() != "")
     names = [event["name"] for event in seen.events]
     if server.facts.grasps and "grasped" not in names:
         names.append("never_grasped")
+    if is_intersected:
+        names.append("intersected")
     if seen.is_over:
         names.append("step_failed")
     return EpisodeResult(start, seen.is_success, seen.failure, names, periods)
-
-
-def planned_length(server: Server, set_seed: int) -> int:
-    """Periods of an episode: what the planned motion of the first start takes, and a quarter more."""
-    server.reset(set_seed, 0)
-    return max(1, math.ceil(LENGTH_OF_PLAN * server.planned_periods()))
 
 
 def evaluate(
@@ -86,6 +86,7 @@ def evaluate(
     length: int | None = None,
     set_seed: int = EVALUATION_SEED,
     starts: Iterable[int] | None = None,
+    check_intersections: bool = False,
 ) -> PolicyResult:
     """So many episodes, of starts 0, 1, ...; without a number until the 95 % interval (Wilson) is no wider than
     `width`, at least 10 and at most 200."""
@@ -93,7 +94,7 @@ def evaluate(
     results: list[EpisodeResult] = []
     chosen = list(starts) if starts is not None else list(range(episodes or MOST_EPISODES))
     for start in chosen:
-        results.append(run_episode(server, policy, start, length, set_seed))
+        results.append(run_episode(server, policy, start, length, set_seed, check_intersections))
         if episodes is None and starts is None and len(results) >= LEAST_EPISODES:
             low, high = wilson(sum(result.success for result in results), len(results))
             if high - low <= width:

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .program import find_program, find_task
 
-__all__ = ["Answer", "Column", "Facts", "ServeError", "Server"]
+__all__ = ["Answer", "Column", "Facts", "ServeError", "Server", "World"]
 
 PROTOCOL = 1
 _LENGTHS = struct.Struct("<II")
@@ -97,6 +97,7 @@ class Facts:
     cloths: dict[str, tuple[int, ...]]  # keypoints of each: points of its mesh
     environment: tuple[str, ...]  # names of the numbers of environment_state
     cameras: dict[str, tuple[int, int]]  # (width, height) [pixels]
+    worlds: int = 1  # that step together
 
 
 def _facts(head: Mapping[str, Any]) -> Facts:
@@ -125,6 +126,7 @@ def _facts(head: Mapping[str, Any]) -> Facts:
         {cloth["name"]: tuple(cloth["keypoints"]) for cloth in head["cloths"]},
         tuple(head["environment"]),
         {camera["name"]: (camera["width"], camera["height"]) for camera in head["cameras"]},
+        head.get("worlds", 1),
     )
 
 
@@ -153,6 +155,11 @@ def _read(stream: BinaryIO, n: int) -> bytes:
     return data
 
 
+def action_numbers(action: ArrayLike) -> list[float]:
+    """An action as it stands in a request. [n_columns, rad or m]"""
+    return _rows(action, 1)
+
+
 def _rows(numbers: ArrayLike, n_dimensions: int) -> list[Any]:
     array = np.asarray(numbers, dtype=np.float64)
     if array.ndim != n_dimensions:
@@ -160,90 +167,14 @@ def _rows(numbers: ArrayLike, n_dimensions: int) -> list[Any]:
     return array.tolist()
 
 
-class Server:
-    """A task that is reset and stepped.
+class World:
+    """One world that is reset and stepped: the only one of a server, or one of several."""
 
-    task: a file, or the name of one of the program's own. width, height [pixels], samples [per pixel] and fps [1/s]:
-    instead of what the task says. gripper: "soft" or "rigid". perturb: amounts by which the task is other than it says,
-    such as {"friction": 0.5}; `evaluate policy --perturb` lists the names. With `socket` it asks a server that already runs there,
-    and the other arguments are those of that server; its pictures come through the socket, those of a process of its own
-    through shared memory.
-    """
-
-    def __init__(
-        self,
-        task: str | os.PathLike[str] = "",
-        *,
-        program: Path | None = None,
-        socket: str | os.PathLike[str] | None = None,
-        render: bool = True,
-        width: int | None = None,
-        height: int | None = None,
-        samples: int | None = None,
-        fps: float | None = None,
-        gripper: str | None = None,
-        device: str | None = None,
-        perturb: Mapping[str, float] | None = None,
-    ) -> None:
-        self._process: subprocess.Popen[bytes] | None = None
-        self._socket: sockets.socket | None = None
-        self._memory: _PictureMemory | None = None
-        if socket is not None:
-            self._socket = sockets.socket(sockets.AF_UNIX, sockets.SOCK_STREAM)
-            self._socket.connect(os.fspath(socket))
-            self._input: BinaryIO = self._socket.makefile("wb")
-            self._output: BinaryIO = self._socket.makefile("rb")
-        else:
-            program = program or find_program()
-            words = [str(program), "serve", str(find_task(task, program))]
-            options = {"width": width, "height": height, "samples": samples, "fps": fps, "gripper": gripper}
-            for name, value in {**options, "device": device}.items():
-                if value is not None:
-                    words += [f"--{name}", str(value)]
-            for name, amount in (perturb or {}).items():
-                words += ["--perturb", f"{name}={amount!r}"]
-            if not render:
-                words.append("--no-render")
-            self._process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-            assert self._process.stdin and self._process.stdout
-            self._input, self._output = self._process.stdin, self._process.stdout
-        self.facts = _facts(self._receive().head)
-        n_bytes = sum(3 * width * height for width, height in self.facts.cameras.values())
-        if self._process and render and n_bytes > 0:
-            self._memory = _PictureMemory(n_bytes)
-
-    def _receive(self) -> Answer:
-        try:
-            n_head, n_bytes = _LENGTHS.unpack(_read(self._output, _LENGTHS.size))
-            head = json.loads(_read(self._output, n_head))
-            data = _read(self._output, n_bytes)
-        except (EOFError, ConnectionError) as error:
-            code = self._process.wait() if self._process else None
-            raise ServeError(f"the server ended (exit code {code}); its last words are on stderr") from error
-        arrays = {}
-        for array in head.get("arrays", []):
-            count = int(np.prod(array["shape"], dtype=np.int64))
-            if self._memory and "memory_offset" in array:
-                flat = np.frombuffer(self._memory.copy(count, array["memory_offset"]), dtype=array["type"])
-            else:
-                flat = np.frombuffer(data, dtype=array["type"], count=count, offset=array["offset"])
-            arrays[array["name"]] = flat.reshape(array["shape"])
-        return Answer(head, arrays)
+    facts: Facts
 
     def request(self, do: str, **keys: Any) -> Answer:
         """Any request of the protocol. What the server refuses is a ServeError, and the episode goes on as it was."""
-        if self._memory and keys.get("pictures"):
-            keys["memory"] = self._memory.path
-        head = json.dumps({"do": do, **keys}).encode()
-        try:
-            self._input.write(_LENGTHS.pack(len(head), 0) + head)
-            self._input.flush()
-        except (BrokenPipeError, ConnectionError):
-            pass  # why is seen at once, when there is no answer
-        answer = self._receive()
-        if "error" in answer.head:
-            raise ServeError(answer.head["error"])
-        return answer
+        raise NotImplementedError
 
     def reset(self, seed: int, episode: int, pictures: bool | Sequence[str] = False) -> Answer:
         """The start of the episode that `generate` makes of this seed and number."""
@@ -251,7 +182,7 @@ class Server:
 
     def step(self, action: ArrayLike, pictures: bool | Sequence[str] = False) -> Answer:
         """One period; the targets go on straight lines to the action. [n_columns, rad or m]"""
-        return self.request("step", action=_rows(action, 1), pictures=_wish(pictures))
+        return self.request("step", action=action_numbers(action), pictures=_wish(pictures))
 
     def follow(self, targets: ArrayLike, pictures: bool | Sequence[str] = False) -> Answer:
         """As many time steps as there are rows, such as rows of /a in states.h5. [n_steps, n_driven, rad or m]"""
@@ -272,9 +203,136 @@ class Server:
         """What the task's conditions look at, so far."""
         return dict(self.request("measure").head["measured"])
 
+    def intersection(self) -> str:
+        """Bodies whose surfaces intersect now, by an exact test of its own, such as "beaker and table"; empty: none."""
+        return str(self.request("intersection").head["bodies"])
+
     def planned_periods(self) -> int:
         """Periods of the motion that `generate` plans for this episode; 0: it cannot be planned."""
         return int(self.request("plan").head["periods"])
+
+
+class _WorldOfServer(World):
+    def __init__(self, server: Server, number: int) -> None:
+        self.facts = server.facts
+        self._server, self._number = server, number
+
+    def request(self, do: str, **keys: Any) -> Answer:
+        return self._server.request(do, world=self._number, **keys)
+
+
+class Server(World):
+    """A task that is reset and stepped; by itself it is its world 0.
+
+    task: a file, or the name of one of the program's own. width, height [pixels], samples [per pixel] and fps [1/s]:
+    instead of what the task says. gripper: "soft" or "rigid". perturb: amounts by which the task is other than it says,
+    such as {"friction": 0.5}; `evaluate policy --perturb` lists the names. With `socket` it asks a server that already runs there,
+    and the other arguments are those of that server; its pictures come through the socket, those of a process of its own
+    through shared memory. worlds: so many episodes, which step together in one solve where `together` asks for it.
+    """
+
+    def __init__(
+        self,
+        task: str | os.PathLike[str] = "",
+        *,
+        program: Path | None = None,
+        socket: str | os.PathLike[str] | None = None,
+        render: bool = True,
+        width: int | None = None,
+        height: int | None = None,
+        samples: int | None = None,
+        fps: float | None = None,
+        gripper: str | None = None,
+        device: str | None = None,
+        perturb: Mapping[str, float] | None = None,
+        worlds: int = 1,
+    ) -> None:
+        self._process: subprocess.Popen[bytes] | None = None
+        self._socket: sockets.socket | None = None
+        self._memory: list[_PictureMemory] = []  # of each world
+        if socket is not None:
+            self._socket = sockets.socket(sockets.AF_UNIX, sockets.SOCK_STREAM)
+            self._socket.connect(os.fspath(socket))
+            self._input: BinaryIO = self._socket.makefile("wb")
+            self._output: BinaryIO = self._socket.makefile("rb")
+        else:
+            program = program or find_program()
+            words = [str(program), "serve", str(find_task(task, program))]
+            options = {"width": width, "height": height, "samples": samples, "fps": fps, "gripper": gripper}
+            for name, value in {**options, "device": device}.items():
+                if value is not None:
+                    words += [f"--{name}", str(value)]
+            for name, amount in (perturb or {}).items():
+                words += ["--perturb", f"{name}={amount!r}"]
+            if worlds != 1:
+                words += ["--worlds", str(worlds)]
+            if not render:
+                words.append("--no-render")
+            self._process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+            assert self._process.stdin and self._process.stdout
+            self._input, self._output = self._process.stdin, self._process.stdout
+        self.facts = _facts(self._receive()[0])
+        n_bytes = sum(3 * width * height for width, height in self.facts.cameras.values())
+        if self._process and render and n_bytes > 0:
+            self._memory = [_PictureMemory(n_bytes) for _ in range(self.facts.worlds)]
+
+    def _receive(self) -> tuple[dict[str, Any], bytes]:
+        try:
+            n_head, n_bytes = _LENGTHS.unpack(_read(self._output, _LENGTHS.size))
+            head = json.loads(_read(self._output, n_head))
+            data = _read(self._output, n_bytes)
+        except (EOFError, ConnectionError) as error:
+            code = self._process.wait() if self._process else None
+            raise ServeError(f"the server ended (exit code {code}); its last words are on stderr") from error
+        return head, data
+
+    def _answer(self, head: dict[str, Any], data: bytes, world: int) -> Answer:
+        if "error" in head:
+            raise ServeError(head["error"])
+        arrays = {}
+        for array in head.get("arrays", []):
+            count = int(np.prod(array["shape"], dtype=np.int64))
+            if "memory_offset" in array:
+                flat = np.frombuffer(self._memory[world].copy(count, array["memory_offset"]), dtype=array["type"])
+            else:
+                flat = np.frombuffer(data, dtype=array["type"], count=count, offset=array["offset"])
+            arrays[array["name"]] = flat.reshape(array["shape"])
+        return Answer(head, arrays)
+
+    def _send(self, request: Mapping[str, Any]) -> None:
+        head = json.dumps(request).encode()
+        try:
+            self._input.write(_LENGTHS.pack(len(head), 0) + head)
+            self._input.flush()
+        except (BrokenPipeError, ConnectionError):
+            pass  # why is seen at once, when there is no answer
+
+    def _with_memory(self, request: Mapping[str, Any]) -> dict[str, Any]:
+        if self._memory and request.get("pictures"):
+            return {**request, "memory": self._memory[request.get("world", 0)].path}
+        return dict(request)
+
+    def request(self, do: str, **keys: Any) -> Answer:
+        self._send(self._with_memory({"do": do, **keys}))
+        return self._answer(*self._receive(), keys.get("world", 0))
+
+    def world(self, number: int) -> World:
+        """One of the worlds, 0 to facts.worlds - 1, to reset and step by itself."""
+        if not 0 <= number < self.facts.worlds:
+            raise ValueError(f"world {number} is none of the {self.facts.worlds} of this server; start it with more worlds")
+        return _WorldOfServer(self, number)
+
+    def together(self, requests: Sequence[Mapping[str, Any]]) -> list[Answer]:
+        """Requests of the protocol, each of another world ({"world": 1, "do": "step", "action": [...]}), whose steps are
+        simulated in one solve. What the server refuses is a ServeError; the requests of other worlds are done."""
+        self._send({"do": "together", "requests": [self._with_memory(request) for request in requests]})
+        head, data = self._receive()
+        if "error" in head:
+            raise ServeError(head["error"])
+        return [
+            self._answer(answer, data, request.get("world", 0))
+            for answer, request in zip(head["answers"], requests, strict=True)
+        ]
 
     def close(self) -> None:
         for stream in (self._input, self._output):
@@ -284,9 +342,9 @@ class Server:
                 pass
         if self._process:
             self._process.wait()
-        if self._memory:
-            self._memory.close()
-            self._memory = None
+        for memory in self._memory:
+            memory.close()
+        self._memory = []
         if self._socket:
             self._socket.close()
 

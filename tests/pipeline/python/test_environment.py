@@ -60,6 +60,47 @@ class Environment(unittest.TestCase):
         alone.close()
         self.assertGreater(np.ptp(expected["environment_state"][:, 0, 8]), 1e-4)  # the starts differ
 
+    def test_worlds_that_step_together_have_the_bits_they_have_alone(self):
+        seeds = [3, 1, 4]
+        alone = gymnasium.vector.SyncVectorEnv([make] * 3)
+        together = gymnasium.make_vec("phyvisgen/Task-v0", num_envs=3, vectorization_mode="vector_entry_point", **SMALL)
+        self.assertIsInstance(together, phyvisgen.TaskVectorEnvironment)
+        self.assertEqual(together.observation_space, alone.observation_space)
+        for environments in (alone, together):  # to the end of the episode, past it, and some of them anew
+            environments.rows = [environments.reset(seed=seeds)]
+            action = environments.rows[0][0]["agent_pos"].copy()
+            for period in range(PERIODS + 3):
+                action[:, 0] += [0.01, 0.02, 0]
+                environments.rows.append(environments.step(action))
+            mask = np.array([False, True, True])
+            environments.rows.append(environments.reset(seed=[None, 7, None], options={"reset_mask": mask}))
+            environments.rows.append(environments.step(action))
+            environments.close()
+        for expected, got in zip(alone.rows, together.rows, strict=True):
+            for a, b in zip(expected[:-1], got[:-1], strict=True):
+                if not isinstance(a, dict):
+                    a, b = {"": a}, {"": b}
+                for key in a:
+                    np.testing.assert_array_equal(a[key], b[key], err_msg=key)
+            self.assertEqual(sorted(expected[-1]), sorted(got[-1]))
+        # the starts differ, and the episodes ended with their reason
+        self.assertGreater(np.ptp(together.rows[0][0]["environment_state"][:, 8]), 1e-4)
+        self.assertTrue(together.rows[PERIODS][3].all())
+        self.assertIn("position error", together.rows[PERIODS][4]["failure"][0])
+
+    def test_worlds_have_their_own_pictures_and_errors(self):
+        with phyvisgen.Server(TASK, width=32, height=24, worlds=2) as server:
+            both = [{"world": i, "do": "reset", "seed": 1, "episode": 4 + i, "pictures": True} for i in range(2)]
+            answers = server.together(both)
+            for i, answer in enumerate(answers):
+                again = server.world(i).observe().pictures["front"]
+                np.testing.assert_array_equal(answer.pictures["front"], again)
+            self.assertFalse(np.array_equal(answers[0].pictures["front"], answers[1].pictures["front"]))
+            with self.assertRaisesRegex(phyvisgen.ServeError, "two requests of world 0"):
+                server.together([{"do": "observe"}, {"do": "observe"}])
+            with self.assertRaisesRegex(ValueError, "none of the 2"):
+                server.world(2)
+
     def test_success_is_told_at_the_end_alone(self):
         environment = make()
         seen, info = environment.reset(seed=0)

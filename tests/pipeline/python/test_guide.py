@@ -10,18 +10,22 @@ from pathlib import Path
 import phyvisgen
 from small_task import TASK
 
-PAGE = Path(__file__).resolve().parents[3] / "docs/guide/policies.md"
+ROOT = Path(__file__).resolve().parents[3]
+PAGE = ROOT / "docs/guide/policies.md"
+CASE = ROOT / "data/hidden/pendulum_joint_coulomb_friction_10x"
 
 
 class Guide(unittest.TestCase):
     def test_every_example_runs(self):
         examples = re.findall(r"^```py\n(.*?)^```", PAGE.read_text(), re.M | re.S)
-        self.assertEqual(len(examples), 3)
+        self.assertEqual(len(examples), 5)
         before = os.getcwd()
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)
             try:
                 words = [phyvisgen.find_program(), "generate", TASK, "--no-render", "-o", "out/beaker"]
+                subprocess.run(words, check=True, capture_output=True)
+                words = [phyvisgen.find_program(), "diagnose", CASE, "-o", "out/diagnosis"]
                 subprocess.run(words, check=True, capture_output=True)
                 for example in examples:
                     exec(compile(example, str(PAGE), "exec"), {"print": lambda *_: None})

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
@@ -136,6 +137,109 @@ TEST_F(Served, AnActionIsReachedOnAStraightLine) {
   EXPECT_EQ(served.targets()[0], action[0]);
   EXPECT_NEAR(served.joints()[0], start + 0.01, 1e-3);  // drives follow at once
   EXPECT_EQ(served.n_steps(), 5u);
+}
+
+// everything that is simulated, to the bit
+std::vector<unsigned char> state_bytes(const ServedTask& served) {
+  Message message;
+  add_state_arrays(served, message);
+  return message.bytes;
+}
+
+// Three worlds that begin, end and step at different times, with other actions, against each of them alone.
+TEST_F(Served, WorldsThatStepTogetherHaveTheBitsTheyHaveAlone) {
+  constexpr std::size_t N = 3, N_PERIODS = 4;
+  const auto begin = [](ServedTask& served, std::size_t world, std::size_t period) {
+    if (period == 0) served.ask_reset(SEED, world);
+    if (period == 2 && world == 1) served.ask_reset(SEED + 1, 8);
+  };
+  const auto ask = [](ServedTask& served, std::size_t world, std::size_t period) {
+    if (world == 2 && period == 1) return;  // rests
+    if (world == 2 && period == 3) return served.ask_targets({served.targets(), served.targets()});
+    if (world == 0) return void(served.ask_plan());
+    std::vector<double> action = served.joints();
+    action[0] += 0.01 * double(world);
+    action[1] += 0.02;
+    served.ask_action(action);
+  };
+  ServedWorlds worlds(small_task(), device(), nullptr, N);
+  std::vector<ServedTask*> all;
+  for (std::size_t w = 0; w < N; ++w) all.push_back(&worlds[w]);
+  std::vector<std::vector<std::vector<unsigned char>>> together(N_PERIODS);
+  for (std::size_t period = 0; period < N_PERIODS; ++period) {
+    for (std::size_t w = 0; w < N; ++w) begin(worlds[w], w, period);
+    ServedTask::advance_together(all);
+    for (std::size_t w = 0; w < N; ++w) ask(worlds[w], w, period);
+    ServedTask::advance_together(all);
+    for (std::size_t w = 0; w < N; ++w) together[period].push_back(state_bytes(worlds[w]));
+  }
+  for (std::size_t w = 0; w < N; ++w) {
+    ServedTask alone(small_task(), device(), nullptr);
+    ServedTask* const only = &alone;
+    for (std::size_t period = 0; period < N_PERIODS; ++period) {
+      begin(alone, w, period);
+      ServedTask::advance_together(std::span(&only, 1));
+      ask(alone, w, period);
+      ServedTask::advance_together(std::span(&only, 1));
+      EXPECT_TRUE(state_bytes(alone) == together[period][w]) << "world " << w << ", period " << period;
+    }
+  }
+  EXPECT_EQ(worlds[2].n_steps(), 12u);
+  EXPECT_FALSE(together[3][0] == together[3][2]);
+}
+
+// Of several that are to begin, one cannot: the others do.
+TEST_F(Served, AStartThatIntersectsIsTheErrorOfItsWorldAlone) {
+  Task task = small_task();
+  ASSERT_EQ(task.objects.at(1).name, "beaker");
+  task.objects[1].pose.z = {-0.002, 0.002};  // of the table's top
+  ServedWorlds worlds(task, device(), nullptr, 2);
+  const auto height = [&](std::uint64_t episode) {
+    const TaskScene built = build_scene(task, SEED, episode);
+    for (const RigidBody& body : built.scene.rigid_bodies)
+      if (body.name == "beaker") return body.pose.translation().z();
+    throw Failure("no beaker");
+  };
+  std::uint64_t in_table = 0, above = 0;
+  while (height(in_table) > -1e-4) ++in_table;
+  while (height(above) < 1e-3) ++above;
+  worlds[0].ask_reset(SEED, in_table);
+  worlds[1].ask_reset(SEED, above);
+  ServedTask* const both[] = {&worlds[0], &worlds[1]};
+  const std::vector<std::string> errors = ServedTask::advance_together(both);
+  EXPECT_NE(errors[0].find("intersect"), std::string::npos) << errors[0];
+  EXPECT_EQ(errors[1], "");
+  expect_error<UsageError>([&] { worlds[0].act(worlds[1].joints()); }, {"no episode has begun"});
+  worlds[1].act(worlds[1].joints());
+  EXPECT_EQ(worlds[1].n_steps(), 5u);
+}
+
+TEST_F(Served, SurfacesThatMeetAreNamed) {
+  ServedTask served(small_task(), device(), nullptr);
+  served.reset(SEED, EPISODE);
+  EXPECT_EQ(served.intersection(), "");
+  WorldState pushed_in = served.state();
+  const Scene& scene = served.built().scene;
+  for (std::size_t i = 0; i < scene.rigid_bodies.size(); ++i)
+    if (scene.rigid_bodies[i].name == "beaker") pushed_in.rigid[i](2, 3) -= 0.01;
+  const std::string meeting = Surfaces(scene).meeting(pushed_in);
+  EXPECT_TRUE(meeting == "beaker and table" || meeting == "table and beaker") << meeting;
+}
+
+TEST_F(Served, AnActionBeyondAStopIsAnEvent) {
+  ServedTask served(small_task(), device(), nullptr);
+  served.reset(0, 0);
+  std::vector<double> action = served.joints();
+  action[7] = -0.004;  // a gripper that presses
+  served.act(action);
+  for (const EpisodeEvent& event : served.events()) EXPECT_NE(event.name, "out_of_reach");
+  ASSERT_TRUE(std::isfinite(served.facts().columns[0].high));
+  action[0] = served.facts().columns[0].high + 0.001;
+  served.act(action);
+  const auto is_it = [&](const EpisodeEvent& event) {
+    return event.name == "out_of_reach" && event.of == served.facts().columns[0].packed.name;
+  };
+  EXPECT_EQ(std::count_if(served.events().begin(), served.events().end(), is_it), 1);
 }
 
 // Drives that are late by a period do nothing in the first and all of it in the second.

@@ -76,7 +76,7 @@ struct Server : testing::Test {
   static Task task() { return load_task(PVG_DATA_FOLDER "/../tests/pipeline/small_task/push_beaker.yaml"); }
 
   Device device;
-  ServedTask served{task(), device, nullptr};
+  ServedWorlds served{task(), device, nullptr, 1};
 };
 
 TEST_F(Server, WhatIsWrongWithARequestIsOneSentence) {
@@ -115,6 +115,47 @@ TEST_F(Server, WhatIsWrongWithARequestIsOneSentence) {
   const Json after = ask({{"do", "observe"}});
   EXPECT_EQ(after["n_steps"], 0);
   EXPECT_EQ(after["failure"], started["failure"]);
+}
+
+// Each request of a `together` has its answer in its place; what is wrong with one leaves the others alone.
+TEST_F(Server, RequestsOfSeveralWorldsAreAnsweredTogether) {
+  ServedWorlds three(task(), device, nullptr, 3);
+  EXPECT_EQ(greeting(three, "0.0").head["worlds"], 3);
+  const auto ask_three = [&](const Json& head) {
+    Message request;
+    request.head = head;
+    return answer(three, request);
+  };
+  const auto begin = [](int world, int episode) {
+    return Json{{"do", "reset"}, {"world", world}, {"seed", 1}, {"episode", episode}, {"id", 10 + world}};
+  };
+  const Message started =
+      ask_three({{"do", "together"}, {"id", 7}, {"requests", {begin(2, 5), begin(0, 5), {{"do", "fly"}, {"id", 3}}}}});
+  EXPECT_EQ(started.head["id"], 7);
+  const Json& answers = started.head["answers"];
+  ASSERT_EQ(answers.size(), 3u);
+  EXPECT_EQ(answers[0]["id"], 12);
+  EXPECT_EQ(answers[2]["id"], 3);
+  EXPECT_TRUE(answers[2].contains("error"));
+  const Message alone = ask_three({{"do", "observe"}, {"world", 2}});
+  // the arrays of the second answer lie after those of the first, and both starts are the same
+  const std::size_t n = alone.bytes.size();
+  ASSERT_EQ(started.bytes.size(), 2 * n);
+  EXPECT_EQ(std::vector(started.bytes.begin(), started.bytes.begin() + std::ptrdiff_t(n)), alone.bytes);
+  EXPECT_EQ(std::vector(started.bytes.begin() + std::ptrdiff_t(n), started.bytes.end()), alone.bytes);
+  EXPECT_EQ(answers[1]["arrays"][0]["offset"], n);
+  const auto error_of = [&](const Json& request) { return ask_three(request).head["error"].get<std::string>(); };
+  EXPECT_EQ(error_of({{"do", "observe"}, {"world", 1}}), "no episode has begun; send a reset first");
+  EXPECT_NE(error_of({{"do", "observe"}, {"world", 3}}).find("from 0 to 2"), std::string::npos);
+  EXPECT_NE(error_of({{"do", "observe"}, {"world", "all"}}).find("`world` is a whole number"), std::string::npos);
+  EXPECT_NE(error_of({{"do", "together"}}).find("needs the key `requests`"), std::string::npos);
+  EXPECT_NE(error_of({{"do", "together"}, {"requests", {{{"do", "close"}}}}}).find("cannot be among"),
+            std::string::npos);
+  EXPECT_NE(error_of({{"do", "together"}, {"world", 1}, {"requests", Json::array()}}).find("no key `world`"),
+            std::string::npos);
+  const Json twice = ask_three({{"do", "together"}, {"requests", {begin(0, 1), begin(0, 2)}}}).head["answers"];
+  EXPECT_FALSE(twice[0].contains("error"));
+  EXPECT_EQ(twice[1]["error"], "`together` has two requests of world 0");
 }
 
 TEST_F(Server, AStreamBeginsWithAGreetingAndEndsWhereItIsClosed) {
