@@ -78,6 +78,8 @@ bool holds_position(const PhysicalScene& scene, const std::string& joint) {
 
 bool is_not_carried(const PhysicalScene& scene, const std::string& body) { return !is_carried(scene, body); }
 
+bool is_never_missing(const PhysicalScene&, const std::string&) { return false; }
+
 bool has_no_armature(const PhysicalScene& scene, const std::string& joint) {
   const auto found = named(scene.joints, joint);
   return found != scene.joints.end() && found->armature == 0;

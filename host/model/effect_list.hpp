@@ -33,6 +33,7 @@ void bend_rest_shape(PhysicalScene& scene, const std::string& target, double cur
 bool holds_position(const PhysicalScene& scene, const std::string& joint);
 bool has_no_armature(const PhysicalScene& scene, const std::string& joint);  // else it is a number that may be wrong
 bool is_not_carried(const PhysicalScene& scene, const std::string& body);    // what is carried has its joint's friction
+bool is_never_missing(const PhysicalScene& scene, const std::string& target);  // a choice of the model, no cause
 
 double less_common(const PhysicalScene& scene, const std::string& target);
 double rare_in_sight(const PhysicalScene& scene, const std::string& body);
@@ -274,6 +275,44 @@ inline std::vector<EffectRow> solid_effects() {
                 "two amplitudes",
                 {strength("stiffening", "1", 0, 1e4)}},
        .action = +[](StrainNumbers& n, const Effect& e) { n.stiffening = parameter_of(e, "stiffening"); }},
+      {.kind = {"yeoh_terms",
+                T::solid,
+                "element strain",
+                "cubic in the first invariant",
+                "a rubber softens a little at moderate stretch and stiffens where its chains are drawn out",
+                "psi = C10 (second y^2 + third y^3), y = J^(-2/3) |F|^2 - 3, C10 = mu / 2",
+                "a pull to twice the length and beyond, in steps",
+                {strength("second", "1", -0.5, 1e3), strength("third", "1", 0, 1e3)}},
+       .action =
+           +[](HyperelasticNumbers& n, const Effect& e) {
+             n.yeoh_2 = parameter_of(e, "second");
+             n.yeoh_3 = parameter_of(e, "third");
+           },
+       .log_prior = less_common},
+      {.kind = {"ogden_term",
+                T::solid,
+                "element strain",
+                "power of the principal stretches",
+                "a rubber stiffens by a power of its stretch, in tension more than in compression",
+                "psi = 2 mu modulus / exponent^2 sum((J^(-1/3) s_i)^exponent - 1), s_i: principal stretches",
+                "a pull and a compression to the same force",
+                {strength("modulus", "1", -0.9, 1e3), shape("exponent", "1", 0.5, 40, 8)}},
+       .action =
+           +[](HyperelasticNumbers& n, const Effect& e) {
+             n.ogden = parameter_of(e, "modulus");
+             n.exponent = parameter_of(e, "exponent");
+           },
+       .log_prior = less_common},
+      {.kind = {"neo_hookean_logarithm",
+                T::solid,
+                "element strain",
+                "logarithm of the first invariant",
+                "the stable neo-Hookean density with its optional logarithm, of the same moduli (share 1)",
+                "psi = share mu (|F|^2 / 6 - 1 / 2 - 2/3 log((|F|^2 + 1) / 4) - (J - 1)^2 / 12)",
+                "large strains: small ones show no difference",
+                {strength("share", "1", 0, 1)}},
+       .action = +[](HyperelasticNumbers& n, const Effect& e) { n.logarithm = parameter_of(e, "share"); },
+       .is_possible = is_never_missing},
       {.kind = {"rest_shape_error",
                 T::solid,
                 "rest shape",

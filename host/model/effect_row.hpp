@@ -31,6 +31,14 @@ struct StrainNumbers {
   double strain_rate = 1;  // [1/s]
 };
 
+// What rubber's density adds to that of an element, Ogden's `ogden` and C20, C30 of Yeoh as shares of mu and C10 =
+// mu/2.
+struct HyperelasticNumbers {
+  double yeoh_2 = 0, yeoh_3 = 0;
+  double ogden = 0, exponent = 2;
+  double logarithm = 0;  // 1: the neo-Hookean density with the logarithm
+};
+
 struct FlowNumbers {
   double rate = 0;          // [1/s]
   double yield_strain = 0;  // 0: none
@@ -46,10 +54,10 @@ struct ContactNumbers {
 
 enum class EffectTerm : int;  // a term that only this effect has (effect_list.hpp)
 
-using EffectAction =
-    std::variant<void (*)(PhysicalScene&, const Effect&), void (*)(JointNumbers&, const Effect&),
-                 void (*)(DragNumbers&, const Effect&), void (*)(StrainNumbers&, const Effect&),
-                 void (*)(FlowNumbers&, const Effect&), void (*)(ContactNumbers&, const Effect&), EffectTerm>;
+using EffectAction = std::variant<void (*)(PhysicalScene&, const Effect&), void (*)(JointNumbers&, const Effect&),
+                                  void (*)(DragNumbers&, const Effect&), void (*)(StrainNumbers&, const Effect&),
+                                  void (*)(HyperelasticNumbers&, const Effect&), void (*)(FlowNumbers&, const Effect&),
+                                  void (*)(ContactNumbers&, const Effect&), EffectTerm>;
 
 struct EffectRow {
   EffectKind kind;

@@ -95,7 +95,8 @@ static inline void lanes_svd3(const lanes f[3][3], LanesSvd3* r) {
 // One Jacobi rotation of the symmetric matrix A in the plane (p, q), r the third index: A <- R^T A R, V <- V R.
 static inline void symmetric3_rotate(lanes a[3][3], lanes v[3][3], const int p, const int q, const int r) {
   const lanes more = a[q][q] - a[p][p], twice = 2 * a[p][q], root = sqrt(more * more + twice * twice);
-  const lanes t = twice != 0 ? twice / (more + (more >= 0 ? root : -root)) : (lanes)(0);
+  // root is 0 beside a tiny `twice` whose square underflows
+  const lanes t = twice != 0 && root > 0 ? twice / (more + (more >= 0 ? root : -root)) : (lanes)(0);
   const lanes c = 1 / sqrt(1 + t * t), s = c * t;
   a[p][p] -= t * a[p][q];
   a[q][q] += t * a[p][q];

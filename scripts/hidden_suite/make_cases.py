@@ -25,6 +25,7 @@ from camera_experiments import CAMERA, camera_experiments
 from contact_experiments import CONTACT, contact_experiments
 from controls import CONTROLS
 from experiments import RIGID, experiments
+from rubber_experiments import RUBBER, rubber_experiments
 from sensor_experiments import SENSOR, sensor_experiments
 from soft_experiments import SOFT, soft_experiments
 from touch_experiments import TOUCH, touch_experiments
@@ -60,7 +61,7 @@ def sense(experiment, run, effects, times):
 def scaled(effects, by, nominal):
     """Strengths times `by`; numbers of the scene move by that much from what they are; gains from 1."""
     out = copy.deepcopy(effects)
-    shapes = {"stribeck_velocity", "velocity", "length"}
+    shapes = {"stribeck_velocity", "velocity", "length", "exponent"}
     for name, parameters in out.items():
         largest = max(abs(value) for value in parameters.values())
         by = min(by, MOST.get(name, math.inf) / largest)
@@ -244,10 +245,11 @@ def main():
     parser.add_argument("--seed", type=int, default=7, help="of all noise")
     options = parser.parse_args()
     everything = {}
-    for some in (experiments, soft_experiments, camera_experiments, sensor_experiments, contact_experiments, touch_experiments, beam_experiments):
+    for some in (experiments, soft_experiments, camera_experiments, sensor_experiments, contact_experiments, touch_experiments, beam_experiments,
+                 rubber_experiments):
         everything |= some()
     # in this order: a case's place in it is its seed
-    listed = itertools.chain.from_iterable(cases(everything, lists) for lists in (RIGID, SOFT, CAMERA, SENSOR, CONTACT, TOUCH, BENT))
+    listed = itertools.chain.from_iterable(cases(everything, lists) for lists in (RIGID, SOFT, CAMERA, SENSOR, CONTACT, TOUCH, BENT, RUBBER))
     for number, (name, experiment, effects, nominal, wanted, kind, named) in enumerate(listed):
         if not name.startswith(options.only) or (options.quick and name not in QUICK):
             continue

@@ -2,7 +2,9 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "host/base/error.hpp"
 #include "host/load/fields/yaml_section.hpp"
@@ -41,16 +43,41 @@ StatedNumbers read_stated(YamlSection& section, const YAML::Node& parent, const 
   return stated;
 }
 
+// Leaves of a run what was recorded from one time to another; pictures without times belong to the rows that are left.
+void crop(MeasuredTable& table, double from, double to) {
+  const std::vector<double> t = table["t"];
+  for (auto& [name, values] : table.columns) {
+    std::vector<double> kept;
+    for (std::size_t i = 0; i < t.size(); ++i)
+      if (t[i] >= from && t[i] <= to) kept.push_back(values[i]);
+    values = std::move(kept);
+  }
+  table.n_rows = table["t"].size();
+}
+
+// What other programs write and this one does not read is no CSV file.
+void demand_table(const std::filesystem::path& file) {
+  for (const char* kind : {".mcap", ".bag", ".db3", ".c3d", ".mat", ".npz", ".parquet"})
+    if (file.extension() == kind)
+      throw UsageError(file.string() + ": a run is a CSV or HDF5 table, and " + kind +
+                       " files are not read; export its channels as CSV, one column each, with the time in seconds");
+}
+
 RecordedRun read_run(YamlSection& section, const YAML::Node& node) {
   RecordedRun run;
   run.name = section.text("file");
   run.is_held_out = section.choice("role", {"fit", "held_out"}) == 1;
+  const std::filesystem::path path = section.file("file");
+  demand_table(path);
   try {
-    run.table = read_table(section.file("file"));
+    run.table = read_table(path);
   } catch (const Failure& failure) {
     throw UsageError(failure.what());
   }
   const std::string time = section.text("time", "t");
+  const bool has_part = section.has("from") || section.has("to");
+  const double from = section.number("from", Unit::time, -1e9, 1e9, -1e9);
+  const double to = section.number("to", Unit::time, -1e9, 1e9, 1e9);
   run.set = read_stated(section, node, "set");
   run.initial = read_stated(section, node, "initial");
   section.done();
@@ -59,7 +86,11 @@ RecordedRun read_run(YamlSection& section, const YAML::Node& node) {
     throw UsageError(file + " has no column `" + time +
                      "`, the time in seconds; name its first column `t`, or let the run say `time: NAME`");
   if (time != "t") run.table.columns["t"] = run.table[time];
+  if (has_part) crop(run.table, from, to);
   const std::vector<double>& t = run.table["t"];
+  if (t.size() < 8 && has_part)
+    section.fail("from",
+                 "and `to` leave " + std::to_string(t.size()) + " rows of " + file + "; a run needs at least 8");
   if (t.size() < 8) throw UsageError(file + " holds " + std::to_string(t.size()) + " rows; a run needs at least 8");
   for (std::size_t i = 0; i < t.size(); ++i) {
     if (!std::isfinite(t[i])) throw UsageError(file + ": the time of row " + std::to_string(i + 1) + " is missing");
@@ -69,10 +100,46 @@ RecordedRun read_run(YamlSection& section, const YAML::Node& node) {
   return run;
 }
 
-RecordedInput read_input(YamlSection& section) {
+// A commanded motor current is the effort of its joint over the constant: a column of efforts is added to each run.
+void make_effort(YamlSection& section, RecordedInput& input, std::vector<RecordedRun>& runs) {
+  const std::string constant = section.text("constant"), column = input.columns[0];
+  char* end = nullptr;
+  const double value = std::strtod(constant.c_str(), &end);
+  std::string unit = end;
+  unit.erase(0, unit.find_first_not_of(' '));
+  const std::size_t per = unit.find('/');
+  if (end == constant.c_str() || value == 0 || per == std::string::npos || unit.substr(per) != "/A")
+    section.fail("constant", "must be an effort per current, such as 0.05 N m/A");
+  if (input.unit != "A" && input.unit != "mA") section.fail("unit", "of a current must be A or mA");
+  const std::string effort = column + " x " + constant;
+  for (RecordedRun& run : runs) {
+    if (!run.table.has(column)) continue;  // an error names it later
+    std::vector<double> values = run.table[column];
+    for (double& i : values) i *= value * (input.unit == "mA" ? 1e-3 : 1);
+    run.table.columns[effort] = std::move(values);
+  }
+  const bool is_everywhere =
+      std::all_of(runs.begin(), runs.end(), [&](const RecordedRun& run) { return run.table.has(effort); });
+  if (is_everywhere) input.columns = {effort};
+  input.target.replace(input.target.rfind('/'), std::string::npos, "/torque");
+  input.unit = unit.substr(0, per);
+}
+
+RecordedInput read_input(YamlSection& section, std::vector<RecordedRun>& runs) {
   RecordedInput input{read_columns(section), section.text("target"), section.text("unit", "")};
+  if (input.target.starts_with("joint/") && input.target.ends_with("/current")) make_effort(section, input, runs);
   section.done();
   return input;
+}
+
+// For a message: the names of a table's first columns.
+std::string names_of(const MeasuredTable& table) {
+  constexpr std::size_t MOST = 20;
+  std::string names;
+  std::size_t n = 0;
+  for (const auto& [name, values] : table.columns)
+    if (++n <= MOST) names += (names.empty() ? "" : ", ") + name;
+  return names + (n > MOST ? ", .." : "");
 }
 
 void read_initial(YamlSection& root, const YAML::Node& whole, Recording& recording) {
@@ -125,7 +192,7 @@ Recording load_recording(const std::filesystem::path& path) {
   const YAML::Node whole = YAML::LoadFile(recording.file.string());
   for (YamlSection& section : root.sections("runs"))
     recording.runs.push_back(read_run(section, whole["runs"][recording.runs.size()]));
-  for (YamlSection& section : root.sections("inputs")) recording.inputs.push_back(read_input(section));
+  for (YamlSection& section : root.sections("inputs")) recording.inputs.push_back(read_input(section, recording.runs));
   for (YamlSection& section : root.sections("channels")) read_channel(section, recording);
   read_initial(root, whole, recording);
   recording.priors = read_stated(root, whole, "priors");
@@ -141,7 +208,8 @@ Recording load_recording(const std::filesystem::path& path) {
     const auto check = [&](const std::vector<std::string>& columns, const std::string& key) {
       for (const std::string& column : columns)
         if (!run.table.has(column))
-          root.fail(key, "names the column `" + column + "`, which " + run.table.file.string() + " does not have");
+          root.fail(key, "names the column `" + column + "`, which " + run.table.file.string() +
+                             " does not have; there are: " + names_of(run.table));
     };
     for (const RecordedInput& input : recording.inputs) check(input.columns, "inputs");
     for (const RecordedChannel& channel : recording.channels) check(channel.columns, "channels");

@@ -99,6 +99,20 @@ Row strain_row(const Element& element, const StrainNumbers& numbers) {
   return row;
 }
 
+template <class Row, class Element>
+Row hyperelastic_row(const Element& element, const HyperelasticNumbers& numbers) {
+  Row row{};
+  std::copy(std::begin(element.site), std::end(element.site), row.site);
+  std::copy_n(element.rest_inverse, 9, row.rest_inverse);
+  row.volume = element.volume;
+  row.yeoh_2 = 0.5 * element.mu * numbers.yeoh_2;
+  row.yeoh_3 = 0.5 * element.mu * numbers.yeoh_3;
+  row.ogden = element.mu * numbers.ogden;
+  row.exponent = numbers.exponent;
+  row.logarithm = element.mu * numbers.logarithm;
+  return row;
+}
+
 bool is_flow(const Effect& effect) {
   FlowNumbers ignored;
   return add_numbers(effect, ignored);
@@ -135,6 +149,15 @@ void add_solid_effect(System& system, std::size_t world, const Effect& effect) {
     };
     for_each_element(system.stable_neo_hookean_4, first, n, add_to(system.plastic_flow_4));
     for_each_element(system.stable_neo_hookean_10, first, n, add_to(system.plastic_flow_10));
+    return;
+  }
+  if (HyperelasticNumbers numbers; add_numbers(effect, numbers)) {
+    for_each_element(system.stable_neo_hookean_4, first, n, [&](const StableNeoHookean4& element, u32) {
+      system.hyperelastic_4.rows.push_back(hyperelastic_row<Hyperelastic4>(element, numbers));
+    });
+    for_each_element(system.stable_neo_hookean_10, first, n, [&](const StableNeoHookean10& element, u32) {
+      system.hyperelastic_10.rows.push_back(hyperelastic_row<Hyperelastic10>(element, numbers));
+    });
     return;
   }
   StrainNumbers numbers;
@@ -213,7 +236,8 @@ void add_body_effects(System& system, std::size_t world) {
     const EffectAction& action = effect_row(effect.name).action;
     if (const EffectTerm* term = std::get_if<EffectTerm>(&action)) add_term_of(system, world, effect, *term);
     if (std::holds_alternative<void (*)(DragNumbers&, const Effect&)>(action)) add_point_force(system, world, effect);
-    if (std::holds_alternative<void (*)(StrainNumbers&, const Effect&)>(action) || is_flow(effect))
+    if (std::holds_alternative<void (*)(StrainNumbers&, const Effect&)>(action) ||
+        std::holds_alternative<void (*)(HyperelasticNumbers&, const Effect&)>(action) || is_flow(effect))
       add_solid_effect(system, world, effect);
   }
 }

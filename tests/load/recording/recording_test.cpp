@@ -33,6 +33,56 @@ TEST(Recording, GapsAreNaNAndUnknownNoiseIsNegative) {
   EXPECT_EQ(r.initial, Recording::Initial::first_sample);
 }
 
+const std::string LONG_RUN =
+    "t,q,i\n0,1,10\n0.1,2,20\n0.2,3,30\n0.3,4,40\n0.4,5,50\n0.5,6,60\n0.6,7,70\n0.7,8,80\n0.8,9,90\n0.9,10,100\n";
+const std::string ANGLE = "  - {column: q, kind: position, joint: hinge, unit: deg}\n";
+
+void write_run(const TestFolder& folder, const std::string& run, const std::string& rest) {
+  folder.write("scene.yaml", "schema: 1\n");
+  folder.write("a.csv", LONG_RUN);
+  folder.write("recording.yaml", "schema: 1\nscene: scene.yaml\nruns:\n  - {" + run + "}\nchannels:\n" + ANGLE + rest);
+}
+
+TEST(Recording, ARunBeginsAndEndsWhereItSays) {
+  const TestFolder folder;
+  write_run(folder, "file: a.csv, role: fit, from: 100 ms, to: 0.85 s", "");
+  const MeasuredTable& table = load_recording(folder.path).runs[0].table;
+  EXPECT_EQ(table.n_rows, 8u);
+  EXPECT_EQ(table["t"].front(), 0.1);
+  EXPECT_EQ(table["q"], (std::vector<double>{2, 3, 4, 5, 6, 7, 8, 9}));
+  write_run(folder, "file: a.csv, role: fit, from: 0.35 s", "");
+  expect_error<UsageError>([&] { load_recording(folder.path); }, {"recording.yaml", "runs[0].from", "6 rows", "8"});
+}
+
+TEST(Recording, ACommandedCurrentIsAnEffort) {
+  const TestFolder folder;
+  const auto inputs = [](const std::string& more) {
+    return "inputs:\n  - {column: i, target: joint/hinge/current, " + more + "}\n";
+  };
+  write_run(folder, "file: a.csv, role: fit", inputs("constant: 0.05 N m/A, unit: mA"));
+  const Recording r = load_recording(folder.path);
+  ASSERT_EQ(r.inputs.size(), 1u);
+  EXPECT_EQ(r.inputs[0].target, "joint/hinge/torque");
+  EXPECT_EQ(r.inputs[0].unit, "N m");
+  EXPECT_NEAR(r.runs[0].table[r.inputs[0].columns[0]][2], 30e-3 * 0.05, 1e-15);
+  const auto refused = [&](const std::string& more, std::initializer_list<const char*> words) {
+    write_run(folder, "file: a.csv, role: fit", inputs(more));
+    expect_error<UsageError>([&] { load_recording(folder.path); }, words);
+  };
+  refused("constant: 0.05, unit: A", {"inputs[0].constant", "0.05 N m/A"});
+  refused("constant: 0 N m/A, unit: A", {"inputs[0].constant"});
+  refused("constant: 0.05 N m/A, unit: V", {"inputs[0].unit", "A or mA"});
+}
+
+TEST(Recording, SaysWhatItDoesNotReadAndWhichColumnsThereAre) {
+  const TestFolder folder;
+  write_run(folder, "file: a.mcap, role: fit", "");
+  folder.write("a.mcap", "");
+  expect_error<UsageError>([&] { load_recording(folder.path); }, {"a.mcap", "are not read", "export", "CSV"});
+  write_run(folder, "file: a.csv, role: fit", "  - {column: angle, kind: rate, joint: hinge}\n");
+  expect_error<UsageError>([&] { load_recording(folder.path); }, {"`angle`", "a.csv", "there are: i, q, t"});
+}
+
 // n masks of 2 x 2 pixels in which frame i shows `finger` at pixel i mod 4
 void write_masks(const std::filesystem::path& path, std::size_t n, const std::vector<double>& time) {
   hdf5::File file = hdf5::File::create(path);

@@ -368,6 +368,20 @@ TEST(Effects, AStiffeningSolidStretchesLess) {
   EXPECT_LT(height(run(pulled_solid({{"strain_stiffening", "solid", {100}}}, 4), 200)) - 0.05, 0.9 * elastic);
 }
 
+TEST(Effects, ARubberStretchesAsItsTermsSay) {
+  const auto stretch = [](const std::vector<Effect>& effects) {
+    return height(run(pulled_solid(effects, 4), 200)) - 0.05;
+  };
+  const double elastic = stretch({});
+  EXPECT_LT(stretch({{"yeoh_terms", "solid", {100, 0}}}), 0.9 * elastic);
+  EXPECT_GT(stretch({{"yeoh_terms", "solid", {-2, 0}}}), 1.001 * elastic);
+  // half the shear modulus more
+  EXPECT_NEAR(stretch({{"ogden_term", "solid", {0.5, 4}}}), elastic / 1.5, 0.1 * elastic);
+  const double logarithm = stretch({{"neo_hookean_logarithm", "solid", {1}}});
+  EXPECT_NE(logarithm, elastic);
+  EXPECT_NEAR(logarithm, elastic, 0.05 * elastic);  // of the same moduli
+}
+
 // what is left of the stretch when the force ends
 double left_over(const std::vector<Effect>& effects, double force, int held) {
   Simulation pulled(device(), pulled_solid(effects, force));
