@@ -108,7 +108,7 @@ Header header_of(const std::vector<std::string>& lines) {
 }
 
 MeasuredTable read_csv(const std::filesystem::path& file) {
-  refuse_log(file);
+  demand_table(file);
   const std::vector<std::string> lines = lines_of(file);
   const auto [names, n_header] = header_of(lines);
   if (names.size() == 1 && lines[0].find(';') != std::string::npos)
@@ -159,11 +159,15 @@ MeasuredTable read_arrays(const hdf5::File& in, const std::filesystem::path& fil
 
 }  // namespace
 
-void refuse_log(const std::filesystem::path& file) {
+void demand_table(const std::filesystem::path& file) {
   for (const char* kind : {".mcap", ".db3", ".bag", ".c3d"})
     if (file.extension() == kind)
       throw UsageError(file.string() + " is a log, no table: `scripts/convert_log.py " + file.string() +
                        " -o FOLDER` makes a recording of it");
+  for (const char* kind : {".mat", ".npz", ".parquet"})
+    if (file.extension() == kind)
+      throw UsageError(file.string() + ": a table is a CSV or HDF5 file, and " + kind +
+                       " files are not read; export its channels as CSV, one column each, with the time in seconds");
 }
 
 const std::vector<double>& MeasuredTable::operator[](const std::string& name) const {

@@ -26,8 +26,9 @@ MeasuredTable read_table(const std::filesystem::path& file);
 // paths such as `camera/angle`.
 MeasuredTable read_columns_of(const std::filesystem::path& file, const std::vector<std::string>& columns);
 
-// Throws a UsageError for a log of ROS or of motion capture, which scripts/convert_log.py makes tables of.
-void refuse_log(const std::filesystem::path& file);
+// Throws a UsageError that says what to do for files of other programs: logs of ROS and of motion capture, which
+// scripts/convert_log.py makes tables of, and what has to be exported as CSV.
+void demand_table(const std::filesystem::path& file);
 
 // The files of a folder whose names begin with `prefix` and end with .csv, in the order of their names.
 std::vector<std::filesystem::path> tables_in(const std::filesystem::path& folder, const std::string& prefix);

@@ -57,6 +57,8 @@ TEST(MeasuredTable, LogsAreRefusedWithTheCommandThatConvertsThem) {
     folder.write(name, "t\n");
     expect_error<UsageError>([&] { read_table(folder.path / name); }, {name, "scripts/convert_log.py"});
   }
+  folder.write("run.mat", "t\n");
+  expect_error<UsageError>([&] { read_table(folder.path / "run.mat"); }, {"run.mat", "export", "CSV"});
 }
 
 TEST(MeasuredTable, AFoldersFilesAreThoseOfThePrefixInTheOrderOfTheirNames) {

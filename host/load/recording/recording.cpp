@@ -55,22 +55,12 @@ void crop(MeasuredTable& table, double from, double to) {
   table.n_rows = table["t"].size();
 }
 
-// What other programs write and this one does not read is no CSV file.
-void demand_table(const std::filesystem::path& file) {
-  for (const char* kind : {".mcap", ".bag", ".db3", ".c3d", ".mat", ".npz", ".parquet"})
-    if (file.extension() == kind)
-      throw UsageError(file.string() + ": a run is a CSV or HDF5 table, and " + kind +
-                       " files are not read; export its channels as CSV, one column each, with the time in seconds");
-}
-
 RecordedRun read_run(YamlSection& section, const YAML::Node& node) {
   RecordedRun run;
   run.name = section.text("file");
   run.is_held_out = section.choice("role", {"fit", "held_out"}) == 1;
-  const std::filesystem::path path = section.file("file");
-  demand_table(path);
   try {
-    run.table = read_table(path);
+    run.table = read_table(section.file("file"));
   } catch (const Failure& failure) {
     throw UsageError(failure.what());
   }
@@ -184,7 +174,7 @@ void demand_different_runs(const Recording& recording) {
 
 Recording load_recording(const std::filesystem::path& path) {
   Recording recording;
-  refuse_log(path);
+  demand_table(path);
   recording.file = std::filesystem::is_directory(path) ? path / "recording.yaml" : path;
   YamlSection root = YamlSection::load(recording.file, "recording");
   check_schema(root);

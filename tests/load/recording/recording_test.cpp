@@ -78,7 +78,7 @@ TEST(Recording, SaysWhatItDoesNotReadAndWhichColumnsThereAre) {
   const TestFolder folder;
   write_run(folder, "file: a.mcap, role: fit", "");
   folder.write("a.mcap", "");
-  expect_error<UsageError>([&] { load_recording(folder.path); }, {"a.mcap", "are not read", "export", "CSV"});
+  expect_error<UsageError>([&] { load_recording(folder.path); }, {"a.mcap", "scripts/convert_log.py"});
   write_run(folder, "file: a.csv, role: fit", "  - {column: angle, kind: rate, joint: hinge}\n");
   expect_error<UsageError>([&] { load_recording(folder.path); }, {"`angle`", "a.csv", "there are: i, q, t"});
 }
