@@ -187,11 +187,11 @@ class _Section:
             raise ValueError(f"{file}: `{name or 'report'}` is no object; is it a report of phyvisgen diagnose?")
         self._value = value
 
-    def _get(self, key: str, kind: str, is_well: Callable[[Any], bool]) -> Any:
+    def _get(self, key: str, kind: str, is_valid: Callable[[Any], bool]) -> Any:
         name = f"{self._name}.{key}" if self._name else key
         if key not in self._value:
             raise ValueError(f"{self._file}: the key `{name}` is missing; is it a report of phyvisgen diagnose?")
-        if not is_well(self._value[key]):
+        if not is_valid(self._value[key]):
             raise ValueError(f"{self._file}: `{name}` is {kind}, this one is {json.dumps(self._value[key])[:40]}")
         return self._value[key]
 

@@ -19,7 +19,7 @@ class Report(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.path = Path(cls.folder.name) / "diagnosis"
-        words = [phyvisgen.find_program(), "diagnose", CASE, "-o", cls.path]
+        words = [phyvisgen.find_program(), "diagnose", CASE, "--minutes", "60", "-o", cls.path]
         subprocess.run(words, check=True, capture_output=True)
         cls.raw = json.loads((cls.path / "report.json").read_text())
 

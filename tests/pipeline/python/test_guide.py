@@ -25,7 +25,7 @@ class Guide(unittest.TestCase):
             try:
                 words = [phyvisgen.find_program(), "generate", TASK, "--no-render", "-o", "out/beaker"]
                 subprocess.run(words, check=True, capture_output=True)
-                words = [phyvisgen.find_program(), "diagnose", CASE, "-o", "out/diagnosis"]
+                words = [phyvisgen.find_program(), "diagnose", CASE, "--minutes", "1", "-o", "out/diagnosis"]
                 subprocess.run(words, check=True, capture_output=True)
                 for example in examples:
                     exec(compile(example, str(PAGE), "exec"), {"print": lambda *_: None})
