@@ -3,6 +3,9 @@
 
 // clang-format off
 #define PVG_CRITERIA_SCREENING(X) \
+  X(4, std::size_t, large_world, 1000, "nodes", \
+    "size above which a simulation takes seconds: screened by place, in turns and once, few fits", \
+    "two soft fingers of 3,000 nodes took 2.4 processor seconds (docs/measured/2026-11-28_fidelity.md)") \
   X(4, double, sensitivity_least, 1e-3, "noise", \
     "change of the residuals below which a candidate is not seen", \
     "not recorded") \

@@ -10,7 +10,7 @@ const Fit& Prepared::base(Fitter& fitter) {
   return *base_;
 }
 
-Fit prepared_again(Fitter& fitter, Prepared& prepared, const Fit& fit) {
+Fit prepared_again(Fitter& fitter, Prepared& prepared, const Fit& fit, int n_steps) {
   const std::vector<Eigen::VectorXd> shifts = Fitter::start_shifts(fit);
   FitData near = fitter.prepare(Fitter::with_moved_starts(prepared.data().windows, shifts), fit.model);
   if (near.windows.size() != prepared.data().windows.size()) return fit;
@@ -21,7 +21,7 @@ Fit prepared_again(Fitter& fitter, Prepared& prepared, const Fit& fit) {
   }
   std::vector<Fit> fits = fitter.begin(near, {fit.model}, std::move(starts));
   const double before = robust_cost(fits.front().residual, fit.scale);
-  fitter.improve(near, fits, criteria().n_more_steps);
+  fitter.improve(near, fits, n_steps);
   fitter.finish(near, fits);
   if (!fits.front().succeeded || !(robust_cost(fits.front().residual, fit.scale) <= before)) return fit;
   prepared = Prepared(std::move(near));

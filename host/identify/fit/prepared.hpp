@@ -23,6 +23,6 @@ class Prepared {
 // The time step's error and the sensitivities to the starts differ with an effect: both are found again at `fit`, which
 // then continues there from the starts that it has. `prepared` becomes the new preparation; it and the fit stay as they
 // are where that fails.
-Fit prepared_again(Fitter& fitter, Prepared& prepared, const Fit& fit);
+Fit prepared_again(Fitter& fitter, Prepared& prepared, const Fit& fit, int n_steps = criteria().n_more_steps);
 
 }  // namespace pvg::diagnose

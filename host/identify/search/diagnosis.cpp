@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <set>
 
-#include "host/base/error.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/identify/data/noise.hpp"
 #include "host/identify/fit/agreement.hpp"
@@ -26,8 +25,6 @@
 
 namespace pvg::diagnose {
 namespace {
-
-constexpr double LAW_COMPILATION = 5;  // of the kernels of a site's laws, which no deadline ends [processor seconds]
 
 bool any_significant(const std::vector<Cell>& cells) {
   return std::any_of(cells.begin(), cells.end(), [](const Cell& cell) { return cell.is_significant; });
@@ -235,7 +232,7 @@ std::vector<Candidate> all_candidates(Workflow& flow, const ChosenWindows& chose
   flow.ends_in_time(criteria().time_localisation, "where limits such as a yield strain are reached",
                     [&] { place_limits(flow.fitter, chosen.data, chosen.base, candidates); });
   const std::vector<Cell>& where = located.where;
-  if (is_large(flow.problem.scene.scene)) order_by_place(flow.problem, where, candidates);
+  if (flow.is_costly()) order_by_place(flow.problem, where, candidates);
   flow.report_progress(3, 0.2,
                        where.empty() ? "nothing located"
                                      : where[0].body + ", " + where[0].phase + ": " +
@@ -260,17 +257,6 @@ void add_proof(Diagnosis& out, Proof proof) {
   out.mask_gap_before = proof.held_out.mask_gap_before;
   out.mask_gap_after = proof.held_out.mask_gap_after;
   out.curves = std::move(proof.curves);
-}
-
-// A law without a name, if there is time and one explains what was held out.
-std::optional<Regressed> find_law(Workflow& flow, const ChosenWindows& chosen, const std::vector<Cell>& where,
-                                  const std::string& unit) {
-  std::optional<Regressed> found;
-  if (!flow.has_time("a law without a name", flow.by_the_clock(LAW_COMPILATION), criteria().time_proof)) return found;
-  flow.report_progress(7, 0.6, "none of the known effects explains it all: looking for a law of the motion");
-  flow.ends_in_time(criteria().time_proof, "a law without a name",
-                    [&] { found = regress(flow, chosen, where, unit == "noise"); });
-  return found;
 }
 
 // Whether what is named only imitates what has no name: it leaves more than noise, of which the law explains most.

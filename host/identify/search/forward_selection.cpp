@@ -32,10 +32,11 @@ bool begins_with(const std::vector<const Candidate*>& all, const std::vector<con
   return first.size() <= all.size() && std::equal(first.begin(), first.end(), all.begin());
 }
 
-// The left-out error of another single effect in the present preparation: infinite where it fails there.
-double error_of_single(Workflow& flow, Prepared& prepared, const Model& model) {
+// The left-out error of another single effect in the present preparation, after some steps there: infinite where it
+// fails there.
+double error_of_single(Workflow& flow, Prepared& prepared, const Model& model, int n_steps) {
   std::vector<Fit> fits = flow.fitter.begin(prepared.data(), {model});
-  flow.fitter.improve(prepared.data(), fits, criteria().n_more_steps);
+  flow.fitter.improve(prepared.data(), fits, n_steps);
   flow.fitter.finish(prepared.data(), fits);
   const Decision decision = decide(prepared.data(), prepared.base(flow.fitter), fits);
   return decision.ranking.empty() ? INFINITY : decision.ranking.front().error;
@@ -116,13 +117,19 @@ class ForwardSelection {
 
   Next add_effect(int number) {
     if (n_named() >= flow_.settings.max_effects) return Next::pairs;
-    if (number > 1 && !flow_.has_time("an effect beside " + named_.model.parts.back()->label(), of_round_))
+    if (number > 1 && !flow_.has_time("an effect beside " + named_.model.parts.back()->label(), of_next_round_))
       return Next::nothing;
     const double since = flow_.seconds();
     if (n_named() == 1) tried_.push_back(of_windows_);
     Round round = run_round(flow_, candidates_, prepared_.data(), named_, std::to_string(number),
-                            number == 1 ? 0.4 : 0.75, number == 1 ? ends_ : std::vector<Model>());
-    of_round_ = flow_.seconds() - since;
+                            number == 1 ? 0.4 : 0.75, number == 1 ? ends_ : std::vector<Model>(), changes_);
+    const double of_round = flow_.seconds() - since;
+    of_rounds_ += of_round;
+    if (number == 1) {
+      changes_ = std::move(round.changes);
+      signatures_ = round.signatures;
+    }
+    of_next_round_ = changes_.trials.empty() ? of_round : round.seconds_of_fits;
     if (number == 1 && is_workflow()) {
       out_.follows = any_follows(flow_, windows_, round);
       if (out_.follows) prefer_what_follows_whole_runs(flow_, windows_, round);
@@ -144,16 +151,16 @@ class ForwardSelection {
       take(chosen, set, number);
       return out_.follows ? Next::pairs : Next::nothing;
     }
-    // all is searched again with the finer step, which takes as long as this round
-    if (is_workflow() && flow_.may_refine_step &&
-        flow_.has_time("whether what was found needs a finer time step", of_round_) &&
-        flow_.refine_step(named_.model)) {
+    // all is searched again with the finer step, which takes as long as the rounds so far
+    if (is_workflow() && flow_.may_refine_step && !is_step_left_out_)
+      is_step_left_out_ = !flow_.has_time("whether what was found needs a finer time step", of_rounds_);
+    if (is_workflow() && !is_step_left_out_ && flow_.refine_step(named_.model)) {
       out_ = Selection();
       out_.asks_for_new_step = true;
       for (const Fit& fit : round.fits) out_.ends.push_back(fit.model);
       return Next::nothing;
     }
-    if (is_workflow()) revise(chosen, this_round);
+    if (is_workflow() && !is_refitted_soon(number)) revise(chosen, this_round);
     if (leaves_more_than_the_scene()) {
       flow_.notes.push_back(
           chosen.fit->model.parts.back()->label() +
@@ -179,8 +186,9 @@ class ForwardSelection {
   bool closes_enough_of_the_rest(const Decision& decision, const Judged& chosen) {
     const bool is_another =
         !first_round_.passed.empty() && first_round_.passed.front().model.parts != named_.model.parts;
+    const int n_steps = changes_.trials.empty() ? criteria().n_more_steps : 0;  // else it was fitted just now
     const double of_another =
-        is_another ? error_of_single(flow_, prepared_, first_round_.passed.front().model) : INFINITY;
+        is_another ? error_of_single(flow_, prepared_, first_round_.passed.front().model, n_steps) : INFINITY;
     return closed(std::min(decision.base_error, of_another), chosen.error, 1) >= criteria().second_gain_least;
   }
 
@@ -200,11 +208,18 @@ class ForwardSelection {
     return set;
   }
 
+  // Where a simulation takes seconds the steps to the end of a first effect that leaves much are those of the next
+  // round, beside a second one.
+  bool is_refitted_soon(int number) const {
+    return number == 1 && !changes_.trials.empty() && flow_.settings.max_effects > 1 &&
+           rms(named_.residual) >= criteria().unexplained;
+  }
+
   void revise(const Judged& chosen, const StandIns& this_round) {
     flow_.ends_in_time(criteria().time_search, "the revision of " + labels_of(named_.model).back(), [&] {
       if (chosen.fit->model.effects().size() > 1)
         named_ = revised(flow_, prepared_, *chosen.fit, first_round_, this_round);
-      named_ = prepared_again(flow_.fitter, prepared_, named_);
+      named_ = prepared_again(flow_.fitter, prepared_, named_, effort_of(flow_).n_more_steps);
     });
   }
 
@@ -260,11 +275,11 @@ class ForwardSelection {
     const auto is_better = [&](const std::optional<FoundPair>& pair) {
       return pair && (left >= criteria().unexplained || is_explained(flow_, windows_.data, pair->fit, windows_.length));
     };
-    if (!flow_.has_time("a pair of effects", of_round_)) return;
+    if (!flow_.has_time("a pair of effects", of_next_round_)) return;
     const std::vector<Fit> alternatives =
         alternatives_of(flow_, windows_.data, windows_.base, first_round_.all(), tried_);
     if (const std::optional<FoundPair> pair =
-            find_pair(flow_, candidates_, windows_.data, windows_.base, alternatives, most);
+            find_pair(flow_, candidates_, windows_.data, windows_.base, alternatives, most, {signatures_, changes_});
         is_better(pair)) {
       out_.inseparable.clear();
       take(*pair);
@@ -275,7 +290,7 @@ class ForwardSelection {
     Prepared first(windows_.data, windows_.base);
     Fit fit = pair.fit;
     flow_.ends_in_time(criteria().time_search, "the revision of a pair",
-                       [&] { fit = prepared_again(flow_.fitter, first, fit); });
+                       [&] { fit = prepared_again(flow_.fitter, first, fit, effort_of(flow_).n_more_steps); });
     out_.fits = {std::move(fit)};
     out_.windows = first.data().windows;
     out_.better_at_bound.clear();
@@ -292,9 +307,11 @@ class ForwardSelection {
   Prepared prepared_{windows_.data, windows_.base};
   Fit named_ = windows_.base, of_windows_ = windows_.base;  // of_windows_: before whole runs took their place
   StandIns first_round_;
-  std::vector<Fit> tried_;  // single ones beside which a second was looked for
-  double of_round_ = 0;     // how long the last one took [s]
-  bool is_of_whole_runs_ = false, is_explained_ = false;
+  std::vector<Fit> tried_;                    // single ones beside which a second was looked for
+  Changes changes_;                           // of the first round, where nothing else is screened
+  Signatures signatures_;                     // likewise
+  double of_rounds_ = 0, of_next_round_ = 0;  // how long all took so far, and another one is expected to [s]
+  bool is_of_whole_runs_ = false, is_explained_ = false, is_step_left_out_ = false;
 };
 
 }  // namespace

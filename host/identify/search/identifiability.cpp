@@ -98,4 +98,36 @@ std::string text_of(const Showable& row) {
                             criteria().showable_sigma * row.sigma_beside, unit);
 }
 
+namespace {
+
+struct Part {
+  MatrixXd a;
+  VectorXd g;
+};
+
+Part part_of(const Signatures& s, std::span<const std::size_t> columns) {
+  const Eigen::Index n = Eigen::Index(columns.size());
+  Part part{MatrixXd(n, n), VectorXd(n)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    part.g[i] = s.g[Eigen::Index(columns[std::size_t(i)])];
+    for (Eigen::Index k = 0; k < n; ++k)
+      part.a(i, k) = s.a(Eigen::Index(columns[std::size_t(i)]), Eigen::Index(columns[std::size_t(k)]));
+  }
+  return part;
+}
+
+}  // namespace
+
+VectorXd optimum_of(const Signatures& signatures, std::span<const std::size_t> columns) {
+  Part part = part_of(signatures, columns);
+  part.a.diagonal().array() *= 1 + criteria().signature_ridge;
+  const VectorXd x = -part.a.ldlt().solve(part.g);
+  return x.allFinite() ? x : VectorXd::Zero(part.g.size());
+}
+
+double gain_at(const Signatures& signatures, std::span<const std::size_t> columns, const VectorXd& x) {
+  const Part part = part_of(signatures, columns);
+  return -(part.g.dot(x) + 0.5 * x.dot(part.a * x));
+}
+
 }  // namespace pvg::diagnose

@@ -2,6 +2,7 @@
 // starts free: the smallest size of each candidate that stands out of the noise, and which other candidate mimics it
 // best. So "agrees" has a meaning, and names that these data cannot tell apart are told together.
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,5 +29,9 @@ std::vector<const Candidate*> look_alikes(const Signatures& signatures, const Ca
 
 // "joint_spring at hinge: preload from 0.02 N m, told from bias at hinge from 0.5 N m"
 std::string text_of(const Showable& row);
+
+// Where C is least with these columns alone, and by how much it falls at x.
+Eigen::VectorXd optimum_of(const Signatures& signatures, std::span<const std::size_t> columns);
+double gain_at(const Signatures& signatures, std::span<const std::size_t> columns, const Eigen::VectorXd& x);
 
 }  // namespace pvg::diagnose

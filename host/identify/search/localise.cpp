@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "host/identify/criteria.hpp"
@@ -108,9 +110,22 @@ void order_by_place(const Problem& problem, const std::vector<Cell>& where, std:
     for (const Cell& cell : where)
       if (bodies.contains(cell.body)) at->second += cell.share;
   }
-  const auto key = [&](const Candidate& c) { return std::pair(-share_at.at(c.target), c.family != Family::parameter); };
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [&](const Candidate& a, const Candidate& b) { return key(a) < key(b); });
+  std::stable_sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
+    return share_at.at(a.target) > share_at.at(b.target);
+  });
+  constexpr Family TURNS[] = {Family::parameter, Family::physical, Family::measurement};
+  const auto turn = [&](Family family) {
+    return std::find(std::begin(TURNS), std::end(TURNS), family) - std::begin(TURNS);
+  };
+  std::map<Family, std::size_t> n_of;
+  std::vector<std::pair<std::size_t, std::ptrdiff_t>> key;  // round, turn
+  for (const Candidate& c : candidates) key.push_back({n_of[c.family]++, turn(c.family)});
+  std::vector<std::size_t> order(candidates.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
+  std::vector<Candidate> in_turns;
+  for (const std::size_t i : order) in_turns.push_back(std::move(candidates[i]));
+  candidates = std::move(in_turns);
 }
 
 }  // namespace pvg::diagnose

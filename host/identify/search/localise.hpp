@@ -28,8 +28,9 @@ double chi_squared_tail(double sum, double n);
 
 // Those first that act where most of the misfit is: on a body, or on one of the two that a joint or a contact holds
 // together, by the sum of the cells' shares there. Errors of a channel are at the body that it measures. What acts on
-// the whole scene or recording comes last. At equal places numbers of the scene come first, of which a wrong one is the
-// most common error; else equals stay as they were.
+// the whole scene or recording comes last; equals stay as they were. Numbers of the scene, effects and errors of the
+// measurement take turns in this order: where the time ends a screening, each has had its share of it, and a number
+// whose place holds little of the misfit is not behind every effect of the place that holds most.
 void order_by_place(const Problem& problem, const std::vector<Cell>& where, std::vector<Candidate>& candidates);
 
 }  // namespace pvg::diagnose

@@ -7,6 +7,7 @@
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/held_out.hpp"
+#include "host/identify/search/identifiability.hpp"
 #include "host/identify/search/round.hpp"
 #include "host/identify/search/screening.hpp"
 
@@ -91,17 +92,21 @@ std::vector<Fit> alternatives_of(Workflow& flow, const FitData& data, const Fit&
 
 namespace {
 
+std::vector<Screened> pairs_to_fit(const Signatures& signatures, const Fit& base) {
+  double n_data = 0;
+  for (const VectorXd& r : base.residual) n_data += double(r.size());
+  std::vector<Screened> starts;
+  for (Pair& pair : best_pairs(signatures, n_data))
+    starts.push_back({pair.first, joined(base.model, pair.model), pair.gain, 0});
+  return starts;
+}
+
 std::vector<Screened> pairs_to_fit(Workflow& flow, const std::vector<Candidate>& all, const FitData& data,
                                    const Fit& base) {
   std::vector<const Candidate*> candidates;
   for (const Candidate& c : all) candidates.push_back(&c);
-  double n_data = 0;
-  for (const VectorXd& r : base.residual) n_data += double(r.size());
-  std::vector<Screened> starts;
   const Screening screening(flow, data, base);
-  for (Pair& pair : best_pairs(signatures_of(screening.fitter, screening.data, base, candidates), n_data))
-    starts.push_back({pair.first, joined(base.model, pair.model), pair.gain, 0});
-  return starts;
+  return pairs_to_fit(signatures_of(screening.fitter, screening.data, base, candidates), base);
 }
 
 bool has_same_parts(const Model& a, const Model& b) {
@@ -127,18 +132,22 @@ std::vector<Screened> pairs_of_first_parts(Workflow& flow, const std::vector<Can
 
 // Beside each alternative the effects that explain most of what it leaves, each pair from where both were found.
 std::vector<Screened> pairs_beside(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
-                                   const std::vector<Fit>& alternatives) {
+                                   const std::vector<Fit>& alternatives, const Changes& known) {
   std::vector<Screened> pairs;
   for (std::size_t i = 0; i < alternatives.size(); ++i) {
     const Fit& alternative = alternatives[i];
     flow.report_progress(4, 0.7,
                          "looking for an effect beside " + alternative.model.parts.back()->label() + " instead");
-    const Screening screening(flow, data, alternative);
-    std::vector<Screened> screened = screen(screening.fitter, screening.data, alternative,
-                                            others_than(candidates, alternative.model), nullptr, effort_of(flow))
-                                         .best;
+    const std::vector<const Candidate*> others = others_than(candidates, alternative.model);
+    std::vector<Screened> screened;
+    if (known.trials.empty()) {
+      const Screening screening(flow, data, alternative);
+      screened = screen(screening.fitter, screening.data, alternative, others, nullptr, effort_of(flow)).best;
+    } else {
+      screened = screen_by_changes(data, alternative, others, known);
+    }
     flow.files.write_screen("beside_alternative_" + std::to_string(i + 1), screened);
-    screened.resize(std::min(screened.size(), criteria().n_pairs_of_one));
+    screened.resize(std::min(screened.size(), known.trials.empty() ? criteria().n_pairs_of_one : 1));
     std::move(screened.begin(), screened.end(), std::back_inserter(pairs));
   }
   return pairs;
@@ -147,11 +156,15 @@ std::vector<Screened> pairs_beside(Workflow& flow, const std::vector<Candidate>&
 }  // namespace
 
 std::optional<FoundPair> find_pair(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
-                                   const Fit& base, const std::vector<Fit>& alternatives, double most) {
-  std::vector<Screened> starts = flow.problem.can_restart ? pairs_to_fit(flow, candidates, data, base)
-                                                          : pairs_of_first_parts(flow, candidates, data);
+                                   const Fit& base, const std::vector<Fit>& alternatives, double most,
+                                   const FirstRound& first_round) {
+  const bool are_known = !first_round.changes.trials.empty();
+  std::vector<Screened> starts = are_known                  ? pairs_to_fit(first_round.signatures, base)
+                                 : flow.problem.can_restart ? pairs_to_fit(flow, candidates, data, base)
+                                                            : pairs_of_first_parts(flow, candidates, data);
+  if (are_known) starts.resize(std::min(starts.size(), effort_of(flow).n_fitted));
   // what was simulated beside an alternative is a better start than a sum of small changes
-  for (Screened& pair : pairs_beside(flow, candidates, data, alternatives)) {
+  for (Screened& pair : pairs_beside(flow, candidates, data, alternatives, first_round.changes)) {
     std::erase_if(starts, [&](const Screened& sum) { return has_same_parts(sum.model, pair.model); });
     starts.push_back(std::move(pair));
   }

@@ -34,7 +34,13 @@ std::vector<Fit> alternatives_of(Workflow& flow, const FitData& data, const Fit&
 
 // The pair that the decision names, if it leaves less than `most` times the noise: of the best sums, and of what is
 // best beside each of the `alternatives` to the first effect.
+// first_round: where its changes are known nothing else is screened, and fewer pairs are fitted.
+struct FirstRound {
+  const Signatures& signatures;
+  const Changes& changes;
+};
 std::optional<FoundPair> find_pair(Workflow& flow, const std::vector<Candidate>& candidates, const FitData& data,
-                                   const Fit& base, const std::vector<Fit>& alternatives, double most);
+                                   const Fit& base, const std::vector<Fit>& alternatives, double most,
+                                   const FirstRound& first_round);
 
 }  // namespace pvg::diagnose

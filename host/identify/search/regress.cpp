@@ -14,6 +14,9 @@ namespace {
 
 using Eigen::VectorXd;
 
+constexpr std::size_t SIMULATIONS_PER_LAW = 2;  // for its signature: to find the size of the change, and the change
+constexpr double LAW_COMPILATION = 5;  // of the kernels of a site's laws, which no deadline ends [processor seconds]
+
 // all ascending sets of `size` numbers below n
 template <class Visit>
 void for_each_subset(std::size_t n, std::size_t size, std::vector<std::size_t>& chosen, const Visit& visit) {
@@ -134,6 +137,31 @@ std::optional<Regressed> regress(Workflow& flow, const ChosenWindows& chosen, co
   curves.insert(curves.end(), fitted.begin(), fitted.end());
   law.amended = law_effect(*sum.site, sum.laws, coefficients);
   return Regressed{std::move(law), std::move(curves)};
+}
+
+namespace {
+
+std::size_t n_laws_tried(const Problem& problem, const std::vector<Cell>& where) {
+  std::size_t n = 0;
+  for (const LawSite& site : worst_sites(problem, where)) n += site.laws.size();
+  return n;
+}
+
+}  // namespace
+
+std::optional<Regressed> find_law(Workflow& flow, const ChosenWindows& chosen, const std::vector<Cell>& where,
+                                  const std::string& unit) {
+  std::optional<Regressed> found;
+  double expected = flow.by_the_clock(LAW_COMPILATION);
+  if (flow.is_costly()) {  // else not even the changes that the laws make come to their end
+    const double each = flow.seconds() / double(std::max<std::size_t>(flow.predictor.n_simulations(), 1));
+    expected += each * double(SIMULATIONS_PER_LAW * n_laws_tried(flow.problem, where));
+  }
+  if (!flow.has_time("a law without a name", expected, criteria().time_proof)) return found;
+  flow.report_progress(7, 0.6, "none of the known effects explains it all: looking for a law of the motion");
+  flow.ends_in_time(criteria().time_proof, "a law without a name",
+                    [&] { found = regress(flow, chosen, where, unit == "noise"); });
+  return found;
 }
 
 }  // namespace pvg::diagnose

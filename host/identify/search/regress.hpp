@@ -22,4 +22,8 @@ struct Regressed {
 std::optional<Regressed> regress(Workflow& flow, const ChosenWindows& chosen, const std::vector<Cell>& where,
                                  bool in_noise);
 
+// The same if there is time for it: a note says where there is not. unit: of held-out errors.
+std::optional<Regressed> find_law(Workflow& flow, const ChosenWindows& chosen, const std::vector<Cell>& where,
+                                  const std::string& unit);
+
 }  // namespace pvg::diagnose

@@ -50,13 +50,14 @@ Fit best_of(Workflow& flow, Prepared& prepared, std::vector<Model> models, const
   std::vector<Fit> fits = flow.fitter.begin(data, std::move(models));
   std::erase_if(fits, [](const Fit& other) { return !other.succeeded; });
   // what is far behind the fit that is there already, or behind another, need not be fitted to its end
-  flow.fitter.improve(data, fits, criteria().n_first_steps);
+  const Effort effort = effort_of(flow);
+  flow.fitter.improve(data, fits, effort.n_first_steps);
   std::vector<std::vector<VectorXd>> predicted = flow.fitter.predicted(data, fits);
   fits.push_back(fit);
   predicted.push_back(fit.residual);
-  give_up_the_last(fits, predicted);
+  give_up_the_last(fits, predicted, effort.n_finalists);
   fits.pop_back();
-  flow.fitter.improve(data, fits, criteria().n_more_steps);
+  flow.fitter.improve(data, fits, effort.n_more_steps);
   flow.fitter.take_last_steps(data, fits);
   flow.fitter.conclude(data, fits);
   fits.push_back(fit);

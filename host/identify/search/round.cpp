@@ -17,15 +17,28 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr std::size_t SCREENED_AT_ONCE = 4;  // candidates between one look at the clock and the next
-constexpr double SHARE_OF_SCREENING = 0.45;  // of a round's time, where not all can be screened
-constexpr std::size_t FITTED_OF_LARGE = 4;   // candidates, where a simulation takes seconds
+// where a simulation takes seconds
+constexpr std::size_t SCREENED_AT_ONCE = 4;    // candidates between one look at the clock and the next
+constexpr double SHARE_OF_SCREENING = 0.45;    // of a round's time, where not all can be screened
+constexpr double RESPONSE_OFF_MOST = 4;        // a first change that is so far from the wanted one is as good
+constexpr std::size_t FITTED_OF_LARGE = 3;     // candidates
+constexpr std::size_t FINALISTS_OF_LARGE = 2;  // of these
+constexpr int MORE_STEPS_OF_LARGE = 4;         // of the finalists: a further round moves them again
 
 }  // namespace
 
 Effort effort_of(const Workflow& flow) {
-  if (!is_large(flow.problem.scene.scene)) return {.n_fitted = flow.settings.n_fitted};
-  return {SCREENED_AT_ONCE, SHARE_OF_SCREENING, 0, std::min(FITTED_OF_LARGE, flow.settings.n_fitted)};
+  if (!flow.is_costly()) return {.n_fitted = flow.settings.n_fitted};
+  return {.at_once = SCREENED_AT_ONCE,
+          .share = SHARE_OF_SCREENING,
+          .n_tried = 0,
+          .n_fitted = std::min(FITTED_OF_LARGE, flow.settings.n_fitted),
+          .n_per_family = 1,
+          .response_off_most = RESPONSE_OFF_MOST,
+          .tries_both_sides = false,
+          .n_first_steps = 1,
+          .n_more_steps = MORE_STEPS_OF_LARGE,
+          .n_finalists = FINALISTS_OF_LARGE};
 }
 
 std::vector<const Candidate*> others_than(const std::vector<Candidate>& all, const Model& model) {
@@ -53,7 +66,8 @@ bool gets_nearer(const Problem& problem, const FitData& data, const Fit& base, c
   return closed(before, rms(left), 1) >= (is_last_resort ? criteria().gap_closed_least : criteria().second_gain_least);
 }
 
-void give_up_the_last(std::vector<Fit>& fits, const std::vector<std::vector<VectorXd>>& predicted) {
+void give_up_the_last(std::vector<Fit>& fits, const std::vector<std::vector<VectorXd>>& predicted,
+                      std::size_t n_finalists) {
   std::vector<double> scales;  // of each window by the fit that has it best
   for (const Fit& fit : fits) {
     const std::vector<double> of = window_scales(fit.residual);
@@ -70,7 +84,7 @@ void give_up_the_last(std::vector<Fit>& fits, const std::vector<std::vector<Vect
     const Fit& best = fits[order[0]];
     fits[order[i]].is_far_behind =
         key[order[i]] > key[order[0]] + criteria().finalist_behind_most * best.scale * best.scale;
-    fits[order[i]].is_given_up = i >= criteria().n_finalists || fits[order[i]].is_far_behind;
+    fits[order[i]].is_given_up = i >= n_finalists || fits[order[i]].is_far_behind;
   }
 }
 
@@ -80,7 +94,8 @@ namespace {
 // given up.
 bool improve_finalists(Workflow& flow, const FitData& data, const Fit& base, std::vector<Fit>& fits) {
   Fitter& fitter = flow.fitter;
-  fitter.improve(data, fits, criteria().n_first_steps);
+  const Effort effort = effort_of(flow);
+  fitter.improve(data, fits, effort.n_first_steps);
   const std::vector<std::vector<VectorXd>> predicted = fitter.predicted(data, fits);
   std::vector<std::vector<VectorXd>> left = predicted;
   for (const Fit& fit : fits) left.push_back(fit.residual);
@@ -89,8 +104,8 @@ bool improve_finalists(Workflow& flow, const FitData& data, const Fit& base, std
     for (Fit& fit : fits) fit.is_given_up = true;
     return false;
   }
-  give_up_the_last(fits, predicted);
-  fitter.improve(data, fits, criteria().n_more_steps);
+  give_up_the_last(fits, predicted, effort.n_finalists);
+  fitter.improve(data, fits, effort.n_more_steps);
   fitter.take_last_steps(data, fits);
   return true;
 }
@@ -139,22 +154,30 @@ void begin_at_ends(Fitter& fitter, const FitData& data, const std::vector<Model>
 }  // namespace
 
 Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
-                const std::string& name, double share, const std::vector<Model>& ends) {
+                const std::string& name, double share, const std::vector<Model>& ends, const Changes& known) {
   std::vector<const Candidate*> candidates = others_than(all, base.model);
   if (flow.settings.decide == Decide::retune)
     std::erase_if(candidates, [](const Candidate* candidate) { return candidate->family != Family::parameter; });
   Round round;
   const bool is_first = base.model.effects().empty();
-  const Screening screening(flow, data, base);
   const Effort effort = effort_of(flow);
-  const auto [screened, n_screened] =
-      screen(screening.fitter, screening.data, base, candidates, is_first ? &round.signatures : nullptr, effort);
-  if (n_screened < candidates.size())
-    flow.note_left_out(fmt::format("{} of {} candidates, at places where less of the misfit is",
-                                   candidates.size() - n_screened, candidates.size()));
+  std::vector<Screened> screened;
+  if (!known.trials.empty() && flow.is_costly() && are_in(known, data)) {
+    screened = screen_by_changes(data, base, candidates, known);
+  } else {
+    const Screening screening(flow, data, base);
+    ScreeningResult result =
+        screen(screening.fitter, screening.data, base, candidates, is_first ? &round.signatures : nullptr, effort);
+    if (result.n_screened < candidates.size())
+      flow.note_left_out(fmt::format("{} of {} candidates, at places where less of the misfit is",
+                                     candidates.size() - result.n_screened, candidates.size()));
+    screened = std::move(result.best);
+    if (flow.is_costly()) round.changes = std::move(result.changes);
+  }
   flow.files.write_screen(name, screened);
   if (is_first) flow.show(identifiability(round.signatures));
-  std::vector<Screened> best = shortlist(screened, effort.n_fitted);
+  const double fits_began = flow.seconds();
+  std::vector<Screened> best = shortlist(screened, effort.n_fitted, effort.n_per_family);
   for (Model& model : with_wrong_numbers(base.model, all)) best.push_back({model.parts.back(), std::move(model), 0, 0});
   if (!ends.empty()) begin_at_ends(flow.fitter, data, ends, best);
   flow.report_progress(
@@ -170,6 +193,7 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
   round.decision =
       flow.settings.decide == Decide::workflow ? decide(data, base, round.fits) : decide_lowest(base, round.fits);
   flow.files.write_fits(name, round.decision);
+  round.seconds_of_fits = flow.seconds() - fits_began;
   return round;
 }
 

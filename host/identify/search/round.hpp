@@ -14,12 +14,15 @@ struct Round {
   Decision decision;         // points to them
   std::vector<Fit> refuted;  // fits to short windows that do not follow whole runs
   Signatures signatures;     // of the candidates, where the base is without any effect
+  Changes changes;           // likewise, in large scenes
+  double seconds_of_fits = 0;
 };
 
 // name: of the stages' files; share: of the whole work that is done when the fits begin; ends: where fits of the same
-// models ended before, with another time step: they begin there, where that is nearer to the data.
+// models ended before, with another time step: they begin there, where that is nearer to the data. known: changes of an
+// earlier round; where a simulation takes seconds, and they are in these windows, nothing else is screened.
 Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
-                const std::string& name, double share, const std::vector<Model>& ends = {});
+                const std::string& name, double share, const std::vector<Model>& ends = {}, const Changes& known = {});
 
 // What one screening may cost: less in scenes so large that a simulation takes seconds.
 Effort effort_of(const Workflow& flow);
@@ -39,7 +42,8 @@ bool gets_nearer(const Problem& problem, const FitData& data, const Fit& base,
 
 // Gives up those fits that stay behind after their first steps: all but n_finalists, and what is far behind the best.
 // predicted: residuals of each after a further step, since the true effect may still be far from its optimum.
-void give_up_the_last(std::vector<Fit>& fits, const std::vector<std::vector<Eigen::VectorXd>>& predicted);
+void give_up_the_last(std::vector<Fit>& fits, const std::vector<std::vector<Eigen::VectorXd>>& predicted,
+                      std::size_t n_finalists = criteria().n_finalists);
 
 // The fits to the end of those that may still win, all with slopes and covariances. Where the time is over the steps
 // end early, and a note says so; so they do where none of them gets_nearer in the first steps, as where inputs are

@@ -219,26 +219,34 @@ Screened linear_optimum(const FitData& data, const Fit& base, double n_data, std
 
 namespace {
 
-// Changes of candidates' parameters and what they do; those of numbers to the other side after all others.
-struct Tried {
-  std::vector<Trial> trials;
-  std::vector<std::vector<VectorXd>> found;
-  std::size_t n_first = 0;  // to the one side
-};
-
-Tried try_changes(Fitter& fitter, const FitData& data, const Fit& base, double wanted,
-                  const std::vector<const Candidate*>& candidates) {
-  Tried tried;
-  tried.trials = choose_steps(fitter, data, base, wanted, candidates);
-  std::erase_if(tried.trials, [](const Trial& t) { return t.step == 0; });
+Changes try_changes(Fitter& fitter, const FitData& data, const Fit& base, double wanted,
+                    const std::vector<const Candidate*>& candidates, const Effort& effort) {
+  Changes tried;
+  std::vector<std::vector<VectorXd>> known;
+  const std::vector<Trial> chosen =
+      choose_steps(fitter, data, base, wanted, candidates, effort.response_off_most, &known);
+  for (std::size_t t = 0; t < chosen.size(); ++t) {
+    if (chosen[t].step == 0) continue;
+    tried.trials.push_back(chosen[t]);
+    tried.found.push_back(std::move(known[t]));
+  }
   tried.n_first = tried.trials.size();
-  const std::vector<Trial> other_side = mirrored(tried.trials);
-  tried.trials.insert(tried.trials.end(), other_side.begin(), other_side.end());
-  tried.found = responses(fitter, data, base, tried.trials);
+  if (effort.tries_both_sides) {
+    const std::vector<Trial> other_side = mirrored(tried.trials);
+    tried.trials.insert(tried.trials.end(), other_side.begin(), other_side.end());
+    tried.found.resize(tried.trials.size());
+  }
+  std::vector<Trial> open;
+  for (std::size_t t = 0; t < tried.trials.size(); ++t)
+    if (tried.found[t].empty()) open.push_back(tried.trials[t]);
+  std::vector<std::vector<VectorXd>> found = responses(fitter, data, base, open);
+  std::size_t at = 0;
+  for (std::vector<VectorXd>& one : tried.found)
+    if (one.empty()) one = std::move(found[at++]);
   return tried;
 }
 
-void append(Tried& all, Tried more) {
+void append(Changes& all, Changes more) {
   const auto insert = [](auto& to, std::size_t at, auto& from, std::size_t begin, std::size_t end) {
     to.insert(to.begin() + std::ptrdiff_t(at), from.begin() + std::ptrdiff_t(begin),
               from.begin() + std::ptrdiff_t(end));
@@ -253,37 +261,28 @@ void append(Tried& all, Tried more) {
 
 }  // namespace
 
-ScreeningResult screen(Fitter& fitter, const FitData& data, const Fit& fitted,
-                       const std::vector<const Candidate*>& candidates, Signatures* signatures, const Effort& effort) {
-  ScreeningResult result;
-  std::vector<Screened>& screened = result.best;
-  const Fit base = from_measured_starts(fitter, data, fitted);
-  // the misfit itself
-  const double wanted = std::clamp(rms(fitted.residual), criteria().screen_change_least, criteria().screen_change_most);
-  Tried tried;
-  const auto try_all = [&] {
-    while (result.n_screened < candidates.size()) {
-      const std::size_t n = std::min(effort.at_once, candidates.size() - result.n_screened);
-      const auto first = candidates.begin() + std::ptrdiff_t(result.n_screened);
-      append(tried, try_changes(fitter, data, base, wanted, {first, first + std::ptrdiff_t(n)}));
-      result.n_screened += n;
-    }
-  };
-  if (effort.share < 1)
-    ends_by(fitter.deadline(), after_share(fitter.deadline(), effort.share), try_all);
-  else
-    try_all();
-  const std::vector<Trial>& trials = tried.trials;
-  const std::vector<std::vector<VectorXd>>& found = tried.found;
-  const std::size_t n_first = tried.n_first;
-  if (signatures != nullptr) *signatures = signatures_from(data, base, std::span(trials).first(n_first), found);
-  double n_data = 0;
-  for (const VectorXd& r : base.residual) n_data += double(r.size());
+namespace {
+
+double n_data_of(const Fit& fit) {
+  double n = 0;
+  for (const VectorXd& r : fit.residual) n += double(r.size());
+  return n;
+}
+
+bool is_better(const Screened& a, const Screened& b) { return a.gain > b.gain; }
+
+// Each of these candidates at its linear optimum beside the base, best first.
+std::vector<Screened> linear_optima(const FitData& data, const Fit& base,
+                                    const std::vector<const Candidate*>& candidates, const Changes& changes) {
+  const std::vector<Trial>& trials = changes.trials;
+  const double n_data = n_data_of(base);
+  std::vector<Screened> screened;
   for (std::size_t first = 0, last = 0; first < trials.size(); first = last) {
-    const std::size_t end = first < n_first ? n_first : trials.size();
+    const std::size_t end = first < changes.n_first ? changes.n_first : trials.size();
     while (last < end && trials[last].candidate == trials[first].candidate) ++last;
+    if (std::find(candidates.begin(), candidates.end(), trials[first].candidate) == candidates.end()) continue;
     Screened one = linear_optimum(data, base, n_data, std::span(trials).subspan(first, last - first),
-                                  std::span(found).subspan(first, last - first));
+                                  std::span(changes.found).subspan(first, last - first));
     if (!(one.gain > 0) && !(is_tried_anyway(*one.candidate) && one.sensitivity > 0)) continue;
     const auto before = std::find_if(screened.begin(), screened.end(),
                                      [&](const Screened& other) { return other.candidate == one.candidate; });
@@ -292,15 +291,55 @@ ScreeningResult screen(Fitter& fitter, const FitData& data, const Fit& fitted,
     else if (one.gain > before->gain)
       *before = std::move(one);
   }
-  const auto is_better = [](const Screened& a, const Screened& b) { return a.gain > b.gain; };
   std::stable_sort(screened.begin(), screened.end(), is_better);
+  return screened;
+}
+
+}  // namespace
+
+ScreeningResult screen(Fitter& fitter, const FitData& data, const Fit& fitted,
+                       const std::vector<const Candidate*>& candidates, Signatures* signatures, const Effort& effort) {
+  ScreeningResult result;
+  std::vector<Screened>& screened = result.best;
+  const Fit base = from_measured_starts(fitter, data, fitted);
+  // the misfit itself
+  const double wanted = std::clamp(rms(fitted.residual), criteria().screen_change_least, criteria().screen_change_most);
+  Changes& tried = result.changes;
+  const auto try_all = [&] {
+    while (result.n_screened < candidates.size()) {
+      const std::size_t n = std::min(effort.at_once, candidates.size() - result.n_screened);
+      const auto first = candidates.begin() + std::ptrdiff_t(result.n_screened);
+      append(tried, try_changes(fitter, data, base, wanted, {first, first + std::ptrdiff_t(n)}, effort));
+      result.n_screened += n;
+    }
+  };
+  if (effort.share < 1)
+    ends_by(fitter.deadline(), after_share(fitter.deadline(), effort.share), try_all);
+  else
+    try_all();
+  if (signatures != nullptr)
+    *signatures = signatures_from(data, base, std::span(tried.trials).first(tried.n_first), tried.found);
+  screened = linear_optima(data, base, candidates, tried);
   if (screened.empty() || effort.n_tried == 0) return result;
   std::stable_partition(screened.begin(), screened.end(),
                         [](const Screened& s) { return is_tried_anyway(*s.candidate); });
-  try_optima(fitter, data, base, n_data, effort.n_tried, screened);
+  try_optima(fitter, data, base, n_data_of(base), effort.n_tried, screened);
   std::stable_sort(screened.begin(), screened.begin() + std::ptrdiff_t(std::min(effort.n_tried, screened.size())),
                    is_better);
   return result;
+}
+
+std::vector<Screened> screen_by_changes(const FitData& data, const Fit& fitted,
+                                        const std::vector<const Candidate*>& candidates, const Changes& changes) {
+  return linear_optima(data, fitted, candidates, changes);
+}
+
+bool are_in(const Changes& changes, const FitData& data) {
+  return std::all_of(changes.found.begin(), changes.found.end(), [&](const std::vector<VectorXd>& found) {
+    return std::equal(
+        found.begin(), found.end(), data.windows.begin(), data.windows.end(),
+        [](const VectorXd& r, const Window& window) { return r.size() == Eigen::Index(window.data.size()); });
+  });
 }
 
 Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& fitted,
@@ -314,44 +353,12 @@ Signatures signatures_of(Fitter& fitter, const FitData& data, const Fit& fitted,
   return signatures_from(data, base, trials, found);
 }
 
-namespace {
-
-struct Part {
-  MatrixXd a;
-  VectorXd g;
-};
-
-Part part_of(const Signatures& s, std::span<const std::size_t> columns) {
-  const Eigen::Index n = Eigen::Index(columns.size());
-  Part part{MatrixXd(n, n), VectorXd(n)};
-  for (Eigen::Index i = 0; i < n; ++i) {
-    part.g[i] = s.g[Eigen::Index(columns[std::size_t(i)])];
-    for (Eigen::Index k = 0; k < n; ++k)
-      part.a(i, k) = s.a(Eigen::Index(columns[std::size_t(i)]), Eigen::Index(columns[std::size_t(k)]));
-  }
-  return part;
-}
-
-}  // namespace
-
-VectorXd optimum_of(const Signatures& signatures, std::span<const std::size_t> columns) {
-  Part part = part_of(signatures, columns);
-  part.a.diagonal().array() *= 1 + criteria().signature_ridge;
-  const VectorXd x = -part.a.ldlt().solve(part.g);
-  return x.allFinite() ? x : VectorXd::Zero(part.g.size());
-}
-
-double gain_at(const Signatures& signatures, std::span<const std::size_t> columns, const VectorXd& x) {
-  const Part part = part_of(signatures, columns);
-  return -(part.g.dot(x) + 0.5 * x.dot(part.a * x));
-}
-
-std::vector<Screened> shortlist(const std::vector<Screened>& screened, std::size_t most) {
+std::vector<Screened> shortlist(const std::vector<Screened>& screened, std::size_t most, std::size_t n_per_family) {
   std::vector<Screened> list;
   std::map<Family, int> n_of;
   for (std::size_t i = 0; i < screened.size(); ++i) {
     int& n = n_of[screened[i].candidate->family];
-    if (i < most || n < int(criteria().n_fitted_per_family)) {
+    if (i < most || std::size_t(n) < n_per_family) {
       list.push_back(screened[i]);
       ++n;
     }

@@ -3,12 +3,26 @@
 // signatures, with every window's start free, bounds how much of the misfit it explains.
 #pragma once
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "host/identify/fit/fit.hpp"
 
 namespace pvg::diagnose {
+
+// A change of one parameter that a screening simulates.
+struct Trial {
+  const Candidate* candidate;
+  std::size_t parameter;
+  double step;
+};
+
+// What such changes do to the residuals. Trials of one candidate are neighbours; those of numbers to the other side
+// come after all others.
+struct Changes {
+  std::vector<Trial> trials;
+  std::vector<std::vector<Eigen::VectorXd>> found;  // [n_trials][n_windows][n_data, noise]
+  std::size_t n_first = 0;                          // trials to the one side
+};
 
 struct Screened {
   const Candidate* candidate = nullptr;
@@ -43,11 +57,19 @@ struct Effort {
   double share = 1;                                 // of the time until the deadline
   std::size_t n_tried = criteria().screen_n_tried;  // candidates that are simulated at their optimum
   std::size_t n_fitted = criteria().n_fitted;       // candidates that are fitted, at least
+  std::size_t n_per_family = criteria().n_fitted_per_family;
+  // A first change whose response is within this factor of what is wanted is not made again, nor a second one within
+  // its square; 1: each is.
+  double response_off_most = 1;
+  bool tries_both_sides = true;                                                          // of numbers
+  int n_first_steps = criteria().n_first_steps, n_more_steps = criteria().n_more_steps;  // of a round's fits
+  std::size_t n_finalists = criteria().n_finalists;
 };
 
 struct ScreeningResult {
   std::vector<Screened> best;  // best first
   std::size_t n_screened = 0;  // of the candidates, the first ones
+  Changes changes;             // of these
 };
 
 // base: the fit of what is there already (perhaps nothing). Candidates that fail or do nothing are left out.
@@ -56,11 +78,17 @@ ScreeningResult screen(Fitter& fitter, const FitData& data, const Fit& base,
                        const std::vector<const Candidate*>& candidates, Signatures* signatures = nullptr,
                        const Effort& effort = {});
 
-// Where C is least with these columns alone, and by how much it falls at x.
-Eigen::VectorXd optimum_of(const Signatures& signatures, std::span<const std::size_t> columns);
-double gain_at(const Signatures& signatures, std::span<const std::size_t> columns, const Eigen::VectorXd& x);
+// The same beside the effects of `fitted` by what the candidates change beside the scene as it stands, which is not
+// simulated again: how one effect answers depends on another only to second order, and where it does, the fit tells.
+// Candidates that were not screened are left out. fitted: with slopes; changes: in the windows of `data`.
+std::vector<Screened> screen_by_changes(const FitData& data, const Fit& fitted,
+                                        const std::vector<const Candidate*>& candidates, const Changes& changes);
 
-// The best ones to fit: `most` of them, yet always the best two of each family.
-std::vector<Screened> shortlist(const std::vector<Screened>& screened, std::size_t most);
+// Whether changes were simulated in these windows.
+bool are_in(const Changes& changes, const FitData& data);
+
+// The best ones to fit: `most` of them, yet always the best n_per_family of each family.
+std::vector<Screened> shortlist(const std::vector<Screened>& screened, std::size_t most,
+                                std::size_t n_per_family = criteria().n_fitted_per_family);
 
 }  // namespace pvg::diagnose

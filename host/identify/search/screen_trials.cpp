@@ -69,13 +69,16 @@ FitData some_windows(const FitData& data, std::size_t most, Fit& base) {
 }
 
 std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& base, double wanted,
-                                const std::vector<const Candidate*>& candidates) {
+                                const std::vector<const Candidate*>& candidates, double response_off_most,
+                                std::vector<std::vector<VectorXd>>* known) {
   std::vector<Trial> trials;
   for (const Candidate* candidate : candidates)
     for (std::size_t i = 0; i < candidate->parameters.size(); ++i)
       trials.push_back({candidate, i, allowed(candidate->parameters[i], candidate->parameters[i].scale)});
   Fit few = base;
   const FitData some = some_windows(data, criteria().screen_n_windows, few);
+  const bool may_keep = known != nullptr && some.windows.size() == data.windows.size();
+  if (known != nullptr) known->assign(trials.size(), {});
   std::vector<std::size_t> open(trials.size());  // whose response is not of about that size
   for (std::size_t i = 0; i < open.size(); ++i) open[i] = i;
   for (const bool is_last : {false, true}) {
@@ -91,6 +94,11 @@ std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& 
           : size < criteria().sensitivity_least
               ? criteria().screen_factor_most
               : std::clamp(wanted / size, 1 / criteria().screen_factor_most, criteria().screen_factor_most);
+      const double off_most = is_last ? response_off_most * response_off_most : response_off_most;
+      if (may_keep && size >= criteria().sensitivity_least && std::max(factor, 1 / factor) < off_most) {
+        (*known)[open[k]] = found[k];
+        continue;
+      }
       if (factor <= 1 / criteria().screen_factor_most || factor >= criteria().screen_factor_most)
         still_open.push_back(open[k]);
       const bool is_seen = size >= criteria().sensitivity_least;

@@ -6,12 +6,6 @@
 
 namespace pvg::diagnose {
 
-struct Trial {
-  const Candidate* candidate;
-  std::size_t parameter;
-  double step;
-};
-
 // The base model with a candidate as it is tried first.
 Model with_candidate(const Model& base, const Candidate& candidate);
 
@@ -25,8 +19,11 @@ double size_of(const std::vector<Eigen::VectorXd>& response);
 FitData some_windows(const FitData& data, std::size_t most, Fit& base);
 
 // A change of each parameter that changes the residuals by `wanted` times the noise; steps of 0: no sensor sees it.
+// known: if wanted, the responses in all windows of those trials whose first change came within `response_off_most` of
+// that, or the second one within its square, which are left at it; empty for the others.
 std::vector<Trial> choose_steps(Fitter& fitter, const FitData& data, const Fit& base, double wanted,
-                                const std::vector<const Candidate*>& candidates);
+                                const std::vector<const Candidate*>& candidates, double response_off_most = 1,
+                                std::vector<std::vector<Eigen::VectorXd>>* known = nullptr);
 
 // The same changes in the other direction, of numbers of the scene: a frequency that rises by a quarter of a turn does
 // not predict the change of one that falls.

@@ -7,6 +7,7 @@
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/time_step.hpp"
+#include "host/identify/sensing/world.hpp"
 
 namespace pvg::diagnose {
 
@@ -17,6 +18,8 @@ void Workflow::report_progress(int stage, double share, const std::string& text)
                    ? (", about " + std::to_string(int(since * (1 - share) / share) + 1) + " s left").c_str()
                    : "");
 }
+
+bool Workflow::is_costly() const { return n_nodes(problem.scene.scene) > criteria().large_world; }
 
 double Workflow::by_the_clock(double processor_seconds) const {
   const double used = double(std::clock() - processor_start) / CLOCKS_PER_SEC;

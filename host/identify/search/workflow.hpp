@@ -32,6 +32,7 @@ struct Workflow {
   std::vector<std::string> left_out;  // for want of time, likewise
 
   double seconds() const { return -seconds_until(start); }  // since it began
+  bool is_costly() const;  // a simulation takes seconds: candidates are screened once, and few are fitted
   // How long so many seconds of the processor take by the clock, as busy as the machine has been since it began.
   double by_the_clock(double processor_seconds) const;
   // When a stage has to end: a share of the time given.

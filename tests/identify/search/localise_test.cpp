@@ -47,9 +47,9 @@ channels:
   order_by_place(problem, where, candidates);
   std::vector<std::string> order;
   for (const Candidate& candidate : candidates) order.push_back(candidate.target);
-  const std::vector<std::string> expected = {"shoulder", arm, channel, "cup", "cup", "cup/table", "scene", "table"};
+  const std::vector<std::string> expected = {"shoulder", arm, "cup", channel, "cup", "cup/table", "scene", "table"};
   EXPECT_EQ(order, expected);
-  EXPECT_EQ(candidates[3].family, Family::parameter);  // of both that act on the cup
+  EXPECT_EQ(candidates[2].family, Family::parameter);  // it does not wait for the effects at the arm
 }
 
 }  // namespace
