@@ -217,8 +217,10 @@ class ForwardSelection {
 
   void revise(const Judged& chosen, const StandIns& this_round) {
     flow_.ends_in_time(criteria().time_search, "the revision of " + labels_of(named_.model).back(), [&] {
-      if (chosen.fit->model.effects().size() > 1)
-        named_ = revised(flow_, prepared_, *chosen.fit, first_round_, this_round);
+      if (chosen.fit->model.effects().size() > 1) {
+        revision_ = revised(flow_, prepared_, *chosen.fit, first_round_, this_round);
+        named_ = revision_.fit;
+      }
       named_ = prepared_again(flow_.fitter, prepared_, named_, effort_of(flow_).n_more_steps);
     });
   }
@@ -246,6 +248,7 @@ class ForwardSelection {
       std::erase_if(out_.ranking, [&](const RankedModel& model) { return model.parts == named_.model.effects(); });
       out_.fits.pop_back();
     } else {
+      if (!any_dropped && n_named() > 1) renew_set_of_first(found);
       if (!set.empty()) out_.inseparable.push_back(set);
       if (any_dropped) {  // the first effect was
         out_.fits.clear();
@@ -260,6 +263,16 @@ class ForwardSelection {
     out_.windows = prepared_.data().windows;
     out_.better_at_bound.clear();
     return is_newest_dropped;
+  }
+
+  // The first effect's set is of a time when the second was missing. found: as the revision began.
+  void renew_set_of_first(const Model& found) {
+    const std::vector<std::string> set =
+        told_with_first(out_.inseparable.empty() ? std::vector<std::string>() : out_.inseparable.front(),
+                        labels_of(found).front(), labels_of(named_.model).front(), revision_);
+    if (out_.fits.size() == 1) out_.inseparable_of_one = out_.inseparable;
+    out_.inseparable.clear();
+    if (!set.empty()) out_.inseparable.push_back(set);
   }
 
   // Short windows that one effect explains tell nothing of pairs.
@@ -307,6 +320,7 @@ class ForwardSelection {
   Prepared prepared_{windows_.data, windows_.base};
   Fit named_ = windows_.base, of_windows_ = windows_.base;  // of_windows_: before whole runs took their place
   StandIns first_round_;
+  Revision revision_;                         // of two effects
   std::vector<Fit> tried_;                    // single ones beside which a second was looked for
   Changes changes_;                           // of the first round, where nothing else is screened
   Signatures signatures_;                     // likewise

@@ -124,6 +124,7 @@ Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, con
     const auto first = selected.ranking.begin(), named_one = first + std::ptrdiff_t(selected.fits.size() - left);
     std::for_each(first, named_one, [](RankedModel& model) { model.fails_held_out = true; });
     std::rotate(first, named_one, named_one + 1);
+    if (left == 1) selected.inseparable = selected.inseparable_of_one;
     selected.inseparable.resize(std::min(selected.inseparable.size(), left));
     selected.error = selected.ranking.front().error;
   }

@@ -45,7 +45,13 @@ std::vector<Model> with_stand_ins(Workflow& flow, const FitData& data, const Mod
   return models;
 }
 
-Fit best_of(Workflow& flow, Prepared& prepared, std::vector<Model> models, const Fit& fit) {
+// What was chosen, and the models that are as good and those that are worse beyond doubt.
+struct Best {
+  Fit fit;
+  std::vector<Model> as_good, worse;
+};
+
+Best best_of(Workflow& flow, Prepared& prepared, std::vector<Model> models, const Fit& fit) {
   const FitData& data = prepared.data();
   std::vector<Fit> fits = flow.fitter.begin(data, std::move(models));
   std::erase_if(fits, [](const Fit& other) { return !other.succeeded; });
@@ -62,7 +68,29 @@ Fit best_of(Workflow& flow, Prepared& prepared, std::vector<Model> models, const
   flow.fitter.conclude(data, fits);
   fits.push_back(fit);
   const Decision decision = decide(data, prepared.base(flow.fitter), fits);
-  return decision.chosen >= 0 ? *decision.ranking[std::size_t(decision.chosen)].fit : fit;
+  if (decision.chosen < 0) return {fit, {}, {}};
+  const std::vector<std::size_t>& same = decision.inseparable;
+  Best best{*decision.ranking[std::size_t(decision.chosen)].fit, {}, {}};
+  for (std::size_t i = 0; i < decision.ranking.size(); ++i) {
+    const Fit& other = *decision.ranking[i].fit;
+    if (int(i) == decision.chosen || std::find(same.begin(), same.end(), i) != same.end())
+      best.as_good.push_back(other.model);
+    else if (!other.is_given_up || other.is_far_behind)  // one for which there was no place may be as good
+      best.worse.push_back(other.model);
+  }
+  return best;
+}
+
+// Of models with as many parts that differ in one place at most.
+std::vector<std::string> labels_at(std::size_t place, const Model& model, const std::vector<Model>& others) {
+  std::vector<std::string> labels;
+  for (const Model& other : others) {
+    bool is_like_it = other.parts.size() == model.parts.size();
+    for (std::size_t i = 0; is_like_it && i < model.parts.size(); ++i)
+      is_like_it = i == place || other.parts[i] == model.parts[i];
+    if (is_like_it) labels.push_back(other.parts[place]->label());
+  }
+  return labels;
 }
 
 }  // namespace
@@ -80,17 +108,37 @@ StandIns stand_ins_of(const Decision& decision) {
   return stand_ins;
 }
 
-Fit revised(Workflow& flow, Prepared& prepared, const Fit& fit, const StandIns& first_round,
-            const StandIns& this_round) {
+Revision revised(Workflow& flow, Prepared& prepared, const Fit& fit, const StandIns& first_round,
+                 const StandIns& this_round) {
   const FitData& data = prepared.data();
-  std::vector<Model> models = with_stand_ins(flow, data, fit.model, std::size_t(fit.model.n_nuisances()), first_round);
+  const std::size_t first_place = std::size_t(fit.model.n_nuisances());
+  std::vector<Model> models = with_stand_ins(flow, data, fit.model, first_place, first_round);
   for (Model& simpler : each_left_out(fit.model)) models.push_back(std::move(simpler));
-  const Fit first = best_of(flow, prepared, std::move(models), fit);
-  const std::vector<const Candidate*>& parts = first.model.parts;
+  const Best best = best_of(flow, prepared, std::move(models), fit);
+  Revision revision{best.fit, labels_at(first_place, fit.model, best.as_good),
+                    labels_at(first_place, fit.model, best.worse)};
+  const std::vector<const Candidate*>& parts = best.fit.model.parts;
   const auto later = std::find(parts.begin(), parts.end(), fit.model.parts.back());
-  if (first.model.effects().size() < 2 || parts == fit.model.parts || later == parts.end()) return first;
+  if (best.fit.model.effects().size() < 2 || parts == fit.model.parts || later == parts.end()) return revision;
   const std::size_t place = std::size_t(later - parts.begin());
-  return best_of(flow, prepared, swapped(first.model, place, this_round.passed, criteria().n_swaps), first);
+  revision.fit =
+      best_of(flow, prepared, swapped(best.fit.model, place, this_round.passed, criteria().n_swaps), best.fit).fit;
+  return revision;
+}
+
+std::vector<std::string> told_with_first(const std::vector<std::string>& set, const std::string& before,
+                                         const std::string& now, const Revision& revision) {
+  const auto holds = [](const std::vector<std::string>& labels, const std::string& label) {
+    return std::find(labels.begin(), labels.end(), label) != labels.end();
+  };
+  std::vector<std::string> told = {now};
+  const auto add = [&](const std::vector<std::string>& labels) {
+    for (const std::string& label : labels)
+      if (!holds(told, label) && !holds(revision.worse, label)) told.push_back(label);
+  };
+  if (!holds(revision.worse, before)) add(set);  // else what mimics it is no look-alike of what took its place
+  add(revision.as_good);
+  return told.size() > 1 ? told : std::vector<std::string>();
 }
 
 }  // namespace pvg::diagnose

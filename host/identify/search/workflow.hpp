@@ -64,8 +64,8 @@ RankedModel ranked(const Judged& judged);
 struct Selection {
   std::vector<Fit> fits;             // one effect more each; empty: none is better than the scene as it is
   std::vector<RankedModel> ranking;  // best first
-  std::vector<std::vector<std::string>> inseparable;
-  double error = 0;             // of the last fit [noise]
+  std::vector<std::vector<std::string>> inseparable, inseparable_of_one;  // of_one: of the first of several fits
+  double error = 0;                                                       // of the last fit [noise]
   std::vector<Window> windows;  // of the last fit: those that were chosen, made ready for it, or whole runs
   std::string better_at_bound;  // as Decision has it, of the last effect that was added; empty: none
   // What was found needs a finer time step: nothing else is told but where the fits of the first round ended.
