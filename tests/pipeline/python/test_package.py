@@ -8,6 +8,7 @@ import threading
 import unittest
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import patch
 
 import h5py
 import numpy as np
@@ -148,6 +149,16 @@ class Stays:
 
     def step(self, server, seen):
         return server.step(self.action)
+
+
+class Intersections(unittest.TestCase):
+    def test_surfaces_that_meet_are_an_event_where_they_are_looked_at(self):
+        with phyvisgen.Server(TASK, render=False) as server:
+            judged = lambda checks: evaluate_policy(server, Stays(), episodes=1, length=2, check_intersections=checks)
+            self.assertNotIn("intersected", judged(True).episodes[0].events)
+            with patch.object(server, "intersection", return_value="beaker and table"):
+                self.assertIn("intersected", judged(True).episodes[0].events)
+                self.assertNotIn("intersected", judged(False).episodes[0].events)
 
 
 class Videos(unittest.TestCase):
