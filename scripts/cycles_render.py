@@ -1,6 +1,6 @@
 """Renders an exported scene with Blender's Cycles and compares the picture with ours. Runs inside Blender:
 
-    blender -b -P scripts/cycles_render.py -- SCENE.glb OURS.exr DIR SAMPLES DEPTH
+    blender -b -P scripts/cycles_render.py -- SCENE.glb OURS.exr DIR SAMPLES DEPTH [SEED]
 
 Materials are made anew from the file's numbers, so that both programs mean the same: Lambert's law, clear glass with
 absorption, Schlick's conductors with GGX, light from one side of a surface. Unlit surfaces become shadow catchers, laid over
@@ -17,7 +17,7 @@ import bpy
 import numpy
 
 numpy.bool = bool  # that Debian 12's importer of glTF still asks for
-glb, ours, folder, samples, depth = sys.argv[sys.argv.index("--") + 1:]
+glb, ours, folder, samples, depth, seed = (sys.argv[sys.argv.index("--") + 1:] + ["0"])[:6]
 
 
 def gltf_json(path):
@@ -52,7 +52,9 @@ def shader(material, description):
         links.new(mix.outputs[0], out.inputs["Surface"])
     elif "KHR_materials_transmission" in more:
         glass = nodes.new("ShaderNodeBsdfGlass")
-        glass.distribution = "SHARP"
+        if "SHARP" in glass.bl_rna.properties["distribution"].enum_items:
+            glass.distribution = "SHARP"  # Blender 4 has none: without roughness any is
+        glass.inputs["Roughness"].default_value = 0
         glass.inputs["Color"].default_value = color
         glass.inputs["IOR"].default_value = more.get("KHR_materials_ior", {}).get("ior", 1.5)
         links.new(glass.outputs[0], out.inputs["Surface"])
@@ -78,7 +80,7 @@ def shader(material, description):
 
 def picture(path):
     image = bpy.data.images.load(path)
-    image.colorspace_settings.name = "Raw"
+    image.colorspace_settings.name = "Non-Color"
     width, height = image.size
     values = numpy.empty(width * height * image.channels, dtype=numpy.float32)
     image.pixels.foreach_get(values)
@@ -127,7 +129,7 @@ scene.render.resolution_x, scene.render.resolution_y = ours_picture.shape[1], ou
 scene.render.pixel_aspect_x = scene.render.pixel_aspect_y = 1
 scene.render.filter_size = 0.01
 cycles = scene.cycles
-cycles.device, cycles.samples, cycles.use_denoising = "CPU", int(samples), False
+cycles.device, cycles.samples, cycles.use_denoising, cycles.seed = "CPU", int(samples), False, int(seed)
 cycles.use_adaptive_sampling = False
 cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
 for kind in ("max", "diffuse", "glossy", "transmission", "transparent_max"):

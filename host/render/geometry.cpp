@@ -1,6 +1,7 @@
 #include "host/render/geometry.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "host/base/error.hpp"
@@ -83,6 +84,8 @@ MeshRange GeometryArrays::add(const VisualMesh& mesh, const std::string& name, b
     vertices.push_back(make_vertex(mesh, i));
     range.box.add(mesh.points[i]);
   }
+  const Vec3f center = 0.5f * (range.box.lo + range.box.hi);
+  for (const Vec3f& point : mesh.points) range.radius = std::max(range.radius, (point - center).norm());
   range.has_colors = !mesh.colors.empty();
   range.first_color = std::int32_t(colors.size() / 3) - std::int32_t(range.first_vertex);
   range.has_second_uvs = !mesh.second_uvs.empty();

@@ -22,6 +22,7 @@ struct MeshRange {
   std::int32_t first_color = 0;      // colour of vertex i: first_color + i
   std::int32_t first_second_uv = 0;  // likewise
   Box box;                           // in the mesh's frame
+  float radius = 0;                  // of the sphere around the box's centre that holds all points [m]
 };
 
 struct GeometryArrays {

@@ -59,6 +59,7 @@ Light sphere(const SphereLight& light) {
   store(light.direction.normalized().cast<float>(), l.edge_u);
   l.edge_v[0] = float(std::cos(light.outer_angle));
   l.edge_v[1] = float(1 / (std::cos(light.inner_angle) - std::cos(light.outer_angle)));
+  l.area = float(4 * std::numbers::pi * light.radius * light.radius);
   return l;
 }
 

@@ -189,6 +189,10 @@ bool is_cut_out(const VisualMaterial& material) {
   }
 }
 
+bool is_mirror_like(const Material& material) {
+  return material.kind == MATERIAL_DIELECTRIC || (material.kind == MATERIAL_CONDUCTOR && material.alpha < MIRROR_ALPHA);
+}
+
 bool shines(const VisualMaterial& material) {
   using Kind = VisualMaterial::Kind;
   return (material.kind == Kind::emissive || material.kind == Kind::metallic_roughness) &&

@@ -20,6 +20,8 @@ Look make_look(const Appearance& seen);
 
 // its surface is not everywhere there
 bool is_cut_out(const VisualMaterial& material);
+// no light sample finds the directions into which it sends light: clear glass, a mirror
+bool is_mirror_like(const Material& material);
 // its surface is a light
 bool shines(const VisualMaterial& material);
 // over its texture [W/(sr m^2)]

@@ -11,10 +11,18 @@
 namespace pvg {
 namespace {
 
-constexpr int LEAST_FIRST_SAMPLES = 4;      // of a pixel, from which its noise is estimated
-constexpr int ROUNDS = 3;                   // in which the rest is shared out
-constexpr int MOST_INSTANTS = 16;           // of a moving picture
+constexpr int LEAST_FIRST_SAMPLES = 4;  // of a pixel, from which its noise is estimated
+constexpr int ROUNDS = 3;               // in which the rest is shared out
+constexpr int MOST_INSTANTS = 16;       // of a moving picture
+// Every light path goes where light is thrown, to many surfaces. On Cornell's box with glass ten times as many take up
+// to three times as long, for 3 % less error (docs/measured)
+constexpr double LIGHT_PATHS_PER_PATH = 0.05;
 constexpr std::uint32_t STRIP_ROWS = TILE;  // that a rolling shutter reads together: those of a row of tiles
+
+std::uint32_t light_paths_of(int samples, std::size_t n_pixels) {
+  const double most = 1u << 31;
+  return std::uint32_t(std::clamp(LIGHT_PATHS_PER_PATH * double(samples) * double(n_pixels), 1.0, most));
+}
 
 }  // namespace
 
@@ -32,6 +40,12 @@ Launch Renderer::Impl::begin_launch(int camera, std::uint32_t frame) {
   launch.environment_turn = float(scene.environment_map.turn);
   launch.environment_width = std::uint32_t(scene.environment_map.width);
   launch.environment_height = std::uint32_t(scene.environment_map.height);
+  // strips of a rolling shutter would take all light paths each: their cameras' own paths find that light, as they can
+  if (traces_light && seen_by.row_time == 0) {
+    launch.n_light_paths = light_paths_of(settings.samples, std::size_t(seen_by.width) * std::size_t(seen_by.height));
+    launch.light_paths_per_sample = float(launch.n_light_paths) / float(settings.samples);
+    launch.n_targets = std::uint32_t(on_device->targets.size());
+  }
   if (has_insides) launch.media = stages.find_camera_media(launch, *on_device);
   return launch;
 }
@@ -51,6 +65,15 @@ std::uint64_t Renderer::Impl::add_samples(Launch launch, const Buffer<std::uint3
     }
   }
   return rays;
+}
+
+std::uint64_t Renderer::Impl::add_light_paths(const Launch& launch, int first_sample, int n_samples) {
+  if (launch.n_light_paths == 0) return 0;
+  const auto paths_before = [&](int sample) {
+    return std::uint32_t(std::uint64_t(launch.n_light_paths) * std::uint64_t(sample) / std::uint64_t(settings.samples));
+  };
+  return stages.trace_light(launch, paths_before(first_sample), paths_before(first_sample + n_samples), *on_device,
+                            film);
 }
 
 // A first part goes to all pixels, the rest in rounds to those whose noise it shows.
@@ -99,7 +122,9 @@ std::uint64_t Renderer::Impl::add_moving_samples(int camera, std::uint32_t frame
       const double within = (k + double(key) * 0x1p-32) / n_instants;
       move_to(at(closes - seen_by.exposure_time * (1 - within)));
       const int first = settings.samples * k / n_instants, last = settings.samples * (k + 1) / n_instants;
-      rays += add_samples(begin_launch(camera, frame), film.order, row * width, end * width, first, last - first);
+      const Launch launch = begin_launch(camera, frame);
+      rays += add_samples(launch, film.order, row * width, end * width, first, last - first);
+      rays += add_light_paths(launch, first, last - first);
     }
   }
   move_to(at(time));
@@ -152,6 +177,7 @@ void Renderer::Impl::read_features(RenderedFrame& picture) const {
 RenderedFrame Renderer::Impl::take_picture(const Launch& launch, int camera, std::uint64_t rays) {
   find_ground_truth(launch);
   last_camera = camera;
+  if (launch.n_light_paths > 0) stages.add_light(launch, film);
   if (denoiser) (*denoiser)(launch.camera.width, launch.camera.height, film);
   RenderedFrame picture = read_film(camera);
   if (finish->denoises() || settings.notes_features) read_features(picture);
@@ -195,7 +221,7 @@ RenderedFrame Renderer::Impl::trace(int camera, std::uint32_t frame) {
   const Launch launch = begin_launch(camera, frame);
   const std::uint64_t rays = settings.is_adaptive ? add_adaptive_samples(launch, float(seen_by.exposure))
                                                   : add_samples(launch, film.order, 0, n_pixels, 0, settings.samples);
-  return take_picture(launch, camera, rays);
+  return take_picture(launch, camera, rays + add_light_paths(launch, 0, settings.samples));
 }
 
 RenderedFrame Renderer::trace(int camera, std::uint32_t frame, const std::function<SceneState(double)>& at,

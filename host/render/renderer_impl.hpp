@@ -31,12 +31,15 @@ struct Renderer::Impl {
   Instance light_instance(std::size_t light) const;  // rectangles, then spheres
   void move_to(const SceneState& state);
   void show_readings(const SceneState& state);
+  void aim_light_paths();  // at what is mirror-like where everything stands
 
   // renderer.cpp
   Launch begin_launch(int camera, std::uint32_t frame);
   // samples first_sample .. of the pixels first .. last - 1 of a list, into the film
   std::uint64_t add_samples(Launch launch, const Buffer<std::uint32_t>& pixels, std::uint32_t first, std::uint32_t last,
                             int first_sample, int n_samples);
+  // light paths of the samples first_sample .. of a picture, into the film's splats
+  std::uint64_t add_light_paths(const Launch& launch, int first_sample, int n_samples);
   std::uint64_t add_adaptive_samples(const Launch& launch, float exposure);
   std::uint64_t add_moving_samples(int camera, std::uint32_t frame, const std::function<SceneState(double)>& at,
                                    double time);
@@ -60,6 +63,7 @@ struct Renderer::Impl {
   SceneState state;                  // that everything stands in
   std::vector<std::string> figures;  // [Scene::displays] shown
   Look look;
+  bool traces_light;  // of lamps over mirror-like things onto others
   LightList lights;
   bool has_insides = false;  // of materials that a camera could be inside of
   std::unique_ptr<DeviceScene> on_device;

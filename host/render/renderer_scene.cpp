@@ -1,4 +1,5 @@
 // What a renderer makes of a scene, and how it moves: geometry, instances, lights.
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cstring>
 
@@ -9,6 +10,18 @@
 
 namespace pvg {
 namespace {
+
+// light of lamps over glass and mirrors is asked for, and there are such things
+bool needs_light_tracing(const Scene& scene, const Look& look, const RenderSettings& settings) {
+  if (settings.transparent_shadows) return false;
+  bool has_lamps = !scene.lights.empty() || !scene.sphere_lights.empty(), has_mirrors = false;
+  for (const Visual& visual : scene.visuals) {
+    if (visual.material < 0 || visual.material >= int(scene.materials.size())) continue;  // refused later
+    has_lamps |= shines(scene.materials[std::size_t(visual.material)]);
+    has_mirrors |= is_mirror_like(look.materials[look.material_of[std::size_t(visual.material)]]);
+  }
+  return has_lamps && has_mirrors;
+}
 
 void check_index(int index, std::size_t n, const std::string& visual, const char* what) {
   if (index >= int(n)) throw UsageError("visual " + visual + ": its " + what + " does not exist");
@@ -36,8 +49,9 @@ Renderer::Impl::Impl(Device& device_, const Scene& scene_, const RenderSettings&
       scene(scene_),
       settings(settings_),
       look(make_look(scene_)),
+      traces_light(needs_light_tracing(scene_, look, settings_)),
       finish(std::make_shared<PictureFinish>(scene_, settings_, device.info().is_gpu)),
-      stages(device_, settings.denoises || settings.notes_features),
+      stages(device_, settings.denoises || settings.notes_features, traces_light),
       film(device_),
       chosen(device_, 0, "chosen") {
   if (settings.samples < 1 || settings.samples > 1 << 16)
@@ -46,6 +60,7 @@ Renderer::Impl::Impl(Device& device_, const Scene& scene_, const RenderSettings&
     throw UsageError("max_depth is " + std::to_string(settings.max_depth) + "; 0 to 1000 bounces");
   for (const Camera& camera : scene.cameras) check_camera(camera);
   if (settings.denoises || settings.notes_features) film.guides.emplace(device);
+  if (traces_light) film.splats.emplace(device, 0, "splats");
   if (settings.denoises && !finish->denoises()) {
     denoiser.emplace(device);
     tell_note(std::string("Open Image Denoise is not here (scripts/install_denoiser.sh installs it); ") + OWN_DENOISER +
@@ -80,7 +95,8 @@ Renderer::Impl::Impl(Device& device_, const Scene& scene_, const RenderSettings&
       Buffer<float>(device, geometry.second_uvs, "second_uvs"),
       Buffer<Light>(device, lights.lights, "lights"),
       Buffer<float>(device, scene.environment_map.rgb, "environment"),
-      Buffer<EnvironmentCell>(device, environment_cells(scene.environment_map), "cells")});
+      Buffer<EnvironmentCell>(device, environment_cells(scene.environment_map), "cells"),
+      Buffer<F32x4>(device, 0, "targets")});
   for (const Visual& visual : scene.visuals) on_device->has_cutouts |= is_cut_out(scene.materials[visual.material]);
   scene.visual_meshes.clear();
   scene.textures.clear();
@@ -188,6 +204,25 @@ Instance Renderer::Impl::light_instance(std::size_t i) const {
   return instance;
 }
 
+void Renderer::Impl::aim_light_paths() {
+  constexpr float MARGIN = 1.0001f;  // of rounding
+  std::vector<F32x4> targets;
+  for (std::size_t i = 0; i < scene.visuals.size(); ++i) {
+    if (!is_mirror_like(look.materials[instances[i].material])) continue;
+    const Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>> to_world(instances[i].to_world);
+    Vec3f center = 0.5f * (boxes[i].lo + boxes[i].hi);
+    float radius = 0.5f * (boxes[i].hi - boxes[i].lo).norm();
+    if (shown[i].soft < 0) {  // a mesh that keeps its shape: a closer sphere
+      const Eigen::JacobiSVD<Eigen::Matrix3f> svd(Eigen::Matrix3f(to_world.leftCols<3>()));
+      center = to_world.leftCols<3>() * (0.5f * (shown[i].mesh.box.lo + shown[i].mesh.box.hi)) + to_world.col(3);
+      radius = svd.singularValues()(0) * shown[i].mesh.radius;
+    }
+    targets.push_back({{center.x(), center.y(), center.z(), MARGIN * radius}});
+  }
+  on_device->targets.resize(targets.size());
+  on_device->targets.write(targets);
+}
+
 // Lights are chosen by their mean emission at the start, which only weighs the samples: other figures have no bias.
 void Renderer::Impl::show_readings(const SceneState& target) {
   figures.resize(scene.displays.size());
@@ -229,6 +264,7 @@ void Renderer::Impl::move_to(const SceneState& target) {
   on_device->trees.top.resize(top.size());
   on_device->trees.top.write(top);
   on_device->trees.instances.write(instances);
+  if (traces_light) aim_light_paths();
   show_readings(target);
   camera_poses.clear();
   for (const Camera& camera : scene.cameras) camera_poses.push_back(camera_to_world(camera, target));

@@ -1,5 +1,6 @@
 #include "host/render/stages.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "host/render/pixel_order.hpp"
@@ -30,6 +31,10 @@ void Film::begin(std::uint32_t width, std::uint32_t height) {
   squares.resize(n_pixels);
   dropped.resize(n_pixels);
   if (guides) guides->begin(n_pixels);
+  if (splats) {
+    splats->resize(6 * n_pixels);
+    splats->zero();
+  }
   sum.zero();
   squares.zero();
   place.resize(n_pixels);
@@ -54,7 +59,13 @@ Stages::Kernels::Kernels(Program generate_file, Program shade_file, Program comp
       pass_holes(holes_file.kernel("pass_holes")),
       shadow_holes(holes_file.kernel("shadow_holes")) {}
 
-Stages::Stages(Device& device, bool notes_features)
+LightTracing::LightTracing(Device& device)
+    : emit(Program(device, "render/emit.cl", traversal_options(device)).kernel("emit")),
+      follow(Program(device, "render/follow.cl", traversal_options(device)).kernel("follow")),
+      splat(Program(device, "render/splat.cl", traversal_options(device)).kernel("splat")),
+      add_splats(Program(device, "render/splat.cl", traversal_options(device)).kernel("add_splats")) {}
+
+Stages::Stages(Device& device, bool notes_features, bool traces_light)
     : max_paths_(std::size_t(1) << (device.info().is_gpu ? 18 : 16)),
       kernels_(Program(device, "render/generate.cl", traversal_options(device)),
                Program(device, "render/shade.cl", traversal_options(device)), Program(device, "render/compact.cl"),
@@ -82,6 +93,7 @@ Stages::Stages(Device& device, bool notes_features)
       scan_(device),
       media_(device, 1, "media") {
   if (notes_features) features_.emplace(device);
+  if (traces_light) light_tracing_.emplace(device);
 }
 
 std::uint64_t Stages::trace(const Launch& launch, const Buffer<std::uint32_t>& pixels, const DeviceScene& scene,
@@ -103,6 +115,41 @@ std::uint64_t Stages::trace(const Launch& launch, const Buffer<std::uint32_t>& p
                       film.dropped);
   if (features_) features_->accumulate(launch, pixels, film.guides.value());
   return segments;
+}
+
+std::uint64_t Stages::trace_light(Launch launch, std::uint32_t first, std::uint32_t last, const DeviceScene& scene,
+                                  Film& film) {
+  LightTracing& k = light_tracing_.value();
+  std::uint64_t segments = 0;
+  for (std::uint64_t at = first; at < last; at += max_paths_) {
+    std::size_t n = std::size_t(std::min<std::uint64_t>(max_paths_, last - at));
+    launch.first_sample = std::uint32_t(at);
+    resize_slots(n);
+    k.emit(n, std::uint32_t(n), launch, scene.trees.instances, scene.materials, scene.textures, scene.texels,
+           scene.decode, scene.triangles, scene.vertices, scene.second_uvs, scene.lights, scene.targets, origin_,
+           direction_, throughput_, radiance_, stream_, queue_, alive_);
+    n = compact(n);
+    for (unsigned depth = 0; depth < launch.max_depth && n > 0; ++depth) {
+      segments += n;
+      intersect(n, scene);
+      if (scene.has_cutouts) pass_holes(n, depth, scene);
+      k.follow(n, std::uint32_t(n), launch, std::uint32_t(depth), queue_, stream_, scene.trees.instances,
+               scene.materials, scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices,
+               scene.colors, scene.second_uvs, hit_, hit_instance_, radiance_, origin_, direction_, throughput_,
+               shadow_origin_, shadow_direction_, shadow_light_, alive_);
+      if (scene.has_cutouts) shadow_holes(n, scene);
+      k.splat(n, std::uint32_t(n), queue_, scene.trees.top, scene.trees.nodes, scene.trees.blocks,
+              scene.trees.instances, shadow_origin_, shadow_direction_, shadow_light_, film.splats.value(),
+              film.dropped);
+      n = compact(n);
+    }
+  }
+  return segments;
+}
+
+void Stages::add_light(const Launch& launch, Film& film) {
+  const std::uint32_t n = launch.camera.width * launch.camera.height;
+  light_tracing_.value().add_splats(n, n, launch, film.splats.value(), film.sum);
 }
 
 void Stages::find_ground_truth(const Launch& launch, bool sees_through_glass, const DeviceScene& scene, Film& film) {
@@ -128,12 +175,16 @@ std::uint32_t Stages::find_camera_media(const Launch& launch, const DeviceScene&
   return media_.read().front();
 }
 
-void Stages::generate(std::size_t n, const Launch& launch, const Buffer<std::uint32_t>& pixels) {
+void Stages::resize_slots(std::size_t n) {
   for (Buffer<F32x4>* buffer :
        {&origin_, &direction_, &throughput_, &radiance_, &hit_, &shadow_origin_, &shadow_direction_, &shadow_light_})
     buffer->resize(n);
   stream_.resize(n);
   for (Buffer<std::uint32_t>* buffer : {&hit_instance_, &queue_, &next_queue_, &alive_}) buffer->resize(n);
+}
+
+void Stages::generate(std::size_t n, const Launch& launch, const Buffer<std::uint32_t>& pixels) {
+  resize_slots(n);
   kernels_.generate(n, std::uint32_t(n), launch, pixels, origin_, direction_, throughput_, radiance_, stream_, queue_);
 }
 
@@ -156,8 +207,9 @@ void Stages::shadow_holes(std::size_t n, const DeviceScene& scene) {
 void Stages::shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene) {
   kernels_.shade(n, std::uint32_t(n), launch, std::uint32_t(depth), queue_, stream_, scene.trees.instances,
                  scene.materials, scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices,
-                 scene.colors, scene.second_uvs, scene.lights, scene.environment, scene.cells, hit_, hit_instance_,
-                 origin_, direction_, throughput_, radiance_, shadow_origin_, shadow_direction_, shadow_light_, alive_);
+                 scene.colors, scene.second_uvs, scene.lights, scene.environment, scene.cells, scene.targets, hit_,
+                 hit_instance_, origin_, direction_, throughput_, radiance_, shadow_origin_, shadow_direction_,
+                 shadow_light_, alive_);
 }
 
 void Stages::shadow(std::size_t n, const Launch& launch, const DeviceScene& scene) {

@@ -23,6 +23,7 @@ struct DeviceScene {
   Buffer<Light> lights;
   Buffer<float> environment;  // [height x width x 3]
   Buffer<EnvironmentCell> cells;
+  Buffer<F32x4> targets;     // of light paths: centre, radius [m]
   bool has_cutouts = false;  // of its instances any has INSTANCE_CUTOUT
 };
 
@@ -36,25 +37,37 @@ struct Film {
   Buffer<std::uint32_t> dropped;
   Buffer<float> depth, distance;
   Buffer<std::uint32_t> instance;
-  Buffer<float> normal;          // [n x 3]
-  Buffer<F32x4> place;           // the point at the middle, last: its distance [m]
-  Buffer<F32x4> seen;            // the hit at the middle: u, v, triangle, instance
-  std::optional<Guides> guides;  // of renderers that denoise or show them
+  Buffer<float> normal;                         // [n x 3]
+  Buffer<F32x4> place;                          // the point at the middle, last: its distance [m]
+  Buffer<F32x4> seen;                           // the hit at the middle: u, v, triangle, instance
+  std::optional<Guides> guides;                 // of renderers that denoise or show them
+  std::optional<Buffer<std::uint32_t>> splats;  // of renderers that trace light
 
  private:
   std::uint32_t width_ = 0, height_ = 0;
 };
 
+// Kernels of paths from the lamps, see kernels/render/light_tracing.cl.
+struct LightTracing {
+  explicit LightTracing(Device& device);
+  Kernel emit, follow, splat, add_splats;
+};
+
 class Stages {
  public:
-  // notes_features: for the guides of the films
-  Stages(Device& device, bool notes_features);
+  // notes_features: for the guides of the films;  traces_light: for their splats
+  Stages(Device& device, bool notes_features, bool traces_light);
   // At most so many paths are under way at once, about 150 bytes each: on a CPU what stays near its caches (6 % faster
   // than four times as many), on a GPU what fills it.
   std::size_t max_paths() const { return max_paths_; }
   // follows the paths of the launch's part of the pixels to their end and adds them to the film; the number of segments
   // traced
   std::uint64_t trace(const Launch& launch, const Buffer<std::uint32_t>& pixels, const DeviceScene& scene, Film& film);
+  // Follows the light paths first .. last - 1 of the launch's picture; the number of segments traced.
+  std::uint64_t trace_light(Launch launch, std::uint32_t first, std::uint32_t last, const DeviceScene& scene,
+                            Film& film);
+  // what they brought goes into the film; once, after all samples
+  void add_light(const Launch& launch, Film& film);
   // one ray per pixel of the launch, of the film's order
   void find_ground_truth(const Launch& launch, bool sees_through_glass, const DeviceScene& scene, Film& film);
   // where the points of the film's last ground truth are in the picture `to`, whose scene this is
@@ -64,6 +77,7 @@ class Stages {
   std::uint32_t find_camera_media(const Launch& launch, const DeviceScene& scene);
 
  private:
+  void resize_slots(std::size_t n);
   void generate(std::size_t n, const Launch& launch, const Buffer<std::uint32_t>& pixels);
   void intersect(std::size_t n, const DeviceScene& scene);
   void pass_holes(std::size_t n, unsigned depth, const DeviceScene& scene);
@@ -82,6 +96,7 @@ class Stages {
   Kernels kernels_;
   Traversal traversal_;
   std::optional<Features> features_;
+  std::optional<LightTracing> light_tracing_;
   // per slot
   Buffer<F32x4> origin_, direction_, throughput_, radiance_, hit_;
   Buffer<std::uint32_t> hit_instance_;

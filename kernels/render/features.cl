@@ -39,7 +39,7 @@ kernel void note_features(const uint n, const Launch launch, global const uint* 
   const uint triangle = as_uint(h.w);
   const float3 d = direction[slot].xyz;
   const Shading scene = {instances, materials, textures,   texels, decode,      triangles,
-                         vertices,  colors,    second_uvs, lights, environment, cells};
+                         vertices,  colors,    second_uvs, lights, environment, cells,       0};
   float3 color = (float3)(1.0f), normal = (float3)(0.0f);
   if (triangle == NO_TRIANGLE) {
     color = clamp(environment_radiance(launch, environment, d), 0.0f, 1.0f);

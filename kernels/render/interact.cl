@@ -3,6 +3,7 @@
 #ifndef PVG_RENDER_INTERACT_CL
 #define PVG_RENDER_INTERACT_CL
 #include "materials/list.cl"
+#include "render/light_tracing.cl"
 #include "render/lights.cl"
 #include "render/media.cl"
 #include "shared/rng.cl"
@@ -20,8 +21,25 @@ typedef struct {
   float pdf;   // of the last direction, 0: mirror-like
   uint flags;  // PATH_...
   uint media;
+  float density;  // of light tracing: of this way, over what the other way has where it has scattered since its first surface
   bool is_alive;
 } Path;
+
+static inline Path load_path(const uint slot, global const float4* origin, global const float4* direction,
+                             global const float4* throughput) {
+  const float4 o = origin[slot], d = direction[slot], t = throughput[slot];
+  Path path;
+  path.origin = o.xyz;
+  path.pdf = o.w;
+  path.direction = d.xyz;
+  path.media = as_uint(d.w);
+  path.throughput = t.xyz;
+  path.flags = as_uint(t.w);
+  path.radiance = 0.0f;
+  path.density = 0.0f;
+  path.is_alive = true;
+  return path;
+}
 
 // the random numbers of one bounce, in [0, 1)
 typedef struct {
@@ -35,12 +53,16 @@ static inline Chance draw_chance(const uint2 stream, const uint depth) {
   return chance;
 }
 
-// light that a path met; pdf: with which a light sample of the last surface would have found it, 0: never
-static inline void meet_emission(const Launch launch, const float3 radiance, const float pdf, Path* path) {
+// light that a path met; pdf: with which a light sample of the last surface would have found it, 0: never;  traced: density
+// of light paths that find it, over that of a camera's samples, 0: none does
+static inline void meet_emission(const Launch launch, const float3 radiance, const float pdf, const float traced,
+                                 Path* path) {
   float weight = 1.0f;
   if (path->flags & PATH_SCATTERED) {
     if (path->pdf > 0)
       weight = mis_weight(path->pdf, pdf);
+    else if (traced > 0)
+      weight = traced_weight(path->density, traced);
     else if (pdf > 0 && launch.transparent_shadows && (path->flags & PATH_DIFFUSE) && (path->flags & PATH_REFRACTED))
       weight = 0.0f;
   }
@@ -52,32 +74,43 @@ static inline void meet_environment(const Launch launch, const Shading scene, Pa
   const float pdf = launch.environment_light < 0 ? 0.0f
                                                  : scene.lights[launch.environment_light].probability *
                                                        environment_pdf(launch, scene.cells, path->direction);
-  meet_emission(launch, environment_radiance(launch, scene.environment, path->direction), pdf, path);
+  meet_emission(launch, environment_radiance(launch, scene.environment, path->direction), pdf, 0.0f, path);
 }
 
 // a rectangle or sphere
-static inline void meet_light(const Launch launch, global const Light* light, const Surface s, const float t,
-                              Path* path) {
+static inline void meet_light(const Launch launch, const Shading scene, global const Light* light, const Surface s,
+                              const float t, Path* path) {
   path->is_alive = false;
   if (dot(s.face, path->direction) >= 0) return;
   const bool is_sphere = light->kind == LIGHT_SPHERE;
   const float pdf = is_sphere ? sphere_pdf(light, path->origin) : rectangle_pdf(light, path->direction * t);
   const float share = is_sphere ? spot_share(light, -path->direction) : 1.0f;
-  meet_emission(launch, share * vload3(0, light->radiance), pdf, path);
+  float traced = 0.0f;
+  if (is_light_traced(launch, path->flags, path->pdf, path->media)) {
+    const float3 away = -path->direction;
+    const float cosine = is_sphere ? sphere_cosine(light, s.point, away) : dot(s.face, away);
+    traced = launch.light_paths_per_sample *
+             emission_density(launch, scene, light->probability, light->area, s.point, cosine, away);
+  }
+  meet_emission(launch, share * vload3(0, light->radiance), pdf, traced, path);
 }
 
 // a mesh that shines, on both sides
 static inline void meet_shining(const Launch launch, const Shading scene, global const Instance* instance,
                                 const Material m, const uint triangle, const Surface s, const float t, Path* path) {
-  float pdf = 0.0f;
+  float pdf = 0.0f, traced = 0.0f;
   if (instance->flags & INSTANCE_SHINES) {
     float3 p[3];
     world_triangle(scene, instance, triangle, p);
     const float area = 0.5f * length(cross(p[1] - p[0], p[2] - p[0]));
     const uint light = (uint)(instance->light + (int)triangle);
     pdf = area_pdf(scene.lights[light].probability, area, fabs(dot(s.face, path->direction)), t * t);
+    if (is_light_traced(launch, path->flags, path->pdf, path->media))
+      traced = launch.light_paths_per_sample * emission_density(launch, scene, scene.lights[light].probability, area,
+                                                                s.point, fabs(dot(s.face, path->direction)),
+                                                                -path->direction);
   }
-  meet_emission(launch, emitted(scene, m, uv_for(s, m.flags, emission_bit(m))), pdf, path);
+  meet_emission(launch, emitted(scene, m, uv_for(s, m.flags, emission_bit(m))), pdf, traced, path);
 }
 
 // one light sample, weighted against the material's own sampling
@@ -107,8 +140,8 @@ static inline void pass_hidden(const Boundary boundary, const Surface s, const f
   path->media = boundary.inner;
 }
 
-// reflection and refraction at clear glass, solid or thin; normal and face look to the path
-static inline void pass_glass(const PointMaterial m, const Boundary boundary, const Surface s, const float3 face,
+// reflection and refraction at clear glass, solid or thin; normal and face look to the path. Returns the normal that bent it
+static inline float3 pass_glass(const PointMaterial m, const Boundary boundary, const Surface s, const float3 face,
                               const float3 normal, const float choice, Path* path) {
   Frame frame = make_frame(normal);
   MaterialSample sample = material_sample(m, to_local(frame, -path->direction), (float2)(0.0f), choice);
@@ -125,9 +158,11 @@ static inline void pass_glass(const PointMaterial m, const Boundary boundary, co
   path->direction = unit(direction);
   path->throughput *= sample.weight;
   path->pdf = 0.0f;
-  if (!passes) return;
-  path->flags |= PATH_REFRACTED;
-  if (m.flags & MATERIAL_HAS_INSIDE) path->media = boundary.inner;
+  if (passes) {
+    path->flags |= PATH_REFRACTED;
+    if (m.flags & MATERIAL_HAS_INSIDE) path->media = boundary.inner;
+  }
+  return frame.z;
 }
 
 static inline void scatter(const PointMaterial m, const Boundary boundary, const Surface s, const float3 face,
@@ -142,7 +177,25 @@ static inline void scatter(const PointMaterial m, const Boundary boundary, const
   path->pdf = sample.pdf;
   if (passes && (m.flags & MATERIAL_HAS_INSIDE)) path->media = boundary.inner;
   if (!material_scatters(m)) return;
-  path->flags = PATH_SCATTERED | (material_is_matte(m) ? PATH_DIFFUSE : 0u);
+  path->flags = (path->flags & PATH_SEEN) | PATH_SCATTERED | (material_is_matte(m) ? PATH_DIFFUSE : 0u);
+}
+
+// density of the direction `out` that a path came from `in` took, over that of the other way
+static inline float scattered_ratio(const PointMaterial m, const Surface s, const Frame frame, const float3 in,
+                                    const float3 out, const float pdf) {
+  const float other = material_pdf(m, to_local(frame, out), to_local(frame, -in));
+  return pdf * light_cosine(s, in) / (other * light_cosine(s, out));
+}
+
+// of a camera's path that came from `in` and has scattered; is_first: it met nothing before
+static inline void note_scattered(const Launch launch, const PointMaterial m, const Surface s, const Frame frame,
+                                  const float3 in, const bool is_first, Path* path) {
+  if (!material_scatters(m)) return;
+  if (is_first) path->flags |= PATH_SEEN;
+  if (material_transmits(m)) path->flags &= ~PATH_SEEN;
+  path->density = is_first ? camera_density(launch, s) * path->pdf / light_cosine(s, path->direction)
+                           : path->density * scattered_ratio(m, s, frame, in, path->direction, path->pdf);
+  path->density = fmin(path->density, MOST_DENSITY);
 }
 
 // paths that carry little end early, the others carry more for them

@@ -26,6 +26,7 @@ typedef struct {
   global const Light* lights;
   global const float* environment;
   global const EnvironmentCell* cells;
+  global const float4* targets;  // of light paths, see light_tracing.cl
 } Shading;
 
 typedef struct {
@@ -143,16 +144,21 @@ static inline float rectangle_pdf(global const Light* light, const float3 to_lig
   return area_pdf(light->probability, light->area, -dot(vload3(0, light->normal), to_light) * rsqrt(d2), d2);
 }
 
+// one of all by its share of the power; rest: what is left of the numbers, again uniform
+static inline global const Light* choose_light(const Launch launch, const Shading scene, const float2 choice,
+                                               float* rest) {
+  const uint i = min((uint)(choice.x * (float)launch.n_lights), launch.n_lights - 1);
+  const float keep = scene.lights[i].keep;
+  const bool keeps = choice.y < keep;
+  *rest = clamp(keeps ? choice.y / keep : (choice.y - keep) / (1.0f - keep), 0.0f, 0x1.fffffep-1f);
+  return scene.lights + (keeps ? i : scene.lights[i].other);
+}
+
 // choice: of the light and by its alias; u: of the point
 static inline LightSample sample_light(const Launch launch, const Shading scene, const float3 origin,
                                        const float2 choice, const float2 u) {
-  uint i = min((uint)(choice.x * (float)launch.n_lights), launch.n_lights - 1);
-  const float keep = scene.lights[i].keep;
-  const bool keeps = choice.y < keep;
-  // what is left of the number is again uniform
-  const float rest = clamp(keeps ? choice.y / keep : (choice.y - keep) / (1.0f - keep), 0.0f, 0x1.fffffep-1f);
-  if (!keeps) i = scene.lights[i].other;
-  global const Light* light = scene.lights + i;
+  float rest;
+  global const Light* light = choose_light(launch, scene, choice, &rest);
   if (light->kind == LIGHT_SPHERE) return sample_sphere(light, origin, u);
   if (light->kind == LIGHT_TRIANGLE) return sample_triangle(scene, light, origin, u);
   LightSample s;

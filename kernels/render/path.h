@@ -22,6 +22,7 @@
 #define PATH_SCATTERED 1u  // has met a surface that scatters (diffuse or rough)
 #define PATH_DIFFUSE 2u    // the last such surface was matte (materials/list.cl)
 #define PATH_REFRACTED 4u  // has passed through glass since
+#define PATH_SEEN 8u       // light tracing covers it so far: the camera sees the first such surface with nothing between
 
 // what a shadow ray is for
 #define SHADOW_NONE 0u
@@ -73,7 +74,7 @@ typedef struct {
   f32 keep;          // alias table: chosen with this probability where its place is drawn,
   u32 other;         // else this one is
   f32 corner[3];     // of a rectangle; centre of a sphere [m]
-  f32 area;          // of a rectangle [m^2]
+  f32 area;          // of a rectangle or sphere [m^2]
   f32 edge_u[3];     // of a rectangle; of a sphere the direction of a spot
   u32 instance;      // of a triangle
   f32 edge_v[3];     // of a rectangle; of a sphere: cosine of a spot's outer angle, 1 / (that of the inner one - it)
@@ -131,8 +132,12 @@ typedef struct {
   f32 environment[3];       // radiance of what no surface covers, or scale of its picture
   f32 environment_turn;     // about z [rad]
   u32 environment_width, environment_height;  // [texels]; 0: the same everywhere
-  u32 unused[2];
+  // light tracing, see light_tracing.cl
+  u32 n_light_paths;            // of the picture, 0: none
+  f32 light_paths_per_sample;   // n_light_paths / mean number of samples of a pixel
+  u32 n_targets;
+  u32 unused[3];
 } Launch;
-SHARED_SIZE(Launch, 208);
+SHARED_SIZE(Launch, 224);
 SHARED_END
 #endif

@@ -269,8 +269,9 @@ void add_render(CLI::App& program) {
   command->add_option("--frames", o.frames, "A:B, the frames A to B - 1; or one frame");
   command->add_option("--camera", o.cameras, "Only this camera; may stand several times")->allow_extra_args(false);
   command->add_option("--samples", o.samples, "Paths per pixel; else what the file says")->check(CLI::Range(1, 65536));
-  command->add_flag("--caustics", o.caustics,
-                    "Light of lamps that glass bends onto matte things, instead of straight tinted shadows; noisier");
+  command->add_flag(
+      "--caustics", o.caustics,
+      "Light of lamps that glass and mirrors throw onto other things, instead of straight tinted shadows");
   command->add_option("--max-depth", o.max_depth, "Bounces; else what the file says")->check(CLI::Range(1, 1000));
   command->add_option("--width", o.width, "Of all pictures [pixels]; the field of view stays")
       ->check(CLI::Range(2, 16384));

@@ -43,17 +43,6 @@ TEST_F(Furnace, ConductorLosesALittle) {
   }
 }
 
-// Lambert's formula: irradiance of a polygon of radiance L, E = L / 2 sum_i theta_i (g_i . n), g_i the unit normal of
-// the edge's plane through the point, theta_i the angle of the edge
-double irradiance(const std::vector<Vec3>& polygon, const Vec3& point, const Vec3& normal) {
-  double sum = 0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vec3 a = (polygon[i] - point).normalized(), b = (polygon[(i + 1) % polygon.size()] - point).normalized();
-    sum += std::acos(a.dot(b)) * a.cross(b).normalized().dot(normal);
-  }
-  return std::abs(sum) / 2;
-}
-
 TEST_F(Light, DiffuseFloorUnderRectanglesHasTheAnalyticRadiance) {
   Scene scene;
   add(scene, quad({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}), material(Kind::diffuse, {0.5f, 0.25f, 1.0f}));

@@ -126,6 +126,17 @@ inline Mean mean(const RenderedFrame& frame, int channel = 0) {
   return mean(frame, channel, 0, std::size_t(frame.width) * frame.height);
 }
 
+// Lambert's formula: irradiance of a polygon of radiance L, E = L / 2 sum_i theta_i (g_i . n), g_i the unit normal of
+// the edge's plane through the point, theta_i the angle of the edge
+inline double irradiance(const std::vector<Vec3>& polygon, const Vec3& point, const Vec3& normal) {
+  double sum = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec3 a = (polygon[i] - point).normalized(), b = (polygon[(i + 1) % polygon.size()] - point).normalized();
+    sum += std::acos(a.dot(b)) * a.cross(b).normalized().dot(normal);
+  }
+  return std::abs(sum) / 2;
+}
+
 inline RenderedFrame picture(const Scene& scene, int samples, bool transparent_shadows = true, int max_depth = 64) {
   Device device;
   RenderSettings settings;
