@@ -36,7 +36,7 @@ struct Checkpoint {
   std::vector<double> pressing;                      // normal forces that rolling resistance goes by [N]
   std::vector<std::vector<double>> reading;          // [n_worlds][n_displays, kg]
   std::vector<double> flowed;                        // rest shapes of elements that yield or creep [n x 9, 1/m]
-  std::vector<std::vector<double>> joint_motion;     // [n_worlds][3 n_joints] physics/step/joint_motion.hpp
+  std::vector<std::vector<double>> joint_motion;     // [n_worlds][4 n_joints] physics/step/joint_motion.hpp
 };
 
 }  // namespace pvg

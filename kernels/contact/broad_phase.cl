@@ -4,35 +4,13 @@
 // boxes that meet, what is in them is measured halfway: farther apart than both can still move, it is no candidate.
 // Parts of one body that lie close together at rest do not push each other there: such a pair is activated at half the
 // gap that it has in the rest shape, however coarse or fine the mesh, and its offset is at most half its distance.
+#include "contact/box.cl"
 #include "contact/distance.cl"
 #include "contact/mesh.h"
 #include "contact/tree.h"
 #include "energies/contact/barrier.h"
 #include "shared/mask.cl"
 #include "shared/real.h"
-
-typedef struct {
-  float3 low, high;
-} Box;
-
-static inline Box empty_box() {
-  const Box box = {(float3)(INFINITY), (float3)(-INFINITY)};
-  return box;
-}
-
-static inline Box box_of_site(const uint site, global const real* restrict x0, global const real* restrict x1,
-                              const Box box) {
-  const real3 a = vload3(site, x0), b = vload3(site, x1);
-  const Box grown = {fmin(box.low, convert_float3(fmin(a, b))), fmax(box.high, convert_float3(fmax(a, b)))};
-  return grown;
-}
-
-// rounding to float moved the box by less than 2^-24 of its coordinates; 2^-22 outward covers it and the margin's own
-static inline Box grow(const Box box, const real margin) {
-  const float m = (float)margin * 1.000001f;
-  const Box grown = {box.low - m - (fabs(box.low) + m) * 2.4e-7f, box.high + m + (fabs(box.high) + m) * 2.4e-7f};
-  return grown;
-}
 
 static inline Box box_of_point(const uint i, global const CollisionPoint* restrict points,
                                global const real* restrict x0, global const real* restrict x1) {
@@ -339,17 +317,22 @@ static inline void begin_walk(Walk* walk, const Search* search, global const Tre
   }
 }
 
-// n: queries.  counts: [n];  kept: [n x N_KEPT] the first partners
+// n: queries.  is_near: [n_bodies] as of contact/near_bodies.cl;  counts: [n];  kept: [n x N_KEPT] the first partners
 kernel void count_pairs(const uint n, const uint log2_leaves, global const Query* restrict queries,
                         global const TreeNode* restrict nodes, global const CollisionPoint* restrict points,
                         global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
                         global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
                         global const real* restrict rest, global const real* restrict pair_friction,
-                        global const u32* restrict disabled_first, global const u32* restrict disabled, const real margin,
-                        global const real* restrict x0, global const real* restrict x1, global u32* restrict counts, global u32* restrict kept) {
+                        global const u32* restrict disabled_first, global const u32* restrict disabled,
+                        global const u32* restrict is_near, const real margin, global const real* restrict x0,
+                        global const real* restrict x1, global u32* restrict counts, global u32* restrict kept) {
   const uint q = get_global_id(0);
   if (q >= n) return;
   const Query query = queries[q];
+  if (!is_near[query.body]) {
+    counts[q] = 0;
+    return;
+  }
   const Search search = make_search(query, q, points, edges, bodies, worlds, pair_friction, disabled_first, margin, x0, x1);
   global const TreeNode* tree = nodes + ((size_t)(2 * query.world + search.is_edge) * 2 << log2_leaves);
   Walk walk;

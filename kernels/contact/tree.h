@@ -21,7 +21,7 @@ typedef struct {
   u32 primitive;  // index of the point, or index of the edge | IS_EDGE
   u32 slot;       // of the edge's own leaf
   u32 world;
-  u32 unused;
+  u32 body;  // of the primitive, over all worlds
 } Query;
 SHARED_SIZE(Query, 16);
 SHARED_END

@@ -83,19 +83,20 @@ kernel void JOIN(TERM, _gradient_all)(const uint n, global const PARAMS* restric
   if (e < n) JOIN(TERM, _gradient_of)(e, params, x, x0, h, first_row, rows);
 }
 
-// blocks: [n x (3 STENCIL)^2, N/m], row-major per element, from number `first` on
-kernel void JOIN(TERM, _hessian_all)(const uint n, global const PARAMS* restrict params, global const real* restrict x,
+// blocks: of elements begin .. begin + n - 1  [n_elements x (3 STENCIL)^2, N/m], row-major per element, from number
+// `first` on
+kernel void JOIN(TERM, _hessian_all)(const uint n, const uint begin, global const PARAMS* restrict params, global const real* restrict x,
                                      global const real* restrict x0, const real h, const uint first,
                                      global real* restrict blocks) {
 #ifdef HESSIAN_OF_LANES
   // the first work-items of each group take all its elements
   const uint in_group = get_local_id(0) * N_LANES, e = get_group_id(0) * get_local_size(0) + in_group;
   if (in_group < get_local_size(0) && e < n)
-    JOIN(TERM, _hessian_of_lanes)(min(n - e, (uint)N_LANES), params + e, x,
-                                  blocks + first + (size_t)e * 9 * STENCIL * STENCIL);
+    JOIN(TERM, _hessian_of_lanes)(min(n - e, (uint)N_LANES), params + begin + e, x,
+                                  blocks + first + (size_t)(begin + e) * 9 * STENCIL * STENCIL);
 #else
   const uint e = get_global_id(0);
-  if (e < n) JOIN(TERM, _hessian_of)(e, params, x, x0, h, first, blocks);
+  if (e < n) JOIN(TERM, _hessian_of)(begin + e, params, x, x0, h, first, blocks);
 #endif
 }
 

@@ -80,16 +80,17 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void block_product_and
 // Each block of the matrix is the sum of the parts of dense element blocks that fall on it: of each term by itself, in
 // the order of its elements, then of the terms in their order. Of element blocks only the upper half is read, of the
 // matrix only the upper half summed; both halves are written.
-// n: blocks on and above the diagonal;  place: [n x 2] where each stands in the matrix, and its transpose
-// part_first: [n + 1] into the parts;  source: where the part's first number stands in element_blocks;
+// n: of the blocks on and above the diagonal, from `begin` on;  place: [n_blocks x 2] where each stands in the matrix, and
+// its transpose
+// part_first: [n_blocks + 1] into the parts;  source: where the part's first number stands in element_blocks;
 // width: how long its rows are there, NEW_TERM where the part is the first one of a term, TRANSPOSED where it falls on
 // the transposed block
-kernel void assemble_blocks(const uint n, global const uint* restrict place, global const uint* restrict part_first,
+kernel void assemble_blocks(const uint n, const uint begin, global const uint* restrict place, global const uint* restrict part_first,
                             global const uint* restrict source, global const uint* restrict width,
                             global const real* restrict weight, global const real* restrict element_blocks,
                             global real* restrict blocks) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
+  const uint i = begin + get_global_id(0);
+  if (i >= begin + n) return;
   real3 sum0 = (real3)(0), sum1 = (real3)(0), sum2 = (real3)(0);
   real3 row0 = (real3)(0), row1 = (real3)(0), row2 = (real3)(0);
   for (uint k = part_first[i]; k < part_first[i + 1]; ++k) {

@@ -139,8 +139,9 @@ Trees make_trees(const CollisionMesh& mesh, std::span<const Vec3> x, const BodyP
         fill_tree(of_edges, mesh.edges, first_edge[w], first_edge[w + 1], x, by_length, participants);
     trees.first_query_of_world.push_back(u32(trees.queries.size()));
     for (u32 i = first_point[w]; i < first_point[w + 1]; ++i)
-      if (participants.has_partner[mesh.points[i].body]) trees.queries.push_back({i, 0, w, 0});
-    for (u32 slot = 0; slot < edges.size(); ++slot) trees.queries.push_back({edges[slot] | IS_EDGE, slot, w, 0});
+      if (participants.has_partner[mesh.points[i].body]) trees.queries.push_back({i, 0, w, mesh.points[i].body});
+    for (u32 slot = 0; slot < edges.size(); ++slot)
+      trees.queries.push_back({edges[slot] | IS_EDGE, slot, w, mesh.edges[edges[slot]].body});
   }
   trees.first_query_of_world.push_back(u32(trees.queries.size()));
   return trees;
@@ -183,6 +184,28 @@ BodyPairTable table_of(const CollisionMesh& mesh, PairsOf which) {
   return table;
 }
 
+// the sites of each body's surface
+struct BodySites {
+  std::vector<u32> first = {0}, site;
+};
+
+BodySites sites_of_bodies(const CollisionMesh& mesh) {
+  std::vector<std::vector<u32>> of_body(mesh.bodies.size());
+  for (const CollisionPoint& each : mesh.points) of_body[each.body].push_back(each.site);
+  for (const CollisionEdge& each : mesh.edges)
+    of_body[each.body].insert(of_body[each.body].end(), each.site, each.site + 2);
+  for (const CollisionTriangle& each : mesh.triangles)
+    of_body[each.body].insert(of_body[each.body].end(), each.site, each.site + 3);
+  BodySites all;
+  for (std::vector<u32>& sites : of_body) {
+    std::sort(sites.begin(), sites.end());
+    sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
+    all.site.insert(all.site.end(), sites.begin(), sites.end());
+    all.first.push_back(u32(all.site.size()));
+  }
+  return all;
+}
+
 constexpr u32 LEVELS = 7;  // that one launch refits, as in contact/broad_phase.cl
 
 }  // namespace
@@ -191,6 +214,8 @@ BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<cons
                        std::span<const Vec3> x, PairsOf which)
     : n_trees_(2 * mesh.n_worlds),
       log2_leaves_(find_log2_leaves(mesh)),
+      // two launches more; a device apart from the host has a work-item for every query
+      finds_near_bodies_(which == PairsOf::two_bodies && device.info().runs_host_functions),
       points_(device, mesh.points, "collision_points"),
       edges_(device, mesh.edges, "collision_edges"),
       triangles_(device, mesh.triangles, "collision_triangles"),
@@ -207,11 +232,18 @@ BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<cons
       counts_(device, 0, "pair_counts"),
       offsets_(device, 0, "pair_offsets"),
       kept_(device, 0, "kept_partners"),
+      first_site_(device, 0, "first site of body"),
+      sites_(device, 0, "sites of bodies"),
+      is_near_(device, std::vector<u32>(std::max<std::size_t>(1, mesh.bodies.size()), 1), "body is near"),
+      body_boxes_of_(device, 6 * mesh.bodies.size(), "body boxes"),
       program_(device, "contact/broad_phase.cl"),
+      near_program_(device, "contact/near_bodies.cl"),
       refit_leaves_(program_.kernel("refit_leaves")),
       refit_levels_(program_.kernel("refit_levels")),
       count_pairs_(program_.kernel("count_pairs")),
       fill_pairs_(program_.kernel("fill_pairs")),
+      body_boxes_(near_program_.kernel("body_boxes")),
+      near_bodies_(near_program_.kernel("near_bodies")),
       scan_(device) {
   const auto upload = [](auto& buffer, const auto& values) {
     buffer.resize(values.size());
@@ -230,8 +262,18 @@ BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<cons
   const Disabled disabled = disabled_of_queries(mesh, trees.queries);
   upload(disabled_first_, disabled.first);
   upload(disabled_, disabled.partner);
+  const BodySites sites = sites_of_bodies(mesh);
+  upload(first_site_, sites.first);
+  upload(sites_, sites.site);
   counts_.resize(trees.queries.size());
   kept_.resize(trees.queries.size() * N_KEPT);
+}
+
+void BroadPhase::find_near_bodies(const Buffer<double>& x0, const Buffer<double>& x1, double margin) {
+  const u32 n = u32(bodies_.size());
+  body_boxes_(n * GROUP_SIZE, n * u32(GROUP_SIZE), first_site_, sites_, bodies_, worlds_, margin, x0, x1,
+              body_boxes_of_);
+  near_bodies_(n, n, bodies_, worlds_, pair_friction_, body_boxes_of_, is_near_);
 }
 
 void BroadPhase::refit(const Buffer<double>& x0, const Buffer<double>& x1, double margin) {
@@ -250,9 +292,10 @@ void BroadPhase::find(const Buffer<double>& x0, const Buffer<double>& x1, double
     pairs.rows.resize(0);
     return;
   }
+  if (finds_near_bodies_) find_near_bodies(x0, x1, margin);
   refit(x0, x1, margin);
   count_pairs_(n, u32(n), log2_leaves_, queries_, nodes_, points_, edges_, triangles_, bodies_, worlds_, rest_,
-               pair_friction_, disabled_first_, disabled_, margin, x0, x1, counts_, kept_);
+               pair_friction_, disabled_first_, disabled_, is_near_, margin, x0, x1, counts_, kept_);
   scan_(n, counts_, offsets_);
   pairs.first = scan_.read_at(offsets_, first_query_of_world_);
   pairs.rows.resize(pairs.n());

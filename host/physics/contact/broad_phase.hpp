@@ -31,9 +31,11 @@ class BroadPhase {
   const Buffer<CollisionWorld>& worlds() const { return worlds_; }
 
  private:
+  void find_near_bodies(const Buffer<double>& x0, const Buffer<double>& x1, double margin);
   void refit(const Buffer<double>& x0, const Buffer<double>& x1, double margin);
 
   u32 n_trees_, log2_leaves_;
+  bool finds_near_bodies_;
   Buffer<CollisionPoint> points_;
   Buffer<CollisionEdge> edges_;
   Buffer<CollisionTriangle> triangles_;
@@ -43,12 +45,14 @@ class BroadPhase {
   Buffer<double> pair_friction_;  // coefficient of each pair of bodies, or -1 where they never touch
   Buffer<double> pair_adhesion_;  // of each pair of bodies [J/m^2]
   Buffer<TreeNode> nodes_;
-  Buffer<Query> queries_;                  // by world: points, then edges in the order of their leaves
-  Buffer<u32> disabled_first_, disabled_;  // [n_queries + 1], partners that a query must not find
-  Buffer<u32> first_query_of_world_;       // [n_worlds + 1]
-  Buffer<u32> counts_, offsets_, kept_;    // [n_queries], [n_queries + 1], [n_queries x N_KEPT]
-  Program program_;
-  Kernel refit_leaves_, refit_levels_, count_pairs_, fill_pairs_;
+  Buffer<Query> queries_;                     // by world: points, then edges in the order of their leaves
+  Buffer<u32> disabled_first_, disabled_;     // [n_queries + 1], partners that a query must not find
+  Buffer<u32> first_query_of_world_;          // [n_worlds + 1]
+  Buffer<u32> counts_, offsets_, kept_;       // [n_queries], [n_queries + 1], [n_queries x N_KEPT]
+  Buffer<u32> first_site_, sites_, is_near_;  // [n_bodies + 1], of each body, [n_bodies]
+  Buffer<f32> body_boxes_of_;                 // [n_bodies x 6, m]
+  Program program_, near_program_;
+  Kernel refit_leaves_, refit_levels_, count_pairs_, fill_pairs_, body_boxes_, near_bodies_;
   Scan scan_;
 };
 

@@ -199,6 +199,7 @@ ContactSet::ContactSet(ContactSet&&) noexcept = default;
 const WorldRows<Barrier>& ContactSet::candidates() const { return impl_->candidates.rows(); }
 const WorldRows<Barrier>& ContactSet::contacts() const { return impl_->contacts; }
 const WorldRows<Friction>& ContactSet::friction() const { return impl_->friction; }
+std::span<const Friction> ContactSet::friction_rows() const { return impl_->friction_rows; }
 
 void ContactSet::find_candidates(const Buffer<double>& x0, const Buffer<double>& x1) { impl_->candidates.find(x0, x1); }
 

@@ -87,6 +87,7 @@ class ContactSet {
   void find_and_lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0, const Buffer<double>& x1);
   void clear_friction();  // no friction rows
   const WorldRows<Friction>& friction() const;
+  std::span<const Friction> friction_rows() const;      // the same on the host
   const std::vector<u32>& friction_sites() const;       // [n x 4]
   const Buffer<u32>& friction_sites_on_device() const;  // the same
   const Buffer<u32>& first_friction() const;            // [n_worlds + 1] on the device

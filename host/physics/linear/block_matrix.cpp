@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "host/physics/linear/world_rows.hpp"
+
 namespace pvg {
 namespace {
 
@@ -64,7 +66,7 @@ u32 MatrixPattern::find(u32 row, u32 wanted) const {
 }
 
 BlockMatrix::BlockMatrix(Device& device, std::span<const Site> sites, std::span<const u32> node_is_fixed,
-                         std::span<Term* const> terms)
+                         std::span<Term* const> terms, std::span<const WorldRange> nodes)
     : pattern_(find_pattern(sites, node_is_fixed, terms)),
       program_(device, "solve/block_matrix.cl"),
       block_product_(program_.kernel("block_product")),
@@ -88,20 +90,24 @@ BlockMatrix::BlockMatrix(Device& device, std::span<const Site> sites, std::span<
     term->move_blocks(element_blocks_, n_numbers);
     n_numbers += term->n_block_numbers();
   }
-  find_parts(sites, node_is_fixed, terms);
+  find_parts(sites, node_is_fixed, terms, nodes);
 }
 
 // A counting sort by block on and above the diagonal: parts of one block stay in the order of the terms and their
 // elements.
 void BlockMatrix::find_parts(std::span<const Site> sites, std::span<const u32> node_is_fixed,
-                             std::span<Term* const> terms) {
+                             std::span<Term* const> terms, std::span<const WorldRange> nodes) {
   std::vector<u32> place, number(pattern_.n_blocks());  // of the upper blocks; among them, of each block
-  for (u32 row = 0; row < pattern_.n_nodes(); ++row)
+  world_first_.assign(1, 0);
+  for (u32 row = 0; row < pattern_.n_nodes(); ++row) {
+    while (world_first_.size() < nodes.size() && row >= nodes[world_first_.size()].begin)
+      world_first_.push_back(u32(place.size() / 2));
     for (u32 block = pattern_.first[row]; block < pattern_.first[row + 1]; ++block) {
       if (pattern_.column[block] < row) continue;
       number[block] = u32(place.size() / 2);
       place.insert(place.end(), {block, pattern_.find(pattern_.column[block], row)});
     }
+  }
   const auto for_each_part = [&](const auto& found) {
     for (const Term* term : terms)
       for_each_pair(sites, node_is_fixed, *term,
@@ -109,13 +115,14 @@ void BlockMatrix::find_parts(std::span<const Site> sites, std::span<const u32> n
                       if (row <= column) found(number[pattern_.find(row, column)], *term, from, is_transposed, weight);
                     });
   };
-  n_upper_blocks_ = u32(place.size() / 2);
-  std::vector<u32> first(n_upper_blocks_ + 1, 0);
+  const u32 n_upper_blocks = u32(place.size() / 2);
+  world_first_.resize(std::max<std::size_t>(1, nodes.size()) + 1, n_upper_blocks);
+  std::vector<u32> first(n_upper_blocks + 1, 0);
   for_each_part([&](u32 block, const Term&, std::size_t, bool, double) { ++first[block + 1]; });
-  for (std::size_t block = 0; block < n_upper_blocks_; ++block) first[block + 1] += first[block];
+  for (std::size_t block = 0; block < n_upper_blocks; ++block) first[block + 1] += first[block];
   std::vector<u32> next(first.begin(), first.end() - 1), source(first.back()), width(first.back());
   std::vector<double> weights(first.back());
-  std::vector<const Term*> last(n_upper_blocks_, nullptr);
+  std::vector<const Term*> last(n_upper_blocks, nullptr);
   for_each_part([&](u32 block, const Term& term, std::size_t from, bool is_transposed, double weight) {
     const u32 part = next[block]++;
     source[part] = u32(term.first_block() + from);
@@ -134,9 +141,10 @@ void BlockMatrix::find_parts(std::span<const Site> sites, std::span<const u32> n
   upload(part_weight_, weights);
 }
 
-void BlockMatrix::assemble() {
-  const u32 n = n_upper_blocks_;
-  assemble_blocks_(n, n, place_, part_first_, part_source_, part_width_, part_weight_, element_blocks_, blocks_);
+void BlockMatrix::assemble(std::span<const char> worlds) {
+  for (const auto& [begin, end] : pieces_of(world_first_, worlds))
+    assemble_blocks_(end - begin, end - begin, begin, place_, part_first_, part_source_, part_width_, part_weight_,
+                     element_blocks_, blocks_);
 }
 
 void BlockMatrix::multiply_and_dot(const Buffer<f64>& x, const Gather* gather, const Buffer<u32>& node_is_fixed,

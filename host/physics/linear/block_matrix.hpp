@@ -23,11 +23,12 @@ constexpr u32 NO_BLOCK = ~0u;
 
 class BlockMatrix {
  public:
+  // nodes: of each world, in their order; empty: all are of one
   BlockMatrix(Device& device, std::span<const Site> sites, std::span<const u32> node_is_fixed,
-              std::span<Term* const> terms);
-  // the sum of the present blocks of the terms that it was made from, which write their upper halves into a buffer of
-  // its own
-  void assemble();
+              std::span<Term* const> terms, std::span<const WorldRange> nodes = {});
+  // The sum of the present blocks of the terms that it was made from, which write their upper halves into a buffer of
+  // its own. worlds: [n_worlds] whose rows are wanted, the others' stay; or empty, then all are
+  void assemble(std::span<const char> worlds = {});
   // y = A x;  [n_nodes x 3]
   void multiply(const Buffer<f64>& x, Buffer<f64>& y);
   // y = A x + what these rows are to the nodes, if gather is given; and chunks.partial(): x . y over each chunk of at
@@ -40,7 +41,8 @@ class BlockMatrix {
   Buffer<f64>& element_blocks() { return element_blocks_; }
 
  private:
-  void find_parts(std::span<const Site> sites, std::span<const u32> node_is_fixed, std::span<Term* const> terms);
+  void find_parts(std::span<const Site> sites, std::span<const u32> node_is_fixed, std::span<Term* const> terms,
+                  std::span<const WorldRange> nodes);
 
   MatrixPattern pattern_;
   Program program_;
@@ -48,7 +50,7 @@ class BlockMatrix {
   Buffer<u32> first_, column_;
   Buffer<f64> blocks_;
   Buffer<f64> element_blocks_;                         // of all terms
-  u32 n_upper_blocks_ = 0;                             // on and above the diagonal
+  std::vector<u32> world_first_;                       // [n_worlds + 1] of the blocks on and above the diagonal
   Buffer<u32> place_;                                  // [n_upper_blocks x 2] in blocks_, and of the transpose
   Buffer<u32> part_first_, part_source_, part_width_;  // what each is the sum of: by term, in it by element
   Buffer<f64> part_weight_;

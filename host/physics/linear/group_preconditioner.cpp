@@ -80,6 +80,13 @@ GroupPreconditioner::GroupPreconditioner(const MatrixPattern& matrix, std::span<
     }
 }
 
+double GroupPreconditioner::world_cost(u32 world) const {
+  double sum = 0;
+  for (std::size_t group = 0; group < lone_cost_.size(); ++group)
+    if (group_world_[group] == world) sum += lone_cost_[group];
+  return sum;
+}
+
 // That of its largest part: a few contacts do not change which one suits.
 std::optional<NodeOrder> GroupPreconditioner::order_of(const Group& group) const {
   return lone_order_[*std::max_element(group.joined.begin(), group.joined.end(),
@@ -219,7 +226,7 @@ void GroupPreconditioner::add_contacts(const Term& contacts, std::span<const dou
     for_each_block(sites.subspan(e * stencil, stencil), blocks.subspan(e * width * width, width * width),
                    [&](u32 row, u32 column, const double* from, double weight) {
                      Group& group = groups_[node_group_[row]];
-                     if (!group.is_active) return;
+                     if (!group.is_renewed) return;
                      const u32 block = find_block(group, node_local_[row], node_local_[column]);
                      if (block != NO_BLOCK)
                        add(own_block(group, block), from, width, weight);
@@ -252,18 +259,18 @@ void GroupPreconditioner::leave_out(Group& group, u32 row, u32 column, const dou
 // Groups that are more than one thread's share use all threads themselves, one after the other; the others run side by
 // side.
 template <class Task>
-void GroupPreconditioner::for_each_group(const Task& task) const {
+void GroupPreconditioner::for_each_group(bool Group::*is_in, const Task& task) const {
   double total = 0;
   for (const Group& group : groups_)
-    if (group.is_active) total += group.cost;
+    if (group.*is_in) total += group.cost;
   if (total < WORTH_A_THREAD) {
     for (u32 g = 0; g < groups_.size(); ++g)
-      if (groups_[g].is_active) task(g, nullptr);
+      if (groups_[g].*is_in) task(g, nullptr);
     return;
   }
   std::vector<u32> small;
   for (u32 g = 0; g < groups_.size(); ++g) {
-    if (!groups_[g].is_active) continue;
+    if (!(groups_[g].*is_in)) continue;
     if (groups_[g].cost * double(workers_->n_threads()) > total)
       task(g, workers_.get());
     else
@@ -273,7 +280,7 @@ void GroupPreconditioner::for_each_group(const Task& task) const {
 }
 
 void GroupPreconditioner::take_blocks(std::span<const double> values) {
-  for_each_group([&](u32 g, Workers*) {
+  for_each_group(&Group::is_renewed, [&](u32 g, Workers*) {
     Group& group = groups_[g];
     static constexpr double ZERO[9] = {};
     for (std::size_t block = 0; block < group.source.size(); ++block)
@@ -297,22 +304,29 @@ bool GroupPreconditioner::factor(Group& group, Workers* workers) {
 }
 
 void GroupPreconditioner::start_factorize(const Buffer<f64>& blocks, const ContactElements& contacts,
-                                          std::span<const char> world_is_active, const Buffer<f64>* gradient) {
+                                          std::span<const char> world_is_active, const Buffer<f64>* gradient,
+                                          std::span<const char> world_keeps) {
   if (device_factor_) return device_factor_->start_factorize(blocks, contacts, world_is_active, gradient);
   std::vector<detail::HostAccess> access = {reads(blocks)};
   for (const Term* term : contacts.terms) access.push_back(reads(term->blocks()));
   blocks.memory().device().call(
-      std::move(access),
-      [this, n = blocks.size(), terms = std::vector(contacts.terms.begin(), contacts.terms.end()),
-       active = std::vector(world_is_active.begin(), world_is_active.end())](std::span<void* const> memory) {
+      std::move(access), [this, n = blocks.size(), terms = std::vector(contacts.terms.begin(), contacts.terms.end()),
+                          active = std::vector(world_is_active.begin(), world_is_active.end()),
+                          keeps = std::vector(world_keeps.begin(), world_keeps.end())](std::span<void* const> memory) {
         const auto numbers = [&](std::size_t i, std::size_t size) {
           return std::span(static_cast<const double*>(memory[i]), size);
         };
-        for (Group& group : groups_) group.is_active = active[group.world];
+        for (Group& group : groups_) {
+          group.is_active = active[group.world];
+          group.is_renewed = group.is_active && (keeps.empty() || !keeps[group.world]);
+        }
+        const auto is_renewed = [](const Group& group) { return group.is_renewed; };
+        if (std::none_of(groups_.begin(), groups_.end(), is_renewed)) return;
         take_blocks(numbers(0, n));
         for (std::size_t i = 0; i < terms.size(); ++i)
           add_contacts(*terms[i], numbers(i + 1, terms[i]->blocks().size()));
-        for_each_group([&](u32 g, Workers* workers) { groups_[g].is_factored = factor(groups_[g], workers); });
+        for_each_group(&Group::is_renewed,
+                       [&](u32 g, Workers* workers) { groups_[g].is_factored = factor(groups_[g], workers); });
       });
 }
 
@@ -350,7 +364,7 @@ void GroupPreconditioner::start_apply(const Buffer<f64>& residual, bool adds, Bu
 
 void GroupPreconditioner::apply(std::span<const double> residual, std::span<double> preconditioned) const {
   std::fill(preconditioned.begin(), preconditioned.end(), 0.0);
-  for_each_group([&](u32 g, Workers* workers) {
+  for_each_group(&Group::is_active, [&](u32 g, Workers* workers) {
     const Group& group = groups_[g];
     if (!group.is_factored) return;
     for (std::size_t i = 0; i < group.nodes.size(); ++i)

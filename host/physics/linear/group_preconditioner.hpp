@@ -39,8 +39,11 @@ class GroupPreconditioner {
   // Starts, in the order of the device's queue, what takes the matrix's blocks, adds the present ones of the contacts
   // and factors the groups of the active worlds. contacts must not change before the device is waited for.
   // gradient: what the first start_apply() is to will be -gradient [n_nodes x 3].
+  // world_keeps: [n_worlds] whose groups keep the factors that they have, where the host factors; or empty, then none
+  // do
   void start_factorize(const Buffer<f64>& blocks, const ContactElements& contacts,
-                       std::span<const char> world_is_active, const Buffer<f64>* gradient = nullptr);
+                       std::span<const char> world_is_active, const Buffer<f64>* gradient = nullptr,
+                       std::span<const char> world_keeps = {});
   // A node of the first group that is not positive definite, or nothing; after the device was waited for.
   std::optional<u32> failed() const;
   std::optional<u32> factorize(const Buffer<f64>& blocks, const ContactElements& contacts,
@@ -51,6 +54,7 @@ class GroupPreconditioner {
   // The same in the order of the queue; adds: to what is there
   void start_apply(const Buffer<f64>& residual, bool adds, Buffer<f64>& preconditioned) const;
   double cost(u32 group) const { return lone_cost_[group]; }  // of a group's factor without contact, operations
+  double world_cost(u32 world) const;                         // of those of a world
   std::size_t n_groups() const { return groups_.size(); }
   std::size_t n_bytes() const;  // of all factors
 
@@ -70,8 +74,9 @@ class GroupPreconditioner {
     std::vector<double> blocks;           // [n_blocks x 9]
     std::unique_ptr<BlockCholesky<float>> single_factor;  // of a large group
     std::unique_ptr<BlockCholesky<double>> factor;        // of any other, and where single precision once lost too much
-    bool is_active = false, is_factored = false, is_single = false;  // is_single: is_factored in single precision
-    mutable std::vector<double> local;                               // of apply() [n_nodes x 3]
+    bool is_active = false, is_renewed = false, is_factored = false,
+         is_single = false;             // is_single: is_factored in single precision
+    mutable std::vector<double> local;  // of apply() [n_nodes x 3]
   };
   template <class Found>
   void for_each_block(std::span<const u32> element_sites, std::span<const double> block, const Found& found) const;
@@ -86,7 +91,7 @@ class GroupPreconditioner {
   static double* own_block(Group& group, u32 block);
   static void leave_out(Group& group, u32 row, u32 column, const double* from, std::size_t width, double weight);
   template <class Task>
-  void for_each_group(const Task& task) const;
+  void for_each_group(bool Group::*is_in, const Task& task) const;
 
   const MatrixPattern& matrix_;
   std::vector<Site> sites_;

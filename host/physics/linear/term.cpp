@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "host/physics/linear/world_rows.hpp"
+
 namespace pvg {
 namespace {
 
@@ -83,10 +85,12 @@ void Term::energy(const Buffer<f64>& x, const Buffer<f64>& x0, double h, std::si
 void Term::gradient(const Buffer<f64>& x, const Buffer<f64>& x0, double h, Buffer<f64>& rows) {
   if (n_ > 0) kernels().gradient(n_, u32(n_), params_, x, x0, h, first_row, rows);
 }
-void Term::hessian(const Buffer<f64>& x, const Buffer<f64>& x0, double h) {
+void Term::hessian(const Buffer<f64>& x, const Buffer<f64>& x0, double h, std::span<const char> worlds) {
   if (!shared_blocks_) blocks_.resize(n_block_numbers());
-  if (n_ > 0)
-    kernels().hessian(n_, u32(n_), params_, x, x0, h, first_block_, shared_blocks_ ? *shared_blocks_ : blocks_);
+  if (n_ == 0) return;
+  for (const auto& [begin, end] : pieces_of(world_first_, worlds))
+    kernels().hessian(end - begin, end - begin, begin, params_, x, x0, h, first_block_,
+                      shared_blocks_ ? *shared_blocks_ : blocks_);
 }
 void Term::product(const Buffer<f64>& direction, Buffer<f64>& rows) {
   if (n_ > 0) kernels().product(n_, u32(n_), params(), first_block_, blocks(), direction, first_row, rows);

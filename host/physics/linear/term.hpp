@@ -3,6 +3,7 @@
 // many rows (see kernels/energies/assemble.cl).
 #pragma once
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,8 +52,9 @@ class Term {
     if (n > 0) kernels().energy(n, u32(n), params, x, x0, h, u32(first), energy);
   }
   void gradient(const Buffer<f64>& x, const Buffer<f64>& x0, double h, Buffer<f64>& rows);  // [N]
-  void hessian(const Buffer<f64>& x, const Buffer<f64>& x0, double h);                      // kept in blocks()
-  void product(const Buffer<f64>& direction, Buffer<f64>& rows);                            // rows = H direction
+  // Kept in blocks(). worlds: [n_worlds] whose elements' are wanted, or empty, then all are
+  void hessian(const Buffer<f64>& x, const Buffer<f64>& x0, double h, std::span<const char> worlds = {});
+  void product(const Buffer<f64>& direction, Buffer<f64>& rows);  // rows = H direction
 
   std::size_t size() const { return n_; }
   std::size_t stencil() const { return stencil_; }

@@ -97,6 +97,7 @@ std::vector<Checkpoint> split(const Checkpoint& whole, const System& system) {
     world.pressing = taken(whole.pressing, at.pressing);
     world.reading = {whole.reading[w]};
     world.flowed = taken(whole.flowed, at.flowed);
+    world.joint_motion = {whole.joint_motion[w]};
   }
   return worlds;
 }
@@ -126,6 +127,7 @@ bool put(Checkpoint& whole, std::span<const std::optional<Checkpoint>> worlds, c
     whole.couplings[w] = shifted(world.couplings[0], double(system.node_ranges[w].begin));
     whole.past_targets[w] = world.past_targets[0];
     whole.reading[w] = world.reading[0];
+    whole.joint_motion[w] = world.joint_motion[0];
   }
   return true;
 }

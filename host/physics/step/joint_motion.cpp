@@ -37,18 +37,20 @@ double foreseen_change(const JointMotion& motion, double q, bool is_second_order
 
 JointMotion after_step(const JointMotion& motion, double q_start, double q_end, bool is_second_order,
                        double inertia_h) {
-  return {q_start, (q_end - past_coordinate(motion, q_start, is_second_order)) / inertia_h, motion.rate};
+  return {q_start, (q_end - past_coordinate(motion, q_start, is_second_order)) / inertia_h, motion.rate,
+          motion.target_change};
 }
 
 std::vector<double> to_numbers(const std::vector<JointMotion>& motion) {
   std::vector<double> numbers;
-  for (const JointMotion& m : motion) numbers.insert(numbers.end(), {m.before, m.rate, m.rate_before});
+  for (const JointMotion& m : motion) numbers.insert(numbers.end(), {m.before, m.rate, m.rate_before, m.target_change});
   return numbers;
 }
 
 std::vector<JointMotion> to_motion(const std::vector<double>& numbers) {
-  std::vector<JointMotion> motion(numbers.size() / 3);
-  for (std::size_t j = 0; j < motion.size(); ++j) motion[j] = {numbers[3 * j], numbers[3 * j + 1], numbers[3 * j + 2]};
+  std::vector<JointMotion> motion(numbers.size() / 4);
+  for (std::size_t j = 0; j < motion.size(); ++j)
+    motion[j] = {numbers[4 * j], numbers[4 * j + 1], numbers[4 * j + 2], numbers[4 * j + 3]};
   return motion;
 }
 

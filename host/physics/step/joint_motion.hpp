@@ -9,9 +9,10 @@ namespace pvg {
 
 // Of one joint.  [rad or m], [rad/s or m/s]
 struct JointMotion {
-  double before = 0;       // coordinate at the start of the last step
-  double rate = 0;         // at its end
-  double rate_before = 0;  // at its start
+  double before = 0;         // coordinate at the start of the last step
+  double rate = 0;           // at its end
+  double rate_before = 0;    // at its start
+  double target_change = 0;  // of its drive of position in the last step, 0 without one
 };
 
 // Rates along the coordinates of all joints, as the bodies start; 0 for fixed and spherical ones.  [n_joints]
@@ -26,7 +27,7 @@ double foreseen_change(const JointMotion& motion, double q, bool is_second_order
 // After a step from q_start to q_end.
 JointMotion after_step(const JointMotion& motion, double q_start, double q_end, bool is_second_order, double inertia_h);
 
-// As numbers of a checkpoint [3 n_joints], and back.
+// As numbers of a checkpoint [4 n_joints], and back.
 std::vector<double> to_numbers(const std::vector<JointMotion>& motion);
 std::vector<JointMotion> to_motion(const std::vector<double>& numbers);
 

@@ -66,7 +66,7 @@ Potential::Potential(Device& device, const System& system)
   }
   constant_gather_.set(blocks);
   rows_.resize(3 * n_constant_rows_);
-  matrix_ = std::make_unique<BlockMatrix>(device, system.sites, system.node_is_fixed, constant_);
+  matrix_ = std::make_unique<BlockMatrix>(device, system.sites, system.node_is_fixed, constant_, system.node_ranges);
   std::vector<SmallTermSource> small = terms_.small(device, system, first_energy_);
   for (std::size_t t = 0; t < constant_.size(); ++t)
     if (constant_[t]->size() > 0 &&
@@ -242,18 +242,20 @@ void Potential::list_contacts_on_device(const ContactSet& contacts) {
                                 n_constant_rows_, sites_, chunks_, contact_sites_);
 }
 
-void Potential::differentiate(const Positions& x, const ContactSet& contacts, Buffer<f64>& gradient) {
+void Potential::differentiate(const Positions& x, const ContactSet& contacts, Buffer<f64>& gradient,
+                              std::span<const char> worlds) {
   set_contacts(contacts);
-  differentiate(x, &contacts, gradient);
+  differentiate(x, &contacts, gradient, worlds);
 }
 
-void Potential::differentiate(const Positions& x, Buffer<f64>& gradient) { differentiate(x, nullptr, gradient); }
+void Potential::differentiate(const Positions& x, Buffer<f64>& gradient) { differentiate(x, nullptr, gradient, {}); }
 
-void Potential::differentiate(const Positions& x, const ContactSet* contacts, Buffer<f64>& gradient) {
+void Potential::differentiate(const Positions& x, const ContactSet* contacts, Buffer<f64>& gradient,
+                              std::span<const char> worlds) {
   small_terms_->differentiate(x.site, start_->site, predicted_->site, h_, inertia_h_, rows_, matrix_->element_blocks());
   const auto differentiate = [&](Term& term) {
     term.gradient(x.site, origin(term), step_length(term), rows_);
-    term.hessian(x.site, origin(term), step_length(term));
+    term.hessian(x.site, origin(term), step_length(term), worlds);
   };
   for (const std::size_t t : large_) differentiate(*constant_[t]);
   if (has_contacts()) {
@@ -264,7 +266,7 @@ void Potential::differentiate(const Positions& x, const ContactSet* contacts, Bu
                                   friction_.own_blocks(), u32(friction_is_new_), friction_dual_);
     friction_is_new_ = false;
   }
-  matrix_->assemble();
+  matrix_->assemble(worlds);
   const u32 n = u32(system_.n_nodes());
   if (has_contacts())
     gather_two_lists_(n, n, constant_gather_.offset(), constant_gather_.row(), constant_gather_.weight(),
@@ -301,8 +303,9 @@ CgOperators Potential::operators() {
   return operators;
 }
 
-void Potential::start_factorize(std::span<const char> world_is_active, const Buffer<f64>* gradient) {
-  preconditioner_->start_factorize(contact_elements(), world_is_active, gradient);
+void Potential::start_factorize(std::span<const char> world_is_active, const Buffer<f64>* gradient,
+                                std::span<const char> world_keeps) {
+  preconditioner_->start_factorize(contact_elements(), world_is_active, gradient, world_keeps);
 }
 
 std::optional<u32> Potential::factorize(std::span<const char> world_is_active) {

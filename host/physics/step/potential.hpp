@@ -57,8 +57,10 @@ class Potential {
   // Sum of all terms per world [J]; which candidates touch is left in contacts.activity().
   std::vector<double> energy(const Positions& x, ContactSet& contacts);
   const Buffer<f64>& start_energy(const Positions& x, ContactSet& contacts);  // on the device
-  // Gradient [n_nodes x 3, N] and Hessian blocks at x, with these active contacts.
-  void differentiate(const Positions& x, const ContactSet& contacts, Buffer<f64>& gradient);
+  // Gradient [n_nodes x 3, N] and Hessian blocks at x, with these active contacts. worlds: [n_worlds] whose matrix is
+  // wanted, the others' stays as it was made last; or empty, then all are
+  void differentiate(const Positions& x, const ContactSet& contacts, Buffer<f64>& gradient,
+                     std::span<const char> worlds = {});
   void differentiate(const Positions& x, Buffer<f64>& gradient);  // without contacts
   // out = H direction;  [n_nodes x 3]
   void product(const Buffer<f64>& direction, Buffer<f64>& out);
@@ -66,7 +68,10 @@ class Potential {
   // Starts to factor the preconditioner at the blocks of the last differentiate(). failed(): a node of the first group
   // of bodies whose matrix is not positive definite, or nothing, after the device was waited for. factorize(): both.
   // gradient: the first precondition() will be of -gradient.
-  void start_factorize(std::span<const char> world_is_active, const Buffer<f64>* gradient = nullptr);
+  // world_keeps: [n_worlds] whose factors stay, where keeps_factors(); or empty, then none do
+  void start_factorize(std::span<const char> world_is_active, const Buffer<f64>* gradient = nullptr,
+                       std::span<const char> world_keeps = {});
+  bool keeps_factors(u32 world) const { return preconditioner_->keeps_factors(world); }
   std::optional<u32> failed() const { return preconditioner_->failed(); }
   std::optional<u32> factorize(std::span<const char> world_is_active);
   // From now on the factors of these worlds hold the pairs of nodes that the contacts of the last differentiate()
@@ -85,7 +90,8 @@ class Potential {
   bool has_contacts() const { return barrier_.size() + friction_.size() > 0; }
   void set_contacts(const ContactSet& contacts);
   void list_contacts_on_device(const ContactSet& contacts);
-  void differentiate(const Positions& x, const ContactSet* contacts, Buffer<f64>& gradient);
+  void differentiate(const Positions& x, const ContactSet* contacts, Buffer<f64>& gradient,
+                     std::span<const char> worlds);
   void append_coupled(std::span<const u32> sites, std::vector<NodePair>& pairs) const;
   bool is_inertia(const Term& term) const { return &term == &terms_.point_inertia || &term == &terms_.affine_inertia; }
   const Buffer<f64>& origin(const Term& term) const;  // what a term is told as x0

@@ -113,10 +113,10 @@ Preconditioner::Preconditioner(Device& device, const System& system, const Block
 }
 
 void Preconditioner::start_factorize(const ContactElements& contacts, std::span<const char> world_is_active,
-                                     const Buffer<f64>* gradient) {
+                                     const Buffer<f64>* gradient, std::span<const char> world_keeps) {
   if (schwarz_) schwarz_->start_factorize(contacts.terms);
   if (frames_) frames_->start_factorize(contacts.terms);
-  if (groups_) groups_->start_factorize(matrix_.blocks(), contacts, world_is_active, gradient);
+  if (groups_) groups_->start_factorize(matrix_.blocks(), contacts, world_is_active, gradient, world_keeps);
 }
 
 std::optional<u32> Preconditioner::failed() const {

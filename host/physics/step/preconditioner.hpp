@@ -26,9 +26,14 @@ class Preconditioner {
 
   // Starts to factor, at the matrix's present blocks and those of the contacts, which must not change before the device
   // was waited for.
-  // gradient: what the first apply() is to will be -gradient [n_nodes x 3].
+  // gradient: what the first apply() is to will be -gradient [n_nodes x 3]. world_keeps: [n_worlds] whose factors stay,
+  // where keeps_factors(); or empty, then none do
   void start_factorize(const ContactElements& contacts, std::span<const char> world_is_active,
-                       const Buffer<f64>* gradient = nullptr);
+                       const Buffer<f64>* gradient = nullptr, std::span<const char> world_keeps = {});
+  // Whether start_factorize() can leave a world's factors as they are, the host's without others, and it is worth it.
+  bool keeps_factors(u32 world) const {
+    return groups_ && !schwarz_ && !factors_on_device_ && groups_->world_cost(world) >= WORTH_KEEPING;
+  }
   // A node of what is not positive definite, or nothing; after the device was waited for.
   std::optional<u32> failed() const;
   // preconditioned = M^-1 residual;  [n_nodes x 3]. Returns whether chunks.partial() is their product over each chunk
@@ -42,6 +47,9 @@ class Preconditioner {
   bool reads_contacts() const { return schwarz_ || !factors_on_device_; }
 
  private:
+  // Operations of a world's factors. By judgement: below are rigid bodies and joints, whose matrix costs next to
+  // nothing.
+  static constexpr double WORTH_KEEPING = 1e6;
   const BlockMatrix& matrix_;
   std::vector<u32> factor_group_;  // of each node; NO_GROUP: in no factor
   bool takes_contacts_ = true, factors_on_device_;

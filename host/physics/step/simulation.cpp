@@ -147,6 +147,7 @@ Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
     }
     actuators.emplace_back(scene, last_targets[w]);
     joint_motion.push_back(initial_motion(scene));
+    target_change.emplace_back(n_joints, 0.0);
     restitution.push_back(restitution_pairs(scene));
   }
   start.node.copy_from(x.node);
@@ -259,7 +260,7 @@ void Simulation::restore(const Checkpoint& checkpoint) {
     fits = fits && nodes->size() == impl.x.node.size();
   for (std::size_t w = 0; fits && w < n_worlds(); ++w)
     fits = checkpoint.joint_position[w].size() == impl.system.scenes[w].joints.size() &&
-           checkpoint.joint_motion[w].size() == 3 * impl.system.scenes[w].joints.size() &&
+           checkpoint.joint_motion[w].size() == 4 * impl.system.scenes[w].joints.size() &&
            checkpoint.reading[w].size() == impl.nominal[w].displays.size() &&
            checkpoint.targets[w].size() == impl.last_targets[w].size() &&
            impl.actuators[w].restore(checkpoint.past_targets[w]);

@@ -48,6 +48,7 @@ struct Simulation::Impl {
         if (system.scenes[w].rigid_bodies[b].is_prescribed) found(3 * system.rigid_first_node[w][b]);
   }
   void move_to_first_guess(double h);
+  void follow_drives(std::span<const char> goes_on, double h, std::vector<double>& motion) const;
   void take_expected(std::vector<double>& motion) const;  // [n_nodes x 3] of worlds of which a motion is expected
   void move(const std::vector<double>& length);           // trial = x + length dx, per world
   void move(const Buffer<f64>& length);
@@ -62,6 +63,7 @@ struct Simulation::Impl {
   void lag_friction(double h, const Positions& foreseen, bool is_started);
   void minimize(double h, bool may_be_settled, double enough);
   std::vector<double> certify();
+  std::vector<char> wanted_matrices();
   void start_solve();
   CgReport factorize_and_solve(double h, bool settles);
   void start_look_ahead();
@@ -127,6 +129,7 @@ struct Simulation::Impl {
   std::vector<std::vector<StepDrive>> drives;                 // [n_worlds][n_joints], of this step
   std::vector<double> pressing;                               // [n_rolling_resistances] last normal force [N]
   std::vector<std::vector<JointMotion>> joint_motion;         // [n_worlds][n_joints]
+  std::vector<std::vector<double>> target_change;             // [n_worlds][n_joints] of drives of position, this step
   std::vector<std::vector<RestitutionPair>> restitution;      // [n_worlds]
   std::vector<Actuators> actuators;                           // [n_worlds]
   std::vector<std::vector<double>> last_targets;              // that the drives obeyed
@@ -137,6 +140,9 @@ struct Simulation::Impl {
   std::vector<char> is_active;                                // of these, worlds that Newton's method still moves
   std::vector<WorldState> states;
   std::vector<StepReport> reports;
+  // [n_worlds] whose matrix this iteration keeps, and the next one may; how fast the last correction is [m/s]
+  std::vector<char> keeps_matrix, may_keep_matrix;
+  std::vector<double> last_speed;
   bool begins_step = true;                                  // no direction was found yet
   int n_directions = 0, n_directions_before = 0;            // that were found in this attempt, and in the one before
   bool read_end_of_trial = false, has_read_end = false;     // start_read_end() was for trial; for x, and waited for

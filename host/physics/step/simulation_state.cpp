@@ -22,6 +22,7 @@ void Simulation::Impl::set_joints(double h, const std::vector<std::vector<double
                                   : 0;
         drives[w][j] = drive_over_step(joint.drive, start + lead, targets[w][driven],
                                        of_rate * (targets[w][driven] - previous[w][driven]), weight, inertia_length);
+        target_change[w][j] = joint.drive.mode == Drive::Mode::position ? targets[w][driven] - previous[w][driven] : 0;
         ++driven;
       }
       const double foreseen = foreseen_change(joint_motion[w][j], start, inertia_length != h, inertia_length);
@@ -103,6 +104,7 @@ void Simulation::Impl::read_joints(double h) {
         state.joint_stop_effort[j] = stop_effort(joint, q);
         state.joint_damping_effort[j] = -joint.damping * rate;
         joint_motion[w][j] = after_step(joint_motion[w][j], start, q, inertia_length != h, inertia_length);
+        joint_motion[w][j].target_change = target_change[w][j];
       }
       state.joint_position[j] = q;
     }

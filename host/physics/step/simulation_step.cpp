@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "host/physics/energies/prescribed_motion.hpp"
+#include "host/physics/step/driven_motion.hpp"
 #include "host/physics/step/extrapolation.hpp"
 #include "host/physics/step/simulation_impl.hpp"
 
@@ -11,7 +12,12 @@ namespace {
 
 constexpr int MAX_LAG_PASSES = 50;  // evaluations of the lagged friction, where it is to settle
 constexpr int MANY_CG = 12;         // iterations take longer than to take the contacts into the preconditioner's factor
-constexpr double ENOUGH = 0.1;      // of its first correction ends a pass there: what is lagged is not exact before
+// The matrix of an iteration serves for the next one where its correction was at most so many tolerances, and goes on
+// to serve where corrections fall to this part of the last one; of few iterations of conjugate gradients each. Where
+// contacts had to enter the factor, one without the present ones is worth less (docs/measured/2026-11-28_step_2.md).
+constexpr double NEAR = 15, NEAR_IN_CONTACT = 4, FALLS = 0.3;
+constexpr int FEW_CG = 4;
+constexpr double ENOUGH = 0.1;  // of its first correction ends a pass there: what is lagged is not exact before
 
 template <class Flags>
 bool any(const Flags& flags) {
@@ -33,6 +39,7 @@ void Simulation::Impl::move_to_first_guess(double h) {
   for (std::size_t w = 0; w < is_intact.size(); ++w) goes_on.push_back(integrator.goes_on(w, h));
   std::vector<double> motion = extrapolated_motion(
       system, nodes, extrapolated_velocities(system, velocities, velocities_before, velocities_two_before, goes_on), h);
+  follow_drives(goes_on, h, motion);
   if (h == this->h()) take_expected(motion);
   aim_prescribed(motion);
   dx.write(motion);
@@ -63,6 +70,19 @@ void Simulation::Impl::move_to_first_guess(double h) {
   energy = moved_energy;
 }
 
+// Robots whose joints follow their drives are moved as these lead.
+void Simulation::Impl::follow_drives(std::span<const char> goes_on, double h, std::vector<double>& motion) const {
+  std::vector<double> by_velocity;
+  for (std::size_t w = 0; w < goes_on.size(); ++w) {
+    if (!is_intact[w] || !goes_on[w]) continue;
+    const auto changes = foreseen_changes(system, w, carried[w], joint_motion[w], states[w].joint_position,
+                                          target_change[w], contacts.friction_rows());
+    if (!changes) continue;
+    if (by_velocity.empty()) by_velocity = extrapolated_motion(system, nodes, velocities, h);
+    pvg::follow_drives(system, w, *changes, contacts.friction_rows(), nodes, by_velocity, motion);
+  }
+}
+
 void Simulation::Impl::take_expected(std::vector<double>& motion) const {
   for (std::size_t w = 0; w < expected.size(); ++w)
     std::copy(expected[w].begin(), expected[w].end(), motion.begin() + 3 * std::ptrdiff_t(system.node_ranges[w].begin));
@@ -80,7 +100,7 @@ void Simulation::Impl::couple_contacts(const CgReport& report) {
 void Simulation::Impl::renew_couplings(Potential::Coupling when) {
   std::vector<char> once_took_long(is_active.size(), false);
   for (std::size_t w = 0; w < once_took_long.size(); ++w)
-    once_took_long[w] = is_active[w] && !potential.couplings()[w].empty();
+    once_took_long[w] = is_active[w] && !keeps_matrix[w] && !potential.couplings()[w].empty();
   const auto timed = clock.time(SolverPhase::preconditioner);
   potential.couple_contacts(once_took_long, when);
 }
@@ -106,7 +126,7 @@ CgReport Simulation::Impl::factorize_and_solve(double h, bool settles) {
   for (;;) {
     {
       const auto timed = clock.time(SolverPhase::preconditioner);
-      potential.start_factorize(is_active, &gradient);
+      potential.start_factorize(is_active, &gradient, keeps_matrix);
     }
     if (n_halvings > 0) energy_before.write(energy);
     start_solve();
@@ -147,19 +167,47 @@ CgReport Simulation::Impl::factorize_and_solve(double h, bool settles) {
   }
 }
 
+// Worlds whose elements' Hessians and factor are to be made anew; empty: all. Where little is left of a step they
+// change little, so the last ones serve for a correction more: contact and friction are exact in the matrix, not in its
+// factor. Factors of a device are not kept: all are lost where the pattern of one changes. Worlds that are done are
+// left out too, but for a device apart from the host, which takes all at once.
+std::vector<char> Simulation::Impl::wanted_matrices() {
+  if (begins_step) {
+    may_keep_matrix.assign(is_active.size(), false);
+    last_speed.assign(is_active.size(), 0);
+  }
+  keeps_matrix.assign(is_active.size(), false);
+  for (std::size_t w = 0; w < is_active.size(); ++w)
+    keeps_matrix[w] = is_active[w] && may_keep_matrix[w] && potential.keeps_factors(u32(w));
+  if (!device.info().runs_host_functions && !any(keeps_matrix)) return {};
+  std::vector<char> wanted = is_active;
+  for (std::size_t w = 0; w < wanted.size(); ++w) wanted[w] = wanted[w] && !keeps_matrix[w];
+  return wanted;
+}
+
 bool Simulation::Impl::find_direction(double h, bool settles) {
   ++n_directions;
   has_read_end = false;
   {
     const auto timed = clock.time(SolverPhase::assembly);
-    potential.differentiate(x, contacts, gradient);
+    potential.differentiate(x, contacts, gradient, wanted_matrices());
   }
   renew_couplings(std::exchange(begins_step, false) ? Potential::Coupling::step_begins
                                                     : Potential::Coupling::before_solve);
   const CgReport report = factorize_and_solve(h, settles);
   ++counts.newton;
   counts.cg += std::size_t(*std::max_element(report.iterations.begin(), report.iterations.end()));
+  const std::vector<std::vector<NodePair>> couplings = potential.couplings();
   couple_contacts(report);
+  for (std::size_t w = 0; w < reports.size(); ++w) {
+    if (!is_active[w]) continue;
+    const double speed = largest_move[w] / h;
+    const double near = couplings[w].empty() ? NEAR : NEAR_IN_CONTACT;
+    may_keep_matrix[w] = report.has_converged[w] && speed <= near * least_stop[w] && report.iterations[w] <= FEW_CG &&
+                         (!keeps_matrix[w] || speed <= FALLS * last_speed[w]) &&
+                         potential.couplings()[w] == couplings[w];  // else it has a new pattern
+    last_speed[w] = speed;
+  }
   for (std::size_t w = 0; w < reports.size(); ++w) {
     reports[w].cg += report.iterations[w];
     reports[w].newton += is_active[w];
