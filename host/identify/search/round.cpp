@@ -169,7 +169,7 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
     ScreeningResult result =
         screen(screening.fitter, screening.data, base, candidates, is_first ? &round.signatures : nullptr, effort);
     if (result.n_screened < candidates.size())
-      flow.note_left_out(fmt::format("{} of {} candidates, at places where less of the misfit is",
+      flow.note_left_out(fmt::format("{} of {} candidates, the last of their kinds by the place of the misfit",
                                      candidates.size() - result.n_screened, candidates.size()));
     screened = std::move(result.best);
     if (flow.is_costly()) round.changes = std::move(result.changes);
