@@ -15,6 +15,9 @@
   X(5, std::size_t, interval_n_groups, 3, "1", \
     "fewest windows, or runs, whose scatter gives an interval", \
     "two groups give a variance with one degree of freedom") \
+  X(5, std::size_t, interval_n_blocks, 6, "1", \
+    "stretches of one or two fitted runs that are left out in turn, where what is left hangs together", \
+    "two drops each of five balls: of a gravity fitted to each, four pairs agree within two deviations, two before") \
   X(5, double, prior_reach, 4, "sigma", \
     "farthest a number with a prior goes as a number that is free in every model; farther it is an effect to be named", \
     "1 in 16000 of normal errors is larger") \

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/fit/left_out_blocks.hpp"
 #include "host/identify/fit/prior.hpp"
 
 namespace pvg::diagnose {
@@ -213,6 +214,8 @@ MatrixXd covariance_of(const Fit& fit, const std::vector<Window>& windows, doubl
   for (const auto& [run, g] : of_run) runs.push_back(g);
   MatrixXd both = inverse * fit.scale * fit.scale * correlated;
   both.diagonal() = both.diagonal().cwiseMax(sandwich_of(inverse, reduced.g)).cwiseMax(sandwich_of(inverse, runs));
+  if (runs.size() < criteria().interval_n_groups && correlated > 1)
+    both.diagonal() = both.diagonal().cwiseMax(left_out_blocks(fit, windows, a, correlated));
   const VectorXd step_error = step_error_of(fit, windows, inverse, correlated);
   return both + step_error * step_error.transpose();
 }

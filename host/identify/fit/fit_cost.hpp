@@ -10,7 +10,8 @@ double scale_of(const Fit& fit, std::size_t window);  // s of its residuals
 double cost_of(const Fit& fit);                       // C
 
 // Of the parameters [p x p]: what noise of the size of the residuals gives, `correlated` samples counting as one; on
-// its diagonal at least the sandwich, its scores gathered by window and, where there are three or more, by run. So an
+// its diagonal at least the sandwich, its scores gathered by window and, where there are three or more, by run; with
+// fewer runs, and residuals that hang together in time, at least what leaving out stretches of them moves. So an
 // interval widens by what the model leaves, whether that hangs together in time or differs between runs. The error of
 // the correction for the time step is added: how far the residuals say that it is too large or too small, and how well
 // they tell.

@@ -152,6 +152,18 @@ void choose_step(Workflow& flow) {
   flow.fitter.take_steps_as_they_are();
 }
 
+// Which neo-Hookean density the soft bodies have.
+std::string elasticity_sentence(const PhysicalScene& scene) {
+  std::string with;
+  for (const Effect& effect : scene.effects)
+    if (effect.name == "neo_hookean_logarithm")
+      with += fmt::format("; {} has {:g} of the logarithm", effect.target, parameter_of(effect, "share"));
+  return "soft bodies are stable neo-Hookean without the logarithm (Smith, De Goes, Kim 2018): Psi = mu/2 (|F|^2 - 3) "
+         "+ "
+         "lambda'/2 (J - 1 - mu/lambda')^2 up to a constant; moduli of other variants differ at large strains" +
+         with;
+}
+
 // Stage 1: noise, time step. Returns the unit of held-out errors.
 std::string measure(Workflow& flow) {
   Problem& problem = flow.problem;
@@ -173,10 +185,7 @@ std::string measure(Workflow& flow) {
         flow.notes.push_back(text);
       }
   }
-  if (!problem.scene.scene.soft_bodies.empty())
-    flow.notes.push_back(
-        "soft bodies are stable neo-Hookean without the logarithm (Smith, De Goes, Kim 2018): Psi = mu/2 (|F|^2 - 3) + "
-        "lambda'/2 (J - 1 - mu/lambda')^2 up to a constant; moduli of other variants differ at large strains");
+  if (!problem.scene.scene.soft_bodies.empty()) flow.notes.push_back(elasticity_sentence(problem.scene.scene));
   // the moments of a mask have no common size, nor have the cells of a picture
   const bool has_pictures = !problem.recording.mask_sources.empty() || !problem.recording.video_sources.empty();
   flow.report_progress(1, 0,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "host/identify/fit/correlation.hpp"
 #include "host/identify/fit/fit.hpp"
 #include "host/identify/fit/fit_cost.hpp"
 #include "tests/temporary_folder.hpp"
@@ -69,6 +70,55 @@ TEST(Interval, HoldsWhereNatureContradictsTheCorrectionForTheTimeStep) {
       EXPECT_LT(widest, 2.5 / std::sqrt(double(LinearProblem::N))) << "nothing contradicts it";
     }
   }
+}
+
+// A ball that falls with drag for `seconds`, seen 15 times a second, of which gravity alone is fitted, start and all.
+// One standard deviation of gravity by the only run, and gravity.
+std::pair<double, double> gravity_of_a_drop(double seconds, unsigned seed, double drag) {
+  constexpr double SEEN = 1. / 15, NOISED = 0.05, STEP = 1e-4;  // [s], [m], [s]
+  const Eigen::Index n = Eigen::Index(seconds / SEEN);
+  std::mt19937 engine(seed);
+  std::normal_distribution<double> noise;
+  Eigen::VectorXd height(n);
+  double z = 0, v = 0, t = 0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (; t < double(i) * SEEN; t += STEP) v += STEP * (-9.81 - drag * v * std::abs(v)), z += STEP * v;
+    height[i] = z / NOISED + noise(engine);
+  }
+  Candidate gravity;
+  gravity.parameters = {{"value", "m/s^2", 0, 100, 9.81}};
+  Fit fit;
+  fit.model = model_of({&gravity});
+  Eigen::MatrixXd all(n, 3);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double at = double(i) * SEEN;
+    all.row(i) << at * at / 2 / NOISED, 1e3, 1e3 * at;  // a start that nothing is known of
+  }
+  const Eigen::VectorXd best = all.colPivHouseholderQr().solve(height);
+  fit.model.x[0] = -best[0];
+  fit.residual = {height - all * best};
+  fit.slope = {all.col(0)};
+  fit.of_start = {all.rightCols(2)};
+  fit.delta = {Eigen::VectorXd(best.tail(2))};
+  fit.scale = robust_scale(fit.residual);
+  Window window;
+  for (Eigen::Index i = 0; i < n; ++i) window.data.push_back({0, std::size_t(i), 0});
+  const double correlated = correlation_length({window}, fit.residual);
+  return {std::sqrt(covariance_of(fit, {window}, correlated)(0, 0)), fit.model.x[0]};
+}
+
+// Drag is taken for less gravity, by how much depends on how long the ball falls. Of noise alone nothing widens.
+TEST(Interval, OfTwoDropsOfOneBallAgreeThoughDragIsMissing) {
+  int n_agree = 0;
+  double widest = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    const auto [long_deviation, long_drop] = gravity_of_a_drop(3.0, seed, 0.004);
+    const auto [short_deviation, short_drop] = gravity_of_a_drop(2.6, 100 + seed, 0.004);
+    n_agree += std::abs(long_drop - short_drop) < 2 * std::hypot(long_deviation, short_deviation);
+    widest = std::max(widest, gravity_of_a_drop(3.0, seed, 0).first);
+  }
+  EXPECT_GE(n_agree, 36) << "of 40";
+  EXPECT_LT(widest, 0.06) << "of noise alone, 0.03 m/s^2 being its deviation";
 }
 
 // What the drives are told: to another posture and back.

@@ -46,7 +46,7 @@ void write_run(const TestFolder& folder, const std::string& run, const std::stri
 TEST(Recording, ARunBeginsAndEndsWhereItSays) {
   const TestFolder folder;
   write_run(folder, "file: a.csv, role: fit, from: 100 ms, to: 0.85 s", "");
-  const MeasuredTable& table = load_recording(folder.path).runs[0].table;
+  const MeasuredTable table = load_recording(folder.path).runs[0].table;
   EXPECT_EQ(table.n_rows, 8u);
   EXPECT_EQ(table["t"].front(), 0.1);
   EXPECT_EQ(table["q"], (std::vector<double>{2, 3, 4, 5, 6, 7, 8, 9}));
