@@ -174,3 +174,5 @@ image.pixels.foreach_set(numpy.concatenate([side, numpy.ones(side.shape[:2] + (1
 image.filepath_raw, image.file_format = os.path.join(folder, "compared.png"), "PNG"
 image.save()
 print(json.dumps(result, indent=1))
+sys.stdout.flush()
+os._exit(0)  # bpy 4.2 as a module of Python crashes where the interpreter takes itself down
