@@ -14,7 +14,7 @@ PhysicalScene turned_bar(double speed, double tolerance) {
   scene.solver.velocity_tolerance = tolerance;
   SoftBody bar;
   bar.name = "bar";
-  bar.mesh = box_solid(Vec3(0.2, 0.04, 0.04), {6, 2, 2}, 10);
+  bar.mesh = box_solid(Vec3(0.2, 0.04, 0.04), {4, 2, 2}, 10);
   bar.material = {1000, 1e5, 0.4};
   scene.soft_bodies = {bar};
   RigidBody end = box_body("end", Vec3::Constant(0.03), 1000, Vec3(0.14, 0, 0));
@@ -32,24 +32,24 @@ PhysicalScene turned_bar(double speed, double tolerance) {
   return scene;
 }
 
-struct Run {
+struct BarRun {
   std::vector<double> position;
   std::size_t newton = 0, hessians = 0;  // hessians: launches
 };
 
-Run run(const std::vector<PhysicalScene>& worlds, int steps) {
+BarRun run_bars(const std::vector<PhysicalScene>& worlds, int steps) {
   Device device;
   Simulation simulation(device, worlds);
   device.count_by_name();
   for (int i = 0; i < steps; ++i) simulation.step(std::vector<std::vector<double>>(worlds.size()));
   const DeviceCountsByName counts = device.counts_by_name();
-  Run run{simulation.checkpoint().position, simulation.counts().newton, 0};
-  if (const auto found = counts.find("stable_neo_hookean_10_hessian_all"); found != counts.end())
-    run.hessians = found->second;
+  BarRun run{simulation.checkpoint().position, simulation.counts().newton, 0};
+  for (const auto& [what, n] : counts)
+    if (what.find("stable_neo_hookean_10_hessian_all") != std::string::npos) run.hessians += n;
   return run;
 }
 
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+double largest_apart(const std::vector<double>& a, const std::vector<double>& b) {
   double largest = 0;
   for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
   return largest;
@@ -57,17 +57,17 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
 
 TEST(KeptMatrix, LateIterationsMakeNoHessian) {
   constexpr double TOLERANCE = 1e-3;
-  constexpr int STEPS = 5;
-  const Run kept = run({turned_bar(3, TOLERANCE)}, STEPS), exact = run({turned_bar(3, 1e-7)}, STEPS);
+  constexpr int STEPS = 3;
+  const BarRun kept = run_bars({turned_bar(3, TOLERANCE)}, STEPS), exact = run_bars({turned_bar(3, 1e-7)}, STEPS);
   EXPECT_GT(kept.newton, kept.hessians);
   EXPECT_GE(kept.hessians, std::size_t(STEPS)) << "each step begins with its own";
   // each step ends within the tolerance times its length
-  EXPECT_LT(largest_difference(kept.position, exact.position), STEPS * TOLERANCE * 0.02);
+  EXPECT_LT(largest_apart(kept.position, exact.position), STEPS * TOLERANCE * 0.02);
 }
 
 TEST(KeptMatrix, AWorldIsTheSameBesideOneThatTakesMore) {
-  const Run alone = run({turned_bar(1, 1e-3)}, 4), other = run({turned_bar(6, 1e-3)}, 4);
-  const Run both = run({turned_bar(1, 1e-3), turned_bar(6, 1e-3)}, 4);
+  const BarRun alone = run_bars({turned_bar(1, 1e-3)}, 2), other = run_bars({turned_bar(6, 1e-3)}, 2);
+  const BarRun both = run_bars({turned_bar(1, 1e-3), turned_bar(6, 1e-3)}, 2);
   EXPECT_NE(alone.newton, other.newton);
   std::vector<double> separate = alone.position;
   separate.insert(separate.end(), other.position.begin(), other.position.end());
