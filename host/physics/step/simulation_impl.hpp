@@ -63,6 +63,7 @@ struct Simulation::Impl {
   void lag_friction(double h, const Positions& foreseen, bool is_started);
   void minimize(double h, bool may_be_settled, double enough);
   std::vector<double> certify();
+  bool has_contact(std::size_t world) const;
   std::vector<char> wanted_matrices();
   void start_solve();
   CgReport factorize_and_solve(double h, bool settles);

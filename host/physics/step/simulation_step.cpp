@@ -12,11 +12,10 @@ namespace {
 
 constexpr int MAX_LAG_PASSES = 50;  // evaluations of the lagged friction, where it is to settle
 constexpr int MANY_CG = 12;         // iterations take longer than to take the contacts into the preconditioner's factor
-// The matrix of an iteration serves for the next one where its correction was at most so many tolerances, and goes on
-// to serve where corrections fall to this part of the last one; of few iterations of conjugate gradients each. Where
-// contacts had to enter the factor, one without the present ones is worth less (docs/measured/2026-11-28_step_2.md).
-constexpr double NEAR = 15, NEAR_IN_CONTACT = 4, FALLS = 0.3;
-constexpr int FEW_CG = 4;
+// The matrix of an iteration without contact serves for the next one where its correction was at most so many
+// tolerances, and goes on to serve where corrections fall to this part of the last one
+// (docs/measured/2026-11-28_step_2.md).
+constexpr double NEAR = 15, FALLS = 0.3;
 constexpr double ENOUGH = 0.1;  // of its first correction ends a pass there: what is lagged is not exact before
 
 template <class Flags>
@@ -167,10 +166,15 @@ CgReport Simulation::Impl::factorize_and_solve(double h, bool settles) {
   }
 }
 
+bool Simulation::Impl::has_contact(std::size_t w) const {
+  const auto has = [w](const std::vector<u32>& first) { return first[w + 1] > first[w]; };
+  return has(contacts.contacts().first) || has(contacts.friction().first);
+}
+
 // Worlds whose elements' Hessians and factor are to be made anew; empty: all. Where little is left of a step they
-// change little, so the last ones serve for a correction more: contact and friction are exact in the matrix, not in its
-// factor. Factors of a device are not kept: all are lost where the pattern of one changes. Worlds that are done are
-// left out too, but for a device apart from the host, which takes all at once.
+// change little, so the last ones serve for a correction more; not at contact, whose part in the factor changes much.
+// Factors of a device are not kept: all are lost where the pattern of one changes. Worlds that are done are left out
+// too, but for a device apart from the host, which takes all at once.
 std::vector<char> Simulation::Impl::wanted_matrices() {
   if (begins_step) {
     may_keep_matrix.assign(is_active.size(), false);
@@ -178,7 +182,7 @@ std::vector<char> Simulation::Impl::wanted_matrices() {
   }
   keeps_matrix.assign(is_active.size(), false);
   for (std::size_t w = 0; w < is_active.size(); ++w)
-    keeps_matrix[w] = is_active[w] && may_keep_matrix[w] && potential.keeps_factors(u32(w));
+    keeps_matrix[w] = is_active[w] && may_keep_matrix[w] && !has_contact(w) && potential.keeps_factors(u32(w));
   if (!device.info().runs_host_functions && !any(keeps_matrix)) return {};
   std::vector<char> wanted = is_active;
   for (std::size_t w = 0; w < wanted.size(); ++w) wanted[w] = wanted[w] && !keeps_matrix[w];
@@ -197,15 +201,12 @@ bool Simulation::Impl::find_direction(double h, bool settles) {
   const CgReport report = factorize_and_solve(h, settles);
   ++counts.newton;
   counts.cg += std::size_t(*std::max_element(report.iterations.begin(), report.iterations.end()));
-  const std::vector<std::vector<NodePair>> couplings = potential.couplings();
   couple_contacts(report);
   for (std::size_t w = 0; w < reports.size(); ++w) {
     if (!is_active[w]) continue;
     const double speed = largest_move[w] / h;
-    const double near = couplings[w].empty() ? NEAR : NEAR_IN_CONTACT;
-    may_keep_matrix[w] = report.has_converged[w] && speed <= near * least_stop[w] && report.iterations[w] <= FEW_CG &&
-                         (!keeps_matrix[w] || speed <= FALLS * last_speed[w]) &&
-                         potential.couplings()[w] == couplings[w];  // else it has a new pattern
+    may_keep_matrix[w] = report.has_converged[w] && speed <= NEAR * least_stop[w] && !has_contact(w) &&
+                         report.iterations[w] <= MANY_CG && (!keeps_matrix[w] || speed <= FALLS * last_speed[w]);
     last_speed[w] = speed;
   }
   for (std::size_t w = 0; w < reports.size(); ++w) {
