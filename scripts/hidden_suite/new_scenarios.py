@@ -22,6 +22,7 @@ from scenario_systems import SHAPES, SYSTEMS
 DROPOUTS = 0.01  # share of samples that are missing
 BEFORE = 0.1  # that a motion has gone on for when its recording begins [s]
 START_CHANGE = 1e-4  # of a start by which its slopes are found [rad, m and per second]
+MOST_MOVED = 100  # of a start in one step [m, m/s, rad, rad/s]: what is farther off is no start, and its motion overflows
 TOLERANCE = 0.005  # of a weighed mass, relative
 MOST = {"gravity_tilt": 0.15, "payload_mass": 1.0, "latency": 0.1, "actuator_delay": 0.1, "actuator_lag": 0.1, "marker_offset": 0.1, "backlash": 0.2}
 SENSORS = {"latency", "marker_offset"}  # effects of the sensors
@@ -77,6 +78,8 @@ def fit_start(scenario, run, told, wanted, start):
         step = np.linalg.lstsq(slopes, wanted - at, rcond=None)[0]
         before = np.linalg.norm(wanted - at)
         for share in (1, 0.3, 0.1, 0.03):
+            if np.abs(share * step).max() > MOST_MOVED:
+                continue
             tried = simulated(start + share * step)
             if np.linalg.norm(wanted - tried) < before:
                 start, at = start + share * step, tried
