@@ -3,45 +3,20 @@
 #include "energies/elastic/stable_neo_hookean_10.h"
 #include "energies/elastic/stable_neo_hookean_4.h"
 #include "tests/physics/energies/energy_check.hpp"
+#include "tests/physics/energies/tetrahedron_check.hpp"
 
 namespace pvg::stable_neo_hookean_test {
 namespace {
 
 using Eigen::Matrix3d;
+using tetrahedron_check::deformation, tetrahedron_check::EDGES, tetrahedron_check::quadrature_point;
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using Eigen::MatrixXd;
-
-constexpr int EDGES[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
 
 double density(const Matrix3d& F, double mu, double lambda) {
   const double stiffened = lambda + mu;
   return mu / 2 * (F.squaredNorm() - 3) + stiffened / 2 * std::pow(F.determinant() - 1 - mu / stiffened, 2) -
          mu * mu / (2 * stiffened);
-}
-
-// position of the reference point r of an element with 4 or 10 nodes
-Vec3 position(int n_nodes, const Vec3* x, const Vec3& r) {
-  const double L[4] = {1 - r.sum(), r(0), r(1), r(2)};
-  Vec3 sum = Vec3::Zero();
-  for (int a = 0; a < 4; ++a) sum += L[a] * (n_nodes == 4 ? 1 : 2 * L[a] - 1) * x[a];
-  for (int e = 0; e < n_nodes - 4; ++e) sum += 4 * L[EDGES[e][0]] * L[EDGES[e][1]] * x[4 + e];
-  return sum;
-}
-
-Vec3 quadrature_point(int q) {
-  Vec3 r = Vec3::Constant((5 - std::sqrt(5.0)) / 20);
-  if (q > 0) r(q - 1) = (5 + 3 * std::sqrt(5.0)) / 20;
-  return r;
-}
-
-// dx/dX; dx/dr by differences, which are exact for a quadratic map: no shape gradient stands in this file
-template <class Params>
-Matrix3d deformation(const Params& p, const Vec3* x, const Vec3& r) {
-  constexpr int n_nodes = sizeof(p.site) / sizeof(u32);
-  Matrix3d Ds;
-  for (int i = 0; i < 3; ++i)
-    Ds.col(i) = position(n_nodes, x, r + 0.5 * Vec3::Unit(i)) - position(n_nodes, x, r - 0.5 * Vec3::Unit(i));
-  return Ds * Eigen::Map<const RowMajor3>(p.rest_inverse);
 }
 
 template <class Params>

@@ -2,31 +2,19 @@
 #include "energies/elastic/strain_effect_10.h"
 #include "energies/elastic/strain_effect_4.h"
 #include "tests/physics/energies/energy_check.hpp"
+#include "tests/physics/energies/tetrahedron_check.hpp"
 
 namespace pvg::strain_effect_test {
 namespace {
 
 using Eigen::Matrix3d;
+using tetrahedron_check::deformation, tetrahedron_check::EDGES, tetrahedron_check::quadrature_point;
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr int EDGES[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-
-Vec3 position(int n_nodes, const Vec3* x, const Vec3& r) {
-  const double L[4] = {1 - r.sum(), r(0), r(1), r(2)};
-  Vec3 sum = Vec3::Zero();
-  for (int a = 0; a < 4; ++a) sum += L[a] * (n_nodes == 4 ? 1 : 2 * L[a] - 1) * x[a];
-  for (int e = 0; e < n_nodes - 4; ++e) sum += 4 * L[EDGES[e][0]] * L[EDGES[e][1]] * x[4 + e];
-  return sum;
-}
-
-// dx/dX at a reference point; dx/dr by differences, exact for a quadratic map
+// Green's strain at a reference point
 template <class Params>
 Matrix3d strain(const Params& p, const Vec3* x, const Vec3& r) {
-  constexpr int n_nodes = sizeof(p.site) / sizeof(u32);
-  Matrix3d Ds;
-  for (int i = 0; i < 3; ++i)
-    Ds.col(i) = position(n_nodes, x, r + 0.5 * Vec3::Unit(i)) - position(n_nodes, x, r - 0.5 * Vec3::Unit(i));
-  const Matrix3d F = Ds * Eigen::Map<const RowMajor3>(p.rest_inverse);
+  const Matrix3d F = deformation(p, x, r);
   return 0.5 * (F.transpose() * F - Matrix3d::Identity());
 }
 
@@ -34,8 +22,7 @@ template <class Params>
 double energy(const Params& p, const Vec3* x, const Vec3* x0, double h) {
   double sum = 0;
   for (int q = 0; q < 4; ++q) {
-    Vec3 r = Vec3::Constant((5 - std::sqrt(5.0)) / 20);
-    if (q > 0) r(q - 1) = (5 + 3 * std::sqrt(5.0)) / 20;
+    const Vec3 r = quadrature_point(q);
     const Matrix3d E = strain(p, x, r), E0 = strain(p, x0, r);
     const double y = (E - E0).norm(), eps = p.strain_rate * h;
     const double f0 = y < eps ? -y * y * y / (3 * eps * eps) + y * y / eps + eps / 3 : y;
