@@ -45,6 +45,7 @@ ELSEWHERE = {  # what a block of `console` shows and why no test of one machine 
     r"pip install pipeline/python|export PHYVISGEN_PROGRAM=.*": "changes the user's Python; scripts/test_python.sh",
     r"scripts/install_(lerobot|policy)\.sh|(\w+=\S+ +)*scripts/train_and_evaluate\.sh .*": "several GB, hours of training",
     r".* evaluate policy .*": "needs a server of policies; scripts/test_python.sh has one",
+    r".* view out/evaluation\.json .*": "reads what `evaluate policy` writes; scripts/test_view.sh has an evaluation",
     r".* evaluate correlate simulated\.csv real\.csv": "reads tables of one's own",
 }
 PYTHON = "/usr/bin/python3"  # Debian's
