@@ -2,8 +2,8 @@
 // scene; the others are elements of energy terms:
 //   joints: revolute_effect, prismatic_effect, of a formula revolute_law, prismatic_law (added with the joint)
 //   bodies: point_force, spin; force_law writes the force of point_force before each step
-//   solids: strain_effect_4, hyperelastic_4 and _10; plastic_flow changes the rest shape of their elasticity after each
-//   step contact: adhesion in the barrier, dissipation in friction, slip_effects on its coefficient; rolling: spin
+//   solids: strain_effect_4 and _10, hyperelastic_4 and _10; plastic_flow changes their rest shape after each step
+//   contact: adhesion in the barrier, dissipation in friction, slip_effects on its coefficient; rolling: spin
 #pragma once
 #include "host/physics/energies/system.hpp"
 

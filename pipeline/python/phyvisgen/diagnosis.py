@@ -11,9 +11,9 @@ from __future__ import annotations
 import json
 import math
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any, Callable, TypeVar
 
 __all__ = [
     "Adjusted",
@@ -30,6 +30,7 @@ __all__ = [
 ]
 
 SCHEMA = 1
+_Kind = TypeVar("_Kind")
 VERDICTS = ("effect", "retune", "measurement", "none", "agrees")
 
 
@@ -88,8 +89,8 @@ class Cell:
     body: str
     phase: str
     share: float
-    onset: float  # [s]
-    rms: float  # in units of noise
+    onset: float = field(metadata={"key": "onset_s"})  # [s]
+    rms: float = field(metadata={"key": "rms_in_noise"})  # in units of noise
     p_value: float
     significant: bool
 
@@ -246,16 +247,10 @@ def _effect(row: _Section) -> Effect:
     return Effect(row.text("name"), row.text("family"), row.text("site"), row.text("law"), row.text("target"), parameters)
 
 
-def _adjusted(row: _Section) -> Adjusted:
-    return Adjusted(
-        row.text("name"),
-        row.text("target"),
-        row.text("unit"),
-        row.number("stated"),
-        row.number("sigma"),
-        row.number("value"),
-        row.number("deviation"),
-    )
+def _row_of(kind: type[_Kind], row: _Section) -> _Kind:
+    """A class of texts, numbers and truths alone: each field by its type, from the key that its metadata or name says."""
+    read = {"str": row.text, "float": row.number, "bool": row.truth}
+    return kind(*(read[each.type](each.metadata.get("key", each.name)) for each in fields(kind)))
 
 
 def _ranked(row: _Section) -> Ranked:
@@ -271,24 +266,6 @@ def _ranked(row: _Section) -> Ranked:
     )
 
 
-def _cell(row: _Section) -> Cell:
-    return Cell(
-        row.text("body"),
-        row.text("phase"),
-        row.number("share"),
-        row.number("onset_s"),
-        row.number("rms_in_noise"),
-        row.number("p_value"),
-        row.truth("significant"),
-    )
-
-
-def _held_out(row: _Section) -> HeldOut:
-    return HeldOut(
-        row.number("before"), row.number("after"), row.number("floor"), row.text("unit"), row.number("gap_closed")
-    )
-
-
 def _regressed(row: _Section) -> Regressed:
     return Regressed(
         row.text("effect"),
@@ -296,7 +273,7 @@ def _regressed(row: _Section) -> Regressed:
         row.anything("formula"),
         row.anything("coefficients"),
         row.text("unit"),
-        _held_out(row.section("held_out")),
+        _row_of(HeldOut, row.section("held_out")),
         row.number("fit_after"),
     )
 
@@ -312,10 +289,6 @@ def _showable(row: _Section) -> Showable:
         row.text("look_alike") if row.has("look_alike") else None,
         row.number("sigma_beside") if row.has("sigma_beside") else math.nan,
     )
-
-
-def _noise(row: _Section) -> Noise:
-    return Noise(row.text("channel"), row.number("sigma"), row.number("least"), row.text("unit"), row.text("source"))
 
 
 def read_diagnosis(path: str | os.PathLike[str]) -> Diagnosis:
@@ -339,18 +312,18 @@ def read_diagnosis(path: str | os.PathLike[str]) -> Diagnosis:
         verdict=report.text("verdict"),
         sentence=report.text("sentence"),
         effects=tuple(map(_effect, report.sections("effects"))),
-        adjusted=tuple(map(_adjusted, report.sections("adjusted"))),
+        adjusted=tuple(_row_of(Adjusted, row) for row in report.sections("adjusted")),
         ranking=tuple(map(_ranked, report.sections("ranking"))),
         inseparable=tuple(tuple(group) for group in inseparable),
-        where=tuple(map(_cell, report.sections("where"))),
-        held_out=_held_out(held_out),
-        whole_runs=None if whole.has("not_judged") else _held_out(whole),
+        where=tuple(_row_of(Cell, row) for row in report.sections("where")),
+        held_out=_row_of(HeldOut, held_out),
+        whole_runs=None if whole.has("not_judged") else _row_of(HeldOut, whole),
         not_judged=whole.text("not_judged") if whole.has("not_judged") else "",
         fit_before=fit.number("before"),
         fit_after=fit.number("after"),
         regressed=_regressed(report.section("regressed")) if report.has("regressed") else None,
         could_show=tuple(map(_showable, report.sections("could_show"))),
-        noise=tuple(map(_noise, report.sections("noise"))),
+        noise=tuple(_row_of(Noise, row) for row in report.sections("noise")),
         notes=report.texts("notes"),
         left_out=report.texts("left_out"),
         next_experiment=report.text("next_experiment"),
