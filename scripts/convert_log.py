@@ -119,6 +119,15 @@ def draft(runs, found, files, main):
     return "\n".join(lines + ["initial: first_sample", "", "# What the logs hold:"] + remarks) + "\n"
 
 
+def write_recording(folder, names, read):
+    """read: of each log its name, topics and the one of the run's table; the draft, which comes last, is of the first log"""
+    folder.mkdir(parents=True)
+    for run, found, table in read:
+        write_run(folder, run, found, table)
+    _, found, table = read[0]
+    (folder / "recording.yaml").write_text(draft(names, found, files_of(found, table), table))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("logs", nargs="+", type=pathlib.Path, metavar="LOG")
@@ -140,11 +149,10 @@ def main():
             sys.exit(f"{log} holds nothing that can be measured")
         found = from_first(found)
         read.append((log.stem, found, main_table(found, given.table, log)))
-    given.output.mkdir(parents=True)
-    for run, found, table in read:
-        write_run(given.output, run, found, table)
-    run, found, table = read[0]
-    (given.output / "recording.yaml").write_text(draft(names, found, files_of(found, table), table))
+    try:
+        write_recording(given.output, names, read)
+    except OSError as error:
+        sys.exit(f"{given.output} cannot be written: {error.strerror or error}; what is there of it is not whole")
     print(given.output / "recording.yaml")
 
 

@@ -14,8 +14,8 @@ constexpr int DEEPEST = 100;                // mappings in each other, of what w
 constexpr double FASTEST = 1e4;             // [pictures/s]
 constexpr std::uint64_t LARGEST = 1 << 16;  // a picture's side [pixels]
 
-[[noreturn]] void fail(const std::filesystem::path& file, const std::string& what) {
-  throw UsageError(file.string() + " " + what + "; it was not left so by generate: make the episodes again");
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& what, const char* advice = OF_EPISODES) {
+  throw UsageError(file.string() + " " + what + "; " + advice);
 }
 
 // the library would follow a deep file as far as the stack goes
@@ -37,14 +37,14 @@ const Json& value_in(const Json& json, const std::string& key, const std::filesy
 
 }  // namespace
 
-std::optional<Json> read_json_file(const std::filesystem::path& file) {
+std::optional<Json> read_json_file(const std::filesystem::path& file, const char* advice) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) fail(file, "is a folder");
+  if (std::filesystem::is_directory(file, ignored)) fail(file, "is a folder", advice);
   const std::optional<std::string> text = read_whole_file(file);
   if (!text) return std::nullopt;
   Json json;
   if (!is_deep(*text)) json = Json::parse(*text, nullptr, false);
-  if (!json.is_object()) fail(file, "is no JSON file with one mapping");
+  if (!json.is_object()) fail(file, "is no JSON file with one mapping", advice);
   return json;
 }
 

@@ -10,8 +10,13 @@
 
 namespace pvg {
 
-// One mapping; nothing where there is no such file.
-std::optional<nlohmann::ordered_json> read_json_file(const std::filesystem::path& file);
+// What to do where a file of an episode or a set is not as it was written.
+inline constexpr const char* OF_EPISODES = "it was not left so by generate: make the episodes again";
+
+// One mapping; nothing where there is no such file. Throws a UsageError that ends with the advice where it holds
+// something else.
+std::optional<nlohmann::ordered_json> read_json_file(const std::filesystem::path& file,
+                                                     const char* advice = OF_EPISODES);
 
 // Of a mapping that was read from `file`.
 std::string text_in(const nlohmann::ordered_json& json, const std::string& key, const std::filesystem::path& file);

@@ -18,6 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+constexpr const char* WHICH_FILE = "name a file that `evaluate policy --json` printed";
 
 // Reads what the page needs from one mapping of the file; `at` is where that stands in it.
 class Checked {
@@ -47,7 +48,7 @@ class Checked {
     return all;
   }
   [[noreturn]] void refuse(const std::string& why) const {
-    throw UsageError(file_.string() + ": " + why + "; name a file that `evaluate policy --json` printed");
+    throw UsageError(file_.string() + ": " + why + "; " + WHICH_FILE);
   }
 
  private:
@@ -117,7 +118,7 @@ std::string video_source(const fs::path& named, const fs::path& file) {
 }  // namespace
 
 Json evaluation_report(const fs::path& file) {
-  const std::optional<Json> evaluation = read_json_file(file);
+  const std::optional<Json> evaluation = read_json_file(file, WHICH_FILE);
   if (!evaluation) throw UsageError(file.string() + " could not be read");
   const Checked checked(file, "", *evaluation);
   check(checked);

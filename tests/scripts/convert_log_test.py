@@ -157,6 +157,9 @@ class ConvertLog(unittest.TestCase):
             self.assertIn(words, done.stderr)
             self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
             self.assertFalse(out.exists())
+        done = convert(log, "-o", self.folder / "text.txt/out")
+        self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
+        self.assertIn("cannot be written", done.stderr)
         done = convert(log, "-o", self.folder)
         self.assertIn("overwrites nothing", done.stderr)
 

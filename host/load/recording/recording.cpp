@@ -98,7 +98,8 @@ void make_effort(YamlSection& section, RecordedInput& input, std::vector<Recorde
   std::string unit = end;
   unit.erase(0, unit.find_first_not_of(' '));
   const std::size_t per = unit.find('/');
-  if (end == constant.c_str() || value == 0 || per == std::string::npos || unit.substr(per) != "/A")
+  if (end == constant.c_str() || !std::isfinite(value) || value == 0 || per == std::string::npos ||
+      unit.substr(per) != "/A")
     section.fail("constant", "must be an effort per current, such as 0.05 N m/A");
   if (input.unit != "A" && input.unit != "mA") section.fail("unit", "of a current must be A or mA");
   const std::string effort = column + " x " + constant;

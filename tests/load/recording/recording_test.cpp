@@ -71,6 +71,8 @@ TEST(Recording, ACommandedCurrentIsAnEffort) {
   };
   refused("constant: 0.05, unit: A", {"inputs[0].constant", "0.05 N m/A"});
   refused("constant: 0 N m/A, unit: A", {"inputs[0].constant"});
+  refused("constant: nan N m/A, unit: A", {"inputs[0].constant"});
+  refused("constant: 1e400 N m/A, unit: A", {"inputs[0].constant"});
   refused("constant: 0.05 N m/A, unit: V", {"inputs[0].unit", "A or mA"});
 }
 
