@@ -144,7 +144,8 @@ void Program::build(const std::string& name, const std::string& text, const std:
     if (const auto kept = impl.cache.find(key)) known->second = load(impl, *kept, options);
     if (!known->second) {
       known->second = compile(impl, name, source, options);
-      impl.cache.keep(key, compiled_bytes(known->second));
+      // asked for its bytes, PoCL compiles every kernel once more, for work-groups of any size
+      if (impl.cache.keeps_programs()) impl.cache.keep(key, compiled_bytes(known->second));
     }
   }
   handle_ = known->second;

@@ -15,6 +15,7 @@ class ProgramCache {
  public:
   explicit ProgramCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
+  bool keeps_programs() const { return !folder_.empty(); }
   // key: all that the compiled program depends on
   std::optional<std::vector<unsigned char>> find(const std::string& key) const;
   void keep(const std::string& key, std::span<const unsigned char> program) const;

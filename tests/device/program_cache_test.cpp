@@ -94,6 +94,24 @@ TEST(ProgramCache, TheSecondStartCompilesNothingAndComputesTheSame) {
   EXPECT_EQ(n_compiled_for_twice(folder.path), 0u);
 }
 
+// PoCL compiles a kernel when it is first launched, and all of a program when it is asked for the program's bytes
+TEST(CompiledOnce, PoclCompilesNoKernelThatIsNotLaunched) {
+  const TestFolder folder;
+  setenv("POCL_CACHE_DIR", folder.path.c_str(), 1);  // read once in a process, hence this test has one of its own
+  Device device;
+  if (device.info().platform != "Portable Computing Language") GTEST_SKIP() << "runs on " << device.info().platform;
+  Program program =
+      Program::from_text(device, "two", std::string(twice_text) + "kernel void never(global uint* x) { x[0] = 1; }\n");
+  Kernel twice = program.kernel("twice");
+  Buffer<unsigned> x(device, std::vector<unsigned>{21}, "x"), y(device, 1, "y");
+  twice(1, 1u, x, y);
+  EXPECT_EQ(y.read().at(0), 42u);
+  int n_compiled = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path))
+    n_compiled += entry.path().extension() == ".so";
+  EXPECT_EQ(n_compiled, 1);
+}
+
 TEST(ProgramCache, WhatTheDriverDoesNotTakeIsCompiledAgain) {
   if (std::getenv("PVG_OCLGRIND")) GTEST_SKIP() << "Oclgrind gives no compiled programs";
   const TestFolder folder;
