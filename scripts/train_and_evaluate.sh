@@ -17,6 +17,7 @@
 #   CHUNK, EXECUTED actions that are predicted, and done before the policy is asked again (10, 5; pictures: 20, 10);
 #                   EXECUTED="5 1" judges each policy twice
 #   LEARNING_RATE, DROPOUT (1e-4, 0.1; pictures: 5e-4, 0)
+#   SHIFT           pictures: by so many pixels at most they are shifted in training (3)
 #   VAE, SAVE       states: true or false (true), steps from one checkpoint to the next (STEPS)
 #   TRAINING_PROGRAMS folder of python, lerobot-train and lerobot-eval (.venv-train/bin)
 #   GENERATE        more words for `generate` that change no episode, such as "--worlds 4"
@@ -52,7 +53,7 @@ done
 case "$observation" in
   states)
     [ -z "$cameras" ] || refuse "CAMERA=$cameras needs OBSERVATION=pictures; on states a policy sees none"
-    [ -z "${NETWORK:-}${WEIGHTS:-}" ] || refuse "NETWORK and WEIGHTS need OBSERVATION=pictures"
+    [ -z "${NETWORK:-}${WEIGHTS:-}${SHIFT:-}" ] || refuse "NETWORK, WEIGHTS and SHIFT need OBSERVATION=pictures"
     generate="--no-render" pack="--no-pictures --environment-state"
     show="--env.obs_type=state --env.width=96 --env.height=72 --env.samples=1"
     ;;
@@ -127,7 +128,7 @@ PYTHON
 train() {
   if [ "$observation" = pictures ]; then
     "$python/python" scripts/policy/train_pictures.py --data "$folder/data" --output "$out/checkpoints/last" \
-      --network "$network" --device "${DEVICE:-cpu}" ${WEIGHTS:+--weights "$WEIGHTS"} \
+      --network "$network" --device "${DEVICE:-cpu}" ${WEIGHTS:+--weights "$WEIGHTS"} ${SHIFT:+--shift "$SHIFT"} \
       --steps "${STEPS:-3000}" --batch "$batch" --chunk "$chunk" --executed "$executed" \
       --learning-rate "${LEARNING_RATE:-5e-4}" --dropout "${DROPOUT:-0}" --seed "$seed"
   else
