@@ -40,7 +40,8 @@ const Fields<CameraSection>& camera_fields();
 const Fields<BackgroundSection>& background_fields();
 // of the key `relit` of both kinds of background
 inline constexpr const char* RELIT_MEANING =
-    "for comparison: a diffuse surface of the captured colours below the scene's lights, which holds the captured light "
+    "for comparison: a diffuse surface of the captured colours below the scene's lights, which holds the captured "
+    "light "
     "twice";
 const Fields<RenderSection>& render_fields();
 
