@@ -17,6 +17,7 @@
 #   CHUNK, EXECUTED actions that are predicted, and done before the policy is asked again (10, 5; pictures: 20, 10);
 #                   EXECUTED="5 1" judges each policy twice
 #   LEARNING_RATE, DROPOUT (1e-4, 0.1; pictures: 5e-4, 0)
+#   TRAINING        pictures: more words for scripts/policy/train_pictures.py, such as "--look 500 --joint-noise 0.1"
 #   VAE, SAVE       states: true or false (true), steps from one checkpoint to the next (STEPS)
 #   TRAINING_PROGRAMS folder of python, lerobot-train and lerobot-eval (.venv-train/bin)
 #   GENERATE        more words for `generate` that change no episode, such as "--worlds 4"
@@ -52,12 +53,13 @@ done
 case "$observation" in
   states)
     [ -z "$cameras" ] || refuse "CAMERA=$cameras needs OBSERVATION=pictures; on states a policy sees none"
-    [ -z "${NETWORK:-}${WEIGHTS:-}" ] || refuse "NETWORK and WEIGHTS need OBSERVATION=pictures"
+    [ -z "${NETWORK:-}${WEIGHTS:-}${TRAINING:-}" ] || refuse "NETWORK, WEIGHTS and TRAINING need OBSERVATION=pictures"
     generate="--no-render" pack="--no-pictures --environment-state"
     show="--env.obs_type=state --env.width=96 --env.height=72 --env.samples=1"
     ;;
   pictures)
-    generate="--width $width --height $height --samples $samples" pack=""
+    # poses teach where to look (--look); the policy does not get them
+    generate="--width $width --height $height --samples $samples" pack="--environment-state"
     chunk="${CHUNK:-20}" all_executed="${EXECUTED:-10}"
     case "$network" in keypoints | resnet18) ;; *) refuse "NETWORK=$network is neither keypoints nor resnet18" ;; esac
     [ "$network" = resnet18 ] || [ -z "${WEIGHTS:-}" ] || refuse "WEIGHTS=$WEIGHTS needs NETWORK=resnet18"
@@ -126,10 +128,11 @@ for name, result in {told["policy"]: told, **told["baselines"]}.items():
 PYTHON
 train() {
   if [ "$observation" = pictures ]; then
+    # shellcheck disable=SC2086
     "$python/python" scripts/policy/train_pictures.py --data "$folder/data" --output "$out/checkpoints/last" \
       --network "$network" --device "${DEVICE:-cpu}" ${WEIGHTS:+--weights "$WEIGHTS"} \
       --steps "${STEPS:-3000}" --batch "$batch" --chunk "$chunk" --executed "$executed" \
-      --learning-rate "${LEARNING_RATE:-5e-4}" --dropout "${DROPOUT:-0}" --seed "$seed"
+      --learning-rate "${LEARNING_RATE:-5e-4}" --dropout "${DROPOUT:-0}" --seed "$seed" ${TRAINING:-}
   else
     # ACT's default leaves environment_state as it is: here it is normalised
     "$python/python" scripts/policy/train_states.py --dataset.repo_id=local/set --dataset.root="$folder/data" --policy.type=act \

@@ -38,10 +38,15 @@ struct Feature {
   Rows all;  // of all episodes so far  [n_frames][width]
 };
 
+// as the tables hold it
+double written(const Feature& feature, double x) {
+  return feature.type == "int64" ? double(std::llround(x)) : double(float(x));
+}
+
 Json list_of(const Feature& feature, const Rows& rows) {
   const auto value = [&](double x) -> Json {
     if (feature.type == "int64") return std::int64_t(std::llround(x));
-    return double(float(x));
+    return written(feature, x);
   };
   Json list = Json::array();
   for (const std::vector<double>& row : rows) {
@@ -60,7 +65,7 @@ Json stats_json(const Feature& feature, const Rows& rows, std::span<const double
   std::vector<NumberStats> stats;
   for (std::size_t i = 0; i < feature.width; ++i) {
     std::vector<double> values;
-    for (const std::vector<double>& row : rows) values.push_back(row[i]);
+    for (const std::vector<double>& row : rows) values.push_back(written(feature, row[i]));
     stats.push_back(stats_of(std::move(values)));
   }
   return to_json(stats, rows.size(), false, least_std);

@@ -138,6 +138,17 @@ void add_display(Scene& scene, const Display& section, int rigid, double size) {
   scene.displays.push_back(display);
 }
 
+namespace {
+
+void look_captured(VisualMaterial& material, const BackgroundSection& background) {
+  using Kind = VisualMaterial::Kind;
+  material.shadow_strength = background.shadow_strength;
+  material.ambient = background.ambient;
+  if (material.kind == Kind::shadow_receiver && background.is_relit) material.kind = Kind::diffuse;
+}
+
+}  // namespace
+
 void add_background(Scene& scene, const BackgroundSection& background) {
   if (background.mesh.empty()) return;
   if (background.texture.empty()) {
@@ -146,10 +157,7 @@ void add_background(Scene& scene, const BackgroundSection& background) {
     visual.pose = background.pose;
     const std::size_t first = scene.materials.size();
     add_parts(scene, read_gltf_scene(background.mesh), background.mesh, visual);
-    for (std::size_t i = first; i < scene.materials.size(); ++i) {
-      scene.materials[i].shadow_strength = background.shadow_strength;
-      scene.materials[i].ambient = background.ambient;
-    }
+    for (std::size_t i = first; i < scene.materials.size(); ++i) look_captured(scene.materials[i], background);
     return;
   }
   VisualMaterial material;
@@ -157,8 +165,7 @@ void add_background(Scene& scene, const BackgroundSection& background) {
   material.kind = VisualMaterial::Kind::shadow_receiver;
   material.color = Vec3f::Ones();
   material.texture = int(scene.textures.size());
-  material.shadow_strength = background.shadow_strength;
-  material.ambient = background.ambient;
+  look_captured(material, background);
   scene.textures.push_back(read_texture(background.texture));
   Visual visual;
   visual.name = visual.part = "background";

@@ -6,6 +6,7 @@
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/load/fields/yaml_section.hpp"
+#include "host/load/tables.hpp"
 
 namespace pvg {
 namespace {
@@ -62,7 +63,9 @@ const Fields<CapturedBackground>& captured_background_fields() {
               "share of the light that shadows take")
           .number(
               "ambient", [](auto& c) -> auto& { return c.background.ambient; }, Unit::none, 0, 1,
-              "share of the light that comes evenly from all around; the rest is that of the lamps");
+              "share of the light that comes evenly from all around; the rest is that of the lamps")
+          .flag(
+              "relit", [](auto& c) -> auto& { return c.background.is_relit; }, RELIT_MEANING);
   return FIELDS;
 }
 

@@ -310,6 +310,7 @@ const Fields<BackgroundSection>& background_fields() {
           .number("shadow_strength", &B::shadow_strength, Unit::none, 0, 1, "share of the light that shadows take")
           .number("ambient", &B::ambient, Unit::none, 0, 1,
                   "share of the light that comes evenly from all around; the rest is that of the lamps")
+          .flag("relit", &B::is_relit, RELIT_MEANING)
           .check(check_background);
   return FIELDS;
 }

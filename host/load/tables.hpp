@@ -38,6 +38,11 @@ const Fields<SphereLight>& sphere_light_fields();
 const Fields<Camera>& optics_fields();
 const Fields<CameraSection>& camera_fields();
 const Fields<BackgroundSection>& background_fields();
+// of the key `relit` of both kinds of background
+inline constexpr const char* RELIT_MEANING =
+    "for comparison: a diffuse surface of the captured colours below the scene's lights, which holds the captured "
+    "light "
+    "twice";
 const Fields<RenderSection>& render_fields();
 
 // table_effect.cpp

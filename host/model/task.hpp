@@ -162,6 +162,7 @@ struct BackgroundSection {
   Pose pose = Pose::Identity();         // to world
   float shadow_strength = 0.6f;         // lambda_s in [0, 1]
   float ambient = 0;                    // share of its light that comes evenly from all around, in [0, 1]
+  bool is_relit = false;                // a diffuse surface below the scene's lights: the captured light is in it twice
 };
 
 // A cloth: as simulated, its pose still to be drawn, and how it is seen.

@@ -10,7 +10,7 @@ from lerobot.datasets.lerobot_dataset import LeRobotDataset
 
 @dataclass(frozen=True)
 class Rows:
-    numbers: dict  # observation.state, action: [n, n_columns, rad or m]
+    numbers: dict  # observation.state, action: [n, n_columns, rad or m]; observation.environment_state where the set has it
     pictures: dict  # by key of the camera: [n, 3, height, width] u8, sRGB
     episode: np.ndarray  # [n], ascending
     names: list  # of the columns
@@ -33,7 +33,8 @@ def read_rows(folder):
         if len(each) != len(data):
             raise SystemExit(f"train_pictures: {folder} has {len(data)} rows, but {len(each)} pictures of {camera}; "
                              "pack the set anew")
-    numbers = {key: torch.tensor(columns[key][:]) for key in ("observation.state", "action")}
     features = data.meta.features
+    known = ("observation.state", "action", "observation.environment_state")
+    numbers = {key: torch.tensor(columns[key][:]) for key in known if key in features}
     names = features["observation.state"]["names"]
     return Rows(numbers, pictures, np.array(data.hf_dataset["episode_index"]), names, features, data.meta.stats)

@@ -91,8 +91,8 @@ esac
 for expert in expert:reality expert_knows:reality_knows; do
   told="$folder/${expert%:*}_${EPISODES:-20}.json"
   if [ ! -e "$told" ]; then
-    PVG_PYTHON="$python" "$program" evaluate policy "$folder/${expert#*:}.yaml" --policy expert -n "${EPISODES:-20}" --json \
-      >"$told.new"
+    PVG_PYTHON="$python" "$program" evaluate policy "$folder/${expert#*:}.yaml" --policy expert --baseline none -n "${EPISODES:-20}" \
+      --json >"$told.new"
     mv "$told.new" "$told"
   fi
 done

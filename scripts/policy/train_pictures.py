@@ -10,6 +10,10 @@ SET is a set packed for lerobot, FOLDER/pretrained_model becomes a checkpoint as
 
 Few demonstrations are learned by heart, with the noise of their pixels and the traces of their video. So no picture is
 seen twice as it is: each batch is shifted, recoloured and made noisy anew, and joints get noise, too.
+
+Actions teach `keypoints` late where to look. --look STEPS teaches this first, from a set packed with --environment-state: a
+linear layer, which is dropped then, tells from the keypoints where objects and cloths are. The policy itself gets joints
+and pictures only.
 """
 import argparse
 import math
@@ -32,7 +36,8 @@ from torchvision.ops.misc import FrozenBatchNorm2d
 NETWORKS = {"keypoints": (KeypointACTConfig, KeypointACTPolicy), "resnet18": (ACTConfig, ACTPolicy)}
 WARM_UP = 200  # steps in which the learning rate rises; it falls as a cosine until the end
 SETTLED = 0.8  # share of steps after which batch normalisation keeps its statistics, which the policy will have
-STATE, ACTION = "observation.state", "action"
+STATE, ACTION, ENVIRONMENT = "observation.state", "action", "observation.environment_state"
+LOOKING_RATE, LOOKING_WARM_UP = 2e-3, 50  # learning rate of --look and the steps in which it rises
 
 
 def words():
@@ -43,6 +48,7 @@ def words():
     parser.add_argument("--weights", help="of resnet18, such as ResNet18_Weights.IMAGENET1K_V1; else drawn at random")
     parser.add_argument("--device", default="cpu", help="cpu or cuda (cpu)")
     parser.add_argument("--steps", type=int, default=3000)
+    parser.add_argument("--look", type=int, default=0, help="keypoints: steps before, which teach where objects are (0)")
     parser.add_argument("--batch", type=int, default=32)
     parser.add_argument("--chunk", type=int, default=20, help="actions that are predicted (20)")
     parser.add_argument("--executed", type=int, default=10, help="actions that are done before the policy is asked again (10)")
@@ -139,6 +145,55 @@ def left_out_error(policy, prepare, batches):
     return float(np.average(losses, weights=[len(part) for part in parts]))
 
 
+def rate_at(step, steps, rate, warm_up):
+    """It rises in the first steps and falls as a cosine until the end."""
+    return rate * min(1, step / warm_up) * (1 + math.cos(math.pi * step / steps)) / 2
+
+
+def look(rows, policy, prepare, seen, unseen, generator, w):
+    """Trains the keypoints alone, on where objects and cloths are. seen, unseen: Batches"""
+    if w.network != "keypoints":
+        raise SystemExit(f"train_pictures: --look needs --network keypoints; {w.network} has no keypoints")
+    if ENVIRONMENT not in rows.numbers:
+        raise SystemExit(f"train_pictures: --look: {w.data} has no {ENVIRONMENT}; pack the set with --environment-state")
+    mean, deviation = (torch.as_tensor(rows.stats[ENVIRONMENT][key]).float().reshape(-1) for key in ("mean", "std"))
+    # what hardly moves has a deviation of its own below that of the statistics, and teaches nothing
+    moves = rows.numbers[ENVIRONMENT].std(0) > 0.9 * deviation
+    if not moves.any():
+        raise SystemExit(f"train_pictures: --look: nothing of {ENVIRONMENT} moves in {w.data}; leave --look out")
+    wanted = ((rows.numbers[ENVIRONMENT] - mean) / deviation)[:, moves].to(w.device)
+    head = nn.Linear(2 * policy.config.n_keypoints * len(rows.pictures), wanted.shape[1]).to(w.device)
+    trained = [*policy.model.backbone.parameters(), *head.parameters()]
+    optimizer = torch.optim.AdamW(trained, weight_decay=1e-4)
+
+    def error(batches, which, is_anew):
+        batch = batches.take(which)
+        if is_anew:
+            batch |= {camera: seen_anew(batch[camera], w) for camera in rows.pictures}
+        ready = prepare(batch)
+        places = [policy.model.backbone(ready[camera])["feature_map"].flatten(1) for camera in rows.pictures]
+        return (head(torch.cat(places, 1)) - wanted[torch.from_numpy(batches.chosen[which])]).abs().mean()
+
+    policy.train()
+    losses = []
+    for step in range(1, w.look + 1):
+        for group in optimizer.param_groups:
+            group["lr"] = rate_at(step, w.look, LOOKING_RATE, LOOKING_WARM_UP)
+        loss = error(seen, generator.integers(len(seen.chosen), size=w.batch), True)
+        optimizer.zero_grad()
+        loss.backward()
+        optimizer.step()
+        losses.append(float(loss.detach()))
+        if step % 200 == 0 or step == w.look:
+            told = ""
+            if w.left_out:
+                policy.eval()
+                with torch.no_grad():
+                    told = f"; of demonstrations left out {float(error(unseen, np.arange(len(unseen.chosen)), False)):.4f}"
+                policy.train()
+            print(f"look {step}: mean error of normalised poses {np.mean(losses[-200:]):.4f}{told}", flush=True)
+
+
 def train(rows, policy, prepare, w):
     """Trains the policy in place. rows: as of picture_rows"""
     episodes = np.unique(rows.episode)
@@ -150,15 +205,16 @@ def train(rows, policy, prepare, w):
     norms = [module for module in policy.modules() if isinstance(module, nn.BatchNorm2d)]
     optimizer = torch.optim.AdamW(policy.parameters(), weight_decay=1e-4)
     generator = np.random.default_rng(w.seed)
+    if w.look:
+        look(rows, policy, prepare, seen, unseen, generator, w)
     losses = []
     for step in range(1, w.steps + 1):
         policy.train()
         if step > SETTLED * w.steps:
             for norm in norms:
                 norm.eval()
-        rate = w.learning_rate * min(1, step / WARM_UP) * (1 + math.cos(math.pi * step / w.steps)) / 2
         for group in optimizer.param_groups:
-            group["lr"] = rate
+            group["lr"] = rate_at(step, w.steps, w.learning_rate, WARM_UP)
         batch = seen.take(generator.integers(len(seen.chosen), size=w.batch))
         batch[STATE] = batch[STATE] + joint_noise * torch.randn_like(batch[STATE])
         for camera in rows.pictures:

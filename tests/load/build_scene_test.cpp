@@ -130,6 +130,18 @@ TEST(BuildScene, TheScalesDisplayLiesOnItsSlopeAndLooksOut) {
   EXPECT_EQ(scene.materials.at(std::size_t(face.material)).emission_texture, display.texture);
 }
 
+TEST(BuildScene, ABackgroundThatIsRelitIsADiffuseSurfaceOfItsPicture) {
+  using Kind = VisualMaterial::Kind;
+  EXPECT_EQ(built().scene.materials.back().kind, Kind::shadow_receiver);
+  Task nominal = task();
+  nominal.background.is_relit = true;
+  const TaskScene relit = build_scene(nominal, 1, 0);
+  EXPECT_EQ(relit.scene.materials.back().name, "background");
+  EXPECT_EQ(relit.scene.materials.back().kind, Kind::diffuse);
+  EXPECT_EQ(relit.scene.materials.back().texture, built().scene.materials.back().texture);
+  EXPECT_NE(resolved_yaml(nominal, relit).find("relit: true"), std::string::npos);  // a record says how it was shown
+}
+
 TEST(BuildScene, AnObjectWithoutABodyHasNoDisplay) {
   const std::string text = "schema: 1\nname: t\ntime_step: 20 ms\nobjects:\n  - {name: mark, visuals: [{mesh: " +
                            std::string(PVG_DATA_FOLDER) +

@@ -18,7 +18,7 @@ from .server import ServeError, Server
 EXAMPLE = (
     "Examples: phyvisgen evaluate policy push.yaml --policy ws://localhost:8000 -n 20 --perturb friction=0.5:2 --points 3; "
     "phyvisgen evaluate policy push.yaml --policy blind --baseline expert --videos out/failures; "
-    "phyvisgen evaluate policy push.yaml --policy expert -n 10 --check-intersections"
+    "phyvisgen evaluate policy push.yaml --policy expert -n 10 --baseline none --check-intersections"
 )
 BASELINES = ("blind", "nearest", "expert")
 N_VIDEOS = 3  # of the first failures
@@ -28,7 +28,12 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="phyvisgen evaluate policy", description=__doc__, epilog=EXAMPLE)
     parser.add_argument("task", help="task file, or the name of one of the program's own")
     parser.add_argument("--policy", required=True, help="ws://HOST:PORT of an OpenPI server, lerobot:CHECKPOINT, or a baseline's name")
-    parser.add_argument("--baseline", action="append", choices=BASELINES, default=[], help="beside it; may be repeated")
+    parser.add_argument(
+        "--baseline",
+        action="append",
+        choices=(*BASELINES, "none"),
+        help="beside it; may be repeated (else expert and, with --demonstrations, blind and nearest)",
+    )
     parser.add_argument("--demonstrations", help="episode set that blind and nearest go by")
     parser.add_argument("-n", "--episodes", type=int, help="so many; else 10 to 200, until the interval is narrow")
     parser.add_argument("--width", type=float, default=0.14, help="of the 95 %% interval at which to stop (0.14)")
@@ -79,6 +84,18 @@ def _policy(name: str, words: argparse.Namespace, server: Server) -> Policy:
         raise ValueError(f"{name} goes by demonstrations: name a set with --demonstrations")
     demonstrations = Demonstrations(words.demonstrations, server.facts)
     return BlindMean(demonstrations) if name == "blind" else NearestDemonstration(demonstrations)
+
+
+def _baselines(words: argparse.Namespace) -> list[str]:
+    """Names of the baselines beside the policy, each once."""
+    if words.baseline is None:
+        known = BASELINES if words.demonstrations else ("expert",)
+        return [name for name in known if name != words.policy]
+    if "none" not in words.baseline:
+        return list(dict.fromkeys(words.baseline))
+    if len(words.baseline) > 1:
+        raise ValueError("--baseline none stands beside another --baseline; leave one of the two out")
+    return []
 
 
 def _sentence(result: PolicyResult) -> str:
@@ -147,7 +164,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(words: argparse.Namespace, server: Server, perturbed: list[Perturbed]) -> int:
     length = words.length or planned_length(server, EVALUATION_SEED)
     policy = _policy(words.policy, words, server)
-    baselines = {name: _policy(name, words, server) for name in words.baseline}
+    baselines = {name: _policy(name, words, server) for name in _baselines(words)}
+    if words.baseline is None and not words.demonstrations:
+        print("phyvisgen: blind and nearest are left out; name a set with --demonstrations, by which they go", file=sys.stderr)
     checks = words.check_intersections
     result = evaluate(server, policy, words.episodes, words.width, length, check_intersections=checks)
     starts = [episode.seed for episode in result.episodes]  # the same for all, so that differences are paired

@@ -1,11 +1,13 @@
 """Server, records, baselines and the policy client, without a simulation where none is needed."""
 
+import io
 import json
 import socket
 import subprocess
 import tempfile
 import threading
 import unittest
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 from pathlib import Path
 from unittest.mock import patch
@@ -120,6 +122,20 @@ class Recorded(unittest.TestCase):
             self.assertEqual(len(result.episodes), 1)
             self.assertEqual(result.episodes[0].periods, length + 1)
         self.assertTrue(evaluate_policy(self.server, Expert(), episodes=1).episodes[0].success)
+
+    def test_baselines_stand_beside_a_policy_unasked(self):
+        def names(*words):
+            told = io.StringIO()
+            with redirect_stdout(told), redirect_stderr(io.StringIO()):
+                code = evaluate.main([str(TASK), "-n", "1", "--length", "1", "--json", *words])
+            return code if code else list(json.loads(told.getvalue())["baselines"])
+
+        demonstrations = ("--demonstrations", str(self.set))
+        self.assertEqual(names("--policy", "blind", *demonstrations), ["nearest", "expert"])
+        self.assertEqual(names("--policy", "expert"), [])
+        self.assertEqual(names("--policy", "blind", "--baseline", "none", *demonstrations), [])
+        self.assertEqual(names("--policy", "blind", "--baseline", "expert", "--baseline", "expert", *demonstrations), ["expert"])
+        self.assertEqual(names("--policy", "blind", "--baseline", "none", "--baseline", "expert", *demonstrations), 2)
 
     def test_the_command_tells_json(self):
         words = [phyvisgen.find_program(), "evaluate", "policy", str(TASK), "--policy", "expert", "-n", "1", "--json"]

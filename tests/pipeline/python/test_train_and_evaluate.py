@@ -77,7 +77,7 @@ class TrainAndEvaluate(unittest.TestCase):
         """The finished process, and the words of each program that ran, by its name and command."""
         self.told.write_text("")
         names = {"OBSERVATION", "CAMERA", "SIZE", "SAMPLES", "GRIPPER", "GENERATE", "STEPS", "BATCH", "EPISODES",
-                 "NETWORK", "WEIGHTS", "DEVICE", "VAE", "SAVE", "CHUNK", "EXECUTED", "LEARNING_RATE", "DROPOUT", "JUDGED"}
+                 "NETWORK", "WEIGHTS", "TRAINING", "DEVICE", "VAE", "SAVE", "CHUNK", "EXECUTED", "LEARNING_RATE", "DROPOUT", "JUDGED"}
         environment = {name: value for name, value in os.environ.items() if name not in names}
         environment |= {"PHYVISGEN_PROGRAM": str(self.folder / "phyvisgen"), "TRAINING_PROGRAMS": str(self.folder)}
         environment |= {"LENGTH": "9", "EPISODES": "2", **variables}
@@ -92,7 +92,7 @@ class TrainAndEvaluate(unittest.TestCase):
         self.assertIn("--width 128 --height 96 --samples 2", " ".join(told["generate"]))
         self.assertNotIn("--no-render", told["generate"])
         self.assertIn("--camera front --camera wrist", " ".join(told["generate"]))
-        self.assertNotIn("--environment-state", told["pack"])
+        self.assertNotIn("--no-pictures", told["pack"])
         for word in ("--env.obs_type=pixels_agent_pos", "--env.width=128", "--env.height=96", "--env.samples=2"):
             self.assertIn(word, told["lerobot-eval"])
         self.assertIn("--env.cameras=[front,wrist]", told["lerobot-eval"])
@@ -104,11 +104,12 @@ class TrainAndEvaluate(unittest.TestCase):
 
     def test_another_network_gets_its_weights_and_device(self):
         process, told = self.run_script(
-            OBSERVATION="pictures", NETWORK="resnet18", WEIGHTS="some", DEVICE="cuda", LEARNING_RATE="2e-4"
+            OBSERVATION="pictures", NETWORK="resnet18", WEIGHTS="some", DEVICE="cuda", LEARNING_RATE="2e-4",
+            TRAINING="--shift 1",
         )
         self.assertEqual(process.returncode, 0, process.stderr)
         words = " ".join(told["train_pictures.py"])
-        for word in ("--network resnet18 --device cuda --weights some", "--learning-rate 2e-4"):
+        for word in ("--network resnet18 --device cuda --weights some", "--learning-rate 2e-4", "--shift 1"):
             self.assertIn(word, words)
 
     def test_states_need_no_pictures(self):
@@ -157,7 +158,7 @@ class TrainAndEvaluate(unittest.TestCase):
         for variables, sentence in (
             ({"OBSERVATION": "smell"}, "OBSERVATION=smell is neither states nor pictures"),
             ({"CAMERA": "front"}, "CAMERA=front needs OBSERVATION=pictures"),
-            ({"NETWORK": "resnet18"}, "NETWORK and WEIGHTS need OBSERVATION=pictures"),
+            ({"NETWORK": "resnet18"}, "NETWORK, WEIGHTS and TRAINING need OBSERVATION=pictures"),
             ({"NETWORK": "resnet", "OBSERVATION": "pictures"}, "NETWORK=resnet is neither keypoints nor resnet18"),
             ({"WEIGHTS": "some", "OBSERVATION": "pictures"}, "WEIGHTS=some needs NETWORK=resnet18"),
             ({"VAE": "true", "OBSERVATION": "pictures"}, "VAE and SAVE need OBSERVATION=states"),
