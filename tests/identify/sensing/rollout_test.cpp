@@ -140,6 +140,8 @@ TEST(Rollout, WhatIsAskedAgainIsNotSimulatedAgain) {
   window.correction = Eigen::VectorXd::Constant(first.size(), 1);
   EXPECT_TRUE(ask().isApprox((first / 2).array().matrix() + window.correction));
   EXPECT_EQ(predictor.n_simulations(), 4u);
+  job.wants_phases = true;
+  EXPECT_EQ(predictor.predict({&job, 1}).at(0).phase.size(), window.data.size());
 }
 
 TEST(KnownPredictions, TheOldestAreForgottenFirst) {
