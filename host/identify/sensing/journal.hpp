@@ -33,11 +33,6 @@ class Journal {
   bool is_read_only_ = false;
 };
 
-// Numbers that differ where anything differs on which the predictions depend: scene, sensing, windows, starts, noise
-// (Fowler, Noll, Vo's hash).
-std::uint64_t question_of(const Problem& problem, std::span<const Job> jobs);
-std::uint64_t hash_of(std::span<const char> bytes, std::uint64_t so_far = 14695981039346656037u);
-
 // Of the recording's files, the scene's, the settings' text and this program: with another key nothing is read back.
 std::uint64_t journal_key(const Problem& problem, const std::string& settings);
 

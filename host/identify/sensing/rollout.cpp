@@ -4,14 +4,17 @@
 #include <cmath>
 #include <map>
 #include <tuple>
+#include <unordered_map>
 
 #include "host/base/error.hpp"
 #include "host/base/stop_signal.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/identify/sensing/forked.hpp"
 #include "host/identify/sensing/journal.hpp"
+#include "host/identify/sensing/known_predictions.hpp"
 #include "host/identify/sensing/mask_sight.hpp"
 #include "host/identify/sensing/prediction_bytes.hpp"
+#include "host/identify/sensing/question.hpp"
 #include "host/identify/sensing/sensor.hpp"
 #include "host/identify/sensing/step_order.hpp"
 #include "host/identify/sensing/support.hpp"
@@ -46,18 +49,37 @@ void go_on_before(Clock::time_point deadline) {
   if (Clock::now() > deadline) throw OutOfTime();
 }
 
-using WorkPacket = std::vector<std::size_t>;  // the jobs of one process
+using Sharing = std::vector<std::size_t>;  // the jobs that share a world: they differ in what is measured alone
+using WorkPacket = std::vector<Sharing>;   // the worlds of one process
+
+// Worlds in the order of the first of their jobs.
+std::vector<Sharing> worlds_of(std::span<const Question> questions) {
+  std::unordered_map<std::uint64_t, std::size_t> number;
+  std::vector<Sharing> worlds;
+  for (std::size_t i = 0; i < questions.size(); ++i) {
+    const auto [at, is_new] = number.try_emplace(questions[i].motion, worlds.size());
+    if (is_new) worlds.emplace_back();
+    worlds[at->second].push_back(i);
+  }
+  return worlds;
+}
 
 // Neighbours in the order, which take as many steps, go to one process each.
-std::vector<WorkPacket> work_packets(std::span<const std::size_t> order, std::size_t n_processes) {
+std::vector<WorkPacket> work_packets(std::span<const Sharing> order, std::size_t n_processes) {
   std::vector<WorkPacket> packets(std::min(n_processes, order.size()));
   for (std::size_t i = 0; i < order.size(); ++i) packets[i % packets.size()].push_back(order[i]);
   return packets;
 }
 
-std::vector<Prediction> picked(std::span<const Prediction> all, const WorkPacket& packet) {
+std::vector<std::size_t> jobs_of(std::span<const Sharing> worlds) {
+  std::vector<std::size_t> jobs;
+  for (const Sharing& world : worlds) jobs.insert(jobs.end(), world.begin(), world.end());
+  return jobs;
+}
+
+std::vector<Prediction> picked(std::span<const Prediction> all, std::span<const std::size_t> which) {
   std::vector<Prediction> some;
-  for (const std::size_t i : packet) some.push_back(all[i]);
+  for (const std::size_t i : which) some.push_back(all[i]);
   return some;
 }
 
@@ -69,7 +91,7 @@ const char* phase_name(Phase phase) {
 }
 
 Predictor::Predictor(Device& device, const Problem& problem, std::size_t n_processes)
-    : device_(device), problem_(problem), n_processes_(n_processes) {}
+    : device_(device), problem_(problem), n_processes_(n_processes), known_(std::make_unique<KnownPredictions>()) {}
 Predictor::~Predictor() = default;
 
 MaskSight* Predictor::sight() {
@@ -151,7 +173,27 @@ std::vector<Prediction> Predictor::predict(std::span<const Job> jobs) {
 }
 
 std::vector<Prediction> Predictor::predict_as_stepped(std::span<const Job> jobs) {
-  const std::uint64_t question = journal_ ? question_of(problem_, jobs) : 0;
+  const std::vector<Question> questions = questions_of(problem_, jobs);
+  std::vector<Job> open;  // each of which nothing is known, once
+  std::vector<Question> open_questions;
+  std::unordered_map<std::uint64_t, std::size_t> place;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    if (known_->find(questions[i].all) != nullptr || !place.try_emplace(questions[i].all, open.size()).second) continue;
+    open.push_back(jobs[i]);
+    open_questions.push_back(questions[i]);
+  }
+  std::vector<Prediction> found, out;
+  if (!open.empty()) found = simulated(open, open_questions);
+  for (const Question& question : questions) {
+    const auto at = place.find(question.all);
+    out.push_back(at == place.end() ? *known_->find(question.all) : found[at->second]);
+  }
+  known_->add(open_questions, std::move(found));
+  return out;
+}
+
+std::vector<Prediction> Predictor::simulated(std::span<const Job> jobs, std::span<const Question> questions) {
+  const std::uint64_t question = journal_ ? hash_of(questions) : 0;
   if (journal_)
     if (std::optional<std::vector<Prediction>> known = journal_->result_for(question);
         known && known->size() == jobs.size())
@@ -159,15 +201,14 @@ std::vector<Prediction> Predictor::predict_as_stepped(std::span<const Job> jobs)
   if (journal_ && journal_->is_read_only())
     throw Failure("this diagnosis needs a simulation that simulated.bin does not hold; leave out --no-simulation");
   std::vector<Prediction> out(jobs.size());
-  std::vector<std::size_t> order(jobs.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::vector<Sharing> order = worlds_of(questions);
   const double h = jobs.empty() ? 1 : jobs[0].variant->scene.solver.time_step;
   // A batch waits in each step for its slowest world: worlds of one window have their impacts at the same time.
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  std::stable_sort(order.begin(), order.end(), [&](const Sharing& a, const Sharing& b) {
     const auto key = [&](const Window& window) {
       return std::tuple(-double(steps_of(window, h)), window.run, window.start);
     };
-    return key(*jobs[a].window) < key(*jobs[b].window);
+    return key(*jobs[a.front()].window) < key(*jobs[b.front()].window);
   });
   const std::size_t n = std::max<std::size_t>(1, n_nodes(problem_.scene.scene));
   const std::size_t per_batch = is_large() ? 1 : std::clamp<std::size_t>(MOST_NODES / n, 1, MOST_WORLDS);
@@ -182,34 +223,43 @@ std::vector<Prediction> Predictor::predict_as_stepped(std::span<const Job> jobs)
     others.emplace_back([&, i] {
       deadline_ = Clock::time_point::max();  // this process ends the others at its own
       work_off(packets[i]);
-      return packed(picked(out, packets[i]));
+      return packed(picked(out, jobs_of(packets[i])));
     });
   if (!packets.empty()) work_off(packets[0]);
   for (std::size_t i = 1; i < packets.size(); ++i) {
     std::optional<Unpacked> result = unpacked(others[i - 1].result(deadline_));
-    if (!result || result->predictions.size() != packets[i].size())
+    const std::vector<std::size_t> theirs = jobs_of(packets[i]);
+    if (!result || result->predictions.size() != theirs.size())
       throw Failure("what another process simulated came back cut short");
-    for (std::size_t k = 0; k < packets[i].size(); ++k) out[packets[i][k]] = std::move(result->predictions[k]);
+    for (std::size_t k = 0; k < theirs.size(); ++k) out[theirs[k]] = std::move(result->predictions[k]);
   }
-  for (const Job& job : jobs) world_seconds_ += double(steps_of(*job.window, h)) * h;
-  n_simulations_ += jobs.size();
+  for (const Sharing& world : order) world_seconds_ += double(steps_of(*jobs[world.front()].window, h)) * h;
+  n_simulations_ += order.size();
   if (journal_) journal_->add(question, out);
   return out;
 }
 
-void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::size_t> which,
+void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::vector<std::size_t>> which,
                               std::vector<Prediction>& out) {
+  struct Seen {
+    std::size_t job, world, n_steps;
+    SensorTrace trace;
+    bool succeeded = true;
+  };
   std::vector<PhysicalScene> scenes;
-  std::vector<SensorTrace> traces;
-  const double h = jobs[which[0]].variant->scene.solver.time_step;
-  std::vector<std::size_t> n_steps;  // of each world
-  for (const std::size_t i : which) {
-    scenes.push_back(world_of(problem_, jobs[i].variant->scene, *jobs[i].window, jobs[i].initial));
-    traces.emplace_back(problem_, jobs[i], sight(), video());
-    n_steps.push_back(steps_of(problem_, jobs[i], h));
-  }
   std::vector<const Window*> windows;
-  for (const std::size_t i : which) windows.push_back(jobs[i].window);
+  std::vector<Seen> seen;
+  const double h = jobs[which[0].front()].variant->scene.solver.time_step;
+  std::vector<std::size_t> n_steps(which.size(), 0);  // of each world
+  for (std::size_t w = 0; w < which.size(); ++w) {
+    const Job& first = jobs[which[w].front()];
+    scenes.push_back(world_of(problem_, first.variant->scene, *first.window, first.initial));
+    windows.push_back(first.window);
+    for (const std::size_t i : which[w]) {
+      seen.push_back({i, w, steps_of(problem_, jobs[i], h), SensorTrace(problem_, jobs[i], sight(), video())});
+      n_steps[w] = std::max(n_steps[w], seen.back().n_steps);
+    }
+  }
   std::unique_ptr<WindowWorlds> made;
   try {
     made = std::make_unique<WindowWorlds>(device_, problem_, std::move(scenes), std::move(windows));
@@ -220,19 +270,21 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::si
       predict_batch(jobs, which.subspan(n / 2), out);
       return;
     }
-    Prediction& none = out[which[0]];
-    none.residual = Eigen::VectorXd::Constant(Eigen::Index(jobs[which[0]].window->data.size()), std::nan(""));
-    none.phase.assign(jobs[which[0]].wants_phases ? jobs[which[0]].window->data.size() : 0, Phase::free);
-    none.succeeded = false;
+    for (const std::size_t i : which[0]) {
+      Prediction& none = out[i];
+      none.residual = Eigen::VectorXd::Constant(Eigen::Index(jobs[i].window->data.size()), std::nan(""));
+      none.phase.assign(jobs[i].wants_phases ? jobs[i].window->data.size() : 0, Phase::free);
+      none.succeeded = false;
+    }
     return;
   }
   WindowWorlds& worlds = *made;
   Simulation& simulation = worlds.simulation();
-  const Expected* expected = is_large() ? expected_of(jobs[which[0]]) : nullptr;
-  std::vector<char> succeeded(which.size(), true);
+  const Expected* expected = is_large() ? expected_of(jobs[which[0].front()]) : nullptr;
+  std::vector<char> goes_on(which.size(), true);
   const auto look = [&](std::size_t step) {
-    for (std::size_t w = 0; w < which.size(); ++w)
-      if (succeeded[w] && step <= n_steps[w]) traces[w].add(worlds.scene(w), simulation.state(w));
+    for (Seen& one : seen)
+      if (one.succeeded && step <= one.n_steps) one.trace.add(worlds.scene(one.world), simulation.state(one.world));
   };
   look(0);
   const std::size_t n_all = *std::max_element(n_steps.begin(), n_steps.end());
@@ -243,23 +295,24 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::si
       worlds.step(step);
     } catch (const StepFailure& failure) {
       for (const StepEvent& event : failure.events) {
-        succeeded[event.world] = false;
+        goes_on[event.world] = false;
         simulation.retire(event.world);
       }
-      if (std::none_of(succeeded.begin(), succeeded.end(), [](char well) { return well; })) break;
+      for (Seen& one : seen) one.succeeded = one.succeeded && (goes_on[one.world] || step > one.n_steps);
+      if (std::none_of(goes_on.begin(), goes_on.end(), [](char well) { return well; })) break;
     }
     look(step);
     for (std::size_t w = 0; w < which.size(); ++w)
       if (step == n_steps[w]) simulation.retire(w);
   }
-  for (std::size_t w = 0; w < which.size(); ++w) {
-    Prediction& prediction = out[which[w]];
-    prediction.residual = traces[w].residual();
-    prediction.mask_overlap = traces[w].mask_overlap();
-    prediction.succeeded = succeeded[w] && prediction.residual.allFinite();
-    if (jobs[which[w]].wants_phases) {
-      prediction.phase = traces[w].phases();
-      prediction.touching = traces[w].touching();
+  for (Seen& one : seen) {
+    Prediction& prediction = out[one.job];
+    prediction.residual = one.trace.residual();
+    prediction.mask_overlap = one.trace.mask_overlap();
+    prediction.succeeded = one.succeeded && prediction.residual.allFinite();
+    if (jobs[one.job].wants_phases) {
+      prediction.phase = one.trace.phases();
+      prediction.touching = one.trace.touching();
     }
   }
 }

@@ -38,6 +38,8 @@ struct Prediction {
 };
 
 class Journal;
+class KnownPredictions;
+struct Question;
 class MaskSight;
 class VideoSight;
 
@@ -68,10 +70,14 @@ class Predictor {
     std::vector<std::vector<double>> motion;
   };
   std::vector<Prediction> predict_as_stepped(std::span<const Job> jobs);
+  // By the journal or by simulating; questions: of the jobs, all of which differ.
+  std::vector<Prediction> simulated(std::span<const Job> jobs, std::span<const Question> questions);
   bool is_large() const;  // a world is simulated by itself
   const Expected* expected_of(const Job& job) const;
   void expect(std::span<const Job> jobs);
-  void predict_batch(std::span<const Job> jobs, std::span<const std::size_t> which, std::vector<Prediction>& out);
+  // which: the jobs of each world; they differ in what is measured alone.
+  void predict_batch(std::span<const Job> jobs, std::span<const std::vector<std::size_t>> which,
+                     std::vector<Prediction>& out);
   MaskSight* sight();
   Device& device_;
   const Problem& problem_;
@@ -80,6 +86,7 @@ class Predictor {
   std::unique_ptr<VideoSight> video_;  // likewise
   std::vector<Expected> expected_;
   Journal* journal_ = nullptr;
+  std::unique_ptr<KnownPredictions> known_;
   std::size_t n_simulations_ = 0;
   double world_seconds_ = 0;
   Clock::time_point deadline_ = Clock::time_point::max();

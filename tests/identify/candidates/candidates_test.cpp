@@ -6,6 +6,7 @@
 
 #include "host/identify/candidates/candidate.hpp"
 #include "host/identify/criteria.hpp"
+#include "host/identify/sensing/question.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg::diagnose {
@@ -50,6 +51,32 @@ TEST(Candidates, WhatRollsIsBrakedWhicheverBodyOfThePairItIs) {
   EXPECT_EQ(rolling("ball/floor"), std::vector<std::string>{"ball/floor"});
   EXPECT_EQ(rolling("ball/tray"), (std::vector<std::string>{"ball/tray", "tray/ball"}));
   EXPECT_EQ(targets_of(make_candidates(problem, {"floor/ball"}), "adhesion"), std::vector<std::string>{"floor/ball"});
+}
+
+// Jobs of the same motion are simulated once, so each change of the scene has to show in what stands for its motion.
+TEST(Candidates, OnlyErrorsOfTheMeasurementMoveNothing) {
+  for (const std::string name :
+       {"slide_retune_friction", "driven_backlash_30x", "hanging_strain_stiffening_10x", "tracked_latency_10x"}) {
+    const Problem problem = make_problem(std::filesystem::path(PVG_DATA_FOLDER) / "hidden" / name / "recording.yaml");
+    const Window window = make_windows(problem, false, 0, 1).at(0);
+    const auto motion_of = [&](const Variant& variant) {
+      const Job job{&variant, &window, window.initial, false};
+      return questions_of(problem, {&job, 1}).at(0).motion;
+    };
+    const Variant base{problem.scene.scene, {}};
+    const std::vector<RigidBody>& bodies = problem.scene.scene.rigid_bodies;
+    std::vector<std::string> touching;
+    if (bodies.size() > 1) touching.push_back(bodies[0].name + "/" + bodies[1].name);
+    for (const Candidate& candidate : make_candidates(problem, touching)) {
+      std::vector<double> values;
+      for (const Parameter& p : candidate.parameters)
+        values.push_back(p.off + p.scale <= p.high ? p.off + p.scale : p.off - p.scale);
+      Variant changed = base;
+      candidate.apply(changed, values);
+      EXPECT_EQ(motion_of(changed) == motion_of(base), candidate.family == Family::measurement)
+          << name << ": " << candidate.label();
+    }
+  }
 }
 
 // A scene of a bar on a hinge; what the hinge has besides follows.

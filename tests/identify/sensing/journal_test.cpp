@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "host/identify/sensing/question.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg::diagnose {
@@ -69,7 +70,8 @@ TEST(Journal, AResultThatWasCutShortIsForgotten) {
   EXPECT_FALSE(journal.result_for(12));
 }
 
-// Two results must not be confused: whatever a simulation or a sensor depends on is part of the question.
+// Two results must not be confused: whatever a simulation or a sensor depends on is part of the question, and jobs
+// share a world only where what is measured of it alone differs.
 TEST(Journal, AQuestionHoldsSceneSensingStartsAndNoise) {
   Problem problem;
   problem.channels.resize(1);
@@ -89,19 +91,21 @@ TEST(Journal, AQuestionHoldsSceneSensingStartsAndNoise) {
   window.data = {{0, 3, 0}};
   window.correction = Eigen::VectorXd::Zero(1);
   InitialState start{{0}, {0}, {Pose::Identity()}, {Vec3::Zero()}, {Vec3::Zero()}};
-  std::map<std::uint64_t, int> seen;
+  std::map<std::uint64_t, int> seen, moved;
   int number = 0;
-  const auto ask = [&] {
+  const auto ask = [&](bool moves_otherwise) {
     const Job job{&variant, &window, start, false};
-    const std::uint64_t question = question_of(problem, std::span(&job, 1));
-    EXPECT_TRUE(seen.emplace(question, number).second) << number << " is as " << seen[question];
+    const Question question = questions_of(problem, std::span(&job, 1)).at(0);
+    EXPECT_TRUE(seen.emplace(question.all, number).second) << number << " is as " << seen[question.all];
+    EXPECT_EQ(moved.emplace(question.motion, number).second, moves_otherwise) << number;
     ++number;
   };
-  ask();
+  ask(true);
+  bool moves_otherwise = true;
   const auto changed = [&](double& value) {
     const double before = value;
     value += 0.01;
-    ask();
+    ask(moves_otherwise);
     value = before;
   };
   changed(start.spin[0].z());  // 1
@@ -116,6 +120,8 @@ TEST(Journal, AQuestionHoldsSceneSensingStartsAndNoise) {
   changed(variant.scene.contact.stiffness);  // 10
   changed(variant.scene.solver.time_step);
   changed(variant.scene.effects[0].parameters[0]);
+  changed(window.start);  // 13
+  moves_otherwise = false;
   changed(variant.sensing.clock_rate);
   changed(variant.sensing.clock_offset);
   changed(variant.sensing.length_scale);
@@ -123,12 +129,13 @@ TEST(Journal, AQuestionHoldsSceneSensingStartsAndNoise) {
   changed(variant.sensing.latency[0]);
   changed(variant.sensing.bias[0].x());
   changed(variant.sensing.marker_offset[0].x());
-  changed(variant.sensing.camera[0].gain);  // 20
+  changed(variant.sensing.camera[0].gain);
   changed(window.correction[0]);
   changed(problem.channels[0].sigma);
   changed(problem.runs[0].noise_scale[0]);
+  changed(window.end);
   window.data[0].sample = 4;
-  ask();
+  ask(false);
 }
 
 }  // namespace

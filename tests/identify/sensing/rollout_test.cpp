@@ -10,6 +10,7 @@
 
 #include "host/base/error.hpp"
 #include "host/identify/sensing/forked.hpp"
+#include "host/identify/sensing/known_predictions.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg::diagnose {
@@ -91,6 +92,75 @@ TEST(Rollout, ALateChannelSawWhatMovedBeforeTheStart) {
   const Prediction prediction = predictor.predict({&job, 1}).at(0);
   for (std::size_t i = 0; i < window.data.size(); ++i)
     EXPECT_NEAR(prediction.residual[Eigen::Index(i)], window.data[i].component == 0 ? 40 : 0, 0.1) << i;
+}
+
+// Errors of a sensor move nothing: what they are tried in is simulated once, and each sees what it would see alone.
+TEST(Rollout, WhatDiffersInTheSensingAloneIsSimulatedOnce) {
+  const TestFolder folder;
+  const Problem problem = thrown_block(folder);
+  Device device;
+  const Window window = make_windows(problem, false, 0, 1).at(0);
+  std::vector<Variant> variants(4, {problem.scene.scene, {}});
+  variants[1].sensing.latency = {0.02};
+  variants[2].sensing.clock_offset = 0.03;  // needs more steps than the others
+  variants[3].scene.gravity *= 2;
+  std::vector<Job> jobs;
+  for (const Variant& variant : variants) jobs.push_back({&variant, &window, window.initial, &variant == &variants[1]});
+  Predictor together(device, problem);
+  const std::vector<Prediction> found = together.predict(jobs);
+  EXPECT_EQ(together.n_simulations(), 2u);
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    Predictor alone(device, problem);
+    const Prediction expected = alone.predict({&jobs[i], 1}).at(0);
+    EXPECT_TRUE(expected.succeeded && found[i].succeeded);
+    EXPECT_EQ(found[i].residual, expected.residual) << i;
+    EXPECT_EQ(found[i].phase, expected.phase) << i;
+    EXPECT_EQ(found[i].touching, expected.touching) << i;
+    for (std::size_t k = 0; k < i; ++k) EXPECT_NE(found[i].residual, found[k].residual) << i << " as " << k;
+  }
+}
+
+TEST(Rollout, WhatIsAskedAgainIsNotSimulatedAgain) {
+  const TestFolder folder;
+  Problem problem = thrown_block(folder);
+  Device device;
+  Predictor predictor(device, problem);
+  const Variant variant{problem.scene.scene, {}};
+  Window window = make_windows(problem, false, 0, 1).at(0);
+  Job job{&variant, &window, window.initial, false};
+  const auto ask = [&] { return predictor.predict({&job, 1}).at(0).residual; };
+  const Eigen::VectorXd first = ask();
+  EXPECT_EQ(ask(), first);
+  EXPECT_EQ(predictor.n_simulations(), 1u);
+  job.initial.velocity[std::size_t(problem.channels[0].rigid)].x() += 0.1;
+  EXPECT_NE(ask(), first);
+  problem.channels[0].sigma *= 2;  // another noise, the same motion
+  job.initial = window.initial;
+  EXPECT_TRUE(ask().isApprox(first / 2));
+  window.correction = Eigen::VectorXd::Constant(first.size(), 1);
+  EXPECT_TRUE(ask().isApprox((first / 2).array().matrix() + window.correction));
+  EXPECT_EQ(predictor.n_simulations(), 4u);
+  job.wants_phases = true;
+  EXPECT_EQ(predictor.predict({&job, 1}).at(0).phase.size(), window.data.size());
+}
+
+TEST(KnownPredictions, TheOldestAreForgottenFirst) {
+  const auto add = [](KnownPredictions& known, std::uint64_t question, std::size_t n_numbers) {
+    const Question asked{0, question};
+    Prediction prediction;
+    prediction.residual = Eigen::VectorXd::Constant(Eigen::Index(n_numbers), double(question));
+    known.add({&asked, 1}, {prediction});
+  };
+  KnownPredictions known;
+  constexpr std::size_t THIRD = KnownPredictions::MOST_NUMBERS / 3;
+  for (const std::uint64_t question : {1, 2, 2, 3}) add(known, question, THIRD);
+  EXPECT_EQ(known.n_numbers(), 3 * THIRD);
+  add(known, 4, THIRD);
+  EXPECT_EQ(known.find(1), nullptr);
+  for (const std::uint64_t question : {2, 3, 4}) {
+    ASSERT_NE(known.find(question), nullptr) << question;
+    EXPECT_EQ(known.find(question)->residual[0], double(question));
+  }
 }
 
 TEST(Forked, BytesComeBackAndSoDoesAReason) {
