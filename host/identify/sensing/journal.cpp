@@ -197,6 +197,11 @@ std::uint64_t journal_key(const Problem& problem, const std::string& settings) {
   std::vector<char> commands;
   for (const Run& run : problem.runs)
     for (const TargetTable& targets : run.targets) put_list(commands, targets.value);
+  for (const Run& run : problem.runs)
+    for (const KnownPush& push : run.pushes) {
+      put_numbers(commands, push.from, push.to);
+      put_list(commands, push.effect.parameters);
+    }
   key = hash_of(commands, key);
   std::error_code ignored;
   const auto built = fs::last_write_time("/proc/self/exe", ignored).time_since_epoch().count();
