@@ -78,7 +78,7 @@ CASES = {
     "swings_spring": (small_swings, "joint_spring", "", 6, []),
     "swings_tilt": (small_swings, "gravity_tilt", "", 6, ["bias", "center_of_mass_offset"]),
     "bounces_payload": (small_bounces, "payload_mass", "", 10, ["retune_mass"]),
-    "bounces_stiffness": (small_bounces, "retune_drive_stiffness", "", 10, ["actuator_gain"]),
+    "bounces_stiffness": (small_bounces, "retune_drive_stiffness", "", 10, ["actuator_gain", "joint_spring"]),
     "bounces_quadratic_drag": (small_bounces, "quadratic_drag", "", 4, []),
     "bounces_coulomb": (small_bounces, "joint_coulomb_friction", "", 4, ["joint_stribeck_friction"]),
     "carriage_coulomb": (equal_speeds, "joint_coulomb_friction", "", 6, ["joint_stribeck_friction"]),
