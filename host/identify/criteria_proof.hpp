@@ -45,6 +45,12 @@
   X(7, Series, next_releases, (Series{-1.5, -1, -0.5, 0.5, 1, 1.5}), "farthest measured", \
     "coordinates from which a joint without a drive is released", \
     "chosen by judgement, not measured") \
+  X(7, Series, next_loads, (Series{0.5}), "mass", \
+    "load on a body of a next experiment, over the body's mass; it goes with motions of the recorded size", \
+    "a load of that size shows beside 1 % of noise: chosen by judgement") \
+  X(7, std::size_t, next_names_most, 4, "1", \
+    "names that a next experiment is to tell from the first", \
+    "each costs a simulation of every motion: chosen by judgement") \
   X(7, Series, next_speeds, (Series{0.5, 1, 2}), "measured", \
     "speeds with which a body is thrown", \
     "chosen by judgement, not measured") \

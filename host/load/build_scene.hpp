@@ -43,6 +43,8 @@ TaskScene build_scene_at_middle(const Task& task);
 
 // A plain scene file (scene_file.hpp); starts at the middle of every range.
 Scene load_scene(const std::filesystem::path& file);
+// The same of a changed text of the file: paths are relative to its folder, messages name the file (scene_file.cpp).
+Scene load_changed_scene(const std::filesystem::path& file, const std::string& text);
 
 // Adds what is seen of one body: a copy of `body` for each section, with its mesh and material. size: factor on meshes
 // that are no glTF scenes of their own.

@@ -123,9 +123,9 @@ const Fields<SceneRobot>& scene_robot_fields() {
   return FIELDS;
 }
 
-SceneFile load_scene_file(const std::filesystem::path& path) {
-  YamlSection root = is_robot_description(path) ? YamlSection::translated(imported_scene(path), path)
-                                                : YamlSection::load(path, "scene file");
+namespace {
+
+SceneFile read_scene_file(YamlSection root) {
   SceneFile file;
   file.task = read_scene_sections(root, LARGEST_SCENE_TIME_STEP);
   scene_file_fields().read(root, file);
@@ -150,6 +150,13 @@ SceneFile load_scene_file(const std::filesystem::path& path) {
   return file;
 }
 
+}  // namespace
+
+SceneFile load_scene_file(const std::filesystem::path& path) {
+  return read_scene_file(is_robot_description(path) ? YamlSection::translated(imported_scene(path), path)
+                                                    : YamlSection::load(path, "scene file"));
+}
+
 std::size_t SceneRun::n_steps() const { return std::size_t(std::llround(duration / scene.solver.time_step)); }
 
 std::vector<double> SceneRun::targets_at(double time) const {
@@ -158,8 +165,9 @@ std::vector<double> SceneRun::targets_at(double time) const {
   return values;
 }
 
-SceneRun load_scene_run(const std::filesystem::path& path) {
-  const SceneFile file = load_scene_file(path);
+namespace {
+
+SceneRun run_of(const SceneFile& file, const std::filesystem::path& path) {
   SceneRun run;
   const TaskScene built = build_scene_at_middle(file.task);
   run.scene = built.scene;
@@ -181,8 +189,19 @@ SceneRun load_scene_run(const std::filesystem::path& path) {
   run.targets.insert(run.targets.end(), file.targets.begin(), file.targets.end());
   run.duration = file.duration;
   run.render = file.task.render;
+  return run;
+}
+
+}  // namespace
+
+SceneRun load_scene_run(const std::filesystem::path& path) {
+  SceneRun run = run_of(load_scene_file(path), path);
   run.configuration = scene_text(path);
   return run;
+}
+
+Scene load_changed_scene(const std::filesystem::path& file, const std::string& text) {
+  return run_of(read_scene_file(YamlSection::translated(text, file)), file).scene;
 }
 
 Scene load_scene(const std::filesystem::path& file) { return load_scene_run(file).scene; }

@@ -4,7 +4,7 @@
 #pragma once
 #include "host/model/effect_row.hpp"
 
-#define PVG_EFFECT_TERMS(X) X(spin_drag) X(rolling_resistance) X(force_law) X(joint_law)
+#define PVG_EFFECT_TERMS(X) X(spin_drag) X(push) X(rolling_resistance) X(force_law) X(joint_law)
 
 namespace pvg {
 
@@ -227,6 +227,20 @@ inline std::vector<EffectRow> body_effects() {
                 {strength("drag", "N m s/rad", 0, 100)}},
        .action = EffectTerm::spin_drag,
        .is_possible = is_not_carried},
+      {.kind = {"push",
+                T::rigid_body,
+                "body point",
+                "constant from one time to another",
+                "a known force on a point of the body and a known torque, such as a push by hand, world frame",
+                "F = (x, y, z), torque = (torque_x, torque_y, torque_z), while from < t < to",
+                "none: a recording states what was done to a body",
+                {strength("from", "s", 0, 1e6), strength("to", "s", 0, 1e6), shape("x", "N", -1e5, 1e5, 0),
+                 shape("y", "N", -1e5, 1e5, 0), shape("z", "N", -1e5, 1e5, 0), shape("torque_x", "N m", -1e5, 1e5, 0),
+                 shape("torque_y", "N m", -1e5, 1e5, 0), shape("torque_z", "N m", -1e5, 1e5, 0),
+                 shape("point_x", "m", -100, 100, 0), shape("point_y", "m", -100, 100, 0),
+                 shape("point_z", "m", -100, 100, 0)}},
+       .action = EffectTerm::push,
+       .is_possible = is_never_missing},
   };
 }
 

@@ -41,8 +41,8 @@ Vec3 beside_the_way(const PushedRobot& robot, const Eigen::MatrixXd& q, std::siz
   return offset - along * along.dot(offset);
 }
 
-void add_push(const PushedRobot& robot, const Eigen::MatrixXd& q, const Push& push, std::size_t first, std::size_t n,
-              double time_step, Eigen::MatrixXd& shift) {
+void add_push(const PushedRobot& robot, const Eigen::MatrixXd& q, const PushAside& push, std::size_t first,
+              std::size_t n, double time_step, Eigen::MatrixXd& shift) {
   const std::size_t middle = first + n / 2;
   const VectorXd at_middle = q.row(Eigen::Index(middle)).head(shift.cols()).transpose();
   const Mat3 tool = tool_pose(robot.model, at_middle, robot.tool_link, robot.flange_to_tool).linear();
@@ -72,7 +72,7 @@ void keep_limits(const RobotModel& model, const Eigen::MatrixXd& q, Eigen::Matri
 }  // namespace
 
 Eigen::MatrixXd pushed_aside(const PushedRobot& robot, const Eigen::MatrixXd& q, const std::vector<bool>& may,
-                             std::span<const Push> pushes, double time_step) {
+                             std::span<const PushAside> pushes, double time_step) {
   Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(q.rows(), Eigen::Index(robot.model.actuated.size()));
   std::size_t free_from = 0;
   for (std::size_t k = 0; k < pushes.size(); ++k) {

@@ -18,7 +18,7 @@
 namespace pvg {
 
 // A push of one robot's hand.
-struct Push {
+struct PushAside {
   double start = 0;            // where it begins, as a share of the steps at which it may, in [0, 1)
   double duration = 0;         // [s]
   Vec3 offset = Vec3::Zero();  // of the tool, in the tool's frame [m]
@@ -32,11 +32,11 @@ struct PushedRobot {
 };
 
 // q: [n_steps, >= n_actuated] the plan, whose first columns are the arm's. may: [n_steps] whether a push may go on in
-// the step. Push k of n begins in the k-th of n equal shares of the steps at which its duration fits; one that would
-// begin before the last has ended begins then, or is left out where it no longer fits. A UsageError where none ever
-// does.
+// the step. Push k of n begins in the k-th of n equal shares of the steps at which its duration fits; one that
+// would begin before the last has ended begins then, or is left out where it no longer fits. A UsageError where none
+// ever does.
 // -> [n_steps, n_actuated, rad or m], within the joints' limits
 Eigen::MatrixXd pushed_aside(const PushedRobot& robot, const Eigen::MatrixXd& q, const std::vector<bool>& may,
-                             std::span<const Push> pushes, double time_step);
+                             std::span<const PushAside> pushes, double time_step);
 
 }  // namespace pvg

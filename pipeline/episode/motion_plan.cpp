@@ -131,7 +131,7 @@ std::vector<std::vector<double>> disturb(const Task& task, const TaskScene& buil
     const JointTrajectory& trajectory = trajectories[r];
     const MotionSetup& setup = planned[r].setup;
     Eigen::MatrixXd& shift = shifts.emplace_back(Eigen::MatrixXd::Zero(trajectory.q.rows(), trajectory.q.cols()));
-    std::vector<Push> pushes;
+    std::vector<PushAside> pushes;
     std::vector<std::string> during;
     for (const Disturbance& drawn : built.disturbances) {
       if (drawn.of != hand_name(built.robots[r].name)) continue;

@@ -30,7 +30,7 @@ struct DisturbedArm : testing::Test {
 
 // of a hand that rests the offset is what was asked for, in the tool's frame; second order in it: 20 mm of about 0.5 m
 TEST_F(DisturbedArm, AHandAtRestGoesByItsOffsetAndItsTurnAndComesBack) {
-  const Push push{0, 0.4, Vec3(0.012, -0.008, 0.014), Vec3(0.02, 0, -0.03)};
+  const PushAside push{0, 0.4, Vec3(0.012, -0.008, 0.014), Vec3(0.02, 0, -0.03)};
   const Eigen::MatrixXd q = resting(60),
                         shift = pushed_aside(robot, q, std::vector<bool>(60, true), {&push, 1}, PUSH_STEP);
   const Pose from = tool(home), to = tool(home + shift.row(9).transpose());  // the middle: u = 1/2
@@ -44,7 +44,7 @@ TEST_F(DisturbedArm, AHandAtRestGoesByItsOffsetAndItsTurnAndComesBack) {
 }
 
 TEST_F(DisturbedArm, AHandUnderWayGoesBesideItsWayOnly) {
-  const Push push{0, 0.4, Vec3(0.01, 0.01, 0.01)};
+  const PushAside push{0, 0.4, Vec3(0.01, 0.01, 0.01)};
   const Eigen::MatrixXd q = turning(40),
                         shift = pushed_aside(robot, q, std::vector<bool>(40, true), {&push, 1}, PUSH_STEP);
   ASSERT_EQ(shift.cols(), 7);
@@ -61,7 +61,7 @@ TEST_F(DisturbedArm, AHandUnderWayGoesBesideItsWayOnly) {
 TEST_F(DisturbedArm, PushesComeWhereTheyMayOneAfterTheOther) {
   std::vector<bool> may(100, true);
   for (int i = 40; i < 60; ++i) may[std::size_t(i)] = false;
-  std::vector<Push> pushes;
+  std::vector<PushAside> pushes;
   for (const double start : {0.99, 0.0, 0.99}) pushes.push_back({start, 0.3, Vec3(0, 0.01, 0)});
   const Eigen::MatrixXd shift = pushed_aside(robot, resting(100), may, pushes, PUSH_STEP);
   int n_begun = 0, n_pushed = 0;
@@ -76,7 +76,7 @@ TEST_F(DisturbedArm, PushesComeWhereTheyMayOneAfterTheOther) {
 }
 
 TEST_F(DisturbedArm, APushThatFitsNowhereIsRefused) {
-  const Push push{0.5, 0.5, Vec3(0, 0.01, 0)};
+  const PushAside push{0.5, 0.5, Vec3(0, 0.01, 0)};
   std::vector<bool> may(60, true);
   for (std::size_t i = 0; i < may.size(); i += 20) may[i] = false;
   expect_error<UsageError>(
@@ -87,7 +87,7 @@ TEST_F(DisturbedArm, APushThatFitsNowhereIsRefused) {
 }
 
 TEST_F(DisturbedArm, JointsStayWithinTheirLimits) {
-  const Push push{0, 0.4, Vec3(0, 0, 0.2)};
+  const PushAside push{0, 0.4, Vec3(0, 0, 0.2)};
   Eigen::MatrixXd q = resting(40);
   const double upper = model.joints[std::size_t(model.actuated[3])].upper;
   q.col(3).setConstant(upper - 1e-3);

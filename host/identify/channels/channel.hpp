@@ -29,6 +29,7 @@ struct Channel {
   int joint = -1, rigid = -1, soft = -1, cloth = -1;    // which of them
   Vec3 point = Vec3::Zero();                            // on a rigid body, in its frame [m]
   std::vector<std::pair<std::uint32_t, double>> nodes;  // of a soft body or cloth, with weights
+  bool is_joint_load = false;                           // of a torque: what the joint transmits, not its drive's effort
   bool has_axis = false;
   Vec3 axis = Vec3::Zero();         // the part along it is measured
   int other = -1;                   // of a distance or contact: the other body, a rigid one; -1: any
@@ -120,6 +121,7 @@ struct SensorKind {
   bool is_length = false;              // of a body: scales with the unit of length
   bool has_mounting_place = false;     // sits on its body at a place that may be wrong
   bool takes_bias = false;             // a constant may be added to it
+  bool is_known_after_a_step = false;  // as forces are: at the start it is taken for what it is after the first step
   bool is_shown_as_deviation = false;  // its numbers say nothing to a reader, their differences do
 };
 

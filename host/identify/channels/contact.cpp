@@ -49,6 +49,7 @@ constinit const SensorKind contact_sensor = {.kind = ChannelKind::contact,
                                              .resolve = resolve,
                                              .predict = predict,
                                              .interpolate = cubic_value,
-                                             .difference = plain_difference};
+                                             .difference = plain_difference,
+                                             .is_known_after_a_step = true};
 
 }  // namespace pvg::diagnose

@@ -37,6 +37,31 @@ double factor_of(const std::string& unit, Unit dimension, const std::string& pla
   }
 }
 
+bool is_joint_load(const RecordedChannel& recorded) {
+  return !recorded.joint.empty() &&
+         (recorded.kind == ChannelKind::force || recorded.columns.size() > 1 || recorded.axis);
+}
+
+Channel find_joint_load(const ChannelPlace& where, const RecordedChannel& recorded) {
+  const PhysicalScene& scene = where.scene;
+  Channel channel;
+  channel.joint = index_named(scene.joints, recorded.joint);
+  if (channel.joint < 0)
+    throw UsageError(where.entry + " names the joint `" + recorded.joint + "`, which the scene does not have");
+  const Joint& joint = scene.joints[std::size_t(channel.joint)];
+  const bool is_torque = recorded.kind == ChannelKind::torque;
+  if (joint.type == Joint::Type::prismatic || (is_torque && joint.type != Joint::Type::fixed))
+    throw UsageError(
+        where.entry + ": the joint `" + recorded.joint + "` " +
+        (joint.type == Joint::Type::prismatic ? "slides" : "turns") + ", so its " + (is_torque ? "torque" : "force") +
+        " in three axes cannot be predicted; divide the body where the sensor sits, and join its parts by a "
+        "joint of the type fixed" +
+        (is_torque ? ", or give one `column`, the drive's effort" : ""));
+  channel.subject = scene.rigid_bodies[std::size_t(joint.child)].name;
+  channel.name = std::string(kind_name(recorded.kind)) + " in joint " + recorded.joint;
+  return channel;
+}
+
 Channel find_subject(const ChannelPlace& where, const RecordedChannel& recorded) {
   const PhysicalScene& scene = where.scene;
   Channel channel;

@@ -25,6 +25,12 @@ double factor_of(const std::string& unit, Unit dimension, const std::string& pla
 // The channel with the joint or body that the recording names.
 Channel find_subject(const ChannelPlace& where, const RecordedChannel& recorded);
 
+// What a joint transmits is measured, all three axes or parts of it, and not its drive's effort alone.
+bool is_joint_load(const RecordedChannel& recorded);
+
+// Its joint; a torque in three axes asks for a fixed one.
+Channel find_joint_load(const ChannelPlace& where, const RecordedChannel& recorded);
+
 // Refuses bodies that have no one position or orientation.
 void require_rigid(const ChannelPlace& where, const RecordedChannel& recorded, const Channel& channel);
 

@@ -133,7 +133,7 @@ void start_joints_by_places(const Problem& problem, const Run& run, double t0, S
   std::vector<MeasuredPlace> places = places_at(problem, run, t0, is_place_of_body);
   const std::vector<MeasuredPlace> points = places_at(problem, run, t0, is_point_of_body);
   places.insert(places.end(), points.begin(), points.end());
-  for (const JointStart& found : joints_from_places(problem, start.state, joints, places)) {
+  for (const JointStart& found : joints_from_places(problem, run, start.state, joints, places)) {
     start.state.position[std::size_t(found.joint)] = found.position;
     start.state.rate[std::size_t(found.joint)] = found.rate;
     std::erase_if(start.unknowns, [&](const Unknown& one) {
@@ -150,7 +150,7 @@ void start_joints_by_places(const Problem& problem, const Run& run, double t0, S
 }  // namespace
 
 Start start_of(const Problem& problem, const Run& run, double t0) {
-  const PhysicalScene& scene = problem.scene.scene;
+  const PhysicalScene scene = scene_of(problem, run);
   Start start;
   for (const Joint& joint : scene.joints) start.state.position.push_back(joint.initial);
   start.state.rate.assign(scene.joints.size(), 0);

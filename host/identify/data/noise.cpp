@@ -191,6 +191,7 @@ Extent extent_of(const Problem& problem, std::size_t c) {
 
 // Whether a run was commanded, row for row, what another was.
 bool repeats(const Run& a, const Run& b) {
+  if (!a.pushes.empty() || !b.pushes.empty()) return false;
   if (a.t.size() != b.t.size() || (a.targets.empty() && a.prescribed.empty())) return false;
   const auto is_near = [](double x, double y) { return std::abs(x - y) < 1e-9; };
   bool changes = false;

@@ -137,13 +137,31 @@ void check_given(const Problem& problem) {
   }
 }
 
+// Pictures show the bodies as the scene file has them.
+void check_pictures(const Problem& problem) {
+  if (problem.recording.mask_sources.empty() && problem.recording.video_sources.empty()) return;
+  const PhysicalScene& scene = problem.scene.scene;
+  for (const Run& run : problem.runs) {
+    const PhysicalScene of_run = scene_of(problem, run);
+    for (std::size_t b = 0; b < scene.rigid_bodies.size(); ++b)
+      if (of_run.rigid_bodies[b].collision.points != scene.rigid_bodies[b].collision.points)
+        throw UsageError(problem.recording.file.string() + ": runs, " + run.name + ": `set` changes the shape of `" +
+                         scene.rigid_bodies[b].name +
+                         "`, which masks and videos do not follow; leave that run or the pictures out");
+  }
+}
+
 // At least one channel must measure something that moves, and change.
 void check_motion(const Problem& problem) {
   const PhysicalScene& scene = problem.scene.scene;
   bool any_moves = false, any_changes = false;
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Channel& channel = problem.channels[c];
-    any_moves = any_moves || channel.rigid < 0 || can_move(scene.rigid_bodies[std::size_t(channel.rigid)]);
+    // a plate that stands feels what moves on it
+    const bool feels = channel.sensor->is_known_after_a_step &&
+                       (!scene.soft_bodies.empty() || !scene.cloths.empty() ||
+                        std::any_of(scene.rigid_bodies.begin(), scene.rigid_bodies.end(), can_move));
+    any_moves = any_moves || feels || channel.rigid < 0 || can_move(scene.rigid_bodies[std::size_t(channel.rigid)]);
     bool any = false;
     for (const Run& run : problem.runs) {
       std::vector<double> low(std::size_t(channel.width), INFINITY), high(std::size_t(channel.width), -INFINITY);
@@ -168,6 +186,12 @@ void check_motion(const Problem& problem) {
 }
 
 }  // namespace
+
+PhysicalScene scene_of(const Problem& problem, const Run& run) {
+  PhysicalScene scene = problem.scene.scene;
+  for (const SceneChange& change : run.changes) change(scene);
+  return scene;
+}
 
 Problem make_problem(const std::filesystem::path& path) { return make_problem(load_recording(path)); }
 
@@ -204,12 +228,14 @@ Problem make_problem(Recording recording) {
   for (const RecordedRun& run : problem.recording.runs) {
     problem.runs.push_back(make_run(problem, run, to_si, inputs, of_joint));
     const std::string place = problem.recording.file.string() + ": runs, " + run.name + ": ";
-    problem.runs.back().changes = scene_changes(scene, run.set, place + "set");
+    problem.runs.back().changes = scene_changes(scene, file, run.set, place + "set");
     problem.runs.back().given = given_starts(scene, run.initial, place + "initial");
+    problem.runs.back().pushes = known_pushes(scene, run, place + "disturbances");
   }
   find_coordinates(problem);
   problem.can_restart = can_restart(problem);
   check_given(problem);
+  check_pictures(problem);
   check_motion(problem);
   return problem;
 }

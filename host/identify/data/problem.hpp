@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/identify/channels/channel.hpp"
+#include "host/identify/data/disturbances.hpp"
 #include "host/identify/data/start.hpp"
 #include "host/identify/data/stated_numbers.hpp"
 #include "host/load/scene_file.hpp"
@@ -31,6 +32,7 @@ struct Run {
   std::vector<PrescribedPath> prescribed;
   std::vector<SceneChange> changes;  // what the scene, or a variant of it, has otherwise in this run
   std::vector<GivenStart> given;     // what is known of its start
+  std::vector<KnownPush> pushes;     // disturbances that are known
 };
 
 struct Problem {
@@ -51,6 +53,9 @@ struct Problem {
 inline double noise_in(const Problem& problem, const Run& run, std::size_t channel) {
   return problem.channels[channel].sigma * run.noise_scale[channel];
 }
+
+// The scene of a run: with what it has otherwise.
+PhysicalScene scene_of(const Problem& problem, const Run& run);
 
 // Whether forces can move a body: one that is fixed, prescribed or a half space does not.
 inline bool can_move(const RigidBody& body) { return !body.is_fixed && !body.is_prescribed && !body.is_half_space; }

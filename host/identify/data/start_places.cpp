@@ -32,7 +32,7 @@ std::vector<int> chain_of(const Problem& problem, int rigid) {
   return chain;
 }
 
-double usual_sigma(const Scene& scene, int joint) {
+double usual_sigma(const PhysicalScene& scene, int joint) {
   return scene.joints[std::size_t(joint)].type == Joint::Type::revolute ? criteria().start_unmeasured_turn
                                                                         : criteria().start_unmeasured_shift;
 }
@@ -72,11 +72,11 @@ std::vector<int> joints_seen_by_places(const Problem& problem) {
   return joints;
 }
 
-std::vector<JointStart> joints_from_places(const Problem& problem, const InitialState& start,
+std::vector<JointStart> joints_from_places(const Problem& problem, const Run& run, const InitialState& start,
                                            const std::vector<int>& joints, const std::vector<MeasuredPlace>& places) {
   if (joints.empty() || places.empty()) return {};
   const Eigen::Index n = Eigen::Index(joints.size()), n_places = Eigen::Index(places.size());
-  Scene scene = problem.scene.scene;
+  PhysicalScene scene = scene_of(problem, run);
   const VectorXd usual = numbers_of(start, joints);
   VectorXd sigma(2 * n);
   for (Eigen::Index i = 0; i < n; ++i) {

@@ -31,7 +31,7 @@ std::vector<int> joints_seen_by_places(const Problem& problem);
 
 // Coordinates and rates of these joints that fit the places best, by Gauss-Newton from `start`, which holds all others.
 // Only those of which the places say more than half; one standard deviation each.
-std::vector<JointStart> joints_from_places(const Problem& problem, const InitialState& start,
+std::vector<JointStart> joints_from_places(const Problem& problem, const Run& run, const InitialState& start,
                                            const std::vector<int>& joints, const std::vector<MeasuredPlace>& places);
 
 }  // namespace pvg::diagnose

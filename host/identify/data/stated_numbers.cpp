@@ -2,8 +2,10 @@
 
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 
 #include "host/base/error.hpp"
+#include "host/identify/data/changed_numbers.hpp"
 #include "host/identify/data/problem.hpp"
 #include "host/identify/data/resolve.hpp"
 #include "host/identify/data/scene_number.hpp"
@@ -55,7 +57,27 @@ double number_in(const std::string& text, const Found& found, const PhysicalScen
   for (const RigidBody& body : scene.rigid_bodies)
     if (can_move(body)) known += ", body/" + body.name + "/mass";
   for (const Joint& joint : scene.joints) known += ", joint/" + joint.name + "/damping";
-  throw UsageError(place + " is no number of the scene that can be stated; there are, among others: " + known);
+  throw UsageError(place + " is no number of the scene that can be stated; there are, among others: " + known +
+                   ", and of a run body/NAME/load, body/NAME/center_of_mass, body/NAME/size");
+}
+
+// The body that body/NAME/load names; empty: none.
+std::string loaded_body(const PhysicalScene& scene, const std::string& key) {
+  constexpr std::string_view HEAD = "body/", TAIL = "/load";
+  if (!key.starts_with(HEAD) || !key.ends_with(TAIL) || key.size() <= HEAD.size() + TAIL.size()) return "";
+  const std::string body = key.substr(HEAD.size(), key.size() - HEAD.size() - TAIL.size());
+  const int b = index_named(scene.rigid_bodies, body);
+  return b >= 0 && can_move(scene.rigid_bodies[std::size_t(b)]) ? body : "";
+}
+
+double load_in(const std::string& text, const std::string& place) {
+  try {
+    const double load = parse_quantity(text, Unit::mass), most = effect_kind("payload_mass").parameters[0].high;
+    if (!(load >= 0 && load <= most)) throw UsageError(place + " must be 0 to " + std::to_string(int(most)) + " kg");
+    return load;
+  } catch (const std::invalid_argument& wrong) {
+    throw UsageError(place + " " + wrong.what());
+  }
 }
 
 Found needed(const PhysicalScene& scene, const std::string& key, const std::string& place) {
@@ -81,9 +103,14 @@ void demand_one(const StatedNumber& stated, const std::string& place) {
 
 }  // namespace
 
-std::vector<SceneChange> scene_changes(const PhysicalScene& scene, const StatedNumbers& stated,
-                                       const std::string& list) {
+SceneChange load_on(const std::string& body, double mass) {
+  return [load = Effect{"payload_mass", body, {mass}}](PhysicalScene& s) { s.effects.push_back(load); };
+}
+
+std::vector<SceneChange> scene_changes(const PhysicalScene& scene, const std::filesystem::path& scene_file,
+                                       const StatedNumbers& stated, const std::string& list) {
   std::vector<SceneChange> changes;
+  StatedNumbers of_file;
   for (const auto& [key, number] : stated) {
     const std::string place = list + "." + key;
     if (!number.sigma.empty())
@@ -92,12 +119,25 @@ std::vector<SceneChange> scene_changes(const PhysicalScene& scene, const StatedN
       changes.push_back([g = vector_in(number.value, Unit::acceleration, place)](PhysicalScene& s) { s.gravity = g; });
       continue;
     }
-    const Found found = needed(scene, key, place);
+    if (const std::string body = loaded_body(scene, key); !body.empty()) {
+      demand_one(number, place);
+      changes.push_back(load_on(body, load_in(number.value[0], place)));
+      continue;
+    }
+    const std::optional<Found> sought = find_number(scene, key);
+    if (!sought && is_of_scene_file(scene_file, key)) {
+      of_file[key] = number;
+      continue;
+    }
+    if (!sought) refuse(scene, place);
+    const Found& found = *sought;
     demand_one(number, place);
     const double value = number_in(number.value[0], found, scene, place);
     if (!(value >= 0)) throw UsageError(place + " must not be below 0");
     changes.push_back([set = found.place.set, value](PhysicalScene& s) { set(s, value); });
   }
+  // numbers that are stated by themselves hold of what the file says
+  if (!of_file.empty()) changes.insert(changes.begin(), change_of_file(scene_file, of_file, list));
   return changes;
 }
 

@@ -1,7 +1,9 @@
 // Numbers of the scene that a recording states: for one run, or with a standard deviation before any data. Their names:
 //   body/NAME/mass, joint/NAME/damping, pair/FIRST/SECOND/friction, ..: the rows of scene_numbers.cpp without
-//   `retune_`; gravity, contact_stiffness: those of the scene as a whole; gravity may be a vector.
+//   `retune_`; gravity, contact_stiffness: those of the scene as a whole; gravity may be a vector. Of a run also
+//   body/NAME/load, and what the scene file itself says: body/NAME/size, .. (changed_numbers.hpp).
 #pragma once
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -24,8 +26,11 @@ struct NumberPrior {
 };
 
 // place: of the list in the file, for messages. Throws a UsageError that names the entry and what to do.
-std::vector<SceneChange> scene_changes(const PhysicalScene& scene, const StatedNumbers& stated,
-                                       const std::string& place);
+std::vector<SceneChange> scene_changes(const PhysicalScene& scene, const std::filesystem::path& scene_file,
+                                       const StatedNumbers& stated, const std::string& place);
+
+// A load that is fastened to a rigid body at its centre of mass [kg].
+SceneChange load_on(const std::string& body, double mass);
 
 // Also sets the values in the problem's scene.
 void apply_priors(Problem& problem);

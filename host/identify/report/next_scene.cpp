@@ -1,6 +1,8 @@
 // The scene file of the next experiment: where bodies start, and what drives are told.
 #include <yaml-cpp/yaml.h>
 
+#include <nlohmann/json.hpp>
+
 #include "host/identify/candidates/candidate.hpp"
 #include "host/identify/report/report.hpp"
 
@@ -51,6 +53,32 @@ void write_commands(YAML::Node& root, const PhysicalScene& scene, const PlannedM
 
 }  // namespace
 
+std::string next_run(const Problem& problem, const PlannedMotion& motion) {
+  using nlohmann::json;
+  const PhysicalScene& scene = problem.scene.scene;
+  json run = {
+      {"seconds", motion.seconds}, {"initial", json::object()}, {"commands", json::object()}, {"set", json::object()}};
+  for (const int j : problem.coordinates) {
+    const std::string joint = "joint/" + scene.joints[std::size_t(j)].name;
+    run["initial"][joint + "/position"] = motion.initial.position[std::size_t(j)];
+    run["initial"][joint + "/velocity"] = motion.initial.rate[std::size_t(j)];
+  }
+  for (const int b : problem.free_bodies) {
+    const std::string body = "body/" + scene.rigid_bodies[std::size_t(b)].name;
+    run["initial"][body + "/position"] = numbers(motion.initial.pose[std::size_t(b)].translation());
+    run["initial"][body + "/velocity"] = numbers(motion.initial.velocity[std::size_t(b)]);
+    run["initial"][body + "/angular_velocity"] = numbers(motion.initial.spin[std::size_t(b)]);
+  }
+  std::size_t driven = 0;
+  for (const Joint& joint : scene.joints)
+    if (is_driven(joint)) {
+      const TargetTable& table = motion.targets[driven++];
+      run["commands"]["joint/" + joint.name] = {{"time", table.time}, {"value", table.value}};
+    }
+  if (motion.load > 0) run["set"]["body/" + motion.loaded + "/load"] = motion.load;
+  return run.dump();
+}
+
 std::string next_scene(const Problem& problem, const Diagnosis& diagnosis, const std::filesystem::path& folder) {
   const PlannedMotion& motion = diagnosis.next_motion.value();
   YAML::Node root = scene_file_in(problem, folder);
@@ -58,6 +86,7 @@ std::string next_scene(const Problem& problem, const Diagnosis& diagnosis, const
   start_at(problem, motion.initial, scene);
   write_start(root, problem.scene.scene, scene);
   write_commands(root, scene, motion);
+  if (motion.load > 0) write_effect(root, {"payload_mass", motion.loaded, {motion.load}});
   root["duration"] = motion.seconds;
   YAML::Emitter out;
   out.SetDoublePrecision(17);

@@ -101,7 +101,7 @@ json could_show(const Diagnosis& d) {
   return list;
 }
 
-json report_of(const Diagnosis& d) {
+json report_of(const Problem& problem, const Diagnosis& d) {
   json report = {{"schema", 1}, {"verdict", verdict_name(d.verdict)}, {"sentence", d.sentence}};
   report["effects"] = json::array();
   if (d.verdict != Verdict::none && d.verdict != Verdict::agrees)
@@ -124,7 +124,10 @@ json report_of(const Diagnosis& d) {
   report["ranking"] = ranking_of(d);
   report["inseparable"] = d.inseparable;
   report["next_experiment"] = d.next_experiment;
-  if (d.next_motion) report["next_scene"] = "next_experiment.yaml";
+  if (d.next_motion) {
+    report["next_scene"] = "next_experiment.yaml";
+    report["next_run"] = json::parse(next_run(problem, *d.next_motion));
+  }
   report["where"] = json::array();
   for (const Cell& cell : d.where)
     report["where"].push_back({{"body", cell.body},
@@ -275,7 +278,7 @@ void write_report(const Problem& problem, Diagnosis& diagnosis, const std::files
   if (diagnosis.next_motion)
     write_text_atomically(folder / "next_experiment.yaml", next_scene(problem, diagnosis, folder));
   write_text_atomically(folder / "report.html", html_of(problem, diagnosis));
-  json report = report_of(diagnosis);
+  json report = report_of(problem, diagnosis);
   report["noise"] = noise_of(problem);
   if (!diagnosis.supposed_noise.empty()) report["supposed_noise"] = diagnosis.supposed_noise;
   write_text_atomically(folder / "report.json", report.dump(2) + "\n");

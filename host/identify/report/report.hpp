@@ -28,6 +28,9 @@ std::string amended_scene(const Problem& problem, const Diagnosis& diagnosis, co
 // file does not say itself, such as the joints of a robot's own file, is left as it is.
 std::string next_scene(const Problem& problem, const Diagnosis& diagnosis, const std::filesystem::path& folder);
 
+// The same motion as JSON: seconds, initial (as a run states it), commands {joint/NAME: {time, value}}, set.
+std::string next_run(const Problem& problem, const PlannedMotion& motion);
+
 // The scene file with its paths relative to `folder`.
 YAML::Node scene_file_in(const Problem& problem, const std::filesystem::path& folder);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/identify/channels/resolve.hpp"
 #include "host/identify/criteria.hpp"
 
 namespace pvg::diagnose {
@@ -32,6 +33,13 @@ double longest_of(const Problem& problem) {
   return std::min(longest, criteria().next_longest);
 }
 
+// To three digits: what a person sets up.
+double rounded(double value) {
+  if (value == 0) return 0;
+  const double unit = std::pow(10, std::floor(std::log10(std::abs(value))) - 2);
+  return std::round(value / unit) * unit;
+}
+
 // The largest distance of a command from where it begins, over all runs.
 double amplitude_of(const Problem& problem, std::size_t driven) {
   double most = 0;
@@ -39,6 +47,30 @@ double amplitude_of(const Problem& problem, std::size_t driven) {
     for (const double value : run.targets[driven].value)
       most = std::max(most, std::abs(value - run.targets[driven].value.front()));
   return most;
+}
+
+// Whether a joint has a drive whose recorded commands change.
+bool is_commanded(const Problem& problem, std::size_t joint) {
+  const std::vector<Joint>& joints = problem.scene.scene.joints;
+  if (!is_driven(joints[joint])) return false;
+  std::size_t driven = 0;
+  for (std::size_t j = 0; j < joint; ++j) driven += is_driven(joints[j]);
+  return amplitude_of(problem, driven) > 0;
+}
+
+// A motion, and the same with loads on a body.
+void with_loads(const Problem& problem, int body, PlannedMotion motion, std::vector<PlannedMotion>& out) {
+  out.push_back(std::move(motion));
+  const RigidBody& loaded = problem.scene.scene.rigid_bodies[std::size_t(body)];
+  if (!out.back().has_recorded_size || !can_move(loaded)) return;
+  for (const double share : criteria().next_loads) {
+    PlannedMotion with = out.back();
+    with.loaded = loaded.name;
+    with.load = rounded(share * loaded.mass);
+    if (!(with.load > 0)) continue;
+    with.description += fmt::format(", with a load of {:g} kg on {}", with.load, loaded.name);
+    out.push_back(std::move(with));
+  }
 }
 
 PlannedMotion at_rest_in(const Window& window, double seconds, const Run& run) {
@@ -71,16 +103,27 @@ void add_commands(const Problem& problem, const Inputs& inputs, const PlannedMot
             table.value.push_back(rest.targets[j].value[0] + share * amplitude * shape.at(i / N_COMMANDS, cycles));
           }
           motion.targets[j] = std::move(table);
-          out.push_back(std::move(motion));
+          motion.has_recorded_size = share == 1;
+          with_loads(problem, joint.child, std::move(motion), out);
         }
   }
 }
 
-// The coordinate of a joint farthest from zero among the starts of short windows of all fitting runs.
-double farthest_of(const std::vector<Window>& windows, std::size_t joint) {
-  double most = 0;
-  for (const Window& window : windows) most = std::max(most, std::abs(window.initial.position[joint]));
-  return most;
+// Where the starts of short windows of all fitting runs have a joint: about which coordinate, and how far from there.
+struct Reach {
+  double middle = 0, most = 0;
+};
+
+// A joint on a spring swings about where it hangs, another one about zero.
+Reach reach_of(const std::vector<Window>& windows, std::size_t joint, bool is_held) {
+  double low = INFINITY, high = -INFINITY;
+  for (const Window& window : windows) {
+    low = std::min(low, window.initial.position[joint]);
+    high = std::max(high, window.initial.position[joint]);
+  }
+  if (!(low <= high)) return {};
+  if (is_held) return {(low + high) / 2, (high - low) / 2};
+  return {0, std::max(std::abs(low), std::abs(high))};
 }
 
 void add_releases(const Problem& problem, const Inputs& inputs, const PlannedMotion& rest,
@@ -88,15 +131,17 @@ void add_releases(const Problem& problem, const Inputs& inputs, const PlannedMot
   const std::vector<Window> windows = make_windows(problem, false, criteria().locate_window, criteria().n_windows_most);
   for (const int j : problem.coordinates) {
     const Joint& joint = problem.scene.scene.joints[std::size_t(j)];
-    if (!inputs.joints[std::size_t(j)] || is_driven(joint) || joint.type == Joint::Type::spherical) continue;
-    const double most = farthest_of(windows, std::size_t(j));
+    if (!inputs.joints[std::size_t(j)] || is_commanded(problem, std::size_t(j)) || !has_coordinate(joint)) continue;
+    const Reach reach = reach_of(windows, std::size_t(j), is_driven(joint));
     for (const double share : criteria().next_releases) {
-      if (most == 0) continue;
+      if (reach.most == 0) continue;
       PlannedMotion motion = rest;
-      motion.description = fmt::format("release of {} at rest from {:.3g}", joint.name, share * most);
-      motion.initial.position[std::size_t(j)] = share * most;
+      const double from = rounded(reach.middle + share * reach.most);
+      motion.description = fmt::format("release of {} at rest from {:.3g}", joint.name, from);
+      motion.initial.position[std::size_t(j)] = from;
       motion.initial.rate[std::size_t(j)] = 0;
-      out.push_back(std::move(motion));
+      motion.has_recorded_size = share == 1;
+      with_loads(problem, joint.child, std::move(motion), out);
     }
   }
 }
@@ -110,10 +155,12 @@ void add_throws(const Problem& problem, const Inputs& inputs, const PlannedMotio
         PlannedMotion motion = rest;
         Vec3& velocity = motion.initial.velocity[std::size_t(b)];
         velocity = speed * (Eigen::AngleAxisd(2 * M_PI * turn, Vec3::UnitZ()) * velocity);
+        for (double& part : velocity) part = rounded(part);
         motion.description = fmt::format("{} thrown with the velocity {:.3g}, {:.3g}, {:.3g} m/s",
                                          problem.scene.scene.rigid_bodies[std::size_t(b)].name, velocity.x(),
                                          velocity.y(), velocity.z());
-        out.push_back(std::move(motion));
+        motion.has_recorded_size = speed == 1;
+        with_loads(problem, b, std::move(motion), out);
       }
   }
 }
@@ -184,6 +231,7 @@ Problem planned_problem(const Problem& problem, const std::vector<PlannedMotion>
       run.values.emplace_back(run.t.size() * std::size_t(channel.width), 0.0);
     run.noise_scale.assign(problem.channels.size(), 1);
     run.targets = motion.targets;
+    if (motion.load > 0) run.changes.push_back(load_on(motion.loaded, motion.load));
     planned.runs.push_back(std::move(run));
   }
   return planned;

@@ -17,31 +17,51 @@ std::string label_of(const RankedModel& model) {
   return text;
 }
 
-// The best other model of the ranking that a set names beside the first one; else simply the next best.
-const RankedModel* confused_with_first(const Diagnosis& d) {
+// The best other models of the ranking that a set names beside the first one; else simply the next best.
+RankedModels confused_with_first(const Diagnosis& d) {
   const auto is_confused = [&](const RankedModel& model) {
     return std::any_of(d.inseparable.begin(), d.inseparable.end(), [&](const std::vector<std::string>& set) {
       return std::find(set.begin(), set.end(), model.parts.back()->label()) != set.end();
     });
   };
-  for (std::size_t i = 1; i < d.ranking.size(); ++i)
-    if (is_confused(d.ranking[i]) && d.ranking[i].parts != d.ranking[0].parts) return &d.ranking[i];
-  return d.ranking.size() > 1 ? &d.ranking[1] : nullptr;
+  RankedModels confused;
+  for (std::size_t i = 1; i < d.ranking.size() && confused.size() < criteria().next_names_most; ++i)
+    if (is_confused(d.ranking[i]) && d.ranking[i].parts != d.ranking[0].parts) confused.push_back(&d.ranking[i]);
+  if (confused.empty() && d.ranking.size() > 1) confused.push_back(&d.ranking[1]);
+  return confused;
+}
+
+// "separates A from B by 12 times the noise, not from C (0.3)"
+std::string separation_sentence(const std::string& first, const RankedModels& others, const std::vector<double>& by) {
+  std::string apart, confused;
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    const bool is_apart = by[k] >= criteria().told_apart;
+    std::string& list = is_apart ? apart : confused;
+    list +=
+        (list.empty() ? ""
+         : is_apart   ? ", from "
+                      : " or ") +
+        label_of(*others[k]) +
+        (is_apart ? fmt::format(" by {:.3g} times the noise", by[k]) : fmt::format(" ({:.2g} times the noise)", by[k]));
+  }
+  if (apart.empty())
+    return "separates " + first + " from none of " + confused + ", which is not enough to tell them apart";
+  return "separates " + first + " from " + apart + (confused.empty() ? "" : ", not from " + confused);
 }
 
 }  // namespace
 
 bool wants_next(const Settings& settings, const Diagnosis& d) {
-  return confused_with_first(d) != nullptr && (settings.plans_next || !d.inseparable.empty());
+  return !confused_with_first(d).empty() && (settings.plans_next || !d.inseparable.empty());
 }
 
 void plan_next(Device& device, const Problem& problem, const Settings& settings, Diagnosis& d) {
   if (!wants_next(settings, d)) return;
-  const RankedModel& other = *confused_with_first(d);
+  const RankedModels others = confused_with_first(d);
   const auto start = Clock::now();
   const double seconds = std::min(60 * settings.minutes * criteria().time_next, 60 * settings.minutes - d.seconds);
   const auto deadline = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
-  NextExperiment found = next_experiment(device, problem, d.base, d.ranking[0], other, settings.n_processes, deadline);
+  NextExperiment found = next_experiment(device, problem, d.base, d.ranking[0], others, settings.n_processes, deadline);
   d.seconds -= seconds_until(start);
   if (!found.had_time)
     d.left_out.push_back(
@@ -53,10 +73,9 @@ void plan_next(Device& device, const Problem& problem, const Settings& settings,
       d.notes.push_back("no motion that could be commanded or released here was found for a next experiment");
     return;
   }
-  d.next_experiment = fmt::format(
-      "{}: separates {} from {} by {:.3g} times the noise, over {} numbers, of {} motions the most{}",
-      found.motion.description, label_of(d.ranking[0]), label_of(other), found.separation, found.n_samples,
-      found.n_simulated, found.separation < criteria().told_apart ? ", which is not enough to tell them apart" : "");
+  d.next_experiment = fmt::format("{}: {}, over {} numbers, of {} motions the most", found.motion.description,
+                                  separation_sentence(label_of(d.ranking[0]), others, found.separation),
+                                  found.n_samples, found.n_simulated);
   d.next_motion = std::move(found.motion);
 }
 

@@ -25,16 +25,18 @@ std::vector<char> bytes_of(const fs::path& file) {
 std::uint64_t journal_key(const Problem& problem, const std::string& settings) {
   std::uint64_t key = hash_of(settings);
   for (const fs::path& file : {problem.recording.file, problem.recording.scene}) key = hash_of(bytes_of(file), key);
-  for (const Run& run : problem.runs)
-    for (const std::vector<double>& values : run.values) {
-      const char* first = reinterpret_cast<const char*>(values.data());
-      key = hash_of({first, sizeof(double) * values.size()}, key);
+  const auto add = [&key](const std::vector<double>& values) {
+    const char* first = reinterpret_cast<const char*>(values.data());
+    key = hash_of({first, sizeof(double) * values.size()}, key);
+  };
+  for (const Run& run : problem.runs) {
+    for (const std::vector<double>& values : run.values) add(values);
+    for (const TargetTable& targets : run.targets) add(targets.value);
+    for (const KnownPush& push : run.pushes) {
+      add({push.from, push.to});
+      add(push.effect.parameters);
     }
-  for (const Run& run : problem.runs)
-    for (const TargetTable& targets : run.targets) {
-      const char* first = reinterpret_cast<const char*>(targets.value.data());
-      key = hash_of({first, sizeof(double) * targets.value.size()}, key);
-    }
+  }
   std::error_code ignored;
   const auto built = fs::last_write_time("/proc/self/exe", ignored).time_since_epoch().count();
   std::vector<char> bytes;

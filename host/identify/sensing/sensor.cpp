@@ -25,6 +25,7 @@ void SensorTrace::add(const PhysicalScene& world, const WorldState& state) {
     if (job_->wants_phases) phase_[c].push_back(phase_of(world, state, channel));
     const std::vector<double> value =
         channel.sensor->predict(channel, {world, state, job_->variant->sensing, c, *this});
+    if (n_steps_ == 1 && channel.sensor->is_known_after_a_step) values_[c] = value;
     values_[c].insert(values_[c].end(), value.begin(), value.end());
   }
   ++n_steps_;

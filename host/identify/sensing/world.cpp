@@ -17,7 +17,10 @@ constexpr std::size_t LARGE_WORLD = 1000;  // nodes
 PhysicalScene world_of(const Problem& problem, const PhysicalScene& variant, const Window& window,
                        const InitialState& initial) {
   PhysicalScene scene = variant;
-  for (const SceneChange& change : problem.runs[std::size_t(window.run)].changes) change(scene);
+  const Run& run = problem.runs[std::size_t(window.run)];
+  for (const SceneChange& change : run.changes) change(scene);
+  // a late clock lets a world go on after its window
+  add_pushes(run.pushes, window.start, window.end + criteria().late_clock_most, scene);
   start_at(problem, initial, scene);
   scene.separates_start = true;  // a measured start may cut a little into what the body rests on
   for (const PrescribedPath& prescribed : problem.runs[std::size_t(window.run)].prescribed) {

@@ -159,7 +159,7 @@ constexpr ChannelKeys KEYS[] = {
     {ChannelKind::torque, "effort", true, true, 3, false, false, read_columns_of_table},
     {ChannelKind::orientation, nullptr, false, true, 4, false, false, read_columns_of_table},
     {ChannelKind::marker, nullptr, false, true, 3, true, true, read_columns_of_table},
-    {ChannelKind::force, nullptr, false, true, 3, false, false, read_columns_of_table},
+    {ChannelKind::force, nullptr, true, true, 3, false, false, read_columns_of_table},
     {ChannelKind::mask, nullptr, false, false, 0, false, false, read_masks},
     {ChannelKind::video, nullptr, false, false, 0, false, false, read_video},
     {ChannelKind::angular_velocity, nullptr, false, true, 3, false, false, read_columns_of_table},
@@ -228,7 +228,11 @@ void read_columns_of_table(YamlSection& section, const ChannelKeys& keys, Record
   const bool is_of_joint = !channel.joint.empty();
   if (is_of_joint && !keys.has_joint) section.fail("kind", "of a joint must be " + names_of(&ChannelKeys::has_joint));
   if (!is_of_joint && !keys.has_body) section.fail("kind", "of a body must be " + names_of(&ChannelKeys::has_body));
-  const std::size_t n = is_of_joint || channel.axis ? 1 : axes.empty() ? keys.n_columns : axes.size();
+  // what a joint transmits is a vector: its force, and its torque where more than the drive's effort is measured
+  const bool is_wrench =
+      keys.kind == ChannelKind::force || (keys.kind == ChannelKind::torque && channel.columns.size() > 1);
+  const bool is_one = channel.axis || (is_of_joint && !is_wrench);
+  const std::size_t n = is_one ? 1 : axes.empty() ? keys.n_columns : axes.size();
   if (channel.columns.size() != n)
     section.fail(section.has("column") ? "column" : "columns",
                  "must name " + std::to_string(n) + (n == 1 ? " column" : " columns") +

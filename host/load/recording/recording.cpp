@@ -55,6 +55,33 @@ void crop(MeasuredTable& table, double from, double to) {
   table.n_rows = table["t"].size();
 }
 
+RecordedDisturbance read_disturbance(YamlSection& section) {
+  constexpr double LARGEST = 1e5;  // [N], [N m]: as of the effect `push`
+  RecordedDisturbance known;
+  known.body = section.text("body");
+  known.point = section.vector("point", Unit::length, -REACH, REACH, Vec3::Zero());
+  if (section.has("columns") || section.has("column")) {
+    known.is_torque = section.choice("kind", {"force", "torque"}) == 1;
+    known.columns = read_columns(section);
+    known.unit = section.text("unit", "");
+    if (known.columns.size() != 3) section.fail("columns", "must name 3 columns, x y z of the world");
+  } else {
+    if (section.has("force") == section.has("torque"))
+      section.fail("",
+                   "must have either a `force` or a `torque`, such as [2 N, 0, 0], with `from` and `to`, or "
+                   "`columns` of the run's table");
+    known.is_torque = section.has("torque");
+    known.value = known.is_torque ? section.vector("torque", Unit::torque, -LARGEST, LARGEST)
+                                  : section.vector("force", Unit::force, -LARGEST, LARGEST);
+    known.from = section.number("from", Unit::time, -1e9, 1e9);
+    known.to = section.number("to", Unit::time, -1e9, 1e9);
+    if (!(known.from < known.to)) section.fail("to", "must come after `from`");
+  }
+  if (known.is_torque && section.has("point")) section.fail("point", "is of a force; a torque has none, leave it out");
+  section.done();
+  return known;
+}
+
 RecordedRun read_run(YamlSection& section, const YAML::Node& node) {
   RecordedRun run;
   run.name = section.text("file");
@@ -70,6 +97,8 @@ RecordedRun read_run(YamlSection& section, const YAML::Node& node) {
   const double to = section.number("to", Unit::time, -1e9, 1e9, 1e9);
   run.set = read_stated(section, node, "set");
   run.initial = read_stated(section, node, "initial");
+  for (YamlSection& disturbance : section.sections("disturbances"))
+    run.disturbances.push_back(read_disturbance(disturbance));
   section.done();
   const std::string file = run.table.file.string();
   if (!run.table.has(time))
@@ -202,6 +231,7 @@ Recording load_recording(const std::filesystem::path& path) {
           root.fail(key, "names the column `" + column + "`, which " + run.table.file.string() +
                              " does not have; there are: " + names_of(run.table));
     };
+    for (const RecordedDisturbance& known : run.disturbances) check(known.columns, "runs");
     for (const RecordedInput& input : recording.inputs) check(input.columns, "inputs");
     for (const RecordedChannel& channel : recording.channels) check(channel.columns, "channels");
   }

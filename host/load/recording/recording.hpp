@@ -26,6 +26,8 @@
 // own:
 //     - {file: run_01.csv, role: fit, set: {body/tip/mass: 52 g}, initial: {joint/hinge/velocity: {value: 0, sigma:
 //     0.01}}}
+//     - {file: run_02.csv, role: fit, disturbances: [{body: tip, force: [2 N, 0, 0], from: 0.3 s, to: 0.4 s}]}
+//                                                     # or {body: tip, kind: force, columns: [fx, fy, fz], unit: N}
 #pragma once
 #include <cmath>
 #include <filesystem>
@@ -60,6 +62,17 @@ struct StatedNumber {
 };
 using StatedNumbers = std::map<std::string, StatedNumber>;  // by what is meant, such as body/tip/mass
 
+// A force or torque on a rigid body that is known, world frame: constant for a while, or columns of the run's table.
+struct RecordedDisturbance {
+  std::string body;
+  Vec3 point = Vec3::Zero();  // where the force acts, in the body's frame [m]
+  bool is_torque = false;
+  Vec3 value = Vec3::Zero();  // [N] or [N m], from one time of the run's clock to another [s]
+  double from = 0, to = 0;
+  std::vector<std::string> columns;  // instead of value and times: x, y, z
+  std::string unit;                  // of the columns; empty: SI
+};
+
 struct RecordedRun {
   std::string name;  // as the recording names the file
   bool is_held_out = false;
@@ -69,6 +82,7 @@ struct RecordedRun {
   std::vector<RecordedVideo> videos;  // [n_video_sources]
   StatedNumbers set;                  // what the scene has otherwise in this run: body/tip/mass, gravity, ..
   StatedNumbers initial;              // what is known of its start: joint/hinge/velocity, body/cube/position, ..
+  std::vector<RecordedDisturbance> disturbances;
 };
 
 // What was commanded: columns, and what of the scene they are fed to.

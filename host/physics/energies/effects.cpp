@@ -71,6 +71,35 @@ void add_term<EffectTerm::force_law>(System& system, std::size_t world, const Ef
   add_point_force(system, world, effect);
 }
 
+// pushes of one point share their rows
+template <>
+void add_term<EffectTerm::push>(System& system, std::size_t world, const Effect& effect) {
+  const PhysicalScene& scene = system.scenes[world];
+  const auto of = [&](const std::string& name) { return parameter_of(effect, name); };
+  const auto vector_of = [&](const std::string& name) { return Vec3(of(name + "x"), of(name + "y"), of(name + "z")); };
+  Push push{world,
+            int(named(scene.rigid_bodies, effect.target) - scene.rigid_bodies.data()),
+            vector_of("point_"),
+            of("from"),
+            of("to"),
+            vector_of(""),
+            vector_of("torque_"),
+            0};
+  const auto same = std::find_if(system.pushes.begin(), system.pushes.end(), [&](const Push& other) {
+    return other.world == world && other.rigid == push.rigid && other.point == push.point;
+  });
+  push.row = same != system.pushes.end() ? same->row : u32(system.point_force.rows.size());
+  if (same == system.pushes.end()) {
+    const u32 first = system.rigid_first_node[world][std::size_t(push.rigid)];
+    for (const u32 site : {add_point_site(system, world, push.rigid, push.point), first + 1, first + 2, first + 3}) {
+      PointForce row{};
+      row.site[0] = site;
+      system.point_force.rows.push_back(row);
+    }
+  }
+  system.pushes.push_back(push);
+}
+
 template <>
 void add_term<EffectTerm::spin_drag>(System& system, std::size_t world, const Effect& effect) {
   const PhysicalScene& scene = system.scenes[world];

@@ -5,12 +5,13 @@
 #include <numbers>
 
 #include "host/model/effect_row.hpp"
+#include "host/physics/energies/joint_anchors.hpp"
 #include "host/physics/energies/laws.hpp"
 
 namespace pvg {
 namespace {
 
-constexpr double ANCHOR_LEVER = 0.1;  // distance of the anchors from the joint's centre [m]
+constexpr double LOCK_LEVER = 0.1;  // of the springs that hold directions together [m]
 
 // axis t, and n, b with t = n x b, in the joint frame
 Mat3 joint_triad(const Joint& joint) {
@@ -31,7 +32,7 @@ void add_direction_lock(System& system, std::size_t world, const Joint& joint, c
   system.zero_length_spring.rows.push_back(
       {{add_direction_site(system, world, joint.parent, joint.parent_frame.linear() * direction),
         add_direction_site(system, world, joint.child, joint.child_frame.linear() * direction)},
-       joint.stiffness * ANCHOR_LEVER * ANCHOR_LEVER});
+       joint.stiffness * LOCK_LEVER * LOCK_LEVER});
 }
 
 // (c_j - c_i) . d_i under the law of a drive
@@ -176,15 +177,12 @@ void add_joints(System& system, std::size_t world) {
     const Mat3 triad = joint_triad(joint);
     switch (joint.type) {
       case Joint::Type::spherical:
-        add_anchor(system, world, joint, Vec3::Zero());
+      case Joint::Type::fixed:
+        for (const Vec3& anchor : joint_anchors(joint)) add_anchor(system, world, joint, anchor);
         break;
       case Joint::Type::revolute:
-        for (const double side : {-1.0, 1.0}) add_anchor(system, world, joint, side * ANCHOR_LEVER * triad.col(2));
+        for (const Vec3& anchor : joint_anchors(joint)) add_anchor(system, world, joint, anchor);
         system.joint_rows[world][j] = add_coordinate_rows(system, world, joint, triad);
-        break;
-      case Joint::Type::fixed:
-        for (const Vec3& corner : {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)})
-          add_anchor(system, world, joint, ANCHOR_LEVER * corner.normalized());
         break;
       case Joint::Type::prismatic:
         for (int k = 0; k < 3; ++k) add_direction_lock(system, world, joint, triad.col(k));

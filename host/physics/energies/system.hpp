@@ -40,6 +40,16 @@ struct RollingResistance {
   double arm = 0;               // [m]
 };
 
+// A known force on a point of a rigid body and a torque, from one time to another: rows of point_force get them.
+struct Push {
+  std::size_t world = 0;
+  int rigid = -1;
+  Vec3 point = Vec3::Zero();                         // in the body's frame [m]
+  double from = 0, to = 0;                           // [s]
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  // world frame [N], [N m]
+  u32 row = 0;  // of the force; the three after it, on the body's axes, make the torque
+};
+
 // Nodes of each world: those of its soft bodies first, then of its cloths, then (p, a1, a2, a3) of each rigid body.
 struct System {
   std::vector<PhysicalScene> scenes;  // [n_worlds]
@@ -65,6 +75,7 @@ struct System {
 #undef MEMBER
   std::vector<PlasticFlow> plastic_flow_4, plastic_flow_10;  // of elements of stable_neo_hookean_4 and _10
   std::vector<RollingResistance> rolling_resistance;
+  std::vector<Push> pushes;
   std::vector<ForceLaw> force_law;                 // of rows of point_force
   LawTexts joint_laws, force_laws;                 // what revolute_law and prismatic_law, and what force_law number
   std::vector<std::vector<JointRows>> joint_rows;  // [n_worlds][n_joints]

@@ -99,6 +99,8 @@ void Potential::update_joints(const System& system) {
 
 void Potential::update_spin(const System& system) { terms_.spin.update(system.spin.rows); }
 
+void Potential::update_forces(const System& system) { terms_.point_force.update(system.point_force.rows); }
+
 void Potential::set_forces(const Buffer<f64>& v) {
   if (!force_laws_) return;
   to_sites(v, direction_site_);

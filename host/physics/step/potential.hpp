@@ -36,6 +36,7 @@ class Potential {
   void begin_step(const Positions& start, const Positions& predicted, double h, double inertia_h);
   void update_joints(const System& system);  // this step's numbers of drives and stops
   void update_spin(const System& system);    // this step's torques of rolling resistance
+  void update_forces(const System& system);  // this step's pushes; before set_forces
   // Forces that follow a law, from where bodies are at the start of this step and v: velocities there [n_nodes x 3,
   // m/s]
   void set_forces(const Buffer<f64>& v);

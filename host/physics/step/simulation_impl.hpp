@@ -39,6 +39,7 @@ struct Simulation::Impl {
   void refuse_start_conflicts();
   void set_joints(double h, const std::vector<std::vector<double>>& previous,
                   const std::vector<std::vector<double>>& targets);
+  void push(double h, bool goes_on);                 // what pushes do in this step, into the rows of point_force
   void prescribe(double h);                          // where prescribed bodies are to be, into `predicted`
   void aim_prescribed(std::vector<double>& motion);  // of prescribed nodes: all the way there
   template <class Found>

@@ -69,6 +69,27 @@ void Simulation::Impl::set_joints(double h, const std::vector<std::vector<double
 }
 
 // The normal forces that rolling resistance goes by in the next step.
+// A push acts by its mean over a time of length h, so that its impulse is exact: that of the step, or about the end of
+// a step of BDF2, whose forces are those of that time. A torque T is the forces T x a_k / 2 on the axes a_k, where
+// these are at the start of the step: a_k x (T x a_k) sums to 2 T.
+void Simulation::Impl::push(double h, bool goes_on) {
+  if (system.pushes.empty()) return;
+  const bool is_bdf2 = goes_on && solver().integrator == SolverSettings::Integrator::bdf2;
+  std::vector<PointForce>& rows = system.point_force.rows;
+  for (const Push& push : system.pushes)
+    for (u32 k = 0; k < 4; ++k) std::fill_n(rows[push.row + k].force, 3, 0.0);
+  for (const Push& push : system.pushes) {
+    const double begin = states[push.world].time + (is_bdf2 ? h / 2 : 0);
+    const double share = (std::min(push.to, begin + h) - std::max(push.from, begin)) / h;
+    if (!(share > 0)) continue;
+    const AffineMap& pose = states[push.world].rigid[std::size_t(push.rigid)];
+    Eigen::Map<Vec3>(rows[push.row].force) += share * push.force;
+    for (Eigen::Index k = 0; k < 3; ++k)
+      Eigen::Map<Vec3>(rows[push.row + 1 + u32(k)].force) += share / 2 * push.torque.cross(Vec3(pose.col(k)));
+  }
+  potential.update_forces(system);
+}
+
 void Simulation::Impl::read_pressing() {
   for (std::size_t i = 0; i < pressing.size(); ++i) {
     const RollingResistance& rolling = system.rolling_resistance[i];

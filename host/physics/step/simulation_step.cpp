@@ -316,6 +316,7 @@ void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>&
   prescribe(h);
   potential.update_sites(predicted);
   potential.begin_step(start, predicted, h, inertia_length);
+  push(h, goes_on);
   potential.set_forces(integrator.velocity());
   set_joints(h, previous, targets);
   n_directions_before = std::exchange(n_directions, 0);

@@ -40,8 +40,8 @@ Problem problem_of(const TestFolder& folder, const std::string& scene, const Col
   return make_problem(folder.path / "recording.yaml");
 }
 
-// The largest residual of each channel, in its unit.
-std::vector<double> errors_of(const Problem& problem) {
+// The largest residual of each channel, in its unit, from this sample on.
+std::vector<double> errors_of(const Problem& problem, std::size_t first = 0) {
   Device device;
   Predictor predictor(device, problem);
   const Variant as_it_is{problem.scene.scene, {}};
@@ -52,6 +52,7 @@ std::vector<double> errors_of(const Problem& problem) {
   std::vector<double> errors(problem.channels.size(), 0);
   for (std::size_t i = 0; i < window.data.size(); ++i) {
     const std::size_t c = std::size_t(window.data[i].channel);
+    if (window.data[i].sample < first) continue;
     errors[c] = std::max(errors[c], std::abs(prediction.residual[Eigen::Index(i)]) * problem.channels[c].sigma);
   }
   return errors;
@@ -152,6 +153,69 @@ bodies:
   EXPECT_LT(errors[0], 0.04);
   EXPECT_LT(errors[1], 0.004);
   EXPECT_LT(errors[2], 1e-5);
+}
+
+// A tool of 0.5 kg hangs 0.1 m below its sensor and 0.02 m beside it, along the sensor's y, which points down, and its
+// x: m g along y, and 0.02 m g about z.
+TEST(Sensors, AFixedJointFeelsWhatHangsOnIt) {
+  const TestFolder folder;
+  const double weight = 0.5 * 9.81;
+  const auto constant = [](double value) { return [value](double) { return value; }; };
+  const Columns columns = {{"weight", constant(weight)}, {"turn", constant(0.02 * weight)}, {"zero", constant(0)}};
+  const Problem problem = problem_of(folder, R"(
+bodies:
+  - {name: hand, kind: static, shape: {box: {size: [0.05, 0.05, 0.05]}}}
+  - {name: tool, kind: rigid, shape: {box: {size: [0.02, 0.02, 0.02]}}, mass: 0.5, pose: {position: [0.02, 0, -0.1]}}
+joints:
+  - {name: sensor, type: fixed, parent: hand, child: tool, parent_frame: {rotation: [-90 deg, 0, 0]}}
+)",
+                                     columns, R"(
+  - {columns: [zero, weight, zero], kind: force, joint: sensor, unit: N, noise: 1}
+  - {columns: [zero, zero, turn], kind: torque, joint: sensor, unit: N m, noise: 1}
+  - {columns: [weight], kind: force, joint: sensor, axis: [0, 1, 0], noise: 1}
+)");
+  const std::vector<double> at_start = errors_of(problem), errors = errors_of(problem, 2);
+  EXPECT_LT(at_start[0], 0.02 * weight) << "the first sample too, while the joint's springs take up the load";
+  EXPECT_LT(errors[0], 1e-3 * weight);
+  EXPECT_LT(errors[1], 1e-3 * 0.02 * weight);
+  EXPECT_LT(errors[2], 1e-3 * weight);
+}
+
+TEST(Sensors, ATurningJointHasNoTorqueInThreeAxes) {
+  const TestFolder folder;
+  const std::string scene = R"(
+bodies:
+  - {name: base, kind: static, shape: {box: {size: [0.05, 0.05, 0.05]}}, collides: false}
+  - {name: arm, kind: rigid, shape: {box: {size: [0.02, 0.02, 0.2]}}, mass: 0.5, pose: {position: [0, 0, -0.1]}, collides: false}
+joints:
+  - {name: hinge, type: revolute, parent: base, child: arm, axis: [0, 1, 0]}
+)";
+  const Columns columns = {{"weight", [](double) { return -0.5 * 9.81; }}, {"zero", [](double) { return 0; }}};
+  expect_error<UsageError>(
+      [&] {
+        problem_of(folder, scene, columns, "  - {columns: [zero, zero, zero], kind: torque, joint: hinge, noise: 1}\n");
+      },
+      {"the joint `hinge` turns, so its torque in three axes cannot be predicted; divide the body where the sensor "
+       "sits"});
+  const Problem problem =
+      problem_of(folder, scene, columns, "  - {columns: [zero, zero, weight], kind: force, joint: hinge, noise: 1}\n");
+  EXPECT_LT(errors_of(problem)[0], 0.02 * 0.5 * 9.81);
+  EXPECT_LT(errors_of(problem, 2)[0], 1e-3);
+}
+
+// A plate under a block of 2 kg that rests on it: its force is all that is measured.
+TEST(Sensors, AForcePlateAloneIsEnough) {
+  const TestFolder folder;
+  const Columns columns = {{"weight", [](double) { return -2 * 9.81; }}, {"zero", [](double) { return 0; }}};
+  const std::string channel = "  - {columns: [zero, zero, weight], kind: force, body: plate, unit: N, noise: 1}\n";
+  const std::string plate = "\nbodies:\n  - {name: plate, kind: static, shape: {square: {size: 1}}}\n";
+  const Problem problem = problem_of(folder,
+                                     plate +
+                                         "  - {name: block, kind: rigid, shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: "
+                                         "2, pose: {position: [0, 0, 0.0505]}}\n",
+                                     columns, channel);
+  EXPECT_EQ(problem.channels.size(), 1u);
+  expect_error<UsageError>([&] { problem_of(folder, plate, columns, channel); }, {"nothing is measured that can move"});
 }
 
 TEST(Sensors, AnEarlyBlockIsNotFelt) {

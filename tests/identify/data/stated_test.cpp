@@ -112,6 +112,90 @@ TEST(StatedNumbers, OfARunHoldInItsWorldAlone) {
   EXPECT_EQ(second.gravity, Vec3(0, 1, -9.8));
 }
 
+// Keys of the scene file: sizes, centres of mass, frames. A variant's own mass stays in proportion.
+TEST(StatedNumbers, OfTheSceneFileMayBeAnyOfItsKeys) {
+  const TestFolder folder;
+  const Problem problem =
+      pendulum(folder,
+               ", set: {body/tip/size: [0.3 m, 0.02, 0.02], body/tip/center_of_mass: [5 mm, 0, 0], "
+               "joint/hinge/parent_frame/position: [0, 0, 0.9], body/tip/pose/position: [0, 0, 0.9]}");
+  const PhysicalScene first = world_of_run(problem, 0), second = world_of_run(problem, 1);
+  const auto length_of = [](const PhysicalScene& scene) {
+    double low = 1, high = -1;
+    for (const Vec3& point : scene.rigid_bodies[1].collision.points) {
+      low = std::min(low, point.x());
+      high = std::max(high, point.x());
+    }
+    return high - low;
+  };
+  EXPECT_NEAR(length_of(first), 0.2, 1e-12);
+  EXPECT_NEAR(length_of(second), 0.3, 1e-12);
+  EXPECT_EQ(second.rigid_bodies[1].mass, 0.1);
+  EXPECT_EQ(second.rigid_bodies[1].center_of_mass, Vec3(0.005, 0, 0));
+  EXPECT_NEAR(second.rigid_bodies[1].inertia(2, 2), 0.1 * (0.09 + 0.0004) / 12, 1e-9);
+  EXPECT_NEAR(second.rigid_bodies[1].pose.translation().z(), 0.9, 1e-12) << "where the start puts what hangs there";
+  PhysicalScene heavier = problem.scene.scene;
+  heavier.rigid_bodies[1].mass *= 2;
+  heavier.rigid_bodies[1].inertia *= 2;
+  const std::vector<Window> windows = make_windows(problem, false, 0, 2);
+  const PhysicalScene world = world_of(problem, heavier, windows[1], windows[1].initial);
+  EXPECT_NEAR(world.rigid_bodies[1].mass, 0.2, 1e-12);
+  EXPECT_TRUE(world.rigid_bodies[1].inertia.isApprox(2 * second.rigid_bodies[1].inertia, 1e-12));
+}
+
+TEST(StatedNumbers, ALoadIsFastenedInItsRunAlone) {
+  const TestFolder folder;
+  const Problem problem = pendulum(folder, ", set: {body/tip/load: 20 g}");
+  EXPECT_TRUE(world_of_run(problem, 0).effects.empty());
+  const PhysicalScene second = world_of_run(problem, 1);
+  ASSERT_EQ(second.effects.size(), 1u);
+  EXPECT_EQ(second.effects[0].name, "payload_mass");
+  EXPECT_DOUBLE_EQ(second.effects[0].parameters[0], 0.02);
+}
+
+// Times of a push are those of the run, of the world those since its window began.
+TEST(Disturbances, ActInTheirRunAloneAndAreNoCandidates) {
+  const TestFolder folder;
+  const Problem problem =
+      pendulum(folder,
+               ", disturbances: [{body: ball, point: [0, 0, 5 cm], force: [2 N, 0, 0], from: 0.05 s, to: 0.1 s}, "
+               "{body: tip, kind: torque, columns: [x, y, z], unit: mN m}]");
+  EXPECT_TRUE(world_of_run(problem, 0).effects.empty());
+  const std::vector<KnownPush>& pushes = problem.runs[1].pushes;
+  ASSERT_EQ(pushes.size(), 1u + 19) << "one between each two rows";
+  EXPECT_DOUBLE_EQ(parameter_of(pushes[1].effect, "torque_x"), 2e-3);
+  EXPECT_DOUBLE_EQ(pushes[1].to, 0.01);
+  PhysicalScene scene;
+  add_pushes({pushes[0]}, 0.04, 0.2, scene);
+  ASSERT_EQ(scene.effects.size(), 1u);
+  EXPECT_NEAR(parameter_of(scene.effects[0], "from"), 0.01, 1e-12);
+  EXPECT_NEAR(parameter_of(scene.effects[0], "to"), 0.06, 1e-12);
+  EXPECT_EQ(parameter_of(scene.effects[0], "x"), 2);
+  EXPECT_EQ(parameter_of(scene.effects[0], "point_z"), 0.05);
+  scene.effects.clear();
+  add_pushes({pushes[0]}, 0.1, 0.2, scene);
+  EXPECT_TRUE(scene.effects.empty()) << "it was over before";
+  EXPECT_EQ(world_of_run(problem, 1).effects.size(), pushes.size());
+  for (const Candidate& candidate : make_candidates(problem, {"tip/ball"})) EXPECT_NE(candidate.name, "push");
+}
+
+TEST(Disturbances, WhatIsWrongIsNamed) {
+  const TestFolder folder;
+  const auto expect = [&](const std::string& keys, const std::string& sentence) {
+    expect_error<UsageError>([&] { pendulum(folder, ", " + keys); }, {sentence.c_str()});
+  };
+  expect("disturbances: [{body: base, force: [1, 0, 0], from: 0, to: 0.1}]",
+         "pushes the body `base`, which no force can move");
+  expect("disturbances: [{body: ball, force: [1, 0, 0], from: 0.1, to: 0}]", "must come after `from`");
+  expect("disturbances: [{body: ball, force: [1, 0, 0], from: 3, to: 4}]", "is not recorded");
+  expect("disturbances: [{body: ball, from: 0, to: 0.1}]", "must have either a `force` or a `torque`");
+  expect("disturbances: [{body: ball, kind: force, columns: [x, y]}]", "must name 3 columns");
+  expect("set: {body/tip/length: 3}", "cannot be loaded");
+  expect("set: {body/ball/load: -1 g}", "must be 0 to 100 kg");
+  expect("set: {body/none/size: 3}", "is no number of the scene that can be stated");
+  expect("set: {body/tip/size: [0.2, 0.02, 0.02]}", "change nothing");
+}
+
 TEST(StatedNumbers, OfAStartHoldInsteadOfWhatTheFirstSamplesSay) {
   const TestFolder folder;
   const Problem problem = pendulum(folder,
@@ -172,7 +256,7 @@ TEST(StatedNumbers, ThatTheSceneDoesNotHaveAreRefused) {
     expect_error<UsageError>([&] { pendulum(folder, keys, more); }, words);
   };
   refused(", set: {body/top/mass: 1}", {"b.csv", "set.body/top/mass", "body/tip/mass"});
-  refused(", set: {body/tip/colour: 1}", {"set.body/tip/colour", "no number"});
+  refused(", set: {body/tip/colour: 1}", {"set", "body/tip/colour", "is unknown here"});
   refused(", set: {body/tip/mass: 1 m}", {"set.body/tip/mass", "`m`", "kg"});
   refused(", set: {body/tip/mass: [1, 2]}", {"one number"});
   refused(", set: {body/tip/mass: {value: 1, sigma: 0.1}}", {"sigma", "priors"});

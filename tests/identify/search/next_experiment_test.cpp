@@ -67,6 +67,44 @@ TEST(NextExperiment, CommandsStayWithinOneAndAHalfTimesWhatWasRecorded) {
   EXPECT_EQ(planned.runs[0].t.size(), 100u);
 }
 
+// What no command moves hangs on its drive as on a spring: it is released about where it hung, and motions of the
+// recorded size also carry half the mass of what they move.
+TEST(NextExperiment, ASpringIsReleasedAlsoWithALoad) {
+  Problem problem = driven();
+  PhysicalScene& scene = problem.scene.scene;
+  scene.rigid_bodies[1].name = "weight";
+  scene.rigid_bodies[1].mass = 0.4;
+  diagnose::Run& run = problem.runs[0];
+  run.targets = {{{0}, {0}}};
+  for (std::size_t i = 0; i < run.t.size(); ++i) run.values[0][i] = 0.2 + 0.1 * std::cos(10 * run.t[i]);
+  const std::vector<PlannedMotion> motions = motion_family(problem, all_inputs(scene));
+  ASSERT_EQ(motions.size(), 6u + 1) << "six releases, one of them again with a load";
+  double low = 1, high = 0;
+  for (const PlannedMotion& motion : motions) {
+    low = std::min(low, motion.initial.position[0]);
+    high = std::max(high, motion.initial.position[0]);
+    EXPECT_EQ(motion.initial.rate[0], 0);
+  }
+  EXPECT_NEAR(low, 0.2 - 1.5 * 0.1, 0.02);
+  EXPECT_NEAR(high, 0.2 + 1.5 * 0.1, 0.02);
+  const auto loaded = std::find_if(motions.begin(), motions.end(), [](const auto& motion) { return motion.load > 0; });
+  ASSERT_NE(loaded, motions.end());
+  EXPECT_DOUBLE_EQ(loaded->load, 0.2);
+  EXPECT_NE(loaded->description.find("with a load of 0.2 kg on weight"), std::string::npos) << loaded->description;
+  const Problem planned = planned_problem(problem, {motions[0], *loaded});
+  EXPECT_TRUE(scene_of(planned, planned.runs[0]).effects.empty());
+  const std::vector<Effect> effects = scene_of(planned, planned.runs[1]).effects;
+  ASSERT_EQ(effects.size(), 1u);
+  EXPECT_EQ(effects[0].name, "payload_mass");
+  EXPECT_DOUBLE_EQ(effects[0].parameters[0], 0.2);
+}
+
+TEST(NextExperiment, TellingMoreNamesApartIsWorthMore) {
+  EXPECT_GT(worth_of({3, 3}), worth_of({300, 0.1}));
+  EXPECT_GT(worth_of({5, 0.1}), worth_of({4, 0.1}));
+  EXPECT_GT(worth_of({12}), worth_of({11}));
+}
+
 // Seven links, one carried by the other, each by a driven joint of the same number.
 Problem driven_chain() {
   Problem problem = driven();
@@ -100,6 +138,10 @@ RankedModel ranked_model(std::vector<const Candidate*> parts) {
   return model;
 }
 
+std::vector<PlannedMotion> between_two(const Problem& problem, const RankedModel& first, const RankedModel& second) {
+  return motions_between(problem, first, {&second});
+}
+
 std::set<std::string> commanded(const std::vector<PlannedMotion>& motions) {
   std::set<std::string> names;
   for (const PlannedMotion& motion : motions)
@@ -114,12 +156,12 @@ TEST(NextExperiment, MovesOnlyWhatIsInDoubt) {
   const Candidate viscous = candidate_at("joint_viscous_friction", "joint2");
   const Candidate drag = candidate_at("linear_drag", "link3"), tilt = candidate_at("gravity_tilt", "scene");
   const auto between = [&](std::vector<const Candidate*> first, std::vector<const Candidate*> second) {
-    return commanded(motions_between(problem, ranked_model(std::move(first)), ranked_model(std::move(second))));
+    return commanded(between_two(problem, ranked_model(std::move(first)), ranked_model(std::move(second))));
   };
   using Names = std::set<std::string>;
   EXPECT_EQ(between({&viscous, &coulomb}, {&viscous, &stribeck}), (Names{"joint3", "joint4", "joint5"}));
   const RankedModel one = ranked_model({&coulomb}), other = ranked_model({&stribeck});
-  EXPECT_NE(motions_between(problem, one, other).front().description.find("joint4"), std::string::npos)
+  EXPECT_NE(between_two(problem, one, other).front().description.find("joint4"), std::string::npos)
       << "where the doubt is comes first";
   EXPECT_EQ(between({&viscous}, {&drag}), (Names{"joint1", "joint2", "joint3"}));
   EXPECT_EQ(between({&viscous}, {&tilt}).size(), 7u) << "gravity acts on all";
@@ -130,7 +172,7 @@ TEST(NextExperiment, MovesEverythingWhereWhatIsInDoubtWasNeverMoved) {
   for (const std::size_t j : {2, 3, 4}) problem.runs[0].targets[j].value = {0, 0, 0};
   const Candidate coulomb = candidate_at("joint_coulomb_friction", "joint4");
   const Candidate stribeck = candidate_at("joint_stribeck_friction", "joint4");
-  EXPECT_EQ(commanded(motions_between(problem, ranked_model({&coulomb}), ranked_model({&stribeck}))),
+  EXPECT_EQ(commanded(between_two(problem, ranked_model({&coulomb}), ranked_model({&stribeck}))),
             (std::set<std::string>{"joint1", "joint2", "joint6", "joint7"}));
 }
 
@@ -177,12 +219,12 @@ TEST(PlanNext, IsDoneAfterTheDiagnosisInWhatIsLeftOfItsMinutes) {
   plan_next(confused.device, confused.problem, confused.settings, hurried);
   EXPECT_TRUE(hurried.next_experiment.empty());
   ASSERT_EQ(hurried.left_out.size(), 1u);
-  EXPECT_NE(hurried.left_out[0].find("0 of 36 motions were simulated in 0 s"), std::string::npos)
+  EXPECT_NE(hurried.left_out[0].find("0 of 48 motions were simulated in 0 s"), std::string::npos)
       << hurried.left_out[0];
   EXPECT_LT(hurried.seconds, 60 * confused.settings.minutes + 5);
   confused.settings.minutes = 60;
   plan_next(confused.device, confused.problem, confused.settings, confused.found);
-  EXPECT_NE(confused.found.next_experiment.find("of 36 motions the most"), std::string::npos)
+  EXPECT_NE(confused.found.next_experiment.find("of 48 motions the most"), std::string::npos)
       << confused.found.next_experiment;
   EXPECT_TRUE(confused.found.left_out.empty());
   ASSERT_TRUE(confused.found.next_motion);
