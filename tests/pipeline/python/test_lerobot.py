@@ -78,7 +78,7 @@ class LeRobot(unittest.TestCase):
             program = str(phyvisgen.find_program())
             for words in (
                 [program, "generate", str(TASK), "-n", "2", *size, "-o", made],
-                [program, "pack", made, "-o", packed],
+                [program, "pack", made, "--environment-state", "-o", packed],
                 [program, "pack", made, "--no-pictures", "-o", without],
             ):
                 subprocess.run(words, check=True, capture_output=True)
@@ -87,8 +87,10 @@ class LeRobot(unittest.TestCase):
             for network in ("keypoints", "resnet18"):
                 out = f"{folder}/{network}"
                 words = [*train, "--network", network, "--data", packed, "--output", out]
+                words += ["--look", "2"] if network == "keypoints" else []
                 done = subprocess.run(words, capture_output=True, text=True)
                 self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual("look 2: mean error of normalised poses" in done.stdout, network == "keypoints")
                 self.assertIn("step 2: mean error of normalised actions", done.stdout)
                 code, told = judged("--policy", f"lerobot:{out}/pretrained_model", "--picture-width", str(WIDTH),
                                     "--picture-height", str(HEIGHT))
