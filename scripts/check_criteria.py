@@ -36,6 +36,7 @@ ALLOWED = {
                                    "SHARE_OF_COMPARISON": "of a step's time"},
     "search/motion_family.cpp": {"N_COMMANDS": "points of a table", "0.5": "form of steps", "-0.5": "form of steps"},
     "sensing/forked.cpp": {"LOOK_EVERY": "polling of signals"},
+    "sensing/known_predictions.hpp": {"MOST_NUMBERS": "memory"},
     "sensing/rollout.cpp": {"MOST_WORLDS": "size of a batch", "MOST_NODES": "size of a batch"},
     "sensing/world.cpp": {"LARGE_WORLD": "size of a batch"},
     "search/round.cpp": {"SCREENED_AT_ONCE": "size of a batch", "SHARE_OF_SCREENING": "of a round's time",
