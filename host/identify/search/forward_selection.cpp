@@ -144,6 +144,7 @@ class ForwardSelection {
       std::rotate(out_.ranking.begin(), out_.ranking.begin() + decision.chosen,
                   out_.ranking.begin() + decision.chosen + 1);
     const std::vector<std::string> set = not_told_apart(round, chosen, number);
+    if (number > 1) keep_alternatives(decision);
     const StandIns this_round = stand_ins_of(decision);
     if (number == 1) first_round_ = this_round;
     const Fit before = std::exchange(named_, *chosen.fit);
@@ -190,6 +191,13 @@ class ForwardSelection {
     const double of_another =
         is_another ? error_of_single(flow_, prepared_, first_round_.passed.front().model, n_steps) : INFINITY;
     return closed(std::min(decision.base_error, of_another), chosen.error, 1) >= criteria().second_gain_least;
+  }
+
+  void keep_alternatives(const Decision& decision) {
+    const std::vector<std::size_t>& same = decision.inseparable;
+    for (std::size_t i = 0; i < decision.ranking.size(); ++i)
+      if (int(i) != decision.chosen && std::find(same.begin(), same.end(), i) == same.end())
+        out_.alternatives.push_back(decision.ranking[i].fit->model);
   }
 
   // What these recordings do not tell from the effect that was chosen, that one among them; empty: nothing.
