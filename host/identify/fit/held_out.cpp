@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/data/jitter.hpp"
+#include "host/identify/fit/correlation.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -13,6 +15,74 @@ using Eigen::VectorXd;
 
 double rms_of(const VectorXd& residual) {
   return residual.size() > 0 ? std::sqrt(residual.squaredNorm() / double(residual.size())) : 0;
+}
+
+// Windows as a model begins in them: its own starts and its own correction for the time step. No fit: it cannot be
+// simulated in all of them. n_windows 0: in any of them.
+struct Simulated {
+  FitData data;
+  std::optional<Fit> fit;
+};
+
+Simulated simulated(Fitter& fitter, const std::vector<Window>& windows, const Model& model, std::size_t n_windows) {
+  Simulated out{fitter.prepare(windows, model), {}};
+  const auto are_all = [&] {
+    return !out.data.windows.empty() && (n_windows == 0 || out.data.windows.size() == n_windows);
+  };
+  if (!are_all()) return out;
+  if (n_windows == 0) n_windows = out.data.windows.size();
+  Fit starts = fitter.fit(out.data, {model}, 0).front();
+  if (!Fitter::are_good_enough(starts)) {
+    out.data = fitter.prepared_nearer(std::move(out.data), starts);
+    if (!are_all()) return out;
+    starts = fitter.fit(out.data, {model}, 0).front();
+  }
+  out.fit = std::move(starts);
+  return out;
+}
+
+// The residuals of the windows that count.
+std::vector<VectorXd> counted(const std::vector<VectorXd>& residual, const std::vector<bool>& counts) {
+  std::vector<VectorXd> some;
+  for (std::size_t w = 0; w < residual.size(); ++w)
+    if (counts[w]) some.push_back(residual[w]);
+  return some;
+}
+
+std::string names_of(const Model& model) {
+  std::string names;
+  for (const Candidate* part : model.effects()) names += (names.empty() ? "" : " and ") + part->label();
+  return names;
+}
+
+bool are_same(const Model& a, const Model& b) {
+  return a.parts.size() == b.parts.size() && std::is_permutation(a.parts.begin(), a.parts.end(), b.parts.begin());
+}
+
+// fit: of a model in `data`; before: of the model without its last effect.
+Lead lead_of(Fitter& fitter, const std::vector<Window>& windows, const std::vector<bool>& counts, const FitData& data,
+             const Fit& fit, const Fit& before, const std::vector<Model>& alternatives) {
+  const std::vector<VectorXd> left = counted(fit.residual, counts);
+  std::vector<Window> that_count;
+  for (std::size_t w = 0; w < counts.size(); ++w)
+    if (counts[w]) that_count.push_back(data.windows[w]);
+  const double correlated = correlation_length(that_count, left);
+  Lead lead;
+  const auto compare = [&](const Fit& other) {
+    const double sigma = ahead_of(left, counted(other.residual, counts), correlated);
+    if (sigma < lead.sigma) lead = {sigma, names_of(other.model)};
+  };
+  compare(before);
+  bool any_compared = false;
+  for (const Model& alternative : alternatives) {
+    if (alternative.effects().size() != fit.model.effects().size() || are_same(alternative, fit.model)) continue;
+    const Simulated other = simulated(fitter, windows, alternative, counts.size());
+    if (!other.fit || !other.fit->succeeded) continue;
+    any_compared = true;
+    compare(*other.fit);
+  }
+  if (!any_compared) lead.sigma = NAN;
+  return lead;
 }
 
 // 1 - mIoU over all windows that have masks
@@ -28,7 +98,31 @@ double mask_gap(Fitter& fitter, const FitData& data, const Fit& fit) {
   return n > 0 ? 1 - sum / n : std::nan("");
 }
 
+// Whether one model of several effects closes enough, fewer effects do not, and more than noise is left. m: its place.
+bool depends_on_alternatives(const HeldOut& held_out, std::size_t n_effects, std::size_t m) {
+  const double least = criteria().gap_closed_least;
+  const auto is_enough = [&](double after, std::size_t n) {
+    return closed(held_out.before, after, held_out.floor) >= share_of_effects(least, n);
+  };
+  return !is_enough(held_out.after_each[0], 1) && held_out.after >= criteria().unexplained * held_out.floor &&
+         is_enough(held_out.after_each[m], n_effects);
+}
+
 }  // namespace
+
+double ahead_of(const std::vector<VectorXd>& a, const std::vector<VectorXd>& b, double correlated) {
+  double apart = 0, further = 0, left = 0, n = 0;
+  for (std::size_t w = 0; w < a.size(); ++w) {
+    apart += (b[w] - a[w]).squaredNorm();
+    further += b[w].squaredNorm() - a[w].squaredNorm();
+    left += a[w].squaredNorm();
+    n += double(a[w].size());
+  }
+  if (apart == 0) return 0;
+  return further / (2 * std::max(std::sqrt(left / n), 1.0) * std::sqrt(correlated * apart));
+}
+
+double share_of_effects(double least, std::size_t n) { return 1 - std::pow(1 - least, double(n)); }
 
 double error_in(const Problem& problem, const FitData& data, const std::vector<VectorXd>& residual,
                 const std::vector<bool>& counts, bool in_noise) {
@@ -97,26 +191,20 @@ std::vector<Curve> curves_of(const Problem& problem, const FitData& data, const 
 }
 
 HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, std::size_t most_windows,
-                       const std::vector<Model>& selected, bool in_noise) {
+                       const std::vector<Model>& selected, bool in_noise, const std::vector<Model>& alternatives) {
   HeldOut result;
   result.kept = selected.size();
   const std::vector<Window> windows = make_windows(problem, true, length, most_windows);
   if (windows.empty()) return result;
-  // each model with its own starts and its own correction for the time step
   std::vector<Model> models = selected;
   models.insert(models.begin(), fitter.as_it_stands());
   std::vector<FitData> data;
   std::vector<Fit> fits;
   for (const Model& model : models) {
-    data.push_back(fitter.prepare(windows, model));
-    if (data.back().windows.empty() || data.back().windows.size() != data.front().windows.size()) break;
-    Fit starts = fitter.fit(data.back(), {model}, 0).front();
-    if (!Fitter::are_good_enough(starts)) {
-      data.back() = fitter.prepared_nearer(std::move(data.back()), starts);
-      if (data.back().windows.size() != data.front().windows.size()) break;
-      starts = fitter.fit(data.back(), {model}, 0).front();
-    }
-    fits.push_back(std::move(starts));
+    Simulated one = simulated(fitter, windows, model, data.empty() ? 0 : data.front().windows.size());
+    data.push_back(std::move(one.data));
+    if (!one.fit) break;
+    fits.push_back(std::move(*one.fit));
     if (!fits.back().succeeded) break;
   }
   if (fits.empty() || !fits[0].succeeded) return result;
@@ -133,10 +221,20 @@ HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, st
   result.kept = 0;
   for (std::size_t m = 1; m < fits.size(); ++m) {
     const double after = error_of(m, counts);
-    if (m == 1 && selected.size() > 1 && selected[0].effects().size() == 1) result.after_single = after;
     if (m > 1 && after - result.floor > (1 - criteria().second_gap_closed_least) * (result.after - result.floor)) break;
     result.after = after;
     result.kept = m;
+    result.after_each.push_back(after);
+  }
+  result.lead.resize(result.kept);
+  for (std::size_t m = 2; m <= result.kept && depends_on_alternatives(result, selected[m - 1].effects().size(), m - 1);
+       ++m) {
+    Lead& lead = result.lead[m - 1];
+    lead.sigma = NAN;
+    try {
+      lead = lead_of(fitter, windows, counts, data[m], fits[m], fits[m - 1], alternatives);
+    } catch (const OutOfTime&) {  // the errors above count nevertheless
+    }
   }
   result.agreement = agreement_of(problem, data[result.kept].windows, fits[result.kept].residual);
   result.before_all = error_of(0, all);

@@ -144,8 +144,13 @@ class ForwardSelection {
       std::rotate(out_.ranking.begin(), out_.ranking.begin() + decision.chosen,
                   out_.ranking.begin() + decision.chosen + 1);
     const std::vector<std::string> set = not_told_apart(round, chosen, number);
+    if (number > 1) keep_alternatives(decision);
     const StandIns this_round = stand_ins_of(decision);
-    if (number == 1) first_round_ = this_round;
+    if (number == 1) {
+      first_round_ = this_round;
+      for (const Judged& judged : decision.ranking)
+        if (judged.passes) error_of_first_passed_ = std::min(error_of_first_passed_, judged.error);
+    }
     const Fit before = std::exchange(named_, *chosen.fit);
     if (number == 1 && is_workflow() && (!out_.follows || explains_little(flow_, windows_, named_))) {
       take(chosen, set, number);
@@ -186,10 +191,20 @@ class ForwardSelection {
   bool closes_enough_of_the_rest(const Decision& decision, const Judged& chosen) {
     const bool is_another =
         !first_round_.passed.empty() && first_round_.passed.front().model.parts != named_.model.parts;
-    const int n_steps = changes_.trials.empty() ? criteria().n_more_steps : 0;  // else it was fitted just now
+    // where a simulation takes seconds it was fitted just now, to the same preparation
     const double of_another =
-        is_another ? error_of_single(flow_, prepared_, first_round_.passed.front().model, n_steps) : INFINITY;
+        !is_another ? INFINITY
+        : changes_.trials.empty()
+            ? error_of_single(flow_, prepared_, first_round_.passed.front().model, criteria().n_more_steps)
+            : error_of_first_passed_;
     return closed(std::min(decision.base_error, of_another), chosen.error, 1) >= criteria().second_gain_least;
+  }
+
+  void keep_alternatives(const Decision& decision) {
+    const std::vector<std::size_t>& same = decision.inseparable;
+    for (std::size_t i = 0; i < decision.ranking.size(); ++i)
+      if (int(i) != decision.chosen && std::find(same.begin(), same.end(), i) == same.end())
+        out_.alternatives.push_back(decision.ranking[i].fit->model);
   }
 
   // What these recordings do not tell from the effect that was chosen, that one among them; empty: nothing.
@@ -320,6 +335,7 @@ class ForwardSelection {
   Prepared prepared_{windows_.data, windows_.base};
   Fit named_ = windows_.base, of_windows_ = windows_.base;  // of_windows_: before whole runs took their place
   StandIns first_round_;
+  double error_of_first_passed_ = INFINITY;   // left out [noise]
   Revision revision_;                         // of two effects
   std::vector<Fit> tried_;                    // single ones beside which a second was looked for
   Changes changes_;                           // of the first round, where nothing else is screened

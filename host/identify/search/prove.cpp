@@ -90,6 +90,17 @@ std::string text_of(const WholeRuns& whole, const std::string& unit) {
       whole.before, whole.after, unit == "noise" ? "times the noise" : unit, whole.growth);
 }
 
+// Of several effects of which the first alone closes too little, and which leave more than noise.
+std::string text_of(const Lead& lead) {
+  if (std::isnan(lead.sigma))
+    return "the effects could not be compared with others of as many on the held-out runs, since there was no time, or "
+           "no others were fitted: no name";
+  return fmt::format(
+      "on the held-out runs the effects are {:.1f} standard deviations ahead of the nearest other model, {}; {:g} "
+      "are needed for a name",
+      lead.sigma, lead.nearest, criteria().gain_sigma);
+}
+
 }  // namespace
 
 NamedParameter named_parameter(const Parameter& p, double x, double sigma) {
@@ -103,8 +114,11 @@ bool closes_enough(const HeldOut& held_out) {
   const auto of = [&](double after) { return closed(held_out.before, after, held_out.floor); };
   const double least = criteria().gap_closed_least;
   if (!(held_out.floor > 0) || !(held_out.after < held_out.before) || of(held_out.after) < least) return false;
-  const bool first_is_enough = held_out.kept < 2 || !(of(held_out.after_single) < least);
-  return first_is_enough || held_out.after < criteria().unexplained * held_out.floor;
+  if (held_out.kept < 2 || held_out.after < criteria().unexplained * held_out.floor) return true;
+  for (std::size_t m = 0; m < held_out.kept; ++m)
+    if (of(held_out.after_each[m]) >= share_of_effects(least, m + 1) && held_out.lead[m].sigma >= criteria().gain_sigma)
+      return true;
+  return false;
 }
 
 Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, const std::string& unit) {
@@ -114,8 +128,10 @@ Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, con
   const std::size_t most = most_windows(problem, flow.settings.simulated_seconds, chosen.length);
   HeldOut judged;
   const bool is_done = flow.ends_in_time(criteria().time_proof, "the proof on held-out runs", [&] {
-    judged = judge_held_out(flow.fitter, problem, chosen.length, most, models, unit == "noise");
+    judged = judge_held_out(flow.fitter, problem, chosen.length, most, models, unit == "noise", selected.alternatives);
   });
+  for (const Lead& lead : judged.lead)
+    if (!std::isinf(lead.sigma)) flow.notes.push_back(text_of(lead));
   if (!is_done) judged.kept = models.size();
   const std::size_t left = std::max<std::size_t>(judged.kept, 1);
   const bool any_selected = !selected.fits.empty();

@@ -21,9 +21,12 @@ namespace {
 constexpr std::size_t SCREENED_AT_ONCE = 4;    // candidates between one look at the clock and the next
 constexpr double SHARE_OF_SCREENING = 0.45;    // of a round's time, where not all can be screened
 constexpr double RESPONSE_OFF_MOST = 4;        // a first change that is so far from the wanted one is as good
-constexpr std::size_t FITTED_OF_LARGE = 3;     // candidates
+constexpr std::size_t FITTED_OF_LARGE = 3;     // candidates; beside an effect these alone, whatever their families are
 constexpr std::size_t FINALISTS_OF_LARGE = 2;  // of these
 constexpr int MORE_STEPS_OF_LARGE = 4;         // of the finalists: a further round moves them again
+
+constexpr double SHARE_OF_FIRST_STEPS = 0.4;  // of the rest of the search, where a second effect may follow
+constexpr double SENSITIVITIES_AT_WORST = 2;  // times what the first simulations took: others use the machine, too
 
 }  // namespace
 
@@ -34,6 +37,7 @@ Effort effort_of(const Workflow& flow) {
           .n_tried = 0,
           .n_fitted = std::min(FITTED_OF_LARGE, flow.settings.n_fitted),
           .n_per_family = 1,
+          .n_per_family_beside = 0,
           .response_off_most = RESPONSE_OFF_MOST,
           .tries_both_sides = false,
           .n_first_steps = 1,
@@ -88,7 +92,58 @@ void give_up_the_last(std::vector<Fit>& fits, const std::vector<std::vector<Vect
   }
 }
 
+double share_of_steps(double seconds_left, double seconds_of_sensitivities) {
+  if (!(seconds_left > 0)) return 0;
+  return std::clamp(1 - SENSITIVITIES_AT_WORST * seconds_of_sensitivities / seconds_left, 0.0, criteria().time_steps);
+}
+
 namespace {
+
+// Simulations of a model that the sensitivities of the finalists take at most.
+std::size_t n_sensitivities(const std::vector<Fit>& fits, std::size_t n_finalists) {
+  std::vector<std::size_t> n;
+  for (const Fit& fit : fits) n.push_back(std::size_t(fit.model.x.size()));
+  std::sort(n.rbegin(), n.rend());
+  n.resize(std::min(n.size(), n_finalists));
+  return std::accumulate(n.begin(), n.end(), std::size_t(0));
+}
+
+// Where the steps ended for want of time, before or after the finalists were chosen: the finalists, by where they are,
+// and those whose sensitivities are known.
+void keep_finalists(std::vector<Fit>& fits, std::size_t n_finalists) {
+  if (std::none_of(fits.begin(), fits.end(), [](const Fit& fit) { return fit.is_given_up; })) {
+    std::vector<std::vector<VectorXd>> left;
+    for (Fit& fit : fits) {
+      fit.scale = robust_scale(fit.residual);  // no step has found it yet, perhaps
+      left.push_back(fit.residual);
+    }
+    give_up_the_last(fits, left, n_finalists);
+  }
+  std::erase_if(fits, [](const Fit& fit) { return fit.is_given_up && fit.is_stale; });
+}
+
+// The sensitivities of one fit after the other, nearest to the data first. What is not done by the deadline is left
+// out, but for the first one.
+void conclude_in_time(Fitter& fitter, const FitData& data, std::vector<Fit>& fits) {
+  const double scale = std::accumulate(fits.begin(), fits.end(), INFINITY, [](double least, const Fit& fit) {
+    return std::min(least, robust_scale(fit.residual));
+  });
+  std::stable_sort(fits.begin(), fits.end(), [&](const Fit& a, const Fit& b) {
+    return robust_cost(a.residual, scale) < robust_cost(b.residual, scale);
+  });
+  std::vector<Fit> done;
+  for (Fit& fit : fits) {
+    std::vector<Fit> one{fit};
+    try {
+      fitter.conclude(data, one);
+    } catch (const OutOfTime&) {
+      if (done.empty()) throw;
+      break;
+    }
+    done.push_back(std::move(one.front()));
+  }
+  fits = std::move(done);
+}
 
 // Some steps of all fits, then those of the finalists to their end. False where none gets nearer to the data: all are
 // given up.
@@ -116,12 +171,23 @@ std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const Fit& base, 
   Fitter& fitter = flow.fitter;
   std::vector<Model> models;
   for (const Screened& s : best) models.push_back(s.model);
+  const Clock::time_point began = Clock::now();
   std::vector<Fit> fits = fitter.begin(data, std::move(models));
+  const double of_model = -seconds_until(began) / double(std::max<std::size_t>(fits.size(), 1));
   std::erase_if(fits, [](const Fit& fit) { return !fit.succeeded; });
+  const std::size_t n_finalists = effort_of(flow).n_finalists;
+  double share =
+      share_of_steps(seconds_until(fitter.deadline()), of_model * double(n_sensitivities(fits, n_finalists)));
+  const bool is_of_one = !fits.empty() && fits.front().model.effects().size() == 1;
+  if (flow.is_costly() && is_of_one && flow.settings.max_effects > 1) share = std::min(share, SHARE_OF_FIRST_STEPS);
   bool any_nearer = true;
-  if (!ends_by(fitter.deadline(), after_share(fitter.deadline(), criteria().time_steps),
-               [&] { any_nearer = improve_finalists(flow, data, base, fits); }))
+  if (!ends_by(fitter.deadline(), after_share(fitter.deadline(), share),
+               [&] { any_nearer = improve_finalists(flow, data, base, fits); })) {
     flow.note_left_out("the last steps of fits");
+    keep_finalists(fits, n_finalists);
+    conclude_in_time(fitter, data, fits);
+    return fits;
+  }
   if (!any_nearer)
     flow.notes.push_back(
         fmt::format("{} models end after their first steps: none gets near the data, {:.3g} times the noise away",
@@ -151,6 +217,14 @@ void begin_at_ends(Fitter& fitter, const FitData& data, const std::vector<Model>
   }
 }
 
+// Simulations of the shortest next round that decides anything, in one window: its models where they begin, and the
+// sensitivities of its finalists; twice, since the machine may become busier.
+std::size_t n_least_of_next(const std::vector<Fit>& fits, const Effort& effort) {
+  Eigen::Index n_parameters = 0;
+  for (const Fit& fit : fits) n_parameters = std::max(n_parameters, fit.model.x.size());
+  return 2 * (effort.n_fitted + effort.n_finalists * std::size_t(n_parameters + 1));
+}
+
 }  // namespace
 
 Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
@@ -177,7 +251,9 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
   flow.files.write_screen(name, screened);
   if (is_first) flow.show(identifiability(round.signatures));
   const double fits_began = flow.seconds();
-  std::vector<Screened> best = shortlist(screened, effort.n_fitted, effort.n_per_family);
+  const std::size_t n_simulations = flow.predictor.n_simulations();
+  std::vector<Screened> best =
+      shortlist(screened, effort.n_fitted, is_first ? effort.n_per_family : effort.n_per_family_beside);
   for (Model& model : with_wrong_numbers(base.model, all)) best.push_back({model.parts.back(), std::move(model), 0, 0});
   if (!ends.empty()) begin_at_ends(flow.fitter, data, ends, best);
   flow.report_progress(
@@ -194,6 +270,9 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
       flow.settings.decide == Decide::workflow ? decide(data, base, round.fits) : decide_lowest(base, round.fits);
   flow.files.write_fits(name, round.decision);
   round.seconds_of_fits = flow.seconds() - fits_began;
+  if (flow.is_costly())
+    round.seconds_of_fits *= double(n_least_of_next(round.fits, effort)) /
+                             double(std::max<std::size_t>(flow.predictor.n_simulations() - n_simulations, 1));
   return round;
 }
 

@@ -11,11 +11,11 @@ namespace pvg::diagnose {
 
 struct Round {
   std::vector<Fit> fits;
-  Decision decision;         // points to them
-  std::vector<Fit> refuted;  // fits to short windows that do not follow whole runs
-  Signatures signatures;     // of the candidates, where the base is without any effect
-  Changes changes;           // likewise, in large scenes
-  double seconds_of_fits = 0;
+  Decision decision;           // points to them
+  std::vector<Fit> refuted;    // fits to short windows that do not follow whole runs
+  Signatures signatures;       // of the candidates, where the base is without any effect
+  Changes changes;             // likewise, in large scenes
+  double seconds_of_fits = 0;  // in large scenes: of the shortest fits of a next round that decide anything
 };
 
 // name: of the stages' files; share: of the whole work that is done when the fits begin; ends: where fits of the same
@@ -45,9 +45,13 @@ bool gets_nearer(const Problem& problem, const FitData& data, const Fit& base,
 void give_up_the_last(std::vector<Fit>& fits, const std::vector<std::vector<Eigen::VectorXd>>& predicted,
                       std::size_t n_finalists = criteria().n_finalists);
 
+// The share of the time that is left which the steps of a round may take, so that sensitivities can still be found
+// which take so long: without them nothing is decided, though the ranking is known.
+double share_of_steps(double seconds_left, double seconds_of_sensitivities);
+
 // The fits to the end of those that may still win, all with slopes and covariances. Where the time is over the steps
-// end early, and a note says so; so they do where none of them gets_nearer in the first steps, as where inputs are
-// those of another run.
+// end early, a note says so, and only finalists are there, the nearest to the data first. Steps end, too, where none of
+// them gets_nearer in the first ones, as where inputs are those of another run.
 std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const Fit& base, const std::vector<Screened>& best);
 
 }  // namespace pvg::diagnose

@@ -57,7 +57,7 @@ struct Effort {
   double share = 1;                                 // of the time until the deadline
   std::size_t n_tried = criteria().screen_n_tried;  // candidates that are simulated at their optimum
   std::size_t n_fitted = criteria().n_fitted;       // candidates that are fitted, at least
-  std::size_t n_per_family = criteria().n_fitted_per_family;
+  std::size_t n_per_family = criteria().n_fitted_per_family, n_per_family_beside = n_per_family;  // beside an effect
   // A first change whose response is within this factor of what is wanted is not made again, nor a second one within
   // its square; 1: each is.
   double response_off_most = 1;

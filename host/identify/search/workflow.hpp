@@ -66,8 +66,9 @@ struct Selection {
   std::vector<RankedModel> ranking;  // best first
   std::vector<std::vector<std::string>> inseparable, inseparable_of_one;  // of_one: of the first of several fits
   double error = 0;                                                       // of the last fit [noise]
-  std::vector<Window> windows;  // of the last fit: those that were chosen, made ready for it, or whole runs
-  std::string better_at_bound;  // as Decision has it, of the last effect that was added; empty: none
+  std::vector<Window> windows;      // of the last fit: those that were chosen, made ready for it, or whole runs
+  std::vector<Model> alternatives;  // fitted beside those before the last effect, and told from what was chosen
+  std::string better_at_bound;      // as Decision has it, of the last effect that was added; empty: none
   // What was found needs a finer time step: nothing else is told but where the fits of the first round ended.
   bool asks_for_new_step = false;
   bool follows = true;  // with some single effect the scene is near the recorded motion; else that is all

@@ -227,16 +227,54 @@ TEST(Decide, AnEffectThatShowsInOneOfThreeRunsIsNamedUnlessTheOthersGetWorse) {
   EXPECT_EQ(decide(data, base, {fit_with(&some, {1, 2, 2})}).chosen, -1);
 }
 
+// of a gap of 86.5
 TEST(Proof, TwoEffectsOfWhichTheFirstClosesLittleHaveToExplainTheHeldOutRunsToTheNoise) {
   HeldOut held_out;
-  held_out.before = 88, held_out.after = 33, held_out.floor = 1.5, held_out.kept = 1;  // closes 64 %
+  held_out.before = 88, held_out.floor = 1.5;
+  const auto close_enough = [&](std::vector<double> after_each, double sigma = INFINITY) {
+    held_out.after_each = std::move(after_each);
+    held_out.after = held_out.after_each.back();
+    held_out.kept = held_out.after_each.size();
+    held_out.lead.assign(held_out.kept, {});
+    held_out.lead.back().sigma = sigma;
+    return closes_enough(held_out);
+  };
+  EXPECT_TRUE(close_enough({33}));  // 64 %
+  EXPECT_FALSE(close_enough({80, 33}, 9));
+  EXPECT_TRUE(close_enough({80, 2.2}));  // below 1.5 times the noise
+  EXPECT_TRUE(close_enough({35, 33}));
+}
+
+TEST(Proof, OrToCloseAsMuchAsTwoThatAreEachEnoughAndToBeAheadOfEveryOtherPair) {
+  EXPECT_DOUBLE_EQ(share_of_effects(0.6, 1), 0.6);
+  EXPECT_DOUBLE_EQ(share_of_effects(0.6, 2), 0.84);
+  HeldOut held_out;
+  held_out.before = 11, held_out.floor = 1, held_out.kept = 2;
+  const auto close_enough = [&](double after, double sigma) {
+    held_out.after = after;
+    held_out.after_each = {7, after};  // the first closes 40 %
+    held_out.lead = {{}, {sigma, "friction and play"}};
+    return closes_enough(held_out);
+  };
+  EXPECT_TRUE(close_enough(2.5, 2.1));
+  EXPECT_FALSE(close_enough(2.7, 2.1));  // 83 %
+  EXPECT_FALSE(close_enough(2.5, 1.9));
+  EXPECT_FALSE(close_enough(2.5, NAN));  // no time for the others
+  held_out.kept = 3;                     // a third effect need not close 60 % of the rest
+  held_out.after = 2.2;
+  held_out.after_each = {7, 2.5, 2.2};
+  held_out.lead = {{}, {2.1, ""}, {1, ""}};
   EXPECT_TRUE(closes_enough(held_out));
-  held_out.kept = 2, held_out.after_single = 80;
-  EXPECT_FALSE(closes_enough(held_out));
-  held_out.after = 2.2;  // below 1.5 times the noise
-  EXPECT_TRUE(closes_enough(held_out));
-  held_out.after = 33, held_out.after_single = 35;
-  EXPECT_TRUE(closes_enough(held_out));
+}
+
+// |a|^2 = 8 in four numbers, |b|^2 = 12, |b - a|^2 = 12
+TEST(Proof, OneModelIsAheadOfAnotherInStandardDeviationsOfWhatItLeaves) {
+  const std::vector<VectorXd> a = {Eigen::Vector2d(2, 0), Eigen::Vector2d(0, 2)};
+  const std::vector<VectorXd> b = {Eigen::Vector2d(0, 2), Eigen::Vector2d(2, 2)};
+  EXPECT_NEAR(ahead_of(a, b, 1), 4 / (2 * std::sqrt(2.0) * std::sqrt(12.0)), 1e-12);
+  EXPECT_NEAR(ahead_of(a, b, 4), ahead_of(a, b, 1) / 2, 1e-12);
+  EXPECT_EQ(ahead_of(a, a, 1), 0);
+  EXPECT_LT(ahead_of(b, a, 1), 0);
 }
 
 TEST(Decide, TheLowestTrainingErrorNamesWhateverIsLower) {
