@@ -13,19 +13,7 @@
 #   MINUTES         bound of the diagnosis (30)
 #   those of scripts/train_and_evaluate.sh, such as DEMONSTRATIONS, STEPS (1000) and EPISODES
 set -eu
-cd "$(dirname "$0")/../.."
-refuse() {
-  echo "proxy_table: $1" >&2
-  exit 2
-}
-[ $# -ge 1 ] || refuse "name a folder and, where you like, seeds of trainings, such as out/proxy 1 2 3"
-mkdir -p "$1"
-folder="$(realpath "$1")" root="$PWD"
-shift
-[ $# -gt 0 ] || set -- 1
-for seed in "$@"; do
-  expr "$seed" : '[0-9][0-9]*$' >/dev/null || refuse "the seed $seed is no whole number"
-done
+. "$(dirname "$0")/table_arguments.sh"
 [ -z "${GRIPPER:-}${JUDGED:-}${OBSERVATION:-}" ] || refuse "GRIPPER, JUDGED and OBSERVATION are set by this script"
 python="${TRAINING_PROGRAMS:-.venv-train/bin}/python"
 program="${PHYVISGEN_PROGRAM:-build/bin/phyvisgen}"

@@ -7,16 +7,8 @@
 #   BY, TIMES, DURATION   of the disturbances (20 mm to each side of each axis, 3, 0.4 s)
 #   those of scripts/train_and_evaluate.sh, such as DEMONSTRATIONS, STEPS (1000), EXECUTED ("5 1") and EPISODES
 set -eu
-cd "$(dirname "$0")/../.."
-refuse() {
-  echo "recovery_table: $1" >&2
-  exit 2
-}
-[ $# -ge 1 ] || refuse "name a folder and, where you like, seeds of trainings, such as out/recovery 1 2 3"
+. "$(dirname "$0")/table_arguments.sh"
 [ -z "${JUDGED:-}${OBSERVATION:-}" ] || refuse "JUDGED and OBSERVATION are set by this script"
-mkdir -p "$1"
-folder="$(realpath "$1")" root="$PWD"
-shift
 python="${TRAINING_PROGRAMS:-.venv-train/bin}/python"
 [ -x "$python" ] || refuse "$python is not there; scripts/install_lerobot.sh makes it"
 export STEPS="${STEPS:-1000}" LEARNING_RATE="${LEARNING_RATE:-3e-4}" DROPOUT="${DROPOUT:-0}" VAE="${VAE:-false}"

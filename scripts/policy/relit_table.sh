@@ -9,19 +9,7 @@
 # command goes on where it was stopped. Variables: those of scripts/train_and_evaluate.sh, such as EPISODES, DEMONSTRATIONS
 # (100), STEPS (900) and TRAINING (--look 500 --joint-noise 0.1 --shift 1).
 set -eu
-cd "$(dirname "$0")/../.."
-refuse() {
-  echo "relit_table: $1" >&2
-  exit 2
-}
-[ $# -ge 1 ] || refuse "name a folder and, where you like, seeds of trainings, such as out/relit 1 2 3"
-mkdir -p "$1"
-folder="$(realpath "$1")" root="$PWD"
-shift
-[ $# -gt 0 ] || set -- 1
-for seed in "$@"; do
-  expr "$seed" : '[0-9][0-9]*$' >/dev/null || refuse "the seed $seed is no whole number"
-done
+. "$(dirname "$0")/table_arguments.sh"
 [ -z "${JUDGED:-}${OBSERVATION:-}${CAMERA:-}" ] || refuse "JUDGED, OBSERVATION and CAMERA are set by this script"
 export OBSERVATION=pictures CAMERA=front DEMONSTRATIONS="${DEMONSTRATIONS:-100}" JUDGED="$folder/captured.yaml"
 # without noise the joints, which have moved a period when a demonstration's first picture is taken, tell the motion, and
