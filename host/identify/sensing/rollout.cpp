@@ -183,7 +183,10 @@ std::vector<Prediction> Predictor::predict_as_stepped(std::span<const Job> jobs)
     open_questions.push_back(questions[i]);
   }
   std::vector<Prediction> found, out;
-  if (!open.empty()) found = simulated(open, open_questions);
+  if (open.empty())
+    go_on_before(deadline_);  // what is known ends with the time too
+  else
+    found = simulated(open, open_questions);
   for (const Question& question : questions) {
     const auto at = place.find(question.all);
     out.push_back(at == place.end() ? *known_->find(question.all) : found[at->second]);
