@@ -146,6 +146,17 @@ class Noise:
 
 
 @dataclass(frozen=True)
+class NextRun:
+    """The motion that tells confused names apart best, in the words of a recording. initial, set: as a run states them, in
+    SI units; commands: `time` [s] and `value` of each driven joint's target, by joint/NAME."""
+
+    seconds: float
+    initial: dict[str, Any]
+    commands: dict[str, Any]
+    set: dict[str, Any]
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """verdict: effect (one that the scene lacks), retune (a number of the scene is wrong), measurement (an error of the
     sensors), none or agrees. Errors are in units of noise where nothing else is said; one that is not known is NaN.
@@ -173,6 +184,7 @@ class Diagnosis:
     next_experiment: str
     amended_scene: Path
     next_scene: Path | None
+    next_run: NextRun | None
     seconds: float
     simulations: int
     supposed_noise: str  # empty: none was supposed
@@ -291,6 +303,11 @@ def _showable(row: _Section) -> Showable:
     )
 
 
+def _next_run(row: _Section) -> NextRun:
+    parts = {name: row.section(name) for name in ("initial", "commands", "set")}
+    return NextRun(row.number("seconds"), **{n: {k: part.anything(k) for k in part.keys()} for n, part in parts.items()})
+
+
 def read_diagnosis(path: str | os.PathLike[str]) -> Diagnosis:
     """Of the folder that `diagnose -o` wrote, or of its report.json. A ValueError names what is wrong with the file."""
     file = Path(path)
@@ -329,6 +346,7 @@ def read_diagnosis(path: str | os.PathLike[str]) -> Diagnosis:
         next_experiment=report.text("next_experiment"),
         amended_scene=file.parent / report.text("amended_scene"),
         next_scene=file.parent / report.text("next_scene") if report.has("next_scene") else None,
+        next_run=_next_run(report.section("next_run")) if report.has("next_run") else None,
         seconds=report.number("seconds"),
         simulations=int(report.number("simulations")),
         supposed_noise=report.text("supposed_noise") if report.has("supposed_noise") else "",

@@ -44,7 +44,7 @@ class Report(unittest.TestCase):
 
     def test_nothing_of_the_file_is_lost(self):
         """Every key of the file that the program writes is a field, so that a new one is seen here."""
-        known = "schema verdict sentence effects adjusted ranking inseparable next_experiment next_scene where held_out "
+        known = "schema verdict sentence effects adjusted ranking inseparable next_experiment next_scene next_run where held_out "
         known += "regressed fit notes left_out could_show amended_scene seconds simulations noise supposed_noise"
         self.assertLessEqual(set(self.raw), set(known.split()))
         report = read_diagnosis(self.path)
@@ -52,6 +52,8 @@ class Report(unittest.TestCase):
         self.assertEqual(report.where[0].share, self.raw["where"][0]["share"])
         self.assertEqual([each.channel for each in report.noise], [each["channel"] for each in self.raw["noise"]])
         self.assertEqual(report.simulations, self.raw["simulations"])
+        if report.next_run is not None:
+            self.assertEqual(vars(report.next_run), self.raw["next_run"])
 
     def spoiled(self, change):
         raw = json.loads(json.dumps(self.raw))
