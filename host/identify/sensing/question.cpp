@@ -199,7 +199,7 @@ std::vector<Question> questions_of(const Problem& problem, std::span<const Job> 
   for (const Job& job : jobs) {
     std::vector<char> motion, all;
     put_numbers(motion, scene(job.variant, [](const Variant& v) { return hash_of_scene(v.scene); }), job.window->run,
-                job.window->start);
+                job.window->start, job.window->end);
     put_start(motion, job.initial);
     put_numbers(all, hash_of(motion), sensing(job.variant, [](const Variant& v) { return hash_of_sensing(v.sensing); }),
                 window(job.window, hash_of_window), job.wants_phases, noise);

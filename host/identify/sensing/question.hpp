@@ -11,7 +11,7 @@ namespace pvg::diagnose {
 
 // Of one job. Both differ where anything differs on which they depend.
 struct Question {
-  std::uint64_t motion;  // scene, run, start
+  std::uint64_t motion;  // scene, run, from when to when, start
   std::uint64_t all;     // besides, what is measured of it and with what noise: sensing, samples, phases
 };
 std::vector<Question> questions_of(const Problem& problem, std::span<const Job> jobs);

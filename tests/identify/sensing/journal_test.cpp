@@ -121,6 +121,7 @@ TEST(Journal, AQuestionHoldsSceneSensingStartsAndNoise) {
   changed(variant.scene.solver.time_step);
   changed(variant.scene.effects[0].parameters[0]);
   changed(window.start);  // 13
+  changed(window.end);    // known pushes act until then
   moves_otherwise = false;
   changed(variant.sensing.clock_rate);
   changed(variant.sensing.clock_offset);
@@ -133,7 +134,6 @@ TEST(Journal, AQuestionHoldsSceneSensingStartsAndNoise) {
   changed(window.correction[0]);
   changed(problem.channels[0].sigma);
   changed(problem.runs[0].noise_scale[0]);
-  changed(window.end);
   window.data[0].sample = 4;
   ask(false);
 }

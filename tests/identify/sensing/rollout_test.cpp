@@ -120,6 +120,29 @@ TEST(Rollout, WhatDiffersInTheSensingAloneIsSimulatedOnce) {
   }
 }
 
+// A world holds the known pushes of its own window: one that is shared with a shorter window would lack the later ones.
+TEST(Rollout, AShorterWindowHasAWorldOfItsOwn) {
+  const TestFolder folder;
+  Problem problem = thrown_block(folder);
+  std::vector<double> force(effect_kind("push").parameters.size(), 0.0);
+  force[2] = 20;  // along x [N]
+  problem.runs[0].pushes = {{0.2, 0.25, Effect{"push", "block", force}}};
+  Device device;
+  const Variant variant{problem.scene.scene, {}};
+  const Window whole = make_windows(problem, false, 0, 1).at(0);
+  Window shorter = whole;
+  shorter.end = whole.start + 0.05;
+  std::erase_if(shorter.data, [&](const Datum& datum) { return problem.runs[0].t[datum.sample] > shorter.end; });
+  ASSERT_LT(shorter.data.size(), whole.data.size());
+  const std::vector<Job> jobs = {{&variant, &shorter, shorter.initial}, {&variant, &whole, whole.initial}};
+  Predictor together(device, problem), alone(device, problem);
+  const Eigen::VectorXd found = together.predict(jobs).at(1).residual;
+  EXPECT_EQ(found, alone.predict({&jobs[1], 1}).at(0).residual);
+  problem.runs[0].pushes.clear();
+  Predictor without(device, problem);
+  EXPECT_NE(found, without.predict({&jobs[1], 1}).at(0).residual);
+}
+
 TEST(Rollout, WhatIsAskedAgainIsNotSimulatedAgain) {
   const TestFolder folder;
   Problem problem = thrown_block(folder);
