@@ -51,22 +51,19 @@ struct Best {
   std::vector<Model> as_good, worse;
 };
 
+// The fit itself takes the same steps: others begin where it ended, and would be ahead of it by these alone.
 Best best_of(Workflow& flow, Prepared& prepared, std::vector<Model> models, const Fit& fit) {
   const FitData& data = prepared.data();
+  models.push_back(fit.model);
   std::vector<Fit> fits = flow.fitter.begin(data, std::move(models));
   std::erase_if(fits, [](const Fit& other) { return !other.succeeded; });
-  // what is far behind the fit that is there already, or behind another, need not be fitted to its end
+  // what is far behind another need not be fitted to its end
   const Effort effort = effort_of(flow);
   flow.fitter.improve(data, fits, effort.n_first_steps);
-  std::vector<std::vector<VectorXd>> predicted = flow.fitter.predicted(data, fits);
-  fits.push_back(fit);
-  predicted.push_back(fit.residual);
-  give_up_the_last(fits, predicted, effort.n_finalists);
-  fits.pop_back();
+  give_up_the_last(fits, flow.fitter.predicted(data, fits), effort.n_finalists);
   flow.fitter.improve(data, fits, effort.n_more_steps);
   flow.fitter.take_last_steps(data, fits);
   flow.fitter.conclude(data, fits);
-  fits.push_back(fit);
   const Decision decision = decide(data, prepared.base(flow.fitter), fits);
   if (decision.chosen < 0) return {fit, {}, {}};
   const std::vector<std::size_t>& same = decision.inseparable;

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "host/base/error.hpp"
 #include "host/load/fields/yaml_section.hpp"
 #include "host/load/read_sections.hpp"
 #include "host/load/recording/channels.hpp"
+#include "host/load/recording/commanded_effort.hpp"
 
 namespace pvg {
 namespace {
@@ -119,35 +119,9 @@ RecordedRun read_run(YamlSection& section, const YAML::Node& node) {
   return run;
 }
 
-// A commanded motor current is the effort of its joint over the constant: a column of efforts is added to each run.
-void make_effort(YamlSection& section, RecordedInput& input, std::vector<RecordedRun>& runs) {
-  const std::string constant = section.text("constant"), column = input.columns[0];
-  char* end = nullptr;
-  const double value = std::strtod(constant.c_str(), &end);
-  std::string unit = end;
-  unit.erase(0, unit.find_first_not_of(' '));
-  const std::size_t per = unit.find('/');
-  if (end == constant.c_str() || !std::isfinite(value) || value == 0 || per == std::string::npos ||
-      unit.substr(per) != "/A")
-    section.fail("constant", "must be an effort per current, such as 0.05 N m/A");
-  if (input.unit != "A" && input.unit != "mA") section.fail("unit", "of a current must be A or mA");
-  const std::string effort = column + " x " + constant;
-  for (RecordedRun& run : runs) {
-    if (!run.table.has(column)) continue;  // an error names it later
-    std::vector<double> values = run.table[column];
-    for (double& i : values) i *= value * (input.unit == "mA" ? 1e-3 : 1);
-    run.table.columns[effort] = std::move(values);
-  }
-  const bool is_everywhere =
-      std::all_of(runs.begin(), runs.end(), [&](const RecordedRun& run) { return run.table.has(effort); });
-  if (is_everywhere) input.columns = {effort};
-  input.target.replace(input.target.rfind('/'), std::string::npos, "/torque");
-  input.unit = unit.substr(0, per);
-}
-
 RecordedInput read_input(YamlSection& section, std::vector<RecordedRun>& runs) {
   RecordedInput input{read_columns(section), section.text("target"), section.text("unit", "")};
-  if (input.target.starts_with("joint/") && input.target.ends_with("/current")) make_effort(section, input, runs);
+  make_effort(section, input, runs);
   section.done();
   return input;
 }

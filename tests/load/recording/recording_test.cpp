@@ -76,6 +76,25 @@ TEST(Recording, ACommandedCurrentIsAnEffort) {
   refused("constant: 0.05 N m/A, unit: V", {"inputs[0].unit", "A or mA"});
 }
 
+// 3 cm^2 at 2 bar: 60 N; a rotary vane of 5 cm^3 per radian at 40 kPa: 0.2 N m
+TEST(Recording, ACommandedPressureIsAnEffort) {
+  const TestFolder folder;
+  const auto effort_of = [&](const std::string& more) {
+    write_run(folder, "file: a.csv, role: fit",
+              "inputs:\n  - {column: i, target: joint/slide/pressure, " + more + "}\n");
+    const Recording r = load_recording(folder.path);
+    EXPECT_EQ(r.inputs.at(0).target, "joint/slide/torque");
+    const double commanded = r.runs[0].table["i"][2];
+    return std::pair(r.runs[0].table[r.inputs[0].columns[0]][2] / commanded, r.inputs[0].unit);
+  };
+  EXPECT_NEAR(effort_of("constant: 3e-4 N/Pa, unit: bar").first, 60. / 2, 1e-12);
+  EXPECT_NEAR(effort_of("constant: 5e-6 N m/Pa, unit: kPa").first, 0.2 / 40, 1e-15);
+  EXPECT_EQ(effort_of("constant: 5e-6 N m/Pa, unit: Pa").second, "N m");
+  expect_error<UsageError>([&] { effort_of("constant: 3e-4 N/Pa, unit: A"); },
+                           {"inputs[0].unit", "Pa, kPa, MPa or bar"});
+  expect_error<UsageError>([&] { effort_of("constant: 0.05 N m/A, unit: Pa"); }, {"inputs[0].constant", "N/Pa"});
+}
+
 TEST(Recording, SaysWhatItDoesNotReadAndWhichColumnsThereAre) {
   const TestFolder folder;
   write_run(folder, "file: a.mcap, role: fit", "");
