@@ -51,21 +51,41 @@ struct Best {
   std::vector<Model> as_good, worse;
 };
 
-// The fit itself takes the same steps: others begin where it ended, and would be ahead of it by these alone.
+// Where a model with more numbers is nearer to the data, the fit may have stopped short: errors of motions that diverge
+// have many minima. The nearer one of the fit and of the same model begun where the other one ended.
+Fit also_begun_at(Workflow& flow, const FitData& data, const Fit& fit, const Fit& other) {
+  std::vector<Fit> again = flow.fitter.begin(data, {with_numbers_of(fit.model, other.model)}, other.delta);
+  if (!again.front().succeeded) return fit;
+  const Effort effort = effort_of(flow);
+  flow.fitter.improve(data, again, effort.n_first_steps + effort.n_more_steps);
+  flow.fitter.finish(data, again);
+  const double scale = std::min(robust_scale(fit.residual), robust_scale(again.front().residual));
+  return robust_cost(again.front().residual, scale) < robust_cost(fit.residual, scale) ? again.front() : fit;
+}
+
 Best best_of(Workflow& flow, Prepared& prepared, std::vector<Model> models, const Fit& fit) {
   const FitData& data = prepared.data();
-  models.push_back(fit.model);
   std::vector<Fit> fits = flow.fitter.begin(data, std::move(models));
   std::erase_if(fits, [](const Fit& other) { return !other.succeeded; });
-  // what is far behind another need not be fitted to its end
+  // what is far behind the fit that is there already, or behind another, need not be fitted to its end
   const Effort effort = effort_of(flow);
   flow.fitter.improve(data, fits, effort.n_first_steps);
-  give_up_the_last(fits, flow.fitter.predicted(data, fits), effort.n_finalists);
+  std::vector<std::vector<VectorXd>> predicted = flow.fitter.predicted(data, fits);
+  fits.push_back(fit);
+  predicted.push_back(fit.residual);
+  give_up_the_last(fits, predicted, effort.n_finalists);
+  fits.pop_back();
   flow.fitter.improve(data, fits, effort.n_more_steps);
   flow.fitter.take_last_steps(data, fits);
   flow.fitter.conclude(data, fits);
-  const Decision decision = decide(data, prepared.base(flow.fitter), fits);
+  fits.push_back(fit);
+  Decision decision = decide(data, prepared.base(flow.fitter), fits);
   if (decision.chosen < 0) return {fit, {}, {}};
+  if (const Fit& richer = *decision.ranking[std::size_t(decision.chosen)].fit;
+      richer.model.x.size() > fit.model.x.size() && !flow.is_costly()) {
+    fits.back() = also_begun_at(flow, data, fit, richer);
+    decision = decide(data, prepared.base(flow.fitter), fits);
+  }
   const std::vector<std::size_t>& same = decision.inseparable;
   Best best{*decision.ranking[std::size_t(decision.chosen)].fit, {}, {}};
   for (std::size_t i = 0; i < decision.ranking.size(); ++i) {

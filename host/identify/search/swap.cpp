@@ -52,6 +52,20 @@ std::vector<Model> swapped(const Model& model, std::size_t place, const std::vec
   return models;
 }
 
+Model with_numbers_of(Model model, const Model& other) {
+  Eigen::Index here = 0, there = 0;
+  for (std::size_t i = 0; i < std::min(model.parts.size(), other.parts.size()); ++i) {
+    const std::vector<Parameter>&mine = model.parts[i]->parameters, &its = other.parts[i]->parameters;
+    for (std::size_t k = 0; k < mine.size() && model.parts[i]->target == other.parts[i]->target; ++k)
+      for (std::size_t j = 0; j < its.size(); ++j)
+        if (its[j].name == mine[k].name)
+          model.x[here + Eigen::Index(k)] = std::clamp(other.x[there + Eigen::Index(j)], mine[k].low, mine[k].high);
+    here += Eigen::Index(mine.size());
+    there += Eigen::Index(its.size());
+  }
+  return model;
+}
+
 std::vector<Model> with_wrong_numbers(const Model& model, const std::vector<Candidate>& candidates) {
   std::vector<Model> models;
   for (Eigen::Index i = 0; i < model.n_nuisances(); ++i) {

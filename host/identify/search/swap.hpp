@@ -17,6 +17,10 @@ Model replaced(const Model& model, std::size_t place, const Model& other);
 // Likewise of the first `most` of `others` (best first) whose last part the model does not have.
 std::vector<Model> swapped(const Model& model, std::size_t place, const std::vector<Fit>& others, std::size_t most);
 
+// The model with the numbers that `other` has of the same parts, and, where it has others in their places, with numbers
+// of the same name at the same target.
+Model with_numbers_of(Model model, const Model& other);
+
 // For each nuisance that went as far as it may: the model with the candidate for that number instead, which is free to
 // go farther, as an effect.
 std::vector<Model> with_wrong_numbers(const Model& model, const std::vector<Candidate>& candidates);

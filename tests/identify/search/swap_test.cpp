@@ -56,6 +56,20 @@ TEST_F(Swap, AnotherPartComesWithItsOwnNumbersAndTheRestKeepsIts) {
   EXPECT_TRUE(spring_swapped_in.scale.isApprox(Eigen::Vector4d(0.1, 0.4, 0.5, 0.6)));
 }
 
+TEST_F(Swap, NumbersAreThoseOfTheSamePartsAndOfTheSameNameAtTheSameTarget) {
+  Candidate dry = with_parameters("dry", 1), stribeck = with_parameters("stribeck", 2),
+            wide = with_parameters("wide", 1);
+  stribeck.parameters[0].name = "extra";  // its second one is named as that of `dry`
+  wide.target = "elsewhere";
+  const Model model{{&dry, &lag}, Eigen::Vector2d(1, 2), Eigen::Vector2d::Ones()};
+  const auto numbers_of = [&](const Candidate& first, const Candidate& second, const Eigen::VectorXd& x) {
+    return with_numbers_of(model, {{&first, &second}, x, x}).x;
+  };
+  EXPECT_EQ(numbers_of(stribeck, lag, Eigen::Vector3d(7, 8, 9)), Eigen::Vector2d(8, 9));
+  EXPECT_EQ(numbers_of(wide, lag, Eigen::Vector2d(5, 9)), Eigen::Vector2d(1, 9)) << "of another target";
+  EXPECT_EQ(numbers_of(stribeck, lag, Eigen::Vector3d(7, 800, 9)), Eigen::Vector2d(100, 9)) << "beyond its bound";
+}
+
 TEST_F(Swap, NoPartIsInAModelTwice) {
   const std::vector<Fit> others = {of(delay, spring, Eigen::Vector3d(7, 8, 8)),
                                    of(spring, delay, Eigen::Vector3d(8, 8, 7))};
