@@ -94,14 +94,10 @@ void end(ServedScene&, const Json&, Message&) {}
 
 const SceneRequest& request_kind(const std::string& wanted) {
   static const std::vector<SceneRequest> KINDS = {
-      {"reset", {"pictures", "memory"}, reset},
-      {"step", {"n", "targets", "pictures", "memory"}, step},
-      {"observe", {"pictures", "memory"}, observe},
-      {"state", {"memory"}, state},
-      {"contacts", {"memory"}, contacts},
-      {"forces", {"memory"}, forces},
-      {"intersection", {}, find_intersection},
-      {"close", {}, end},
+      {"reset", {"pictures", "memory"}, reset},     {"step", {"n", "targets", "pictures", "memory"}, step},
+      {"observe", {"pictures", "memory"}, observe}, {"state", {"memory"}, state},
+      {"contacts", {"memory"}, contacts},           {"forces", {"memory"}, forces},
+      {"intersection", {}, find_intersection},      {"close", {}, end},
   };
   std::string names;
   for (const SceneRequest& kind : KINDS) {

@@ -56,7 +56,8 @@ void add_state_arrays(const ServedTask& task, Message& message) {
   add_joints(task, message);
   add_bodies(task, message);
   add_contacts(task.state(), message);
-  if (!task.state().reading.empty()) add_numbers(message, "reading", {task.state().reading.size()}, task.state().reading);
+  if (!task.state().reading.empty())
+    add_numbers(message, "reading", {task.state().reading.size()}, task.state().reading);
 }
 
 }  // namespace pvg

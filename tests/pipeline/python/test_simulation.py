@@ -124,6 +124,9 @@ class Bits(Written):
         process = subprocess.Popen(
             [phyvisgen.find_program(), "serve", scene, "--no-render", "--socket", path], stderr=subprocess.PIPE
         )
+        self.addCleanup(process.stderr.close)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.terminate)
         self.assertIn(b"serves small", process.stderr.readline())
         with serve(scene) as own:
             own.step(8)
@@ -134,9 +137,9 @@ class Bits(Written):
                     np.testing.assert_array_equal(held, own.positions)
                     np.testing.assert_array_equal(simulation.velocities, own.velocities)
                     np.testing.assert_array_equal(simulation.contacts().points, own.contacts().points)
-        process.terminate()
-        process.wait()
-        process.stderr.close()
+                    simulation.step()
+                    simulation.positions
+                    self.assertGreater(np.abs(held - simulation.positions).max(), 0)  # a view of the answer lasts
 
 
 class Hand(Written):
