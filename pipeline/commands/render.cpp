@@ -87,18 +87,6 @@ std::vector<int> chosen_cameras(const Scene& scene, const std::vector<std::strin
   return chosen;
 }
 
-// the same view in other pixels: the vertical field of view stays
-void resize(Camera& camera, int width, int height) {
-  const int w = width ? width : camera.width, h = height ? height : camera.height;
-  const double scale = double(h) / camera.height;
-  camera.fx *= scale;
-  camera.fy *= scale;
-  camera.cx = (camera.cx + 0.5 - camera.width / 2.0) * scale + w / 2.0 - 0.5;
-  camera.cy = (camera.cy + 0.5 - camera.height / 2.0) * scale + h / 2.0 - 0.5;
-  camera.width = w;
-  camera.height = h;
-}
-
 // a file that appears complete or not at all
 void write_picture(const fs::path& file, const MotionPicture& picture) {
   PartialFile partial(file);

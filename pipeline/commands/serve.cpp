@@ -1,4 +1,4 @@
-// phyvisgen serve: one process that steps a task for others, over its standard streams or a socket.
+// phyvisgen serve: one process that steps a task or a scene for others, over its standard streams or a socket.
 #include <signal.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -9,22 +9,26 @@
 #include <cstring>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/base/error.hpp"
 #include "host/device/choose_device.hpp"
+#include "host/load/scene_file.hpp"
 #include "host/load/task_file.hpp"
+#include "host/robot/imported_scene.hpp"
 #include "pipeline/command_line/command.hpp"
 #include "pipeline/command_line/program.hpp"
 #include "pipeline/episode/episode.hpp"
 #include "pipeline/serve/perturbation.hpp"
+#include "pipeline/serve/scene_server.hpp"
 #include "pipeline/serve/server.hpp"
 
 namespace pvg {
 namespace {
 
 struct ServeOptions {
-  std::string task;  // file
+  std::string file;  // a task or a scene
   std::string device, render_device;
   std::string socket;  // path; empty: standard input and output
   std::vector<std::string> perturbations;
@@ -75,14 +79,68 @@ class Listener {
   OpenFile file_;
 };
 
+// What is served, a task or a scene.
+class Served {
+ public:
+  explicit Served(const ServeOptions& options) {
+    if (!is_robot_description(options.file) && is_task_file(options.file))
+      load_task_of(options);
+    else
+      load_scene_of(options);
+  }
+  const std::string& name() const { return worlds_ ? worlds_->front().task().name : scene_->run().scene.name; }
+  Message greet() const {
+    return worlds_ ? greeting(*worlds_, program_version()) : greeting(*scene_, program_version());
+  }
+  void stream(int from, int to) {
+    serve_stream(
+        greet(), [&](const Message& request) { return worlds_ ? answer(*worlds_, request) : answer(*scene_, request); },
+        from, to);
+  }
+
+ private:
+  void load_task_of(const ServeOptions& options) {
+    Task task = load_task(options.file);
+    apply(options.pictures, task);
+    if (options.is_rigid) make_grippers_rigid(task);
+    for (const std::string& each : options.perturbations) perturb(task, read_perturbation(each));
+    start_devices(options);
+    worlds_.emplace(task, *physics_, rendering_ ? &*rendering_ : nullptr, std::size_t(options.n_worlds));
+  }
+
+  void load_scene_of(const ServeOptions& options) {
+    const auto refuse = [&](bool is_given, const char* option) {
+      if (is_given) throw UsageError(std::string(option) + " is for tasks; " + options.file + " is a scene");
+    };
+    refuse(options.n_worlds != 1, "--worlds");
+    refuse(options.pictures.frames_per_second > 0, "--fps");
+    refuse(options.is_rigid, "--gripper rigid");
+    refuse(!options.perturbations.empty(), "--perturb");
+    SceneRun run = load_scene_run(options.file);
+    start_devices(options);
+    scene_.emplace(std::move(run), options.pictures, *physics_, rendering_ ? &*rendering_ : nullptr);
+  }
+
+  void start_devices(const ServeOptions& options) {
+    physics_.emplace(options.device);
+    if (options.no_render) return;
+    const int device = choose_render_device(list_devices(), options.device, options.render_device).index;
+    rendering_.emplace(std::to_string(device), Purpose::rendering);
+  }
+
+  std::optional<Device> physics_, rendering_;
+  std::optional<ServedWorlds> worlds_;
+  std::optional<ServedScene> scene_;
+};
+
 // One client after the other; what one of them breaks off ends its own stream.
-void serve_socket(ServedWorlds& worlds, const std::string& path) {
+void serve_socket(Served& served, const std::string& path) {
   const Listener listener(path);
-  std::fprintf(stderr, "phyvisgen: serves %s at %s\n", worlds.front().task().name.c_str(), path.c_str());
+  std::fprintf(stderr, "phyvisgen: serves %s at %s\n", served.name().c_str(), path.c_str());
   while (true) {
     const OpenFile client(listener.next_client());
     try {
-      serve_stream(worlds, program_version(), client, client);
+      served.stream(client, client);
     } catch (const DeviceError&) {
       throw;
     } catch (const Failure& failure) {
@@ -91,32 +149,37 @@ void serve_socket(ServedWorlds& worlds, const std::string& path) {
   }
 }
 
+// A client that waits for a greeting gets the reason why there is none.
+void refuse_client(const std::string& sentence) {
+  Message message;
+  message.head["error"] = sentence;
+  write_message(STDOUT_FILENO, message);
+}
+
 void run_serve(const ServeOptions& options) {
-  if (options.task.empty()) throw UsageError("serve needs a task file; `phyvisgen serve --help` shows an example");
+  if (options.file.empty())
+    throw UsageError("serve needs a task or scene file; `phyvisgen serve --help` shows an example");
   signal(SIGPIPE, SIG_IGN);  // a client that is gone is an error of the write
-  Task task = load_task(options.task);
-  apply(options.pictures, task);
-  if (options.is_rigid) make_grippers_rigid(task);
-  for (const std::string& each : options.perturbations) perturb(task, read_perturbation(each));
-  Device physics(options.device);
-  std::optional<Device> rendering;
-  if (!options.no_render)
-    rendering.emplace(std::to_string(choose_render_device(list_devices(), options.device, options.render_device).index),
-                      Purpose::rendering);
-  ServedWorlds served(task, physics, rendering ? &*rendering : nullptr, std::size_t(options.n_worlds));
-  if (!options.socket.empty()) return serve_socket(served, options.socket);
+  std::optional<Served> served;
+  try {
+    served.emplace(options);
+  } catch (const UsageError& error) {
+    if (options.socket.empty() && !isatty(STDOUT_FILENO)) refuse_client(error.what());
+    throw;
+  }
+  if (!options.socket.empty()) return serve_socket(*served, options.socket);
   // whatever else is printed goes where messages to people go
   const OpenFile answers(dup(STDOUT_FILENO));
   dup2(STDERR_FILENO, STDOUT_FILENO);
-  serve_stream(served, program_version(), STDIN_FILENO, answers);
+  served->stream(STDIN_FILENO, answers);
 }
 
 }  // namespace
 
 void add_serve(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("serve", "Step a task for another program, such as a policy");
+  CLI::App* command = program.add_subcommand("serve", "Step a task or a scene for another program, such as a policy");
   ServeOptions& o = options_of_command(*command, run_serve);
-  command->add_option("TASK", o.task, "Task file (YAML)");
+  command->add_option("FILE", o.file, "Task or scene file (YAML), or MJCF (.xml), URDF");
   command->add_option("--socket", o.socket, "Path of a socket for clients, one after the other; else standard streams");
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
   command->add_option("--render-device", o.render_device,
@@ -141,7 +204,8 @@ void add_serve(CLI::App& program) {
       "The protocol is in docs/reference/serve.md; the Python package of pipeline/python speaks it.\n"
       "Example:\n  phyvisgen serve data/tasks/weigh_beaker.yaml --no-render --socket /tmp/beaker.sock\n"
       "  phyvisgen serve data/tasks/weigh_beaker.yaml --no-render --perturb friction=0.5\n"
-      "  phyvisgen serve data/tasks/weigh_beaker.yaml --no-render --worlds 16");
+      "  phyvisgen serve data/tasks/weigh_beaker.yaml --no-render --worlds 16\n"
+      "  phyvisgen serve data/validation/pendulum.yaml --no-render");
 }
 
 }  // namespace pvg

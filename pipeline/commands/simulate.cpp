@@ -105,8 +105,7 @@ void check_outputs(const SimulateOptions& options) {
 void separate(Scene& scene) {
   if (!scene.separates_start) return;
   for (const Separation& moved : separate_bodies(scene))
-    std::fprintf(stderr, "phyvisgen: %s was moved by (%.6g, %.6g, %.6g) m, apart from what it started in\n",
-                 moved.body.c_str(), moved.by.x(), moved.by.y(), moved.by.z());
+    std::fprintf(stderr, "phyvisgen: %s\n", describe(moved).c_str());
 }
 
 // Number of steps done already.

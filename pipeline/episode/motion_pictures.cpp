@@ -53,9 +53,6 @@ void write_one(const Access& access) {
               made.T_world_camera.front(), made.seconds.front()});
 }
 
-// how far back from its time a picture looks [s]
-double shutter_of(const Camera& camera) { return camera.exposure_time + (camera.height - 1) * camera.row_time; }
-
 }  // namespace
 
 // clang-format off

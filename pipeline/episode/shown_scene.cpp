@@ -86,6 +86,19 @@ ShownScene load_shown_scene(const std::string& file, const std::string& states, 
   return shown;
 }
 
+void resize(Camera& camera, int width, int height) {
+  const int w = width ? width : camera.width, h = height ? height : camera.height;
+  const double scale = double(h) / camera.height;
+  camera.fx *= scale;
+  camera.fy *= scale;
+  camera.cx = (camera.cx + 0.5 - camera.width / 2.0) * scale + w / 2.0 - 0.5;
+  camera.cy = (camera.cy + 0.5 - camera.height / 2.0) * scale + h / 2.0 - 0.5;
+  camera.width = w;
+  camera.height = h;
+}
+
+double shutter_of(const Camera& camera) { return camera.exposure_time + (camera.height - 1) * camera.row_time; }
+
 Frames::Frames(const Scene& scene, const std::string& states, double rate) : start_(initial_state(scene)) {
   if (states.empty()) {
     times_ = {0};

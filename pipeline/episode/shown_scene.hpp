@@ -24,6 +24,12 @@ struct ShownScene {
 // a UsageError for any other file.
 ShownScene load_shown_scene(const std::string& file, const std::string& states, bool has_rigid_grippers = false);
 
+// The same view in other pixels; the vertical field of view stays. 0: as it is.
+void resize(Camera& camera, int width, int height);
+
+// how far back from its time a picture looks [s]
+double shutter_of(const Camera& camera);
+
 // The pictures of a motion, in their order. Without a states file there is one: the start.
 class Frames {
  public:

@@ -92,4 +92,22 @@ void write_message(int file, const Message& message) {
   write_bytes(file, message.bytes.data(), message.bytes.size());
 }
 
+void serve_stream(const Message& greeting, const std::function<Message(const Message&)>& answer, int from, int to) {
+  write_message(to, greeting);
+  while (true) {
+    std::optional<Message> request;
+    try {
+      request = read_message(from);
+    } catch (const UsageError& error) {
+      Message refused;
+      refused.head["error"] = error.what();
+      write_message(to, refused);
+      continue;
+    }
+    if (!request) return;
+    write_message(to, answer(*request));
+    if (request->head.value("do", nlohmann::ordered_json()) == "close") return;
+  }
+}
+
 }  // namespace pvg

@@ -7,6 +7,7 @@
 //   m bytes             arrays, one after the other: "arrays" in the head has name, type, shape and offset of each
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -38,5 +39,8 @@ std::optional<Message> read_message(int file);
 
 // A Failure where nobody reads any more.
 void write_message(int file, const Message& message);
+
+// Greets, then answers until the stream of requests ends or one asks to close. A Failure where a stream breaks off.
+void serve_stream(const Message& greeting, const std::function<Message(const Message&)>& answer, int from, int to);
 
 }  // namespace pvg

@@ -5,14 +5,11 @@
 #include <utility>
 
 #include "host/base/error.hpp"
-#include "host/base/names.hpp"
-#include "pipeline/serve/shared_memory.hpp"
+#include "pipeline/serve/requests.hpp"
 #include "pipeline/serve/state_arrays.hpp"
 
 namespace pvg {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // What a request does: `ask` says what is to be simulated, which is then done, of all requests of one `together` in
 // one solve; `tell` answers.
@@ -30,68 +27,14 @@ std::uint64_t whole(const Json& request, const std::string& key) {
   return request[key].get<std::uint64_t>();
 }
 
-std::vector<double> numbers(const Json& list, const std::string& key) {
-  if (!list.is_array() || !std::all_of(list.begin(), list.end(), [](const Json& each) { return each.is_number(); }))
-    throw UsageError("`" + key + "` is a list of numbers");
-  return list.get<std::vector<double>>();
-}
-
-// Cameras whose pictures are asked for: all, some by name, or none.
-std::vector<std::size_t> cameras_asked(const ServedTask& task, const Json& request) {
-  const std::vector<CameraSection>& cameras = task.task().cameras;
-  std::vector<std::size_t> asked;
-  if (!request.contains("pictures")) return asked;
-  const Json& wish = request["pictures"];
-  const auto is_text = [](const Json& each) { return each.is_string(); };
-  if (!wish.is_boolean() && !(wish.is_array() && std::all_of(wish.begin(), wish.end(), is_text)))
-    throw UsageError("`pictures` is true, false or a list of names of cameras");
-  for (std::size_t i = 0; i < cameras.size(); ++i)
-    if (wish.is_boolean() ? wish.get<bool>() : std::find(wish.begin(), wish.end(), cameras[i].name) != wish.end())
-      asked.push_back(i);
-  if (wish.is_array())
-    for (const Json& name : wish)
-      if (!find_named(cameras, name.get<std::string>()))
-        throw UsageError("`pictures` names `" + name.get<std::string>() + "`, but the task has no camera of that name");
-  return asked;
-}
-
-// Where pictures go instead of into the answer.
-std::optional<SharedMemory> memory_asked(const ServedTask& task, const Json& request) {
-  if (!request.contains("memory")) return std::nullopt;
-  if (!request["memory"].is_string()) throw UsageError("`memory` is the path of a file in memory");
-  std::size_t n_bytes = 0;
-  for (const std::size_t camera : cameras_asked(task, request)) {
-    const CameraSection& section = task.task().cameras[camera];
-    n_bytes += 3 * std::size_t(section.width) * std::size_t(section.height);
-  }
-  return SharedMemory(request["memory"].get<std::string>(), n_bytes);
-}
-
-// before anything is done: a mistake leaves the episode as it is
-void check_pictures(const ServedTask& task, const Json& request) {
-  cameras_asked(task, request);
-  memory_asked(task, request);
-}
-
-void add_pictures(ServedTask& task, const Json& request, Message& message) {
-  const std::optional<SharedMemory> memory = memory_asked(task, request);
-  std::size_t offset = 0;
-  for (const std::size_t camera : cameras_asked(task, request)) {
-    const Picture8 picture = task.picture(camera);
-    const std::string name = "pictures/" + task.task().cameras[camera].name;
-    const std::vector<std::size_t> shape = {std::size_t(picture.height), std::size_t(picture.width), 3};
-    if (!memory) {
-      add_array(message, name, shape, std::span<const std::uint8_t>(picture.rgb));
-      continue;
-    }
-    memory->write(offset, picture.rgb);
-    message.head["arrays"].push_back({{"name", name}, {"type", "|u1"}, {"shape", shape}, {"memory_offset", offset}});
-    offset += picture.rgb.size();
-  }
+std::vector<ServedCamera> cameras_of(const ServedTask& task) {
+  std::vector<ServedCamera> cameras;
+  for (const CameraSection& camera : task.task().cameras) cameras.push_back({camera.name, camera.width, camera.height});
+  return cameras;
 }
 
 void observe(ServedTask& task, const Json& request, Message& message) {
-  check_pictures(task, request);
+  check_pictures(cameras_of(task), request);
   const std::optional<std::string> failure = task.failure();
   Json& head = message.head;
   head["time"] = task.state().time;
@@ -106,11 +49,12 @@ void observe(ServedTask& task, const Json& request, Message& message) {
   const std::vector<double> joints = task.joints(), environment = task.environment();
   add_array(message, "agent_pos", {joints.size()}, std::span<const double>(joints));
   add_array(message, "environment_state", {environment.size()}, std::span<const double>(environment));
-  add_pictures(task, request, message);
+  add_pictures(
+      cameras_of(task), request, [&](std::size_t camera) { return task.picture(camera); }, message);
 }
 
 void ask_reset(ServedTask& task, const Json& request, Message&) {
-  check_pictures(task, request);
+  check_pictures(cameras_of(task), request);
   task.ask_reset(whole(request, "seed"), whole(request, "episode"));
 }
 
@@ -121,16 +65,13 @@ void tell_reset(ServedTask& task, const Json& request, Message& message) {
 }
 
 void ask_step(ServedTask& task, const Json& request, Message& message) {
-  check_pictures(task, request);
+  check_pictures(cameras_of(task), request);
   const int n = int(request.contains("action")) + int(request.contains("targets")) + int(request.contains("plan"));
   if (n != 1) throw UsageError("a step has one of the keys `action`, `targets` and `plan`");
   if (request.contains("action")) {
     task.ask_action(numbers(request["action"], "action"));
   } else if (request.contains("targets")) {
-    if (!request["targets"].is_array()) throw UsageError("`targets` is a list of rows");
-    std::vector<std::vector<double>> rows;
-    for (const Json& row : request["targets"]) rows.push_back(numbers(row, "targets"));
-    task.ask_targets(std::move(rows));
+    task.ask_targets(rows_of_targets(request));
   } else {
     if (request["plan"] != true) throw UsageError("`plan` is true where it is given");
     message.head["plan_ended"] = !task.ask_plan();
@@ -170,10 +111,6 @@ const std::vector<RequestKind>& request_kinds() {
   return KINDS;
 }
 
-std::string wish_of(const Json& request) {
-  return request.contains("do") && request["do"].is_string() ? request["do"].get<std::string>() : "";
-}
-
 const RequestKind& request_kind(const Json& request) {
   std::string names;
   const std::string wanted = wish_of(request);
@@ -182,20 +119,6 @@ const RequestKind& request_kind(const Json& request) {
     names += std::string(kind.name) + ", ";
   }
   throw UsageError("`do` of a request is one of " + names + "together, this one is `" + wanted.substr(0, 40) + "`");
-}
-
-void check_keys(const RequestKind& kind, const Json& request) {
-  for (const auto& [key, value] : request.items())
-    if (key != "do" && key != "id" && key != "world" &&
-        std::find(kind.keys.begin(), kind.keys.end(), key) == kind.keys.end())
-      throw UsageError("a " + std::string(kind.name) + " has no key `" + key.substr(0, 40) + "`");
-}
-
-Message error_message(const std::string& sentence, const Json& request) {
-  Message message;
-  if (request.contains("id")) message.head["id"] = request["id"];
-  message.head["error"] = sentence;
-  return message;
 }
 
 // A request of one world, from when it is read until it is answered.
@@ -231,7 +154,7 @@ void answer_all(ServedWorlds& worlds, std::vector<Asked>& all) {
   for (Asked& each : all)
     try_to(each, [&] {
       each.kind = &request_kind(*each.request);
-      check_keys(*each.kind, *each.request);
+      check_keys(each.kind->name, each.kind->keys, *each.request);
       each.world = world_of(worlds, *each.request);
       if (std::exchange(is_asked[each.world], true))
         throw UsageError("`together` has two requests of world " + std::to_string(each.world));
@@ -334,19 +257,8 @@ Message answer(ServedWorlds& worlds, const Message& request) {
 }
 
 void serve_stream(ServedWorlds& worlds, const std::string& program, int from, int to) {
-  write_message(to, greeting(worlds, program));
-  while (true) {
-    std::optional<Message> request;
-    try {
-      request = read_message(from);
-    } catch (const UsageError& error) {
-      write_message(to, error_message(error.what(), Json::object()));
-      continue;
-    }
-    if (!request) return;
-    write_message(to, answer(worlds, *request));
-    if (request->head.value("do", Json()) == "close") return;
-  }
+  serve_stream(
+      greeting(worlds, program), [&](const Message& request) { return answer(worlds, request); }, from, to);
 }
 
 }  // namespace pvg

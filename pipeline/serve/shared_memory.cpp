@@ -10,8 +10,6 @@
 #include <cstring>
 #include <utility>
 
-#include "host/base/error.hpp"
-
 namespace pvg {
 namespace {
 
@@ -23,8 +21,9 @@ void check(int file, const std::string& path, std::size_t least) {
   if (system.f_type != TMPFS_MAGIC || !S_ISREG(about.st_mode))
     throw UsageError("`memory` names " + path + ", which is no file in memory; make it in /dev/shm or by memfd_create");
   if (std::size_t(about.st_size) < least)
-    throw UsageError("`memory` has " + std::to_string(about.st_size) + " bytes, the pictures take " +
-                     std::to_string(least));
+    throw MemoryTooSmall("`memory` has " + std::to_string(about.st_size) + " bytes, the arrays take " +
+                             std::to_string(least) + "; make it longer",
+                         least);
 }
 
 }  // namespace

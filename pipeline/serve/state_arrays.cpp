@@ -3,28 +3,12 @@
 #include <algorithm>
 
 #include "host/dataset/states_file.hpp"
+#include "pipeline/serve/world_arrays.hpp"
 
 namespace pvg {
 namespace {
 
 using Numbers = std::vector<double>;
-
-void put(Numbers& numbers, const Vec3& v) { numbers.insert(numbers.end(), v.data(), v.data() + 3); }
-
-void put(Numbers& numbers, const AffineMap& map) {
-  for (Eigen::Index i = 0; i < 3; ++i)
-    for (Eigen::Index j = 0; j < 4; ++j) numbers.push_back(map(i, j));
-}
-
-void add(Message& message, const std::string& name, const std::vector<std::size_t>& shape, const Numbers& numbers) {
-  add_array(message, name, shape, std::span<const double>(numbers));
-}
-
-void add_points(Message& message, const std::string& name, const std::vector<Vec3>& points) {
-  Numbers numbers;
-  for (const Vec3& point : points) put(numbers, point);
-  add(message, name, {points.size(), 3}, numbers);
-}
 
 void add_joints(const ServedTask& task, Message& message) {
   const WorldState& state = task.state();
@@ -33,9 +17,9 @@ void add_joints(const ServedTask& task, Message& message) {
     q.push_back(state.joint_position[joint]);
     torque.push_back(state.joint_effort[joint]);
   }
-  add(message, "q", {q.size()}, q);
-  add(message, "a", {q.size()}, task.targets());
-  add(message, "torque", {q.size()}, torque);
+  add_numbers(message, "q", {q.size()}, q);
+  add_numbers(message, "a", {q.size()}, task.targets());
+  add_numbers(message, "torque", {q.size()}, torque);
 }
 
 void add_bodies(const ServedTask& task, Message& message) {
@@ -51,8 +35,8 @@ void add_bodies(const ServedTask& task, Message& message) {
     message.head[is_object ? "rigids" : "links"].push_back(name);
     message.head["bodies"].push_back(name);
   }
-  add(message, "T_link", {links.size() / 12, 3, 4}, links);
-  add(message, "T_rigid", {rigids.size() / 12, 3, 4}, rigids);
+  add_numbers(message, "T_link", {links.size() / 12, 3, 4}, links);
+  add_numbers(message, "T_rigid", {rigids.size() / 12, 3, 4}, rigids);
   const std::vector<bool> stitched = is_stitched(scene);
   for (std::size_t i = 0; i < scene.soft_bodies.size(); ++i) {
     const std::string& name = scene.soft_bodies[i].name;
@@ -65,26 +49,6 @@ void add_bodies(const ServedTask& task, Message& message) {
   }
 }
 
-void add_contacts(const WorldState& state, Message& message) {
-  const std::size_t n = state.contacts.size();
-  Numbers points, normals, frictions, gaps, normal_forces;
-  std::vector<std::int64_t> bodies;
-  for (const ContactForce& contact : state.contacts) {
-    put(points, contact.point);
-    put(normals, contact.normal);
-    put(frictions, contact.friction_force);
-    gaps.push_back(contact.gap);
-    normal_forces.push_back(contact.normal_force);
-    bodies.insert(bodies.end(), {contact.first, contact.second});
-  }
-  add(message, "contact/points", {n, 3}, points);
-  add(message, "contact/normal", {n, 3}, normals);
-  add(message, "contact/friction_force", {n, 3}, frictions);
-  add(message, "contact/gap", {n}, gaps);
-  add(message, "contact/normal_force", {n}, normal_forces);
-  add_array(message, "contact/bodies", {n, 2}, std::span<const std::int64_t>(bodies));
-}
-
 }  // namespace
 
 void add_state_arrays(const ServedTask& task, Message& message) {
@@ -92,7 +56,8 @@ void add_state_arrays(const ServedTask& task, Message& message) {
   add_joints(task, message);
   add_bodies(task, message);
   add_contacts(task.state(), message);
-  if (!task.state().reading.empty()) add(message, "reading", {task.state().reading.size()}, task.state().reading);
+  if (!task.state().reading.empty())
+    add_numbers(message, "reading", {task.state().reading.size()}, task.state().reading);
 }
 
 }  // namespace pvg

@@ -10,7 +10,8 @@ N = WRONG_USE
 SERVE = "serve task.yaml --no-render"
 row("serve nothing", "serve", N, "task")
 row("serve what is not there", "serve none.yaml", N, "none.yaml")
-row("serve a scene", "serve scene.yaml", N, "scene.yaml", needs="scene")
+row("serve a scene as several worlds", "serve scene.yaml --worlds 2", N, "--worlds is for tasks; .*scene.yaml", needs="scene")
+row("serve a scene with fingers", "serve scene.yaml --gripper rigid", N, "--gripper rigid is for tasks", needs="scene")
 row("serve on a socket that is a file", SERVE + " --socket mine", N, "mine", write("mine", "x"), needs="task")
 row("serve on a socket in no folder", SERVE + " --socket nowhere/s", N, "nowhere", needs="task")
 row("serve on a socket where nobody may", SERVE + " --socket /proc/s", N, "/proc", needs="task")
@@ -43,6 +44,16 @@ for name, stream, code, pattern in (
         ("an unknown key", message({"do": "close", "why": 1}) + CLOSE, DONE, "no key"),
         ("bytes", bytes(range(255, -1, -1)) * 4, FAILED, "head|long|large|bytes")):
     row(f"serve reads {name}", "serve", code, pattern, write("in.bin", stream), needs="task", shell=TALK, makes=["out.bin"], seconds=20)
+
+SCENE_TALK = TALK.replace("task.yaml", "scene.yaml")
+for name, head, pattern in (
+        ("no steps", {"do": "step", "n": 0}, "whole number from 1"),
+        ("steps without end", {"do": "step", "n": 1e300}, "whole number from 1"),
+        ("targets without a drive", {"do": "step", "targets": [[1]]}, "joints with a drive, this one has 1"),
+        ("memory on a disk", {"do": "state", "memory": "scene.yaml"}, "no file in memory"),
+        ("an action", {"do": "step", "action": [0]}, "no key `action`")):
+    row(f"serve of a scene reads {name}", "serve", DONE, pattern, write("in.bin", message(head) + CLOSE), needs="scene", shell=SCENE_TALK,
+        makes=["out.bin"], seconds=20)
 
 # ---- evaluate policy
 row("a policy without its package", "evaluate policy task.yaml --policy blind", N, "install_policy.sh|PVG_PYTHON", needs="task",

@@ -1,6 +1,8 @@
 #include "host/physics/step/separate_bodies.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <limits>
 
 #include "host/geometry/exact_intersection.hpp"
@@ -159,6 +161,12 @@ std::vector<Separation> separate_bodies(PhysicalScene& scene) {
   for (std::size_t b = 0; b < moved.size(); ++b)
     if (moved[b].norm() > 0) separations.push_back({body_name(scene, b), moved[b]});
   return separations;
+}
+
+std::string describe(const Separation& moved) {
+  std::array<char, 128> way{};
+  std::snprintf(way.data(), way.size(), "(%.6g, %.6g, %.6g) m", moved.by.x(), moved.by.y(), moved.by.z());
+  return moved.body + " was moved by " + way.data() + ", apart from what it started in";
 }
 
 }  // namespace pvg

@@ -12,6 +12,7 @@
 #include "host/device/device.hpp"
 #include "host/model/checkpoint.hpp"
 #include "host/model/physical_scene.hpp"
+#include "host/model/scene_velocity.hpp"
 #include "host/model/world_state.hpp"
 #include "host/physics/step/phase_clock.hpp"
 
@@ -62,6 +63,8 @@ class Simulation {
 
   std::size_t n_worlds() const;
   const WorldState& state(std::size_t world = 0) const;
+  // At the end of the last step; read from the device at each call.
+  SceneVelocity velocity(std::size_t world = 0) const;
 
   // Counts the time of each phase from now on; this costs some time itself.
   void measure_phases();

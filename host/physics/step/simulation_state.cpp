@@ -186,13 +186,23 @@ void Simulation::Impl::read_contacts(double h) {
 
 namespace {
 
-// Velocity of the centre of mass and spin of an affine body whose nodes (p, a1, a2, a3) move like this [12, m/s].
-Twist twist_of(const RigidBody& body, const AffineMap& map, const double* velocity) {
+Mat3 axes_rate(const double* velocity) {
   Mat3 rate;
   for (int k = 0; k < 3; ++k) rate.col(k) = Eigen::Map<const Vec3>(velocity + 3 * (k + 1));
-  const Mat3 turning = rate * map.leftCols<3>().inverse();
+  return rate;
+}
+
+// Velocity of the origin and spin of an affine body whose nodes (p, a1, a2, a3) move like this [12, m/s].
+BodyVelocity velocity_of(const AffineMap& map, const double* velocity) {
+  const Mat3 turning = axes_rate(velocity) * map.leftCols<3>().inverse();
   const Vec3 spin(turning(2, 1) - turning(1, 2), turning(0, 2) - turning(2, 0), turning(1, 0) - turning(0, 1));
-  return {Eigen::Map<const Vec3>(velocity) + rate * body.center_of_mass, 0.5 * spin};
+  return {Eigen::Map<const Vec3>(velocity), 0.5 * spin};
+}
+
+// the same of its centre of mass
+Twist twist_of(const RigidBody& body, const AffineMap& map, const double* velocity) {
+  const BodyVelocity moves = velocity_of(map, velocity);
+  return {moves.origin + axes_rate(velocity) * body.center_of_mass, moves.spin};
 }
 
 // Adds a rigid change of motion to the velocities of the nodes.
@@ -244,6 +254,26 @@ void Simulation::Impl::restitute() {
     integrator.change_velocity(w, first, now, scene.solver.integrator);
     knows_motion = false;
   }
+}
+
+SceneVelocity Simulation::velocity(std::size_t world) const {
+  const System& system = impl_->system;
+  const PhysicalScene& scene = system.scenes.at(world);
+  const std::vector<double> of_nodes = impl_->integrator.velocity().read();
+  const auto points = [&](std::size_t first, std::size_t n) {
+    std::vector<Vec3> points(n);
+    for (std::size_t i = 0; i < n; ++i) points[i] = Eigen::Map<const Vec3>(&of_nodes[3 * (first + i)]);
+    return points;
+  };
+  SceneVelocity velocity;
+  for (std::size_t b = 0; b < scene.rigid_bodies.size(); ++b)
+    velocity.rigid.push_back(
+        velocity_of(impl_->states[world].rigid[b], &of_nodes[3 * system.rigid_first_node[world][b]]));
+  for (std::size_t b = 0; b < scene.soft_bodies.size(); ++b)
+    velocity.soft.push_back(points(system.soft_first_node[world][b], scene.soft_bodies[b].mesh.points.size()));
+  for (std::size_t b = 0; b < scene.cloths.size(); ++b)
+    velocity.cloth.push_back(points(system.cloth_first_node[world][b], scene.cloths[b].mesh.points.size()));
+  return velocity;
 }
 
 }  // namespace pvg

@@ -1,4 +1,4 @@
-"""PhyVisGen from Python: tasks that are stepped, environments that Gymnasium and lerobot know, records, evaluation.
+"""PhyVisGen from Python: scenes and tasks that are stepped, environments that Gymnasium and lerobot know, records, evaluation.
 
 `import phyvisgen` registers an environment per task of the program, such as `phyvisgen/WeighBeaker-v0`, and
 `phyvisgen/Task-v0` for any task file (`gymnasium.make("phyvisgen/Task-v0", task="my_task.yaml")`).
@@ -7,23 +7,34 @@
 from gymnasium.envs.registration import register, registry
 
 from .environment import EVALUATION_SEED, TaskEnvironment
-from .program import find_program, find_task, tasks
+from .program import find_program, find_scene, find_task, scenes, tasks
+from .scene_facts import Body, Contacts, Forces, Joint, SceneFacts
 from .server import Answer, Column, Facts, ServeError, Server, World
+from .simulation import Simulation, StepFailure
 from .vector import TaskVectorEnvironment
 
 __all__ = [
     "EVALUATION_SEED",
     "Answer",
+    "Body",
     "Column",
+    "Contacts",
     "Facts",
+    "Forces",
+    "Joint",
+    "SceneFacts",
     "ServeError",
     "Server",
+    "Simulation",
+    "StepFailure",
     "TaskEnvironment",
     "TaskVectorEnvironment",
     "World",
     "environment_id",
     "find_program",
+    "find_scene",
     "find_task",
+    "scenes",
     "tasks",
 ]
 

@@ -1,4 +1,4 @@
-"""Where the program and its tasks are."""
+"""Where the program, its tasks and its scenes are."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os
 import shutil
 from pathlib import Path
 
-__all__ = ["find_program", "find_task", "tasks"]
+__all__ = ["find_program", "find_scene", "find_task", "scenes", "tasks"]
 
 
 def find_program() -> Path:
@@ -25,25 +25,39 @@ def find_program() -> Path:
     raise FileNotFoundError("the program phyvisgen was not found; build it and set PHYVISGEN_PROGRAM to its path")
 
 
-def _task_folders(program: Path) -> list[Path]:
-    """Of an installation, and of a source tree whose build folder holds the program."""
-    return [program.parent.parent / "share/phyvisgen/data/tasks", program.parent.parent.parent / "data/tasks"]
+def _known(kind: str, program: Path | None) -> dict[str, Path]:
+    """Of an installation, or of a source tree whose build folder holds the program."""
+    program = program or find_program()
+    for folder in (program.parent.parent / "share/phyvisgen/data", program.parent.parent.parent / "data"):
+        if (folder / kind).is_dir():
+            return {file.stem: file for file in sorted((folder / kind).glob("*.yaml"))}
+    return {}
 
 
 def tasks(program: Path | None = None) -> dict[str, Path]:
     """The program's own tasks by name."""
-    for folder in _task_folders(program or find_program()):
-        if folder.is_dir():
-            return {file.stem: file for file in sorted(folder.glob("*.yaml"))}
-    return {}
+    return _known("tasks", program)
+
+
+def scenes(program: Path | None = None) -> dict[str, Path]:
+    """The program's own scenes by name."""
+    return _known("scenes", program)
+
+
+def _find(kind: str, named: str | os.PathLike[str], known: dict[str, Path]) -> Path:
+    path = Path(named)
+    if path.is_file():
+        return path.resolve()
+    if str(named) in known:
+        return known[str(named)]
+    raise FileNotFoundError(f"{named} is neither a {kind} file nor one of {', '.join(known) or f'no {kind}s'}")
 
 
 def find_task(task: str | os.PathLike[str], program: Path | None = None) -> Path:
     """A task file: the path itself, or the name of one of the program's own, such as `weigh_beaker`."""
-    path = Path(task)
-    if path.is_file():
-        return path.resolve()
-    known = tasks(program)
-    if str(task) in known:
-        return known[str(task)]
-    raise FileNotFoundError(f"{task} is neither a task file nor one of {', '.join(known) or 'no tasks'}")
+    return _find("task", task, tasks(program))
+
+
+def find_scene(scene: str | os.PathLike[str], program: Path | None = None) -> Path:
+    """A scene file: the path itself, or the name of one of the program's own, such as `two_arms`."""
+    return _find("scene", scene, scenes(program))

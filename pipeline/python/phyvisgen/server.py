@@ -1,36 +1,21 @@
-"""One task, stepped by `phyvisgen serve` (docs/reference/serve.md).
-
-The program runs as a process of its own and speaks over a pipe: a crash of one cannot take the other along, no
-compiler is needed to install the package, and any version of Python will do. A step's answer takes 0.1 ms; a step of
-simulation takes 10 to 300 ms.
-"""
+"""One task, stepped by `phyvisgen serve` (docs/reference/serve.md): a step's answer takes 0.1 ms, a step of
+simulation 10 to 300 ms."""
 
 from __future__ import annotations
 
-import json
-import mmap
 import os
-import socket as sockets
-import struct
-import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Any, BinaryIO, Mapping, Sequence
+from typing import Any, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .connection import Connection, ServeError, SharedMemory, check_protocol, read_array
 from .program import find_program, find_task
 
 __all__ = ["Answer", "Column", "Facts", "ServeError", "Server", "World"]
-
-PROTOCOL = 1
-_LENGTHS = struct.Struct("<II")
-
-
-class ServeError(RuntimeError):
-    """What the server says about a request, one sentence, or why there is no server any more."""
 
 
 @dataclass(frozen=True)
@@ -101,8 +86,9 @@ class Facts:
 
 
 def _facts(head: Mapping[str, Any]) -> Facts:
-    if head.get("protocol") != PROTOCOL:
-        raise ServeError(f"the program speaks protocol {head.get('protocol')}, this package {PROTOCOL}; update the older")
+    check_protocol(head)
+    if "scene" in head:
+        raise ServeError(f"{head['scene']} is a scene; step it with phyvisgen.Simulation")
     columns = tuple(
         Column(
             column["name"],
@@ -130,31 +116,6 @@ def _facts(head: Mapping[str, Any]) -> Facts:
     )
 
 
-class _PictureMemory:
-    """Memory into which a program on this machine writes its pictures. It is gone with this
-    process, however that ends."""
-
-    def __init__(self, n_bytes: int) -> None:
-        self._file = os.memfd_create("phyvisgen pictures")
-        os.ftruncate(self._file, n_bytes)
-        self._bytes = mmap.mmap(self._file, n_bytes)
-        self.path = f"/proc/{os.getpid()}/fd/{self._file}"
-
-    def copy(self, n: int, offset: int) -> bytes:
-        return self._bytes[offset : offset + n]
-
-    def close(self) -> None:
-        self._bytes.close()
-        os.close(self._file)
-
-
-def _read(stream: BinaryIO, n: int) -> bytes:
-    data = stream.read(n)
-    if len(data) < n:
-        raise EOFError
-    return data
-
-
 def action_numbers(action: ArrayLike) -> list[float]:
     """An action as it stands in a request. [n_columns, rad or m]"""
     return _rows(action, 1)
@@ -164,7 +125,8 @@ def _rows(numbers: ArrayLike, n_dimensions: int) -> list[Any]:
     array = np.asarray(numbers, dtype=np.float64)
     if array.ndim != n_dimensions:
         raise ValueError(f"an array of {n_dimensions} dimensions is needed, this one has {array.ndim}")
-    return array.tolist()
+    rows: list[Any] = array.tolist()
+    return rows
 
 
 class World:
@@ -247,15 +209,9 @@ class Server(World):
         perturb: Mapping[str, float] | None = None,
         worlds: int = 1,
     ) -> None:
-        self._process: subprocess.Popen[bytes] | None = None
-        self._socket: sockets.socket | None = None
-        self._memory: list[_PictureMemory] = []  # of each world
-        if socket is not None:
-            self._socket = sockets.socket(sockets.AF_UNIX, sockets.SOCK_STREAM)
-            self._socket.connect(os.fspath(socket))
-            self._input: BinaryIO = self._socket.makefile("wb")
-            self._output: BinaryIO = self._socket.makefile("rb")
-        else:
+        self._memory: list[SharedMemory] = []  # of each world, for pictures
+        words: list[str] = []
+        if socket is None:
             program = program or find_program()
             words = [str(program), "serve", str(find_task(task, program))]
             options = {"width": width, "height": height, "samples": samples, "fps": fps, "gripper": gripper}
@@ -268,44 +224,27 @@ class Server(World):
                 words += ["--worlds", str(worlds)]
             if not render:
                 words.append("--no-render")
-            self._process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-            assert self._process.stdin and self._process.stdout
-            self._input, self._output = self._process.stdin, self._process.stdout
-        self.facts = _facts(self._receive()[0])
-        n_bytes = sum(3 * width * height for width, height in self.facts.cameras.values())
-        if self._process and render and n_bytes > 0:
-            self._memory = [_PictureMemory(n_bytes) for _ in range(self.facts.worlds)]
-
-    def _receive(self) -> tuple[dict[str, Any], bytes]:
+        self._connection = Connection(words, socket)
         try:
-            n_head, n_bytes = _LENGTHS.unpack(_read(self._output, _LENGTHS.size))
-            head = json.loads(_read(self._output, n_head))
-            data = _read(self._output, n_bytes)
-        except (EOFError, ConnectionError) as error:
-            code = self._process.wait() if self._process else None
-            raise ServeError(f"the server ended (exit code {code}); its last words are on stderr") from error
-        return head, data
+            self.facts = _facts(self._connection.receive()[0])
+        except ServeError:
+            self._connection.close()
+            raise
+        n_bytes = sum(3 * width * height for width, height in self.facts.cameras.values())
+        if self._connection.is_process and render and n_bytes > 0:
+            self._memory = [SharedMemory(n_bytes) for _ in range(self.facts.worlds)]
 
     def _answer(self, head: dict[str, Any], data: bytes, world: int) -> Answer:
         if "error" in head:
             raise ServeError(head["error"])
         arrays = {}
         for array in head.get("arrays", []):
-            count = int(np.prod(array["shape"], dtype=np.int64))
-            if "memory_offset" in array:
-                flat = np.frombuffer(self._memory[world].copy(count, array["memory_offset"]), dtype=array["type"])
-            else:
-                flat = np.frombuffer(data, dtype=array["type"], count=count, offset=array["offset"])
-            arrays[array["name"]] = flat.reshape(array["shape"])
+            read = read_array(array, data, self._memory[world] if self._memory else None)
+            if "memory_offset" in array:  # the next request overwrites the memory
+                read = read.copy()
+                read.flags.writeable = False
+            arrays[array["name"]] = read
         return Answer(head, arrays)
-
-    def _send(self, request: Mapping[str, Any]) -> None:
-        head = json.dumps(request).encode()
-        try:
-            self._input.write(_LENGTHS.pack(len(head), 0) + head)
-            self._input.flush()
-        except (BrokenPipeError, ConnectionError):
-            pass  # why is seen at once, when there is no answer
 
     def _with_memory(self, request: Mapping[str, Any]) -> dict[str, Any]:
         if self._memory and request.get("pictures"):
@@ -313,8 +252,8 @@ class Server(World):
         return dict(request)
 
     def request(self, do: str, **keys: Any) -> Answer:
-        self._send(self._with_memory({"do": do, **keys}))
-        return self._answer(*self._receive(), keys.get("world", 0))
+        answer = self._connection.request(self._with_memory({"do": do, **keys}))
+        return self._answer(*answer, keys.get("world", 0))
 
     def world(self, number: int) -> World:
         """One of the worlds, 0 to facts.worlds - 1, to reset and step by itself."""
@@ -325,8 +264,8 @@ class Server(World):
     def together(self, requests: Sequence[Mapping[str, Any]]) -> list[Answer]:
         """Requests of the protocol, each of another world ({"world": 1, "do": "step", "action": [...]}), whose steps are
         simulated in one solve. What the server refuses is a ServeError; the requests of other worlds are done."""
-        self._send({"do": "together", "requests": [self._with_memory(request) for request in requests]})
-        head, data = self._receive()
+        together = {"do": "together", "requests": [self._with_memory(request) for request in requests]}
+        head, data = self._connection.request(together)
         if "error" in head:
             raise ServeError(head["error"])
         return [
@@ -335,18 +274,10 @@ class Server(World):
         ]
 
     def close(self) -> None:
-        for stream in (self._input, self._output):
-            try:
-                stream.close()
-            except (BrokenPipeError, ConnectionError):
-                pass
-        if self._process:
-            self._process.wait()
+        self._connection.close()
         for memory in self._memory:
             memory.close()
         self._memory = []
-        if self._socket:
-            self._socket.close()
 
     def __enter__(self) -> Server:
         return self

@@ -18,7 +18,7 @@ CASE = ROOT / "data/hidden/pendulum_joint_coulomb_friction_10x"
 class Guide(unittest.TestCase):
     def test_every_example_runs(self):
         examples = re.findall(r"^```py\n(.*?)^```", PAGE.read_text(), re.M | re.S)
-        self.assertEqual(len(examples), 5)
+        self.assertEqual(len(examples), 6)
         before = os.getcwd()
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)
