@@ -58,6 +58,8 @@ def words():
     parser.add_argument("--colour", type=float, default=0.15, help="largest change of a channel's gain (0.15)")
     parser.add_argument("--pixel-noise", type=float, default=0.06, help="largest standard deviation, of 1 (0.06)")
     parser.add_argument("--joint-noise", type=float, default=0.01, help="standard deviation [rad], of widths a tenth [m] (0.01)")
+    parser.add_argument("--last-joint-noise", type=float, help="to which it falls in the first half of the steps (it stays)")
+    parser.add_argument("--start-share", type=float, default=0.0, help="of each batch that are first rows, 0 to 1 (0: as any row)")
     parser.add_argument("--left-out", type=int, default=5, help="last demonstrations, on which the error is told (5)")
     parser.add_argument("--seed", type=int, default=1)
     return parser.parse_args()
@@ -110,9 +112,11 @@ def seen_anew(pictures, w):
     return (moved * (1 + w.colour * drawn(n, 3, 1, 1)) + noise).clamp(0, 1)
 
 
-def noise_of_joints(names, w):
+def noise_of_joints(names, step, w):
     """Standard deviation of each column's noise. [n_columns, rad or m]"""
-    return torch.tensor([w.joint_noise / (10 if "gripper_width" in name else 1) for name in names])
+    last = w.joint_noise if w.last_joint_noise is None else w.last_joint_noise
+    now = last + (w.joint_noise - last) * max(0, 1 - 2 * step / w.steps)
+    return torch.tensor([now / (10 if "gripper_width" in name else 1) for name in names])
 
 
 class Batches:
@@ -125,7 +129,15 @@ class Batches:
         self.is_pad = torch.from_numpy(ahead > last[:, None])
         self.actions = rows.numbers[ACTION][np.minimum(ahead, last[:, None])]
         self.chosen = np.flatnonzero(np.isin(rows.episode, demonstrations))
+        is_first = np.append(True, np.diff(rows.episode[self.chosen]) != 0)
+        self.starts = np.flatnonzero(is_first)  # of the chosen, the first row of each demonstration
         self.pictures = {key: pictures.to(w.device) for key, pictures in rows.pictures.items()}
+
+    def drawn(self, generator, w):
+        """Rows of a batch: some of them starts, the others any."""
+        n_starts = round(w.start_share * w.batch)
+        starts = self.starts[generator.integers(len(self.starts), size=n_starts)]
+        return np.append(starts, generator.integers(len(self.chosen), size=w.batch - n_starts))
 
     def take(self, which):
         """which: of the rows of these demonstrations"""
@@ -136,11 +148,11 @@ class Batches:
         }
 
 
-def left_out_error(policy, prepare, batches):
-    """Mean error of the actions for the demonstrations that training does not see, in standard deviations."""
+def left_out_error(policy, prepare, batches, which):
+    """Mean error of the actions for rows of the demonstrations that training does not see, in standard deviations."""
     policy.eval()
     with torch.no_grad():
-        parts = np.array_split(np.arange(len(batches.chosen)), math.ceil(len(batches.chosen) / 256))
+        parts = np.array_split(which, math.ceil(len(which) / 256))
         losses = [float(policy(prepare(batches.take(part)))[0]) for part in parts]
     return float(np.average(losses, weights=[len(part) for part in parts]))
 
@@ -201,7 +213,6 @@ def train(rows, policy, prepare, w):
         raise SystemExit(f"train_pictures: --left-out {w.left_out} of {len(episodes)} demonstrations leaves none to train on")
     n_seen = len(episodes) - w.left_out
     seen, unseen = Batches(rows, episodes[:n_seen], w), Batches(rows, episodes[n_seen:], w)
-    joint_noise = noise_of_joints(rows.names, w)
     norms = [module for module in policy.modules() if isinstance(module, nn.BatchNorm2d)]
     optimizer = torch.optim.AdamW(policy.parameters(), weight_decay=1e-4)
     generator = np.random.default_rng(w.seed)
@@ -215,8 +226,8 @@ def train(rows, policy, prepare, w):
                 norm.eval()
         for group in optimizer.param_groups:
             group["lr"] = rate_at(step, w.steps, w.learning_rate, WARM_UP)
-        batch = seen.take(generator.integers(len(seen.chosen), size=w.batch))
-        batch[STATE] = batch[STATE] + joint_noise * torch.randn_like(batch[STATE])
+        batch = seen.take(seen.drawn(generator, w))
+        batch[STATE] = batch[STATE] + noise_of_joints(rows.names, step, w) * torch.randn_like(batch[STATE])
         for camera in rows.pictures:
             batch[camera] = seen_anew(batch[camera], w)
         loss, _ = policy(prepare(batch))
@@ -226,7 +237,11 @@ def train(rows, policy, prepare, w):
         optimizer.step()
         losses.append(float(loss.detach()))
         if step % 200 == 0 or step == w.steps:
-            told = f"; of demonstrations left out {left_out_error(policy, prepare, unseen):.4f}" if w.left_out else ""
+            told = ""
+            if w.left_out:
+                everywhere, at_starts = np.arange(len(unseen.chosen)), unseen.starts
+                told = (f"; of demonstrations left out {left_out_error(policy, prepare, unseen, everywhere):.4f}, "
+                        f"at their starts {left_out_error(policy, prepare, unseen, at_starts):.4f}")
             print(f"step {step}: mean error of normalised actions {np.mean(losses[-200:]):.4f}{told}", flush=True)
 
 
