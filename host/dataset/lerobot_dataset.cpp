@@ -10,6 +10,7 @@
 #include "host/base/error.hpp"
 #include "host/dataset/feature_stats.hpp"
 #include "host/formats/video.hpp"
+#include "host/formats/video_reader.hpp"
 
 namespace pvg {
 namespace {
@@ -204,17 +205,15 @@ class LeRobotWriter : public DataSetWriter {
     } else {
       join_videos(std::array{camera.start, camera.video}, to);
     }
-    PackedCamera packed = camera;  // as readers will find it
-    packed.start.clear();
-    packed.video = to;
     const std::size_t every = std::max<std::size_t>(1, n_frames / MOST_SAMPLED);
     PixelCounts counts;
     std::size_t n = 0, sampled = 0;
-    read_pictures(packed, n_frames, 0, [&](auto rgb) {
-      if (n++ % every) return;
-      counts.add(rgb);
-      ++sampled;
-    });
+    // of the packed file, which is what readers will find
+    demand_frames(camera, n_frames, read_video(to, camera.width, camera.height, 0, [&](auto rgb) {
+                    if (n++ % every) return;
+                    counts.add(rgb);
+                    ++sampled;
+                  }));
     pixels_[key].add(counts);
     n_sampled_[key] += sampled;
     return to_json(counts.stats(), sampled, true, {});

@@ -258,6 +258,10 @@ void read_pictures(const PackedCamera& camera, std::size_t n_frames, int side,
   std::size_t n_pictures = 0;
   for (const fs::path& video : {camera.start, camera.video})
     if (!video.empty()) n_pictures += read_video(video, camera.width, camera.height, side, take);
+  demand_frames(camera, n_frames, n_pictures);
+}
+
+void demand_frames(const PackedCamera& camera, std::size_t n_frames, std::size_t n_pictures) {
   if (n_pictures != n_frames)
     throw Failure(camera.video.string() + " holds " + std::to_string(n_pictures) + " pictures, its episode " +
                   std::to_string(n_frames) + "; make the episode again");

@@ -79,6 +79,9 @@ bool has_packed_start_of_states(const std::filesystem::path& folder);
 // Where `generate` leaves the picture of the start, below an episode's folder.
 std::filesystem::path start_video(const std::filesystem::path& folder, const std::string& camera);
 
+// A Failure where the videos of a camera hold another number of pictures than its episode has rows.
+void demand_frames(const PackedCamera& camera, std::size_t n_frames, std::size_t n_pictures);
+
 // Calls `take` with the picture of every row, as read_video does. A Failure where there are not n_frames.
 void read_pictures(const PackedCamera& camera, std::size_t n_frames, int side,
                    const std::function<void(std::span<const std::uint8_t> rgb)>& take);

@@ -92,7 +92,7 @@ void join_videos(std::span<const std::filesystem::path> videos, const std::files
                       "-f",
                       "mp4",
                       "file:" + to.string()},
-                     ProgramPipe::Direction::to_program, to.string() + ": ffmpeg");
+                     ProgramPipe::Direction::to_program, videos.back().string() + ": ffmpeg");
   ffmpeg.write(list.data(), list.size());
   ffmpeg.finish();
 }

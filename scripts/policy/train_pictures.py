@@ -11,6 +11,11 @@ SET is a set packed for lerobot, FOLDER/pretrained_model becomes a checkpoint as
 Few demonstrations are learned by heart, with the noise of their pixels and the traces of their video. So no picture is
 seen twice as it is: each batch is shifted, recoloured and made noisy anew, and joints get noise, too.
 
+Joints tell where a motion goes once it has begun, and then nothing teaches to look. At the start, which the first row of
+a packed set shows, they tell nothing: a share of each batch is first rows (--start-share). Much noise on joints in the
+first half of the steps makes all rows teach to look; little noise in the second half teaches to go on from where the
+joints are (--joint-noise, --last-joint-noise).
+
 Actions teach `keypoints` late where to look. --look STEPS teaches this first, from a set packed with --environment-state: a
 linear layer, which is dropped then, tells from the keypoints where objects and cloths are. The policy itself gets joints
 and pictures only.
@@ -34,6 +39,11 @@ from torch import nn
 from torchvision.ops.misc import FrozenBatchNorm2d
 
 NETWORKS = {"keypoints": (KeypointACTConfig, KeypointACTPolicy), "resnet18": (ACTConfig, ACTPolicy)}
+# noise of joints [rad] first and last, and the share of first rows; what each network was measured with
+RECIPES = {
+    "keypoints": {"joint_noise": 0.1, "last_joint_noise": 0.01, "start_share": 0.25},
+    "resnet18": {"joint_noise": 0.01, "last_joint_noise": 0.01, "start_share": 0.0},
+}
 WARM_UP = 200  # steps in which the learning rate rises; it falls as a cosine until the end
 SETTLED = 0.8  # share of steps after which batch normalisation keeps its statistics, which the policy will have
 STATE, ACTION, ENVIRONMENT = "observation.state", "action", "observation.environment_state"
@@ -57,12 +67,16 @@ def words():
     parser.add_argument("--shift", type=float, default=3.0, help="of pictures, at most [pixels] (3)")
     parser.add_argument("--colour", type=float, default=0.15, help="largest change of a channel's gain (0.15)")
     parser.add_argument("--pixel-noise", type=float, default=0.06, help="largest standard deviation, of 1 (0.06)")
-    parser.add_argument("--joint-noise", type=float, default=0.01, help="standard deviation [rad], of widths a tenth [m] (0.01)")
-    parser.add_argument("--last-joint-noise", type=float, help="to which it falls in the first half of the steps (it stays)")
-    parser.add_argument("--start-share", type=float, default=0.0, help="of each batch that are first rows, 0 to 1 (0: as any row)")
+    parser.add_argument("--joint-noise", type=float, help="standard deviation at first [rad], of widths a tenth [m] (0.1; resnet18: 0.01)")
+    parser.add_argument("--last-joint-noise", type=float, help="to which it falls in the first half of the steps (0.01)")
+    parser.add_argument("--start-share", type=float, help="of each batch that are first rows, 0 to 1 (0.25; resnet18: 0, as any row)")
     parser.add_argument("--left-out", type=int, default=5, help="last demonstrations, on which the error is told (5)")
     parser.add_argument("--seed", type=int, default=1)
-    return parser.parse_args()
+    parser.set_defaults(**RECIPES[parser.parse_known_args()[0].network])
+    w = parser.parse_args()
+    if not 0 <= w.start_share <= 1:
+        raise SystemExit(f"train_pictures: --start-share {w.start_share:g} is no share from 0 to 1")
+    return w
 
 
 def untrained(features, w):
@@ -114,8 +128,7 @@ def seen_anew(pictures, w):
 
 def noise_of_joints(names, step, w):
     """Standard deviation of each column's noise. [n_columns, rad or m]"""
-    last = w.joint_noise if w.last_joint_noise is None else w.last_joint_noise
-    now = last + (w.joint_noise - last) * max(0, 1 - 2 * step / w.steps)
+    now = w.last_joint_noise + (w.joint_noise - w.last_joint_noise) * max(0, 1 - 2 * step / w.steps)
     return torch.tensor([now / (10 if "gripper_width" in name else 1) for name in names])
 
 

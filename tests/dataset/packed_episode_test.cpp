@@ -102,7 +102,7 @@ TEST(PackedEpisode, TheFirstRowIsTheStartAndItsActionThatOfTheFirstPeriod) {
   EXPECT_EQ(episode.action, (Rows{{20, 0.08}, {40, 0.16}, {60, 0.24}, {60, 0.24}}));
   EXPECT_EQ(episode.velocity[0], (std::vector<double>{0, 0}));
   EXPECT_NEAR(episode.velocity[1][0], 10, 1e-12);
-  EXPECT_EQ(episode.tools[0].pose[0](0, 3), 0);
+  EXPECT_NEAR(episode.tools[0].pose[0](0, 3), 0, 1e-12);
   EXPECT_EQ(episode.tools[0].width_action, (std::vector<double>{0.08, 0.16, 0.24, 0.24}));
   EXPECT_EQ(episode.objects[0].pose.size(), 4u);
   EXPECT_EQ(episode.objects[0].pose[0](1, 3), 0);
