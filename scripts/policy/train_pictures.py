@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Trains a policy of lerobot on joints and pictures, the picture network included, with or without a GPU.
 
-    scripts/policy/train_pictures.py --data SET --output FOLDER [--network keypoints] [--steps 3000] ...
+    scripts/policy/train_pictures.py --data SET --output FOLDER [--network keypoints] [--steps 5000] ...
 
 SET is a set packed for lerobot, FOLDER/pretrained_model becomes a checkpoint as lerobot-train writes it. Networks:
 
@@ -12,9 +12,9 @@ Few demonstrations are learned by heart, with the noise of their pixels and the 
 seen twice as it is: each batch is shifted, recoloured and made noisy anew, and joints get noise, too.
 
 Joints tell where a motion goes once it has begun, and then nothing teaches to look. At the start, which the first row of
-a packed set shows, they tell nothing: a share of each batch is first rows (--start-share). Much noise on joints in the
-first half of the steps makes all rows teach to look; little noise in the second half teaches to go on from where the
-joints are (--joint-noise, --last-joint-noise).
+a packed set shows, they tell nothing: a share of each batch is first rows (--start-share). Much noise on joints at first
+makes all rows teach to look; little noise at the end teaches to go on from where the joints are (--joint-noise,
+--last-joint-noise).
 
 Actions teach `keypoints` late where to look. --look STEPS teaches this first, from a set packed with --environment-state: a
 linear layer, which is dropped then, tells from the keypoints where objects and cloths are. The policy itself gets joints
@@ -57,7 +57,7 @@ def words():
     parser.add_argument("--network", choices=NETWORKS, default="keypoints")
     parser.add_argument("--weights", help="of resnet18, such as ResNet18_Weights.IMAGENET1K_V1; else drawn at random")
     parser.add_argument("--device", default="cpu", help="cpu or cuda (cpu)")
-    parser.add_argument("--steps", type=int, default=3000)
+    parser.add_argument("--steps", type=int, default=5000)
     parser.add_argument("--look", type=int, default=0, help="keypoints: steps before, which teach where objects are (0)")
     parser.add_argument("--batch", type=int, default=32)
     parser.add_argument("--chunk", type=int, default=20, help="actions that are predicted (20)")
@@ -68,7 +68,7 @@ def words():
     parser.add_argument("--colour", type=float, default=0.15, help="largest change of a channel's gain (0.15)")
     parser.add_argument("--pixel-noise", type=float, default=0.06, help="largest standard deviation, of 1 (0.06)")
     parser.add_argument("--joint-noise", type=float, help="standard deviation at first [rad], of widths a tenth [m] (0.1; resnet18: 0.01)")
-    parser.add_argument("--last-joint-noise", type=float, help="to which it falls in the first half of the steps (0.01)")
+    parser.add_argument("--last-joint-noise", type=float, help="to which it falls as a cosine until the end (0.01)")
     parser.add_argument("--start-share", type=float, help="of each batch that are first rows, 0 to 1 (0.25; resnet18: 0, as any row)")
     parser.add_argument("--left-out", type=int, default=5, help="last demonstrations, on which the error is told (5)")
     parser.add_argument("--seed", type=int, default=1)
@@ -128,7 +128,7 @@ def seen_anew(pictures, w):
 
 def noise_of_joints(names, step, w):
     """Standard deviation of each column's noise. [n_columns, rad or m]"""
-    now = w.last_joint_noise + (w.joint_noise - w.last_joint_noise) * max(0, 1 - 2 * step / w.steps)
+    now = w.last_joint_noise + (w.joint_noise - w.last_joint_noise) * (1 + math.cos(math.pi * step / w.steps)) / 2
     return torch.tensor([now / (10 if "gripper_width" in name else 1) for name in names])
 
 
