@@ -32,7 +32,10 @@ class Source:
             links = [name.decode() for name in file["T_link"].attrs["names"]]
             bases = [i for i, name in enumerate(links) if name.split("/")[-1] == "gripper_base"]
             robots = [links[i][: -len("gripper_base")] for i in bases]  # "" or "left/", "right/"
-            following = np.append(steps[1:], steps[-1])
+            following = np.append(steps, steps[-1])  # of the start, then of each frame
+
+            def rows(name):  # the start, then each frame
+                return np.concatenate([file["start"][name][:][None], file[name][:][steps]])
 
             def numbers(rows):  # of each robot its arm's joints and its gripper's width
                 columns = []
@@ -42,21 +45,22 @@ class Source:
                     columns += [rows[:, [i for i in own if i not in slides]], rows[:, slides].sum(1, keepdims=True)]
                 return np.concatenate(columns, 1)
 
-            self.state = numbers(file["q"][:][steps])
+            self.state = numbers(rows("q"))
             self.action = numbers(file["a"][:][following])
             per_robot = self.state.shape[1] // len(robots)
             self.width = [self.state[:, (i + 1) * per_robot - 1] for i in range(len(robots))]
-            base = [file["T_link"][:][steps][:, i] for i in bases]
+            base = [rows("T_link")[:, i] for i in bases]
             centers = re.findall(r"tool_center:\s+position: \[(.*?)\]", file.attrs["configuration"].decode())  # of each robot
             centers = [[float(x) for x in center.split(",")] for center in centers]
             assert len(centers) == len(base)
             self.tool = [b[:, :, :3] @ center + b[:, :, 3] for b, center in zip(base, centers)]
             self.tool_turn = [b[:, :, :3] for b in base]
-            self.rigid = {name.decode(): file["T_rigid"][:][steps][:, i]
+            self.rigid = {name.decode(): rows("T_rigid")[:, i]
                           for i, name in enumerate(file["T_rigid"].attrs["names"])}
-            self.pose = {name: file["camera"][name]["T_world_camera"][:] for name in file["camera"]}
+            self.pose = {name: np.concatenate([file["start/camera"][name]["T_world_camera"][:][None],
+                                               file["camera"][name]["T_world_camera"][:]]) for name in file["camera"]}
         self.summary = json.loads((folder / "summary.json").read_text())
-        self.n = len(steps)
+        self.n = len(steps) + 1
 
 
 def check_lerobot(sources, root, version):

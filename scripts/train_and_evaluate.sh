@@ -13,11 +13,11 @@
 #   NETWORK         pictures: keypoints (the default, minutes on two cores) or resnet18, see scripts/policy/train_pictures.py
 #   WEIGHTS         resnet18: at the start, such as ResNet18_Weights.IMAGENET1K_V1, which is downloaded (else random)
 #   DEVICE          of training, cpu or cuda (cpu)
-#   STEPS, BATCH    of training (2000 of 32; pictures: 3000 of 32)
+#   STEPS, BATCH    of training (2000 of 32; pictures: 5000 of 32)
 #   CHUNK, EXECUTED actions that are predicted, and done before the policy is asked again (10, 5; pictures: 20, 10);
 #                   EXECUTED="5 1" judges each policy twice
 #   LEARNING_RATE, DROPOUT (1e-4, 0.1; pictures: 5e-4, 0)
-#   TRAINING        pictures: more words for scripts/policy/train_pictures.py, such as "--look 500 --joint-noise 0.1"
+#   TRAINING        pictures: more words for scripts/policy/train_pictures.py, such as "--look 500 --shift 1"
 #   VAE, SAVE       states: true or false (true), steps from one checkpoint to the next (STEPS)
 #   TRAINING_PROGRAMS folder of python, lerobot-train and lerobot-eval (.venv-train/bin)
 #   GENERATE        more words for `generate` that change no episode, such as "--worlds 4"
@@ -131,7 +131,7 @@ train() {
     # shellcheck disable=SC2086
     "$python/python" scripts/policy/train_pictures.py --data "$folder/data" --output "$out/checkpoints/last" \
       --network "$network" --device "${DEVICE:-cpu}" ${WEIGHTS:+--weights "$WEIGHTS"} \
-      --steps "${STEPS:-3000}" --batch "$batch" --chunk "$chunk" --executed "$executed" \
+      --steps "${STEPS:-5000}" --batch "$batch" --chunk "$chunk" --executed "$executed" \
       --learning-rate "${LEARNING_RATE:-5e-4}" --dropout "${DROPOUT:-0}" --seed "$seed" ${TRAINING:-}
   else
     # ACT's default leaves environment_state as it is: here it is normalised

@@ -1,7 +1,6 @@
 #include "host/dataset/act_files.hpp"
 
 #include "host/formats/hdf5.hpp"
-#include "host/formats/video_reader.hpp"
 
 namespace pvg {
 namespace {
@@ -45,10 +44,10 @@ class ActWriter : public DataSetWriter {
     Series<std::uint8_t> pictures(file, "/observations/images/" + camera.name,
                                   {std::uint64_t(camera.height), std::uint64_t(camera.width), 3});
     std::vector<std::uint8_t> last;
-    demand_frames(camera, n_frames, read_video(camera.video, camera.width, camera.height, 0, [&](auto rgb) {
-                    pictures.append(rgb);
-                    last.assign(rgb.begin(), rgb.end());
-                  }));
+    read_pictures(camera, n_frames, 0, [&](auto rgb) {
+      pictures.append(rgb);
+      last.assign(rgb.begin(), rgb.end());
+    });
     for (std::size_t i = n_frames; i < n_rows_; ++i) pictures.append(last);
   }
 

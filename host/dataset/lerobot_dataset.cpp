@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
 #include "host/dataset/feature_stats.hpp"
+#include "host/formats/video.hpp"
 #include "host/formats/video_reader.hpp"
 
 namespace pvg {
@@ -196,13 +198,18 @@ class LeRobotWriter : public DataSetWriter {
   Json add_video(const PackedCamera& camera, std::size_t n_frames) {
     const std::string key = video_key(camera);
     const fs::path to = made(video_path(n_episodes_, key));
-    std::error_code error;
-    fs::create_hard_link(camera.video, to, error);  // the same file by another name where the disk is the same
-    if (error) fs::copy_file(camera.video, to);
+    if (camera.start.empty()) {
+      std::error_code error;
+      fs::create_hard_link(camera.video, to, error);  // the same file by another name where the disk is the same
+      if (error) fs::copy_file(camera.video, to);
+    } else {
+      join_videos(std::array{camera.start, camera.video}, to);
+    }
     const std::size_t every = std::max<std::size_t>(1, n_frames / MOST_SAMPLED);
     PixelCounts counts;
     std::size_t n = 0, sampled = 0;
-    demand_frames(camera, n_frames, read_video(camera.video, camera.width, camera.height, 0, [&](auto rgb) {
+    // of the packed file, which is what readers will find
+    demand_frames(camera, n_frames, read_video(to, camera.width, camera.height, 0, [&](auto rgb) {
                     if (n++ % every) return;
                     counts.add(rgb);
                     ++sampled;

@@ -8,6 +8,7 @@
 #include "host/dataset/json_file.hpp"
 #include "host/dataset/packed_columns.hpp"
 #include "host/dataset/states_record.hpp"
+#include "host/formats/video_reader.hpp"
 #include "host/load/task_file.hpp"
 
 namespace pvg {
@@ -39,6 +40,7 @@ std::vector<double> sums(const StatesRecord::Series& series, std::size_t step,
 // Of a cloth: its keypoints, and its points at every step.
 struct RecordedCloth {
   ClothKeypoints keypoints;
+  std::string data_set;
   std::size_t n_points = 0;
   std::vector<Vec3> points;  // [T x n_points]
   std::span<const Vec3> at(std::size_t step) const { return std::span(points).subspan(step * n_points, n_points); }
@@ -66,7 +68,8 @@ std::vector<RecordedCloth> read_cloths(const Task& task, const StatesRecord& rec
     if (std::none_of(task.cloths.begin(), task.cloths.end(), is_body)) continue;
     const std::vector<Vec3> rest = points_of(record.mesh(body).rest);
     if (rest.empty()) throw UsageError(record.path().string() + " is damaged: `" + body.name + "` has no points");
-    cloths.push_back({cloth_keypoints(body.name, rest), rest.size(), points_of(record.rows(body.data_set))});
+    cloths.push_back(
+        {cloth_keypoints(body.name, rest), body.data_set, rest.size(), points_of(record.rows(body.data_set))});
   }
   return cloths;
 }
@@ -87,7 +90,8 @@ Rows rows_of(const std::vector<double>& values, std::size_t n) {
 }
 
 std::vector<PackedCamera> read_cameras(const fs::path& folder, const StatesRecord& record, std::size_t n_frames,
-                                       const SummaryPictures& pictures, const std::vector<std::string>& asked) {
+                                       const SummaryPictures& pictures, const std::vector<std::string>& asked,
+                                       bool has_start) {
   std::vector<PackedCamera> cameras;
   const auto is_asked = [&](const std::string& name) {
     return asked.empty() || std::find(asked.begin(), asked.end(), name) != asked.end();
@@ -102,6 +106,11 @@ std::vector<PackedCamera> read_cameras(const fs::path& folder, const StatesRecor
     const StatesRecord::CameraRows rows = record.camera(shown.name, n_frames);
     camera.K = rows_of(rows.K, n_frames);
     camera.T_world_camera = rows_of(rows.T_world_camera, n_frames);
+    if (has_start) {
+      camera.start = start_video(folder, shown.name);
+      camera.K.insert(camera.K.begin(), camera.K.front());
+      camera.T_world_camera.insert(camera.T_world_camera.begin(), record.start_camera(shown.name));
+    }
     camera.moves = std::any_of(camera.T_world_camera.begin(), camera.T_world_camera.end(),
                                [&](const auto& pose) { return pose != camera.T_world_camera.front(); });
   }
@@ -123,8 +132,17 @@ std::vector<std::size_t> last_steps(std::size_t n_steps, double frames_per_secon
   return steps;
 }
 
-// Everything but the cameras; filmed: the step of each row.
-PackedEpisode read_rows(const StatesRecord& record, const std::vector<std::size_t>& filmed, double frames_per_second) {
+// Where everything is at one instant: row `at` of each of these, and the points of each cloth.
+struct Instant {
+  const StatesRecord::Series& q;
+  const std::vector<double>&T_link, &T_rigid;
+  std::size_t at;
+  std::vector<std::span<const Vec3>> cloths;
+};
+
+// Everything but the cameras; filmed: the step of each row after the start.
+PackedEpisode read_rows(const StatesRecord& record, const std::vector<std::size_t>& filmed, double frames_per_second,
+                        bool has_start) {
   const StatesRecord::Series q = record.series("/q"), a = record.series("/a");
   const std::vector<std::string>& joints = q.names;
   if (a.names != joints) throw UsageError(record.path().string() + " is damaged: /a and /q are of different joints");
@@ -151,34 +169,49 @@ PackedEpisode read_rows(const StatesRecord& record, const std::vector<std::size_
   for (const PackedToolJoints& tool : tools) episode.tools.push_back({without_slashes(tool.base), {}, {}, {}});
 
   const std::vector<double> T_link = record.poses("/T_link"), T_rigid = record.poses("/T_rigid");
-  const double h = record.positive("h");
-  for (std::size_t f = 0; f < filmed.size(); ++f) {
-    const std::size_t step = filmed[f];
-    const std::size_t next = f + 1 < filmed.size() ? filmed[f + 1] : step;
-    episode.state.push_back(sums(q, step, columns));
+  // next: the step at whose end the following picture is taken
+  const auto add_row = [&](const Instant& now, std::size_t next) {
+    episode.state.push_back(sums(now.q, now.at, columns));
     episode.action.push_back(sums(a, next, columns));
-    // of the last step; the first one has none before it and starts from rest
-    std::vector<double> velocity(columns.size(), 0);
-    if (step > 0) {
-      const std::vector<double> before = sums(q, step - 1, columns);
-      for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] = (episode.state.back()[i] - before[i]) / h;
-    }
-    episode.velocity.push_back(velocity);
     for (std::size_t i = 0; i < tools.size(); ++i) {
       const std::vector<PackedColumn> width = {{"", tools[i].joints, true}};
-      episode.tools[i].pose.push_back(pose_at(T_link, links.size(), step, tools[i].link) * tools[i].tool_center);
-      episode.tools[i].width.push_back(sums(q, step, width)[0]);
+      episode.tools[i].pose.push_back(pose_at(now.T_link, links.size(), now.at, tools[i].link) * tools[i].tool_center);
+      episode.tools[i].width.push_back(sums(now.q, now.at, width)[0]);
       episode.tools[i].width_action.push_back(sums(a, next, width)[0]);
     }
     std::vector<double>& environment = episode.environment.emplace_back();
     for (std::size_t i = 0; i < episode.objects.size(); ++i) {
-      episode.objects[i].pose.push_back(pose_at(T_rigid, objects.size(), step, i));
+      episode.objects[i].pose.push_back(pose_at(now.T_rigid, objects.size(), now.at, i));
       const auto numbers = pose_numbers(episode.objects[i].pose.back().topRows<3>());
       environment.insert(environment.end(), numbers.begin(), numbers.end());
     }
-    for (const RecordedCloth& cloth : cloths) {
-      const auto numbers = keypoint_numbers(cloth.keypoints, cloth.at(step));
+    for (std::size_t i = 0; i < cloths.size(); ++i) {
+      const auto numbers = keypoint_numbers(cloths[i].keypoints, now.cloths[i]);
       environment.insert(environment.end(), numbers.begin(), numbers.end());
+    }
+  };
+  const std::vector<double> at_rest(columns.size(), 0);
+  if (has_start && !filmed.empty()) {
+    const StatesRecord::Series start{joints, record.start("/q")};
+    const std::vector<double> T_link_start = record.start("/T_link"), T_rigid_start = record.start("/T_rigid");
+    std::vector<std::vector<Vec3>> points;
+    std::vector<std::span<const Vec3>> spans;
+    for (const RecordedCloth& cloth : cloths) points.push_back(points_of(record.start(cloth.data_set)));
+    for (const std::vector<Vec3>& each : points) spans.emplace_back(each);
+    add_row({start, T_link_start, T_rigid_start, 0, spans}, filmed.front());
+    episode.velocity.push_back(at_rest);
+  }
+  const double h = record.positive("h");
+  for (std::size_t f = 0; f < filmed.size(); ++f) {
+    const std::size_t step = filmed[f];
+    std::vector<std::span<const Vec3>> points;
+    for (const RecordedCloth& cloth : cloths) points.push_back(cloth.at(step));
+    add_row({q, T_link, T_rigid, step, points}, f + 1 < filmed.size() ? filmed[f + 1] : step);
+    // of the last step; the first one has none before it and starts from rest
+    std::vector<double>& velocity = episode.velocity.emplace_back(at_rest);
+    if (step > 0) {
+      const std::vector<double> before = sums(q, step - 1, columns);
+      for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] = (episode.state.back()[i] - before[i]) / h;
     }
   }
   return episode;
@@ -186,7 +219,21 @@ PackedEpisode read_rows(const StatesRecord& record, const std::vector<std::size_
 
 }  // namespace
 
-PackedEpisode read_packed_episode(const fs::path& folder, const std::vector<std::string>& cameras) {
+fs::path start_video(const fs::path& folder, const std::string& camera) { return folder / "start" / (camera + ".mp4"); }
+
+bool has_packed_start_of_states(const fs::path& folder) { return StatesRecord(folder / "states.h5").has_start(); }
+
+bool has_packed_start(const fs::path& folder, const std::vector<std::string>& cameras) {
+  std::vector<std::string> names = cameras;
+  if (names.empty())
+    for (const SummaryCamera& camera : read_summary_pictures(folder / "summary.json").cameras)
+      names.push_back(camera.name);
+  return std::all_of(names.begin(), names.end(),
+                     [&](const std::string& name) { return fs::is_regular_file(start_video(folder, name)); }) &&
+         has_packed_start_of_states(folder);
+}
+
+PackedEpisode read_packed_episode(const fs::path& folder, const std::vector<std::string>& cameras, bool has_start) {
   const SummaryPictures pictures = read_summary_pictures(folder / "summary.json");
   const StatesRecord record(folder / "states.h5");
   const std::vector<std::size_t> filmed = record.filmed_steps();
@@ -194,16 +241,24 @@ PackedEpisode read_packed_episode(const fs::path& folder, const std::vector<std:
     throw UsageError(folder.string() +
                      " has no pictures: make it without --no-render, render it before packing, or "
                      "pack joints alone with --no-pictures");
-  PackedEpisode episode = read_rows(record, filmed, pictures.frames_per_second);
-  episode.cameras = read_cameras(folder, record, filmed.size(), pictures, cameras);
+  PackedEpisode episode = read_rows(record, filmed, pictures.frames_per_second, has_start);
+  episode.cameras = read_cameras(folder, record, filmed.size(), pictures, cameras, has_start);
   return episode;
 }
 
-PackedEpisode read_packed_states(const fs::path& folder) {
+PackedEpisode read_packed_states(const fs::path& folder, bool has_start) {
   const double frames_per_second = read_summary_pictures(folder / "summary.json").frames_per_second;
   const StatesRecord record(folder / "states.h5");
   const std::size_t n_steps = record.n_steps();
-  return read_rows(record, last_steps(n_steps, frames_per_second, record.positive("h")), frames_per_second);
+  return read_rows(record, last_steps(n_steps, frames_per_second, record.positive("h")), frames_per_second, has_start);
+}
+
+void read_pictures(const PackedCamera& camera, std::size_t n_frames, int side,
+                   const std::function<void(std::span<const std::uint8_t> rgb)>& take) {
+  std::size_t n_pictures = 0;
+  for (const fs::path& video : {camera.start, camera.video})
+    if (!video.empty()) n_pictures += read_video(video, camera.width, camera.height, side, take);
+  demand_frames(camera, n_frames, n_pictures);
 }
 
 void demand_frames(const PackedCamera& camera, std::size_t n_frames, std::size_t n_pictures) {

@@ -1,10 +1,14 @@
 // An episode as data sets for imitation learning hold it: one row per picture. Every format is written from this.
 //
-//   row f       picture f, the end of the simulation step s(f) = /frame_step [f], at the time f / frames_per_second
-//   state       of the joints at the end of step s(f), which is what picture f shows
+//   row 0       the start, before the first step, at the time 0: what a policy sees when it is asked first
+//   row f       picture f - 1, the end of the simulation step s(f) = /frame_step [f - 1], at the time
+//               f / frames_per_second
+//   state       of the joints at the end of step s(f), which is what the row's picture shows
 //   action      the absolute target applied in step s(f + 1): where the robot is told to be when the next picture is
 //               taken. In the last row the target of the last step: stand still. Disturbances are in the state, never
 //               in the action.
+//
+// Without the start, which older episodes do not have, row f is picture f and s(f) = /frame_step [f].
 //
 // The joints of one gripper are one column, its width: the sum of their positions, which is how far the fingers are
 // apart.
@@ -12,6 +16,8 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,11 +29,11 @@ using Rows = std::vector<std::vector<double>>;  // [n_frames][width]
 
 struct PackedCamera {
   std::string name;
-  int width = 0, height = 0;  // [pixels]
-  std::filesystem::path video;
-  Rows K;               // [n_frames][9]
-  Rows T_world_camera;  // [n_frames][16] optical frame, row by row
-  bool moves = false;   // mounted on a robot
+  int width = 0, height = 0;           // [pixels]
+  std::filesystem::path start, video;  // start: a video of one picture; empty: the rows begin after it
+  Rows K;                              // [n_frames][9]
+  Rows T_world_camera;                 // [n_frames][16] optical frame, row by row
+  bool moves = false;                  // mounted on a robot
 };
 
 // The tool frame of a gripper: z along the fingers, y from finger to finger.
@@ -59,14 +65,26 @@ struct PackedEpisode {
 };
 
 // folder: a finished episode. Cameras: these names, or all where there are none. A UsageError where it has no pictures
-// or lacks a camera.
-PackedEpisode read_packed_episode(const std::filesystem::path& folder, const std::vector<std::string>& cameras);
+// or lacks a camera. has_start: the first row is the start.
+PackedEpisode read_packed_episode(const std::filesystem::path& folder, const std::vector<std::string>& cameras,
+                                  bool has_start = false);
 
 // The same without cameras: rows are taken at the instants at which pictures would be, whether or not there are any.
-PackedEpisode read_packed_states(const std::filesystem::path& folder);
+PackedEpisode read_packed_states(const std::filesystem::path& folder, bool has_start = false);
 
-// A Failure where a video holds another number of pictures than its episode.
+// Whether the start is on record, and its picture of each of these cameras (of all where there are none).
+bool has_packed_start(const std::filesystem::path& folder, const std::vector<std::string>& cameras);
+bool has_packed_start_of_states(const std::filesystem::path& folder);
+
+// Where `generate` leaves the picture of the start, below an episode's folder.
+std::filesystem::path start_video(const std::filesystem::path& folder, const std::string& camera);
+
+// A Failure where the videos of a camera hold another number of pictures than its episode has rows.
 void demand_frames(const PackedCamera& camera, std::size_t n_frames, std::size_t n_pictures);
+
+// Calls `take` with the picture of every row, as read_video does. A Failure where there are not n_frames.
+void read_pictures(const PackedCamera& camera, std::size_t n_frames, int side,
+                   const std::function<void(std::span<const std::uint8_t> rgb)>& take);
 
 // What is known of all episodes before the first is written.
 struct PackedSet {

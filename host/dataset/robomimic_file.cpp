@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "host/formats/hdf5.hpp"
-#include "host/formats/video_reader.hpp"
 
 namespace pvg {
 namespace {
@@ -132,10 +131,10 @@ class RobomimicWriter : public DataSetWriter {
                                     {std::uint64_t(camera.height), std::uint64_t(camera.width), 3});
       std::vector<std::uint8_t> last;
       std::size_t n = 0;
-      demand_frames(camera, episode.n_frames(), read_video(camera.video, camera.width, camera.height, 0, [&](auto rgb) {
-                      if (!is_next || n++ > 0) pictures.append(rgb);
-                      last.assign(rgb.begin(), rgb.end());
-                    }));
+      read_pictures(camera, episode.n_frames(), 0, [&](auto rgb) {
+        if (!is_next || n++ > 0) pictures.append(rgb);
+        last.assign(rgb.begin(), rgb.end());
+      });
       if (is_next) pictures.append(last);
     }
   }

@@ -101,15 +101,19 @@ struct StatesFile::Impl {
       put_nodes(state.soft, state.cloth);
     }
   }
+  std::vector<double> rounded(std::span<const Vec3> nodes) const {
+    std::vector<double> values = flat(nodes);
+    if (states != RecordedStates::full)
+      for (double& value : values) value = std::round(value / NODE_GRID) * NODE_GRID;
+    return values;
+  }
   void put_nodes(const std::vector<std::vector<Vec3>>& soft_nodes, const std::vector<std::vector<Vec3>>& cloth_nodes) {
-    const auto put_rounded = [&](const std::string& name, std::span<const Vec3> nodes) {
-      std::vector<double> values = flat(nodes);
-      if (states != RecordedStates::full)
-        for (double& value : values) value = std::round(value / NODE_GRID) * NODE_GRID;
-      put(name, values);
-    };
-    for (std::size_t i = 0; i < layout.soft.size(); ++i) put_rounded(layout.soft[i], soft_nodes.at(i));
-    for (std::size_t i = 0; i < layout.cloths.size(); ++i) put_rounded(layout.cloths[i], cloth_nodes.at(i));
+    for (std::size_t i = 0; i < layout.soft.size(); ++i) put(layout.soft[i], rounded(soft_nodes.at(i)));
+    for (std::size_t i = 0; i < layout.cloths.size(); ++i) put(layout.cloths[i], rounded(cloth_nodes.at(i)));
+  }
+  void write_start_of_nodes(const std::string& name, std::span<const Vec3> nodes) {
+    const hdf5::Storage storage = states == RecordedStates::full ? hdf5::Storage() : compressed({3}, sizeof(double));
+    Series<double>(file, "/start" + name, {3}, storage).append(rounded(nodes));
   }
   void flush_nodes() {
     if (!waiting) return;
@@ -199,6 +203,25 @@ StatesFile::StatesFile(const std::filesystem::path& path, const Scene& scene, co
 
 StatesFile::~StatesFile() = default;
 StatesFile::StatesFile(StatesFile&&) noexcept = default;
+
+void StatesFile::write_start(const WorldState& state, std::span<const Eigen::Matrix4d> T_world_camera) {
+  Impl& to = *impl_;
+  std::vector<double> q, T_link, T_rigid;
+  for (const std::size_t i : to.layout.driven) q.push_back(state.joint_position.at(i));
+  for (const std::size_t i : to.layout.links) append_rows(T_link, state.rigid.at(i));
+  for (const std::size_t i : to.layout.rigids) append_rows(T_rigid, state.rigid.at(i));
+  to.file.write("/start/q", {q.size()}, q);
+  to.file.write("/start/T_link", {to.layout.links.size(), 3, 4}, T_link);
+  to.file.write("/start/T_rigid", {to.layout.rigids.size(), 3, 4}, T_rigid);
+  for (std::size_t i = 0; i < to.layout.soft.size(); ++i) to.write_start_of_nodes(to.layout.soft[i], state.soft.at(i));
+  for (std::size_t i = 0; i < to.layout.cloths.size(); ++i)
+    to.write_start_of_nodes(to.layout.cloths[i], state.cloth.at(i));
+  for (std::size_t i = 0; i < T_world_camera.size(); ++i) {
+    std::vector<double> pose;
+    append_rows(pose, T_world_camera[i]);
+    to.file.write("/start/camera/" + to.cameras.at(i).name + "/T_world_camera", {4, 4}, pose);
+  }
+}
 
 void StatesFile::append_step(const WorldState& state, const StepReport& report, std::span<const double> target,
                              std::span<const double> disturbance) {

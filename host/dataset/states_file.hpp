@@ -19,6 +19,9 @@
 //   /node_step [K]   the steps whose nodes are kept; missing: all
 //   /solver/{newton, cg, contacts, retries, residual [m/s], min_gap [m]} [T]
 //   /camera/<name>/{K [F, 3, 3], distortion, T_world_camera [F, 4, 4]}
+//   /start/{q, T_link, T_rigid, X_gripper/<name>, X_deform/<name>, camera/<name>/T_world_camera}   before the first
+//   step:
+//                                            one row of each; missing where only steps are on record
 #pragma once
 #include <array>
 #include <cstdint>
@@ -65,6 +68,8 @@ class StatesFile {
   ~StatesFile();
   StatesFile(StatesFile&&) noexcept;
 
+  // Where everything is before the first step. T_world_camera: as in append_frame; none where there are no pictures.
+  void write_start(const WorldState& state, std::span<const Eigen::Matrix4d> T_world_camera);
   // target: of each joint with a drive, in the order of Scene::joints [rad or m]; disturbance: what was added to it,
   // likewise, where the header says that there is one
   void append_step(const WorldState& state, const StepReport& report, std::span<const double> target,

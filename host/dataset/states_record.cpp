@@ -123,6 +123,22 @@ std::vector<double> StatesRecord::rows(const std::string& object) const {
   return values;
 }
 
+std::vector<double> StatesRecord::start(const std::string& object) const {
+  hdf5::Shape row = file_.shape(object);
+  if (row.empty()) fail(object, "has no rows");
+  row.erase(row.begin());
+  std::vector<double> values = read<double>("/start" + object, row);
+  demand_finite("/start" + object, values);
+  return values;
+}
+
+std::vector<double> StatesRecord::start_camera(const std::string& name) const {
+  const std::string object = "/start/camera/" + name + "/T_world_camera";
+  std::vector<double> values = read<double>(object, {4, 4});
+  demand_finite(object, values);
+  return values;
+}
+
 std::vector<StatesRecord::Body> StatesRecord::bodies() const {
   if (!file_.has("/bodies/source"))
     throw UsageError(path_.string() + " is no states file of simulate or generate: it lacks /bodies/source");

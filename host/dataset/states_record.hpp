@@ -56,6 +56,10 @@ class StatesRecord {
   std::vector<double> poses(const std::string& object) const;                  // [T, n, 3, 4]
   std::vector<double> row(const std::string& object, std::size_t step) const;  // of a body's data set
   std::vector<double> rows(const std::string& object) const;  // all of them; NaN: of steps that are not kept
+  // Before the first step, of a data set that has a row per step, such as /q: what its row would be.
+  bool has_start() const { return file_.has("/start/q"); }
+  std::vector<double> start(const std::string& object) const;
+  std::vector<double> start_camera(const std::string& name) const;  // 16 numbers of its pose
   std::vector<Body> bodies() const;
   bool has_mesh(const Body& body) const { return file_.has("/mesh/" + body.name + "/triangles"); }
   Mesh mesh(const Body& body) const;

@@ -6,7 +6,6 @@
 
 #include "host/base/error.hpp"
 #include "host/formats/stored_zip.hpp"
-#include "host/formats/video_reader.hpp"
 
 namespace pvg {
 namespace {
@@ -51,8 +50,7 @@ class UmiZarrWriter : public DataSetWriter {
         zip_.add("data/camera" + std::to_string(i) + "_rgb/" + std::to_string(frame++) + ".0.0.0", rgb.data(),
                  rgb.size());
       };
-      demand_frames(cameras[i], episode.n_frames(),
-                    read_video(cameras[i].video, cameras[i].width, cameras[i].height, SIDE, put));
+      read_pictures(cameras[i], episode.n_frames(), SIDE, put);
     }
     n_frames_ += episode.n_frames();
     episode_ends_.push_back(std::int64_t(n_frames_));

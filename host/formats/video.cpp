@@ -60,4 +60,41 @@ void VideoWriter::write(std::span<const std::uint8_t> rgb) {
 
 void VideoWriter::finish() { ffmpeg_->finish(); }
 
+void join_videos(std::span<const std::filesystem::path> videos, const std::filesystem::path& to) {
+  std::string list;
+  for (const std::filesystem::path& video : videos) {
+    std::string name = std::filesystem::absolute(video).string();
+    // a quote ends the quoted name, stands alone behind a backslash, and opens it again
+    for (std::size_t at = 0; (at = name.find('\'', at)) != std::string::npos; at += 4) name.replace(at, 1, "'\\''");
+    list += "file 'file:" + name + "'\n";
+  }
+  ProgramPipe ffmpeg(find_program("ffmpeg", "ffmpeg"),
+                     {"-hide_banner",
+                      "-loglevel",
+                      "error",
+                      "-y",
+                      "-f",
+                      "concat",
+                      "-safe",
+                      "0",
+                      "-protocol_whitelist",
+                      "file,pipe",
+                      "-i",
+                      "pipe:0",
+                      "-c",
+                      "copy",
+                      "-fflags",
+                      "+bitexact",
+                      "-map_metadata",
+                      "-1",
+                      "-movflags",
+                      "+faststart",
+                      "-f",
+                      "mp4",
+                      "file:" + to.string()},
+                     ProgramPipe::Direction::to_program, videos.back().string() + ": ffmpeg");
+  ffmpeg.write(list.data(), list.size());
+  ffmpeg.finish();
+}
+
 }  // namespace pvg

@@ -34,4 +34,8 @@ class VideoWriter {
   std::unique_ptr<ProgramPipe> ffmpeg_;
 };
 
+// One video of several that VideoWriter wrote with the same size and rate: their pictures, compressed as they are
+// there. Errors name the last of them.
+void join_videos(std::span<const std::filesystem::path> videos, const std::filesystem::path& to);
+
 }  // namespace pvg

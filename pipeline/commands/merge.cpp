@@ -59,8 +59,13 @@ void link_or_copy(const fs::path& from, const fs::path& to) {
 void put(const fs::path& from, const fs::path& to) {
   fs::create_directories(to.parent_path());
   PartialFolder folder(to);
-  for (const fs::directory_entry& entry : fs::directory_iterator(from))
-    link_or_copy(entry.path(), folder.path() / entry.path().filename());
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(from)) {
+    const fs::path there = folder.path() / entry.path().lexically_relative(from);
+    if (entry.is_directory())
+      fs::create_directory(there);
+    else
+      link_or_copy(entry.path(), there);
+  }
   folder.finish();
 }
 
@@ -118,10 +123,12 @@ void remove_ours(const fs::path& part) {
   for (const FailedEpisode& failed : status.failed) episodes.push_back(failed_folder(part, failed.episode));
   for (const fs::path& episode : episodes) {
     std::vector<fs::path> files;
-    for (const fs::directory_entry& entry : fs::directory_iterator(episode, ignored))
-      if (entry.is_regular_file(ignored) && is_ours(entry.path())) files.push_back(entry.path());
+    const fs::path start = episode / "start";  // of cameras
+    for (const fs::path& place : {episode, start})
+      for (const fs::directory_entry& entry : fs::directory_iterator(place, ignored))
+        if (entry.is_regular_file(ignored) && is_ours(entry.path())) files.push_back(entry.path());
     for (const fs::path& file : files) fs::remove(file, ignored);
-    fs::remove(episode, ignored);  // where it is empty
+    for (const fs::path& place : {start, episode}) fs::remove(place, ignored);  // where it is empty
   }
   fs::remove(part / "set.json", ignored);
   fs::remove(part / "failed", ignored);

@@ -28,10 +28,27 @@ struct PackOptions {
   std::vector<std::string> cameras;  // names; empty: all
   bool has_environment = false;      // poses of objects and keypoints of cloths, too
   bool no_pictures = false;
+  bool no_start = false;
 };
 
-PackedEpisode read_episode(const PackOptions& options, const fs::path& folder) {
-  return options.no_pictures ? read_packed_states(folder) : read_packed_episode(folder, options.cameras);
+PackedEpisode read_episode(const PackOptions& options, const fs::path& folder, bool has_start) {
+  return options.no_pictures ? read_packed_states(folder, has_start)
+                             : read_packed_episode(folder, options.cameras, has_start);
+}
+
+// Whether rows begin with the start: all of a set do, or none.
+bool begins_at_start(const EpisodeSet& set, const std::vector<std::uint64_t>& episodes, const PackOptions& options) {
+  if (options.no_start) return false;
+  for (const std::uint64_t episode : episodes) {
+    const fs::path folder = episode_folder(set.folder, episode);
+    if (options.no_pictures ? has_packed_start_of_states(folder) : has_packed_start(folder, options.cameras)) continue;
+    std::fprintf(stderr,
+                 "phyvisgen: note: %s lacks its start, as episodes of earlier versions do: all rows begin one period "
+                 "after it; generate the set anew for rows from the start on\n",
+                 folder.c_str());
+    return false;
+  }
+  return true;
 }
 
 std::unique_ptr<ParquetTables> open_parquet() {
@@ -39,7 +56,7 @@ std::unique_ptr<ParquetTables> open_parquet() {
 }
 
 // Where the packed episodes come from.
-Json origin_of(const EpisodeSet& set, const std::vector<std::uint64_t>& episodes) {
+Json origin_of(const EpisodeSet& set, const std::vector<std::uint64_t>& episodes, bool has_start) {
   Json versions = Json::object();
   for (const auto& [name, version] : set.versions) versions[name] = version;
   return {{"schema", 1},
@@ -48,17 +65,19 @@ Json origin_of(const EpisodeSet& set, const std::vector<std::uint64_t>& episodes
           {"configuration", set.configuration},
           {"versions", versions},
           {"episodes", episodes},
+          {"first_row", has_start ? "the start, before the first step" : "one period after the start"},
           {"state", "of the joints [rad], of grippers the width [m], at the end of the step that the picture shows"},
           {"action",
            "absolute targets [rad, m] applied in the step that the next picture shows; in the last row those "
            "of the last step"}};
 }
 
-PackedSet survey(const EpisodeSet& set, const std::vector<std::uint64_t>& episodes, const PackOptions& options) {
+PackedSet survey(const EpisodeSet& set, const std::vector<std::uint64_t>& episodes, const PackOptions& options,
+                 bool has_start) {
   PackedSet all;
-  const PackedEpisode first = read_episode(options, episode_folder(set.folder, episodes.front()));
+  const PackedEpisode first = read_episode(options, episode_folder(set.folder, episodes.front()), has_start);
   for (const std::uint64_t episode : episodes)
-    add(all, first, read_episode(options, episode_folder(set.folder, episode)));
+    add(all, first, read_episode(options, episode_folder(set.folder, episode), has_start));
   if (std::abs(first.frames_per_second - std::round(first.frames_per_second)) > 1e-9)
     throw UsageError(set.folder.string() + " has " + std::to_string(first.frames_per_second) +
                      " pictures per second; data sets need a whole number");
@@ -81,7 +100,8 @@ void run_pack(const PackOptions& options) {
   const std::vector<std::uint64_t> episodes = read_status(set.folder).done;
   if (episodes.empty()) throw UsageError(set.folder.string() + " has no finished episode to pack");
   find_program("ffmpeg", "ffmpeg");
-  const PackedSet all = survey(set, episodes, options);
+  const bool has_start = begins_at_start(set, episodes, options);
+  const PackedSet all = survey(set, episodes, options, has_start);
 
   const fs::path output = fs::absolute(options.output).lexically_normal();
   const fs::path target = output.has_filename() ? output : output.parent_path();
@@ -95,12 +115,12 @@ void run_pack(const PackOptions& options) {
   };
   const std::unique_ptr<DataSetWriter> writer =
       data_set_format(options.format)
-          .make_writer(
-              {folder.path(), all, options.instruction, origin_of(set, episodes), options.has_environment, tables});
+          .make_writer({folder.path(), all, options.instruction, origin_of(set, episodes, has_start),
+                        options.has_environment, tables});
   {
     Progress progress("pack", "episodes", episodes.size());
     for (std::size_t i = 0; i < episodes.size(); ++i) {
-      writer->add(read_episode(options, episode_folder(set.folder, episodes[i])));
+      writer->add(read_episode(options, episode_folder(set.folder, episodes[i]), has_start));
       progress.advance_to(i + 1);
     }
   }
@@ -129,10 +149,13 @@ void add_pack(CLI::App& program) {
       "--environment-state", o.has_environment,
       "Write observation.environment_state, too: position and quaternion of each object, keypoints of each cloth");
   command->add_flag("--no-pictures", o.no_pictures, "Pack joints alone; the set may be made with --no-render");
+  command->add_flag("--no-start", o.no_start,
+                    "Leave out the first row, which shows the start: rows begin one period after it");
   command->add_option("--instruction", o.instruction, "What the robot is told to do; else the task's name in words");
   command->footer(
       "Example:\n  phyvisgen pack out/beaker --format lerobot -o out/beaker_lerobot\n"
-      "  phyvisgen pack out/beaker --no-pictures --environment-state -o out/beaker_states");
+      "  phyvisgen pack out/beaker --no-pictures --environment-state -o out/beaker_states\n"
+      "  phyvisgen pack out/beaker --no-start -o out/beaker_later");
 }
 
 }  // namespace pvg

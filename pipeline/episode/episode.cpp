@@ -283,14 +283,16 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Epi
   store.state(world).n_steps_planned = whole.targets.size();
   const std::size_t n_frames = whole.targets.size() / whole.steps_per_frame;
   const std::vector<bool> records_mask = masks_asked(task, scene);
+  FramePictures at_start;
   if (settings.renders) {
     store.state(fields::renderer).turn = &devices.rendering_turn;
     std::optional<Lut> lut;
     if (!task.render.lut.empty()) lut = read_lut(task.render.lut);
     const std::lock_guard turn(devices.rendering_turn);
-    start_pictures(
-        store, std::make_unique<Renderer>(rendering, scene, picture_settings(task, settings.seed, settings.episode)),
-        std::move(lut), records_mask);
+    auto renderer =
+        std::make_unique<Renderer>(rendering, scene, picture_settings(task, settings.seed, settings.episode));
+    at_start = pictures_at_rest(*renderer, scene.cameras.size(), store.state(world).world->state(), START_FRAME, lut);
+    start_pictures(store, std::move(renderer), std::move(lut), records_mask);
   }
   JudgeState& judge_state = store.state(verdict);
   judge_state.monitor =
@@ -300,6 +302,7 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Epi
   record_state.recorder = std::make_unique<EpisodeRecorder>(
       folder, scene, record_settings(task, built, settings, physics, rendering, n_frames, records_mask),
       disabled_pairs(scene));
+  record_state.recorder->write_start(store.state(world).world->state(), at_start);
   record_state.advance = [&](std::size_t done) {
     report.n_frames = done;
     advance(done, n_frames);

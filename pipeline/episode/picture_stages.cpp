@@ -99,6 +99,20 @@ void start_pictures(Store& store, std::unique_ptr<Renderer> renderer, std::optio
   render.records_mask = std::move(records_mask);
 }
 
+FramePictures pictures_at_rest(Renderer& renderer, std::size_t n_cameras, const SceneState& state, std::uint32_t frame,
+                               const std::optional<Lut>& lut) {
+  FramePictures made;
+  renderer.set_state(state);
+  for (int camera = 0; camera < int(n_cameras); ++camera) {
+    RenderedFrame seen = renderer.render(
+        camera, frame, [&](double) { return state; }, state.time);
+    if (lut) apply_lut(*lut, seen.rgb);
+    made.pictures.push_back(encode_srgb8(seen.rgb, seen.width, seen.height));
+    made.T_world_camera.push_back(renderer.camera_pose(camera));
+  }
+  return made;
+}
+
 // clang-format off
 //                                reads                              writes                               width
 Stage render_stage() {

@@ -1,6 +1,7 @@
 // The stages that make pictures of what stands somewhere, the same in the table of an episode and in that of `render`.
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -54,6 +55,13 @@ extern const Field<FramePictures> images;
 // Gives the stages what they keep.
 void start_pictures(Store& store, std::unique_ptr<Renderer> renderer, std::optional<Lut> lut,
                     std::vector<bool> records_mask);
+
+// Frame number of the picture of an episode's start, which none of its frames has. `serve` shows the same picture.
+inline constexpr std::uint32_t START_FRAME = std::numeric_limits<std::uint32_t>::max();
+
+// What every camera sees of a scene at rest, without masks.
+FramePictures pictures_at_rest(Renderer& renderer, std::size_t n_cameras, const SceneState& state, std::uint32_t frame,
+                               const std::optional<Lut>& lut);
 
 Stage render_stage();  // shown -> traced: one after the other, each with its ground truth
 Stage finish_stage();  // traced -> pictures: filtered and exposed, while the next are traced

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "host/dataset/packed_episode.hpp"
+
 namespace pvg {
 namespace {
 
@@ -31,6 +33,18 @@ EpisodeRecorder::EpisodeRecorder(const std::filesystem::path& folder, const Scen
   sheet_.pictures.resize(cameras_.size());
   sheet_.title = settings_.header.task + "  seed " + std::to_string(settings_.header.seed) + "  episode " +
                  std::to_string(settings_.header.episode);
+}
+
+void EpisodeRecorder::write_start(const WorldState& state, const FramePictures& pictures) {
+  states_.write_start(state, pictures.T_world_camera);
+  for (std::size_t i = 0; i < pictures.pictures.size(); ++i) {
+    const Picture8& picture = pictures.pictures[i];
+    const std::filesystem::path file = start_video(folder_, sheet_.rows.at(i));
+    std::filesystem::create_directories(file.parent_path());
+    VideoWriter video(file, picture.width, picture.height, settings_.frames_per_second);
+    video.write(picture.rgb);
+    video.finish();
+  }
 }
 
 void EpisodeRecorder::append_steps(const std::vector<StepRecord>& steps) {

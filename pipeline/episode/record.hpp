@@ -42,6 +42,8 @@ class EpisodeRecorder {
  public:
   EpisodeRecorder(const std::filesystem::path& folder, const Scene& scene, RecordSettings settings,
                   std::span<const DisabledPair> disabled);
+  // what is there before the first step
+  void write_start(const WorldState& state, const FramePictures& pictures);
   void append_steps(const std::vector<StepRecord>& steps);
   // a frame that shows the last step appended
   void append_frame(FramePictures pictures);

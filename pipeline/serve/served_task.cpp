@@ -8,12 +8,10 @@
 #include "host/dataset/states_file.hpp"
 #include "host/render/motion.hpp"
 #include "pipeline/episode/episode.hpp"
+#include "pipeline/episode/picture_stages.hpp"
 
 namespace pvg {
 namespace {
-
-// frame number of the picture of the start, which no episode of `generate` has
-constexpr std::uint32_t START_FRAME = std::numeric_limits<std::uint32_t>::max();
 
 bool is_object(const Task& task, const std::string& body) {
   return std::any_of(task.objects.begin(), task.objects.end(), [&](const auto& object) { return object.name == body; });

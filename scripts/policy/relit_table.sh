@@ -7,14 +7,12 @@
 #   scripts/policy/relit_table.sh FOLDER [SEED...]     SEED: of trainings, 1 without any
 # FOLDER gets both tasks, a folder per kind of demonstrations and relit.csv. What is there already is kept: the same
 # command goes on where it was stopped. Variables: those of scripts/train_and_evaluate.sh, such as EPISODES, DEMONSTRATIONS
-# (100), STEPS (2500) and TRAINING (--look 500 --joint-noise 0.1 --shift 1).
+# (100), STEPS (5000) and TRAINING (--look 500 --shift 1).
 set -eu
 . "$(dirname "$0")/table_arguments.sh"
 [ -z "${JUDGED:-}${OBSERVATION:-}${CAMERA:-}" ] || refuse "JUDGED, OBSERVATION and CAMERA are set by this script"
 export OBSERVATION=pictures CAMERA=front DEMONSTRATIONS="${DEMONSTRATIONS:-100}" JUDGED="$folder/captured.yaml"
-# without noise the joints, which have moved a period when a demonstration's first picture is taken, tell the motion, and
-# the policy looks at them instead of the picture
-export STEPS="${STEPS:-2500}" TRAINING="${TRAINING:---look 500 --joint-noise 0.1 --shift 1}"
+export STEPS="${STEPS:-5000}" TRAINING="${TRAINING:---look 500 --shift 1}"
 
 # the push, with the room and the lamps of weigh_beaker in place of a visible table, a lamp and an even sky
 looks="$(sed -n '/^background: /,/^materials:/p' data/tasks/weigh_beaker.yaml | sed '$d' | sed "s#\.\./backgrounds#$root/data/backgrounds#g")"

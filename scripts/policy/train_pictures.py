@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Trains a policy of lerobot on joints and pictures, the picture network included, with or without a GPU.
 
-    scripts/policy/train_pictures.py --data SET --output FOLDER [--network keypoints] [--steps 3000] ...
+    scripts/policy/train_pictures.py --data SET --output FOLDER [--network keypoints] [--steps 5000] ...
 
 SET is a set packed for lerobot, FOLDER/pretrained_model becomes a checkpoint as lerobot-train writes it. Networks:
 
@@ -10,6 +10,11 @@ SET is a set packed for lerobot, FOLDER/pretrained_model becomes a checkpoint as
 
 Few demonstrations are learned by heart, with the noise of their pixels and the traces of their video. So no picture is
 seen twice as it is: each batch is shifted, recoloured and made noisy anew, and joints get noise, too.
+
+Joints tell where a motion goes once it has begun, and then nothing teaches to look. At the start, which the first row of
+a packed set shows, they tell nothing: a share of each batch is first rows (--start-share). Much noise on joints at first
+makes all rows teach to look; little noise at the end teaches to go on from where the joints are (--joint-noise,
+--last-joint-noise).
 
 Actions teach `keypoints` late where to look. --look STEPS teaches this first, from a set packed with --environment-state: a
 linear layer, which is dropped then, tells from the keypoints where objects and cloths are. The policy itself gets joints
@@ -34,6 +39,11 @@ from torch import nn
 from torchvision.ops.misc import FrozenBatchNorm2d
 
 NETWORKS = {"keypoints": (KeypointACTConfig, KeypointACTPolicy), "resnet18": (ACTConfig, ACTPolicy)}
+# noise of joints [rad] first and last, and the share of first rows; what each network was measured with
+RECIPES = {
+    "keypoints": {"joint_noise": 0.1, "last_joint_noise": 0.01, "start_share": 0.25},
+    "resnet18": {"joint_noise": 0.01, "last_joint_noise": 0.01, "start_share": 0.0},
+}
 WARM_UP = 200  # steps in which the learning rate rises; it falls as a cosine until the end
 SETTLED = 0.8  # share of steps after which batch normalisation keeps its statistics, which the policy will have
 STATE, ACTION, ENVIRONMENT = "observation.state", "action", "observation.environment_state"
@@ -47,7 +57,7 @@ def words():
     parser.add_argument("--network", choices=NETWORKS, default="keypoints")
     parser.add_argument("--weights", help="of resnet18, such as ResNet18_Weights.IMAGENET1K_V1; else drawn at random")
     parser.add_argument("--device", default="cpu", help="cpu or cuda (cpu)")
-    parser.add_argument("--steps", type=int, default=3000)
+    parser.add_argument("--steps", type=int, default=5000)
     parser.add_argument("--look", type=int, default=0, help="keypoints: steps before, which teach where objects are (0)")
     parser.add_argument("--batch", type=int, default=32)
     parser.add_argument("--chunk", type=int, default=20, help="actions that are predicted (20)")
@@ -57,10 +67,16 @@ def words():
     parser.add_argument("--shift", type=float, default=3.0, help="of pictures, at most [pixels] (3)")
     parser.add_argument("--colour", type=float, default=0.15, help="largest change of a channel's gain (0.15)")
     parser.add_argument("--pixel-noise", type=float, default=0.06, help="largest standard deviation, of 1 (0.06)")
-    parser.add_argument("--joint-noise", type=float, default=0.01, help="standard deviation [rad], of widths a tenth [m] (0.01)")
+    parser.add_argument("--joint-noise", type=float, help="standard deviation at first [rad], of widths a tenth [m] (0.1; resnet18: 0.01)")
+    parser.add_argument("--last-joint-noise", type=float, help="to which it falls as a cosine until the end (0.01)")
+    parser.add_argument("--start-share", type=float, help="of each batch that are first rows, 0 to 1 (0.25; resnet18: 0, as any row)")
     parser.add_argument("--left-out", type=int, default=5, help="last demonstrations, on which the error is told (5)")
     parser.add_argument("--seed", type=int, default=1)
-    return parser.parse_args()
+    parser.set_defaults(**RECIPES[parser.parse_known_args()[0].network])
+    w = parser.parse_args()
+    if not 0 <= w.start_share <= 1:
+        raise SystemExit(f"train_pictures: --start-share {w.start_share:g} is no share from 0 to 1")
+    return w
 
 
 def untrained(features, w):
@@ -110,9 +126,10 @@ def seen_anew(pictures, w):
     return (moved * (1 + w.colour * drawn(n, 3, 1, 1)) + noise).clamp(0, 1)
 
 
-def noise_of_joints(names, w):
+def noise_of_joints(names, step, w):
     """Standard deviation of each column's noise. [n_columns, rad or m]"""
-    return torch.tensor([w.joint_noise / (10 if "gripper_width" in name else 1) for name in names])
+    now = w.last_joint_noise + (w.joint_noise - w.last_joint_noise) * (1 + math.cos(math.pi * step / w.steps)) / 2
+    return torch.tensor([now / (10 if "gripper_width" in name else 1) for name in names])
 
 
 class Batches:
@@ -125,7 +142,15 @@ class Batches:
         self.is_pad = torch.from_numpy(ahead > last[:, None])
         self.actions = rows.numbers[ACTION][np.minimum(ahead, last[:, None])]
         self.chosen = np.flatnonzero(np.isin(rows.episode, demonstrations))
+        is_first = np.append(True, np.diff(rows.episode[self.chosen]) != 0)
+        self.starts = np.flatnonzero(is_first)  # of the chosen, the first row of each demonstration
         self.pictures = {key: pictures.to(w.device) for key, pictures in rows.pictures.items()}
+
+    def drawn(self, generator, w):
+        """Rows of a batch: some of them starts, the others any."""
+        n_starts = round(w.start_share * w.batch)
+        starts = self.starts[generator.integers(len(self.starts), size=n_starts)]
+        return np.append(starts, generator.integers(len(self.chosen), size=w.batch - n_starts))
 
     def take(self, which):
         """which: of the rows of these demonstrations"""
@@ -136,11 +161,11 @@ class Batches:
         }
 
 
-def left_out_error(policy, prepare, batches):
-    """Mean error of the actions for the demonstrations that training does not see, in standard deviations."""
+def left_out_error(policy, prepare, batches, which):
+    """Mean error of the actions for rows of the demonstrations that training does not see, in standard deviations."""
     policy.eval()
     with torch.no_grad():
-        parts = np.array_split(np.arange(len(batches.chosen)), math.ceil(len(batches.chosen) / 256))
+        parts = np.array_split(which, math.ceil(len(which) / 256))
         losses = [float(policy(prepare(batches.take(part)))[0]) for part in parts]
     return float(np.average(losses, weights=[len(part) for part in parts]))
 
@@ -201,7 +226,6 @@ def train(rows, policy, prepare, w):
         raise SystemExit(f"train_pictures: --left-out {w.left_out} of {len(episodes)} demonstrations leaves none to train on")
     n_seen = len(episodes) - w.left_out
     seen, unseen = Batches(rows, episodes[:n_seen], w), Batches(rows, episodes[n_seen:], w)
-    joint_noise = noise_of_joints(rows.names, w)
     norms = [module for module in policy.modules() if isinstance(module, nn.BatchNorm2d)]
     optimizer = torch.optim.AdamW(policy.parameters(), weight_decay=1e-4)
     generator = np.random.default_rng(w.seed)
@@ -215,8 +239,8 @@ def train(rows, policy, prepare, w):
                 norm.eval()
         for group in optimizer.param_groups:
             group["lr"] = rate_at(step, w.steps, w.learning_rate, WARM_UP)
-        batch = seen.take(generator.integers(len(seen.chosen), size=w.batch))
-        batch[STATE] = batch[STATE] + joint_noise * torch.randn_like(batch[STATE])
+        batch = seen.take(seen.drawn(generator, w))
+        batch[STATE] = batch[STATE] + noise_of_joints(rows.names, step, w) * torch.randn_like(batch[STATE])
         for camera in rows.pictures:
             batch[camera] = seen_anew(batch[camera], w)
         loss, _ = policy(prepare(batch))
@@ -226,7 +250,11 @@ def train(rows, policy, prepare, w):
         optimizer.step()
         losses.append(float(loss.detach()))
         if step % 200 == 0 or step == w.steps:
-            told = f"; of demonstrations left out {left_out_error(policy, prepare, unseen):.4f}" if w.left_out else ""
+            told = ""
+            if w.left_out:
+                everywhere, at_starts = np.arange(len(unseen.chosen)), unseen.starts
+                told = (f"; of demonstrations left out {left_out_error(policy, prepare, unseen, everywhere):.4f}, "
+                        f"at their starts {left_out_error(policy, prepare, unseen, at_starts):.4f}")
             print(f"step {step}: mean error of normalised actions {np.mean(losses[-200:]):.4f}{told}", flush=True)
 
 

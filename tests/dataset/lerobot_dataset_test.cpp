@@ -129,5 +129,31 @@ TEST_F(LeRobot, TheOlderLayoutListsEpisodesInLinesAndNamesFilesByEpisode) {
   EXPECT_EQ(Json::parse(std::ifstream(root.path / "out/meta/tasks.jsonl"))["task"], "lift cup");
 }
 
+TEST_F(LeRobot, TheVideoBeginsWithTheStartAndHasThePicturesOfTheEpisodeToTheBit) {
+  const auto whole = write_small_episode(root, "it's a set", 0, 3, "", true, false, true);
+  const PackedEpisode episode = read_packed_episode(whole, {}, true);
+  const auto keep = [&](const ParquetTable& table) {
+    tables[table.path.lexically_relative(root.path / "out").string()] = table;
+  };
+  const auto writer = make_lerobot_writer(root.path / "out", {LeRobotVersion::v3_0, "", {{"seed", 7}}}, keep);
+  writer->add(episode);
+  writer->finish();
+  const std::string data = "data/chunk-000/file-000.parquet";
+  EXPECT_EQ(column(data, "frame_index").values.dump(), "[0,1,2,3]");
+  EXPECT_FLOAT_EQ(column(data, "action").values.at(0).at(0), 20);
+  EXPECT_FLOAT_EQ(column(data, "observation.state").values.at(0).at(0), 0);
+  EXPECT_EQ(column("meta/episodes/chunk-000/file-000.parquet", "length").values.dump(), "[4]");
+  using Pictures = std::vector<std::vector<std::uint8_t>>;
+  const auto pictures_of = [](PackedCamera camera, std::size_t n) {
+    Pictures pictures;
+    read_pictures(camera, n, 0, [&](auto rgb) { pictures.emplace_back(rgb.begin(), rgb.end()); });
+    return pictures;
+  };
+  PackedCamera joined = episode.cameras[0];
+  joined.start.clear();
+  joined.video = root.path / "out/videos/observation.images.wrist/chunk-000/file-000.mp4";
+  EXPECT_TRUE(pictures_of(joined, 4) == pictures_of(episode.cameras[0], 4));
+}
+
 }  // namespace
 }  // namespace pvg

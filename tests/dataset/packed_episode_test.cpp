@@ -94,6 +94,49 @@ TEST(PackedEpisode, StatesWithoutPicturesHaveTheRowsThatPicturesWouldHave) {
   EXPECT_TRUE(dark.cameras.empty());
 }
 
+TEST(PackedEpisode, TheFirstRowIsTheStartAndItsActionThatOfTheFirstPeriod) {
+  const TestFolder root;
+  const PackedEpisode episode =
+      read_packed_episode(write_small_episode(root, "a", 0, 3, "", true, true, true), {}, true);
+  EXPECT_EQ(episode.state, (Rows{{0, 0}, {2, 0.04}, {4, 0.08}, {6, 0.12}}));
+  EXPECT_EQ(episode.action, (Rows{{20, 0.08}, {40, 0.16}, {60, 0.24}, {60, 0.24}}));
+  EXPECT_EQ(episode.velocity[0], (std::vector<double>{0, 0}));
+  EXPECT_NEAR(episode.velocity[1][0], 10, 1e-12);
+  EXPECT_NEAR(episode.tools[0].pose[0](0, 3), 0, 1e-12);
+  EXPECT_EQ(episode.tools[0].width_action, (std::vector<double>{0.08, 0.16, 0.24, 0.24}));
+  EXPECT_EQ(episode.objects[0].pose.size(), 4u);
+  EXPECT_EQ(episode.objects[0].pose[0](1, 3), 0);
+  ASSERT_EQ(episode.environment.size(), 4u);
+  for (std::size_t f = 0; f < 4; ++f) {
+    EXPECT_NEAR(episode.environment[f][1], 2.0 * double(f), 1e-12);  // the cup's y
+    EXPECT_EQ(episode.environment[f][9], 2.0 * double(f));           // z of the towel's first keypoint
+  }
+  ASSERT_EQ(episode.cameras[0].T_world_camera.size(), 4u);
+  EXPECT_EQ(episode.cameras[0].T_world_camera[0][3], 0);
+  EXPECT_EQ(episode.cameras[0].T_world_camera[1][3], 2);
+  ASSERT_EQ(episode.cameras[0].K.size(), 4u);
+  std::vector<int> greys;
+  read_pictures(episode.cameras[0], 4, 0, [&](auto rgb) { greys.push_back(rgb[0]); });
+  for (const auto& [f, grey] : {std::pair(0, 20), {1, 40}, {2, 80}, {3, 120}}) EXPECT_NEAR(greys[f], grey, 2) << f;
+  // the same joints without pictures
+  EXPECT_EQ(read_packed_states(root.path / "a", true).state, episode.state);
+}
+
+TEST(PackedEpisode, AnEpisodeOfEarlierVersionsLacksItsStart) {
+  const TestFolder root;
+  const auto earlier = write_small_episode(root, "a", 0),
+             whole = write_small_episode(root, "b", 0, 3, "", true, false, true);
+  EXPECT_FALSE(has_packed_start(earlier, {}));
+  EXPECT_FALSE(has_packed_start_of_states(earlier));
+  EXPECT_TRUE(has_packed_start(whole, {}));
+  EXPECT_TRUE(has_packed_start(whole, {"wrist"}));
+  EXPECT_FALSE(has_packed_start(whole, {"front"}));
+  expect_error<UsageError>([&] { read_packed_episode(earlier, {}, true); }, {"states.h5", "/start/q", "again"});
+  std::filesystem::remove(start_video(whole, "wrist"));
+  EXPECT_FALSE(has_packed_start(whole, {}));
+  EXPECT_TRUE(has_packed_start_of_states(whole));
+}
+
 TEST(PackedEpisode, WhatCannotBePackedIsNamed) {
   const TestFolder root;
   const auto path = write_small_episode(root, "a", 0);
@@ -102,7 +145,8 @@ TEST(PackedEpisode, WhatCannotBePackedIsNamed) {
   expect_error<UsageError>([&] { read_packed_episode(dark, {}); }, {"/b", "no pictures", "--no-render"});
   root.write("a/summary.json", "{}");
   expect_error<UsageError>([&] { read_packed_episode(path, {}); }, {"summary.json"});
-  EXPECT_THROW(demand_frames({"wrist", 0, 0, "wrist.mp4", {}, {}, false}, 3, 2), Failure);
+  const PackedCamera camera{"wrist", SMALL_WIDTH, SMALL_HEIGHT, "", path / "wrist.mp4", {}, {}, false};
+  expect_error<Failure>([&] { read_pictures(camera, 4, 0, [](auto) {}); }, {"wrist.mp4", "3 pictures", "4"});
 }
 
 TEST(PackedEpisode, TheSetKnowsItsLongestEpisodeAndTheReachOfItsActions) {

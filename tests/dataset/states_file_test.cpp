@@ -11,6 +11,7 @@
 #include "host/base/error.hpp"
 #include "host/dataset/masks_file.hpp"
 #include "host/dataset/states_reader.hpp"
+#include "host/dataset/states_record.hpp"
 #include "host/formats/hdf5.hpp"
 
 namespace pvg {
@@ -139,6 +140,32 @@ TEST(StatesFile, KeepsWhatPushedTheTargetsApartFromThem) {
       EXPECT_EQ(file.read<double>("/disturbance").values, push);
       EXPECT_EQ(file.texts_attribute("/disturbance", "names"), file.texts_attribute("/a", "names"));
     }
+  }
+}
+
+TEST(StatesFile, TheStartIsOneRowOfEachAndLeavesTheStepsAsTheyAre) {
+  for (const RecordedStates kept : {RecordedStates::full, RecordedStates::float32}) {
+    const auto path = scratch("start.h5");
+    EpisodeHeader header;
+    header.objects = {"beaker"};
+    header.states = kept;
+    StatesFile states(path, example_scene(), header, {});
+    Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
+    pose(0, 3) = 0.7;
+    states.write_start(example_state(0.25), std::span(&pose, 1));
+    for (const double time : {0.125, 0.25}) states.append_step(example_state(time), {}, std::vector<double>{0.2, 0.4});
+    states.close();
+    const StatesRecord record(path);
+    EXPECT_EQ(record.n_steps(), 2u);
+    EXPECT_TRUE(record.filmed_steps().empty());
+    ASSERT_TRUE(record.has_start());
+    // the same state, once before the first step and once after the last
+    for (const char* name : {"/q", "/T_link", "/T_rigid", "/X_gripper/finger", "/X_deform/sponge", "/X_deform/towel"}) {
+      EXPECT_EQ(record.start(name), record.row(name, 1)) << name;
+      EXPECT_NE(record.start(name), record.row(name, 0)) << name;
+    }
+    EXPECT_EQ(record.start_camera("fixed")[3], 0.7);
+    std::filesystem::remove(path);
   }
 }
 

@@ -43,7 +43,7 @@ class Demonstrations:
             starts.append(_places(episode, facts))
         if not self.actions:
             raise ValueError(f"{folder} holds no finished episode; make some with `phyvisgen generate`")
-        self.starts = np.array(starts)  # [n_demonstrations, n_objects x 3 + n_cloths x 24, m] after the first step
+        self.starts = np.array(starts)  # [n_demonstrations, n_objects x 3 + n_cloths x 24, m]
         self.is_length = np.array([not name.endswith(QUATERNION) for name in facts.environment], dtype=bool)
         self.seed = EpisodeSet(folder).seed
 
@@ -64,8 +64,12 @@ def _columns(targets: NDArray[np.float64], facts: Facts) -> NDArray[np.float64]:
 
 
 def _places(episode: Episode, facts: Facts) -> NDArray[np.float64]:
-    """Positions of the objects and keypoints of the cloths in the first step whose nodes are kept, in the order of
-    environment_state."""
+    """Positions of the objects and keypoints of the cloths at the start, in the order of environment_state; in
+    records of earlier versions, which lack it, in the first step whose nodes are kept."""
+    if "/start" in episode.file:
+        places = [episode["/start/T_rigid"][:, :, 3].reshape(-1)]
+        places += [episode[f"/start/X_deform/{name}"][list(points)].reshape(-1) for name, points in facts.cloths.items()]
+        return np.concatenate(places)
     kept = episode["/node_step"][0] if "/node_step" in episode.file else 0
     places = [episode["/T_rigid"][kept, :, :, 3].reshape(-1)]
     for name, keypoints in facts.cloths.items():

@@ -50,14 +50,14 @@ json info(const json& names) {
       {"codebase_version", "v3.0"}, {"fps", 20}, {"features", {{"observation.state", feature}, {"action", feature}}}};
 }
 
-Recording lerobot(const TestFolder& folder, const json& said) {
+Recording lerobot(const TestFolder& folder, const json& said, const json& rows = table()) {
   std::filesystem::create_directories(folder.path / "meta");
   std::filesystem::create_directories(folder.path / "data/chunk-000");
   folder.write("meta/info.json", said.dump());
   folder.write("data/chunk-000/file-000.parquet", "");
-  return load_robot_set(folder.path, TASK, [](const auto& files, const auto&) {
+  return load_robot_set(folder.path, TASK, [&](const auto& files, const auto&) {
     EXPECT_EQ(files.size(), 1u);
-    return table();
+    return rows;
   });
 }
 
@@ -145,6 +145,60 @@ void expect_targets_of_records(bool is_disturbed) {
 TEST(RobotSet, OfOurOwnRecordsHasTheirTargets) { expect_targets_of_records(false); }
 
 TEST(RobotSet, OfDisturbedRecordsHasWhatTheDrivesFollowed) { expect_targets_of_records(true); }
+
+// An arm on record at rest, then 20 steps of 25 ms in which it lags 0.01 behind its targets; as `pack` writes it, a row
+// of the start and one per two steps. What diagnose gets of both is the same at the same times, and the packed set adds
+// where the arm started.
+TEST(RobotSet, OfPackedRowsFromTheStartOnAgreesWithItsRecord) {
+  const TestFolder folder;
+  const auto target = [](int step, int joint) { return joint + 0.1 * (step + 1); };
+  std::vector<std::string> joints = ARM;
+  joints.insert(joints.end(), {"left_slide", "right_slide"});
+  std::vector<double> time, q, a;
+  for (int step = 0; step < 20; ++step) {
+    time.push_back(0.025 * (step + 1));
+    for (int j = 0; j < 9; ++j) {
+      a.push_back(j < 7 ? target(step, j) : 0.04);
+      q.push_back(j < 7 ? target(step, j) - 0.01 : 0.04);
+    }
+  }
+  std::filesystem::create_directories(folder.path / "episode_000000");
+  hdf5::File file = hdf5::File::create(folder.path / "episode_000000/states.h5");
+  file.write("/time", {20}, time);
+  file.write("/q", {20, 9}, q);
+  file.write("/a", {20, 9}, a);
+  file.attribute("/q", "names", joints);
+  file.close();
+  json packed;
+  for (int f = 0; f <= 10; ++f) {
+    json state, action;
+    for (int j = 0; j < 7; ++j) {
+      state.push_back(f == 0 ? j : target(2 * f - 1, j) - 0.01);
+      action.push_back(target(std::min(2 * f + 1, 19), j));
+    }
+    state.push_back(0.08);
+    action.push_back(0.08);
+    packed["observation.state"].push_back(state);
+    packed["action"].push_back(action);
+    packed["episode_index"].push_back(0);
+    packed["frame_index"].push_back(f);
+  }
+  const Recording record = load_robot_set(folder.path / "episode_000000", TASK, {});
+  const TestFolder set;
+  const Recording rows = lerobot(set, info(columns_of_arm()), packed);
+  const MeasuredTable &fine = record.runs.at(0).table, &coarse = rows.runs.at(0).table;
+  for (std::size_t j = 0; j < 7; ++j) {
+    const std::string state = "state " + joints[j], told = "target " + joints[j];
+    for (std::size_t f = 1; f <= 10; ++f) {
+      ASSERT_NEAR(coarse["t"][f], fine["t"][2 * f - 1], 1e-12);
+      EXPECT_NEAR(coarse[state][f], fine[state][2 * f - 1], 1e-12) << joints[j] << ", row " << f;
+      EXPECT_NEAR(coarse[told][f], fine[told][2 * f - 1], 1e-12) << joints[j] << ", row " << f;
+    }
+    EXPECT_EQ(coarse["t"][0], 0);
+    EXPECT_EQ(coarse[told][0], double(j));
+    EXPECT_EQ(std::stod(rows.runs[0].initial.at("joint/" + joints[j] + "/position").value[0]), double(j));
+  }
+}
 
 TEST(RobotsAlone, AreAnArmAndItsGripperThatNothingTouches) {
   const SceneRun run = load_robots_alone(TASK);

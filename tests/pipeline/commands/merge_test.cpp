@@ -23,6 +23,7 @@ struct Merge : testing::Test {
     for (const std::string& episode : done) {
       folder.write(name + "/" + episode + "/summary.json", "{}");
       folder.write(name + "/" + episode + "/states.h5", "states of " + episode);
+      folder.write(name + "/" + episode + "/start/front.mp4", "start of " + episode);
     }
     for (const std::string& episode : failed)
       folder.write(name + "/failed/" + episode + "/summary.json", R"({"reason": "dropped"})");
@@ -70,6 +71,8 @@ TEST_F(Merge, PartsBecomeOneSetAndASecondCallChangesNothing) {
     EXPECT_DOUBLE_EQ(success_rate(status), 0.75);
     std::ifstream states(whole.folder / "episode_000001/states.h5");
     EXPECT_EQ(std::string(std::istreambuf_iterator<char>(states), {}), "states of episode_000001");
+    std::ifstream start(whole.folder / "episode_000001/start/front.mp4");
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(start), {}), "start of episode_000001");
   }
   EXPECT_TRUE(fs::exists(folder.path / "a/episode_000000"));
 }

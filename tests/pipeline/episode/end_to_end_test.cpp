@@ -12,6 +12,7 @@
 
 #include "host/formats/hdf5.hpp"
 #include "host/formats/picture_files.hpp"
+#include "host/formats/video_reader.hpp"
 #include "host/geometry/exact_intersection.hpp"
 #include "host/load/task_file.hpp"
 #include "pipeline/episode/episode.hpp"
@@ -191,7 +192,12 @@ void the_folder_is_complete_and_its_parts_fit_together(const Small& small, const
   for (const char* name : {"states.h5", "front.mp4", "wrist.mp4", "wrist_masks.h5", "contact_sheet.png"})
     EXPECT_GT(fs::file_size(small.root / "a" / name), 100u) << name;
   EXPECT_FALSE(fs::exists(small.root / "a/front_masks.h5"));  // not asked for
+  for (const char* name : {"start/front.mp4", "start/wrist.mp4"})
+    EXPECT_EQ(read_video(small.root / "a" / name, 64, 36, 0, [](auto) {}), 1u) << name;
   const Recorded recorded(small.root / "a");
+  const std::vector<double> home = recorded.file.read<double>("/start/q").values;
+  EXPECT_EQ(home.size(), 9u);
+  EXPECT_EQ(home[1], small.task.robot.home[1]);
   const auto frame_step = recorded.file.read<std::int64_t>("/frame_step").values;
   ASSERT_EQ(frame_step.size(), report.n_frames);
   EXPECT_EQ(std::size_t(frame_step.back()), recorded.n_steps - 1);

@@ -6,6 +6,7 @@ import io
 import subprocess
 import sys
 import tempfile
+import types
 import unittest
 from pathlib import Path
 
@@ -68,6 +69,27 @@ class LeRobot(unittest.TestCase):
             self.assertIn(f"trained on pictures of {WIDTH} x {HEIGHT} pixels of camera front, not {WIDTH} x {WIDTH}", told)
             code, told = judged(*policy, "--picture-height", str(HEIGHT))
             self.assertEqual(code, 0, told)
+
+    def test_batches_have_their_share_of_starts_and_noise_that_falls(self):
+        import numpy as np
+
+        sys.path.insert(0, str(ROOT / "scripts/policy"))
+        self.addCleanup(sys.path.remove, str(ROOT / "scripts/policy"))
+        import torch
+        import train_pictures as training
+
+        episode = np.repeat([3, 4, 7], [4, 2, 30])
+        rows = types.SimpleNamespace(episode=episode, numbers={"action": torch.zeros(36, 2)}, pictures={})
+        w = types.SimpleNamespace(device="cpu", chunk=2, batch=400, start_share=0.25, joint_noise=0.1, last_joint_noise=0.01, steps=100)
+        batches = training.Batches(rows, [4, 7], w)
+        self.assertEqual(list(batches.chosen[batches.starts]), [4, 6])
+        drawn = batches.chosen[batches.drawn(np.random.default_rng(1), w)]
+        self.assertEqual(len(drawn), 400)
+        self.assertLessEqual(set(drawn[:100]), {4, 6})
+        self.assertEqual(set(drawn), set(range(4, 36)))
+        for step, noise in ((0, 0.1), (50, 0.055), (100, 0.01)):
+            told = training.noise_of_joints(["joint", "gripper_width"], step, w)
+            np.testing.assert_allclose(told, [noise, noise / 10], rtol=1e-6)
 
     def test_policies_that_were_trained_on_pictures_are_checkpoints(self):
         if not (ROOT / ".venv-pack").is_dir():

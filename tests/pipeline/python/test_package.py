@@ -113,6 +113,9 @@ class Recorded(unittest.TestCase):
         mean = demonstrations.mean()
         np.testing.assert_allclose(mean[0], (demonstrations.actions[0][0] + demonstrations.actions[1][0]) / 2)
         start = self.server.reset(5, 1)
+        np.testing.assert_array_equal(
+            demonstrations.starts[1], start.arrays["environment_state"][demonstrations.is_length]
+        )
         nearest = NearestDemonstration(demonstrations)
         nearest.reset(start)
         self.assertIs(nearest._actions, demonstrations.actions[1])

@@ -8,8 +8,12 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 
+#include "host/dataset/packed_episode.hpp"
 #include "host/dataset/states_record.hpp"
+#include "host/formats/video.hpp"
 #include "host/load/task_file.hpp"
 #include "host/render/renderer.hpp"
 #include "pipeline/episode/episode.hpp"
@@ -27,14 +31,15 @@ Task small_task() { return load_task(PVG_DATA_FOLDER "/../tests/pipeline/small_t
 
 // An episode of `generate`, on record.
 struct Demonstration {
-  explicit Demonstration(const Task& task, Device& device) {
+  explicit Demonstration(const Task& task, Device& device, bool renders = false) {
     const std::atomic<bool> stop = false;
     EpisodeDevices devices(device, device);
     EpisodeSettings settings;
     settings.seed = SEED;
     settings.episode = EPISODE;
-    settings.renders = false;
+    settings.renders = renders;
     report = run_episode(task, settings, devices, folder.path, stop, [](auto, auto) {});
+    folder.write("summary.json", summary_json(task, settings, report));
     record = std::make_unique<StatesRecord>(folder.path / "states.h5");
     a = record->series("/a");
     T_rigid = record->poses("/T_rigid");
@@ -124,6 +129,58 @@ TEST_F(Served, PackedActionsOfEveryStepGiveTheSameBits) {
     action.push_back(target[7] + target[8]);
     served.act(action);
     expect_bits(served, demonstration, step);
+  }
+}
+
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = a.size() == b.size() ? 0 : INFINITY;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+  return largest;
+}
+
+// Row 0 is what reset() shows, and the action of each row leads to the next one. Targets go on straight lines within a
+// period, those of the demonstration do not, which the joints show at the ends of periods by little. Replayed from the
+// start, rows that begin one period after it are a period ahead.
+TEST_F(Served, ActionsOfAPackedEpisodeLeadFromEachRowToTheNext) {
+  const Demonstration demonstration(small_task(), device());
+  ServedTask served(small_task(), device(), nullptr);
+  const PackedEpisode packed = read_packed_states(demonstration.folder.path, true);
+  const auto replay = [&](const Rows& actions) {
+    served.reset(SEED, EPISODE);
+    double off = 0;
+    for (std::size_t row = 0; row + 1 < packed.n_frames(); ++row) {
+      served.act(actions[row]);
+      off = std::max(off, largest_difference(served.joints(), packed.state[row + 1]));
+    }
+    return off;
+  };
+  ASSERT_EQ(packed.n_frames(), demonstration.report.n_frames + 1);
+  served.reset(SEED, EPISODE);
+  EXPECT_EQ(packed.state[0], served.joints());
+  EXPECT_EQ(packed.environment[0], served.environment());
+  EXPECT_LE(replay(packed.action), 2e-4);  // [rad]
+  EXPECT_EQ(served.failure(), std::nullopt);
+  EXPECT_GE(replay(read_packed_states(demonstration.folder.path, false).action), 1e-2);
+}
+
+TEST_F(Served, ThePictureOfTheStartIsThatOfAReset) {
+  Task task = small_task();
+  task.motion.resize(1);
+  const Demonstration demonstration(task, device(), true);
+  ServedTask served(task, device(), &device());
+  served.reset(SEED, EPISODE);
+  const auto bytes_of = [](const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  for (std::size_t i = 0; i < task.cameras.size(); ++i) {
+    const Picture8 picture = served.picture(i);
+    const std::filesystem::path encoded = demonstration.folder.path / "encoded.mp4";
+    VideoWriter video(encoded, picture.width, picture.height, task.render.frames_per_second);
+    video.write(picture.rgb);
+    video.finish();
+    EXPECT_GT(bytes_of(encoded).size(), 500u);
+    EXPECT_TRUE(bytes_of(encoded) == bytes_of(start_video(demonstration.folder.path, task.cameras[i].name))) << i;
   }
 }
 
