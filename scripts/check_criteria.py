@@ -22,6 +22,7 @@ ALLOWED = {
     "data/start_places.cpp": {"MOST_STEPS": "iterations of an equation that is solved", "DIFFERENCE": "finite difference",
                               "SMALL_STEP": "rounding"},
     "data/start_fit.cpp": {"3": "samples of a parabola", "PARABOLA": "numbers of a polynomial"},
+    "fit/fit_trials.cpp": {"LEAST_DAMPING": "rounding of a matrix"},
     "fit/fit_cost.cpp": {"3": "samples of third differences"},
     "fit/held_out.cpp": {"-10.0": "lowest share that is shown"},
     "fit/held_out.hpp": {"CURVES_OF_FITTED_RUNS": "curves in a report"},

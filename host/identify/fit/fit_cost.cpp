@@ -8,6 +8,7 @@
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/left_out_blocks.hpp"
+#include "host/identify/fit/normal_equations.hpp"
 #include "host/identify/fit/prior.hpp"
 
 namespace pvg::diagnose {
@@ -204,7 +205,7 @@ MatrixXd covariance_of(const Fit& fit, const std::vector<Window>& windows, doubl
   MatrixXd a = reduced.sum_a();
   const std::vector<const Parameter*> parameters = fit.model.parameters();
   for (Eigen::Index i = 0; i < a.rows(); ++i) a(i, i) += prior_weight(*parameters[std::size_t(i)], fit.model.x[i]);
-  const MatrixXd inverse = a.completeOrthogonalDecomposition().pseudoInverse();
+  const MatrixXd inverse = inverse_in_own_units(a);
   std::map<int, VectorXd> of_run;
   for (std::size_t w = 0; w < windows.size(); ++w) {
     const auto [at, is_new] = of_run.try_emplace(windows[w].run, reduced.g[w]);
@@ -224,7 +225,7 @@ VectorXd moved_by_correction(const Fit& fit, const std::vector<Window>& windows)
   const Eigen::Index n = fit.model.x.size();
   const std::optional<WithStepShare> system = with_step_share(fit, windows);
   if (!system) return VectorXd::Zero(n);
-  const MatrixXd inverse = system->a.topLeftCorner(n, n).completeOrthogonalDecomposition().pseudoInverse();
+  const MatrixXd inverse = inverse_in_own_units(system->a.topLeftCorner(n, n));
   const VectorXd by = inverse * system->a.col(n).head(n), least = VectorXd::Constant(n, 1e-300);
   return by.cwiseQuotient(fit.scale * inverse.diagonal().cwiseMax(least).cwiseSqrt());
 }

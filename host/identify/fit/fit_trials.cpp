@@ -9,12 +9,14 @@
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/fit.hpp"
 #include "host/identify/fit/fit_cost.hpp"
+#include "host/identify/fit/normal_equations.hpp"
 #include "host/identify/fit/prior.hpp"
 
 namespace pvg::diagnose {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
+constexpr double LEAST_DAMPING = 1e-12;  // of numbers that move the data alike
 
 VectorXd clamped(const Model& model, VectorXd x) {
   const std::vector<const Parameter*> parameters = model.parameters();
@@ -85,7 +87,7 @@ Model stepped(const Fit& fit, double damping) {
     a(i, i) += weight;
     g[i] += weight * (fit.model.x[i] - p.off);
   }
-  a.diagonal() += VectorXd(damping * a.diagonal() + VectorXd::Constant(a.rows(), 1e-12 * a.trace()));
+  add_to_diagonal(a, damping + LEAST_DAMPING);
   const VectorXd dx = -a.ldlt().solve(g);
   Model model = fit.model;
   if (dx.allFinite()) model.x = clamped(model, moved(model, dx));

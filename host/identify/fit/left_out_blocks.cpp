@@ -6,6 +6,7 @@
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/fit_cost.hpp"
+#include "host/identify/fit/normal_equations.hpp"
 
 namespace pvg::diagnose {
 namespace {
@@ -63,7 +64,7 @@ VectorXd left_out_blocks(const Fit& fit, const std::vector<Window>& windows, con
         without += rest.a[0];
         g += rest.g[0];
       }
-      moved.push_back(-without.completeOrthogonalDecomposition().solve(g));
+      moved.push_back(-inverse_in_own_units(without) * g);
     }
   }
   const double n = double(moved.size());

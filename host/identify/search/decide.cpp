@@ -7,6 +7,7 @@
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/correlation.hpp"
+#include "host/identify/fit/normal_equations.hpp"
 #include "host/identify/fit/prior.hpp"
 
 namespace pvg::diagnose {
@@ -40,7 +41,7 @@ std::vector<VectorXd> left_out(const Fit& fit, const std::vector<std::size_t>& g
   const Reduced reduced = reduce(fit);
   std::vector<VectorXd> residual = fit.residual;
   for (std::size_t k = 0; k < n_groups; ++k) {
-    MatrixXd a = 1e-12 * MatrixXd::Identity(fit.model.x.size(), fit.model.x.size());
+    MatrixXd a = MatrixXd::Zero(fit.model.x.size(), fit.model.x.size());
     VectorXd g = VectorXd::Zero(fit.model.x.size());
     for (std::size_t w = 0; w < group.size(); ++w)
       if (group[w] != k) a += reduced.a[w], g += reduced.g[w];
@@ -51,6 +52,7 @@ std::vector<VectorXd> left_out(const Fit& fit, const std::vector<std::size_t>& g
     }
     // numbers, and sums of them, to which the others are not sensitive stay where they are
     a += criteria().left_out_ridge * reduced.sum_a();
+    add_to_diagonal(a, 0);
     VectorXd dx = -a.ldlt().solve(g);
     for (Eigen::Index i = 0; i < dx.size(); ++i) {
       const Parameter& p = *fit.model.parameters()[std::size_t(i)];
