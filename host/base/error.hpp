@@ -26,4 +26,9 @@ struct DeviceError : Failure {
   using Failure::Failure;
 };
 
+// A buffer that the device has no room for.
+struct OutOfDeviceMemory : DeviceError {
+  using DeviceError::DeviceError;
+};
+
 }  // namespace pvg

@@ -19,7 +19,10 @@ Memory::Memory(Device& device, std::size_t bytes, std::string name)
     : device_(&device), bytes_(bytes), name_(std::move(name)) {
   cl_int code = 0;
   handle_ = clCreateBuffer(device.impl().context, CL_MEM_READ_WRITE, bytes, nullptr, &code);
-  require(code, "allocate " + name_ + ", " + std::to_string(bytes) + " bytes");
+  const std::string what = "allocate " + name_ + ", " + std::to_string(bytes) + " bytes";
+  if (code == CL_INVALID_BUFFER_SIZE || code == CL_MEM_OBJECT_ALLOCATION_FAILURE || code == CL_OUT_OF_HOST_MEMORY)
+    throw OutOfDeviceMemory(what + ": the device has no room for so much");
+  require(code, what);
   Device::Impl& impl = device.impl();
   serial_ = ++impl.n_buffers;
   const std::size_t live = impl.live_bytes += bytes;

@@ -121,5 +121,15 @@ TEST(Device, BufferRefusesAWrongLength) {
   EXPECT_THROW(x.read(2, 2), std::logic_error);
 }
 
+TEST(Memory, WhatTheDeviceHasNoRoomForIsToldWithItsSize) {
+  Device device;
+  try {
+    Buffer<double> too_large(device, std::size_t(1) << 50, "a petabyte");
+    FAIL() << "allocated";
+  } catch (const OutOfDeviceMemory& error) {
+    EXPECT_NE(std::string(error.what()).find("a petabyte, 9007199254740992 bytes"), std::string::npos) << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace pvg

@@ -263,10 +263,7 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::ve
       n_steps[w] = std::max(n_steps[w], seen.back().n_steps);
     }
   }
-  std::unique_ptr<WindowWorlds> made;
-  try {
-    made = std::make_unique<WindowWorlds>(device_, problem_, std::move(scenes), std::move(windows));
-  } catch (const UsageError& refused) {  // a start that cannot be: the others go on without it
+  const auto go_on_without_what_fails = [&] {
     const std::size_t n = which.size();
     if (n > 1) {
       predict_batch(jobs, which.subspan(0, n / 2), out);
@@ -279,7 +276,12 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::ve
       none.phase.assign(jobs[i].wants_phases ? jobs[i].window->data.size() : 0, Phase::free);
       none.succeeded = false;
     }
-    return;
+  };
+  std::unique_ptr<WindowWorlds> made;
+  try {
+    made = std::make_unique<WindowWorlds>(device_, problem_, std::move(scenes), std::move(windows));
+  } catch (const UsageError& refused) {  // a start that cannot be
+    return go_on_without_what_fails();
   }
   WindowWorlds& worlds = *made;
   Simulation& simulation = worlds.simulation();
@@ -303,6 +305,9 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::ve
       }
       for (Seen& one : seen) one.succeeded = one.succeeded && (goes_on[one.world] || step > one.n_steps);
       if (std::none_of(goes_on.begin(), goes_on.end(), [](char well) { return well; })) break;
+    } catch (const OutOfDeviceMemory&) {  // numbers with which so much comes near so much
+      made.reset();
+      return go_on_without_what_fails();
     }
     look(step);
     for (std::size_t w = 0; w < which.size(); ++w)
