@@ -19,9 +19,8 @@
 //   /node_step [K]   the steps whose nodes are kept; missing: all
 //   /solver/{newton, cg, contacts, retries, residual [m/s], min_gap [m]} [T]
 //   /camera/<name>/{K [F, 3, 3], distortion, T_world_camera [F, 4, 4]}
-//   /start/{q, T_link, T_rigid, X_gripper/<name>, X_deform/<name>, camera/<name>/T_world_camera}   before the first
-//   step:
-//                                            one row of each; missing where only steps are on record
+//   /start/{q, T_link, T_rigid, X_gripper/<name>, X_deform/<name>}, /start/camera/<name>/T_world_camera
+//     before the first step, one row of each; missing where only steps are on record
 #pragma once
 #include <array>
 #include <cstdint>

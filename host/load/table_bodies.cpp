@@ -10,8 +10,6 @@ namespace {
 
 using Section = YamlSection;
 using BodyKind = BodySection::Kind;
-constexpr double FASTEST = 1e3;     // [m/s]
-constexpr double MOST_TURNS = 1e4;  // [rad/s]
 
 auto is_kind(std::initializer_list<BodyKind> kinds) {
   return [kinds = std::vector<BodyKind>(kinds)](const BodySection& body) {
@@ -68,14 +66,11 @@ void read_initial(Section& section, SceneJointSection& read) {
 void read_target(Section& section, DriveSection& drive) {
   const bool is_turn = turns(drive.type);
   Unit unit = coordinate_unit(drive.type);
-  double largest = largest_coordinate(drive.type);
-  if (drive.drive.mode == Drive::Mode::velocity) {
+  if (drive.drive.mode == Drive::Mode::velocity)
     unit = is_turn ? Unit::angular_speed : Unit::speed;
-    largest = is_turn ? MOST_TURNS : FASTEST;
-  } else if (drive.drive.mode == Drive::Mode::torque) {
+  else if (drive.drive.mode == Drive::Mode::torque)
     unit = is_turn ? Unit::torque : Unit::force;
-    largest = LARGEST_JOINT_NUMBER;
-  }
+  const double largest = largest_target(drive.type, drive.drive.mode);
   if (!section.has("target_times")) {
     drive.target = {{0}, {section.number("target", unit, -largest, largest)}};
     return;

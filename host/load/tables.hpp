@@ -1,6 +1,7 @@
 // The tables of all sections that scene, task and gripper files and resolved configurations share.
 #pragma once
 #include "host/load/fields/fields.hpp"
+#include "host/load/fields/target_bounds.hpp"
 #include "host/load/task_file.hpp"
 
 namespace pvg {
@@ -51,15 +52,10 @@ const Fields<Effect>& effect_fields();
 const Fields<RecordSection>& record_fields();  // table_task.cpp
 
 // table_joint.cpp: what the joints of scenes and of tasks share, and those of tasks
-constexpr double LARGEST_JOINT_ANGLE = 1e3;    // counted in turns [rad]
-constexpr double LARGEST_JOINT_NUMBER = 1e12;  // stiffness, damping, effort
-
-inline bool turns(Joint::Type type) { return type == Joint::Type::revolute; }
 inline bool has_coordinate(const JointSection& section) {
   return turns(section.joint.type) || section.joint.type == Joint::Type::prismatic;
 }
 inline Unit coordinate_unit(Joint::Type type) { return turns(type) ? Unit::angle : Unit::length; }
-inline double largest_coordinate(Joint::Type type) { return turns(type) ? LARGEST_JOINT_ANGLE : REACH; }
 
 const Fields<JointSection>& joint_ends_fields();   // what it joins, and how
 const Fields<JointSection>& joint_frame_fields();  // its limits, which hold Joint::initial, its damping and its frame

@@ -150,15 +150,15 @@ void check_options(const RenderOptions& options) {
 }
 
 RenderSettings settings_of(const RenderOptions& options, const ShownScene& shown) {
-  RenderSettings settings;
-  settings.samples = options.samples ? options.samples : shown.render.samples;
+  RenderSettings settings = settings_of(shown.render);
+  if (options.samples) settings.samples = options.samples;
   settings.transparent_shadows = !options.caustics;
-  settings.max_depth = options.max_depth ? options.max_depth : shown.render.max_depth;
+  if (options.max_depth) settings.max_depth = options.max_depth;
   settings.seed = options.seed ? options.seed : shown.seed;
   settings.sees_through_glass = options.sees_through_glass;
   settings.notes_features = options.writes_ground_truth;
-  settings.is_adaptive = options.is_adaptive || shown.render.adaptive;
-  settings.denoises = options.denoises || shown.render.denoise;
+  settings.is_adaptive |= options.is_adaptive;
+  settings.denoises |= options.denoises;
   return settings;
 }
 

@@ -16,6 +16,7 @@
 #include "pipeline/episode/motion_plan.hpp"
 #include "pipeline/episode/picture_stages.hpp"
 #include "pipeline/episode/record.hpp"
+#include "pipeline/episode/shown_scene.hpp"
 
 namespace pvg {
 namespace {
@@ -219,11 +220,7 @@ std::uint64_t picture_seed(std::uint64_t seed, std::uint64_t episode) {
 }
 
 RenderSettings picture_settings(const Task& task, std::uint64_t seed, std::uint64_t episode) {
-  RenderSettings settings;
-  settings.samples = task.render.samples;
-  settings.is_adaptive = task.render.adaptive;
-  settings.max_depth = task.render.max_depth;
-  settings.denoises = task.render.denoise;
+  RenderSettings settings = settings_of(task.render);
   settings.seed = picture_seed(seed, episode);
   return settings;
 }

@@ -14,7 +14,6 @@
 #include "host/load/scene_file.hpp"
 #include "host/load/task_file.hpp"
 #include "host/render/motion.hpp"
-#include "host/render/renderer.hpp"
 #include "pipeline/episode/episode.hpp"
 
 namespace pvg {
@@ -84,6 +83,15 @@ ShownScene load_shown_scene(const std::string& file, const std::string& states, 
     shown.scene = load_scene_run(file).scene;
   }
   return shown;
+}
+
+RenderSettings settings_of(const RenderSection& section) {
+  RenderSettings settings;
+  settings.samples = section.samples;
+  settings.is_adaptive = section.adaptive;
+  settings.max_depth = section.max_depth;
+  settings.denoises = section.denoise;
+  return settings;
 }
 
 void resize(Camera& camera, int width, int height) {

@@ -7,6 +7,7 @@
 #include "host/dataset/states_reader.hpp"
 #include "host/model/scene.hpp"
 #include "host/model/task.hpp"
+#include "host/render/renderer.hpp"
 
 namespace pvg {
 
@@ -23,6 +24,9 @@ struct ShownScene {
 // without states every number is in the middle of its range. has_rigid_grippers: of a task, whose fingers do not bend;
 // a UsageError for any other file.
 ShownScene load_shown_scene(const std::string& file, const std::string& states, bool has_rigid_grippers = false);
+
+// What a file says of pictures, for the renderer.
+RenderSettings settings_of(const RenderSection& section);
 
 // The same view in other pixels; the vertical field of view stays. 0: as it is.
 void resize(Camera& camera, int width, int height);

@@ -1,9 +1,14 @@
 #include "pipeline/serve/requests.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "host/base/error.hpp"
+#include "host/dataset/states_file.hpp"
+#include "host/load/fields/target_bounds.hpp"
 #include "pipeline/serve/shared_memory.hpp"
 
 namespace pvg {
@@ -64,6 +69,23 @@ std::vector<std::vector<double>> rows_of_targets(const Json& request) {
   std::vector<std::vector<double>> rows;
   for (const Json& row : request["targets"]) rows.push_back(numbers(row, "targets"));
   return rows;
+}
+
+void check_targets(const PhysicalScene& scene, std::span<const std::vector<double>> rows) {
+  const std::vector<std::size_t> driven = driven_joints(scene);
+  for (const std::vector<double>& row : rows) {
+    if (row.size() != driven.size())
+      throw UsageError("a row of `targets` has a number for each of the " + std::to_string(driven.size()) +
+                       " joints with a drive, this one has " + std::to_string(row.size()));
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const Joint& joint = scene.joints[driven[i]];
+      const double largest = largest_target(joint.type, joint.drive.mode);
+      if (!std::isfinite(row[i])) throw UsageError("`targets` holds what is not a finite number");
+      if (std::abs(row[i]) > largest)
+        throw UsageError(
+            fmt::format("the target of joint {} is {:g}, it may be {:g} at most", joint.name, row[i], largest));
+    }
+  }
 }
 
 void check_pictures(std::span<const ServedCamera> cameras, const Json& request) {

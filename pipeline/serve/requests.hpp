@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/model/physical_scene.hpp"
 #include "host/pictures/picture.hpp"
 #include "pipeline/serve/protocol.hpp"
 
@@ -29,6 +30,9 @@ std::vector<double> numbers(const Json& list, const std::string& key);
 
 // `targets` of a request.  [n_steps][n_driven]
 std::vector<std::vector<double>> rows_of_targets(const Json& request);
+
+// A UsageError unless each row has a number for each joint with a drive, none larger than a scene file may say.
+void check_targets(const PhysicalScene& scene, std::span<const std::vector<double>> rows);
 
 // A UsageError where pictures are asked for that there are not, or `memory` cannot take them. Before anything is done:
 // a mistake leaves all as it is.

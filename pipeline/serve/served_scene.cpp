@@ -1,7 +1,6 @@
 #include "pipeline/serve/served_scene.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -10,21 +9,9 @@
 #include "host/physics/step/separate_bodies.hpp"
 #include "host/render/motion.hpp"
 #include "pipeline/episode/shown_scene.hpp"
+#include "pipeline/serve/requests.hpp"
 
 namespace pvg {
-namespace {
-
-RenderSettings settings_of(const RenderSection& section) {
-  RenderSettings settings;
-  settings.samples = section.samples;
-  settings.is_adaptive = section.adaptive;
-  settings.max_depth = section.max_depth;
-  settings.denoises = section.denoise;
-  return settings;
-}
-
-}  // namespace
-
 ServedScene::ServedScene(SceneRun run, const PictureOverrides& pictures, Device& physics, Device* rendering)
     : run_(std::move(run)), physics_(physics), rendering_(rendering) {
   if (run_.scene.separates_start)
@@ -76,13 +63,7 @@ void ServedScene::step(std::size_t n) {
 }
 
 void ServedScene::step(const std::vector<std::vector<double>>& targets) {
-  for (const std::vector<double>& row : targets) {
-    if (row.size() != driven_.size())
-      throw UsageError("a row of `targets` has a number for each of the " + std::to_string(driven_.size()) +
-                       " joints with a drive, this one has " + std::to_string(row.size()));
-    if (!std::all_of(row.begin(), row.end(), [](double number) { return std::isfinite(number); }))
-      throw UsageError("`targets` holds what is not a finite number");
-  }
+  check_targets(run_.scene, targets);
   for (const std::vector<double>& row : targets) step_to(row);
 }
 

@@ -9,6 +9,7 @@
 #include "host/render/motion.hpp"
 #include "pipeline/episode/episode.hpp"
 #include "pipeline/episode/picture_stages.hpp"
+#include "pipeline/serve/requests.hpp"
 
 namespace pvg {
 namespace {
@@ -225,13 +226,7 @@ void ServedTask::ask_action(std::span<const double> action) {
 
 void ServedTask::ask_targets(std::vector<std::vector<double>> targets) {
   demand_running();
-  for (const std::vector<double>& row : targets) {
-    if (row.size() != targets_.size())
-      throw UsageError("a row of targets has " + std::to_string(targets_.size()) + " numbers, this one has " +
-                       std::to_string(row.size()));
-    if (!std::all_of(row.begin(), row.end(), [](double number) { return std::isfinite(number); }))
-      throw UsageError("a row of targets holds what is not a finite number");
-  }
+  check_targets(built_->scene, targets);
   asked_ = {};
   asked_.targets = std::move(targets);
 }

@@ -306,6 +306,7 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::ve
       for (Seen& one : seen) one.succeeded = one.succeeded && (goes_on[one.world] || step > one.n_steps);
       if (std::none_of(goes_on.begin(), goes_on.end(), [](char well) { return well; })) break;
     } catch (const OutOfDeviceMemory&) {  // numbers with which so much comes near so much
+      device_.finish();                   // reads that were started write to what is made here
       made.reset();
       return go_on_without_what_fails();
     }

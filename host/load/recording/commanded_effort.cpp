@@ -16,19 +16,23 @@ struct UnitOfCommand {
 struct Command {
   const char *suffix, *name, *per, *example;  // of the target; what it is; end of the constant's unit
   std::vector<UnitOfCommand> units;
-  const char* units_by_name;
 };
 
 const std::vector<Command>& commands() {
-  static const std::vector<Command> all = {
-      {"/current", "current", "/A", "0.05 N m/A", {{"A", 1}, {"mA", 1e-3}}, "A or mA"},
-      {"/pressure",
-       "pressure",
-       "/Pa",
-       "3e-4 N/Pa, the area of a piston",
-       {{"Pa", 1}, {"kPa", 1e3}, {"MPa", 1e6}, {"bar", 1e5}},
-       "Pa, kPa, MPa or bar"}};
+  static const std::vector<Command> all = {{"/current", "current", "/A", "0.05 N m/A", {{"A", 1}, {"mA", 1e-3}}},
+                                           {"/pressure",
+                                            "pressure",
+                                            "/Pa",
+                                            "3e-4 N/Pa, the area of a piston",
+                                            {{"Pa", 1}, {"kPa", 1e3}, {"MPa", 1e6}, {"bar", 1e5}}}};
   return all;
+}
+
+std::string names_of(const std::vector<UnitOfCommand>& units) {
+  std::string names;
+  for (std::size_t i = 0; i < units.size(); ++i)
+    names += (i == 0 ? "" : i + 1 < units.size() ? ", " : " or ") + std::string(units[i].name);
+  return names;
 }
 
 }  // namespace
@@ -51,7 +55,7 @@ void make_effort(YamlSection& section, RecordedInput& input, std::vector<Recorde
   const auto unit = std::find_if(command->units.begin(), command->units.end(),
                                  [&](const UnitOfCommand& one) { return input.unit == one.name; });
   if (unit == command->units.end())
-    section.fail("unit", "of a " + std::string(command->name) + " must be " + command->units_by_name);
+    section.fail("unit", "of a " + std::string(command->name) + " must be " + names_of(command->units));
   const std::string effort = column + " x " + constant;
   for (RecordedRun& run : runs) {
     if (!run.table.has(column)) continue;  // an error names it later

@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import shutil
 from pathlib import Path
+from typing import Mapping
 
-__all__ = ["find_program", "find_scene", "find_task", "scenes", "tasks"]
+__all__ = ["find_program", "find_scene", "find_task", "scenes", "serve_words", "tasks"]
 
 
 def find_program() -> Path:
@@ -61,3 +62,12 @@ def find_task(task: str | os.PathLike[str], program: Path | None = None) -> Path
 def find_scene(scene: str | os.PathLike[str], program: Path | None = None) -> Path:
     """A scene file: the path itself, or the name of one of the program's own, such as `two_arms`."""
     return _find("scene", scene, scenes(program))
+
+
+def serve_words(program: Path, file: Path, render: bool, options: Mapping[str, object]) -> list[str]:
+    """The command that serves a file. options: by name, without dashes; None: not given."""
+    words = [str(program), "serve", str(file)]
+    for name, value in options.items():
+        if value is not None:
+            words += [f"--{name}", str(value)]
+    return words if render else [*words, "--no-render"]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .connection import Connection, ServeError, SharedMemory, check_protocol, read_array
-from .program import find_program, find_task
+from .program import find_program, find_task, serve_words
 
 __all__ = ["Answer", "Column", "Facts", "ServeError", "Server", "World"]
 
@@ -213,17 +213,11 @@ class Server(World):
         words: list[str] = []
         if socket is None:
             program = program or find_program()
-            words = [str(program), "serve", str(find_task(task, program))]
-            options = {"width": width, "height": height, "samples": samples, "fps": fps, "gripper": gripper}
-            for name, value in {**options, "device": device}.items():
-                if value is not None:
-                    words += [f"--{name}", str(value)]
+            options: dict[str, object] = {"width": width, "height": height, "samples": samples, "fps": fps}
+            options |= {"gripper": gripper, "device": device, "worlds": worlds if worlds != 1 else None}
+            words = serve_words(program, find_task(task, program), render, options)
             for name, amount in (perturb or {}).items():
                 words += ["--perturb", f"{name}={amount!r}"]
-            if worlds != 1:
-                words += ["--worlds", str(worlds)]
-            if not render:
-                words.append("--no-render")
         self._connection = Connection(words, socket)
         try:
             self.facts = _facts(self._connection.receive()[0])

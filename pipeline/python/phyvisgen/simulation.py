@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .connection import Connection, ServeError, SharedMemory, check_protocol, read_array
-from .program import find_program, find_scene
+from .program import find_program, find_scene, serve_words
 from .scene_facts import Contacts, Forces, SceneFacts, find
 
 __all__ = ["Simulation", "StepFailure"]
@@ -63,13 +63,8 @@ class Simulation:
         words: list[str] = []
         if socket is None:
             program = program or find_program()
-            words = [str(program), "serve", str(find_scene(scene, program))]
             options = {"width": width, "height": height, "samples": samples, "device": device}
-            for name, value in options.items():
-                if value is not None:
-                    words += [f"--{name}", str(value)]
-            if not render:
-                words.append("--no-render")
+            words = serve_words(program, find_scene(scene, program), render, options)
         self._memory: dict[str, SharedMemory] = {}
         self._known: dict[str, _Arrays] = {}  # answers about the present state
         self._time, self._n_steps = 0.0, 0

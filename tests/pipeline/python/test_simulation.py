@@ -106,12 +106,12 @@ class Bits(Written):
                 each.step(5)
             before = simulation.poses.copy(), simulation.contacts().normal_force.copy()
             with self.assertRaisesRegex(phyvisgen.StepFailure, "small.* s") as failure:
-                simulation.step(targets=[1e9])
+                simulation.step(targets=[100.0])
             self.assertEqual((failure.exception.n_done, simulation.n_steps), (0, 5))
             np.testing.assert_array_equal(simulation.poses, before[0])
             np.testing.assert_array_equal(simulation.contacts().normal_force, before[1])
             with self.assertRaises(phyvisgen.StepFailure) as failure:
-                simulation.step(targets=[[0.1], [0.1], [1e9], [0.1]])
+                simulation.step(targets=[[0.1], [0.1], [100.0], [0.1]])
             self.assertEqual((failure.exception.n_done, simulation.n_steps), (2, 7))
             other.step(2, targets=[0.1])
             for each in (simulation, other):

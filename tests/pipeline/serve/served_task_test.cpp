@@ -374,7 +374,7 @@ TEST_F(Served, WhatCannotBeDoneIsRefusedAndChangesNothing) {
   const std::vector<double> before = served.environment();
   expect_error<UsageError>([&] { served.act(std::vector<double>(7, 0.0)); }, {"8 numbers", "7"});
   expect_error<UsageError>([&] { served.act(std::vector<double>(8, std::nan(""))); }, {"finite"});
-  expect_error<UsageError>([&] { served.follow({std::vector<double>(9, 0.0), {}}); }, {"9 numbers", "0"});
+  expect_error<UsageError>([&] { served.follow({std::vector<double>(9, 0.0), {}}); }, {"9 joints with a drive", "0"});
   expect_error<UsageError>([&] { served.picture(0); }, {"--no-render"});
   EXPECT_EQ(served.environment(), before);
   EXPECT_EQ(served.n_steps(), 0u);
