@@ -7,24 +7,51 @@
 #include "host/device/opencl_error.hpp"
 
 namespace pvg {
+namespace {
 
-Device::Device(const std::string& which, Purpose purpose) : impl_(std::make_unique<Impl>()) {
+std::unique_ptr<Device::Impl> find_impl(const std::string& which, Purpose purpose) {
   const std::vector<FoundDevice> devices = find_devices();
   std::vector<DeviceInfo> infos;
   for (const FoundDevice& found : devices) infos.push_back(found.info);
   const FoundDevice& device = devices.at(choose_device(infos, which, purpose).index);
-  impl_->info = device.info;
-  impl_->id = device.id;
-  cl_int code = 0;
-  impl_->context = clCreateContext(nullptr, 1, &device.id, nullptr, nullptr, &code);
-  require(code, "open device " + device.info.name);
-  impl_->queue = clCreateCommandQueue(impl_->context, device.id, 0, &code);
-  require(code, "open a queue on device " + device.info.name);
-  if (!platform_keeps_programs(device.info.platform)) impl_->cache = ProgramCache(program_cache_folder());
+  auto impl = std::make_unique<Device::Impl>();
+  impl->info = device.info;
+  impl->id = device.id;
+  return impl;
 }
+
+}  // namespace
+
+Device::Device(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {
+  const DeviceInfo& info = impl_->info;
+  cl_int code = 0;
+  impl_->context = clCreateContext(nullptr, 1, &impl_->id, nullptr, nullptr, &code);
+  require(code, "open device " + info.name);
+  impl_->queue = clCreateCommandQueue(impl_->context, impl_->id, 0, &code);
+  require(code, "open a queue on device " + info.name);
+  if (!platform_keeps_programs(info.platform)) impl_->cache = ProgramCache(program_cache_folder());
+}
+Device::Device(const std::string& which, Purpose purpose) : Device(find_impl(which, purpose)) {}
 Device::~Device() = default;
 Device::Device(Device&&) noexcept = default;
 const DeviceInfo& Device::info() const { return impl_->info; }
+std::vector<Device> Device::compute_units() const {
+  if (info().is_gpu || info().compute_units < 2) return {};
+  const cl_device_partition_property each[] = {CL_DEVICE_PARTITION_EQUALLY, 1, 0};
+  std::vector<cl_device_id> ids(info().compute_units);
+  cl_uint n = 0;
+  if (clCreateSubDevices(impl_->id, each, cl_uint(ids.size()), ids.data(), &n) != CL_SUCCESS) return {};
+  std::vector<Device> units;
+  for (cl_uint i = 0; i < n; ++i) {
+    auto impl = std::make_unique<Impl>();
+    impl->info = info();
+    impl->info.compute_units = 1;
+    impl->id = ids[i];
+    impl->is_part = true;
+    units.push_back(Device(std::move(impl)));
+  }
+  return units;
+}
 void Device::finish() {
   const std::size_t staged = impl_->staged_so_far();
   ++impl_->n_waits;

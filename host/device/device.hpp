@@ -65,6 +65,9 @@ class Device {
   Device(Device&&) noexcept;
   Device(const Device&) = delete;
   const DeviceInfo& info() const;
+  // The compute units of a CPU, each a device with memory, programs and a queue of its own, which run side by side.
+  // Empty where the driver does not divide this device, as those of GPUs do not.
+  std::vector<Device> compute_units() const;
   void finish();  // waits for everything that was started
   // Calls `task` after what was started before, with the numbers of each buffer: made by reads() and writes() below.
   // Where the device runs host functions this is one command of its queue, which moves nothing and waits for nothing;
@@ -85,6 +88,7 @@ class Device {
   Impl& impl() { return *impl_; }
 
  private:
+  explicit Device(std::unique_ptr<Impl> impl);  // whose `info` and `id` are known
   std::unique_ptr<Impl> impl_;
 };
 

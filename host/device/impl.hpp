@@ -19,6 +19,7 @@ namespace pvg {
 struct Device::Impl {
   DeviceInfo info;
   cl_device_id id = nullptr;
+  bool is_part = false;  // of another device: its id is ours to give back
   cl_context context = nullptr;
   cl_command_queue queue = nullptr;
   std::atomic<std::size_t> live_bytes = 0, peak_bytes = 0;                          // episodes share a device
@@ -74,6 +75,7 @@ struct Device::Impl {
     for (const auto& [text, program] : built)
       if (program) clReleaseProgram(program);
     if (context) clReleaseContext(context);
+    if (is_part) clReleaseDevice(id);
   }
 };
 

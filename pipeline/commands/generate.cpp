@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "host/base/atomic_files.hpp"
 #include "host/base/files.hpp"
@@ -39,7 +41,7 @@ struct GenerateOptions {
   bool as_json = false, is_verbose = false;
   bool shows_graph = false;  // print the graph and nothing else
   bool is_rigid = false;     // fingers that do not bend
-  std::string worlds = "1";  // episodes that step together
+  std::string worlds = "1";  // episodes that are simulated at the same time
 };
 
 constexpr std::size_t MOST_WORLDS = 1024;  // threads of the stage graphs
@@ -107,8 +109,8 @@ void remove_empty(const EpisodeSet& set) {
   fs::remove(set.folder, ignored);
 }
 
-// How many episodes step together.
-std::size_t n_worlds(const GenerateOptions& options, const Task& task, EpisodeDevices& devices, std::uint64_t first) {
+// How many episodes are simulated at the same time.
+std::size_t n_worlds(const GenerateOptions& options, const Task& task, Device& physics, std::uint64_t first) {
   std::size_t n = 0;
   const char *begin = options.worlds.data(), *end = begin + options.worlds.size();
   if (const auto parsed = std::from_chars(begin, end, n);
@@ -121,12 +123,18 @@ std::size_t n_worlds(const GenerateOptions& options, const Task& task, EpisodeDe
   if (!options.no_render) return 1;
   try {
     const TaskScene built = build_scene(task, options.seed, first);
-    devices.simulation.join(built.scene);
+    SharedSimulation(physics).join(built.scene);
   } catch (const DeviceError&) {
     throw;
   } catch (const UsageError&) {  // a start that is no good: the episode will say so
   }
-  return automatic_worlds(devices.simulation.device().info(), devices.simulation.device().peak_bytes());
+  return automatic_worlds(physics.info(), physics.peak_bytes());
+}
+
+// Episodes beside each other take a compute unit each, where the device has several that can be had alone.
+EpisodeDevices episode_devices(Device& physics, Device& rendering, std::span<Device> units, std::size_t n_worlds) {
+  if (units.empty()) return {physics, rendering};
+  return {units.first(std::min(n_worlds, units.size())), rendering};
 }
 
 void report_end(const EpisodeSet& set, const MadeEpisodes& made, bool as_json) {
@@ -176,7 +184,6 @@ void run_generate(const GenerateOptions& options) {
   const bool was_there = fs::exists(options.folder);
   const EpisodeSet set = open_set(options, task, physics, rendering);
 
-  EpisodeDevices devices(physics, rendering);
   MakeOptions make{shard,
                    1,
                    options.frames_under_way,
@@ -185,8 +192,10 @@ void run_generate(const GenerateOptions& options) {
                    options.keep_failed,
                    options.retries_failed,
                    options.is_verbose};
-  make.n_worlds = std::min<std::size_t>(n_worlds(options, task, devices, shard.index),
+  make.n_worlds = std::min<std::size_t>(n_worlds(options, task, physics, shard.index),
                                         std::max<std::uint64_t>(shard.size(options.n_episodes), 1));
+  std::vector<Device> units = make.n_worlds > 1 ? physics.compute_units() : std::vector<Device>();
+  EpisodeDevices devices = episode_devices(physics, rendering, units, make.n_worlds);
   const MadeEpisodes made = make_episodes(task, set, make, devices, stop);
   if (made.error) {
     write_set_if_possible(set);
@@ -211,7 +220,7 @@ void add_generate(CLI::App& program) {
   command->add_option("--shard", o.shard, "i/n: make every n-th episode, from the i-th on")->capture_default_str();
   command->add_option("-o,--output", o.folder, "Folder of the set; finished episodes in it are skipped");
   command
-      ->add_option("--worlds", o.worlds, "Episodes that are simulated together, or automatic; no result depends on it")
+      ->add_option("--worlds", o.worlds, "Episodes that are simulated at the same time, or automatic; no result depends on it")
       ->capture_default_str();
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
   command->add_option("--render-device", o.render_device,

@@ -248,7 +248,8 @@ bool shows(const EpisodeSettings& settings, const std::string& camera) {
 EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, EpisodeDevices& devices,
                           const std::filesystem::path& folder, const std::atomic<bool>& stop,
                           const std::function<void(std::size_t, std::size_t)>& advance) {
-  Device &physics = devices.simulation.device(), &rendering = devices.rendering;
+  SharedSimulation& simulation = devices.simulations.at(settings.simulation);
+  Device &physics = simulation.device(), &rendering = devices.rendering;
   EpisodeReport report;
   const Stopwatch build_watch;
   TaskScene built = build_scene(task, settings.seed, settings.episode);
@@ -268,7 +269,7 @@ EpisodeReport run_episode(const Task& task, const EpisodeSettings& settings, Epi
   const Stopwatch start_watch;
   try {
     store.state(motion) = plan_episode(task, built);
-    store.state(world).world = start_world(task, scene, devices.simulation);
+    store.state(world).world = start_world(task, scene, simulation);
   } catch (const DeviceError&) {
     throw;
   } catch (const UsageError& error) {  // out of reach, or an initial intersection: this draw of the start is no good

@@ -2,9 +2,11 @@
 #pragma once
 #include <atomic>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,6 +25,7 @@ struct EpisodeSettings {
   bool renders = true;
   std::vector<std::string> cameras;  // whose pictures are rendered, by name; empty: all of the task
   std::size_t frames_under_way = 3;  // bound of the stage graph; no result depends on it
+  std::size_t simulation = 0;        // which of the devices' takes the episode; no result depends on it
 };
 
 // Sums over the steps of an episode.
@@ -73,8 +76,12 @@ RenderSettings picture_settings(const Task& task, std::uint64_t seed, std::uint6
 
 // What the episodes under way share.
 struct EpisodeDevices {
-  EpisodeDevices(Device& physics, Device& rendering) : simulation(physics), rendering(rendering) {}
-  SharedSimulation simulation;
+  EpisodeDevices(Device& physics, Device& rendering) : rendering(rendering) { simulations.emplace_back(physics); }
+  // Episodes are simulated beside each other, one simulation on each device; the devices outlive this.
+  EpisodeDevices(std::span<Device> physics, Device& rendering) : rendering(rendering) {
+    for (Device& device : physics) simulations.emplace_back(device);
+  }
+  std::deque<SharedSimulation> simulations;
   Device& rendering;
   std::mutex rendering_turn;  // one frame at a time
 };

@@ -115,13 +115,14 @@ void put_in_place(const SetRun& run, const EpisodeReport& report, const std::str
   kept.finish();
 }
 
-void make_episode(SetRun& run, std::uint64_t episode) {
+void make_episode(SetRun& run, std::uint64_t episode, std::size_t simulation) {
   EpisodeSettings settings;
   settings.seed = run.set.seed;
   settings.episode = episode;
   settings.renders = run.options.renders;
   settings.cameras = run.options.cameras;
   settings.frames_under_way = run.options.frames_under_way;
+  settings.simulation = simulation;
   PartialFolder folder(episode_folder(run.set.folder, episode));
   run.frames.begin(episode, 0);
   const EpisodeReport report =
@@ -155,9 +156,9 @@ void make_episode(SetRun& run, std::uint64_t episode) {
   }
 }
 
-void make_until_the_end(SetRun& run) {
+void make_until_the_end(SetRun& run, std::size_t simulation) {
   try {
-    while (const auto episode = next_episode(run)) make_episode(run, *episode);
+    while (const auto episode = next_episode(run)) make_episode(run, *episode, simulation);
   } catch (const std::exception&) {
     const std::lock_guard lock(run.mutex);
     // whatever went wrong after a stop, such as that its folder is gone, is of the stop
@@ -173,8 +174,9 @@ MadeEpisodes make_episodes(const Task& task, const EpisodeSet& set, const MakeOp
   run.progress.total = options.shard.size(set.n_asked);
   if (run.progress.total > 1) run.line.set_line_above([&](int bar_width) { return run.set_line(bar_width); });
   std::vector<std::thread> others;
-  for (std::size_t i = 1; i < options.n_worlds; ++i) others.emplace_back([&] { make_until_the_end(run); });
-  make_until_the_end(run);
+  for (std::size_t i = 1; i < options.n_worlds; ++i)
+    others.emplace_back([&, i] { make_until_the_end(run, i % devices.simulations.size()); });
+  make_until_the_end(run, 0);
   for (std::thread& thread : others) thread.join();
   std::sort(run.reasons.begin(), run.reasons.end());
   return {run.progress, run.reasons, run.error};

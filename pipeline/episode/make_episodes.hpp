@@ -22,7 +22,7 @@ struct Shard {
 
 struct MakeOptions {
   Shard shard;
-  std::size_t n_worlds = 1;          // episodes that step together
+  std::size_t n_worlds = 1;          // episodes that are simulated at the same time
   std::size_t frames_under_way = 3;  // bound of each stage graph
   bool renders = true;               // else states only
   std::vector<std::string> cameras;  // whose pictures are rendered; empty: all of the task

@@ -167,10 +167,10 @@ void SharedSimulation::step_all() {
 
 std::size_t automatic_worlds(const DeviceInfo& device, std::size_t bytes) {
   constexpr std::size_t ON_A_GPU = 32;  // not measured
-  if (!device.is_gpu) return 1;
+  const std::size_t most = device.is_gpu ? ON_A_GPU : std::max(device.compute_units, 1u);
   // while one joins, the simulation is there twice
   const std::size_t fit = device.memory_bytes / 2 / (2 * std::max<std::size_t>(bytes, 1));
-  return std::clamp<std::size_t>(fit, 1, ON_A_GPU);
+  return std::clamp<std::size_t>(fit, 1, most);
 }
 
 }  // namespace pvg

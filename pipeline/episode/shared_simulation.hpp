@@ -68,9 +68,9 @@ class SharedSimulation {
   std::size_t steps_since_change_ = 0;
 };
 
-// How many episodes are to step together: on a CPU one, since four together took longer than one after the other; on a
-// GPU, where it was not measured, up to 32 that fit into half of its memory. bytes: of one world on the device.
-// docs/measured/2026-11-25_many_episodes.md
+// How many episodes are to be simulated at the same time, as many as fit into half of the memory: on a CPU one for each
+// compute unit, beside each other, since in one solve they took longer than one after the other; on a GPU, where it was
+// not measured, up to 32 that step together. bytes: of one world on the device. docs/measured/2026-11-28_worlds.md
 std::size_t automatic_worlds(const DeviceInfo& device, std::size_t bytes);
 
 }  // namespace pvg

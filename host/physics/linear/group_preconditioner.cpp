@@ -56,7 +56,7 @@ void GroupPreconditioner::for_each_block(std::span<const u32> element_sites, std
 GroupPreconditioner::GroupPreconditioner(const MatrixPattern& matrix, std::span<const Site> sites,
                                          std::span<const double> position, std::span<const u32> node_group,
                                          std::span<const u32> group_world, std::span<const NodePair> coupled,
-                                         Device* factors_on)
+                                         Device* factors_on, std::size_t n_threads)
     : matrix_(matrix),
       sites_(sites.begin(), sites.end()),
       position_(position.begin(), position.end()),
@@ -66,7 +66,7 @@ GroupPreconditioner::GroupPreconditioner(const MatrixPattern& matrix, std::span<
       always_coupled_(coupled.begin(), coupled.end()),
       node_group_(node_group.begin(), node_group.end()),
       node_local_(node_group.size(), 0),
-      workers_(std::make_unique<Workers>()),
+      workers_(std::make_unique<Workers>(n_threads)),
       device_factor_(factors_on ? std::make_unique<DeviceFactor>(*factors_on, node_group.size()) : nullptr) {
   for (u32 node = 0; node < lone_group_.size(); ++node)
     if (lone_group_[node] != NO_GROUP) lone_nodes_[lone_group_[node]].push_back(node);

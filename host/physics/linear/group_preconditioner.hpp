@@ -27,10 +27,11 @@ class GroupPreconditioner {
   // matrix: pattern of what never changes, which must outlive this. position: of the nodes at first [n_nodes x 3, m].
   // node_group: group of each node, NO_GROUP for nodes
   // that never move; group_world: of each group; coupled: pairs of nodes that contacts may couple at any time;
-  // factors_on: the device whose kernels factor and solve, or nothing, then the host does.
+  // factors_on: the device whose kernels factor and solve, or nothing, then the host does, on n_threads threads.
   GroupPreconditioner(const MatrixPattern& matrix, std::span<const Site> sites, std::span<const double> position,
                       std::span<const u32> node_group, std::span<const u32> group_world,
-                      std::span<const NodePair> coupled = {}, Device* factors_on = nullptr);
+                      std::span<const NodePair> coupled = {}, Device* factors_on = nullptr,
+                      std::size_t n_threads = std::thread::hardware_concurrency());
 
   // Takes further pairs of nodes into the factors, until the next call; groups that they join share one factor. Groups
   // that are as they were keep theirs.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <string>
+#include <thread>
 
 namespace pvg {
 namespace {
@@ -72,6 +73,12 @@ Device* factoring_device(Device& device) {
   return is_wanted ? &device : nullptr;
 }
 
+// Threads of the host that factor: a CPU may be one compute unit of the machine's.
+std::size_t host_threads(const DeviceInfo& device) {
+  const std::size_t all = std::max(1u, std::thread::hardware_concurrency());
+  return device.runs_host_functions ? std::min<std::size_t>(all, device.compute_units) : all;
+}
+
 }  // namespace
 
 Preconditioner::Preconditioner(Device& device, const System& system, const BlockMatrix& matrix)
@@ -81,7 +88,8 @@ Preconditioner::Preconditioner(Device& device, const System& system, const Block
   if (kind == Kind::automatic || kind == Kind::factor)
     groups_ =
         std::make_unique<GroupPreconditioner>(matrix.pattern(), system.sites, system.x, system.node_group,
-                                              system.group_world, system.contact_couplings, factoring_device(device));
+                                              system.group_world, system.contact_couplings, factoring_device(device),
+                                              host_threads(device.info()));
   if (kind == Kind::automatic)
     for (std::size_t group = 0; group < is_exact.size(); ++group)
       is_exact[group] = groups_->cost(u32(group)) <= LARGEST_FACTOR;
@@ -102,7 +110,8 @@ Preconditioner::Preconditioner(Device& device, const System& system, const Block
                                                   std::max(8u, largest_group(kept)), 1);
   } else if (!kept.world.empty())
     groups_ = std::make_unique<GroupPreconditioner>(matrix.pattern(), system.sites, system.x, kept.node_group,
-                                                    kept.world, system.contact_couplings, factoring_device(device));
+                                                    kept.world, system.contact_couplings, factoring_device(device),
+                                                    host_threads(device.info()));
   std::vector<u32> is_left_out(system.n_nodes());
   for (std::size_t node = 0; node < is_left_out.size(); ++node)
     is_left_out[node] = system.node_group[node] == NO_GROUP || is_exact[system.node_group[node]];
