@@ -27,6 +27,9 @@ struct DeviceInfo {
   std::size_t memory_bytes = 0;
 };
 
+// Options for programs that have a shorter way for PoCL on an x86 CPU with AVX (shared/pocl.h); elsewhere none.
+std::string avx_options(const DeviceInfo& device);
+
 // What the host asked of a device so far, and what it waited for.
 struct DeviceCounts {
   std::size_t launches = 0;  // kernels, fills and copies on the device

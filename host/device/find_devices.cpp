@@ -67,6 +67,14 @@ std::vector<FoundDevice> find_devices() {
   return found;
 }
 
+std::string avx_options([[maybe_unused]] const DeviceInfo& device) {
+#if defined(__x86_64__)
+  if (!device.is_gpu && device.platform == "Portable Computing Language" && __builtin_cpu_supports("avx"))
+    return "-DPVG_X86_AVX";
+#endif
+  return "";
+}
+
 std::vector<DeviceInfo> list_devices() {
   std::vector<DeviceInfo> infos;
   for (const FoundDevice& device : find_devices()) infos.push_back(device.info);

@@ -3,14 +3,10 @@
 namespace pvg {
 
 std::string traversal_options(const Device& device) {
-#if defined(__x86_64__)
-  const DeviceInfo& info = device.info();
-  if (!info.is_gpu && info.platform == "Portable Computing Language" && __builtin_cpu_supports("avx"))
-    // Whole numbers travel in the fourth parts of vectors, where they are denormal floats. No result depends on their
-    // products, but a processor takes its time for each; as zeros they cost nothing.
-    return "-DPVG_X86_AVX -cl-denorms-are-zero";
-#endif
-  return "";
+  const std::string options = avx_options(device.info());
+  // Whole numbers travel in the fourth parts of vectors, where they are denormal floats. No result depends on their
+  // products, but a processor takes its time for each; as zeros they cost nothing.
+  return options.empty() ? options : options + " -cl-denorms-are-zero";
 }
 
 Traversal::Traversal(Device& device)

@@ -96,14 +96,16 @@ static inline bool overlaps(const float8 limit, global const TreeNode* node) {
   return !mask8(vload8(0, (global const float*)node) > limit);
 }
 
+// the same of eight nodes that follow each other, without branches: bit i is node i
+static inline uint overlaps_of_eight(const float8 limit, global const TreeNode* first) {
+  uint bits = 0;
+  for (uint i = 0; i < 8; ++i) bits |= (uint)overlaps(limit, first + i) << i;
+  return bits;
+}
+
 // is all that is below a node of one body that the query's own never touches?
 static inline bool never_touches(const Search* search, global const TreeNode* node) {
   return node->body != MANY_BODIES && search->may_touch[node->body] < 0;
-}
-
-// can anything below the node be a partner?
-static inline bool is_worth(const Search* search, global const TreeNode* node) {
-  return overlaps(search->limit, node) && !never_touches(search, node);
 }
 
 // a pair that shares a site or that was recorded as never touching
@@ -274,12 +276,29 @@ static inline Search make_search(const Query query, const uint q, global const C
   return search;
 }
 
-// Walks to the next partner, from the left: the place of the walk is a stack of nodes still to be visited. Returns
-// NOTHING at the end.
+// Walks to the next partner, from the left. The place of the walk is a stack of runs of up to eight nodes, of which
+// those whose bit is set are still to be visited.
 typedef struct {
-  uint stack[32];
+  uint first[42], bits[42];  // 31 from the way to an edge's leaf, 11 from there down
   int n;
 } Walk;
+
+static inline void push(Walk* walk, const uint first, const uint bits) {
+  if (bits == 0) return;
+  walk->first[walk->n] = first;
+  walk->bits[walk->n++] = bits;
+}
+
+// The nodes three levels below k, or fewer so that three remain to each of the next; those between are not asked.
+static inline void push_below(Walk* walk, const Search* search, global const TreeNode* tree, const uint log2_leaves,
+                              const uint k) {
+  const uint levels = log2_leaves + clz(k) - 31u;
+  if (levels % 3 == 0)
+    push(walk, k << 3, overlaps_of_eight(search->limit, tree + (k << 3)));
+  else
+    push(walk, k << 1, (uint)overlaps(search->limit, tree + (k << 1)) |
+                           ((uint)overlaps(search->limit, tree + (k << 1) + 1) << 1));
+}
 
 static inline uint next_partner(const Search* search, Walk* walk, global const TreeNode* tree, const uint log2_leaves,
                                 global const CollisionEdge* restrict edges,
@@ -290,14 +309,15 @@ static inline uint next_partner(const Search* search, Walk* walk, global const T
   const uint n_leaves = 1u << log2_leaves;
   // every turn takes one node off for good, and no node is put on twice
   while (walk->n > 0) {
-    const uint k = walk->stack[--walk->n];
-    if (k >= n_leaves) {
-      const uint other = tree[k].primitive;
-      if (may_pair(search, other, edges, triangles, bodies, rest, disabled, x0, x1)) return other;
-      continue;
-    }
-    if (is_worth(search, tree + 2 * k + 1)) walk->stack[walk->n++] = 2 * k + 1;
-    if (is_worth(search, tree + 2 * k)) walk->stack[walk->n++] = 2 * k;
+    const int top = walk->n - 1;
+    const uint bits = walk->bits[top], k = walk->first[top] + lowest_bit(bits), left = bits & (bits - 1);
+    walk->bits[top] = left;
+    if (left == 0) walk->n = top;
+    if (never_touches(search, tree + k)) continue;
+    if (k < n_leaves)
+      push_below(walk, search, tree, log2_leaves, k);
+    else if (may_pair(search, tree[k].primitive, edges, triangles, bodies, rest, disabled, x0, x1))
+      return tree[k].primitive;
   }
   return NOTHING;
 }
@@ -307,13 +327,13 @@ static inline uint next_partner(const Search* search, Walk* walk, global const T
 static inline void begin_walk(Walk* walk, const Search* search, global const TreeNode* tree, const uint log2_leaves) {
   walk->n = 0;
   if (!search->is_edge) {
-    if (is_worth(search, tree + 1)) walk->stack[walk->n++] = 1;
+    push(walk, 1, overlaps(search->limit, tree + 1));
     return;
   }
   const uint leaf = (1u << log2_leaves) + search->slot;
   for (uint below = log2_leaves; below > 0 && !never_touches(search, tree + (leaf >> below)); --below) {
     const uint k = leaf >> (below - 1);
-    if ((k & 1u) == 0 && is_worth(search, tree + k + 1)) walk->stack[walk->n++] = k + 1;
+    if ((k & 1u) == 0) push(walk, k + 1, overlaps(search->limit, tree + k + 1));
   }
 }
 

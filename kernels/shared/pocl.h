@@ -1,4 +1,4 @@
-// All that the kernels do for PoCL alone. -DPVG_X86_AVX, from host/render/traversal.cpp, says that PoCL compiles for an
+// All that the kernels do for PoCL alone. -DPVG_X86_AVX, from avx_options() of host/device, says that PoCL compiles for an
 // x86 CPU with AVX. Without it this file defines what every compiler understands.
 #ifndef PVG_SHARED_POCL_H
 #define PVG_SHARED_POCL_H

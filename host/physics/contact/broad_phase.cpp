@@ -236,7 +236,7 @@ BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<cons
       sites_(device, 0, "sites of bodies"),
       is_near_(device, std::vector<u32>(std::max<std::size_t>(1, mesh.bodies.size()), 1), "body is near"),
       body_boxes_of_(device, 6 * mesh.bodies.size(), "body boxes"),
-      program_(device, "contact/broad_phase.cl"),
+      program_(device, "contact/broad_phase.cl", avx_options(device.info())),
       near_program_(device, "contact/near_bodies.cl"),
       refit_leaves_(program_.kernel("refit_leaves")),
       refit_levels_(program_.kernel("refit_levels")),

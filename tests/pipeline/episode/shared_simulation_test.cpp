@@ -103,6 +103,28 @@ TEST(SharedSimulation, AStartThatIntersectsIsRefusedAndTheOthersGoOn) {
   EXPECT_EQ(good->state().rigid[1], last_pose(own, 0));
 }
 
+TEST(SharedSimulation, ComputeUnitsBesideEachOtherHaveTheBitsOfTheWholeDevice) {
+  Device device;
+  std::vector<Device> units = device.compute_units();
+  if (device.info().compute_units < 2) {
+    EXPECT_TRUE(units.empty());
+    GTEST_SKIP() << "a device of one compute unit";
+  }
+  if (units.empty()) GTEST_SKIP() << "the driver does not divide this device";
+  ASSERT_EQ(units.size(), device.info().compute_units);
+  std::vector<Eigen::Matrix<double, 3, 4>> poses(units.size());
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < units.size(); ++i)
+    threads.emplace_back([&, i] {
+      EXPECT_EQ(units[i].info().compute_units, 1u);
+      SharedSimulation simulation(units[i]);
+      poses[i] = last_pose(simulation, int(i % 3));
+    });
+  for (std::thread& thread : threads) thread.join();
+  SharedSimulation whole(device);
+  for (std::size_t i = 0; i < units.size(); ++i) EXPECT_EQ(poses[i], last_pose(whole, int(i % 3))) << i;
+}
+
 TEST(AutomaticWorlds, FollowTheDeviceAndItsMemory) {
   DeviceInfo device;
   device.memory_bytes = 16'000'000'000;
