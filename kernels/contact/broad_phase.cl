@@ -34,11 +34,13 @@ static inline void store_box(const Box box, global TreeNode* node) {
   vstore3(-box.high, 0, node->minus_high);
 }
 
-// n = n_trees 2^log2_leaves
+// n = n_trees 2^log2_leaves;  near: [n_bodies x 8] where each has partners, as of contact/near_bodies.cl: what lies
+// outside is left out of the tree
 kernel void refit_leaves(const uint n, const uint log2_leaves, global TreeNode* restrict nodes,
                          global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
                          global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
-                         const real margin, global const real* restrict x0, global const real* restrict x1) {
+                         global const float* restrict near, const real margin, global const real* restrict x0,
+                         global const real* restrict x1) {
   const uint i = get_global_id(0);
   if (i >= n) return;
   const uint tree = i >> log2_leaves, n_leaves = 1u << log2_leaves;
@@ -55,8 +57,10 @@ kernel void refit_leaves(const uint n, const uint log2_leaves, global TreeNode* 
     store_box(everything, node);
     return;
   }
-  const Box box = is_edge ? box_of_edge(primitive, edges, x0, x1) : box_of_triangle(primitive, triangles, x0, x1);
-  store_box(grow(box, 0.5 * (worlds[tree >> 1].activation_distance + margin) + bodies[body].offset), node);
+  const Box own = is_edge ? box_of_edge(primitive, edges, x0, x1) : box_of_triangle(primitive, triangles, x0, x1);
+  const Box box = grow(own, 0.5 * (worlds[tree >> 1].activation_distance + margin) + bodies[body].offset);
+  const float8 limit = (float8)(box.high, -box.low, INFINITY, INFINITY);
+  store_box(mask8(vload8(body, near) > limit) ? empty_box() : box, node);
 }
 
 static inline void refit_node(global TreeNode* tree, const uint k) {
@@ -248,24 +252,35 @@ static inline Barrier barrier_row(const uint is_edge, const uint first, const ui
   return row;
 }
 
-static inline Search make_search(const Query query, const uint q, global const CollisionPoint* restrict points,
+// of a query's box: high, -low, infinity twice
+static inline float8 limit_of(const Query query, global const CollisionPoint* restrict points,
+                              global const CollisionEdge* restrict edges,
+                              global const CollisionBodyRow* restrict bodies,
+                              global const CollisionWorld* restrict worlds, const real margin,
+                              global const real* restrict x0, global const real* restrict x1) {
+  const uint i = query.primitive & ~IS_EDGE;
+  const Box own = query.primitive & IS_EDGE ? box_of_edge(i, edges, x0, x1) : box_of_point(i, points, x0, x1);
+  const Box box = grow(own, 0.5 * (worlds[query.world].activation_distance + margin) + bodies[query.body].offset);
+  return (float8)(box.high, -box.low, INFINITY, INFINITY);
+}
+
+static inline Search make_search(const Query query, const float8 limit, const uint q,
+                                 global const CollisionPoint* restrict points,
                                  global const CollisionEdge* restrict edges,
                                  global const CollisionBodyRow* restrict bodies,
                                  global const CollisionWorld* restrict worlds,
                                  global const real* restrict pair_friction, global const u32* restrict disabled_first,
-                                 const real margin, global const real* restrict x0, global const real* restrict x1) {
+                                 const real margin) {
   Search search;
   search.is_edge = (query.primitive & IS_EDGE) != 0;
   search.primitive = query.primitive & ~IS_EDGE;
   search.slot = query.slot;
   const uint i = search.primitive;
-  const uint body = search.is_edge ? edges[i].body : points[i].body;
+  const uint body = query.body;
   const CollisionWorld world = worlds[query.world];
   search.site[0] = search.is_edge ? edges[i].site[0] : points[i].site;
   search.site[1] = search.is_edge ? edges[i].site[1] : points[i].site;
-  const Box box = grow(search.is_edge ? box_of_edge(i, edges, x0, x1) : box_of_point(i, points, x0, x1),
-                       0.5 * (world.activation_distance + margin) + bodies[body].offset);
-  search.limit = (float8)(box.high, -box.low, INFINITY, INFINITY);
+  search.limit = limit;
   search.body = body;
   search.activation_distance = world.activation_distance;
   search.margin = margin;
@@ -337,23 +352,24 @@ static inline void begin_walk(Walk* walk, const Search* search, global const Tre
   }
 }
 
-// n: queries.  is_near: [n_bodies] as of contact/near_bodies.cl;  counts: [n];  kept: [n x N_KEPT] the first partners
+// n: queries.  near: [n_bodies x 8] where each has partners, as of contact/near_bodies.cl;  counts: [n];  kept: [n x N_KEPT] the first partners
 kernel void count_pairs(const uint n, const uint log2_leaves, global const Query* restrict queries,
                         global const TreeNode* restrict nodes, global const CollisionPoint* restrict points,
                         global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
                         global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
                         global const real* restrict rest, global const real* restrict pair_friction,
                         global const u32* restrict disabled_first, global const u32* restrict disabled,
-                        global const u32* restrict is_near, const real margin, global const real* restrict x0,
+                        global const float* restrict near, const real margin, global const real* restrict x0,
                         global const real* restrict x1, global u32* restrict counts, global u32* restrict kept) {
   const uint q = get_global_id(0);
   if (q >= n) return;
   const Query query = queries[q];
-  if (!is_near[query.body]) {
+  const float8 limit = limit_of(query, points, edges, bodies, worlds, margin, x0, x1);
+  if (mask8(vload8(query.body, near) > limit)) {
     counts[q] = 0;
     return;
   }
-  const Search search = make_search(query, q, points, edges, bodies, worlds, pair_friction, disabled_first, margin, x0, x1);
+  const Search search = make_search(query, limit, q, points, edges, bodies, worlds, pair_friction, disabled_first, margin);
   global const TreeNode* tree = nodes + ((size_t)(2 * query.world + search.is_edge) * 2 << log2_leaves);
   Walk walk;
   begin_walk(&walk, &search, tree, log2_leaves);
@@ -388,7 +404,8 @@ kernel void fill_pairs(const uint n, const uint log2_leaves, global const Query*
                                     rest, pair_friction, pair_adhesion);
     return;
   }
-  const Search search = make_search(query, q, points, edges, bodies, worlds, pair_friction, disabled_first, margin, x0, x1);
+  const float8 limit = limit_of(query, points, edges, bodies, worlds, margin, x0, x1);
+  const Search search = make_search(query, limit, q, points, edges, bodies, worlds, pair_friction, disabled_first, margin);
   global const TreeNode* tree = nodes + ((size_t)(2 * query.world + is_edge) * 2 << log2_leaves);
   Walk walk;
   begin_walk(&walk, &search, tree, log2_leaves);

@@ -1,5 +1,5 @@
-// Which bodies come near any that they may touch, while the sites move straight from x0 to x1: by a box of each body, which
-// holds those of its primitives in the trees of contact/broad_phase.cl. Of the others nothing need be looked for.
+// Where bodies come near any that they may touch, while the sites move straight from x0 to x1: by a box of each body, which
+// holds those of its primitives in the trees of contact/broad_phase.cl. Elsewhere nothing need be looked for.
 #include "contact/box.cl"
 #include "contact/mesh.h"
 #include "shared/types.h"
@@ -42,22 +42,29 @@ kernel __attribute__((reqd_work_group_size(64, 1, 1))) void body_boxes(
   vstore3(box.high, 2 * body + 1, boxes);
 }
 
-// n: bodies;  is_near: [n]
+// A pair's boxes meet within what the boxes of both bodies share: where that is, of all bodies that a body may touch.
+// n: bodies;  near: [n x 8] low, -high [m], no numbers; empty where there is none
 kernel void near_bodies(const uint n, global const CollisionBodyRow* restrict bodies,
                         global const CollisionWorld* restrict worlds, global const real* restrict pair_friction,
-                        global const float* restrict boxes, global u32* restrict is_near) {
+                        global const float* restrict boxes, global float* restrict near) {
   const uint body = get_global_id(0);
   if (body >= n) return;
   const CollisionBodyRow own = bodies[body];
   const CollisionWorld world = worlds[own.world];
   const uint first = body - own.index;  // body of its world
   const float3 low = vload3(2 * body, boxes), high = vload3(2 * body + 1, boxes);
-  uint found = 0;
+  Box found = empty_box();
   for (uint k = 0; k < world.n_bodies; ++k) {
     if (pair_friction[world.first_pair + own.index * world.n_bodies + k] < 0) continue;
+    const float3 from = vload3(2 * (first + k), boxes), to = vload3(2 * (first + k) + 1, boxes);
     // written so that what is not a number is near
-    const int3 apart = low > vload3(2 * (first + k) + 1, boxes) | vload3(2 * (first + k), boxes) > high;
-    if (!any(apart)) found = 1;
+    const int3 apart = low > to | from > high;
+    if (any(apart)) continue;
+    // fmin and fmax pass over what is not a number: it is everywhere
+    const Box shared = any(isnan(low) | isnan(high) | isnan(from) | isnan(to)) ? (Box){(float3)(-INFINITY), (float3)(INFINITY)}
+                                                          : (Box){fmax(low, from), fmin(high, to)};
+    found.low = fmin(found.low, shared.low);
+    found.high = fmax(found.high, shared.high);
   }
-  is_near[body] = found;
+  vstore8((float8)(found.low, -found.high, 0, 0), body, near);
 }

@@ -220,7 +220,8 @@ void add_generate(CLI::App& program) {
   command->add_option("--shard", o.shard, "i/n: make every n-th episode, from the i-th on")->capture_default_str();
   command->add_option("-o,--output", o.folder, "Folder of the set; finished episodes in it are skipped");
   command
-      ->add_option("--worlds", o.worlds, "Episodes that are simulated at the same time, or automatic; no result depends on it")
+      ->add_option("--worlds", o.worlds,
+                   "Episodes that are simulated at the same time, or automatic; no result depends on it")
       ->capture_default_str();
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
   command->add_option("--render-device", o.render_device,

@@ -206,6 +206,14 @@ BodySites sites_of_bodies(const CollisionMesh& mesh) {
   return all;
 }
 
+// [n_bodies x 8] boxes as of contact/near_bodies.cl that hold everything
+std::vector<float> everywhere(std::size_t n_bodies) {
+  std::vector<float> boxes(8 * n_bodies, 0);
+  for (std::size_t body = 0; body < n_bodies; ++body)
+    std::fill_n(&boxes[8 * body], 6, -std::numeric_limits<float>::infinity());
+  return boxes;
+}
+
 constexpr u32 LEVELS = 7;  // that one launch refits, as in contact/broad_phase.cl
 
 }  // namespace
@@ -234,7 +242,7 @@ BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<cons
       kept_(device, 0, "kept_partners"),
       first_site_(device, 0, "first site of body"),
       sites_(device, 0, "sites of bodies"),
-      is_near_(device, std::vector<u32>(std::max<std::size_t>(1, mesh.bodies.size()), 1), "body is near"),
+      near_(device, everywhere(mesh.bodies.size()), "where bodies are near"),
       body_boxes_of_(device, 6 * mesh.bodies.size(), "body boxes"),
       program_(device, "contact/broad_phase.cl", avx_options(device.info())),
       near_program_(device, "contact/near_bodies.cl"),
@@ -273,12 +281,13 @@ void BroadPhase::find_near_bodies(const Buffer<double>& x0, const Buffer<double>
   const u32 n = u32(bodies_.size());
   body_boxes_(n * GROUP_SIZE, n * u32(GROUP_SIZE), first_site_, sites_, bodies_, worlds_, margin, x0, x1,
               body_boxes_of_);
-  near_bodies_(n, n, bodies_, worlds_, pair_friction_, body_boxes_of_, is_near_);
+  near_bodies_(n, n, bodies_, worlds_, pair_friction_, body_boxes_of_, near_);
 }
 
 void BroadPhase::refit(const Buffer<double>& x0, const Buffer<double>& x1, double margin) {
   const std::size_t n_leaves = std::size_t(n_trees_) << log2_leaves_;
-  refit_leaves_(n_leaves, u32(n_leaves), log2_leaves_, nodes_, edges_, triangles_, bodies_, worlds_, margin, x0, x1);
+  refit_leaves_(n_leaves, u32(n_leaves), log2_leaves_, nodes_, edges_, triangles_, bodies_, worlds_, near_, margin, x0,
+                x1);
   for (u32 level = log2_leaves_; level > 0; level -= std::min(level, LEVELS)) {
     const u32 n = n_trees_ << (level - 1);
     refit_levels_(n, n, level - 1, log2_leaves_, nodes_);
@@ -295,7 +304,7 @@ void BroadPhase::find(const Buffer<double>& x0, const Buffer<double>& x1, double
   if (finds_near_bodies_) find_near_bodies(x0, x1, margin);
   refit(x0, x1, margin);
   count_pairs_(n, u32(n), log2_leaves_, queries_, nodes_, points_, edges_, triangles_, bodies_, worlds_, rest_,
-               pair_friction_, disabled_first_, disabled_, is_near_, margin, x0, x1, counts_, kept_);
+               pair_friction_, disabled_first_, disabled_, near_, margin, x0, x1, counts_, kept_);
   scan_(n, counts_, offsets_);
   pairs.first = scan_.read_at(offsets_, first_query_of_world_);
   pairs.rows.resize(pairs.n());

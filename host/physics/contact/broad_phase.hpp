@@ -45,12 +45,13 @@ class BroadPhase {
   Buffer<double> pair_friction_;  // coefficient of each pair of bodies, or -1 where they never touch
   Buffer<double> pair_adhesion_;  // of each pair of bodies [J/m^2]
   Buffer<TreeNode> nodes_;
-  Buffer<Query> queries_;                     // by world: points, then edges in the order of their leaves
-  Buffer<u32> disabled_first_, disabled_;     // [n_queries + 1], partners that a query must not find
-  Buffer<u32> first_query_of_world_;          // [n_worlds + 1]
-  Buffer<u32> counts_, offsets_, kept_;       // [n_queries], [n_queries + 1], [n_queries x N_KEPT]
-  Buffer<u32> first_site_, sites_, is_near_;  // [n_bodies + 1], of each body, [n_bodies]
-  Buffer<f32> body_boxes_of_;                 // [n_bodies x 6, m]
+  Buffer<Query> queries_;                  // by world: points, then edges in the order of their leaves
+  Buffer<u32> disabled_first_, disabled_;  // [n_queries + 1], partners that a query must not find
+  Buffer<u32> first_query_of_world_;       // [n_worlds + 1]
+  Buffer<u32> counts_, offsets_, kept_;    // [n_queries], [n_queries + 1], [n_queries x N_KEPT]
+  Buffer<u32> first_site_, sites_;         // [n_bodies + 1], of each body
+  Buffer<float> near_;                     // [n_bodies x 8] where each has partners
+  Buffer<f32> body_boxes_of_;              // [n_bodies x 6, m]
   Program program_, near_program_;
   Kernel refit_leaves_, refit_levels_, count_pairs_, fill_pairs_, body_boxes_, near_bodies_;
   Scan scan_;

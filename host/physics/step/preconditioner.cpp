@@ -86,10 +86,9 @@ Preconditioner::Preconditioner(Device& device, const System& system, const Block
   const Kind kind = system.scenes[0].solver.preconditioner;
   std::vector<char> is_exact(system.group_world.size(), kind == Kind::automatic || kind == Kind::factor);
   if (kind == Kind::automatic || kind == Kind::factor)
-    groups_ =
-        std::make_unique<GroupPreconditioner>(matrix.pattern(), system.sites, system.x, system.node_group,
-                                              system.group_world, system.contact_couplings, factoring_device(device),
-                                              host_threads(device.info()));
+    groups_ = std::make_unique<GroupPreconditioner>(matrix.pattern(), system.sites, system.x, system.node_group,
+                                                    system.group_world, system.contact_couplings,
+                                                    factoring_device(device), host_threads(device.info()));
   if (kind == Kind::automatic)
     for (std::size_t group = 0; group < is_exact.size(); ++group)
       is_exact[group] = groups_->cost(u32(group)) <= LARGEST_FACTOR;

@@ -129,7 +129,7 @@ TEST(AutomaticWorlds, FollowTheDeviceAndItsMemory) {
   DeviceInfo device;
   device.memory_bytes = 16'000'000'000;
   device.compute_units = 6;
-  EXPECT_EQ(automatic_worlds(device, 50'000'000), 6u);    // a CPU
+  EXPECT_EQ(automatic_worlds(device, 50'000'000), 6u);     // a CPU
   EXPECT_EQ(automatic_worlds(device, 2'000'000'000), 2u);  // half of the memory, each world twice
   device.is_gpu = true;
   EXPECT_EQ(automatic_worlds(device, 50'000'000), 32u);
