@@ -34,15 +34,17 @@ static inline void store_box(const Box box, global TreeNode* node) {
   vstore3(-box.high, 0, node->minus_high);
 }
 
-// n = n_trees 2^log2_leaves;  near: [n_bodies x 8] where each has partners, as of contact/near_bodies.cl: what lies
-// outside is left out of the tree
-kernel void refit_leaves(const uint n, const uint log2_leaves, global TreeNode* restrict nodes,
+// n: the more of n_leaves_of_all = n_trees 2^log2_leaves and of n_sites, whose places x1 go to reference
+// near: [n_bodies x 8] where each has partners, as of contact/near_bodies.cl: what lies outside is left out of the tree
+kernel void refit_leaves(const uint n, const uint n_leaves_of_all, const uint n_sites, const uint log2_leaves,
+                         global TreeNode* restrict nodes,
                          global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
                          global const CollisionBodyRow* restrict bodies, global const CollisionWorld* restrict worlds,
                          global const float* restrict near, const real margin, global const real* restrict x0,
-                         global const real* restrict x1) {
+                         global const real* restrict x1, global real* restrict reference) {
   const uint i = get_global_id(0);
-  if (i >= n) return;
+  if (i < n_sites) vstore3(vload3(i, x1), i, reference);
+  if (i >= n_leaves_of_all) return;
   const uint tree = i >> log2_leaves, n_leaves = 1u << log2_leaves;
   global TreeNode* node = nodes + (size_t)tree * 2 * n_leaves + n_leaves + (i & (n_leaves - 1));
   const uint primitive = node->primitive;
@@ -382,7 +384,7 @@ kernel void count_pairs(const uint n, const uint log2_leaves, global const Query
   counts[q] = count;
 }
 
-// offsets: [n + 1] where each query's rows begin
+// offsets: [n + 1] where each query's rows begin;  capacity: of rows, those behind it are left out
 kernel void fill_pairs(const uint n, const uint log2_leaves, global const Query* restrict queries,
                        global const TreeNode* restrict nodes, global const CollisionPoint* restrict points,
                        global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,
@@ -391,14 +393,15 @@ kernel void fill_pairs(const uint n, const uint log2_leaves, global const Query*
                        global const u32* restrict disabled_first, global const u32* restrict disabled, const real margin,
                        global const real* restrict x0, global const real* restrict x1,
                        global const u32* restrict offsets,
-                       global const u32* restrict kept, global Barrier* restrict rows) {
+                       global const u32* restrict kept, const uint capacity, global Barrier* restrict rows) {
   const uint q = get_global_id(0);
   if (q >= n) return;
-  const uint first = offsets[q], count = offsets[q + 1] - first;
+  const uint first = offsets[q], found = offsets[q + 1] - first;
+  const uint count = first < capacity ? min(found, capacity - first) : 0;
   if (count == 0) return;
   const Query query = queries[q];
   const uint is_edge = (query.primitive & IS_EDGE) != 0, primitive = query.primitive & ~IS_EDGE;
-  if (count <= N_KEPT) {
+  if (found <= N_KEPT) {
     for (uint k = 0; k < count; ++k)
       rows[first + k] = barrier_row(is_edge, primitive, kept[q * N_KEPT + k], points, edges, triangles, bodies, worlds,
                                     rest, pair_friction, pair_adhesion);

@@ -32,14 +32,51 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void pair_gaps(
   if (get_local_id(0) == 0) counts[get_group_id(0)] = n_active;
 }
 
-// to[place[world] + its number within its world]: rows of one list among those of others
-// first: [n_worlds + 1] of the list;  place: [n_worlds]
-kernel void place_rows(const uint n, global const Barrier* restrict rows, global const u32* restrict first,
-                       global const u32* restrict place, global Barrier* restrict to) {
-  const uint e = get_global_id(0);
-  if (e >= n) return;
-  const uint world = rows[e].world;
-  to[place[world] + e - first[world]] = rows[e];
+// where the rows of a world begin in a list that has room for `capacity`: what a query found begins at offsets[query]
+static inline uint found_before(const uint world, const uint capacity, global const u32* restrict offsets,
+                                global const u32* restrict first_query) {
+  return capacity > 0 ? min(capacity, offsets[first_query[world]]) : 0;
+}
+
+// Candidates from three lists: by world, in it list by list. What is behind them has no force and is of no world.
+// n: the capacities' sum;  found: [3 x (n_worlds + 1)] where each list's worlds begin, as far as they were found
+// first: [n_worlds + 1] where they begin in `to`
+kernel void merge_lists(const uint n, const uint n_worlds, const uint capacity0, global const u32* restrict offsets0,
+                        global const u32* restrict first_query0, global const Barrier* restrict rows0,
+                        const uint capacity1, global const u32* restrict offsets1,
+                        global const u32* restrict first_query1, global const Barrier* restrict rows1,
+                        const uint capacity2, global const u32* restrict offsets2,
+                        global const u32* restrict first_query2, global const Barrier* restrict rows2,
+                        global u32* restrict found, global u32* restrict first, global Barrier* restrict to) {
+  const uint i = get_global_id(0);
+  for (uint w = i; w <= n_worlds; w += get_global_size(0)) {
+    found[w] = capacity0 > 0 ? offsets0[first_query0[w]] : 0;
+    found[n_worlds + 1 + w] = capacity1 > 0 ? offsets1[first_query1[w]] : 0;
+    found[2 * (n_worlds + 1) + w] = capacity2 > 0 ? offsets2[first_query2[w]] : 0;
+    first[w] = found_before(w, capacity0, offsets0, first_query0) + found_before(w, capacity1, offsets1, first_query1) +
+               found_before(w, capacity2, offsets2, first_query2);
+  }
+  if (i >= n) return;
+  const uint list = i < capacity0 ? 0 : (i < capacity0 + capacity1 ? 1 : 2);
+  const uint e = i - (list > 0 ? capacity0 : 0) - (list > 1 ? capacity1 : 0);
+  const uint n0 = found_before(n_worlds, capacity0, offsets0, first_query0),
+             n1 = found_before(n_worlds, capacity1, offsets1, first_query1),
+             n2 = found_before(n_worlds, capacity2, offsets2, first_query2);
+  const uint n_own = list == 0 ? n0 : (list == 1 ? n1 : n2);
+  if (e >= n_own) {
+    const uint before = (list > 0 ? capacity0 - n0 : 0) + (list > 1 ? capacity1 - n1 : 0);
+    Barrier nothing = {{0, 0, 0, 0}, POINT_TRIANGLE, {0, 0}, n_worlds, 0, 0, 0, 0, 0, 0, 0, 0};
+    to[n0 + n1 + n2 + before + e - n_own] = nothing;
+    return;
+  }
+  const Barrier row = (list == 0 ? rows0 : (list == 1 ? rows1 : rows2))[e];
+  const uint w = row.world, before0 = found_before(w, capacity0, offsets0, first_query0),
+             before1 = found_before(w, capacity1, offsets1, first_query1),
+             before2 = found_before(w, capacity2, offsets2, first_query2);
+  uint place = before0 + before1 + before2 + e - (list == 0 ? before0 : (list == 1 ? before1 : before2));
+  if (list > 0) place += found_before(w + 1, capacity0, offsets0, first_query0) - before0;
+  if (list > 1) place += found_before(w + 1, capacity1, offsets1, first_query1) - before1;
+  to[place] = row;
 }
 
 // contacts: the active pairs, in order, and their sites [n x 4].  is_active, counts: as pair_gaps leaves them

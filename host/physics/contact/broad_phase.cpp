@@ -244,6 +244,7 @@ BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<cons
       sites_(device, 0, "sites of bodies"),
       near_(device, everywhere(mesh.bodies.size()), "where bodies are near"),
       body_boxes_of_(device, 6 * mesh.bodies.size(), "body boxes"),
+      reference_(device, 3 * x.size(), "reference"),
       program_(device, "contact/broad_phase.cl", avx_options(device.info())),
       near_program_(device, "contact/near_bodies.cl"),
       refit_leaves_(program_.kernel("refit_leaves")),
@@ -286,8 +287,9 @@ void BroadPhase::find_near_bodies(const Buffer<double>& x0, const Buffer<double>
 
 void BroadPhase::refit(const Buffer<double>& x0, const Buffer<double>& x1, double margin) {
   const std::size_t n_leaves = std::size_t(n_trees_) << log2_leaves_;
-  refit_leaves_(n_leaves, u32(n_leaves), log2_leaves_, nodes_, edges_, triangles_, bodies_, worlds_, near_, margin, x0,
-                x1);
+  const std::size_t n_sites = reference_.size() / 3, n = std::max(n_leaves, n_sites);
+  refit_leaves_(n, u32(n), u32(n_leaves), u32(n_sites), log2_leaves_, nodes_, edges_, triangles_, bodies_, worlds_,
+                near_, margin, x0, x1, reference_);
   for (u32 level = log2_leaves_; level > 0; level -= std::min(level, LEVELS)) {
     const u32 n = n_trees_ << (level - 1);
     refit_levels_(n, n, level - 1, log2_leaves_, nodes_);
@@ -295,21 +297,40 @@ void BroadPhase::refit(const Buffer<double>& x0, const Buffer<double>& x1, doubl
 }
 
 void BroadPhase::find(const Buffer<double>& x0, const Buffer<double>& x1, double margin, WorldRows<Barrier>& pairs) {
-  const std::size_t n = queries_.size();
-  if (n == 0) {
+  if (finds_nothing()) {
     pairs.first.assign(worlds_.size() + 1, 0);
     pairs.rows.resize(0);
     return;
   }
+  count(x0, x1, margin);
+  pairs.first = scan_.read_at(offsets_, first_query_of_world_);
+  pairs.rows.resize(pairs.n());
+  fill(x0, x1, margin, pairs.n(), pairs.rows);
+}
+
+void BroadPhase::start_find(const Buffer<double>& x0, const Buffer<double>& x1, double margin, u32 capacity,
+                            Buffer<Barrier>& rows) {
+  rows.resize(capacity);
+  if (finds_nothing()) return;
+  count(x0, x1, margin);
+  fill(x0, x1, margin, capacity, rows);
+}
+
+void BroadPhase::count(const Buffer<double>& x0, const Buffer<double>& x1, double margin) {
+  const std::size_t n = queries_.size();
   if (finds_near_bodies_) find_near_bodies(x0, x1, margin);
   refit(x0, x1, margin);
   count_pairs_(n, u32(n), log2_leaves_, queries_, nodes_, points_, edges_, triangles_, bodies_, worlds_, rest_,
                pair_friction_, disabled_first_, disabled_, near_, margin, x0, x1, counts_, kept_);
   scan_(n, counts_, offsets_);
-  pairs.first = scan_.read_at(offsets_, first_query_of_world_);
-  pairs.rows.resize(pairs.n());
+}
+
+void BroadPhase::fill(const Buffer<double>& x0, const Buffer<double>& x1, double margin, u32 capacity,
+                      Buffer<Barrier>& rows) {
+  const std::size_t n = queries_.size();
   fill_pairs_(n, u32(n), log2_leaves_, queries_, nodes_, points_, edges_, triangles_, bodies_, worlds_, rest_,
-              pair_friction_, pair_adhesion_, disabled_first_, disabled_, margin, x0, x1, offsets_, kept_, pairs.rows);
+              pair_friction_, pair_adhesion_, disabled_first_, disabled_, margin, x0, x1, offsets_, kept_, capacity,
+              rows);
 }
 
 }  // namespace pvg

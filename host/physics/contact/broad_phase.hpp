@@ -26,6 +26,13 @@ class BroadPhase {
   // Pairs that may come within activation distance and `margin` [m] while the sites move straight from x0 to x1
   // [n_sites x 3, m]: by world, in it first point-triangle, then edge-edge pairs.
   void find(const Buffer<double>& x0, const Buffer<double>& x1, double margin, WorldRows<Barrier>& pairs);
+  // The same without waiting, where rows have room for so many; what is more is left out. How many there are is left in
+  // offsets().
+  void start_find(const Buffer<double>& x0, const Buffer<double>& x1, double margin, u32 capacity,
+                  Buffer<Barrier>& rows);
+  const Buffer<u32>& offsets() const { return offsets_; }                            // [n_queries + 1] of their pairs
+  const Buffer<u32>& first_query_of_world() const { return first_query_of_world_; }  // [n_worlds + 1]
+  const Buffer<double>& reference() const { return reference_; }  // x1 of the last search [n_sites x 3, m]
   std::size_t n_queries() const { return queries_.size(); }    // points and edges that look for partners
   bool finds_nothing() const { return queries_.size() == 0; }  // no two of these bodies may touch
   const Buffer<CollisionWorld>& worlds() const { return worlds_; }
@@ -33,6 +40,8 @@ class BroadPhase {
  private:
   void find_near_bodies(const Buffer<double>& x0, const Buffer<double>& x1, double margin);
   void refit(const Buffer<double>& x0, const Buffer<double>& x1, double margin);
+  void count(const Buffer<double>& x0, const Buffer<double>& x1, double margin);
+  void fill(const Buffer<double>& x0, const Buffer<double>& x1, double margin, u32 capacity, Buffer<Barrier>& rows);
 
   u32 n_trees_, log2_leaves_;
   bool finds_near_bodies_;
@@ -52,6 +61,7 @@ class BroadPhase {
   Buffer<u32> first_site_, sites_;         // [n_bodies + 1], of each body
   Buffer<float> near_;                     // [n_bodies x 8] where each has partners
   Buffer<f32> body_boxes_of_;              // [n_bodies x 6, m]
+  Buffer<double> reference_;
   Program program_, near_program_;
   Kernel refit_leaves_, refit_levels_, count_pairs_, fill_pairs_, body_boxes_, near_bodies_;
   Scan scan_;

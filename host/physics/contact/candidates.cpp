@@ -48,7 +48,7 @@ Candidates::Within Candidates::make_within(Device& device, const CollisionMesh& 
   }
   return {BroadPhase(device, mesh, settings, x, which),      no_rows(device, mesh.n_worlds),
           Buffer<u32>(device, first, "first_site"),          Buffer<u32>(device, all, "sites"),
-          Buffer<double>(device, 3 * x.size(), "reference"), margin_};
+          margin_};
 }
 
 Candidates::Candidates(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
@@ -62,17 +62,16 @@ Candidates::Candidates(Device& device, const CollisionMesh& mesh, std::span<cons
       between_bodies_(device, mesh, settings, x, PairsOf::two_bodies),
       program_(device, "contact/contact.cl"),
       serves_program_(device, "contact/serves.cl"),
-      place_rows_(program_.kernel("place_rows")),
+      merge_lists_(program_.kernel("merge_lists")),
       lists_serve_(serves_program_.kernel("lists_serve")),
       between_(no_rows(device, n_worlds_)),
       rows_(no_rows(device, n_worlds_)),
-      first_(device, n_worlds_ + 1, "first candidate of world"),
-      place_(device, n_worlds_, "place of world"),
+      found_(device, N_LISTS * (n_worlds_ + 1), "found"),
       first_of_world_(device, rows_.first, "first_candidate_of_world"),
       surface_sites_(device, 0, "surface"),
-      reference_(device, 3 * x.size(), "reference"),
       serves_on_device_(device, N_LISTS, "serves"),
-      serves_(N_LISTS, 0) {
+      serves_(N_LISTS, 0),
+      read_found_(found_.size(), 0) {
   std::vector<u32> all;
   for (const auto& [body, sites] : surface_sites(mesh)) all.insert(all.end(), sites.begin(), sites.end());
   surface_sites_.resize(all.size());
@@ -99,8 +98,9 @@ void Candidates::start_check(const Buffer<double>& x0, const Buffer<double>& x1)
             n_surface = n_checked(between_bodies_, has_reference_, surface_sites_.size());
   const u32 n = u32(GROUP_SIZE) * (n_solids + n_sheets + u32((n_surface + GROUP_SIZE - 1) / GROUP_SIZE));
   if (n > 0)
-    lists_serve_(n, n, n_solids, solids_.first_site, solids_.sites, solids_.reference, n_sheets, sheets_.first_site,
-                 sheets_.sites, sheets_.reference, n_surface, surface_sites_, reference_, x0, x1,
+    lists_serve_(n, n, n_solids, solids_.first_site, solids_.sites, solids_.broad_phase.reference(), n_sheets,
+                 sheets_.first_site, sheets_.sites, sheets_.broad_phase.reference(), n_surface, surface_sites_,
+                 between_bodies_.reference(), x0, x1,
                  allowed(solids_.margin), allowed(sheets_.margin), allowed(margin_), MOST_ROTATION, check_,
                  serves_on_device_);
   serves_on_device_.read_later(0, std::span(serves_));
@@ -113,59 +113,92 @@ void Candidates::find(const Buffer<double>& x0, const Buffer<double>& x1) {
   renew(x0, x1);
 }
 
+BroadPhase& Candidates::broad_phase(List list) {
+  return list == BETWEEN ? between_bodies_ : (list == SOLIDS ? solids_ : sheets_).broad_phase;
+}
+
+WorldRows<Barrier>& Candidates::pairs(List list) {
+  return list == BETWEEN ? between_ : (list == SOLIDS ? solids_ : sheets_).pairs;
+}
+
+u32 Candidates::n_found(List list) const { return read_found_[list * (n_worlds_ + 1) + n_worlds_]; }
+
 void Candidates::search(List list, const Buffer<double>& x0, const Buffer<double>& x1) {
   if (list == BETWEEN) {
     between_bodies_.find(x0, x1, margin_, between_);
-    reference_.copy_from(x1);
     has_reference_ = true;
-    return;
-  }
-  Within& within = list == SOLIDS ? solids_ : sheets_;
-  within.broad_phase.find(x0, x1, within.margin, within.pairs);
-  while (within.pairs.n() > within.broad_phase.n_queries() / MANY && within.margin > least_margin_) {
-    within.margin = std::max(least_margin_, 0.5 * within.margin);
+  } else {
+    Within& within = list == SOLIDS ? solids_ : sheets_;
     within.broad_phase.find(x0, x1, within.margin, within.pairs);
+    while (within.pairs.n() > within.broad_phase.n_queries() / MANY && within.margin > least_margin_) {
+      within.margin = std::max(least_margin_, 0.5 * within.margin);
+      within.broad_phase.find(x0, x1, within.margin, within.pairs);
+    }
+    within.has_reference = true;
   }
-  within.reference.copy_from(x1);
-  within.has_reference = true;
+  room_[list] = pairs(list).n();
 }
 
-Candidates::Lists Candidates::renew(const Buffer<double>& x0, const Buffer<double>& x1, const Lists& at_once) {
+Candidates::Lists Candidates::lacking() const {
   Lists lacking = {};
-  if (surface_sites_.size() == 0) return lacking;
-  for (const List list : {SOLIDS, SHEETS, BETWEEN})
-    if (at_once[list]) search(list, x0, x1);
-  bool has_changed = false;
-  for (const List list : {SOLIDS, SHEETS, BETWEEN}) {
-    lacking[list] = !serves(list);
-    if (lacking[list] && !at_once[list]) search(list, x0, x1);
-    has_changed |= lacking[list] || at_once[list];
-  }
-  serves_.assign(N_LISTS, 0);  // for this motion they all do
-  if (has_changed) merge();
+  for (const List list : {SOLIDS, SHEETS, BETWEEN}) lacking[list] = !has_reference(list) || serves_[list] == check_;
   return lacking;
 }
 
-void Candidates::merge() {
-  const std::array<const WorldRows<Barrier>*, 3> lists = {&solids_.pairs, &sheets_.pairs, &between_};
-  std::array<std::vector<u32>, 3> places;  // [n_worlds] of each list
-  u32 next = 0;
-  for (std::size_t w = 0; w < n_worlds_; ++w) {
-    rows_.first[w] = next;
-    for (std::size_t i = 0; i < lists.size(); ++i) {
-      places[i].push_back(next);
-      next += lists[i]->first[w + 1] - lists[i]->first[w];
+void Candidates::start_renew(const Buffer<double>& x0, const Buffer<double>& x1, const Lists& which) {
+  if (surface_sites_.size() == 0) return;
+  for (const List list : {SOLIDS, SHEETS, BETWEEN}) {
+    if (!which[list]) continue;
+    if (!has_reference(list)) {  // how much room it needs is not known
+      search(list, x0, x1);
+      continue;
     }
+    const u32 n = pairs(list).n();
+    room_[list] = broad_phase(list).finds_nothing() ? 0 : n + n / 4 + u32(GROUP_SIZE);
+    broad_phase(list).start_find(x0, x1, list == BETWEEN ? margin_ : (list == SOLIDS ? solids_ : sheets_).margin,
+                                 room_[list], pairs(list).rows);
+    is_late_[list] = true;
   }
-  rows_.first[n_worlds_] = next;
-  first_of_world_.write(rows_.first);
-  rows_.rows.resize(rows_.n());
-  for (std::size_t i = 0; i < lists.size(); ++i) {
-    if (lists[i]->n() == 0) continue;
-    first_.write(lists[i]->first);
-    place_.write(places[i]);
-    place_rows_(lists[i]->n(), lists[i]->n(), lists[i]->rows, first_, place_, rows_.rows);
+  start_merge();
+  found_.read_later(0, std::span(read_found_));
+}
+
+Candidates::Lists Candidates::renew(const Buffer<double>& x0, const Buffer<double>& x1) {
+  if (surface_sites_.size() == 0) return {};
+  const Lists lacked = lacking();
+  bool searches = false;
+  for (const List list : {SOLIDS, SHEETS, BETWEEN}) {
+    if (is_late_[list]) {
+      const auto first = read_found_.begin() + std::ptrdiff_t(list * (n_worlds_ + 1));
+      pairs(list).first.assign(first, first + std::ptrdiff_t(n_worlds_ + 1));
+    }
+    if (serves(list)) {
+      room_[list] = pairs(list).n();
+      continue;
+    }
+    search(list, x0, x1);
+    searches = true;
   }
+  const bool was_late = std::any_of(is_late_.begin(), is_late_.end(), [](bool is_late) { return is_late; });
+  is_late_ = {};
+  serves_.assign(N_LISTS, 0);  // for this motion they all do
+  if (searches) start_merge();
+  if (searches || was_late)
+    for (std::size_t w = 0; w <= n_worlds_; ++w)
+      rows_.first[w] = solids_.pairs.first[w] + sheets_.pairs.first[w] + between_.first[w];
+  return lacked;
+}
+
+void Candidates::start_merge() {
+  const u32 n = room_[SOLIDS] + room_[SHEETS] + room_[BETWEEN];
+  rows_.first.back() = n;
+  rows_.rows.resize(n);
+  const std::size_t n_items = std::max<std::size_t>(1, n);
+  const auto offsets = [&](List list) -> const Buffer<u32>& { return broad_phase(list).offsets(); };
+  const auto first_query = [&](List list) -> const Buffer<u32>& { return broad_phase(list).first_query_of_world(); };
+  merge_lists_(n_items, n, u32(n_worlds_), room_[SOLIDS], offsets(SOLIDS), first_query(SOLIDS), solids_.pairs.rows,
+               room_[SHEETS], offsets(SHEETS), first_query(SHEETS), sheets_.pairs.rows, room_[BETWEEN],
+               offsets(BETWEEN), first_query(BETWEEN), between_.rows, found_, first_of_world_, rows_.rows);
 }
 
 }  // namespace pvg

@@ -26,12 +26,17 @@ class Candidates {
   // broad phase.
   void find(const Buffer<double>& x0, const Buffer<double>& x1);
   // The same where start_check() was for this very motion and the device was waited for since. Returns which lists did
-  // not serve. at_once: lists that are looked for before that is known; where there is one, nobody needs to wait
-  // before.
-  Lists renew(const Buffer<double>& x0, const Buffer<double>& x1, const Lists& at_once = {});
+  // not serve then.
+  Lists renew(const Buffer<double>& x0, const Buffer<double>& x1);
+  // Starts to look for these lists without waiting: rows() has room for somewhat more than were found last, and what is
+  // left of it belongs to no world. Whether there was room for all is told by serve() after the device was waited for;
+  // if not, renew() looks for them again. start_check() was for this motion, its result need not be known.
+  void start_renew(const Buffer<double>& x0, const Buffer<double>& x1, const Lists& which);
   // Starts to find whether the present ones serve for this motion, which is known after the device was waited for.
   void start_check(const Buffer<double>& x0, const Buffer<double>& x1);
   bool serve() const { return surface_sites_.size() == 0 || (serves(SOLIDS) && serves(SHEETS) && serves(BETWEEN)); }
+  Lists lacking() const;  // by the last check
+  // Between start_renew() and what follows the next wait n() is the room, and only n() is known.
   const WorldRows<Barrier>& rows() const { return rows_; }
   const Buffer<u32>& first() const { return first_of_world_; }  // rows().first on the device
   const Buffer<CollisionWorld>& worlds() const { return between_bodies_.worlds(); }
@@ -42,16 +47,20 @@ class Candidates {
     BroadPhase broad_phase;
     WorldRows<Barrier> pairs;
     Buffer<u32> first_site, sites;  // [n_bodies + 1], of the bodies' surfaces
-    Buffer<double> reference;       // all sites where these pairs were looked for [n_sites x 3, m]
     double margin;                  // with which they were looked for [m]
     bool has_reference = false;
   };
   Within make_within(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
                      std::span<const Vec3> x, PairsOf which);
-  bool serves(List list) const { return has_reference(list) && serves_[list] != check_; }
+  bool serves(List list) const {
+    return has_reference(list) && (is_late_[list] ? n_found(list) <= room_[list] : serves_[list] != check_);
+  }
   bool has_reference(List list) const;
+  BroadPhase& broad_phase(List list);
+  WorldRows<Barrier>& pairs(List list);
+  u32 n_found(List list) const;                                                // as the device told
   void search(List list, const Buffer<double>& x0, const Buffer<double>& x1);  // waits for how many there are
-  void merge();
+  void start_merge();
 
   Device* device_;
   std::size_t n_worlds_;
@@ -59,15 +68,17 @@ class Candidates {
   Within solids_, sheets_;
   BroadPhase between_bodies_;
   Program program_, serves_program_;
-  Kernel place_rows_, lists_serve_;
+  Kernel merge_lists_, lists_serve_;
   WorldRows<Barrier> between_, rows_;
-  Buffer<u32> first_, place_;   // [n_worlds + 1], [n_worlds] of the list that is placed
+  Buffer<u32> found_;           // [N_LISTS x (n_worlds + 1)] where the worlds of each list begin
   Buffer<u32> first_of_world_;  // [n_worlds + 1] of rows_
   Buffer<u32> surface_sites_;   // of all bodies
-  Buffer<double> reference_;    // all sites, for pairs between bodies
-  bool has_reference_ = false;
+  bool has_reference_ = false;  // pairs between bodies
+  std::array<u32, N_LISTS> room_ = {};  // pairs of each list that rows_ took
+  Lists is_late_ = {};                  // looked for by start_renew(), not taken yet
   Buffer<u32> serves_on_device_;  // [N_LISTS] the last check in which a list did not serve
   std::vector<u32> serves_;       // as read
+  std::vector<u32> read_found_;   // found_ of the last start_renew()
   u32 check_ = 0;                 // number of the last one
 };
 

@@ -211,10 +211,14 @@ void ContactSet::start_check(const Buffer<double>& x0, const Buffer<double>& x1)
   impl_->candidates.start_check(x0, x1);
 }
 bool ContactSet::candidates_serve() const { return impl_->candidates.serve(); }
-Candidates::Lists ContactSet::renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1,
-                                               const Candidates::Lists& at_once) {
-  return impl_->candidates.renew(x0, x1, at_once);
+Candidates::Lists ContactSet::renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1) {
+  return impl_->candidates.renew(x0, x1);
 }
+void ContactSet::start_renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1,
+                                        const Candidates::Lists& which) {
+  impl_->candidates.start_renew(x0, x1, which);
+}
+Candidates::Lists ContactSet::lacking_candidates() const { return impl_->candidates.lacking(); }
 
 const Buffer<double>& ContactSet::start_largest_steps(const Buffer<double>& x0, const Buffer<double>& x1) {
   return impl_->collision.start(impl_->candidates.rows(), x0, x1);

@@ -43,10 +43,10 @@ class ContactSet {
   // Starts to find whether the present candidates serve for a motion; known after the device was waited for.
   void start_check(const Buffer<double>& x0, const Buffer<double>& x1);
   bool candidates_serve() const;
-  // For that motion, the lists that do not serve, and those to be looked for before that is known: as
-  // Candidates::renew()
-  Candidates::Lists renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1,
-                                     const Candidates::Lists& at_once = {});
+  // For that motion, the lists that do not serve: as Candidates::renew(), start_renew(), lacking()
+  Candidates::Lists renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1);
+  void start_renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1, const Candidates::Lists& which);
+  Candidates::Lists lacking_candidates() const;
 
   // The largest part in [0, 1] of the motion x0 -> x1, of each world, that is certified to keep every candidate apart.
   // x0, x1: as given to find_candidates, or any part of that motion. A pair that is already closer than its offset

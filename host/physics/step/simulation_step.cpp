@@ -48,18 +48,22 @@ void Simulation::Impl::move_to_first_guess(double h) {
   // a guess that ends just short of touching would start Newton where the barrier is steepest
   constexpr double SHORT_OF = 0.5;
   // A whole step's motion is often more than the candidates serve for. Elsewhere than on the host's own processor that
-  // is foreseen from the last step: what follows is started, or candidates are looked for, before it is known.
-  const bool foresees = !device.info().runs_host_functions, searches = foresees && any(lacking_at_guess);
-  const bool starts_early = foresees && !searches;
+  // is foreseen from the last step: what follows is started, with lists that are looked for if they lacked there.
+  const bool foresees = !device.info().runs_host_functions;
+  bool is_done = false;
   {
     const auto timed = clock.time(SolverPhase::broad_phase);
     start_move(is_intact);
-    if (starts_early) start_certified_move(false, h, SHORT_OF);
-    if (!searches) device.finish();
-    if (starts_early && !contacts.candidates_serve()) move(full_step);
-    lacking_at_guess = contacts.renew_candidates(x.site, trial.site, searches ? lacking_at_guess : Candidates::Lists{});
+    if (foresees) {
+      if (any(lacking_at_guess)) contacts.start_renew_candidates(x.site, trial.site, lacking_at_guess);
+      start_certified_move(false, h, SHORT_OF);
+    }
+    device.finish();
+    is_done = foresees && contacts.candidates_serve();
+    if (foresees && !is_done) move(full_step);
+    lacking_at_guess = contacts.renew_candidates(x.site, trial.site);
   }
-  if (!starts_early || any(lacking_at_guess)) {
+  if (!is_done) {
     const auto timed = clock.time(SolverPhase::continuous_collision);
     start_certified_move(false, h, SHORT_OF);
     device.finish();
@@ -154,12 +158,21 @@ CgReport Simulation::Impl::factorize_and_solve(double h, bool settles) {
       continue;
     }
     if (!waits_for_solve && contacts.candidates_serve()) return cg.report();
-    if (!contacts.candidates_serve()) {
+    if (waits_for_solve && !contacts.candidates_serve()) {
       const auto timed = clock.time(SolverPhase::broad_phase);
-      if (!waits_for_solve) move(full_step);
       contacts.renew_candidates(x.site, trial.site);
     }
     const auto timed = clock.time(SolverPhase::line_search);
+    if (!waits_for_solve) {
+      move(full_step);
+      contacts.start_renew_candidates(x.site, trial.site, contacts.lacking_candidates());
+      start_trial(settles, h);
+      device.finish();
+      const bool is_done = contacts.candidates_serve();
+      if (!is_done) move(full_step);
+      contacts.renew_candidates(x.site, trial.site);
+      if (is_done) return cg.report();
+    }
     start_trial(settles, h);
     device.finish();
     return cg.report();
