@@ -84,7 +84,8 @@ TEST_F(Denoise, PicturesAreTheSameWithoutGroundTruth) {
     const RenderedFrame without = Renderer(device, scene, settings).render(0, 0);
     EXPECT_EQ(without.rgb, with.rgb);
     EXPECT_EQ(with.depth.size(), with.rgb.size() / 3);
-    EXPECT_TRUE(without.depth.empty() && without.distance.empty() && without.instance.empty() && without.normal.empty());
+    EXPECT_TRUE(without.depth.empty() && without.distance.empty() && without.instance.empty() &&
+                without.normal.empty());
   }
 }
 
