@@ -16,6 +16,9 @@
 namespace pvg {
 namespace {
 
+// of rendered pictures: half of zlib's time at its own level 6, for 6 % larger files
+constexpr int PNG_LEVEL = 4;
+
 // The library does not look whether a full disk took the last bytes: the end of the format must be there.
 void demand_end(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary | std::ios::ate);
@@ -37,6 +40,7 @@ void write_picture(const std::filesystem::path& path, const Picture8& picture) {
   if (!file) throw Failure(path.string() + ": pictures of this format cannot be written");
   OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::UINT8);
   spec.attribute("oiio:ColorSpace", "sRGB");
+  if (path.extension() == ".png") spec.attribute("png:compressionLevel", PNG_LEVEL);
   if (!file->open(path.string(), spec) || !file->write_image(OIIO::TypeDesc::UINT8, picture.rgb.data()) ||
       !file->close())
     throw Failure(path.string() + ": the picture could not be written; is there room on the disk?");

@@ -14,24 +14,11 @@ void Guides::begin(std::size_t n_pixels) {
 }
 
 Features::Features(Device& device)
-    : program_(device, "render/features.cl", traversal_options(device)),
-      note_(program_.kernel("note_features")),
-      accumulate_(program_.kernel("accumulate_features")),
-      feature_color_(device, 0, "feature_color"),
-      feature_normal_(device, 0, "feature_normal") {}
+    : accumulate_(Program(device, "render/features.cl", traversal_options(device)).kernel("accumulate_features")) {}
 
-void Features::note(std::size_t n, const Launch& launch, const DeviceScene& scene, const Buffer<std::uint32_t>& queue,
-                    const Buffer<F32x4>& hit, const Buffer<std::uint32_t>& hit_instance, const Buffer<F32x4>& direction,
-                    const Buffer<F32x4>& throughput) {
-  feature_color_.resize(hit.size());
-  feature_normal_.resize(hit.size());
-  note_(n, std::uint32_t(n), launch, queue, scene.trees.instances, scene.materials, scene.textures, scene.texels,
-        scene.decode, scene.triangles, scene.vertices, scene.colors, scene.second_uvs, scene.lights, scene.environment,
-        scene.cells, hit, hit_instance, direction, throughput, feature_color_, feature_normal_);
-}
-
-void Features::accumulate(const Launch& launch, const Buffer<std::uint32_t>& pixels, Guides& guides) {
-  accumulate_(launch.n_pixels, launch.n_pixels, launch, pixels, feature_color_, feature_normal_, guides.guide_color,
+void Features::accumulate(const Launch& launch, const Buffer<std::uint32_t>& pixels, const Buffer<F32x4>& feature_color,
+                          const Buffer<F32x4>& feature_normal, Guides& guides) {
+  accumulate_(launch.n_pixels, launch.n_pixels, launch, pixels, feature_color, feature_normal, guides.guide_color,
               guides.guide_normal);
 }
 

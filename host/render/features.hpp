@@ -1,10 +1,8 @@
-// What guides a denoiser, noted beside the paths (kernels/render/features.cl). Only renderers that denoise have it.
+// What guides a denoiser, noted where paths are shaded (kernels/render/noted.cl). Only renderers that denoise have it.
 #pragma once
 #include "host/render/traversal.hpp"
 
 namespace pvg {
-
-struct DeviceScene;
 
 // Sums over the samples of each pixel, last: samples in it  [height x width].
 struct Guides {
@@ -16,17 +14,12 @@ struct Guides {
 class Features {
  public:
   explicit Features(Device& device);
-  // of the first n places in the queue; hit .. throughput: of the paths, by slot
-  void note(std::size_t n, const Launch& launch, const DeviceScene& scene, const Buffer<std::uint32_t>& queue,
-            const Buffer<F32x4>& hit, const Buffer<std::uint32_t>& hit_instance, const Buffer<F32x4>& direction,
-            const Buffer<F32x4>& throughput);
-  // the launch's samples to those of its pixels
-  void accumulate(const Launch& launch, const Buffer<std::uint32_t>& pixels, Guides& guides);
+  // the launch's samples to those of its pixels; feature_...: by slot, as `shade` notes them
+  void accumulate(const Launch& launch, const Buffer<std::uint32_t>& pixels, const Buffer<F32x4>& feature_color,
+                  const Buffer<F32x4>& feature_normal, Guides& guides);
 
  private:
-  Program program_;
-  Kernel note_, accumulate_;
-  Buffer<F32x4> feature_color_, feature_normal_;  // by slot
+  Kernel accumulate_;
 };
 
 }  // namespace pvg

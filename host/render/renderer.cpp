@@ -146,10 +146,12 @@ RenderedFrame Renderer::Impl::read_film(int camera) const {
   RenderedFrame picture;
   picture.width = seen_by.width;
   picture.height = seen_by.height;
-  picture.depth = film.depth.read();
-  picture.distance = film.distance.read();
-  picture.instance = film.instance.read();
-  picture.normal = film.normal.read();
+  if (settings.finds_truth) {
+    picture.depth = film.depth.read();
+    picture.distance = film.distance.read();
+    picture.instance = film.instance.read();
+    picture.normal = film.normal.read();
+  }
   const double exposure = finish->denoises() ? 1 : seen_by.exposure;
   const std::vector<F32x4> sums = film.sum.read();
   picture.rgb.resize(3 * sums.size());
@@ -175,8 +177,10 @@ void Renderer::Impl::read_features(RenderedFrame& picture) const {
 }
 
 RenderedFrame Renderer::Impl::take_picture(const Launch& launch, int camera, std::uint64_t rays) {
-  find_ground_truth(launch);
-  last_camera = camera;
+  if (settings.finds_truth || denoiser) {  // the built-in filter is guided by it
+    find_ground_truth(launch);
+    last_camera = camera;
+  }
   if (launch.n_light_paths > 0) stages.add_light(launch, film);
   if (denoiser) (*denoiser)(launch.camera.width, launch.camera.height, film);
   RenderedFrame picture = read_film(camera);

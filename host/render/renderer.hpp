@@ -24,6 +24,7 @@ struct RenderSettings {
   bool transparent_shadows = true;
   bool denoises = false;            // by Open Image Denoise where it is found, else by an edge-avoiding filter
   bool notes_features = false;      // albedo and mean_normal of the frames
+  bool finds_truth = true;          // depth, distance, instance and normal of the frames, and flow
   bool sees_through_glass = false;  // depth, normals, instances and flow: of what is behind glass
 };
 

@@ -85,6 +85,8 @@ Stages::Stages(Device& device, bool notes_features, bool traces_light)
       shadow_origin_(device, 0, "shadow_origin"),
       shadow_direction_(device, 0, "shadow_direction"),
       shadow_light_(device, 0, "shadow_light"),
+      feature_color_(device, 0, "feature_color"),
+      feature_normal_(device, 0, "feature_normal"),
       queue_(device, 0, "queue"),
       next_queue_(device, 0, "next_queue"),
       alive_(device, 0, "alive"),
@@ -105,7 +107,6 @@ std::uint64_t Stages::trace(const Launch& launch, const Buffer<std::uint32_t>& p
     segments += n;
     intersect(n, scene);
     if (scene.has_cutouts) pass_holes(n, depth, scene);
-    if (features_) features_->note(n, launch, scene, queue_, hit_, hit_instance_, direction_, throughput_);
     shade(n, launch, depth, scene);
     if (launch.n_lights > 0 && scene.has_cutouts) shadow_holes(n, scene);
     if (launch.n_lights > 0) shadow(n, launch, scene);
@@ -113,7 +114,7 @@ std::uint64_t Stages::trace(const Launch& launch, const Buffer<std::uint32_t>& p
   }
   kernels_.accumulate(launch.n_pixels, launch.n_pixels, launch, pixels, radiance_, film.sum, film.squares,
                       film.dropped);
-  if (features_) features_->accumulate(launch, pixels, film.guides.value());
+  if (features_) features_->accumulate(launch, pixels, feature_color_, feature_normal_, film.guides.value());
   return segments;
 }
 
@@ -179,6 +180,8 @@ void Stages::resize_slots(std::size_t n) {
   for (Buffer<F32x4>* buffer :
        {&origin_, &direction_, &throughput_, &radiance_, &hit_, &shadow_origin_, &shadow_direction_, &shadow_light_})
     buffer->resize(n);
+  if (features_)
+    for (Buffer<F32x4>* buffer : {&feature_color_, &feature_normal_}) buffer->resize(n);
   stream_.resize(n);
   for (Buffer<std::uint32_t>* buffer : {&hit_instance_, &queue_, &next_queue_, &alive_}) buffer->resize(n);
 }
@@ -205,11 +208,11 @@ void Stages::shadow_holes(std::size_t n, const DeviceScene& scene) {
 }
 
 void Stages::shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene) {
-  kernels_.shade(n, std::uint32_t(n), launch, std::uint32_t(depth), queue_, stream_, scene.trees.instances,
-                 scene.materials, scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices,
-                 scene.colors, scene.second_uvs, scene.lights, scene.environment, scene.cells, scene.targets, hit_,
-                 hit_instance_, origin_, direction_, throughput_, radiance_, shadow_origin_, shadow_direction_,
-                 shadow_light_, alive_);
+  kernels_.shade(n, std::uint32_t(n), launch, std::uint32_t(depth), std::uint32_t(features_.has_value()), queue_,
+                 stream_, scene.trees.instances, scene.materials, scene.textures, scene.texels, scene.decode,
+                 scene.triangles, scene.vertices, scene.colors, scene.second_uvs, scene.lights, scene.environment,
+                 scene.cells, scene.targets, hit_, hit_instance_, origin_, direction_, throughput_, radiance_,
+                 shadow_origin_, shadow_direction_, shadow_light_, alive_, feature_color_, feature_normal_);
 }
 
 void Stages::shadow(std::size_t n, const Launch& launch, const DeviceScene& scene) {

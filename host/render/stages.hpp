@@ -102,6 +102,7 @@ class Stages {
   Buffer<std::uint32_t> hit_instance_;
   Buffer<std::uint64_t> stream_;  // uint2 of key and sample
   Buffer<F32x4> shadow_origin_, shadow_direction_, shadow_light_;
+  Buffer<F32x4> feature_color_, feature_normal_;  // empty where none are noted
   // per place in the queue
   Buffer<std::uint32_t> queue_, next_queue_, alive_;
   Buffer<std::uint32_t> counts_, offsets_;

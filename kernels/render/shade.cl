@@ -13,6 +13,7 @@
 
 #include "render/interact.cl"
 #include "render/met_surface.cl"
+#include "render/noted.cl"
 #include "render/receiver.cl"
 
 // glass or a surface that scatters: light sample, then the path goes on. triangle: index into those of all meshes
@@ -35,20 +36,23 @@ static inline void meet_surface(const Launch launch, const Shading scene, global
   if (launch.n_light_paths > 0) note_scattered(launch, met.material, s, frame, in, depth == 0, path);
 }
 
-// hit: t, u, v, triangle
+// hit: t, u, v, triangle;  noted: written where is_noted
 static inline void meet(const Launch launch, const Shading scene, const Chance chance, const uint depth,
-                        const float4 hit, const uint hit_instance, Path* path, ShadowRay* shadow) {
+                        const float4 hit, const uint hit_instance, const bool is_noted, Path* path, ShadowRay* shadow,
+                        Noted* noted) {
   global const Instance* instance = scene.instances + hit_instance;
   const uint triangle = as_uint(hit.w);
   const Surface s = surface_with_uvs(scene, hit_instance, triangle, hit.y, hit.z);
   path->throughput *= media_transmission(path->media, scene.materials, hit.x + ray_offset(s.point));
   if (instance->visual == 0) {
+    if (is_noted) *noted = note_light(s, path->direction);
     meet_light(launch, scene, scene.lights + instance->light, s, hit.x, path);
     return;
   }
   const Material m = scene.materials[instance->material];
   if (m.flags & MATERIAL_EMITS) meet_shining(launch, scene, instance, m, triangle, s, hit.x, path);
   const float3 color = surface_color(scene, instance, m, s, triangle, hit.y, hit.z);
+  if (is_noted) *noted = note_surface(scene, m, color, s, path->direction);
   if (m.kind == MATERIAL_SHADOW_RECEIVER) {
     meet_receiver(launch, scene, m, color, s, chance, path, shadow);
   } else if (m.kind == MATERIAL_EMISSIVE || depth >= launch.max_depth) {
@@ -60,8 +64,11 @@ static inline void meet(const Launch launch, const Shading scene, const Chance c
 }
 
 // as in generate.cl and intersect.cl;  shadow_origin: [n_slots, m], w: kind;  shadow_direction: [n_slots, m] to the
-// light;  shadow_light: [n_slots], w: weight;  alive: [n] by place in the queue;  depth: bounces so far
-kernel void shade(const uint n, const Launch launch, const uint depth, global const uint* restrict queue,
+// light;  shadow_light: [n_slots], w: weight;  alive: [n] by place in the queue;  depth: bounces so far;  feature_color,
+// feature_normal: [n_slots] with notes_features what guides a denoiser, noted.cl, where no surface has scattered the
+// path yet; their w: unused
+kernel void shade(const uint n, const Launch launch, const uint depth, const uint notes_features,
+                  global const uint* restrict queue,
                   global const uint2* restrict stream, global const Instance* restrict instances,
                   global const Material* restrict materials,
                   global const TextureInfo* restrict textures, global const uchar4* restrict texels,
@@ -74,7 +81,8 @@ kernel void shade(const uint n, const Launch launch, const uint depth, global co
                   global float4* restrict origin, global float4* restrict direction, global float4* restrict throughput,
                   global float4* restrict radiance, global float4* restrict shadow_origin,
                   global float4* restrict shadow_direction, global float4* restrict shadow_light,
-                  global uint* restrict alive) {
+                  global uint* restrict alive, global float4* restrict feature_color,
+                  global float4* restrict feature_normal) {
   const uint i = get_global_id(0);
   if (i >= n) return;
   const uint slot = queue[i];
@@ -83,10 +91,20 @@ kernel void shade(const uint n, const Launch launch, const uint depth, global co
   const Shading scene = {instances, materials, textures,   texels, decode,      triangles,
                          vertices,  colors,    second_uvs, lights, environment, cells,       targets};
   if (launch.n_light_paths > 0) path.density = radiance[slot].w;
-  if (as_uint(hit[slot].w) == NO_TRIANGLE)
+  const bool is_noted = notes_features && !(path.flags & PATH_SCATTERED);
+  const float3 carried = path.throughput;
+  Noted noted;
+  if (as_uint(hit[slot].w) == NO_TRIANGLE) {
+    if (is_noted) noted = note_environment(environment_radiance(launch, scene.environment, path.direction));
     meet_environment(launch, scene, &path);
-  else
-    meet(launch, scene, draw_chance(stream[slot], depth), depth, hit[slot], hit_instance[slot], &path, &shadow);
+  } else {
+    meet(launch, scene, draw_chance(stream[slot], depth), depth, hit[slot], hit_instance[slot], is_noted, &path,
+         &shadow, &noted);
+  }
+  if (is_noted) {
+    feature_color[slot] = (float4)(noted.color * clamp(carried, 0.0f, 1.0f), 0);
+    feature_normal[slot] = (float4)(noted.normal, 0);
+  }
   if (any(path.radiance != 0.0f)) radiance[slot] += (float4)(path.radiance, 0);
   if (launch.n_light_paths > 0) radiance[slot].w = path.density;
   alive[i] = path.is_alive ? 1u : 0u;

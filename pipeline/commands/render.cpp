@@ -157,6 +157,7 @@ RenderSettings settings_of(const RenderOptions& options, const ShownScene& shown
   settings.seed = options.seed ? options.seed : shown.seed;
   settings.sees_through_glass = options.sees_through_glass;
   settings.notes_features = options.writes_ground_truth;
+  settings.finds_truth = options.writes_ground_truth;
   settings.is_adaptive |= options.is_adaptive;
   settings.denoises |= options.denoises;
   return settings;

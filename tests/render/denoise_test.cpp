@@ -71,6 +71,24 @@ Scene room(Kind kind, int check = 8) {
   return scene;
 }
 
+// the built-in filter is guided by the ground truth, whoever asks for it
+TEST_F(Denoise, PicturesAreTheSameWithoutGroundTruth) {
+  const Scene scene = room(Kind::diffuse);
+  Device device;
+  for (const bool denoises : {false, true}) {
+    RenderSettings settings;
+    settings.samples = 2;
+    settings.denoises = denoises;
+    const RenderedFrame with = Renderer(device, scene, settings).render(0, 0);
+    settings.finds_truth = false;
+    const RenderedFrame without = Renderer(device, scene, settings).render(0, 0);
+    EXPECT_EQ(without.rgb, with.rgb);
+    EXPECT_EQ(with.depth.size(), with.rgb.size() / 3);
+    EXPECT_TRUE(without.depth.empty() && without.distance.empty() && without.instance.empty() &&
+                without.normal.empty());
+  }
+}
+
 TEST_F(Denoise, BringsEverySceneNearerToTheTruth) {
   for (const Kind kind : {Kind::diffuse, Kind::conductor, Kind::dielectric, Kind::shadow_receiver,
                           Kind::metallic_roughness, Kind::cloth}) {
