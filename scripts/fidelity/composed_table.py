@@ -10,6 +10,7 @@ vessels. Prints PSNR and SSIM of `evaluate fidelity`, of the whole picture and o
 """
 import argparse
 import json
+import os
 import pathlib
 import struct
 import subprocess
@@ -23,7 +24,7 @@ import asset_tools  # noqa: E402
 import room_photograph as cycles  # noqa: E402
 
 ROOT = HERE.parent.parent
-PROGRAM = ROOT / "build/bin/phyvisgen"
+PROGRAM = pathlib.Path(os.environ.get("PVG_PROGRAM", ROOT / "build/bin/phyvisgen"))
 STEEL, STEEL_ROUGHNESS, GLASS_INDEX = (0.66, 0.65, 0.63), 0.3, 1.47
 CUP_RADIUS, CUP_HEIGHT, CUP_WALL = 0.035, 0.08, 0.002
 COLUMNS = ["relit", "emissive", "receiver"]
@@ -114,6 +115,19 @@ def score(folder, real, picture, region, lut):
     return frame
 
 
+def print_table(rows):
+    names = sorted({name for _, name, _ in rows})
+    print("| region, column | PSNR [dB], SSIM, mean | with a table | each, with a table |\n|---|---|---|---|")
+    for where in ("whole", "window"):
+        for column in COLUMNS:
+            frames = [rows[where, name, column] for name in names]
+            raw, lut = (", ".join(f"{np.mean([f[k] for f in frames]):.{d}f}" for k, d in keys)
+                        for keys in ((("psnr", 2), ("ssim", 3)), (("lut_psnr", 2), ("lut_ssim", 3))))
+            each = "; ".join(f"{f['lut_psnr']:.2f}, {f['lut_ssim']:.3f}" for f in frames)
+            print(f"| {where}, {column} | {raw} | {lut} | {each} |")
+    print("views: " + ", ".join(names))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("room", type=pathlib.Path)
@@ -151,7 +165,8 @@ def main():
     for state in ("stood", "empty"):
         scenes[state] = o.out / f"{state}.yaml"
         scenes[state].write_text(scene_text(o.room, camera_man.light, views, glass_at, steel_at, state == "stood"))
-    rows = {}
+    kept = o.out / "rows.json"  # of views that were drawn before
+    rows = {tuple(key): frame for *key, frame in json.loads(kept.read_text())} if kept.exists() else {}
     for name, view in views.items():
         folder = o.out / name
         folder.mkdir(exist_ok=True)
@@ -178,8 +193,9 @@ def main():
             for column in COLUMNS:
                 frame = score(folder / where / column, real, pictures[column], region, luts.get(column, luts["receiver"]))
                 rows[where, name, column] = frame
-        (o.out / "rows.json").write_text(json.dumps([[*key, frame] for key, frame in rows.items()], indent=1))
-        print(name, {f"{w} {c}": f for (w, n, c), f in rows.items() if n == name}, flush=True)
+        kept.write_text(json.dumps([[*key, frame] for key, frame in rows.items()], indent=1))
+        print(f"{name} is done", flush=True)
+    print_table(rows)
 
 
 if __name__ == "__main__":

@@ -6,13 +6,11 @@ pixel is the photograph times the ratio of the table with and without them, on t
 room looks as in the photograph where that shows it. Needs bpy and opencv-python-headless; nothing of our renderer.
 """
 import math
-import os
 
-os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
-import bpy  # noqa: E402
-import cv2  # noqa: E402
-import numpy as np  # noqa: E402
-from mathutils import Matrix  # noqa: E402
+import bpy
+import cv2
+import numpy as np
+from mathutils import Matrix
 
 LOCAL = 0.7        # the table within this distance takes shadows [m]
 ALBEDO = 0.5       # of the table, for light that goes between it and the things
@@ -39,8 +37,13 @@ def write_coded(path, values):
 
 def read_exr(path):
     """[H, W, 3 or 4] red first"""
-    picture = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
-    return picture[..., [2, 1, 0, 3][:picture.shape[2]]]
+    image = bpy.data.images.load(str(path))
+    image.colorspace_settings.name, image.alpha_mode = "Non-Color", "CHANNEL_PACKED"
+    width, height = image.size
+    values = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(values)
+    bpy.data.images.remove(image)
+    return values.reshape(height, width, -1)[::-1]
 
 
 def rotation(q):
@@ -176,7 +179,7 @@ class RoomPhotographer:
 
     def __init__(self, room, things, center, folder, samples):
         self.room, self.things, self.center, self.folder, self.samples = room, things, np.array(center), folder, samples
-        self.light = folder / "light.exr"
+        self.light = folder / "light.hdr"
 
     def make_light(self, width=512):
         scene = fresh(8, False)
