@@ -37,8 +37,8 @@ struct DepthErrors {
 
 // One of them, for whoever renders the room from the same place.
 struct LeftOutPhoto {
-  std::string file;                  // name of the photo in the capture's folder
-  Camera camera;                     // in the room's frame
+  std::string file;                   // name of the photo in the capture's folder
+  Camera camera;                      // in the room's frame
   double psnr_lut = 0, ssim_lut = 0;  // of the shadow receiver, after its own table
 };
 
