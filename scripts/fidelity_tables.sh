@@ -1,8 +1,10 @@
 #!/bin/sh
-# The two tables of fidelity.
+# The tables of fidelity.
 #   scripts/fidelity_tables.sh physics [SEED [ARGUMENTS...]]   masks of a gripper; arguments: of fidelity/physics_table.py
 #   scripts/fidelity_tables.sh pictures FOLDER [ARGUMENTS...]  left-out photographs; arguments: of `capture room`
-# Reality of the first is drawn by Cycles (PyPI's bpy 4.2, 520 MB, needs Python 3.11). Results: out/fidelity.
+#   scripts/fidelity_tables.sh composed FOLDER [ARGUMENTS...]  glass and steel in left-out photographs, after `pictures`;
+#                                                            arguments: of fidelity/composed_table.py
+# Reality of the first and the last is drawn by Cycles (PyPI's bpy 4.2, 520 MB, needs Python 3.11). Results: out/fidelity.
 set -eu
 cd "$(dirname "$0")/.."
 what="${1:-}"
@@ -20,8 +22,16 @@ case "$what" in
     build/bin/phyvisgen capture room "$@" -o out/fidelity/room --hold-out 5 --json >out/fidelity/pictures.json
     python3 scripts/fidelity/pictures_table.py out/fidelity/pictures.json
     ;;
+  composed)
+    [ $# -gt 0 ] || { echo "fidelity_tables.sh composed: name the folder of the photographs"; exit 2; }
+    [ -e out/fidelity/room/report.json ] || { echo "fidelity_tables.sh composed: run fidelity_tables.sh pictures $1 first"; exit 2; }
+    photos="$1"
+    shift
+    scripts/python_env.sh fidelity_tables numpy h5py pyyaml pillow opencv-python-headless bpy==4.2.0
+    .venv-fidelity_tables/bin/python scripts/fidelity/composed_table.py out/fidelity/room "$photos" out/fidelity/composed "$@"
+    ;;
   *)
-    echo "fidelity_tables.sh: say physics or pictures FOLDER"
+    echo "fidelity_tables.sh: say physics, pictures FOLDER or composed FOLDER"
     exit 2
     ;;
 esac

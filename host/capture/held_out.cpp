@@ -61,6 +61,7 @@ std::vector<float> coded(const std::vector<float>& linear) {
 
 struct Score {
   double psnr = 0, ssim = 0, psnr_covered = 0;
+  std::vector<double> psnr_each, ssim_each;
 };
 
 // means over the views
@@ -74,8 +75,10 @@ Score score(const std::vector<View>& views) {
         a_covered.push_back(a[3 * i + k]);
         b_covered.push_back(b[3 * i + k]);
       }
-    mean.psnr += psnr(a, b) / double(views.size());
-    mean.ssim += ssim(a, b, view.width, view.height) / double(views.size());
+    mean.psnr_each.push_back(psnr(a, b));
+    mean.ssim_each.push_back(ssim(a, b, view.width, view.height));
+    mean.psnr += mean.psnr_each.back() / double(views.size());
+    mean.ssim += mean.ssim_each.back() / double(views.size());
     mean.psnr_covered += psnr(a_covered, b_covered) / double(views.size());
   }
   return mean;
@@ -147,6 +150,10 @@ PhotoErrors measure_photos(Device& device, std::span<const CaptureFrame> held_ou
   out.psnr_lut = tabled.psnr;
   out.ssim_lut = tabled.ssim;
   out.psnr_covered_lut = tabled.psnr_covered;
+  for (const CaptureFrame& frame : held_out)
+    if (!frame.color.empty())
+      out.each.push_back({frame.color.filename().string(), frame.color_camera, tabled.psnr_each[out.each.size()],
+                          tabled.ssim_each[out.each.size()]});
   std::vector<View> diffuse = render_views(device, held_out, surfaces, Kind::diffuse);
   // the sky's radiance that makes the mean brightness that of the photos
   double rendered = 0, photo = 0;

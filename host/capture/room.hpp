@@ -35,10 +35,18 @@ struct DepthErrors {
   double mean = 0, median = 0, p90 = 0, p95 = 0, max = 0;  // of the absolute differences [m]
 };
 
+// One of them, for whoever renders the room from the same place.
+struct LeftOutPhoto {
+  std::string file;                   // name of the photo in the capture's folder
+  Camera camera;                      // in the room's frame
+  double psnr_lut = 0, ssim_lut = 0;  // of the shadow receiver, after its own table
+};
+
 // Left-out photos against pictures of the surface as shadow receiver, in sRGB. Pixels where nothing is drawn are black
 // in the pictures; `covered` figures are those of the measured surface alone, without the guessed background.
 struct PhotoErrors {
   std::size_t n_frames = 0;
+  std::vector<LeftOutPhoto> each;
   double psnr = 0, ssim = 0, psnr_covered = 0;              // as rendered [dB]
   double psnr_lut = 0, ssim_lut = 0, psnr_covered_lut = 0;  // after a table that is fitted to each photo, its exposure
   double psnr_diffuse = 0, ssim_diffuse = 0;          // the same surfaces as diffuse, under an even sky that fits best

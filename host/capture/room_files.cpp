@@ -247,6 +247,18 @@ ordered_json room_report(const Room& room, const RoomSettings& settings, double 
                      {"ssim_diffuse_lut", p.ssim_diffuse_lut},
                      {"covered", p.covered},
                      {"drawn", p.drawn}};
+    for (const LeftOutPhoto& photo : p.each) {
+      const Camera& c = photo.camera;
+      const Vec3 t = c.pose.translation();
+      const Eigen::Quaterniond q(c.pose.linear());
+      out["photos"]["each"].push_back({{"file", photo.file},
+                                       {"position", {t.x(), t.y(), t.z()}},
+                                       {"quaternion", {q.x(), q.y(), q.z(), q.w()}},
+                                       {"intrinsics", {c.fx, c.fy, c.cx, c.cy}},
+                                       {"size", {c.width, c.height}},
+                                       {"psnr_lut", photo.psnr_lut},
+                                       {"ssim_lut", photo.ssim_lut}});
+    }
   }
   return out;
 }
