@@ -8,6 +8,7 @@
 // Each turn leaves (1 - eta) of the gap; it ends where the gap would fall below (1 - eta) of the first one.
 #include "contact/distance.cl"
 #include "energies/contact/barrier.h"
+#define ITEMS 64u
 #define SLACK 0.9      // eta
 #define MAX_TURNS 100  // then the part certified so far is the answer
 
@@ -63,15 +64,24 @@ static inline real certified_step(const uint kind, const real3* x, real3* v, con
   return t;
 }
 
-// steps: [n] in [0, 1]; x0, x1: sites [n_sites x 3, m]
-kernel void accd_steps(const uint n, global const Barrier* restrict pairs, global const real* restrict x0,
-                       global const real* restrict x1, global real* restrict steps) {
-  const uint e = get_global_id(0);
-  if (e >= n) return;
-  real3 x[4], v[4];
-  for (int i = 0; i < 4; ++i) {
-    x[i] = vload3(pairs[e].site[i], x0);
-    v[i] = vload3(pairs[e].site[i], x1) - x[i];
+// steps: [n] in [0, 1]; of_64: the least of each 64 of them; x0, x1: sites [n_sites x 3, m]
+kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void accd_steps(
+    const uint n, global const Barrier* restrict pairs, global const real* restrict x0, global const real* restrict x1,
+    global real* restrict steps, global real* restrict of_64) {
+  local real of_item[ITEMS];
+  const uint e = get_global_id(0), item = get_local_id(0);
+  real own = 1;
+  if (e < n) {
+    real3 x[4], v[4];
+    for (int i = 0; i < 4; ++i) {
+      x[i] = vload3(pairs[e].site[i], x0);
+      v[i] = vload3(pairs[e].site[i], x1) - x[i];
+    }
+    own = certified_step(pairs[e].kind, x, v, pairs[e].offset);
+    steps[e] = own;
   }
-  steps[e] = certified_step(pairs[e].kind, x, v, pairs[e].offset);
+  of_item[item] = own;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (uint k = 0; k < (item == 0 ? ITEMS : 0); ++k) own = fmin(own, of_item[k]);
+  if (item == 0) of_64[get_group_id(0)] = own;
 }

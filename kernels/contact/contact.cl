@@ -1,5 +1,6 @@
 // From candidates to contacts: gaps, what is active, lagged friction rows, reports; the smallest of a number per world.
 #include "contact/activity.cl"
+#include "contact/list_contacts.cl"
 #include "contact/mesh.h"
 #include "contact/report.h"
 #include "energies/contact/adhesion_law.cl"
@@ -79,43 +80,19 @@ kernel void merge_lists(const uint n, const uint n_worlds, const uint capacity0,
   to[place] = row;
 }
 
-// contacts: the active pairs, in order, and their sites [n x 4].  is_active, counts: as pair_gaps leaves them
-// first_pair, first: [n_worlds + 1] of the worlds' pairs and contacts.  Each work-group begins behind the contacts of
-// those before it, and does nothing where it has neither a contact nor the first pair of a world.
-// changed: [1] gets `search`, the number of this search, where sites differ from what stood there
+// The contacts of all pairs: see list_contacts.  n: pairs
 kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void fill_contacts(
     const uint n, const uint n_worlds, global const Barrier* restrict pairs, global const u32* restrict is_active,
     global const u32* restrict counts, global const u32* restrict first_pair, global u32* restrict first,
     global Barrier* restrict contacts, global u32* restrict sites, const uint search, global u32* restrict changed) {
-  local u32 before[ITEMS], offset[ITEMS + 1];  // of work-items' parts of the groups before; of pairs
-  const uint group = get_group_id(0), item = get_local_id(0), begin = group * ITEMS, end = min(n, begin + ITEMS);
-  const bool begins_world = begin == 0 || end == n || pairs[begin - 1].world != pairs[end - 1].world;
-  const bool has_any = counts[group] > 0 || begins_world;
-  u32 own = 0;
-  for (uint c = item; has_any && c < group; c += ITEMS) own += counts[c];
-  before[item] = own;
+  local u32 before[ITEMS], offset[ITEMS + 1];
+  const uint group = get_group_id(0), begin = group * ITEMS;
+  const bool has_any = has_contacts(begin, n, pairs, counts);
+  before[get_local_id(0)] = has_any ? contacts_before(group, counts) : 0;
   barrier(CLK_LOCAL_MEM_FENCE);
-  if (item == 0 && has_any) {
-    u32 sum = 0;
-    for (uint k = 0; k < ITEMS; ++k) sum += before[k];
-    for (uint k = 0; k < ITEMS; ++k) {
-      offset[k] = sum;
-      sum += begin + k < end ? is_active[begin + k] : 0;
-    }
-    offset[ITEMS] = sum;
-  }
+  if (has_any) find_offsets(begin, n, is_active, before, offset);
   barrier(CLK_LOCAL_MEM_FENCE);
-  if (!has_any) return;
-  for (uint w = item; begins_world && w <= n_worlds; w += ITEMS)
-    if (first_pair[w] >= begin && (first_pair[w] < end || end == n)) first[w] = offset[first_pair[w] - begin];
-  const uint e = begin + item, to = offset[item];
-  if (offset[item + 1] == to) return;
-  contacts[to] = pairs[e];
-  for (uint k = 0; k < 4; ++k)
-    if (sites[4 * to + k] != pairs[e].site[k]) {
-      sites[4 * to + k] = pairs[e].site[k];
-      *changed = search;
-    }
+  if (has_any) list_contacts(begin, n, n_worlds, pairs, first_pair, offset, first, contacts, sites, search, changed);
 }
 
 // lambda = kappa w m |b'|  [N]

@@ -100,19 +100,39 @@ static inline CgWorld renewed(const CgWorld before, const uint when, const real 
   return world;
 }
 
+// of |r|^2 over that of tolerance |g|, of a world's chunks, for the first work-item
+static inline real residual_excess(const uint begin, const uint end, global const Chunk* restrict chunks,
+                                   global const real* restrict residual, global const real* restrict gradient,
+                                   const real tolerance, local real* of_item) {
+  real now = 0, at_first = 0;
+  for (uint c = begin; c < end; ++c)
+    for (uint i = chunks[c].begin + get_local_id(0); i < chunks[c].end; i += ITEMS) {
+      now += dot(vload3(i, residual), vload3(i, residual));
+      at_first += dot(vload3(i, gradient), vload3(i, gradient));
+    }
+  return sum_of_group(now - tolerance * tolerance * at_first, of_item);
+}
+
 // is_wanted: [n_worlds] whether the world is solved;  worlds: [n_worlds]
+// looks: whether to find what cg_test_residual would have found, by gradient and residual_tolerance
 // has_partial: whether partial is r . z;  residual, preconditioned: r and z, where it is not
 kernel CHUNK_PER_GROUP void cg_test(const uint n_items, const uint when, global const uint* restrict first,
                                     global const Chunk* restrict chunks, const uint has_partial,
                                     global const real* restrict partial, global const real* restrict residual,
                                     global const real* restrict preconditioned, global const uint* restrict is_wanted,
-                                    const real tolerance, const uint most_iterations,
+                                    const real tolerance, const uint most_iterations, const uint looks,
+                                    global const real* restrict gradient, const real residual_tolerance,
                                     global const CgWorld* restrict before, global CgWorld* restrict worlds) {
   local real of_item[ITEMS + EIGHTS];
-  const uint w = get_group_id(0);
+  const uint w = get_group_id(0), end = first[w + 1];
+  const real excess = residual_excess(looks ? first[w] : end, end, chunks, residual, gradient, residual_tolerance, of_item);
+  barrier(CLK_LOCAL_MEM_FENCE);
   const real rz = has_partial ? sum_of_world(w, first, partial, of_item)
                               : dot_of_world(w, first, chunks, residual, preconditioned, of_item);
-  if (get_local_id(0) == 0) worlds[w] = renewed(before[w], when, rz, is_wanted[w], tolerance, most_iterations);
+  if (get_local_id(0) > 0) return;
+  CgWorld world = renewed(before[w], when, rz, is_wanted[w], tolerance, most_iterations);
+  if (looks) world.residual_tells = !is_wanted[w] || excess <= 0;
+  worlds[w] = world;
 }
 
 // p = z + beta p of a node; 0 in a world that is not active
@@ -218,12 +238,6 @@ kernel CHUNK_PER_GROUP void cg_test_residual(const uint n_items, global const ui
                                              global CgWorld* restrict worlds) {
   local real of_item[ITEMS + EIGHTS];
   const uint w = get_group_id(0);
-  real now = 0, at_first = 0;
-  for (uint c = first[w]; c < first[w + 1]; ++c)
-    for (uint i = chunks[c].begin + get_local_id(0); i < chunks[c].end; i += ITEMS) {
-      now += dot(vload3(i, residual), vload3(i, residual));
-      at_first += dot(vload3(i, gradient), vload3(i, gradient));
-    }
-  const real excess = sum_of_group(now - tolerance * tolerance * at_first, of_item);
+  const real excess = residual_excess(first[w], first[w + 1], chunks, residual, gradient, tolerance, of_item);
   if (get_local_id(0) == 0 && worlds[w].is_active && excess <= 0) worlds[w].is_active = 0;
 }

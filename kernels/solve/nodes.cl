@@ -1,6 +1,7 @@
 // Between nodes and sites, and the vector operations of a time step. Per-world scalars are arrays over worlds, so that
 // the bits of one world do not depend on its companions.
 #include "shared/real.h"
+#include "solve/moved.cl"
 #include "solve/product_of_four.cl"
 #include "solve/row_lists.cl"
 #include "solve/value_at_site.cl"
@@ -49,12 +50,14 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void gather_rows(
   add_long_lists(&lists, begin, min(n, begin + ITEMS), is_fixed, node, &long_lists);
 }
 
-// node[i] = the sum over the entries of one list, then over those of another, as by two calls of gather_rows
+// node[i] = the sum over the entries of one list, then over those of another, as by two calls of gather_rows; and what
+// conjugate gradients begin with where this is the gradient, as by cg_start: dx = 0, residual = -node
 kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void gather_two_lists(
     const uint n, global const uint* restrict first_offset, global const uint* restrict first_row,
     global const real* restrict first_weight, global const uint* restrict second_offset,
     global const uint* restrict second_row, global const real* restrict second_weight,
-    global const uint* restrict is_fixed, global const real* restrict rows, global real* restrict node) {
+    global const uint* restrict is_fixed, global const real* restrict rows, global real* restrict node,
+    global real* restrict dx, global real* restrict residual) {
   local LongLists long_lists;
   const uint i = get_global_id(0), begin = get_group_id(0) * ITEMS, end = min(n, begin + ITEMS);
   const RowLists lists = {first_offset, first_row, first_weight, rows};
@@ -65,16 +68,40 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void gather_two_lists(
   }
   add_long_lists(&lists, begin, end, is_fixed, node, &long_lists);
   add_long_lists(&second, begin, end, is_fixed, node, &long_lists);
+  barrier(CLK_GLOBAL_MEM_FENCE);  // work-items have added to nodes of others
+  if (i >= n) return;
+  vstore3((real3)(0), i, dx);
+  vstore3(-vload3(i, node), i, residual);
 }
 
-// the position that inertia alone would lead to: x~ = x + h v + h^2 g    [n x 3, m]
-kernel void predict(const uint n, global const real* restrict x, global const real* restrict v,
-                    global const real* restrict gravity, global const uint* restrict is_fixed, const real h,
-                    global real* restrict predicted) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
+// the position that inertia alone would lead to: x~ = x + h v + h^2 g    [m]
+static inline real3 predicted_node(const uint i, global const real* restrict x, global const real* restrict v,
+                                   global const real* restrict gravity, global const uint* restrict is_fixed,
+                                   const real h) {
   const real3 xi = vload3(i, x);
-  vstore3(is_fixed[i] ? xi : xi + h * vload3(i, v) + h * h * vload3(i, gravity), i, predicted);
+  return is_fixed[i] ? xi : xi + h * vload3(i, v) + h * h * vload3(i, gravity);
+}
+
+// A step begins at x: start = x, predicted = x~ from past_x and past_v, of nodes and of the sites that they carry.
+// n: the more of the two;  all of nodes [n_nodes x 3], of sites [n_sites x 3]
+kernel void begin_step(const uint n, const uint n_nodes, const uint n_sites, global const Site* restrict sites,
+                       global const real* restrict x, global const real* restrict past_x,
+                       global const real* restrict past_v, global const real* restrict gravity,
+                       global const uint* restrict is_fixed, const real h, global real* restrict start,
+                       global real* restrict start_sites, global real* restrict predicted,
+                       global real* restrict predicted_sites) {
+  const uint i = get_global_id(0);
+  if (i < n_nodes) {
+    vstore3(vload3(i, x), i, start);
+    vstore3(predicted_node(i, past_x, past_v, gravity, is_fixed, h), i, predicted);
+  }
+  if (i >= n_sites) return;
+  vstore3(value_at_site(sites + i, x), i, start_sites);
+  const Site s = sites[i];
+  real3 sum = s.weight[0] * predicted_node(s.node[0], past_x, past_v, gravity, is_fixed, h);
+  for (int k = 1; k < 4; ++k)
+    if (s.weight[k] != 0) sum += s.weight[k] * predicted_node(s.node[k], past_x, past_v, gravity, is_fixed, h);
+  vstore3(sum, i, predicted_sites);
 }
 
 // node[nodes[i]] = values[i];  n: of these nodes;  values: [n x 3]
@@ -90,19 +117,6 @@ kernel void backward_difference(const uint n, global const real* restrict now, g
   const uint i = get_global_id(0);
   if (i >= n) return;
   vstore3((4 * vload3(i, now) - vload3(i, before)) / 3, i, past);
-}
-
-static inline real3 moved_node(const uint i, const real step, global const real* restrict x,
-                               global const real* restrict direction) {
-  return vload3(i, x) + step * vload3(i, direction);
-}
-
-static inline real3 moved_site(const Site s, const real step, global const real* restrict x,
-                               global const real* restrict direction) {
-  real3 sum = s.weight[0] * moved_node(s.node[0], step, x, direction);
-  for (int k = 1; k < 4; ++k)
-    if (s.weight[k] != 0) sum += s.weight[k] * moved_node(s.node[k], step, x, direction);
-  return sum;
 }
 
 // trial = x + step[world] direction, of nodes and of the sites that they carry.  n: the more of the two
@@ -144,10 +158,12 @@ kernel void halve_and_move(const uint n, const uint n_nodes, const uint n_sites,
   }
 }
 
-// v = (x - x0) / h
-kernel void velocity_from_positions(const uint n, global const real* restrict x, global const real* restrict x0,
-                                    const real h, global real* restrict v) {
+// A step ends at x: v = (x - from) / h, before = start    [n x 3]
+kernel void end_step(const uint n, global const real* restrict x, global const real* restrict from,
+                     global const real* restrict start, const real h, global real* restrict v,
+                     global real* restrict before) {
   const uint i = get_global_id(0);
   if (i >= n) return;
-  vstore3((vload3(i, x) - vload3(i, x0)) / h, i, v);
+  vstore3((vload3(i, x) - vload3(i, from)) / h, i, v);
+  vstore3(vload3(i, start), i, before);
 }

@@ -25,4 +25,21 @@ static inline real least_of_world(global const u32* restrict first, global const
   return own;
 }
 
+// The smallest of values[begin] to values[end - 1], each in [0, 1], or 1, for the first work-item.
+// of_64: the smallest of each 64 values
+static inline real least_of_pairs(const uint begin, const uint end, global const real* restrict values,
+                                  global const real* restrict of_64, local real* of_item) {
+  const uint item = get_local_id(0), first_whole = (begin + ITEMS - 1) / ITEMS, last_whole = end / ITEMS;
+  const bool has_whole = first_whole < last_whole;
+  const uint head = has_whole ? first_whole * ITEMS : end, tail = has_whole ? last_whole * ITEMS : end;
+  real own = 1;
+  for (uint k = begin + item; k < head; k += ITEMS) own = fmin(own, values[k]);
+  for (uint g = first_whole + item; g < last_whole; g += ITEMS) own = fmin(own, of_64[g]);
+  for (uint k = tail + item; k < end; k += ITEMS) own = fmin(own, values[k]);
+  of_item[item] = own;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (uint k = 0; k < (item == 0 ? ITEMS : 0); ++k) own = fmin(own, of_item[k]);
+  return own;
+}
+
 #endif

@@ -2,9 +2,8 @@
 // work-item each before.
 // In all kernels of worlds: n_items = 64 n_worlds;  has_partial: whether the chunks were taken before;  first: [n_worlds
 // + 1] chunks of the worlds;  partial: [n_chunks];  out: [n_worlds]
-#include "solve/value_at_site.cl"
-#include "solve/world_sum.cl"
-#define CHUNK_LENGTH 128u
+#include "solve/late_sum.cl"
+#include "solve/world_largest.cl"
 #define ONE_GROUP_PER_WORLD __attribute__((reqd_work_group_size(ITEMS, 1, 1)))
 
 // partial[c] = sum of a over the chunk;  a: [n_elements]
@@ -22,32 +21,11 @@ kernel ONE_GROUP_PER_WORLD void sum_worlds(const uint n_items, const uint has_pa
                                            global const real* restrict a, global real* partial, const uint has_late,
                                            const uint most, const uint from, global const uint* restrict late_first,
                                            global real* late_partial, global real* restrict out) {
-  const uint w = get_group_id(0), item = get_local_id(0), begin = first[w], end = first[w + 1];
-  for (uint c = has_partial ? end : begin + item; c < end; c += ITEMS)
-    partial[c] = sum_of(chunks[c].begin, chunks[c].end, a);
-  const uint late_begin = has_late ? late_first[w] : 0, late_end = has_late ? late_first[w + 1] : 0;
-  const uint n_late = (late_end - late_begin + CHUNK_LENGTH - 1) / CHUNK_LENGTH;
-  for (uint c = item; c < n_late; c += ITEMS) {
-    const uint chunk = late_begin + c * CHUNK_LENGTH;
-    late_partial[w * most + c] = sum_of(from + chunk, from + min(late_end, chunk + CHUNK_LENGTH), a);
-  }
+  const uint w = get_group_id(0);
+  start_late_sum(w, has_partial, first, chunks, a, partial, has_late, most, from, late_first, late_partial);
   barrier(CLK_GLOBAL_MEM_FENCE);
-  if (item > 0) return;
-  out[w] = add_up(sum_of(begin, end, partial), w * most, w * most + n_late, late_partial);
-}
-
-// the larger of two lengths; a length that is not a number is infinite
-static inline real larger(const real largest, const real length) {
-  return length <= largest ? largest : (isnan(length) ? INFINITY : length);
-}
-
-// largest |a| over the chunk's sites from its first one on, each `stride`-th;  a: [n_nodes x 3]
-static inline real largest_of_chunk(const Chunk chunk, const uint first, const uint stride,
-                                    global const Site* restrict sites, global const real* restrict a) {
-  real largest = 0;
-  for (uint i = chunk.begin + first; i < chunk.end; i += stride)
-    largest = larger(largest, length(value_at_site(sites + i, a)));
-  return largest;
+  if (get_local_id(0) > 0) return;
+  out[w] = late_sum(w, first, partial, has_late, most, late_first, late_partial);
 }
 
 kernel void largest_length_chunks(const uint n, global const Chunk* restrict chunks, global const Site* restrict sites,

@@ -50,6 +50,7 @@ struct LinearSystem {
       : system(make_system(std::vector<PhysicalScene>(n_worlds, run.scene))),
         potential(device, system),
         x(device, system.n_nodes(), system.sites.size(), "x"),
+        start(device, system.n_nodes(), system.sites.size(), "start"),
         predicted(device, system.n_nodes(), system.sites.size(), "predicted"),
         gradient(device, system.x.size(), "gradient"),
         integrator(device, system),
@@ -62,8 +63,8 @@ struct LinearSystem {
     const SolverSettings& solver = run.scene.solver;
     integrator.restore(checkpoint.history);
     const bool goes_on = integrator.goes_on(0, solver.time_step);
-    const double inertia_h = integrator.predict(x.node, solver.time_step, solver.integrator, goes_on, predicted.node);
-    potential.update_sites(predicted);
+    const double inertia_h = integrator.begin_step(x.node, solver.time_step, solver.integrator, goes_on,
+                                                   potential.sites(), start, predicted);
     potential.begin_step(x, predicted, solver.time_step, inertia_h);
     contacts.restore_anchors(checkpoint.anchors);
     contacts.find_candidates(x.site, x.site);
@@ -74,7 +75,7 @@ struct LinearSystem {
   }
   System system;
   Potential potential;
-  Positions x, predicted;
+  Positions x, start, predicted;
   Buffer<f64> gradient;
   TimeIntegrator integrator;
   ContactSet contacts;

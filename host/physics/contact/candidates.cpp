@@ -36,6 +36,14 @@ WorldRows<Barrier> no_rows(Device& device, std::size_t n_worlds) {
 
 }  // namespace
 
+Margins margins_of(const Device& device, std::span<const ContactSettings> settings, double correction) {
+  double nearest = INFINITY;  // of the activation distances
+  for (const ContactSettings& s : settings) nearest = std::min(nearest, s.activation_distance);
+  const bool is_apart = !device.info().runs_host_functions;
+  const double usual = std::max((is_apart ? 2 : 0.5) * nearest, 4 * correction);
+  return {usual, is_apart ? usual : 0.1 * nearest};
+}
+
 Candidates::Within Candidates::make_within(Device& device, const CollisionMesh& mesh,
                                            std::span<const ContactSettings> settings, std::span<const Vec3> x,
                                            PairsOf which) {
@@ -46,9 +54,8 @@ Candidates::Within Candidates::make_within(Device& device, const CollisionMesh& 
     all.insert(all.end(), sites.begin(), sites.end());
     first.push_back(u32(all.size()));
   }
-  return {BroadPhase(device, mesh, settings, x, which),      no_rows(device, mesh.n_worlds),
-          Buffer<u32>(device, first, "first_site"),          Buffer<u32>(device, all, "sites"),
-          margin_};
+  return {BroadPhase(device, mesh, settings, x, which), no_rows(device, mesh.n_worlds),
+          Buffer<u32>(device, first, "first_site"), Buffer<u32>(device, all, "sites"), margin_};
 }
 
 Candidates::Candidates(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings,
@@ -100,9 +107,8 @@ void Candidates::start_check(const Buffer<double>& x0, const Buffer<double>& x1)
   if (n > 0)
     lists_serve_(n, n, n_solids, solids_.first_site, solids_.sites, solids_.broad_phase.reference(), n_sheets,
                  sheets_.first_site, sheets_.sites, sheets_.broad_phase.reference(), n_surface, surface_sites_,
-                 between_bodies_.reference(), x0, x1,
-                 allowed(solids_.margin), allowed(sheets_.margin), allowed(margin_), MOST_ROTATION, check_,
-                 serves_on_device_);
+                 between_bodies_.reference(), x0, x1, allowed(solids_.margin), allowed(sheets_.margin),
+                 allowed(margin_), MOST_ROTATION, check_, serves_on_device_);
   serves_on_device_.read_later(0, std::span(serves_));
 }
 

@@ -12,6 +12,16 @@
 
 namespace pvg {
 
+// How much farther than the activation distance candidates are looked for [m]: a part of it, or as far as several last
+// corrections of Newton's method lead. They then mostly serve for the whole step after its first guess. On a device
+// apart from the host a search takes longer, for its launches and waits, than what more candidates take afterwards:
+// chosen by the counts of docs/measured/2026-11-25_counts.md. `least` where pairs of one body are many:
+// docs/measured/2026-11-27_candidates.md.
+struct Margins {
+  double usual, least;
+};
+Margins margins_of(const Device& device, std::span<const ContactSettings> settings, double correction);
+
 class Candidates {
  public:
   enum List : u32 { SOLIDS, SHEETS, BETWEEN, N_LISTS };
@@ -70,16 +80,16 @@ class Candidates {
   Program program_, serves_program_;
   Kernel merge_lists_, lists_serve_;
   WorldRows<Barrier> between_, rows_;
-  Buffer<u32> found_;           // [N_LISTS x (n_worlds + 1)] where the worlds of each list begin
-  Buffer<u32> first_of_world_;  // [n_worlds + 1] of rows_
-  Buffer<u32> surface_sites_;   // of all bodies
-  bool has_reference_ = false;  // pairs between bodies
+  Buffer<u32> found_;                   // [N_LISTS x (n_worlds + 1)] where the worlds of each list begin
+  Buffer<u32> first_of_world_;          // [n_worlds + 1] of rows_
+  Buffer<u32> surface_sites_;           // of all bodies
+  bool has_reference_ = false;          // pairs between bodies
   std::array<u32, N_LISTS> room_ = {};  // pairs of each list that rows_ took
   Lists is_late_ = {};                  // looked for by start_renew(), not taken yet
-  Buffer<u32> serves_on_device_;  // [N_LISTS] the last check in which a list did not serve
-  std::vector<u32> serves_;       // as read
-  std::vector<u32> read_found_;   // found_ of the last start_renew()
-  u32 check_ = 0;                 // number of the last one
+  Buffer<u32> serves_on_device_;        // [N_LISTS] the last check in which a list did not serve
+  std::vector<u32> serves_;             // as read
+  std::vector<u32> read_found_;         // found_ of the last start_renew()
+  u32 check_ = 0;                       // number of the last one
 };
 
 }  // namespace pvg

@@ -17,23 +17,6 @@ std::span<Row> of_world(std::vector<Row>& rows, const std::vector<u32>& first, u
   return std::span(rows).subspan(first[world], first[world + 1] - first[world]);
 }
 
-// How much farther than the activation distance candidates are looked for [m]: a part of it, or as far as several last
-// corrections of Newton's method lead. They then mostly serve for the whole step after its first guess. On a device
-// apart from the host a search takes longer, for its launches and waits, than what more candidates take afterwards:
-// chosen by the counts of docs/measured/2026-11-25_counts.md. `least` where pairs of one body are many:
-// docs/measured/2026-11-27_candidates.md.
-struct Margins {
-  double usual, least;
-};
-
-Margins margins_of(const Device& device, std::span<const ContactSettings> settings, double correction) {
-  double nearest = INFINITY;  // of the activation distances
-  for (const ContactSettings& s : settings) nearest = std::min(nearest, s.activation_distance);
-  const bool is_apart = !device.info().runs_host_functions;
-  const double usual = std::max((is_apart ? 2 : 0.5) * nearest, 4 * correction);
-  return {usual, is_apart ? usual : 0.1 * nearest};
-}
-
 Vec3 vec3(const double* values) { return {values[0], values[1], values[2]}; }
 
 std::vector<double> flatten(std::span<const Vec3> x) {
@@ -56,8 +39,8 @@ struct ContactSet::Impl {
   CollisionMesh mesh;
   Candidates candidates;
   ContinuousCollision collision;
-  Program program, friction_program;
-  Kernel pair_gaps, fill_contacts, lag_friction, report_contacts, friction_force, friction_strain;
+  Program program, list_program, friction_program;
+  Kernel pair_gaps, fill_contacts, sum_and_list, lag_friction, report_contacts, friction_force, friction_strain;
   WorldMinimum minimum;
   WorldRows<Barrier> contacts;
   WorldRows<Friction> friction;
@@ -88,9 +71,11 @@ struct ContactSet::Impl {
         candidates(device, mesh, settings, x, margins.usual, margins.least),
         collision(device),
         program(device, "contact/contact.cl"),
+        list_program(device, "contact/sum_and_list.cl"),
         friction_program(device, "energies/contact/friction.cl"),
         pair_gaps(program.kernel("pair_gaps")),
         fill_contacts(program.kernel("fill_contacts")),
+        sum_and_list(list_program.kernel("sum_and_list")),
         lag_friction(program.kernel("lag_friction")),
         report_contacts(program.kernel("report_contacts")),
         friction_force(friction_program.kernel("friction_force")),
@@ -132,6 +117,27 @@ struct ContactSet::Impl {
     gaps.resize(pairs.n());
     resize_activity();
     pair_gaps(pairs.n(), pairs.n(), pairs.rows, x, gaps, is_active, active_counts);
+  }
+
+  // before candidates are listed as contacts, and after it
+  void begin_list() {
+    const u32 n = candidates.rows().n();
+    contacts.rows.resize(n);
+    sites.resize(4 * std::size_t(n));
+    ++search;
+    if (const std::size_t serial = sites.memory().serial(); n > 0 && serial != sites_serial) {
+      sites_serial = serial;  // what stands there now says nothing
+      last_change = search;
+    }
+  }
+  void read_list() {
+    first.read_later(0, std::span(contacts.first));
+    changed.read_later(0, std::span(&read_change, 1));
+    has_sites = false;
+    if (!reads_sites) return contact_sites.clear();
+    // mostly there are not many more than last time
+    contact_sites.resize(std::min(sites.size(), 4 * (n_contacts_before + n_contacts_before / 4 + 16)));
+    sites.read_later(0, std::span(contact_sites));
   }
 
   // rows of what contacts.rows has: of contacts, or, where these are not taken yet, of all candidates
@@ -223,6 +229,7 @@ Candidates::Lists ContactSet::lacking_candidates() const { return impl_->candida
 const Buffer<double>& ContactSet::start_largest_steps(const Buffer<double>& x0, const Buffer<double>& x1) {
   return impl_->collision.start(impl_->candidates.rows(), x0, x1);
 }
+const Buffer<double>& ContactSet::least_of_64_steps() const { return impl_->collision.of_64(); }
 const Buffer<u32>& ContactSet::first_candidate() const { return impl_->candidates.first(); }
 
 Buffer<u32>& ContactSet::activity() {
@@ -242,31 +249,28 @@ void ContactSet::start_find_contacts(const Buffer<double>& x) {
 void ContactSet::start_list_contacts() {
   Impl& impl = *impl_;
   const WorldRows<Barrier>& candidates = impl.candidates.rows();
-  impl.contacts.rows.resize(candidates.n());
-  ++impl.search;
+  impl.begin_list();
   if (candidates.n() == 0) {
     impl.first.zero();
     return;
   }
-  impl.sites.resize(4 * std::size_t(candidates.n()));
-  if (const std::size_t serial = impl.sites.memory().serial(); serial != impl.sites_serial) {
-    impl.sites_serial = serial;  // what stands there now says nothing
-    impl.last_change = impl.search;
-  }
   const u32 n = candidates.n();
   impl.fill_contacts(n, n, impl.mesh.n_worlds, candidates.rows, impl.is_active, impl.active_counts,
                      impl.candidates.first(), impl.first, impl.contacts.rows, impl.sites, impl.search, impl.changed);
-  impl.first.read_later(0, std::span(impl.contacts.first));
-  impl.changed.read_later(0, std::span(&impl.read_change, 1));
-  impl.has_sites = false;
-  if (!impl.reads_sites) {
-    impl.contact_sites.clear();
-    return;
-  }
-  // mostly there are not many more than last time
-  impl.contact_sites.resize(
-      std::min(impl.sites.size(), 4 * (impl.n_contacts_before + impl.n_contacts_before / 4 + 16)));
-  impl.sites.read_later(0, std::span(impl.contact_sites));
+  impl.read_list();
+}
+
+void ContactSet::start_list_contacts(const EnergySum& sum) {
+  Impl& impl = *impl_;
+  const WorldRows<Barrier>& candidates = impl.candidates.rows();
+  impl.begin_list();
+  const u32 n_worlds = impl.mesh.n_worlds, n = u32(GROUP_SIZE) * n_worlds + candidates.n();
+  const u32 most = WorldReduce::n_late_chunks(candidates.n());
+  impl.sum_and_list(n, n, n_worlds, u32(sum.chunks.has_large_world()), sum.chunks.first(), sum.chunks.chunks(),
+                    sum.element, sum.chunks.partial(), most, sum.from, sum.late_partial, sum.world, candidates.rows,
+                    impl.is_active, impl.active_counts, impl.candidates.first(), impl.first, impl.contacts.rows,
+                    impl.sites, impl.search, impl.changed);
+  impl.read_list();
 }
 
 void ContactSet::take_contacts() {
@@ -286,7 +290,6 @@ u32 ContactSet::search() const { return impl_->search; }
 u32 ContactSet::last_change() const { return impl_->last_change; }
 const Buffer<u32>& ContactSet::friction_sites_on_device() const { return impl_->friction_sites_on_device; }
 const Buffer<u32>& ContactSet::first_friction() const { return impl_->first_friction; }
-
 const Buffer<u32>& ContactSet::first_contact() const { return impl_->first; }
 const std::vector<u32>& ContactSet::contact_sites() const {
   if (!impl_->has_sites) impl_->read_further_sites();
@@ -299,7 +302,6 @@ void ContactSet::find_contacts(const Buffer<double>& x) {
   impl_->device.finish();
   take_contacts();
 }
-
 void ContactSet::start_lag_friction(const Buffer<double>& x) { impl_->start_lag_friction(x); }
 void ContactSet::take_friction(double h, const Buffer<double>& x0, const Buffer<double>& x1) {
   impl_->take_friction(h, x0, x1);

@@ -21,6 +21,7 @@
 #include "host/physics/contact/candidates.hpp"
 #include "host/physics/contact/collision_mesh.hpp"
 #include "host/physics/contact/friction_anchors.hpp"
+#include "host/physics/linear/world_reduce.hpp"
 #include "host/physics/linear/world_rows.hpp"
 
 namespace pvg {
@@ -54,7 +55,8 @@ class ContactSet {
   std::vector<double> largest_step(const Buffer<double>& x0, const Buffer<double>& x1);
   // The same part of each candidate, on the device: the smallest of a world's is its own.
   const Buffer<double>& start_largest_steps(const Buffer<double>& x0, const Buffer<double>& x1);
-  const Buffer<u32>& first_candidate() const;  // [n_worlds + 1] on the device
+  const Buffer<double>& least_of_64_steps() const;  // of each 64 candidates
+  const Buffer<u32>& first_candidate() const;       // [n_worlds + 1] on the device
 
   // The candidates within activation distance at x: rows of energies/contact/barrier.cl.
   void find_contacts(const Buffer<double>& x);
@@ -66,6 +68,16 @@ class ContactSet {
   Buffer<u32>& activity();
   Buffer<u32>& activity_counts();
   void start_list_contacts();
+  // The same, and in the same launch the energy of each world from those of its elements [J]: of `chunks`, then of the
+  // candidates, which begin at number `from`. late_partial: as of WorldReduce. There must be candidates.
+  struct EnergySum {
+    const WorldChunks& chunks;
+    const Buffer<double>& element;
+    u32 from;
+    Buffer<double>& late_partial;
+    Buffer<double>& world;
+  };
+  void start_list_contacts(const EnergySum& sum);
   void take_contacts();
   const Buffer<u32>& first_contact() const;  // [n_worlds + 1] on the device
   // [n_contacts x 4]; reads them if start_find_contacts() did not

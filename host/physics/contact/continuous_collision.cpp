@@ -26,12 +26,14 @@ ContinuousCollision::ContinuousCollision(Device& device)
     : program_(device, "contact/accd.cl"),
       accd_steps_(program_.kernel("accd_steps")),
       steps_(device, 0, "certified_steps"),
+      of_64_(device, 0, "least_of_64"),
       minimum_(device) {}
 
 const Buffer<double>& ContinuousCollision::start(const WorldRows<Barrier>& pairs, const Buffer<double>& x0,
                                                  const Buffer<double>& x1) {
   steps_.resize(pairs.n());
-  accd_steps_(pairs.n(), pairs.n(), pairs.rows, x0, x1, steps_);
+  of_64_.resize((pairs.n() + GROUP_SIZE - 1) / GROUP_SIZE);
+  accd_steps_(pairs.n(), pairs.n(), pairs.rows, x0, x1, steps_, of_64_);
   return steps_;
 }
 

@@ -28,12 +28,12 @@ class ContinuousCollision {
   std::vector<double> largest_step(const WorldRows<Barrier>& pairs, const Buffer<double>& x0, const Buffer<double>& x1);
   // Starts to find the part of each pair [pairs.n()].
   const Buffer<double>& start(const WorldRows<Barrier>& pairs, const Buffer<double>& x0, const Buffer<double>& x1);
-  const Buffer<double>& steps() const { return steps_; }  // of each pair, of the last call
+  const Buffer<double>& of_64() const { return of_64_; }  // the least of each 64 of them, of the last call
 
  private:
   Program program_;
   Kernel accd_steps_;
-  Buffer<double> steps_;
+  Buffer<double> steps_, of_64_;
   WorldMinimum minimum_;
 };
 

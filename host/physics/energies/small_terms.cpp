@@ -3,18 +3,21 @@
 namespace pvg {
 namespace {
 
-// The functions of each term, then two kernels in which a work-item finds its term and does what belongs to one
-// element.
-std::string text_of(const std::vector<SmallTermSource>& sources, const std::string& front) {
+// arguments of the kernels
+const std::string INPUTS =
+    "global const SmallTerm* restrict terms, global const uchar* restrict params,\n"
+    "    global const real* restrict x, global const real* restrict start, global const real* restrict predicted,\n"
+    "    const real h, const real inertia_h";
+const std::string ENERGY = "global real* restrict energy";
+const std::string DERIVATIVES = "global real* restrict rows, global real* restrict blocks";
+
+// The functions of each term, and two in which a work-item finds its term and does what belongs to one element.
+std::string functions_of(const std::vector<SmallTermSource>& sources, const std::string& front) {
   std::string text = front + "#define TERM_FUNCTIONS_ONLY\n#include \"energies/small_terms.h\"\n";
   for (const SmallTermSource& source : sources) text += "#include \"" + source.file + "\"\n";
-  const auto kernel = [&](const std::string& name, const std::string& outputs, const auto& work) {
+  const auto function = [&](const std::string& name, const std::string& outputs, const auto& work) {
     text +=
-        "kernel void small_" + name +
-        "(const uint n, global const SmallTerm* restrict terms, global const uchar* restrict params,\n"
-        "    global const real* restrict x, global const real* restrict start, global const real* restrict predicted,\n"
-        "    const real h, const real inertia_h, " +
-        outputs + ") {\n  const uint i = get_global_id(0);\n  if (i >= n) return;\n  uint e;\n";
+        "static inline void small_" + name + "_of_item(const uint i, " + INPUTS + ", " + outputs + ") {\n  uint e;\n";
     for (std::size_t k = 0; k < sources.size(); ++k) {
       const SmallTermSource& source = sources[k];
       const std::string term = "terms[" + std::to_string(k) + "]";
@@ -25,24 +28,55 @@ std::string text_of(const std::vector<SmallTermSource>& sources, const std::stri
     }
     text += "}\n";
   };
-  kernel("energy", "global real* restrict energy",
-         [](const std::string& name, const std::string& term, const std::string& arguments) {
-           return "    " + name + "_energy_of" + arguments + term + ".first_energy, energy);\n";
-         });
-  kernel("derivatives", "global real* restrict rows, global real* restrict blocks",
-         [](const std::string& name, const std::string& term, const std::string& arguments) {
-           return "    " + name + "_gradient_of" + arguments + term + ".first_row, rows);\n    " + name +
-                  "_hessian_of" + arguments + term + ".first_block, blocks);\n";
-         });
+  function("energy", ENERGY, [](const std::string& name, const std::string& term, const std::string& arguments) {
+    return "    " + name + "_energy_of" + arguments + term + ".first_energy, energy);\n";
+  });
+  function("derivatives", DERIVATIVES,
+           [](const std::string& name, const std::string& term, const std::string& arguments) {
+             return "    " + name + "_gradient_of" + arguments + term + ".first_row, rows);\n    " + name +
+                    "_hessian_of" + arguments + term + ".first_block, blocks);\n";
+           });
   return text;
+}
+
+// These alone, and in one launch with contact: small terms come first, in whole work-groups.
+std::string text_of(const std::vector<SmallTermSource>& sources, const std::string& front, bool with_contact) {
+  const std::string item = "  const uint i = get_global_id(0);\n",
+                    given = "(i, terms, params, x, start, predicted, h, inertia_h, ";
+  if (!with_contact)
+    return functions_of(sources, front) + "kernel void small_energy(const uint n, " + INPUTS + ", " + ENERGY + ") {\n" +
+           item + "  if (i < n) small_energy_of_item" + given + "energy);\n}\n" +
+           "kernel void small_derivatives(const uint n, " + INPUTS + ", " + DERIVATIVES + ") {\n" + item +
+           "  if (i < n) small_derivatives_of_item" + given + "rows, blocks);\n}\n";
+  const std::string friction =
+      ", const uint n_small, const uint n_friction, global const Friction* restrict friction, ";
+  return functions_of(sources, front) + "#include \"energies/contact/contact_items.cl\"\n" +
+         "kernel __attribute__((reqd_work_group_size(64, 1, 1))) void all_energy(const uint n, " + INPUTS + friction +
+         "global const Barrier* restrict candidates,\n    const uint first_friction, " + ENERGY +
+         ", global uint* restrict is_active, global uint* restrict counts) {\n  local uint count;\n" + item +
+         "  const uint n_before = n_small + whole_groups(n_friction);\n  bool exerts_force = false;\n"
+         "  if (i < n_small)\n    small_energy_of_item" +
+         given +
+         "energy);\n  else\n    exerts_force = contact_energy_of_item(i - n_small, n - n_small, n_friction, friction, "
+         "candidates, x,\n        start, h, first_friction, energy, is_active);\n"
+         "  const uint n_active = count_active(exerts_force, &count);\n"
+         "  if (get_local_id(0) == 0 && i >= n_before) counts[(i - n_before) / 64] = n_active;\n}\n" +
+         "kernel void all_derivatives(const uint n, " + INPUTS + friction +
+         "const uint n_contacts,\n    global const Barrier* restrict contacts, const uint first_row, " + DERIVATIVES +
+         ",\n    global real* restrict contact_blocks, global real* restrict friction_blocks, const uint begins, "
+         "global FrictionDual* restrict dual) {\n" +
+         item + "  if (i < n_small)\n    small_derivatives_of_item" + given +
+         "rows, blocks);\n  else\n    contact_derivatives_of_item(i - n_small, n - n_small, n_friction, n_contacts, "
+         "friction, contacts, x,\n        start, h, first_row, rows, contact_blocks, friction_blocks, begins, "
+         "dual);\n}\n";
 }
 
 }  // namespace
 
-SmallTerms::Kernels::Kernels(Device& device, const std::string& text)
-    : program(Program::from_text(device, "small terms of this scene", text)),
-      energy(program.kernel("small_energy")),
-      derivatives(program.kernel("small_derivatives")) {}
+SmallTerms::Kernels::Kernels(Device& device, const std::string& text, const std::string& kind)
+    : program(Program::from_text(device, kind + " terms of this scene", text)),
+      energy(program.kernel(kind + "_energy")),
+      derivatives(program.kernel(kind + "_derivatives")) {}
 
 SmallTerms::SmallTerms(Device& device, std::vector<SmallTermSource> sources, std::string front)
     : device_(&device),
@@ -67,19 +101,42 @@ SmallTerms::SmallTerms(Device& device, std::vector<SmallTermSource> sources, std
 }
 
 SmallTerms::Kernels& SmallTerms::kernels() {
-  if (!kernels_) kernels_.emplace(*device_, text_of(sources_, front_));
+  if (!kernels_) kernels_.emplace(*device_, text_of(sources_, front_, false), "small");
   return *kernels_;
 }
 
-void SmallTerms::energy(const Buffer<f64>& x, const Buffer<f64>& start, const Buffer<f64>& predicted, double h,
-                        double inertia_h, Buffer<f64>& energy) {
-  if (n_items_ > 0) kernels().energy(n_items_, n_items_, terms_, params_, x, start, predicted, h, inertia_h, energy);
+SmallTerms::Kernels& SmallTerms::kernels_with_contact() {
+  if (!kernels_with_contact_) kernels_with_contact_.emplace(*device_, text_of(sources_, front_, true), "all");
+  return *kernels_with_contact_;
 }
 
-void SmallTerms::differentiate(const Buffer<f64>& x, const Buffer<f64>& start, const Buffer<f64>& predicted, double h,
-                               double inertia_h, Buffer<f64>& rows, Buffer<f64>& blocks) {
+void SmallTerms::energy(const At& at, Buffer<f64>& energy) {
   if (n_items_ > 0)
-    kernels().derivatives(n_items_, n_items_, terms_, params_, x, start, predicted, h, inertia_h, rows, blocks);
+    kernels().energy(n_items_, n_items_, terms_, params_, at.x, at.start, at.predicted, at.h, at.inertia_h, energy);
+}
+
+void SmallTerms::energy(const At& at, Buffer<f64>& energy, u32 n_contact_items, u32 n_friction, u32 first_friction,
+                        ContactSet& contacts) {
+  const u32 n = n_items_ + n_contact_items;
+  kernels_with_contact().energy(n, n, terms_, params_, at.x, at.start, at.predicted, at.h, at.inertia_h, n_items_,
+                                n_friction, contacts.friction().rows, contacts.candidates().rows, first_friction,
+                                energy, contacts.activity(), contacts.activity_counts());
+}
+
+void SmallTerms::differentiate(const At& at, Buffer<f64>& rows, Buffer<f64>& blocks) {
+  if (n_items_ > 0)
+    kernels().derivatives(n_items_, n_items_, terms_, params_, at.x, at.start, at.predicted, at.h, at.inertia_h, rows,
+                          blocks);
+}
+
+void SmallTerms::differentiate(const At& at, Buffer<f64>& rows, Buffer<f64>& blocks, u32 n_contact_items,
+                               const ContactSet& contacts, Term& barrier, Term& friction, bool begins,
+                               Buffer<FrictionDual>& dual) {
+  const u32 n = n_items_ + n_contact_items;
+  kernels_with_contact().derivatives(n, n, terms_, params_, at.x, at.start, at.predicted, at.h, at.inertia_h, n_items_,
+                                     u32(friction.size()), contacts.friction().rows, u32(barrier.size()),
+                                     contacts.contacts().rows, barrier.first_row, rows, blocks, barrier.own_blocks(),
+                                     friction.own_blocks(), u32(begins), dual);
 }
 
 }  // namespace pvg

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "energies/small_terms.h"
+#include "host/physics/contact/contact.hpp"
 #include "host/physics/linear/term.hpp"
 
 namespace pvg {
@@ -27,25 +28,36 @@ class SmallTerms {
   SmallTerms(Device& device, std::vector<SmallTermSource> sources, std::string front);
   SmallTerms(const SmallTerms&) = delete;
 
-  // As Term's. start, predicted: sites [n_sites x 3, m]; h, inertia_h [s]
-  void energy(const Buffer<f64>& x, const Buffer<f64>& start, const Buffer<f64>& predicted, double h, double inertia_h,
-              Buffer<f64>& energy);
+  // As Term's. x, start, predicted: sites [n_sites x 3, m]; h, inertia_h [s]
+  struct At {
+    const Buffer<f64>&x, &start, &predicted;
+    double h, inertia_h;
+  };
+  void energy(const At& at, Buffer<f64>& energy);
   // Gradient and Hessian blocks.
-  void differentiate(const Buffer<f64>& x, const Buffer<f64>& start, const Buffer<f64>& predicted, double h,
-                     double inertia_h, Buffer<f64>& rows, Buffer<f64>& blocks);
+  void differentiate(const At& at, Buffer<f64>& rows, Buffer<f64>& blocks);
+  // The same, and in the same launch contact and friction, whose arguments are those of
+  // kernels/energies/contact/contact_items.cl. n_contact_items: of them
+  bool is_empty() const { return n_items_ == 0; }
+  void energy(const At& at, Buffer<f64>& energy, u32 n_contact_items, u32 n_friction, u32 first_friction,
+              ContactSet& contacts);
+  void differentiate(const At& at, Buffer<f64>& rows, Buffer<f64>& blocks, u32 n_contact_items,
+                     const ContactSet& contacts, Term& barrier, Term& friction, bool begins,
+                     Buffer<FrictionDual>& dual);
 
  private:
   struct Kernels {
-    Kernels(Device& device, const std::string& text);
+    Kernels(Device& device, const std::string& text, const std::string& kind);
     Program program;
     Kernel energy, derivatives;
   };
   Kernels& kernels();
+  Kernels& kernels_with_contact();
 
   Device* device_;
   std::vector<SmallTermSource> sources_;
   std::string front_;
-  std::optional<Kernels> kernels_;
+  std::optional<Kernels> kernels_, kernels_with_contact_;
   Buffer<SmallTerm> terms_;
   Buffer<unsigned char> params_;
   u32 n_items_ = 0;

@@ -62,14 +62,14 @@ void ConjugateGradients::precondition() {
 
 void ConjugateGradients::start(CgOperators operators, const Buffer<f64>& gradient,
                                const std::vector<char>& world_is_active, double tolerance, int max_iterations,
-                               Buffer<f64>& dx) {
+                               Buffer<f64>& dx, bool has_begun) {
   const u32 n = u32(n_nodes_);
   problem_ = {std::move(operators), tolerance, max_iterations, &gradient, &dx};
   if (wanted_ != world_is_active) {
     wanted_ = world_is_active;
     is_wanted_.write(std::vector<u32>(wanted_.begin(), wanted_.end()));
   }
-  start_(n, n, gradient, dx, residual_);
+  if (!has_begun) start_(n, n, gradient, dx, residual_);
   precondition();
   when_ = When::at_start;
   n_started_ = 0;
@@ -106,7 +106,7 @@ void ConjugateGradients::test() {
   const u32 n = u32(GROUP_SIZE * n_worlds_);
   test_(n, n, u32(std::exchange(when_, When::as_it_is)), chunks_.first(), chunks_.chunks(), u32(has_rz_),
         chunks_.partial(), residual_, preconditioned_, is_wanted_, problem_.tolerance, u32(problem_.max_iterations),
-        worlds_, renewed_worlds_);
+        u32(!device_->info().runs_host_functions), *problem_.gradient, RESIDUAL, worlds_, renewed_worlds_);
   std::swap(worlds_, renewed_worlds_);
 }
 
@@ -161,6 +161,9 @@ CgReport ConjugateGradients::report() {
     report.has_converged.push_back(world.has_converged && !world.is_active);
   }
   n_last_ = *std::max_element(report.iterations.begin(), report.iterations.end());
+  if (!z_is_old_)  // else it told
+    residual_tells_ =
+        std::all_of(read_.begin(), read_.end(), [](const CgWorld& world) { return world.residual_tells; });
   return report;
 }
 

@@ -40,7 +40,9 @@ class ConjugateGradients {
   // The same without waiting: starts some iterations and to read how far they came. After the device was waited for
   // ended() tells whether they were enough; go_on() starts more.
   void start(CgOperators operators, const Buffer<f64>& gradient, const std::vector<char>& world_is_active,
-             double tolerance, int max_iterations, Buffer<f64>& dx);
+             double tolerance, int max_iterations, Buffer<f64>& dx, bool has_begun = false);
+  // dx = 0 and this = -gradient are set already where has_begun
+  Buffer<f64>& residual() { return residual_; }
   bool ended() const;
   void go_on();
   // as far as the last solve tells, without looking
@@ -87,7 +89,7 @@ class ConjugateGradients {
   int n_last_ = 1;              // of the last solve
   bool has_rz_ = true;          // in chunks_.partial()
   bool z_is_old_ = false;       // the residual was tested instead
-  bool residual_tells_ = true;  // where one iteration is enough; false since the residual missed it once
+  bool residual_tells_ = true;  // that one iteration is enough, as in the last solve
 };
 
 }  // namespace pvg

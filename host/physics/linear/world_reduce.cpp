@@ -47,9 +47,18 @@ WorldReduce::WorldReduce(Device& device, std::size_t n_worlds)
 void WorldReduce::sum(const WorldChunks& c, const Buffer<f64>& a, bool has_late, u32 from,
                       const Buffer<u32>& late_first, u32 most, Buffer<f64>& out) {
   late_partial_.resize(n_worlds_ * most);
-  if (c.has_large_world()) sum_chunks_(c.n_chunks_, u32(c.n_chunks_), c.chunks_, a, c.partial_);
+  start_chunks(c, a);
   sum_worlds_(n_items(), u32(n_items()), u32(c.has_large_world()), c.first_, c.chunks_, a, c.partial_, u32(has_late),
               most, from, late_first, late_partial_, out);
+}
+
+void WorldReduce::start_chunks(const WorldChunks& c, const Buffer<f64>& a) {
+  if (c.has_large_world()) sum_chunks_(c.n_chunks_, u32(c.n_chunks_), c.chunks_, a, c.partial_);
+}
+
+Buffer<f64>& WorldReduce::late_partial(u32 most) {
+  late_partial_.resize(n_worlds_ * n_late_chunks(most));
+  return late_partial_;
 }
 
 void WorldReduce::sum(const WorldChunks& c, const Buffer<f64>& a, Buffer<f64>& out) {
@@ -58,7 +67,7 @@ void WorldReduce::sum(const WorldChunks& c, const Buffer<f64>& a, Buffer<f64>& o
 
 void WorldReduce::sum(const WorldChunks& c, const Buffer<f64>& a, u32 from, const Buffer<u32>& late_first, u32 most,
                       Buffer<f64>& out) {
-  sum(c, a, true, from, late_first, most / WorldChunks::LENGTH + 1, out);
+  sum(c, a, true, from, late_first, n_late_chunks(most), out);
 }
 
 void WorldReduce::largest_length(const WorldChunks& c, const Buffer<Site>& sites, const Buffer<f64>& a,

@@ -50,6 +50,11 @@ class WorldReduce {
   // late_first [n_worlds + 1], on the device, counted from element `from`; most: that there may be
   void sum(const WorldChunks& chunks, const Buffer<f64>& a, u32 from, const Buffer<u32>& late_first, u32 most,
            Buffer<f64>& out);
+  // What sum() of the second kind needs before its last launch, where that is another one's (contact/sum_and_list.cl):
+  // sums of the chunks of large worlds; room for those of late elements, n_late_chunks(most) in each world.
+  void start_chunks(const WorldChunks& chunks, const Buffer<f64>& a);
+  Buffer<f64>& late_partial(u32 most);
+  static u32 n_late_chunks(u32 most) { return most / WorldChunks::LENGTH + 1; }
   // out[w] = largest length at the sites in the chunks;  a: [n_nodes x 3]
   void largest_length(const WorldChunks& chunks, const Buffer<Site>& sites, const Buffer<f64>& a, Buffer<f64>& out);
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 #include <iterator>
+#include <utility>
 
 namespace pvg {
 namespace {
@@ -173,27 +174,48 @@ void Potential::to_sites(const Buffer<f64>& node, Buffer<f64>& value) {
   nodes_to_sites_(system_.sites.size(), u32(system_.sites.size()), sites_, node, value);
 }
 
+// Contact in one launch with a scene's small terms, whose program then takes longer to compile. On the host's own
+// processor a launch takes less than the larger kernel.
+bool Potential::launches_together() const {
+  return !rows_.memory().device().info().runs_host_functions && !small_terms_->is_empty();
+}
+
 const Buffer<f64>& Potential::origin(const Term& term) const {
   return is_inertia(term) ? predicted_->site : start_->site;
 }
 
-const Buffer<f64>& Potential::start_energy(const Positions& x, ContactSet& contacts) {
+const Buffer<f64>& Potential::start_energy(const Positions& x, ContactSet& contacts, bool defers_sum) {
   const u32 first_friction = first_energy_.back(), n_friction = u32(friction_.size());
   const u32 n_candidates = contacts.candidates().n();
   element_energy_.resize(first_friction + n_friction + n_candidates);
-  small_terms_->energy(x.site, start_->site, predicted_->site, h_, inertia_h_, element_energy_);
+  const SmallTerms::At at{x.site, start_->site, predicted_->site, h_, inertia_h_};
+  const u32 n = whole_groups(n_friction) + n_candidates;
+  const bool is_together = n > 0 && launches_together();
+  if (is_together)
+    small_terms_->energy(at, element_energy_, n, n_friction, first_friction, contacts);
+  else
+    small_terms_->energy(at, element_energy_);
   for (const std::size_t t : large_)
     constant_[t]->energy(x.site, origin(*constant_[t]), step_length(*constant_[t]), first_energy_[t], element_energy_);
-  if (const u32 n = whole_groups(n_friction) + n_candidates; n > 0)
+  if (n > 0 && !is_together)
     contact_kernels().energy(n, n, n_friction, contacts.friction().rows, contacts.candidates().rows, x.site,
                              start_->site, h_, first_friction, element_energy_, contacts.activity(),
                              contacts.activity_counts());
   std::vector<WorldRange> ranges = energy_ranges_;
   append_ranges(friction_.world_first(), first_friction, ranges);
   energy_chunks_.set(ranges);
+  defers_sum_ = defers_sum && n_candidates > 0;
+  if (defers_sum_) return world_energy_;
   reduce_.sum(energy_chunks_, element_energy_, first_friction + n_friction, contacts.first_candidate(), n_candidates,
               world_energy_);
   return world_energy_;
+}
+
+void Potential::start_list_contacts(ContactSet& contacts) {
+  if (!std::exchange(defers_sum_, false)) return contacts.start_list_contacts();
+  reduce_.start_chunks(energy_chunks_, element_energy_);
+  contacts.start_list_contacts({energy_chunks_, element_energy_, u32(first_energy_.back() + friction_.size()),
+                                reduce_.late_partial(contacts.candidates().n()), world_energy_});
 }
 
 std::vector<double> Potential::energy(const Positions& x, ContactSet& contacts) {
@@ -244,38 +266,48 @@ void Potential::list_contacts_on_device(const ContactSet& contacts) {
                                 n_constant_rows_, sites_, chunks_, contact_sites_);
 }
 
-void Potential::differentiate(const Positions& x, const ContactSet& contacts, Buffer<f64>& gradient,
-                              std::span<const char> worlds) {
+bool Potential::differentiate(const Positions& x, const ContactSet& contacts, Buffer<f64>& gradient,
+                              std::span<const char> worlds, Buffer<f64>* dx, Buffer<f64>* residual) {
   set_contacts(contacts);
-  differentiate(x, &contacts, gradient, worlds);
+  return differentiate(x, &contacts, gradient, worlds, dx, residual);
 }
 
-void Potential::differentiate(const Positions& x, Buffer<f64>& gradient) { differentiate(x, nullptr, gradient, {}); }
+void Potential::differentiate(const Positions& x, Buffer<f64>& gradient) {
+  differentiate(x, nullptr, gradient, {}, nullptr, nullptr);
+}
 
-void Potential::differentiate(const Positions& x, const ContactSet* contacts, Buffer<f64>& gradient,
-                              std::span<const char> worlds) {
-  small_terms_->differentiate(x.site, start_->site, predicted_->site, h_, inertia_h_, rows_, matrix_->element_blocks());
+bool Potential::differentiate(const Positions& x, const ContactSet* contacts, Buffer<f64>& gradient,
+                              std::span<const char> worlds, Buffer<f64>* dx, Buffer<f64>* residual) {
+  const SmallTerms::At at{x.site, start_->site, predicted_->site, h_, inertia_h_};
+  const u32 n_friction = u32(friction_.size()), n_contacts = u32(barrier_.size());
+  const u32 n_items = whole_groups(n_friction) + n_contacts;
+  const bool is_together = has_contacts() && launches_together();
+  if (is_together)
+    small_terms_->differentiate(at, rows_, matrix_->element_blocks(), n_items, *contacts, barrier_, friction_,
+                                std::exchange(friction_is_new_, false), friction_dual_);
+  else
+    small_terms_->differentiate(at, rows_, matrix_->element_blocks());
   const auto differentiate = [&](Term& term) {
     term.gradient(x.site, origin(term), step_length(term), rows_);
     term.hessian(x.site, origin(term), step_length(term), worlds);
   };
   for (const std::size_t t : large_) differentiate(*constant_[t]);
-  if (has_contacts()) {
-    const u32 n_friction = u32(friction_.size()), n_contacts = u32(barrier_.size());
-    const u32 n = whole_groups(n_friction) + n_contacts;
-    contact_kernels().derivatives(n, n, n_friction, n_contacts, contacts->friction().rows, contacts->contacts().rows,
-                                  x.site, start_->site, h_, barrier_.first_row, rows_, barrier_.own_blocks(),
-                                  friction_.own_blocks(), u32(friction_is_new_), friction_dual_);
-    friction_is_new_ = false;
-  }
+  if (has_contacts() && !is_together)
+    contact_kernels().derivatives(n_items, n_items, n_friction, n_contacts, contacts->friction().rows,
+                                  contacts->contacts().rows, x.site, start_->site, h_, barrier_.first_row, rows_,
+                                  barrier_.own_blocks(), friction_.own_blocks(),
+                                  u32(std::exchange(friction_is_new_, false)), friction_dual_);
   matrix_->assemble(worlds);
   const u32 n = u32(system_.n_nodes());
-  if (has_contacts())
-    gather_two_lists_(n, n, constant_gather_.offset(), constant_gather_.row(), constant_gather_.weight(),
-                      contact_gather_.offset(), contact_gather_.row(), contact_gather_.weight(), node_is_fixed_, rows_,
-                      gradient);
-  else
+  if (!has_contacts()) {
     constant_gather_.apply(gather_rows_, node_is_fixed_, rows_, false, gradient);
+    return false;
+  }
+  if (!(dx && residual) && !unused_) unused_.emplace(rows_.memory().device(), gradient.size(), "unused");
+  gather_two_lists_(n, n, constant_gather_.offset(), constant_gather_.row(), constant_gather_.weight(),
+                    contact_gather_.offset(), contact_gather_.row(), contact_gather_.weight(), node_is_fixed_, rows_,
+                    gradient, dx ? *dx : *unused_, residual ? *residual : *unused_);
+  return dx && residual;
 }
 
 void Potential::product(const Buffer<f64>& direction, Buffer<f64>& out) {

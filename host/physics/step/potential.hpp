@@ -57,11 +57,15 @@ class Potential {
 
   // Sum of all terms per world [J]; which candidates touch is left in contacts.activity().
   std::vector<double> energy(const Positions& x, ContactSet& contacts);
-  const Buffer<f64>& start_energy(const Positions& x, ContactSet& contacts);  // on the device
+  // The same on the device. defers_sum: the sum of a world's elements is left to start_list_contacts(), which is called
+  // next and lists the contacts as well.
+  const Buffer<f64>& start_energy(const Positions& x, ContactSet& contacts, bool defers_sum = false);
+  void start_list_contacts(ContactSet& contacts);
   // Gradient [n_nodes x 3, N] and Hessian blocks at x, with these active contacts. worlds: [n_worlds] whose matrix is
-  // wanted, the others' stays as it was made last; or empty, then all are
-  void differentiate(const Positions& x, const ContactSet& contacts, Buffer<f64>& gradient,
-                     std::span<const char> worlds = {});
+  // wanted, the others' stays as it was made last; or empty, then all are. Returns whether it set what a solve starts
+  // from: dx = 0, residual = -gradient; only where they are given
+  bool differentiate(const Positions& x, const ContactSet& contacts, Buffer<f64>& gradient,
+                     std::span<const char> worlds = {}, Buffer<f64>* dx = nullptr, Buffer<f64>* residual = nullptr);
   void differentiate(const Positions& x, Buffer<f64>& gradient);  // without contacts
   // out = H direction;  [n_nodes x 3]
   void product(const Buffer<f64>& direction, Buffer<f64>& out);
@@ -91,9 +95,10 @@ class Potential {
   bool has_contacts() const { return barrier_.size() + friction_.size() > 0; }
   void set_contacts(const ContactSet& contacts);
   void list_contacts_on_device(const ContactSet& contacts);
-  void differentiate(const Positions& x, const ContactSet* contacts, Buffer<f64>& gradient,
-                     std::span<const char> worlds);
+  bool differentiate(const Positions& x, const ContactSet* contacts, Buffer<f64>& gradient,
+                     std::span<const char> worlds, Buffer<f64>* dx, Buffer<f64>* residual);
   void append_coupled(std::span<const u32> sites, std::vector<NodePair>& pairs) const;
+  bool launches_together() const;
   bool is_inertia(const Term& term) const { return &term == &terms_.point_inertia || &term == &terms_.affine_inertia; }
   const Buffer<f64>& origin(const Term& term) const;  // what a term is told as x0
   double step_length(const Term& term) const { return is_inertia(term) ? inertia_h_ : h_; }
@@ -135,11 +140,13 @@ class Potential {
   std::size_t n_gathered_contacts_ = 0;  // of these
   u32 gathered_search_ = 0;              // number of the search for contacts that it was made of on the device
   Buffer<f64> rows_, element_energy_, world_energy_, direction_site_;
+  std::optional<Buffer<f64>> unused_;  // where nobody wants to know what a solve starts from
   u32 n_constant_rows_ = 0;
   WorldReduce reduce_;
   std::vector<u32> first_energy_;          // of each constant term in element_energy_, and where they end
   std::vector<WorldRange> energy_ranges_;  // of the constant terms
   WorldChunks energy_chunks_;              // of all terms
+  bool defers_sum_ = false;                // of their energies
 
   const Positions *start_ = nullptr, *predicted_ = nullptr;
   double h_ = 0, inertia_h_ = 0;

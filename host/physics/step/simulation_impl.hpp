@@ -78,7 +78,7 @@ struct Simulation::Impl {
   void line_search(bool foreseen);
   void start_trial(bool settles, double h);
   void start_read_end(const Positions& end);
-  void start_trial_energy();
+  void start_trial_energy(bool is_last);  // of this trial; start_read_trial() comes next
   void start_read_trial();
   void evaluate(const std::vector<double>& length);
   std::vector<char> rising_worlds(const std::vector<double>& before) const;
@@ -102,7 +102,7 @@ struct Simulation::Impl {
   System system;
   Potential potential;
   Program nodes_program, newton_program;
-  Kernel move_along, place_nodes, halve_and_move, certified_step;
+  Kernel move_along, place_nodes, halve_and_move, move_certified, measure_and_move;
   Buffer<u32> node_world, is_active_on_device, prescribed_nodes;
   std::vector<char> active_written;             // what is_active_on_device and full_step hold
   Buffer<f64> dx, gradient, step, halved_step;  // step: of each world, and what comes next
@@ -116,10 +116,11 @@ struct Simulation::Impl {
   ConjugateGradients cg;
   WorldReduce reduce;
   WorldChunks speed_chunks;
-  std::vector<double> largest_move, moved_energy;                // [n_worlds] of the last move, as read
-  std::vector<double> longest, certified;                        // and its steps before they were halved, and after
-  int n_halvings = 0;                                            // that are started before the host looks
-  std::vector<double> nodes, velocities;                         // [n_nodes x 3] at the start of the step
+  std::vector<double> largest_move, moved_energy;  // [n_worlds] of the last move, as read
+  std::vector<double> longest, certified;          // and its steps before they were halved, and after
+  int n_halvings = 0;                              // that are started before the host looks
+  std::vector<int> halvings, halvings_before;      // of each direction of this attempt, and of the one before
+  std::vector<double> nodes, velocities;           // [n_nodes x 3] at the start of the step
   std::vector<double> velocities_before, velocities_two_before;  // and of the two before it
   std::vector<std::vector<double>> expected;                     // [n_worlds][n_nodes of it x 3] empty: no motion is
   std::vector<double> prescribed;                                // [n_nodes x 3] where prescribed bodies are to be
@@ -146,6 +147,7 @@ struct Simulation::Impl {
   std::vector<char> keeps_matrix, may_keep_matrix;
   std::vector<double> last_speed;
   bool begins_step = true;                                  // no direction was found yet
+  bool has_begun_solve = false;                             // dx and the residual are those that a solve starts from
   int n_directions = 0, n_directions_before = 0;            // that were found in this attempt, and in the one before
   bool read_end_of_trial = false, has_read_end = false;     // start_read_end() was for trial; for x, and waited for
   Candidates::Lists lacking_at_guess = {true, true, true};  // candidates that did not serve the last first guess

@@ -110,14 +110,8 @@ void Simulation::Impl::renew_couplings(Potential::Coupling when) {
 
 void Simulation::Impl::start_solve() {
   const auto timed = clock.time(SolverPhase::solve);
-  cg.start(potential.operators(), gradient, is_active, solver().cg_tolerance, solver().max_cg, dx);
-}
-
-// How far points would move, and whether the candidates serve for that.
-void Simulation::Impl::start_look_ahead() {
-  reduce.largest_length(speed_chunks, potential.sites(), dx, largest);
-  largest.read_later(0, std::span(largest_move));
-  start_move(is_active);
+  cg.start(potential.operators(), gradient, is_active, solver().cg_tolerance, solver().max_cg, dx,
+           std::exchange(has_begun_solve, false));
 }
 
 // Factor, solve and move as far as is certified. On the host's own processor, where waiting is cheap, the host looks
@@ -203,11 +197,17 @@ std::vector<char> Simulation::Impl::wanted_matrices() {
 }
 
 bool Simulation::Impl::find_direction(double h, bool settles) {
+  // As many halvings as this direction of the last step took are started ahead of the next look, but for the host's own
+  // processor. What contact makes of steps goes on from one to the next: in 420 steps of weigh_beaker 187 of 654
+  // directions were halved, mostly as often as that of the step before (docs/measured/2026-11-28_counts.md).
+  const bool looks_often = device.info().runs_host_functions;
+  halvings.resize(std::size_t(n_directions), 0);
+  n_halvings = looks_often || halvings.size() >= halvings_before.size() ? 0 : halvings_before[halvings.size()];
   ++n_directions;
   has_read_end = false;
   {
     const auto timed = clock.time(SolverPhase::assembly);
-    potential.differentiate(x, contacts, gradient, wanted_matrices());
+    has_begun_solve = potential.differentiate(x, contacts, gradient, wanted_matrices(), &dx, &cg.residual());
   }
   renew_couplings(std::exchange(begins_step, false) ? Potential::Coupling::step_begins
                                                     : Potential::Coupling::before_solve);
@@ -323,17 +323,15 @@ void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>&
   is_intact = worlds;
   begins_step = true;
   length = h;
-  start.node.copy_from(x.node);
-  potential.update_sites(start);
-  inertia_length = integrator.predict(start.node, h, solver().integrator, goes_on, predicted.node);
+  inertia_length = integrator.begin_step(x.node, h, solver().integrator, goes_on, potential.sites(), start, predicted);
   prescribe(h);
-  potential.update_sites(predicted);
   potential.begin_step(start, predicted, h, inertia_length);
   push(h, goes_on);
   potential.set_forces(integrator.velocity());
   set_joints(h, previous, targets);
   n_directions_before = std::exchange(n_directions, 0);
-  n_halvings = 0;
+  std::swap(halvings_before, halvings);
+  halvings.clear();
   find_minimum(h);
   if (!has_read_end) {
     start_read_end(x);
@@ -385,6 +383,7 @@ void Simulation::Impl::prescribe(double h) {
   prescribed_values.write(values);
   const u32 n = u32(prescribed_nodes.size());
   place_nodes(n, n, prescribed_nodes, prescribed_values, predicted.node);
+  potential.update_sites(predicted);
 }
 
 void Simulation::Impl::aim_prescribed(std::vector<double>& motion) {

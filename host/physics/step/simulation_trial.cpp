@@ -41,13 +41,29 @@ void Simulation::Impl::start_move(const std::vector<char>& worlds) {
   contacts.start_check(x.site, trial.site);
 }
 
+// The same, with how far points would move.
+void Simulation::Impl::start_look_ahead() {
+  if (speed_chunks.has_large_world()) {
+    reduce.largest_length(speed_chunks, potential.sites(), dx, largest);
+    start_move(is_active);
+  } else {
+    write_active(is_active);
+    const u32 n_nodes = u32(system.n_nodes()), n_sites = u32(system.sites.size()), n_worlds = u32(system.n_worlds());
+    const u32 n = u32(GROUP_SIZE) * n_worlds + std::max(n_nodes, n_sites);
+    measure_and_move(n, n, n_worlds, n_nodes, n_sites, speed_chunks.first(), speed_chunks.chunks(), node_world,
+                     potential.sites(), full_step, x.node, dx, largest, trial.node, trial.site);
+    contacts.start_check(x.site, trial.site);
+  }
+  largest.read_later(0, std::span(largest_move));
+}
+
 void Simulation::Impl::start_certified_move(bool settles, double h, double short_of, int halvings) {
   const Buffer<f64>& free_parts = contacts.start_largest_steps(x.site, trial.site);
-  const u32 n = u32(GROUP_SIZE * system.n_worlds());
-  certified_step(n, n, contacts.first_candidate(), free_parts, is_active_on_device, u32(settles), largest, tolerance, h,
-                 short_of, step);
-  move(step);
-  start_trial_energy();
+  const u32 n_nodes = u32(system.n_nodes()), n_sites = u32(system.sites.size()), n = std::max(n_nodes, n_sites);
+  move_certified(n, n, n_nodes, n_sites, node_world, potential.sites(), contacts.first_candidate(), free_parts,
+                 contacts.least_of_64_steps(), is_active_on_device, u32(settles), largest, tolerance, h, short_of,
+                 x.node, dx, trial.node, trial.site, step);
+  start_trial_energy(halvings == 0);
   if (halvings > 0) {
     step.read_later(0, std::span(longest));
     start_halvings(halvings);
@@ -70,13 +86,15 @@ void Simulation::Impl::start_read_end(const Positions& end) {
   contacts.start_anchors(end.site, start.site, length);
 }
 
-void Simulation::Impl::start_trial_energy() { trial_energy = &potential.start_energy(trial, contacts); }
+void Simulation::Impl::start_trial_energy(bool is_last) {
+  trial_energy = &potential.start_energy(trial, contacts, is_last);
+}
 
 // How far trial is from x, its contacts and its energy, once the device was waited for.
 void Simulation::Impl::start_read_trial() {
   read_end_of_trial = false;
   contacts.read_sites(potential.reads_contacts());
-  contacts.start_list_contacts();
+  potential.start_list_contacts(contacts);
   step.read_later(0, std::span(certified));
   trial_energy->read_later(0, std::span(moved_energy));
 }
@@ -94,7 +112,7 @@ std::vector<double> Simulation::Impl::certify() {
 // Moves to trial = x + length dx and finds its contacts and its energy per world [J].
 void Simulation::Impl::evaluate(const std::vector<double>& length) {
   move(length);
-  start_trial_energy();
+  start_trial_energy(true);
   start_read_trial();
   device.finish();
   contacts.take_contacts();
@@ -116,7 +134,7 @@ void Simulation::Impl::start_halvings(int times) {
     halve_and_move(n, n, n_nodes, n_sites, n_worlds, node_world, potential.sites(), is_active_on_device, energy_before,
                    *trial_energy, ROUNDING, step, x.node, dx, halved_step, trial.node, trial.site);
     std::swap(step, halved_step);
-    start_trial_energy();
+    start_trial_energy(i + 1 == times);
   }
 }
 
@@ -132,15 +150,15 @@ int Simulation::Impl::halvings_taken() const {
 void Simulation::Impl::line_search(bool foreseen) {
   const auto timed = clock.time(SolverPhase::line_search);
   if (!foreseen) evaluate(certified);
-  int halvings = foreseen ? n_halvings : 0;  // as were started ahead
-  if (halvings == 0) longest = certified;
+  int n_tried = foreseen ? n_halvings : 0;  // as were started ahead
+  if (n_tried == 0) longest = certified;
   std::vector<char> rises = rising_worlds(energy);
   if (any_rises(rises)) {
     energy_before.write(energy);
     write_active(is_active);
   }
   for (; any_rises(rises); rises = rising_worlds(energy)) {
-    if (halvings >= MAX_LINE_SEARCH - 1) {
+    if (n_tried >= MAX_LINE_SEARCH - 1) {
       std::vector<double> length = certified;
       for (std::size_t w = 0; w < rises.size(); ++w) {
         if (!rises[w]) continue;
@@ -152,16 +170,15 @@ void Simulation::Impl::line_search(bool foreseen) {
       break;
     }
     // elsewhere than on the host's own processor a look takes as long as two launches, and one halving takes four
-    const int wanted = device.info().runs_host_functions ? 1 : halvings == 0 ? 2 : 3;
-    const int times = std::min(wanted, MAX_LINE_SEARCH - 1 - halvings);
+    const int wanted = device.info().runs_host_functions ? 1 : n_tried == 0 ? 2 : 3;
+    const int times = std::min(wanted, MAX_LINE_SEARCH - 1 - n_tried);
     start_halvings(times);
     start_read_trial();
     device.finish();
     contacts.take_contacts();
-    halvings += times;
+    n_tried += times;
   }
-  // there, as many are started ahead of the next look; of a single world the last halvings say little
-  if (!device.info().runs_host_functions && system.n_worlds() > 1) n_halvings = std::min(halvings_taken(), MOST_AHEAD);
+  halvings.push_back(std::min(halvings_taken(), MOST_AHEAD));
   energy = moved_energy;
   std::swap(x, trial);
   has_read_end = read_end_of_trial;

@@ -1,15 +1,18 @@
 #include "host/physics/step/time_integration.hpp"
 
+#include <algorithm>
 #include <utility>
+
+#include "host/physics/step/potential.hpp"
 
 namespace pvg {
 
 TimeIntegrator::TimeIntegrator(Device& device, const System& system)
     : n_(u32(system.n_nodes())),
       program_(device, "solve/nodes.cl"),
-      predict_(program_.kernel("predict")),
+      begin_step_(program_.kernel("begin_step")),
       backward_difference_(program_.kernel("backward_difference")),
-      velocity_from_positions_(program_.kernel("velocity_from_positions")),
+      end_step_(program_.kernel("end_step")),
       node_is_fixed_(device, system.node_is_fixed, "is_fixed"),
       gravity_(device, system.gravity, "gravity"),
       velocity_(device, system.v, "v"),
@@ -21,8 +24,8 @@ TimeIntegrator::TimeIntegrator(Device& device, const System& system)
       node_ranges_(system.node_ranges),
       length_before_(system.n_worlds(), 0) {}
 
-double TimeIntegrator::predict(const Buffer<f64>& x, double h, SolverSettings::Integrator integrator, bool goes_on,
-                               Buffer<f64>& predicted) {
+double TimeIntegrator::begin_step(const Buffer<f64>& x, double h, SolverSettings::Integrator integrator, bool goes_on,
+                                  const Buffer<Site>& sites, Positions& start, Positions& predicted) {
   const bool is_second_order = integrator == SolverSettings::Integrator::bdf2 && goes_on;
   if (is_second_order) {
     backward_difference_(n_, n_, x, position_before_, past_position_);
@@ -31,8 +34,10 @@ double TimeIntegrator::predict(const Buffer<f64>& x, double h, SolverSettings::I
   is_second_order_ = is_second_order;
   length_ = h;
   inertia_length_ = is_second_order ? 2 * h / 3 : h;
-  predict_(n_, n_, is_second_order ? past_position_ : x, is_second_order ? past_velocity_ : velocity_, gravity_,
-           node_is_fixed_, inertia_length_, predicted);
+  const u32 n_sites = u32(sites.size()), n = std::max(n_, n_sites);
+  begin_step_(n, n, n_, n_sites, sites, x, is_second_order ? past_position_ : x,
+              is_second_order ? past_velocity_ : velocity_, gravity_, node_is_fixed_, inertia_length_, start.node,
+              start.site, predicted.node, predicted.site);
   return inertia_length_;
 }
 
@@ -48,10 +53,10 @@ void TimeIntegrator::accept(const Buffer<f64>& start, const Buffer<f64>& end, st
     if (!stepped[range.world])
       for (Buffer<f64>* buffer : {&position_before_, &velocity_two_before_, &velocity_before_, &velocity_})
         kept.push_back({buffer, 3 * range.begin, buffer->read(3 * range.begin, 3 * (range.end - range.begin))});
-  position_before_.copy_from(start);
   std::swap(velocity_two_before_, velocity_before_);
   std::swap(velocity_before_, velocity_);  // all of velocity_ is written next
-  velocity_from_positions_(n_, n_, end, is_second_order_ ? past_position_ : start, inertia_length_, velocity_);
+  end_step_(n_, n_, end, is_second_order_ ? past_position_ : start, start, inertia_length_, velocity_,
+            position_before_);
   for (const Kept& k : kept) k.buffer->write(k.first, k.values);
   for (std::size_t w = 0; w < length_before_.size(); ++w)
     if (stepped[w]) length_before_[w] = length_;

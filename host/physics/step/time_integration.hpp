@@ -10,8 +10,11 @@
 
 #include "host/model/checkpoint.hpp"
 #include "host/physics/energies/system.hpp"
+#include "solve/site.h"
 
 namespace pvg {
+
+struct Positions;
 
 class TimeIntegrator {
  public:
@@ -19,10 +22,10 @@ class TimeIntegrator {
 
   // Has the world had a step of this length just before?
   bool goes_on(std::size_t world, double h) const { return length_before_[world] == h; }
-  // Where inertia and gravity lead from x, which accept() gets again as `start`, in a step of length h [s]. Returns h'.
-  // goes_on: of all worlds that step
-  double predict(const Buffer<f64>& x, double h, SolverSettings::Integrator integrator, bool goes_on,
-                 Buffer<f64>& predicted);
+  // start: x, which accept() gets again;  predicted: where inertia and gravity lead from there in a step of length h
+  // [s]; both with sites. Returns h'. goes_on: of all worlds that step
+  double begin_step(const Buffer<f64>& x, double h, SolverSettings::Integrator integrator, bool goes_on,
+                    const Buffer<Site>& sites, Positions& start, Positions& predicted);
   // After the step of the worlds for which `stepped`: their new velocities, from the positions at its start and end.
   void accept(const Buffer<f64>& start, const Buffer<f64>& end, std::span<const char> stepped);
 
@@ -39,7 +42,7 @@ class TimeIntegrator {
  private:
   u32 n_;
   Program program_;
-  Kernel predict_, backward_difference_, velocity_from_positions_;
+  Kernel begin_step_, backward_difference_, end_step_;
   Buffer<u32> node_is_fixed_;
   Buffer<f64> gravity_, velocity_, position_before_, velocity_before_, velocity_two_before_, past_position_,
       past_velocity_;

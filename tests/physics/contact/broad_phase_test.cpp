@@ -433,5 +433,49 @@ TEST(Candidates, NoPairIsLostOnTheWayWhateverTheMargin) {
   EXPECT_LT(n_within[1], n_within[0]);
 }
 
+// Rows as they lie on the device, and the worlds' first ones there.
+void expect_same_rows(const Candidates& expected, const Candidates& found) {
+  ASSERT_EQ(expected.rows().first, found.rows().first);
+  EXPECT_EQ(expected.first().read(), found.first().read());
+  const std::vector<Barrier> a = expected.rows().rows.read(0, expected.rows().n()),
+                             b = found.rows().rows.read(0, found.rows().n());
+  EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(Barrier)), 0);
+}
+
+// What was found without waiting is what waiting finds; of what has no room it is told, and it is found then.
+TEST(Candidates, WithoutWaitingTheyAreTheSame) {
+  if (std::getenv("PVG_OCLGRIND")) GTEST_SKIP() << "the tests above run the same kernels";
+  Device device;
+  constexpr double MARGIN = 0.002;
+  const Soup soup = soup_with_sheets();
+  const std::vector<ContactSettings> settings(soup.mesh.n_worlds, {.activation_distance = ACTIVATION});
+  Candidates waiting(device, soup.mesh, settings, soup.x0, MARGIN, MARGIN),
+      late(device, soup.mesh, settings, soup.x0, MARGIN, MARGIN);
+  Numbers random(5);
+  int n_fitting = 0, n_lacking = 0;
+  // the bodies' parts come together by turns, so that there are more pairs, or fewer
+  for (const double size : {1.0, 1.02, 0.7, 0.71, 0.5, 1.0}) {
+    std::vector<Vec3> x = soup.x0;
+    for (Vec3& point : x) point = size * point + random.vector(0.0005);
+    const Buffer<double> at = upload(device, x);
+    waiting.find(at, at);
+    late.start_check(at, at);
+    late.start_renew(at, at, {true, true, true});
+    device.finish();
+    const bool fits = late.serve();
+    ++(fits ? n_fitting : n_lacking);
+    if (fits) {  // behind what was found is nothing that has a force or a world
+      const std::vector<u32> first = late.first().read();
+      const std::vector<Barrier> rows = late.rows().rows.read();
+      for (std::size_t i = first.back(); i < rows.size(); ++i)
+        EXPECT_TRUE(rows[i].area == 0 && rows[i].world == soup.mesh.n_worlds) << i << " of " << rows.size();
+    }
+    late.renew(at, at);
+    expect_same_rows(waiting, late);
+  }
+  EXPECT_GT(n_fitting, 1);
+  EXPECT_GT(n_lacking, 0);
+}
+
 }  // namespace
 }  // namespace pvg

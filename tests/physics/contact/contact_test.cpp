@@ -268,7 +268,8 @@ TEST(ContactSet, FlatEdgesMayNotCross) {
   Kernel steps_kernel = program.kernel("accd_steps");
   const u32 n = trial.contact.candidates().n();
   Buffer<double> steps(trial.device, n, "steps");
-  steps_kernel(n, n, trial.contact.candidates().rows, x0, x1, steps);
+  Buffer<double> of_64(trial.device, (n + 63) / 64, "least_of_64");
+  steps_kernel(n, n, trial.contact.candidates().rows, x0, x1, steps, of_64);
   const std::vector<double> step = steps.read();
   const std::vector<Barrier> rows = trial.contact.candidates().rows.read();
   int n_stopped = 0;
