@@ -258,8 +258,9 @@ class AdditiveCollision : public ::testing::Test {
       }
     }
     const WorldRows<Barrier> pairs{Buffer<Barrier>(device_, rows, "pairs"), {0, u32(rows.size())}};
-    least_ = collision_.largest_step(pairs, Buffer<double>(device_, x0, "x0"), Buffer<double>(device_, x1, "x1"))[0];
-    return collision_.steps().read();
+    const Buffer<double> begin(device_, x0, "x0"), end(device_, x1, "x1");
+    least_ = collision_.largest_step(pairs, begin, end)[0];
+    return collision_.start(pairs, begin, end).read();
   }
 
   Device device_;
