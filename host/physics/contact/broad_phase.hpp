@@ -33,8 +33,8 @@ class BroadPhase {
   const Buffer<u32>& offsets() const { return offsets_; }                            // [n_queries + 1] of their pairs
   const Buffer<u32>& first_query_of_world() const { return first_query_of_world_; }  // [n_worlds + 1]
   const Buffer<double>& reference() const { return reference_; }  // x1 of the last search [n_sites x 3, m]
-  std::size_t n_queries() const { return queries_.size(); }    // points and edges that look for partners
-  bool finds_nothing() const { return queries_.size() == 0; }  // no two of these bodies may touch
+  std::size_t n_queries() const { return queries_.size(); }       // points and edges that look for partners
+  bool finds_nothing() const { return queries_.size() == 0; }     // no two of these bodies may touch
   const Buffer<CollisionWorld>& worlds() const { return worlds_; }
 
  private:

@@ -185,13 +185,11 @@ Candidates::Lists Candidates::renew(const Buffer<double>& x0, const Buffer<doubl
     search(list, x0, x1);
     searches = true;
   }
-  const bool was_late = std::any_of(is_late_.begin(), is_late_.end(), [](bool is_late) { return is_late; });
   is_late_ = {};
   serves_.assign(N_LISTS, 0);  // for this motion they all do
   if (searches) start_merge();
-  if (searches || was_late)
-    for (std::size_t w = 0; w <= n_worlds_; ++w)
-      rows_.first[w] = solids_.pairs.first[w] + sheets_.pairs.first[w] + between_.first[w];
+  for (std::size_t w = 0; w <= n_worlds_; ++w)
+    rows_.first[w] = solids_.pairs.first[w] + sheets_.pairs.first[w] + between_.first[w];
   return lacked;
 }
 

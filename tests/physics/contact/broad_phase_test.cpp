@@ -449,8 +449,7 @@ TEST(Candidates, WithoutWaitingTheyAreTheSame) {
   constexpr double MARGIN = 0.002;
   const Soup soup = soup_with_sheets();
   const std::vector<ContactSettings> settings(soup.mesh.n_worlds, {.activation_distance = ACTIVATION});
-  Candidates waiting(device, soup.mesh, settings, soup.x0, MARGIN, MARGIN),
-      late(device, soup.mesh, settings, soup.x0, MARGIN, MARGIN);
+  Candidates late(device, soup.mesh, settings, soup.x0, MARGIN, MARGIN);
   Numbers random(5);
   int n_fitting = 0, n_lacking = 0;
   // the bodies' parts come together by turns, so that there are more pairs, or fewer
@@ -458,6 +457,7 @@ TEST(Candidates, WithoutWaitingTheyAreTheSame) {
     std::vector<Vec3> x = soup.x0;
     for (Vec3& point : x) point = size * point + random.vector(0.0005);
     const Buffer<double> at = upload(device, x);
+    Candidates waiting(device, soup.mesh, settings, soup.x0, MARGIN, MARGIN);
     waiting.find(at, at);
     late.start_check(at, at);
     late.start_renew(at, at, {true, true, true});
