@@ -11,6 +11,19 @@ typedef struct {
   float3 normal;  // unit, world, toward the path, or 0
 } Noted;
 
+// Where the notes of a path go: each is written at once, since to hold it would take registers of all that follows.
+typedef struct {
+  bool is_wanted;
+  uint slot;
+  global float4 *color, *normal;  // [n_slots], their w: unused
+} Notes;
+
+// carried: the path's throughput up to here
+static inline void write_note(const Notes notes, const Noted noted, const float3 carried) {
+  notes.color[notes.slot] = (float4)(noted.color * clamp(carried, 0.0f, 1.0f), 0);
+  notes.normal[notes.slot] = (float4)(noted.normal, 0);
+}
+
 // the share of white light that the surface scatters back or shines, at most 1;  color: of the surface, its textures
 // looked up
 static inline float3 scattered_color(const Shading scene, const Material m, const float3 color, const Surface s) {

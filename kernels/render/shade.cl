@@ -36,23 +36,23 @@ static inline void meet_surface(const Launch launch, const Shading scene, global
   if (launch.n_light_paths > 0) note_scattered(launch, met.material, s, frame, in, depth == 0, path);
 }
 
-// hit: t, u, v, triangle;  noted: written where is_noted
+// hit: t, u, v, triangle
 static inline void meet(const Launch launch, const Shading scene, const Chance chance, const uint depth,
-                        const float4 hit, const uint hit_instance, const bool is_noted, Path* path, ShadowRay* shadow,
-                        Noted* noted) {
+                        const float4 hit, const uint hit_instance, const Notes notes, Path* path, ShadowRay* shadow) {
   global const Instance* instance = scene.instances + hit_instance;
   const uint triangle = as_uint(hit.w);
   const Surface s = surface_with_uvs(scene, hit_instance, triangle, hit.y, hit.z);
+  const float3 carried = path->throughput;
   path->throughput *= media_transmission(path->media, scene.materials, hit.x + ray_offset(s.point));
   if (instance->visual == 0) {
-    if (is_noted) *noted = note_light(s, path->direction);
+    if (notes.is_wanted) write_note(notes, note_light(s, path->direction), carried);
     meet_light(launch, scene, scene.lights + instance->light, s, hit.x, path);
     return;
   }
   const Material m = scene.materials[instance->material];
   if (m.flags & MATERIAL_EMITS) meet_shining(launch, scene, instance, m, triangle, s, hit.x, path);
   const float3 color = surface_color(scene, instance, m, s, triangle, hit.y, hit.z);
-  if (is_noted) *noted = note_surface(scene, m, color, s, path->direction);
+  if (notes.is_wanted) write_note(notes, note_surface(scene, m, color, s, path->direction), carried);
   if (m.kind == MATERIAL_SHADOW_RECEIVER) {
     meet_receiver(launch, scene, m, color, s, chance, path, shadow);
   } else if (m.kind == MATERIAL_EMISSIVE || depth >= launch.max_depth) {
@@ -91,19 +91,15 @@ kernel void shade(const uint n, const Launch launch, const uint depth, const uin
   const Shading scene = {instances, materials, textures,   texels, decode,      triangles,
                          vertices,  colors,    second_uvs, lights, environment, cells,       targets};
   if (launch.n_light_paths > 0) path.density = radiance[slot].w;
-  const bool is_noted = notes_features && !(path.flags & PATH_SCATTERED);
-  const float3 carried = path.throughput;
-  Noted noted;
+  const Notes notes = {notes_features && !(path.flags & PATH_SCATTERED), slot, feature_color, feature_normal};
   if (as_uint(hit[slot].w) == NO_TRIANGLE) {
-    if (is_noted) noted = note_environment(environment_radiance(launch, scene.environment, path.direction));
+    if (notes.is_wanted)
+      write_note(notes, note_environment(environment_radiance(launch, scene.environment, path.direction)),
+                 path.throughput);
     meet_environment(launch, scene, &path);
   } else {
-    meet(launch, scene, draw_chance(stream[slot], depth), depth, hit[slot], hit_instance[slot], is_noted, &path,
-         &shadow, &noted);
-  }
-  if (is_noted) {
-    feature_color[slot] = (float4)(noted.color * clamp(carried, 0.0f, 1.0f), 0);
-    feature_normal[slot] = (float4)(noted.normal, 0);
+    meet(launch, scene, draw_chance(stream[slot], depth), depth, hit[slot], hit_instance[slot], notes, &path,
+         &shadow);
   }
   if (any(path.radiance != 0.0f)) radiance[slot] += (float4)(path.radiance, 0);
   if (launch.n_light_paths > 0) radiance[slot].w = path.density;
