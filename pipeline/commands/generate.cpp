@@ -251,6 +251,7 @@ void add_generate(CLI::App& program) {
   command->footer(
       "Exit codes: 0 done, 1 failed, 2 wrong use, 75 stopped before the end: call again to continue.\n"
       "Example:\n  phyvisgen generate data/tasks/weigh_beaker.yaml --episodes 10 --seed 1 -o out/beaker -v\n"
+      "  phyvisgen generate data/tasks/weigh_beaker.yaml -n 20 --no-render --worlds automatic -o out/states\n"
       "  phyvisgen generate data/tasks/weigh_beaker.yaml --device 0 --render-device 1 -o out/beaker\n"
       "  phyvisgen generate data/tasks/weigh_beaker.yaml --camera wrist --width 96 --height 96 -o out/wrist");
 }
