@@ -64,12 +64,12 @@ static inline real certified_step(const uint kind, const real3* x, real3* v, con
   return t;
 }
 
-// steps: [n] in [0, 1]; of_64: the least of each 64 of them; x0, x1: sites [n_sites x 3, m]
-kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void accd_steps(
-    const uint n, global const Barrier* restrict pairs, global const real* restrict x0, global const real* restrict x1,
-    global real* restrict steps, global real* restrict of_64) {
-  local real of_item[ITEMS];
-  const uint e = get_global_id(0), item = get_local_id(0);
+// Pair e of n, by a work-group for each 64.  steps: [n] in [0, 1]; of_64: the least of each 64 of them; x0, x1: sites
+// [n_sites x 3, m];  of_item: [ITEMS]
+static inline void certify_pair(const uint e, const uint n, global const Barrier* restrict pairs,
+                                global const real* restrict x0, global const real* restrict x1,
+                                global real* restrict steps, global real* restrict of_64, local real* of_item) {
+  const uint item = get_local_id(0);
   real own = 1;
   if (e < n) {
     real3 x[4], v[4];
@@ -83,5 +83,12 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void accd_steps(
   of_item[item] = own;
   barrier(CLK_LOCAL_MEM_FENCE);
   for (uint k = 0; k < (item == 0 ? ITEMS : 0); ++k) own = fmin(own, of_item[k]);
-  if (item == 0) of_64[get_group_id(0)] = own;
+  if (item == 0) of_64[e / ITEMS] = own;
+}
+
+kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void accd_steps(
+    const uint n, global const Barrier* restrict pairs, global const real* restrict x0, global const real* restrict x1,
+    global real* restrict steps, global real* restrict of_64) {
+  local real of_item[ITEMS];
+  certify_pair(get_global_id(0), n, pairs, x0, x1, steps, of_64, of_item);
 }

@@ -130,6 +130,17 @@ kernel void lag_friction(const uint n, const uint n_worlds, global const u32* re
   rows[e] = row;
 }
 
+// What lag_friction found, with what contacts carry over from the last step.  anchors: [n x 3, m];  sites: [n x 4] of rows
+kernel void anchor_friction(const uint n, global const Friction* restrict lagged, global const real* restrict anchors,
+                            global Friction* restrict rows, global u32* restrict sites) {
+  const uint e = get_global_id(0);
+  if (e >= n) return;
+  Friction row = lagged[e];
+  vstore3(vload3(e, anchors), 0, row.anchor);
+  rows[e] = row;
+  for (uint k = 0; k < 4; ++k) sites[4 * e + k] = row.site[k];
+}
+
 kernel void report_contacts(const uint n, global const Barrier* restrict contacts, global const real* restrict x,
                             global ContactReport* restrict reports) {
   const uint e = get_global_id(0);

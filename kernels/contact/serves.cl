@@ -75,26 +75,42 @@ static inline void check_body(const uint begin, const uint end, global const u32
   if (!(trace >= 1 + 2 * cos(most_rotation))) *serves = no;
 }
 
-// n: 64 x work-groups;  first_*: [n_* + 1] into sites_*;  serves: of solids, sheets and pairs of bodies
-kernel __attribute__((reqd_work_group_size(64, 1, 1))) void lists_serve(
-    const uint n, const uint n_solids, global const u32* restrict first_solid, global const u32* restrict sites_solid,
-    global const real* restrict reference_solid, const uint n_sheets, global const u32* restrict first_sheet,
-    global const u32* restrict sites_sheet, global const real* restrict reference_sheet, const uint n_surface,
-    global const u32* restrict surface, global const real* restrict reference, global const real* restrict x0,
-    global const real* restrict x1, const real allowed_solid, const real allowed_sheet, const real allowed, const real most_rotation, const uint no,
-    global u32* serves) {
-  local real lanes[3 * LANES];
-  local real turns[2 * 9];
+// A work-group's part.  first_*: [n_* + 1] into sites_*;  serves: of solids, sheets and pairs of bodies
+// lanes: [3 x LANES], turns: [2 x 9]
+static inline void check_lists(const uint n_solids, global const u32* restrict first_solid,
+                               global const u32* restrict sites_solid, global const real* restrict reference_solid,
+                               const uint n_sheets, global const u32* restrict first_sheet,
+                               global const u32* restrict sites_sheet, global const real* restrict reference_sheet,
+                               const uint n_surface, global const u32* restrict surface,
+                               global const real* restrict reference, global const real* restrict x0,
+                               global const real* restrict x1, const real allowed_solid, const real allowed_sheet,
+                               const real allowed, const real most_rotation, const uint no, global u32* serves,
+                               local real* lanes, local real* turns) {
   const uint group = get_group_id(0);
   if (group < n_solids + n_sheets) {
     const bool is_solid = group < n_solids;
     const uint body = is_solid ? group : group - n_solids;
     global const u32* first = is_solid ? first_solid : first_sheet;
     check_body(first[body], first[body + 1], is_solid ? sites_solid : sites_sheet,
-               is_solid ? reference_solid : reference_sheet, x0, x1, is_solid ? allowed_solid : allowed_sheet, most_rotation, no,
-               serves + (is_solid ? 0 : 1), lanes, turns);
+               is_solid ? reference_solid : reference_sheet, x0, x1, is_solid ? allowed_solid : allowed_sheet,
+               most_rotation, no, serves + (is_solid ? 0 : 1), lanes, turns);
   } else {
     const uint i = (group - n_solids - n_sheets) * LANES + get_local_id(0);
     if (i < n_surface) check_site(surface[i], reference, x0, x1, allowed, no, serves + 2);
   }
+}
+
+// n: 64 x work-groups
+kernel __attribute__((reqd_work_group_size(64, 1, 1))) void lists_serve(
+    const uint n, const uint n_solids, global const u32* restrict first_solid, global const u32* restrict sites_solid,
+    global const real* restrict reference_solid, const uint n_sheets, global const u32* restrict first_sheet,
+    global const u32* restrict sites_sheet, global const real* restrict reference_sheet, const uint n_surface,
+    global const u32* restrict surface, global const real* restrict reference, global const real* restrict x0,
+    global const real* restrict x1, const real allowed_solid, const real allowed_sheet, const real allowed,
+    const real most_rotation, const uint no, global u32* serves) {
+  local real lanes[3 * LANES];
+  local real turns[2 * 9];
+  check_lists(n_solids, first_solid, sites_solid, reference_solid, n_sheets, first_sheet, sites_sheet, reference_sheet,
+              n_surface, surface, reference, x0, x1, allowed_solid, allowed_sheet, allowed, most_rotation, no, serves,
+              lanes, turns);
 }

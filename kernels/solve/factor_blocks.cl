@@ -48,10 +48,12 @@ static inline bool has_block(const uint a, const uint b, global const uint* rest
   return first < block_last[min(a, b)] && row[first] == wanted;
 }
 
-// n_items: SHARES for each of n blocks of all groups' lower triangles, by column;  row, column: their nodes;  source: in the matrix, NO_BLOCK: none
+// n_items: SHARES for each of n blocks of all groups' lower triangles, by column, then 3 for each hole: a block of the
+// panels that nothing is placed in, which is cleared;  row, column: their nodes;  source: in the matrix, NO_BLOCK: none
 // place: its first number in `panels`;  stride: of the panel's columns, and IS_TRANSPOSED
 // block_first, block_last: [n_nodes] of the blocks of a node's column;  node_group: [n_nodes]
-// contact_*: see Contacts; n_contacts = 0: none.  failed: [n_groups, <= n], cleared;  panels: zero before
+// contact_*: see Contacts; n_contacts = 0: none.  failed: [n_groups, <= n], cleared
+// hole_place, hole_stride: [n_holes] as of blocks
 // A block C that contacts couple without a place in the factor is left out, and its size goes to both diagonals, as
 // |C| (x^2 + y^2) - 2 x C y >= 0.
 kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void factor_place_blocks(
@@ -64,8 +66,9 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void factor_place_bloc
                                 global const uint* restrict contact_offset, global const uint* restrict contact_row,
                                 global const real* restrict contact_weight, global const uint* restrict element_sites,
                                 global const Site* restrict sites, global const real* restrict first_blocks,
-                                global const real* restrict second_blocks, global uint* restrict failed,
-                                global real* restrict panels) {
+                                global const real* restrict second_blocks, const uint n_holes,
+                                global const uint* restrict hole_place, global const uint* restrict hole_stride,
+                                global uint* restrict failed, global real* restrict panels) {
   local real found[ITEMS * NUMBERS];
   const uint item = get_local_id(0), share = item % SHARES, i = get_global_id(0) / SHARES;
   if (share == 0 && i < n_groups && i < n) failed[i] = 0;
@@ -99,6 +102,9 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void factor_place_bloc
   vstore3(sum2, 2, found + NUMBERS * item);
   found[NUMBERS * item + 9] = left_out;
   barrier(CLK_LOCAL_MEM_FENCE);
+  const uint hole = i < n ? 3 * n_holes : get_global_id(0) - SHARES * n;  // and its column
+  if (hole < 3 * n_holes)
+    vstore3((real3)(0), 0, panels + hole_place[hole / 3] + (size_t)(hole % 3) * hole_stride[hole / 3]);
   // nine work-items go on, each with one number of the block
   if (i >= n || share >= 9) return;
   const uint q = share / 3, p = share % 3;  // row, column

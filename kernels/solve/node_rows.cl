@@ -27,11 +27,13 @@ static inline void load_rows(const uint begin, const uint end, const Chunk chunk
 
 // Elements of two kinds, sorted by world each.
 // n_items: 64 for each chunk of at most 64 nodes, which follow each other
-// n_first, n_second: elements of each kind;  first_of_first, first_of_second: [n_worlds + 1] of each world among them
+// n_first, n_second: elements of each kind;  first_of_first, first_of_second: [n_worlds + 1] of each world among them. Of
+// the first kind there may be fewer; the last one's sites then stand in what is left, so that worlds ascend. What is more
+// is left out.
 // first_sites, second_sites: [n_first x 4], [n_second x 4]
 // element_sites: [(n_first + n_second) x 4] written besides;  count: [n_nodes] entries of each node;  total: [n_chunks]
-kernel CHUNK_PER_GROUP void node_rows_count(const uint n_items, global const Chunk* restrict chunks, const uint n_first,
-                                            const uint n_second, global const uint* restrict first_of_first,
+kernel CHUNK_PER_GROUP void node_rows_count(const uint n_items, global const Chunk* restrict chunks, const uint n_worlds,
+                                            const uint n_first, const uint n_second, global const uint* restrict first_of_first,
                                             global const uint* restrict first_of_second,
                                             global const uint* restrict first_sites,
                                             global const uint* restrict second_sites,
@@ -41,13 +43,16 @@ kernel CHUNK_PER_GROUP void node_rows_count(const uint n_items, global const Chu
   const uint item = get_local_id(0), group = get_group_id(0);
   const Chunk chunk = chunks[group];
   const uint own = chunk.begin + item;
+  const uint n_found = min(n_first, first_of_first[n_worlds]);
   for (uint i = get_global_id(0); i < SLOTS * (n_first + n_second); i += n_items)
-    element_sites[i] = i < SLOTS * n_first ? first_sites[i] : second_sites[i - SLOTS * n_first];
+    element_sites[i] = i >= SLOTS * n_first ? second_sites[i - SLOTS * n_first]
+                       : n_found == 0       ? 0
+                                            : first_sites[SLOTS * min(i / SLOTS, n_found - 1) + i % SLOTS];
   uint n = 0;
   for (uint kind = 0; kind < 2; ++kind) {
     global const uint* first = kind ? first_of_second : first_of_first;
     global const uint* row_site = kind ? second_sites : first_sites;
-    const uint end = SLOTS * first[chunk.world + 1];
+    const uint most = kind ? first[chunk.world + 1] : n_first, end = SLOTS * min(most, first[chunk.world + 1]);
     for (uint begin = SLOTS * first[chunk.world]; begin < end; begin += ITEMS) {
       if (item == 0) is_used = 0;
       barrier(CLK_LOCAL_MEM_FENCE);
@@ -92,7 +97,7 @@ kernel CHUNK_PER_GROUP void node_rows_fill(const uint n_items, const uint n_chun
   for (uint kind = 0; kind < 2; ++kind) {
     global const uint* first = kind ? first_of_second : first_of_first;
     global const uint* row_site = kind ? second_sites : first_sites;
-    const uint end = SLOTS * first[chunk.world + 1];
+    const uint most = kind ? first[chunk.world + 1] : n_first, end = SLOTS * min(most, first[chunk.world + 1]);
     for (uint begin = SLOTS * first[chunk.world]; begin < end; begin += ITEMS) {
       if (item == 0) is_used = 0;
       barrier(CLK_LOCAL_MEM_FENCE);

@@ -3,7 +3,7 @@
 #include "shared/real.h"
 #include "solve/moved.cl"
 #include "solve/product_of_four.cl"
-#include "solve/row_lists.cl"
+#include "solve/gather_two.cl"
 #include "solve/value_at_site.cl"
 
 // node: [n_nodes x 3];  value: [n_sites x 3] = sum_k weight_k node_k
@@ -50,8 +50,7 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void gather_rows(
   add_long_lists(&lists, begin, min(n, begin + ITEMS), is_fixed, node, &long_lists);
 }
 
-// node[i] = the sum over the entries of one list, then over those of another, as by two calls of gather_rows; and what
-// conjugate gradients begin with where this is the gradient, as by cg_start: dx = 0, residual = -node
+// The sums of two lists, and what conjugate gradients begin with: see gather_two_of_group.
 kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void gather_two_lists(
     const uint n, global const uint* restrict first_offset, global const uint* restrict first_row,
     global const real* restrict first_weight, global const uint* restrict second_offset,
@@ -59,19 +58,9 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void gather_two_lists(
     global const uint* restrict is_fixed, global const real* restrict rows, global real* restrict node,
     global real* restrict dx, global real* restrict residual) {
   local LongLists long_lists;
-  const uint i = get_global_id(0), begin = get_group_id(0) * ITEMS, end = min(n, begin + ITEMS);
   const RowLists lists = {first_offset, first_row, first_weight, rows};
   const RowLists second = {second_offset, second_row, second_weight, rows};
-  if (i < n) {
-    const real3 sum = is_fixed[i] ? (real3)(0) : add_short_list(&lists, i, (real3)(0));
-    vstore3(is_fixed[i] ? sum : add_short_list(&second, i, sum), i, node);
-  }
-  add_long_lists(&lists, begin, end, is_fixed, node, &long_lists);
-  add_long_lists(&second, begin, end, is_fixed, node, &long_lists);
-  barrier(CLK_GLOBAL_MEM_FENCE);  // work-items have added to nodes of others
-  if (i >= n) return;
-  vstore3((real3)(0), i, dx);
-  vstore3(-vload3(i, node), i, residual);
+  gather_two_of_group(n, &lists, &second, is_fixed, node, dx, residual, &long_lists);
 }
 
 // the position that inertia alone would lead to: x~ = x + h v + h^2 g    [m]

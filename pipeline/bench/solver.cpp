@@ -66,7 +66,7 @@ struct LinearSystem {
     const double inertia_h = integrator.begin_step(x.node, solver.time_step, solver.integrator, goes_on,
                                                    potential.sites(), start, predicted);
     potential.begin_step(x, predicted, solver.time_step, inertia_h);
-    contacts.restore_anchors(checkpoint.anchors);
+    contacts.lagged().restore_anchors(checkpoint.anchors);
     contacts.find_candidates(x.site, x.site);
     contacts.find_contacts(x.site);
     contacts.lag_friction(x.site, solver.time_step, x.site, predicted.site);

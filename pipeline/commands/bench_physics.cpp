@@ -75,6 +75,8 @@ void print_counts(const PhysicsCounts& c) {
   };
   std::printf("%s, %zu worlds, %zu steps, %.2f Newton and %.2f CG iterations a step\n", c.name.c_str(), c.worlds,
               c.steps, double(n.newton) / double(c.steps), double(n.cg) / double(c.steps));
+  if (n.repeated_guesses > 0)
+    std::printf("  %zu first guesses did not come as foreseen and were started again\n", n.repeated_guesses);
   std::printf(c.runs_host_functions
                   ? "  a device that runs host functions: the factor on the host moves nothing (PVG_HOST_FUNCTIONS=0: "
                     "like a device apart)\n"

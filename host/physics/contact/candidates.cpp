@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace pvg {
 namespace {
@@ -15,6 +16,8 @@ constexpr double MOST_ROTATION = 0.05;  // in one motion [rad]: shrinks by at mo
 // mostly they never touch. Of a fine mesh these are so many that a smaller margin, with which the pairs are looked for
 // more often, costs less: by measurement where there are more than a pair for every MANY primitives that look.
 constexpr std::size_t MANY = 32;
+
+double allowed(double margin) { return USABLE * 0.5 * margin; }
 
 std::map<u32, std::vector<u32>> surface_sites(const CollisionMesh& mesh) {
   std::map<u32, std::vector<u32>> of_body;
@@ -78,7 +81,8 @@ Candidates::Candidates(Device& device, const CollisionMesh& mesh, std::span<cons
       surface_sites_(device, 0, "surface"),
       serves_on_device_(device, N_LISTS, "serves"),
       serves_(N_LISTS, 0),
-      read_found_(found_.size(), 0) {
+      read_found_(found_.size(), 0),
+      foreseen_serves_(N_LISTS, 0) {
   std::vector<u32> all;
   for (const auto& [body, sites] : surface_sites(mesh)) all.insert(all.end(), sites.begin(), sites.end());
   surface_sites_.resize(all.size());
@@ -90,9 +94,11 @@ bool Candidates::has_reference(List list) const {
   return list == BETWEEN ? has_reference_ : (list == SOLIDS ? solids_ : sheets_).has_reference;
 }
 
-void Candidates::start_check(const Buffer<double>& x0, const Buffer<double>& x1) {
-  if (surface_sites_.size() == 0) return;  // nothing collides
-  const auto allowed = [](double margin) { return USABLE * 0.5 * margin; };
+void Candidates::forget_reference(List list) {
+  (list == BETWEEN ? has_reference_ : (list == SOLIDS ? solids_ : sheets_).has_reference) = false;
+}
+
+Candidates::Checked Candidates::begin_check() {
   ++check_;
   // lists that were never made are not checked, nor those that stay empty
   const auto n_checked = [](const BroadPhase& broad_phase, bool& has_reference, std::size_t n) {
@@ -100,15 +106,40 @@ void Candidates::start_check(const Buffer<double>& x0, const Buffer<double>& x1)
     has_reference = true;
     return 0u;
   };
-  const u32 n_solids = n_checked(solids_.broad_phase, solids_.has_reference, solids_.first_site.size() - 1),
-            n_sheets = n_checked(sheets_.broad_phase, sheets_.has_reference, sheets_.first_site.size() - 1),
-            n_surface = n_checked(between_bodies_, has_reference_, surface_sites_.size());
-  const u32 n = u32(GROUP_SIZE) * (n_solids + n_sheets + u32((n_surface + GROUP_SIZE - 1) / GROUP_SIZE));
+  return {n_checked(solids_.broad_phase, solids_.has_reference, solids_.first_site.size() - 1),
+          n_checked(sheets_.broad_phase, sheets_.has_reference, sheets_.first_site.size() - 1),
+          n_checked(between_bodies_, has_reference_, surface_sites_.size())};
+}
+
+void Candidates::start_check(const Buffer<double>& x0, const Buffer<double>& x1) {
+  is_check_deferred_ = false;
+  if (surface_sites_.size() == 0) return;  // nothing collides
+  const Checked checked = begin_check();
+  const u32 n = u32(GROUP_SIZE) * checked.n_groups();
   if (n > 0)
-    lists_serve_(n, n, n_solids, solids_.first_site, solids_.sites, solids_.broad_phase.reference(), n_sheets,
-                 sheets_.first_site, sheets_.sites, sheets_.broad_phase.reference(), n_surface, surface_sites_,
-                 between_bodies_.reference(), x0, x1, allowed(solids_.margin), allowed(sheets_.margin),
-                 allowed(margin_), MOST_ROTATION, check_, serves_on_device_);
+    lists_serve_(n, n, checked.n_solids, solids_.first_site, solids_.sites, solids_.broad_phase.reference(),
+                 checked.n_sheets, sheets_.first_site, sheets_.sites, sheets_.broad_phase.reference(),
+                 checked.n_surface, surface_sites_, between_bodies_.reference(), x0, x1, allowed(solids_.margin),
+                 allowed(sheets_.margin), allowed(margin_), MOST_ROTATION, check_, serves_on_device_);
+  serves_on_device_.read_later(0, std::span(serves_));
+}
+
+void Candidates::start_certify(const Buffer<double>& x0, const Buffer<double>& x1, Buffer<double>& steps,
+                               Buffer<double>& of_64) {
+  is_check_deferred_ = false;
+  if (surface_sites_.size() == 0) return;
+  if (!check_and_certify_) {
+    Program program(*device_, "contact/check_and_certify.cl");
+    check_and_certify_.emplace(program.kernel("check_and_certify"));
+  }
+  const Checked checked = begin_check();
+  const u32 group = u32(GROUP_SIZE), n_pairs = rows_.n();
+  const u32 n = group * (checked.n_groups() + (n_pairs + group - 1) / group);
+  (*check_and_certify_)(n, n, checked.n_groups(), checked.n_solids, solids_.first_site, solids_.sites,
+                        solids_.broad_phase.reference(), checked.n_sheets, sheets_.first_site, sheets_.sites,
+                        sheets_.broad_phase.reference(), checked.n_surface, surface_sites_, between_bodies_.reference(),
+                        x0, x1, allowed(solids_.margin), allowed(sheets_.margin), allowed(margin_), MOST_ROTATION,
+                        check_, serves_on_device_, n_pairs, rows_.rows, steps, of_64);
   serves_on_device_.read_later(0, std::span(serves_));
 }
 
@@ -174,10 +205,7 @@ Candidates::Lists Candidates::renew(const Buffer<double>& x0, const Buffer<doubl
   const Lists lacked = lacking();
   bool searches = false;
   for (const List list : {SOLIDS, SHEETS, BETWEEN}) {
-    if (is_late_[list]) {
-      const auto first = read_found_.begin() + std::ptrdiff_t(list * (n_worlds_ + 1));
-      pairs(list).first.assign(first, first + std::ptrdiff_t(n_worlds_ + 1));
-    }
+    if (is_late_[list]) take_late(list);
     if (serves(list)) {
       room_[list] = pairs(list).n();
       continue;
@@ -188,9 +216,44 @@ Candidates::Lists Candidates::renew(const Buffer<double>& x0, const Buffer<doubl
   is_late_ = {};
   serves_.assign(N_LISTS, 0);  // for this motion they all do
   if (searches) start_merge();
+  sum_worlds();
+  return lacked;
+}
+
+void Candidates::take_late(List list) {
+  const auto first = read_found_.begin() + std::ptrdiff_t(list * (n_worlds_ + 1));
+  pairs(list).first.assign(first, first + std::ptrdiff_t(n_worlds_ + 1));
+}
+
+void Candidates::sum_worlds() {
   for (std::size_t w = 0; w <= n_worlds_; ++w)
     rows_.first[w] = solids_.pairs.first[w] + sheets_.pairs.first[w] + between_.first[w];
-  return lacked;
+}
+
+void Candidates::foresee() {
+  std::swap(serves_, foreseen_serves_);  // where the device writes to
+  foreseen_check_ = check_;
+  foreseen_is_late_ = std::exchange(is_late_, {});
+}
+
+bool Candidates::take_foreseen() {
+  if (surface_sites_.size() == 0) return true;
+  bool served = true;
+  for (const List list : {SOLIDS, SHEETS, BETWEEN}) {
+    lacked_[list] = !has_reference(list) || foreseen_serves_[list] == foreseen_check_;
+    if (!foreseen_is_late_[list]) {
+      served = served && !lacked_[list];
+      continue;
+    }
+    take_late(list);
+    if (n_found(list) > room_[list]) {  // what had no room is lacking at any motion
+      served = false;
+      forget_reference(list);
+    }
+    room_[list] = pairs(list).n();
+  }
+  sum_worlds();
+  return served;
 }
 
 void Candidates::start_merge() {

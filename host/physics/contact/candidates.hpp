@@ -5,6 +5,7 @@
 //   sheets, which deform all the time, have a list apart from that of solids.
 #pragma once
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -44,8 +45,19 @@ class Candidates {
   void start_renew(const Buffer<double>& x0, const Buffer<double>& x1, const Lists& which);
   // Starts to find whether the present ones serve for this motion, which is known after the device was waited for.
   void start_check(const Buffer<double>& x0, const Buffer<double>& x1);
+  // The same, but by start_certify(), which comes next: there in one launch with what is certified of the motion
+  // (continuous_collision.hpp).  steps: [n], of_64: least of each 64 of them
+  void defer_check() { is_check_deferred_ = true; }
+  bool is_check_deferred() const { return is_check_deferred_; }
+  void start_certify(const Buffer<double>& x0, const Buffer<double>& x1, Buffer<double>& steps, Buffer<double>& of_64);
   bool serve() const { return surface_sites_.size() == 0 || (serves(SOLIDS) && serves(SHEETS) && serves(BETWEEN)); }
   Lists lacking() const;  // by the last check
+  // A check, and what start_renew() looked for, are to be answered by take_foreseen(), after the device was waited for;
+  // another check may be started before. Until then the present lists are thought to serve.
+  void foresee();
+  // Whether they did. If not, find() is to be called for that motion. lacked(): which lists the check found lacking.
+  bool take_foreseen();
+  const Lists& lacked() const { return lacked_; }
   // Between start_renew() and what follows the next wait n() is the room, and only n() is known.
   const WorldRows<Barrier>& rows() const { return rows_; }
   const Buffer<u32>& first() const { return first_of_world_; }  // rows().first on the device
@@ -66,11 +78,20 @@ class Candidates {
     return has_reference(list) && (is_late_[list] ? n_found(list) <= room_[list] : serves_[list] != check_);
   }
   bool has_reference(List list) const;
+  void forget_reference(List list);
+  void take_late(List list);  // how many there are
+  void sum_worlds();          // where these begin in rows_
   BroadPhase& broad_phase(List list);
   WorldRows<Barrier>& pairs(List list);
   u32 n_found(List list) const;                                                // as the device told
   void search(List list, const Buffer<double>& x0, const Buffer<double>& x1);  // waits for how many there are
   void start_merge();
+  // What a check has to look at.
+  struct Checked {
+    u32 n_solids, n_sheets, n_surface;  // bodies, bodies, sites
+    u32 n_groups() const { return n_solids + n_sheets + u32((n_surface + GROUP_SIZE - 1) / GROUP_SIZE); }
+  };
+  Checked begin_check();
 
   Device* device_;
   std::size_t n_worlds_;
@@ -79,6 +100,8 @@ class Candidates {
   BroadPhase between_bodies_;
   Program program_, serves_program_;
   Kernel merge_lists_, lists_serve_;
+  std::optional<Kernel> check_and_certify_;  // made when it is first asked for
+  bool is_check_deferred_ = false;
   WorldRows<Barrier> between_, rows_;
   Buffer<u32> found_;                   // [N_LISTS x (n_worlds + 1)] where the worlds of each list begin
   Buffer<u32> first_of_world_;          // [n_worlds + 1] of rows_
@@ -90,6 +113,10 @@ class Candidates {
   std::vector<u32> serves_;             // as read
   std::vector<u32> read_found_;         // found_ of the last start_renew()
   u32 check_ = 0;                       // number of the last one
+  // the same of what was foreseen
+  std::vector<u32> foreseen_serves_;
+  u32 foreseen_check_ = 0;
+  Lists foreseen_is_late_ = {}, lacked_ = {};
 };
 
 }  // namespace pvg

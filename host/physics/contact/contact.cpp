@@ -7,15 +7,9 @@
 
 #include "contact/report.h"
 #include "host/physics/contact/continuous_collision.hpp"
-#include "host/physics/contact/slip_effects.hpp"
 
 namespace pvg {
 namespace {
-
-template <class Row>
-std::span<Row> of_world(std::vector<Row>& rows, const std::vector<u32>& first, u32 world) {
-  return std::span(rows).subspan(first[world], first[world + 1] - first[world]);
-}
 
 Vec3 vec3(const double* values) { return {values[0], values[1], values[2]}; }
 
@@ -39,30 +33,27 @@ struct ContactSet::Impl {
   CollisionMesh mesh;
   Candidates candidates;
   ContinuousCollision collision;
-  Program program, list_program, friction_program;
-  Kernel pair_gaps, fill_contacts, sum_and_list, lag_friction, report_contacts, friction_force, friction_strain;
+  Program program, list_program;
+  Kernel pair_gaps, fill_contacts, sum_and_list, report_contacts;
   WorldMinimum minimum;
   WorldRows<Barrier> contacts;
-  WorldRows<Friction> friction;
-  Buffer<double> gaps;                             // [n_candidates, m]
-  Buffer<u32> is_active, active_counts;            // [n_candidates], of each 64 of them
-  Buffer<u32> first;                               // [n_worlds + 1] contacts of each world
-  Buffer<u32> sites;                               // [n_candidates x 4] of contacts
-  std::vector<u32> contact_sites, friction_sites;  // on the host
-  bool reads_sites = true, has_sites = true;       // to the host; whether contact_sites is that of the contacts
-  Buffer<u32> changed;                             // [1]
+  LaggedFriction friction;
+  Buffer<double> gaps;                   // [n_candidates, m]
+  Buffer<u32> is_active, active_counts;  // [n_candidates], of each 64 of them
+  Buffer<u32> first;                     // [n_worlds + 1] contacts of each world
+  Buffer<u32> sites;                     // [n_candidates x 4] of contacts
+  std::vector<u32> contact_sites;        // on the host
+  bool reads_sites = true;               // to the host, ahead
+  Buffer<u32> changed;                   // [1]
   u32 search = 0, last_change = 0, read_change = 0;
-  std::size_t sites_serial = 0;  // of the memory of `sites`
-  Buffer<u32> friction_sites_on_device, first_friction;
-  std::vector<u32> written_first_friction;
-  std::vector<Friction> friction_rows;  // as on the device
-  Buffer<Friction> lagged;              // of the next step, without what the host adds
-  std::vector<Friction> lagged_rows;    // as read
+  u32 read_search = 0, known_search = 0;  // whose sites are read ahead; whose contact_sites are
+  std::size_t sites_serial = 0;           // of the memory of `sites`
+  std::vector<u32> foreseen_first;
+  std::size_t foreseen_room = 0;
+  u32 foreseen_search = 0;
+  bool is_foreseen = false;
   std::size_t n_contacts_before = 0;
-  Buffer<ContactReport> reports;   // [n_contacts]
-  Buffer<double> forces, strains;  // [n_friction x 3, N], [n_friction x 3]
-  std::vector<double> read_strains;
-  std::vector<std::vector<FrictionAnchor>> anchors;  // [n_worlds], each sorted by pair
+  Buffer<ContactReport> reports;  // [n_contacts]
 
   Impl(Device& device, const CollisionMesh& mesh, std::span<const ContactSettings> settings, std::span<const Vec3> x,
        Margins margins)
@@ -72,30 +63,20 @@ struct ContactSet::Impl {
         collision(device),
         program(device, "contact/contact.cl"),
         list_program(device, "contact/sum_and_list.cl"),
-        friction_program(device, "energies/contact/friction.cl"),
         pair_gaps(program.kernel("pair_gaps")),
         fill_contacts(program.kernel("fill_contacts")),
         sum_and_list(list_program.kernel("sum_and_list")),
-        lag_friction(program.kernel("lag_friction")),
         report_contacts(program.kernel("report_contacts")),
-        friction_force(friction_program.kernel("friction_force")),
-        friction_strain(friction_program.kernel("friction_strain")),
         minimum(device),
         contacts{Buffer<Barrier>(device, 0, "contacts"), std::vector<u32>(mesh.n_worlds + 1, 0)},
-        friction{Buffer<Friction>(device, 0, "friction"), std::vector<u32>(mesh.n_worlds + 1, 0)},
+        friction(device, this->mesh),
         gaps(device, 0, "candidate_gaps"),
         is_active(device, 0, "candidate_is_active"),
         active_counts(device, 0, "active_counts"),
         first(device, mesh.n_worlds + 1, "first_contact_of_world"),
         sites(device, 0, "contact_sites"),
         changed(device, 1, "changed"),
-        friction_sites_on_device(device, 0, "friction_sites"),
-        first_friction(device, mesh.n_worlds + 1, "first_friction_of_world"),
-        lagged(device, 0, "lagged friction"),
-        reports(device, 0, "contact_reports"),
-        forces(device, 0, "friction_forces"),
-        strains(device, 0, "friction_strains"),
-        anchors(mesh.n_worlds) {
+        reports(device, 0, "contact_reports") {
     changed.zero();
   }
 
@@ -104,7 +85,7 @@ struct ContactSet::Impl {
     const std::size_t n = 4 * contacts.n(), n_read = std::min(n, contact_sites.size());
     contact_sites.resize(n);
     if (n > n_read) sites.read(n_read, std::span(contact_sites).subspan(n_read));
-    has_sites = true;
+    known_search = search;
   }
 
   void resize_activity() {
@@ -118,6 +99,9 @@ struct ContactSet::Impl {
     resize_activity();
     pair_gaps(pairs.n(), pairs.n(), pairs.rows, x, gaps, is_active, active_counts);
   }
+
+  // for contacts: mostly there are not many more than last time
+  std::size_t usual_room() const { return n_contacts_before + n_contacts_before / 4 + 16; }
 
   // before candidates are listed as contacts, and after it
   void begin_list() {
@@ -133,63 +117,11 @@ struct ContactSet::Impl {
   void read_list() {
     first.read_later(0, std::span(contacts.first));
     changed.read_later(0, std::span(&read_change, 1));
-    has_sites = false;
-    if (!reads_sites) return contact_sites.clear();
-    // mostly there are not many more than last time
-    contact_sites.resize(std::min(sites.size(), 4 * (n_contacts_before + n_contacts_before / 4 + 16)));
+    if (!reads_sites) return;
+    contact_sites.resize(std::min(sites.size(), 4 * usual_room()));
     sites.read_later(0, std::span(contact_sites));
-  }
-
-  // rows of what contacts.rows has: of contacts, or, where these are not taken yet, of all candidates
-  void start_lag_friction(const Buffer<double>& x) {
-    const u32 n = u32(contacts.rows.size());
-    lagged.resize(n);
-    lag_friction(n, n, mesh.n_worlds, first, contacts.rows, candidates.worlds(), x, lagged);
-    // mostly there are not many more than last time
-    lagged_rows.resize(std::min<std::size_t>(n, n_contacts_before + n_contacts_before / 4 + 16));
-    lagged.read_later(0, std::span(lagged_rows));
-  }
-
-  void take_friction(double h, const Buffer<double>& x0, const Buffer<double>& x1) {
-    friction.first = contacts.first;
-    const std::size_t n = contacts.n(), n_read = lagged_rows.size();
-    friction.rows.resize(n);
-    friction_rows = lagged_rows;
-    friction_rows.resize(n);
-    if (n > n_read) lagged.read(n_read, std::span(friction_rows).subspan(n_read));
-    for (u32 world = 0; world < mesh.n_worlds; ++world)
-      attach_anchors(anchors[world], h, of_world(friction_rows, friction.first, world));
-    if (n > 0 && std::any_of(mesh.effects.begin(), mesh.effects.end(), changes_friction))
-      apply_slip_effects(mesh.effects, x0.read(), x1.read(), h, friction_rows);
-    friction.rows.write(friction_rows);
-    std::vector<u32> own;
-    for (const Friction& row : friction_rows) own.insert(own.end(), row.site, row.site + 4);
-    set_friction_sites(std::move(own));
-  }
-
-  // Only devices apart from the host ask for them there.
-  void set_friction_sites(std::vector<u32> own) {
-    const bool is_known = own == friction_sites;
-    friction_sites = std::move(own);
-    if (device.info().runs_host_functions) return;
-    if (!is_known) {
-      friction_sites_on_device.resize(friction_sites.size());
-      friction_sites_on_device.write(friction_sites);
-    }
-    if (written_first_friction == friction.first) return;
-    written_first_friction = friction.first;
-    first_friction.write(friction.first);
-  }
-
-  // what friction exerts on the first body of each row, by pair
-  std::map<PairKey, Vec3> friction_forces(const std::vector<Friction>& rows, const Buffer<double>& x,
-                                          const Buffer<double>& x0, double h) {
-    forces.resize(3 * rows.size());
-    friction_force(rows.size(), u32(rows.size()), friction.rows, x, x0, h, forces);
-    const std::vector<double> values = forces.read();
-    std::map<PairKey, Vec3> found;
-    for (std::size_t i = 0; i < rows.size(); ++i) found[pair_key(rows[i])] = vec3(&values[3 * i]);
-    return found;
+    read_search = search;
+    known_search = 0;
   }
 };
 
@@ -204,8 +136,9 @@ ContactSet::ContactSet(ContactSet&&) noexcept = default;
 
 const WorldRows<Barrier>& ContactSet::candidates() const { return impl_->candidates.rows(); }
 const WorldRows<Barrier>& ContactSet::contacts() const { return impl_->contacts; }
-const WorldRows<Friction>& ContactSet::friction() const { return impl_->friction; }
-std::span<const Friction> ContactSet::friction_rows() const { return impl_->friction_rows; }
+const WorldRows<Friction>& ContactSet::friction() const { return impl_->friction.rows(); }
+LaggedFriction& ContactSet::lagged() { return impl_->friction; }
+const LaggedFriction& ContactSet::lagged() const { return impl_->friction; }
 
 void ContactSet::find_candidates(const Buffer<double>& x0, const Buffer<double>& x1) { impl_->candidates.find(x0, x1); }
 
@@ -216,6 +149,7 @@ std::vector<double> ContactSet::largest_step(const Buffer<double>& x0, const Buf
 void ContactSet::start_check(const Buffer<double>& x0, const Buffer<double>& x1) {
   impl_->candidates.start_check(x0, x1);
 }
+void ContactSet::defer_check() { impl_->candidates.defer_check(); }
 bool ContactSet::candidates_serve() const { return impl_->candidates.serve(); }
 Candidates::Lists ContactSet::renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1) {
   return impl_->candidates.renew(x0, x1);
@@ -226,8 +160,45 @@ void ContactSet::start_renew_candidates(const Buffer<double>& x0, const Buffer<d
 }
 Candidates::Lists ContactSet::lacking_candidates() const { return impl_->candidates.lacking(); }
 
+void ContactSet::foresee() {
+  Impl& impl = *impl_;
+  impl.candidates.foresee();
+  impl.is_foreseen = true;
+  if (impl.contacts.rows.size() == 0) impl.contacts.first.assign(impl.mesh.n_worlds + 1, 0);
+  impl.foreseen_first.resize(impl.contacts.first.size());
+  std::swap(impl.contacts.first, impl.foreseen_first);  // where the device writes to
+  impl.foreseen_search = impl.search;
+  // where nothing touched nothing is thought to touch, which takes fewer launches
+  impl.foreseen_room = impl.n_contacts_before > 0 ? std::min(impl.contacts.rows.size(), impl.usual_room()) : 0;
+  impl.contacts.rows.resize(impl.foreseen_room);
+  impl.contacts.first.back() = u32(impl.foreseen_room);
+}
+
+bool ContactSet::is_foreseen() const { return impl_->is_foreseen; }
+bool ContactSet::take_foreseen() {
+  Impl& impl = *impl_;
+  const std::size_t n = impl.foreseen_first.back();
+  impl.is_foreseen = false;
+  if (!impl.candidates.take_foreseen() || n > impl.foreseen_room) return false;
+  if (impl.read_search != impl.foreseen_search || 4 * n > impl.contact_sites.size()) return true;
+  impl.contact_sites.resize(4 * n);
+  impl.known_search = impl.foreseen_search;
+  return true;
+}
+
+const std::vector<u32>& ContactSet::foreseen_first() const { return impl_->foreseen_first; }
+std::vector<u32> ContactSet::foreseen_sites() const {
+  return impl_->known_search == impl_->foreseen_search ? impl_->contact_sites : std::vector<u32>();
+}
+const Candidates::Lists& ContactSet::lacked_candidates() const { return impl_->candidates.lacked(); }
+u32 ContactSet::n_worlds() const { return impl_->mesh.n_worlds; }
+
 const Buffer<double>& ContactSet::start_largest_steps(const Buffer<double>& x0, const Buffer<double>& x1) {
-  return impl_->collision.start(impl_->candidates.rows(), x0, x1);
+  Impl& impl = *impl_;
+  if (!impl.candidates.is_check_deferred()) return impl.collision.start(impl.candidates.rows(), x0, x1);
+  Buffer<double>& steps = impl.collision.steps(impl.candidates.rows().n());
+  impl.candidates.start_certify(x0, x1, steps, impl.collision.of_64());
+  return steps;
 }
 const Buffer<double>& ContactSet::least_of_64_steps() const { return impl_->collision.of_64(); }
 const Buffer<u32>& ContactSet::first_candidate() const { return impl_->candidates.first(); }
@@ -276,35 +247,38 @@ void ContactSet::start_list_contacts(const EnergySum& sum) {
 void ContactSet::take_contacts() {
   Impl& impl = *impl_;
   if (impl.contacts.rows.size() == 0) impl.contacts.first.assign(impl.mesh.n_worlds + 1, 0);
-  const std::size_t n = impl.contacts.n(), n_read = impl.contact_sites.size();
+  const std::size_t n = impl.contacts.n();
   impl.n_contacts_before = n;
   impl.contacts.rows.resize(n);
   impl.last_change = std::max(impl.last_change, impl.read_change);
-  impl.has_sites = n == 0 || n_read > 0;
-  if (impl.has_sites) impl.read_further_sites();
+  if (impl.read_search == impl.search) impl.read_further_sites();
 }
 
 void ContactSet::read_sites(bool wanted) { impl_->reads_sites = wanted; }
 const Buffer<u32>& ContactSet::sites_on_device() const { return impl_->sites; }
 u32 ContactSet::search() const { return impl_->search; }
 u32 ContactSet::last_change() const { return impl_->last_change; }
-const Buffer<u32>& ContactSet::friction_sites_on_device() const { return impl_->friction_sites_on_device; }
-const Buffer<u32>& ContactSet::first_friction() const { return impl_->first_friction; }
 const Buffer<u32>& ContactSet::first_contact() const { return impl_->first; }
 const std::vector<u32>& ContactSet::contact_sites() const {
-  if (!impl_->has_sites) impl_->read_further_sites();
-  return impl_->contact_sites;
+  Impl& impl = *impl_;
+  if (impl.known_search < impl.last_change || impl.contact_sites.size() != 4 * impl.contacts.n()) {
+    impl.contact_sites.clear();
+    impl.read_further_sites();
+  }
+  return impl.contact_sites;
 }
-const std::vector<u32>& ContactSet::friction_sites() const { return impl_->friction_sites; }
 
 void ContactSet::find_contacts(const Buffer<double>& x) {
   start_find_contacts(x);
   impl_->device.finish();
   take_contacts();
 }
-void ContactSet::start_lag_friction(const Buffer<double>& x) { impl_->start_lag_friction(x); }
+// rows of what contacts.rows has: of contacts, or, where these are not taken yet, of all candidates
+void ContactSet::start_lag_friction(const Buffer<double>& x) {
+  impl_->friction.start(impl_->contacts, impl_->first, impl_->candidates.worlds(), x, impl_->usual_room());
+}
 void ContactSet::take_friction(double h, const Buffer<double>& x0, const Buffer<double>& x1) {
-  impl_->take_friction(h, x0, x1);
+  impl_->friction.take(impl_->contacts.first, h, x0, x1);
 }
 
 void ContactSet::lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0, const Buffer<double>& x1) {
@@ -316,37 +290,10 @@ void ContactSet::lag_friction(const Buffer<double>& x, double h, const Buffer<do
 void ContactSet::find_and_lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0,
                                        const Buffer<double>& x1) {
   start_find_contacts(x);
-  impl_->start_lag_friction(x);
+  start_lag_friction(x);
   impl_->device.finish();
   take_contacts();
-  impl_->take_friction(h, x0, x1);
-}
-
-void ContactSet::start_anchors(const Buffer<double>& x, const Buffer<double>& x0, double h) {
-  Impl& impl = *impl_;
-  const u32 n = impl.friction.n();
-  impl.strains.resize(3 * n);
-  impl.friction_strain(n, n, impl.friction.rows, x, x0, h, impl.strains);
-  impl.read_strains.resize(3 * n);
-  impl.strains.read_later(0, std::span(impl.read_strains));
-}
-
-void ContactSet::take_anchors(std::span<const char> worlds) {
-  Impl& impl = *impl_;
-  for (u32 world = 0; world < impl.mesh.n_worlds; ++world)
-    if (worlds[world])
-      impl.anchors[world] = anchors_of(of_world(impl.friction_rows, impl.friction.first, world),
-                                       std::span(impl.read_strains).subspan(3 * impl.friction.first[world]));
-}
-
-const std::vector<std::vector<FrictionAnchor>>& ContactSet::anchors() const { return impl_->anchors; }
-void ContactSet::restore_anchors(const std::vector<std::vector<FrictionAnchor>>& anchors) { impl_->anchors = anchors; }
-
-void ContactSet::clear_friction() {
-  impl_->friction.first.assign(impl_->mesh.n_worlds + 1, 0);
-  impl_->friction.rows.resize(0);
-  impl_->friction_rows.clear();
-  impl_->set_friction_sites({});
+  take_friction(h, x0, x1);
 }
 
 std::vector<double> ContactSet::min_gap(const Buffer<double>& x) {
@@ -361,8 +308,7 @@ std::vector<std::vector<ContactForce>> ContactSet::forces(const Buffer<double>& 
   impl.report_contacts(n, n, impl.contacts.rows, x, impl.reports);
   const std::vector<ContactReport> reports = impl.reports.read();
   const std::vector<Barrier> contacts = impl.contacts.rows.read();
-  const std::vector<Friction>& friction = impl.friction_rows;
-  std::map<PairKey, Vec3> sliding = impl.friction_forces(friction, x, x0, h);
+  const std::map<PairKey, Vec3> sliding = impl.friction.forces(x, x0, h);
   std::vector<std::vector<ContactForce>> worlds(impl.mesh.n_worlds);
   for (u32 i = 0; i < n; ++i) {
     ContactForce force;

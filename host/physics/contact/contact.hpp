@@ -14,13 +14,12 @@
 #include <vector>
 
 #include "energies/contact/barrier.h"
-#include "energies/contact/friction.h"
 #include "host/device/device.hpp"
 #include "host/model/physical_scene.hpp"
 #include "host/model/world_state.hpp"
 #include "host/physics/contact/candidates.hpp"
 #include "host/physics/contact/collision_mesh.hpp"
-#include "host/physics/contact/friction_anchors.hpp"
+#include "host/physics/contact/lagged_friction.hpp"
 #include "host/physics/linear/world_reduce.hpp"
 #include "host/physics/linear/world_rows.hpp"
 
@@ -43,11 +42,24 @@ class ContactSet {
   const WorldRows<Barrier>& candidates() const;
   // Starts to find whether the present candidates serve for a motion; known after the device was waited for.
   void start_check(const Buffer<double>& x0, const Buffer<double>& x1);
+  void defer_check();  // start_largest_steps(), which comes next, does it in the same launch
   bool candidates_serve() const;
   // For that motion, the lists that do not serve: as Candidates::renew(), start_renew(), lacking()
   Candidates::Lists renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1);
   void start_renew_candidates(const Buffer<double>& x0, const Buffer<double>& x1, const Candidates::Lists& which);
   Candidates::Lists lacking_candidates() const;
+
+  // The last check, candidates and list of contacts are to be answered by take_foreseen(), after the device was waited
+  // for; others may be started before. Until then the candidates are thought to serve, and contacts() to have room for
+  // somewhat more than were taken last, of which first_contact() knows how many there are.
+  void foresee();
+  bool is_foreseen() const;  // since then
+  // Whether it came so. If not, find_candidates() is to be called for that motion, and the contacts looked for again.
+  bool take_foreseen();
+  // What was found then: [n_worlds + 1], sites as contact_sites() if they were read, lists that did not serve
+  const std::vector<u32>& foreseen_first() const;
+  std::vector<u32> foreseen_sites() const;
+  const Candidates::Lists& lacked_candidates() const;
 
   // The largest part in [0, 1] of the motion x0 -> x1, of each world, that is certified to keep every candidate apart.
   // x0, x1: as given to find_candidates, or any part of that motion. A pair that is already closer than its offset
@@ -80,7 +92,8 @@ class ContactSet {
   void start_list_contacts(const EnergySum& sum);
   void take_contacts();
   const Buffer<u32>& first_contact() const;  // [n_worlds + 1] on the device
-  // [n_contacts x 4]; reads them if start_find_contacts() did not
+  u32 n_worlds() const;
+  // [n_contacts x 4]; reads them if that was not done and they are not those that were read last
   const std::vector<u32>& contact_sites() const;
   void read_sites(bool wanted);                // whether it does, from now on; at first it does
   const Buffer<u32>& sites_on_device() const;  // [n_contacts x 4]
@@ -97,19 +110,9 @@ class ContactSet {
   void take_friction(double h, const Buffer<double>& x0, const Buffer<double>& x1);
   // find_contacts(x) and this, waiting once
   void find_and_lag_friction(const Buffer<double>& x, double h, const Buffer<double>& x0, const Buffer<double>& x1);
-  void clear_friction();  // no friction rows
   const WorldRows<Friction>& friction() const;
-  std::span<const Friction> friction_rows() const;      // the same on the host
-  const std::vector<u32>& friction_sites() const;       // [n x 4]
-  const Buffer<u32>& friction_sites_on_device() const;  // the same
-  const Buffer<u32>& first_friction() const;            // [n_worlds + 1] on the device
-
-  // What contacts, as in the present friction rows, remember of a step of length h from x0 to x: started, and taken for
-  // these worlds after the device was waited for.
-  void start_anchors(const Buffer<double>& x, const Buffer<double>& x0, double h);
-  void take_anchors(std::span<const char> worlds);
-  const std::vector<std::vector<FrictionAnchor>>& anchors() const;  // [n_worlds]
-  void restore_anchors(const std::vector<std::vector<FrictionAnchor>>& anchors);
+  LaggedFriction& lagged();  // these and what belongs to them
+  const LaggedFriction& lagged() const;
 
   // Smallest gap (distance minus offsets) of each world at x [m]; infinite where none is below its activation distance.
   std::vector<double> min_gap(const Buffer<double>& x);

@@ -29,10 +29,15 @@ ContinuousCollision::ContinuousCollision(Device& device)
       of_64_(device, 0, "least_of_64"),
       minimum_(device) {}
 
+Buffer<double>& ContinuousCollision::steps(std::size_t n) {
+  steps_.resize(n);
+  of_64_.resize((n + GROUP_SIZE - 1) / GROUP_SIZE);
+  return steps_;
+}
+
 const Buffer<double>& ContinuousCollision::start(const WorldRows<Barrier>& pairs, const Buffer<double>& x0,
                                                  const Buffer<double>& x1) {
-  steps_.resize(pairs.n());
-  of_64_.resize((pairs.n() + GROUP_SIZE - 1) / GROUP_SIZE);
+  steps(pairs.n());
   accd_steps_(pairs.n(), pairs.n(), pairs.rows, x0, x1, steps_, of_64_);
   return steps_;
 }

@@ -28,6 +28,9 @@ class ContinuousCollision {
   std::vector<double> largest_step(const WorldRows<Barrier>& pairs, const Buffer<double>& x0, const Buffer<double>& x1);
   // Starts to find the part of each pair [pairs.n()].
   const Buffer<double>& start(const WorldRows<Barrier>& pairs, const Buffer<double>& x0, const Buffer<double>& x1);
+  // room for the results of so many pairs, which another launch finds
+  Buffer<double>& steps(std::size_t n);
+  Buffer<double>& of_64() { return of_64_; }
   const Buffer<double>& of_64() const { return of_64_; }  // the least of each 64 of them, of the last call
 
  private:

@@ -62,12 +62,16 @@ std::string text_of(const std::vector<SmallTermSource>& sources, const std::stri
          "  const uint n_active = count_active(exerts_force, &count);\n"
          "  if (get_local_id(0) == 0 && i >= n_before) counts[(i - n_before) / 64] = n_active;\n}\n" +
          "kernel void all_derivatives(const uint n, " + INPUTS + friction +
-         "const uint n_contacts,\n    global const Barrier* restrict contacts, const uint first_row, " + DERIVATIVES +
+         "const uint n_contacts, const uint n_worlds,\n    global const uint* restrict first_contact, global const "
+         "Barrier* "
+         "restrict contacts, const uint first_row, " +
+         DERIVATIVES +
          ",\n    global real* restrict contact_blocks, global real* restrict friction_blocks, const uint begins, "
          "global FrictionDual* restrict dual) {\n" +
          item + "  if (i < n_small)\n    small_derivatives_of_item" + given +
          "rows, blocks);\n  else\n    contact_derivatives_of_item(i - n_small, n - n_small, n_friction, n_contacts, "
-         "friction, contacts, x,\n        start, h, first_row, rows, contact_blocks, friction_blocks, begins, "
+         "friction, n_worlds, first_contact, contacts, x,\n        start, h, first_row, rows, contact_blocks, "
+         "friction_blocks, begins, "
          "dual);\n}\n";
 }
 
@@ -135,8 +139,9 @@ void SmallTerms::differentiate(const At& at, Buffer<f64>& rows, Buffer<f64>& blo
   const u32 n = n_items_ + n_contact_items;
   kernels_with_contact().derivatives(n, n, terms_, params_, at.x, at.start, at.predicted, at.h, at.inertia_h, n_items_,
                                      u32(friction.size()), contacts.friction().rows, u32(barrier.size()),
-                                     contacts.contacts().rows, barrier.first_row, rows, blocks, barrier.own_blocks(),
-                                     friction.own_blocks(), u32(begins), dual);
+                                     contacts.n_worlds(), contacts.first_contact(), contacts.contacts().rows,
+                                     barrier.first_row, rows, blocks, barrier.own_blocks(), friction.own_blocks(),
+                                     u32(begins), dual);
 }
 
 }  // namespace pvg

@@ -147,6 +147,20 @@ void BlockMatrix::assemble(std::span<const char> worlds) {
                      element_blocks_, blocks_);
 }
 
+void BlockMatrix::assemble_and_gather(const Gather& first, const Gather& second, const Buffer<u32>& node_is_fixed,
+                                      const Buffer<f64>& rows, Buffer<f64>& node, Buffer<f64>& dx,
+                                      Buffer<f64>& residual) {
+  if (!gather_and_assemble_) {
+    Program program(blocks_.memory().device(), "solve/gather_and_assemble.cl");
+    gather_and_assemble_.emplace(program.kernel("gather_and_assemble"));
+  }
+  const u32 n_nodes = u32(pattern_.n_nodes()), group = u32(GROUP_SIZE);
+  const u32 n = (n_nodes + group - 1) / group * group + world_first_.back();
+  (*gather_and_assemble_)(n, n, n_nodes, first.offset(), first.row(), first.weight(), second.offset(), second.row(),
+                          second.weight(), node_is_fixed, rows, node, dx, residual, place_, part_first_, part_source_,
+                          part_width_, part_weight_, element_blocks_, blocks_);
+}
+
 void BlockMatrix::multiply_and_dot(const Buffer<f64>& x, const Gather* gather, const Buffer<u32>& node_is_fixed,
                                    const Buffer<f64>& rows, Buffer<f64>& y, WorldChunks& chunks) {
   const u32 n = u32(GROUP_SIZE * chunks.n_chunks());

@@ -1,6 +1,7 @@
 // The Hessian of the terms whose elements never change, assembled on the device: a sparse matrix of 3 x 3 blocks over
 // the nodes. A product reads each block once, where the elements' own dense blocks overlap several times.
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -29,6 +30,10 @@ class BlockMatrix {
   // The sum of the present blocks of the terms that it was made from, which write their upper halves into a buffer of
   // its own. worlds: [n_worlds] whose rows are wanted, the others' stay; or empty, then all are
   void assemble(std::span<const char> worlds = {});
+  // All of it; and in the same launch, as gather_two_lists of solve/nodes.cl does, node: what the rows of two lists sum
+  // up to, dx = 0, residual = -node  [n_nodes x 3]
+  void assemble_and_gather(const Gather& first, const Gather& second, const Buffer<u32>& node_is_fixed,
+                           const Buffer<f64>& rows, Buffer<f64>& node, Buffer<f64>& dx, Buffer<f64>& residual);
   // y = A x;  [n_nodes x 3]
   void multiply(const Buffer<f64>& x, Buffer<f64>& y);
   // y = A x + what these rows are to the nodes, if gather is given; and chunks.partial(): x . y over each chunk of at
@@ -47,6 +52,7 @@ class BlockMatrix {
   MatrixPattern pattern_;
   Program program_;
   Kernel block_product_, block_product_and_dot_, assemble_blocks_;
+  std::optional<Kernel> gather_and_assemble_;  // made when it is first asked for
   Buffer<u32> first_, column_;
   Buffer<f64> blocks_;
   Buffer<f64> element_blocks_;                         // of all terms

@@ -72,7 +72,7 @@ void ConjugateGradients::start(CgOperators operators, const Buffer<f64>& gradien
   if (!has_begun) start_(n, n, gradient, dx, residual_);
   precondition();
   when_ = When::at_start;
-  n_started_ = 0;
+  n_started_ = n_before_ = 0;
   z_is_old_ = false;
   read_.resize(n_worlds_);
   go_on();
@@ -110,12 +110,26 @@ void ConjugateGradients::test() {
   std::swap(worlds_, renewed_worlds_);
 }
 
+// Iterations that are left, if r . z goes on to fall as it did since the look before, or since the start.
+int ConjugateGradients::n_foreseen() const {
+  double most = 1;
+  for (std::size_t w = 0; w < read_.size(); ++w) {
+    const CgWorld& now = read_[w];
+    const double before = n_before_ > 0 ? read_before_[w].rz : now.first_rz;
+    const double fallen = std::log(before / now.rz) / (n_started_ - n_before_);
+    const double left = std::log(now.rz / now.first_rz) - 2 * std::log(problem_.tolerance);
+    if (now.is_active && fallen > 0) most = std::max(most, left / fallen);
+  }
+  return int(std::ceil(std::min(most, double(n_started_))));
+}
+
 // How many iterations to start before the host looks. On the host's own processor it is cheap to look and dear to
 // iterate in vain: half of what the last solve took, then a few at a time. Elsewhere a look takes as long as two
 // launches and an iteration six, but to go on after a short solve costs what was started behind it.
 int ConjugateGradients::batch() const {
   const bool looks_often = device_->info().runs_host_functions;
-  if (n_started_ > 0) return std::max(looks_often || n_started_ < SHORT ? 1 : 2, n_started_ / 8);
+  if (n_started_ > 0 && looks_often) return std::max(1, n_started_ / 8);
+  if (n_started_ > 0) return n_started_ < SHORT ? 1 : n_foreseen();
   if (looks_often) return std::max(1, n_last_ / 2);
   return is_short() ? std::max(1, n_last_) : n_last_ * 3 / 4;
 }
@@ -129,11 +143,15 @@ void ConjugateGradients::go_on() {
     precondition();
     when_ = When::after_iteration;
   };
+  const int n = batch();
+  is_near_end_ = n_before_ > 0 && n <= NEAR_END;
+  n_before_ = n_started_;
+  read_before_ = read_;
   if (std::exchange(z_is_old_, false)) {  // the residual was not enough
     residual_tells_ = false;
     renew_z();
   }
-  for (const int until = std::min(problem_.max_iterations, n_started_ + batch()); n_started_ < until; ++n_started_) {
+  for (const int until = std::min(problem_.max_iterations, n_started_ + n); n_started_ < until; ++n_started_) {
     turn();
     apply(problem_.operators.product, direction_, product_);
     advance();

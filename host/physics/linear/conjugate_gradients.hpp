@@ -48,11 +48,16 @@ class ConjugateGradients {
   // as far as the last solve tells, without looking
   bool may_have_ended() const { return n_started_ >= n_last_; }
   bool is_short() const { return n_last_ <= SHORT; }
+  // as far as the last two looks tell
+  bool is_near_end() const { return is_near_end_; }
+  void expect(int iterations) { n_last_ = iterations; }  // of the next solve, instead of those of the last one
   CgReport report();
 
  private:
-  static constexpr int SHORT = 4;  // iterations, all of which are started before the host looks
+  static constexpr int SHORT = 4;     // iterations, all of which are started before the host looks
+  static constexpr int NEAR_END = 3;  // iterations that are foreseen from two looks mostly suffice
   int batch() const;
+  int n_foreseen() const;
   // how a world's state is to be renewed when the direction turns, as in the kernels
   enum class When : u32 { as_it_is, at_start, after_iteration };
   struct Problem {
@@ -84,8 +89,9 @@ class ConjugateGradients {
   std::vector<char> wanted_;  // what is_wanted_ holds
   Problem problem_{};
   When when_ = When::at_start;
-  std::vector<CgWorld> read_;   // [n_worlds] as the device had them
-  int n_started_ = 0;           // iterations
+  std::vector<CgWorld> read_, read_before_;  // [n_worlds] as the device had them, and at the look before
+  int n_started_ = 0, n_before_ = 0;         // iterations
+  bool is_near_end_ = false;
   int n_last_ = 1;              // of the last solve
   bool has_rz_ = true;          // in chunks_.partial()
   bool z_is_old_ = false;       // the residual was tested instead

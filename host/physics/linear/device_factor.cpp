@@ -67,6 +67,8 @@ DeviceFactor::DeviceFactor(Device& device, std::size_t n_nodes)
       source_(device, 0, "source of block"),
       place_(device, 0, "place of block"),
       stride_(device, 0, "stride of block"),
+      hole_place_(device, 0, "place of hole"),
+      hole_stride_(device, 0, "stride of hole"),
       block_first_(device, n_nodes, "first block of column"),
       block_last_(device, n_nodes, "last block of column"),
       node_group_(device, n_nodes, "group of node"),
@@ -157,6 +159,7 @@ void DeviceFactor::lay_out(std::span<const FactorGroup> groups) {
 
 void DeviceFactor::list_blocks(std::span<const FactorGroup> groups) {
   std::vector<u32> row, column, source, place, stride;
+  std::vector<char> is_placed(panels_.size(), false);  // of the first number of each block
   std::vector<u32> block_first(n_nodes_, 0), block_last(n_nodes_, 0), node_group(n_nodes_, NO_PARENT), lone;
   for (u32 g = 0; g < groups.size(); ++g) {
     const auto& [tree, pattern, nodes, group_source, world] = groups[g];
@@ -180,6 +183,7 @@ void DeviceFactor::list_blocks(std::span<const FactorGroup> groups) {
         source.push_back(group_source[k]);
         place.push_back(front.panel + 3 * panel_row + 3 * (panel_column - node.first) * n);
         stride.push_back(n | (a < b ? IS_TRANSPOSED : 0));
+        is_placed[place.back()] = true;
       }
       block_last[nodes[c]] = u32(row.size());
     }
@@ -189,6 +193,22 @@ void DeviceFactor::list_blocks(std::span<const FactorGroup> groups) {
   upload(row_, row), upload(column_, column), upload(source_, source), upload(place_, place), upload(stride_, stride);
   block_first_.write(block_first), block_last_.write(block_last), node_group_.write(node_group);
   upload(lone_nodes_, lone);
+  list_holes(is_placed);
+}
+
+void DeviceFactor::list_holes(const std::vector<char>& is_placed) {
+  std::vector<u32> place, stride;
+  for (const FactorFront& front : host_fronts_) {
+    const u32 n = front.n_pivots + front.n_rows;
+    for (u32 column = 0; column < front.n_pivots; column += 3)
+      for (u32 row = column; row < n; row += 3) {  // what is above the diagonal nobody reads
+        const u32 at = front.panel + row + column * n;
+        if (is_placed[at]) continue;
+        place.push_back(at);
+        stride.push_back(n);
+      }
+  }
+  upload(hole_place_, place), upload(hole_stride_, stride);
 }
 
 void DeviceFactor::start_factorize(const Buffer<f64>& matrix_blocks, const ContactElements& contacts,
@@ -206,17 +226,17 @@ void DeviceFactor::start_factorize(const Buffer<f64>& matrix_blocks, const Conta
   if (n_contacts > 0 && (contacts.terms.size() > 2 || !contacts.gather || !contacts.element_sites || !contacts.sites))
     throw std::logic_error("a factor on the device was given contacts without their sites");
   const u32 n_groups = u32(group_world_.size()), n = u32(row_.size());
-  panels_.zero();
   const auto blocks_of = [&](std::size_t term) -> const Buffer<f64>& {
     return n_contacts > 0 && term < contacts.terms.size() ? contacts.terms[term]->blocks() : no_numbers_;
   };
   const Gather* gather = n_contacts > 0 ? contacts.gather : nullptr;
-  const u32 n_items = PLACE_SHARES * n;
+  const u32 n_holes = u32(hole_place_.size()), n_items = PLACE_SHARES * n + 3 * n_holes;
   place_blocks_(n_items, n_items, n, n_groups, row_, column_, source_, place_, stride_, matrix_blocks, block_first_,
                 block_last_, node_group_, n_contacts, n_contacts > 0 ? u32(contacts.terms[0]->size()) : 0,
                 contacts.first_row, gather ? gather->offset() : no_indices_, gather ? gather->row() : no_indices_,
                 gather ? gather->weight() : no_numbers_, gather ? *contacts.element_sites : no_indices_,
-                gather ? *contacts.sites : no_sites_, blocks_of(0), blocks_of(1), failed_, panels_);
+                gather ? *contacts.sites : no_sites_, blocks_of(0), blocks_of(1), n_holes, hole_place_, hole_stride_,
+                failed_, panels_);
   for (u32 stage = 0; stage < factoring_.n_stages; ++stage) {
     const u32 first = factoring_.stage_first[stage];
     const u32 n_items = FACTOR_ITEMS * (factoring_.stage_first[stage + 1] - first);

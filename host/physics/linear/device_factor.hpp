@@ -42,7 +42,7 @@ class DeviceFactor {
   void start_apply(const Buffer<f64>& residual, bool adds, Buffer<f64>& preconditioned);
 
   std::size_t n_numbers() const { return panels_.size() + updates_.size(); }  // on the device
-  u32 n_launches_to_factor() const { return 2 + factoring_.n_stages; }
+  u32 n_launches_to_factor() const { return 1 + factoring_.n_stages; }
   u32 n_launches_to_solve() const { return solving_.n_stages == 0 ? 0 : 2 * solving_.n_stages - 1; }
   // The factor of a group as a dense lower triangle, for tests: column-major [3 n_nodes x 3 n_nodes] in the order of
   // elimination
@@ -59,6 +59,7 @@ class DeviceFactor {
   };
   void lay_out(std::span<const FactorGroup> groups);
   void list_blocks(std::span<const FactorGroup> groups);
+  void list_holes(const std::vector<char>& is_placed);  // blocks of the panels that nothing is placed in
   void solve_stage(u32 stage, u32 parts, bool adds, const Buffer<f64>& residual, Buffer<f64>& preconditioned);
 
   std::size_t n_nodes_;
@@ -73,7 +74,8 @@ class DeviceFactor {
   Tasks factoring_, solving_;
   Buffer<FactorFront> fronts_;
   Buffer<u32> children_, places_, front_nodes_, lone_nodes_;
-  Buffer<u32> row_, column_, source_, place_, stride_, block_first_, block_last_, node_group_;
+  Buffer<u32> row_, column_, source_, place_, stride_, hole_place_, hole_stride_, block_first_, block_last_,
+      node_group_;
   Buffer<u32> group_is_active_, failed_;
   Buffer<f64> panels_, updates_, vectors_;
   // for matrices without contacts

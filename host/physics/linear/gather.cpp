@@ -55,8 +55,9 @@ void Gather::set_on_device(const DeviceElements& first, const DeviceElements& se
   kernels_->counts.resize(n_nodes_);
   kernels_->totals.resize(chunks.n_chunks());
   const u32 n_items = u32(GROUP_SIZE * chunks.n_chunks());
-  kernels_->count(n_items, n_items, chunks.chunks(), first.n, second.n, first.world_first, second.world_first,
-                  first.sites, second.sites, sites, element_sites, kernels_->counts, kernels_->totals);
+  kernels_->count(n_items, n_items, chunks.chunks(), u32(first.world_first.size() - 1), first.n, second.n,
+                  first.world_first, second.world_first, first.sites, second.sites, sites, element_sites,
+                  kernels_->counts, kernels_->totals);
   kernels_->fill(n_items, n_items, u32(chunks.n_chunks()), chunks.chunks(), first.n, first.world_first,
                  second.world_first, first.sites, second.sites, sites, kernels_->counts, kernels_->totals, first_row,
                  offset_, row_, weight_);

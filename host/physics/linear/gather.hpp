@@ -19,8 +19,8 @@ struct RowBlock {
 
 // Elements of four sites on the device, sorted by world.
 struct DeviceElements {
-  const Buffer<u32>& sites;  // [n x 4]
-  u32 n;
+  const Buffer<u32>& sites;        // [n x 4]
+  u32 n;                           // or the room for them, of the first of two kinds
   const Buffer<u32>& world_first;  // [n_worlds + 1]
 };
 

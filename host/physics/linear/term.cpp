@@ -54,11 +54,15 @@ void Term::set_sites(const std::vector<u32>& sites, std::vector<u32> world_first
   blocks_.resize(n_block_numbers());
 }
 
-void Term::set_size(std::vector<u32> world_first) {
-  n_ = world_first.back();
-  sites_.clear();
-  world_first_ = std::move(world_first);
+void Term::set_size(std::size_t n, std::vector<u32> world_first) {
+  n_ = n;
+  know({}, std::move(world_first));
   blocks_.resize(n_block_numbers());
+}
+
+void Term::know(const std::vector<u32>& sites, std::vector<u32> world_first) {
+  sites_ = sites;
+  world_first_ = std::move(world_first);
 }
 
 void Term::write_params(std::span<const unsigned char> bytes) {

@@ -29,8 +29,10 @@ class Term {
   // Elements whose numbers stand elsewhere, for which gradient() and hessian() are not called.
   // sites: [n x stencil]
   void set_sites(const std::vector<u32>& sites, std::vector<u32> world_first);
-  // The same where the sites are on the device alone: sites() is empty.
-  void set_size(std::vector<u32> world_first);
+  // The same where the sites are on the device alone, n elements or room for them: sites() is empty.
+  void set_size(std::size_t n, std::vector<u32> world_first);
+  // What is known of these later: how many there are in each world, and their sites, if these are wanted.
+  void know(const std::vector<u32>& sites, std::vector<u32> world_first);
   // New numbers for the same elements, such as this step's targets.
   template <class Params>
   void update(const std::vector<Params>& params) {

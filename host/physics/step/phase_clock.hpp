@@ -27,6 +27,7 @@ struct SolverCounts {
   DeviceCounts all, recording;                // recording: reading the state at the end of a step
   std::array<DeviceCounts, N_PHASES> phases;  // of `all`
   std::size_t newton = 0, cg = 0;             // iterations of all worlds together: as often as any world has one
+  std::size_t repeated_guesses = 0;           // first guesses that did not come as they were foreseen
 };
 
 class PhaseClock {

@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
-#include <iterator>
 #include <utility>
 
 namespace pvg {
 namespace {
-
-constexpr std::size_t LARGEST_SURPLUS = 2;  // pairs held for each one in contact: the rest costs fill in vain
-constexpr double FEW = 0.02;                // of the pairs in contact are left to conjugate gradients within a step
 
 u32 whole_groups(u32 n) { return u32((n + GROUP_SIZE - 1) / GROUP_SIZE * GROUP_SIZE); }
 
@@ -165,7 +161,7 @@ Potential::ContactKernels& Potential::contact_kernels() {
 }
 
 void Potential::set_friction(const ContactSet& contacts) {
-  friction_.set_sites(contacts.friction_sites(), contacts.friction().first);
+  friction_.set_sites(contacts.lagged().sites(), contacts.friction().first);
   friction_dual_.resize(friction_.size());
   friction_is_new_ = true;
 }
@@ -230,13 +226,15 @@ bool Potential::reads_contacts() const {
 }
 
 void Potential::set_contacts(const ContactSet& contacts) {
-  const bool lists_on_device =
-      !rows_.memory().device().info().runs_host_functions && !preconditioner_->reads_contacts();
-  if (reads_contacts())
-    barrier_.set_sites(contacts.contact_sites(), contacts.contacts().first);
-  else
-    barrier_.set_size(contacts.contacts().first);
-  if (!has_contacts()) return;
+  const std::vector<u32>& first = contacts.contacts().first;
+  const bool lists_on_device = can_foresee_contacts(), is_listed = lists_on_device && has_listed(contacts);
+  if (!lists_on_device)
+    barrier_.set_sites(contacts.contact_sites(), first);
+  else if (!is_listed)
+    barrier_.set_size(first.back(), first);
+  if (lists_on_device && !contacts.is_foreseen())
+    barrier_.know(reads_contacts() ? contacts.contact_sites() : std::vector<u32>(), first);
+  if (is_listed || !has_contacts()) return;
   barrier_.first_row = n_constant_rows_;
   friction_.first_row = u32(n_constant_rows_ + barrier_.size() * barrier_.stencil());
   const std::size_t n_rows = friction_.first_row + friction_.size() * friction_.stencil();
@@ -254,16 +252,33 @@ void Potential::set_contacts(const ContactSet& contacts) {
   contact_sites_.write(sites);
 }
 
+// Where there was room for more contacts than there are, it is left.
+bool Potential::has_listed(const ContactSet& contacts) const {
+  return !contacts.is_foreseen() && n_gathered_contacts_ == contacts.contacts().n() &&
+         contacts.last_change() <= gathered_search_ && gathered_sites_ == friction_.sites() && gathered_search_ > 0;
+}
+
 void Potential::list_contacts_on_device(const ContactSet& contacts) {
-  const bool is_same = n_gathered_contacts_ == barrier_.size() && contacts.last_change() <= gathered_search_ &&
-                       gathered_sites_ == friction_.sites() && gathered_search_ > 0;
-  if (is_same) return;
   n_gathered_contacts_ = barrier_.size();
-  gathered_search_ = contacts.search();
+  gathered_search_ = contacts.is_foreseen() ? 0 : contacts.search();
+  foreseen_search_ = contacts.is_foreseen() ? contacts.search() : 0;
   gathered_sites_ = friction_.sites();
   contact_gather_.set_on_device({contacts.sites_on_device(), u32(barrier_.size()), contacts.first_contact()},
-                                {contacts.friction_sites_on_device(), u32(friction_.size()), contacts.first_friction()},
+                                {contacts.lagged().sites_on_device(), u32(friction_.size()), contacts.lagged().first()},
                                 n_constant_rows_, sites_, chunks_, contact_sites_);
+}
+
+bool Potential::can_foresee_contacts() const {
+  return !rows_.memory().device().info().runs_host_functions && !preconditioner_->reads_contacts();
+}
+
+bool Potential::take_foreseen(const ContactSet& contacts, std::span<const char> once_coupled) {
+  barrier_.know(contacts.foreseen_sites(), contacts.foreseen_first());
+  if (foreseen_search_ > 0) {
+    n_gathered_contacts_ = contacts.foreseen_first().back();
+    gathered_search_ = std::exchange(foreseen_search_, 0);
+  }
+  return next_couplings(once_coupled, Coupling::step_begins) == couplings_;
 }
 
 bool Potential::differentiate(const Positions& x, const ContactSet& contacts, Buffer<f64>& gradient,
@@ -294,11 +309,15 @@ bool Potential::differentiate(const Positions& x, const ContactSet* contacts, Bu
   for (const std::size_t t : large_) differentiate(*constant_[t]);
   if (has_contacts() && !is_together)
     contact_kernels().derivatives(n_items, n_items, n_friction, n_contacts, contacts->friction().rows,
-                                  contacts->contacts().rows, x.site, start_->site, h_, barrier_.first_row, rows_,
-                                  barrier_.own_blocks(), friction_.own_blocks(),
-                                  u32(std::exchange(friction_is_new_, false)), friction_dual_);
-  matrix_->assemble(worlds);
+                                  contacts->n_worlds(), contacts->first_contact(), contacts->contacts().rows, x.site,
+                                  start_->site, h_, barrier_.first_row, rows_, barrier_.own_blocks(),
+                                  friction_.own_blocks(), u32(std::exchange(friction_is_new_, false)), friction_dual_);
   const u32 n = u32(system_.n_nodes());
+  if (is_together && worlds.empty() && dx && residual) {
+    matrix_->assemble_and_gather(constant_gather_, contact_gather_, node_is_fixed_, rows_, gradient, *dx, *residual);
+    return true;
+  }
+  matrix_->assemble(worlds);
   if (!has_contacts()) {
     constant_gather_.apply(gather_rows_, node_is_fixed_, rows_, false, gradient);
     return false;
@@ -346,54 +365,6 @@ std::optional<u32> Potential::factorize(std::span<const char> world_is_active) {
   start_factorize(world_is_active);
   rows_.memory().device().finish();
   return failed();
-}
-
-void Potential::couple_contacts(std::span<const char> worlds, Coupling when) {
-  if (!preconditioner_->takes_contacts() || std::none_of(worlds.begin(), worlds.end(), [](char in) { return in; }))
-    return;
-  if (barrier_.sites().size() < 4 * barrier_.size())  // the device alone has them
-    barrier_.set_sites(contact_sites_.read(0, 4 * barrier_.size()), std::vector<u32>(barrier_.world_first()));
-  bool is_changed = false;
-  for (std::size_t w = 0; w < worlds.size(); ++w) {
-    if (!worlds[w]) continue;
-    std::vector<NodePair> pairs;
-    for (const Term* term : {&barrier_, &friction_})
-      for (u32 e = term->world_first()[w]; e < term->world_first()[w + 1]; ++e)
-        append_coupled(std::span(term->sites()).subspan(4 * std::size_t(e), 4), pairs);
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    std::vector<NodePair> all;
-    std::set_union(couplings_[w].begin(), couplings_[w].end(), pairs.begin(), pairs.end(), std::back_inserter(all));
-    if (when == Coupling::step_begins && all.size() > LARGEST_SURPLUS * pairs.size()) all = std::move(pairs);
-    if (when == Coupling::before_solve && double(all.size() - couplings_[w].size()) <= FEW * double(pairs.size()))
-      continue;
-    if (all == couplings_[w]) continue;
-    couplings_[w] = std::move(all);
-    is_changed = true;
-  }
-  if (is_changed) restore_couplings(std::vector<std::vector<NodePair>>(couplings_));
-}
-
-// The pairs of moving nodes that carry these sites, without those that the matrix couples already.
-void Potential::append_coupled(std::span<const u32> sites, std::vector<NodePair>& pairs) const {
-  std::vector<u32> nodes;
-  for (const u32 site : sites)
-    for (int k = 0; k < 4; ++k)
-      if (const u32 node = system_.sites[site].node[k];
-          system_.sites[site].weight[k] != 0 && system_.node_group[node] != NO_GROUP)
-        nodes.push_back(node);
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    for (std::size_t j = i + 1; j < nodes.size(); ++j)
-      if (matrix_->pattern().find(nodes[i], nodes[j]) == NO_BLOCK) pairs.push_back({nodes[i], nodes[j]});
-}
-
-void Potential::restore_couplings(const std::vector<std::vector<NodePair>>& couplings) {
-  couplings_ = couplings;
-  std::vector<NodePair> all;
-  for (const std::vector<NodePair>& pairs : couplings_) all.insert(all.end(), pairs.begin(), pairs.end());
-  preconditioner_->couple(all);
 }
 
 }  // namespace pvg

@@ -54,6 +54,10 @@ class Potential {
 
   // Whether differentiate() needs to know on the host which sites contacts have.
   bool reads_contacts() const;
+  // Whether it does with contacts that are foreseen (ContactSet::foresee()), and then what they were; false where they
+  // change what start_factorize() takes for a pattern: once_coupled, as of couple_contacts() when a step begins.
+  bool can_foresee_contacts() const;
+  bool take_foreseen(const ContactSet& contacts, std::span<const char> once_coupled);
 
   // Sum of all terms per world [J]; which candidates touch is left in contacts.activity().
   std::vector<double> energy(const Positions& x, ContactSet& contacts);
@@ -94,9 +98,11 @@ class Potential {
   ContactElements contact_elements();
   bool has_contacts() const { return barrier_.size() + friction_.size() > 0; }
   void set_contacts(const ContactSet& contacts);
+  bool has_listed(const ContactSet& contacts) const;
   void list_contacts_on_device(const ContactSet& contacts);
   bool differentiate(const Positions& x, const ContactSet* contacts, Buffer<f64>& gradient,
                      std::span<const char> worlds, Buffer<f64>* dx, Buffer<f64>* residual);
+  std::vector<std::vector<NodePair>> next_couplings(std::span<const char> worlds, Coupling when);
   void append_coupled(std::span<const u32> sites, std::vector<NodePair>& pairs) const;
   bool launches_together() const;
   bool is_inertia(const Term& term) const { return &term == &terms_.point_inertia || &term == &terms_.affine_inertia; }
@@ -138,7 +144,8 @@ class Potential {
   Buffer<u32> contact_sites_;            // [n_contacts and n_friction x 4]
   std::vector<u32> gathered_sites_;      // what it holds, which contact_gather_ was made of
   std::size_t n_gathered_contacts_ = 0;  // of these
-  u32 gathered_search_ = 0;              // number of the search for contacts that it was made of on the device
+  u32 gathered_search_ = 0;  // number of the search for contacts that it was made of on the device; 0: not known
+  u32 foreseen_search_ = 0;  // the same where how many there are is not known yet
   Buffer<f64> rows_, element_energy_, world_energy_, direction_site_;
   std::optional<Buffer<f64>> unused_;  // where nobody wants to know what a solve starts from
   u32 n_constant_rows_ = 0;

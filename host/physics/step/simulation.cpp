@@ -87,7 +87,8 @@ Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
       x(device, system.n_nodes(), system.sites.size(), "x"),
       start(device, system.n_nodes(), system.sites.size(), "x0"),
       predicted(device, system.n_nodes(), system.sites.size(), "predicted"),
-      trial(device, system.n_nodes(), system.sites.size(), "second x"),  // changes places with x
+      trial(device, system.n_nodes(), system.sites.size(), "second x"),        // changes places with x
+      before_guess(device, system.n_nodes(), system.sites.size(), "third x"),  // and with trial
       contacts([&] {
         x.node.write(system.x);
         potential.update_sites(x);
@@ -105,6 +106,8 @@ Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
       velocities(system.x.size()),
       velocities_before(system.x.size()),
       velocities_two_before(system.x.size()),
+      start_nodes(system.x.size()),
+      nodes_before(system.x.size()),
       prescribed_values(device, 0, "prescribed values") {
   for (const PhysicalScene& scene : system.scenes) least_stop.push_back(newton_tolerance(scene));
   tolerance.write(least_stop);
@@ -123,6 +126,7 @@ Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
   const std::size_t n = worlds.size();
   states.resize(n);
   expected.resize(n);
+  energy.resize(n);
   pressing.resize(system.rolling_resistance.size());
   reports.resize(n);
   for (std::size_t w = 0; w < n; ++w) {
@@ -222,7 +226,7 @@ void Simulation::resume(std::size_t world) { impl_->is_retired.at(world) = false
 Checkpoint Simulation::checkpoint() const {
   Checkpoint checkpoint{impl_->x.node.read(),
                         impl_->integrator.history(),
-                        impl_->contacts.anchors(),
+                        impl_->contacts.lagged().anchors(),
                         {},
                         {},
                         impl_->last_targets,
@@ -270,7 +274,7 @@ void Simulation::restore(const Checkpoint& checkpoint) {
   impl.potential.update_sites(impl.x);
   impl.integrator.restore(checkpoint.history);
   impl.knows_motion = false;
-  impl.contacts.restore_anchors(checkpoint.anchors);
+  impl.contacts.lagged().restore_anchors(checkpoint.anchors);
   impl.last_targets = checkpoint.targets;
   impl.pressing = checkpoint.pressing;
   impl.potential.restore_flowed(checkpoint.flowed);

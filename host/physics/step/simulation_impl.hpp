@@ -1,6 +1,8 @@
-// What a simulation keeps. Its work is in three files: simulation.cpp (set-up and interface), simulation_step.cpp (one
-// step: Newton's method on the incremental potential) and simulation_state.cpp (what goes in and what is read out).
+// What a simulation keeps. Its work is in files: simulation.cpp (set-up and interface), simulation_step.cpp (one step:
+// Newton's method on the incremental potential), simulation_guess.cpp (where it starts), simulation_trial.cpp (how far
+// it goes), simulation_events.cpp (what goes wrong) and simulation_state.cpp (what goes in and what is read out).
 #pragma once
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -15,6 +17,11 @@
 #include "host/physics/step/time_integration.hpp"
 
 namespace pvg {
+
+template <class Flags>
+bool any(const Flags& flags) {
+  return std::any_of(flags.begin(), flags.end(), [](bool is_set) { return is_set; });
+}
 
 struct Simulation::Impl {
   Impl(Device& device, std::span<const PhysicalScene> worlds);
@@ -48,7 +55,12 @@ struct Simulation::Impl {
       for (std::size_t b = 0; b < system.scenes[w].rigid_bodies.size(); ++b)
         if (system.scenes[w].rigid_bodies[b].is_prescribed) found(3 * system.rigid_first_node[w][b]);
   }
+  std::vector<double> first_motion(double h);
   void move_to_first_guess(double h);
+  void start_first_guess(double h);
+  void finish_first_guess(double h);
+  bool first_guess_holds();
+  void repeat_first_guess(double h);
   void follow_drives(std::span<const char> goes_on, double h, std::vector<double>& motion) const;
   void take_expected(std::vector<double>& motion) const;  // [n_nodes x 3] of worlds of which a motion is expected
   void move(const std::vector<double>& length);           // trial = x + length dx, per world
@@ -56,6 +68,7 @@ struct Simulation::Impl {
   void write_active(const std::vector<char>& worlds);
   // Starts to move along dx, of these worlds, and to find whether the candidates serve for it.
   void start_move(const std::vector<char>& worlds);
+  void start_check();
   // From there, starts to move as far as no contact is in the way: certified, trial, its contacts and energy. settles,
   // h, short_of: as of solve/newton.cl; halvings: of steps that rise above energy_before
   void start_certified_move(bool settles, double h, double short_of, int halvings = 0);
@@ -67,10 +80,12 @@ struct Simulation::Impl {
   bool has_contact(std::size_t world) const;
   std::vector<char> wanted_matrices();
   void start_solve();
-  CgReport factorize_and_solve(double h, bool settles);
+  std::optional<CgReport> solve_direction(double h, bool settles);
+  std::optional<CgReport> factorize_and_solve(double h, bool settles);
   void start_look_ahead();
   void couple_contacts(const CgReport& report);
   void renew_couplings(Potential::Coupling when);
+  std::vector<char> coupled_worlds() const;  // whose factors hold contacts
   // dx, the largest speed of a point per world, times h [m], and the move along it. False where that is to be done
   // again: a world was given up.
   bool find_direction(double h, bool settles);
@@ -82,6 +97,7 @@ struct Simulation::Impl {
   void start_read_trial();
   void evaluate(const std::vector<double>& length);
   std::vector<char> rising_worlds(const std::vector<double>& before) const;
+  void keep_energy_before();  // that at x
   void start_halvings(int times);
   int halvings_taken() const;
   void read_state(double h);
@@ -111,7 +127,7 @@ struct Simulation::Impl {
   Buffer<f64> energy_before;                    // [n_worlds, J] of a line search
   const Buffer<f64>* trial_energy = nullptr;    // [n_worlds, J] of the last trial
   TimeIntegrator integrator;
-  Positions x, start, predicted, trial;
+  Positions x, start, predicted, trial, before_guess;
   ContactSet contacts;
   ConjugateGradients cg;
   WorldReduce reduce;
@@ -120,8 +136,10 @@ struct Simulation::Impl {
   std::vector<double> longest, certified;          // and its steps before they were halved, and after
   int n_halvings = 0;                              // that are started before the host looks
   std::vector<int> halvings, halvings_before;      // of each direction of this attempt, and of the one before
-  std::vector<double> nodes, velocities;           // [n_nodes x 3] at the start of the step
+  std::vector<int> solves, solves_before;          // likewise iterations of conjugate gradients
+  std::vector<double> nodes, velocities;           // [n_nodes x 3] at the start of the step, nodes as last read
   std::vector<double> velocities_before, velocities_two_before;  // and of the two before it
+  std::vector<double> start_nodes, nodes_before;                 // at the start of this step, of the one before
   std::vector<std::vector<double>> expected;                     // [n_worlds][n_nodes of it x 3] empty: no motion is
   std::vector<double> prescribed;                                // [n_nodes x 3] where prescribed bodies are to be
   Buffer<f64> prescribed_values;                                 // the same of prescribed_nodes [n x 3]
@@ -151,6 +169,8 @@ struct Simulation::Impl {
   int n_directions = 0, n_directions_before = 0;            // that were found in this attempt, and in the one before
   bool read_end_of_trial = false, has_read_end = false;     // start_read_end() was for trial; for x, and waited for
   Candidates::Lists lacking_at_guess = {true, true, true};  // candidates that did not serve the last first guess
+  bool is_guess_foreseen = false;                           // x is a first guess that the host does not know yet
+  std::vector<double> guessed_motion;                       // [n_nodes x 3] to the first guess
   std::vector<double> energy;                               // at x, per world [J]
   bool has_prescribed;                                      // bodies
 };

@@ -2,9 +2,6 @@
 #include <cmath>
 #include <utility>
 
-#include "host/physics/energies/prescribed_motion.hpp"
-#include "host/physics/step/driven_motion.hpp"
-#include "host/physics/step/extrapolation.hpp"
 #include "host/physics/step/simulation_impl.hpp"
 
 namespace pvg {
@@ -18,78 +15,7 @@ constexpr int MANY_CG = 12;         // iterations take longer than to take the c
 constexpr double NEAR = 15, FALLS = 0.3;
 constexpr double ENOUGH = 0.1;  // of its first correction ends a pass there: what is lagged is not exact before
 
-template <class Flags>
-bool any(const Flags& flags) {
-  return std::any_of(flags.begin(), flags.end(), [](bool is_set) { return is_set; });
-}
-
 }  // namespace
-
-// From the start of the step to where the velocities lead, as far as no contact is in the way; with its energy.
-void Simulation::Impl::move_to_first_guess(double h) {
-  if (!knows_motion) {
-    x.node.read_later(0, std::span(nodes));
-    integrator.velocity().read_later(0, std::span(velocities));
-    integrator.velocity_before().read_later(0, std::span(velocities_before));
-    integrator.velocity_two_before().read_later(0, std::span(velocities_two_before));
-    device.finish();
-  }
-  std::vector<char> goes_on;
-  for (std::size_t w = 0; w < is_intact.size(); ++w) goes_on.push_back(integrator.goes_on(w, h));
-  std::vector<double> motion = extrapolated_motion(
-      system, nodes, extrapolated_velocities(system, velocities, velocities_before, velocities_two_before, goes_on), h);
-  follow_drives(goes_on, h, motion);
-  if (h == this->h()) take_expected(motion);
-  aim_prescribed(motion);
-  dx.write(motion);
-  for (std::size_t w = 0; w < is_intact.size(); ++w)
-    if (const auto node = first_not_finite(motion, w); node && is_intact[w])
-      give_up(w, StepEvent::Kind::not_finite, *node, "its velocity is not a number");
-  // a guess that ends just short of touching would start Newton where the barrier is steepest
-  constexpr double SHORT_OF = 0.5;
-  // A whole step's motion is often more than the candidates serve for. Elsewhere than on the host's own processor that
-  // is foreseen from the last step: what follows is started, with lists that are looked for if they lacked there.
-  const bool foresees = !device.info().runs_host_functions;
-  bool is_done = false;
-  {
-    const auto timed = clock.time(SolverPhase::broad_phase);
-    start_move(is_intact);
-    if (foresees) {
-      if (any(lacking_at_guess)) contacts.start_renew_candidates(x.site, trial.site, lacking_at_guess);
-      start_certified_move(false, h, SHORT_OF);
-    }
-    device.finish();
-    is_done = foresees && contacts.candidates_serve();
-    if (foresees && !is_done) move(full_step);
-    lacking_at_guess = contacts.renew_candidates(x.site, trial.site);
-  }
-  if (!is_done) {
-    const auto timed = clock.time(SolverPhase::continuous_collision);
-    start_certified_move(false, h, SHORT_OF);
-    device.finish();
-  }
-  contacts.take_contacts();
-  std::swap(x, trial);
-  energy = moved_energy;
-}
-
-// Robots whose joints follow their drives are moved as these lead.
-void Simulation::Impl::follow_drives(std::span<const char> goes_on, double h, std::vector<double>& motion) const {
-  std::vector<double> by_velocity;
-  for (std::size_t w = 0; w < goes_on.size(); ++w) {
-    if (!is_intact[w] || !goes_on[w]) continue;
-    const auto changes = foreseen_changes(system, w, carried[w], joint_motion[w], states[w].joint_position,
-                                          target_change[w], contacts.friction_rows());
-    if (!changes) continue;
-    if (by_velocity.empty()) by_velocity = extrapolated_motion(system, nodes, velocities, h);
-    pvg::follow_drives(system, w, *changes, contacts.friction_rows(), nodes, by_velocity, motion);
-  }
-}
-
-void Simulation::Impl::take_expected(std::vector<double>& motion) const {
-  for (std::size_t w = 0; w < expected.size(); ++w)
-    std::copy(expected[w].begin(), expected[w].end(), motion.begin() + 3 * std::ptrdiff_t(system.node_ranges[w].begin));
-}
 
 // Takes contacts into the preconditioner's factor: where conjugate gradients took long they are what it lacks, and in a
 // world where they once did every iteration of Newton's begins with them.
@@ -101,41 +27,50 @@ void Simulation::Impl::couple_contacts(const CgReport& report) {
 }
 
 void Simulation::Impl::renew_couplings(Potential::Coupling when) {
+  const auto timed = clock.time(SolverPhase::preconditioner);
+  potential.couple_contacts(coupled_worlds(), when);
+}
+
+std::vector<char> Simulation::Impl::coupled_worlds() const {
   std::vector<char> once_took_long(is_active.size(), false);
   for (std::size_t w = 0; w < once_took_long.size(); ++w)
     once_took_long[w] = is_active[w] && !keeps_matrix[w] && !potential.couplings()[w].empty();
-  const auto timed = clock.time(SolverPhase::preconditioner);
-  potential.couple_contacts(once_took_long, when);
+  return once_took_long;
 }
 
 void Simulation::Impl::start_solve() {
   const auto timed = clock.time(SolverPhase::solve);
+  if (!device.info().runs_host_functions && std::size_t(n_directions) <= solves_before.size())
+    cg.expect(solves_before[std::size_t(n_directions) - 1]);
+  // late in a step contacts mostly stay, and of a first guess they are read: there is time to ask
+  contacts.read_sites(potential.reads_contacts() && !potential.can_foresee_contacts());
   cg.start(potential.operators(), gradient, is_active, solver().cg_tolerance, solver().max_cg, dx,
            std::exchange(has_begun_solve, false));
 }
 
-// Factor, solve and move as far as is certified. On the host's own processor, where waiting is cheap, the host looks
-// how far conjugate gradients came before it starts what follows; elsewhere all is started at once if the last solve
-// was short, and what was started too early again. Whether the factor succeeded shows only then: a world where it did
-// not is given up, the others are solved without it.
-CgReport Simulation::Impl::factorize_and_solve(double h, bool settles) {
+// Factor, solve and move as far as is certified; nothing where the first guess, which x is, did not come as foreseen.
+// On the host's own processor, where waiting is cheap, the host looks how far conjugate gradients came before it starts
+// what follows; elsewhere all is started at once if the last solve was short, and what was started too early again.
+// Whether the factor succeeded shows only then: a world where it did not is given up, the others are solved without it.
+std::optional<CgReport> Simulation::Impl::factorize_and_solve(double h, bool settles) {
   const bool waits_for_solve = device.info().runs_host_functions;
   for (;;) {
     {
       const auto timed = clock.time(SolverPhase::preconditioner);
       potential.start_factorize(is_active, &gradient, keeps_matrix);
     }
-    if (n_halvings > 0) energy_before.write(energy);
+    if (n_halvings > 0) keep_energy_before();
     start_solve();
     for (;;) {
       const auto timed = clock.time(SolverPhase::solve);
-      const bool looks_ahead = waits_for_solve ? cg.may_have_ended() : cg.is_short();
+      const bool looks_ahead = waits_for_solve ? cg.may_have_ended() : cg.is_short() || cg.is_near_end();
       const auto move_ahead = [&] {
         start_look_ahead();
         if (!waits_for_solve) start_trial(settles, h);
       };
       if (looks_ahead) move_ahead();
       device.finish();
+      if (!first_guess_holds()) return std::nullopt;
       if (!cg.ended()) {
         cg.go_on();
         continue;
@@ -196,6 +131,16 @@ std::vector<char> Simulation::Impl::wanted_matrices() {
   return wanted;
 }
 
+std::optional<CgReport> Simulation::Impl::solve_direction(double h, bool settles) {
+  {
+    const auto timed = clock.time(SolverPhase::assembly);
+    has_begun_solve = potential.differentiate(x, contacts, gradient, wanted_matrices(), &dx, &cg.residual());
+  }
+  if (!is_guess_foreseen)  // else they are thought to stay
+    renew_couplings(begins_step ? Potential::Coupling::step_begins : Potential::Coupling::before_solve);
+  return factorize_and_solve(h, settles);
+}
+
 bool Simulation::Impl::find_direction(double h, bool settles) {
   // As many halvings as this direction of the last step took are started ahead of the next look, but for the host's own
   // processor. What contact makes of steps goes on from one to the next: in 420 steps of weigh_beaker 187 of 654
@@ -205,15 +150,16 @@ bool Simulation::Impl::find_direction(double h, bool settles) {
   n_halvings = looks_often || halvings.size() >= halvings_before.size() ? 0 : halvings_before[halvings.size()];
   ++n_directions;
   has_read_end = false;
-  {
-    const auto timed = clock.time(SolverPhase::assembly);
-    has_begun_solve = potential.differentiate(x, contacts, gradient, wanted_matrices(), &dx, &cg.residual());
+  std::optional<CgReport> solved = solve_direction(h, settles);
+  if (!solved) {
+    repeat_first_guess(h);
+    solved = solve_direction(h, settles);
   }
-  renew_couplings(std::exchange(begins_step, false) ? Potential::Coupling::step_begins
-                                                    : Potential::Coupling::before_solve);
-  const CgReport report = factorize_and_solve(h, settles);
+  const CgReport& report = *solved;
+  begins_step = false;
   ++counts.newton;
-  counts.cg += std::size_t(*std::max_element(report.iterations.begin(), report.iterations.end()));
+  solves.push_back(*std::max_element(report.iterations.begin(), report.iterations.end()));
+  counts.cg += std::size_t(solves.back());
   couple_contacts(report);
   for (std::size_t w = 0; w < reports.size(); ++w) {
     if (!is_active[w]) continue;
@@ -332,6 +278,8 @@ void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>&
   n_directions_before = std::exchange(n_directions, 0);
   std::swap(halvings_before, halvings);
   halvings.clear();
+  std::swap(solves_before, solves);
+  solves.clear();
   find_minimum(h);
   if (!has_read_end) {
     start_read_end(x);
@@ -341,8 +289,9 @@ void Simulation::Impl::advance(double h, const std::vector<std::vector<double>>&
   integrator.accept(start.node, x.node, is_intact);
   std::swap(velocities_two_before, velocities_before);
   std::swap(velocities_before, velocities);
-  integrator.velocity().read_later(0, std::span(velocities));  // read_state() waits for them
-  contacts.take_anchors(is_intact);
+  velocities = integrator.velocities(nodes_before, start_nodes, nodes);
+  std::swap(nodes_before, start_nodes);
+  contacts.lagged().take_anchors(is_intact);
   knows_motion = std::all_of(is_intact.begin(), is_intact.end(), [](char intact) { return intact; });
   potential.flow(x, h, is_intact);
   read_state(h);
@@ -373,23 +322,6 @@ std::vector<char> Simulation::Impl::advance_or_halve(double h, const std::vector
                 advance_or_halve(h / 2, middle, targets, alone, halvings_left - 1)[w];
   }
   return failed;
-}
-void Simulation::Impl::prescribe(double h) {
-  if (!has_prescribed) return;
-  prescribed.resize(system.x.size());
-  for (std::size_t w = 0; w < system.n_worlds(); ++w) write_prescribed(system, w, states[w].time + h, prescribed);
-  std::vector<double> values;
-  for_each_prescribed([&](u32 first) { values.insert(values.end(), &prescribed[first], &prescribed[first] + 12); });
-  prescribed_values.write(values);
-  const u32 n = u32(prescribed_nodes.size());
-  place_nodes(n, n, prescribed_nodes, prescribed_values, predicted.node);
-  potential.update_sites(predicted);
-}
-
-void Simulation::Impl::aim_prescribed(std::vector<double>& motion) {
-  for_each_prescribed([&](u32 first) {
-    for (u32 i = first; i < first + 12; ++i) motion[i] = prescribed[i] - nodes[i];
-  });
 }
 
 }  // namespace pvg

@@ -38,7 +38,15 @@ void Simulation::Impl::write_active(const std::vector<char>& worlds) {
 void Simulation::Impl::start_move(const std::vector<char>& worlds) {
   write_active(worlds);
   move(full_step);
-  contacts.start_check(x.site, trial.site);
+  start_check();
+}
+
+// Elsewhere than on the host's own processor the move is certified next, without a look between the two.
+void Simulation::Impl::start_check() {
+  if (device.info().runs_host_functions)
+    contacts.start_check(x.site, trial.site);
+  else
+    contacts.defer_check();
 }
 
 // The same, with how far points would move.
@@ -52,7 +60,7 @@ void Simulation::Impl::start_look_ahead() {
     const u32 n = u32(GROUP_SIZE) * n_worlds + std::max(n_nodes, n_sites);
     measure_and_move(n, n, n_worlds, n_nodes, n_sites, speed_chunks.first(), speed_chunks.chunks(), node_world,
                      potential.sites(), full_step, x.node, dx, largest, trial.node, trial.site);
-    contacts.start_check(x.site, trial.site);
+    start_check();
   }
   largest.read_later(0, std::span(largest_move));
 }
@@ -83,7 +91,7 @@ void Simulation::Impl::start_trial(bool settles, double h) {
 // What the host keeps of a step that ends at these positions.
 void Simulation::Impl::start_read_end(const Positions& end) {
   end.node.read_later(0, std::span(nodes));
-  contacts.start_anchors(end.site, start.site, length);
+  contacts.lagged().start_anchors(end.site, start.site, length);
 }
 
 void Simulation::Impl::start_trial_energy(bool is_last) {
@@ -93,7 +101,6 @@ void Simulation::Impl::start_trial_energy(bool is_last) {
 // How far trial is from x, its contacts and its energy, once the device was waited for.
 void Simulation::Impl::start_read_trial() {
   read_end_of_trial = false;
-  contacts.read_sites(potential.reads_contacts());
   potential.start_list_contacts(contacts);
   step.read_later(0, std::span(certified));
   trial_energy->read_later(0, std::span(moved_energy));
@@ -126,6 +133,14 @@ std::vector<char> Simulation::Impl::rising_worlds(const std::vector<double>& bef
   return rises;
 }
 
+// Of a first guess that the host does not know yet the device has it.
+void Simulation::Impl::keep_energy_before() {
+  if (is_guess_foreseen)
+    energy_before.copy_from(*trial_energy);
+  else
+    energy_before.write(energy);
+}
+
 // Halves the steps of worlds whose energy rose, so often, and finds their energies each time on the device.
 void Simulation::Impl::start_halvings(int times) {
   const u32 n_worlds = u32(system.n_worlds()), n_nodes = u32(system.n_nodes()), n_sites = u32(system.sites.size());
@@ -154,7 +169,7 @@ void Simulation::Impl::line_search(bool foreseen) {
   if (n_tried == 0) longest = certified;
   std::vector<char> rises = rising_worlds(energy);
   if (any_rises(rises)) {
-    energy_before.write(energy);
+    keep_energy_before();
     write_active(is_active);
   }
   for (; any_rises(rises); rises = rising_worlds(energy)) {

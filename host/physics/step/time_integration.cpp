@@ -62,6 +62,16 @@ void TimeIntegrator::accept(const Buffer<f64>& start, const Buffer<f64>& end, st
     if (stepped[w]) length_before_[w] = length_;
 }
 
+std::vector<double> TimeIntegrator::velocities(std::span<const double> before, std::span<const double> start,
+                                               std::span<const double> end) const {
+  std::vector<double> v(end.size());
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const double from = is_second_order_ ? (4 * start[i] - before[i]) / 3 : start[i];
+    v[i] = (end[i] - from) / inertia_length_;
+  }
+  return v;
+}
+
 void TimeIntegrator::change_velocity(std::size_t world, std::size_t first_node, std::span<const double> velocity,
                                      SolverSettings::Integrator integrator) {
   velocity_.write(3 * first_node, std::vector<double>(velocity.begin(), velocity.end()));

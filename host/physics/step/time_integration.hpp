@@ -28,9 +28,14 @@ class TimeIntegrator {
                     const Buffer<Site>& sites, Positions& start, Positions& predicted);
   // After the step of the worlds for which `stepped`: their new velocities, from the positions at its start and end.
   void accept(const Buffer<f64>& start, const Buffer<f64>& end, std::span<const char> stepped);
+  // The same velocities found by the host, to the bit, so that they need not travel [n_nodes x 3, m/s]. before: the
+  // positions at the start of the step before this one [n_nodes x 3, m]
+  std::vector<double> velocities(std::span<const double> before, std::span<const double> start,
+                                 std::span<const double> end) const;
 
   const Buffer<f64>& velocity() const { return velocity_; }                        // [n_nodes x 3, m/s]
-  const Buffer<f64>& velocity_before() const { return velocity_before_; }          // at the start of the last step
+  const Buffer<f64>& position_before() const { return position_before_; }          // at the start of the last step
+  const Buffer<f64>& velocity_before() const { return velocity_before_; }          // likewise
   const Buffer<f64>& velocity_two_before() const { return velocity_two_before_; }  // and of the one before
   // What an impact made of the velocities of nodes from `first_node` on [3 n, m/s]: without a past that BDF2 goes on
   // by.

@@ -39,9 +39,11 @@ static inline bool contact_energy_of_item(const uint i, const uint n, const uint
 }
 
 // Gradient rows, of the contacts from row first_row on and of friction behind them, and the 12 x 12 Hessian blocks of
-// each kind. n: n_friction, rounded up as above, and n_contacts;  begins, dual: as in primal_dual_friction.cl
+// each kind. n: n_friction, rounded up as above, and n_contacts, the room for contacts, of which there are
+// first_contact[n_worlds];  begins, dual: as in primal_dual_friction.cl
 static inline void contact_derivatives_of_item(const uint i, const uint n, const uint n_friction, const uint n_contacts,
-                                               global const Friction* restrict friction,
+                                               global const Friction* restrict friction, const uint n_worlds,
+                                               global const uint* restrict first_contact,
                                                global const Barrier* restrict contacts, global const real* restrict x,
                                                global const real* restrict x0, const real h, const uint first_row,
                                                global real* restrict rows, global real* restrict contact_blocks,
@@ -51,7 +53,7 @@ static inline void contact_derivatives_of_item(const uint i, const uint n, const
   if (i < n_friction) {
     friction_gradient_of(i, friction, x, x0, h, first_row + 4 * n_contacts, rows);
     primal_dual_friction_hessian_of(i, friction, x, x0, h, begins, dual, friction_blocks);
-  } else if (i >= n_friction_items && i < n) {
+  } else if (i >= n_friction_items && i < n && i - n_friction_items < first_contact[n_worlds]) {
     barrier_gradient_of(i - n_friction_items, contacts, x, x0, h, first_row, rows);
     barrier_hessian_of(i - n_friction_items, contacts, x, x0, h, 0, contact_blocks);
   }

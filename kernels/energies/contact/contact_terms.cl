@@ -16,11 +16,12 @@ kernel __attribute__((reqd_work_group_size(64, 1, 1))) void contact_energy(
 }
 
 kernel void contact_derivatives(const uint n, const uint n_friction, const uint n_contacts,
-                                global const Friction* restrict friction, global const Barrier* restrict contacts,
+                                global const Friction* restrict friction, const uint n_worlds,
+                                global const uint* restrict first_contact, global const Barrier* restrict contacts,
                                 global const real* restrict x, global const real* restrict x0, const real h,
                                 const uint first_row, global real* restrict rows, global real* restrict contact_blocks,
                                 global real* restrict friction_blocks, const uint begins,
                                 global FrictionDual* restrict dual) {
-  contact_derivatives_of_item(get_global_id(0), n, n_friction, n_contacts, friction, contacts, x, x0, h, first_row,
-                              rows, contact_blocks, friction_blocks, begins, dual);
+  contact_derivatives_of_item(get_global_id(0), n, n_friction, n_contacts, friction, n_worlds, first_contact, contacts, x, x0,
+                              h, first_row, rows, contact_blocks, friction_blocks, begins, dual);
 }

@@ -213,7 +213,7 @@ TEST(ContactSet, FrictionPullsAgainstTheSlidingWithTheLaggedForce) {
   for (const ContactForce& force : forces) on_cube += force.friction_force * (force.first == 1 ? 1 : -1);
   EXPECT_NEAR(on_cube[0], -0.6 * lagged, 1e-9 * lagged);
   EXPECT_NEAR(on_cube[1], 0, 1e-9 * lagged);
-  trial.contact.clear_friction();
+  trial.contact.lagged().clear();
   EXPECT_EQ(trial.contact.friction().n(), 0u);
 }
 

@@ -40,11 +40,12 @@ class SlidingPoint {
     Eigen::Map<Vec3>(x.data()) = sliding;
     const Buffer<Friction> rows(device_, std::vector<Friction>{row_}, "friction");
     const Buffer<Barrier> contacts(device_, 0, "contacts");
+    const Buffer<u32> first_contact(device_, std::vector<u32>{0}, "first contact");
     const Buffer<double> now(device_, x, "x"), before(device_, std::vector<double>(12, 0), "x0");
     Buffer<double> gradient(device_, 12, "rows"), contact_blocks(device_, 0, "contact blocks"),
         blocks(device_, 144, "blocks");
-    derivatives_(64, 64u, 1u, 0u, rows, contacts, now, before, H, 0u, gradient, contact_blocks, blocks, u32(begins),
-                 dual_);
+    derivatives_(64, 64u, 1u, 0u, rows, 0u, first_contact, contacts, now, before, H, 0u, gradient, contact_blocks,
+                 blocks, u32(begins), dual_);
     const std::vector<double> g = gradient.read(), b = blocks.read();
     this->gradient = Eigen::Map<const Vec3>(g.data());
     hessian = Eigen::Map<const Hessian>(b.data());
