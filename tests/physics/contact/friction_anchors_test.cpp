@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "tests/physics/step/small_scenes.hpp"
 
@@ -35,6 +37,34 @@ Friction row(u32 site, const Vec3& normal) {
   row.friction_velocity = 1e-3;
   Eigen::Map<Vec3>(row.normal) = normal;
   return row;
+}
+
+// Rows that lie on the device get their anchors there, and lose nothing by it.
+TEST(FrictionAnchors, AreJoinedWithTheRowsOnTheDevice) {
+  constexpr u32 N = 257;
+  Device device;
+  Program program(device, "contact/contact.cl");
+  Kernel anchor_friction = program.kernel("anchor_friction");
+  std::vector<Friction> rows;
+  std::vector<double> anchors;
+  for (u32 i = 0; i < N; ++i) {
+    rows.push_back(row(i, Vec3(0.6, 0, 0.8)));
+    rows.back().site[3] = 7 * i;
+    rows.back().normal_force = 0.5 * i;
+    for (int k = 0; k < 3; ++k) anchors.push_back(1e-6 * i - k);
+  }
+  Buffer<Friction> joined(device, N, "joined");
+  Buffer<u32> sites(device, 4 * N, "sites");
+  anchor_friction(N, N, Buffer<Friction>(device, rows, "lagged friction"), Buffer<double>(device, anchors, "anchors"),
+                  joined, sites);
+  const std::vector<Friction> found = joined.read();
+  const std::vector<u32> found_sites = sites.read();
+  for (u32 i = 0; i < N; ++i) {
+    std::copy_n(&anchors[3 * i], 3, rows[i].anchor);
+    EXPECT_EQ(std::memcmp(&found[i], &rows[i], sizeof(Friction)), 0) << i;
+    EXPECT_EQ(found_sites[4 * i], i);
+    EXPECT_EQ(found_sites[4 * i + 3], 7 * i);
+  }
 }
 
 TEST(FrictionAnchors, GoToTheRowsOfTheirPairsAndLieInTheirTangentPlanes) {

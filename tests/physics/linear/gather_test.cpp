@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
+#include <span>
 
 namespace pvg {
 namespace {
@@ -50,14 +52,16 @@ std::vector<u32> first_of(const std::vector<u32>& counts) {
   return first;
 }
 
+// more_room: for elements of the first kind, than there are of them; what has no room is left out
 void expect_same_lists(const std::vector<u32>& n_nodes, const std::vector<u32>& n_first,
-                       const std::vector<u32>& n_second) {
+                       const std::vector<u32>& n_second, int more_room = 0) {
   constexpr u32 FIRST_ROW = 17;
   Device device;
   Worlds worlds(n_nodes, 5);
   const std::vector<u32> first = worlds.elements(n_first), second = worlds.elements(n_second);
   Gather on_host(device, worlds.sites, worlds.n), on_device(device, worlds.sites, worlds.n);
-  const RowBlock blocks[] = {{first, FIRST_ROW}, {second, FIRST_ROW + u32(first.size())}};
+  const u32 room = u32(int(first.size() / SITES) + more_room), n_found = std::min(room, u32(first.size() / SITES));
+  const RowBlock blocks[] = {{std::span(first).first(SITES * n_found), FIRST_ROW}, {second, FIRST_ROW + SITES * room}};
   on_host.set(blocks);
   const Buffer<u32> first_sites(device, first, "first sites"), second_sites(device, second, "second sites"),
       first_of_first(device, first_of(n_first), "first"), first_of_second(device, first_of(n_second), "second");
@@ -65,10 +69,12 @@ void expect_same_lists(const std::vector<u32>& n_nodes, const std::vector<u32>& 
   Buffer<u32> element_sites(device, 0, "element_sites");
   WorldChunks chunks(device, n_nodes.size(), GROUP_SIZE);
   chunks.set(worlds.ranges);
-  on_device.set_on_device({first_sites, u32(first.size() / SITES), first_of_first},
+  on_device.set_on_device({first_sites, room, first_of_first},
                           {second_sites, u32(second.size() / SITES), first_of_second}, FIRST_ROW, sites, chunks,
                           element_sites);
-  std::vector<u32> all = first;
+  std::vector<u32> all(first.begin(), first.begin() + SITES * n_found);
+  for (u32 e = n_found; e < room; ++e)  // the last one's, so that worlds ascend
+    for (u32 k = 0; k < SITES; ++k) all.push_back(n_found > 0 ? first[SITES * (n_found - 1) + k] : 0);
   all.insert(all.end(), second.begin(), second.end());
   EXPECT_EQ(element_sites.read(), all);
   ASSERT_EQ(on_device.offset().read(), on_host.offset().read());
@@ -85,6 +91,12 @@ TEST(Gather, TheDevicesListsAreThoseOfTheHost) {
 TEST(Gather, WithoutElementsOfAKindListsAreRight) {
   expect_same_lists({70, 10}, {0, 0}, {20, 3});
   expect_same_lists({70, 10}, {20, 3}, {0, 0});
+}
+
+TEST(Gather, OfTheFirstKindThereMayBeFewerElementsThanRoomOrMore) {
+  expect_same_lists({64, 3, 129}, {40, 0, 70}, {16, 5, 0}, 33);
+  expect_same_lists({70, 10}, {0, 0}, {20, 3}, 16);
+  expect_same_lists({64, 3, 129}, {40, 0, 70}, {16, 5, 0}, -90);
 }
 
 // The longest of these lists are shared by a work-group's 64 work-items, as on devices whose work-items run side by

@@ -85,7 +85,7 @@ Fall fall(const char* host_functions) {
 TEST(Counts, GuessesThatAreNotWaitedForGiveTheSameBits) {
   const Fall waiting = fall("1"), foreseeing = fall("0");
   EXPECT_GT(foreseeing.repeated_guesses, 0u) << "contacts came where none was foreseen";
-  EXPECT_LT(foreseeing.repeated_guesses, 10u);
+  EXPECT_LT(foreseeing.repeated_guesses, 4u) << "the others are thought to come";
   EXPECT_EQ(waiting.repeated_guesses, 0u);
   EXPECT_EQ(waiting.positions, foreseeing.positions);
 }
@@ -99,13 +99,13 @@ TEST(Counts, StepsAskForFewLaunchesAndWaits) {
   const Counted together = run("1", "host"), apart = run("0", "host"), on_device = run("0", "device");
   // in all 20 steps; a read more in each iteration, of which there are 61, shows
   if (together.runs_host_functions) expect_at_most(together.counts, 1650, 250);
-  expect_at_most(apart.counts, 1260, 275);
-  expect_at_most(on_device.counts, 1505, 150);
+  expect_at_most(apart.counts, 1130, 275);
+  expect_at_most(on_device.counts, 1360, 130);
   EXPECT_EQ(together.x, apart.x) << "the same, whether numbers move or not";
   EXPECT_NEAR(on_device.x, together.x, 1e-9);
   // of the matrix, 13 kB here, nothing travels where the device factors
-  EXPECT_LE(bytes_per_newton(on_device), 1900);
-  EXPECT_GE(bytes_per_newton(apart) - bytes_per_newton(on_device), 11000);
+  EXPECT_LE(bytes_per_newton(on_device), 1700);
+  EXPECT_GE(bytes_per_newton(apart) - bytes_per_newton(on_device), 12000);
 }
 
 }  // namespace
