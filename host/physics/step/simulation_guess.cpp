@@ -45,10 +45,15 @@ std::vector<double> Simulation::Impl::first_motion(double h) {
 // wait.
 void Simulation::Impl::move_to_first_guess(double h) {
   guessed_motion = first_motion(h);
+  for (std::size_t w = 0; w < is_intact.size(); ++w) {
+    const auto node = first_not_finite(guessed_motion, w);
+    if (!node) continue;
+    if (is_intact[w]) give_up(w, StepEvent::Kind::not_finite, *node, "its velocity is not a number");
+    const WorldRange& range = system.node_ranges[w];
+    std::fill(guessed_motion.begin() + 3 * std::ptrdiff_t(range.begin),
+              guessed_motion.begin() + 3 * std::ptrdiff_t(range.end), 0.0);
+  }
   dx.write(guessed_motion);
-  for (std::size_t w = 0; w < is_intact.size(); ++w)
-    if (const auto node = first_not_finite(guessed_motion, w); node && is_intact[w])
-      give_up(w, StepEvent::Kind::not_finite, *node, "its velocity is not a number");
   contacts.read_sites(potential.reads_contacts());
   if (!device.info().runs_host_functions) return start_first_guess(h);
   {

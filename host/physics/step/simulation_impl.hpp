@@ -55,8 +55,10 @@ struct Simulation::Impl {
       for (std::size_t b = 0; b < system.scenes[w].rigid_bodies.size(); ++b)
         if (system.scenes[w].rigid_bodies[b].is_prescribed) found(3 * system.rigid_first_node[w][b]);
   }
-  std::vector<double> first_motion(double h);
+  // simulation_guess.cpp: x from the start of the step to where the velocities lead; elsewhere than on the host's own
+  // processor without waiting for it
   void move_to_first_guess(double h);
+  std::vector<double> first_motion(double h);  // [n_nodes x 3, m]
   void start_first_guess(double h);
   void finish_first_guess(double h);
   bool first_guess_holds();
