@@ -41,8 +41,9 @@ def drawn(seed):
 
 
 def grasps(thing, seed):
-    """One grasp to fit, one to judge: the object stands elsewhere and the fingers close further and faster. Both open again:
-    while a gripper only closes, play and dry friction of a drive hold its slide back alike."""
+    """One grasp to fit, one to judge: the object stands elsewhere, the fingers close further and hold for a second, as a
+    manipulation does. Both open again: while a gripper only closes, play and dry friction of a drive hold its slide back
+    alike."""
     random = np.random.default_rng([seed, len(thing)])
     closed = scenes.OBJECTS[thing]["closed"]
 
@@ -51,7 +52,7 @@ def grasps(thing, seed):
 
     (fit, yaw), (judged, _) = at(0.2), at(0.2)  # a recording states places of its runs, not turns
     return {"fit": Grasp(thing, fit, yaw, closed, 0.16, 0.04, 0.08),
-            "judged": Grasp(thing, judged, yaw, max(closed - 0.003, 0.0), 0.20, 0.08, 0.08)}
+            "judged": Grasp(thing, judged, yaw, max(closed - 0.006, 0.0), 0.20, 1.0, 0.08)}
 
 
 def picture_times(grasp):

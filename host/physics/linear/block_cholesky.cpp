@@ -49,7 +49,12 @@ template <class Real>
 void BlockCholesky<Real>::lay_out_panels() {
   std::size_t n_panel = 0, n_x = 0, n_pivots = 0;
   for (const bool has_memory : {false, true}) {
-    if (has_memory) panels_.resize(n_panel / IN_LINE), x_.resize(n_x / IN_LINE), least_.resize(n_pivots);
+    if (has_memory) {
+      n_panel_lines_ = n_panel / IN_LINE;
+      panels_ = std::make_unique_for_overwrite<CacheLine[]>(n_panel_lines_);
+      x_.resize(n_x / IN_LINE);
+      least_.resize(n_pivots);
+    }
     n_panel = n_x = n_pivots = 0;
     for (std::size_t s = 0; s < fronts_.size(); ++s) {
       Panel<Real>& panel = fronts_[s].panel;
@@ -60,7 +65,7 @@ void BlockCholesky<Real>::lay_out_panels() {
       panel.stride = column_stride(panel.last_row, IN_LINE);
       if (has_memory) {
         // counted over all lines, which follow each other without gaps
-        panel.values = reinterpret_cast<Real*>(panels_.data()) + n_panel;
+        panel.values = reinterpret_cast<Real*>(panels_.get()) + n_panel;
         fronts_[s].x = reinterpret_cast<Real*>(x_.data()) + n_x;
         fronts_[s].least = least_.data() + n_pivots;
       }
@@ -141,9 +146,9 @@ void BlockCholesky<Real>::lay_out_updates() {
     lay_out(fronts);
   }
   lay_out(top_);
-  updates_.resize(n_numbers / IN_LINE);
+  updates_ = std::make_unique_for_overwrite<CacheLine[]>(n_numbers / IN_LINE);
   for (u32 s = 0; s < fronts_.size(); ++s)
-    if (size(s) > 0) fronts_[s].update = reinterpret_cast<Real*>(updates_.data()) + offset[s];
+    if (size(s) > 0) fronts_[s].update = reinterpret_cast<Real*>(updates_.get()) + offset[s];
 }
 
 template <class Real>

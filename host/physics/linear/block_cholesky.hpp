@@ -3,6 +3,7 @@
 // of the matrix and its children's updates into a dense front, factors its pivots and passes an update to its parent.
 // Subtrees are independent and may run on several threads; sums have one order, so the bits do not depend on them.
 #pragma once
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -35,7 +36,7 @@ class BlockCholesky {
 
   const EliminationTree& tree() const { return tree_; }  // its cost: of one factorisation
   bool uses_threads() const { return subtrees_.size() > 1; }
-  std::size_t n_bytes() const { return sizeof(CacheLine) * panels_.size(); }  // stored in the factor
+  std::size_t n_bytes() const { return sizeof(CacheLine) * n_panel_lines_; }  // stored in the factor
 
  private:
   static constexpr int IN_LINE = 64 / sizeof(Real);
@@ -78,11 +79,13 @@ class BlockCholesky {
     double cost;
   };
   EliminationTree tree_;
-  std::vector<Front> fronts_;      // of each supernode
-  std::vector<Subtree> subtrees_;  // independent of each other, the costliest first
-  std::vector<u32> top_;           // supernodes above them, children before parents
-  std::vector<char> has_failed_;   // of each subtree
-  std::vector<CacheLine> panels_, updates_, x_;
+  std::vector<Front> fronts_;                      // of each supernode
+  std::vector<Subtree> subtrees_;                  // independent of each other, the costliest first
+  std::vector<u32> top_;                           // supernodes above them, children before parents
+  std::vector<char> has_failed_;                   // of each subtree
+  std::unique_ptr<CacheLine[]> panels_, updates_;  // not cleared: what is used is written first
+  std::size_t n_panel_lines_ = 0;
+  std::vector<CacheLine> x_;
   std::vector<Real> least_;
 };
 

@@ -35,32 +35,37 @@ double predicted_cost(double n_pivots, double n_rows) {
 // A supernode before it has its place in the order: positions are those of the fill-reducing order.
 struct Front {
   std::vector<u32> pivots, rows, children;
+  u32 n_rows = 0;  // that it will have
   bool is_merged = false;
 };
 
-double cost(const Front& front) { return predicted_cost(double(front.pivots.size()), double(front.rows.size())); }
+double cost(const Front& front) { return predicted_cost(double(front.pivots.size()), double(front.n_rows)); }
 
-// One front for each node: its rows are those of the matrix and those its children pass on.
-std::vector<Front> fronts_of_nodes(const NodeGraph& graph, const std::vector<u32>& order) {
+std::vector<u32> inverse(const std::vector<u32>& order) {
+  std::vector<u32> position(order.size());
+  for (u32 i = 0; i < order.size(); ++i) position[order[i]] = i;
+  return position;
+}
+
+// One front for each node, which knows how many rows it has, not yet which: row i of the factor holds the nodes on the
+// ways from the earlier neighbours of i up to i in the elimination tree.
+std::vector<Front> fronts_of_nodes(const NodeGraph& graph, const std::vector<u32>& order,
+                                   const std::vector<u32>& position) {
   const u32 n = graph.n_nodes();
-  std::vector<u32> position(n), seen(n, NO_PARENT);
-  for (u32 i = 0; i < n; ++i) position[order[i]] = i;
+  std::vector<u32> parent(n, NO_PARENT), seen(n, NO_PARENT);
   std::vector<Front> fronts(n);
   for (u32 i = 0; i < n; ++i) {
-    Front& front = fronts[i];
-    front.pivots = {i};
+    fronts[i].pivots = {i};
     seen[i] = i;
-    const auto add = [&](u32 row) {
-      if (row < i || seen[row] == i) return;
-      seen[row] = i;
-      front.rows.push_back(row);
-    };
-    for (u32 k = graph.first[order[i]]; k < graph.first[order[i] + 1]; ++k) add(position[graph.neighbour[k]]);
-    for (const u32 child : front.children)
-      for (const u32 row : fronts[child].rows) add(row);
-    std::sort(front.rows.begin(), front.rows.end());
-    if (!front.rows.empty()) fronts[front.rows[0]].children.push_back(i);
+    for (u32 k = graph.first[order[i]]; k < graph.first[order[i] + 1]; ++k)
+      for (u32 j = position[graph.neighbour[k]]; j < i && seen[j] != i; j = parent[j]) {
+        if (parent[j] == NO_PARENT) parent[j] = i;
+        ++fronts[j].n_rows;
+        seen[j] = i;
+      }
   }
+  for (u32 i = 0; i < n; ++i)
+    if (parent[i] != NO_PARENT) fronts[parent[i]].children.push_back(i);
   return fronts;
 }
 
@@ -71,11 +76,10 @@ void merge_fronts(std::vector<Front>& fronts) {
     std::vector<u32> waiting = parent.children;
     parent.children.clear();
     std::sort(waiting.begin(), waiting.end(),
-              [&](u32 a, u32 b) { return std::pair(fronts[a].rows.size(), a) > std::pair(fronts[b].rows.size(), b); });
+              [&](u32 a, u32 b) { return std::pair(fronts[a].n_rows, a) > std::pair(fronts[b].n_rows, b); });
     for (const u32 c : waiting) {
       Front& child = fronts[c];
-      const double merged =
-          predicted_cost(double(parent.pivots.size() + child.pivots.size()), double(parent.rows.size()));
+      const double merged = predicted_cost(double(parent.pivots.size() + child.pivots.size()), double(parent.n_rows));
       if (merged > cost(parent) + cost(child)) {
         parent.children.push_back(c);
         continue;
@@ -87,13 +91,33 @@ void merge_fronts(std::vector<Front>& fronts) {
   }
 }
 
+// The rows of each remaining front: neighbours of its pivots, and what its children pass on, behind its last pivot.
+void find_rows(const NodeGraph& graph, const std::vector<u32>& order, const std::vector<u32>& position,
+               std::vector<Front>& fronts) {
+  std::vector<u32> seen(fronts.size(), NO_PARENT);
+  for (u32 i = 0; i < fronts.size(); ++i) {
+    Front& front = fronts[i];
+    if (front.is_merged) continue;
+    front.rows.reserve(front.n_rows);
+    const auto add = [&](u32 row) {
+      if (row <= i || seen[row] == i) return;
+      seen[row] = i;
+      front.rows.push_back(row);
+    };
+    for (const u32 pivot : front.pivots)
+      for (u32 k = graph.first[order[pivot]]; k < graph.first[order[pivot] + 1]; ++k) add(position[graph.neighbour[k]]);
+    for (const u32 child : front.children)
+      for (const u32 row : fronts[child].rows) add(row);
+  }
+}
+
 // Gives the remaining fronts their places, children before parents, each subtree in one piece.
-EliminationTree tree_of(const std::vector<Front>& fronts, const std::vector<u32>& order) {
+EliminationTree tree_of(std::vector<Front> fronts, const std::vector<u32>& order) {
   const u32 n = u32(order.size());
   EliminationTree tree;
   std::vector<u32> roots, moved(n);  // moved: fill-reducing to final position
   for (u32 i = 0; i < n; ++i)
-    if (!fronts[i].is_merged && fronts[i].rows.empty()) roots.push_back(i);
+    if (!fronts[i].is_merged && fronts[i].n_rows == 0) roots.push_back(i);
   std::vector<u32> number(n, NO_PARENT), stack(roots.rbegin(), roots.rend());
   while (!stack.empty()) {
     const u32 i = stack.back();
@@ -111,7 +135,7 @@ EliminationTree tree_of(const std::vector<Front>& fronts, const std::vector<u32>
     node.cost = cost(fronts[i]);
     tree.cost += node.cost;
     for (const u32 pivot : fronts[i].pivots) moved[pivot] = u32(tree.order.size()), tree.order.push_back(order[pivot]);
-    node.rows = fronts[i].rows;
+    node.rows = std::move(fronts[i].rows);
     for (const u32 child : fronts[i].children) node.children.push_back(number[child]);
   }
   for (u32 s = 0; s < tree.supernodes.size(); ++s) {
@@ -119,8 +143,7 @@ EliminationTree tree_of(const std::vector<Front>& fronts, const std::vector<u32>
     std::sort(tree.supernodes[s].rows.begin(), tree.supernodes[s].rows.end());
     for (const u32 child : tree.supernodes[s].children) tree.supernodes[child].parent = s;
   }
-  tree.position.resize(n);
-  for (u32 i = 0; i < n; ++i) tree.position[tree.order[i]] = i;
+  tree.position = inverse(tree.order);
   return tree;
 }
 
@@ -136,9 +159,11 @@ EliminationTree eliminate(const BlockPattern& pattern, std::span<const Vec3> pos
     const std::vector<u32> order = kind == NodeOrder::minimum_degree    ? minimum_degree_order(graph)
                                    : kind == NodeOrder::two_ended_sweep ? two_ended_sweep(graph)
                                                                         : nested_dissection(graph, position);
-    std::vector<Front> fronts = fronts_of_nodes(graph, order);
+    const std::vector<u32> position_of = inverse(order);
+    std::vector<Front> fronts = fronts_of_nodes(graph, order, position_of);
     merge_fronts(fronts);
-    EliminationTree tree = tree_of(fronts, order);
+    find_rows(graph, order, position_of, fronts);
+    EliminationTree tree = tree_of(std::move(fronts), order);
     tree.kind = kind;
     if (best.order.empty() || tree.cost < best.cost) best = std::move(tree);
   }
