@@ -105,7 +105,10 @@ std::uint64_t Stages::trace(const Launch& launch, const Buffer<std::uint32_t>& p
   generate(n, launch, pixels);
   for (unsigned depth = 0; depth <= launch.max_depth && n > 0; ++depth) {
     segments += n;
-    intersect(n, scene);
+    if (depth == 0)
+      traversal_.find_closest_of_neighbours(n, queue_, scene.trees, origin_, direction_, hit_, hit_instance_);
+    else
+      intersect(n, scene);
     if (scene.has_cutouts) pass_holes(n, depth, scene);
     shade(n, launch, depth, scene);
     if (launch.n_lights > 0 && scene.has_cutouts) shadow_holes(n, scene);
