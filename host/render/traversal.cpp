@@ -1,10 +1,6 @@
 #include "host/render/traversal.hpp"
 
 namespace pvg {
-namespace {
-constexpr std::size_t PACKET = 16;  // rays of a work-item, as in packet.cl
-}
-
 std::string traversal_options(const Device& device) {
   const std::string options = avx_options(device.info());
   // Whole numbers travel in the fourth parts of vectors, where they are denormal floats. No result depends on their
@@ -31,7 +27,7 @@ void Traversal::find_closest_of_neighbours(std::size_t n, const Buffer<std::uint
                                            const Buffer<F32x4>& origin, const Buffer<F32x4>& direction,
                                            Buffer<F32x4>& hit, Buffer<std::uint32_t>& hit_instance) {
   if (!intersect_packets_) return find_closest(n, queue, trees, origin, direction, hit, hit_instance);
-  (*intersect_packets_)((n + PACKET - 1) / PACKET, std::uint32_t(n), trees.top, trees.nodes, trees.blocks,
+  (*intersect_packets_)(n / PACKET + (n % PACKET > 0), std::uint32_t(n), trees.top, trees.nodes, trees.blocks,
                         trees.instances, origin, direction, hit, hit_instance);
 }
 

@@ -20,6 +20,8 @@ struct DeviceTrees {
 // -DPVG_X86_AVX where PoCL compiles for an x86 CPU that has it, else nothing
 std::string traversal_options(const Device& device);
 
+constexpr std::size_t PACKET = 16;  // rays that a work-item takes together, as in packet.cl
+
 class Traversal {
  public:
   explicit Traversal(Device& device);

@@ -210,20 +210,39 @@ ALWAYS_INLINE PacketHit load_hits(const Lanes* lanes) {
   return hit;
 }
 
+ALWAYS_INLINE void set_ray(Lanes* lanes, const uint k, const float3 origin, const float3 direction) {
+  lanes->origin[0][k] = origin.x;
+  lanes->origin[1][k] = origin.y;
+  lanes->origin[2][k] = origin.z;
+  lanes->direction[0][k] = direction.x;
+  lanes->direction[1][k] = direction.y;
+  lanes->direction[2][k] = direction.z;
+}
+ALWAYS_INLINE float3 lane_origin(const Lanes* lanes, const uint k) {
+  return (float3)(lanes->origin[0][k], lanes->origin[1][k], lanes->origin[2][k]);
+}
+ALWAYS_INLINE float3 lane_direction(const Lanes* lanes, const uint k) {
+  return (float3)(lanes->direction[0][k], lanes->direction[1][k], lanes->direction[2][k]);
+}
+ALWAYS_INLINE Packet load_packet(const float vectors[3][PACKET]) {
+  const Packet p = {vload16(0, vectors[0]), vload16(0, vectors[1]), vload16(0, vectors[2])};
+  return p;
+}
+ALWAYS_INLINE void store_packet(const Packet p, float vectors[3][PACKET]) {
+  vstore16(p.x, 0, vectors[0]);
+  vstore16(p.y, 0, vectors[1]);
+  vstore16(p.z, 0, vectors[2]);
+}
+
 // each ray alone in one mesh, whose frame they are in
 TREE_FUNCTION void closest_of_each_in_mesh(const Trees trees, const Packet* o, const Packet* d, const int first,
                                            const uint instance, PacketHit* hits) {
   Lanes lanes;
-  vstore16(o->x, 0, lanes.origin[0]);
-  vstore16(o->y, 0, lanes.origin[1]);
-  vstore16(o->z, 0, lanes.origin[2]);
-  vstore16(d->x, 0, lanes.direction[0]);
-  vstore16(d->y, 0, lanes.direction[1]);
-  vstore16(d->z, 0, lanes.direction[2]);
+  store_packet(*o, lanes.origin);
+  store_packet(*d, lanes.direction);
   store_hits(*hits, &lanes);
   for (uint k = 0; k < PACKET; ++k) {
-    const float3 origin = (float3)(lanes.origin[0][k], lanes.origin[1][k], lanes.origin[2][k]);
-    const float3 direction = (float3)(lanes.direction[0][k], lanes.direction[1][k], lanes.direction[2][k]);
+    const float3 origin = lane_origin(&lanes, k), direction = lane_direction(&lanes, k);
     const BoxRay box = make_box_ray(origin, direction);
     const float4 found = closest_in_mesh(trees, &box, make_leaf_ray(origin, direction), first, lanes.t[k]);
     if (!(found.x < lanes.t[k])) continue;
@@ -261,8 +280,8 @@ static inline bool is_coherent(const BoxPacket p, const Packet d) {
   return max(spread.x, max(spread.y, spread.z)) <= PACKET_SPREAD * largest;
 }
 
-// Closest hits of the scene; hits->t on entry is the largest allowed. false: the rays are no packet, nothing was done
-TREE_FUNCTION bool closest_of_packet(const Trees trees, const Packet* origin, const Packet* direction,
+// closest hits of the scene; hits->t on entry is the largest allowed. false: the rays are no packet, nothing was done
+ALWAYS_INLINE bool closest_of_packet(const Trees trees, const Packet* origin, const Packet* direction,
                                      PacketHit* hits) {
   BoxPacket world;
   if (!make_box_packet(*origin, *direction, &world) || !is_coherent(world, *direction)) return false;
@@ -281,5 +300,21 @@ TREE_FUNCTION bool closest_of_packet(const Trees trees, const Packet* origin, co
     t_max = greatest_of(hits->t);
   } while (next_visit(stack, t_max, &size, &current));
   return true;
+}
+
+// closest hits of rays at any distance
+TREE_FUNCTION void find_closest_of_lanes(const Trees trees, Lanes* lanes) {
+  PacketHit hits = {INFINITY, 0.0f, 0.0f, NO_TRIANGLE, 0};
+  const Packet origin = load_packet(lanes->origin), direction = load_packet(lanes->direction);
+  if (closest_of_packet(trees, &origin, &direction, &hits)) return store_hits(hits, lanes);
+  for (uint k = 0; k < PACKET; ++k) {
+    Hit hit = {INFINITY, 0, 0, NO_TRIANGLE, 0};
+    closest_hit(trees, lane_origin(lanes, k), lane_direction(lanes, k), &hit);
+    lanes->t[k] = hit.t;
+    lanes->u[k] = hit.u;
+    lanes->v[k] = hit.v;
+    lanes->triangle[k] = hit.triangle;
+    lanes->instance[k] = hit.instance;
+  }
 }
 #endif
