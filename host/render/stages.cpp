@@ -1,11 +1,20 @@
 #include "host/render/stages.hpp"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include "host/render/pixel_order.hpp"
 
 namespace pvg {
+namespace {
+
+// Paths that a work-item of `generate` starts: on a CPU its vector units draw the random numbers of 16 side by side.
+std::size_t paths_per_item(const Device& device) { return device.info().is_gpu ? 1 : 16; }
+
+std::size_t divided_up(std::size_t n, std::size_t part) { return n / part + (n % part > 0); }
+
+}  // namespace
 
 Film::Film(Device& device)
     : order(device, 0, "order"),
@@ -67,7 +76,9 @@ LightTracing::LightTracing(Device& device)
 
 Stages::Stages(Device& device, bool notes_features, bool traces_light)
     : max_paths_(std::size_t(1) << (device.info().is_gpu ? 18 : 16)),
-      kernels_(Program(device, "render/generate.cl", traversal_options(device)),
+      paths_per_item_(paths_per_item(device)),
+      kernels_(Program(device, "render/generate.cl",
+                       traversal_options(device) + " -DPATHS=" + std::to_string(paths_per_item(device))),
                Program(device, "render/shade.cl", traversal_options(device)), Program(device, "render/compact.cl"),
                Program(device, "render/accumulate.cl"),
                Program(device, "sensors/ground_truth.cl", traversal_options(device)),
@@ -105,7 +116,10 @@ std::uint64_t Stages::trace(const Launch& launch, const Buffer<std::uint32_t>& p
   generate(n, launch, pixels);
   for (unsigned depth = 0; depth <= launch.max_depth && n > 0; ++depth) {
     segments += n;
-    intersect(n, scene);
+    if (depth == 0)
+      traversal_.find_closest_of_neighbours(n, queue_, scene.trees, origin_, direction_, hit_, hit_instance_);
+    else
+      intersect(n, scene);
     if (scene.has_cutouts) pass_holes(n, depth, scene);
     shade(n, launch, depth, scene);
     if (launch.n_lights > 0 && scene.has_cutouts) shadow_holes(n, scene);
@@ -188,7 +202,8 @@ void Stages::resize_slots(std::size_t n) {
 
 void Stages::generate(std::size_t n, const Launch& launch, const Buffer<std::uint32_t>& pixels) {
   resize_slots(n);
-  kernels_.generate(n, std::uint32_t(n), launch, pixels, origin_, direction_, throughput_, radiance_, stream_, queue_);
+  kernels_.generate(divided_up(n, paths_per_item_), std::uint32_t(n), launch, pixels, origin_, direction_, throughput_,
+                    radiance_, stream_, queue_);
 }
 
 void Stages::intersect(std::size_t n, const DeviceScene& scene) {
@@ -222,7 +237,7 @@ void Stages::shadow(std::size_t n, const Launch& launch, const DeviceScene& scen
 
 std::size_t Stages::compact(std::size_t n) {
   constexpr std::size_t PIECE = 64;  // as in compact.cl
-  const std::size_t n_pieces = (n + PIECE - 1) / PIECE;
+  const std::size_t n_pieces = divided_up(n, PIECE);
   counts_.resize(n_pieces);
   kernels_.count_alive(n_pieces, std::uint32_t(n_pieces), std::uint32_t(n), alive_, counts_);
   scan_(n_pieces, counts_, offsets_);

@@ -92,7 +92,7 @@ class Stages {
     Kernel generate, shade, count_alive, fill_queue, accumulate, ground_truth, flow, camera_media;
     Kernel pass_holes, shadow_holes;
   };
-  std::size_t max_paths_;
+  std::size_t max_paths_, paths_per_item_;
   Kernels kernels_;
   Traversal traversal_;
   std::optional<Features> features_;

@@ -1,7 +1,6 @@
 #include "host/render/traversal.hpp"
 
 namespace pvg {
-
 std::string traversal_options(const Device& device) {
   const std::string options = avx_options(device.info());
   // Whole numbers travel in the fourth parts of vectors, where they are denormal floats. No result depends on their
@@ -11,13 +10,25 @@ std::string traversal_options(const Device& device) {
 
 Traversal::Traversal(Device& device)
     : intersect_(Program(device, "render/intersect.cl", traversal_options(device)).kernel("intersect")),
-      shadow_(Program(device, "render/shadow.cl", traversal_options(device)).kernel("shadow")) {}
+      shadow_(Program(device, "render/shadow.cl", traversal_options(device)).kernel("shadow")) {
+  if (!device.info().is_gpu)
+    intersect_packets_.emplace(
+        Program(device, "render/intersect_packets.cl", traversal_options(device)).kernel("intersect_packets"));
+}
 
 void Traversal::find_closest(std::size_t n, const Buffer<std::uint32_t>& queue, const DeviceTrees& trees,
                              const Buffer<F32x4>& origin, const Buffer<F32x4>& direction, Buffer<F32x4>& hit,
                              Buffer<std::uint32_t>& hit_instance) {
   intersect_(n, std::uint32_t(n), queue, trees.top, trees.nodes, trees.blocks, trees.instances, origin, direction, hit,
              hit_instance);
+}
+
+void Traversal::find_closest_of_neighbours(std::size_t n, const Buffer<std::uint32_t>& queue, const DeviceTrees& trees,
+                                           const Buffer<F32x4>& origin, const Buffer<F32x4>& direction,
+                                           Buffer<F32x4>& hit, Buffer<std::uint32_t>& hit_instance) {
+  if (!intersect_packets_) return find_closest(n, queue, trees, origin, direction, hit, hit_instance);
+  (*intersect_packets_)(n / PACKET + (n % PACKET > 0), std::uint32_t(n), trees.top, trees.nodes, trees.blocks,
+                        trees.instances, origin, direction, hit, hit_instance);
 }
 
 void Traversal::add_light(std::size_t n, const Buffer<std::uint32_t>& queue, bool transparent_shadows,

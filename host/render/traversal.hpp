@@ -1,5 +1,6 @@
 // The questions that rays ask of the scene's trees, as launches: what do they meet first, and does light arrive.
 #pragma once
+#include <optional>
 #include <string>
 
 #include "host/device/device.hpp"
@@ -19,6 +20,8 @@ struct DeviceTrees {
 // -DPVG_X86_AVX where PoCL compiles for an x86 CPU that has it, else nothing
 std::string traversal_options(const Device& device);
 
+constexpr std::size_t PACKET = 16;  // rays that a work-item takes together, as in packet.cl
+
 class Traversal {
  public:
   explicit Traversal(Device& device);
@@ -26,6 +29,11 @@ class Traversal {
   void find_closest(std::size_t n, const Buffer<std::uint32_t>& queue, const DeviceTrees& trees,
                     const Buffer<F32x4>& origin, const Buffer<F32x4>& direction, Buffer<F32x4>& hit,
                     Buffer<std::uint32_t>& hit_instance);
+  // The same of the slots 0 .. n - 1, of which neighbours go much the same way, as rays of a camera do: on a CPU they
+  // walk the trees in packets. Of two triangles at the same t another one may be found
+  void find_closest_of_neighbours(std::size_t n, const Buffer<std::uint32_t>& queue, const DeviceTrees& trees,
+                                  const Buffer<F32x4>& origin, const Buffer<F32x4>& direction, Buffer<F32x4>& hit,
+                                  Buffer<std::uint32_t>& hit_instance);
   // adds to the radiance what arrives of the light; arguments as in shadow.cl
   void add_light(std::size_t n, const Buffer<std::uint32_t>& queue, bool transparent_shadows, const DeviceTrees& trees,
                  const Buffer<Material>& materials, const Buffer<F32x4>& shadow_origin,
@@ -33,6 +41,7 @@ class Traversal {
 
  private:
   Kernel intersect_, shadow_;
+  std::optional<Kernel> intersect_packets_;  // of CPUs
 };
 
 }  // namespace pvg

@@ -1,13 +1,60 @@
 // Stage 1: starts the paths of a batch, one per sample, at the camera. A pixel's samples are spread over its square
 // (box filter), and over the lens, which throws every point of the plane in focus to one point of the picture. Neighbouring slots are samples of one
 // pixel, then pixels that are neighbours in the launch's list.
+// On a CPU a work-item starts PATHS of them (the host asks for 16), whose random numbers it draws side by side.
 #define PVG_INLINE_ALL
 #include "shared/pocl.h"
 
-#include "render/path.h"
 #include "materials/diffuse.cl"
+#include "render/path.h"
 #include "sensors/camera.cl"
 #include "shared/rng.cl"
+
+#ifndef PATHS
+#define PATHS 1
+#endif
+
+typedef struct {
+  float x[PATHS], y[PATHS];
+} Points;  // one of each path
+
+ALWAYS_INLINE void draw_points(const uint* key, const uint* sample, const uint dimension, Points* points) {
+#if PATHS == 16
+  float16 x, y;
+  sample_2d_16(vload16(0, key), vload16(0, sample), dimension, &x, &y);
+  vstore16(x, 0, points->x);
+  vstore16(y, 0, points->y);
+#else
+  const float2 point = sample_2d(key[0], sample[0], dimension);
+  points->x[0] = point.x;
+  points->y[0] = point.y;
+#endif
+}
+
+typedef struct {
+  float3 origin, direction;  // [m], unit
+  bool is_seen;              // false: the camera sees nothing there
+} CameraRay;
+
+static inline bool has_lens(const Launch launch) { return launch.camera.lens_radius > 0 && !launch.is_center; }
+
+// pixel: its place y width + x;  in_pixel, in_lens: random numbers
+static inline CameraRay camera_ray(const Launch launch, const uint pixel, const float2 in_pixel, const float2 in_lens) {
+  const PinholeCamera c = launch.camera;
+  float2 at = (float2)((float)(pixel % c.width), (float)(pixel / c.width));
+  if (!launch.is_center) at += in_pixel - (float2)(0.5f, 0.5f);
+  float3 d = (float3)(0, 0, 1), from = (float3)(0.0f);
+  CameraRay ray;
+  ray.is_seen = pixel_direction(c, at, &d);
+  if (has_lens(launch)) {
+    const float2 lens = c.lens_radius * uniform_disc(in_lens);
+    from = (float3)(lens, 0);
+    d = d * (c.focus_distance / d.z) - from;
+  }
+  ray.origin = camera_vector(c, from) + (float3)(c.to_world[3], c.to_world[7], c.to_world[11]);
+  ray.direction = normalize(camera_vector(c, d));
+  return ray;
+}
 
 // origin: [n, m], w: density of the last direction;  direction: [n], w: stack of the glasses that the path is inside
 // of;  pixels: places in the picture, of which the launch takes some;  throughput: [n], w: path flags;  radiance: [n];  stream: [n] key and sample of the random numbers of a path;
@@ -16,26 +63,27 @@ kernel void generate(const uint n, const Launch launch, global const uint* restr
                      global float4* restrict origin,
                      global float4* restrict direction, global float4* restrict throughput,
                      global float4* restrict radiance, global uint2* restrict stream, global uint* restrict queue) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  const PinholeCamera c = launch.camera;
-  const uint sample = launch.first_sample + i % launch.n_samples;
-  const uint pixel = pixels[launch.first_pixel + i / launch.n_samples];
-  const uint key = hash_combine(launch.key, pixel);
-  float2 at = (float2)((float)(pixel % c.width), (float)(pixel / c.width));
-  if (!launch.is_center) at += sample_2d(key, sample, 0) - (float2)(0.5f, 0.5f);
-  float3 d = (float3)(0, 0, 1), from = (float3)(0.0f);
-  const bool is_seen = pixel_direction(c, at, &d);
-  if (c.lens_radius > 0 && !launch.is_center) {
-    const float2 lens = c.lens_radius * uniform_disc(sample_2d(key, sample, 1));
-    from = (float3)(lens, 0);
-    d = d * (c.focus_distance / d.z) - from;
+  const uint first = get_global_id(0) * PATHS;
+  if (first >= n) return;
+  uint pixel[PATHS], key[PATHS], sample[PATHS];
+  for (uint k = 0; k < PATHS; ++k) {
+    const uint i = min(first + k, n - 1);
+    pixel[k] = pixels[launch.first_pixel + i / launch.n_samples];
+    key[k] = hash_combine(launch.key, pixel[k]);
+    sample[k] = launch.first_sample + i % launch.n_samples;
   }
-  from = camera_vector(c, from) + (float3)(c.to_world[3], c.to_world[7], c.to_world[11]);
-  origin[i] = (float4)(from, 0);
-  direction[i] = (float4)(normalize(camera_vector(c, d)), as_float(launch.media));
-  throughput[i] = (float4)((float3)(is_seen ? 1.0f : 0.0f), as_float(0u));
-  radiance[i] = (float4)(0.0f);
-  stream[i] = (uint2)(key, sample);
-  queue[i] = i;
+  Points in_pixel = {{0}, {0}}, in_lens = in_pixel;
+  if (!launch.is_center) draw_points(key, sample, 0, &in_pixel);
+  if (has_lens(launch)) draw_points(key, sample, 1, &in_lens);
+  for (uint k = 0; k < PATHS && first + k < n; ++k) {
+    const uint i = first + k;
+    const CameraRay ray = camera_ray(launch, pixel[k], (float2)(in_pixel.x[k], in_pixel.y[k]),
+                                     (float2)(in_lens.x[k], in_lens.y[k]));
+    origin[i] = (float4)(ray.origin, 0);
+    direction[i] = (float4)(ray.direction, as_float(launch.media));
+    throughput[i] = (float4)((float3)(ray.is_seen ? 1.0f : 0.0f), as_float(0u));
+    radiance[i] = (float4)(0.0f);
+    stream[i] = (uint2)(key[k], sample[k]);
+    queue[i] = i;
+  }
 }

@@ -176,12 +176,10 @@ static inline uint block_crossings(global const float4* b, const LeafRay r, cons
 typedef ulong Visit;
 static inline Visit make_visit(const float t, const int child) { return ((ulong)as_uint(t) << 32) | (uint)child; }
 
-// the children that are met: the nearest becomes *current, the others go onto the stack, the nearest on top; false:
-// none is met. One to three, the usual, are sorted without branches
-ALWAYS_INLINE bool descend(global const float8* node, const BoxRay r, const float t_max, Visit* stack, int* size,
-                    int* current) {
-  float8 entry;
-  uint hits = node_hits(node, r, t_max, &entry);
+// the children that are met (bits of hits): the nearest becomes *current, the others go onto the stack, the nearest on
+// top; false: none is met. One to three, the usual, are sorted without branches
+ALWAYS_INLINE bool order_children(global const float8* node, uint hits, const float8 entry, Visit* stack, int* size,
+                                  int* current) {
   if (!hits) return false;
   global const int* child = (global const int*)(node + 6);
   uint k = lowest_bit(hits);
@@ -228,6 +226,13 @@ ALWAYS_INLINE bool descend(global const float8* node, const BoxRay r, const floa
   }
   *current = (int)(uint)stack[--(*size)];
   return true;
+}
+
+ALWAYS_INLINE bool descend(global const float8* node, const BoxRay r, const float t_max, Visit* stack, int* size,
+                           int* current) {
+  float8 entry;
+  const uint hits = node_hits(node, r, t_max, &entry);
+  return order_children(node, hits, entry, stack, size, current);
 }
 
 // the next visit that begins before t_max; false: none is left

@@ -41,6 +41,7 @@
 PVG_RANDOM(uint, )
 PVG_RANDOM(uint4, _4)
 PVG_RANDOM(uint8, _8)
+PVG_RANDOM(uint16, _16)
 
 static inline uint hash_combine(const uint h, const uint x) { return hash_u32(h ^ hash_u32(x)); }
 
@@ -67,6 +68,17 @@ static inline float8 sample_2d_4(const uint key, const uint sample, const uint d
   const uint8 points = (uint8)(index, sobol_second_reversed_4(index));
   const uint8 bits = reverse_bits_8(laine_karras_8(points, hash_u32_8((uint8)(seed ^ SCRAMBLE_X, seed ^ SCRAMBLE_Y))));
   return convert_float8(as_int8(bits >> 8)) * 0x1p-24f;
+}
+
+// The same points of sixteen keys and samples: vector units hold all of them, and their chains of multiplications overlap.
+static inline void sample_2d_16(const uint16 key, const uint16 sample, const uint dimension, float16* x, float16* y) {
+  const uint16 seed = hash_u32_16(key ^ hash_u32(dimension));
+  const uint16 index = reverse_bits_16(laine_karras_16(reverse_bits_16(sample), seed));
+  const uint16 x_bits = reverse_bits_16(laine_karras_16(index, hash_u32_16(seed ^ SCRAMBLE_X)));
+  const uint16 y_bits =
+      reverse_bits_16(laine_karras_16(sobol_second_reversed_16(index), hash_u32_16(seed ^ SCRAMBLE_Y)));
+  *x = convert_float16(as_int16(x_bits >> 8)) * 0x1p-24f;
+  *y = convert_float16(as_int16(y_bits >> 8)) * 0x1p-24f;
 }
 
 #endif

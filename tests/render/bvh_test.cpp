@@ -5,15 +5,19 @@
 
 #include <random>
 
-#include "host/render/geometry.hpp"
 #include "host/render/refit.hpp"
 #include "host/render/stages.hpp"
-#include "tests/render/test_scene.hpp"
+#include "tests/render/ray_world.hpp"
 
 namespace pvg {
 namespace {
 
 using ManyRays = test::ManyPaths;
+using test::pose;
+using test::Rays;
+using test::soup;
+using test::World;
+
 // the truth: every block of every instance
 const char* const brute_force = R"(
 #include "render/transmittance.cl"
@@ -37,23 +41,6 @@ kernel void find(const uint n, const uint n_instances, global const uint* n_bloc
   through[i] = transmittance(trees, materials, o, d, 1.0f, 1).value.x;
 })";
 
-struct World {
-  GeometryArrays geometry;
-  std::vector<MeshRange> ranges;
-  std::vector<Instance> instances;
-  std::vector<Box> boxes;
-  void add(const VisualMesh& mesh, const Eigen::Matrix<double, 3, 4>& pose, bool deforms = false) {
-    ranges.push_back(geometry.add(mesh, "test", deforms));
-    instances.push_back(make_instance(pose, ranges.back(), "test"));
-    instances.back().mask = MASK_SURFACES;
-    boxes.push_back(world_box(instances.back(), ranges.back().box));
-  }
-};
-
-struct Rays {
-  std::vector<F32x4> origin, direction;
-};
-
 Rays random_rays(unsigned n, float spread) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> u(-1, 1);
@@ -66,25 +53,6 @@ Rays random_rays(unsigned n, float spread) {
     rays.direction.push_back(d);
   }
   return rays;
-}
-
-VisualMesh soup(unsigned n, unsigned seed, float size) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> u(-1, 1);
-  VisualMesh mesh;
-  for (unsigned i = 0; i < n; ++i) {
-    const Vec3f center(u(random), u(random), u(random));
-    for (int k = 0; k < 3; ++k) mesh.points.push_back(center + size * Vec3f(u(random), u(random), u(random)));
-    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
-  }
-  return mesh;
-}
-
-Eigen::Matrix<double, 3, 4> pose(double angle, const Vec3& at) {
-  Pose p = Pose::Identity();
-  p.linear() = Eigen::AngleAxisd(angle, Vec3(1, 2, 3).normalized()).toRotationMatrix();
-  p.translation() = at;
-  return p.matrix().topRows<3>();
 }
 
 // bits of t and triangle of every ray, tree against loop; the number of rays that hit

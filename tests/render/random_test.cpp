@@ -28,6 +28,23 @@ kernel void differ(const uint n, global uint* differences) {
   uint count = 0;
   for (uint k = 0; k < 4; ++k) count += any(points[k] != sample_2d(key, sample, dimension + k)) ? 1 : 0;
   differences[i] = count;
+}
+kernel void differ_16(const uint n, global uint* differences) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  uint key[16], sample[16];
+  for (uint k = 0; k < 16; ++k) {
+    key[k] = hash_u32(16 * i + k);
+    sample[k] = (i + 31 * k) % 97;
+  }
+  float16 x, y;
+  sample_2d_16(vload16(0, key), vload16(0, sample), i % 23, &x, &y);
+  float xs[16], ys[16];
+  vstore16(x, 0, xs);
+  vstore16(y, 0, ys);
+  uint count = 0;
+  for (uint k = 0; k < 16; ++k) count += any((float2)(xs[k], ys[k]) != sample_2d(key[k], sample[k], i % 23)) ? 1 : 0;
+  differences[i] = count;
 })";
 
 std::vector<float> draw(unsigned n_sets, unsigned n_samples) {
@@ -77,11 +94,14 @@ TEST_F(ManySets, AreIndependent) {
   EXPECT_NEAR(next, 0, 4 * sigma);
 }
 
-TEST(Random, FourPointsAtOnceAreThoseOfTheirDimensions) {
+TEST(Random, PointsDrawnAtOnceAreThoseDrawnAlone) {
   Device device;
   const unsigned n = 4096;
   Buffer<unsigned> differences(device, n, "differences");
-  Program::from_text(device, "random", random_kernels).kernel("differ")(n, n, differences);
+  Program program = Program::from_text(device, "random", random_kernels);
+  program.kernel("differ")(n, n, differences);
+  for (const unsigned count : differences.read()) ASSERT_EQ(count, 0u);
+  program.kernel("differ_16")(n, n, differences);
   for (const unsigned count : differences.read()) ASSERT_EQ(count, 0u);
 }
 

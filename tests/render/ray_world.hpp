@@ -1,0 +1,48 @@
+// Meshes and instances that rays are sent through.
+#pragma once
+#include <random>
+#include <vector>
+
+#include "host/render/geometry.hpp"
+#include "tests/render/test_scene.hpp"
+
+namespace pvg::test {
+
+struct World {
+  GeometryArrays geometry;
+  std::vector<MeshRange> ranges;
+  std::vector<Instance> instances;
+  std::vector<Box> boxes;
+  void add(const VisualMesh& mesh, const Eigen::Matrix<double, 3, 4>& pose, bool deforms = false) {
+    ranges.push_back(geometry.add(mesh, "test", deforms));
+    instances.push_back(make_instance(pose, ranges.back(), "test"));
+    instances.back().mask = MASK_SURFACES;
+    boxes.push_back(world_box(instances.back(), ranges.back().box));
+  }
+};
+
+struct Rays {
+  std::vector<F32x4> origin, direction;
+};
+
+// triangles at random places
+inline VisualMesh soup(unsigned n, unsigned seed, float size) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> u(-1, 1);
+  VisualMesh mesh;
+  for (unsigned i = 0; i < n; ++i) {
+    const Vec3f center(u(random), u(random), u(random));
+    for (int k = 0; k < 3; ++k) mesh.points.push_back(center + size * Vec3f(u(random), u(random), u(random)));
+    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  return mesh;
+}
+
+inline Eigen::Matrix<double, 3, 4> pose(double angle, const Vec3& at) {
+  Pose p = Pose::Identity();
+  p.linear() = Eigen::AngleAxisd(angle, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  p.translation() = at;
+  return p.matrix().topRows<3>();
+}
+
+}  // namespace pvg::test
