@@ -11,14 +11,14 @@
 namespace pvg {
 namespace {
 
-constexpr std::size_t MOST_POINTS = 12000, FEWEST_POINTS = 500;
+constexpr std::size_t MOST_POINTS = 40000, FEWEST_POINTS = 500;
 constexpr int UNKNOWNS = 9;     // rotation vector, translation, logarithm of the focal scale, principal point
 constexpr double HUBER = 0.08;  // of brightness: beyond, a residual counts linearly
 constexpr double PRIOR_TRANSLATION = 0.05, PRIOR_ROTATION = 0.05, PRIOR_FOCAL = 0.15,
                  PRIOR_CENTER = 10;  // how far it may be [m, rad, 1, pixels]
 // how far a single photo may be from where the poses put it: tracking, and shutters that open at different times [m,
 // rad]; the prior counts as much as a hundred residuals of 0.04
-constexpr double MOTION_TRANSLATION = 0.005, MOTION_ROTATION = 0.003, MOTION_PRIOR = 100 * 0.04 * 0.04;
+constexpr double MOTION_TRANSLATION = 0.0125, MOTION_ROTATION = 0.0075, MOTION_PRIOR = 100 * 0.04 * 0.04;
 
 struct Sight {  // of a point by a frame
   std::uint32_t point, frame;
@@ -260,7 +260,7 @@ ColorOffset align_color_camera(const Capture& capture, std::span<const CaptureFr
     out.disagreement_after = step(sights, frames, photos, gains, chosen.size(), u, false);
   }
   std::vector<Unknowns> moved(frames.size(), u);
-  for (const int rounds : {8, 2}) {  // blurred by 2 and 1 pixels
+  for (const int rounds : {32, 8, 2}) {  // blurred by 4, 2 and 1 pixels
     std::vector<GrayPhoto> photos = sharp;
     for (GrayPhoto& photo : photos)
       if (photo.width > 0) blur(photo, rounds);

@@ -1,56 +1,26 @@
 // How far a room is from frames that did not make it.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "host/capture/room.hpp"
 #include "host/capture/surface_views.hpp"
-#include "host/formats/picture_files.hpp"
-#include "host/pictures/lut.hpp"
 #include "host/pictures/picture_metrics.hpp"
 #include "host/pictures/srgb.hpp"
-#include "host/render/renderer.hpp"
 
 namespace pvg {
 namespace {
 
-constexpr std::size_t FEWEST_PIXELS = 1000;  // that a photo's table is fitted to
-
-struct View {
-  int width = 0, height = 0;
-  std::vector<float> rendered, photo;  // linear [height x width x 3]
-  std::vector<bool> is_covered;        // by the measured surface  [height x width]
-  std::vector<bool> is_drawn;          // or by the guessed one  [height x width]
-};
-
-std::vector<Camera> cameras_of(std::span<const CaptureFrame> frames, Camera CaptureFrame::*which) {
+std::vector<Camera> depth_cameras(std::span<const CaptureFrame> frames) {
   std::vector<Camera> cameras;
-  for (const CaptureFrame& frame : frames) cameras.push_back(frame.*which);
+  for (const CaptureFrame& frame : frames) cameras.push_back(frame.depth_camera);
   return cameras;
 }
 
-// surfaces: the measured one, and the guessed one behind it
-std::vector<View> render_views(Device& device, std::span<const CaptureFrame> frames,
-                               std::span<const CapturedSurface> surfaces, VisualMaterial::Kind kind) {
-  const Scene scene = scene_of(surfaces, kind, cameras_of(frames, &CaptureFrame::color_camera));
-  RenderSettings settings;
-  settings.samples = 8;
-  settings.max_depth = 3;
-  Renderer renderer(device, scene, settings);
-  renderer.set_state(initial_state(scene));
-  std::vector<View> views;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (frames[i].color.empty()) continue;
-    const RenderedFrame frame = renderer.render(int(i), 0);
-    View view{frame.width, frame.height, frame.rgb, {}, {}, {}};
-    const Picture8 photo = read_picture(frames[i].color);
-    for (const std::uint8_t byte : photo.rgb) view.photo.push_back(srgb_to_linear(float(byte) / 255));
-    for (const std::uint32_t instance : frame.instance) {
-      view.is_covered.push_back(instance == 1);
-      view.is_drawn.push_back(instance != 0);
-    }
-    views.push_back(std::move(view));
-  }
-  return views;
+std::vector<PhotoView> views_of(PhotoViews& views, std::span<const CaptureFrame> frames) {
+  std::vector<PhotoView> out;
+  for (std::size_t i = 0; i < frames.size(); ++i) out.push_back(views.at(i, frames[i].color_camera.pose));
+  return out;
 }
 
 std::vector<float> coded(const std::vector<float>& linear) {
@@ -65,9 +35,9 @@ struct Score {
 };
 
 // means over the views
-Score score(const std::vector<View>& views) {
+Score score(const std::vector<PhotoView>& views) {
   Score mean;
-  for (const View& view : views) {
+  for (const PhotoView& view : views) {
     const std::vector<float> a = coded(view.rendered), b = coded(view.photo);
     std::vector<float> a_covered, b_covered;
     for (std::size_t i = 0; i < view.is_covered.size(); ++i)
@@ -85,30 +55,72 @@ Score score(const std::vector<View>& views) {
 }
 
 // Exposure and white balance of a left-out photo are its camera's own and can only be told from the photo itself.
-void apply_own_lut(View& view) {
-  const PicturePair pair{view.width, view.height, view.rendered, view.photo};
-  std::vector<bool> use = valid_pixels(pair);
-  for (std::size_t i = 0; i < use.size(); ++i) use[i] = use[i] && view.is_drawn[i];
-  if (std::size_t(std::count(use.begin(), use.end(), true)) < FEWEST_PIXELS) return;
-  apply_lut(fit_lut({&pair, 1}, {&use, 1}), view.rendered);
-  for (std::size_t i = 0; i < view.is_drawn.size(); ++i)
-    for (std::size_t k = 0; !view.is_drawn[i] && k < 3; ++k) view.rendered[3 * i + k] = 0;
+void apply_own_luts(std::vector<PhotoView>& views) {
+  for (PhotoView& view : views)
+    if (const std::optional<Lut> lut = own_lut(view)) apply_lut(*lut, view);
 }
 
-double share_of(const std::vector<View>& views, const std::vector<bool> View::*mask) {
+double share_of(const std::vector<PhotoView>& views, const std::vector<bool> PhotoView::*mask) {
   double n = 0, all = 0;
-  for (const View& view : views) {
+  for (const PhotoView& view : views) {
     n += double(std::count((view.*mask).begin(), (view.*mask).end(), true));
     all += double((view.*mask).size());
   }
   return n / all;
 }
 
+RenderSettings receiver_settings() {
+  RenderSettings settings;
+  settings.samples = 8;
+  settings.max_depth = 3;
+  return settings;
+}
+
+// filtered, so that its noise does not count against it
+RenderSettings diffuse_settings() {
+  RenderSettings settings = receiver_settings();
+  settings.samples = 16;
+  settings.denoises = true;
+  return settings;
+}
+
+// The sky's radiance becomes the one that makes the mean brightness that of the photos.
+void light_evenly(std::vector<PhotoView>& views) {
+  double rendered = 0, photo = 0;
+  for (const PhotoView& view : views)
+    for (std::size_t i = 0; i < view.is_drawn.size(); ++i)
+      for (std::size_t k = 0; view.is_drawn[i] && k < 3; ++k) {
+        rendered += double(view.rendered[3 * i + k]);
+        photo += double(view.photo[3 * i + k]);
+      }
+  for (PhotoView& view : views)
+    for (std::size_t i = 0; i < view.is_drawn.size(); ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        view.rendered[3 * i + k] = view.is_drawn[i] ? float(double(view.rendered[3 * i + k]) * photo / rendered) : 0;
+}
+
+// Moves the photos' cameras onto the surface and tells how far.
+PhotoPlacement place(Device& device, std::span<const CapturedSurface> surfaces, std::vector<CaptureFrame>& frames) {
+  const std::vector<Pose> poses = place_photos(device, frames, surfaces);
+  PhotoPlacement out;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    Pose& pose = frames[i].color_camera.pose;
+    const double shift = (poses[i].translation() - pose.translation()).norm(),
+                 turn = Eigen::AngleAxisd(pose.linear().transpose() * poses[i].linear()).angle();
+    out.mean_shift += shift / double(frames.size());
+    out.mean_turn += turn / double(frames.size());
+    out.largest_shift = std::max(out.largest_shift, shift);
+    out.largest_turn = std::max(out.largest_turn, turn);
+    pose = poses[i];
+  }
+  return out;
+}
+
 }  // namespace
 
 DepthErrors measure_depth(Device& device, const Capture& capture, std::span<const CaptureFrame> frames,
                           const VisualMesh& mesh, double max_depth) {
-  SurfaceViews views(device, {&mesh, 1}, cameras_of(frames, &CaptureFrame::depth_camera));
+  SurfaceViews views(device, {&mesh, 1}, depth_cameras(frames));
   DepthErrors out;
   out.n_frames = frames.size();
   std::vector<float> errors;
@@ -138,11 +150,23 @@ PhotoErrors measure_photos(Device& device, std::span<const CaptureFrame> held_ou
   using Kind = VisualMaterial::Kind;
   PhotoErrors out;
   out.n_frames = held_out.size();
-  std::vector<View> views = render_views(device, held_out, surfaces, Kind::shadow_receiver);
-  out.covered = share_of(views, &View::is_covered);
-  out.drawn = share_of(views, &View::is_drawn);
+  std::vector<CaptureFrame> frames;
+  for (const CaptureFrame& frame : held_out)
+    if (!frame.color.empty()) frames.push_back(frame);
+  if (frames.empty()) return out;
+  PhotoViews receiver(device, frames, surfaces, Kind::shadow_receiver, receiver_settings());
+  std::vector<PhotoView> views = views_of(receiver, frames);
+  apply_own_luts(views);
+  const Score as_given = score(views);
+  out.placement = place(device, surfaces, frames);
+  out.placement.psnr_lut = as_given.psnr;
+  out.placement.ssim_lut = as_given.ssim;
+
+  views = views_of(receiver, frames);
+  out.covered = share_of(views, &PhotoView::is_covered);
+  out.drawn = share_of(views, &PhotoView::is_drawn);
   const Score raw = score(views);
-  for (View& view : views) apply_own_lut(view);
+  apply_own_luts(views);
   const Score tabled = score(views);
   out.psnr = raw.psnr;
   out.ssim = raw.ssim;
@@ -150,28 +174,18 @@ PhotoErrors measure_photos(Device& device, std::span<const CaptureFrame> held_ou
   out.psnr_lut = tabled.psnr;
   out.ssim_lut = tabled.ssim;
   out.psnr_covered_lut = tabled.psnr_covered;
-  for (const CaptureFrame& frame : held_out)
-    if (!frame.color.empty())
-      out.each.push_back({frame.color.filename().string(), frame.color_camera, tabled.psnr_each[out.each.size()],
-                          tabled.ssim_each[out.each.size()]});
-  std::vector<View> diffuse = render_views(device, held_out, surfaces, Kind::diffuse);
-  // the sky's radiance that makes the mean brightness that of the photos
-  double rendered = 0, photo = 0;
-  for (const View& view : diffuse)
-    for (std::size_t i = 0; i < view.is_drawn.size(); ++i)
-      for (std::size_t k = 0; view.is_drawn[i] && k < 3; ++k) {
-        rendered += double(view.rendered[3 * i + k]);
-        photo += double(view.photo[3 * i + k]);
-      }
-  for (View& view : diffuse)
-    for (std::size_t i = 0; i < view.is_drawn.size(); ++i)
-      for (std::size_t k = 0; k < 3; ++k)
-        view.rendered[3 * i + k] = view.is_drawn[i] ? float(double(view.rendered[3 * i + k]) * photo / rendered) : 0;
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    out.each.push_back(
+        {frames[i].color.filename().string(), frames[i].color_camera, tabled.psnr_each[i], tabled.ssim_each[i]});
+
+  PhotoViews lit_by_sky(device, frames, surfaces, Kind::diffuse, diffuse_settings());
+  std::vector<PhotoView> diffuse = views_of(lit_by_sky, frames);
+  light_evenly(diffuse);
   const Score lit = score(diffuse);
+  apply_own_luts(diffuse);
+  const Score lit_and_tabled = score(diffuse);
   out.psnr_diffuse = lit.psnr;
   out.ssim_diffuse = lit.ssim;
-  for (View& view : diffuse) apply_own_lut(view);
-  const Score lit_and_tabled = score(diffuse);
   out.psnr_diffuse_lut = lit_and_tabled.psnr;
   out.ssim_diffuse_lut = lit_and_tabled.ssim;
   return out;

@@ -9,7 +9,6 @@
 
 #include "host/base/error.hpp"
 #include "host/capture/background.hpp"
-#include "host/capture/room_frame.hpp"
 #include "host/capture/surface.hpp"
 #include "host/capture/surface_views.hpp"
 #include "host/capture/texture_atlas.hpp"

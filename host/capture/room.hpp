@@ -42,11 +42,20 @@ struct LeftOutPhoto {
   double psnr_lut = 0, ssim_lut = 0;  // of the shadow receiver, after its own table
 };
 
+// How far left-out photos were moved onto the surface (photo_placement.cpp), and what the shadow receiver with a table
+// of each photo is without that.
+struct PhotoPlacement {
+  double mean_shift = 0, largest_shift = 0;  // [m]
+  double mean_turn = 0, largest_turn = 0;    // [rad]
+  double psnr_lut = 0, ssim_lut = 0;         // of the cameras as the capture gives them [dB]
+};
+
 // Left-out photos against pictures of the surface as shadow receiver, in sRGB. Pixels where nothing is drawn are black
 // in the pictures; `covered` figures are those of the measured surface alone, without the guessed background.
 struct PhotoErrors {
   std::size_t n_frames = 0;
   std::vector<LeftOutPhoto> each;
+  PhotoPlacement placement;                                 // of each; the cameras of `each` are where it put them
   double psnr = 0, ssim = 0, psnr_covered = 0;              // as rendered [dB]
   double psnr_lut = 0, ssim_lut = 0, psnr_covered_lut = 0;  // after a table that is fitted to each photo, its exposure
   double psnr_diffuse = 0, ssim_diffuse = 0;          // the same surfaces as diffuse, under an even sky that fits best
@@ -82,10 +91,16 @@ struct Room {
 Room capture_room(Device& device, const Capture& capture, const RoomSettings& settings,
                   const std::function<void(const std::string&)>& say);
 
+// host/capture/room_frame.cpp
+// Finds the planes of room.mesh, chooses the ground and moves the room's surfaces and planes into the room's frame: z
+// up, z = 0 on the ground. up: roughly, in the capture's frame; eye: where the room was looked at from, x points away
+// from it.
+void place_room(const RoomSettings& settings, const Vec3& up, const Vec3& eye, Room& room);
+
 // host/capture/held_out.cpp
 DepthErrors measure_depth(Device& device, const Capture& capture, std::span<const CaptureFrame> frames,
                           const VisualMesh& mesh, double max_depth);
-// surfaces: the measured one, then the guessed one
+// The photos are placed on the surface first. surfaces: the measured one, then the guessed one
 PhotoErrors measure_photos(Device& device, std::span<const CaptureFrame> held_out,
                            std::span<const CapturedSurface> surfaces);
 

@@ -246,7 +246,14 @@ ordered_json room_report(const Room& room, const RoomSettings& settings, double 
                      {"psnr_diffuse_lut", p.psnr_diffuse_lut},
                      {"ssim_diffuse_lut", p.ssim_diffuse_lut},
                      {"covered", p.covered},
-                     {"drawn", p.drawn}};
+                     {"drawn", p.drawn},
+                     {"placement",
+                      {{"mean_shift", p.placement.mean_shift},
+                       {"largest_shift", p.placement.largest_shift},
+                       {"mean_turn", p.placement.mean_turn},
+                       {"largest_turn", p.placement.largest_turn},
+                       {"psnr_lut_before", p.placement.psnr_lut},
+                       {"ssim_lut_before", p.placement.ssim_lut}}}};
     for (const LeftOutPhoto& photo : p.each) {
       const Camera& c = photo.camera;
       const Vec3 t = c.pose.translation();

@@ -1,6 +1,6 @@
-#include "host/capture/room_frame.hpp"
-
+// The planes of a room and the frame that they give it.
 #include "host/base/error.hpp"
+#include "host/capture/room.hpp"
 
 namespace pvg {
 namespace {

@@ -60,6 +60,18 @@ void print_planes(const Room& room) {
   }
 }
 
+void print_photos(const PhotoErrors& p) {
+  const PhotoPlacement& placed = p.placement;
+  std::printf(
+      "left-out photos, moved by %.1f mm and %.2f degrees onto the surface on the mean, %.1f mm and %.2f degrees at "
+      "most: PSNR %.2f dB, SSIM %.3f; with each photo's own table %.2f dB, %.3f (not moved: %.2f dB, %.3f); of the "
+      "%.1f %% that the measured surface covers %.2f and %.2f dB; as diffuse surface %.2f dB, %.3f, with tables %.2f "
+      "dB, %.3f; %.1f %% have nothing\n",
+      1e3 * placed.mean_shift, degrees(placed.mean_turn), 1e3 * placed.largest_shift, degrees(placed.largest_turn),
+      p.psnr, p.ssim, p.psnr_lut, p.ssim_lut, placed.psnr_lut, placed.ssim_lut, 100 * p.covered, p.psnr_covered,
+      p.psnr_covered_lut, p.psnr_diffuse, p.ssim_diffuse, p.psnr_diffuse_lut, p.ssim_diffuse_lut, 100 - 100 * p.drawn);
+}
+
 void print_report(const Room& room, const fs::path& output, double seconds) {
   if (room.n_frames == 0) {
     std::printf("%s: %zu vertices, %zu triangles of a mesh in %.1f s\n", output.c_str(), room.mesh.points.size(),
@@ -92,14 +104,7 @@ void print_report(const Room& room, const fs::path& output, double seconds) {
   if (room.depth_as_given)
     std::printf("with the given poses of these frames instead of registered ones: %.1f mm, %.1f mm, %.1f mm\n",
                 1e3 * room.depth_as_given->median, 1e3 * room.depth_as_given->p90, 1e3 * room.depth_as_given->p95);
-  if (room.photos)
-    std::printf(
-        "left-out photos: PSNR %.2f dB, SSIM %.3f; with each photo's own table %.2f dB, %.3f; of the %.1f %% that the "
-        "measured surface covers %.2f and %.2f dB; as diffuse surface %.2f dB, %.3f, with tables %.2f dB, %.3f; %.1f "
-        "%% have nothing\n",
-        room.photos->psnr, room.photos->ssim, room.photos->psnr_lut, room.photos->ssim_lut, 100 * room.photos->covered,
-        room.photos->psnr_covered, room.photos->psnr_covered_lut, room.photos->psnr_diffuse, room.photos->ssim_diffuse,
-        room.photos->psnr_diffuse_lut, room.photos->ssim_diffuse_lut, 100 - 100 * room.photos->drawn);
+  if (room.photos) print_photos(*room.photos);
   print_planes(room);
 }
 

@@ -7,7 +7,6 @@
 #include <map>
 
 #include "host/base/error.hpp"
-#include "host/capture/room_frame.hpp"
 #include "host/capture/surface.hpp"
 #include "host/formats/assimp_reader.hpp"
 #include "host/formats/mesh_files.hpp"
