@@ -6,6 +6,8 @@
 //   - the plane across the closest points separates the pair as long as no corner reaches it, which for straight motion
 //     is a linear equation per corner pair; for sliding motion this is the whole way in one go.
 // Each turn leaves (1 - eta) of the gap; it ends where the gap would fall below (1 - eta) of the first one.
+#ifndef PVG_CONTACT_ACCD_CL
+#define PVG_CONTACT_ACCD_CL
 #include "contact/distance.cl"
 #include "energies/contact/barrier.h"
 #define ITEMS 64u
@@ -86,9 +88,4 @@ static inline void certify_pair(const uint e, const uint n, global const Barrier
   if (item == 0) of_64[e / ITEMS] = own;
 }
 
-kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void accd_steps(
-    const uint n, global const Barrier* restrict pairs, global const real* restrict x0, global const real* restrict x1,
-    global real* restrict steps, global real* restrict of_64) {
-  local real of_item[ITEMS];
-  certify_pair(get_global_id(0), n, pairs, x0, x1, steps, of_64, of_item);
-}
+#endif

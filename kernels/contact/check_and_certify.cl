@@ -3,8 +3,8 @@
 #include "contact/accd.cl"
 #include "contact/serves.cl"
 
-// n: 64 x work-groups, n_checking for the lists, then one for each 64 pairs.  The rest as of lists_serve (contact/serves.cl)
-// and accd_steps (contact/accd.cl)
+// n: 64 x work-groups, n_checking for the lists, then one for each 64 pairs.  The rest as of contact/lists_serve.cl
+// and contact/accd_steps.cl
 kernel __attribute__((reqd_work_group_size(64, 1, 1))) void check_and_certify(
     const uint n, const uint n_checking, const uint n_solids, global const u32* restrict first_solid,
     global const u32* restrict sites_solid, global const real* restrict reference_solid, const uint n_sheets,

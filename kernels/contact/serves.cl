@@ -1,6 +1,8 @@
 // Whether pairs that were looked for still serve for a motion from x0 to x1 (host/physics/contact/candidates.hpp).
 // serves: one number per list; where it does not serve, `no` is written to it, a number that no check used before.
 // All three lists in one launch: a work-group for each body of the first two, then one for each 64 sites of the third.
+#ifndef PVG_CONTACT_SERVES_CL
+#define PVG_CONTACT_SERVES_CL
 #include "shared/svd.cl"
 #include "shared/types.h"
 #define LANES 64u
@@ -100,17 +102,4 @@ static inline void check_lists(const uint n_solids, global const u32* restrict f
   }
 }
 
-// n: 64 x work-groups
-kernel __attribute__((reqd_work_group_size(64, 1, 1))) void lists_serve(
-    const uint n, const uint n_solids, global const u32* restrict first_solid, global const u32* restrict sites_solid,
-    global const real* restrict reference_solid, const uint n_sheets, global const u32* restrict first_sheet,
-    global const u32* restrict sites_sheet, global const real* restrict reference_sheet, const uint n_surface,
-    global const u32* restrict surface, global const real* restrict reference, global const real* restrict x0,
-    global const real* restrict x1, const real allowed_solid, const real allowed_sheet, const real allowed,
-    const real most_rotation, const uint no, global u32* serves) {
-  local real lanes[3 * LANES];
-  local real turns[2 * 9];
-  check_lists(n_solids, first_solid, sites_solid, reference_solid, n_sheets, first_sheet, sites_sheet, reference_sheet,
-              n_surface, surface, reference, x0, x1, allowed_solid, allowed_sheet, allowed, most_rotation, no, serves,
-              lanes, turns);
-}
+#endif

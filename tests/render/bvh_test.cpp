@@ -13,6 +13,7 @@ namespace pvg {
 namespace {
 
 using ManyRays = test::ManyPaths;
+using test::flat_mesh;
 using test::pose;
 using test::Rays;
 using test::soup;
@@ -140,15 +141,8 @@ TEST_F(ManyRays, HitsEqualALoopOverASoup) {
 }
 
 TEST_F(ManyRays, HitsEqualALoopOverFlatAndDegenerateMeshes) {
-  VisualMesh grid;  // in the plane z = 0: boxes without height
-  for (unsigned i = 0; i < 400; ++i) {
-    const Vec3f corner(float(i % 20) / 10 - 1, float(i / 20) / 10 - 1, 0);
-    for (const Vec3f& d : {Vec3f(0, 0, 0), Vec3f(0.1f, 0, 0), Vec3f(0, 0.1f, 0)}) grid.points.push_back(corner + d);
-    grid.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
-    grid.triangles.push_back({3 * i, 3 * i, 3 * i + 1});  // no area
-  }
   World world;
-  world.add(grid, pose(0, Vec3::Zero()));
+  world.add(flat_mesh(), pose(0, Vec3::Zero()));
   EXPECT_GT(expect_equal(world, random_rays(4000, 1.0f)), 200);
 }
 

@@ -9,6 +9,7 @@
 namespace pvg {
 namespace {
 
+using test::flat_mesh;
 using test::pose;
 using test::Rays;
 using test::soup;
@@ -144,15 +145,8 @@ TEST_F(Packets, RaysThatGoDifferentWaysInAMeshGoAloneThere) {
 
 // boxes without height, triangles without area, and rays that miss
 TEST_F(Packets, FindWhatEachRayFindsInAFlatMesh) {
-  VisualMesh grid;
-  for (unsigned i = 0; i < 400; ++i) {
-    const Vec3f corner(float(i % 20) / 10 - 1, float(i / 20) / 10 - 1, 0);
-    for (const Vec3f& d : {Vec3f(0, 0, 0), Vec3f(0.1f, 0, 0), Vec3f(0, 0.1f, 0)}) grid.points.push_back(corner + d);
-    grid.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
-    grid.triangles.push_back({3 * i, 3 * i, 3 * i + 1});  // no area
-  }
   World world;
-  world.add(grid, pose(0, Vec3::Zero()));
+  world.add(flat_mesh(), pose(0, Vec3::Zero()));
   const Counts counts = trace(world, bundles(8000, 0.02f, 3));
   EXPECT_EQ(counts.wrong + counts.ties, 0);
   EXPECT_GT(counts.hits, 1000);

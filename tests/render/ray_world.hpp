@@ -38,6 +38,18 @@ inline VisualMesh soup(unsigned n, unsigned seed, float size) {
   return mesh;
 }
 
+// in the plane z = 0, so that boxes have no height; every second triangle has no area
+inline VisualMesh flat_mesh() {
+  VisualMesh mesh;
+  for (unsigned i = 0; i < 400; ++i) {
+    const Vec3f corner(float(i % 20) / 10 - 1, float(i / 20) / 10 - 1, 0);
+    for (const Vec3f& d : {Vec3f(0, 0, 0), Vec3f(0.1f, 0, 0), Vec3f(0, 0.1f, 0)}) mesh.points.push_back(corner + d);
+    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    mesh.triangles.push_back({3 * i, 3 * i, 3 * i + 1});
+  }
+  return mesh;
+}
+
 inline Eigen::Matrix<double, 3, 4> pose(double angle, const Vec3& at) {
   Pose p = Pose::Identity();
   p.linear() = Eigen::AngleAxisd(angle, Vec3(1, 2, 3).normalized()).toRotationMatrix();

@@ -71,7 +71,7 @@ Candidates::Candidates(Device& device, const CollisionMesh& mesh, std::span<cons
       sheets_(make_within(device, mesh, settings, x, PairsOf::one_sheet)),
       between_bodies_(device, mesh, settings, x, PairsOf::two_bodies),
       program_(device, "contact/contact.cl"),
-      serves_program_(device, "contact/serves.cl"),
+      serves_program_(device, "contact/lists_serve.cl"),
       merge_lists_(program_.kernel("merge_lists")),
       lists_serve_(serves_program_.kernel("lists_serve")),
       between_(no_rows(device, n_worlds_)),

@@ -23,7 +23,7 @@ std::vector<double> WorldMinimum::operator()(const std::vector<u32>& first, cons
 }
 
 ContinuousCollision::ContinuousCollision(Device& device)
-    : program_(device, "contact/accd.cl"),
+    : program_(device, "contact/accd_steps.cl"),
       accd_steps_(program_.kernel("accd_steps")),
       steps_(device, 0, "certified_steps"),
       of_64_(device, 0, "least_of_64"),

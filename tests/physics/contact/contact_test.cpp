@@ -264,7 +264,7 @@ TEST(ContactSet, FlatEdgesMayNotCross) {
   for (std::size_t i = 8; i < 16; ++i) through[i] -= Vec3(0, 0, 0.01);
   const Buffer<double> x1 = trial.upload(through);
   trial.contact.find_candidates(x0, x1);
-  Program program(trial.device, "contact/accd.cl");
+  Program program(trial.device, "contact/accd_steps.cl");
   Kernel steps_kernel = program.kernel("accd_steps");
   const u32 n = trial.contact.candidates().n();
   Buffer<double> steps(trial.device, n, "steps");
