@@ -273,7 +273,7 @@ ALWAYS_INLINE void closest_of_packet_in_instance(const Trees trees, const uint i
 }
 
 // is it worth that they go together?
-static inline bool is_coherent(const BoxPacket p, const Packet d) {
+static inline bool is_coherent(const Packet d) {
   const float3 spread = (float3)(greatest_of(d.x) - least_of(d.x), greatest_of(d.y) - least_of(d.y),
                                  greatest_of(d.z) - least_of(d.z));
   const float largest = max(fabs(d.x.s0), max(fabs(d.y.s0), fabs(d.z.s0)));
@@ -284,7 +284,7 @@ static inline bool is_coherent(const BoxPacket p, const Packet d) {
 ALWAYS_INLINE bool closest_of_packet(const Trees trees, const Packet* origin, const Packet* direction,
                                      PacketHit* hits) {
   BoxPacket world;
-  if (!make_box_packet(*origin, *direction, &world) || !is_coherent(world, *direction)) return false;
+  if (!make_box_packet(*origin, *direction, &world) || !is_coherent(*direction)) return false;
   Visit stack[BVH_STACK];
   int size = 0, current = first_visit(trees.top, 0);
   float t_max = greatest_of(hits->t);
