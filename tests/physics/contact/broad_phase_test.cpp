@@ -12,6 +12,7 @@
 
 #include "host/geometry/segment_distance.hpp"
 #include "host/physics/contact/candidates.hpp"
+#include "host/physics/contact/continuous_collision.hpp"
 
 namespace pvg {
 namespace {
@@ -475,6 +476,41 @@ TEST(Candidates, WithoutWaitingTheyAreTheSame) {
   }
   EXPECT_GT(n_fitting, 1);
   EXPECT_GT(n_lacking, 0);
+}
+
+// One launch does both: what it says of the lists and of each pair is what two launches say.
+TEST(Candidates, CheckedAndCertifiedInOneLaunchTheyAreTheSame) {
+  Device device;
+  constexpr double MARGIN = 0.004;
+  const Soup soup = soup_with_sheets();
+  const std::vector<ContactSettings> settings(soup.mesh.n_worlds, {.activation_distance = ACTIVATION});
+  Candidates candidates(device, soup.mesh, settings, soup.x0, MARGIN, MARGIN);
+  ContinuousCollision collision(device);
+  const Buffer<double> x0 = upload(device, soup.x0);
+  candidates.find(x0, x0);
+  ASSERT_GT(candidates.rows().n(), 2 * GROUP_SIZE);
+  Numbers random(3);
+  for (const double size : {MARGIN / 100, 10 * MARGIN}) {
+    std::vector<Vec3> moved = soup.x0;
+    for (Vec3& point : moved) point += random.vector(size);
+    const Buffer<double> x1 = upload(device, moved);
+    candidates.start_check(x0, x1);
+    const std::vector<double> alone = collision.start(candidates.rows(), x0, x1).read(),
+                              least_alone = collision.of_64().read();
+    const Candidates::Lists lacked = candidates.lacking();
+    EXPECT_EQ(candidates.serve(), size < MARGIN);
+    const auto n_whole = std::ranges::count(alone, 1.0);
+    EXPECT_TRUE(n_whole > 0 && n_whole < std::ptrdiff_t(alone.size())) << n_whole << " of " << alone.size();
+
+    Buffer<double>& steps = collision.steps(candidates.rows().n());
+    steps.write(std::vector<double>(alone.size(), -1));
+    collision.of_64().write(std::vector<double>(least_alone.size(), -1));
+    candidates.defer_check();
+    candidates.start_certify(x0, x1, steps, collision.of_64());
+    EXPECT_EQ(steps.read(), alone);
+    EXPECT_EQ(collision.of_64().read(), least_alone);
+    EXPECT_EQ(candidates.lacking(), lacked);
+  }
 }
 
 }  // namespace
