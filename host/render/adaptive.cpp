@@ -1,6 +1,7 @@
 #include "host/render/adaptive.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace pvg {
@@ -26,10 +27,29 @@ void blur(std::vector<float>& values, std::size_t width) {
   for (std::size_t x = 0; x < width; ++x) blur(values, x, height, width);
 }
 
-// the count times a power of two that is at most `best`
-std::uint32_t doubled(std::uint32_t count, double best) {
-  while (2.0 * count <= best && count <= MOST / 2) count *= 2;
-  return count;
+// the power of two, at most, that goes into a number; negative below 1
+int whole_doublings(double number) { return int(std::bit_cast<std::uint64_t>(number) >> 52) - 1023; }
+
+// How often each count may be doubled, for one more path of a pixel per root of its variance.
+struct Doublings {
+  std::vector<double> per_factor;  // best count over the present one, for a factor of 1
+  std::vector<std::uint32_t> counts, most;
+
+  std::uint32_t count(std::size_t i, double factor) const {
+    return counts[i] << std::clamp(whole_doublings(factor * per_factor[i]), 0, int(most[i]));
+  }
+};
+
+Doublings make_doublings(const std::vector<float>& variances, const std::vector<std::uint32_t>& counts) {
+  Doublings made{{}, counts, {}};
+  made.per_factor.reserve(counts.size());
+  made.most.reserve(counts.size());
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const double root = std::sqrt(double(variances[i]));
+    made.per_factor.push_back(root > 0 ? root / counts[i] : 0);  // what is not a number shows no noise
+    made.most.push_back(std::uint32_t(std::max(0, whole_doublings(double(MOST) / counts[i]))));
+  }
+  return made;
 }
 
 }  // namespace
@@ -53,22 +73,20 @@ std::vector<float> path_variances(const std::vector<F32x4>& film, const std::vec
 
 std::vector<std::uint32_t> doubled_counts(const std::vector<float>& variances, const std::vector<std::uint32_t>& counts,
                                           std::uint64_t total) {
-  std::vector<double> roots;
-  roots.reserve(variances.size());
-  for (const float variance : variances) roots.push_back(std::sqrt(double(variance)));
-  const auto sum_for = [&](double paths_per_root) {
+  const Doublings doublings = make_doublings(variances, counts);
+  const auto are_few_enough = [&](double factor) {
     std::uint64_t sum = 0;
-    for (std::size_t i = 0; i < counts.size(); ++i) sum += doubled(counts[i], paths_per_root * roots[i]);
-    return sum;
+    for (std::size_t i = 0; i < counts.size() && sum <= total; ++i) sum += doublings.count(i, factor);
+    return sum <= total;
   };
   // the largest factor whose counts are few enough, to a hundredth
   double low = 1e-6, high = 1e12;
   while (high > 1.01 * low) {
     const double middle = std::sqrt(low * high);
-    (sum_for(middle) <= total ? low : high) = middle;
+    (are_few_enough(middle) ? low : high) = middle;
   }
   std::vector<std::uint32_t> result(counts.size());
-  for (std::size_t i = 0; i < counts.size(); ++i) result[i] = doubled(counts[i], low * roots[i]);
+  for (std::size_t i = 0; i < counts.size(); ++i) result[i] = doublings.count(i, low);
   return result;
 }
 

@@ -59,14 +59,19 @@ bool take_all(void* library, Interface& f) {
 // comes out twice as bright as it is (2.5.1 on a CPU), others by a fifth too bright or dark. So pictures get a margin
 // that mirrors them, which is cut off again. Sides of whole units need no further one: the network halves them four
 // times.
-constexpr std::uint32_t SIDE_UNIT = 16, MARGIN = 8;
+constexpr std::uint32_t SIDE_UNIT = 16, LEAST_MARGIN = 4;
 
-std::uint32_t with_margins(std::uint32_t side) { return (side + 2 * MARGIN + SIDE_UNIT - 1) / SIDE_UNIT * SIDE_UNIT; }
+std::uint32_t with_margins(std::uint32_t side) {
+  return (side + 2 * LEAST_MARGIN + SIDE_UNIT - 1) / SIDE_UNIT * SIDE_UNIT;
+}
+
+// before the first pixel
+std::uint32_t margin(std::uint32_t side) { return (with_margins(side) - side) / 2; }
 
 // the pixel of a picture that one of the larger picture stands for
 std::uint32_t mirrored(std::uint32_t at, std::uint32_t side) {
   const std::uint32_t period = std::max(1u, 2 * (side - 1));
-  const std::uint32_t folded = (at + MARGIN * period - MARGIN) % period;
+  const std::uint32_t folded = (at + (period - 1) * margin(side)) % period;
   return folded < side ? folded : period - folded;
 }
 
@@ -85,8 +90,9 @@ std::vector<float> enlarged(const std::vector<float>& picture, std::uint32_t wid
 std::vector<float> without_margins(const std::vector<float>& larger, std::uint32_t width, std::uint32_t height) {
   std::vector<float> picture;
   picture.reserve(std::size_t(3) * width * height);
-  for (std::uint32_t y = MARGIN; y < height + MARGIN; ++y) {
-    const auto row = larger.begin() + std::ptrdiff_t(3) * (std::ptrdiff_t(y) * with_margins(width) + MARGIN);
+  for (std::uint32_t y = 0; y < height; ++y) {
+    const std::uint32_t first = (y + margin(height)) * with_margins(width) + margin(width);
+    const auto row = larger.begin() + std::ptrdiff_t(3) * std::ptrdiff_t(first);
     picture.insert(picture.end(), row, row + 3 * std::ptrdiff_t(width));
   }
   return picture;

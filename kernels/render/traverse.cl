@@ -309,8 +309,9 @@ ALWAYS_INLINE void closest_hit(const Trees trees, const float3 origin, const flo
       closest_in_block(trees.blocks + (size_t)(~first) * 10, leaf, i, hit);
       continue;
     }
-    const BoxRay box = is_moved ? make_box_ray(o, d) : world;
-    const float4 found = closest_in_mesh(trees, &box, leaf, first, hit->t);
+    BoxRay moved;
+    if (is_moved) moved = make_box_ray(o, d);
+    const float4 found = closest_in_mesh(trees, is_moved ? &moved : &world, leaf, first, hit->t);
     if (!(found.x < hit->t)) continue;
     hit->t = found.x;
     hit->u = found.y;
