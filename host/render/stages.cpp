@@ -128,8 +128,9 @@ std::uint64_t Stages::trace(const Launch& launch, const Buffer<std::uint32_t>& p
     if (scene.has_cutouts) pass_holes(n, depth, scene);
     if (depth == 0) shade_receivers(n, launch, scene);
     shade(n, launch, depth, scene);
-    if (launch.n_lights > 0 && scene.has_cutouts) shadow_holes(n, scene);
-    if (launch.n_lights > 0) shadow(n, launch, scene);
+    // without lamps too: a receiver's ambient share comes from all around
+    if (scene.has_cutouts) shadow_holes(n, scene);
+    shadow(n, launch, scene);
     n = compact(n);
   }
   kernels_.accumulate(launch.n_pixels, launch.n_pixels, launch, pixels, radiance_, film.sum, film.squares,

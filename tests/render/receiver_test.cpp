@@ -139,12 +139,15 @@ TEST_F(Receiver, WallHidesItsShareOfTheSky) {
   EXPECT_NEAR(V.value, 0.8 * (1 - HIDDEN_BY_WALL), 4 * V.sigma + 1e-3);
 }
 
-// Half of the light is ambient, half is that of a lamp which the wall does not hide.
+// Half of the light is ambient, half is that of a lamp which the wall does not hide, or of none.
 TEST_F(Receiver, AmbientShareIsHiddenAsAnEvenSkyIs) {
-  Scene scene = floor_and_light(1);
-  scene.materials[0].ambient = 0.5f;
-  const Mean V = beside_a_wall(scene);
-  EXPECT_NEAR(V.value, 0.8 * (1 - 0.5 * HIDDEN_BY_WALL), 4 * V.sigma + 1e-4);
+  for (const bool has_lamp : {true, false}) {
+    Scene scene = floor_and_light(1);
+    if (!has_lamp) scene.lights.clear();
+    scene.materials[0].ambient = 0.5f;
+    const Mean V = beside_a_wall(scene);
+    EXPECT_NEAR(V.value, 0.8 * (1 - 0.5 * HIDDEN_BY_WALL), 4 * V.sigma + 1e-4) << has_lamp;
+  }
 }
 
 // A small lamp 2 m above that brings as much as the even sky, pi, and a plate below the lamp: half of the light is
