@@ -172,6 +172,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ServeError as error:
         print(f"phyvisgen: {error}", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print("phyvisgen: stopped; an evaluation keeps nothing, the same command begins again", file=sys.stderr)
+        return 75
 
 
 def _run(words: argparse.Namespace, server: Server, perturbed: list[Perturbed]) -> int:

@@ -39,6 +39,12 @@ class WrongInput(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "states.h5 is not there or no HDF5 file"):
                 phyvisgen.records.Episode(folder)
 
+    def test_ctrl_c_is_one_sentence(self):
+        told = io.StringIO()
+        with patch.object(evaluate, "_server", side_effect=KeyboardInterrupt), redirect_stderr(told):
+            self.assertEqual(evaluate.main(["push.yaml", "--policy", "blind"]), 75)
+        self.assertRegex(told.getvalue(), "^phyvisgen: stopped.*\n$")
+
     def test_a_wrong_option_is_one_sentence(self):
         for words, said in (
             (["push.yaml", "--policy", "blind", "-n", "0"], "whole number from 1, but is `0`"),
