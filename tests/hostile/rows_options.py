@@ -76,6 +76,10 @@ for command, nearest in (("generate task.yaml -o o --episode 3", "--episodes"), 
                          ("bench physics --repeat 2", "--repeats")):
     row("an option with a slip", command, N, f"no option --.*{nearest}")
 row("a word too many", "generate a.yaml b.yaml -o o", N, "`b.yaml`.*too many")
+for worlds in ("many", "0", "-1", "1025"):
+    row(f"the worlds `{worlds}`", f"generate task.yaml -o o --worlds={worlds}", N, f"--worlds {worlds}", needs="task")
+row("a video of an odd width", "generate task.yaml -o o --width 63", N, "front.*--width.*even.*63", needs="task")
+row("a rendered video of an odd height", "render shown.yaml -o v.mp4 --height 31", N, "-o v.mp4, camera front.*even.*31", needs="shown")
 for command, what in (("generate", "task file"), ("simulate", "scene file"), ("render", "scene"), ("pack", "DIR|set|folder"),
                       ("merge", "folders"), ("status", "folder|DIR"), ("submit", "task file"), ("evaluate", "folder|SET"),
                       ("view", "folder|DIR"), ("diagnose", "recording"), ("calibrate lut", "--render")):
