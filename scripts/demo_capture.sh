@@ -5,7 +5,11 @@
 set -eu
 cd "$(dirname "$0")/.."
 program=build/bin/phyvisgen
+[ -x "$program" ] || { echo "demo_capture: there is no $program; scripts/build.sh makes it" >&2; exit 2; }
 frames=${1:-}
+case $frames in
+  -*) echo "demo_capture: the first word is a folder of frames, synthetic, or nothing" >&2; exit 2 ;;
+esac
 if [ -z "$frames" ] || [ "$frames" = synthetic ]; then
   frames=out/synthetic_frames
   scripts/python_env.sh capture numpy h5py

@@ -5,7 +5,11 @@
 set -eu
 cd "$(dirname "$0")/.."
 program=build/bin/phyvisgen
+[ -x "$program" ] || { echo "demo_capture_object: there is no $program; scripts/build.sh makes it" >&2; exit 2; }
 frames=${1:-}
+case $frames in
+  -*) echo "demo_capture_object: the first word is a folder of frames, or nothing" >&2; exit 2 ;;
+esac
 mkdir -p out
 if [ -z "$frames" ]; then
   frames=out/can_frames

@@ -13,10 +13,14 @@ import pathlib
 import shutil
 import struct
 import subprocess
+import sys
 import zlib
 
-import h5py
-import numpy as np
+try:
+    import h5py
+    import numpy as np
+except ModuleNotFoundError as error:
+    sys.exit(f"synthetic_room: {sys.executable} lacks {error.name}; scripts/demo_capture.sh makes .venv-capture, which has it")
 
 # low corner, high corner [m], colour, squares of a pattern [m] or 0
 BOXES = {

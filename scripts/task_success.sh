@@ -12,12 +12,14 @@ while getopts n:s:o:b: option; do
     s) seed=$OPTARG ;;
     o) folder=$OPTARG ;;
     b) program=$OPTARG ;;
-    *) echo "task_success: see the head of this script" >&2; exit 2 ;;
+    *) echo "usage: task_success.sh [-n EPISODES] [-s SEED] [-o FOLDER] [-b PROGRAM] [TASK ...]" >&2; exit 2 ;;
   esac
 done
 shift $((OPTIND - 1))
 [ -x "$program" ] || { echo "task_success: there is no $program; build it with scripts/build.sh" >&2; exit 2; }
 [ $# -gt 0 ] || set -- weigh_beaker place_flask place_dish open_cabinet fold_towel dual_fold_towel
+
+mkdir -p "$(dirname "$folder")" || exit 2
 
 result=0
 for task in "$@"; do

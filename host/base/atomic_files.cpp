@@ -230,6 +230,8 @@ std::size_t remove_leftovers(const fs::path& parent) {
 void make_writable_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
+  std::error_code ignored;
+  if (error && fs::exists(folder, ignored)) throw UsageError("-o " + folder.string() + " is a file; name a folder");
   if (error) throw UsageError("the output folder " + folder.string() + " could not be made: " + error.message());
   const fs::path probe = partial_path(folder / "probe", "");
   const int file = open(probe.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);

@@ -94,7 +94,7 @@ void listen() {
   }
   // a launch on the device cannot be taken back: who waits for a long one does not come to look at the flag
   std::fprintf(stderr,
-               "phyvisgen: stopped in the middle of a step; what was finished stays, the same command continues\n");
+               "phyvisgen: stopped in the middle of a step; what was finished stays, give the same command again\n");
   _exit(TRY_AGAIN);
 }
 

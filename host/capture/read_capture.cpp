@@ -77,7 +77,9 @@ void tell_left_out(const fs::path& folder, const Capture& capture) {
 }  // namespace
 
 Capture read_capture(const fs::path& folder, double depth_unit) {
-  if (!fs::is_directory(folder)) throw UsageError(folder.string() + " is no folder; `capture room` reads a folder");
+  if (!fs::exists(folder)) throw UsageError(folder.string() + ": there is no such folder of frames or mesh");
+  if (!fs::is_directory(folder))
+    throw UsageError(folder.string() + " is neither a folder of frames nor a mesh (.glb, .gltf, .ply, .obj)");
   for (const Layout& layout : LAYOUTS) {
     if (!layout.is_it(folder)) continue;
     Capture capture = layout.read(folder);

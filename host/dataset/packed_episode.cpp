@@ -223,14 +223,15 @@ fs::path start_video(const fs::path& folder, const std::string& camera) { return
 
 bool has_packed_start_of_states(const fs::path& folder) { return StatesRecord(folder / "states.h5").has_start(); }
 
+// What lacks pictures, or a camera that is asked for, lacks no start: reading it says what is missing.
 bool has_packed_start(const fs::path& folder, const std::vector<std::string>& cameras) {
-  std::vector<std::string> names = cameras;
-  if (names.empty())
-    for (const SummaryCamera& camera : read_summary_pictures(folder / "summary.json").cameras)
-      names.push_back(camera.name);
-  return std::all_of(names.begin(), names.end(),
-                     [&](const std::string& name) { return fs::is_regular_file(start_video(folder, name)); }) &&
-         has_packed_start_of_states(folder);
+  const StatesRecord record(folder / "states.h5");
+  if (!record.has_start() || record.filmed_steps().empty()) return record.has_start();
+  const std::vector<SummaryCamera> there = read_summary_pictures(folder / "summary.json").cameras;
+  return std::all_of(there.begin(), there.end(), [&](const SummaryCamera& camera) {
+    const bool is_asked = cameras.empty() || std::find(cameras.begin(), cameras.end(), camera.name) != cameras.end();
+    return !is_asked || fs::is_regular_file(start_video(folder, camera.name));
+  });
 }
 
 PackedEpisode read_packed_episode(const fs::path& folder, const std::vector<std::string>& cameras, bool has_start) {

@@ -186,6 +186,7 @@ RawMesh import(const fs::path& file) {
     std::string reason = importer.GetErrorString();
     if (reason.find("std::") != std::string::npos || reason.find("bad_alloc") != std::string::npos)
       reason = "it claims more vertices or triangles than it can hold; export it again";
+    while (reason.ends_with('.')) reason.pop_back();
     throw UsageError(file.string() + ": cannot be read as a mesh: " + reason + ".");
   }
   Joined joined;

@@ -41,11 +41,15 @@ std::filesystem::path find_program(const std::string& program, const std::string
   throw UsageError("the program " + program + " was not found on PATH; install it (Debian package " + package + ")");
 }
 
+void check_video_size(const std::string& what, int width, int height) {
+  if (width <= 0 || height <= 0 || width % 2 || height % 2)
+    throw UsageError(what + ": a video needs an even width and height, not " + std::to_string(width) + " x " +
+                     std::to_string(height));
+}
+
 VideoWriter::VideoWriter(const std::filesystem::path& path, int width, int height, double rate)
     : path_(path), frame_bytes_(std::size_t(width) * std::size_t(height) * 3) {
-  if (width <= 0 || height <= 0 || width % 2 || height % 2)
-    throw UsageError(path.string() + ": a video needs an even width and height, not " + std::to_string(width) + " x " +
-                     std::to_string(height));
+  check_video_size(path.string(), width, height);
   if (!(rate > 0)) throw UsageError(path.string() + ": a video needs a positive rate of frames");
   ffmpeg_ = std::make_unique<ProgramPipe>(find_program("ffmpeg", "ffmpeg"), ffmpeg_arguments(path, width, height, rate),
                                           ProgramPipe::Direction::to_program, path.string() + ": ffmpeg");

@@ -16,9 +16,12 @@ class ProgramPipe;
 // Path of a program on PATH, or a UsageError that says which Debian package has it.
 std::filesystem::path find_program(const std::string& program, const std::string& package);
 
+// A UsageError about `what` unless width and height are even, which the colour format asks for.
+void check_video_size(const std::string& what, int width, int height);
+
 class VideoWriter {
  public:
-  // rate [frames/s]; width and height must be even, which the colour format asks for
+  // rate [frames/s]; width and height as check_video_size wants them
   VideoWriter(const std::filesystem::path& path, int width, int height, double rate);
   ~VideoWriter();  // without finish(): what was begun is stopped and is no video
   VideoWriter(const VideoWriter&) = delete;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <new>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "host/base/error.hpp"
@@ -51,6 +52,34 @@ std::vector<std::string> names_in(const CLI::App& app) {
   return names;
 }
 
+std::string joined(const std::vector<std::string>& words) {
+  std::string all;
+  for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
+  return all;
+}
+
+// The command that the words named, and how it is called: "phyvisgen bench physics".
+std::pair<const CLI::App*, std::string> named_command(const CLI::App& program) {
+  std::pair<const CLI::App*, std::string> named(&program, program.get_name());
+  while (!named.first->get_subcommands().empty()) {
+    named.first = named.first->get_subcommands().front();
+    named.second += " " + named.first->get_name();
+  }
+  return named;
+}
+
+// Of words that no option and no place takes.
+std::string sentence_on_extra(const CLI::App& command, const std::string& name, std::string word) {
+  const std::string help = " `" + name + " --help` lists what there is";
+  if (!word.starts_with("-")) return "`" + word + "` is a word too many for `" + name + "`;" + help;
+  word = word.substr(0, word.find('='));
+  std::vector<std::string> options;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& each : option->get_lnames()) options.push_back(each);
+  const std::string nearest = nearest_word(word.substr(word.find_first_not_of('-')), options);
+  return "`" + name + "` has no option " + word + (nearest.empty() ? ";" : "; did you mean --" + nearest + "?") + help;
+}
+
 }  // namespace
 
 void make_numbers_strict(CLI::App& program) { make_strict(program); }
@@ -63,15 +92,24 @@ void check_command_names(const CLI::App& program, const std::vector<std::string>
     if (word.starts_with('-')) return;
     const std::vector<std::string> names = names_in(*app);
     if (std::find(names.begin(), names.end(), word) == names.end()) {
-      std::string all;
-      for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
       const std::string nearest = nearest_word(word, names);
       throw UsageError("there is no command `" + said + word + "`" +
-                       (nearest.empty() ? "" : "; did you mean `" + nearest + "`?") + " The commands are: " + all);
+                       (nearest.empty() ? "; the" : "; did you mean `" + nearest + "`? The") +
+                       " commands are: " + joined(names));
     }
     said += word + " ";
     app = app->get_subcommand(word);
   }
+}
+
+std::string sentence_of(const CLI::App& program, const CLI::ParseError& error) {
+  const auto [command, name] = named_command(program);
+  const std::vector<std::string> extra = program.remaining(true);
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) && !extra.empty())
+    return sentence_on_extra(*command, name, extra.front());
+  if (dynamic_cast<const CLI::RequiredError*>(&error) && command->get_require_subcommand_min() > 0)
+    return "`" + name + "` needs a command: " + joined(names_in(*command)) + " (--help says what each does)";
+  return std::string(error.what()) + " (--help shows how)";
 }
 
 std::string sentence_of(const std::exception& error) {

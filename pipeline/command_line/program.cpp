@@ -42,7 +42,7 @@ void run_command_line(std::span<const AddCommand> commands, const std::vector<st
   } catch (const CLI::Success& help) {
     program.exit(help);
   } catch (const CLI::ParseError& error) {
-    throw UsageError(std::string(error.what()) + " (--help shows how)");
+    throw UsageError(sentence_of(program, error));
   }
 }
 

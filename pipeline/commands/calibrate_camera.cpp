@@ -209,11 +209,15 @@ void add_calibrate_camera(CLI::App& program) {
   command->add_option("photos", o.photos, "Photos of the board from all sides, or folders of them");
   command->add_option("-o,--output", o.output,
                       "Camera file to write (.yaml); beside it a plot of the residuals (.svg)");
-  command->add_option("--board", o.board, "KIND,COLUMNSxROWS,SQUARE[,TAG] in mm; KIND: charuco, chessboard or tags");
+  command->add_option("--board", o.board, "KIND,COLUMNSxROWS,SQUARE[,TAG] in mm; KIND: charuco, chessboard or tags")
+      ->capture_default_str();
   command->add_option("--print", o.print, "Write the board as SVG in true size");
-  command->add_option("--model", o.model, "Of the lens")->check(CLI::IsMember({"pinhole", "fisheye"}));
+  command->add_option("--model", o.model, "Of the lens")
+      ->check(CLI::IsMember({"pinhole", "fisheye"}))
+      ->capture_default_str();
   command->add_option("--distortion", o.distortion, "Numbers of OpenCV's distortion of a pinhole camera")
-      ->check(CLI::IsMember({0, 4, 5, 8}));
+      ->check(CLI::IsMember({0, 4, 5, 8}))
+      ->capture_default_str();
   command->add_flag("--json", o.as_json, "Print JSON");
   command->footer(
       "Examples:\n  phyvisgen calibrate camera --board charuco,7x5,30,22 --print board.svg\n"

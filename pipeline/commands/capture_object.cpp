@@ -196,8 +196,11 @@ void add_capture_object(CLI::App& program) {
       ->add_option("--wall", o.wall,
                    "Of a profile that ends at the rim, and of --masks: thickness of wall and floor [mm]")
       ->check(CLI::Range(1e-3, 1e3));
-  command->add_option("--scale", o.scale, "Metres per unit of the file, such as 0.001")->check(CLI::Range(1e-6, 1e6));
-  command->add_option("--density", o.density, "[kg/m^3]")->check(CLI::Range(1e-3, 1e5));
+  command->add_option("--scale", o.scale, "Metres per unit of the file, such as 0.001")
+      ->check(CLI::Range(1e-6, 1e6))
+      ->capture_default_str();
+  command->add_option("--density", o.density, "[kg/m^3]; 1000 where neither it nor --mass is given")
+      ->check(CLI::Range(1e-3, 1e5));
   command->add_option("--mass", o.mass, "[kg], instead of the density")->check(CLI::Range(1e-9, 1e6));
   command->add_option("--detail", o.detail, "Finest detail of the wrap [mm]; else a hundredth of the size")
       ->check(CLI::Range(1e-3, 1e4));
@@ -205,15 +208,19 @@ void add_capture_object(CLI::App& program) {
       ->check(CLI::Range(1e-3, 1e4));
   command->add_option("--error", o.error, "Most that simplification moves the surface [mm]; else two details")
       ->check(CLI::Range(1e-3, 1e4));
-  command->add_option("--triangles", o.triangles, "Of the simulation mesh, where the error allows");
+  command->add_option("--triangles", o.triangles, "Of the simulation mesh, where the error allows")
+      ->capture_default_str();
   command->add_flag("--wrap", o.wraps, "Wrap also a source that is closed and does not intersect itself");
   command->add_flag("--soft", o.is_soft,
                     "Also tetrahedra by TetGen: tetrahedra.msh, and object.yaml becomes a soft body of a scene");
   command->add_flag("--parts", o.has_parts,
                     "One part for each name of the nodes of a glTF file: part_NAME.obj, part_NAME.glb");
-  command->add_option("--voxel", o.voxel, "Of a folder: distance of samples [mm]")->check(CLI::Range(0.2, 50.0));
+  command->add_option("--voxel", o.voxel, "Of a folder: distance of samples [mm]")
+      ->check(CLI::Range(0.2, 50.0))
+      ->capture_default_str();
   command->add_option("--max-depth", o.max_depth, "Of a folder: farther depths are left out [m]")
-      ->check(CLI::Range(0.2, 100.0));
+      ->check(CLI::Range(0.2, 100.0))
+      ->capture_default_str();
   command
       ->add_option("--depth-unit", o.depth_unit, "Of a folder: metres per unit of the depth files; else the layout's")
       ->check(CLI::Range(1e-6, 10.0));

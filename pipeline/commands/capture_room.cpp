@@ -239,15 +239,23 @@ void add_capture_room(CLI::App& program) {
       "or a mesh in metres: .glb, .gltf, .ply, .obj");
   command->add_option("-o,--output", o.output,
                       "Folder to write: room.glb, room.yaml, plane_N.obj, report.json, poses.csv, surface.obj");
-  command->add_option("--voxel", o.voxel, "Distance of samples [mm]")->check(CLI::Range(0.2, 200.0));
-  command->add_option("--max-depth", o.max_depth, "Farther depths are left out [m]")->check(CLI::Range(0.2, 100.0));
+  command->add_option("--voxel", o.voxel, "Distance of samples [mm]")
+      ->check(CLI::Range(0.2, 200.0))
+      ->capture_default_str();
+  command->add_option("--max-depth", o.max_depth, "Farther depths are left out [m]")
+      ->check(CLI::Range(0.2, 100.0))
+      ->capture_default_str();
   command->add_option("--depth-unit", o.depth_unit, "Metres per unit of the depth files; else the layout's")
       ->check(CLI::Range(1e-6, 10.0));
   command->add_option("--noise", o.noise, "Of the depth sensor, as a factor of the first Kinect's")
-      ->check(CLI::Range(0.01, 100.0));
-  command->add_option("--memory", o.memory, "Most device memory for voxels [MiB]")->check(CLI::Range(16.0, 1e6));
+      ->check(CLI::Range(0.01, 100.0))
+      ->capture_default_str();
+  command->add_option("--memory", o.memory, "Most device memory for voxels [MiB]")
+      ->check(CLI::Range(16.0, 1e6))
+      ->capture_default_str();
   command->add_option("--least-piece", o.least_piece, "Smaller loose pieces are removed [m^2]")
-      ->check(CLI::Range(0.0, 100.0));
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
   command->add_option("--triangles", o.triangles, "Simplify to about so many");
   command->add_option("--hold-out", o.hold_out, "Leave every N-th frame out and measure the room by it")
       ->check(CLI::Range(0, 1000));
@@ -262,10 +270,15 @@ void add_capture_room(CLI::App& program) {
       ->add_option("--contact", o.contact,
                    "Make the surface within this distance of the origin a solid [m], for `contact: surface` of a task")
       ->check(CLI::Range(0.01, 100.0));
-  command->add_option("--detail", o.detail, "Of that solid: finest detail [mm]")->check(CLI::Range(0.1, 1000.0));
+  command->add_option("--detail", o.detail, "Of that solid: finest detail [mm]")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
   command->add_option("--up", o.up, "Of a mesh: the axis that points up, after glTF's y up became z up")
-      ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}));
-  command->add_option("--scale", o.scale, "Of a mesh: metres per unit of the file")->check(CLI::Range(1e-6, 1e6));
+      ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}))
+      ->capture_default_str();
+  command->add_option("--scale", o.scale, "Of a mesh: metres per unit of the file")
+      ->check(CLI::Range(1e-6, 1e6))
+      ->capture_default_str();
   command->add_flag("--keep-frame", o.keeps_frame, "Keep the capture's frame instead of z up");
   command->add_flag("--leave-holes", o.leaves_holes, "Guess no background where photos look and no depth was measured");
   command->add_flag("--texture", o.has_texture,
@@ -276,9 +289,11 @@ void add_capture_room(CLI::App& program) {
       ->add_option("--pose-sigma", o.pose_sigma,
                    "Standard deviation of the given poses [mm], as much at 1 m by rotation; for --refine-poses")
       ->check(CLI::Range(0.1, 200.0))
+      ->capture_default_str()
       ->needs(refines);
   command->add_option("--align-colors", o.align, "Estimate the colour camera's place beside the depth camera")
-      ->check(CLI::IsMember({"auto", "yes", "no"}));
+      ->check(CLI::IsMember({"auto", "yes", "no"}))
+      ->capture_default_str();
   command->add_option("--device", o.device, "OpenCL device: an index, part of its name, cpu or gpu");
   command->add_flag("--json", o.as_json, "Print the report as JSON");
   command->footer(

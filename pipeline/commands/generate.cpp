@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -65,6 +66,13 @@ void check_cameras(const std::vector<std::string>& cameras, const Task& task) {
       throw UsageError("--camera " + name + " is no camera of " + task.file.string());
 }
 
+// Before anything is simulated: the videos come last.
+void check_sizes(const std::vector<std::string>& cameras, const Task& task) {
+  for (const CameraSection& camera : task.cameras)
+    if (cameras.empty() || std::find(cameras.begin(), cameras.end(), camera.name) != cameras.end())
+      check_video_size("camera " + camera.name + " (--width, --height)", camera.width, camera.height);
+}
+
 // each behind a blank
 std::string names_of(const std::vector<std::string>& cameras) {
   std::string text;
@@ -109,16 +117,22 @@ void remove_empty(const EpisodeSet& set) {
   fs::remove(set.folder, ignored);
 }
 
-// How many episodes are simulated at the same time.
-std::size_t n_worlds(const GenerateOptions& options, const Task& task, Device& physics, std::uint64_t first) {
+// Of --worlds; none: automatic.
+std::optional<std::size_t> parse_worlds(const std::string& text) {
   std::size_t n = 0;
-  const char *begin = options.worlds.data(), *end = begin + options.worlds.size();
-  if (const auto parsed = std::from_chars(begin, end, n);
+  const char* end = text.data() + text.size();
+  if (const auto parsed = std::from_chars(text.data(), end, n);
       parsed.ec == std::errc() && parsed.ptr == end && n >= 1 && n <= MOST_WORLDS)
     return n;
-  if (options.worlds != "automatic")
-    throw UsageError("--worlds " + options.worlds + " is neither automatic nor a number from 1 to " +
+  if (text != "automatic")
+    throw UsageError("--worlds " + text + " is neither automatic nor a number from 1 to " +
                      std::to_string(MOST_WORLDS));
+  return {};
+}
+
+// How many episodes are simulated at the same time.
+std::size_t n_worlds(const GenerateOptions& options, const Task& task, Device& physics, std::uint64_t first) {
+  if (const auto given = parse_worlds(options.worlds)) return *given;
   // rendering fills a device by itself
   if (!options.no_render) return 1;
   try {
@@ -164,6 +178,7 @@ void run_generate(const GenerateOptions& options) {
     throw UsageError("--seed " + std::to_string(options.seed) +
                      " belongs to evaluation: seeds from 2^63 on are none of a training set");
   const Shard shard = parse_shard(options.shard);
+  parse_worlds(options.worlds);  // before there is a folder
   const std::atomic<bool>& stop = stop_on_signals();
   Task task = load_task(options.task);
   apply(options.pictures, task);
@@ -172,7 +187,10 @@ void run_generate(const GenerateOptions& options) {
     throw UsageError("--no-render leaves out the cameras that --camera names; give one of the two");
   check_cameras(options.cameras, task);
   // what would only show after minutes of simulation
-  if (!options.no_render) find_program("ffmpeg", "ffmpeg");
+  if (!options.no_render) {
+    find_program("ffmpeg", "ffmpeg");
+    check_sizes(options.cameras, task);
+  }
   try {
     steps_per_frame(task.render.frames_per_second, task.solver.time_step);
   } catch (const UsageError& error) {
@@ -230,8 +248,9 @@ void add_generate(CLI::App& program) {
       ->allow_extra_args(false);
   command->add_option("--width", o.pictures.width, "Width of all pictures [pixels]")->check(CLI::Range(2, 16384));
   command->add_option("--height", o.pictures.height, "Height of all pictures [pixels]")->check(CLI::Range(2, 16384));
-  command->add_option("--samples", o.pictures.samples, "Paths per pixel")->check(CLI::Range(1, 1 << 20));
-  command->add_option("--fps", o.pictures.frames_per_second, "Frames per second of motion")
+  command->add_option("--samples", o.pictures.samples, "Paths per pixel; else what the task says")
+      ->check(CLI::Range(1, 1 << 20));
+  command->add_option("--fps", o.pictures.frames_per_second, "Frames per second of motion; else what the task says")
       ->check(CLI::Range(0.01, 1000.0));
   command->add_option("--frames-under-way", o.frames_under_way, "Frames in the stage graph at once")
       ->check(CLI::Range(1, 64))

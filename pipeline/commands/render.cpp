@@ -116,6 +116,17 @@ class PictureOutput {
                        " cameras; choose one with --camera");
   }
 
+  void check_size(const Camera& camera) const {
+    if (target_ == Target::video)
+      check_video_size("-o " + output_.string() + ", camera " + camera.name, camera.width, camera.height);
+  }
+
+  // What there is of `done` of `all` pictures when the work was stopped.
+  std::string stopped(std::size_t done, std::size_t all) const {
+    return "stopped after " + std::to_string(done) + " of " + std::to_string(all) + " pictures; " +
+           (target_ == Target::folder ? "those are complete" : output_.string() + " was not written");
+  }
+
   void add(const MotionPicture& picture, const std::string& camera) {
     if (target_ == Target::picture) return write_picture(output_, picture);
     if (target_ == Target::folder) {
@@ -197,6 +208,7 @@ void render_frames(const RenderOptions& options, const ShownScene& shown, const 
   const std::size_t n = settings.cameras.size() * (range.end - range.begin);
   PictureOutput pictures(options, rate);
   pictures.check(settings.cameras.size(), range.end - range.begin);
+  for (const int camera : settings.cameras) pictures.check_size(scene.cameras[std::size_t(camera)]);
   const fs::path lut_file = options.lut.empty() ? shown.render.lut : fs::path(options.lut);
   if (!lut_file.empty()) settings.lut = read_lut(lut_file);
   const fs::path output(options.output),
@@ -220,7 +232,7 @@ void render_frames(const RenderOptions& options, const ShownScene& shown, const 
   try {
     render_motion(device, scene, frames, settings, write, stop);
   } catch (const TryAgain&) {
-    throw TryAgain("stopped after " + std::to_string(done) + " pictures; those are complete");
+    throw TryAgain(pictures.stopped(done, n));
   }
   pictures.finish();
   for (auto& [camera, truth] : truths) truth.finish();
@@ -265,7 +277,10 @@ void add_render(CLI::App& program) {
   command->add_option("--width", o.width, "Of all pictures [pixels]; the field of view stays")
       ->check(CLI::Range(2, 16384));
   command->add_option("--height", o.height, "Of all pictures [pixels]")->check(CLI::Range(2, 16384));
-  command->add_option("--fps", o.frames_per_second, "Pictures per second of motion")->check(CLI::Range(0.01, 1000.0));
+  command
+      ->add_option("--fps", o.frames_per_second,
+                   "Pictures per second of motion; else what the task says, 25 of a scene")
+      ->check(CLI::Range(0.01, 1000.0));
   command->add_option("--seed", o.seed, "Of the pictures' noise");
   command->add_option("--lut", o.lut, "Lookup table of `calibrate lut` (.csv); else what the file says");
   command->add_flag("--adaptive", o.is_adaptive,

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -51,6 +52,25 @@ class OpenFile {
   int file_;
 };
 
+// A socket that nobody listens to any more: its server was ended by a signal.
+bool is_left_over(const sockaddr_un& address) {
+  std::error_code ignored;
+  if (!std::filesystem::is_socket(address.sun_path, ignored)) return false;
+  const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  const bool refused =
+      connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 && errno == ECONNREFUSED;
+  close(probe);
+  return refused;
+}
+
+// What to do about a path that is taken.
+std::string hint(const std::string& path, int error) {
+  if (error != EADDRINUSE) return "";
+  std::error_code ignored;
+  return std::filesystem::is_socket(path, ignored) ? ": another server listens there; choose another name"
+                                                   : ": it is another file; choose another name";
+}
+
 // The socket that waits for clients; gone with its path at the end.
 class Listener {
  public:
@@ -61,9 +81,9 @@ class Listener {
       throw UsageError("--socket " + path + " is longer than the " + std::to_string(sizeof address.sun_path - 1) +
                        " bytes that a socket's path may have");
     path.copy(address.sun_path, path.size());
+    if (is_left_over(address)) unlink(path.c_str());
     if (bind(file_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 || listen(file_, 1) != 0)
-      throw UsageError("--socket " + path + " cannot be made: " + std::strerror(errno) +
-                       (errno == EADDRINUSE ? "; remove it where no server uses it any more" : ""));
+      throw UsageError("--socket " + path + " cannot be made: " + std::strerror(errno) + hint(path, errno));
   }
   ~Listener() { unlink(path_.c_str()); }
   int next_client() const {
@@ -186,7 +206,8 @@ void add_serve(CLI::App& program) {
                       "The one that renders, if another; where neither is named: a second GPU of the same kind");
   command->add_option("--width", o.pictures.width, "Width of all pictures [pixels]")->check(CLI::Range(2, 16384));
   command->add_option("--height", o.pictures.height, "Height of all pictures [pixels]")->check(CLI::Range(2, 16384));
-  command->add_option("--samples", o.pictures.samples, "Paths per pixel")->check(CLI::Range(1, 1 << 20));
+  command->add_option("--samples", o.pictures.samples, "Paths per pixel; else what the task says")
+      ->check(CLI::Range(1, 1 << 20));
   command->add_option("--fps", o.pictures.frames_per_second, "Actions per second, as frames of `generate`")
       ->check(CLI::Range(0.01, 1000.0));
   command->add_option("--worlds", o.n_worlds, "So many episodes of the task, which step together in one solve")

@@ -147,7 +147,8 @@ void add_submit(CLI::App& program) {
   SubmitOptions& o = options_of_command(*command, run_submit);
   command->add_option("TASK", o.task, "Task file (YAML)");
   command->add_option("-n,--episodes", o.n_episodes, "How many episodes the set has")
-      ->check(CLI::Range(std::uint64_t(1), MOST_EPISODES));
+      ->check(CLI::Range(std::uint64_t(1), MOST_EPISODES))
+      ->capture_default_str();
   command->add_option("--shards", o.n_shards, "Into how many jobs it is split")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();

@@ -8,6 +8,8 @@ The truth comes from the models beside this script (no line shared with the simu
 set so that what it changes over the fitted runs, beyond what other starts would, is 3, 10 or 30 times the sensor's
 noise (root mean square). The sensor adds white noise, jitter of the clock and dropouts. Same seed, same files.
 """
+import needed_packages  # first: it says what is missing
+
 import argparse
 import copy
 import itertools

@@ -9,6 +9,8 @@ Same seed, same files. The truth comes from scenario_models.py, which shares no 
 until what it changes, beyond what other starts would, is 3, 10 or 30 times the noise (root mean square), in the fitted runs or in
 the held-out one, whichever is less.
 """
+import needed_packages  # first: it says what is missing
+
 import argparse
 import copy
 import json

@@ -3,6 +3,11 @@
 # it is. Takes some minutes; not part of test.sh. Arguments: a new folder; lerobot (3.0, default) or lerobot2 (2.1).
 set -eu
 cd "$(dirname "$0")/../.."
+case "${1:--}:${2:-lerobot}" in
+  -*) echo "robot_case: name a new folder and, where you like, lerobot2, such as out/robot_case" >&2; exit 2 ;;
+  *:lerobot | *:lerobot2) ;;
+  *) echo "robot_case: $2 is neither lerobot nor lerobot2" >&2; exit 2 ;;
+esac
 out="$1"
 format="${2:-lerobot}"
 scripts/install_pack.sh

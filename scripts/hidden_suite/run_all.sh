@@ -4,12 +4,19 @@
 # then options of `diagnose`. PROGRAM: another phyvisgen; REPORTS: where the reports go; CASES_AT_ONCE: 2.
 set -eu
 here="$(cd "$(dirname "$0")/../.." && pwd)"
+refuse() {
+  echo "run_all: $1" >&2
+  exit 2
+}
+[ $# -ge 1 ] || refuse "name a folder of cases, such as out/cases, which make_cases.py or new_scenarios.py made"
 suite="$1"
 shift
 program="${PROGRAM:-$here/build/bin/phyvisgen}"
 reports="${REPORTS:-$suite/reports}"
 cases="$suite"
 [ -d "$suite/cases" ] && cases="$suite/cases"
+[ -n "$(find "$cases" -mindepth 2 -maxdepth 2 -name recording.yaml -print -quit 2>/dev/null)" ] ||
+  refuse "$suite holds no CASE/recording.yaml; make_cases.py and new_scenarios.py write some"
 mkdir -p "$reports"
 [ -e "$reports/commit" ] || git -C "$here" describe --always --dirty > "$reports/commit"
 export program reports

@@ -9,6 +9,8 @@ Prints a row per case: what was named, what could not be told from it, the motio
 same after it. Names of the same law, or of one that contains it, do not count as confused. A case with a row in OUT/rows is not
 done again. Cases: confused_cases.py.
 """
+import needed_packages  # first: it says what is missing
+
 import argparse
 import json
 import math

@@ -6,7 +6,9 @@ refuse() {
   echo "$table: $1" >&2
   exit 2
 }
-[ $# -ge 1 ] || refuse "name a folder and, where you like, seeds of trainings, such as out/${table%_table} 1 2 3"
+case ${1:--} in
+  -*) refuse "name a folder and, where you like, seeds of trainings, such as out/${table%_table} 1 2 3" ;;
+esac
 mkdir -p "$1"
 folder="$(realpath "$1")" root="$PWD"
 shift

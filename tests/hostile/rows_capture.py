@@ -13,11 +13,11 @@ def capture(name, folder, pattern, *steps, code=N, **more):
 
 
 # ---- what is no capture
-row("a capture that is not there", "capture room nowhere -o room", N, "nowhere is no folder")
-row("a capture that is a file", "capture room file -o room", N, "file is no folder", write("file", "mine"))
+row("a capture that is not there", "capture room nowhere -o room", N, "nowhere: there is no such folder of frames or mesh")
+row("a capture that is a file", "capture room file -o room", N, "file: meshes are read from", write("file", "mine"))
 row("a capture that is empty", "capture room empty -o room", N, "empty is no capture", make_folder("empty"))
 row("a capture of nothing", "capture room", N, "capture room needs")
-row("capture of what", "capture", N, "subcommand.*--help")
+row("capture of what", "capture", N, "needs a command: object, room.*--help")
 row("capture of something else", "capture rooms", N, "rooms.*room")
 row("the room into its capture", "capture room seven -o seven", N, "seven", needs="captures")
 row("the room within its capture", "capture room seven -o seven/room", N, "seven/room", needs="captures")

@@ -12,7 +12,12 @@ row("serve nothing", "serve", N, "task")
 row("serve what is not there", "serve none.yaml", N, "none.yaml")
 row("serve a scene as several worlds", "serve scene.yaml --worlds 2", N, "--worlds is for tasks; .*scene.yaml", needs="scene")
 row("serve a scene with fingers", "serve scene.yaml --gripper rigid", N, "--gripper rigid is for tasks", needs="scene")
-row("serve on a socket that is a file", SERVE + " --socket mine", N, "mine", write("mine", "x"), needs="task")
+row("serve on a socket that is a file", SERVE + " --socket mine", N, "mine.*another file", write("mine", "x"), needs="task")
+row("serve on a socket that a server left", SERVE + " --socket left", DONE, "serves", needs="task", shell="""
+python3 -c 'import socket; socket.socket(socket.AF_UNIX).bind("left")'
+$B serve task.yaml --no-render --socket left 2>err & process=$!
+for i in $(seq 80); do grep -q serves err && break; sleep 0.1; done
+kill -TERM $process; cat err; rm -f left err""", makes=["left", "err"])
 row("serve on a socket in no folder", SERVE + " --socket nowhere/s", N, "nowhere", needs="task")
 row("serve on a socket where nobody may", SERVE + " --socket /proc/s", N, "/proc", needs="task")
 for option, number in (("--width", "1"), ("--height", "99999"), ("--samples", "0"), ("--fps", "nan"), ("--gripper", "wet"), ("--device", "moon"),

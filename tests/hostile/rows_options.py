@@ -72,6 +72,14 @@ row("an unknown command of calibrate", "calibrate table", N, "table.*lut|lut")
 for command in ("generate", "simulate", "render", "pack", "merge", "status", "submit", "evaluate", "validate", "diagnose",
                 "view", "devices", "bench physics", "bench solver", "bench render", "calibrate lut"):
     row("an unknown option", f"{command} --no-such-option", N, "--no-such-option")
+for command, nearest in (("generate task.yaml -o o --episode 3", "--episodes"), ("render shown.yaml -o p.png --sample=4", "--samples"),
+                         ("bench physics --repeat 2", "--repeats")):
+    row("an option with a slip", command, N, f"no option --.*{nearest}")
+row("a word too many", "generate a.yaml b.yaml -o o", N, "`b.yaml`.*too many")
+for worlds in ("many", "0", "-1", "1025"):
+    row(f"the worlds `{worlds}`", f"generate task.yaml -o o --worlds={worlds}", N, f"--worlds {worlds}", needs="task")
+row("a video of an odd width", "generate task.yaml -o o --width 63", N, "front.*--width.*even.*63", needs="task")
+row("a rendered video of an odd height", "render shown.yaml -o v.mp4 --height 31", N, "-o v.mp4, camera front.*even.*31", needs="shown")
 for command, what in (("generate", "task file"), ("simulate", "scene file"), ("render", "scene"), ("pack", "DIR|set|folder"),
                       ("merge", "folders"), ("status", "folder|DIR"), ("submit", "task file"), ("evaluate", "folder|SET"),
                       ("view", "folder|DIR"), ("diagnose", "recording"), ("calibrate lut", "--render")):
@@ -121,7 +129,7 @@ have=$(awk '/MemTotal/ {print $2 * 1024}' /proc/meminfo)
 $B devices --json | tr -d ' ,"' | awk -F: -v have=$have '/^kind:cpu/ {cpu=1} /^memory_bytes/ && cpu {if ($2 > have * 1.01 || $2 < have * 0.05) bad=1; cpu=0} END {print bad ? "wrong" : "all well"}'""")
 
 # ---- serve and evaluate
-row("serve without a task", "serve", N, "needs a task file")
+row("serve without a task", "serve", N, "needs a task or scene file")
 row("a socket whose path is too long", f"serve task.yaml --no-render --socket {'s' * 200}", N, "longer than the 107 bytes",
     needs="task")
 row("a seed that belongs to evaluation", "generate task.yaml --seed 9223372036854775808 -o o", N, "belongs to evaluation",

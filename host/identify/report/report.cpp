@@ -202,7 +202,8 @@ std::string sentence_of(const Diagnosis& d, Verdict verdict) {
   std::string judged = d.floor > 0
                            ? std::string("the held-out error ") + (d.after < d.before ? "falls" : "rises") + " from " +
                                  shown(d.before) + " to " + shown(d.after) + unit + ", noise floor " + shown(d.floor)
-                           : "no run was held out to prove it on";
+                       : d.whole.why_not.empty() ? "no run was held out to prove it on"
+                                                 : d.whole.why_not;
   if (d.floor > 0 && std::isfinite(d.mask_gap_before))
     judged += "; the masks' gap, 1 - mIoU, from " + shown(d.mask_gap_before) + " to " + shown(d.mask_gap_after);
   if (verdict == Verdict::agrees)

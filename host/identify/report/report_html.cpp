@@ -130,6 +130,7 @@ std::string map_html(const Diagnosis& d) {
 }
 
 std::string ranking_html(const Diagnosis& d) {
+  if (d.ranking.empty()) return "<p>No effect was compared to its end.</p>";
   std::string html =
       "<table><tr><th>model</th><th>left-out error, times noise</th><th>probability</th><th>values, one standard "
       "deviation</th></tr>";
@@ -150,6 +151,12 @@ std::string ranking_html(const Diagnosis& d) {
     html += "<tr>" + cell(name) + cell(shown(model.error)) + cell(shown(model.probability)) + cell(values) + "</tr>";
   }
   return html + "</table>";
+}
+
+std::string held_out_text(const Diagnosis& d) {
+  if (!(d.floor > 0)) return "There is no held-out error.";  // why: among the notes and what was left out
+  return "Held-out error " + shown(d.before) + " before, " + shown(d.after) + " after, noise floor " + shown(d.floor) +
+         " " + escaped(d.unit) + "; of the gap " + shown(100 * d.gap_closed) + " % closed.";
 }
 
 std::string list_html(const std::vector<std::string>& items) {
@@ -191,14 +198,14 @@ std::string html_of(const Problem& problem, const Diagnosis& d) {
           map_html(d);
   html += "<h2>What was compared</h2>" + ranking_html(d);
   html += "<h2>What these data cannot tell apart</h2>";
-  if (d.inseparable.empty()) html += "<p>Nothing that came near was left.</p>";
+  if (d.inseparable.empty())
+    html += d.ranking.empty() ? "<p>Unknown: nothing was compared.</p>" : "<p>Nothing that came near was left.</p>";
   for (const std::vector<std::string>& set : d.inseparable) html += list_html(set);
   if (!d.next_experiment.empty())
     html += "<p>An experiment that separates them: " + escaped(d.next_experiment) + ".</p>";
-  html += "<h2>What remains</h2><p>Held-out error " + shown(d.before) + " before, " + shown(d.after) +
-          " after, noise floor " + shown(d.floor) + " " + escaped(d.unit) + "; of the gap " +
-          shown(100 * d.gap_closed) + " % closed. Fitting runs, each left out in turn: " + shown(d.fit_before) +
-          " before, " + shown(d.fit_after) + " after, in units of noise.</p>";
+  html += "<h2>What remains</h2><p>" + held_out_text(d) +
+          " Fitting runs, each left out in turn: " + shown(d.fit_before) + " before, " + shown(d.fit_after) +
+          " after, in units of noise.</p>";
   if (d.whole.is_judged())
     html += "<p>Held-out runs simulated whole from their first state: error " + shown(d.whole.before) + " before, " +
             shown(d.whole.after) + " after, of the gap " +

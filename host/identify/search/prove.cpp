@@ -45,12 +45,17 @@ std::vector<AdjustedNumber> adjusted_of(const Fit& fit) {
   return numbers;
 }
 
+bool any_held_out(const Problem& problem) {
+  return std::any_of(problem.runs.begin(), problem.runs.end(), [](const Run& run) { return run.is_held_out; });
+}
+
 // The named model on whole held-out runs. Where the windows are whole runs already they have shown it.
 WholeRuns prove_on_whole_runs(Workflow& flow, const ChosenWindows& chosen, const HeldOut& judged, const Model& named,
                               bool in_noise) {
   WholeRuns whole;
   if (judged.floor == 0) {
-    whole.why_not = "the held-out runs were not judged";
+    whole.why_not =
+        any_held_out(flow.problem) ? "the held-out runs were not judged" : "no run was held out to prove it on";
     return whole;
   }
   if (chosen.length == 0) {
@@ -144,9 +149,7 @@ Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, con
     selected.inseparable.resize(std::min(selected.inseparable.size(), left));
     selected.error = selected.ranking.front().error;
   }
-  const bool any_held_out =
-      std::any_of(problem.runs.begin(), problem.runs.end(), [](const Run& r) { return r.is_held_out; });
-  if (any_held_out && is_done && judged.floor == 0)
+  if (any_held_out(problem) && is_done && judged.floor == 0)
     flow.notes.push_back("the held-out runs could not be simulated to their end");
   for (const Disturbance& d : judged.disturbed) {
     char text[300];
@@ -158,7 +161,7 @@ Proof prove(Workflow& flow, const ChosenWindows& chosen, Selection selected, con
     flow.notes.push_back(text);
   }
   WholeRuns whole = prove_on_whole_runs(flow, chosen, judged, named.model, unit == "noise");
-  if (any_held_out) flow.notes.push_back(text_of(whole, unit));
+  if (any_held_out(problem)) flow.notes.push_back(judged.floor > 0 ? text_of(whole, unit) : whole.why_not);
   std::vector<NamedEffect> effects = named_of(named);
   std::vector<Curve> curves = std::move(judged.curves);
   const std::vector<Curve> fitted = fitted_curves(flow, chosen, named);

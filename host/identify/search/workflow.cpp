@@ -41,8 +41,8 @@ bool Workflow::has_time(const std::string& something, double expected_seconds, d
 }
 
 void Workflow::note_left_out(const std::string& what) {
-  left_out.push_back(fmt::format("{}: left out after {:.0f} s; `--minutes`, which is {:g}, gives it more", what,
-                                 seconds(), settings.minutes));
+  left_out.push_back(
+      fmt::format("{}, after {:.0f} s; `--minutes`, which is {:g}, gives it more", what, seconds(), settings.minutes));
 }
 
 bool Workflow::refine_step(const Model& model) {

@@ -291,7 +291,11 @@ std::vector<std::filesystem::path> YamlSection::files(const std::string& key) {
 
 std::filesystem::path YamlSection::found_file(const std::string& key, const std::string& given) {
   const std::filesystem::path full = (file_.parent_path() / given).lexically_normal();
-  if (!is_resolved_ && !is_file(full)) fail(key, "names the file " + full.string() + ", which does not exist");
+  if (!is_resolved_ && !is_file(full)) {
+    std::error_code ignored;
+    fail(key, "names the file " + full.string() +
+                  (std::filesystem::exists(full, ignored) ? ", which is no file" : ", which does not exist"));
+  }
   if (!is_resolved_) remember_read(full);
   return full;
 }

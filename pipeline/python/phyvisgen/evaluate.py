@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 from pathlib import Path
-from typing import Any, Sequence
+from typing import Any, NoReturn, Sequence
 
 from .evaluation import PolicyResult, evaluate, planned_length
 from .environment import EVALUATION_SEED
@@ -24,8 +24,21 @@ BASELINES = ("blind", "nearest", "expert")
 N_VIDEOS = 3  # of the first failures
 
 
+class _Parser(argparse.ArgumentParser):
+    """What is wrong in one sentence, without a page of usage before it."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"phyvisgen: {message}; `{self.prog} TASK --help` shows how\n")
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"must be a whole number from 1, but is `{text}`")
+    return int(text)
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="phyvisgen evaluate policy", description=__doc__, epilog=EXAMPLE)
+    parser = _Parser(prog="phyvisgen evaluate policy", description=__doc__, epilog=EXAMPLE)
     parser.add_argument("task", help="task file, or the name of one of the program's own")
     parser.add_argument("--policy", required=True, help="ws://HOST:PORT of an OpenPI server, lerobot:CHECKPOINT, or a baseline's name")
     parser.add_argument(
@@ -35,15 +48,15 @@ def _parser() -> argparse.ArgumentParser:
         help="beside it; may be repeated (else expert and, with --demonstrations, blind and nearest)",
     )
     parser.add_argument("--demonstrations", help="episode set that blind and nearest go by")
-    parser.add_argument("-n", "--episodes", type=int, help="so many; else 10 to 200, until the interval is narrow")
+    parser.add_argument("-n", "--episodes", type=_count, help="so many; else 10 to 200, until the interval is narrow")
     parser.add_argument("--width", type=float, default=0.14, help="of the 95 %% interval at which to stop (0.14)")
-    parser.add_argument("--length", type=int, help="periods of an episode; else a quarter more than the planned motion")
+    parser.add_argument("--length", type=_count, help="periods of an episode; else a quarter more than the planned motion")
     parser.add_argument("--camera", action="append", default=[], help="whose pictures the policy sees; may be repeated")
-    parser.add_argument("--executed", type=int, help="actions of each chunk that are done before the policy is asked")
+    parser.add_argument("--executed", type=_count, help="actions of each chunk that are done before the policy is asked")
     parser.add_argument("--instruction", help="what the robot is told; else the task's name in words")
-    parser.add_argument("--picture-width", type=int, help="[pixels]")
-    parser.add_argument("--picture-height", type=int, help="[pixels]")
-    parser.add_argument("--samples", type=int, help="per pixel")
+    parser.add_argument("--picture-width", type=_count, help="[pixels]")
+    parser.add_argument("--picture-height", type=_count, help="[pixels]")
+    parser.add_argument("--samples", type=_count, help="per pixel")
     parser.add_argument("--fps", type=float, help="actions per second")
     parser.add_argument("--gripper", choices=("soft", "rigid"))
     parser.add_argument(
@@ -54,7 +67,7 @@ def _parser() -> argparse.ArgumentParser:
         help="success over light, camera, friction, mass, stiffness, texture, background, latency or backlash, the same "
         "starts at each amount; may be repeated",
     )
-    parser.add_argument("--points", type=int, default=5, help="amounts from LOW to HIGH (5)")
+    parser.add_argument("--points", type=_count, default=5, help="amounts from LOW to HIGH (5)")
     parser.add_argument(
         "--check-intersections",
         action="store_true",
@@ -159,6 +172,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ServeError as error:
         print(f"phyvisgen: {error}", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print("phyvisgen: stopped; an evaluation keeps nothing, the same command begins again", file=sys.stderr)
+        return 75
 
 
 def _run(words: argparse.Namespace, server: Server, perturbed: list[Perturbed]) -> int:

@@ -19,7 +19,11 @@ class Episode:
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         self.folder = Path(folder)
-        self._file = h5py.File(self.folder / "states.h5", "r")
+        file = self.folder / "states.h5"
+        try:
+            self._file = h5py.File(file, "r")
+        except OSError:
+            raise ValueError(f"{file} is not there or no HDF5 file that can be read; name an episode of generate") from None
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         """A data set as an array, by its path."""
@@ -74,7 +78,13 @@ class EpisodeSet:
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         self.folder = Path(folder)
-        self.set: dict[str, Any] = json.loads((self.folder / "set.json").read_text())
+        file = self.folder / "set.json"
+        try:
+            self.set: dict[str, Any] = json.loads(file.read_text())
+        except OSError:
+            raise FileNotFoundError(f"{file} is not there; name a folder that generate has filled") from None
+        except ValueError:
+            raise ValueError(f"{file} is no JSON that can be read; copy it again, or generate the set anew") from None
 
     @property
     def seed(self) -> int:

@@ -35,6 +35,15 @@ TEST_F(ReportPage, TicksAreRoundNumbersWithinTheAxes) {
   expect(">-0.4</text>");  // the axis of residuals holds the noise
 }
 
+// such as where the time was over: zeros would look like a measurement
+TEST_F(ReportPage, WhatWasNotJudgedHasNoNumbers) {
+  diagnosis.floor = 0;
+  diagnosis.ranking.clear();
+  expect("There is no held-out error.");
+  expect("No effect was compared to its end.");
+  EXPECT_EQ(html_of(problem, diagnosis).find("Held-out error 0"), std::string::npos);
+}
+
 TEST_F(ReportPage, TheNoiseIsABandBehindTheResiduals) {
   // once: not behind the curves themselves
   const std::string page = html_of(problem, diagnosis), band = "class='noise'/>";

@@ -56,6 +56,15 @@ TEST(Sentence, SaysWhereOnlyTheFittedRunsDoNotAgree) {
             "scene as it stands: their error is 1.1 times the noise, noise floor 1");
 }
 
+TEST(Sentence, SaysWhyThereIsNoProof) {
+  const Candidate mass = candidate("retune_mass", Family::parameter);
+  Diagnosis d = heavy(mass);
+  d.floor = 0;
+  EXPECT_NE(sentence_of(d).find("; no run was held out to prove it on"), std::string::npos);
+  d.whole.why_not = "the held-out runs were not judged";
+  EXPECT_NE(sentence_of(d).find("; the held-out runs were not judged"), std::string::npos);
+}
+
 // Runs that agree because of a noise that nobody knows agree with nothing.
 TEST(Sentence, OfAnUnknownNoiseSaysWhatWouldBeNamedWithLess) {
   const Candidate mass = candidate("retune_mass", Family::parameter);

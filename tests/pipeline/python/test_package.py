@@ -27,6 +27,37 @@ from phyvisgen.statistics import beta_interval, paired_difference, wilson
 from small_task import TASK
 
 
+class WrongInput(unittest.TestCase):
+    def test_files_that_are_missing_or_damaged_are_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with self.assertRaisesRegex(FileNotFoundError, "set.json is not there; name a folder that generate"):
+                EpisodeSet(folder)
+            (Path(folder) / "set.json").write_text("{")
+            with self.assertRaisesRegex(ValueError, "set.json is no JSON that can be read"):
+                EpisodeSet(folder)
+            (Path(folder) / "states.h5").write_text("hello")
+            with self.assertRaisesRegex(ValueError, "states.h5 is not there or no HDF5 file"):
+                phyvisgen.records.Episode(folder)
+
+    def test_ctrl_c_is_one_sentence(self):
+        told = io.StringIO()
+        with patch.object(evaluate, "_server", side_effect=KeyboardInterrupt), redirect_stderr(told):
+            self.assertEqual(evaluate.main(["push.yaml", "--policy", "blind"]), 75)
+        self.assertRegex(told.getvalue(), "^phyvisgen: stopped.*\n$")
+
+    def test_a_wrong_option_is_one_sentence(self):
+        for words, said in (
+            (["push.yaml", "--policy", "blind", "-n", "0"], "whole number from 1, but is `0`"),
+            (["push.yaml"], "--policy"),
+            (["push.yaml", "--policy", "blind", "--polisy", "x"], "--polisy"),
+        ):
+            told = io.StringIO()
+            with self.assertRaises(SystemExit) as ended, redirect_stderr(told):
+                evaluate.main(words)
+            self.assertEqual(ended.exception.code, 2)
+            self.assertRegex(told.getvalue(), f"^phyvisgen: .*{said}.*--help.*\n$")
+
+
 class Starts(unittest.TestCase):
     """Where objects and cloths are at the start of a demonstration, in the order of environment_state."""
 
