@@ -81,6 +81,7 @@ class Stages {
   void generate(std::size_t n, const Launch& launch, const Buffer<std::uint32_t>& pixels);
   void intersect(std::size_t n, const DeviceScene& scene);
   void pass_holes(std::size_t n, unsigned depth, const DeviceScene& scene);
+  void shade_receivers(std::size_t n, const Launch& launch, const DeviceScene& scene);
   void shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene);
   void shadow_holes(std::size_t n, const DeviceScene& scene);
   void shadow(std::size_t n, const Launch& launch, const DeviceScene& scene);
@@ -95,6 +96,7 @@ class Stages {
   std::size_t max_paths_, paths_per_item_;
   Kernels kernels_;
   Traversal traversal_;
+  std::optional<Kernel> shade_receivers_;  // of CPUs
   std::optional<Features> features_;
   std::optional<LightTracing> light_tracing_;
   // per slot

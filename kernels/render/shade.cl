@@ -86,6 +86,7 @@ kernel void shade(const uint n, const Launch launch, const uint depth, const uin
   const uint i = get_global_id(0);
   if (i >= n) return;
   const uint slot = queue[i];
+  if (as_uint(hit[slot].w) == SHADED) return;
   Path path = load_path(slot, origin, direction, throughput);
   ShadowRay shadow = {0.0f, 0.0f, 0.0f, 0.0f, SHADOW_NONE};
   const Shading scene = {instances, materials, textures,   texels, decode,      triangles,

@@ -181,5 +181,65 @@ TEST_F(Receiver, GlassAttenuatesOrBlocks) {
   }
 }
 
+// Two turned plates of one mesh and one that shows its back, all with a texture and an even sky's share of light.
+// Lamps: one above, one that shines away, one below; a plate that shines; and a box. with_normals: the plates' meshes
+// have those of their vertices, which are those of their faces.
+Scene lit_plates(bool with_normals) {
+  Scene scene;
+  Texture texture;
+  texture.width = texture.height = 32;
+  for (int i = 0; i < 32 * 32; ++i)
+    for (const int c : {8 * (i % 32), 255 - 7 * (i / 32), 100, 255}) texture.rgba.push_back(std::uint8_t(c));
+  scene.textures.push_back(texture);
+  VisualMaterial m = receiver(0.7f);
+  m.texture = 0;
+  m.ambient = 0.3f;
+  const auto plate = [&](const Vec3f& u, const Vec3f& v, const Vec3& at) -> Visual& {
+    VisualMesh mesh = quad(-0.5f * (u + v), u, v);
+    if (with_normals) mesh.normals.assign(4, u.cross(v).normalized());
+    return add(scene, mesh, m, at);
+  };
+  Visual& first = plate({1, 0, 0}, {0, 2, 0}, Vec3::Zero());
+  first.pose.linear() = Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  Visual second = first;
+  second.pose.translation() = Vec3(0.7, 0.1, 0.1);
+  scene.visuals.push_back(second);
+  plate({0, 2, 0}, {1, 0, 0}, {-1, 0, -0.2});
+  add(scene, box({-0.2f, -0.2f, 0.5f}, {0.3f, 0.1f, 0.7f}), material(Kind::diffuse));
+  VisualMaterial shining = material(Kind::emissive);
+  shining.emission = {40, 40, 40};
+  add(scene, quad({0.6f, 0.6f, 0.9f}, {0.2f, 0, 0}, {0, 0.2f, 0}), shining);
+  add_light(scene, {-0.2, -0.3, 2}, {0, 0.6, 0}, {0.4, 0, 0}, {5, 5, 5});
+  add_light(scene, {-1.8, 0.5, 0.5}, {0, 0, 0.3}, {0, 0.3, 0}, {9, 9, 9});
+  add_light(scene, {-0.2, -0.3, -2}, {0.4, 0, 0}, {0, 0.6, 0}, {3, 3, 3});
+  look_at(scene, {0.2, -0.5, 2}, {0, 0, 0}, 96, 48, 60);
+  return scene;
+}
+
+// Vertex normals are no matter of a receiver, but then its paths are shaded one by one.
+TEST_F(Receiver, ShadedInPacketsItIsTheSame) {
+  Device device;
+  RenderSettings settings;
+  settings.samples = 16;
+  settings.notes_features = true;
+  const Scene one_by_one = lit_plates(true), in_packets = lit_plates(false);
+  const RenderedFrame a = Renderer(device, one_by_one, settings).render(0, 0),
+                      b = Renderer(device, in_packets, settings).render(0, 0);
+  const auto largest = [](const std::vector<float>& x, const std::vector<float>& y) {
+    float most = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) most = std::max(most, std::abs(x[i] - y[i]));
+    return most;
+  };
+  ASSERT_EQ(a.rgb.size(), b.rgb.size());
+  // rounding may let single rays pass an edge on its other side, one sample of 16
+  std::size_t n_other = 0;
+  for (std::size_t i = 0; i < a.rgb.size(); ++i) n_other += std::abs(a.rgb[i] - b.rgb[i]) > 1e-5f;
+  EXPECT_LE(n_other, 6u);
+  EXPECT_LE(largest(a.albedo, b.albedo), 1e-5f);
+  EXPECT_LE(largest(a.mean_normal, b.mean_normal), 1e-5f);
+  const auto [least, most] = std::ranges::minmax(a.rgb);
+  EXPECT_GT(most - least, 0.3f);
+}
+
 }  // namespace
 }  // namespace pvg::test
