@@ -1,18 +1,11 @@
 // What is simulated and what is seen of it: the meeting point of the loaders (above) and of physics and rendering
 // (beside). Physics reads PhysicalScene alone, so that no simulation copies pictures.
 #pragma once
-#include <span>
-
 #include "host/model/appearance.hpp"
 #include "host/model/physical_scene.hpp"
 
 namespace pvg {
 
 struct Scene : PhysicalScene, Appearance {};
-
-// Of each scene what physics reads.
-inline std::vector<PhysicalScene> physical_scenes(std::span<const Scene> scenes) {
-  return {scenes.begin(), scenes.end()};
-}
 
 }  // namespace pvg

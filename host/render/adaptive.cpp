@@ -27,7 +27,7 @@ void blur(std::vector<float>& values, std::size_t width) {
   for (std::size_t x = 0; x < width; ++x) blur(values, x, height, width);
 }
 
-// the power of two, at most, that goes into a number; negative below 1
+// floor(log2(number)) of a number that is not negative, read from its exponent; far below zero for 0
 int whole_doublings(double number) { return int(std::bit_cast<std::uint64_t>(number) >> 52) - 1023; }
 
 // How often each count may be doubled, for one more path of a pixel per root of its variance.

@@ -1,5 +1,6 @@
 // All meshes of a scene in shared arrays: vertices, triangles, and one tree per mesh.
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 

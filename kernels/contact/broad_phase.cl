@@ -34,7 +34,7 @@ static inline void store_box(const Box box, global TreeNode* node) {
   vstore3(-box.high, 0, node->minus_high);
 }
 
-// n: the more of n_leaves_of_all = n_trees 2^log2_leaves and of n_sites, whose places x1 go to reference
+// n: the larger of n_leaves_of_all = n_trees 2^log2_leaves and n_sites, whose positions x1 are copied to reference
 // near: [n_bodies x 8] where each has partners, as of contact/near_bodies.cl: what lies outside is left out of the tree
 kernel void refit_leaves(const uint n, const uint n_leaves_of_all, const uint n_sites, const uint log2_leaves,
                          global TreeNode* restrict nodes,
@@ -71,8 +71,8 @@ static inline void refit_node(global TreeNode* tree, const uint k) {
   vstore3(fmin(vload3(0, a->minus_high), vload3(0, b->minus_high)), 0, tree[k].minus_high);
 }
 
-// The nodes of up to 7 levels: those of one level, 2^log2_nodes in each tree, and the ones above them; a work-group takes
-// what lies above 64 nodes of all trees' first of these levels. n: of its nodes
+// The nodes of up to 7 levels: of one level, which has 2^log2_nodes nodes in each tree, and of those above it. A work-group
+// takes 64 nodes of that level, counted through all trees, and what lies above them. n: nodes of that level in all trees
 kernel __attribute__((reqd_work_group_size(64, 1, 1))) void refit_levels(const uint n, const uint log2_nodes,
                                                                          const uint log2_leaves, global TreeNode* nodes) {
   const uint group = get_group_id(0), item = get_local_id(0);
@@ -354,7 +354,8 @@ static inline void begin_walk(Walk* walk, const Search* search, global const Tre
   }
 }
 
-// n: queries.  near: [n_bodies x 8] where each has partners, as of contact/near_bodies.cl;  counts: [n];  kept: [n x N_KEPT] the first partners
+// n: queries;  near: [n_bodies x 8] where each has partners, as of contact/near_bodies.cl;  counts: [n];
+// kept: [n x N_KEPT] the first partners
 kernel void count_pairs(const uint n, const uint log2_leaves, global const Query* restrict queries,
                         global const TreeNode* restrict nodes, global const CollisionPoint* restrict points,
                         global const CollisionEdge* restrict edges, global const CollisionTriangle* restrict triangles,

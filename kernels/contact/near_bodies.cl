@@ -42,8 +42,9 @@ kernel __attribute__((reqd_work_group_size(64, 1, 1))) void body_boxes(
   vstore3(box.high, 2 * body + 1, boxes);
 }
 
-// A pair's boxes meet within what the boxes of both bodies share: where that is, of all bodies that a body may touch.
-// n: bodies;  near: [n x 8] low, -high [m], no numbers; empty where there is none
+// The boxes of a pair of primitives meet within what the boxes of both bodies share. For each body, the box around what
+// it shares with any body that it may touch.
+// n: bodies;  near: [n x 8] low, -high [m], two that are not read; an empty box where nothing is shared
 kernel void near_bodies(const uint n, global const CollisionBodyRow* restrict bodies,
                         global const CollisionWorld* restrict worlds, global const real* restrict pair_friction,
                         global const float* restrict boxes, global float* restrict near) {
@@ -60,7 +61,7 @@ kernel void near_bodies(const uint n, global const CollisionBodyRow* restrict bo
     // written so that what is not a number is near
     const int3 apart = low > to | from > high;
     if (any(apart)) continue;
-    // fmin and fmax pass over what is not a number: it is everywhere
+    // a body at no number counts as everywhere, since fmin and fmax would pass over it
     const Box shared = any(isnan(low) | isnan(high) | isnan(from) | isnan(to)) ? (Box){(float3)(-INFINITY), (float3)(INFINITY)}
                                                           : (Box){fmax(low, from), fmin(high, to)};
     found.low = fmin(found.low, shared.low);

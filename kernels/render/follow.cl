@@ -1,7 +1,7 @@
 // Light tracing, stage 2, once per segment after `intersect`: mirror-like surfaces send the path on; where a surface scatters,
 // a shadow ray asks whether the camera sees that point, and the path goes on by a sample of the material. A path whose
-// first surface scatters ends: light samples find that light. What the camera sees of light that a path brings:  f cos_s / cos * |cos_camera| / distance^2 * pixels / sr,  cos_s of the shading normal, as in the camera's
-// own paths.
+// first surface scatters ends: light samples find that light. What the camera sees of light that a path brings:
+//   f cos_s / cos * |cos_camera| / distance^2 * pixels / sr,   cos_s: of the shading normal, as in the camera's own paths
 #define PVG_INLINE_ALL
 #include "shared/pocl.h"
 
@@ -79,7 +79,7 @@ static inline void join_camera(const Launch launch, const Shading scene, global 
   shadow->weight = as_float((uint)place.y * c.width + (uint)place.x);
 }
 
-// The path goes on with the share of the light that the surface scatters as its chance
+// The path goes on with a chance that is the share of the light which the surface scatters.
 static inline void scatter_light(const MetSurface met, const Surface s, const Chance chance, Path* path) {
   const float3 in = path->direction;
   const float before = largest_of(path->throughput);
@@ -121,8 +121,8 @@ static inline void follow_path(const Launch launch, const Shading scene, const u
   }
 }
 
-// as in emit.cl and shade.cl;  radiance: w: density of the path;  shadow_direction: w: number of the pixel, as bits;  shadow_light: in units of white, over all
-// light paths of the picture
+// as in emit.cl and shade.cl;  radiance: w: density of the path;  shadow_direction: w: number of the pixel, as bits;
+// shadow_light: in units of white, over all light paths of the picture
 kernel void follow(const uint n, const Launch launch, const uint depth, global const uint* restrict queue,
                    global const uint2* restrict stream, global const Instance* restrict instances,
                    global const Material* restrict materials, global const TextureInfo* restrict textures,

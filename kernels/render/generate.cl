@@ -1,6 +1,6 @@
 // Stage 1: starts the paths of a batch, one per sample, at the camera. A pixel's samples are spread over its square
-// (box filter), and over the lens, which throws every point of the plane in focus to one point of the picture. Neighbouring slots are samples of one
-// pixel, then pixels that are neighbours in the launch's list.
+// (box filter), and over the lens, which throws every point of the plane in focus to one point of the picture.
+// Neighbouring slots are samples of one pixel, then pixels that are neighbours in the launch's list.
 // On a CPU a work-item starts PATHS of them (the host asks for 16), whose random numbers it draws side by side.
 #define PVG_INLINE_ALL
 #include "shared/pocl.h"
@@ -56,9 +56,9 @@ static inline CameraRay camera_ray(const Launch launch, const uint pixel, const 
   return ray;
 }
 
-// origin: [n, m], w: density of the last direction;  direction: [n], w: stack of the glasses that the path is inside
-// of;  pixels: places in the picture, of which the launch takes some;  throughput: [n], w: path flags;  radiance: [n];  stream: [n] key and sample of the random numbers of a path;
-// queue: [n] live slots
+// pixels: places in the picture, of which the launch takes some;  origin: [n, m], w: density of the last direction;
+// direction: [n], w: stack of the glasses that the path is inside of;  throughput: [n], w: path flags;  radiance: [n];
+// stream: [n] key and sample of the random numbers of a path;  queue: [n] live slots
 kernel void generate(const uint n, const Launch launch, global const uint* restrict pixels,
                      global float4* restrict origin,
                      global float4* restrict direction, global float4* restrict throughput,

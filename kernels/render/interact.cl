@@ -21,7 +21,9 @@ typedef struct {
   float pdf;   // of the last direction, 0: mirror-like
   uint flags;  // PATH_...
   uint media;
-  float density;  // of light tracing: of this way, over what the other way has where it has scattered since its first surface
+  // of light tracing (light_tracing.cl): density of this way, over what the other way has at the surfaces that scatter
+  // behind its first one
+  float density;
   bool is_alive;
 } Path;
 
@@ -53,8 +55,8 @@ static inline Chance draw_chance(const uint2 stream, const uint depth) {
   return chance;
 }
 
-// light that a path met; pdf: with which a light sample of the last surface would have found it, 0: never;  traced: density
-// of light paths that find it, over that of a camera's samples, 0: none does
+// light that a path met;  pdf: with which a light sample of the last surface would have found it, 0: never;
+// traced: density of the light paths that find it, over that of a camera's samples, 0: none does
 static inline void meet_emission(const Launch launch, const float3 radiance, const float pdf, const float traced,
                                  Path* path) {
   float weight = 1.0f;
@@ -140,7 +142,8 @@ static inline void pass_hidden(const Boundary boundary, const Surface s, const f
   path->media = boundary.inner;
 }
 
-// reflection and refraction at clear glass, solid or thin; normal and face look to the path. Returns the normal that bent it
+// reflection and refraction at clear glass, solid or thin; normal and face look to the path. Returns the normal that
+// bent it
 static inline float3 pass_glass(const PointMaterial m, const Boundary boundary, const Surface s, const float3 face,
                               const float3 normal, const float choice, Path* path) {
   Frame frame = make_frame(normal);

@@ -3,7 +3,8 @@
 // meet the lamp by chance; both are weighted against each other (power heuristic, Veach 1997), by what they have per path,
 // area [m^2] and projected solid angle [sr]:
 //   from the lamp     p_lamp / area * p_aim / cos_lamp                 emission_density
-//   from the camera   pixels / sr * cos_camera / distance^2 * p / cos  camera_density, p: of the direction that it scattered in
+//   from the camera   pixels / sr * cos_camera / distance^2 * p / cos  camera_density
+// p: density of the direction that it scattered in [1/sr].
 // Mirror-like surfaces keep the volume in phase space, and choose with the same chance both ways: they change neither. A
 // surface that scatters has p / cos of one way in place of p / cos of the other (scattered_ratio).
 #ifndef PVG_RENDER_LIGHT_TRACING_CL
@@ -23,8 +24,9 @@ static inline float traced_weight(const float a, const float b) {
 // so that a ratio of two stays a number
 #define MOST_DENSITY 1e30f
 
-// Only where the camera sees the first surface that scatters, no such surface lets light through, and lamps in the open air: what a lamp inside of a solid sends is
-// left to the camera's paths
+// Whether light paths bring what a camera's path with these flags has met: only where the camera sees the path's first
+// surface that scatters, where no such surface lets light through, and from lamps in the open air. The rest, such as what
+// a lamp inside of a solid sends, is left to the camera's paths
 static inline bool is_light_traced(const Launch launch, const uint flags, const float pdf, const uint media) {
   return launch.n_light_paths > 0 && (flags & PATH_SEEN) && pdf == 0 && media == 0;
 }

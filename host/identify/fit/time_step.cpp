@@ -123,6 +123,159 @@ FitData where_steps_show(Fitter& fitter, const Problem& problem) {
   return windows_of(criteria().step_window);
 }
 
+constexpr auto BDF2 = SolverSettings::Integrator::bdf2;
+
+// One choice, from the scene's own step on: compared with finer ones, refined or extrapolated, corrected.
+class StepChoice {
+ public:
+  StepChoice(Fitter& fitter, Predictor& predictor, const Problem& problem, Variant& base)
+      : fitter_(fitter),
+        predictor_(predictor),
+        problem_(problem),
+        base_(base),
+        solver_(base.scene.solver),
+        is_dissipative_(dissipates(base.scene)) {
+    solver_.velocity_tolerance = std::min(solver_.velocity_tolerance, criteria().newton_tolerance);
+    solver_.cg_tolerance = std::min(solver_.cg_tolerance, criteria().cg_tolerance_most);
+    solver_.max_step_halvings = std::min(solver_.max_step_halvings, criteria().step_n_halvings);
+    as_given_ = solver_;
+    was_extrapolated_ = base_.extrapolates;
+    base_.extrapolates = false;
+    data_ = where_steps_show(fitter, problem);
+    // with soft bodies and cloth finer steps would take too long
+    const bool is_stiff = base_.scene.soft_bodies.empty() && base_.scene.cloths.empty();
+    const bool has_masks = !problem.recording.mask_sources.empty();
+    by_pixels_ = is_stiff && has_masks;
+    may_extrapolate_ = is_stiff && !has_masks && problem.recording.video_sources.empty() && problem.can_restart;
+  }
+
+  // What the reader is told of it.
+  std::string make() {
+    compare_as_given();
+    refine();
+    keep_or_take();
+    correct();
+    return sentence();
+  }
+
+ private:
+  std::vector<Prediction> predict(const Choice& choice) {
+    Variant variant = base_;
+    variant.scene.solver.integrator = choice.integrator;
+    variant.scene.solver.time_step = choice.time_step;
+    std::vector<Job> jobs;
+    for (const Window& window : data_.windows) jobs.push_back({&variant, &window, window.initial, false});
+    return predictor_.predict(jobs);
+  }
+
+  double allowed() const {  // [noise]
+    return by_pixels_                                      ? criteria().step_error_most_masks
+           : is_dissipative_ && order_of_steps(base_) == 1 ? criteria().step_error_most_dissipative
+                                                           : criteria().step_error_most;
+  }
+  double small() const { return by_pixels_ ? criteria().step_error_pixels : allowed(); }
+  StepError error_by(double factor) const { return error_of(problem_, data_, factor, coarse_, fine_); }
+
+  // The scene's own step and integrator with second order at half the step; with second order at the whole one if that
+  // shows.
+  void compare_as_given() {
+    const double h = solver_.time_step;
+    fine_ = predict({BDF2, h / 2});
+    coarse_ = predict({solver_.integrator, h});
+    misfit_as_given_ = misfit(data_, coarse_);
+    error_ = error_by(is_dissipative_ ? 2 : 1);
+    is_as_given_ = is_below(error_, allowed());
+    if (is_as_given_) return;
+    if (solver_.integrator != BDF2) coarse_ = predict({BDF2, h});
+    solver_.integrator = BDF2;
+    error_ = error_by(richardson_factor(order_of_steps(base_)));
+  }
+
+  void refine() {
+    const double most = allowed(), enough = small();
+    order_ = order_of_steps(base_);
+    for (int halving = 0; !is_below(error_, most) && converges_ && halving < criteria().step_n_refinements; ++halving) {
+      const double before = error_.all;
+      solver_.time_step /= 2;
+      const std::vector<Prediction> coarser = std::exchange(coarse_, std::move(fine_));
+      fine_ = predict({BDF2, solver_.time_step / 2});
+      error_ = error_by(richardson_factor(order_));
+      converges_ = error_.all < std::max(enough, criteria().step_converges * before);
+      // two steps twice and four times as long as the next ones cost three quarters of it, and give more
+      if (!may_extrapolate_ || !converges_ || (is_below(error_, most) && !was_extrapolated_)) continue;
+      of_limits_.push_back(
+          most_apart(data_, extrapolated(coarser, coarse_, order_), extrapolated(coarse_, fine_, order_)));
+      const double of_limit = richardson_factor(order_ + 1) * of_limits_.back();
+      if (of_limit >= std::min(most, criteria().step_error_most_extrapolated)) continue;
+      base_.extrapolates = true;
+      solver_.time_step *= 2;
+      error_ = {of_limit, of_limit};
+    }
+    is_small_ = is_below(error_, enough);
+  }
+
+  // Where finer steps neither converge nor come nearer to what was measured, the scene's own is part of its model.
+  void keep_or_take() {
+    const bool is_nearer = misfit(data_, fine_) < misfit_as_given_;
+    keeps_as_given_ = !is_small_ && !(converges_ && is_nearer);
+    if (keeps_as_given_) {
+      solver_ = as_given_;
+      fitter_.take_steps_as_they_are();
+    }
+    if (by_pixels_) fitter_.expect_whole_pixels();
+  }
+
+  void correct() {
+    fitter_.correct_steps_by(std::nullopt);
+    // coarse steps have not reached the third order yet
+    if (base_.extrapolates && of_limits_.size() > 1 && of_limits_.back() > 0)
+      fitter_.correct_steps_by(
+          measured_richardson_factor(of_limits_[of_limits_.size() - 2] / of_limits_.back(), std::exp2(order_ + 1)));
+    // of light damping the error is still of second order
+    if (is_dissipative_ && solver_.integrator == BDF2 && !keeps_as_given_ && !by_pixels_ && !base_.extrapolates) {
+      const double first = apart(data_, predict({BDF2, solver_.time_step}), fine_);
+      const double second = apart(data_, fine_, predict({BDF2, solver_.time_step / 4}));
+      if (second > 0 && std::isfinite(first)) fitter_.correct_steps_by(measured_richardson_factor(first / second, 4));
+    }
+  }
+
+  std::string sentence() const {
+    if (base_.extrapolates)
+      return fmt::format(
+          "simulated with steps of {:.4g} and {:.4g} ms, BDF2, extrapolated to no length, since the scene's own step "
+          "would be taken for an effect; finer steps differ by {:.2g} times the noise, which is corrected",
+          1e3 * solver_.time_step, 5e2 * solver_.time_step, error_.all);
+    return fmt::format(
+        "simulated with steps of {:.4g} ms, {}, {}; finer steps differ by {:.2g} times the noise, {}",
+        1e3 * solver_.time_step, solver_.integrator == BDF2 ? "BDF2" : "implicit Euler",
+        is_as_given_ || keeps_as_given_ ? "as the scene says" : "since the scene's own would be taken for an effect",
+        error_.all, what_of_the_error());
+  }
+
+  const char* what_of_the_error() const {
+    if (is_small_) return by_pixels_ ? "whole pixels among it, which is not corrected" : "which is corrected";
+    if (!keeps_as_given_) return "which is too much to be corrected: what depends on it is not known";
+    return converges_
+               ? "and are farther from what was measured: the step is part of the scene's model"
+               : "and do not come nearer to each other, as in hard impacts: the step is part of the scene's model";
+  }
+
+  Fitter& fitter_;
+  Predictor& predictor_;
+  const Problem& problem_;
+  Variant& base_;
+  SolverSettings& solver_;  // the base's
+  SolverSettings as_given_;
+  FitData data_;  // where steps are compared
+  std::vector<Prediction> coarse_, fine_;
+  std::vector<double> of_limits_;  // changes of what two steps extrapolate, by each halving [noise]
+  StepError error_;
+  double misfit_as_given_ = 0;
+  int order_ = 0;  // of convergence
+  bool is_dissipative_, by_pixels_ = false, may_extrapolate_ = false, was_extrapolated_ = false, is_as_given_ = false,
+                        converges_ = true, is_small_ = false, keeps_as_given_ = false;
+};
+
 }  // namespace
 
 double measured_richardson_factor(double ratio, double most) {
@@ -131,97 +284,7 @@ double measured_richardson_factor(double ratio, double most) {
 }
 
 std::string choose_time_step(Fitter& fitter, Predictor& predictor, const Problem& problem, Variant& base) {
-  SolverSettings& solver = base.scene.solver;
-  solver.velocity_tolerance = std::min(solver.velocity_tolerance, criteria().newton_tolerance);
-  solver.cg_tolerance = std::min(solver.cg_tolerance, criteria().cg_tolerance_most);
-  solver.max_step_halvings = std::min(solver.max_step_halvings, criteria().step_n_halvings);
-  const SolverSettings as_given = solver;
-  const bool was_extrapolated = base.extrapolates;
-  base.extrapolates = false;
-  const double h = solver.time_step;
-  const FitData data = where_steps_show(fitter, problem);
-  const auto predict = [&](const Choice& choice) {
-    Variant variant = base;
-    variant.scene.solver.integrator = choice.integrator;
-    variant.scene.solver.time_step = choice.time_step;
-    std::vector<Job> jobs;
-    for (const Window& window : data.windows) jobs.push_back({&variant, &window, window.initial, false});
-    return predictor.predict(jobs);
-  };
-  const auto bdf2 = SolverSettings::Integrator::bdf2;
-  // each choice is compared with second order at half the step
-  std::vector<Prediction> fine = predict({bdf2, h / 2}), coarse = predict({solver.integrator, h});
-  const double misfit_as_given = misfit(data, coarse);
-  const bool is_dissipative = dissipates(base.scene);
-  StepError error = error_of(problem, data, is_dissipative ? 2 : 1, coarse, fine);
-  // with soft bodies and cloth finer steps would take too long
-  const bool is_stiff = base.scene.soft_bodies.empty() && base.scene.cloths.empty();
-  const bool has_masks = !problem.recording.mask_sources.empty(), by_pixels = is_stiff && has_masks;
-  const bool may_extrapolate = is_stiff && !has_masks && problem.recording.video_sources.empty() && problem.can_restart;
-  const auto allowed_of = [&](const Variant& variant) {
-    return by_pixels                                        ? criteria().step_error_most_masks
-           : is_dissipative && order_of_steps(variant) == 1 ? criteria().step_error_most_dissipative
-                                                            : criteria().step_error_most;
-  };
-  const bool is_as_given = is_below(error, allowed_of(base));
-  if (!is_as_given) {
-    if (solver.integrator != bdf2) coarse = predict({bdf2, h});
-    solver.integrator = bdf2;
-    error = error_of(problem, data, richardson_factor(order_of_steps(base)), coarse, fine);
-  }
-  const double allowed = allowed_of(base), small = by_pixels ? criteria().step_error_pixels : allowed;
-  const int order = order_of_steps(base);
-  bool converges = true;
-  std::vector<double> of_limits;  // changes of what two steps extrapolate, by each halving
-  for (int halving = 0; !is_below(error, allowed) && converges && halving < criteria().step_n_refinements; ++halving) {
-    const double before = error.all;
-    solver.time_step /= 2;
-    const std::vector<Prediction> coarser = std::exchange(coarse, std::move(fine));
-    fine = predict({bdf2, solver.time_step / 2});
-    error = error_of(problem, data, richardson_factor(order), coarse, fine);
-    converges = error.all < std::max(small, criteria().step_converges * before);
-    // two steps twice and four times as long as the next ones cost three quarters of it, and give more
-    if (!may_extrapolate || !converges || (is_below(error, allowed) && !was_extrapolated)) continue;
-    of_limits.push_back(most_apart(data, extrapolated(coarser, coarse, order), extrapolated(coarse, fine, order)));
-    const double of_limit = richardson_factor(order + 1) * of_limits.back();
-    if (of_limit >= std::min(allowed, criteria().step_error_most_extrapolated)) continue;
-    base.extrapolates = true;
-    solver.time_step *= 2;
-    error = {of_limit, of_limit};
-  }
-  const bool is_small = is_below(error, small), is_nearer = misfit(data, fine) < misfit_as_given;
-  const bool keeps_as_given = !is_small && !(converges && is_nearer);
-  if (keeps_as_given) {
-    solver = as_given;
-    fitter.take_steps_as_they_are();
-  }
-  if (by_pixels) fitter.expect_whole_pixels();
-  fitter.correct_steps_by(std::nullopt);
-  // coarse steps have not reached the third order yet
-  if (base.extrapolates && of_limits.size() > 1 && of_limits.back() > 0)
-    fitter.correct_steps_by(
-        measured_richardson_factor(of_limits[of_limits.size() - 2] / of_limits.back(), std::exp2(order + 1)));
-  // of light damping the error is still of second order
-  if (is_dissipative && solver.integrator == bdf2 && !keeps_as_given && !by_pixels && !base.extrapolates) {
-    const double first = apart(data, predict({bdf2, solver.time_step}), fine);
-    const double second = apart(data, fine, predict({bdf2, solver.time_step / 4}));
-    if (second > 0 && std::isfinite(first)) fitter.correct_steps_by(measured_richardson_factor(first / second, 4));
-  }
-  if (base.extrapolates)
-    return fmt::format(
-        "simulated with steps of {:.4g} and {:.4g} ms, BDF2, extrapolated to no length, since the scene's own step "
-        "would "
-        "be taken for an effect; finer steps differ by {:.2g} times the noise, which is corrected",
-        1e3 * solver.time_step, 5e2 * solver.time_step, error.all);
-  return fmt::format(
-      "simulated with steps of {:.4g} ms, {}, {}; finer steps differ by {:.2g} times the noise, {}",
-      1e3 * solver.time_step, solver.integrator == bdf2 ? "BDF2" : "implicit Euler",
-      is_as_given || keeps_as_given ? "as the scene says" : "since the scene's own would be taken for an effect",
-      error.all,
-      is_small          ? (by_pixels ? "whole pixels among it, which is not corrected" : "which is corrected")
-      : !keeps_as_given ? "which is too much to be corrected: what depends on it is not known"
-      : converges       ? "and are farther from what was measured: the step is part of the scene's model"
-                  : "and do not come nearer to each other, as in hard impacts: the step is part of the scene's model");
+  return StepChoice(fitter, predictor, problem, base).make();
 }
 
 }  // namespace pvg::diagnose

@@ -182,108 +182,165 @@ Decision decide_lowest(const Fit& base, const std::vector<Fit>& fits) {
   return decision;
 }
 
-Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fits) {
-  Decision decision;
-  const std::vector<std::size_t> group = groups_of(data);
-  double scale = base.scale;
-  for (const Fit& fit : fits)
-    if (fit.succeeded) scale = std::min(scale, fit.scale);
-  const std::vector<VectorXd> base_residual = left_out(base, group);
-  const double cut = criteria().residual_cut * std::max(scale, base.scale);
-  const GroupErrors base_errors = errors_of(base_residual, group, cut);
-  const Fit* closest = &base;
-  for (const Fit& fit : fits)
-    if (fit.succeeded && robust_cost(fit.residual, scale) < robust_cost(closest->residual, scale)) closest = &fit;
-  const double correlated = correlation_length(data.windows, closest->residual);
-  decision.base_error = std::sqrt(base_errors.mean());
-  double n_data = 0;
-  for (const VectorXd& r : base.residual) n_data += double(r.size());
-  struct Entry {
-    Judged judged;
-    GroupErrors errors;
-    std::vector<VectorXd> residual;
-    bool gains = false;
-  };
-  std::vector<Entry> entries;
-  for (const Fit& fit : fits) {
-    if (!fit.succeeded) continue;
-    Entry entry{{&fit}, {}, left_out(fit, group)};
-    entry.errors = errors_of(entry.residual, group, cut);
+namespace {
+
+// A fit as it is judged.
+struct Entry {
+  Judged judged;
+  GroupErrors errors;
+  std::vector<VectorXd> residual;  // left-out, of each window
+  bool gains = false;              // closes more of the gap than noise would
+};
+
+// What the fits of a round are compared by.
+class Comparison {
+ public:
+  Comparison(const FitData& data, const Fit& base, const std::vector<Fit>& fits)
+      : base_(base), group_(groups_of(data)), scale_(base.scale) {
+    for (const Fit& fit : fits)
+      if (fit.succeeded) scale_ = std::min(scale_, fit.scale);
+    base_residual_ = left_out(base, group_);
+    cut_ = criteria().residual_cut * std::max(scale_, base.scale);
+    base_errors_ = errors_of(base_residual_, group_, cut_);
+    const Fit* closest = &base;
+    for (const Fit& fit : fits)
+      if (fit.succeeded && robust_cost(fit.residual, scale_) < robust_cost(closest->residual, scale_)) closest = &fit;
+    correlated_ = correlation_length(data.windows, closest->residual);
+    for (const VectorXd& r : base.residual) n_data_ += double(r.size());
+  }
+
+  const GroupErrors& base_errors() const { return base_errors_; }
+
+  // The fits that succeeded, smallest left-out error first, each with its probability beside the others.
+  std::vector<Entry> judge(const std::vector<Fit>& fits) const {
+    std::vector<Entry> entries;
+    for (const Fit& fit : fits)
+      if (fit.succeeded) entries.push_back(entry_of(fit));
+    std::stable_sort(entries.begin(), entries.end(),
+                     [](const Entry& a, const Entry& b) { return a.judged.error < b.judged.error; });
+    const double best = std::accumulate(entries.begin(), entries.end(), -1e300,
+                                        [](double most, const Entry& e) { return std::max(most, e.judged.evidence); });
+    double sum = 0;
+    for (Entry& e : entries) sum += e.judged.probability = std::exp(e.judged.evidence - best);
+    for (Entry& e : entries) e.judged.probability /= sum;
+    return entries;
+  }
+
+  // The simplest that passes within one standard error of the best that passes; -1: none passes.
+  int simplest_of_the_best(const std::vector<Entry>& entries) const {
+    int best = -1;
+    for (std::size_t i = 0; i < entries.size() && best < 0; ++i)
+      if (entries[i].judged.passes) best = int(i);
+    int chosen = best;
+    // with one group nothing is left out, and the scatter between groups is not known
+    const double near =
+        *std::max_element(group_.begin(), group_.end()) == 0 ? criteria().gain_sigma : criteria().as_good_sigma;
+    for (std::size_t i = 0; best >= 0 && i < entries.size(); ++i) {
+      const Judged &now = entries[std::size_t(chosen)].judged, &other = entries[i].judged;
+      if (!other.passes || !is_as_good(entries[i], entries[std::size_t(best)], near) ||
+          other.evidence < entries[std::size_t(best)].judged.evidence - criteria().evidence_margin)
+        continue;
+      const Eigen::Index p = n_parameters(other.fit->model), q = n_parameters(now.fit->model);
+      const double log_prior_gain = log_prior_of(*other.fit) - log_prior_of(*now.fit);
+      const bool has_more_evidence = other.evidence > now.evidence;
+      if ((p < q && log_prior_gain > -criteria().log_prior_margin_simpler) || (p == q && has_more_evidence) ||
+          (p > q && log_prior_gain > criteria().log_prior_margin_simpler && has_more_evidence))
+        chosen = int(i);
+    }
+    return chosen;
+  }
+
+  // Decision::inseparable
+  std::vector<std::size_t> inseparable_from(const std::vector<Entry>& entries, int chosen) const {
+    const Entry& named = entries[std::size_t(chosen)];
+    std::vector<std::size_t> inseparable;
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      if (entries[i].judged.passes && entries[i].judged.evidence > named.judged.evidence - criteria().evidence_margin &&
+          is_as_good(entries[i], named, criteria().gain_sigma))
+        inseparable.push_back(i);
+    if (inseparable.size() < 2) inseparable.clear();
+    return inseparable;
+  }
+
+  // Decision::better_at_bound
+  int better_at_bound(const std::vector<Entry>& entries, int chosen) const {
+    const Entry& named = entries[std::size_t(chosen)];
+    int better = -1;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      const Judged& other = entries[i].judged;
+      if (entries[i].gains && !other.passes && other.evidence > named.judged.evidence &&
+          n_parameters(other.fit->model) <= n_parameters(named.judged.fit->model) &&
+          is_as_good(entries[i], named, criteria().gain_sigma))
+        better = int(i);
+    }
+    return better;
+  }
+
+ private:
+  Entry entry_of(const Fit& fit) const {
+    Entry entry{{&fit}, {}, left_out(fit, group_)};
+    entry.errors = errors_of(entry.residual, group_, cut_);
     Judged& judged = entry.judged;
     judged.error = std::sqrt(entry.errors.mean());
-    judged.better_by = base_errors.mean() - entry.errors.mean();
+    judged.better_by = base_errors_.mean() - entry.errors.mean();
     const Difference better =
-        difference(base_errors, entry.errors, base_residual, entry.residual, scale, cut, correlated);
+        difference(base_errors_, entry.errors, base_residual_, entry.residual, scale_, cut_, correlated_);
     judged.better_sigma = better.noise;
     double squares = 0;
-    for (const VectorXd& r : fit.residual) squares += r.array().square().min(cut * cut).sum();
-    judged.evidence = -0.5 * squares / (scale * scale * correlated) -
-                      0.5 * double(n_parameters(fit.model)) * std::log(std::max(n_data / correlated, 2.0)) +
+    for (const VectorXd& r : fit.residual) squares += r.array().square().min(cut_ * cut_).sum();
+    judged.evidence = -0.5 * squares / (scale_ * scale_ * correlated_) -
+                      0.5 * double(n_parameters(fit.model)) * std::log(std::max(n_data_ / correlated_, 2.0)) +
                       log_prior_of(fit);
-    judged.excludes_off = excludes_off(fit, base.model);
+    judged.excludes_off = excludes_off(fit, base_.model);
     entry.gains = judged.excludes_off && better.is_gain(criteria().gain_sigma);
     judged.passes = entry.gains && !is_at_bound(fit);
-    entries.push_back(std::move(entry));
+    return entry;
   }
-  std::stable_sort(entries.begin(), entries.end(),
-                   [](const Entry& a, const Entry& b) { return a.judged.error < b.judged.error; });
-  const double best_evidence = std::accumulate(entries.begin(), entries.end(), -1e300, [](double most, const Entry& e) {
-    return std::max(most, e.judged.evidence);
-  });
-  double sum = 0;
-  for (Entry& e : entries) sum += e.judged.probability = std::exp(e.judged.evidence - best_evidence);
-  for (Entry& e : entries) e.judged.probability /= sum;
-  // the simplest within one standard error of the best that passes
-  int best = -1;
-  for (std::size_t i = 0; i < entries.size() && best < 0; ++i)
-    if (entries[i].judged.passes) best = int(i);
-  decision.chosen = best;
-  const auto is_as_good = [&](const Entry& a, const Entry& than, double n_sigma) {
-    return !difference(a.errors, than.errors, a.residual, than.residual, scale, cut, correlated).is_more_than(n_sigma);
-  };
-  // with one group nothing is left out, and the scatter between groups is not known
-  const double near =
-      *std::max_element(group.begin(), group.end()) == 0 ? criteria().gain_sigma : criteria().as_good_sigma;
-  for (std::size_t i = 0; best >= 0 && i < entries.size(); ++i) {
-    const Judged &now = entries[std::size_t(decision.chosen)].judged, &other = entries[i].judged;
-    if (!other.passes || !is_as_good(entries[i], entries[std::size_t(best)], near) ||
-        other.evidence < entries[std::size_t(best)].judged.evidence - criteria().evidence_margin)
-      continue;
-    const Eigen::Index p = n_parameters(other.fit->model), q = n_parameters(now.fit->model);
-    const double log_prior_gain = log_prior_of(*other.fit) - log_prior_of(*now.fit);
-    const bool has_more_evidence = other.evidence > now.evidence;
-    if ((p < q && log_prior_gain > -criteria().log_prior_margin_simpler) || (p == q && has_more_evidence) ||
-        (p > q && log_prior_gain > criteria().log_prior_margin_simpler && has_more_evidence))
-      decision.chosen = int(i);
+
+  bool is_as_good(const Entry& a, const Entry& than, double n_sigma) const {
+    return !difference(a.errors, than.errors, a.residual, than.residual, scale_, cut_, correlated_)
+                .is_more_than(n_sigma);
   }
-  // where the best model leaves much unexplained, its lead may come from another effect that it imitates: the log prior
-  // comes first among all models that close nearly as much
-  if (best >= 0 && entries[std::size_t(best)].judged.error > criteria().unexplained) {
-    const double most = decision.base_error - entries[std::size_t(best)].judged.error;
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-      const Judged &now = entries[std::size_t(decision.chosen)].judged, &other = entries[i].judged;
-      if (other.passes && decision.base_error - other.error > criteria().nearly_as_much * most &&
-          log_prior_of(*other.fit) > log_prior_of(*now.fit) + criteria().log_prior_margin)
-        decision.chosen = int(i);
-    }
+
+  const Fit& base_;
+  std::vector<std::size_t> group_;       // of each window: what is left out together
+  std::vector<VectorXd> base_residual_;  // left-out
+  GroupErrors base_errors_;
+  double scale_;           // least of the base's and of the fits' [noise]
+  double cut_ = 0;         // size at which residuals are cut [noise]
+  double correlated_ = 1;  // samples that count as one
+  double n_data_ = 0;
+};
+
+// Where the best model leaves much unexplained, its lead may come from another effect that it imitates: the log prior
+// comes first among all models that close nearly as much. chosen: without that
+int most_plausible(const std::vector<Entry>& entries, double base_error, int chosen) {
+  const auto best = std::find_if(entries.begin(), entries.end(), [](const Entry& e) { return e.judged.passes; });
+  if (!(best->judged.error > criteria().unexplained)) return chosen;
+  const double most = base_error - best->judged.error;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const Judged &now = entries[std::size_t(chosen)].judged, &other = entries[i].judged;
+    if (other.passes && base_error - other.error > criteria().nearly_as_much * most &&
+        log_prior_of(*other.fit) > log_prior_of(*now.fit) + criteria().log_prior_margin)
+      chosen = int(i);
   }
-  if (decision.chosen >= 0)
-    for (std::size_t i = 0; i < entries.size(); ++i)
-      if (entries[i].judged.passes &&
-          entries[i].judged.evidence >
-              entries[std::size_t(decision.chosen)].judged.evidence - criteria().evidence_margin &&
-          is_as_good(entries[i], entries[std::size_t(decision.chosen)], criteria().gain_sigma))
-        decision.inseparable.push_back(i);
-  if (decision.inseparable.size() < 2) decision.inseparable.clear();
-  for (std::size_t i = 0; decision.chosen >= 0 && i < entries.size(); ++i) {
-    const Entry& chosen = entries[std::size_t(decision.chosen)];
-    const Judged& other = entries[i].judged;
-    if (entries[i].gains && !other.passes && other.evidence > chosen.judged.evidence &&
-        n_parameters(other.fit->model) <= n_parameters(chosen.judged.fit->model) &&
-        is_as_good(entries[i], chosen, criteria().gain_sigma))
-      decision.better_at_bound = int(i);
+  return chosen;
+}
+
+}  // namespace
+
+Decision decide(const FitData& data, const Fit& base, const std::vector<Fit>& fits) {
+  const Comparison comparison(data, base, fits);
+  Decision decision;
+  decision.base_error = std::sqrt(comparison.base_errors().mean());
+  const std::vector<Entry> entries = comparison.judge(fits);
+  decision.chosen = comparison.simplest_of_the_best(entries);
+  if (decision.chosen >= 0) {
+    decision.chosen = most_plausible(entries, decision.base_error, decision.chosen);
+    decision.inseparable = comparison.inseparable_from(entries, decision.chosen);
+    decision.better_at_bound = comparison.better_at_bound(entries, decision.chosen);
   }
-  for (Entry& e : entries) decision.ranking.push_back(e.judged);
+  for (const Entry& e : entries) decision.ranking.push_back(e.judged);
   return decision;
 }
 

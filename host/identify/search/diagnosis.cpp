@@ -4,23 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/data/noise.hpp"
 #include "host/identify/fit/agreement.hpp"
 #include "host/identify/fit/choose_windows.hpp"
-#include "host/identify/fit/far_number.hpp"
 #include "host/identify/fit/limits.hpp"
-#include "host/identify/fit/time_step.hpp"
 #include "host/identify/fit/whole_runs.hpp"
+#include "host/identify/search/measure.hpp"
 #include "host/identify/search/prove.hpp"
 #include "host/identify/search/regress.hpp"
 #include "host/identify/search/screening.hpp"
 #include "host/identify/search/workflow.hpp"
 #include "host/identify/sensing/journal.hpp"
-#include "host/identify/sensing/video_sight.hpp"
 #include "host/identify/sensing/world.hpp"
 
 namespace pvg::diagnose {
@@ -60,22 +57,6 @@ Located find_where(Workflow& flow, const ChosenWindows& chosen) {
   return {std::move(found), {touching.begin(), touching.end()}};
 }
 
-// From here on the numbers that are known with a standard deviation are free, in every model. Where there is no time,
-// or they cannot be fitted, they remain as stated.
-void free_nuisances(Workflow& flow, ChosenWindows& chosen) {
-  if (flow.nuisances.empty() || chosen.data.windows.empty()) return;
-  std::vector<const Candidate*> parts;
-  for (const Candidate& nuisance : flow.nuisances) parts.push_back(&nuisance);
-  const Model before = flow.fitter.as_it_stands();
-  if (before.parts.empty()) flow.fitter.stand_at(chosen.data.at = model_of(parts));
-  const bool is_in_time =
-      flow.ends_in_time(criteria().time_localisation, "other values of numbers that have a prior", [&] {
-        if (Fit fit = fit_as_it_stands(flow.fitter, chosen.data); fit.succeeded) chosen.base = std::move(fit);
-      });
-  if (!is_in_time && before.parts.empty()) chosen.data.at = before;
-  flow.fitter.stand_at(is_in_time ? chosen.base.model : before);
-}
-
 // Whether the scene as it stands leaves noise alone. Starts that are fitted anew in each short window take up a slow
 // drift: whole runs, where they can be simulated, have to agree too; else they are the windows from then on.
 bool agrees(Workflow& flow, ChosenWindows& chosen) {
@@ -113,117 +94,6 @@ Verdict verdict_of(const std::vector<NamedEffect>& effects) {
     any_parameter = any_parameter || e.candidate->family == Family::parameter;
   }
   return any_physical ? Verdict::effect : any_parameter ? Verdict::retune : Verdict::measurement;
-}
-
-// The scene with the number that is wrong by factors, if there is one. It is looked for in steps of second order.
-std::optional<Variant> nearer_scene(Workflow& flow) {
-  SolverSettings& solver = flow.base.scene.solver;
-  const SolverSettings as_given = solver;
-  solver.integrator = SolverSettings::Integrator::bdf2;
-  const std::optional<FarNumber> far = find_far_number(flow.fitter, flow.problem);
-  solver = as_given;
-  if (!far) return std::nullopt;
-  flow.notes.push_back(fmt::format(
-      "{} at {} of {:.3g} {} instead of {:.3g} alone leaves {:.3g} of {:.3g} times the noise: the time step is "
-      "chosen for it, and all candidates are tried",
-      far->number.name, far->number.target, far->value, far->number.parameters[0].unit, far->number.parameters[0].off,
-      far->after, far->before));
-  Model model = model_of({&far->number});
-  model.x[0] = far->value;
-  return variant_of(flow.base, model);
-}
-
-// The scene's own step where there is no time to compare it with finer ones.
-void choose_step(Workflow& flow) {
-  std::string note;
-  if (flow.ends_in_time(criteria().time_measurement, "the comparison with finer time steps", [&] {
-        std::optional<Variant> nearer = nearer_scene(flow);
-        note = choose_time_step(flow.fitter, flow.predictor, flow.problem, nearer ? *nearer : flow.base);
-        if (!nearer) return;
-        flow.base.scene.solver = nearer->scene.solver;
-        flow.base.extrapolates = nearer->extrapolates;
-      })) {
-    flow.notes.push_back(note);
-    return;
-  }
-  const SolverSettings& given = flow.problem.scene.scene.solver;
-  flow.base.scene.solver.time_step = given.time_step;
-  flow.base.scene.solver.integrator = given.integrator;
-  flow.fitter.take_steps_as_they_are();
-}
-
-// Which neo-Hookean density the soft bodies have.
-std::string elasticity_sentence(const PhysicalScene& scene) {
-  std::string with;
-  for (const Effect& effect : scene.effects)
-    if (effect.name == "neo_hookean_logarithm")
-      with += fmt::format("; {} has {:g} of the logarithm", effect.target, parameter_of(effect, "share"));
-  return "soft bodies are stable neo-Hookean without the logarithm (Smith, De Goes, Kim 2018): Psi = mu/2 (|F|^2 - 3) "
-         "+ "
-         "lambda'/2 (J - 1 - mu/lambda')^2 up to a constant; moduli of other variants differ at large strains" +
-         with;
-}
-
-// Stage 1: noise, time step. Returns the unit of held-out errors.
-std::string measure(Workflow& flow) {
-  Problem& problem = flow.problem;
-  for (const Criterion& one : list_criteria())
-    if (one.value != one.usual)
-      flow.notes.push_back(fmt::format("criterion {}: {:g} instead of {:g}", one.name, one.value, one.usual));
-  measure_noise(problem);
-  if (VideoSight* video = flow.predictor.video()) add_noise_of_pictures(*video, problem);
-  flow.base.scene = problem.scene.scene;
-  std::set<std::string> units;
-  for (const Channel& c : problem.channels) {
-    char text[200];
-    flow.notes.push_back(noise_sentence(c));
-    units.insert(c.unit);
-    for (const Run& run : problem.runs)
-      if (const double noise_scale = run.noise_scale[std::size_t(&c - problem.channels.data())]; noise_scale > 1) {
-        std::snprintf(text, sizeof text, "noise of the %s in run %s: %.3g %s", c.name.c_str(), run.name.c_str(),
-                      c.sigma * noise_scale, c.unit.c_str());
-        flow.notes.push_back(text);
-      }
-  }
-  if (!problem.scene.scene.soft_bodies.empty()) flow.notes.push_back(elasticity_sentence(problem.scene.scene));
-  // the moments of a mask have no common size, nor have the cells of a picture
-  const bool has_pictures = !problem.recording.mask_sources.empty() || !problem.recording.video_sources.empty();
-  flow.report_progress(1, 0,
-                       "noise of " + std::to_string(problem.channels.size()) + " channels, " +
-                           std::to_string(problem.runs.size()) + " runs");
-  choose_step(flow);
-  if (flow.settings.halves_step) {
-    flow.base.scene.solver.time_step /= 2;
-    flow.notes.push_back(
-        fmt::format("half that step, as asked for: {:.4g} ms", 1e3 * flow.base.scene.solver.time_step));
-  }
-  flow.files.write_notes("1_measurement.json", flow.notes);
-  return units.size() > 1 || has_pictures ? "noise" : *units.begin();
-}
-
-// Stage 2: windows that the model can follow, and what it leaves in them. No window: there was no time.
-ChosenWindows find_residual(Workflow& flow, double deadline) {
-  ChosenWindows chosen;
-  // again with the fewest windows if none came to an end in time
-  const std::pair<double, double> tries[] = {{deadline, flow.settings.simulated_seconds}, {criteria().time_search, 0}};
-  for (const auto& [end, simulated_seconds] : tries) {
-    const EarlierDeadline stage(flow.predictor.deadline(), flow.end_of(end));
-    if (chosen.data.windows.empty()) chosen = choose_windows(flow.fitter, flow.problem, simulated_seconds);
-  }
-  if (chosen.data.windows.empty()) {
-    flow.note_left_out("everything: the scene is too slow to be simulated beside the measurement");
-    return chosen;
-  }
-  free_nuisances(flow, chosen);
-  char text[200];
-  std::snprintf(text, sizeof text, "%zu windows of %s; error as the scene stands %.3g times the noise",
-                chosen.data.windows.size(),
-                chosen.length > 0 ? (std::to_string(chosen.length).substr(0, 4) + " s").c_str() : "whole runs",
-                rms(chosen.base.residual));
-  flow.notes.push_back(text);
-  flow.report_progress(2, 0.15, text);
-  flow.files.write_notes("2_residual.json", flow.notes);
-  return chosen;
 }
 
 // Stage 3: where the misfit is.
@@ -285,6 +155,112 @@ void keep_adjusted(Workflow& flow, const Model& nuisances, Diagnosis& out) {
                                      number.deviation, number.unit));
 }
 
+// Where the simulated results of this diagnosis are kept, so that a stopped one goes on. A question that depends on
+// other settings, or another device, has another key.
+Journal open_journal(Workflow& flow, const Device& device) {
+  const Settings& settings = flow.settings;
+  Journal journal(
+      flow.files.folder / "simulated.bin",
+      journal_key(flow.problem, std::to_string(settings.max_effects) + std::to_string(int(settings.decide)) +
+                                    (settings.halves_step ? "half" : "") + device.info().name));
+  if (!settings.simulates) journal.set_read_only();
+  return journal;
+}
+
+// The scene as it stands agrees with the fitted runs: what they could have shown, and whether held-out runs agree too.
+// Returns the numbers with a prior as they fit.
+Model conclude_agreement(Workflow& flow, const ChosenWindows& chosen, Diagnosis& out) {
+  out.verdict = Verdict::agrees;
+  flow.ends_in_time(criteria().time_localisation, "what these recordings could have shown", [&] {
+    *out.candidates = all_candidates(flow, chosen, locate(flow, chosen));
+    std::vector<const Candidate*> all;
+    for (const Candidate& candidate : *out.candidates) all.push_back(&candidate);
+    const Screening screening(flow, chosen.data, chosen.base);
+    flow.show(identifiability(signatures_of(screening.fitter, screening.data, chosen.base, all)));
+  });
+  Selection nothing;
+  nothing.error = out.fit_before;
+  Proof proof = prove(flow, chosen, std::move(nothing), out.unit);
+  Model nuisances = proof.nuisances;
+  out.undecided = doubt_of(flow.problem, proof.held_out);
+  if (!out.undecided.empty()) out.verdict = Verdict::none;
+  add_proof(out, std::move(proof));
+  return nuisances;
+}
+
+// Stages 4 to 6. Where the first effect asks for a finer time step, windows and search are repeated with it.
+Selection select_effects(Workflow& flow, ChosenWindows& chosen, Diagnosis& out) {
+  flow.report_progress(4, 0.25, "screening " + std::to_string(out.candidates->size()) + " candidates");
+  Selection selected = forward_selection(flow, *out.candidates, chosen);
+  if (!selected.asks_for_new_step) return selected;
+  flow.report_progress(2, 0.3, "again with a finer time step");
+  if (ChosenWindows again = find_residual(flow, criteria().time_search); !again.data.windows.empty()) {
+    chosen = std::move(again);
+    out.fit_before = rms(chosen.base.residual);
+    out.used = flow.base.scene;
+    out.is_extrapolated = flow.base.extrapolates;
+  } else {
+    flow.base.scene.solver = out.used.solver;
+    flow.base.extrapolates = out.is_extrapolated;
+  }
+  return forward_selection(flow, *out.candidates, chosen, selected.ends);
+}
+
+// Looks for a law without a name where what is named leaves much. False where that law explains what the name only
+// imitates.
+bool withstands_laws(Workflow& flow, const ChosenWindows& chosen, const std::vector<Cell>& where, bool is_proved,
+                     Diagnosis& out) {
+  std::optional<Regressed> found = find_law(flow, chosen, where, out.unit);
+  if (found && is_proved && !is_imitation(out, found->law)) found.reset();
+  if (!found) return true;
+  if (is_proved)
+    flow.notes.push_back(
+        fmt::format("{} leaves {:.3g} times the noise in held-out runs, a law without a name {:.3g} times: the "
+                    "name is withheld",
+                    out.effects.back().candidate->label(), out.after / out.floor, found->law.after / out.floor));
+  out.regressed = std::move(found->law);
+  out.curves = std::move(found->curves);
+  return false;
+}
+
+void note_bounds(Workflow& flow, bool is_at_bound, const std::string& better_at_bound, const Diagnosis& out) {
+  if (is_at_bound)
+    flow.notes.push_back(
+        "a number of the best model ended at its bound: it was not measured, and the model passes no proof");
+  if (!better_at_bound.empty() && !out.effects.empty())
+    flow.notes.push_back(
+        fmt::format("{} explains as much and is more probable than {}, but a number of it ended at its bound: neither "
+                    "was measured, and the name is withheld",
+                    better_at_bound, out.effects.back().candidate->label()));
+}
+
+// Stage 7: what was selected, judged on the held-out runs. Returns the numbers with a prior as they fit beside it.
+Model conclude_search(Workflow& flow, const ChosenWindows& chosen, Selection selected, Located located,
+                      Diagnosis& out) {
+  const bool is_workflow = flow.settings.decide == Decide::workflow;
+  flow.report_progress(7, 0.9, "judging on the held-out runs");
+  Proof proof = prove(flow, chosen, std::move(selected), out.unit);
+  Model nuisances = proof.nuisances;
+  out.used.solver.time_step = flow.base.scene.solver.time_step;
+  const std::string better_at_bound = proof.selected.better_at_bound;
+  const bool is_at_bound = proof.is_at_bound && is_workflow;
+  const bool is_enough = closes_enough(proof.held_out), follows = proof.selected.follows;
+  add_proof(out, std::move(proof));
+  const bool is_judged = out.floor > 0;
+  note_bounds(flow, is_at_bound, better_at_bound, out);
+  bool is_proved = !out.effects.empty() && !is_at_bound && better_at_bound.empty();
+  if (is_workflow) is_proved = is_proved && is_enough && follows && out.holds_on_whole_runs;
+  const bool leaves_much = !is_proved || out.after > criteria().unexplained * out.floor;
+  if (leaves_much && follows && is_judged && is_workflow)
+    is_proved = withstands_laws(flow, chosen, located.where, is_proved, out) && is_proved;
+  out.verdict = is_proved ? verdict_of(out.effects) : Verdict::none;
+  if (!is_proved && is_judged && !out.effects.empty()) out.ranking.front().fails_held_out = true;
+  out.where = std::move(located.where);
+  out.supposed_verdict = out.verdict;
+  if (!out.supposed_noise.empty()) out.verdict = Verdict::none;
+  return nuisances;
+}
+
 }  // namespace
 
 const char* verdict_name(Verdict verdict) {
@@ -299,10 +275,7 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
   out.candidates = std::make_shared<std::vector<Candidate>>();
   Journal journal;
   if (!folder.empty()) {
-    journal = Journal(folder / "simulated.bin",
-                      journal_key(problem, std::to_string(settings.max_effects) + std::to_string(int(settings.decide)) +
-                                               (settings.halves_step ? "half" : "") + device.info().name));
-    if (!settings.simulates) journal.set_read_only();
+    journal = open_journal(flow, device);
     flow.predictor.keep_in(&journal);
   }
   out.unit = measure(flow);
@@ -320,80 +293,12 @@ Diagnosis diagnose(Device& device, Problem& problem, const Settings& settings, c
   if (chosen.data.windows.empty()) {
     out.verdict = Verdict::none;
   } else if (is_fine) {
-    out.verdict = Verdict::agrees;
-    flow.ends_in_time(criteria().time_localisation, "what these recordings could have shown", [&] {
-      *out.candidates = all_candidates(flow, chosen, locate(flow, chosen));
-      std::vector<const Candidate*> all;
-      for (const Candidate& candidate : *out.candidates) all.push_back(&candidate);
-      const Screening screening(flow, chosen.data, chosen.base);
-      flow.show(identifiability(signatures_of(screening.fitter, screening.data, chosen.base, all)));
-    });
-    Selection nothing;
-    nothing.error = out.fit_before;
-    Proof proof = prove(flow, chosen, std::move(nothing), out.unit);
-    nuisances = proof.nuisances;
-    out.undecided = doubt_of(problem, proof.held_out);
-    if (!out.undecided.empty()) out.verdict = Verdict::none;
-    add_proof(out, std::move(proof));
+    nuisances = conclude_agreement(flow, chosen, out);
   } else {
     Located located = locate(flow, chosen);
     out.candidates = std::make_shared<std::vector<Candidate>>(all_candidates(flow, chosen, located));
-    flow.report_progress(4, 0.25, "screening " + std::to_string(out.candidates->size()) + " candidates");
-    Selection selected = forward_selection(flow, *out.candidates, chosen);
-    if (selected.asks_for_new_step) {
-      flow.report_progress(2, 0.3, "again with a finer time step");
-      if (ChosenWindows again = find_residual(flow, criteria().time_search); !again.data.windows.empty()) {
-        chosen = std::move(again);
-        out.fit_before = rms(chosen.base.residual);
-        out.used = flow.base.scene;
-        out.is_extrapolated = flow.base.extrapolates;
-      } else {
-        flow.base.scene.solver = out.used.solver;
-        flow.base.extrapolates = out.is_extrapolated;
-      }
-      const std::vector<Model> ends = std::move(selected.ends);
-      selected = forward_selection(flow, *out.candidates, chosen, ends);
-    }
-    flow.report_progress(7, 0.9, "judging on the held-out runs");
-    Proof proof = prove(flow, chosen, std::move(selected), out.unit);
-    nuisances = proof.nuisances;
-    out.used.solver.time_step = flow.base.scene.solver.time_step;
-    const std::string better_at_bound = proof.selected.better_at_bound;
-    const bool is_at_bound = proof.is_at_bound && settings.decide == Decide::workflow;
-    const bool is_enough = closes_enough(proof.held_out), follows = proof.selected.follows;
-    add_proof(out, std::move(proof));
-    const bool is_judged = out.floor > 0;
-    if (is_at_bound)
-      flow.notes.push_back(
-          "a number of the best model ended at its bound: it was not measured, and the model passes no proof");
-    if (!better_at_bound.empty() && !out.effects.empty())
-      flow.notes.push_back(fmt::format(
-          "{} explains as much and is more probable than {}, but a number of it ended at its bound: neither "
-          "was measured, and the name is withheld",
-          better_at_bound, out.effects.back().candidate->label()));
-    bool is_proved = !out.effects.empty() && !is_at_bound && better_at_bound.empty();
-    if (settings.decide == Decide::workflow) is_proved = is_proved && is_enough && follows && out.holds_on_whole_runs;
-    const bool leaves_much = !is_proved || out.after > criteria().unexplained * out.floor;
-    if (leaves_much && follows && is_judged && settings.decide == Decide::workflow) {
-      std::optional<Regressed> found = find_law(flow, chosen, located.where, out.unit);
-      if (found && is_proved && !is_imitation(out, found->law)) found.reset();
-      if (found && is_proved) {
-        flow.notes.push_back(
-            fmt::format("{} leaves {:.3g} times the noise in held-out runs, a law without a name {:.3g} times: the "
-                        "name is withheld",
-                        out.effects.back().candidate->label(), out.after / out.floor, found->law.after / out.floor));
-        is_proved = false;
-      }
-      if (found) {
-        out.regressed = std::move(found->law);
-        out.curves = std::move(found->curves);
-      }
-    }
-    out.verdict = is_proved ? verdict_of(out.effects) : Verdict::none;
-    if (!is_proved && is_judged && !out.effects.empty()) out.ranking.front().fails_held_out = true;
-    out.where = std::move(located.where);
-    out.supposed_verdict = out.verdict;
-    if (!out.supposed_noise.empty()) out.verdict = Verdict::none;
+    Selection selected = select_effects(flow, chosen, out);
+    nuisances = conclude_search(flow, chosen, std::move(selected), std::move(located), out);
   }
   keep_adjusted(flow, nuisances, out);
   out.base = std::move(flow.base);

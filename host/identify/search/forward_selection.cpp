@@ -121,8 +121,9 @@ class ForwardSelection {
       return Next::nothing;
     const double since = flow_.seconds();
     if (n_named() == 1) tried_.push_back(of_windows_);
-    Round round = run_round(flow_, candidates_, prepared_.data(), named_, std::to_string(number),
-                            number == 1 ? 0.4 : 0.75, number == 1 ? ends_ : std::vector<Model>(), changes_);
+    const double progress = number == 1 ? 0.4 : 0.75;
+    Round round = run_round(flow_, candidates_, prepared_.data(), named_, std::to_string(number), progress,
+                            number == 1 ? ends_ : std::vector<Model>(), changes_);
     const double of_round = flow_.seconds() - since;
     of_rounds_ += of_round;
     if (number == 1) {

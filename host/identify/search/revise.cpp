@@ -6,9 +6,9 @@
 #include <numeric>
 
 #include "host/identify/criteria.hpp"
+#include "host/identify/fit/swap.hpp"
 #include "host/identify/search/decide.hpp"
 #include "host/identify/search/round.hpp"
-#include "host/identify/search/swap.hpp"
 
 namespace pvg::diagnose {
 namespace {

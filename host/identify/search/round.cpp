@@ -7,8 +7,8 @@
 
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/held_out.hpp"
+#include "host/identify/fit/swap.hpp"
 #include "host/identify/search/screening.hpp"
-#include "host/identify/search/swap.hpp"
 #include "host/identify/sensing/world.hpp"
 
 namespace pvg::diagnose {
@@ -228,7 +228,7 @@ std::size_t n_least_of_next(const std::vector<Fit>& fits, const Effort& effort) 
 }  // namespace
 
 Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
-                const std::string& name, double share, const std::vector<Model>& ends, const Changes& known) {
+                const std::string& name, double progress, const std::vector<Model>& ends, const Changes& known) {
   std::vector<const Candidate*> candidates = others_than(all, base.model);
   if (flow.settings.decide == Decide::retune)
     std::erase_if(candidates, [](const Candidate* candidate) { return candidate->family != Family::parameter; });
@@ -257,7 +257,8 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
   for (Model& model : with_wrong_numbers(base.model, all)) best.push_back({model.parts.back(), std::move(model), 0, 0});
   if (!ends.empty()) begin_at_ends(flow.fitter, data, ends, best);
   flow.report_progress(
-      5, share, "fitting " + std::to_string(best.size()) + " of " + std::to_string(candidates.size()) + " candidates");
+      5, progress,
+      "fitting " + std::to_string(best.size()) + " of " + std::to_string(candidates.size()) + " candidates");
   if (best.empty()) return round;
   if (flow.settings.decide == Decide::weak) {  // as the linear regression has them
     round.fits = flow.fitter.begin(data, {best[0].model});

@@ -18,11 +18,12 @@ struct Round {
   double seconds_of_fits = 0;  // in large scenes: of the shortest fits of a next round that decide anything
 };
 
-// name: of the stages' files; share: of the whole work that is done when the fits begin; ends: where fits of the same
+// name: of the stages' files; progress: of the whole diagnosis, shown when the fits begin; ends: where fits of the same
 // models ended before, with another time step: they begin there, where that is nearer to the data. known: changes of an
 // earlier round; where a simulation takes seconds, and they are in these windows, nothing else is screened.
 Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData& data, const Fit& base,
-                const std::string& name, double share, const std::vector<Model>& ends = {}, const Changes& known = {});
+                const std::string& name, double progress, const std::vector<Model>& ends = {},
+                const Changes& known = {});
 
 // What one screening may cost: less in scenes so large that a simulation takes seconds.
 Effort effort_of(const Workflow& flow);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "host/identify/criteria.hpp"
 
@@ -210,6 +211,27 @@ VectorXd stacked(const FitData& some, const std::vector<double>& scales, const s
   return all;
 }
 
+bool have_succeeded(const std::vector<Prediction>& found) {
+  return std::all_of(found.begin(), found.end(), [](const Prediction& p) { return p.succeeded; });
+}
+
+// Which of several models leaves least, and what it leaves; nothing where none could be simulated.
+struct Nearest {
+  std::size_t number;
+  VectorXd left;
+};
+
+std::optional<Nearest> nearest_of(const FitData& some, const std::vector<double>& scales,
+                                  const std::vector<std::vector<Prediction>>& found) {
+  std::optional<Nearest> nearest;
+  for (std::size_t m = 0; m < found.size(); ++m) {
+    if (!have_succeeded(found[m])) continue;
+    VectorXd left = stacked(some, scales, found[m]);
+    if (!nearest || left.squaredNorm() < nearest->left.squaredNorm()) nearest = Nearest{m, std::move(left)};
+  }
+  return nearest;
+}
+
 }  // namespace
 
 std::vector<Model> places_at_shapes(Fitter& fitter, const FitData& some, const Fit& few, const Screened& screened) {
@@ -225,9 +247,6 @@ std::vector<Model> places_at_shapes(Fitter& fitter, const FitData& some, const F
   const auto simulated = [&](const std::vector<Model>& models) {
     return fitter.evaluate(some, models, std::vector(models.size(), few.delta));
   };
-  const auto have_succeeded = [](const std::vector<Prediction>& found) {
-    return std::all_of(found.begin(), found.end(), [](const Prediction& p) { return p.succeeded; });
-  };
   const std::vector<double> scales = window_scales(few.residual);
 
   // x_0: the first strength as it is best beside the others, or as large as they are together
@@ -236,17 +255,10 @@ std::vector<Model> places_at_shapes(Fitter& fitter, const FitData& some, const F
     alone[1].x[place(0)] += screened.model.x[place(i)] - parameter(i).off;
     alone[0].x[place(i)] = alone[1].x[place(i)] = parameter(i).off;
   }
-  const auto found = simulated(alone);
-  int best = -1;
-  std::vector<VectorXd> left(alone.size());
-  for (std::size_t m = 0; m < alone.size(); ++m) {
-    if (!have_succeeded(found[m])) continue;
-    left[m] = stacked(some, scales, found[m]);
-    if (best < 0 || left[m].squaredNorm() < left[std::size_t(best)].squaredNorm()) best = int(m);
-  }
-  if (best < 0) return {};
-  const Model& start = alone[std::size_t(best)];
-  const VectorXd& r = left[std::size_t(best)];
+  const std::optional<Nearest> nearest = nearest_of(some, scales, simulated(alone));
+  if (!nearest) return {};
+  const Model& start = alone[nearest->number];
+  const VectorXd& r = nearest->left;
   const double size = start.x[place(0)] - parameter(0).off;
   if (size == 0) return {};
 

@@ -236,19 +236,53 @@ std::vector<Prediction> Predictor::simulated(std::span<const Job> jobs, std::spa
       throw Failure("what another process simulated came back cut short");
     for (std::size_t k = 0; k < theirs.size(); ++k) out[theirs[k]] = std::move(result->predictions[k]);
   }
-  for (const Sharing& world : order) world_seconds_ += double(steps_of(*jobs[world.front()].window, h)) * h;
   n_simulations_ += order.size();
   if (journal_) journal_->add(question, out);
   return out;
 }
 
+namespace {
+
+// What the sensors of a job have seen of its world so far.
+struct Seen {
+  std::size_t job, world, n_steps;
+  SensorTrace trace;
+  bool succeeded = true;
+};
+
+void take_prediction(Seen& seen, bool wants_phases, Prediction& prediction) {
+  prediction.residual = seen.trace.residual();
+  prediction.mask_overlap = seen.trace.mask_overlap();
+  prediction.succeeded = seen.succeeded && prediction.residual.allFinite();
+  if (!wants_phases) return;
+  prediction.phase = seen.trace.phases();
+  prediction.touching = seen.trace.touching();
+}
+
+// Of a job that cannot be simulated.
+Prediction no_prediction(const Job& job) {
+  Prediction none;
+  none.residual = Eigen::VectorXd::Constant(Eigen::Index(job.window->data.size()), std::nan(""));
+  none.phase.assign(job.wants_phases ? job.window->data.size() : 0, Phase::free);
+  none.succeeded = false;
+  return none;
+}
+
+}  // namespace
+
+void Predictor::predict_halves(std::span<const Job> jobs, std::span<const std::vector<std::size_t>> which,
+                               std::vector<Prediction>& out) {
+  const std::size_t n = which.size();
+  if (n > 1) {
+    predict_batch(jobs, which.subspan(0, n / 2), out);
+    predict_batch(jobs, which.subspan(n / 2), out);
+    return;
+  }
+  for (const std::size_t i : which[0]) out[i] = no_prediction(jobs[i]);
+}
+
 void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::vector<std::size_t>> which,
                               std::vector<Prediction>& out) {
-  struct Seen {
-    std::size_t job, world, n_steps;
-    SensorTrace trace;
-    bool succeeded = true;
-  };
   std::vector<PhysicalScene> scenes;
   std::vector<const Window*> windows;
   std::vector<Seen> seen;
@@ -263,25 +297,11 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::ve
       n_steps[w] = std::max(n_steps[w], seen.back().n_steps);
     }
   }
-  const auto go_on_without_what_fails = [&] {
-    const std::size_t n = which.size();
-    if (n > 1) {
-      predict_batch(jobs, which.subspan(0, n / 2), out);
-      predict_batch(jobs, which.subspan(n / 2), out);
-      return;
-    }
-    for (const std::size_t i : which[0]) {
-      Prediction& none = out[i];
-      none.residual = Eigen::VectorXd::Constant(Eigen::Index(jobs[i].window->data.size()), std::nan(""));
-      none.phase.assign(jobs[i].wants_phases ? jobs[i].window->data.size() : 0, Phase::free);
-      none.succeeded = false;
-    }
-  };
   std::unique_ptr<WindowWorlds> made;
   try {
     made = std::make_unique<WindowWorlds>(device_, problem_, std::move(scenes), std::move(windows));
   } catch (const UsageError& refused) {  // a start that cannot be
-    return go_on_without_what_fails();
+    return predict_halves(jobs, which, out);
   }
   WindowWorlds& worlds = *made;
   Simulation& simulation = worlds.simulation();
@@ -308,22 +328,13 @@ void Predictor::predict_batch(std::span<const Job> jobs, std::span<const std::ve
     } catch (const OutOfDeviceMemory&) {  // numbers with which so much comes near so much
       device_.finish();                   // reads that were started write to what is made here
       made.reset();
-      return go_on_without_what_fails();
+      return predict_halves(jobs, which, out);
     }
     look(step);
     for (std::size_t w = 0; w < which.size(); ++w)
       if (step == n_steps[w]) simulation.retire(w);
   }
-  for (Seen& one : seen) {
-    Prediction& prediction = out[one.job];
-    prediction.residual = one.trace.residual();
-    prediction.mask_overlap = one.trace.mask_overlap();
-    prediction.succeeded = one.succeeded && prediction.residual.allFinite();
-    if (jobs[one.job].wants_phases) {
-      prediction.phase = one.trace.phases();
-      prediction.touching = one.trace.touching();
-    }
-  }
+  for (Seen& one : seen) take_prediction(one, jobs[one.job].wants_phases, out[one.job]);
 }
 
 }  // namespace pvg::diagnose

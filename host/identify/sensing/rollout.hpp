@@ -56,9 +56,8 @@ class Predictor {
   void settle(const Variant& variant, std::vector<Window>& windows);
   void keep_in(Journal* journal) { journal_ = journal; }  // results are read from there as far as they go
   std::size_t n_simulations() const { return n_simulations_; }
-  Clock::time_point& deadline() { return deadline_; }      // never, unless it is set
-  VideoSight* video();                                     // null: no video was measured
-  double world_seconds() const { return world_seconds_; }  // simulated, summed over all worlds
+  Clock::time_point& deadline() { return deadline_; }  // never, unless it is set
+  VideoSight* video();                                 // null: no video was measured
 
  private:
   // Node motions of each step of a window as the scene stands, [n_steps][n_nodes x 3, m]: where Newton's method starts
@@ -78,6 +77,9 @@ class Predictor {
   // which: the jobs of each world; they differ in what is measured alone.
   void predict_batch(std::span<const Job> jobs, std::span<const std::vector<std::size_t>> which,
                      std::vector<Prediction>& out);
+  // The same of worlds that cannot be simulated together: each half alone. A world by itself has no prediction.
+  void predict_halves(std::span<const Job> jobs, std::span<const std::vector<std::size_t>> which,
+                      std::vector<Prediction>& out);
   MaskSight* sight();
   Device& device_;
   const Problem& problem_;
@@ -88,7 +90,6 @@ class Predictor {
   Journal* journal_ = nullptr;
   std::unique_ptr<KnownPredictions> known_;
   std::size_t n_simulations_ = 0;
-  double world_seconds_ = 0;
   Clock::time_point deadline_ = Clock::time_point::max();
 };
 

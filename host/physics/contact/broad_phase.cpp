@@ -243,7 +243,7 @@ BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<cons
       first_site_(device, 0, "first site of body"),
       sites_(device, 0, "sites of bodies"),
       near_(device, everywhere(mesh.bodies.size()), "where bodies are near"),
-      body_boxes_of_(device, 6 * mesh.bodies.size(), "body boxes"),
+      boxes_(device, 6 * mesh.bodies.size(), "body boxes"),
       reference_(device, 3 * x.size(), "reference"),
       program_(device, "contact/broad_phase.cl", avx_options(device.info())),
       near_program_(device, "contact/near_bodies.cl"),
@@ -280,9 +280,8 @@ BroadPhase::BroadPhase(Device& device, const CollisionMesh& mesh, std::span<cons
 
 void BroadPhase::find_near_bodies(const Buffer<double>& x0, const Buffer<double>& x1, double margin) {
   const u32 n = u32(bodies_.size());
-  body_boxes_(n * GROUP_SIZE, n * u32(GROUP_SIZE), first_site_, sites_, bodies_, worlds_, margin, x0, x1,
-              body_boxes_of_);
-  near_bodies_(n, n, bodies_, worlds_, pair_friction_, body_boxes_of_, near_);
+  body_boxes_(n * GROUP_SIZE, n * u32(GROUP_SIZE), first_site_, sites_, bodies_, worlds_, margin, x0, x1, boxes_);
+  near_bodies_(n, n, bodies_, worlds_, pair_friction_, boxes_, near_);
 }
 
 void BroadPhase::refit(const Buffer<double>& x0, const Buffer<double>& x1, double margin) {

@@ -60,7 +60,7 @@ class BroadPhase {
   Buffer<u32> counts_, offsets_, kept_;    // [n_queries], [n_queries + 1], [n_queries x N_KEPT]
   Buffer<u32> first_site_, sites_;         // [n_bodies + 1], of each body
   Buffer<float> near_;                     // [n_bodies x 8] where each has partners
-  Buffer<f32> body_boxes_of_;              // [n_bodies x 6, m]
+  Buffer<f32> boxes_;                      // of bodies [n_bodies x 6, m]
   Buffer<double> reference_;
   Program program_, near_program_;
   Kernel refit_leaves_, refit_levels_, count_pairs_, fill_pairs_, body_boxes_, near_bodies_;

@@ -7,6 +7,14 @@
 //   candidates(), and at the last one find_contacts(trial).  Before the first: find_candidates(x, x), find_contacts(x).
 // Candidates are kept as long as they serve, so they may be more than are asked for; what is made of them does not
 // change.
+//
+// Each of these can be done in three ways, with equal results:
+//   waiting    find_candidates(), largest_step(), find_contacts(), find_and_lag_friction(): known when they return
+//   started    start_...(): kernels are only started; the result is known after device.finish(), and taken by
+//              candidates_serve() with renew_candidates(), by take_contacts() and by take_friction()
+//   foreseen   as started, but not even taken after the next finish(): foresee() supposes that candidates and contacts
+//              are as many as they were, with room to spare, so that more can be started on top of them;
+//              take_foreseen() tells whether it was so, and all must be done again, waiting, if not
 #pragma once
 #include <memory>
 #include <optional>

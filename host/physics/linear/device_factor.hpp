@@ -42,8 +42,6 @@ class DeviceFactor {
   void start_apply(const Buffer<f64>& residual, bool adds, Buffer<f64>& preconditioned);
 
   std::size_t n_numbers() const { return panels_.size() + updates_.size(); }  // on the device
-  u32 n_launches_to_factor() const { return 1 + factoring_.n_stages; }
-  u32 n_launches_to_solve() const { return solving_.n_stages == 0 ? 0 : 2 * solving_.n_stages - 1; }
   // The factor of a group as a dense lower triangle, for tests: column-major [3 n_nodes x 3 n_nodes] in the order of
   // elimination
   std::vector<double> dense(u32 group) const;

@@ -28,7 +28,6 @@ class MultilevelSchwarz {
   void apply(const Buffer<f64>& residual, Buffer<f64>& preconditioned, const MultilevelSchwarz* exact,
              WorldChunks& chunks);
 
-  std::size_t n_levels() const { return levels_.size(); }
   std::size_t n_clusters() const { return levels_.empty() ? 0 : levels_.front().n_clusters; }  // of the first level
   std::size_t n_bytes() const { return sizeof(float) * inverse_.size(); }                      // of the inverses
 

@@ -47,12 +47,6 @@ class Term {
   // x, x0: site positions [n_sites x 3, m]; h [s]
   // the elements' energies [n_elements, J], from number `first` on
   void energy(const Buffer<f64>& x, const Buffer<f64>& x0, double h, std::size_t first, Buffer<f64>& energy);
-  // the same over n other rows that lie on the device already, as contacts do
-  template <class Params>
-  void energy_over(const Buffer<Params>& params, std::size_t n, const Buffer<f64>& x, const Buffer<f64>& x0, double h,
-                   std::size_t first, Buffer<f64>& energy) {
-    if (n > 0) kernels().energy(n, u32(n), params, x, x0, h, u32(first), energy);
-  }
   void gradient(const Buffer<f64>& x, const Buffer<f64>& x0, double h, Buffer<f64>& rows);  // [N]
   // Kept in blocks(). worlds: [n_worlds] whose elements' are wanted, or empty, then all are
   void hessian(const Buffer<f64>& x, const Buffer<f64>& x0, double h, std::span<const char> worlds = {});

@@ -13,7 +13,8 @@ constexpr int MANY_CG = 12;         // iterations take longer than to take the c
 // tolerances, and goes on to serve where corrections fall to this part of the last one
 // (docs/measured/2026-11-28_step_2.md).
 constexpr double NEAR = 15, FALLS = 0.3;
-constexpr double ENOUGH = 0.1;  // of its first correction ends a pass there: what is lagged is not exact before
+constexpr double ENOUGH =
+    0.1;  // of its first correction ends a pass while friction is to settle: it is lagged anew then
 
 }  // namespace
 

@@ -6,8 +6,8 @@
 
 #include "host/identify/fit/agreement.hpp"
 #include "host/identify/fit/choose_windows.hpp"
+#include "host/identify/fit/swap.hpp"
 #include "host/identify/search/round.hpp"
-#include "host/identify/search/swap.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg::diagnose {

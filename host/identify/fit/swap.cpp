@@ -1,4 +1,4 @@
-#include "host/identify/search/swap.hpp"
+#include "host/identify/fit/swap.hpp"
 
 #include <algorithm>
 
