@@ -87,7 +87,7 @@ TEST(Room, DISABLED_ASyntheticRoomIsWithinThreeMillimetresOnTheMean) {
 
 TEST(Room, WhatAUserCanGetWrongIsOneSentence) {
   const TestFolder folder;
-  expect_error<UsageError>([&] { read_capture(folder.path / "nowhere"); }, {"nowhere", "no folder"});
+  expect_error<UsageError>([&] { read_capture(folder.path / "nowhere"); }, {"nowhere", "no such folder"});
   expect_error<UsageError>([&] { read_capture(folder.path); }, {"no capture", "7-Scenes", "transforms.json"});
   write_frames(folder.path, 3, 64, 48, some_frame());
   const std::filesystem::path pose = folder.path / "frame-000001.pose.txt";
