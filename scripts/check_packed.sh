@@ -2,6 +2,7 @@
 # Packs an episode set in every format and reads the results with h5py, pyarrow, pandas and zarr (in .venv-check), compared
 # with the states files. Argument: an episode set; without one a small set is made.
 set -eu
+case "${1:-}" in -*) sed -n '2,3s/^# //p' "$0"; [ "$1" = --help ] && exit 0; exit 2 ;; esac
 cd "$(dirname "$0")/.."
 scripts/install_pack.sh
 scripts/python_env.sh check h5py pyarrow pandas "zarr<3"
