@@ -9,7 +9,7 @@
 namespace pvg {
 namespace {
 
-constexpr std::uint32_t MOST_LIGHTS = 8;  // that shade_receivers.cl is to try one by one
+constexpr std::uint32_t MOST_LIGHTS = 8;  // that shade_receivers.cl tries one by one; by judgement
 
 // Paths that a work-item of `generate` starts: on a CPU its vector units draw the random numbers of 16 side by side.
 std::size_t paths_per_item(const Device& device) { return device.info().is_gpu ? 1 : 16; }

@@ -81,6 +81,7 @@ class Stages {
   void generate(std::size_t n, const Launch& launch, const Buffer<std::uint32_t>& pixels);
   void intersect(std::size_t n, const DeviceScene& scene);
   void pass_holes(std::size_t n, unsigned depth, const DeviceScene& scene);
+  // on a CPU: those camera rays that shade_receivers.cl takes, which shade() then leaves alone
   void shade_receivers(std::size_t n, const Launch& launch, const DeviceScene& scene);
   void shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene);
   void shadow_holes(std::size_t n, const DeviceScene& scene);

@@ -1,6 +1,6 @@
 // Stage 3 of camera rays that meet a shadow receiver, on a CPU: where sixteen neighbours meet the same triangle they
-// are shaded at once. What happens to each, and its formula: receiver.cl; the arithmetic is the same, so bits are
-// equal. All others are left to shade.cl. The host asks for it where there are few lights, which are tried one by one.
+// are shaded at once. What happens to each, and its formula: receiver.cl, which this equals up to rounding. All others
+// are left to shade.cl. The host asks for it where there are few lights, which are tried one by one.
 #define PVG_INLINE_ALL
 #include "shared/pocl.h"
 
@@ -96,7 +96,7 @@ static inline Packet lamp_directions(const Launch launch, const Shading scene, c
 }
 
 // what the sixteen meet; false: not all the same triangle of a receiver, or one that takes more than this
-static inline bool find_receiver(const Launch launch, const Shading scene, const uint first, global const float4* hit,
+static inline bool find_receiver(const Shading scene, const uint first, global const float4* hit,
                                  global const uint* hit_instance, global const float4* direction, Receiver* r) {
   const uint triangle = as_uint(hit[first].w), i = hit_instance[first];
   if (triangle == NO_TRIANGLE) return false;
@@ -152,7 +152,7 @@ kernel __attribute__((reqd_work_group_size(4, 1, 1))) void shade_receivers(
   const Shading scene = {instances, materials,  textures, texels, decode, triangles, vertices,
                          0,         second_uvs, lights,   0,      0,      0};
   Receiver r;
-  if (!find_receiver(launch, scene, first, hit, hit_instance, direction, &r)) return;
+  if (!find_receiver(scene, first, hit, hit_instance, direction, &r)) return;
   global const Instance* instance = instances + hit_instance[first];
 
   float us[PACKET], vs[PACKET];
