@@ -30,10 +30,10 @@ void blur(std::vector<float>& values, std::size_t width) {
 // floor(log2(number)) of a number that is not negative, read from its exponent; far below zero for 0
 int whole_doublings(double number) { return int(std::bit_cast<std::uint64_t>(number) >> 52) - 1023; }
 
-// How often each count may be doubled, for one more path of a pixel per root of its variance.
+// Counts doubled while they do not exceed the best ones, which are a factor times the roots of the variances.
 struct Doublings {
-  std::vector<double> per_factor;  // best count over the present one, for a factor of 1
-  std::vector<std::uint32_t> counts, most;
+  std::vector<double> per_factor;           // best count over the present one, for a factor of 1
+  std::vector<std::uint32_t> counts, most;  // present ones, and how often each may be doubled at most
 
   std::uint32_t count(std::size_t i, double factor) const {
     return counts[i] << std::clamp(whole_doublings(factor * per_factor[i]), 0, int(most[i]));
