@@ -55,7 +55,14 @@ class Connection:
         self._is_open = True
         if socket is not None:
             self._socket = sockets.socket(sockets.AF_UNIX, sockets.SOCK_STREAM)
-            self._socket.connect(os.fspath(socket))
+            try:
+                self._socket.connect(os.fspath(socket))
+            except OSError as error:
+                self._socket.close()
+                raise ServeError(
+                    f"no server answers on the socket {os.fspath(socket)} ({error.strerror or error}); start one there: "
+                    f"phyvisgen serve TASK --socket {os.fspath(socket)}"
+                ) from error
             self._input: IO[bytes] = self._socket.makefile("wb")
             self._output: IO[bytes] = self._socket.makefile("rb")
         else:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import sys
 from pathlib import Path
 from typing import Any, NoReturn, Sequence
@@ -28,6 +29,9 @@ class _Parser(argparse.ArgumentParser):
     """What is wrong in one sentence, without a page of usage before it."""
 
     def error(self, message: str) -> NoReturn:
+        flag = re.fullmatch(r"argument (\S+): ignored explicit argument '(.*)'", message)
+        if flag:
+            message = f"{flag[1].split('/')[-1]} takes no value, but is given `{flag[2]}`; write it alone, or leave it out"
         self.exit(2, f"phyvisgen: {message}; `{self.prog} TASK --help` shows how\n")
 
 

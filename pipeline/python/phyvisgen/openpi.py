@@ -3,13 +3,16 @@
 
 from __future__ import annotations
 
+import socket
 from contextlib import ExitStack
 from typing import Any
 
 import msgpack
 import numpy as np
 from numpy.typing import NDArray
+from websockets.exceptions import InvalidURI, WebSocketException
 from websockets.sync.client import connect
+from websockets.uri import parse_uri
 
 from .server import Answer, ServeError, Server
 
@@ -40,6 +43,30 @@ def unpack(data: bytes) -> Any:
     return msgpack.unpackb(data, object_hook=_unpack_array)
 
 
+SECONDS_TO_ANSWER = 10.0  # until the connection stands, and again until the server's first frame
+WHAT_TO_DO = "start the server of policies there, or name the address of one that runs: --policy ws://HOST:PORT"
+
+
+def _check_address(url: str) -> None:
+    try:
+        parse_uri(url)
+    except (InvalidURI, ValueError) as error:
+        raise ValueError(f"--policy {url} is no address; write ws://HOST:PORT, such as ws://localhost:8000") from error
+
+
+def _reason(error: Exception) -> str:
+    """Why no connection stands, without numbers of the operating system."""
+    if isinstance(error, ConnectionRefusedError):
+        return "the machine answers, but no program listens on this port"
+    if isinstance(error, socket.gaierror):
+        return "no machine of this name is known"
+    if isinstance(error, TimeoutError):
+        return f"nothing came back within {SECONDS_TO_ANSWER:g} s"
+    if isinstance(error, WebSocketException | EOFError):
+        return f"a program answers that does not speak OpenPI's protocol ({error})"
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)
+
+
 class OpenPiPolicy:
     """url: ws://HOST:PORT. Of each chunk of actions the first `executed` are done before the server is asked again.
 
@@ -53,18 +80,25 @@ class OpenPiPolicy:
         self._prompt = prompt
         self._executed = executed
         self._opened = ExitStack()
+        _check_address(url)
         try:
-            self._socket = self._opened.enter_context(connect(url, compression=None, max_size=None))
-        except OSError as error:
-            raise ServeError(f"no server of policies answers at {url}: {error}") from error
-        self.metadata = self._receive()
+            connection = connect(url, compression=None, max_size=None, open_timeout=SECONDS_TO_ANSWER)
+            self._socket = self._opened.enter_context(connection)
+            self.metadata = self._receive(SECONDS_TO_ANSWER)
+        except (OSError, EOFError, WebSocketException) as error:
+            self._opened.close()
+            raise ServeError(f"no server of policies could be reached at {url}: {_reason(error)}; {WHAT_TO_DO}") from error
         self._chunk: list[NDArray[np.float64]] = []
 
-    def _receive(self) -> Any:
-        frame = self._socket.recv()
+    def _receive(self, seconds: float | None = None) -> Any:
+        """The next frame, waited for as long as it takes or `seconds`."""
+        frame = self._socket.recv(seconds)
         if isinstance(frame, str):
             raise ServeError(f"the server of policies reports an error: {frame.strip().splitlines()[-1]}")
-        return unpack(frame)
+        try:
+            return unpack(frame)
+        except (ValueError, msgpack.UnpackException) as error:
+            raise ServeError(f"{self.name} sent a frame that is no msgpack; is it a server of policies?") from error
 
     def _ask(self, seen: Answer) -> list[NDArray[np.float64]]:
         observation: dict[str, Any] = {
@@ -74,8 +108,17 @@ class OpenPiPolicy:
         }
         for name, picture in seen.pictures.items():
             observation[f"observation/images/{name}"] = np.ascontiguousarray(picture)
-        self._socket.send(pack(observation))
-        actions = np.atleast_2d(np.asarray(self._receive()["actions"], dtype=np.float64))
+        try:
+            self._socket.send(pack(observation))
+            answer = self._receive()
+        except (OSError, WebSocketException) as error:
+            raise ServeError(
+                f"the server of policies at {self.name} ended the connection when it was asked for actions ({error}); "
+                "its own messages tell why"
+            ) from error
+        if not isinstance(answer, dict) or "actions" not in answer:
+            raise ServeError(f"the server of policies at {self.name} answered an observation without `actions`")
+        actions = np.atleast_2d(np.asarray(answer["actions"], dtype=np.float64))
         return list(actions[: self._executed])
 
     def reset(self, start: Answer) -> None:

@@ -378,6 +378,44 @@ class OpenPi(unittest.TestCase):
         self.assertEqual(asked[0]["prompt"], "push the beaker")
         self.assertEqual(asked[0]["observation/images/front"].shape, (4, 4, 3))
 
+    def test_a_server_of_policies_that_cannot_be_reached_is_named(self):
+        try:
+            from websockets.sync.server import serve
+
+            from phyvisgen.openpi import OpenPiPolicy
+        except ImportError as error:
+            self.skipTest(str(error))
+        with socket.socket() as free:
+            free.bind(("localhost", 0))
+            port = free.getsockname()[1]  # bound, but nothing listens
+            with self.assertRaisesRegex(
+                phyvisgen.ServeError, f"ws://localhost:{port}: .*no program listens.*; start the server.*--policy ws://HOST:PORT"
+            ) as refused:
+                OpenPiPolicy(f"ws://localhost:{port}", "")
+        self.assertNotIn("Errno", str(refused.exception))
+        for address in ("ws://", "ws://localhost:abc", "ws://localhost:99999"):
+            with self.assertRaisesRegex(ValueError, f"--policy {address} is no address; write ws://HOST:PORT"):
+                OpenPiPolicy(address, "")
+        with serve(lambda connection: connection.close(), "localhost", 0, compression=None) as server:
+            threading.Thread(target=server.serve_forever, daemon=True).start()
+            with self.assertRaisesRegex(phyvisgen.ServeError, "does not speak OpenPI's protocol.*; start the server"):
+                OpenPiPolicy(f"ws://localhost:{server.socket.getsockname()[1]}", "")
+            server.shutdown()
+
+    def test_a_socket_on_which_no_server_listens_is_named(self):
+        with self.assertRaisesRegex(phyvisgen.ServeError, "socket /nowhere/task .*; start one there: phyvisgen serve TASK"):
+            phyvisgen.Server(socket="/nowhere/task")
+
+
+class TestWords(unittest.TestCase):
+    def test_a_flag_that_is_given_a_value(self):
+        from phyvisgen.evaluate import main
+
+        with self.assertRaises(SystemExit) as ended, redirect_stderr(io.StringIO()) as told:
+            main(["task.yaml", "--policy", "blind", "--json=3"])
+        self.assertEqual(ended.exception.code, 2)
+        self.assertIn("--json takes no value, but is given `3`", told.getvalue())
+
 
 if __name__ == "__main__":
     unittest.main()
