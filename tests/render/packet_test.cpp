@@ -1,4 +1,5 @@
-// Rays in packets find what each finds alone: the same bits of t, u, v, triangle and instance.
+// Rays in packets find what each finds alone: the same bits of t, u, v, triangle and instance. And rays that go the
+// same way do go in packets.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -38,13 +39,17 @@ Counts compare(const Found& alone, const Found& together) {
   return counts;
 }
 
+DeviceTrees trees_of(Device& device, const World& world) {
+  return {Buffer<BvhNode>(device, build_instance_tree(world.boxes), "top"),
+          Buffer<BvhNode>(device, world.geometry.nodes, "nodes"),
+          Buffer<TriangleBlock>(device, world.geometry.blocks, "blocks"),
+          Buffer<Instance>(device, world.instances, "instances")};
+}
+
 Counts trace(const World& world, const Rays& rays) {
   Device device;
   Traversal traversal(device);
-  const DeviceTrees trees{Buffer<BvhNode>(device, build_instance_tree(world.boxes), "top"),
-                          Buffer<BvhNode>(device, world.geometry.nodes, "nodes"),
-                          Buffer<TriangleBlock>(device, world.geometry.blocks, "blocks"),
-                          Buffer<Instance>(device, world.instances, "instances")};
+  const DeviceTrees trees = trees_of(device, world);
   const std::size_t n = rays.origin.size();
   std::vector<std::uint32_t> slots(n);
   for (std::size_t i = 0; i < n; ++i) slots[i] = std::uint32_t(i);
@@ -58,6 +63,40 @@ Counts trace(const World& world, const Rays& rays) {
   hit_instance.zero();
   traversal.find_closest_of_neighbours(n, queue, trees, origin, direction, hit, hit_instance);
   return compare(alone, {hit.read(), hit_instance.read()});
+}
+
+// The kernel of packets, in which a ray that goes alone leaves a mark instead of what it hits: t = ALONE_IN_MESH where
+// it does so in the frame of a mesh, ALONE in the whole scene.
+constexpr float ALONE_IN_MESH = -1, ALONE = -2;
+const char* const MARKING_KERNEL = R"(
+#include "render/traverse.cl"
+static inline void mark_alone(Hit* hit) { hit->t = -2.0f; }
+#define closest_hit(trees, origin, direction, hit) mark_alone(hit)
+#define closest_in_mesh(trees, box, leaf, first, t) (float4)(-1.0f, 0.0f, 0.0f, 0.0f)
+#include "render/intersect_packets.cl"
+)";
+
+struct Alone {
+  int in_scene = 0, in_a_mesh = 0;
+};
+
+Alone count_alone(const World& world, const Rays& rays) {
+  Device device;
+  Kernel kernel = Program::from_text(device, "marking packets", MARKING_KERNEL, traversal_options(device))
+                      .kernel("intersect_packets");
+  const DeviceTrees trees = trees_of(device, world);
+  const std::size_t n = rays.origin.size();
+  const Buffer<F32x4> origin(device, rays.origin, "origin"), direction(device, rays.direction, "direction");
+  Buffer<F32x4> hit(device, n, "hit");
+  Buffer<std::uint32_t> hit_instance(device, n, "hit_instance");
+  kernel((n + PACKET - 1) / PACKET, std::uint32_t(n), trees.top, trees.nodes, trees.blocks, trees.instances, origin,
+         direction, hit, hit_instance);
+  Alone alone;
+  for (const F32x4& one : hit.read()) {
+    alone.in_scene += one.v[0] == ALONE;
+    alone.in_a_mesh += one.v[0] == ALONE_IN_MESH;
+  }
+  return alone;
 }
 
 // Sixteen neighbours at a time go from about one point toward about another one. spread: of both ends [m]
@@ -141,6 +180,31 @@ TEST_F(Packets, RaysThatGoDifferentWaysInAMeshGoAloneThere) {
   const Counts counts = trace(world, rays);
   EXPECT_EQ(counts.wrong + counts.ties, 0);
   EXPECT_EQ(counts.hits, 8);
+}
+
+// a packet is rays of which none goes alone
+TEST_F(Packets, RaysThatGoTheSameWayGoTogether) {
+  World mesh;
+  mesh.add(soup(2000, 5, 0.1f), pose(0, Vec3::Zero()));
+  for (const float spread : {0.0f, 1e-4f}) {
+    const Alone alone = count_alone(mesh, bundles(8000, spread, 5));
+    EXPECT_LT(alone.in_scene + alone.in_a_mesh, 80) << "spread " << spread;
+  }
+  // beside each other, as rays of a camera
+  Rays beside;
+  for (int i = 0; i < 1600; ++i) {
+    beside.origin.push_back({{-4, 0.3f, 0.2f, 0}});
+    beside.direction.push_back({{1, 0.02f + 1e-4f * float(i % 16), 0.01f + 1e-4f * float(i / 16), 0}});
+  }
+  const Alone of_camera = count_alone(mesh, beside);
+  EXPECT_EQ(of_camera.in_scene, 0);
+  EXPECT_EQ(of_camera.in_a_mesh, 0);
+  // and the marks tell
+  const Alone spread_out = count_alone(mesh, bundles(8000, 1.0f, 9));
+  EXPECT_GT(spread_out.in_scene, 7000);
+  const Alone in_meshes = count_alone(moved_instances(), bundles(8000, 0.01f, 5));
+  EXPECT_GT(in_meshes.in_a_mesh, 0);
+  EXPECT_LT(in_meshes.in_scene + in_meshes.in_a_mesh, 4000);
 }
 
 // boxes without height, triangles without area, and rays that miss

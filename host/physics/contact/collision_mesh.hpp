@@ -44,7 +44,7 @@ struct CollisionMesh {
   std::vector<CollisionEdge> edges;
   std::vector<CollisionTriangle> triangles;
   // Of each site in the rest shape of its body [m]; NaN where no surface uses the site. Parts of one body act on each
-  // other from half the distance that they have at rest (kernels/contact/broad_phase.cl).
+  // other from half the distance that they have at rest (kernels/contact/candidate_pair.cl).
   std::vector<Vec3> rest;
 
   std::vector<BodyPairFriction> pair_friction;
