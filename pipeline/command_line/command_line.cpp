@@ -1,6 +1,5 @@
 #include "pipeline/command_line/command_line.hpp"
 
-#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <new>
@@ -52,6 +51,13 @@ std::vector<std::string> names_in(const CLI::App& app) {
   return names;
 }
 
+// The command of this name among those of `app`; nullptr: none.
+const CLI::App* command_in(const CLI::App& app, const std::string& name) {
+  const std::vector<const CLI::App*> found =
+      app.get_subcommands([&](const CLI::App* command) { return command->get_name() == name; });
+  return found.empty() ? nullptr : found.front();
+}
+
 std::string joined(const std::vector<std::string>& words) {
   std::string all;
   for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
@@ -87,18 +93,40 @@ void make_numbers_strict(CLI::App& program) { make_strict(program); }
 void check_command_names(const CLI::App& program, const std::vector<std::string>& words) {
   const CLI::App* app = &program;
   std::string said;  // the commands so far
-  for (std::size_t i = 0; i < words.size() && app->get_require_subcommand_min() > 0; ++i) {
-    const std::string& word = words[i];
-    if (word.starts_with('-')) return;
+  for (const std::string& word : words) {
     const std::vector<std::string> names = names_in(*app);
-    if (std::find(names.begin(), names.end(), word) == names.end()) {
+    if (names.empty() || word.starts_with('-')) return;
+    const CLI::App* inner = command_in(*app, word);
+    if (!inner) {
       const std::string nearest = nearest_word(word, names);
+      const bool is_needed = app->get_require_subcommand_min() > 0;
+      // where a file may stand instead, as in `evaluate SET`, a word that is near no command is one
+      if (!is_needed && (nearest.empty() || std::filesystem::exists(word))) return;
       throw UsageError("there is no command `" + said + word + "`" +
-                       (nearest.empty() ? "; the" : "; did you mean `" + nearest + "`? The") +
+                       (nearest.empty() ? "; the" : "; did you mean `" + said + nearest + "`? The") +
                        " commands are: " + joined(names));
     }
     said += word + " ";
-    app = app->get_subcommand(word);
+    app = inner;
+  }
+}
+
+void check_flags(const CLI::App& program, const std::vector<std::string>& words) {
+  const CLI::App* app = &program;
+  std::string said = program.get_name();
+  for (const std::string& word : words) {
+    if (const CLI::App* inner = command_in(*app, word)) {
+      app = inner;
+      said += " " + word;
+    } else if (word == "--" || app->get_prefix_command()) {
+      return;  // what follows is a file, or read by another program
+    } else if (const std::size_t equals = word.find('='); word.starts_with("--") && equals != std::string::npos) {
+      const std::string name = word.substr(0, equals);
+      const CLI::Option* option = app->get_option_no_throw(name);
+      if (option && option->get_items_expected_max() == 0)
+        throw UsageError(name + " of `" + said + "` takes no value, but is given `" + word.substr(equals + 1) +
+                         "`; write " + name + " alone, or leave it out");
+    }
   }
 }
 

@@ -14,6 +14,9 @@ void make_numbers_strict(CLI::App& program);
 // A UsageError that names the first word which should be a command and is none.
 void check_command_names(const CLI::App& program, const std::vector<std::string>& words);
 
+// A UsageError that names the first flag which is given a value, as in `--json=3`.
+void check_flags(const CLI::App& program, const std::vector<std::string>& words);
+
 // What CLI11 found wrong, in our words: which option is not there and which one is near, which commands there are.
 std::string sentence_of(const CLI::App& program, const CLI::ParseError& error);
 

@@ -37,6 +37,7 @@ void run_command_line(std::span<const AddCommand> commands, const std::vector<st
   for (const AddCommand add : commands) add(program);
   make_numbers_strict(program);
   check_command_names(program, words);
+  check_flags(program, words);
   try {
     program.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 takes them from the back
   } catch (const CLI::Success& help) {

@@ -1,5 +1,5 @@
 """Options and numbers of the command line."""
-from table import DONE, FAILED, WRONG_USE, row, write
+from table import DONE, FAILED, WRONG_USE, make_folder, row, write
 
 N = WRONG_USE
 
@@ -68,6 +68,10 @@ for typo, command in (("generat", "generate"), ("Generate", "generate"), ("simul
 row("an unknown command of bench", "bench phisics", N, r"phisics.*physics")
 row("bench without what to measure", "bench", N, "physics|subcommand")
 row("calibrate without what to fit", "calibrate", N, "lut|subcommand")
+row("an unknown command of evaluate", "evaluate polcy", N, r"evaluate polcy.*did you mean `evaluate policy`")
+row("an unknown command of evaluate with words of its own", "evaluate corelate sim.csv real.csv", N, r"evaluate corelate.*evaluate correlate")
+row("a set whose name is near no command", "evaluate nowhere", N, r"nowhere is no folder")
+row("a set whose name is near a command", "evaluate polici", N, r"polici holds no episodes", make_folder("polici"))
 row("an unknown command of calibrate", "calibrate table", N, "table.*lut|lut")
 for command in ("generate", "simulate", "render", "pack", "merge", "status", "submit", "evaluate", "validate", "diagnose",
                 "view", "devices", "bench physics", "bench solver", "bench render", "calibrate lut"):
@@ -75,6 +79,10 @@ for command in ("generate", "simulate", "render", "pack", "merge", "status", "su
 for command, nearest in (("generate task.yaml -o o --episode 3", "--episodes"), ("render shown.yaml -o p.png --sample=4", "--samples"),
                          ("bench physics --repeat 2", "--repeats")):
     row("an option with a slip", command, N, f"no option --.*{nearest}")
+for command, flag in (("devices --json=3", "--json"), ("evaluate set --json=true", "--json"), ("generate task.yaml -o o --no-render=no", "--no-render"),
+                      ("bench physics --list=all", "--list"),
+                      ("--version=2", "--version"), ("status set --json=", "--json")):
+    row("a flag with a value", command, N, f"{flag}.*takes no value")
 row("a word too many", "generate a.yaml b.yaml -o o", N, "`b.yaml`.*too many")
 for worlds in ("many", "0", "-1", "1025"):
     row(f"the worlds `{worlds}`", f"generate task.yaml -o o --worlds={worlds}", N, f"--worlds {worlds}", needs="task")
