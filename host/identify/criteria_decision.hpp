@@ -9,6 +9,12 @@
   X(6, double, time_steps, 0.7, "rest of the search", \
     "when the steps of a round's fits end: their sensitivities are needed for a decision", \
     "chosen by judgement, not measured") \
+  X(6, double, time_first_steps, 0.4, "rest of the search", \
+    "the same in a large world for the first effect, where a second one may follow", \
+    "chosen by judgement, not measured") \
+  X(6, double, sensitivities_at_worst, 2, "1", \
+    "time that is kept for sensitivities, over what the first simulations took: others use the machine, too", \
+    "chosen by judgement, not measured") \
   X(6, double, residual_cut, 4, "scale", \
     "size at which residuals are cut in left-out errors", \
     "not recorded") \

@@ -6,6 +6,9 @@
   X(5, std::size_t, n_fitted, 9, "1", \
     "candidates of a round that are fitted", \
     "not recorded") \
+  X(5, std::size_t, n_fitted_large, 3, "1", \
+    "the same in a large world; beside an effect these alone, whatever their families are", \
+    "chosen by judgement, not measured") \
   X(5, std::size_t, n_fitted_per_family, 2, "1", \
     "candidates that each family always sends to the fit", \
     "not recorded") \
@@ -66,12 +69,18 @@
   X(5, int, n_more_steps, 10, "1", \
     "further steps of the finalists, and of a fit that is revised", \
     "sliding blocks with drag (commit 911d5e5)") \
+  X(5, int, n_more_steps_large, 4, "1", \
+    "the same in a large world: a further round moves them again", \
+    "chosen by judgement, not measured") \
   X(5, int, n_last_steps, 2, "1", \
     "last steps, with one scale for all windows", \
     "not recorded; from the change that let resting bodies start on their support (commit bac2ea0)") \
   X(5, std::size_t, n_finalists, 5, "1", \
     "candidates that are fitted to the end", \
     "not recorded") \
+  X(5, std::size_t, n_finalists_large, 2, "1", \
+    "the same in a large world", \
+    "chosen by judgement, not measured") \
   X(5, double, finalist_behind_most, 100, "log-likelihood", \
     "how far a finalist may be behind the best", \
     "not recorded")

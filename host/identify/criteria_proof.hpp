@@ -9,6 +9,9 @@
   X(7, double, time_next, 0.1, "--minutes", \
     "what the next experiment may take, after the report is written", \
     "the commands of a seven-joint arm took more than six of 25 minutes, before the report") \
+  X(7, double, time_comparison, 0.5, "time of the next experiment", \
+    "when the comparison of motions ends: after it, sensitivities of the best ones are simulated", \
+    "chosen by judgement, not measured") \
   X(7, double, explained_held_out, 1.15, "noise", \
     "held-out error above which the named effect explains a part only", \
     "held-out runs of the hidden suite have some 100 to 1000 numbers: noise alone gives 0.93 to 1.07") \

@@ -6,6 +6,12 @@
   X(4, std::size_t, large_world, 1000, "nodes", \
     "size above which a simulation takes seconds: screened by place, in turns and once, few fits", \
     "two soft fingers of 3,000 nodes took 2.4 processor seconds (docs/measured/2026-11-28_fidelity.md)") \
+  X(4, double, time_screening, 0.45, "a round", \
+    "when the screening of a large world ends, where not all candidates can be screened", \
+    "chosen by judgement, not measured") \
+  X(4, double, response_off_most, 4, "1", \
+    "factor off the wanted response within which a first change is not made again in a large world, nor a second within its square", \
+    "chosen by judgement, not measured") \
   X(4, double, sensitivity_least, 1e-3, "noise", \
     "change of the residuals below which a candidate is not seen", \
     "not recorded") \

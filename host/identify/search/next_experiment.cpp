@@ -13,7 +13,6 @@ using Eigen::MatrixXd, Eigen::VectorXd;
 
 // Motions of one batch: what is done by the deadline counts.
 constexpr std::size_t N_COMPARED_AT_ONCE = 12, N_WITH_COLUMNS_AT_ONCE = 3;
-constexpr double SHARE_OF_COMPARISON = 0.5;  // of the time, before columns are simulated
 
 Model fitted_model(const RankedModel& ranked) {
   const Eigen::Index n = Eigen::Index(ranked.values.size());
@@ -187,7 +186,7 @@ NextExperiment next_experiment(Device& device, const Problem& problem, const Var
   Search search(predictor, base, first, others);
   const std::vector<Window> windows = windows_of(planned, motions, recorded[0].unknowns);
   std::vector<Compared> compared;
-  const bool were_all_compared = ends_by(predictor.deadline(), after_share(deadline, SHARE_OF_COMPARISON), [&] {
+  const bool were_all_compared = ends_by(predictor.deadline(), after_share(deadline, criteria().time_comparison), [&] {
     for (; best.n_simulated < windows.size();
          best.n_simulated = std::min(windows.size(), best.n_simulated + N_COMPARED_AT_ONCE))
       search.compare(Windows(windows)

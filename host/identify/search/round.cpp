@@ -17,32 +17,23 @@ using Eigen::VectorXd;
 
 namespace {
 
-// where a simulation takes seconds
-constexpr std::size_t SCREENED_AT_ONCE = 4;    // candidates between one look at the clock and the next
-constexpr double SHARE_OF_SCREENING = 0.45;    // of a round's time, where not all can be screened
-constexpr double RESPONSE_OFF_MOST = 4;        // a first change that is so far from the wanted one is as good
-constexpr std::size_t FITTED_OF_LARGE = 3;     // candidates; beside an effect these alone, whatever their families are
-constexpr std::size_t FINALISTS_OF_LARGE = 2;  // of these
-constexpr int MORE_STEPS_OF_LARGE = 4;         // of the finalists: a further round moves them again
-
-constexpr double SHARE_OF_FIRST_STEPS = 0.4;  // of the rest of the search, where a second effect may follow
-constexpr double SENSITIVITIES_AT_WORST = 2;  // times what the first simulations took: others use the machine, too
+constexpr std::size_t SCREENED_AT_ONCE = 4;  // candidates between one look at the clock and the next
 
 }  // namespace
 
 Effort effort_of(const Workflow& flow) {
   if (!flow.is_costly()) return {.n_fitted = flow.settings.n_fitted};
   return {.at_once = SCREENED_AT_ONCE,
-          .share = SHARE_OF_SCREENING,
+          .share = criteria().time_screening,
           .n_tried = 0,
-          .n_fitted = std::min(FITTED_OF_LARGE, flow.settings.n_fitted),
+          .n_fitted = std::min(criteria().n_fitted_large, flow.settings.n_fitted),
           .n_per_family = 1,
           .n_per_family_beside = 0,
-          .response_off_most = RESPONSE_OFF_MOST,
+          .response_off_most = criteria().response_off_most,
           .tries_both_sides = false,
           .n_first_steps = 1,
-          .n_more_steps = MORE_STEPS_OF_LARGE,
-          .n_finalists = FINALISTS_OF_LARGE};
+          .n_more_steps = criteria().n_more_steps_large,
+          .n_finalists = criteria().n_finalists_large};
 }
 
 std::vector<const Candidate*> others_than(const std::vector<Candidate>& all, const Model& model) {
@@ -94,7 +85,8 @@ void give_up_the_last(std::vector<Fit>& fits, const std::vector<std::vector<Vect
 
 double share_of_steps(double seconds_left, double seconds_of_sensitivities) {
   if (!(seconds_left > 0)) return 0;
-  return std::clamp(1 - SENSITIVITIES_AT_WORST * seconds_of_sensitivities / seconds_left, 0.0, criteria().time_steps);
+  return std::clamp(1 - criteria().sensitivities_at_worst * seconds_of_sensitivities / seconds_left, 0.0,
+                    criteria().time_steps);
 }
 
 namespace {
@@ -179,7 +171,8 @@ std::vector<Fit> fit_best(Workflow& flow, const FitData& data, const Fit& base, 
   double share =
       share_of_steps(seconds_until(fitter.deadline()), of_model * double(n_sensitivities(fits, n_finalists)));
   const bool is_of_one = !fits.empty() && fits.front().model.effects().size() == 1;
-  if (flow.is_costly() && is_of_one && flow.settings.max_effects > 1) share = std::min(share, SHARE_OF_FIRST_STEPS);
+  if (flow.is_costly() && is_of_one && flow.settings.max_effects > 1)
+    share = std::min(share, criteria().time_first_steps);
   bool any_nearer = true;
   if (!ends_by(fitter.deadline(), after_share(fitter.deadline(), share),
                [&] { any_nearer = improve_finalists(flow, data, base, fits); })) {

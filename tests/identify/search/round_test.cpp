@@ -31,6 +31,9 @@ TEST(Round, StepsEndWhereTheSensitivitiesOfItsFinalistsStillFit) {
   EXPECT_DOUBLE_EQ(share_of_steps(100, 40), 0.2);
   EXPECT_DOUBLE_EQ(share_of_steps(100, 60), 0);
   EXPECT_DOUBLE_EQ(share_of_steps(-1, 10), 0);
+  set_criterion("sensitivities_at_worst", 1);
+  EXPECT_DOUBLE_EQ(share_of_steps(100, 40), 0.6);
+  reset_criteria();
 }
 
 // With no time for a step the finalists are those that are nearest to the data as they begin.
