@@ -142,47 +142,137 @@ void write_room(const fs::path& folder, const Room& room, const RoomSettings& se
   write_text_atomically(folder / "room.yaml", text);
 }
 
-ordered_json room_report(const Room& room, const RoomSettings& settings, double seconds, std::size_t peak_bytes) {
+namespace {
+
+ordered_json triple(const auto& v) { return {v.x(), v.y(), v.z()}; }
+
+ordered_json quaternion_of(const Pose& pose) {
+  const Eigen::Quaterniond q(pose.linear());
+  return {q.x(), q.y(), q.z(), q.w()};
+}
+
+ordered_json planes_report(const Room& room) {
   ordered_json planes = ordered_json::array();
   for (std::size_t i = 0; i < room.planes.size(); ++i) {
     const CapturedPlane& p = room.planes[i];
-    const Vec3 c = p.pose.translation(), n = p.pose.linear().col(2);
     planes.push_back({{"name", fmt::format("plane_{}", i)},
                       {"is_ground", int(i) == room.ground},
-                      {"center", {c.x(), c.y(), c.z()}},
-                      {"normal", {n.x(), n.y(), n.z()}},
+                      {"center", triple(p.pose.translation())},
+                      {"normal", triple(p.pose.linear().col(2))},
                       {"size", {p.width, p.height}},
                       {"area", p.area},
                       {"roughness", p.roughness},
                       {"height_sigma", p.height_sigma},
                       {"tilt_sigma", p.tilt_sigma}});
   }
-  ordered_json out = {{"schema", 1},
-                      {"mesh",
-                       {{"vertices", room.mesh.points.size()},
-                        {"triangles", room.mesh.triangles.size()},
-                        {"closed", room.n_boundary_edges == 0},
-                        {"manifold", room.n_crowded_edges == 0},
-                        {"self_intersections", nullptr},  // not looked for: contact takes the planes
-                        {"boundary_edges", room.n_boundary_edges},
-                        {"share_colored", room.share_colored}}},
-                      {"planes", planes},
-                      {"scale", 1.0},
-                      {"seconds", seconds},
-                      {"peak_bytes", peak_bytes}};
-  if (!room.solid.triangles.empty()) {
-    const auto at = [&](std::size_t percent) {
-      return room.solid_distances[(room.solid_distances.size() - 1) * percent / 100];
-    };
-    out["surface"] = {{"triangles", room.solid.triangles.size()},
-                      {"distance_median", at(50)},
-                      {"distance_p95", at(95)},
-                      {"distance_max", at(100)}};
+  return planes;
+}
+
+ordered_json mesh_report(const Room& room) {
+  return {{"vertices", room.mesh.points.size()},     {"triangles", room.mesh.triangles.size()},
+          {"closed", room.n_boundary_edges == 0},    {"manifold", room.n_crowded_edges == 0},
+          {"self_intersections", nullptr},  // not looked for: contact takes the planes
+          {"boundary_edges", room.n_boundary_edges}, {"share_colored", room.share_colored}};
+}
+
+ordered_json surface_report(const Room& room) {
+  const auto at = [&](std::size_t percent) {
+    return room.solid_distances[(room.solid_distances.size() - 1) * percent / 100];
+  };
+  return {{"triangles", room.solid.triangles.size()},
+          {"distance_median", at(50)},
+          {"distance_p95", at(95)},
+          {"distance_max", at(100)}};
+}
+
+ordered_json distance_report(const DepthErrors& d) {
+  return {{"mean", d.mean}, {"median", d.median},   {"p90", d.p90},         {"p95", d.p95},
+          {"max", d.max},   {"covered", d.covered}, {"frames", d.n_frames}, {"held_out", d.are_held_out}};
+}
+
+ordered_json exposure_report(const std::vector<Vec3f>& gains) {
+  Vec3f least = gains.front(), most = least;
+  for (const Vec3f& gain : gains) {
+    least = least.cwiseMin(gain);
+    most = most.cwiseMax(gain);
   }
+  return {{"least_gain", triple(least)}, {"largest_gain", triple(most)}};
+}
+
+ordered_json refinement_report(const PoseRefinement& r, const Room& room) {
+  ordered_json kept = ordered_json::array();
+  for (const UnrefinedFrame& f : r.unrefined) kept.push_back({{"name", f.name}, {"share_near_others", f.share}});
+  ordered_json out = {{"mean_shift", r.mean_shift},
+                      {"largest_shift", r.largest_shift},
+                      {"mean_turn", r.mean_turn},
+                      {"largest_turn", r.largest_turn},
+                      {"distance_before", r.distance_before},
+                      {"distance_after", r.distance_after},
+                      {"photo_disagreement_before", r.disagreement_before},
+                      {"photo_disagreement_after", r.disagreement_after},
+                      {"sweeps", r.n_sweeps},
+                      {"cpu_ms_per_frame", r.cpu_ms_per_frame},
+                      {"not_refined", kept}};
+  if (room.depth_as_given)
+    out["left_out_as_given"] = {{"median", room.depth_as_given->median},
+                                {"p90", room.depth_as_given->p90},
+                                {"p95", room.depth_as_given->p95},
+                                {"covered", room.depth_as_given->covered}};
+  return out;
+}
+
+ordered_json color_camera_report(const ColorOffset& offset) {
+  return {{"offset", triple(offset.pose.translation())},
+          {"quaternion", quaternion_of(offset.pose)},
+          {"focal_scale", offset.focal_scale},
+          {"center_shift", {offset.center[0], offset.center[1]}},
+          {"disagreement_before", offset.disagreement_before},
+          {"disagreement_after", offset.disagreement_after},
+          {"disagreement_moved", offset.disagreement_moved}};
+}
+
+ordered_json photos_report(const PhotoErrors& p) {
+  ordered_json out = {{"frames", p.n_frames},
+                      {"psnr", p.psnr},
+                      {"ssim", p.ssim},
+                      {"psnr_covered", p.psnr_covered},
+                      {"psnr_lut", p.psnr_lut},
+                      {"ssim_lut", p.ssim_lut},
+                      {"psnr_covered_lut", p.psnr_covered_lut},
+                      {"psnr_diffuse", p.psnr_diffuse},
+                      {"ssim_diffuse", p.ssim_diffuse},
+                      {"psnr_diffuse_lut", p.psnr_diffuse_lut},
+                      {"ssim_diffuse_lut", p.ssim_diffuse_lut},
+                      {"covered", p.covered},
+                      {"drawn", p.drawn},
+                      {"placement",
+                       {{"mean_shift", p.placement.mean_shift},
+                        {"largest_shift", p.placement.largest_shift},
+                        {"mean_turn", p.placement.mean_turn},
+                        {"largest_turn", p.placement.largest_turn},
+                        {"psnr_lut_before", p.placement.psnr_lut},
+                        {"ssim_lut_before", p.placement.ssim_lut}}}};
+  for (const LeftOutPhoto& photo : p.each) {
+    const Camera& c = photo.camera;
+    out["each"].push_back({{"file", photo.file},
+                           {"position", triple(c.pose.translation())},
+                           {"quaternion", quaternion_of(c.pose)},
+                           {"intrinsics", {c.fx, c.fy, c.cx, c.cy}},
+                           {"size", {c.width, c.height}},
+                           {"psnr_lut", photo.psnr_lut},
+                           {"ssim_lut", photo.ssim_lut}});
+  }
+  return out;
+}
+
+}  // namespace
+
+ordered_json room_report(const Room& room, const RoomSettings& settings, double seconds, std::size_t peak_bytes) {
+  ordered_json out = {{"schema", 1},  {"mesh", mesh_report(room)}, {"planes", planes_report(room)},
+                      {"scale", 1.0}, {"seconds", seconds},        {"peak_bytes", peak_bytes}};
+  if (!room.solid.triangles.empty()) out["surface"] = surface_report(room);
   if (room.n_frames > 0) {
-    const DepthErrors& d = room.depth;
-    out["distance"] = {{"mean", d.mean}, {"median", d.median},   {"p90", d.p90},         {"p95", d.p95},
-                       {"max", d.max},   {"covered", d.covered}, {"frames", d.n_frames}, {"held_out", d.are_held_out}};
+    out["distance"] = distance_report(room.depth);
     out["fusion"] = {{"frames", room.n_frames},           {"voxel", settings.fusion.voxel},
                      {"blocks", room.n_blocks},           {"voxel_bytes", room.voxel_bytes},
                      {"ms_per_frame", room.ms_per_frame}, {"cpu_ms_per_frame", room.cpu_ms_per_frame}};
@@ -191,82 +281,10 @@ ordered_json room_report(const Room& room, const RoomSettings& settings, double 
   for (const CapturedSurface& look : room.looks)
     if (!look.texture.rgba.empty())
       out["textures"].push_back({{"width", look.texture.width}, {"height", look.texture.height}});
-  if (!room.gains.empty()) {
-    Vec3f least = room.gains.front(), most = least;
-    for (const Vec3f& gain : room.gains) {
-      least = least.cwiseMin(gain);
-      most = most.cwiseMax(gain);
-    }
-    out["exposure"] = {{"least_gain", {least.x(), least.y(), least.z()}},
-                       {"largest_gain", {most.x(), most.y(), most.z()}}};
-  }
-  if (room.refinement) {
-    const PoseRefinement& r = *room.refinement;
-    ordered_json kept = ordered_json::array();
-    for (const UnrefinedFrame& f : r.unrefined) kept.push_back({{"name", f.name}, {"share_near_others", f.share}});
-    out["refinement"] = {{"mean_shift", r.mean_shift},
-                         {"largest_shift", r.largest_shift},
-                         {"mean_turn", r.mean_turn},
-                         {"largest_turn", r.largest_turn},
-                         {"distance_before", r.distance_before},
-                         {"distance_after", r.distance_after},
-                         {"photo_disagreement_before", r.disagreement_before},
-                         {"photo_disagreement_after", r.disagreement_after},
-                         {"sweeps", r.n_sweeps},
-                         {"cpu_ms_per_frame", r.cpu_ms_per_frame},
-                         {"not_refined", kept}};
-    if (room.depth_as_given)
-      out["refinement"]["left_out_as_given"] = {{"median", room.depth_as_given->median},
-                                                {"p90", room.depth_as_given->p90},
-                                                {"p95", room.depth_as_given->p95},
-                                                {"covered", room.depth_as_given->covered}};
-  }
-  if (room.color_offset) {
-    const Vec3 t = room.color_offset->pose.translation();
-    const Eigen::Quaterniond q(room.color_offset->pose.linear());
-    out["color_camera"] = {{"offset", {t.x(), t.y(), t.z()}},
-                           {"quaternion", {q.x(), q.y(), q.z(), q.w()}},
-                           {"focal_scale", room.color_offset->focal_scale},
-                           {"center_shift", {room.color_offset->center[0], room.color_offset->center[1]}},
-                           {"disagreement_before", room.color_offset->disagreement_before},
-                           {"disagreement_after", room.color_offset->disagreement_after},
-                           {"disagreement_moved", room.color_offset->disagreement_moved}};
-  }
-  if (room.photos) {
-    const PhotoErrors& p = *room.photos;
-    out["photos"] = {{"frames", p.n_frames},
-                     {"psnr", p.psnr},
-                     {"ssim", p.ssim},
-                     {"psnr_covered", p.psnr_covered},
-                     {"psnr_lut", p.psnr_lut},
-                     {"ssim_lut", p.ssim_lut},
-                     {"psnr_covered_lut", p.psnr_covered_lut},
-                     {"psnr_diffuse", p.psnr_diffuse},
-                     {"ssim_diffuse", p.ssim_diffuse},
-                     {"psnr_diffuse_lut", p.psnr_diffuse_lut},
-                     {"ssim_diffuse_lut", p.ssim_diffuse_lut},
-                     {"covered", p.covered},
-                     {"drawn", p.drawn},
-                     {"placement",
-                      {{"mean_shift", p.placement.mean_shift},
-                       {"largest_shift", p.placement.largest_shift},
-                       {"mean_turn", p.placement.mean_turn},
-                       {"largest_turn", p.placement.largest_turn},
-                       {"psnr_lut_before", p.placement.psnr_lut},
-                       {"ssim_lut_before", p.placement.ssim_lut}}}};
-    for (const LeftOutPhoto& photo : p.each) {
-      const Camera& c = photo.camera;
-      const Vec3 t = c.pose.translation();
-      const Eigen::Quaterniond q(c.pose.linear());
-      out["photos"]["each"].push_back({{"file", photo.file},
-                                       {"position", {t.x(), t.y(), t.z()}},
-                                       {"quaternion", {q.x(), q.y(), q.z(), q.w()}},
-                                       {"intrinsics", {c.fx, c.fy, c.cx, c.cy}},
-                                       {"size", {c.width, c.height}},
-                                       {"psnr_lut", photo.psnr_lut},
-                                       {"ssim_lut", photo.ssim_lut}});
-    }
-  }
+  if (!room.gains.empty()) out["exposure"] = exposure_report(room.gains);
+  if (room.refinement) out["refinement"] = refinement_report(*room.refinement, room);
+  if (room.color_offset) out["color_camera"] = color_camera_report(*room.color_offset);
+  if (room.photos) out["photos"] = photos_report(*room.photos);
   return out;
 }
 

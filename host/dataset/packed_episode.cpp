@@ -140,77 +140,107 @@ struct Instant {
   std::vector<std::span<const Vec3>> cloths;
 };
 
-// Everything but the cameras; filmed: the step of each row after the start.
-PackedEpisode read_rows(const StatesRecord& record, const std::vector<std::size_t>& filmed, double frames_per_second,
-                        bool has_start) {
-  const StatesRecord::Series q = record.series("/q"), a = record.series("/a");
-  const std::vector<std::string>& joints = q.names;
-  if (a.names != joints) throw UsageError(record.path().string() + " is damaged: /a and /q are of different joints");
-  const std::vector<std::string> links = record.poses_names("/T_link"), objects = record.poses_names("/T_rigid");
-  const Task task = read_resolved(record.text("configuration"), record.path());
-  const std::vector<RobotCell> robots = read_robots(task, record);
-  const std::vector<RecordedCloth> cloths = read_cloths(task, record, filmed);
-  const std::vector<PackedToolJoints> tools = find_tools(robots, links, joints);
-  const std::vector<PackedColumn> columns = find_columns(joints, tools);
+// What rows are made of.
+struct RecordedRows {
+  StatesRecord::Series q, a;
+  std::vector<std::string> links, objects;
+  std::vector<RecordedCloth> cloths;
+  std::vector<PackedToolJoints> tools;
+  std::vector<PackedColumn> columns;
+};
 
+// robots: of the recorded configuration `task`; filmed: the step of each row after the start.
+RecordedRows read_recorded(const StatesRecord& record, const Task& task, const std::vector<RobotCell>& robots,
+                           const std::vector<std::size_t>& filmed) {
+  RecordedRows rows{record.series("/q"),
+                    record.series("/a"),
+                    record.poses_names("/T_link"),
+                    record.poses_names("/T_rigid"),
+                    {},
+                    {},
+                    {}};
+  if (rows.a.names != rows.q.names)
+    throw UsageError(record.path().string() + " is damaged: /a and /q are of different joints");
+  rows.cloths = read_cloths(task, record, filmed);
+  rows.tools = find_tools(robots, rows.links, rows.q.names);
+  rows.columns = find_columns(rows.q.names, rows.tools);
+  return rows;
+}
+
+// An episode without rows: its names.
+PackedEpisode named_episode(const StatesRecord& record, const RecordedRows& rows, const RobotCell& first_robot) {
   PackedEpisode episode;
   episode.number = record.whole("episode");
   episode.task = record.text("task");
-  episode.robot = robots.front().robot.urdf.stem().string();
-  episode.frames_per_second = frames_per_second;
-  for (const PackedColumn& column : columns) {
+  episode.robot = first_robot.robot.urdf.stem().string();
+  for (const PackedColumn& column : rows.columns) {
     episode.columns.push_back(column.name);
     episode.is_width.push_back(column.is_width);
   }
-  for (const std::string& name : objects) episode.objects.push_back({without_slashes(name), {}});
+  for (const std::string& name : rows.objects) episode.objects.push_back({without_slashes(name), {}});
   std::vector<ClothKeypoints> keypoints;
-  for (const RecordedCloth& cloth : cloths) keypoints.push_back(cloth.keypoints);
-  episode.environment_columns = environment_columns(objects, keypoints);
-  for (const PackedToolJoints& tool : tools) episode.tools.push_back({without_slashes(tool.base), {}, {}, {}});
+  for (const RecordedCloth& cloth : rows.cloths) keypoints.push_back(cloth.keypoints);
+  episode.environment_columns = environment_columns(rows.objects, keypoints);
+  for (const PackedToolJoints& tool : rows.tools) episode.tools.push_back({without_slashes(tool.base), {}, {}, {}});
+  return episode;
+}
+
+// next: the step at whose end the following picture is taken
+void add_row(PackedEpisode& episode, const RecordedRows& rows, const Instant& now, std::size_t next) {
+  episode.state.push_back(sums(now.q, now.at, rows.columns));
+  episode.action.push_back(sums(rows.a, next, rows.columns));
+  for (std::size_t i = 0; i < rows.tools.size(); ++i) {
+    const PackedToolJoints& tool = rows.tools[i];
+    const std::vector<PackedColumn> width = {{"", tool.joints, true}};
+    episode.tools[i].pose.push_back(pose_at(now.T_link, rows.links.size(), now.at, tool.link) * tool.tool_center);
+    episode.tools[i].width.push_back(sums(now.q, now.at, width)[0]);
+    episode.tools[i].width_action.push_back(sums(rows.a, next, width)[0]);
+  }
+  std::vector<double>& environment = episode.environment.emplace_back();
+  for (std::size_t i = 0; i < episode.objects.size(); ++i) {
+    episode.objects[i].pose.push_back(pose_at(now.T_rigid, rows.objects.size(), now.at, i));
+    const auto numbers = pose_numbers(episode.objects[i].pose.back().topRows<3>());
+    environment.insert(environment.end(), numbers.begin(), numbers.end());
+  }
+  for (std::size_t i = 0; i < rows.cloths.size(); ++i) {
+    const auto numbers = keypoint_numbers(rows.cloths[i].keypoints, now.cloths[i]);
+    environment.insert(environment.end(), numbers.begin(), numbers.end());
+  }
+}
+
+// The row of the recorded start, before the first step.
+void add_start(PackedEpisode& episode, const StatesRecord& record, const RecordedRows& rows, std::size_t next) {
+  const StatesRecord::Series q{rows.q.names, record.start("/q")};
+  const std::vector<double> T_link = record.start("/T_link"), T_rigid = record.start("/T_rigid");
+  std::vector<std::vector<Vec3>> points;
+  std::vector<std::span<const Vec3>> spans;
+  for (const RecordedCloth& cloth : rows.cloths) points.push_back(points_of(record.start(cloth.data_set)));
+  for (const std::vector<Vec3>& each : points) spans.emplace_back(each);
+  add_row(episode, rows, {q, T_link, T_rigid, 0, spans}, next);
+  episode.velocity.emplace_back(rows.columns.size(), 0);
+}
+
+// Everything but the cameras; filmed: the step of each row after the start.
+PackedEpisode read_rows(const StatesRecord& record, const std::vector<std::size_t>& filmed, double frames_per_second,
+                        bool has_start) {
+  const Task task = read_resolved(record.text("configuration"), record.path());
+  const std::vector<RobotCell> robots = read_robots(task, record);
+  const RecordedRows rows = read_recorded(record, task, robots, filmed);
+  PackedEpisode episode = named_episode(record, rows, robots.front());
+  episode.frames_per_second = frames_per_second;
 
   const std::vector<double> T_link = record.poses("/T_link"), T_rigid = record.poses("/T_rigid");
-  // next: the step at whose end the following picture is taken
-  const auto add_row = [&](const Instant& now, std::size_t next) {
-    episode.state.push_back(sums(now.q, now.at, columns));
-    episode.action.push_back(sums(a, next, columns));
-    for (std::size_t i = 0; i < tools.size(); ++i) {
-      const std::vector<PackedColumn> width = {{"", tools[i].joints, true}};
-      episode.tools[i].pose.push_back(pose_at(now.T_link, links.size(), now.at, tools[i].link) * tools[i].tool_center);
-      episode.tools[i].width.push_back(sums(now.q, now.at, width)[0]);
-      episode.tools[i].width_action.push_back(sums(a, next, width)[0]);
-    }
-    std::vector<double>& environment = episode.environment.emplace_back();
-    for (std::size_t i = 0; i < episode.objects.size(); ++i) {
-      episode.objects[i].pose.push_back(pose_at(now.T_rigid, objects.size(), now.at, i));
-      const auto numbers = pose_numbers(episode.objects[i].pose.back().topRows<3>());
-      environment.insert(environment.end(), numbers.begin(), numbers.end());
-    }
-    for (std::size_t i = 0; i < cloths.size(); ++i) {
-      const auto numbers = keypoint_numbers(cloths[i].keypoints, now.cloths[i]);
-      environment.insert(environment.end(), numbers.begin(), numbers.end());
-    }
-  };
-  const std::vector<double> at_rest(columns.size(), 0);
-  if (has_start && !filmed.empty()) {
-    const StatesRecord::Series start{joints, record.start("/q")};
-    const std::vector<double> T_link_start = record.start("/T_link"), T_rigid_start = record.start("/T_rigid");
-    std::vector<std::vector<Vec3>> points;
-    std::vector<std::span<const Vec3>> spans;
-    for (const RecordedCloth& cloth : cloths) points.push_back(points_of(record.start(cloth.data_set)));
-    for (const std::vector<Vec3>& each : points) spans.emplace_back(each);
-    add_row({start, T_link_start, T_rigid_start, 0, spans}, filmed.front());
-    episode.velocity.push_back(at_rest);
-  }
+  if (has_start && !filmed.empty()) add_start(episode, record, rows, filmed.front());
   const double h = record.positive("h");
   for (std::size_t f = 0; f < filmed.size(); ++f) {
     const std::size_t step = filmed[f];
     std::vector<std::span<const Vec3>> points;
-    for (const RecordedCloth& cloth : cloths) points.push_back(cloth.at(step));
-    add_row({q, T_link, T_rigid, step, points}, f + 1 < filmed.size() ? filmed[f + 1] : step);
+    for (const RecordedCloth& cloth : rows.cloths) points.push_back(cloth.at(step));
+    add_row(episode, rows, {rows.q, T_link, T_rigid, step, points}, f + 1 < filmed.size() ? filmed[f + 1] : step);
     // of the last step; the first one has none before it and starts from rest
-    std::vector<double>& velocity = episode.velocity.emplace_back(at_rest);
+    std::vector<double>& velocity = episode.velocity.emplace_back(rows.columns.size(), 0);
     if (step > 0) {
-      const std::vector<double> before = sums(q, step - 1, columns);
+      const std::vector<double> before = sums(rows.q, step - 1, rows.columns);
       for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] = (episode.state.back()[i] - before[i]) / h;
     }
   }

@@ -13,49 +13,49 @@ void read_if_there(Section& root, const std::string& key, const Fields<T>& field
   if (root.has(key)) value = read_all(fields, root.section(key));
 }
 
-}  // namespace
+bool is_cloth(const Task& task, const std::string& name) {
+  return std::any_of(task.cloths.begin(), task.cloths.end(),
+                     [&](const ClothSection& section) { return section.cloth.name == name; });
+}
 
-void check_names(const Section& root, const Task& task, const std::vector<std::string>& bodies) {
-  check_distinct(root, "objects", task.objects);
+bool is_finger(const Task& task, const std::string& name) {
+  for (const RobotCell& cell : task.more_robots)
+    if (cell.gripper)
+      for (const FingerSection& finger : cell.gripper->fingers)
+        if (name == cell.name + "/" + finger.name) return true;
+  return task.gripper && find_named(task.gripper->fingers, name);
+}
+
+bool holds(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void need_object(const Section& root, const Task& task, const std::string& key, const std::string& name) {
+  if (!find_named(task.objects, name)) root.fail(key, "names the object `" + name + "`, which `objects` does not hold");
+}
+
+void check_cloths(const Section& root, const Task& task, const std::vector<std::string>& bodies) {
   for (const ClothSection& section : task.cloths) {
     const std::string& name = section.cloth.name;
     const auto is_same = [&](const ClothSection& other) { return other.cloth.name == name; };
     if (std::count_if(task.cloths.begin(), task.cloths.end(), is_same) > 1 || find_named(task.objects, name) ||
-        std::find(bodies.begin(), bodies.end(), name) != bodies.end())
+        holds(bodies, name))
       root.fail("cloths", "holds the name `" + name + "`, which another body has, too");
     if (!section.look.empty() && !find_named(task.materials, section.look))
       root.fail("cloths", "holds `" + name + "` with the look `" + section.look + "`, which `materials` does not hold");
   }
-  check_distinct(root, "cameras", task.cameras);
-  check_distinct(root, "lights", task.lights);
-  check_distinct(root, "lights", task.sphere_lights);
-  const auto need_object = [&](const std::string& key, const std::string& name) {
-    if (!find_named(task.objects, name))
-      root.fail(key, "names the object `" + name + "`, which `objects` does not hold");
-  };
-  const auto is_finger = [&](const std::string& name) {
-    for (const RobotCell& cell : task.more_robots)
-      if (cell.gripper)
-        for (const FingerSection& finger : cell.gripper->fingers)
-          if (name == cell.name + "/" + finger.name) return true;
-    return task.gripper && find_named(task.gripper->fingers, name);
-  };
-  const auto is_cloth = [&](const std::string& name) {
-    return std::any_of(task.cloths.begin(), task.cloths.end(),
-                       [&](const ClothSection& section) { return section.cloth.name == name; });
-  };
-  for (const ObjectSection& object : task.objects) {
-    for (const VisualSection& visual : object.visuals) {
-      if (!visual.material.empty() && !find_named(task.materials, visual.material)) {
+}
+
+void check_looks(const Section& root, const Task& task) {
+  for (const ObjectSection& object : task.objects)
+    for (const VisualSection& visual : object.visuals)
+      if (!visual.material.empty() && !find_named(task.materials, visual.material))
         root.fail("objects", "holds `" + object.name + "` with the material `" + visual.material +
                                  "`, which `materials` does not hold");
-      }
-    }
-  }
-  for (const JointSection& joint : task.joints) {
-    need_object("joints", joint.parent);
-    need_object("joints", joint.child);
-  }
+}
+
+// A pose may be in the frame of an object that stands above it in the file.
+void check_frames(const Section& root, const Task& task) {
   for (std::size_t i = 0; i < task.objects.size(); ++i) {
     const std::string& frame = task.objects[i].pose.object;
     const auto end = task.objects.begin() + std::ptrdiff_t(i);
@@ -63,33 +63,51 @@ void check_names(const Section& root, const Task& task, const std::vector<std::s
       root.fail("objects", "holds `" + task.objects[i].name + "`, whose pose is in the frame of `" + frame +
                                "`, which does not stand above it");
   }
-  for (const MotionElement& element : task.motion) {
-    if (!element.object.empty() && !is_cloth(element.object)) need_object("motion", element.object);
-  }
-  for (const PairFriction& pair : task.pair_friction) {
-    for (const std::string& name : {pair.first, pair.second}) {
-      const bool is_body = std::find(bodies.begin(), bodies.end(), name) != bodies.end();
-      if (!is_body && !is_finger(name) && !is_cloth(name)) need_object("pair_friction", name);
-    }
-  }
+}
+
+void check_pairs(const Section& root, const Task& task, const std::vector<std::string>& bodies) {
+  for (const PairFriction& pair : task.pair_friction)
+    for (const std::string& name : {pair.first, pair.second})
+      if (!holds(bodies, name) && !is_finger(task, name) && !is_cloth(task, name))
+        need_object(root, task, "pair_friction", name);
   for (const PairRestitution& pair : task.pair_restitution)
     for (const std::string& name : {pair.first, pair.second})
-      if (std::find(bodies.begin(), bodies.end(), name) == bodies.end()) need_object("pair_restitution", name);
+      if (!holds(bodies, name)) need_object(root, task, "pair_restitution", name);
+}
+
+void check_mounts(const Section& root, const Task& task) {
   std::vector<std::string> mounts = {"world"};
   for (const RobotCell& robot : robots_of(task))
     if (robot.gripper) mounts.push_back((robot.name.empty() ? "" : robot.name + "/") + "gripper_base");
   for (const CameraSection& camera : task.cameras) {
-    if (std::find(mounts.begin(), mounts.end(), camera.mount) != mounts.end()) continue;
+    if (holds(mounts, camera.mount)) continue;
     std::string allowed;
     for (const std::string& mount : mounts) allowed += (allowed.empty() ? "" : ", ") + mount;
     root.fail("cameras",
               "mounts `" + camera.name + "` on `" + camera.mount + "`, but must mount it on one of: " + allowed);
   }
-  for (const RobotCell& robot : robots_of(task)) {
+}
+
+}  // namespace
+
+void check_names(const Section& root, const Task& task, const std::vector<std::string>& bodies) {
+  check_distinct(root, "objects", task.objects);
+  check_cloths(root, task, bodies);
+  check_distinct(root, "cameras", task.cameras);
+  check_distinct(root, "lights", task.lights);
+  check_distinct(root, "lights", task.sphere_lights);
+  check_looks(root, task);
+  for (const JointSection& joint : task.joints)
+    for (const std::string& name : {joint.parent, joint.child}) need_object(root, task, "joints", name);
+  check_frames(root, task);
+  for (const MotionElement& element : task.motion)
+    if (!element.object.empty() && !is_cloth(task, element.object)) need_object(root, task, "motion", element.object);
+  check_pairs(root, task, bodies);
+  check_mounts(root, task);
+  for (const RobotCell& robot : robots_of(task))
     if (robot.gripper && !find_named(task.materials, robot.gripper->finger_material))
       root.fail("gripper",
                 "wants the material `" + robot.gripper->finger_material + "`, which neither it nor `materials` holds");
-  }
 }
 
 void add_gripper_materials(const GripperSection& gripper, Task& task) {

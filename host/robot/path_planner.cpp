@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <random>
 #include <set>
@@ -118,60 +119,79 @@ std::optional<std::array<std::string, 2>> PathPlanner::collision(const VectorXd&
   return std::nullopt;
 }
 
-std::optional<Eigen::MatrixXd> PathPlanner::plan(const VectorXd& from, const VectorXd& to) const {
-  const Eigen::Index n = from.size();
-  const auto is_free = [&](const VectorXd& q) { return !collision(q); };
-  const auto is_straight_free = [&](const VectorXd& a, const VectorXd& b) {
-    const int checks = std::max(1, int(std::ceil((b - a).cwiseAbs().maxCoeff() / RESOLUTION)));
-    for (int k = 1; k <= checks; ++k)
-      if (!is_free(a + double(k) / checks * (b - a))) return false;
-    return true;
-  };
-  if (!is_free(from) || !is_free(to)) return std::nullopt;
+namespace {
 
-  std::vector<VectorXd> corners = {from, to};
-  if (!is_straight_free(from, to)) {
-    ompl::msg::setLogLevel(ompl::msg::LOG_NONE);
-    auto space = std::make_shared<ob::RealVectorStateSpace>(unsigned(n));
-    ob::RealVectorBounds bounds{unsigned(n)};
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const RobotJoint& joint = impl_->model.joints[std::size_t(impl_->model.actuated[std::size_t(i)])];
-      const bool has_ends = joint.lower != 0 || joint.upper != 0;
-      constexpr double PI = std::numbers::pi, MARGIN = 0.02;
-      bounds.setLow(unsigned(i), std::min({has_ends ? joint.lower + MARGIN : -PI, from[i], to[i]}));
-      bounds.setHigh(unsigned(i), std::max({has_ends ? joint.upper - MARGIN : PI, from[i], to[i]}));
-    }
-    space->setBounds(bounds);
-    space->setStateSamplerAllocator([](const ob::StateSpace* s) { return std::make_shared<CountedSampler>(s); });
-    auto information = std::make_shared<ob::SpaceInformation>(space);
-    information->setStateValidityChecker([&](const ob::State* state) { return is_free(configuration(state, n)); });
-    information->setStateValidityCheckingResolution(RESOLUTION / space->getMaximumExtent());
-    information->setup();
-    auto problem = std::make_shared<ob::ProblemDefinition>(information);
-    ob::ScopedState<ob::RealVectorStateSpace> start(space), goal(space);
-    for (unsigned i = 0; i < unsigned(n); ++i) start[i] = from[Eigen::Index(i)], goal[i] = to[Eigen::Index(i)];
-    problem->setStartAndGoalStates(start, goal);
-    og::RRTConnect planner(information);
-    planner.setRange(0.5);
-    planner.setProblemDefinition(problem);
-    planner.setup();
-    unsigned rounds = 0;
-    const ob::PlannerTerminationCondition enough([&] { return ++rounds > MOST_ROUNDS; });
-    if (planner.solve(enough) != ob::PlannerStatus::EXACT_SOLUTION) return std::nullopt;
-    corners.clear();
-    for (ob::State* state : problem->getSolutionPath()->as<og::PathGeometric>()->getStates())
-      corners.push_back(configuration(state, n));
+using IsFree = std::function<bool(const VectorXd& q)>;
+
+bool is_straight_free(const IsFree& is_free, const VectorXd& a, const VectorXd& b) {
+  const int checks = std::max(1, int(std::ceil((b - a).cwiseAbs().maxCoeff() / RESOLUTION)));
+  for (int k = 1; k <= checks; ++k)
+    if (!is_free(a + double(k) / checks * (b - a))) return false;
+  return true;
+}
+
+// The joints' limits with a margin, widened to hold both ends of the path.
+ob::RealVectorBounds bounds_of(const RobotModel& model, const VectorXd& from, const VectorXd& to) {
+  constexpr double PI = std::numbers::pi, MARGIN = 0.02;
+  ob::RealVectorBounds bounds{unsigned(from.size())};
+  for (Eigen::Index i = 0; i < from.size(); ++i) {
+    const RobotJoint& joint = model.joints[std::size_t(model.actuated[std::size_t(i)])];
+    const bool has_ends = joint.lower != 0 || joint.upper != 0;
+    bounds.setLow(unsigned(i), std::min({has_ends ? joint.lower + MARGIN : -PI, from[i], to[i]}));
+    bounds.setHigh(unsigned(i), std::max({has_ends ? joint.upper - MARGIN : PI, from[i], to[i]}));
   }
-  // straight lines between corners that see each other
+  return bounds;
+}
+
+// Corners of a free path by RRT-Connect; none: it found none.
+std::vector<VectorXd> searched_corners(const IsFree& is_free, const ob::RealVectorBounds& bounds, const VectorXd& from,
+                                       const VectorXd& to) {
+  const Eigen::Index n = from.size();
+  ompl::msg::setLogLevel(ompl::msg::LOG_NONE);
+  auto space = std::make_shared<ob::RealVectorStateSpace>(unsigned(n));
+  space->setBounds(bounds);
+  space->setStateSamplerAllocator([](const ob::StateSpace* s) { return std::make_shared<CountedSampler>(s); });
+  auto information = std::make_shared<ob::SpaceInformation>(space);
+  information->setStateValidityChecker([&](const ob::State* state) { return is_free(configuration(state, n)); });
+  information->setStateValidityCheckingResolution(RESOLUTION / space->getMaximumExtent());
+  information->setup();
+  auto problem = std::make_shared<ob::ProblemDefinition>(information);
+  ob::ScopedState<ob::RealVectorStateSpace> start(space), goal(space);
+  for (unsigned i = 0; i < unsigned(n); ++i) start[i] = from[Eigen::Index(i)], goal[i] = to[Eigen::Index(i)];
+  problem->setStartAndGoalStates(start, goal);
+  og::RRTConnect planner(information);
+  planner.setRange(0.5);
+  planner.setProblemDefinition(problem);
+  planner.setup();
+  unsigned rounds = 0;
+  const ob::PlannerTerminationCondition enough([&] { return ++rounds > MOST_ROUNDS; });
+  std::vector<VectorXd> corners;
+  if (planner.solve(enough) != ob::PlannerStatus::EXACT_SOLUTION) return corners;
+  for (ob::State* state : problem->getSolutionPath()->as<og::PathGeometric>()->getStates())
+    corners.push_back(configuration(state, n));
+  return corners;
+}
+
+// Straight lines between corners that see each other.
+void shorten(const IsFree& is_free, std::vector<VectorXd>& corners) {
   std::mt19937_64 random(SEED);
   for (int k = 0; k < SHORTCUTS && corners.size() > 2; ++k) {
     std::size_t a = random() % corners.size(), b = random() % corners.size();
     if (a > b) std::swap(a, b);
-    if (b - a < 2 || !is_straight_free(corners[a], corners[b])) continue;
+    if (b - a < 2 || !is_straight_free(is_free, corners[a], corners[b])) continue;
     corners.erase(corners.begin() + std::ptrdiff_t(a) + 1, corners.begin() + std::ptrdiff_t(b));
   }
+}
 
-  // evenly spaced knots: few make a smooth path, which may cut a corner too much; then more
+bool is_path_free(const IsFree& is_free, const JointPath& path, double length) {
+  const int checks = std::max(8, int(std::ceil(length / RESOLUTION)));
+  for (int k = 0; k <= checks; ++k)
+    if (!is_free(path.at(double(k) / checks).q)) return false;
+  return true;
+}
+
+// Evenly spaced knots: few make a smooth path, which may cut a corner too much; then more.
+std::optional<Eigen::MatrixXd> smooth_knots(const IsFree& is_free, const std::vector<VectorXd>& corners) {
   std::vector<double> length = {0};
   for (std::size_t i = 1; i < corners.size(); ++i)
     length.push_back(length.back() + (corners[i] - corners[i - 1]).norm());
@@ -183,15 +203,24 @@ std::optional<Eigen::MatrixXd> PathPlanner::plan(const VectorXd& from, const Vec
     return VectorXd(corners[i - 1] + (span > 0 ? (at - length[i - 1]) / span : 1) * (corners[i] - corners[i - 1]));
   };
   for (int n_knots = corners.size() == 2 ? 2 : 8; n_knots <= MOST_KNOTS; n_knots *= 2) {
-    Eigen::MatrixXd knots(n_knots, n);
+    Eigen::MatrixXd knots(n_knots, corners.front().size());
     for (int k = 0; k < n_knots; ++k) knots.row(k) = on_corners(double(k) / (n_knots - 1));
-    const JointPath path(knots);
-    const int checks = std::max(8, int(std::ceil(length.back() / RESOLUTION)));
-    bool is_path_free = true;
-    for (int k = 0; k <= checks && is_path_free; ++k) is_path_free = is_free(path.at(double(k) / checks).q);
-    if (is_path_free) return knots;
+    if (is_path_free(is_free, JointPath(knots), length.back())) return knots;
   }
   return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Eigen::MatrixXd> PathPlanner::plan(const VectorXd& from, const VectorXd& to) const {
+  const IsFree is_free = [&](const VectorXd& q) { return !collision(q); };
+  if (!is_free(from) || !is_free(to)) return std::nullopt;
+  std::vector<VectorXd> corners = {from, to};
+  if (!is_straight_free(is_free, from, to))
+    corners = searched_corners(is_free, bounds_of(impl_->model, from, to), from, to);
+  if (corners.empty()) return std::nullopt;
+  shorten(is_free, corners);
+  return smooth_knots(is_free, corners);
 }
 
 }  // namespace pvg

@@ -93,20 +93,21 @@ void capture_several(const CaptureObjectOptions& o, const ObjectSettings& settin
   std::printf("%s: %zu parts that do not meet, in %.1f s\n", o.output.c_str(), parts.size(), seconds);
 }
 
-void run_capture_object(const CaptureObjectOptions& o) {
+void check_options(const CaptureObjectOptions& o) {
   const std::string& input = !o.revolve.empty() ? o.revolve : !o.masks.empty() ? o.masks : o.source;
   if (o.source.empty() + o.revolve.empty() + o.masks.empty() != 2 || o.output.empty())
     throw UsageError(
         "capture object needs one of a source (a mesh file or a folder of frames), --revolve PROFILE.csv and --masks "
         "FOLDER, and -o FOLDER; `phyvisgen capture object --help` shows an example");
-  const bool is_turned = o.source.empty();
-  if (o.wall > 0 && !is_turned) throw UsageError("--wall is for --revolve and --masks");
+  if (o.wall > 0 && !o.source.empty()) throw UsageError("--wall is for --revolve and --masks");
   check_apart(o.output, input, "capture object");
   check_output_folder(o.output,
                       {"simulation.obj", "visual.glb", "object.yaml", "report.json", "meshes.png", "thickness.png",
                        "tetrahedra.msh", "part_*.obj", "part_*.glb"},
                       "capture object");
-  const auto start = std::chrono::steady_clock::now();
+}
+
+ObjectSettings settings_of(const CaptureObjectOptions& o) {
   ObjectSettings settings;
   settings.scale = o.scale;
   settings.density = o.density;
@@ -114,16 +115,15 @@ void run_capture_object(const CaptureObjectOptions& o) {
   settings.wrap.spacing = o.detail * 1e-3;
   settings.wrap.bridge = o.bridge * 1e-3;
   settings.error = o.error * 1e-3;
-  settings.error_share = is_turned ? 0.002 : 0.02;  // a profile is exact, and walls are thin
+  settings.error_share = o.source.empty() ? 0.002 : 0.02;  // a profile is exact, and walls are thin
   settings.triangles = o.triangles;
   settings.always_wraps = o.wraps;
   settings.is_soft = o.is_soft;
-  if (o.has_parts) {
-    capture_several(o, settings);
-    return;
-  }
-  const CapturedObject object = capture_object(source_of(o, settings), settings);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return settings;
+}
+
+void write_folder(const CaptureObjectOptions& o, const CapturedObject& object, const ObjectSettings& settings,
+                  double seconds) {
   PartialFolder folder(o.output);
   write_object(folder.path(), object, settings, seconds);
   const std::filesystem::path picture = folder.path() / "meshes.png";
@@ -136,6 +136,44 @@ void run_capture_object(const CaptureObjectOptions& o) {
                                                   ContactSettings{}.activation_distance));
   }
   folder.finish();
+}
+
+// What a user should know beside the first sentence.
+void print_remarks(const CaptureObjectOptions& o, const CapturedObject& object, const nlohmann::ordered_json& report) {
+  if (object.simulation.triangles.size() > o.triangles)
+    std::printf(
+        "not the %zu triangles that were asked for: fewer would cross each other, leave the surface by more than "
+        "--error or, with --soft, be needles; give a larger --error or --detail\n",
+        o.triangles);
+  if (const double asked = o.bridge > 0 ? 1e-3 * o.bridge : object.bound; object.bridge > 0 && object.bridge < asked)
+    std::printf("holes up to %.2f mm are closed, no larger ones: the surface across them would be too far away\n",
+                2e3 * object.bridge);
+  if (const auto& t = report["thickness"]; !t.is_null() && t["share_below"].get<double>() > 0)
+    std::printf(
+        "%.1f %% of its walls are thinner than %.3g mm, within which contact acts (the thinnest %.3g mm); if it is to "
+        "be soft, give the task a smaller activation_distance\n",
+        100 * t["share_below"].get<double>(), 1e3 * t["activation_distance"].get<double>(),
+        1e3 * t["least"].get<double>());
+  if (const auto& t = report["tetrahedra"]; !t.is_null())
+    std::printf(
+        "tetrahedra.msh: %zu tetrahedra, %zu nodes; the least dihedral angle is %.1f degrees, the largest ratio of "
+        "radius to edge %.2f, %zu are slivers below 5 degrees\n",
+        t["elements"].get<std::size_t>(), t["nodes"].get<std::size_t>(), t["least_dihedral_degrees"].get<double>(),
+        t["largest_radius_edge"].get<double>(), t["slivers"].get<std::size_t>());
+  if (o.density == 0 && o.mass == 0) std::printf("the mass is that of water: give --density or --mass\n");
+}
+
+void run_capture_object(const CaptureObjectOptions& o) {
+  check_options(o);
+  const auto start = std::chrono::steady_clock::now();
+  const ObjectSettings settings = settings_of(o);
+  if (o.has_parts) {
+    capture_several(o, settings);
+    return;
+  }
+  const CapturedObject object = capture_object(source_of(o, settings), settings);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  write_folder(o, object, settings, seconds);
   const nlohmann::ordered_json report = object_report(object, settings, seconds);
   if (o.as_json) {
     std::printf("%s\n", report.dump(2).c_str());
@@ -148,28 +186,7 @@ void run_capture_object(const CaptureObjectOptions& o) {
       o.output.c_str(), object.simulation.triangles.size(),
       object.was_sound ? "; the source was sound" : "; wrapped around the source", seconds,
       1e3 * d["mean"].get<double>(), 1e3 * d["max"].get<double>(), object.mass.mass);
-  if (object.simulation.triangles.size() > o.triangles)
-    std::printf(
-        "not the %zu triangles that were asked for: fewer would cross each other, leave the surface by more than "
-        "--error or, with --soft, be needles; give a larger --error or --detail\n",
-        o.triangles);
-  if (const double asked = o.bridge > 0 ? 1e-3 * o.bridge : object.bound; object.bridge > 0 && object.bridge < asked)
-    std::printf("holes up to %.2f mm are closed, no larger ones: the surface across them would be too far away\n",
-                2e3 * object.bridge);
-  if (const auto& t = report["thickness"]; !t.is_null() && t["share_below"].get<double>() > 0)
-    std::printf(
-        "%.1f %% of its walls are thinner than %.3g mm, within which contact acts (the thinnest %.3g mm); if it is to "
-        "be "
-        "soft, give the task a smaller activation_distance\n",
-        100 * t["share_below"].get<double>(), 1e3 * t["activation_distance"].get<double>(),
-        1e3 * t["least"].get<double>());
-  if (const auto& t = report["tetrahedra"]; !t.is_null())
-    std::printf(
-        "tetrahedra.msh: %zu tetrahedra, %zu nodes; the least dihedral angle is %.1f degrees, the largest ratio of "
-        "radius to edge %.2f, %zu are slivers below 5 degrees\n",
-        t["elements"].get<std::size_t>(), t["nodes"].get<std::size_t>(), t["least_dihedral_degrees"].get<double>(),
-        t["largest_radius_edge"].get<double>(), t["slivers"].get<std::size_t>());
-  if (o.density == 0 && o.mass == 0) std::printf("the mass is that of water: give --density or --mass\n");
+  print_remarks(o, object, report);
 }
 
 }  // namespace

@@ -101,26 +101,81 @@ json could_show(const Diagnosis& d) {
   return list;
 }
 
+json effects_of(const Diagnosis& d) {
+  json list = json::array();
+  if (d.verdict == Verdict::none || d.verdict == Verdict::agrees) return list;
+  for (const NamedEffect& e : d.effects)
+    list.push_back({{"name", e.candidate->name},
+                    {"family", family_name(e.candidate->family)},
+                    {"site", e.candidate->site},
+                    {"law", e.candidate->law},
+                    {"target", e.candidate->target},
+                    {"parameters", parameters_of(e)}});
+  return list;
+}
+
+json adjusted_of(const Diagnosis& d) {
+  json list = json::array();
+  for (const AdjustedNumber& number : d.adjusted)
+    list.push_back({{"name", number.name},
+                    {"target", number.target},
+                    {"unit", number.unit},
+                    {"stated", number.stated},
+                    {"sigma", number.sigma},
+                    {"value", number.value},
+                    {"deviation", number.deviation}});
+  return list;
+}
+
+json where_of(const Diagnosis& d) {
+  json list = json::array();
+  for (const Cell& cell : d.where)
+    list.push_back({{"body", cell.body},
+                    {"phase", cell.phase},
+                    {"share", cell.share},
+                    {"onset_s", cell.onset >= 0 ? json(cell.onset) : json(nullptr)},
+                    {"rms_in_noise", cell.rms},
+                    {"p_value", cell.p_value},
+                    {"significant", cell.is_significant}});
+  return list;
+}
+
+json held_out_of(const Diagnosis& d) {
+  json held_out = {
+      {"before", d.before}, {"after", d.after}, {"floor", d.floor}, {"unit", d.unit}, {"gap_closed", d.gap_closed}};
+  const WholeRuns& whole = d.whole;
+  if (whole.is_judged())
+    held_out["whole_runs"] = {{"before", whole.before},
+                              {"after", whole.after},
+                              {"floor", whole.floor},
+                              {"unit", d.unit},
+                              {"gap_closed", closed(whole.before, whole.after, whole.floor)}};
+  else
+    held_out["whole_runs"] = {{"not_judged", whole.why_not}};
+  if (std::isfinite(d.mask_gap_before))
+    held_out["mask_gap"] = {{"before", d.mask_gap_before}, {"after", d.mask_gap_after}, {"unit", "1 - mIoU"}};
+  return held_out;
+}
+
+json regressed_of(const RegressedLaw& law, const std::string& unit) {
+  return {{"effect", law.effect},
+          {"target", law.target},
+          {"formula", law.amended.formulas},
+          {"coefficients", law.amended.parameters},
+          {"unit", law.unit},
+          {"held_out",
+           {{"before", law.before},
+            {"after", law.after},
+            {"floor", law.floor},
+            {"unit", unit},
+            {"gap_closed", law.gap_closed}}},
+          {"fit_after", law.error}};
+}
+
 json report_of(const Problem& problem, const Diagnosis& d) {
   json report = {{"schema", 1}, {"verdict", verdict_name(d.verdict)}, {"sentence", d.sentence}};
-  report["effects"] = json::array();
-  if (d.verdict != Verdict::none && d.verdict != Verdict::agrees)
-    for (const NamedEffect& e : d.effects)
-      report["effects"].push_back({{"name", e.candidate->name},
-                                   {"family", family_name(e.candidate->family)},
-                                   {"site", e.candidate->site},
-                                   {"law", e.candidate->law},
-                                   {"target", e.candidate->target},
-                                   {"parameters", parameters_of(e)}});
-  report["adjusted"] = json::array();
-  for (const AdjustedNumber& number : d.adjusted)
-    report["adjusted"].push_back({{"name", number.name},
-                                  {"target", number.target},
-                                  {"unit", number.unit},
-                                  {"stated", number.stated},
-                                  {"sigma", number.sigma},
-                                  {"value", number.value},
-                                  {"deviation", number.deviation}});
+  report["effects"] = effects_of(d);
+  report["adjusted"] = adjusted_of(d);
   report["ranking"] = ranking_of(d);
   report["inseparable"] = d.inseparable;
   report["next_experiment"] = d.next_experiment;
@@ -128,43 +183,9 @@ json report_of(const Problem& problem, const Diagnosis& d) {
     report["next_scene"] = "next_experiment.yaml";
     report["next_run"] = json::parse(next_run(problem, *d.next_motion));
   }
-  report["where"] = json::array();
-  for (const Cell& cell : d.where)
-    report["where"].push_back({{"body", cell.body},
-                               {"phase", cell.phase},
-                               {"share", cell.share},
-                               {"onset_s", cell.onset >= 0 ? json(cell.onset) : json(nullptr)},
-                               {"rms_in_noise", cell.rms},
-                               {"p_value", cell.p_value},
-                               {"significant", cell.is_significant}});
-  report["held_out"] = {
-      {"before", d.before}, {"after", d.after}, {"floor", d.floor}, {"unit", d.unit}, {"gap_closed", d.gap_closed}};
-  const WholeRuns& whole = d.whole;
-  if (whole.is_judged())
-    report["held_out"]["whole_runs"] = {{"before", whole.before},
-                                        {"after", whole.after},
-                                        {"floor", whole.floor},
-                                        {"unit", d.unit},
-                                        {"gap_closed", closed(whole.before, whole.after, whole.floor)}};
-  else
-    report["held_out"]["whole_runs"] = {{"not_judged", whole.why_not}};
-  if (std::isfinite(d.mask_gap_before))
-    report["held_out"]["mask_gap"] = {{"before", d.mask_gap_before}, {"after", d.mask_gap_after}, {"unit", "1 - mIoU"}};
-  if (d.regressed) {
-    const RegressedLaw& law = *d.regressed;
-    report["regressed"] = {{"effect", law.effect},
-                           {"target", law.target},
-                           {"formula", law.amended.formulas},
-                           {"coefficients", law.amended.parameters},
-                           {"unit", law.unit},
-                           {"held_out",
-                            {{"before", law.before},
-                             {"after", law.after},
-                             {"floor", law.floor},
-                             {"unit", d.unit},
-                             {"gap_closed", law.gap_closed}}},
-                           {"fit_after", law.error}};
-  }
+  report["where"] = where_of(d);
+  report["held_out"] = held_out_of(d);
+  if (d.regressed) report["regressed"] = regressed_of(*d.regressed, d.unit);
   report["fit"] = {{"before", d.fit_before}, {"after", d.fit_after}, {"unit", "noise"}};
   report["notes"] = d.notes;
   report["left_out"] = d.left_out;

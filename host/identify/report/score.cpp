@@ -149,66 +149,74 @@ bool right_place(const Case& c) {
   return top["body"] == c.truth["body"] && std::find(phases.begin(), phases.end(), top["phase"]) != phases.end();
 }
 
-std::vector<std::array<std::string, 3>> table_of(const std::vector<Case>& cases) {
-  std::vector<std::array<std::string, 3>> rows;
-  const auto strength = [](const Case& c) { return c.truth.value("strength", 0.0); };
+using Row = std::array<std::string, 3>;  // metric, what it must be, what was found
+
+Row row_of_kind(const char* metric, const char* must, const std::vector<Case>& cases, const char* kind,
+                bool (*holds)(const Case&)) {
+  return {metric, must,
+          counted(
+              cases, [kind](const Case& c) { return kind_of(c) == kind; }, holds)};
+}
+
+bool is_strong(const Case& c) { return c.truth.value("strength", 0.0) >= 9.9; }
+bool is_none(const Case& c) { return verdict_of(c) == "none"; }
+bool names_an_effect(const Case& c) { return verdict_of(c) == "effect"; }
+bool lies_outside(const Case& c) { return kind_of(c) == "off_library" || kind_of(c) == "control"; }
+bool is_worse_after(const Case& c) { return c.report["held_out"]["after"] > c.report["held_out"]["before"]; }
+
+// What was named, and where.
+void add_rows_of_names(const std::vector<Case>& cases, std::vector<Row>& rows) {
   rows.push_back({"right name first, error >= 10x floor", ">= 90 %",
                   counted(
-                      cases, [&](const Case& c) { return is_single(c) && strength(c) >= 9.9; }, names_all)});
+                      cases, [](const Case& c) { return is_single(c) && is_strong(c); }, names_all)});
   rows.push_back({"right name first, error about 3x floor", ">= 70 %",
                   counted(
-                      cases, [&](const Case& c) { return is_single(c) && strength(c) < 9.9; }, names_all)});
-  rows.push_back({"an effect named on a null", "<= 5 %",
-                  counted(
-                      cases, [](const Case& c) { return kind_of(c) == "null"; }, names_something)});
-  rows.push_back({"an effect named on a control", "<= 2 %",
-                  counted(
-                      cases, [](const Case& c) { return kind_of(c) == "control"; }, names_something)});
-  rows.push_back({"none on off-library cases: recall", ">= 80 %",
-                  counted(
-                      cases, [](const Case& c) { return kind_of(c) == "off_library"; },
-                      [](const Case& c) { return verdict_of(c) == "none"; })});
-  rows.push_back({"none on off-library cases: precision", ">= 80 %",
-                  counted(
-                      cases, [](const Case& c) { return verdict_of(c) == "none"; },
-                      [](const Case& c) { return kind_of(c) == "off_library" || kind_of(c) == "control"; })});
-  rows.push_back({"a retune trap named as a new effect", "<= 10 %",
-                  counted(
-                      cases, [](const Case& c) { return kind_of(c) == "retune"; },
-                      [](const Case& c) { return verdict_of(c) == "effect"; })});
-  rows.push_back({"a retune trap: the right parameter", "",
-                  counted(
-                      cases, [](const Case& c) { return kind_of(c) == "retune"; }, names_all)});
+                      cases, [](const Case& c) { return is_single(c) && !is_strong(c); }, names_all)});
+  rows.push_back(row_of_kind("an effect named on a null", "<= 5 %", cases, "null", names_something));
+  rows.push_back(row_of_kind("an effect named on a control", "<= 2 %", cases, "control", names_something));
+  rows.push_back(row_of_kind("none on off-library cases: recall", ">= 80 %", cases, "off_library", is_none));
+  rows.push_back({"none on off-library cases: precision", ">= 80 %", counted(cases, is_none, lies_outside)});
+  rows.push_back(row_of_kind("a retune trap named as a new effect", "<= 10 %", cases, "retune", names_an_effect));
+  rows.push_back(row_of_kind("a retune trap: the right parameter", "", cases, "retune", names_all));
   rows.push_back({"right body and phase", ">= 95 %",
                   counted(
                       cases, [](const Case& c) { return is_single(c) && c.truth.contains("body"); }, right_place)});
-  rows.push_back({"parameter error, median", "<= 10 %", median_of(parameter_errors(cases))});
+}
+
+std::vector<double> gaps_closed(const std::vector<Case>& cases) {
   std::vector<double> gaps;
   for (const Case& c : cases)
     if ((is_single(c) || kind_of(c) == "two" || kind_of(c) == "retune") && !c.report.is_null() &&
         c.report["held_out"]["floor"].get<double>() > 0)
       gaps.push_back(names_something(c) ? c.report["held_out"]["gap_closed"].get<double>() : 0);
-  rows.push_back({"held-out gap closed, median", ">= 90 %", median_of(gaps)});
-  std::vector<double> of_whole_runs;
+  return gaps;
+}
+
+// Of what was named.
+std::vector<double> gaps_closed_of_whole_runs(const std::vector<Case>& cases) {
+  std::vector<double> gaps;
   for (const Case& c : cases)
     if (names_something(c) && c.report["held_out"].contains("whole_runs") &&
         c.report["held_out"]["whole_runs"].contains("gap_closed"))
-      of_whole_runs.push_back(c.report["held_out"]["whole_runs"]["gap_closed"].get<double>());
-  rows.push_back({"the same of whole runs, of what was named", ">= 95 %", median_of(of_whole_runs)});
+      gaps.push_back(c.report["held_out"]["whole_runs"]["gap_closed"].get<double>());
+  return gaps;
+}
+
+std::vector<Row> table_of(const std::vector<Case>& cases) {
+  std::vector<Row> rows;
+  add_rows_of_names(cases, rows);
+  rows.push_back({"parameter error, median", "<= 10 %", median_of(parameter_errors(cases))});
+  rows.push_back({"held-out gap closed, median", ">= 90 %", median_of(gaps_closed(cases))});
+  rows.push_back({"the same of whole runs, of what was named", ">= 95 %", median_of(gaps_closed_of_whole_runs(cases))});
   const std::vector<bool> held = intervals_that_hold(cases);
   rows.push_back({"stated intervals hold the truth", ">= 90 %",
                   share_of(std::size_t(std::count(held.begin(), held.end(), true)), held.size())});
-  rows.push_back({"held-out made worse", "<= 2 %", counted(cases, names_something, [](const Case& c) {
-                    return c.report["held_out"]["after"] > c.report["held_out"]["before"];
-                  })});
-  rows.push_back({"two effects, both named", ">= 70 %",
-                  counted(
-                      cases, [](const Case& c) { return kind_of(c) == "two"; }, names_all)});
-  rows.push_back(
-      {"true effect inside the reported set", ">= 98 %",
-       counted(
-           cases, [](const Case& c) { return (is_single(c) || kind_of(c) == "retune") && names_something(c); },
-           in_set)});
+  rows.push_back({"held-out made worse", "<= 2 %", counted(cases, names_something, is_worse_after)});
+  rows.push_back(row_of_kind("two effects, both named", ">= 70 %", cases, "two", names_all));
+  const auto is_named_single = [](const Case& c) {
+    return (is_single(c) || kind_of(c) == "retune") && names_something(c);
+  };
+  rows.push_back({"true effect inside the reported set", ">= 98 %", counted(cases, is_named_single, in_set)});
   return rows;
 }
 

@@ -232,71 +232,94 @@ std::optional<Nearest> nearest_of(const FitData& some, const std::vector<double>
   return nearest;
 }
 
+// The strengths of a law of several places, within the parameters of a model.
+struct Strengths {
+  const std::vector<Parameter>& parameters;  // of the candidate
+  Shaped law;
+  Eigen::Index n_base;  // parameters of the model before those of the candidate
+
+  Eigen::Index n() const { return Eigen::Index(law.strength.size()); }
+  Eigen::Index place(Eigen::Index i) const { return n_base + law.strength[std::size_t(i)]; }
+  Eigen::Index shape_place() const { return n_base + law.shape; }
+  const Parameter& parameter(Eigen::Index i) const { return parameters[std::size_t(law.strength[std::size_t(i)])]; }
+};
+
+// The first strength alone: as it is best beside the others, and as large as they are together.
+std::vector<Model> first_alone(const Model& model, const Strengths& strengths) {
+  std::vector<Model> alone(2, model);
+  for (Eigen::Index i = 1; i < strengths.n(); ++i) {
+    alone[1].x[strengths.place(0)] += model.x[strengths.place(i)] - strengths.parameter(i).off;
+    alone[0].x[strengths.place(i)] = alone[1].x[strengths.place(i)] = strengths.parameter(i).off;
+  }
+  return alone;
+}
+
+// The first strength moved at any shape, then each of the others at each shape.
+std::vector<Model> moved_at_shapes(const Model& start, const Strengths& strengths, const VectorXd& step,
+                                   const std::vector<double>& shapes) {
+  std::vector<Model> moved(1, start);
+  moved[0].x[strengths.place(0)] += step[0];
+  for (const double shape : shapes)
+    for (Eigen::Index i = 1; i < strengths.n(); ++i) {
+      moved.push_back(start);
+      moved.back().x[strengths.place(i)] += step[i];
+      moved.back().x[strengths.shape_place()] = shape;
+    }
+  return moved;
+}
+
+// The change of the strengths that leaves least of `left` by the columns j, within their bounds.
+VectorXd best_change(const MatrixXd& j, const VectorXd& left, const Model& start, const Strengths& strengths) {
+  VectorXd low(strengths.n()), high(strengths.n());
+  for (Eigen::Index i = 0; i < strengths.n(); ++i) {
+    low[i] = strengths.parameter(i).low - start.x[strengths.place(i)];
+    high[i] = strengths.parameter(i).high - start.x[strengths.place(i)];
+  }
+  MatrixXd a = j.transpose() * j;
+  a.diagonal().array() += criteria().screen_ridge * a.trace();
+  return least_within(a, j.transpose() * left, low, high);
+}
+
 }  // namespace
 
 std::vector<Model> places_at_shapes(Fitter& fitter, const FitData& some, const Fit& few, const Screened& screened) {
   const std::vector<Parameter>& parameters = screened.candidate->parameters;
-  const Shaped law = law_of(*screened.candidate);
-  if (!law.is_of_several()) return {};
-  const Eigen::Index n_base = screened.model.x.size() - Eigen::Index(parameters.size());
-  const Eigen::Index n = Eigen::Index(law.strength.size());
-  const auto place = [&](Eigen::Index i) { return n_base + law.strength[std::size_t(i)]; };
-  const auto parameter = [&](Eigen::Index i) -> const Parameter& {
-    return parameters[std::size_t(law.strength[std::size_t(i)])];
-  };
+  const Strengths strengths{parameters, law_of(*screened.candidate),
+                            screened.model.x.size() - Eigen::Index(parameters.size())};
+  if (!strengths.law.is_of_several()) return {};
+  const Eigen::Index n = strengths.n();
   const auto simulated = [&](const std::vector<Model>& models) {
     return fitter.evaluate(some, models, std::vector(models.size(), few.delta));
   };
   const std::vector<double> scales = window_scales(few.residual);
 
-  // x_0: the first strength as it is best beside the others, or as large as they are together
-  std::vector<Model> alone(2, screened.model);
-  for (Eigen::Index i = 1; i < n; ++i) {
-    alone[1].x[place(0)] += screened.model.x[place(i)] - parameter(i).off;
-    alone[0].x[place(i)] = alone[1].x[place(i)] = parameter(i).off;
-  }
+  const std::vector<Model> alone = first_alone(screened.model, strengths);
   const std::optional<Nearest> nearest = nearest_of(some, scales, simulated(alone));
   if (!nearest) return {};
   const Model& start = alone[nearest->number];
   const VectorXd& r = nearest->left;
-  const double size = start.x[place(0)] - parameter(0).off;
+  const double size = start.x[strengths.place(0)] - strengths.parameter(0).off;
   if (size == 0) return {};
 
-  std::vector<Model> moved(1, start);  // the first strength at any shape, then the others at each
-  const VectorXd step = [&] {
-    VectorXd steps = VectorXd::Constant(n, criteria().screen_share_low * size);
-    steps[0] = criteria().difference_share * size;
-    return steps;
-  }();
-  moved[0].x[place(0)] += step[0];
-  const std::vector<double> shapes = shapes_of(parameters[std::size_t(law.shape)]);
-  for (const double shape : shapes)
-    for (Eigen::Index i = 1; i < n; ++i) {
-      moved.push_back(start);
-      moved.back().x[place(i)] += step[i];
-      moved.back().x[n_base + law.shape] = shape;
-    }
-  const auto responses = simulated(moved);
+  VectorXd step = VectorXd::Constant(n, criteria().screen_share_low * size);
+  step[0] = criteria().difference_share * size;
+  const std::vector<double> shapes = shapes_of(parameters[std::size_t(strengths.law.shape)]);
+  const auto responses = simulated(moved_at_shapes(start, strengths, step, shapes));
   std::vector<Model> models;
   for (std::size_t s = 0; s < shapes.size(); ++s) {
     MatrixXd j(r.size(), n);
-    VectorXd low(n), high(n);
     bool is_known = true;
     for (Eigen::Index i = 0; i < n; ++i) {
       const std::vector<Prediction>& response =
           responses[i == 0 ? 0 : std::size_t(1 + Eigen::Index(s) * (n - 1) + i - 1)];
       is_known = is_known && have_succeeded(response);
       if (is_known) j.col(i) = (stacked(some, scales, response) - r) / step[i];
-      low[i] = parameter(i).low - start.x[place(i)];
-      high[i] = parameter(i).high - start.x[place(i)];
     }
     if (!is_known) continue;
-    MatrixXd a = j.transpose() * j;
-    a.diagonal().array() += criteria().screen_ridge * a.trace();
-    const VectorXd dx = least_within(a, j.transpose() * r, low, high);
+    const VectorXd dx = best_change(j, r, start, strengths);
     models.push_back(start);
-    for (Eigen::Index i = 0; i < n; ++i) models.back().x[place(i)] += dx[i];
-    models.back().x[n_base + law.shape] = shapes[s];
+    for (Eigen::Index i = 0; i < n; ++i) models.back().x[strengths.place(i)] += dx[i];
+    models.back().x[strengths.shape_place()] = shapes[s];
   }
   return models;
 }
