@@ -66,7 +66,8 @@ ALWAYS_INLINE bool any_in_instance(const Trees trees, global const Instance* ins
   const float3 o = is_moved ? affine_point(instance->to_object, origin) : origin;
   const float3 d = is_moved ? affine_vector(instance->to_object, direction) : direction;
   const BoxRay box = make_box_ray(o, d);
-  return any_in_mesh(trees, &box, make_leaf_ray(o, d), first_visit(trees.nodes, (int)instance->root), BEFORE_LIGHT);
+  const LeafRay leaf = make_leaf_ray(o, d);
+  return any_in_mesh(trees, &box, &leaf, first_visit(trees.nodes, (int)instance->root), BEFORE_LIGHT);
 }
 
 // crosses: bits of the lanes that meet a box of clear glass which they may pass

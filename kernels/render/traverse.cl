@@ -268,9 +268,10 @@ ALWAYS_INLINE void closest_in_block(global const float4* block, const LeafRay r,
 // Closest hit in one mesh before t_max: t, u, v and the bits of the triangle's number; the rays are in the mesh's
 // frame. One vector comes back in a register. A struct would be written to memory by parts and read as a whole, which
 // waits.
-TREE_FUNCTION float4 closest_in_mesh(const Trees trees, const BoxRay* box, const LeafRay leaf, const int first,
+TREE_FUNCTION float4 closest_in_mesh(const Trees trees, const BoxRay* box, const LeafRay* leaf_ray, const int first,
                                      const float t_max) {
   const BoxRay r = *box;
+  const LeafRay leaf = *leaf_ray;
   Hit nearest = {t_max, 0, 0, NO_TRIANGLE, 0};
   Visit stack[BVH_STACK];
   int size = 0, current = first;
@@ -311,7 +312,7 @@ ALWAYS_INLINE void closest_hit(const Trees trees, const float3 origin, const flo
     }
     BoxRay moved;
     if (is_moved) moved = make_box_ray(o, d);
-    const float4 found = closest_in_mesh(trees, is_moved ? &moved : &world, leaf, first, hit->t);
+    const float4 found = closest_in_mesh(trees, is_moved ? &moved : &world, &leaf, first, hit->t);
     if (!(found.x < hit->t)) continue;
     hit->t = found.x;
     hit->u = found.y;
@@ -345,9 +346,10 @@ ALWAYS_INLINE bool descend_any(global const float8* node, const BoxRay r, const 
 }
 
 // is a triangle of the mesh met within (0, t_max)? The rays are in the mesh's frame
-TREE_FUNCTION bool any_in_mesh(const Trees trees, const BoxRay* box, const LeafRay leaf, const int root,
+TREE_FUNCTION bool any_in_mesh(const Trees trees, const BoxRay* box, const LeafRay* leaf_ray, const int root,
                                const float t_max) {
   const BoxRay r = *box;
+  const LeafRay leaf = *leaf_ray;
   int stack[BVH_STACK];
   int size = 0, current = root;
   for (;;) {
@@ -372,11 +374,12 @@ ALWAYS_INLINE bool any_hit(const Trees trees, const float3 origin, const float3 
     if (current < 0 && (trees.instances[~current].mask & mask)) {
       global const Instance* instance = trees.instances + (~current);
       if (instance->flags & INSTANCE_UNMOVED) {
-        if (any_in_mesh(trees, &world, world_leaf, (int)instance->root, t_max)) return true;
+        if (any_in_mesh(trees, &world, &world_leaf, (int)instance->root, t_max)) return true;
       } else {
         const float3 o = affine_point(instance->to_object, origin), d = affine_vector(instance->to_object, direction);
         const BoxRay moved = make_box_ray(o, d);
-        if (any_in_mesh(trees, &moved, make_leaf_ray(o, d), (int)instance->root, t_max)) return true;
+        const LeafRay moved_leaf = make_leaf_ray(o, d);
+        if (any_in_mesh(trees, &moved, &moved_leaf, (int)instance->root, t_max)) return true;
       }
     }
     if (size == 0) return false;
