@@ -22,12 +22,16 @@ Traversal::Traversal(Device& device)
     return Program(device, "render/" + name + ".cl", traversal_options(device)).kernel(name);
   };
   intersect_packets_.emplace(kernel("intersect_packets"));
+  intersect_lanes_.emplace(kernel("intersect_lanes"));
   shadow_lanes_.emplace(kernel("shadow_lanes"));
 }
 
 void Traversal::find_closest(std::size_t n, const Buffer<std::uint32_t>& queue, const DeviceTrees& trees,
                              const Buffer<F32x4>& origin, const Buffer<F32x4>& direction, Buffer<F32x4>& hit,
                              Buffer<std::uint32_t>& hit_instance) {
+  if (intersect_lanes_)
+    return (*intersect_lanes_)(n / PACKET + (n % PACKET > 0), std::uint32_t(n), queue, trees.top, trees.nodes,
+                               trees.blocks, trees.instances, origin, direction, hit, hit_instance);
   intersect_(n, std::uint32_t(n), queue, trees.top, trees.nodes, trees.blocks, trees.instances, origin, direction, hit,
              hit_instance);
 }

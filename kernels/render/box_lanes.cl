@@ -29,8 +29,9 @@ ALWAYS_INLINE void make_box_lanes(const Packet origin, const Packet direction, B
                     &r->back_z);
 }
 
-// box k of a node; all bits of the lanes that meet it within (0, t_max)
-ALWAYS_INLINE int16 lanes_in_box(global const float* node, const uint k, const BoxLanes* r, const float16 t_max) {
+// box k of a node; all bits of the lanes that meet it within (0, t_max); entry: where
+ALWAYS_INLINE int16 lanes_in_box(global const float* node, const uint k, const BoxLanes* r, const float16 t_max,
+                                 float16* entry) {
   const float16 lo_x = node[k], hi_x = node[8 + k], lo_y = node[16 + k], hi_y = node[24 + k], lo_z = node[32 + k],
                 hi_z = node[40 + k];
   const float16 nx = (r->back_x ? hi_x : lo_x) * r->near_scale.x + r->near_shift.x;
@@ -41,6 +42,7 @@ ALWAYS_INLINE int16 lanes_in_box(global const float* node, const uint k, const B
   const float16 fz = (r->back_z ? lo_z : hi_z) * r->far_scale.z + r->far_shift.z;
   const float16 n = nx > ny ? nx : ny, m = nz > 0.0f ? nz : 0.0f, t0 = n > m ? n : m;
   const float16 f = fx < fy ? fx : fy, g = fz < t_max ? fz : t_max, t1 = f < g ? f : g;
+  *entry = t0;
   return t0 <= t1;
 }
 
@@ -88,7 +90,8 @@ TREE_FUNCTION uint lanes_stopped(const Trees trees, const Lanes* lanes, const As
       global const Instance* instance = trees.instances + (~child);
       const uint wanted = (child < 0 ? asked_of(asked, instance) : all) & ~stopped;
       if (wanted == 0) continue;
-      uint meet = wanted & mask16(lanes_in_box(node, k, &r, (float16)(BEFORE_LIGHT)));
+      float16 entry;
+      uint meet = wanted & mask16(lanes_in_box(node, k, &r, (float16)(BEFORE_LIGHT), &entry));
       if (meet == 0) continue;
       if (child >= 0) {
         stack[size++] = child;
