@@ -2,20 +2,56 @@
 // may meet together, then each visits its own, the nearest first.
 #include "render/box_lanes.cl"
 
-#define MOST_VISITS 24  // of a ray; one that has more goes alone
+#define MOST_VISITS 24    // of a ray; one that has more goes alone
+#define MOST_STARTS 128   // of a packet; each ray of one that has more goes alone
+#define LANES_OPEN 5      // that meet an instance, for the root of its mesh to be tested by all at once
+
+// where a visit of a mesh begins
+typedef struct {
+  uint instance;
+  int first;  // a node or a leaf of its mesh
+} Start;
 
 typedef struct {
-  Visit of_lane[PACKET][MOST_VISITS];
+  Visit of_lane[PACKET][MOST_VISITS];  // of starts
   uint n[PACKET];
+  Start starts[MOST_STARTS];
+  uint n_starts;
 } Visits;
 
+static inline void add_visits(Visits* v, const uint instance, const int first, const float16 entry, uint meet) {
+  const uint start = v->n_starts++;
+  if (start >= MOST_STARTS) return;
+  v->starts[start].instance = instance;
+  v->starts[start].first = first;
+  float t[PACKET];
+  vstore16(entry, 0, t);
+  for (; meet; meet &= meet - 1) {
+    const uint lane = lowest_bit(meet), place = v->n[lane]++;
+    if (place < MOST_VISITS) v->of_lane[lane][place] = make_visit(t[lane], (int)start);
+  }
+}
+
+// the same of the children of an instance's root, whose mesh has the world's frame
+static inline void add_visits_of_children(const Trees trees, Visits* v, const uint instance, const BoxLanes* r) {
+  global const float* node = (global const float*)(trees.nodes + (size_t)trees.instances[instance].root * 8);
+  global const int* children = (global const int*)(node + 48);
+  for (uint k = 0; k < BVH_WIDTH; ++k) {
+    if (children[k] == BVH_EMPTY) continue;
+    float16 entry;
+    const uint meet = mask16(lanes_in_box(node, k, r, (float16)(INFINITY), &entry));
+    if (meet) add_visits(v, instance, children[k], entry, meet);
+  }
+}
+
 // what each lane meets of the top tree, in no order
-TREE_FUNCTION void find_instances(const Trees trees, const Lanes* lanes, Visits* visits) {
+TREE_FUNCTION void find_visits(const Trees trees, const Lanes* lanes, Visits* visits) {
   BoxLanes r;
   make_box_lanes(load_packet(lanes->origin), load_packet(lanes->direction), &r);
   int stack[BVH_STACK];
   int size = 0, current = 0;
   for (uint k = 0; k < PACKET; ++k) visits->n[k] = 0;
+  visits->n_starts = 0;
   for (;;) {
     global const float* node = (global const float*)(trees.top + (size_t)current * 8);
     global const int* children = (global const int*)(node + 48);
@@ -23,18 +59,19 @@ TREE_FUNCTION void find_instances(const Trees trees, const Lanes* lanes, Visits*
       const int child = children[k];
       if (child == BVH_EMPTY) continue;
       float16 entry;
-      uint meet = mask16(lanes_in_box(node, k, &r, (float16)(INFINITY), &entry));
+      const uint meet = mask16(lanes_in_box(node, k, &r, (float16)(INFINITY), &entry));
       if (meet == 0) continue;
       if (child >= 0) {
         stack[size++] = child;
         continue;
       }
-      float t[PACKET];
-      vstore16(entry, 0, t);
-      for (; meet; meet &= meet - 1) {
-        const uint lane = lowest_bit(meet), place = visits->n[lane]++;
-        if (place < MOST_VISITS) visits->of_lane[lane][place] = make_visit(t[lane], child);
-      }
+      const uint i = (uint)(~child);
+      global const Instance* instance = trees.instances + i;
+      const int first = first_visit(trees.nodes, (int)instance->root);
+      if (first >= 0 && instance->flags & INSTANCE_UNMOVED && popcount(meet) >= LANES_OPEN)
+        add_visits_of_children(trees, visits, i, &r);
+      else
+        add_visits(visits, i, first, entry, meet);
     }
     if (size == 0) return;
     current = stack[--size];
@@ -50,14 +87,15 @@ static inline Visit take_nearest(Visit* visits, uint* n) {
   return taken;
 }
 
-TREE_FUNCTION void closest_of_visits(const Trees trees, const float3 origin, const float3 direction, Visit* visits,
-                                     uint n, Hit* hit) {
+TREE_FUNCTION void closest_of_visits(const Trees trees, const float3 origin, const float3 direction, const Start* starts,
+                                     Visit* visits, uint n, Hit* hit) {
   const BoxRay world = make_box_ray(origin, direction);
   const LeafRay world_leaf = make_leaf_ray(origin, direction);
   while (n > 0) {
     const Visit visit = take_nearest(visits, &n);
     if (as_float((uint)(visit >> 32)) >= hit->t) return;
-    closest_in_instance(trees, ~(uint)visit, origin, direction, &world, &world_leaf, hit);
+    const Start start = starts[(uint)visit];
+    closest_in_instance(trees, start.instance, start.first, origin, direction, &world, &world_leaf, hit);
   }
 }
 
@@ -76,12 +114,12 @@ kernel __attribute__((reqd_work_group_size(4, 1, 1))) void intersect_lanes(
     set_ray(&lanes, k, origin[slot].xyz, direction[slot].xyz);
   }
   Visits visits;
-  find_instances(trees, &lanes, &visits);
+  find_visits(trees, &lanes, &visits);
   for (uint k = 0; k < PACKET && first + k < n; ++k) {
     Hit h = {INFINITY, 0, 0, NO_TRIANGLE, 0};
     const float3 o = lane_origin(&lanes, k), d = lane_direction(&lanes, k);
-    if (visits.n[k] <= MOST_VISITS)
-      closest_of_visits(trees, o, d, visits.of_lane[k], visits.n[k], &h);
+    if (visits.n_starts <= MOST_STARTS && visits.n[k] <= MOST_VISITS)
+      closest_of_visits(trees, o, d, visits.starts, visits.of_lane[k], visits.n[k], &h);
     else
       closest_hit(trees, o, d, &h);
     const uint slot = queue[first + k];

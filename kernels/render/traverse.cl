@@ -289,16 +289,16 @@ ALWAYS_INLINE int first_visit(global const float8* nodes, const int root) {
   return child[0] < 0 && child[1] == BVH_EMPTY ? child[0] : root;
 }
 
-// closest hit in one instance. world, world_leaf: the ray as unmoved instances take it
-ALWAYS_INLINE void closest_in_instance(const Trees trees, const uint i, const float3 origin, const float3 direction,
-                                       const BoxRay* world, const LeafRay* world_leaf, Hit* hit) {
+// closest hit in what an instance's mesh has below first. world, world_leaf: the ray as unmoved instances take it
+ALWAYS_INLINE void closest_in_instance(const Trees trees, const uint i, const int first, const float3 origin,
+                                       const float3 direction, const BoxRay* world, const LeafRay* world_leaf,
+                                       Hit* hit) {
   global const Instance* instance = trees.instances + i;
   const bool is_moved = !(instance->flags & INSTANCE_UNMOVED);
   const float3 o = is_moved ? affine_point(instance->to_object, origin) : origin;
   const float3 d = is_moved ? affine_vector(instance->to_object, direction) : direction;
   const LeafRay leaf = is_moved ? make_leaf_ray(o, d) : *world_leaf;
-  const int first = first_visit(trees.nodes, (int)instance->root);
-  if (first < 0)  // all of the mesh: neither a node nor a call
+  if (first < 0)  // neither a node nor a call
     return closest_in_block(trees.blocks + (size_t)(~first) * 10, leaf, i, hit);
   BoxRay moved;
   if (is_moved) moved = make_box_ray(o, d);
@@ -320,7 +320,10 @@ ALWAYS_INLINE void closest_hit(const Trees trees, const float3 origin, const flo
   do {
     while (current >= 0)
       if (!descend(trees.top + (size_t)current * 8, world, hit->t, stack, &size, &current)) break;
-    if (current < 0) closest_in_instance(trees, (uint)(~current), origin, direction, &world, &world_leaf, hit);
+    if (current >= 0) continue;
+    const uint i = (uint)(~current);
+    const int first = first_visit(trees.nodes, (int)trees.instances[i].root);
+    closest_in_instance(trees, i, first, origin, direction, &world, &world_leaf, hit);
   } while (next_visit(stack, hit->t, &size, &current));
 }
 
