@@ -48,6 +48,13 @@ ALWAYS_INLINE int16 lanes_in_box(global const float* node, const uint k, const B
 
 static inline uint mask16(const int16 is_true) { return mask8(is_true.lo) | mask8(is_true.hi) << 8; }
 
+// Are the boxes of the root's children asked by all lanes at once? Where the mesh has the world's frame, and where
+// enough of them (bits of meet) meet the box of the whole
+#define LANES_OPEN 5
+static inline bool opens(global const Instance* instance, const int first, const uint meet) {
+  return first >= 0 && instance->flags & INSTANCE_UNMOVED && popcount(meet) >= LANES_OPEN;
+}
+
 // Is a triangle of an opaque instance met within (0, t_max)? The bits of the lanes that do. asked: bits of the lanes, by
 // whom they ask: surfaces, receivers (MASK_...); through_glass: bits of those that clear glass does not stop
 typedef struct {
@@ -61,15 +68,43 @@ static inline uint asked_of(const Asked asked, global const Instance* instance) 
   return of_mask;
 }
 
-// one ray in one mesh, as in any_hit
-ALWAYS_INLINE bool any_in_instance(const Trees trees, global const Instance* instance, const float3 origin,
-                                   const float3 direction) {
+// one ray in what an instance's mesh has below first, as in any_hit
+ALWAYS_INLINE bool any_in_instance(const Trees trees, global const Instance* instance, const int first,
+                                   const float3 origin, const float3 direction) {
   const bool is_moved = !(instance->flags & INSTANCE_UNMOVED);
   const float3 o = is_moved ? affine_point(instance->to_object, origin) : origin;
   const float3 d = is_moved ? affine_vector(instance->to_object, direction) : direction;
-  const BoxRay box = make_box_ray(o, d);
   const LeafRay leaf = make_leaf_ray(o, d);
-  return any_in_mesh(trees, &box, &leaf, first_visit(trees.nodes, (int)instance->root), BEFORE_LIGHT);
+  if (first < 0) return block_any(trees.blocks + (size_t)(~first) * 10, leaf, BEFORE_LIGHT) != 0;
+  const BoxRay box = make_box_ray(o, d);
+  return any_in_mesh(trees, &box, &leaf, first, BEFORE_LIGHT);
+}
+
+// bits of those of the lanes in meet that are stopped below first
+TREE_FUNCTION uint stopped_of(const Trees trees, global const Instance* instance, const int first, const Lanes* lanes,
+                              uint meet) {
+  uint stopped = 0;
+  for (; meet; meet &= meet - 1) {
+    const uint lane = lowest_bit(meet);
+    if (any_in_instance(trees, instance, first, lane_origin(lanes, lane), lane_direction(lanes, lane)))
+      stopped |= 1u << lane;
+  }
+  return stopped;
+}
+
+// the same in an instance whose mesh has the world's frame: all are asked for the boxes of the root's children
+ALWAYS_INLINE uint stopped_in_children(const Trees trees, global const Instance* instance, const Lanes* lanes,
+                                       const BoxLanes* r, const uint meet) {
+  global const float* node = (global const float*)(trees.nodes + (size_t)instance->root * 8);
+  global const int* children = (global const int*)(node + 48);
+  uint stopped = 0;
+  for (uint k = 0; k < BVH_WIDTH; ++k) {
+    if (children[k] == BVH_EMPTY) continue;
+    float16 entry;
+    const uint meet_child = meet & ~stopped & mask16(lanes_in_box(node, k, r, (float16)(BEFORE_LIGHT), &entry));
+    if (meet_child) stopped |= stopped_of(trees, instance, children[k], lanes, meet_child);
+  }
+  return stopped;
 }
 
 // crosses: bits of the lanes that meet a box of clear glass which they may pass
@@ -101,11 +136,12 @@ TREE_FUNCTION uint lanes_stopped(const Trees trees, const Lanes* lanes, const As
         *crosses |= meet & asked.through_glass;
         meet &= ~asked.through_glass;
       }
-      for (; meet; meet &= meet - 1) {
-        const uint lane = lowest_bit(meet);
-        if (any_in_instance(trees, instance, lane_origin(lanes, lane), lane_direction(lanes, lane)))
-          stopped |= 1u << lane;
-      }
+      if (meet == 0) continue;
+      const int first = first_visit(trees.nodes, (int)instance->root);
+      if (opens(instance, first, meet))
+        stopped |= stopped_in_children(trees, instance, lanes, &r, meet);
+      else
+        stopped |= stopped_of(trees, instance, first, lanes, meet);
     }
     if (size == 0 || stopped == all) return stopped;
     current = stack[--size];

@@ -4,7 +4,6 @@
 
 #define MOST_VISITS 24    // of a ray; one that has more goes alone
 #define MOST_STARTS 128   // of a packet; each ray of one that has more goes alone
-#define LANES_OPEN 5      // that meet an instance, for the root of its mesh to be tested by all at once
 
 // where a visit of a mesh begins
 typedef struct {
@@ -68,7 +67,7 @@ TREE_FUNCTION void find_visits(const Trees trees, const Lanes* lanes, Visits* vi
       const uint i = (uint)(~child);
       global const Instance* instance = trees.instances + i;
       const int first = first_visit(trees.nodes, (int)instance->root);
-      if (first >= 0 && instance->flags & INSTANCE_UNMOVED && popcount(meet) >= LANES_OPEN)
+      if (opens(instance, first, meet))
         add_visits_of_children(trees, visits, i, &r);
       else
         add_visits(visits, i, first, entry, meet);
