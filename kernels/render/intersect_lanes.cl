@@ -86,16 +86,27 @@ static inline Visit take_nearest(Visit* visits, uint* n) {
   return taken;
 }
 
-TREE_FUNCTION void closest_of_visits(const Trees trees, const float3 origin, const float3 direction, const Start* starts,
-                                     Visit* visits, uint n, Hit* hit) {
+// t, u, v, triangle in one vector, as in closest_in_mesh
+TREE_FUNCTION float4 closest_of_visits(const Trees trees, const float3 origin, const float3 direction,
+                                       const Start* starts, Visit* visits, uint n, uint* instance) {
+  Hit hit = {INFINITY, 0, 0, NO_TRIANGLE, 0};
   const BoxRay world = make_box_ray(origin, direction);
   const LeafRay world_leaf = make_leaf_ray(origin, direction);
   while (n > 0) {
     const Visit visit = take_nearest(visits, &n);
-    if (as_float((uint)(visit >> 32)) >= hit->t) return;
+    if (as_float((uint)(visit >> 32)) >= hit.t) break;
     const Start start = starts[(uint)visit];
-    closest_in_instance(trees, start.instance, start.first, origin, direction, &world, &world_leaf, hit);
+    closest_in_instance(trees, start.instance, start.first, origin, direction, &world, &world_leaf, &hit);
   }
+  *instance = hit.instance;
+  return (float4)(hit.t, hit.u, hit.v, as_float(hit.triangle));
+}
+
+TREE_FUNCTION float4 closest_alone(const Trees trees, const float3 origin, const float3 direction, uint* instance) {
+  Hit hit = {INFINITY, 0, 0, NO_TRIANGLE, 0};
+  closest_hit(trees, origin, direction, &hit);
+  *instance = hit.instance;
+  return (float4)(hit.t, hit.u, hit.v, as_float(hit.triangle));
 }
 
 // arguments as in intersect.cl;  a work-item takes PACKET places of the queue
@@ -115,14 +126,15 @@ kernel __attribute__((reqd_work_group_size(4, 1, 1))) void intersect_lanes(
   Visits visits;
   find_visits(trees, &lanes, &visits);
   for (uint k = 0; k < PACKET && first + k < n; ++k) {
-    Hit h = {INFINITY, 0, 0, NO_TRIANGLE, 0};
     const float3 o = lane_origin(&lanes, k), d = lane_direction(&lanes, k);
+    float4 found;
+    uint instance;
     if (visits.n_starts <= MOST_STARTS && visits.n[k] <= MOST_VISITS)
-      closest_of_visits(trees, o, d, visits.starts, visits.of_lane[k], visits.n[k], &h);
+      found = closest_of_visits(trees, o, d, visits.starts, visits.of_lane[k], visits.n[k], &instance);
     else
-      closest_hit(trees, o, d, &h);
+      found = closest_alone(trees, o, d, &instance);
     const uint slot = queue[first + k];
-    hit[slot] = (float4)(h.t, h.u, h.v, as_float(h.triangle));
-    hit_instance[slot] = h.instance;
+    hit[slot] = found;
+    hit_instance[slot] = instance;
   }
 }
