@@ -50,7 +50,7 @@ static inline uint mask16(const int16 is_true) { return mask8(is_true.lo) | mask
 
 // Are the boxes of the root's children asked by all lanes at once? Where the mesh has the world's frame, and where
 // enough of them (bits of meet) meet the box of the whole
-#define LANES_OPEN 5
+#define LANES_OPEN 8
 static inline bool opens(global const Instance* instance, const int first, const uint meet) {
   return first >= 0 && instance->flags & INSTANCE_UNMOVED && popcount(meet) >= LANES_OPEN;
 }
