@@ -48,24 +48,23 @@ ALWAYS_INLINE int16 lanes_in_box(global const float* node, const uint k, const B
 
 static inline uint mask16(const int16 is_true) { return mask8(is_true.lo) | mask8(is_true.hi) << 8; }
 
-// Are the boxes of the root's children asked by all lanes at once? Where the mesh has the world's frame, and where
-// enough of them (bits of meet) meet the box of the whole
-#define LANES_OPEN 8
+// Are the boxes of the root's children tested by all lanes at once? Where the mesh has the world's frame, and enough
+// lanes (bits of meet) meet the box of the whole
+#define LANES_OPEN 8  // 5 and 12 take as long
 static inline bool opens(global const Instance* instance, const int first, const uint meet) {
   return first >= 0 && instance->flags & INSTANCE_UNMOVED && popcount(meet) >= LANES_OPEN;
 }
 
-// Is a triangle of an opaque instance met within (0, t_max)? The bits of the lanes that do. asked: bits of the lanes, by
-// whom they ask: surfaces, receivers (MASK_...); through_glass: bits of those that clear glass does not stop
+// bits of the lanes that ask for instances with MASK_SURFACES and with MASK_RECEIVERS, and of those that clear glass does
+// not stop
 typedef struct {
   uint surfaces, receivers, through_glass;
 } Asked;
 
 // bits of the lanes that the instance may stop
 static inline uint asked_of(const Asked asked, global const Instance* instance) {
-  const uint of_mask = (instance->mask & MASK_SURFACES ? asked.surfaces : 0u) |
-                       (instance->mask & MASK_RECEIVERS ? asked.receivers : 0u);
-  return of_mask;
+  return (instance->mask & MASK_SURFACES ? asked.surfaces : 0u) |
+         (instance->mask & MASK_RECEIVERS ? asked.receivers : 0u);
 }
 
 // one ray in what an instance's mesh has below first, as in any_hit
@@ -107,7 +106,8 @@ ALWAYS_INLINE uint stopped_in_children(const Trees trees, global const Instance*
   return stopped;
 }
 
-// crosses: bits of the lanes that meet a box of clear glass which they may pass
+// Bits of the lanes that an opaque instance stops within (0, BEFORE_LIGHT), no lane twice. crosses: bits of those that
+// meet the box of clear glass which they may pass
 TREE_FUNCTION uint lanes_stopped(const Trees trees, const Lanes* lanes, const Asked asked, uint* crosses) {
   BoxLanes r;
   make_box_lanes(load_packet(lanes->origin), load_packet(lanes->direction), &r);

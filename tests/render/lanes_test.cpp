@@ -23,6 +23,7 @@ World many_instances(unsigned n) {
                                      (MASK_SURFACES | MASK_RECEIVERS) << MASK_CUTOUT_SHIFT};
   World world;
   world.add(soup(40, 5, 0.3f), pose(0, Vec3::Zero()));  // all rays meet its box
+  if (n > 1) world.add(test::flat_mesh(), pose(0, Vec3::Zero()));
   for (unsigned i = 0; i < n; ++i) {
     Eigen::Matrix<double, 3, 4> p = pose(0.3 * i, Vec3(std::cos(i), std::sin(2 * i), std::sin(5 * i)));
     p.leftCols<3>() *= 0.1 + 0.1 * (i % 5);
@@ -131,7 +132,7 @@ TEST_F(Lanes, LightArrivesAsAtEachRay) {
         const float all = 0.1f + 0.3f * 0.9f;
         EXPECT_GT(share([&](float x) { return std::abs(x - all) < 1e-6f; }), 300);
         EXPECT_GT(share([&](float x) { return x == 0.1f; }), 300);
-        EXPECT_GT(share([&](float x) { return x > 0.1f && x < all - 1e-3f; }), 10);
+        EXPECT_GT(share([&](float x) { return x > 0.1f && x < all - 1e-3f; }), 5);
       }
 }
 
