@@ -41,7 +41,7 @@ class Traversal {
 
  private:
   Kernel intersect_, shadow_;
-  std::optional<Kernel> intersect_packets_;  // of CPUs
+  std::optional<Kernel> intersect_packets_, intersect_lanes_, shadow_lanes_;  // of CPUs
 };
 
 }  // namespace pvg

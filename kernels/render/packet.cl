@@ -245,7 +245,8 @@ TREE_FUNCTION void closest_of_each_in_mesh(const Trees trees, const Packet* o, c
   for (uint k = 0; k < PACKET; ++k) {
     const float3 origin = lane_origin(&lanes, k), direction = lane_direction(&lanes, k);
     const BoxRay box = make_box_ray(origin, direction);
-    const float4 found = closest_in_mesh(trees, &box, make_leaf_ray(origin, direction), first, lanes.t[k]);
+    const LeafRay leaf = make_leaf_ray(origin, direction);
+    const float4 found = closest_in_mesh(trees, &box, &leaf, first, lanes.t[k]);
     if (!(found.x < lanes.t[k])) continue;
     lanes.t[k] = found.x;
     lanes.u[k] = found.y;

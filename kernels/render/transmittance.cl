@@ -72,7 +72,7 @@ ALWAYS_INLINE bool pass_instance(const Trees trees, global const Material* mater
   const float3 d = is_moved ? affine_vector(instance->to_object, direction) : direction;
   const BoxRay box = is_moved ? make_box_ray(o, d) : *world;
   const LeafRay leaf = make_leaf_ray(o, d);
-  if (!(instance->flags & INSTANCE_CLEAR)) return !any_in_mesh(trees, &box, leaf, (int)instance->root, t_max);
+  if (!(instance->flags & INSTANCE_CLEAR)) return !any_in_mesh(trees, &box, &leaf, (int)instance->root, t_max);
   cross_mesh(trees, &box, leaf, d, (int)instance->root, t_max, materials + instance->material, length(direction), T);
   return true;
 }

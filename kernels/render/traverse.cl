@@ -268,9 +268,10 @@ ALWAYS_INLINE void closest_in_block(global const float4* block, const LeafRay r,
 // Closest hit in one mesh before t_max: t, u, v and the bits of the triangle's number; the rays are in the mesh's
 // frame. One vector comes back in a register. A struct would be written to memory by parts and read as a whole, which
 // waits.
-TREE_FUNCTION float4 closest_in_mesh(const Trees trees, const BoxRay* box, const LeafRay leaf, const int first,
+TREE_FUNCTION float4 closest_in_mesh(const Trees trees, const BoxRay* box, const LeafRay* leaf_ray, const int first,
                                      const float t_max) {
   const BoxRay r = *box;
+  const LeafRay leaf = *leaf_ray;
   Hit nearest = {t_max, 0, 0, NO_TRIANGLE, 0};
   Visit stack[BVH_STACK];
   int size = 0, current = first;
@@ -288,6 +289,28 @@ ALWAYS_INLINE int first_visit(global const float8* nodes, const int root) {
   return child[0] < 0 && child[1] == BVH_EMPTY ? child[0] : root;
 }
 
+// closest hit in what an instance's mesh has below first. world, world_leaf: the ray as unmoved instances take it
+ALWAYS_INLINE void closest_in_instance(const Trees trees, const uint i, const int first, const float3 origin,
+                                       const float3 direction, const BoxRay* world, const LeafRay* world_leaf,
+                                       Hit* hit) {
+  global const Instance* instance = trees.instances + i;
+  const bool is_moved = !(instance->flags & INSTANCE_UNMOVED);
+  const float3 o = is_moved ? affine_point(instance->to_object, origin) : origin;
+  const float3 d = is_moved ? affine_vector(instance->to_object, direction) : direction;
+  const LeafRay leaf = is_moved ? make_leaf_ray(o, d) : *world_leaf;
+  if (first < 0)  // neither a node nor a call
+    return closest_in_block(trees.blocks + (size_t)(~first) * 10, leaf, i, hit);
+  BoxRay moved;
+  if (is_moved) moved = make_box_ray(o, d);
+  const float4 found = closest_in_mesh(trees, is_moved ? &moved : world, &leaf, first, hit->t);
+  if (!(found.x < hit->t)) return;
+  hit->t = found.x;
+  hit->u = found.y;
+  hit->v = found.z;
+  hit->triangle = as_uint(found.w);
+  hit->instance = i;
+}
+
 // closest hit of the scene; hit->t on entry is the largest allowed
 ALWAYS_INLINE void closest_hit(const Trees trees, const float3 origin, const float3 direction, Hit* hit) {
   const BoxRay world = make_box_ray(origin, direction);
@@ -299,25 +322,8 @@ ALWAYS_INLINE void closest_hit(const Trees trees, const float3 origin, const flo
       if (!descend(trees.top + (size_t)current * 8, world, hit->t, stack, &size, &current)) break;
     if (current >= 0) continue;
     const uint i = (uint)(~current);
-    global const Instance* instance = trees.instances + i;
-    const bool is_moved = !(instance->flags & INSTANCE_UNMOVED);
-    const float3 o = is_moved ? affine_point(instance->to_object, origin) : origin;
-    const float3 d = is_moved ? affine_vector(instance->to_object, direction) : direction;
-    const LeafRay leaf = is_moved ? make_leaf_ray(o, d) : world_leaf;
-    const int first = first_visit(trees.nodes, (int)instance->root);
-    if (first < 0) {  // all of the mesh: neither a node nor a call
-      closest_in_block(trees.blocks + (size_t)(~first) * 10, leaf, i, hit);
-      continue;
-    }
-    BoxRay moved;
-    if (is_moved) moved = make_box_ray(o, d);
-    const float4 found = closest_in_mesh(trees, is_moved ? &moved : &world, leaf, first, hit->t);
-    if (!(found.x < hit->t)) continue;
-    hit->t = found.x;
-    hit->u = found.y;
-    hit->v = found.z;
-    hit->triangle = as_uint(found.w);
-    hit->instance = i;
+    const int first = first_visit(trees.nodes, (int)trees.instances[i].root);
+    closest_in_instance(trees, i, first, origin, direction, &world, &world_leaf, hit);
   } while (next_visit(stack, hit->t, &size, &current));
 }
 
@@ -345,9 +351,10 @@ ALWAYS_INLINE bool descend_any(global const float8* node, const BoxRay r, const 
 }
 
 // is a triangle of the mesh met within (0, t_max)? The rays are in the mesh's frame
-TREE_FUNCTION bool any_in_mesh(const Trees trees, const BoxRay* box, const LeafRay leaf, const int root,
+TREE_FUNCTION bool any_in_mesh(const Trees trees, const BoxRay* box, const LeafRay* leaf_ray, const int root,
                                const float t_max) {
   const BoxRay r = *box;
+  const LeafRay leaf = *leaf_ray;
   int stack[BVH_STACK];
   int size = 0, current = root;
   for (;;) {
@@ -372,11 +379,12 @@ ALWAYS_INLINE bool any_hit(const Trees trees, const float3 origin, const float3 
     if (current < 0 && (trees.instances[~current].mask & mask)) {
       global const Instance* instance = trees.instances + (~current);
       if (instance->flags & INSTANCE_UNMOVED) {
-        if (any_in_mesh(trees, &world, world_leaf, (int)instance->root, t_max)) return true;
+        if (any_in_mesh(trees, &world, &world_leaf, (int)instance->root, t_max)) return true;
       } else {
         const float3 o = affine_point(instance->to_object, origin), d = affine_vector(instance->to_object, direction);
         const BoxRay moved = make_box_ray(o, d);
-        if (any_in_mesh(trees, &moved, make_leaf_ray(o, d), (int)instance->root, t_max)) return true;
+        const LeafRay moved_leaf = make_leaf_ray(o, d);
+        if (any_in_mesh(trees, &moved, &moved_leaf, (int)instance->root, t_max)) return true;
       }
     }
     if (size == 0) return false;

@@ -4,7 +4,6 @@
 
 #include <cstring>
 
-#include "host/render/traversal.hpp"
 #include "tests/render/ray_world.hpp"
 
 namespace pvg {
@@ -39,17 +38,10 @@ Counts compare(const Found& alone, const Found& together) {
   return counts;
 }
 
-DeviceTrees trees_of(Device& device, const World& world) {
-  return {Buffer<BvhNode>(device, build_instance_tree(world.boxes), "top"),
-          Buffer<BvhNode>(device, world.geometry.nodes, "nodes"),
-          Buffer<TriangleBlock>(device, world.geometry.blocks, "blocks"),
-          Buffer<Instance>(device, world.instances, "instances")};
-}
-
 Counts trace(const World& world, const Rays& rays) {
   Device device;
   Traversal traversal(device);
-  const DeviceTrees trees = trees_of(device, world);
+  const DeviceTrees trees = device_trees(device, world);
   const std::size_t n = rays.origin.size();
   std::vector<std::uint32_t> slots(n);
   for (std::size_t i = 0; i < n; ++i) slots[i] = std::uint32_t(i);
@@ -57,7 +49,7 @@ Counts trace(const World& world, const Rays& rays) {
   const Buffer<F32x4> origin(device, rays.origin, "origin"), direction(device, rays.direction, "direction");
   Buffer<F32x4> hit(device, n, "hit");
   Buffer<std::uint32_t> hit_instance(device, n, "hit_instance");
-  traversal.find_closest(n, queue, trees, origin, direction, hit, hit_instance);
+  test::find_closest_alone(device, n, queue, trees, origin, direction, hit, hit_instance);
   const Found alone{hit.read(), hit_instance.read()};
   hit.zero();
   hit_instance.zero();
@@ -84,7 +76,7 @@ Alone count_alone(const World& world, const Rays& rays) {
   Device device;
   Kernel kernel = Program::from_text(device, "marking packets", MARKING_KERNEL, traversal_options(device))
                       .kernel("intersect_packets");
-  const DeviceTrees trees = trees_of(device, world);
+  const DeviceTrees trees = device_trees(device, world);
   const std::size_t n = rays.origin.size();
   const Buffer<F32x4> origin(device, rays.origin, "origin"), direction(device, rays.direction, "direction");
   Buffer<F32x4> hit(device, n, "hit");

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "host/render/geometry.hpp"
+#include "host/render/traversal.hpp"
 #include "tests/render/test_scene.hpp"
 
 namespace pvg::test {
@@ -55,6 +56,22 @@ inline Eigen::Matrix<double, 3, 4> pose(double angle, const Vec3& at) {
   p.linear() = Eigen::AngleAxisd(angle, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   p.translation() = at;
   return p.matrix().topRows<3>();
+}
+
+inline DeviceTrees device_trees(Device& device, const World& world) {
+  return {Buffer<BvhNode>(device, build_instance_tree(world.boxes), "top"),
+          Buffer<BvhNode>(device, world.geometry.nodes, "nodes"),
+          Buffer<TriangleBlock>(device, world.geometry.blocks, "blocks"),
+          Buffer<Instance>(device, world.instances, "instances")};
+}
+
+// what every ray finds by itself: the kernel that GPUs take
+inline void find_closest_alone(Device& device, std::size_t n, const Buffer<std::uint32_t>& queue,
+                               const DeviceTrees& trees, const Buffer<F32x4>& origin, const Buffer<F32x4>& direction,
+                               Buffer<F32x4>& hit, Buffer<std::uint32_t>& hit_instance) {
+  Kernel intersect = Program(device, "render/intersect.cl", traversal_options(device)).kernel("intersect");
+  intersect(n, std::uint32_t(n), queue, trees.top, trees.nodes, trees.blocks, trees.instances, origin, direction, hit,
+            hit_instance);
 }
 
 }  // namespace pvg::test

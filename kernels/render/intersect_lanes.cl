@@ -1,0 +1,140 @@
+// Stage 2 on a CPU of rays that go any way, sixteen at a time: what intersect.cl does. All find the instances that they
+// may meet together, then each visits its own, the nearest first.
+#include "render/box_lanes.cl"
+
+#define MOST_VISITS 24    // of a ray; one that has more goes alone
+#define MOST_STARTS 128   // of a packet; each ray of one that has more goes alone
+
+// where a visit of a mesh begins
+typedef struct {
+  uint instance;
+  int first;  // a node or a leaf of its mesh
+} Start;
+
+typedef struct {
+  Visit of_lane[PACKET][MOST_VISITS];  // of starts
+  uint n[PACKET];
+  Start starts[MOST_STARTS];
+  uint n_starts;
+} Visits;
+
+static inline void add_visits(Visits* v, const uint instance, const int first, const float16 entry, uint meet) {
+  const uint start = v->n_starts++;
+  if (start >= MOST_STARTS) return;
+  v->starts[start].instance = instance;
+  v->starts[start].first = first;
+  float t[PACKET];
+  vstore16(entry, 0, t);
+  for (; meet; meet &= meet - 1) {
+    const uint lane = lowest_bit(meet), place = v->n[lane]++;
+    if (place < MOST_VISITS) v->of_lane[lane][place] = make_visit(t[lane], (int)start);
+  }
+}
+
+// the same of the children of an instance's root, whose mesh has the world's frame
+static inline void add_visits_of_children(const Trees trees, Visits* v, const uint instance, const BoxLanes* r) {
+  global const float* node = (global const float*)(trees.nodes + (size_t)trees.instances[instance].root * 8);
+  global const int* children = (global const int*)(node + 48);
+  for (uint k = 0; k < BVH_WIDTH; ++k) {
+    if (children[k] == BVH_EMPTY) continue;
+    float16 entry;
+    const uint meet = mask16(lanes_in_box(node, k, r, (float16)(INFINITY), &entry));
+    if (meet) add_visits(v, instance, children[k], entry, meet);
+  }
+}
+
+// what each lane meets of the top tree, in no order
+TREE_FUNCTION void find_visits(const Trees trees, const Lanes* lanes, Visits* visits) {
+  BoxLanes r;
+  make_box_lanes(load_packet(lanes->origin), load_packet(lanes->direction), &r);
+  int stack[BVH_STACK];
+  int size = 0, current = 0;
+  for (uint k = 0; k < PACKET; ++k) visits->n[k] = 0;
+  visits->n_starts = 0;
+  for (;;) {
+    global const float* node = (global const float*)(trees.top + (size_t)current * 8);
+    global const int* children = (global const int*)(node + 48);
+    for (uint k = 0; k < BVH_WIDTH; ++k) {
+      const int child = children[k];
+      if (child == BVH_EMPTY) continue;
+      float16 entry;
+      const uint meet = mask16(lanes_in_box(node, k, &r, (float16)(INFINITY), &entry));
+      if (meet == 0) continue;
+      if (child >= 0) {
+        stack[size++] = child;
+        continue;
+      }
+      const uint i = (uint)(~child);
+      global const Instance* instance = trees.instances + i;
+      const int first = first_visit(trees.nodes, (int)instance->root);
+      if (opens(instance, first, meet))
+        add_visits_of_children(trees, visits, i, &r);
+      else
+        add_visits(visits, i, first, entry, meet);
+    }
+    if (size == 0) return;
+    current = stack[--size];
+  }
+}
+
+// the nearest of n visits, which is taken away
+static inline Visit take_nearest(Visit* visits, uint* n) {
+  uint nearest = 0;
+  for (uint k = 1; k < *n; ++k) nearest = visits[k] < visits[nearest] ? k : nearest;
+  const Visit taken = visits[nearest];
+  visits[nearest] = visits[--(*n)];
+  return taken;
+}
+
+// t, u, v, triangle in one vector, as in closest_in_mesh
+TREE_FUNCTION float4 closest_of_visits(const Trees trees, const float3 origin, const float3 direction,
+                                       const Start* starts, Visit* visits, uint n, uint* instance) {
+  Hit hit = {INFINITY, 0, 0, NO_TRIANGLE, 0};
+  const BoxRay world = make_box_ray(origin, direction);
+  const LeafRay world_leaf = make_leaf_ray(origin, direction);
+  while (n > 0) {
+    const Visit visit = take_nearest(visits, &n);
+    if (as_float((uint)(visit >> 32)) >= hit.t) break;
+    const Start start = starts[(uint)visit];
+    closest_in_instance(trees, start.instance, start.first, origin, direction, &world, &world_leaf, &hit);
+  }
+  *instance = hit.instance;
+  return (float4)(hit.t, hit.u, hit.v, as_float(hit.triangle));
+}
+
+TREE_FUNCTION float4 closest_alone(const Trees trees, const float3 origin, const float3 direction, uint* instance) {
+  Hit hit = {INFINITY, 0, 0, NO_TRIANGLE, 0};
+  closest_hit(trees, origin, direction, &hit);
+  *instance = hit.instance;
+  return (float4)(hit.t, hit.u, hit.v, as_float(hit.triangle));
+}
+
+// arguments as in intersect.cl;  a work-item takes PACKET places of the queue
+kernel __attribute__((reqd_work_group_size(4, 1, 1))) void intersect_lanes(
+    const uint n, global const uint* restrict queue, global const float8* restrict top,
+    global const float8* restrict nodes, global const float4* restrict blocks,
+    global const Instance* restrict instances, global const float4* restrict origin,
+    global const float4* restrict direction, global float4* restrict hit, global uint* restrict hit_instance) {
+  const uint first = get_global_id(0) * PACKET;
+  if (first >= n) return;
+  const Trees trees = {top, nodes, blocks, instances};
+  Lanes lanes;
+  for (uint k = 0; k < PACKET; ++k) {
+    const uint slot = queue[min(first + k, n - 1)];  // the last lanes are filled up
+    set_ray(&lanes, k, origin[slot].xyz, direction[slot].xyz);
+  }
+  Visits visits;
+  find_visits(trees, &lanes, &visits);
+  for (uint k = 0; k < PACKET && first + k < n; ++k) {
+    const float3 o = lane_origin(&lanes, k), d = lane_direction(&lanes, k);
+    float4 found;
+    uint instance;
+    if (visits.n_starts <= MOST_STARTS && visits.n[k] <= MOST_VISITS)
+      found = closest_of_visits(trees, o, d, visits.starts, visits.of_lane[k], visits.n[k], &instance);
+    else
+      found = closest_alone(trees, o, d, &instance);
+    const uint slot = queue[first + k];
+    hit[slot] = found;
+    hit_instance[slot] = instance;
+  }
+}
