@@ -190,13 +190,13 @@ static inline void sample_alone(const Launch launch, const Shading scene, const 
 // one light of all for each, n_lights > 0
 static inline LightSamples sample_lights(const Launch launch, const Shading scene, const Packet origin,
                                          const Chances* c) {
-  float choice_x[PACKET], choice_y[PACKET];
-  vstore16(c->choice_x, 0, choice_x);
-  vstore16(c->choice_y, 0, choice_y);
+  float choice_y[PACKET];
   uint light[PACKET], others = 0;
-  for (uint k = 0; k < PACKET; ++k) {
-    float rest;
-    light[k] = (uint)(choose_light(launch, scene, (float2)(choice_x[k], choice_y[k]), &rest) - scene.lights);
+  vstore16(c->choice_y, 0, choice_y);
+  vstore16(min(convert_uint16(c->choice_x * (float)launch.n_lights), (uint16)(launch.n_lights - 1)), 0, light);
+  for (uint k = 0; k < PACKET; ++k) {  // choose_light()
+    global const Light* place = scene.lights + light[k];
+    light[k] = choice_y[k] < place->keep ? light[k] : place->other;
     others |= scene.lights[light[k]].kind != LIGHT_RECTANGLE ? 1u << k : 0u;
   }
   LightSamples s = sample_rectangles(scene, light, origin, c);
@@ -204,26 +204,63 @@ static inline LightSamples sample_lights(const Launch launch, const Shading scen
   return s;
 }
 
-// colours of the surfaces, their textures looked up;  texture: number of each material's, color: its own
-static inline Packet surface_colors(const Shading scene, const Surfaces* s, const int16 texture, const Packet color) {
-  const uint with = bits_of(texture >= 0);
-  if (!with) return color;
-  float r[PACKET], g[PACKET], b[PACKET], u[PACKET], v[PACKET];
-  int number[PACKET];
-  vstore16(color.x, 0, r);
-  vstore16(color.y, 0, g);
-  vstore16(color.z, 0, b);
-  vstore16(s->texture_u, 0, u);
-  vstore16(s->texture_v, 0, v);
-  vstore16(texture, 0, number);
-  for (uint rest = with; rest; rest &= rest - 1) {
-    const uint k = lowest_bit(rest);
-    const float3 texels = texture_at(scene, number[k], (float2)(u[k], v[k]));
-    r[k] *= texels.x;
-    g[k] *= texels.y;
-    b[k] *= texels.z;
+// the texels number at[k], unpacked:  component k of colours of the lanes
+static inline Packet decoded_texels(const Shading scene, const uint* at, const uint* decode_from) {
+  float r[PACKET], g[PACKET], b[PACKET];
+  uchar4 c[PACKET];
+  for (uint k = 0; k < PACKET; ++k) c[k] = scene.texels[at[k]];
+  for (uint k = 0; k < PACKET; ++k) {
+    constant float* decode = scene.decode + decode_from[k];
+    r[k] = decode[c[k].x];
+    g[k] = decode[c[k].y];
+    b[k] = decode[c[k].z];
   }
   const Packet p = {vload16(0, r), vload16(0, g), vload16(0, b)};
   return p;
+}
+
+static inline Packet mixed(const Packet a, const Packet b, const float16 share) {
+  const Packet p = {a.x + (b.x - a.x) * share, a.y + (b.y - a.y) * share, a.z + (b.z - a.z) * share};
+  return p;
+}
+
+// texture_color() of the textures by their numbers
+static inline Packet texture_colors(const Shading scene, const uint* texture, const float16 u, const float16 v) {
+  uint decode_from[PACKET], first[PACKET], width[PACKET], height[PACKET];
+  for (uint k = 0; k < PACKET; ++k) {
+    const TextureInfo info = scene.textures[texture[k]];
+    first[k] = info.first;
+    width[k] = info.width;
+    height[k] = info.height;
+    decode_from[k] = info.is_linear ? 256u : 0u;
+  }
+  const int16 w = as_int16(vload16(0, width)), h = as_int16(vload16(0, height));
+  const float16 x = (u - floor(u)) * convert_float16(w) - 0.5f, y = (v - floor(v)) * convert_float16(h) - 0.5f;
+  const float16 x_floor = floor(x), y_floor = floor(y);
+  const int16 x_int = convert_int16(x_floor), y_int = convert_int16(y_floor);
+  const int16 x_last = w - 1, y_last = h - 1;
+  const int16 x0 = x_int < 0 ? x_last : (x_int < x_last ? x_int : x_last);
+  const int16 y0 = y_int < 0 ? y_last : (y_int < y_last ? y_int : y_last);
+  const int16 x1 = x0 == x_last ? (int16)(0) : x0 + 1, y1 = y0 == y_last ? (int16)(0) : y0 + 1;
+  const int16 row0 = as_int16(vload16(0, first)) + y0 * w, row1 = as_int16(vload16(0, first)) + y1 * w;
+  uint at[4][PACKET];
+  vstore16(as_uint16(row0 + x0), 0, at[0]);
+  vstore16(as_uint16(row0 + x1), 0, at[1]);
+  vstore16(as_uint16(row1 + x0), 0, at[2]);
+  vstore16(as_uint16(row1 + x1), 0, at[3]);
+  const Packet top = mixed(decoded_texels(scene, at[0], decode_from), decoded_texels(scene, at[1], decode_from), x - x_floor);
+  const Packet bottom =
+      mixed(decoded_texels(scene, at[2], decode_from), decoded_texels(scene, at[3], decode_from), x - x_floor);
+  return mixed(top, bottom, y - y_floor);
+}
+
+// colours of the surfaces, their textures looked up;  texture: number of each material's, color: its own
+static inline Packet surface_colors(const Shading scene, const Surfaces* s, const int16 texture, const Packet color) {
+  const int16 has_texture = texture >= 0;
+  if (!bits_of(has_texture)) return color;
+  uint number[PACKET];
+  vstore16(as_uint16(has_texture ? texture : (int16)(0)), 0, number);
+  const Packet texels = texture_colors(scene, number, s->texture_u, s->texture_v);
+  return chosen(has_texture, products(color, texels), color);
 }
 #endif

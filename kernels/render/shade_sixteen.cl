@@ -4,20 +4,19 @@
 #define PVG_INLINE_ALL
 #include "shared/pocl.h"
 
-#include "render/met_rows.cl"
 #include "render/noted.cl"
 #include "render/receiver.cl"
+#include "render/scatter_rows.cl"
 
 #define CHUNK 256  // places of the queue that a work-item takes
 
-// places in the queue whose paths meet surfaces of one kind
-typedef struct {
-  uint n;
-  uint place[CHUNK];
-} Group;
+// kinds of surfaces, and what is left to shade.cl
+enum { RECEIVERS, DIFFUSE, METALS, COATED, GLASS, OTHERS, N_GROUPS };
 
+// the places in the queue whose paths meet a surface of each kind
 typedef struct {
-  Group receivers, diffuse, glass;
+  uint n[N_GROUPS];
+  uint place[N_GROUPS][CHUNK];
 } Groups;
 
 // what the paths write
@@ -33,31 +32,41 @@ typedef struct {
   uint depth, notes_features;
 } Bounce;
 
+// without branches, as paths meet all kinds in turns
+static inline uint group_of(const Launch launch, const Shading scene, global const Instance* instance) {
+  global const Material* m = scene.materials + instance->material;
+  const uint flags = m->flags, kind = m->kind;
+  const uint is_plain = (instance->visual != 0) & !(instance->flags & (INSTANCE_COLORS | INSTANCE_SECOND_UVS)) &
+                        !(flags & MATERIAL_EMITS) & (m->normal_texture < 0);
+  const uint is_receiver = (kind == MATERIAL_SHADOW_RECEIVER) & (launch.environment_light < 0);
+  const uint is_glass = (kind == MATERIAL_DIELECTRIC) & ((flags & MATERIAL_HAS_INSIDE) != 0);
+  uint group = OTHERS;
+  group = is_plain & is_receiver ? RECEIVERS : group;
+  group = is_plain & (uint)(kind == MATERIAL_DIFFUSE) ? DIFFUSE : group;
+  const uint is_opaque = (m->metallic_roughness_texture < 0) & (m->transmission == 0) &
+                         !(flags & (MATERIAL_HAS_INSIDE | MATERIAL_THIN));
+  group = (is_plain & (kind == MATERIAL_CONDUCTOR) & is_opaque & (m->alpha >= MIRROR_ALPHA)) ? METALS : group;
+  group = is_plain & (kind == MATERIAL_METALLIC_ROUGHNESS) & is_opaque ? COATED : group;
+  return is_plain & is_glass ? GLASS : group;
+}
+
 static inline void sort_into_groups(const Launch launch, const Shading scene, const uint first, const uint last,
                                     global const uint* queue, global const float4* hit,
                                     global const uint* hit_instance, Groups* groups) {
   for (uint i = first; i < last; ++i) {
     const uint slot = queue[i], triangle = as_uint(hit[slot].w);
     if (triangle == NO_TRIANGLE || triangle == SHADED) continue;
-    global const Instance* instance = scene.instances + hit_instance[slot];
-    if (instance->visual == 0 || (instance->flags & (INSTANCE_COLORS | INSTANCE_SECOND_UVS))) continue;
-    global const Material* m = scene.materials + instance->material;
-    if ((m->flags & MATERIAL_EMITS) || m->normal_texture >= 0) continue;
-    if (m->kind == MATERIAL_SHADOW_RECEIVER && launch.environment_light < 0)
-      groups->receivers.place[groups->receivers.n++] = i;
-    else if (m->kind == MATERIAL_DIFFUSE)
-      groups->diffuse.place[groups->diffuse.n++] = i;
-    else if (m->kind == MATERIAL_DIELECTRIC && (m->flags & MATERIAL_HAS_INSIDE))
-      groups->glass.place[groups->glass.n++] = i;
+    const uint group = group_of(launch, scene, scene.instances + hit_instance[slot]);
+    groups->place[group][groups->n[group]++] = i;
   }
 }
 
 // the paths number first .. first + 15 of a group; the last one stands for those that it does not have, as all that is
 // written is the same
-static inline void load_paths(const Group* group, const uint first, const Shading scene, global const uint* queue,
-                              const Slots slots, global const uint* hit_instance, Paths* p) {
+static inline void load_paths(const Groups* groups, const uint group, const uint first, const Shading scene,
+                              global const uint* queue, const Slots slots, global const uint* hit_instance, Paths* p) {
   for (uint k = 0; k < PACKET; ++k) {
-    p->place[k] = group->place[min(first + k, group->n - 1)];
+    p->place[k] = groups->place[group][min(first + k, groups->n[group] - 1)];
     p->slot[k] = queue[p->place[k]];
     p->instance[k] = hit_instance[p->slot[k]];
     p->material[k] = scene.instances[p->instance[k]].material;
@@ -117,10 +126,10 @@ static inline void write_alive(const Paths* p, const uint alive, const Slots slo
 }
 
 // is_lit: light arrives if nothing is between
-static inline void write_shadow_rays(const Paths* p, const int16 is_lit, const uint kind, const Packet origin,
+static inline void write_shadow_rays(const Paths* p, const int16 is_lit, const uint16 kind, const Packet origin,
                                      const Packet to_light, const Packet light, const float16 weight,
                                      const Slots slots) {
-  const uint16 kinds = is_lit ? (uint16)(kind) : (uint16)(SHADOW_NONE);
+  const uint16 kinds = is_lit ? kind : (uint16)(SHADOW_NONE);
   store_rows(rows_of(origin, as_float16(kinds)), slots.shadow_origin, p->slot);
   if (!bits_of(is_lit)) return;
   store_rows(rows_of(to_light, sixteen(0.0f)), slots.shadow_direction, p->slot);
@@ -158,7 +167,7 @@ static inline void shade_receiver_group(const Launch launch, const Shading scene
   const Packet lit = times(shown, 1.0f - strength);
   const Packet radiance = plus(vectors_of(before), chosen(has_shadow, lit, plus(lit, shaded)));
   store_rows(rows_of(radiance, before.w), slots.radiance, p->slot);
-  write_shadow_rays(p, has_shadow, SHADOW_RECEIVER, origin, to_light, shaded, sixteen(1.0f), slots);
+  write_shadow_rays(p, has_shadow, (uint16)(SHADOW_RECEIVER), origin, to_light, shaded, sixteen(1.0f), slots);
   write_alive(p, 0, slots);
 }
 
@@ -177,6 +186,14 @@ static inline float16 light_cosines(const Surfaces* s, const Packet direction) {
 }
 
 static inline float16 camera_densities(const Launch launch, const Surfaces* s) {
+  const PinholeCamera c = launch.camera;
+  const Packet seen = minus(s->point, packet_of((float3)(c.to_world[3], c.to_world[7], c.to_world[11])));
+  const float16 d2 = dots(seen, seen), d = sqrt(d2);
+  const float16 cosine = fabs(dots(s->face, seen)) / d;
+  if (c.model == CAMERA_PINHOLE && !c.is_distorted) {
+    const float16 z = dots(packet_of((float3)(c.to_world[2], c.to_world[6], c.to_world[10])), seen) / d;
+    return c.fx * c.fy / (z * z * z) * cosine / d2;
+  }
   float point[3][PACKET], face[3][PACKET], density[PACKET];
   store_packet(s->point, point);
   store_packet(s->face, face);
@@ -209,21 +226,30 @@ static inline void write_paths(const Paths* p, const Packet origin, const float1
   store_rows(rows_of(throughput, as_float16(flags)), slots.throughput, p->slot);
 }
 
-static inline void shade_diffuse_group(const Launch launch, const Shading scene, const Bounce bounce, const Paths* p,
-                                       const Surfaces* s, global const uint2* stream, const Slots slots) {
+// of a kind that is known when this is compiled
+static inline void shade_scattering_group(const Launch launch, const Shading scene, const Bounce bounce,
+                                          const uint kind, const Paths* p, const Surfaces* s,
+                                          global const uint2* stream, const Slots slots) {
   global const float4* materials = (global const float4*)scene.materials;
   const uint stride = ROWS_OF(Material);
-  const Rows kind = load_rows(materials, p->material, stride, 0);
-  const Packet color =
-      surface_colors(scene, s, as_int16(kind.y), vectors_of(load_rows(materials, p->material, stride, 1)));
-  if (bounce.notes_features) write_notes(p, s, color, slots);
+  const Rows first = load_rows(materials, p->material, stride, 0), second = load_rows(materials, p->material, stride, 1);
+  PointMaterials m = {kind, surface_colors(scene, s, as_int16(first.y), vectors_of(second)), {0.0f, 0.0f, 0.0f},
+                      first.z, 0.0f, first.w};
+  int16 is_matte = (int16)(-1);
+  if (kind == MATERIAL_CONDUCTOR) {
+    m.own_color = vectors_of(load_rows(materials, p->material, stride, 4));
+    is_matte = (int16)(0);
+  }
+  if (kind == MATERIAL_METALLIC_ROUGHNESS) {
+    m.metallic = load_rows(materials, p->material, stride, 2).w;
+    is_matte = m.metallic < 0.5f;
+  }
+  if (bounce.notes_features) write_notes(p, s, m.color, slots);
   const Chances chance = draw_chances(stream, p, bounce.depth);
   const Packet carried = transmitted(scene, p, s);
   const Sides side = sides_of(s, p->direction);
   const Frames frame = make_frames(side.normal);
-  const Packet back = times(p->direction, sixteen(-1.0f));
-  const float16 out_z = dots(frame.z, back);
-  const int16 faces = out_z > 0.0f;
+  const Packet wo = to_locals(frame, times(p->direction, sixteen(-1.0f)));
 
   int16 is_lit = (int16)(0);
   const Packet above = leave_surfaces(s->point, side.face);
@@ -231,36 +257,34 @@ static inline void shade_diffuse_group(const Launch launch, const Shading scene,
   float16 weight = 0.0f;
   if (launch.n_lights > 0) {
     const LightSamples sample = sample_lights(launch, scene, s->point, &chance);
-    const float16 cosine = dots(frame.z, units(sample.to_light));
-    const Packet f = times(color, cosine * M_1_PI_F);
-    is_lit = faces & (sample.pdf > 0.0f) & (dots(side.face, sample.to_light) > 0.0f) & (cosine > 0.0f) &
-             (f.x + f.y + f.z > 0.0f);
+    const Packet wi = to_locals(frame, units(sample.to_light));
+    const Packet f = materials_eval(m, wo, wi);
+    is_lit = (sample.pdf > 0.0f) & (dots(side.face, sample.to_light) > 0.0f) & (wi.z > 0.0f) & (f.x + f.y + f.z > 0.0f);
     to_light = minus(sample.to_light, minus(above, s->point));
     light = times(products(products(carried, f), sample.radiance), 1.0f / sample.pdf);
-    const float16 a = sample.pdf * sample.pdf, other = cosine * M_1_PI_F;
+    const float16 a = sample.pdf * sample.pdf, other = materials_pdf(m, wo, wi);
     weight = a / (a + other * other);
   }
-  write_shadow_rays(p, is_lit, launch.transparent_shadows ? SHADOW_SURFACE_GLASS : SHADOW_SURFACE, above, to_light,
-                    light, weight, slots);
+  const uint16 through = is_matte & (launch.transparent_shadows ? -1 : 0) ? (uint16)(SHADOW_SURFACE_GLASS)
+                                                                          : (uint16)(SHADOW_SURFACE);
+  write_shadow_rays(p, is_lit, through, above, to_light, light, weight, slots);
 
-  const Packet turned = cosine_directions(chance.material_x, chance.material_y);
-  const Packet direction = to_worlds(frame, turned);
-  const float16 pdf = faces ? turned.z * M_1_PI_F : sixteen(0.0f);
-  const Packet zero = {0.0f, 0.0f, 0.0f};
-  Packet throughput = chosen(faces, products(carried, color), zero);
-  uint16 flags = (p->flags & PATH_SEEN) | (PATH_SCATTERED | PATH_DIFFUSE);
-  if (launch.n_light_paths > 0) {
+  const MaterialSamples sample = materials_sample(m, wo, &chance);
+  const Packet direction = to_worlds(frame, sample.direction);
+  Packet throughput = products(carried, sample.weight);
+  uint16 flags = (p->flags & PATH_SEEN) | PATH_SCATTERED;
+  flags = is_matte ? flags | PATH_DIFFUSE : flags;
+  if (launch.n_light_paths > 0) {  // note_scattered()
     float16 density;
     if (bounce.depth == 0) {
       flags |= PATH_SEEN;
-      density = camera_densities(launch, s) * pdf / light_cosines(s, direction);
+      density = camera_densities(launch, s) * sample.pdf / light_cosines(s, direction);
     } else {
       float before[PACKET];
       for (uint k = 0; k < PACKET; ++k) before[k] = slots.radiance[p->slot[k]].w;
-      // density of the other way: that of the direction that it came from
-      const float16 other = faces ? out_z * M_1_PI_F : sixteen(0.0f);
+      const float16 other = materials_pdf(m, sample.direction, wo);
       density = vload16(0, before) *
-                (pdf * light_cosines(s, p->direction) / (other * light_cosines(s, direction)));
+                (sample.pdf * light_cosines(s, p->direction) / (other * light_cosines(s, direction)));
     }
     density = density < MOST_DENSITY ? density : sixteen(MOST_DENSITY);
     float after[PACKET];
@@ -269,7 +293,7 @@ static inline void shade_diffuse_group(const Launch launch, const Shading scene,
   }
   const int16 stays = dots(direction, side.face) >= 0.0f;
   const uint alive = bits_of(stays & roulettes(bounce.depth, chance.roulette, &throughput));
-  write_paths(p, above, pdf, direction, p->media, throughput, flags, slots);
+  write_paths(p, above, sample.pdf, direction, p->media, throughput, flags, slots);
   write_alive(p, alive, slots);
 }
 
@@ -338,7 +362,7 @@ static inline void shade_glass_group(const Launch launch, const Shading scene, c
   const uint16 behind = passes ? vload16(0, inner) : p->media;
   const uint alive = bits_of(roulettes(bounce.depth, chance.roulette, &throughput));
   write_paths(p, origin, sixteen(0.0f), direction, behind, throughput, flags, slots);
-  write_shadow_rays(p, (int16)(0), SHADOW_NONE, nothing, nothing, nothing, sixteen(0.0f), slots);
+  write_shadow_rays(p, (int16)(0), (uint16)(SHADOW_NONE), nothing, nothing, nothing, sixteen(0.0f), slots);
   write_alive(p, alive, slots);
 }
 
@@ -362,18 +386,22 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void shade_sixteen(
                        shadow_direction, shadow_light, alive,      feature_color, feature_normal};
   const Bounce bounce = {depth, notes_features};
   Groups groups;
-  groups.receivers.n = groups.diffuse.n = groups.glass.n = 0;
+  for (uint g = 0; g < N_GROUPS; ++g) groups.n[g] = 0;
   sort_into_groups(launch, scene, first, min(first + CHUNK, n), queue, hit, hit_instance, &groups);
   Paths paths;
-#define SHADE(group, shade_group)                                                          \
-  for (uint k = 0; k < groups.group.n; k += PACKET) {                                      \
-    load_paths(&groups.group, k, scene, queue, slots, hit_instance, &paths);               \
-    const Surfaces surfaces = surfaces_at(scene, &paths);                                  \
-    shade_group(launch, scene, bounce, &paths, &surfaces, stream, slots);                  \
+#define EACH_SIXTEEN(group, call)                                             \
+  for (uint k = 0; k < groups.n[group]; k += PACKET) {                        \
+    load_paths(&groups, group, k, scene, queue, slots, hit_instance, &paths); \
+    const Surfaces surfaces = surfaces_at(scene, &paths);                     \
+    call;                                                                     \
   }
-  SHADE(receivers, shade_receiver_group)
+#define SCATTERING(kind) shade_scattering_group(launch, scene, bounce, kind, &paths, &surfaces, stream, slots)
+  EACH_SIXTEEN(RECEIVERS, shade_receiver_group(launch, scene, bounce, &paths, &surfaces, stream, slots))
   if (depth >= launch.max_depth) return;
-  SHADE(diffuse, shade_diffuse_group)
-  SHADE(glass, shade_glass_group)
-#undef SHADE
+  EACH_SIXTEEN(DIFFUSE, SCATTERING(MATERIAL_DIFFUSE))
+  EACH_SIXTEEN(METALS, SCATTERING(MATERIAL_CONDUCTOR))
+  EACH_SIXTEEN(COATED, SCATTERING(MATERIAL_METALLIC_ROUGHNESS))
+  EACH_SIXTEEN(GLASS, shade_glass_group(launch, scene, bounce, &paths, &surfaces, stream, slots))
+#undef SCATTERING
+#undef EACH_SIXTEEN
 }
