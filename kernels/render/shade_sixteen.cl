@@ -366,6 +366,33 @@ static inline void shade_glass_group(const Launch launch, const Shading scene, c
   write_alive(p, alive, slots);
 }
 
+// The places first .. first + CHUNK - 1 of the queue. A function of its own, as PoCL compiles what stands in a kernel three
+// times.
+TREE_FUNCTION void shade_chunk(const uint n, const uint first, const Launch* launch, const Shading* scene,
+                               const Bounce bounce, global const uint* queue, global const uint2* stream,
+                               global const uint* hit_instance, const Slots* slots) {
+  Groups groups;
+  for (uint g = 0; g < N_GROUPS; ++g) groups.n[g] = 0;
+  sort_into_groups(*launch, *scene, first, min(first + CHUNK, n), queue, slots->hit, hit_instance, &groups);
+  Paths paths;
+  const uint end = bounce.depth >= launch->max_depth ? RECEIVERS + 1 : OTHERS;  // all others end there
+  for (uint group = RECEIVERS; group < end; ++group)
+    for (uint k = 0; k < groups.n[group]; k += PACKET) {
+      load_paths(&groups, group, k, *scene, queue, *slots, hit_instance, &paths);
+      const Surfaces surfaces = surfaces_at(*scene, &paths);
+      if (group == RECEIVERS)
+        shade_receiver_group(*launch, *scene, bounce, &paths, &surfaces, stream, *slots);
+      else if (group == GLASS)
+        shade_glass_group(*launch, *scene, bounce, &paths, &surfaces, stream, *slots);
+      else if (group == DIFFUSE)
+        shade_scattering_group(*launch, *scene, bounce, MATERIAL_DIFFUSE, &paths, &surfaces, stream, *slots);
+      else if (group == METALS)
+        shade_scattering_group(*launch, *scene, bounce, MATERIAL_CONDUCTOR, &paths, &surfaces, stream, *slots);
+      else
+        shade_scattering_group(*launch, *scene, bounce, MATERIAL_METALLIC_ROUGHNESS, &paths, &surfaces, stream, *slots);
+    }
+}
+
 // as in shade.cl;  hit: what is shaded has SHADED for its triangle
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void shade_sixteen(
     const uint n, const Launch launch, const uint depth, const uint notes_features, global const uint* restrict queue,
@@ -385,23 +412,5 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void shade_sixteen(
   const Slots slots = {hit,           origin,           direction,    throughput, radiance,      shadow_origin,
                        shadow_direction, shadow_light, alive,      feature_color, feature_normal};
   const Bounce bounce = {depth, notes_features};
-  Groups groups;
-  for (uint g = 0; g < N_GROUPS; ++g) groups.n[g] = 0;
-  sort_into_groups(launch, scene, first, min(first + CHUNK, n), queue, hit, hit_instance, &groups);
-  Paths paths;
-#define EACH_SIXTEEN(group, call)                                             \
-  for (uint k = 0; k < groups.n[group]; k += PACKET) {                        \
-    load_paths(&groups, group, k, scene, queue, slots, hit_instance, &paths); \
-    const Surfaces surfaces = surfaces_at(scene, &paths);                     \
-    call;                                                                     \
-  }
-#define SCATTERING(kind) shade_scattering_group(launch, scene, bounce, kind, &paths, &surfaces, stream, slots)
-  EACH_SIXTEEN(RECEIVERS, shade_receiver_group(launch, scene, bounce, &paths, &surfaces, stream, slots))
-  if (depth >= launch.max_depth) return;
-  EACH_SIXTEEN(DIFFUSE, SCATTERING(MATERIAL_DIFFUSE))
-  EACH_SIXTEEN(METALS, SCATTERING(MATERIAL_CONDUCTOR))
-  EACH_SIXTEEN(COATED, SCATTERING(MATERIAL_METALLIC_ROUGHNESS))
-  EACH_SIXTEEN(GLASS, shade_glass_group(launch, scene, bounce, &paths, &surfaces, stream, slots))
-#undef SCATTERING
-#undef EACH_SIXTEEN
+  shade_chunk(n, first, &launch, &scene, bounce, queue, stream, hit_instance, &slots);
 }
