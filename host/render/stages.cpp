@@ -110,8 +110,8 @@ Stages::Stages(Device& device, bool notes_features, bool traces_light)
   if (!device.info().is_gpu) {
     shade_receivers_.emplace(
         Program(device, "render/shade_receivers.cl", traversal_options(device)).kernel("shade_receivers"));
-    shade_sixteen_.emplace(
-        Program(device, "render/shade_sixteen.cl", traversal_options(device)).kernel("shade_sixteen"));
+    shade_lanes_.emplace(
+        Program(device, "render/shade_lanes.cl", traversal_options(device)).kernel("shade_lanes"));
   }
   if (notes_features) features_.emplace(device);
   if (traces_light) light_tracing_.emplace(device);
@@ -130,7 +130,7 @@ std::uint64_t Stages::trace(const Launch& launch, const Buffer<std::uint32_t>& p
       intersect(n, scene);
     if (scene.has_cutouts) pass_holes(n, depth, scene);
     if (depth == 0) shade_receivers(n, launch, scene);
-    shade_sixteen(n, launch, depth, scene);
+    shade_lanes(n, launch, depth, scene);
     shade(n, launch, depth, scene);
     // without lamps too: a receiver's ambient share comes from all around
     if (scene.has_cutouts) shadow_holes(n, scene);
@@ -244,10 +244,10 @@ void Stages::shade_receivers(std::size_t n, const Launch& launch, const DeviceSc
                       feature_normal_);
 }
 
-void Stages::shade_sixteen(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene) {
-  constexpr std::size_t CHUNK = 256;  // as in shade_sixteen.cl
-  if (!shade_sixteen_) return;
-  (*shade_sixteen_)(divided_up(n, CHUNK), std::uint32_t(n), launch, std::uint32_t(depth),
+void Stages::shade_lanes(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene) {
+  constexpr std::size_t CHUNK = 256;  // as in shade_lanes.cl
+  if (!shade_lanes_) return;
+  (*shade_lanes_)(divided_up(n, CHUNK), std::uint32_t(n), launch, std::uint32_t(depth),
                     std::uint32_t(features_.has_value()), queue_, stream_, scene.trees.instances, scene.materials,
                     scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices, scene.second_uvs,
                     scene.lights, scene.environment, scene.cells, hit_, hit_instance_, origin_, direction_, throughput_,

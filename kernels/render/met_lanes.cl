@@ -1,7 +1,7 @@
 // Sixteen paths where they hit: surfaces, random numbers and light samples side by side. The formulas are those of
 // surface.cl, diffuse.cl, frame.cl and lights.cl, which this equals up to rounding.
-#ifndef PVG_RENDER_MET_ROWS_CL
-#define PVG_RENDER_MET_ROWS_CL
+#ifndef PVG_RENDER_MET_LANES_CL
+#define PVG_RENDER_MET_LANES_CL
 #include "render/interact.cl"
 #include "render/met_surface.cl"
 #include "render/rows.cl"

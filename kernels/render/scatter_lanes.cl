@@ -1,9 +1,9 @@
 // Materials at sixteen points of surfaces side by side: diffuse, rough metals, and glTF's coat over a base as far as nothing
 // passes it. The formulas are those of kernels/materials (diffuse, conductor, metallic_roughness, microfacet), which this
 // equals up to rounding.
-#ifndef PVG_RENDER_SCATTER_ROWS_CL
-#define PVG_RENDER_SCATTER_ROWS_CL
-#include "render/met_rows.cl"
+#ifndef PVG_RENDER_SCATTER_LANES_CL
+#define PVG_RENDER_SCATTER_LANES_CL
+#include "render/met_lanes.cl"
 
 // as PointMaterial; kind: the same for all
 typedef struct {

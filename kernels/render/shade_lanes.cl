@@ -6,7 +6,7 @@
 
 #include "render/noted.cl"
 #include "render/receiver.cl"
-#include "render/scatter_rows.cl"
+#include "render/scatter_lanes.cl"
 
 #define CHUNK 256  // places of the queue that a work-item takes
 
@@ -394,7 +394,7 @@ TREE_FUNCTION void shade_chunk(const uint n, const uint first, const Launch* lau
 }
 
 // as in shade.cl;  hit: what is shaded has SHADED for its triangle
-kernel __attribute__((reqd_work_group_size(1, 1, 1))) void shade_sixteen(
+kernel __attribute__((reqd_work_group_size(1, 1, 1))) void shade_lanes(
     const uint n, const Launch launch, const uint depth, const uint notes_features, global const uint* restrict queue,
     global const uint2* restrict stream, global const Instance* restrict instances,
     global const Material* restrict materials, global const TextureInfo* restrict textures,

@@ -1,4 +1,4 @@
-// Paths that are shaded sixteen at once (kernels/render/shade_sixteen.cl) against the same paths shaded one by one, which
+// Paths that are shaded sixteen at once (kernels/render/shade_lanes.cl) against the same paths shaded one by one, which
 // is how surfaces with vertex colours are.
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@ namespace pvg::test {
 namespace {
 
 using Kind = VisualMaterial::Kind;
-using ShadeSixteen = ManyPaths;
+using ShadeLanes = ManyPaths;
 
 Texture stripes() {
   Texture texture;
@@ -81,16 +81,16 @@ void expect_the_same(const Scene& scene, bool transparent_shadows = true) {
   EXPECT_GT(most - least, 0.3f);
 }
 
-TEST_F(ShadeSixteen, DiffuseSurfaces) { expect_the_same(things(material(Kind::diffuse, {0.7f, 0.4f, 0.2f}))); }
+TEST_F(ShadeLanes, DiffuseSurfaces) { expect_the_same(things(material(Kind::diffuse, {0.7f, 0.4f, 0.2f}))); }
 
-TEST_F(ShadeSixteen, RoughMetals) {
+TEST_F(ShadeLanes, RoughMetals) {
   VisualMaterial m = material(Kind::conductor, {0.9f, 0.7f, 0.4f});
   m.roughness = 0.5f;
   m.edge_dip = Vec3f(0.3f, 0.2f, 0.1f);
   expect_the_same(things(m));
 }
 
-TEST_F(ShadeSixteen, CoatedSurfaces) {
+TEST_F(ShadeLanes, CoatedSurfaces) {
   for (const float metallic : {0.0f, 0.4f, 0.8f}) {
     VisualMaterial m = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f});
     m.roughness = 0.45f;
@@ -99,7 +99,7 @@ TEST_F(ShadeSixteen, CoatedSurfaces) {
   }
 }
 
-TEST_F(ShadeSixteen, GlassThatAbsorbsWithAnotherInside) {
+TEST_F(ShadeLanes, GlassThatAbsorbsWithAnotherInside) {
   VisualMaterial glass = material(Kind::dielectric, {0.95f, 0.9f, 1});
   glass.absorption = {0.3f, 0.1f, 0.9f};
   VisualMaterial water = material(Kind::dielectric);
@@ -113,7 +113,7 @@ TEST_F(ShadeSixteen, GlassThatAbsorbsWithAnotherInside) {
   }
 }
 
-TEST_F(ShadeSixteen, PathsThatLampsTraceToo) {
+TEST_F(ShadeLanes, PathsThatLampsTraceToo) {
   VisualMaterial m = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f});
   m.roughness = 0.45f;
   m.metallic = 0.4f;
@@ -122,7 +122,7 @@ TEST_F(ShadeSixteen, PathsThatLampsTraceToo) {
   expect_the_same(scene, false);
 }
 
-TEST_F(ShadeSixteen, ShadowReceivers) {
+TEST_F(ShadeLanes, ShadowReceivers) {
   VisualMaterial m = material(Kind::shadow_receiver, {0.9f, 0.8f, 0.7f});
   m.shadow_strength = 0.7f;
   m.ambient = 0.3f;
@@ -136,7 +136,7 @@ TEST_F(ShadeSixteen, ShadowReceivers) {
   expect_the_same(scene);
 }
 
-TEST_F(ShadeSixteen, UnderAPictureOfTheSky) {
+TEST_F(ShadeLanes, UnderAPictureOfTheSky) {
   VisualMaterial m = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f});
   m.roughness = 0.45f;
   Scene scene = things(m);
