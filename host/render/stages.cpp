@@ -9,8 +9,6 @@
 namespace pvg {
 namespace {
 
-constexpr std::uint32_t MOST_LIGHTS = 8;  // that shade_receivers.cl tries one by one; by judgement
-
 // Paths that a work-item of `generate` starts: on a CPU its vector units draw the random numbers of 16 side by side.
 std::size_t paths_per_item(const Device& device) { return device.info().is_gpu ? 1 : 16; }
 
@@ -108,8 +106,7 @@ Stages::Stages(Device& device, bool notes_features, bool traces_light)
       scan_(device),
       media_(device, 1, "media") {
   if (!device.info().is_gpu)
-    shade_receivers_.emplace(
-        Program(device, "render/shade_receivers.cl", traversal_options(device)).kernel("shade_receivers"));
+    shade_lanes_.emplace(Program(device, "render/shade_lanes.cl", traversal_options(device)).kernel("shade_lanes"));
   if (notes_features) features_.emplace(device);
   if (traces_light) light_tracing_.emplace(device);
 }
@@ -126,7 +123,7 @@ std::uint64_t Stages::trace(const Launch& launch, const Buffer<std::uint32_t>& p
     else
       intersect(n, scene);
     if (scene.has_cutouts) pass_holes(n, depth, scene);
-    if (depth == 0) shade_receivers(n, launch, scene);
+    shade_lanes(n, launch, depth, scene);
     shade(n, launch, depth, scene);
     // without lamps too: a receiver's ambient share comes from all around
     if (scene.has_cutouts) shadow_holes(n, scene);
@@ -229,15 +226,14 @@ void Stages::shadow_holes(std::size_t n, const DeviceScene& scene) {
                         scene.vertices, scene.second_uvs, shadow_origin_, shadow_direction_, shadow_light_);
 }
 
-void Stages::shade_receivers(std::size_t n, const Launch& launch, const DeviceScene& scene) {
-  if (!shade_receivers_ || n < PACKET || launch.n_lights > MOST_LIGHTS || launch.environment_light >= 0 ||
-      launch.media != 0)
-    return;
-  (*shade_receivers_)(n / PACKET, std::uint32_t(n), launch, std::uint32_t(features_.has_value()), stream_,
-                      scene.trees.instances, scene.materials, scene.textures, scene.texels, scene.decode,
-                      scene.triangles, scene.vertices, scene.second_uvs, scene.lights, hit_, hit_instance_, direction_,
-                      throughput_, radiance_, shadow_origin_, shadow_direction_, shadow_light_, alive_, feature_color_,
-                      feature_normal_);
+void Stages::shade_lanes(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene) {
+  constexpr std::size_t CHUNK = 256;  // as in shade_lanes.cl
+  if (!shade_lanes_) return;
+  (*shade_lanes_)(divided_up(n, CHUNK), std::uint32_t(n), launch, std::uint32_t(depth),
+                  std::uint32_t(features_.has_value()), queue_, stream_, scene.trees.instances, scene.materials,
+                  scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices, scene.second_uvs,
+                  scene.lights, scene.environment, scene.cells, hit_, hit_instance_, origin_, direction_, throughput_,
+                  radiance_, shadow_origin_, shadow_direction_, shadow_light_, alive_, feature_color_, feature_normal_);
 }
 
 void Stages::shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene) {

@@ -81,8 +81,8 @@ class Stages {
   void generate(std::size_t n, const Launch& launch, const Buffer<std::uint32_t>& pixels);
   void intersect(std::size_t n, const DeviceScene& scene);
   void pass_holes(std::size_t n, unsigned depth, const DeviceScene& scene);
-  // on a CPU: those camera rays that shade_receivers.cl takes, which shade() then leaves alone
-  void shade_receivers(std::size_t n, const Launch& launch, const DeviceScene& scene);
+  // on a CPU: those paths that shade_lanes.cl takes, which shade() then leaves alone
+  void shade_lanes(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene);
   void shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene);
   void shadow_holes(std::size_t n, const DeviceScene& scene);
   void shadow(std::size_t n, const Launch& launch, const DeviceScene& scene);
@@ -97,7 +97,7 @@ class Stages {
   std::size_t max_paths_, paths_per_item_;
   Kernels kernels_;
   Traversal traversal_;
-  std::optional<Kernel> shade_receivers_;  // of CPUs
+  std::optional<Kernel> shade_lanes_;  // of CPUs
   std::optional<Features> features_;
   std::optional<LightTracing> light_tracing_;
   // per slot

@@ -31,7 +31,7 @@
 #define SHADOW_RECEIVER 3u
 
 #define NO_TRIANGLE 0xffffffffu
-#define SHADED 0xfffffffeu  // instead of a triangle: shade_receivers.cl has done it
+#define SHADED 0xfffffffeu  // instead of a triangle: shade_lanes.cl has done it
 
 // shadow rays end just short of the light itself, in units of the way to it
 #define BEFORE_LIGHT 0.9999f

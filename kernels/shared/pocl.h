@@ -20,6 +20,11 @@
 #define POCL_MASK4(is_true) __builtin_ia32_movmskps(as_float4(is_true))
 #define POCL_LOWEST_BIT(m) __builtin_ctz(m)
 
+// Elements of two float16, those of the second from 16: PoCL's compiler takes a vector that is written by its elements
+// apart, and needs an instruction for each.
+#define POCL_SHUFFLED(a, b, i0, i1, i2, i3, i4, i5, i6, i7, i8, i9, i10, i11, i12, i13, i14, i15) \
+  __builtin_shufflevector(a, b, i0, i1, i2, i3, i4, i5, i6, i7, i8, i9, i10, i11, i12, i13, i14, i15)
+
 #else
 #define TREE_FUNCTION static inline
 #endif

@@ -1,0 +1,165 @@
+// Paths that are shaded sixteen at once (kernels/render/shade_lanes.cl) against the same paths shaded one by one, which
+// is how surfaces with vertex colours are.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/render/test_scene.hpp"
+
+namespace pvg::test {
+namespace {
+
+using Kind = VisualMaterial::Kind;
+using ShadeLanes = ManyPaths;
+
+Texture stripes() {
+  Texture texture;
+  texture.width = 32;
+  texture.height = 16;
+  for (int i = 0; i < 32 * 16; ++i)
+    for (const int c : {8 * (i % 32), 255 - 15 * (i / 32), 100 + i % 32, 255}) texture.rgba.push_back(std::uint8_t(c));
+  return texture;
+}
+
+// A sphere, a turned box and a leaning plate with a texture on a diffuse floor. All kinds of lamps shine: a rectangle,
+// one that looks away, a ball, a spot, a plate that shines, and an even sky.
+Scene things(const VisualMaterial& m) {
+  Scene scene;
+  scene.textures.push_back(stripes());
+  VisualMaterial wood = material(Kind::diffuse, {0.8f, 0.7f, 0.5f});
+  wood.texture = 0;
+  add(scene, quad({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}), wood);
+  add(scene, sphere(0.35f, 12), m, {-0.5, 0, 0.4}).pose.linear() =
+      Eigen::AngleAxisd(0.7, Vec3(3, 1, 2).normalized()).toRotationMatrix();
+  add(scene, box({-0.2f, -0.2f, -0.2f}, {0.2f, 0.2f, 0.2f}), m, {0.5, 0.1, 0.4}).pose.linear() =
+      Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  VisualMaterial striped = m;
+  striped.texture = m.kind == Kind::dielectric ? -1 : 0;
+  add(scene, quad({-0.6f, 0.7f, 0.05f}, {1.2f, 0, 0}, {0, 0.3f, 0.8f}), striped);
+  add_light(scene, {-0.2, -0.3, 2}, {0, 0.6, 0}, {0.4, 0, 0}, {12, 11, 10});
+  add_light(scene, {-1.8, 0.5, 0.5}, {0, 0, 0.3}, {0, 0.3, 0}, {9, 9, 9});
+  scene.sphere_lights.push_back({"ball", {0.8, -0.9, 1.1}, 0.1, {20, 25, 30}});
+  scene.sphere_lights.push_back(
+      {"spot", {-0.9, -0.9, 1.4}, 0.05, {200, 150, 100}, Vec3(1, 1, -1).normalized(), 0.2, 0.6});
+  VisualMaterial shining = material(Kind::emissive);
+  shining.emission = {8, 9, 7};
+  add(scene, quad({0.9f, 0.4f, 0.7f}, {0, -0.3f, 0}, {0, 0, 0.3f}), shining);
+  scene.environment = Vec3f(0.2f, 0.25f, 0.3f);
+  for (VisualMesh& mesh : scene.visual_meshes)  // no corner is at 0
+    for (Vec2f& uv : mesh.uvs) uv += Vec2f(0.3f, 0.2f);
+  look_at(scene, {0.1, -2.2, 1.1}, {0, 0, 0.3}, 64, 36, 60);
+  return scene;
+}
+
+// its surfaces have vertex colours, all white
+Scene one_by_one(Scene scene) {
+  for (VisualMesh& mesh : scene.visual_meshes) mesh.colors.assign(mesh.points.size(), Vec3f::Ones());
+  return scene;
+}
+
+RenderedFrame shaded(const Scene& scene, bool transparent_shadows) {
+  Device device;
+  RenderSettings settings;
+  settings.samples = 8;
+  settings.notes_features = true;
+  settings.transparent_shadows = transparent_shadows;
+  return Renderer(device, scene, settings).render(0, 0);
+}
+
+// The share of numbers that differ by more than rounding. Where rounding lets a path meet the other of two surfaces, or
+// go on where the other ends, its pixel differs.
+double share_of_others(const std::vector<float>& a, const std::vector<float>& b) {
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) n += !(std::abs(a[i] - b[i]) <= 2e-4f * (1 + std::abs(a[i])));
+  return double(n) / double(a.size());
+}
+
+void expect_the_same(const Scene& scene, bool transparent_shadows = true) {
+  const RenderedFrame a = shaded(scene, transparent_shadows), b = shaded(one_by_one(scene), transparent_shadows);
+  ASSERT_EQ(a.rgb.size(), b.rgb.size());
+  EXPECT_LE(share_of_others(a.rgb, b.rgb), 0.001);
+  EXPECT_LE(share_of_others(a.albedo, b.albedo), 0.001);
+  EXPECT_LE(share_of_others(a.mean_normal, b.mean_normal), 0.001);
+  const auto [least, most] = std::ranges::minmax(a.rgb);
+  EXPECT_GT(most - least, 0.3f);
+}
+
+TEST_F(ShadeLanes, DiffuseSurfaces) { expect_the_same(things(material(Kind::diffuse, {0.7f, 0.4f, 0.2f}))); }
+
+TEST_F(ShadeLanes, RoughMetals) {
+  VisualMaterial m = material(Kind::conductor, {0.9f, 0.7f, 0.4f});
+  m.roughness = 0.5f;
+  m.edge_dip = Vec3f(0.3f, 0.2f, 0.1f);
+  expect_the_same(things(m));
+}
+
+TEST_F(ShadeLanes, CoatedSurfaces) {
+  for (const float metallic : {0.0f, 0.4f, 0.8f}) {
+    VisualMaterial m = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f});
+    m.roughness = 0.45f;
+    m.metallic = metallic;
+    expect_the_same(things(m));
+  }
+}
+
+TEST_F(ShadeLanes, GlassThatAbsorbsWithAnotherInside) {
+  VisualMaterial glass = material(Kind::dielectric, {0.95f, 0.9f, 1});
+  glass.absorption = {0.3f, 0.1f, 0.9f};
+  VisualMaterial water = material(Kind::dielectric);
+  water.index_of_refraction = 1.33f;
+  water.absorption = {2, 0.5f, 0.1f};
+  for (const bool transparent : {true, false}) {  // false: lamps are traced as well
+    Scene scene = things(glass);
+    add(scene, sphere(0.2f, 10), water, {-0.5, 0, 0.4});
+    add(scene, box({-0.15f, -0.15f, -0.1f}, {0.15f, 0.15f, 0.3f}), water, {0.5, 0.1, 0.4});  // through the glass box
+    expect_the_same(scene, transparent);
+  }
+}
+
+// Paths from the floor pass the plate and meet the lamp, which their shadow rays have found already.
+TEST_F(ShadeLanes, LightThroughAPlateOfGlassCountsOnce) {
+  for (const Kind kind : {Kind::diffuse, Kind::metallic_roughness}) {
+    Scene scene = things(material(kind, {0.8f, 0.5f, 0.3f}));
+    add(scene, box({-1.5f, -1.5f, 1}, {1.5f, 1.5f, 1.1f}), material(Kind::dielectric));
+    add_light(scene, {-1, -1, 1.5}, {0, 2, 0}, {2, 0, 0}, {3, 3, 3});
+    look_at(scene, {0.1, -2.2, 0.8}, {0, 0, 0.2}, 64, 36, 60);
+    scene.cameras.erase(scene.cameras.begin());
+    expect_the_same(scene);
+  }
+}
+
+TEST_F(ShadeLanes, PathsThatLampsTraceToo) {
+  VisualMaterial m = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f});
+  m.roughness = 0.45f;
+  m.metallic = 0.4f;
+  Scene scene = things(m);
+  add(scene, sphere(0.15f, 10), material(Kind::dielectric), {0, -0.5, 0.3});
+  expect_the_same(scene, false);
+}
+
+TEST_F(ShadeLanes, ShadowReceivers) {
+  VisualMaterial m = material(Kind::shadow_receiver, {0.9f, 0.8f, 0.7f});
+  m.shadow_strength = 0.7f;
+  m.ambient = 0.3f;
+  Scene scene = things(m);
+  for (Visual& visual : scene.visuals) visual.casts_shadow_on_receivers = false;
+  add(scene, box({-0.1f, -0.3f, 0.9f}, {0.4f, 0.3f, 1}), material(Kind::diffuse));
+  // a mirror in which they are met by paths that have a way behind them
+  VisualMaterial mirror = material(Kind::conductor, {0.9f, 0.9f, 0.9f});
+  mirror.roughness = 0;
+  add(scene, quad({-1, 1.2f, 0}, {2, 0, 0}, {0, 0.2f, 1.5f}), mirror);
+  expect_the_same(scene);
+}
+
+TEST_F(ShadeLanes, UnderAPictureOfTheSky) {
+  VisualMaterial m = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f});
+  m.roughness = 0.45f;
+  Scene scene = things(m);
+  scene.environment_map.width = 16;
+  scene.environment_map.height = 8;
+  for (int i = 0; i < 3 * 16 * 8; ++i) scene.environment_map.rgb.push_back(float(i % 37) / 10);
+  expect_the_same(scene);
+}
+
+}  // namespace
+}  // namespace pvg::test
