@@ -182,7 +182,7 @@ kernel __attribute__((reqd_work_group_size(4, 1, 1))) void shade_receivers(
     r.surface.uv = (float2)(us[k], vs[k]);
     const float3 carried = throughput[slot].xyz;
     const float3 color = vload3(0, r.material.color) * texture_at(scene, r.material.texture, r.surface.uv);
-    const Notes notes = {notes_features, slot, feature_color, feature_normal};
+    const Notes notes = {notes_features, slot, 1.0f, feature_color, feature_normal};
     if (notes.is_wanted)
       write_note(notes, note_surface(scene, r.material, color, r.surface, direction[slot].xyz), carried);
     const float3 shown = carried * color * launch.receiver_scale, shaded = shown * r.material.shadow_strength;
