@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The composed scene in a synthetic room, whose pictures may be shown: glass and steel on a captured table.
 
-    synthetic_composed.py PHYVISGEN OUT PICTURE.png [--frames 48] [--samples 16] [--reality-samples 512]
+    synthetic_composed.py PHYVISGEN OUT PICTURE.png [--frames 32] [--samples 16] [--reality-samples 128]
 
 Boxes with textures made here are rendered as a depth camera would record them and captured as a room. A glass beaker
 and a steel cup are put on its table and drawn from a place that no frame was recorded from: as they stand in the true
@@ -121,9 +121,9 @@ def main():
     parser.add_argument("program", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("picture", type=pathlib.Path)
-    parser.add_argument("--frames", type=int, default=48)
+    parser.add_argument("--frames", type=int, default=32)
     parser.add_argument("--samples", type=int, default=16, help="of our pictures, denoised")
-    parser.add_argument("--reality-samples", type=int, default=512)
+    parser.add_argument("--reality-samples", type=int, default=128)
     o = parser.parse_args()
     work, frames, room = o.out / "scene", o.out / "frames", o.out / "room"
     work.mkdir(parents=True, exist_ok=True)
