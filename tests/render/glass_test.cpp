@@ -48,8 +48,8 @@ TEST_F(Glass, PaleGlassBringsNoNoise) {
   for (const float value : picture(scene, 4).rgb) ASSERT_NEAR(value, std::exp(-0.1), 1e-4);
 }
 
-// Of 16 paths before four faces 16 (1 - 0.96 / 1.12) = 2.3 are reflected, of one stratified number two or three: a pixel's
-// standard deviation is 0.03. With a number for each face it is twice as much.
+// Of 16 paths before four faces 16 (1 - 0.96 / 1.12) = 2.3 are reflected, of one stratified number two or three: a
+// pixel's standard deviation is 0.03. With a number for each face it is twice as much.
 TEST_F(Glass, PathsAreSpreadEvenlyOverAllWaysThroughPanes) {
   Scene scene = pane(Vec3f::Zero());
   scene.environment = Vec3f::Ones();
