@@ -144,31 +144,16 @@ static inline void pass_hidden(const Boundary boundary, const Surface s, const f
   path->media = boundary.inner;
 }
 
-// One number chooses at all faces of clear glass that a path meets in a row: within the share of what it chose it is
-// again uniform. So a pixel's samples, whose first numbers are spread evenly, are spread evenly over all ways through the
-// glass; with a number for each face their counts would vary at each of them.
-static inline float glass_choice(const Path* path, const float fresh) {
-  return path->flags & PATH_CHOICE ? (float)(path->flags >> PATH_CHOICE_SHIFT) * 0x1p-24f : fresh;
-}
-
-static inline void keep_choice(const float choice, const float reflectance, const bool is_refracted, Path* path) {
-  const float share = is_refracted ? 1.0f - reflectance : reflectance;
-  const float rest = clamp((is_refracted ? choice - reflectance : choice) / share, 0.0f, 0x1.fffffep-1f);
-  const uint others = path->flags & ((1u << PATH_CHOICE_SHIFT) - 1u);
-  path->flags = others | PATH_CHOICE | (uint)(rest * 0x1p24f) << PATH_CHOICE_SHIFT;
-  path->likelihood = fmin(1.0f, share / (1.0f - share));
-}
-
 // reflection and refraction at clear glass, solid or thin; normal and face look to the path. Returns the normal that
 // bent it
 static inline float3 pass_glass(const PointMaterial m, const Boundary boundary, const Surface s, const float3 face,
-                              const float3 normal, const float fresh_choice, Path* path) {
+                              const float3 normal, const float choice, Path* path) {
   Frame frame = make_frame(normal);
-  const float choice = glass_choice(path, fresh_choice);
   const float3 wo = to_local(frame, -path->direction);
   MaterialSample sample = material_sample(m, wo, (float2)(0.0f), choice);
   const bool is_refracted = sample.direction.z < 0;
-  keep_choice(choice, dielectric_reflectance(m, wo), is_refracted, path);
+  const float reflectance = dielectric_reflectance(m, wo), share = is_refracted ? 1.0f - reflectance : reflectance;
+  path->likelihood = fmin(1.0f, share / (1.0f - share));
   float3 direction = to_world(frame, sample.direction);
   if ((dot(direction, face) < 0) != is_refracted) {
     // the bent direction is on the wrong side of the true surface: once more with the true normal, same choice

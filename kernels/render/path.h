@@ -23,8 +23,6 @@
 #define PATH_DIFFUSE 2u    // the last such surface was matte (materials/list.cl)
 #define PATH_REFRACTED 4u  // has passed through glass since
 #define PATH_SEEN 8u       // light tracing covers it so far: the camera sees the first such surface with nothing between
-#define PATH_CHOICE 16u    // the upper bits hold what is left of the number that chooses at clear glass (interact.cl)
-#define PATH_CHOICE_SHIFT 8u
 
 // what a shadow ray is for
 #define SHADOW_NONE 0u

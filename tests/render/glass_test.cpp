@@ -48,18 +48,6 @@ TEST_F(Glass, PaleGlassBringsNoNoise) {
   for (const float value : picture(scene, 4).rgb) ASSERT_NEAR(value, std::exp(-0.1), 1e-4);
 }
 
-// Of 16 paths before four faces 16 (1 - 0.96 / 1.12) = 2.3 are reflected, of one stratified number two or three: a
-// pixel's standard deviation is 0.03. With a number for each face it is twice as much.
-TEST_F(Glass, PathsAreSpreadEvenlyOverAllWaysThroughPanes) {
-  Scene scene = pane(Vec3f::Zero());
-  scene.environment = Vec3f::Ones();
-  add(scene, box({-1, -1, -0.5f}, {1, 1, -0.49f}), scene.materials[0]);
-  add(scene, quad({-1, -1, -1}, {2, 0, 0}, {0, 2, 0}), material(Kind::diffuse, Vec3f::Zero()));
-  const Mean reflected = mean(picture(scene, 16));
-  EXPECT_NEAR(reflected.value, 1 - 0.96 / 1.12, 4 * reflected.sigma);
-  EXPECT_LT(64 * reflected.sigma, 0.04);
-}
-
 // seen from both sides the series is R + (1 - R)^2 a / (1 - R a)
 TEST_F(Glass, PaneInAFurnaceLosesWhatItAbsorbs) {
   Scene scene = pane({0, 50, 200});
