@@ -4,7 +4,9 @@
 #   scripts/fidelity_tables.sh pictures FOLDER [ARGUMENTS...]  left-out photographs; arguments: of `capture room`
 #   scripts/fidelity_tables.sh composed FOLDER [ARGUMENTS...]  glass and steel in left-out photographs, after `pictures`;
 #                                                            arguments: of fidelity/composed_table.py
-# Reality of the first and the last is drawn by Cycles (PyPI's bpy 4.2, 520 MB, needs Python 3.11). Results: out/fidelity.
+#   scripts/fidelity_tables.sh synthetic [ARGUMENTS...]        the same in a synthetic room, whose picture may be shown;
+#                                                            arguments: of fidelity/synthetic_composed.py
+# Reality of physics and composed is drawn by Cycles (PyPI's bpy 4.2, 520 MB, needs Python 3.11). Results: out/fidelity.
 set -eu
 cd "$(dirname "$0")/.."
 what="${1:-}"
@@ -30,8 +32,14 @@ case "$what" in
     scripts/python_env.sh fidelity_tables numpy h5py pyyaml pillow opencv-python-headless bpy==4.2.0
     .venv-fidelity_tables/bin/python scripts/fidelity/composed_table.py out/fidelity/room "$photos" out/fidelity/composed "$@"
     ;;
+  synthetic)
+    scripts/python_env.sh fidelity_synthetic numpy h5py pillow
+    mkdir -p out/fidelity
+    .venv-fidelity_synthetic/bin/python scripts/fidelity/synthetic_composed.py build/bin/phyvisgen out/fidelity/synthetic \
+      out/fidelity/synthetic.png "$@"
+    ;;
   *)
-    echo "fidelity_tables.sh: say physics, pictures FOLDER or composed FOLDER"
+    echo "fidelity_tables.sh: say physics, pictures FOLDER, composed FOLDER or synthetic"
     exit 2
     ;;
 esac

@@ -3,8 +3,8 @@
 
   synthetic_room.py PHYVISGEN FOLDER [--frames 24] [--width 480] [--seed 0] [--thing OBJ]
 
-With --thing the bench bears that mesh, which stands on its own z = 0, and the frames go around it. The room (a floor, two walls, a bench, things on it) is rendered by `phyvisgen render --ground-truth`. Depth gets the
-axial noise of Nguyen et al. 2012, 1.2 mm + 1.9 mm (z - 0.4 m)^2/m^2, is rounded to millimetres and missing below 0.4 m.
+With --thing the bench bears that mesh, which stands on its own z = 0, and the frames go around it. The room (a floor,
+two walls, a bench, things on it) is rendered by `phyvisgen render --ground-truth`. Depth gets the axial noise of Nguyen et al. 2012, 1.2 mm + 1.9 mm (z - 0.4 m)^2/m^2, is rounded to millimetres and missing below 0.4 m.
 Needs numpy and h5py; scripts/demo_capture.sh installs them.
 """
 import argparse
@@ -33,6 +33,8 @@ BOXES = {
     "box": ((0.80, -0.65, 0.0), (1.05, -0.40, 0.20), (0.15, 0.45, 0.20), 0.0),
     "shelf": ((1.25, -0.6, 0.50), (1.5, 0.9, 0.53), (0.40, 0.28, 0.18), 0.0),
 }
+LIGHTS = ("environment: [0.35, 0.37, 0.4]\nlights:\n  - {name: lamp, corner: [-0.4, -0.6, 1.9], edge_u: [0, 1.2, 0], "
+          "edge_v: [1.2, 0, 0], radiance: [4, 3.9, 3.7]}\n")
 CORNERS = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
 FACES = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
 
@@ -92,14 +94,15 @@ def walk_around(n, middle):
 THING_PLACE = (0.45, 0.0, 0.0)  # on the bench [m]
 
 
-def write_scene(folder, n, width, height, thing):
+def write_scene(folder, views, width, height, thing=None, boxes=BOXES, lights=LIGHTS, pattern=pattern):
+    """folder/scene.yaml; views: eyes and what they look at; pattern: picture on the box of a number"""
     materials, objects = [], []
     if thing:
         shutil.copy(thing, folder / "thing.obj")
         materials.append("  - {name: thing, kind: diffuse, color: [0.55, 0.2, 0.12]}\n")
         objects.append(f"  - {{name: thing, visuals: [{{mesh: thing.obj, material: thing}}], fixed: true, "
                        f"pose: {{x: {THING_PLACE[0]}, y: {THING_PLACE[1]}, z: {THING_PLACE[2]}}}}}\n")
-    for k, (name, (low, high, color, square)) in enumerate(BOXES.items()):
+    for k, (name, (low, high, color, square)) in enumerate(boxes.items()):
         write_box(folder / f"{name}.obj", low, high, square)
         texture = ""
         if square:
@@ -109,15 +112,31 @@ def write_scene(folder, n, width, height, thing):
         objects.append(f"  - {{name: {name}, visuals: [{{mesh: {name}.obj, material: {name}}}], fixed: true}}\n")
     cameras = []
     f = 585 * width / 640
-    middle = (THING_PLACE[0], THING_PLACE[1], THING_PLACE[2] + 0.05)
-    for i, (eye, at) in enumerate(walk_around(n, middle) if thing else walk(n)):
+    for i, (eye, at) in enumerate(views):
         cameras.append(f"  - {{name: c{i:03}, width: {width}, height: {height}, intrinsics: [{f}, {f}, {width / 2 - 0.5}, "
                        f"{height / 2 - 0.5}], position: {list(eye)}, look_at: {list(at)}, up: [0, 0, 1]}}\n")
     (folder / "scene.yaml").write_text(
         "schema: 1\nname: synthetic_room\ntime_step: 10 ms\nobjects:\n" + "".join(objects) + "materials:\n" +
-        "".join(materials) + "environment: [0.35, 0.37, 0.4]\nlights:\n  - {name: lamp, corner: [-0.4, -0.6, 1.9], "
-        "edge_u: [0, 1.2, 0], edge_v: [1.2, 0, 0], radiance: [4, 3.9, 3.7]}\ncameras:\n" + "".join(cameras) +
+        "".join(materials) + lights + "cameras:\n" + "".join(cameras) +
         "render: {frames_per_second: 10, samples: 16, max_depth: 4}\n")
+
+
+def record(program, work, folder, n, seed):
+    """The frames of the n cameras of work/scene.yaml, as the sensor would record them."""
+    folder.mkdir(parents=True, exist_ok=True)
+    subprocess.run([program, "render", work / "scene.yaml", "-o", work / "pictures", "--ground-truth", "--denoise"], check=True)
+    random = np.random.default_rng(seed)
+    for i in range(n):
+        with h5py.File(work / f"pictures/c{i:03}_truth.h5") as truth:
+            depth, pose, K = truth["depth"][0].astype(float), truth["T_world_camera"][0], truth["K"][()]
+        depth[~np.isfinite(depth)] = 0
+        sigma = 0.0012 + 0.0019 * (depth - 0.4) ** 2
+        noisy = np.where((depth > 0.4) & (depth < 8), depth + sigma * random.standard_normal(depth.shape), 0)
+        name = f"frame-{i:06}"
+        png(folder / f"{name}.depth.png", np.round(1e3 * noisy))
+        shutil.copy(work / f"pictures/c{i:03}_000000.png", folder / f"{name}.color.png")
+        np.savetxt(folder / f"{name}.pose.txt", pose)
+    np.savetxt(folder / "camera-intrinsics.txt", K)
 
 
 def main():
@@ -131,22 +150,11 @@ def main():
     a = p.parse_args()
     width, height = a.width // 2 * 2, a.width * 3 // 8 * 2
     work = a.folder.with_name(a.folder.name + "_scene")
-    for folder in (a.folder, work):
-        folder.mkdir(parents=True, exist_ok=True)
-    write_scene(work, a.frames, width, height, a.thing)
-    subprocess.run([a.program, "render", work / "scene.yaml", "-o", work / "pictures", "--ground-truth", "--denoise"], check=True)
-    random = np.random.default_rng(a.seed)
-    for i in range(a.frames):
-        with h5py.File(work / f"pictures/c{i:03}_truth.h5") as truth:
-            depth, pose, K = truth["depth"][0].astype(float), truth["T_world_camera"][0], truth["K"][()]
-        depth[~np.isfinite(depth)] = 0
-        sigma = 0.0012 + 0.0019 * (depth - 0.4) ** 2
-        noisy = np.where((depth > 0.4) & (depth < 8), depth + sigma * random.standard_normal(depth.shape), 0)
-        name = f"frame-{i:06}"
-        png(a.folder / f"{name}.depth.png", np.round(1e3 * noisy))
-        shutil.copy(work / f"pictures/c{i:03}_000000.png", a.folder / f"{name}.color.png")
-        np.savetxt(a.folder / f"{name}.pose.txt", pose)
-    np.savetxt(a.folder / "camera-intrinsics.txt", K)
+    work.mkdir(parents=True, exist_ok=True)
+    middle = (THING_PLACE[0], THING_PLACE[1], THING_PLACE[2] + 0.05)
+    write_scene(work, walk_around(a.frames, middle) if a.thing else walk(a.frames), width, height, a.thing)
+    record(a.program, work, a.folder, a.frames, a.seed)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -24,10 +24,14 @@ static inline float fresnel_sheet(const float cosine, const float eta) {
   return 2.0f * R / (1.0f + R);
 }
 
-static inline MaterialSample sheet_sample(const float3 tint, const float eta, const float3 wo, const float u) {
+// the chance that dielectric_sample() reflects
+static inline float dielectric_reflectance(const PointMaterial p, const float3 wo) {
+  return p.flags & MATERIAL_THIN ? fresnel_sheet(wo.z, p.eta) : fresnel_dielectric(wo.z, p.eta);
+}
+
+static inline MaterialSample sheet_sample(const float3 tint, const float3 wo, const bool reflects) {
   MaterialSample s;
   s.pdf = 0.0f;
-  const bool reflects = u < fresnel_sheet(wo.z, eta);
   s.weight = reflects ? (float3)(1.0f) : tint;
   s.direction = reflects ? (float3)(-wo.x, -wo.y, wo.z) : -wo;
   return s;
@@ -40,12 +44,13 @@ static inline float dielectric_pdf(const PointMaterial p, const float3 wo, const
 // z: the normal on the side of wo. direction.z < 0: refracted, and tinted
 static inline MaterialSample dielectric_sample(const PointMaterial p, const float3 wo, const float2 u,
                                                const float choice) {
-  if (p.flags & MATERIAL_THIN) return sheet_sample(p.color, p.eta, wo, choice);
+  const bool reflects = choice < dielectric_reflectance(p, wo);
+  if (p.flags & MATERIAL_THIN) return sheet_sample(p.color, wo, reflects);
   const float eta = p.eta;
   MaterialSample s;
   s.weight = 1.0f;
   s.pdf = 0.0f;
-  if (choice < fresnel_dielectric(wo.z, eta)) {
+  if (reflects) {
     s.direction = (float3)(-wo.x, -wo.y, wo.z);
     return s;
   }

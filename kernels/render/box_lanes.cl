@@ -46,8 +46,6 @@ ALWAYS_INLINE int16 lanes_in_box(global const float* node, const uint k, const B
   return t0 <= t1;
 }
 
-static inline uint mask16(const int16 is_true) { return mask8(is_true.lo) | mask8(is_true.hi) << 8; }
-
 // Are the boxes of the root's children tested by all lanes at once? Where the mesh has the world's frame, and enough
 // lanes (bits of meet) meet the box of the whole
 #define LANES_OPEN 8  // 5 and 12 take as long

@@ -6,6 +6,7 @@
 #define PLANE_DISTANCE 0.01f  // of a neighbour off this pixel's plane, as a share of the distance to the camera
 #define NOISE_WIDTH 3.0f      // standard deviations
 #define LEAST_COLOR 0.01f     // that light is divided by
+#define LEAST_WEIGHT 1e-6f    // that sums of guides are divided by
 
 // similarity of two normals: the 64th power of their angle's cosine, by squaring (`pow` took two fifths of a picture)
 static inline float normal_weight(const float cosine) {
@@ -18,7 +19,7 @@ static inline float luminance(const float3 c) { return dot(c, (float3)(0.2126f, 
 
 // of what a pixel shows: the mean over its own samples, so that what is finer than a pixel is in it as in the light
 static inline float3 mean_color(const float4 guide) {
-  return max(guide.xyz / max(guide.w, 1.0f), (float3)(LEAST_COLOR));
+  return max(guide.xyz / max(guide.w, LEAST_WEIGHT), (float3)(LEAST_COLOR));
 }
 
 // film, guide_color: sums, w: samples;  squares: sum of squared luminance;  light: [height x width] mean without the

@@ -24,6 +24,7 @@ typedef struct {
   // of light tracing (light_tracing.cl): density of this way, over what the other way has at the surfaces that scatter
   // behind its first one
   float density;
+  float likelihood;  // of what it did at clear glass, over that of what it did not do; at most 1
   bool is_alive;
 } Path;
 
@@ -39,6 +40,7 @@ static inline Path load_path(const uint slot, global const float4* origin, globa
   path.flags = as_uint(t.w);
   path.radiance = 0.0f;
   path.density = 0.0f;
+  path.likelihood = 1.0f;
   path.is_alive = true;
   return path;
 }
@@ -147,8 +149,11 @@ static inline void pass_hidden(const Boundary boundary, const Surface s, const f
 static inline float3 pass_glass(const PointMaterial m, const Boundary boundary, const Surface s, const float3 face,
                               const float3 normal, const float choice, Path* path) {
   Frame frame = make_frame(normal);
-  MaterialSample sample = material_sample(m, to_local(frame, -path->direction), (float2)(0.0f), choice);
+  const float3 wo = to_local(frame, -path->direction);
+  MaterialSample sample = material_sample(m, wo, (float2)(0.0f), choice);
   const bool is_refracted = sample.direction.z < 0;
+  const float reflectance = dielectric_reflectance(m, wo), share = is_refracted ? 1.0f - reflectance : reflectance;
+  path->likelihood = fmin(1.0f, share / (1.0f - share));
   float3 direction = to_world(frame, sample.direction);
   if ((dot(direction, face) < 0) != is_refracted) {
     // the bent direction is on the wrong side of the true surface: once more with the true normal, same choice
@@ -201,12 +206,14 @@ static inline void note_scattered(const Launch launch, const PointMaterial m, co
   path->density = fmin(path->density, MOST_DENSITY);
 }
 
-// paths that carry little end early, the others carry more for them
+// Paths that carry little end early, the others carry more for them. What is seen through glass that hardly absorbs would
+// get dark pixels by that, and its paths are soon out of the glass anyway: they end only where they carry far less.
 static inline void roulette(const uint depth, const float u, Path* path) {
   const float largest = max(path->throughput.x, max(path->throughput.y, path->throughput.z));
   if (!(largest > 0)) path->is_alive = false;
-  if (depth < 2 || !path->is_alive || largest >= 1.0f) return;
-  const float survival = max(largest, 0.05f);
+  const float enough = path->flags & PATH_SCATTERED ? 1.0f : 0.25f;
+  if (depth < 2 || !path->is_alive || largest >= enough) return;
+  const float survival = max(largest / enough, 0.05f);
   if (u >= survival) path->is_alive = false;
   path->throughput /= survival;
 }

@@ -21,7 +21,7 @@ typedef struct {
 
 // absorption on the way to the surface
 static inline Packet transmitted(const Shading scene, const Paths* p, const Surfaces* s) {
-  if (!bits_of(p->media != 0u)) return p->throughput;
+  if (!mask16(p->media != 0u)) return p->throughput;
   uint media[PACKET], current[PACKET];
   vstore16(p->media, 0, media);
   for (uint k = 0; k < PACKET; ++k) {
@@ -30,7 +30,7 @@ static inline Packet transmitted(const Shading scene, const Paths* p, const Surf
   }
   const Packet absorption = vectors_of(load_rows((global const float4*)scene.materials, current, ROWS_OF(Material), 2));
   const int16 absorbs = (p->media != 0u) & ((absorption.x != 0.0f) | (absorption.y != 0.0f) | (absorption.z != 0.0f));
-  if (!bits_of(absorbs)) return p->throughput;
+  if (!mask16(absorbs)) return p->throughput;
   const float16 offset = 4e-6f * largest(largest(sixteen(1.0f), fabs(s->point.x)), largest(fabs(s->point.y), fabs(s->point.z)));
   const float16 way = -(p->t + offset);
   const Packet share = {exp(way * absorption.x), exp(way * absorption.y), exp(way * absorption.z)};
@@ -43,14 +43,17 @@ static inline Packet clamped(const Packet p) {
   return q;
 }
 
-// as note_surface() of those that nothing has scattered yet;  color: 0 of what does not scatter
-static inline void write_notes(const Paths* p, const Surfaces* s, const Packet color, const Slots slots) {
-  const uint wanted = bits_of((p->flags & PATH_SCATTERED) == 0u);
-  if (!wanted) return;
+// as note_surface() of those that nothing has scattered yet;  color: 0 of what does not scatter;  likelihood: as in Path
+static inline void write_notes(const Bounce bounce, const Paths* p, const Surfaces* s, const Packet color,
+                               const float16 likelihood, const Slots slots) {
+  const uint wanted = mask16((p->flags & PATH_SCATTERED) == 0u);
+  if (!bounce.notes_features || !wanted) return;
+  const float16 before = bounce.depth > 0 ? load_rows(slots.feature_color, p->slot, 1, 0).w : sixteen(1.0f);
+  const float16 weight = likelihood < 1.0f ? largest(before * likelihood, sixteen(LEAST_NOTE)) : before;
   const Packet shown = products(clamped(color), clamped(p->throughput));
   const int16 is_front = dots(s->shading, p->direction) < 0.0f;
   const Packet normal = chosen(is_front, s->shading, times(s->shading, sixteen(-1.0f)));
-  store_rows_where(wanted, rows_of(shown, sixteen(0.0f)), slots.feature_color, p->slot);
+  store_rows_where(wanted, rows_of(shown, weight), slots.feature_color, p->slot);
   store_rows_where(wanted, rows_of(normal, sixteen(0.0f)), slots.feature_normal, p->slot);
 }
 
@@ -67,7 +70,7 @@ static inline void write_shadow_rays(const Paths* p, const int16 is_lit, const u
                                      const Slots slots) {
   const uint16 kinds = is_lit ? kind : (uint16)(SHADOW_NONE);
   store_rows(rows_of(origin, as_float16(kinds)), slots.shadow_origin, p->slot);
-  if (!bits_of(is_lit)) return;
+  if (!mask16(is_lit)) return;
   store_rows(rows_of(to_light, sixteen(0.0f)), slots.shadow_direction, p->slot);
   store_rows(rows_of(light, weight), slots.shadow_light, p->slot);
 }
@@ -79,7 +82,7 @@ static inline void shade_receiver_group(const Launch launch, const Shading scene
   const uint stride = ROWS_OF(Material);
   const Rows kind = load_rows(materials, p->material, stride, 0), own = load_rows(materials, p->material, stride, 1);
   const Packet color = surface_colors(scene, s, as_int16(kind.y), vectors_of(own));
-  if (bounce.notes_features) write_notes(p, s, color, slots);
+  write_notes(bounce, p, s, color, sixteen(1.0f), slots);
   const Chances chance = draw_chances(stream, p, bounce.depth);
   const float16 strength = own.w, ambient = load_rows(materials, p->material, stride, 4).w;
   const Packet shown = times(products(transmitted(scene, p, s), color), sixteen(launch.receiver_scale));
@@ -107,14 +110,15 @@ static inline void shade_receiver_group(const Launch launch, const Shading scene
   write_alive(p, 0, slots);
 }
 
-// paths that carry little end early, the others carry more for them; false: ends
-static inline int16 roulettes(const uint depth, const float16 u, Packet* throughput) {
+// roulette();  flags: after the surface;  false: ends
+static inline int16 roulettes(const uint depth, const float16 u, const uint16 flags, Packet* throughput) {
   const float16 most = largest(throughput->x, largest(throughput->y, throughput->z));
   const int16 carries = most > 0.0f;
   if (depth < 2) return carries;
-  const float16 survival = most >= 1.0f ? sixteen(1.0f) : largest(most, sixteen(0.05f));
+  const float16 enough = (flags & PATH_SCATTERED) != 0u ? sixteen(1.0f) : sixteen(0.25f);
+  const float16 survival = most >= enough ? sixteen(1.0f) : largest(most / enough, sixteen(0.05f));
   *throughput = times(*throughput, 1.0f / survival);
-  return carries & ((most >= 1.0f) | (u < survival));
+  return carries & ((most >= enough) | (u < survival));
 }
 
 static inline float16 light_cosines(const Surfaces* s, const Packet direction) {
@@ -180,7 +184,7 @@ static inline void shade_scattering_group(const Launch launch, const Shading sce
     m.metallic = load_rows(materials, p->material, stride, 2).w;
     is_matte = m.metallic < 0.5f;
   }
-  if (bounce.notes_features) write_notes(p, s, m.color, slots);
+  write_notes(bounce, p, s, m.color, sixteen(1.0f), slots);
   const Chances chance = draw_chances(stream, p, bounce.depth);
   const Packet carried = transmitted(scene, p, s);
   const Sides side = sides_of(s, p->direction);
@@ -228,7 +232,7 @@ static inline void shade_scattering_group(const Launch launch, const Shading sce
     for (uint k = 0; k < PACKET; ++k) slots.radiance[p->slot[k]].w = after[k];
   }
   const int16 stays = dots(direction, side.face) >= 0.0f;
-  const uint alive = bits_of(stays & roulettes(bounce.depth, chance.roulette, &throughput));
+  const uint alive = mask16(stays & roulettes(bounce.depth, chance.roulette, flags, &throughput));
   write_paths(p, above, sample.pdf, direction, p->media, throughput, flags, slots);
   write_alive(p, alive, slots);
 }
@@ -236,6 +240,7 @@ static inline void shade_scattering_group(const Launch launch, const Shading sce
 typedef struct {
   Packet direction;  // local
   int16 is_refracted;
+  float16 share;  // the chance of what it did
 } GlassSamples;
 
 // z: the normal on the side of wo
@@ -243,9 +248,10 @@ static inline GlassSamples sample_glass(const Packet wo, const float16 eta, cons
   const float16 sin2 = (1.0f - wo.z * wo.z) / (eta * eta);
   const float16 cos_t = sqrt(largest(sixteen(0.0f), 1.0f - sin2));
   const float16 s = (wo.z - eta * cos_t) / (wo.z + eta * cos_t), p = (eta * wo.z - cos_t) / (eta * wo.z + cos_t);
-  const float16 share = sin2 >= 1.0f ? sixteen(1.0f) : 0.5f * (s * s + p * p);
+  const float16 reflectance = sin2 >= 1.0f ? sixteen(1.0f) : 0.5f * (s * s + p * p);
   GlassSamples g;
-  g.is_refracted = choice >= share;
+  g.is_refracted = choice >= reflectance;
+  g.share = g.is_refracted ? 1.0f - reflectance : reflectance;
   const float16 across2 = (wo.x * wo.x + wo.y * wo.y) / (eta * eta), scale = g.is_refracted ? 1.0f / eta : sixteen(1.0f);
   g.direction.x = -wo.x * scale;
   g.direction.y = -wo.y * scale;
@@ -256,7 +262,6 @@ static inline GlassSamples sample_glass(const Packet wo, const float16 eta, cons
 static inline void shade_glass_group(const Launch launch, const Shading scene, const Bounce bounce, const Paths* p,
                                      const Surfaces* s, global const uint2* stream, const Slots slots) {
   const Packet nothing = {0.0f, 0.0f, 0.0f};
-  if (bounce.notes_features) write_notes(p, s, nothing, slots);
   Chances chance;
   uint16 key, sample_number;
   draw_choices(stream, p, bounce.depth, &key, &sample_number, &chance);
@@ -265,7 +270,7 @@ static inline void shade_glass_group(const Launch launch, const Shading scene, c
 
   uint media[PACKET], inner[PACKET], hidden[PACKET];
   float etas[PACKET];
-  const uint enters = bits_of(dots(s->face, p->direction) < 0.0f);
+  const uint enters = mask16(dots(s->face, p->direction) < 0.0f);
   vstore16(p->media, 0, media);
   for (uint k = 0; k < PACKET; ++k) {
     const Boundary b = boundary_of(media[k], p->material[k], scene.materials, enters >> k & 1u);
@@ -280,9 +285,11 @@ static inline void shade_glass_group(const Launch launch, const Shading scene, c
   const Frames frame = make_frames(side.normal);
   GlassSamples sample = sample_glass(to_locals(frame, back), eta, chance.material_choice);
   Packet direction = to_worlds(frame, sample.direction);
+  const float16 likelihood = least(sixteen(1.0f), sample.share / (1.0f - sample.share));
+  write_notes(bounce, p, s, nothing, is_hidden ? sixteen(1.0f) : likelihood, slots);
   // on the wrong side of the true surface: once more with the true normal, same choice
   const int16 is_wrong = (dots(direction, side.face) < 0.0f) != (sample.is_refracted != 0);
-  if (bits_of(is_wrong)) {
+  if (mask16(is_wrong)) {
     const Frames flat = make_frames(side.face);
     const float16 choice = sample.is_refracted ? sixteen(1.0f) : sixteen(0.0f);
     const GlassSamples again = sample_glass(to_locals(flat, back), eta, choice);
@@ -296,7 +303,7 @@ static inline void shade_glass_group(const Launch launch, const Shading scene, c
   const Packet origin = leave_surfaces(s->point, chosen(passes, times(side.face, sixteen(-1.0f)), side.face));
   const uint16 flags = passes ? p->flags | PATH_REFRACTED : p->flags;
   const uint16 behind = passes ? vload16(0, inner) : p->media;
-  const uint alive = bits_of(roulettes(bounce.depth, chance.roulette, &throughput));
+  const uint alive = mask16(roulettes(bounce.depth, chance.roulette, flags, &throughput));
   write_paths(p, origin, sixteen(0.0f), direction, behind, throughput, flags, slots);
   write_shadow_rays(p, (int16)(0), (uint16)(SHADOW_NONE), nothing, nothing, nothing, sixteen(0.0f), slots);
   write_alive(p, alive, slots);

@@ -257,7 +257,7 @@ static inline Packet texture_colors(const Shading scene, const uint* texture, co
 // colours of the surfaces, their textures looked up;  texture: number of each material's, color: its own
 static inline Packet surface_colors(const Shading scene, const Surfaces* s, const int16 texture, const Packet color) {
   const int16 has_texture = texture >= 0;
-  if (!bits_of(has_texture)) return color;
+  if (!mask16(has_texture)) return color;
   uint number[PACKET];
   vstore16(as_uint16(has_texture ? texture : (int16)(0)), 0, number);
   const Packet texels = texture_colors(scene, number, s->texture_u, s->texture_v);

@@ -1,6 +1,8 @@
 // What guides a denoiser: colour and normal of the first surface that scatters, met by the same paths that bring the
 // light. So they are spread over the pixel and its exposure as the light is, and are seen through clear glass and in
 // mirrors.
+// At clear glass a path reflects or refracts by chance, and what it notes behind that would be as noisy as its light: a
+// filter takes such noise for a texture and leaves it. So a note counts less where the path did what is less likely.
 #ifndef PVG_RENDER_NOTED_CL
 #define PVG_RENDER_NOTED_CL
 #include "materials/list.cl"
@@ -15,13 +17,22 @@ typedef struct {
 typedef struct {
   bool is_wanted;
   uint slot;
-  global float4 *color, *normal;  // [n_slots], their w: unused
+  float weight;                   // of the path so far, 1 at the camera
+  global float4 *color, *normal;  // [n_slots], w of the first: the weight; of the second: unused
 } Notes;
+
+#define LEAST_NOTE 1e-4f  // weight where a path did nothing but what is unlikely: a pixel of such paths alone has their mean
 
 // carried: the path's throughput up to here
 static inline void write_note(const Notes notes, const Noted noted, const float3 carried) {
-  notes.color[notes.slot] = (float4)(noted.color * clamp(carried, 0.0f, 1.0f), 0);
+  notes.color[notes.slot] = (float4)(noted.color * clamp(carried, 0.0f, 1.0f), notes.weight);
   notes.normal[notes.slot] = (float4)(noted.normal, 0);
+}
+
+// what the path notes from now on;  likelihood: as in Path
+static inline void weigh_note(const Notes notes, const float likelihood) {
+  if (notes.is_wanted && likelihood < 1.0f)
+    notes.color[notes.slot].w = max(notes.weight * likelihood, LEAST_NOTE);
 }
 
 // the share of white light that the surface scatters back or shines, at most 1;  color: of the surface, its textures

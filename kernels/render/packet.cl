@@ -50,7 +50,7 @@ static inline float greatest_of(const float16 a) {
   const float2 d = c.lo > c.hi ? c.lo : c.hi;
   return d.x > d.y ? d.x : d.y;
 }
-static inline bool is_any(const int16 is_true) { return (mask8(is_true.lo) | mask8(is_true.hi)) != 0; }
+static inline bool is_any(const int16 is_true) { return mask16(is_true) != 0; }
 
 ALWAYS_INLINE float16 inverse_of(const float16 d) {
   return 1.0f / copysign(max(fabs(d), (float16)(1e-20f)), d);  // as in make_box_ray
@@ -76,7 +76,7 @@ ALWAYS_INLINE bool make_box_packet(const Packet origin, const Packet direction, 
 ALWAYS_INLINE bool make_leaf_packet(const Packet origin, const Packet direction, LeafPacket* p) {
   const float16 size_x = fabs(direction.x), size_y = fabs(direction.y), size_z = fabs(direction.z);
   const int16 is_z = size_z >= max(size_x, size_y), is_x = ~is_z & (size_x >= size_y);
-  const uint n_z = mask8(is_z.lo) | mask8(is_z.hi) << 8, n_x = mask8(is_x.lo) | mask8(is_x.hi) << 8;
+  const uint n_z = mask16(is_z), n_x = mask16(is_x);
   if (n_z == 0xffffu) {
     const Packet shift = {origin.x, origin.y, origin.z};
     const Packet shear = {direction.x / direction.z, direction.y / direction.z, 1.0f / direction.z};

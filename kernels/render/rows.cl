@@ -80,7 +80,6 @@ ALWAYS_INLINE Rows rows_of(const Packet p, const float16 w) {
   return r;
 }
 
-ALWAYS_INLINE uint bits_of(const int16 is_true) { return mask8(is_true.lo) | mask8(is_true.hi) << 8; }
 ALWAYS_INLINE float16 least(const float16 a, const float16 b) { return a < b ? a : b; }
 ALWAYS_INLINE float16 largest(const float16 a, const float16 b) { return a > b ? a : b; }
 ALWAYS_INLINE float16 sixteen(const float x) { return (float16)(x); }

@@ -66,7 +66,7 @@ TREE_FUNCTION void meet(const Launch launch, const Shading scene, const Chance c
 
 // as in generate.cl and intersect.cl;  depth: bounces so far;  shadow_origin: [n_slots, m], w: kind;
 // shadow_direction: [n_slots, m] to the light;  shadow_light: [n_slots], w: weight;  alive: [n] by place in the queue;
-// feature_color, feature_normal: [n_slots], w unused; with notes_features what guides a denoiser (noted.cl), as long as
+// feature_color, feature_normal: [n_slots]; with notes_features what guides a denoiser (noted.cl), as long as
 // no surface has scattered the path
 kernel void shade(const uint n, const Launch launch, const uint depth, const uint notes_features,
                   global const uint* restrict queue,
@@ -93,7 +93,9 @@ kernel void shade(const uint n, const Launch launch, const uint depth, const uin
   const Shading scene = {instances, materials, textures,   texels, decode,      triangles,
                          vertices,  colors,    second_uvs, lights, environment, cells,       targets};
   if (launch.n_light_paths > 0) path.density = radiance[slot].w;
-  const Notes notes = {notes_features && !(path.flags & PATH_SCATTERED), slot, feature_color, feature_normal};
+  const bool is_noted = notes_features && !(path.flags & PATH_SCATTERED);
+  const Notes notes = {is_noted, slot, is_noted && depth > 0 ? feature_color[slot].w : 1.0f, feature_color,
+                       feature_normal};
   if (as_uint(hit[slot].w) == NO_TRIANGLE) {
     if (notes.is_wanted)
       write_note(notes, note_environment(environment_radiance(launch, scene.environment, path.direction)),
@@ -102,6 +104,7 @@ kernel void shade(const uint n, const Launch launch, const uint depth, const uin
   } else {
     meet(launch, scene, draw_chance(stream[slot], depth), depth, hit[slot], hit_instance[slot], notes, &path,
          &shadow);
+    weigh_note(notes, path.likelihood);
   }
   if (any(path.radiance != 0.0f)) radiance[slot] += (float4)(path.radiance, 0);
   if (launch.n_light_paths > 0) radiance[slot].w = path.density;

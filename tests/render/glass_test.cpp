@@ -36,6 +36,18 @@ TEST_F(Glass, PaneTransmitsWhatFresnelAndBeerLeave) {
   }
 }
 
+// Panes without reflection: every path crosses their four faces and brings the same. None may end by chance for the
+// little that it lost.
+TEST_F(Glass, PaleGlassBringsNoNoise) {
+  Scene scene = pane(Vec3f::Constant(5));
+  scene.materials[0].index_of_refraction = 1.0001f;
+  add(scene, box({-1, -1, -0.5f}, {1, 1, -0.49f}), scene.materials[0]);
+  VisualMaterial lamp = material(Kind::emissive);
+  lamp.emission = Vec3f::Ones();
+  add(scene, quad({-1, -1, -1}, {2, 0, 0}, {0, 2, 0}), lamp);
+  for (const float value : picture(scene, 4).rgb) ASSERT_NEAR(value, std::exp(-0.1), 1e-4);
+}
+
 // seen from both sides the series is R + (1 - R)^2 a / (1 - R a)
 TEST_F(Glass, PaneInAFurnaceLosesWhatItAbsorbs) {
   Scene scene = pane({0, 50, 200});
