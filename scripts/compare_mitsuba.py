@@ -171,7 +171,7 @@ def main():
         ours = Ours(arguments.program, scene, arguments.depth, arguments.straight_shadows, folder)
         theirs = Mitsuba(arguments.variant, scene, arguments.depth, folder)
         for program in (ours, theirs):
-            program.render(1)  # compiles the kernels
+            program.render(SAMPLES[0])  # compiles all kernels
         print(f"million paths per processor second, {SAMPLES[1] - SAMPLES[0]} samples", flush=True)
         ratios = []
         for turn in range(arguments.turns):

@@ -117,14 +117,18 @@ TEST_F(ShadeLanes, GlassThatAbsorbsWithAnotherInside) {
 }
 
 // Paths from the floor pass the plate and meet the lamp, which their shadow rays have found already.
-TEST_F(ShadeLanes, LightThroughAPlateOfGlassCountsOnce) {
-  for (const Kind kind : {Kind::diffuse, Kind::metallic_roughness}) {
-    Scene scene = things(material(kind, {0.8f, 0.5f, 0.3f}));
+TEST_F(ShadeLanes, LightThroughAPlateOfGlass) {
+  VisualMaterial coated = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f}), metal = coated;
+  metal.metallic = 0.8f;  // not matte: glass stops its shadow rays
+  metal.roughness = coated.roughness = 0.6f;
+  for (const VisualMaterial& m : {material(Kind::diffuse, {0.8f, 0.5f, 0.3f}), coated, metal}) {
+    Scene scene = things(m);
     add(scene, box({-1.5f, -1.5f, 1}, {1.5f, 1.5f, 1.1f}), material(Kind::dielectric));
     add_light(scene, {-1, -1, 1.5}, {0, 2, 0}, {2, 0, 0}, {3, 3, 3});
     look_at(scene, {0.1, -2.2, 0.8}, {0, 0, 0.2}, 64, 36, 60);
     scene.cameras.erase(scene.cameras.begin());
     expect_the_same(scene);
+    expect_the_same(scene, false);  // the lamps are traced as well, and weighted against these paths
   }
 }
 
@@ -133,7 +137,7 @@ TEST_F(ShadeLanes, PathsThatLampsTraceToo) {
   m.roughness = 0.45f;
   m.metallic = 0.4f;
   Scene scene = things(m);
-  add(scene, sphere(0.15f, 10), material(Kind::dielectric), {0, -0.5, 0.3});
+  add(scene, sphere(0.3f, 12), material(Kind::dielectric), {0, -0.5, 0.4});
   expect_the_same(scene, false);
 }
 
