@@ -24,7 +24,7 @@ static inline uint group_of(const Launch launch, const Shading scene, global con
   const uint is_plain = (instance->visual != 0) & !(instance->flags & (INSTANCE_COLORS | INSTANCE_SECOND_UVS)) &
                         !(flags & MATERIAL_EMITS) & (m->normal_texture < 0);
   const uint is_receiver = (kind == MATERIAL_SHADOW_RECEIVER) & (launch.environment_light < 0);
-  const uint is_glass = (kind == MATERIAL_DIELECTRIC) & ((flags & MATERIAL_HAS_INSIDE) != 0);
+  const uint is_glass = (kind == MATERIAL_DIELECTRIC) & ((flags & MATERIAL_HAS_INSIDE) != 0) & (m->texture < 0);
   uint group = OTHERS;
   group = is_plain & is_receiver ? RECEIVERS : group;
   group = is_plain & (uint)(kind == MATERIAL_DIFFUSE) ? DIFFUSE : group;

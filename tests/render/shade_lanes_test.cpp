@@ -34,7 +34,7 @@ Scene things(const VisualMaterial& m) {
   add(scene, box({-0.2f, -0.2f, -0.2f}, {0.2f, 0.2f, 0.2f}), m, {0.5, 0.1, 0.4}).pose.linear() =
       Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   VisualMaterial striped = m;
-  striped.texture = m.kind == Kind::dielectric ? -1 : 0;
+  striped.texture = 0;
   add(scene, quad({-0.6f, 0.7f, 0.05f}, {1.2f, 0, 0}, {0, 0.3f, 0.8f}), striped);
   add_light(scene, {-0.2, -0.3, 2}, {0, 0.6, 0}, {0.4, 0, 0}, {12, 11, 10});
   add_light(scene, {-1.8, 0.5, 0.5}, {0, 0, 0.3}, {0, 0.3, 0}, {9, 9, 9});
