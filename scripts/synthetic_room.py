@@ -4,7 +4,8 @@
   synthetic_room.py PHYVISGEN FOLDER [--frames 24] [--width 480] [--seed 0] [--thing OBJ]
 
 With --thing the bench bears that mesh, which stands on its own z = 0, and the frames go around it. The room (a floor,
-two walls, a bench, things on it) is rendered by `phyvisgen render --ground-truth`. Depth gets the axial noise of Nguyen et al. 2012, 1.2 mm + 1.9 mm (z - 0.4 m)^2/m^2, is rounded to millimetres and missing below 0.4 m.
+two walls, a bench, things on it) is rendered by `phyvisgen render --ground-truth`. Depth gets the axial noise of Nguyen
+et al. 2012, 1.2 mm + 1.9 mm (z - 0.4 m)^2/m^2, is rounded to millimetres and missing below 0.4 m.
 Needs numpy and h5py; scripts/demo_capture.sh installs them.
 """
 import argparse

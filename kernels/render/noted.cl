@@ -21,7 +21,8 @@ typedef struct {
   global float4 *color, *normal;  // [n_slots], w of the first: the weight; of the second: unused
 } Notes;
 
-#define LEAST_NOTE 1e-4f  // weight where a path did nothing but what is unlikely: a pixel of such paths alone has their mean
+// weight of a path that did nothing but what is unlikely: not 0, so that a pixel of such paths alone has their mean
+#define LEAST_NOTE 1e-4f
 
 // carried: the path's throughput up to here
 static inline void write_note(const Notes notes, const Noted noted, const float3 carried) {

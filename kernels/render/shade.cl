@@ -66,8 +66,8 @@ TREE_FUNCTION void meet(const Launch launch, const Shading scene, const Chance c
 
 // as in generate.cl and intersect.cl;  depth: bounces so far;  shadow_origin: [n_slots, m], w: kind;
 // shadow_direction: [n_slots, m] to the light;  shadow_light: [n_slots], w: weight;  alive: [n] by place in the queue;
-// feature_color, feature_normal: [n_slots]; with notes_features what guides a denoiser (noted.cl), as long as
-// no surface has scattered the path
+// feature_color, feature_normal: [n_slots]; with notes_features what guides a denoiser (noted.cl), as long as no surface
+// has scattered the path
 kernel void shade(const uint n, const Launch launch, const uint depth, const uint notes_features,
                   global const uint* restrict queue,
                   global const uint2* restrict stream, global const Instance* restrict instances,
