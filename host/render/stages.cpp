@@ -12,8 +12,6 @@ namespace {
 // Paths that a work-item of `generate` starts: on a CPU its vector units draw the random numbers of 16 side by side.
 std::size_t paths_per_item(const Device& device) { return device.info().is_gpu ? 1 : 16; }
 
-std::size_t divided_up(std::size_t n, std::size_t part) { return n / part + (n % part > 0); }
-
 }  // namespace
 
 Film::Film(Device& device)
@@ -227,9 +225,8 @@ void Stages::shadow_holes(std::size_t n, const DeviceScene& scene) {
 }
 
 void Stages::shade_lanes(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene) {
-  constexpr std::size_t CHUNK = 256;  // as in shade_lanes.cl
   if (!shade_lanes_) return;
-  (*shade_lanes_)(divided_up(n, CHUNK), std::uint32_t(n), launch, std::uint32_t(depth),
+  (*shade_lanes_)(divided_up(n, SHADE_CHUNK), std::uint32_t(n), launch, std::uint32_t(depth),
                   std::uint32_t(features_.has_value()), queue_, stream_, scene.trees.instances, scene.materials,
                   scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices, scene.second_uvs,
                   scene.lights, scene.environment, scene.cells, hit_, hit_instance_, origin_, direction_, throughput_,

@@ -1,11 +1,6 @@
 #include "host/render/traversal.hpp"
 
 namespace pvg {
-namespace {
-
-constexpr std::size_t SHADOW_SPAN = 128;  // as in shadow_lanes.cl
-
-}  // namespace
 
 std::string traversal_options(const Device& device) {
   const std::string options = avx_options(device.info());
@@ -30,8 +25,8 @@ void Traversal::find_closest(std::size_t n, const Buffer<std::uint32_t>& queue, 
                              const Buffer<F32x4>& origin, const Buffer<F32x4>& direction, Buffer<F32x4>& hit,
                              Buffer<std::uint32_t>& hit_instance) {
   if (intersect_lanes_)
-    return (*intersect_lanes_)(n / PACKET + (n % PACKET > 0), std::uint32_t(n), queue, trees.top, trees.nodes,
-                               trees.blocks, trees.instances, origin, direction, hit, hit_instance);
+    return (*intersect_lanes_)(divided_up(n, PACKET), std::uint32_t(n), queue, trees.top, trees.nodes, trees.blocks,
+                               trees.instances, origin, direction, hit, hit_instance);
   intersect_(n, std::uint32_t(n), queue, trees.top, trees.nodes, trees.blocks, trees.instances, origin, direction, hit,
              hit_instance);
 }
@@ -40,8 +35,8 @@ void Traversal::find_closest_of_neighbours(std::size_t n, const Buffer<std::uint
                                            const Buffer<F32x4>& origin, const Buffer<F32x4>& direction,
                                            Buffer<F32x4>& hit, Buffer<std::uint32_t>& hit_instance) {
   if (!intersect_packets_) return find_closest(n, queue, trees, origin, direction, hit, hit_instance);
-  (*intersect_packets_)(n / PACKET + (n % PACKET > 0), std::uint32_t(n), trees.top, trees.nodes, trees.blocks,
-                        trees.instances, origin, direction, hit, hit_instance);
+  (*intersect_packets_)(divided_up(n, PACKET), std::uint32_t(n), trees.top, trees.nodes, trees.blocks, trees.instances,
+                        origin, direction, hit, hit_instance);
 }
 
 void Traversal::add_light(std::size_t n, const Buffer<std::uint32_t>& queue, bool transparent_shadows,
@@ -49,9 +44,9 @@ void Traversal::add_light(std::size_t n, const Buffer<std::uint32_t>& queue, boo
                           const Buffer<F32x4>& shadow_origin, const Buffer<F32x4>& shadow_direction,
                           const Buffer<F32x4>& shadow_light, Buffer<F32x4>& radiance) {
   if (shadow_lanes_)
-    return (*shadow_lanes_)(n / SHADOW_SPAN + (n % SHADOW_SPAN > 0), std::uint32_t(n), queue,
-                            std::uint32_t(transparent_shadows), trees.top, trees.nodes, trees.blocks, trees.instances,
-                            materials, shadow_origin, shadow_direction, shadow_light, radiance);
+    return (*shadow_lanes_)(divided_up(n, SHADOW_CHUNK), std::uint32_t(n), queue, std::uint32_t(transparent_shadows),
+                            trees.top, trees.nodes, trees.blocks, trees.instances, materials, shadow_origin,
+                            shadow_direction, shadow_light, radiance);
   shadow_(n, std::uint32_t(n), queue, std::uint32_t(transparent_shadows), trees.top, trees.nodes, trees.blocks,
           trees.instances, materials, shadow_origin, shadow_direction, shadow_light, radiance);
 }

@@ -20,7 +20,8 @@ struct DeviceTrees {
 // -DPVG_X86_AVX where PoCL compiles for an x86 CPU that has it, else nothing
 std::string traversal_options(const Device& device);
 
-constexpr std::size_t PACKET = 16;  // rays that a work-item takes together, as in packet.cl
+// how many parts of at most that size n things make
+constexpr std::size_t divided_up(std::size_t n, std::size_t part) { return n / part + (n % part > 0); }
 
 class Traversal {
  public:

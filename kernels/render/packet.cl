@@ -11,7 +11,6 @@
 #define PVG_RENDER_PACKET_CL
 #include "render/traverse.cl"
 
-#define PACKET 16
 // largest spread of a packet's directions, in units of their largest component: beyond it a node that the packet may
 // meet is met by few of its rays. By judgement, not tuned
 #define PACKET_SPREAD 0.05f

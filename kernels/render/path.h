@@ -33,6 +33,12 @@
 #define NO_TRIANGLE 0xffffffffu
 #define SHADED 0xfffffffeu  // instead of a triangle: shade_lanes.cl has done it
 
+// rays or paths that a CPU takes side by side, and places of the queue that a work-item of shade_lanes.cl and of
+// shadow_lanes.cl takes
+#define PACKET 16
+#define SHADE_CHUNK 256
+#define SHADOW_CHUNK 128
+
 // shadow rays end just short of the light itself, in units of the way to it
 #define BEFORE_LIGHT 0.9999f
 

@@ -6,15 +6,13 @@
 
 #include "render/interact_lanes.cl"
 
-#define CHUNK 256  // places of the queue that a work-item takes
-
 // kinds of surfaces, and what is left to shade.cl
 enum { RECEIVERS, DIFFUSE, METALS, COATED, GLASS, OTHERS, N_GROUPS };
 
 // the places in the queue whose paths meet a surface of each kind
 typedef struct {
   uint n[N_GROUPS];
-  uint place[N_GROUPS][CHUNK];
+  uint place[N_GROUPS][SHADE_CHUNK];
 } Groups;
 
 // without branches, as paths meet all kinds in turns
@@ -68,14 +66,14 @@ static inline void load_paths(const Groups* groups, const uint group, const uint
   p->flags = as_uint16(t.w);
 }
 
-// The places first .. first + CHUNK - 1 of the queue. A function of its own, as PoCL compiles what stands in a kernel three
+// The places first .. first + SHADE_CHUNK - 1 of the queue. A function of its own, as PoCL compiles what stands in a kernel three
 // times.
 TREE_FUNCTION void shade_chunk(const uint n, const uint first, const Launch* launch, const Shading* scene,
                                const Bounce bounce, global const uint* queue, global const uint2* stream,
                                global const uint* hit_instance, const Slots* slots) {
   Groups groups;
   for (uint g = 0; g < N_GROUPS; ++g) groups.n[g] = 0;
-  sort_into_groups(*launch, *scene, first, min(first + CHUNK, n), queue, slots->hit, hit_instance, &groups);
+  sort_into_groups(*launch, *scene, first, min(first + SHADE_CHUNK, n), queue, slots->hit, hit_instance, &groups);
   Paths paths;
   const uint end = bounce.depth >= launch->max_depth ? RECEIVERS + 1 : OTHERS;  // all others end there
   for (uint group = RECEIVERS; group < end; ++group)
@@ -107,7 +105,7 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void shade_lanes(
     global float4* restrict throughput, global float4* restrict radiance, global float4* restrict shadow_origin,
     global float4* restrict shadow_direction, global float4* restrict shadow_light, global uint* restrict alive,
     global float4* restrict feature_color, global float4* restrict feature_normal) {
-  const uint first = get_global_id(0) * CHUNK;
+  const uint first = get_global_id(0) * SHADE_CHUNK;
   if (first >= n) return;
   const Shading scene = {instances, materials, textures,   texels, decode,      triangles, vertices,
                          0,         second_uvs, lights,    environment, cells,  0};

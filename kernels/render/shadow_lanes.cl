@@ -2,8 +2,6 @@
 #include "render/box_lanes.cl"
 #include "render/transmittance.cl"
 
-#define SPAN 128  // places of the queue that a work-item takes
-
 typedef struct {
   Lanes rays;
   Asked asked;
@@ -32,14 +30,14 @@ static inline void add_lights(const Trees trees, global const Material* material
   w->n = w->asked.surfaces = w->asked.receivers = w->asked.through_glass = 0;
 }
 
-// arguments as in shadow.cl;  a work-item takes SPAN places of the queue
+// arguments as in shadow.cl;  a work-item takes SHADOW_CHUNK places of the queue
 kernel __attribute__((reqd_work_group_size(4, 1, 1))) void shadow_lanes(
     const uint n, global const uint* restrict queue, const uint transparent_shadows, global const float8* restrict top,
     global const float8* restrict nodes, global const float4* restrict blocks,
     global const Instance* restrict instances, global const Material* restrict materials,
     global const float4* restrict shadow_origin, global const float4* restrict shadow_direction,
     global const float4* restrict shadow_light, global float4* restrict radiance) {
-  const uint first = get_global_id(0) * SPAN, last = min(n, first + SPAN);
+  const uint first = get_global_id(0) * SHADOW_CHUNK, last = min(n, first + SHADOW_CHUNK);
   const Trees trees = {top, nodes, blocks, instances};
   Waiting w;
   w.n = w.asked.surfaces = w.asked.receivers = w.asked.through_glass = 0;
