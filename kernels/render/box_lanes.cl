@@ -4,7 +4,7 @@
 #define PVG_RENDER_BOX_LANES_CL
 #include "render/packet.cl"
 
-// what a box's test takes, as BoxRay; back: all bits where the direction is negative
+// what a box's test takes, as BoxRay; back: is the direction negative
 typedef struct {
   Packet near_scale, near_shift, far_scale, far_shift;
   int16 back_x, back_y, back_z;
@@ -29,7 +29,7 @@ ALWAYS_INLINE void make_box_lanes(const Packet origin, const Packet direction, B
                     &r->back_z);
 }
 
-// box k of a node; all bits of the lanes that meet it within (0, t_max); entry: where
+// is box k of a node met within (0, t_max); entry: t where
 ALWAYS_INLINE int16 lanes_in_box(global const float* node, const uint k, const BoxLanes* r, const float16 t_max,
                                  float16* entry) {
   const float16 lo_x = node[k], hi_x = node[8 + k], lo_y = node[16 + k], hi_y = node[24 + k], lo_z = node[32 + k],
@@ -46,9 +46,10 @@ ALWAYS_INLINE int16 lanes_in_box(global const float* node, const uint k, const B
   return t0 <= t1;
 }
 
+#define LANES_OPEN 8  // lanes that must meet the box of a mesh; 5 and 12 take as long
+
 // Are the boxes of the root's children tested by all lanes at once? Where the mesh has the world's frame, and enough
-// lanes (bits of meet) meet the box of the whole
-#define LANES_OPEN 8  // 5 and 12 take as long
+// lanes (bits of meet) meet the box of the whole. first: as first_visit() gives it
 static inline bool opens(global const Instance* instance, const int first, const uint meet) {
   return first >= 0 && instance->flags & INSTANCE_UNMOVED && popcount(meet) >= LANES_OPEN;
 }
@@ -77,7 +78,7 @@ ALWAYS_INLINE bool any_in_instance(const Trees trees, global const Instance* ins
   return any_in_mesh(trees, &box, &leaf, first, BEFORE_LIGHT);
 }
 
-// bits of those of the lanes in meet that are stopped below first
+// bits of the lanes that are stopped below first, of those in meet
 TREE_FUNCTION uint stopped_of(const Trees trees, global const Instance* instance, const int first, const Lanes* lanes,
                               uint meet) {
   uint stopped = 0;
@@ -120,8 +121,7 @@ TREE_FUNCTION uint lanes_stopped(const Trees trees, const Lanes* lanes, const As
     for (uint k = 0; k < BVH_WIDTH; ++k) {
       const int child = children[k];
       if (child == BVH_EMPTY) continue;
-      global const Instance* instance = trees.instances + (~child);
-      const uint wanted = (child < 0 ? asked_of(asked, instance) : all) & ~stopped;
+      const uint wanted = (child < 0 ? asked_of(asked, trees.instances + (~child)) : all) & ~stopped;
       if (wanted == 0) continue;
       float16 entry;
       uint meet = wanted & mask16(lanes_in_box(node, k, &r, (float16)(BEFORE_LIGHT), &entry));
@@ -130,6 +130,7 @@ TREE_FUNCTION uint lanes_stopped(const Trees trees, const Lanes* lanes, const As
         stack[size++] = child;
         continue;
       }
+      global const Instance* instance = trees.instances + (~child);
       if (instance->flags & INSTANCE_CLEAR) {
         *crosses |= meet & asked.through_glass;
         meet &= ~asked.through_glass;

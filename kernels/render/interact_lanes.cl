@@ -6,7 +6,7 @@
 #include "render/receiver.cl"
 #include "render/scatter_lanes.cl"
 
-// what the paths write
+// what is read and written of the paths: by slot, `alive` by place in the queue
 typedef struct {
   global float4 *hit, *origin, *direction, *throughput, *radiance;
   global float4 *shadow_origin, *shadow_direction, *shadow_light;
@@ -14,49 +14,53 @@ typedef struct {
   global float4 *feature_color, *feature_normal;
 } Slots;
 
-// what of the launch decides
+// arguments of the kernel
 typedef struct {
   uint depth, notes_features;
 } Bounce;
 
-// absorption on the way to the surface
+// throughput after the absorption on the way to the surface
 static inline Packet transmitted(const Shading scene, const Paths* p, const Surfaces* s) {
   if (!mask16(p->media != 0u)) return p->throughput;
   uint media[PACKET], current[PACKET];
   vstore16(p->media, 0, media);
   for (uint k = 0; k < PACKET; ++k) {
     const uint material = media_current(media[k], scene.materials);
-    current[k] = material ? material - 1 : 0;
+    current[k] = material ? material - 1 : 0;  // any will do for the lanes in air
   }
   const Packet absorption = vectors_of(load_rows((global const float4*)scene.materials, current, ROWS_OF(Material), 2));
   const int16 absorbs = (p->media != 0u) & ((absorption.x != 0.0f) | (absorption.y != 0.0f) | (absorption.z != 0.0f));
   if (!mask16(absorbs)) return p->throughput;
-  const float16 offset = 4e-6f * largest(largest(sixteen(1.0f), fabs(s->point.x)), largest(fabs(s->point.y), fabs(s->point.z)));
-  const float16 way = -(p->t + offset);
-  const Packet share = {exp(way * absorption.x), exp(way * absorption.y), exp(way * absorption.z)};
+  const float16 distance = p->t + ray_offsets(s->point);
+  const Packet share = {exp(-distance * absorption.x), exp(-distance * absorption.y), exp(-distance * absorption.z)};
   return chosen(absorbs, products(p->throughput, share), p->throughput);
 }
 
-static inline Packet clamped(const Packet p) {
-  const Packet q = {least(largest(p.x, sixteen(0.0f)), sixteen(1.0f)), least(largest(p.y, sixteen(0.0f)), sixteen(1.0f)),
-                    least(largest(p.z, sixteen(0.0f)), sixteen(1.0f))};
-  return q;
+static inline Packet clamped_colors(const Packet c) {
+  const Packet p = {clamped(c.x), clamped(c.y), clamped(c.z)};
+  return p;
 }
 
-// as note_surface() of those that nothing has scattered yet;  color: 0 of what does not scatter;  likelihood: as in Path
+// the normal or its opposite, so that it looks to where the path comes from
+static inline Packet toward_paths(const Packet normal, const Packet direction) {
+  return chosen(dots(normal, direction) < 0.0f, normal, negated(normal));
+}
+
+// note_surface(), write_note() and weigh_note() of the paths that nothing has scattered yet;  color: 0 of what does not
+// scatter;  likelihood: as in Path
 static inline void write_notes(const Bounce bounce, const Paths* p, const Surfaces* s, const Packet color,
                                const float16 likelihood, const Slots slots) {
   const uint wanted = mask16((p->flags & PATH_SCATTERED) == 0u);
   if (!bounce.notes_features || !wanted) return;
   const float16 before = bounce.depth > 0 ? load_rows(slots.feature_color, p->slot, 1, 0).w : sixteen(1.0f);
   const float16 weight = likelihood < 1.0f ? largest(before * likelihood, sixteen(LEAST_NOTE)) : before;
-  const Packet shown = products(clamped(color), clamped(p->throughput));
-  const int16 is_front = dots(s->shading, p->direction) < 0.0f;
-  const Packet normal = chosen(is_front, s->shading, times(s->shading, sixteen(-1.0f)));
+  const Packet shown = products(clamped_colors(color), clamped_colors(p->throughput));
+  const Packet normal = toward_paths(s->shading, p->direction);
   store_rows_where(wanted, rows_of(shown, weight), slots.feature_color, p->slot);
   store_rows_where(wanted, rows_of(normal, sixteen(0.0f)), slots.feature_normal, p->slot);
 }
 
+// alive: bits of those that go on
 static inline void write_alive(const Paths* p, const uint alive, const Slots slots) {
   for (uint k = 0; k < PACKET; ++k) {
     slots.alive[p->place[k]] = alive >> k & 1u;
@@ -64,7 +68,7 @@ static inline void write_alive(const Paths* p, const uint alive, const Slots slo
   }
 }
 
-// is_lit: light arrives if nothing is between
+// those of the lanes with is_lit; kind SHADOW_NONE for the others
 static inline void write_shadow_rays(const Paths* p, const int16 is_lit, const uint16 kind, const Packet origin,
                                      const Packet to_light, const Packet light, const float16 weight,
                                      const Slots slots) {
@@ -75,6 +79,7 @@ static inline void write_shadow_rays(const Paths* p, const int16 is_lit, const u
   store_rows(rows_of(light, weight), slots.shadow_light, p->slot);
 }
 
+// meet_receiver() where the environment is none of the lights
 static inline void shade_receiver_group(const Launch launch, const Shading scene, const Bounce bounce,
                                         const Paths* p, const Surfaces* s, global const uint2* stream,
                                         const Slots slots) {
@@ -87,8 +92,7 @@ static inline void shade_receiver_group(const Launch launch, const Shading scene
   const float16 strength = own.w, ambient = load_rows(materials, p->material, stride, 4).w;
   const Packet shown = times(products(transmitted(scene, p, s), color), sixteen(launch.receiver_scale));
   const Packet shaded = times(shown, strength);
-  const int16 is_front = dots(s->face, p->direction) < 0.0f;
-  const Packet normal = chosen(is_front, s->face, times(s->face, sixteen(-1.0f)));
+  const Packet normal = toward_paths(s->face, p->direction);
   const Packet origin = leave_surfaces(s->point, normal);
 
   const Packet even = times(to_worlds(make_frames(normal), cosine_directions(chance.material_x, chance.material_y)),
@@ -110,7 +114,7 @@ static inline void shade_receiver_group(const Launch launch, const Shading scene
   write_alive(p, 0, slots);
 }
 
-// roulette();  flags: after the surface;  false: ends
+// roulette();  flags: after the surface;  returned: is alive
 static inline int16 roulettes(const uint depth, const float16 u, const uint16 flags, Packet* throughput) {
   const float16 most = largest(throughput->x, largest(throughput->y, throughput->z));
   const int16 carries = most > 0.0f;
@@ -146,15 +150,15 @@ static inline float16 camera_densities(const Launch launch, const Surfaces* s) {
   return vload16(0, density);
 }
 
-// normals toward the path
+// face and shading normal, toward the path
 typedef struct {
   Packet face, normal;
 } Sides;
 
 static inline Sides sides_of(const Surfaces* s, const Packet direction) {
   Sides n;
-  n.face = chosen(dots(s->face, direction) < 0.0f, s->face, times(s->face, sixteen(-1.0f)));
-  n.normal = chosen(dots(s->shading, n.face) > 0.0f, s->shading, times(s->shading, sixteen(-1.0f)));
+  n.face = toward_paths(s->face, direction);
+  n.normal = chosen(dots(s->shading, n.face) > 0.0f, s->shading, negated(s->shading));
   n.normal = chosen(dots(n.normal, direction) >= 0.0f, n.face, n.normal);
   return n;
 }
@@ -166,7 +170,7 @@ static inline void write_paths(const Paths* p, const Packet origin, const float1
   store_rows(rows_of(throughput, as_float16(flags)), slots.throughput, p->slot);
 }
 
-// of a kind that is known when this is compiled
+// light_surface(), scatter() and note_scattered();  kind: of all, known when this is compiled
 static inline void shade_scattering_group(const Launch launch, const Shading scene, const Bounce bounce,
                                           const uint kind, const Paths* p, const Surfaces* s,
                                           global const uint2* stream, const Slots slots) {
@@ -189,7 +193,7 @@ static inline void shade_scattering_group(const Launch launch, const Shading sce
   const Packet carried = transmitted(scene, p, s);
   const Sides side = sides_of(s, p->direction);
   const Frames frame = make_frames(side.normal);
-  const Packet wo = to_locals(frame, times(p->direction, sixteen(-1.0f)));
+  const Packet wo = to_locals(frame, negated(p->direction));
 
   int16 is_lit = (int16)(0);
   const Packet above = leave_surfaces(s->point, side.face);
@@ -226,7 +230,7 @@ static inline void shade_scattering_group(const Launch launch, const Shading sce
       density = vload16(0, before) *
                 (sample.pdf * light_cosines(s, p->direction) / (other * light_cosines(s, direction)));
     }
-    density = density < MOST_DENSITY ? density : sixteen(MOST_DENSITY);
+    density = least(density, sixteen(MOST_DENSITY));
     float after[PACKET];
     vstore16(density, 0, after);
     for (uint k = 0; k < PACKET; ++k) slots.radiance[p->slot[k]].w = after[k];
@@ -240,18 +244,15 @@ static inline void shade_scattering_group(const Launch launch, const Shading sce
 typedef struct {
   Packet direction;  // local
   int16 is_refracted;
-  float16 share;  // the chance of what it did
+  float16 chance;  // of what it did
 } GlassSamples;
 
-// z: the normal on the side of wo
+// dielectric_sample() of solids
 static inline GlassSamples sample_glass(const Packet wo, const float16 eta, const float16 choice) {
-  const float16 sin2 = (1.0f - wo.z * wo.z) / (eta * eta);
-  const float16 cos_t = sqrt(largest(sixteen(0.0f), 1.0f - sin2));
-  const float16 s = (wo.z - eta * cos_t) / (wo.z + eta * cos_t), p = (eta * wo.z - cos_t) / (eta * wo.z + cos_t);
-  const float16 reflectance = sin2 >= 1.0f ? sixteen(1.0f) : 0.5f * (s * s + p * p);
+  const float16 reflectance = fresnel_dielectrics(wo.z, eta);
   GlassSamples g;
   g.is_refracted = choice >= reflectance;
-  g.share = g.is_refracted ? 1.0f - reflectance : reflectance;
+  g.chance = g.is_refracted ? 1.0f - reflectance : reflectance;
   const float16 across2 = (wo.x * wo.x + wo.y * wo.y) / (eta * eta), scale = g.is_refracted ? 1.0f / eta : sixteen(1.0f);
   g.direction.x = -wo.x * scale;
   g.direction.y = -wo.y * scale;
@@ -259,8 +260,9 @@ static inline GlassSamples sample_glass(const Packet wo, const float16 eta, cons
   return g;
 }
 
-static inline void shade_glass_group(const Launch launch, const Shading scene, const Bounce bounce, const Paths* p,
-                                     const Surfaces* s, global const uint2* stream, const Slots slots) {
+// pass_glass() and pass_hidden()
+static inline void shade_glass_group(const Shading scene, const Bounce bounce, const Paths* p, const Surfaces* s,
+                                     global const uint2* stream, const Slots slots) {
   const Packet nothing = {0.0f, 0.0f, 0.0f};
   Chances chance;
   uint16 key, sample_number;
@@ -281,11 +283,11 @@ static inline void shade_glass_group(const Launch launch, const Shading scene, c
   const int16 is_hidden = as_int16(vload16(0, hidden));
   const float16 eta = vload16(0, etas);
 
-  const Packet back = times(p->direction, sixteen(-1.0f));
+  const Packet back = negated(p->direction);
   const Frames frame = make_frames(side.normal);
   GlassSamples sample = sample_glass(to_locals(frame, back), eta, chance.material_choice);
   Packet direction = to_worlds(frame, sample.direction);
-  const float16 likelihood = least(sixteen(1.0f), sample.share / (1.0f - sample.share));
+  const float16 likelihood = least(sixteen(1.0f), sample.chance / (1.0f - sample.chance));
   write_notes(bounce, p, s, nothing, is_hidden ? sixteen(1.0f) : likelihood, slots);
   // on the wrong side of the true surface: once more with the true normal, same choice
   const int16 is_wrong = (dots(direction, side.face) < 0.0f) != (sample.is_refracted != 0);
@@ -300,7 +302,7 @@ static inline void shade_glass_group(const Launch launch, const Shading scene, c
   const Packet color = vectors_of(load_rows((global const float4*)scene.materials, p->material, ROWS_OF(Material), 1));
   throughput = chosen(sample.is_refracted & ~is_hidden, products(throughput, color), throughput);
   direction = chosen(is_hidden, p->direction, units(direction));
-  const Packet origin = leave_surfaces(s->point, chosen(passes, times(side.face, sixteen(-1.0f)), side.face));
+  const Packet origin = leave_surfaces(s->point, chosen(passes, negated(side.face), side.face));
   const uint16 flags = passes ? p->flags | PATH_REFRACTED : p->flags;
   const uint16 behind = passes ? vload16(0, inner) : p->media;
   const uint alive = mask16(roulettes(bounce.depth, chance.roulette, flags, &throughput));

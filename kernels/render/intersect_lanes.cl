@@ -12,14 +12,14 @@ typedef struct {
 } Start;
 
 typedef struct {
-  Visit of_lane[PACKET][MOST_VISITS];  // of starts
+  Visit of_lane[PACKET][MOST_VISITS];  // their numbers: of starts
   uint n[PACKET];
   Start starts[MOST_STARTS];
   uint n_starts;
 } Visits;
 
 static inline void add_visits(Visits* v, const uint instance, const int first, const float16 entry, uint meet) {
-  const uint start = v->n_starts++;
+  const uint start = v->n_starts++;  // counts on beyond what there is room for, as n does: these rays go alone
   if (start >= MOST_STARTS) return;
   v->starts[start].instance = instance;
   v->starts[start].first = first;

@@ -1,5 +1,5 @@
-// Sixteen paths where they hit: surfaces, random numbers and light samples side by side. The formulas are those of
-// surface.cl, diffuse.cl, frame.cl and lights.cl, which this equals up to rounding.
+// Sixteen paths where they hit: surfaces, textures, random numbers and light samples side by side. The formulas are those
+// of surface.cl, texture.cl, diffuse.cl, frame.cl and lights.cl, which this equals up to rounding.
 #ifndef PVG_RENDER_MET_LANES_CL
 #define PVG_RENDER_MET_LANES_CL
 #include "render/interact.cl"
@@ -36,6 +36,7 @@ typedef struct {
   float16 pdf;
 } LightSamples;
 
+// the two choices that all surfaces need, by the numbers of draw_chance();  key, sample: of the others
 static inline void draw_choices(global const uint2* stream, const Paths* p, const uint depth, uint16* key,
                                 uint16* sample, Chances* c) {
   uint keys[PACKET], samples[PACKET];
@@ -48,7 +49,7 @@ static inline void draw_choices(global const uint2* stream, const Paths* p, cons
   *sample = vload16(0, samples);
   sample_2d_16(*key, *sample, 5 + 4 * depth, &c->material_choice, &c->roulette);
 }
-// those of surfaces that light is sampled for, as well
+// all, for surfaces that scatter
 static inline Chances draw_chances(global const uint2* stream, const Paths* p, const uint depth) {
   Chances c;
   uint16 key, sample;
@@ -73,22 +74,31 @@ static inline Packet to_worlds(const Frames f, const Packet w) {
   return plus(plus(times(f.x, w.x), times(f.y, w.y)), times(f.z, w.z));
 }
 
-// toward the hemisphere by the cosine
+// small_sin_cos()
+static inline void small_sines(const float16 x, float16* sine, float16* cosine) {
+  const float16 x2 = x * x;
+  *sine = x * (1 - x2 * (1 / 6.0f - x2 * (1 / 120.0f - x2 * (1 / 5040.0f - x2 * (1 / 362880.0f)))));
+  *cosine = 1 - x2 * (1 / 2.0f - x2 * (1 / 24.0f - x2 * (1 / 720.0f - x2 * (1 / 40320.0f))));
+}
+
+// local directions by the cosine, as diffuse_sample() draws them
 static inline Packet cosine_directions(const float16 u, const float16 v) {
   const float16 a = 2 * u - 1, b = 2 * v - 1;
   const int16 is_wide = fabs(a) > fabs(b);
-  const float16 r = is_wide ? a : b, x = M_PI_4_F * ((is_wide ? b : a) / r), x2 = x * x;
-  const float16 sine = x * (1 - x2 * (1 / 6.0f - x2 * (1 / 120.0f - x2 * (1 / 5040.0f - x2 * (1 / 362880.0f)))));
-  const float16 cosine = 1 - x2 * (1 / 2.0f - x2 * (1 / 24.0f - x2 * (1 / 720.0f - x2 * (1 / 40320.0f))));
+  const float16 r = is_wide ? a : b;
+  float16 sine, cosine;
+  small_sines(M_PI_4_F * ((is_wide ? b : a) / r), &sine, &cosine);
   const float16 disc_x = r == 0.0f ? sixteen(0.0f) : r * (is_wide ? cosine : sine);
   const float16 disc_y = r == 0.0f ? sixteen(0.0f) : r * (is_wide ? sine : cosine);
   const Packet d = {disc_x, disc_y, sqrt(largest(sixteen(1e-8f), 1.0f - (disc_x * disc_x + disc_y * disc_y)))};
   return d;
 }
 
+static inline float16 ray_offsets(const Packet point) {
+  return 4e-6f * largest(largest(sixteen(1.0f), fabs(point.x)), largest(fabs(point.y), fabs(point.z)));
+}
 static inline Packet leave_surfaces(const Packet point, const Packet normal) {
-  return plus(point, times(normal, 4e-6f * largest(largest(sixteen(1.0f), fabs(point.x)),
-                                                   largest(fabs(point.y), fabs(point.z)))));
+  return plus(point, times(normal, ray_offsets(point)));
 }
 
 static inline Packet between_corners(const float16 wa, const float16 wb, const float16 wc, const Packet a,
@@ -108,8 +118,10 @@ static inline Surfaces surfaces_at(const Shading scene, const Paths* p) {
   }
   global const float4* vertices = (global const float4*)scene.vertices;
   // a vertex: point and normal.x, then the rest of the normal and the texture coordinates
-  const Rows a0 = load_rows(vertices, a_at, 2, 0), b0 = load_rows(vertices, b_at, 2, 0), c0 = load_rows(vertices, c_at, 2, 0);
-  const Rows a1 = load_rows(vertices, a_at, 2, 1), b1 = load_rows(vertices, b_at, 2, 1), c1 = load_rows(vertices, c_at, 2, 1);
+  const uint stride = ROWS_OF(Vertex);
+  const Rows a0 = load_rows(vertices, a_at, stride, 0), a1 = load_rows(vertices, a_at, stride, 1),
+             b0 = load_rows(vertices, b_at, stride, 0), b1 = load_rows(vertices, b_at, stride, 1),
+             c0 = load_rows(vertices, c_at, stride, 0), c1 = load_rows(vertices, c_at, stride, 1);
   const float16 wb = p->u, wc = p->v, wa = 1.0f - wb - wc;
   Surfaces s;
   s.point = between_corners(wa, wb, wc, vectors_of(a0), vectors_of(b0), vectors_of(c0));
@@ -119,16 +131,16 @@ static inline Surfaces surfaces_at(const Shading scene, const Paths* p) {
   s.texture_v = wa * a1.w + wb * b1.w + wc * c1.w;
   if (is_any_moved) {
     global const float4* instances = (global const float4*)scene.instances;
-    const uint stride = ROWS_OF(Instance);
-    const Rows x = load_rows(instances, p->instance, stride, 3), y = load_rows(instances, p->instance, stride, 4),
-               z = load_rows(instances, p->instance, stride, 5);
+    const uint step = ROWS_OF(Instance);
+    const Rows x = load_rows(instances, p->instance, step, 3), y = load_rows(instances, p->instance, step, 4),
+               z = load_rows(instances, p->instance, step, 5);
     const Packet moved = {dots(vectors_of(x), s.point) + x.w, dots(vectors_of(y), s.point) + y.w,
                           dots(vectors_of(z), s.point) + z.w};
     s.point = moved;
     // normals go with the transposed inverse
-    const Packet ix = vectors_of(load_rows(instances, p->instance, stride, 0)),
-                 iy = vectors_of(load_rows(instances, p->instance, stride, 1)),
-                 iz = vectors_of(load_rows(instances, p->instance, stride, 2));
+    const Packet ix = vectors_of(load_rows(instances, p->instance, step, 0)),
+                 iy = vectors_of(load_rows(instances, p->instance, step, 1)),
+                 iz = vectors_of(load_rows(instances, p->instance, step, 2));
     face = between_corners(face.x, face.y, face.z, ix, iy, iz);
     n = between_corners(n.x, n.y, n.z, ix, iy, iz);
   }
@@ -139,7 +151,7 @@ static inline Surfaces surfaces_at(const Shading scene, const Paths* p) {
   return s;
 }
 
-// the lights by their numbers, of one kind only
+// sample_light() of these lights, as if all were rectangles
 static inline LightSamples sample_rectangles(const Shading scene, const uint* light, const Packet origin,
                                              const Chances* c) {
   global const float4* lights = (global const float4*)scene.lights;
@@ -157,7 +169,7 @@ static inline LightSamples sample_rectangles(const Shading scene, const uint* li
   return s;
 }
 
-// the lanes in `which` (bits) alone, for any kind of light
+// once more one by one, of any kind, those of the lanes in `which` (bits)
 static inline void sample_alone(const Launch launch, const Shading scene, const uint which, const Packet origin,
                                 const Chances* c, LightSamples* s) {
   float from[3][PACKET], to[3][PACKET], radiance[3][PACKET], pdf[PACKET], chances[4][PACKET];
@@ -187,7 +199,7 @@ static inline void sample_alone(const Launch launch, const Shading scene, const 
   s->pdf = vload16(0, pdf);
 }
 
-// one light of all for each, n_lights > 0
+// sample_light(), n_lights > 0
 static inline LightSamples sample_lights(const Launch launch, const Shading scene, const Packet origin,
                                          const Chances* c) {
   float choice_y[PACKET];
@@ -204,7 +216,7 @@ static inline LightSamples sample_lights(const Launch launch, const Shading scen
   return s;
 }
 
-// the texels number at[k], unpacked:  component k of colours of the lanes
+// values of the texels at[k];  decode_from: where their table begins
 static inline Packet decoded_texels(const Shading scene, const uint* at, const uint* decode_from) {
   float r[PACKET], g[PACKET], b[PACKET];
   uchar4 c[PACKET];
@@ -224,7 +236,7 @@ static inline Packet mixed(const Packet a, const Packet b, const float16 share) 
   return p;
 }
 
-// texture_color() of the textures by their numbers
+// texture_color()
 static inline Packet texture_colors(const Shading scene, const uint* texture, const float16 u, const float16 v) {
   uint decode_from[PACKET], first[PACKET], width[PACKET], height[PACKET];
   for (uint k = 0; k < PACKET; ++k) {
@@ -248,18 +260,19 @@ static inline Packet texture_colors(const Shading scene, const uint* texture, co
   vstore16(as_uint16(row0 + x1), 0, at[1]);
   vstore16(as_uint16(row1 + x0), 0, at[2]);
   vstore16(as_uint16(row1 + x1), 0, at[3]);
-  const Packet top = mixed(decoded_texels(scene, at[0], decode_from), decoded_texels(scene, at[1], decode_from), x - x_floor);
+  const float16 right = x - x_floor;
+  const Packet top = mixed(decoded_texels(scene, at[0], decode_from), decoded_texels(scene, at[1], decode_from), right);
   const Packet bottom =
-      mixed(decoded_texels(scene, at[2], decode_from), decoded_texels(scene, at[3], decode_from), x - x_floor);
+      mixed(decoded_texels(scene, at[2], decode_from), decoded_texels(scene, at[3], decode_from), right);
   return mixed(top, bottom, y - y_floor);
 }
 
-// colours of the surfaces, their textures looked up;  texture: number of each material's, color: its own
+// surface_color() without vertex colours;  texture, color: of the materials
 static inline Packet surface_colors(const Shading scene, const Surfaces* s, const int16 texture, const Packet color) {
   const int16 has_texture = texture >= 0;
   if (!mask16(has_texture)) return color;
   uint number[PACKET];
-  vstore16(as_uint16(has_texture ? texture : (int16)(0)), 0, number);
+  vstore16(as_uint16(has_texture ? texture : (int16)(0)), 0, number);  // any will do for the lanes without one
   const Packet texels = texture_colors(scene, number, s->texture_u, s->texture_v);
   return chosen(has_texture, products(color, texels), color);
 }

@@ -1,6 +1,6 @@
-// Materials at sixteen points of surfaces side by side: diffuse, rough metals, and glTF's coat over a base as far as nothing
-// passes it. The formulas are those of kernels/materials (diffuse, conductor, metallic_roughness, microfacet), which this
-// equals up to rounding.
+// Materials at sixteen points of surfaces side by side: diffuse, rough conductors, and glTF's metallic-roughness model
+// without transmission. The formulas are those of kernels/materials (diffuse, conductor, metallic_roughness, dielectric,
+// microfacet), which this equals up to rounding.
 #ifndef PVG_RENDER_SCATTER_LANES_CL
 #define PVG_RENDER_SCATTER_LANES_CL
 #include "render/met_lanes.cl"
@@ -18,11 +18,11 @@ typedef struct {
   float16 pdf;
 } MaterialSamples;
 
-// between two points of the surface: in units of the whole turn, 0 to 1
+// of an angle in whole turns, 0 to 1: what it is off the nearest quarter turn is within pi/4
 static inline void sines_of_turn(const float16 turn, float16* sine, float16* cosine) {
-  const float16 quarter = floor(4.0f * turn + 0.5f), x = (4.0f * turn - quarter) * (0.5f * M_PI_F), x2 = x * x;
-  const float16 s = x * (1 - x2 * (1 / 6.0f - x2 * (1 / 120.0f - x2 * (1 / 5040.0f - x2 * (1 / 362880.0f)))));
-  const float16 c = 1 - x2 * (1 / 2.0f - x2 * (1 / 24.0f - x2 * (1 / 720.0f - x2 * (1 / 40320.0f))));
+  const float16 quarter = floor(4.0f * turn + 0.5f);
+  float16 s, c;
+  small_sines((4.0f * turn - quarter) * (0.5f * M_PI_F), &s, &c);
   const int16 number = convert_int16(quarter), is_odd = (number & 1) != 0;
   const float16 sine_size = is_odd ? c : s, cosine_size = is_odd ? s : c;
   *sine = (number & 2) != 0 ? -sine_size : sine_size;
@@ -40,14 +40,14 @@ static inline float16 fresnel_dielectrics(const float16 cosine, const float16 et
 }
 
 static inline Packet fresnel_schlicks(const Packet reflectance, const float16 cosine) {
-  const float16 x = least(largest(1.0f - cosine, sixteen(0.0f)), sixteen(1.0f)), x5 = x * x * x * x * x;
+  const float16 x = clamped(1.0f - cosine), x5 = x * x * x * x * x;
   const Packet F = {reflectance.x + (1.0f - reflectance.x) * x5, reflectance.y + (1.0f - reflectance.y) * x5,
                     reflectance.z + (1.0f - reflectance.z) * x5};
   return F;
 }
 
 static inline Packet fresnel_conductors(const PointMaterials p, const float16 cosine) {
-  const float16 x = least(largest(1.0f - cosine, sixteen(0.0f)), sixteen(1.0f)), x3 = x * x * x;
+  const float16 x = clamped(1.0f - cosine), x3 = x * x * x;
   return minus(fresnel_schlicks(p.color, cosine), times(p.own_color, (1.0f - x) * x3 * x3));
 }
 
@@ -82,12 +82,11 @@ static inline Packet ggx_visible_normals(const Packet wo, const float16 alpha, c
 }
 
 static inline float16 coat_fresnels(const PointMaterials p, const float16 cosine) {
-  return fresnel_dielectrics(least(largest(cosine, sixteen(0.0f)), sixteen(1.0f)), p.eta);
+  return fresnel_dielectrics(clamped(cosine), p.eta);
 }
 static inline Packet coat_reflectances(const PointMaterials p, const float16 cosine, const float16 F) {
-  const Packet metal = fresnel_schlicks(p.color, cosine);
-  const Packet mixed = {F + (metal.x - F) * p.metallic, F + (metal.y - F) * p.metallic, F + (metal.z - F) * p.metallic};
-  return mixed;
+  const Packet coat = {F, F, F};
+  return mixed(coat, fresnel_schlicks(p.color, cosine), p.metallic);
 }
 static inline float16 diffuse_shares(const PointMaterials p, const Packet wo) {
   const float16 F = coat_fresnels(p, wo.z);
@@ -125,12 +124,12 @@ static inline float16 materials_pdf(const PointMaterials p, const Packet wo, con
 
 static inline MaterialSamples materials_sample(const PointMaterials p, const Packet wo, const Chances* chance) {
   const Packet zero = {0.0f, 0.0f, 0.0f};
-  const int16 faces = wo.z > 0.0f;
+  const int16 is_above = wo.z > 0.0f;
   MaterialSamples s;
   if (p.kind == MATERIAL_DIFFUSE) {
     s.direction = cosine_directions(chance->material_x, chance->material_y);
-    s.pdf = faces ? s.direction.z * M_1_PI_F : sixteen(0.0f);
-    s.weight = chosen(faces, p.color, zero);
+    s.pdf = is_above ? s.direction.z * M_1_PI_F : sixteen(0.0f);
+    s.weight = chosen(is_above, p.color, zero);
     return s;
   }
   const Packet m = ggx_visible_normals(wo, p.alpha, chance->material_x, chance->material_y);
@@ -140,7 +139,7 @@ static inline MaterialSamples materials_sample(const PointMaterials p, const Pac
     wi = chosen(is_diffuse, cosine_directions(chance->material_x, chance->material_y), wi);
   }
   const float16 pdf = materials_pdf(p, wo, wi);
-  const int16 is_found = faces & (wi.z > 0.0f) & (pdf > 0.0f);  // else it would meet a second facet: lost
+  const int16 is_found = is_above & (wi.z > 0.0f) & (pdf > 0.0f);  // one that would meet a second facet is lost
   s.pdf = is_found ? pdf : sixteen(0.0f);
   s.direction = chosen(is_found, wi, wo);
   s.weight = chosen(is_found, times(materials_eval(p, wo, wi), 1.0f / pdf), zero);

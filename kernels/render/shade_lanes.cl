@@ -1,12 +1,12 @@
-// Stage 3 on a CPU, of the surfaces that most paths meet: shadow receivers, diffuse and coated surfaces, rough metals and
-// clear glass, without maps of normals and without light of their own, sixteen paths at once. What happens to each:
-// interact_lanes.cl. All others are left to shade.cl.
+// Stage 3 on a CPU, of the surfaces that most paths meet, sixteen paths of one kind of surface at once: shadow receivers,
+// diffuse and coated surfaces, rough metals and clear glass, without normal maps and without light of their own. What
+// happens to each: interact_lanes.cl. shade.cl, which runs next, takes all others.
 #define PVG_INLINE_ALL
 #include "shared/pocl.h"
 
 #include "render/interact_lanes.cl"
 
-// kinds of surfaces, and what is left to shade.cl
+// kinds of surfaces; OTHERS: left to shade.cl
 enum { RECEIVERS, DIFFUSE, METALS, COATED, GLASS, OTHERS, N_GROUPS };
 
 // the places in the queue whose paths meet a surface of each kind
@@ -15,7 +15,7 @@ typedef struct {
   uint place[N_GROUPS][SHADE_CHUNK];
 } Groups;
 
-// without branches, as paths meet all kinds in turns
+// without branches, which neighbours in the queue that meet different kinds would make hard to foresee
 static inline uint group_of(const Launch launch, const Shading scene, global const Instance* instance) {
   global const Material* m = scene.materials + instance->material;
   const uint flags = m->flags, kind = m->kind;
@@ -23,14 +23,15 @@ static inline uint group_of(const Launch launch, const Shading scene, global con
                         !(flags & MATERIAL_EMITS) & (m->normal_texture < 0);
   const uint is_receiver = (kind == MATERIAL_SHADOW_RECEIVER) & (launch.environment_light < 0);
   const uint is_glass = (kind == MATERIAL_DIELECTRIC) & ((flags & MATERIAL_HAS_INSIDE) != 0) & (m->texture < 0);
-  uint group = OTHERS;
-  group = is_plain & is_receiver ? RECEIVERS : group;
-  group = is_plain & (uint)(kind == MATERIAL_DIFFUSE) ? DIFFUSE : group;
   const uint is_opaque = (m->metallic_roughness_texture < 0) & (m->transmission == 0) &
                          !(flags & (MATERIAL_HAS_INSIDE | MATERIAL_THIN));
-  group = (is_plain & (kind == MATERIAL_CONDUCTOR) & is_opaque & (m->alpha >= MIRROR_ALPHA)) ? METALS : group;
-  group = is_plain & (kind == MATERIAL_METALLIC_ROUGHNESS) & is_opaque ? COATED : group;
-  return is_plain & is_glass ? GLASS : group;
+  uint group = OTHERS;
+  group = is_receiver ? RECEIVERS : group;
+  group = kind == MATERIAL_DIFFUSE ? DIFFUSE : group;
+  group = ((kind == MATERIAL_CONDUCTOR) & is_opaque & (m->alpha >= MIRROR_ALPHA)) ? METALS : group;
+  group = (kind == MATERIAL_METALLIC_ROUGHNESS) & is_opaque ? COATED : group;
+  group = is_glass ? GLASS : group;
+  return is_plain ? group : OTHERS;
 }
 
 static inline void sort_into_groups(const Launch launch, const Shading scene, const uint first, const uint last,
@@ -44,8 +45,8 @@ static inline void sort_into_groups(const Launch launch, const Shading scene, co
   }
 }
 
-// the paths number first .. first + 15 of a group; the last one stands for those that it does not have, as all that is
-// written is the same
+// The paths number first .. first + 15 of a group. Where it has fewer its last path fills the other lanes, which write what
+// it writes: each buffer is read for all lanes before one of them writes there.
 static inline void load_paths(const Groups* groups, const uint group, const uint first, const Shading scene,
                               global const uint* queue, const Slots slots, global const uint* hit_instance, Paths* p) {
   for (uint k = 0; k < PACKET; ++k) {
@@ -66,8 +67,8 @@ static inline void load_paths(const Groups* groups, const uint group, const uint
   p->flags = as_uint16(t.w);
 }
 
-// The places first .. first + SHADE_CHUNK - 1 of the queue. A function of its own, as PoCL compiles what stands in a kernel three
-// times.
+// The places first .. first + SHADE_CHUNK - 1 of the queue. A function of its own, as PoCL compiles what stands in a
+// kernel three times.
 TREE_FUNCTION void shade_chunk(const uint n, const uint first, const Launch* launch, const Shading* scene,
                                const Bounce bounce, global const uint* queue, global const uint2* stream,
                                global const uint* hit_instance, const Slots* slots) {
@@ -83,7 +84,7 @@ TREE_FUNCTION void shade_chunk(const uint n, const uint first, const Launch* lau
       if (group == RECEIVERS)
         shade_receiver_group(*launch, *scene, bounce, &paths, &surfaces, stream, *slots);
       else if (group == GLASS)
-        shade_glass_group(*launch, *scene, bounce, &paths, &surfaces, stream, *slots);
+        shade_glass_group(*scene, bounce, &paths, &surfaces, stream, *slots);
       else if (group == DIFFUSE)
         shade_scattering_group(*launch, *scene, bounce, MATERIAL_DIFFUSE, &paths, &surfaces, stream, *slots);
       else if (group == METALS)
@@ -93,7 +94,7 @@ TREE_FUNCTION void shade_chunk(const uint n, const uint first, const Launch* lau
     }
 }
 
-// as in shade.cl;  hit: what is shaded has SHADED for its triangle
+// as in shade.cl, a work-item takes SHADE_CHUNK places of the queue;  hit: the triangle becomes SHADED where it is done
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void shade_lanes(
     const uint n, const Launch launch, const uint depth, const uint notes_features, global const uint* restrict queue,
     global const uint2* restrict stream, global const Instance* restrict instances,

@@ -2,6 +2,7 @@
 #include "render/box_lanes.cl"
 #include "render/transmittance.cl"
 
+// shadow rays that are taken together once there are sixteen
 typedef struct {
   Lanes rays;
   Asked asked;
@@ -9,6 +10,7 @@ typedef struct {
   uint n;
 } Waiting;
 
+// adds their lights and lets none wait
 static inline void add_lights(const Trees trees, global const Material* materials, Waiting* w,
                               global const float4* shadow_light, global float4* radiance) {
   for (uint k = w->n; k < PACKET; ++k) set_ray(&w->rays, k, lane_origin(&w->rays, 0), lane_direction(&w->rays, 0));
