@@ -22,11 +22,11 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path += [str(HERE), str(HERE.parent.parent / "data")]
 import asset_tools  # noqa: E402
 import room_photograph as cycles  # noqa: E402
+import steel_cup  # noqa: E402
 
 ROOT = HERE.parent.parent
 PROGRAM = pathlib.Path(os.environ.get("PVG_PROGRAM", ROOT / "build/bin/phyvisgen"))
 STEEL, STEEL_ROUGHNESS, GLASS_INDEX = (0.66, 0.65, 0.63), 0.3, 1.47
-CUP_RADIUS, CUP_HEIGHT, CUP_WALL = 0.035, 0.08, 0.002
 COLUMNS = ["relit", "emissive", "receiver"]
 
 
@@ -53,13 +53,6 @@ class Room:
             points.append(array(part["attributes"]["POSITION"]))
             colors.append(array(part["attributes"]["COLOR_0"]))
         self.points, self.triangles, self.colors = (np.concatenate(a) for a in (points, triangles, colors))
-
-
-def steel_cup():
-    inner = CUP_RADIUS - CUP_WALL
-    profile = [(0, 0.001), (CUP_RADIUS - 0.003, 0), (CUP_RADIUS, 0.003), (CUP_RADIUS, CUP_HEIGHT), (inner, CUP_HEIGHT),
-               (inner, CUP_WALL + 0.004), (inner - 0.004, CUP_WALL), (0, CUP_WALL)]
-    return asset_tools.turned(profile, 96)
 
 
 def read_obj(path):
@@ -143,10 +136,10 @@ def main():
     room = Room(o.room / "room.glb")
 
     def top(at):  # the table is not quite even: a thing stands on the highest point below it
-        near = room.points[np.linalg.norm(room.points[:, :2] - at, axis=1) < CUP_RADIUS]
+        near = room.points[np.linalg.norm(room.points[:, :2] - at, axis=1) < steel_cup.RADIUS]
         return float(np.percentile(near[np.abs(near[:, 2]) < 0.02, 2], 90)) if len(near) else 0.0
     glass_at, steel_at = ([*at, top(at)] for at in (o.glass, o.steel))
-    asset_tools.write_obj(str(o.out / "cup.obj"), steel_cup(), "a steel cup")
+    asset_tools.write_obj(str(o.out / "cup.obj"), steel_cup.mesh(), "a steel cup")
     beaker, cup = read_obj(ROOT / "data/objects/beaker_visual.obj"), read_obj(o.out / "cup.obj")
     things = [(beaker[0] + glass_at, beaker[1],
                lambda: cycles.material("glass", "ShaderNodeBsdfGlass", IOR=GLASS_INDEX, Roughness=0.0)[0]),

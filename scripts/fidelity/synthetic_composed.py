@@ -21,6 +21,7 @@ from PIL import Image, ImageDraw
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path += [str(ROOT / "scripts"), str(ROOT / "data")]
 import asset_tools  # noqa: E402
+import steel_cup  # noqa: E402
 import synthetic_room  # noqa: E402
 
 # low corner, high corner [m], colour, size of an eighth of the texture [m] or 0: as synthetic_room.BOXES
@@ -35,7 +36,6 @@ LAMP = ("environment: [0.22, 0.24, 0.27]\nlights:\n  - {name: lamp, corner: [0.7
 EYE, AT = (-0.30, -0.52, 0.36), (0.48, -0.02, 0.05)
 GLASS_AT, STEEL_AT = (0.24, -0.20), (0.26, 0.02)
 WIDTH, HEIGHT, FIELD_OF_VIEW = 400, 280, 32
-CUP_RADIUS, CUP_HEIGHT, CUP_WALL = 0.035, 0.08, 0.002
 COLUMNS = ("relit", "emissive", "kept")
 
 
@@ -64,13 +64,6 @@ def walk(n):
         a = np.pi * (0.70 + 0.95 * i / n)
         r, z = 0.75 + 0.2 * (i % 3), 0.30 + 0.2 * (i % 4)
         yield (float(0.4 + r * np.cos(a)), float(r * np.sin(a)), z), (0.55, float(0.2 * np.sin(5 * a)), (0, -0.2, 0.2)[i % 3])
-
-
-def steel_cup():
-    inner = CUP_RADIUS - CUP_WALL
-    profile = [(0, 0.001), (CUP_RADIUS - 0.003, 0), (CUP_RADIUS, 0.003), (CUP_RADIUS, CUP_HEIGHT), (inner, CUP_HEIGHT),
-               (inner, CUP_WALL + 0.004), (inner - 0.004, CUP_WALL), (0, CUP_WALL)]
-    return asset_tools.turned(profile, 96)
 
 
 def vessels():
@@ -128,7 +121,7 @@ def main():
     work, frames, room = o.out / "scene", o.out / "frames", o.out / "room"
     work.mkdir(parents=True, exist_ok=True)
     synthetic_room.write_scene(work, list(walk(o.frames)), 480, 360, boxes=BOXES, lights=LAMP, pattern=texture)
-    asset_tools.write_obj(str(work / "cup.obj"), steel_cup(), "a steel cup")
+    asset_tools.write_obj(str(work / "cup.obj"), steel_cup.mesh(), "a steel cup")
     synthetic_room.record(o.program, work, frames, o.frames, 0)
     run(o.program, "capture", "room", frames, "-o", room, "--keep-frame", "--align-colors", "no")
     write_scenes(work, room)
