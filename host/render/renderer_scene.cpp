@@ -98,6 +98,8 @@ Renderer::Impl::Impl(Device& device_, const Scene& scene_, const RenderSettings&
       Buffer<EnvironmentCell>(device, environment_cells(scene.environment_map), "cells"),
       Buffer<F32x4>(device, 0, "targets")});
   for (const Visual& visual : scene.visuals) on_device->has_cutouts |= is_cut_out(scene.materials[visual.material]);
+  for (const Material& material : look.materials)
+    on_device->has_clear_solids |= material.kind == MATERIAL_DIELECTRIC && (material.flags & MATERIAL_HAS_INSIDE) != 0;
   scene.visual_meshes.clear();
   scene.textures.clear();
   scene.environment_map.rgb.clear();

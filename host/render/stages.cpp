@@ -54,7 +54,8 @@ void Film::begin(std::uint32_t width, std::uint32_t height) {
 }
 
 Stages::Kernels::Kernels(Program generate_file, Program shade_file, Program compact_file, Program accumulate_file,
-                         Program ground_truth_file, Program flow_file, Program camera_media_file, Program holes_file)
+                         Program ground_truth_file, Program flow_file, Program camera_media_file, Program holes_file,
+                         Program leave_glass_file)
     : generate(generate_file.kernel("generate")),
       shade(shade_file.kernel("shade")),
       count_alive(compact_file.kernel("count_alive")),
@@ -64,7 +65,8 @@ Stages::Kernels::Kernels(Program generate_file, Program shade_file, Program comp
       flow(flow_file.kernel("flow")),
       camera_media(camera_media_file.kernel("camera_media")),
       pass_holes(holes_file.kernel("pass_holes")),
-      shadow_holes(holes_file.kernel("shadow_holes")) {}
+      shadow_holes(holes_file.kernel("shadow_holes")),
+      leave_glass(leave_glass_file.kernel("leave_glass")) {}
 
 LightTracing::LightTracing(Device& device)
     : emit(Program(device, "render/emit.cl", traversal_options(device)).kernel("emit")),
@@ -82,7 +84,8 @@ Stages::Stages(Device& device, bool notes_features, bool traces_light)
                Program(device, "sensors/ground_truth.cl", traversal_options(device)),
                Program(device, "sensors/flow.cl", traversal_options(device)),
                Program(device, "render/camera_media.cl", traversal_options(device)),
-               Program(device, "render/holes.cl", traversal_options(device))),
+               Program(device, "render/holes.cl", traversal_options(device)),
+               Program(device, "render/leave_glass.cl", traversal_options(device))),
       traversal_(device),
       origin_(device, 0, "origin"),
       direction_(device, 0, "direction"),
@@ -114,8 +117,11 @@ std::uint64_t Stages::trace(const Launch& launch, const Buffer<std::uint32_t>& p
   std::size_t n = std::size_t(launch.n_pixels) * launch.n_samples;
   std::uint64_t segments = 0;
   generate(n, launch, pixels);
+  // few paths are still in glass then, and those that are seldom leave it soon
+  const unsigned first_leaves = std::max(1u, launch.max_depth / 2);
   for (unsigned depth = 0; depth <= launch.max_depth && n > 0; ++depth) {
     segments += n;
+    if (scene.has_clear_solids && depth >= first_leaves) leave_glass(n, depth, scene);
     if (depth == 0)
       traversal_.find_closest_of_neighbours(n, queue_, scene.trees, origin_, direction_, hit_, hit_instance_);
     else
@@ -216,6 +222,13 @@ void Stages::pass_holes(std::size_t n, unsigned depth, const DeviceScene& scene)
   kernels_.pass_holes(n, std::uint32_t(n), std::uint32_t(depth), queue_, stream_, scene.trees.top, scene.trees.nodes,
                       scene.trees.blocks, scene.trees.instances, scene.materials, scene.textures, scene.texels,
                       scene.triangles, scene.vertices, scene.second_uvs, origin_, direction_, hit_, hit_instance_);
+}
+
+void Stages::leave_glass(std::size_t n, unsigned depth, const DeviceScene& scene) {
+  kernels_.leave_glass(n, std::uint32_t(n), std::uint32_t(depth), std::uint32_t(features_.has_value()), queue_, stream_,
+                       scene.trees.top, scene.trees.nodes, scene.trees.blocks, scene.trees.instances, scene.materials,
+                       scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices, scene.colors,
+                       scene.second_uvs, origin_, direction_, throughput_, feature_color_);
 }
 
 void Stages::shadow_holes(std::size_t n, const DeviceScene& scene) {

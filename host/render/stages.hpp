@@ -25,6 +25,7 @@ struct DeviceScene {
   Buffer<EnvironmentCell> cells;
   Buffer<F32x4> targets;     // of light paths: centre, radius [m]
   bool has_cutouts = false;  // of its instances any has INSTANCE_CUTOUT
+  bool has_clear_solids = false;
 };
 
 // What a picture is gathered in  [height x width].
@@ -81,6 +82,7 @@ class Stages {
   void generate(std::size_t n, const Launch& launch, const Buffer<std::uint32_t>& pixels);
   void intersect(std::size_t n, const DeviceScene& scene);
   void pass_holes(std::size_t n, unsigned depth, const DeviceScene& scene);
+  void leave_glass(std::size_t n, unsigned depth, const DeviceScene& scene);
   // on a CPU: those paths that shade_lanes.cl takes, which shade() then leaves alone
   void shade_lanes(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene);
   void shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene);
@@ -90,9 +92,10 @@ class Stages {
 
   struct Kernels {
     Kernels(Program generate_file, Program shade_file, Program compact_file, Program accumulate_file,
-            Program ground_truth_file, Program flow_file, Program camera_media_file, Program holes_file);
+            Program ground_truth_file, Program flow_file, Program camera_media_file, Program holes_file,
+            Program leave_glass_file);
     Kernel generate, shade, count_alive, fill_queue, accumulate, ground_truth, flow, camera_media;
-    Kernel pass_holes, shadow_holes;
+    Kernel pass_holes, shadow_holes, leave_glass;
   };
   std::size_t max_paths_, paths_per_item_;
   Kernels kernels_;

@@ -17,6 +17,8 @@ typedef struct {
   global const Instance* instances;
 } Trees;
 
+#define NO_INSTANCE 0xffffffffu
+
 typedef struct {
   float t;        // in directions; on entry the largest allowed
   float u, v;     // weights of the second and third corner
@@ -311,20 +313,27 @@ ALWAYS_INLINE void closest_in_instance(const Trees trees, const uint i, const in
   hit->instance = i;
 }
 
-// closest hit of the scene; hit->t on entry is the largest allowed
-ALWAYS_INLINE void closest_hit(const Trees trees, const float3 origin, const float3 direction, Hit* hit) {
-  const BoxRay world = make_box_ray(origin, direction);
-  const LeafRay world_leaf = make_leaf_ray(origin, direction);
+// closest hit of the scene but for one instance, NO_INSTANCE: of all; hit->t on entry is the largest allowed
+ALWAYS_INLINE void closest_in_others(const Trees trees, const uint left_out, const float3 origin, const float3 direction,
+                                     const BoxRay* world, const LeafRay* world_leaf, Hit* hit) {
   Visit stack[BVH_STACK];
   int size = 0, current = first_visit(trees.top, 0);
   do {
     while (current >= 0)
-      if (!descend(trees.top + (size_t)current * 8, world, hit->t, stack, &size, &current)) break;
+      if (!descend(trees.top + (size_t)current * 8, *world, hit->t, stack, &size, &current)) break;
     if (current >= 0) continue;
     const uint i = (uint)(~current);
+    if (i == left_out) continue;
     const int first = first_visit(trees.nodes, (int)trees.instances[i].root);
-    closest_in_instance(trees, i, first, origin, direction, &world, &world_leaf, hit);
+    closest_in_instance(trees, i, first, origin, direction, world, world_leaf, hit);
   } while (next_visit(stack, hit->t, &size, &current));
+}
+
+// closest hit of the scene; hit->t on entry is the largest allowed
+ALWAYS_INLINE void closest_hit(const Trees trees, const float3 origin, const float3 direction, Hit* hit) {
+  const BoxRay world = make_box_ray(origin, direction);
+  const LeafRay world_leaf = make_leaf_ray(origin, direction);
+  closest_in_others(trees, NO_INSTANCE, origin, direction, &world, &world_leaf, hit);
 }
 
 // bits k: triangle k of the block is met within (0, t_max); t = numerator / det without the division

@@ -9,11 +9,11 @@ namespace {
 using Kind = VisualMaterial::Kind;
 using Features = ManyPaths;
 
-RenderedFrame features(const Scene& scene, int samples) {
+RenderedFrame features(const Scene& scene, int samples, int max_depth = 64) {
   Device device;
   RenderSettings settings;
   settings.samples = samples;
-  settings.max_depth = 64;
+  settings.max_depth = max_depth;
   settings.notes_features = true;
   return Renderer(device, scene, settings).render(0, 0);
 }
@@ -37,6 +37,22 @@ TEST_F(Features, WhatIsBehindGlassIsSeenThroughIt) {
   EXPECT_NEAR(mean_of(frame.albedo, 1), 0.5 * seen, 2e-4);
   EXPECT_NEAR(mean_of(frame.albedo, 2), seen, 2e-4);
   EXPECT_NEAR(mean_of(frame.mean_normal, 2), seen, 2e-4);
+}
+
+// Inside of a rod the light meets more faces than it has bounces. With r = R / (1 - R), a path that turned back k times
+// weighs r^k; after an even number, the first at the far end, it sees the wall, else nothing.
+TEST_F(Features, WhatIsBehindALongRodIsSeenThroughIt) {
+  Scene scene;
+  add(scene, box({-0.005f, -0.005f, -0.2f}, {0.005f, 0.005f, 0}), material(Kind::dielectric));
+  add(scene, quad({-5, -5, -0.3f}, {10, 0, 0}, {0, 10, 0}), material(Kind::diffuse, Vec3f::Ones()));
+  look_at(scene, {0.66, 0.66, 0.36}, {0, 0, 0}, 32, 32, 8000);
+  const double outside = 0.36 / std::sqrt(2 * 0.66 * 0.66 + 0.36 * 0.36);
+  const double inside = std::sqrt(1 - (1 - outside * outside) / 2.25);
+  const double s = (outside - 1.5 * inside) / (outside + 1.5 * inside);
+  const double p = (1.5 * outside - inside) / (1.5 * outside + inside), R = 0.5 * (s * s + p * p), r = R / (1 - R);
+  const double sees = (1 - R) * (1 - R) / (1 - R * R * r * r), sees_nothing = R * r + sees * R * r;
+  EXPECT_GT(R, 0.12);
+  EXPECT_NEAR(mean_of(features(scene, 256, 8).albedo, 0), sees / (sees + sees_nothing), 3e-3);
 }
 
 // With 16 paths some pixels have a reflected path and some have three: a filter would take that for a texture.

@@ -61,6 +61,46 @@ TEST_F(Glass, PaneInAFurnaceLosesWhatItAbsorbs) {
   }
 }
 
+// A rod of 1 cm x 1 cm x 50 cm, seen from 40 degrees beside its axis. Inside the light goes 50 cm / cos t, sin t = sin
+// 40 / 1.5, and meets the sides some 30 times on its way to the other end, where R of it turns back: the series of the
+// pane, whatever the bounces are. It comes out at one of four angles of the same cosine.
+TEST_F(Glass, RodLeadsLightOverMoreFacesThanBounces) {
+  Scene scene;
+  VisualMaterial glass = material(Kind::dielectric);
+  glass.absorption = {0, 0.5f, 2};
+  add(scene, box({-0.005f, -0.005f, -0.5f}, {0.005f, 0.005f, 0}), glass);
+  scene.environment = Vec3f::Ones();
+  const double angle = 40 * M_PI / 180, side = std::sin(angle) * std::sqrt(0.5), outside = std::cos(angle);
+  look_at(scene, {side, side, outside}, {0, 0, 0}, 32, 32, 8000);
+  const double inside = std::sqrt(1 - std::pow(std::sin(angle) / 1.5, 2));
+  const double s = (outside - 1.5 * inside) / (outside + 1.5 * inside);
+  const double p = (1.5 * outside - inside) / (1.5 * outside + inside), R = 0.5 * (s * s + p * p);
+  const RenderedFrame frame = picture(scene, 64, true, 8);
+  for (int c = 0; c < 3; ++c) {
+    const double a = std::exp(-(c == 0 ? 0 : c == 1 ? 0.5 : 2) * 0.5 / inside);
+    const Mean L = mean(frame, c);
+    EXPECT_NEAR(L.value, R + (1 - R) * (1 - R) * a / (1 - R * a), 4 * L.sigma + 1e-3);
+    EXPECT_LT(L.sigma, 2e-3);
+  }
+}
+
+// A rod in water, which takes red from what its sides do not reflect: glass to water reflects all from 62 degrees on,
+// glass to air from 42. Few bounces or many, the picture is the same.
+TEST_F(Glass, RodInWaterLosesLightThroughItsSides) {
+  Scene scene;
+  VisualMaterial glass = material(Kind::dielectric), water = material(Kind::dielectric);
+  glass.priority = 1;
+  water.index_of_refraction = 1.33f;
+  water.absorption = {40, 0, 0};
+  add(scene, box({-0.005f, -0.005f, -0.1f}, {0.005f, 0.005f, -0.01f}), glass);
+  add(scene, box({-1, -1, -0.2f}, {1, 1, 0}), water);
+  scene.environment = Vec3f::Ones();
+  look_at(scene, {0.85, 0.1, 0.5}, {0, 0, -0.01}, 32, 32, 3000);
+  const Mean many = mean(picture(scene, 256), 0), few = mean(picture(scene, 256, true, 4), 0);
+  EXPECT_NEAR(few.value, many.value, 4 * std::hypot(few.sigma, many.sigma));
+  EXPECT_GT(few.value, 20 * few.sigma);
+}
+
 // A diffuse floor lit through a pane: straight shadow rays against true refraction. For a flat pane they agree but for
 // the small sideways shift, which the wide light forgives.
 TEST_F(Glass, StraightShadowsAgreeWithRefractedPathsUnderAFlatPane) {
@@ -92,9 +132,28 @@ TEST_F(Glass, BallOfTheSameGlassInsideABlockIsInvisible) {
   look_at(scene, {0, 0, 1}, {0, 0, 0}, 64, 64, 3000);
   const Mean without = mean(picture(scene, 64));
   add(scene, sphere(0.05f, 64), glass);
-  const Mean with = mean(picture(scene, 64));
-  EXPECT_NEAR(with.value, without.value, 4 * std::hypot(with.sigma, without.sigma) + 1e-3);
+  for (const int max_depth : {64, 2}) {
+    const Mean with = mean(picture(scene, 64, true, max_depth));
+    EXPECT_NEAR(with.value, without.value, 4 * std::hypot(with.sigma, without.sigma) + 1e-3);
+  }
   EXPECT_LT(without.value, 0.7);
+}
+
+// what is inside of glass and is none is met by the next bounce
+TEST_F(Glass, LampInsideABlockIsSeenWhateverTheBounces) {
+  Scene scene;
+  VisualMaterial glass = material(Kind::dielectric), lamp = material(Kind::emissive);
+  glass.absorption = Vec3f::Constant(3);
+  lamp.emission = Vec3f::Ones();
+  add(scene, box({-1, -1, -0.1f}, {1, 1, 0.1f}), glass);
+  add(scene, quad({-1, -1, -0.05f}, {2, 0, 0}, {0, 2, 0}), lamp);
+  look_at(scene, {0, 0, 1}, {0, 0, 0}, 64, 64, 3000);
+  const double R = 0.04, a = std::exp(-3 * 0.15);
+  for (const int max_depth : {64, 2}) {
+    const Mean L = mean(picture(scene, 64, true, max_depth));
+    // what the face reflects down meets the lamp, which reflects nothing; radiance in glass is n^2 of that in air
+    EXPECT_NEAR(L.value, (1 - R) * a, 4 * L.sigma + 1e-4);
+  }
 }
 
 // water (1.33) that reaches a little into glass (1.5) of higher priority: one interface from glass to water, no gap of
@@ -114,7 +173,7 @@ TEST_F(Glass, WaterThatOverlapsItsBeakerLeavesNoGap) {
   lamp.emission = Vec3f::Ones();
   add(scene, quad({-1, -1, -1}, {2, 0, 0}, {0, 2, 0}), lamp);
   look_at(scene, {0, 0, 1}, {0, 0, 0}, 64, 64, 3000);
-  const RenderedFrame frame = picture(scene, 256, false, 64);
+  const RenderedFrame frames[] = {picture(scene, 256, false, 64), picture(scene, 256, false, 4)};
   const auto R = [](double a, double b) { return (a - b) * (a - b) / ((a + b) * (a + b)); };
   for (int c = 0; c < 3; ++c) {
     const double a = std::exp(-0.04 * (c == 0 ? 0 : c == 1 ? 20 : 60));
@@ -130,9 +189,11 @@ TEST_F(Glass, WaterThatOverlapsItsBeakerLeavesNoGap) {
     };
     const auto face = [&](double x, double y) { return Layer{1 - R(x, y), 1 - R(x, y), R(x, y), R(x, y)}; };
     const Layer all = join(join(face(1, n_water), face(n_water, n_glass), a), face(n_glass, 1), 1);
-    const Mean T = mean(frame, c);
-    EXPECT_LT(T.sigma, 2e-3);
-    EXPECT_NEAR(T.value, all.T_up, 4 * T.sigma + 1e-4) << "channel " << c;
+    for (const RenderedFrame& frame : frames) {
+      const Mean T = mean(frame, c);
+      EXPECT_LT(T.sigma, 2e-3);
+      EXPECT_NEAR(T.value, all.T_up, 4 * T.sigma + 1e-4) << "channel " << c;
+    }
   }
 }
 
