@@ -1,6 +1,7 @@
 #include "host/base/program_pipe.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -10,6 +11,11 @@
 #include "host/base/error.hpp"
 
 namespace pvg {
+namespace {
+
+constexpr std::size_t MOST_SAID = 1 << 16;  // of messages that are kept, twice as many at most [bytes]
+
+}  // namespace
 
 ProgramPipe::ProgramPipe(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                          Direction direction, std::string what)
@@ -42,26 +48,49 @@ ProgramPipe::~ProgramPipe() {
   end();
 }
 
+void ProgramPipe::take_messages() {
+  char part[512];
+  const ssize_t n = ::read(messages_, part, sizeof part);
+  if (n < 0 && errno == EINTR) return;
+  if (n > 0) said_.append(part, std::size_t(n));
+  if (said_.size() > 2 * MOST_SAID) said_.erase(0, said_.size() - MOST_SAID);
+  if (n > 0) return;
+  close(messages_);
+  messages_ = -1;
+}
+
+// A program whose messages nobody takes waits once their pipe is full, and neither gives nor takes more.
+void ProgramPipe::wait_for(short event) {
+  for (;;) {
+    pollfd files[] = {{data_, event, 0}, {messages_, POLLIN, 0}};  // of -1 nothing is asked
+    if (poll(files, 2, -1) < 0) {
+      if (errno == EINTR) continue;
+      return;
+    }
+    if (files[1].revents) take_messages();
+    if (files[0].revents) return;
+  }
+}
+
 std::string ProgramPipe::end() {
   if (data_ >= 0) close(data_);
   data_ = -1;
-  std::string said;
-  char part[512];
-  for (ssize_t n; messages_ >= 0 && ((n = ::read(messages_, part, sizeof part)) > 0 || (n < 0 && errno == EINTR));)
-    if (n > 0) said.append(part, std::size_t(n));
-  if (messages_ >= 0) close(messages_);
-  messages_ = -1;
+  while (messages_ >= 0) take_messages();
   has_failed_ = has_failed_ || (child_ && child_->wait() != 0);
   child_.reset();
   // the last line, which is where interpreters name the error
-  while (!said.empty() && said.back() == '\n') said.pop_back();
-  return said.substr(said.rfind('\n') + 1);
+  while (!said_.empty() && said_.back() == '\n') said_.pop_back();
+  return said_.substr(said_.rfind('\n') + 1);
 }
 
 void ProgramPipe::write(const void* bytes, std::size_t n) {
   for (std::size_t done = 0; done < n;) {
-    const ssize_t sent = send(data_, static_cast<const char*>(bytes) + done, n - done, MSG_NOSIGNAL);
+    const ssize_t sent = send(data_, static_cast<const char*>(bytes) + done, n - done, MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent < 0 && errno == EINTR) continue;
+    if (sent < 0 && errno == EAGAIN) {
+      wait_for(POLLOUT);
+      continue;
+    }
     if (sent < 0) throw Failure(what_ + ": the program that writes it ended early: " + end());
     done += std::size_t(sent);
   }
@@ -70,8 +99,12 @@ void ProgramPipe::write(const void* bytes, std::size_t n) {
 std::size_t ProgramPipe::read(void* bytes, std::size_t n) {
   std::size_t done = 0;
   while (done < n) {
-    const ssize_t got = recv(data_, static_cast<char*>(bytes) + done, n - done, 0);
+    const ssize_t got = recv(data_, static_cast<char*>(bytes) + done, n - done, MSG_DONTWAIT);
     if (got < 0 && errno == EINTR) continue;
+    if (got < 0 && errno == EAGAIN) {
+      wait_for(POLLIN);
+      continue;
+    }
     if (got <= 0) break;
     done += std::size_t(got);
   }

@@ -25,7 +25,9 @@ class ProgramPipe {
 
  private:
   std::string end();
-  std::string what_;
+  void wait_for(short event);  // of data_, as of poll(); takes messages meanwhile
+  void take_messages();
+  std::string what_, said_;        // said_: the end of its messages so far
   int data_ = -1, messages_ = -1;  // file descriptors
   std::optional<ChildProgram> child_;
   bool has_failed_ = false;

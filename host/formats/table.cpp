@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <set>
@@ -34,7 +35,9 @@ double number_in(const std::string& cell, const std::string& place) {
   if (cell.empty()) return std::numeric_limits<double>::quiet_NaN();
   const char* begin = cell.data() + (cell[0] == '+' ? 1 : 0);
   const char* end = cell.data() + cell.size();
-  if (std::from_chars(begin, end, value).ptr != end) throw Failure(place + ": `" + cell + "` is no number");
+  const auto parsed = std::from_chars(begin, end, value);
+  if (parsed.ptr != end) throw Failure(place + ": `" + cell + "` is no number");
+  if (parsed.ec == std::errc::result_out_of_range) value = std::strtod(begin, nullptr);  // infinite, or next to 0
   if (std::abs(value) > LARGEST) throw Failure(place + ": `" + cell + "` is too large for a measurement");
   return value;
 }

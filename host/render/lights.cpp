@@ -49,6 +49,7 @@ Light sphere(const SphereLight& light) {
   store(light.center.cast<float>(), l.corner);
   store(light.radiance, l.radiance);
   l.radius = float(light.radius);
+  l.area = float(4 * std::numbers::pi * light.radius * light.radius);
   if (!is_spot(light)) {
     l.edge_v[0] = -2;  // below every cosine: 1 in all directions
     l.edge_v[1] = 1;
@@ -59,7 +60,6 @@ Light sphere(const SphereLight& light) {
   store(light.direction.normalized().cast<float>(), l.edge_u);
   l.edge_v[0] = float(std::cos(light.outer_angle));
   l.edge_v[1] = float(1 / (std::cos(light.inner_angle) - std::cos(light.outer_angle)));
-  l.area = float(4 * std::numbers::pi * light.radius * light.radius);
   return l;
 }
 

@@ -156,9 +156,10 @@ static inline float3 pass_glass(const PointMaterial m, const Boundary boundary, 
   path->likelihood = fmin(1.0f, share / (1.0f - share));
   float3 direction = to_world(frame, sample.direction);
   if ((dot(direction, face) < 0) != is_refracted) {
-    // the bent direction is on the wrong side of the true surface: once more with the true normal, same choice
+    // The bent direction is on the wrong side of the true surface: once more with the true normal, same choice. Not 1,
+    // which would refract at total reflection, along the surface: rounding would choose its side
     frame = make_frame(face);
-    sample = material_sample(m, to_local(frame, -path->direction), (float2)(0.0f), is_refracted ? 1.0f : 0.0f);
+    sample = material_sample(m, to_local(frame, -path->direction), (float2)(0.0f), is_refracted ? 0x1.fffffep-1f : 0.0f);
     direction = to_world(frame, sample.direction);
   }
   const bool passes = dot(direction, face) < 0;  // not so at total reflection

@@ -293,7 +293,7 @@ static inline void shade_glass_group(const Shading scene, const Bounce bounce, c
   const int16 is_wrong = (dots(direction, side.face) < 0.0f) != (sample.is_refracted != 0);
   if (mask16(is_wrong)) {
     const Frames flat = make_frames(side.face);
-    const float16 choice = sample.is_refracted ? sixteen(1.0f) : sixteen(0.0f);
+    const float16 choice = sample.is_refracted ? sixteen(0x1.fffffep-1f) : sixteen(0.0f);
     const GlassSamples again = sample_glass(to_locals(flat, back), eta, choice);
     direction = chosen(is_wrong, to_worlds(flat, again.direction), direction);
     sample.is_refracted = is_wrong ? again.is_refracted : sample.is_refracted;

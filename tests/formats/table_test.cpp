@@ -27,6 +27,10 @@ TEST(MeasuredTable, WhatIsNoTableOfNumbersIsRefusedByLine) {
   expect_error<Failure>([&] { read_table(folder.write("b.csv", "t,x\n0,1\n1\n")); }, {"b.csv, line 3", "columns"});
   expect_error<Failure>([&] { read_table(folder.write("b.csv", "t,x\n0,fast\n")); }, {"b.csv, line 2", "`fast`"});
   expect_error<Failure>([&] { read_table(folder.write("b.csv", "t,x\n0,1 2\n")); }, {"b.csv, line 2", "`1 2`"});
+  for (const char* large : {"1e16", "-1e16", "inf", "1e400", "-1e400"})
+    expect_error<Failure>([&] { read_table(folder.write("b.csv", "t,x\n0," + std::string(large) + "\n")); },
+                          {"b.csv, line 2", large, "too large"});
+  EXPECT_EQ(read_table(folder.write("b.csv", "t,x\n0,1e-400\n"))["x"], std::vector<double>{0});
 }
 
 // As Motive exports rigid bodies: a line about the take, then names, kinds and axes above each other.

@@ -116,6 +116,13 @@ TEST_F(ShadeLanes, GlassThatAbsorbsWithAnotherInside) {
   }
 }
 
+// Interpolated normals lean far from the faces: many paths are bent to the wrong side, and bent anew
+TEST_F(ShadeLanes, GlassOfFewFaces) {
+  Scene scene = things(material(Kind::diffuse, {0.7f, 0.4f, 0.2f}));
+  for (const double x : {-0.5, 0.3}) add(scene, sphere(0.35f, 4), material(Kind::dielectric), {x, -0.6, 0.4});
+  expect_the_same(scene);
+}
+
 // Paths from the floor pass the plate and meet the lamp, which their shadow rays have found already.
 TEST_F(ShadeLanes, LightThroughAPlateOfGlass) {
   VisualMaterial coated = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f}), metal = coated;

@@ -227,8 +227,8 @@ HeldOut judge_held_out(Fitter& fitter, const Problem& problem, double length, st
     result.after_each.push_back(after);
   }
   result.lead.resize(result.kept);
-  for (std::size_t m = 2; m <= result.kept && depends_on_alternatives(result, selected[m - 1].effects().size(), m - 1);
-       ++m) {
+  for (std::size_t m = 2; m <= result.kept; ++m) {
+    if (!depends_on_alternatives(result, selected[m - 1].effects().size(), m - 1)) continue;
     Lead& lead = result.lead[m - 1];
     lead.sigma = NAN;
     try {

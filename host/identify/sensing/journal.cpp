@@ -30,8 +30,15 @@ std::uint64_t journal_key(const Problem& problem, const std::string& settings) {
     key = hash_of({first, sizeof(double) * values.size()}, key);
   };
   for (const Run& run : problem.runs) {
+    add(run.t);
     for (const std::vector<double>& values : run.values) add(values);
     for (const TargetTable& targets : run.targets) add(targets.value);
+    for (const PrescribedPath& prescribed : run.prescribed)
+      for (const PathPoint& point : prescribed.path) {
+        const auto pose = point.pose.matrix().reshaped();
+        add({point.time});
+        add({pose.begin(), pose.end()});
+      }
     for (const KnownPush& push : run.pushes) {
       add({push.from, push.to});
       add(push.effect.parameters);

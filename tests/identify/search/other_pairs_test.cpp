@@ -65,5 +65,20 @@ TEST_F(OtherPairs, ThatExplainMoreWithholdTheName) {
   EXPECT_FALSE(closes_enough(held_out));
 }
 
+// Of which two do not close enough either
+TEST_F(OtherPairs, ThreeEffectsAreComparedWithOthersToo) {
+  const std::vector<Model> selected = {
+      model({{"joint_spring", 0.3 * K}}), model({{"joint_spring", K}, {"joint_coulomb_friction", 0.03}}),
+      model({{"joint_spring", K}, {"joint_coulomb_friction", 1e-6}, {"joint_viscous_friction", 1.05 * C}})};
+  const HeldOut held_out = judge_held_out(pendulum.flow.fitter, pendulum.problem, 0, 2, selected, true);
+  const auto share = [&](std::size_t m) { return closed(held_out.before, held_out.after_each.at(m), held_out.floor); };
+  ASSERT_EQ(held_out.kept, 3U);
+  ASSERT_LT(share(0), criteria().gap_closed_least);
+  ASSERT_LT(share(1), share_of_effects(criteria().gap_closed_least, 2));
+  ASSERT_GT(share(2), share_of_effects(criteria().gap_closed_least, 3));
+  ASSERT_GT(held_out.after, criteria().unexplained);
+  EXPECT_FALSE(closes_enough(held_out));  // nothing to compare it with
+}
+
 }  // namespace
 }  // namespace pvg::diagnose

@@ -138,5 +138,25 @@ TEST(Journal, AQuestionHoldsSceneSensingStartsAndNoise) {
   ask(false);
 }
 
+// What a run's table says reaches predictions by the key alone.
+TEST(Journal, AKeyHoldsTimesAndWhatWasPrescribed) {
+  Problem problem;
+  problem.runs.resize(1);
+  diagnose::Run& run = problem.runs[0];
+  run.t = {0, 0.1, 0.2};
+  run.values = {{1, 2, 3}};
+  run.targets = {{{0, 0.1, 0.2}, {4, 5, 6}}};
+  run.prescribed = {{0, {{0, Pose::Identity()}, {0.2, Pose::Identity()}}}};
+  const std::uint64_t key = journal_key(problem, "");
+  EXPECT_EQ(journal_key(problem, ""), key);
+  for (double* number : {&run.t[1], &run.values[0][1], &run.targets[0].value[1], &run.prescribed[0].path[1].time,
+                         &run.prescribed[0].path[1].pose.matrix()(0, 3)}) {
+    const double before = *number;
+    *number += 0.01;
+    EXPECT_NE(journal_key(problem, ""), key) << before;
+    *number = before;
+  }
+}
+
 }  // namespace
 }  // namespace pvg::diagnose
