@@ -17,7 +17,7 @@ struct RenderSettings {
   int samples = 16;  // paths per pixel
   bool is_adaptive =
       false;           // `samples` is the mean: more where the noise is, see adaptive.hpp; not where a shutter moves
-  int max_depth = 12;  // bounces; a glass wall takes two. See kernels/render/leave_glass.cl for those beyond half of them
+  int max_depth = 12;  // bounces; a glass wall takes two, light along one is followed (kernels/render/leave_glass.cl)
   std::uint64_t seed = 0;
   // clear glass between a light and a diffuse surface or shadow receiver attenuates the shadow ray, which goes straight
   // through, and refracted light of that light is left out; false: glass blocks shadow rays, all refracted paths count
