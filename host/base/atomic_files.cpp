@@ -12,6 +12,7 @@
 #include <cstring>
 #include <mutex>
 #include <random>
+#include <regex>
 #include <set>
 
 #include "host/base/error.hpp"
@@ -204,6 +205,19 @@ void PartialFolder::finish() {
   end(path_);
   path_.clear();
   sync(target_.parent_path().empty() ? fs::path(".") : target_.parent_path());
+}
+
+std::string with_final_names(const std::string& message) {
+  static const std::regex PATTERN("(^|[/ ])\\.([^/]*?)\\.partial-[0-9]+\\.[^/ ]*?\\.[0-9a-f]{16}(\\.[^/:; ]{1,16})?");
+  std::string text;
+  auto rest = message.cbegin();
+  for (std::sregex_iterator found(message.begin(), message.end(), PATTERN), none; found != none; ++found) {
+    const std::string name = (*found)[2], ending = (*found)[3];
+    text.append(rest, found->prefix().second).append((*found)[1]).append(name);
+    if (!name.ends_with(ending)) text.append(ending);
+    rest = found->suffix().first;
+  }
+  return text.append(rest, message.cend());
 }
 
 void remove_unfinished() {

@@ -40,6 +40,9 @@ class PartialFile {
   std::filesystem::path target_, path_;
 };
 
+// A message in which what is in the making has the name that it will have, which is the one that was asked for.
+std::string with_final_names(const std::string& message);
+
 // Removes what this process has in the making, from any thread, before it ends without further ado.
 void remove_unfinished();
 

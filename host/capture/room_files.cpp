@@ -13,6 +13,9 @@ namespace pvg {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double PLAIN = 0.5;  // reflectance of what has no colours, as of an object without visuals
+
 using nlohmann::ordered_json;
 
 template <class Vector>
@@ -64,6 +67,9 @@ void write_captured_meshes(const fs::path& file, std::span<const NamedMesh> mesh
     material.doubleSided = true;
     material.pbrMetallicRoughness.metallicFactor = 0;
     if (is_unlit) material.extensions["KHR_materials_unlit"] = tinygltf::Value(tinygltf::Value::Object{});
+    // white without loss would outshine everything, and its light would never end
+    if (!is_unlit && !texture && mesh->colors.empty())
+      material.pbrMetallicRoughness.baseColorFactor = {PLAIN, PLAIN, PLAIN, 1};
     if (texture && !texture->rgba.empty())
       material.pbrMetallicRoughness.baseColorTexture.index = out.add_texture(*texture);
     tinygltf::Primitive part;

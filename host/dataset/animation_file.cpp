@@ -75,10 +75,10 @@ Eigen::Quaterniond rotation_of(const AffineMap& map) {
   return Eigen::Quaterniond(Mat3(svd.matrixU() * svd.matrixV().transpose())).normalized();
 }
 
-void add_rigid(AnimationWriter& writer, const RigidBody& body, std::size_t index,
+void add_rigid(AnimationWriter& writer, const RigidBody& body, const TriangleMesh& surface, std::size_t index,
                const std::vector<SceneState>& states) {
-  if (body.collision.triangles.empty()) return;
-  const int node = writer.add_body(body.name, floats(body.collision.points), body.collision.triangles, {});
+  if (surface.triangles.empty()) return;
+  const int node = writer.add_body(body.name, floats(surface.points), surface.triangles, {});
   Floats places, turns;
   Eigen::Quaterniond last = Eigen::Quaterniond::Identity();
   for (const SceneState& state : states) {
@@ -89,6 +89,9 @@ void add_rigid(AnimationWriter& writer, const RigidBody& body, std::size_t index
     last = q;
     turns.insert(turns.end(), {float(q.x()), float(q.y()), float(q.z()), float(q.w())});
   }
+  // a program that shows no motion shows the start
+  writer.model.nodes[std::size_t(node)].translation = {places[0], places[1], places[2]};
+  writer.model.nodes[std::size_t(node)].rotation = {turns[0], turns[1], turns[2], turns[3]};
   writer.animate(node, "translation", writer.add_vectors(places));
   writer.animate(node, "rotation", writer.add(turns, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC4, 4));
 }
@@ -128,7 +131,10 @@ AnimationWriter writer_of(const Scene& scene, const std::vector<SceneState>& sta
   Floats times;
   for (const SceneState& state : states) times.push_back(float(state.time));
   writer.times = writer.add_scalars(times);
-  for (std::size_t b = 0; b < scene.rigid_bodies.size(); ++b) add_rigid(writer, scene.rigid_bodies[b], b, states);
+  for (std::size_t b = 0; b < scene.rigid_bodies.size(); ++b)
+    add_rigid(writer, scene.rigid_bodies[b], scene.rigid_bodies[b].collision, b, states);
+  for (const auto& [rigid, surface] : scene.passing_surfaces)
+    add_rigid(writer, scene.rigid_bodies[std::size_t(rigid)], surface, std::size_t(rigid), states);
   const auto through_time = [&](auto points_of) {
     std::vector<const std::vector<Vec3>*> points;
     for (const SceneState& state : states) points.push_back(&points_of(state));

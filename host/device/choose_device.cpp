@@ -11,7 +11,8 @@ std::string lower(std::string text) {
 }
 
 // the device that the text names; empty: the first GPU with double precision, for rendering any, else the first device
-const DeviceInfo& find_named(const std::vector<DeviceInfo>& devices, const std::string& which, Purpose purpose) {
+const DeviceInfo& find_named(const std::vector<DeviceInfo>& devices, const std::string& which, Purpose purpose,
+                             const std::string& option) {
   if (which.empty()) {
     for (const DeviceInfo& device : devices)
       if (device.is_gpu && device.has_fp64) return device;
@@ -25,17 +26,18 @@ const DeviceInfo& find_named(const std::vector<DeviceInfo>& devices, const std::
                  : (which == "gpu" && device.is_gpu) || (which == "cpu" && !device.is_gpu) ||
                        lower(device.name + " " + device.platform).find(lower(which)) != std::string::npos)
       return device;
-  throw UsageError("--device " + which + " fits none of the " + std::to_string(devices.size()) +
+  throw UsageError(option + " " + which + " fits none of the " + std::to_string(devices.size()) +
                    " OpenCL devices; `phyvisgen devices` lists them");
 }
 
 }  // namespace
 
-const DeviceInfo& choose_device(const std::vector<DeviceInfo>& devices, const std::string& which, Purpose purpose) {
+const DeviceInfo& choose_device(const std::vector<DeviceInfo>& devices, const std::string& which, Purpose purpose,
+                                const std::string& option) {
   if (devices.empty())
     throw UsageError(
         "no OpenCL device was found: install a driver (pocl-opencl-icd for the CPU), then try `phyvisgen devices`");
-  const DeviceInfo& device = find_named(devices, which, purpose);
+  const DeviceInfo& device = find_named(devices, which, purpose, option);
   if (purpose == Purpose::physics && !device.has_fp64)
     throw UsageError(
         "device " + device.name +
@@ -46,7 +48,7 @@ const DeviceInfo& choose_device(const std::vector<DeviceInfo>& devices, const st
 const DeviceInfo& choose_render_device(const std::vector<DeviceInfo>& devices, const std::string& physics,
                                        const std::string& render) {
   const DeviceInfo& simulates = choose_device(devices, physics);
-  if (!render.empty()) return choose_device(devices, render, Purpose::rendering);
+  if (!render.empty()) return choose_device(devices, render, Purpose::rendering, "--render-device");
   if (!physics.empty()) return simulates;
   if (!simulates.is_gpu) {
     for (const DeviceInfo& device : devices)

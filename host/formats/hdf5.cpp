@@ -119,7 +119,8 @@ void File::fail(const std::string& what, const std::string& object) const {
                      (what.find("attribute") == std::string::npos ? "" : what.substr(what.find("the")) + " ") + object +
                      " could not be read: the file is damaged or was not made by this "
                      "program; make it again");
-  throw Failure(path_.string() + ": HDF5 could not " + what + " " + object);
+  throw Failure(path_.string() + ": HDF5 could not " + what + " " + object +
+                (what == "write" ? "; is the disk full?" : ""));
 }
 
 File File::create(const std::filesystem::path& path) {
@@ -152,7 +153,7 @@ void File::close() {
   if (handle_.id() < 0) return;
   const bool is_flushed = H5Fflush(handle_.id(), H5F_SCOPE_LOCAL) >= 0;
   handle_ = Handle();
-  if (!is_flushed) fail("write", "the end of the file; is the disk full?");
+  if (!is_flushed) fail("write", "the end of the file");
 }
 
 void File::make_group(const std::string& object) {

@@ -36,9 +36,9 @@ double number_in(const std::string& cell, const std::string& place) {
   const char* begin = cell.data() + (cell[0] == '+' ? 1 : 0);
   const char* end = cell.data() + cell.size();
   const auto parsed = std::from_chars(begin, end, value);
-  if (parsed.ptr != end) throw Failure(place + ": `" + cell + "` is no number");
+  if (parsed.ptr != end) throw UsageError(place + ": `" + cell + "` is no number");
   if (parsed.ec == std::errc::result_out_of_range) value = std::strtod(begin, nullptr);  // infinite, or next to 0
-  if (std::abs(value) > LARGEST) throw Failure(place + ": `" + cell + "` is too large for a measurement");
+  if (std::abs(value) > LARGEST) throw UsageError(place + ": `" + cell + "` is too large for a measurement");
   return value;
 }
 
@@ -46,7 +46,8 @@ std::vector<std::string> lines_of(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) lines.push_back(line);
-  if (lines.empty()) throw Failure(file.string() + " cannot be read, or is empty");
+  if (!in.is_open()) throw UsageError(file.string() + ": there is no such table, or it cannot be read");
+  if (lines.empty()) throw UsageError(file.string() + " is empty; it needs a header and rows of numbers");
   if (lines[0].starts_with("\xef\xbb\xbf")) lines[0].erase(0, 3);  // a byte-order mark, as some programs put first
   return lines;
 }
@@ -115,20 +116,20 @@ MeasuredTable read_csv(const std::filesystem::path& file) {
   const std::vector<std::string> lines = lines_of(file);
   const auto [names, n_header] = header_of(lines);
   if (names.size() == 1 && lines[0].find(';') != std::string::npos)
-    throw Failure(file.string() + ", line 1: the columns are parted by semicolons; part them by commas");
+    throw UsageError(file.string() + ", line 1: the columns are parted by semicolons; part them by commas");
   MeasuredTable table;
   table.file = file;
   for (const std::string& name : names)
     if (!table.columns.emplace(name, std::vector<double>()).second)
-      throw Failure(file.string() + ", line " + std::to_string(n_header) + ": the column `" + name +
-                    "` stands there twice");
+      throw UsageError(file.string() + ", line " + std::to_string(n_header) + ": the column `" + name +
+                       "` stands there twice");
   std::vector<std::vector<double>*> columns;
   for (const std::string& name : names) columns.push_back(&table.columns[name]);
   for (std::size_t line = n_header; line < lines.size(); ++line) {
     if (is_empty(lines[line])) continue;
     const std::vector<std::string> cells = cells_of(lines[line]);
     const std::string place = file.string() + ", line " + std::to_string(line + 1);
-    if (cells.size() != names.size()) throw Failure(place + " has another number of columns than the header");
+    if (cells.size() != names.size()) throw UsageError(place + " has another number of columns than the header");
     for (std::size_t i = 0; i < cells.size(); ++i) columns[i]->push_back(number_in(cells[i], place));
     ++table.n_rows;
   }
@@ -146,16 +147,16 @@ MeasuredTable read_arrays(const hdf5::File& in, const std::filesystem::path& fil
   table.file = file;
   for (const std::string& name : names) {
     const std::string object = "/" + name;
-    if (!in.has(object)) throw Failure(file.string() + " has no column `" + name + "`");
+    if (!in.has(object)) throw UsageError(file.string() + " has no column `" + name + "`");
     if (in.shape(object).size() != 1)
-      throw Failure(file.string() + ": `" + name + "` must be a list of numbers, one per row");
+      throw UsageError(file.string() + ": `" + name + "` must be a list of numbers, one per row");
     table.columns[name] = in.read<double>(object).values;
   }
   for (const auto& [name, values] : table.columns) {
     if (table.n_rows == 0) table.n_rows = values.size();
     if (values.size() != table.n_rows)
-      throw Failure(file.string() + ": `" + name + "` holds " + std::to_string(values.size()) +
-                    " numbers, another column " + std::to_string(table.n_rows));
+      throw UsageError(file.string() + ": `" + name + "` holds " + std::to_string(values.size()) +
+                       " numbers, another column " + std::to_string(table.n_rows));
   }
   return table;
 }
@@ -175,7 +176,7 @@ void demand_table(const std::filesystem::path& file) {
 
 const std::vector<double>& MeasuredTable::operator[](const std::string& name) const {
   const auto found = columns.find(name);
-  if (found == columns.end()) throw Failure(file.string() + " has no column `" + name + "`");
+  if (found == columns.end()) throw UsageError(file.string() + " has no column `" + name + "`");
   return found->second;
 }
 

@@ -13,12 +13,12 @@ struct MeasuredTable {
   std::size_t n_rows = 0;
   std::filesystem::path file;
   bool has(const std::string& name) const { return columns.contains(name); }
-  // Throws a Failure that names the file where the column is missing.
+  // Throws a UsageError that names the file where the column is missing.
   const std::vector<double>& operator[](const std::string& name) const;
 };
 
 // CSV may have lines before the names, and names in several lines above each other (motion capture): see names_in in
-// table.cpp. .h5 and .hdf5 are HDF5, whose arrays at the top are the columns. Throws a Failure naming file and line
+// table.cpp. .h5 and .hdf5 are HDF5, whose arrays at the top are the columns. Throws a UsageError naming file and line
 // where a row is not as long as the header or a cell holds something else than a number.
 MeasuredTable read_table(const std::filesystem::path& file);
 

@@ -51,7 +51,7 @@ RigidBody rigid_body(const ObjectSection& object, const Pose& pose) {
   if (!object.is_fixed && has_overlapping_parts(body.collision))
     throw UsageError(object.mesh.string() +
                      " consists of closed parts that overlap, whose common space would count "
-                     "twice in the mass; unite them into one surface");
+                     "twice in the mass; unite them into one surface, as `phyvisgen capture object` does");
   tell_of_size(body.collision, object.mesh.string());
   for (Vec3& point : body.collision.points) point *= object.size;
   body.is_fixed = object.is_fixed;

@@ -28,6 +28,8 @@ Eigen::AlignedBox3d bounds(const Scene& scene) {
   for (const RigidBody& body : scene.rigid_bodies)
     if (!body.is_half_space)
       for (const Vec3& point : body.collision.points) box.extend(body.pose * point);
+  for (const auto& [rigid, surface] : scene.passing_surfaces)
+    for (const Vec3& point : surface.points) box.extend(scene.rigid_bodies[std::size_t(rigid)].pose * point);
   for (const SoftBody& body : scene.soft_bodies)
     for (const Vec3& point : body.mesh.points) box.extend(body.pose * point);
   for (const Cloth& cloth : scene.cloths)
@@ -70,6 +72,8 @@ void add_visuals(Scene& scene, double radius) {
     const TriangleMesh* surface = body.is_half_space ? &ground : &body.collision;
     if (!surface->triangles.empty()) add_visual(scene, body.name, i, -1, -1, surface);
   }
+  for (const auto& [rigid, surface] : scene.passing_surfaces)
+    add_visual(scene, scene.rigid_bodies[std::size_t(rigid)].name, rigid, -1, -1, &surface);
   for (int i = 0; i < int(scene.soft_bodies.size()); ++i)
     add_visual(scene, scene.soft_bodies[std::size_t(i)].name, -1, i, -1, nullptr);
   for (int i = 0; i < int(scene.cloths.size()); ++i)
@@ -125,7 +129,7 @@ std::vector<std::string> complete_for_viewing(Scene& scene) {
   const double radius = std::max(1e-3, box.diagonal().norm() / 2);
   if (scene.visuals.empty()) {
     add_visuals(scene, radius);
-    added.push_back("the scene has no visuals: its collision surfaces are shown");
+    added.push_back("the scene has no visuals: the shapes of its bodies are shown");
   }
   if (scene.cameras.empty()) {
     add_camera(scene, box.center(), radius);

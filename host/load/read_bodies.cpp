@@ -64,7 +64,7 @@ RigidBody rigid_of(const Section& section, const BodySection& read) {
   body.path = read.path;
   body.velocity = read.velocity;
   body.angular_velocity = read.angular_velocity;
-  if (!read.collides) body.collision = {};
+  if (!read.collides) body.collision = {};  // PassingSurface keeps it
   if (!body.is_half_space) return body;
   body.pose.linear() = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), read.normal).toRotationMatrix();
   body.pose.translation() = read.point;
@@ -109,6 +109,7 @@ void read_body(Section& section, SceneFile& file) {
     scene.soft_bodies.push_back(soft_of(read));
   else
     scene.rigid_bodies.push_back(rigid_of(section, read));
+  if (!is_soft && !read.collides) file.passing_surfaces.push_back({int(scene.rigid_bodies.size()) - 1, read.surface});
   if (read.visuals.empty() && read.display.width == 0) return;
   BodyVisuals visuals;
   (is_soft ? visuals.soft : visuals.rigid) = int(is_soft ? scene.soft_bodies.size() : scene.rigid_bodies.size()) - 1;

@@ -176,6 +176,8 @@ SceneRun run_of(const SceneFile& file, const std::filesystem::path& path) {
   append(run.scene, file.added);
   try {
     for (const BodyVisuals& body : file.visuals) add_body_visuals(run.scene, body, first_rigid, first_soft);
+    for (const auto& [rigid, surface] : file.passing_surfaces)
+      run.scene.passing_surfaces.push_back({first_rigid + rigid, surface});
   } catch (const UsageError& error) {
     throw UsageError(path.string() + ": " + error.what());
   }

@@ -70,7 +70,8 @@ struct SceneFile {
   std::vector<TargetTable> targets;  // [n_driven joints of `added`]
   std::vector<RobotPath> paths;      // of Task::more_robots
   std::vector<BodyVisuals> visuals;
-  double duration = 1;  // [s]
+  std::vector<PassingSurface> passing_surfaces;  // of `added`
+  double duration = 1;                           // [s]
 };
 
 const Fields<SceneFile>& scene_file_fields();  // what tasks do not have

@@ -121,10 +121,18 @@ void check_background(Section& section, BackgroundSection& background) {
     section.fail("", "lacks the key `texture`, which a mesh without a look of its own needs");
 }
 
+// A light of no radiance is a mistake that only shows as a dark picture.
+template <class Light>
+void check_shines(Section& section, Light& light) {
+  if (!(light.radiance.maxCoeff() > 0))
+    section.fail("radiance", "must be above 0 in one colour, or the light be left out");
+}
+
 void check_rectangle(Section& section, RectangleLight& light) {
   if (!(light.edge_u.cross(light.edge_v).norm() > 0)) section.fail("edge_u", "and `edge_v` must span a rectangle");
   if (std::abs(light.edge_u.dot(light.edge_v)) > 1e-6 * light.edge_u.norm() * light.edge_v.norm())
     section.fail("edge_u", "and `edge_v` must be at right angles");
+  check_shines(section, light);
 }
 
 }  // namespace
@@ -228,7 +236,8 @@ const Fields<SphereLight>& sphere_light_fields() {
                                       .number("radius", &L::radius, Unit::length, 1e-6, REACH, "of the ball")
                                       .required()
                                       .number("radiance", &L::radiance, Unit::radiance, 0, 1e6, "red, green, blue")
-                                      .required();
+                                      .required()
+                                      .check(check_shines<SphereLight>);
   return FIELDS;
 }
 

@@ -229,6 +229,8 @@ Fields<Condition> condition_fields(const std::vector<std::string>& robots, Condi
       .number("at_most", &C::at_most, unit_of, "m, rad or 1", -1e3, 1e3, "bound; at least one of the two is given")
       .check([](Section& s, C& c) {
         if (!c.at_least && !c.at_most) s.fail("", "lacks a bound: give `at_least`, `at_most` or both");
+        if (c.at_least && c.at_most && *c.at_least > *c.at_most)
+          s.fail("at_least", "is above `at_most`: nothing is both");
       });
 }
 

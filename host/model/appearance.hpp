@@ -118,11 +118,18 @@ struct Camera {
   double read_noise = 0;           // one sigma [electrons]
 };
 
+// The shape of a rigid body that does not collide, so that it can be seen.
+struct PassingSurface {
+  int rigid = -1;
+  TriangleMesh surface;  // in the body's frame
+};
+
 struct Appearance {
   std::vector<Texture> textures;
   std::vector<VisualMaterial> materials;
   std::vector<VisualMesh> visual_meshes;
   std::vector<Visual> visuals;
+  std::vector<PassingSurface> passing_surfaces;  // seen where the scene has no visuals
   std::vector<RectangleLight> lights;
   std::vector<SphereLight> sphere_lights;
   Vec3f environment = Vec3f::Zero();  // radiance of every direction that no surface covers [W/(sr m^2)]

@@ -3,7 +3,9 @@
 
 #include <cstdio>
 #include <exception>
+#include <string>
 
+#include "host/base/atomic_files.hpp"
 #include "host/base/error.hpp"
 #include "pipeline/command_line/command_line.hpp"
 #include "pipeline/command_line/program.hpp"
@@ -13,8 +15,8 @@ namespace {
 // exit codes; 75 is EX_TEMPFAIL of sysexits.h, which batch systems read as "queue me again"
 constexpr int DONE = 0, FAILED = 1, WRONG_USE = 2, TRY_AGAIN = 75;
 
-int report(const char* message, int code) {
-  std::fprintf(stderr, "phyvisgen: %s\n", message);
+int report(const std::string& message, int code) {
+  std::fprintf(stderr, "phyvisgen: %s\n", pvg::with_final_names(message).c_str());
   return code;
 }
 
@@ -41,6 +43,6 @@ int main(int argc, char** argv) {
   } catch (const pvg::Failure& error) {
     return report(error.what(), FAILED);
   } catch (const std::exception& error) {
-    return report(pvg::sentence_of(error).c_str(), FAILED);
+    return report(pvg::sentence_of(error), FAILED);
   }
 }

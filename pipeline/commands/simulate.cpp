@@ -108,6 +108,15 @@ void separate(Scene& scene) {
     std::fprintf(stderr, "phyvisgen: %s\n", describe(moved).c_str());
 }
 
+// What is wrong with the start is wrong in the file.
+Simulation begin(Device& device, const Scene& scene, const std::string& file) {
+  try {
+    return {device, scene};
+  } catch (const UsageError& error) {
+    throw UsageError(file + ": " + error.what());
+  }
+}
+
 // Number of steps done already.
 std::size_t resume(Simulation& simulation, const SceneRun& run, const std::string& file) {
   if (file.empty()) return 0;
@@ -168,7 +177,7 @@ void run_simulate(const SimulateOptions& options) {
   check_outputs(options);
   separate(run.scene);
   Device device(options.device);
-  Simulation simulation(device, run.scene);
+  Simulation simulation = begin(device, run.scene, options.scene);
   const std::size_t first = resume(simulation, run, options.resume);
   if (first >= n)
     throw UsageError(options.resume + " was made at " + std::to_string(simulation.state().time) +

@@ -208,7 +208,7 @@ std::unique_ptr<SharedSimulation::World> start_world(const Task& task, const Sce
   } catch (const DeviceError&) {
     throw;
   } catch (const UsageError& error) {
-    throw UsageError(task.file.string() + ": " + error.what() + " (`pose` of an object, `position` of a cloth)");
+    throw UsageError(task.file.string() + ": " + error.what());
   }
 }
 

@@ -137,5 +137,19 @@ TEST_F(AtomicFiles, AFolderThatCannotBeMadeIsAUsageErrorThatNamesIt) {
   EXPECT_EQ(n_entries(root / "a" / "b"), 0u);
 }
 
+TEST(FinalNames, AreThoseThatWereAskedFor) {
+  std::string file;
+  {
+    const PartialFile partial("/out/a b.h5");
+    file = partial.path();
+    EXPECT_EQ(with_final_names(file + ": HDF5 could not write"), "/out/a b.h5: HDF5 could not write");
+  }
+  EXPECT_EQ(with_final_names("no room for /out/.set.partial-12.host.example.0123456789abcdef/episode.hdf5: none"),
+            "no room for /out/set/episode.hdf5: none");
+  EXPECT_EQ(with_final_names("file:/o/.p.partial-1.vm.0123456789abcdef/x and .q.png.partial-1.vm.0123456789abcdef.png"),
+            "file:/o/p/x and q.png");
+  EXPECT_EQ(with_final_names("/out/.hidden/file.partial.h5: text"), "/out/.hidden/file.partial.h5: text");
+}
+
 }  // namespace
 }  // namespace pvg

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "host/base/error.hpp"
@@ -100,6 +101,26 @@ TEST(AnimationFile, AViewerFindsTheBodiesWhereTheStatesPutThem) {
     EXPECT_FLOAT_EQ(moved[i + 1], 4);
     EXPECT_FLOAT_EQ(moved[i + 2], 6);
   }
+}
+
+TEST(AnimationFile, HoldsBodiesThatDoNotCollide) {
+  Scene scene = moving_scene();
+  scene.passing_surfaces = {{0, scene.rigid_bodies[0].collision}};
+  scene.rigid_bodies[0].collision = {};
+  AnimationFile animation(scene);
+  animation.append(state_at(scene, 0, 0, Vec3(1, 2, 3)));
+  const fs::path file = fs::temp_directory_path() / ("pvg_passing_" + std::to_string(getpid()) + ".glb");
+  animation.write(file);
+  tinygltf::Model model;
+  tinygltf::TinyGLTF loader;
+  std::string error, warning;
+  ASSERT_TRUE(loader.LoadBinaryFromFile(&model, &error, &warning, file.string())) << error;
+  fs::remove(file);
+  ASSERT_EQ(model.meshes.size(), 2u);
+  const auto door =
+      std::find_if(model.nodes.begin(), model.nodes.end(), [](const auto& node) { return node.name == "door"; });
+  ASSERT_NE(door, model.nodes.end());
+  EXPECT_EQ(door->translation, (std::vector<double>{1, 2, 3}));  // also without the motion
 }
 
 TEST(AnimationFile, AFolderThatIsNotThereIsNamed) {

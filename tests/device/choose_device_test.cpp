@@ -70,6 +70,12 @@ TEST(ChooseDevice, ASecondGpuOfTheSameKindRendersWhereNoneIsNamed) {
 TEST(ChooseDevice, NoDeviceAndNoFitAreSaidInASentence) {
   EXPECT_NE(complaint({}, "").find("no OpenCL device was found: install a driver"), std::string::npos);
   EXPECT_EQ(complaint(machine, "7"), "--device 7 fits none of the 3 OpenCL devices; `phyvisgen devices` lists them");
+  try {
+    choose_render_device(machine, "", "7");
+    FAIL() << "there is no device 7";
+  } catch (const UsageError& error) {
+    EXPECT_EQ(std::string(error.what()).find("--render-device 7 fits none"), 0u) << error.what();
+  }
 }
 
 }  // namespace

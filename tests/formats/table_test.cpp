@@ -17,19 +17,19 @@ TEST(MeasuredTable, ColumnsAreFoundByTheNamesOfTheHeader) {
   EXPECT_EQ(r.n_rows, 2u);
   EXPECT_EQ(r["t"], (std::vector<double>{0, 0.01}));
   EXPECT_EQ(r["x_m"], (std::vector<double>{-1.5e-3, 2}));
-  expect_error<Failure>([&] { r["y"]; }, {"a.csv", "`y`"});
+  expect_error<UsageError>([&] { r["y"]; }, {"a.csv", "`y`"});
 }
 
 TEST(MeasuredTable, WhatIsNoTableOfNumbersIsRefusedByLine) {
   const TestFolder folder;
-  expect_error<Failure>([&] { read_table(folder.path / "b.csv"); }, {"b.csv"});
-  expect_error<Failure>([&] { read_table(folder.write("b.csv", "")); }, {"b.csv", "empty"});
-  expect_error<Failure>([&] { read_table(folder.write("b.csv", "t,x\n0,1\n1\n")); }, {"b.csv, line 3", "columns"});
-  expect_error<Failure>([&] { read_table(folder.write("b.csv", "t,x\n0,fast\n")); }, {"b.csv, line 2", "`fast`"});
-  expect_error<Failure>([&] { read_table(folder.write("b.csv", "t,x\n0,1 2\n")); }, {"b.csv, line 2", "`1 2`"});
+  expect_error<UsageError>([&] { read_table(folder.path / "b.csv"); }, {"b.csv"});
+  expect_error<UsageError>([&] { read_table(folder.write("b.csv", "")); }, {"b.csv", "empty"});
+  expect_error<UsageError>([&] { read_table(folder.write("b.csv", "t,x\n0,1\n1\n")); }, {"b.csv, line 3", "columns"});
+  expect_error<UsageError>([&] { read_table(folder.write("b.csv", "t,x\n0,fast\n")); }, {"b.csv, line 2", "`fast`"});
+  expect_error<UsageError>([&] { read_table(folder.write("b.csv", "t,x\n0,1 2\n")); }, {"b.csv, line 2", "`1 2`"});
   for (const char* large : {"1e16", "-1e16", "inf", "1e400", "-1e400"})
-    expect_error<Failure>([&] { read_table(folder.write("b.csv", "t,x\n0," + std::string(large) + "\n")); },
-                          {"b.csv, line 2", large, "too large"});
+    expect_error<UsageError>([&] { read_table(folder.write("b.csv", "t,x\n0," + std::string(large) + "\n")); },
+                             {"b.csv, line 2", large, "too large"});
   EXPECT_EQ(read_table(folder.write("b.csv", "t,x\n0,1e-400\n"))["x"], std::vector<double>{0});
 }
 

@@ -2,7 +2,7 @@
 import json
 
 import fixtures
-from table import DONE, FAILED, WRONG_USE, copy, cut, edit, make_folder, remove, row, set_json, write
+from table import DONE, WRONG_USE, copy, cut, edit, make_folder, remove, row, set_json, write
 
 N = WRONG_USE
 GLB = bytes(range(256)) * 8
@@ -157,12 +157,13 @@ row("a hand without tags in the photo", HAND_OF, N, "0 of 1 photos", *HELD)
 row("a link without a robot", HAND_OF + " --link tip", N, "--robot", *HELD)
 row("a robot that is not there", HAND_OF + " --robot nowhere.urdf --link tip", N, "nowhere.urdf", *HELD)
 for name, old, new, code in (("a row too many", HAND[-18:], HAND[-18:] * 2, N), ("no quaternion", "qw", "w", N), ("a quaternion of zero", "0,0,0,1", "0,0,0,0", N),
-                             ("a gap", "0.3", "", N), ("text", "0.3", "far", FAILED), ("nothing", HAND, "", FAILED)):
+                             ("a gap", "0.3", "", N), ("text", "0.3", "far", N), ("nothing", HAND, "", N)):
     row(f"the hand's log: {name}", HAND_OF, code, "hand.csv", *GIVEN, write("hand.csv", HAND.replace(old, new)))
 GLASS = "capture object --revolve glass.csv --wall 2 --scale 0.001 -o out"
 for name, text in (("a rim in the axis", "radius,height\n0,0\n0,10\n30,80\n"), ("a negative radius", "radius,height\n0,0\n-3,0\n30,80\n"),
-                   ("a wall thicker than the glass", "radius,height\n0,0\n1,0\n1,80\n"), ("no heights", "radius\n0\n1\n1\n")):
+                   ("a wall thicker than the glass", "radius,height\n0,0\n1,0\n1,80\n"), ("no heights", "radius\n0\n1\n1\n"), ("a word", "radius,height\n0,0\nx,5\n"), ("nothing", "")):
     row(f"a profile: {name}", GLASS, N, "glass.csv", write("glass.csv", text))
+row("a profile that is not there", GLASS, N, "glass.csv.*no such")
 row("a profile and a mesh", GLASS + " glass.csv", N, "--revolve", write("glass.csv", "radius,height\n0,0\n30,0\n30,80\n"))
 
 # ---- a vessel from masks

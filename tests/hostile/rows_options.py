@@ -113,7 +113,7 @@ for device in ("9", "-1", "H100 of my dreams", "99999999999999999999"):
     row(f"the device `{device}`", f"simulate scene.yaml -o s.h5 --device='{device}'", N, r"device.*`phyvisgen devices`|device.*devices",
         needs="scene")
     row(f"the device `{device}`", f"render shown.yaml -o p.png --device='{device}'", N, r"device.*devices", needs="shown")
-row("an unknown rendering device", "generate task.yaml -o o --render-device 7", N, "device.*devices", needs="task")
+row("an unknown rendering device", "generate task.yaml -o o --render-device 7", N, "--render-device 7.*devices", needs="task")
 row("an unknown camera", "render shown.yaml -o p.png --camera back", N, "back.*front", needs="shown")
 row("an unknown camera of a set", "pack set -o p --camera back", N, "back", needs="set")
 row("the same camera twice", "render shown.yaml -o p.png --camera front --camera front", N, "front.*(twice|two|2)", needs="shown")

@@ -19,13 +19,9 @@ struct Series {
 };
 
 MeasuredTable table_of(const std::filesystem::path& file, const std::vector<std::string>& columns) {
-  try {
-    MeasuredTable table = read_columns_of(file, columns);
-    for (const std::string& column : columns) table[column];  // a Failure where it is missing
-    return table;
-  } catch (const Failure& failure) {
-    throw UsageError(failure.what());
-  }
+  MeasuredTable table = read_columns_of(file, columns);
+  for (const std::string& column : columns) table[column];  // a UsageError where it is missing
+  return table;
 }
 
 // The times that a channel's samples are stamped with, in the run's clock.

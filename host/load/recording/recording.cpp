@@ -86,11 +86,7 @@ RecordedRun read_run(YamlSection& section, const YAML::Node& node) {
   RecordedRun run;
   run.name = section.text("file");
   run.is_held_out = section.choice("role", {"fit", "held_out"}) == 1;
-  try {
-    run.table = read_table(section.file("file"));
-  } catch (const Failure& failure) {
-    throw UsageError(failure.what());
-  }
+  run.table = read_table(section.file("file"));
   const std::string time = section.text("time", "t");
   const bool has_part = section.has("from") || section.has("to");
   const double from = section.number("from", Unit::time, -1e9, 1e9, -1e9);

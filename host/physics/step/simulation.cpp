@@ -166,7 +166,7 @@ void Simulation::Impl::refuse_start_conflicts() {
   const std::string first = body_name(system, conflict->first_body), second = body_name(system, conflict->second_body);
   throw UsageError("bodies " + first + " and " + second + " of scene " + system.scenes[conflict->world].name +
                    (conflict->intersects ? " intersect at the start" : " start closer than their contact offsets") +
-                   "; move them apart");
+                   "; move them apart (`pose`)");
 }
 Simulation::Simulation(Device& device, std::span<const PhysicalScene> worlds) {
   if (worlds.empty()) throw UsageError("a simulation needs at least one scene");

@@ -7,7 +7,9 @@
 
 #include "host/base/files.hpp"
 #include "host/capture/room_files.hpp"
+#include "host/formats/gltf_nodes.hpp"
 #include "host/formats/mesh_files.hpp"
+#include "host/formats/tinygltf.hpp"
 #include "host/geometry/exact_intersection.hpp"
 #include "host/geometry/primitive_shapes.hpp"
 #include "tests/expect_error.hpp"
@@ -33,6 +35,15 @@ fs::path write_pot(const TestFolder& folder, double gap, const std::string& lid_
   const NamedMesh meshes[] = {{"pot", &pot}, {lid_name, &lid}};
   write_captured_meshes(folder.path / "pot.glb", meshes, false);
   return folder.path / "pot.glb";
+}
+
+// white would reflect all light, at each bounce
+TEST(ObjectParts, WhatHasNoColoursIsGrey) {
+  const TestFolder folder;
+  const tinygltf::Model model = load_gltf(write_pot(folder, 2.5e-3));
+  ASSERT_EQ(model.materials.size(), 2u);
+  for (const tinygltf::Material& material : model.materials)
+    EXPECT_EQ(material.pbrMetallicRoughness.baseColorFactor, (std::vector<double>{0.5, 0.5, 0.5, 1}));
 }
 
 TEST(ObjectParts, EachNodeIsAPartAndNoTwoMeet) {

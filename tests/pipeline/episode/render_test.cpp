@@ -243,6 +243,16 @@ TEST(Frames, RangesAreHalfOpenAndChecked) {
     EXPECT_THROW(parse_frames(bad, 7), UsageError) << bad;
 }
 
+TEST_F(Render, ShowsBodiesThatDoNotCollideWhereNothingHasVisuals) {
+  std::string text = falling;
+  folder.write("seen.yaml", text);
+  const std::string mass = "density: 1000";
+  folder.write("passing.yaml", text.replace(text.find(mass), mass.size(), mass + ", collides: false"));
+  ASSERT_EQ(run("render seen.yaml --camera a --samples 2 -o seen.png"), 0) << message;
+  ASSERT_EQ(run("render passing.yaml --camera a --samples 2 -o passing.png"), 0) << message;
+  EXPECT_EQ(read_picture(folder.path / "passing.png").rgb, read_picture(folder.path / "seen.png").rgb);
+}
+
 // how bright a grey floor is, whose lamp a black lid hides where `lid` [m] is above it
 struct ReceiverLook : Render {
   int brightness(double lid, const std::string& look) {
