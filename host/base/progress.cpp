@@ -76,8 +76,10 @@ std::string progress_line(const std::string& label, const std::string& unit, std
   // no rate before there is something to divide
   if (done > done_before && seconds > 0) {
     const double rate = double(done - done_before) / seconds;
+    // per minute what takes longer than 10 s each, whose rate per second would have one digit or none
+    const double shown = rate < 0.1 ? 60 * rate : rate;
     char text[64];
-    std::snprintf(text, sizeof text, "  %.*f %s/s", rate < 10 ? 2 : 0, rate, unit.c_str());
+    std::snprintf(text, sizeof text, "  %.*f %s/%s", shown < 10 ? 2 : 0, shown, unit.c_str(), rate < 0.1 ? "min" : "s");
     line += text;
     line += done < total ? "  " + time_text(double(total - done) / rate) + " left" : "  in " + time_text(seconds);
   }

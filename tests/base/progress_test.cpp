@@ -11,7 +11,10 @@ TEST(Progress, AnEpisodeShowsItsRateAndWhatIsLeft) {
   // 12 in 4 s are 3 a second; 28 more take 9.3 s
   EXPECT_EQ(progress_line("episode 7", "frames", 12, 40, 4, 8),
             "episode 7  [##------]  12/40 frames  3.00 frames/s  9 s left");
-  EXPECT_EQ(progress_line("view", "episodes", 2, 2, 7321, 0), "view  2/2 episodes  0.00 episodes/s  in 2 h 02 min");
+  // what takes longer than 10 s each is counted per minute: 3 in 30 s, 2 in 24 s and in 7321 s
+  EXPECT_EQ(progress_line("view", "episodes", 3, 3, 30, 0), "view  3/3 episodes  0.10 episodes/s  in 30 s");
+  EXPECT_EQ(progress_line("view", "episodes", 2, 2, 24, 0), "view  2/2 episodes  5.00 episodes/min  in 24 s");
+  EXPECT_EQ(progress_line("view", "episodes", 2, 2, 7321, 0), "view  2/2 episodes  0.02 episodes/min  in 2 h 02 min");
 }
 
 TEST(Progress, ASetShowsItsSuccessItsRateAndWhatIsLeft) {
