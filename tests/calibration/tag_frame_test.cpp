@@ -32,7 +32,7 @@ Scan scan(double noise) {
   out.tags[1].pose = Eigen::Translation3d(0.2, 0.1, 0.06) * Eigen::AngleAxisd(M_PI / 2, Vec3::UnitX());
   out.world_from_capture = Eigen::Translation3d(0.4, -1, 0.3) * Eigen::AngleAxisd(1.3, Vec3(1, 2, -1).normalized());
   std::mt19937 random(4);
-  std::normal_distribution<double> gauss(0, noise);
+  std::normal_distribution<double> gauss(0, 1);  // its sigma must not be 0
   for (int i = 0; i < 6; ++i) {
     TagPhoto photo{"photo", {}, {}};
     photo.camera.fx = photo.camera.fy = 600;
@@ -47,7 +47,7 @@ Scan scan(double noise) {
       for (std::size_t k = 0; k < 4; ++k) {
         const double x = k == 1 || k == 2 ? 0.5 : -0.5, y = k >= 2 ? 0.5 : -0.5;
         found.corners[k] = pixel_of(photo.camera, tag.pose * Vec3(tag.size * x, tag.size * y, 0), place) +
-                           Eigen::Vector2d(gauss(random), gauss(random));
+                           noise * Eigen::Vector2d(gauss(random), gauss(random));
       }
       photo.found.push_back(found);
     }
