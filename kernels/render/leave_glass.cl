@@ -80,7 +80,7 @@ static inline uint pass_face(const Trees trees, const Shading scene, const uint 
 }
 
 // as in shade.cl;  depth: bounces so far
-kernel __attribute__((reqd_work_group_size(64, 1, 1))) void leave_glass(
+kernel __attribute__((reqd_work_group_size(16, 1, 1))) void leave_glass(
     const uint n, const uint depth, const uint notes_features, global const uint* restrict queue,
     global const uint2* restrict stream, global const float8* restrict top, global const float8* restrict nodes,
     global const float4* restrict blocks, global const Instance* restrict instances,
