@@ -6,6 +6,8 @@
 #                                                            arguments: of fidelity/composed_table.py
 #   scripts/fidelity_tables.sh synthetic [ARGUMENTS...]        the same in a synthetic room, whose picture may be shown;
 #                                                            arguments: of fidelity/synthetic_composed.py
+#   scripts/fidelity_tables.sh renderers [ARGUMENTS...]        the same by SAPIEN and MuJoCo, after `synthetic`;
+#                                                            arguments: of fidelity/other_renderers.py
 # Reality of physics and composed is drawn by Cycles (PyPI's bpy 4.2, 520 MB, needs Python 3.11). Results: out/fidelity.
 set -eu
 cd "$(dirname "$0")/.."
@@ -38,8 +40,16 @@ case "$what" in
     .venv-fidelity_synthetic/bin/python scripts/fidelity/synthetic_composed.py build/bin/phyvisgen out/fidelity/synthetic \
       out/fidelity/synthetic.png "$@"
     ;;
+  renderers)
+    [ -e out/fidelity/synthetic/scene/reality.png ] || { echo "fidelity_tables.sh renderers: run fidelity_tables.sh synthetic first"; exit 2; }
+    scripts/python_env.sh fidelity_renderers sapien==3.0.3 mujoco==4.0.0 numpy h5py pillow
+    scripts/install_vulkan.sh
+    export VK_ICD_FILENAMES="$PWD/build/mesa/lvp.json" LD_LIBRARY_PATH="$PWD/build/mesa/usr/lib/x86_64-linux-gnu"
+    .venv-fidelity_renderers/bin/python scripts/fidelity/other_renderers.py build/bin/phyvisgen out/fidelity/synthetic \
+      out/fidelity/renderers.png "$@"
+    ;;
   *)
-    echo "fidelity_tables.sh: say physics, pictures FOLDER, composed FOLDER or synthetic"
+    echo "fidelity_tables.sh: say physics, pictures FOLDER, composed FOLDER, synthetic or renderers"
     exit 2
     ;;
 esac
