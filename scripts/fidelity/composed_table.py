@@ -12,7 +12,6 @@ import argparse
 import json
 import os
 import pathlib
-import struct
 import subprocess
 import sys
 
@@ -23,6 +22,7 @@ sys.path += [str(HERE), str(HERE.parent.parent / "data")]
 import asset_tools  # noqa: E402
 import room_photograph as cycles  # noqa: E402
 import steel_cup  # noqa: E402
+from glb import read_glb  # noqa: E402
 
 ROOT = HERE.parent.parent
 PROGRAM = pathlib.Path(os.environ.get("PVG_PROGRAM", ROOT / "build/bin/phyvisgen"))
@@ -34,16 +34,7 @@ class Room:
     """Points, triangles and colours of all meshes of room.glb, in the room's frame: z up, as the file's buffers are."""
 
     def __init__(self, path):
-        data = path.read_bytes()
-        length = struct.unpack("<I", data[12:16])[0]
-        gltf, blob = json.loads(data[20:20 + length]), data[28 + length:]
-
-        def array(index):
-            a = gltf["accessors"][index]
-            view = gltf["bufferViews"][a["bufferView"]]
-            kind = {5125: "<u4", 5126: "<f4"}[a["componentType"]]
-            n = a["count"] * {"SCALAR": 1, "VEC3": 3}[a["type"]]
-            return np.frombuffer(blob, kind, n, view.get("byteOffset", 0) + a.get("byteOffset", 0)).reshape(-1, 3)
+        gltf, array = read_glb(path)
         points, triangles, colors = [], [], []
         for mesh in gltf["meshes"]:
             part = mesh["primitives"][0]

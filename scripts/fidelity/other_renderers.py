@@ -14,7 +14,6 @@ import argparse
 import json
 import os
 import pathlib
-import struct
 import subprocess
 import sys
 
@@ -23,6 +22,7 @@ from PIL import Image
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path += [str(ROOT / "scripts"), str(ROOT / "data")]
+from glb import read_glb  # noqa: E402
 from synthetic_composed import AT, EYE, FIELD_OF_VIEW, HEIGHT, WIDTH, joined, run  # noqa: E402
 
 # the lamp of synthetic_composed.LAMP: its middle [m], half of its side [m], radiance [W/(sr m^2)]; the environment
@@ -63,16 +63,7 @@ def without_texels(points, normals, triangles, folder, name):
 
 def parts_of(glb, folder):
     """An .obj of each mesh but the lamp, z up: the names of the files and of their looks, "room" of the captured"""
-    data = glb.read_bytes()
-    length = struct.unpack("<I", data[12:16])[0]
-    gltf, blob = json.loads(data[20:20 + length]), data[28 + length:]
-
-    def array(index):
-        accessor = gltf["accessors"][index]
-        view = gltf["bufferViews"][accessor["bufferView"]]
-        kind = {5125: "<u4", 5126: "<f4"}[accessor["componentType"]]
-        n = accessor["count"] * {"SCALAR": 1, "VEC3": 3}[accessor["type"]]
-        return np.frombuffer(blob, kind, n, view.get("byteOffset", 0) + accessor.get("byteOffset", 0)).reshape(-1, 3)
+    gltf, array = read_glb(glb)
     parts = []
     for node in gltf["nodes"]:
         if "mesh" not in node:
