@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/base/atomic_files.hpp"
 #include "host/formats/hdf5.hpp"
@@ -29,7 +30,11 @@ std::vector<FrictionAnchor> to_anchors(const std::vector<double>& numbers) {
   std::vector<FrictionAnchor> anchors(numbers.size() / ANCHOR_LENGTH);
   for (std::size_t i = 0; i < anchors.size(); ++i) {
     const double* number = &numbers[i * ANCHOR_LENGTH];
-    for (std::size_t k = 0; k < PAIR_LENGTH; ++k) anchors[i].pair[k] = std::uint32_t(number[k]);
+    for (std::size_t k = 0; k < PAIR_LENGTH; ++k) {
+      if (!(number[k] >= 0 && number[k] <= std::numeric_limits<std::uint32_t>::max()))
+        throw UsageError("its anchors name sites that are no numbers of sites");
+      anchors[i].pair[k] = std::uint32_t(number[k]);
+    }
     anchors[i].strain = Eigen::Map<const Vec3>(number + PAIR_LENGTH);
   }
   return anchors;

@@ -54,9 +54,11 @@ Shard parse_shard(const std::string& text) {
   bool ok = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
   if (ok) {
     const auto second = std::from_chars(first.ptr + 1, end, shard.count);
-    ok = second.ec == std::errc() && second.ptr == end && shard.index < shard.count;
+    ok = second.ec == std::errc() && second.ptr == end && shard.index < shard.count && shard.count <= MOST_EPISODES;
   }
-  if (!ok) throw UsageError("--shard " + text + " is not i/n with i from 0 to n - 1, such as 0/4");
+  if (!ok)
+    throw UsageError("--shard " + text + " is not i/n with i from 0 to n - 1 and n at most " +
+                     std::to_string(MOST_EPISODES) + ", such as 0/4");
   return shard;
 }
 

@@ -53,7 +53,7 @@ row("animation pictures out of range", "simulate scene.yaml -o s.h5 --animation 
 row("a duration below half a step", "simulate scene.yaml -o s.h5 --duration 0.001", N, "duration.*step", needs="scene")
 row("a duration of more steps than a run can have", "simulate scene.yaml -o s.h5 --duration 1e15", N, "--duration.*1e15|--duration.*1e\\+15",
     needs="scene")
-for shard in ("1/1", "2/1", "-1/2", "0/0", "a/b", "0", "1/", "/2", "0/2/3", "0x0/2", "", "1 / 2",
+for shard in ("0/18446744073709551615", "1/1", "2/1", "-1/2", "0/0", "a/b", "0", "1/", "/2", "0/2/3", "0x0/2", "", "1 / 2",
               "0/99999999999999999999"):
     row(f"the shard `{shard}`", f"generate task.yaml -o o --shard='{shard}'", N, r"--shard.*(i/n|missing)", needs="task")
 for frames in ("5:2", "0:99999", "a:b", "-1", "1:", ":0", "0:1:2", "99999999999999999999"):

@@ -129,6 +129,7 @@ for name, *steps in (("no checkpoint", remove("check.h5")), ("an empty one", wri
                      ("velocities too few", states("check.h5", truncate("/history/velocity", 3))), ("no velocities", states("check.h5", drop("/history/velocity"))),
                      ("joints that are not there", states("check.h5", put("/joint_position/values", [1.0] * 9))),
                      ("anchors that are not whole", states("check.h5", lambda out: (put("/anchors/values", [1e9] * 7)(out), put("/anchors/offset", [0, 7])(out)))),
+                     ("anchors between sites below 0", states("check.h5", lambda out: (put("/anchors/values", [-1.0] * 8)(out), put("/anchors/offset", [0, 8])(out)))),
                      ("schema 99", states("check.h5", attribute("/", "schema", 99)))):
     row(f"a checkpoint: {name}", RESUME, N, "check.h5", *steps, needs="recorded")
 row("a checkpoint at the run's end", "simulate scene.yaml -o more.h5 --duration 0.01 --resume check.h5", N, "check.h5.*duration", needs="recorded")

@@ -169,6 +169,8 @@ TEST_F(BadInput, ADeviceThatDoesNotExist) {
 
 TEST_F(BadInput, OptionsThatMakeNoSense) {
   expect_sentence(generate("", "--shard 4/4"), 2, {"--shard 4/4"});
+  expect_sentence(generate("", "--shard 0/18446744073709551615"), 2,
+                  {"--shard 0/18446744073709551615", "at most 1000000000"});
   expect_sentence(generate("", "--fps 30"), 2, {"30 frames per second"});
   expect_sentence(generate("", "--no-such-option"), 2, {"--no-such-option"});
 }
