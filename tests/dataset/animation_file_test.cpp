@@ -51,21 +51,25 @@ std::vector<float> read(const tinygltf::Model& model, int accessor, std::size_t 
   return values;
 }
 
+tinygltf::Model written_and_read(AnimationFile& animation) {
+  const fs::path file = fs::temp_directory_path() / ("pvg_animation_" + std::to_string(getpid()) + ".glb");
+  animation.write(file);
+  tinygltf::Model model;
+  tinygltf::TinyGLTF loader;
+  std::string error, warning;
+  EXPECT_TRUE(loader.LoadBinaryFromFile(&model, &error, &warning, file.string())) << error;
+  EXPECT_TRUE(warning.empty()) << warning;
+  fs::remove(file);
+  return model;
+}
+
 TEST(AnimationFile, AViewerFindsTheBodiesWhereTheStatesPutThem) {
   const Scene scene = moving_scene();
   AnimationFile animation(scene);
   animation.append(state_at(scene, 0, 0, Vec3::Zero()));
   animation.append(state_at(scene, 0.5, 1.0, Vec3(1, 2, 3)));
   animation.append(state_at(scene, 1.0, 3.5, Vec3(2, 4, 6)));  // more than half a turn
-  const fs::path file = fs::temp_directory_path() / ("pvg_animation_" + std::to_string(getpid()) + ".glb");
-  animation.write(file);
-  tinygltf::Model model;
-  tinygltf::TinyGLTF loader;
-  std::string error, warning;
-  ASSERT_TRUE(loader.LoadBinaryFromFile(&model, &error, &warning, file.string())) << error;
-  EXPECT_TRUE(warning.empty()) << warning;
-  fs::remove(file);
-
+  const tinygltf::Model model = written_and_read(animation);
   ASSERT_EQ(model.nodes.size(), 3u);
   ASSERT_EQ(model.animations.size(), 1u);
   const tinygltf::Animation& motion = model.animations[0];
@@ -109,13 +113,7 @@ TEST(AnimationFile, HoldsBodiesThatDoNotCollide) {
   scene.rigid_bodies[0].collision = {};
   AnimationFile animation(scene);
   animation.append(state_at(scene, 0, 0, Vec3(1, 2, 3)));
-  const fs::path file = fs::temp_directory_path() / ("pvg_passing_" + std::to_string(getpid()) + ".glb");
-  animation.write(file);
-  tinygltf::Model model;
-  tinygltf::TinyGLTF loader;
-  std::string error, warning;
-  ASSERT_TRUE(loader.LoadBinaryFromFile(&model, &error, &warning, file.string())) << error;
-  fs::remove(file);
+  const tinygltf::Model model = written_and_read(animation);
   ASSERT_EQ(model.meshes.size(), 2u);
   const auto door =
       std::find_if(model.nodes.begin(), model.nodes.end(), [](const auto& node) { return node.name == "door"; });
