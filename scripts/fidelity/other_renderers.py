@@ -28,7 +28,7 @@ from synthetic_composed import AT, EYE, FIELD_OF_VIEW, HEIGHT, WIDTH, joined, ru
 # the lamp of synthetic_composed.LAMP: its middle [m], half of its side [m], radiance [W/(sr m^2)]; the environment
 LAMP_AT, LAMP_HALF, LAMP_RADIANCE = np.array([0.925, 0.625, 1.4]), 0.175, np.array([26, 25, 23])
 AMBIENT = [0.22, 0.24, 0.27]
-LOOKS = {"glass": dict(transmission=1.0, ior=1.5, base_color=[1, 1, 1, 1], roughness=0.0, metallic=0.0),
+LOOKS = {"glass": dict(transmission=1.0, ior=1.47, base_color=[1, 1, 1, 1], roughness=0.0, metallic=0.0),
          "steel": dict(base_color=[0.66, 0.65, 0.63, 1], roughness=0.3, metallic=1.0)}
 
 
