@@ -74,6 +74,11 @@ LightTracing::LightTracing(Device& device)
       splat(Program(device, "render/splat.cl", traversal_options(device)).kernel("splat")),
       add_splats(Program(device, "render/splat.cl", traversal_options(device)).kernel("add_splats")) {}
 
+ShadeLanes::ShadeLanes(Device& device)
+    : group_instances(Program(device, "render/shade_lanes.cl", traversal_options(device)).kernel("group_instances")),
+      shade_lanes(Program(device, "render/shade_lanes.cl", traversal_options(device)).kernel("shade_lanes")),
+      groups(device, 0, "groups") {}
+
 Stages::Stages(Device& device, bool notes_features, bool traces_light)
     : max_paths_(std::size_t(1) << (device.info().is_gpu ? 18 : 16)),
       paths_per_item_(paths_per_item(device)),
@@ -106,8 +111,7 @@ Stages::Stages(Device& device, bool notes_features, bool traces_light)
       offsets_(device, 0, "offsets"),
       scan_(device),
       media_(device, 1, "media") {
-  if (!device.info().is_gpu)
-    shade_lanes_.emplace(Program(device, "render/shade_lanes.cl", traversal_options(device)).kernel("shade_lanes"));
+  if (!device.info().is_gpu) shade_lanes_.emplace(device);
   if (notes_features) features_.emplace(device);
   if (traces_light) light_tracing_.emplace(device);
 }
@@ -117,6 +121,7 @@ std::uint64_t Stages::trace(const Launch& launch, const Buffer<std::uint32_t>& p
   std::size_t n = std::size_t(launch.n_pixels) * launch.n_samples;
   std::uint64_t segments = 0;
   generate(n, launch, pixels);
+  if (shade_lanes_) shade_lanes_->group(launch, scene);
   // few paths are still in glass then, and those that are seldom leave it soon
   const unsigned first_leaves = std::max(1u, launch.max_depth / 2);
   for (unsigned depth = 0; depth <= launch.max_depth && n > 0; ++depth) {
@@ -237,21 +242,30 @@ void Stages::shadow_holes(std::size_t n, const DeviceScene& scene) {
                         scene.vertices, scene.second_uvs, shadow_origin_, shadow_direction_, shadow_light_);
 }
 
+void ShadeLanes::group(const Launch& launch, const DeviceScene& scene) {
+  const std::size_t n = scene.trees.instances.size();
+  groups.resize(std::max<std::size_t>(n, 1));
+  group_instances(n, std::uint32_t(n), std::int32_t(launch.environment_light), scene.trees.instances, scene.materials,
+                  groups);
+}
+
 void Stages::shade_lanes(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene) {
   if (!shade_lanes_) return;
-  (*shade_lanes_)(divided_up(n, SHADE_CHUNK), std::uint32_t(n), launch, std::uint32_t(depth),
-                  std::uint32_t(features_.has_value()), queue_, stream_, scene.trees.instances, scene.materials,
-                  scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices, scene.second_uvs,
-                  scene.lights, scene.environment, scene.cells, hit_, hit_instance_, origin_, direction_, throughput_,
-                  radiance_, shadow_origin_, shadow_direction_, shadow_light_, alive_, feature_color_, feature_normal_);
+  shade_lanes_->shade_lanes(divided_up(n, SHADE_CHUNK), std::uint32_t(n), launch, std::uint32_t(depth),
+                            std::uint32_t(features_.has_value()), shade_lanes_->groups, queue_, stream_,
+                            scene.trees.instances, scene.materials, scene.textures, scene.texels, scene.decode,
+                            scene.triangles, scene.vertices, scene.second_uvs, scene.lights, scene.environment,
+                            scene.cells, hit_, hit_instance_, origin_, direction_, throughput_, radiance_,
+                            shadow_origin_, shadow_direction_, shadow_light_, alive_, feature_color_, feature_normal_);
 }
 
 void Stages::shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene) {
-  kernels_.shade(n, std::uint32_t(n), launch, std::uint32_t(depth), std::uint32_t(features_.has_value()), queue_,
-                 stream_, scene.trees.instances, scene.materials, scene.textures, scene.texels, scene.decode,
-                 scene.triangles, scene.vertices, scene.colors, scene.second_uvs, scene.lights, scene.environment,
-                 scene.cells, scene.targets, hit_, hit_instance_, origin_, direction_, throughput_, radiance_,
-                 shadow_origin_, shadow_direction_, shadow_light_, alive_, feature_color_, feature_normal_);
+  kernels_.shade(n, std::uint32_t(n), launch, std::uint32_t(depth), std::uint32_t(features_.has_value()),
+                 std::uint32_t(shade_lanes_.has_value()), queue_, stream_, scene.trees.instances, scene.materials,
+                 scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices, scene.colors,
+                 scene.second_uvs, scene.lights, scene.environment, scene.cells, scene.targets, hit_, hit_instance_,
+                 origin_, direction_, throughput_, radiance_, shadow_origin_, shadow_direction_, shadow_light_, alive_,
+                 feature_color_, feature_normal_);
 }
 
 void Stages::shadow(std::size_t n, const Launch& launch, const DeviceScene& scene) {

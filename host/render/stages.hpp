@@ -54,6 +54,14 @@ struct LightTracing {
   Kernel emit, follow, splat, add_splats;
 };
 
+// Kernels of surfaces shaded sixteen at a time, see kernels/render/shade_lanes.cl.
+struct ShadeLanes {
+  explicit ShadeLanes(Device& device);
+  void group(const Launch& launch, const DeviceScene& scene);
+  Kernel group_instances, shade_lanes;
+  Buffer<std::uint8_t> groups;  // of the instances
+};
+
 class Stages {
  public:
   // notes_features: for the guides of the films;  traces_light: for their splats
@@ -100,7 +108,7 @@ class Stages {
   std::size_t max_paths_, paths_per_item_;
   Kernels kernels_;
   Traversal traversal_;
-  std::optional<Kernel> shade_lanes_;  // of CPUs
+  std::optional<ShadeLanes> shade_lanes_;  // of CPUs
   std::optional<Features> features_;
   std::optional<LightTracing> light_tracing_;
   // per slot

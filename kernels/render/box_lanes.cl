@@ -2,7 +2,7 @@
 // meets no box here would meet none there either.
 #ifndef PVG_RENDER_BOX_LANES_CL
 #define PVG_RENDER_BOX_LANES_CL
-#include "render/packet.cl"
+#include "render/leaf_lanes.cl"
 
 // what a box's test takes, as BoxRay; back: is the direction negative
 typedef struct {

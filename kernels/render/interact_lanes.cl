@@ -8,7 +8,8 @@
 
 // what is read and written of the paths: by slot, `alive` by place in the queue
 typedef struct {
-  global float4 *hit, *origin, *direction, *throughput, *radiance;
+  global const float4* hit;
+  global float4 *origin, *direction, *throughput, *radiance;
   global float4 *shadow_origin, *shadow_direction, *shadow_light;
   global uint* alive;
   global float4 *feature_color, *feature_normal;
@@ -62,10 +63,7 @@ static inline void write_notes(const Bounce bounce, const Paths* p, const Surfac
 
 // alive: bits of those that go on
 static inline void write_alive(const Paths* p, const uint alive, const Slots slots) {
-  for (uint k = 0; k < PACKET; ++k) {
-    slots.alive[p->place[k]] = alive >> k & 1u;
-    slots.hit[p->slot[k]].w = as_float(SHADED);
-  }
+  for (uint k = 0; k < PACKET; ++k) slots.alive[p->place[k]] = alive >> k & 1u;
 }
 
 // those of the lanes with is_lit; kind SHADOW_NONE for the others

@@ -2,6 +2,7 @@
 // may meet together, then each visits its own, the nearest first.
 #include "render/box_lanes.cl"
 
+#define LANES_IN_LEAF 1   // lanes that must meet a leaf for its triangles to be tested for all of them at once
 #define MOST_VISITS 24    // of a ray; one that has more goes alone
 #define MOST_STARTS 128   // of a packet; each ray of one that has more goes alone
 
@@ -18,7 +19,14 @@ typedef struct {
   uint n_starts;
 } Visits;
 
-static inline void add_visits(Visits* v, const uint instance, const int first, const float16 entry, uint meet) {
+// What lanes meet of an instance, bits of meet, below first. Where it is a leaf of a mesh in the world's frame that
+// enough of them meet, its triangles are tested at once; else each visits it later.
+static inline void add_visits(const Trees trees, Visits* v, const uint instance, const int first, const bool is_unmoved,
+                              const LeafLanes* leaf, const float16 entry, uint meet, PacketHit* hits) {
+  if (first < 0 && is_unmoved && popcount(meet) >= LANES_IN_LEAF) {
+    closest_of_lanes_in_block(trees.blocks + (size_t)(~first) * 10, leaf, instance, hits);
+    return;
+  }
   const uint start = v->n_starts++;  // counts on beyond what there is room for, as n does: these rays go alone
   if (start >= MOST_STARTS) return;
   v->starts[start].instance = instance;
@@ -32,24 +40,29 @@ static inline void add_visits(Visits* v, const uint instance, const int first, c
 }
 
 // the same of the children of an instance's root, whose mesh has the world's frame
-static inline void add_visits_of_children(const Trees trees, Visits* v, const uint instance, const BoxLanes* r) {
+static inline void add_visits_of_children(const Trees trees, Visits* v, const uint instance, const BoxLanes* r,
+                                          const LeafLanes* leaf, PacketHit* hits) {
   global const float* node = (global const float*)(trees.nodes + (size_t)trees.instances[instance].root * 8);
   global const int* children = (global const int*)(node + 48);
   for (uint k = 0; k < BVH_WIDTH; ++k) {
     if (children[k] == BVH_EMPTY) continue;
     float16 entry;
-    const uint meet = mask16(lanes_in_box(node, k, r, (float16)(INFINITY), &entry));
-    if (meet) add_visits(v, instance, children[k], entry, meet);
+    const uint meet = mask16(lanes_in_box(node, k, r, hits->t, &entry));
+    if (meet) add_visits(trees, v, instance, children[k], true, leaf, entry, meet, hits);
   }
 }
 
-// what each lane meets of the top tree, in no order
-TREE_FUNCTION void find_visits(const Trees trees, const Lanes* lanes, Visits* visits) {
+// what each lane meets of the top tree, in no order; hits: of the leaves that are tested here
+TREE_FUNCTION void find_visits(const Trees trees, Lanes* lanes, Visits* visits) {
+  const Packet origin = load_packet(lanes->origin), direction = load_packet(lanes->direction);
   BoxLanes r;
-  make_box_lanes(load_packet(lanes->origin), load_packet(lanes->direction), &r);
+  make_box_lanes(origin, direction, &r);
+  LeafLanes leaf;
+  make_leaf_lanes(origin, direction, &leaf);
+  PacketHit hits = {INFINITY, 0.0f, 0.0f, NO_TRIANGLE, 0};
   int stack[BVH_STACK];
   int size = 0, current = 0;
-  for (uint k = 0; k < PACKET; ++k) visits->n[k] = 0;
+  vstore16((uint16)(0), 0, visits->n);
   visits->n_starts = 0;
   for (;;) {
     global const float* node = (global const float*)(trees.top + (size_t)current * 8);
@@ -58,7 +71,7 @@ TREE_FUNCTION void find_visits(const Trees trees, const Lanes* lanes, Visits* vi
       const int child = children[k];
       if (child == BVH_EMPTY) continue;
       float16 entry;
-      const uint meet = mask16(lanes_in_box(node, k, &r, (float16)(INFINITY), &entry));
+      const uint meet = mask16(lanes_in_box(node, k, &r, hits.t, &entry));
       if (meet == 0) continue;
       if (child >= 0) {
         stack[size++] = child;
@@ -68,11 +81,14 @@ TREE_FUNCTION void find_visits(const Trees trees, const Lanes* lanes, Visits* vi
       global const Instance* instance = trees.instances + i;
       const int first = first_visit(trees.nodes, (int)instance->root);
       if (opens(instance, first, meet))
-        add_visits_of_children(trees, visits, i, &r);
+        add_visits_of_children(trees, visits, i, &r, &leaf, &hits);
       else
-        add_visits(visits, i, first, entry, meet);
+        add_visits(trees, visits, i, first, instance->flags & INSTANCE_UNMOVED, &leaf, entry, meet, &hits);
     }
-    if (size == 0) return;
+    if (size == 0) {
+      store_hits(hits, lanes);
+      return;
+    }
     current = stack[--size];
   }
 }
@@ -86,10 +102,10 @@ static inline Visit take_nearest(Visit* visits, uint* n) {
   return taken;
 }
 
-// t, u, v, triangle in one vector, as in closest_in_mesh
+// t, u, v, triangle in one vector, as in closest_in_mesh; found, *instance: the nearest so far
 TREE_FUNCTION float4 closest_of_visits(const Trees trees, const float3 origin, const float3 direction,
-                                       const Start* starts, Visit* visits, uint n, uint* instance) {
-  Hit hit = {INFINITY, 0, 0, NO_TRIANGLE, 0};
+                                       const Start* starts, Visit* visits, uint n, const float4 found, uint* instance) {
+  Hit hit = {found.x, found.y, found.z, as_uint(found.w), *instance};
   const BoxRay world = make_box_ray(origin, direction);
   const LeafRay world_leaf = make_leaf_ray(origin, direction);
   while (n > 0) {
@@ -126,13 +142,13 @@ kernel __attribute__((reqd_work_group_size(4, 1, 1))) void intersect_lanes(
   Visits visits;
   find_visits(trees, &lanes, &visits);
   for (uint k = 0; k < PACKET && first + k < n; ++k) {
-    const float3 o = lane_origin(&lanes, k), d = lane_direction(&lanes, k);
-    float4 found;
-    uint instance;
-    if (visits.n_starts <= MOST_STARTS && visits.n[k] <= MOST_VISITS)
-      found = closest_of_visits(trees, o, d, visits.starts, visits.of_lane[k], visits.n[k], &instance);
-    else
-      found = closest_alone(trees, o, d, &instance);
+    float4 found = (float4)(lanes.t[k], lanes.u[k], lanes.v[k], as_float(lanes.triangle[k]));
+    uint instance = lanes.instance[k];
+    if (visits.n_starts > MOST_STARTS || visits.n[k] > MOST_VISITS)
+      found = closest_alone(trees, lane_origin(&lanes, k), lane_direction(&lanes, k), &instance);
+    else if (visits.n[k] > 0)
+      found = closest_of_visits(trees, lane_origin(&lanes, k), lane_direction(&lanes, k), visits.starts,
+                                visits.of_lane[k], visits.n[k], found, &instance);
     const uint slot = queue[first + k];
     hit[slot] = found;
     hit_instance[slot] = instance;

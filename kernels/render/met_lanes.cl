@@ -107,7 +107,7 @@ static inline Packet between_corners(const float16 wa, const float16 wb, const f
 }
 
 static inline Surfaces surfaces_at(const Shading scene, const Paths* p) {
-  uint a_at[PACKET], b_at[PACKET], c_at[PACKET], flags[PACKET], is_any_moved = 0;
+  uint a_at[PACKET], b_at[PACKET], c_at[PACKET], flags[PACKET], is_any_moved = 0, is_any_detailed = 0;
   for (uint k = 0; k < PACKET; ++k) {
     const uint3 corner = vload3(p->triangle[k], scene.triangles);
     a_at[k] = corner.x;
@@ -115,20 +115,28 @@ static inline Surfaces surfaces_at(const Shading scene, const Paths* p) {
     c_at[k] = corner.z;
     flags[k] = scene.instances[p->instance[k]].flags;
     is_any_moved |= ~flags[k] & INSTANCE_UNMOVED;
+    is_any_detailed |= (flags[k] & INSTANCE_NORMALS) | (scene.materials[p->material[k]].texture >= 0 ? 1u : 0u);
   }
   global const float4* vertices = (global const float4*)scene.vertices;
   // a vertex: point and normal.x, then the rest of the normal and the texture coordinates
   const uint stride = ROWS_OF(Vertex);
-  const Rows a0 = load_rows(vertices, a_at, stride, 0), a1 = load_rows(vertices, a_at, stride, 1),
-             b0 = load_rows(vertices, b_at, stride, 0), b1 = load_rows(vertices, b_at, stride, 1),
-             c0 = load_rows(vertices, c_at, stride, 0), c1 = load_rows(vertices, c_at, stride, 1);
+  const Rows a0 = load_rows(vertices, a_at, stride, 0), b0 = load_rows(vertices, b_at, stride, 0),
+             c0 = load_rows(vertices, c_at, stride, 0);
   const float16 wb = p->u, wc = p->v, wa = 1.0f - wb - wc;
   Surfaces s;
   s.point = between_corners(wa, wb, wc, vectors_of(a0), vectors_of(b0), vectors_of(c0));
   Packet face = crosses(minus(vectors_of(b0), vectors_of(a0)), minus(vectors_of(c0), vectors_of(a0)));
-  Packet n = {wa * a0.w + wb * b0.w + wc * c0.w, wa * a1.x + wb * b1.x + wc * c1.x, wa * a1.y + wb * b1.y + wc * c1.y};
-  s.texture_u = wa * a1.z + wb * b1.z + wc * c1.z;
-  s.texture_v = wa * a1.w + wb * b1.w + wc * c1.w;
+  Packet n = {0.0f, 0.0f, 0.0f};
+  s.texture_u = s.texture_v = 0.0f;
+  if (is_any_detailed) {
+    const Rows a1 = load_rows(vertices, a_at, stride, 1), b1 = load_rows(vertices, b_at, stride, 1),
+               c1 = load_rows(vertices, c_at, stride, 1);
+    n.x = wa * a0.w + wb * b0.w + wc * c0.w;
+    n.y = wa * a1.x + wb * b1.x + wc * c1.x;
+    n.z = wa * a1.y + wb * b1.y + wc * c1.y;
+    s.texture_u = wa * a1.z + wb * b1.z + wc * c1.z;
+    s.texture_v = wa * a1.w + wb * b1.w + wc * c1.w;
+  }
   if (is_any_moved) {
     global const float4* instances = (global const float4*)scene.instances;
     const uint step = ROWS_OF(Instance);
@@ -151,17 +159,16 @@ static inline Surfaces surfaces_at(const Shading scene, const Paths* p) {
   return s;
 }
 
-// sample_light() of these lights, as if all were rectangles
-static inline LightSamples sample_rectangles(const Shading scene, const uint* light, const Packet origin,
-                                             const Chances* c) {
+// sample_light() of these lights, as if all were rectangles;  is_one: they are all the same
+static inline LightSamples sample_rectangles(const Shading scene, const uint* light, const bool is_one,
+                                             const Packet origin, const Chances* c) {
   global const float4* lights = (global const float4*)scene.lights;
-  const uint stride = ROWS_OF(Light);
-  const Rows chance = load_rows(lights, light, stride, 0), corner = load_rows(lights, light, stride, 1);
-  const Packet edge_u = vectors_of(load_rows(lights, light, stride, 2)),
-               edge_v = vectors_of(load_rows(lights, light, stride, 3)),
-               normal = vectors_of(load_rows(lights, light, stride, 4));
+#define LIGHT_ROWS(offset) load_rows_or_one(lights, light, is_one, ROWS_OF(Light), offset)
+  const Rows chance = LIGHT_ROWS(0), corner = LIGHT_ROWS(1);
+  const Packet edge_u = vectors_of(LIGHT_ROWS(2)), edge_v = vectors_of(LIGHT_ROWS(3)), normal = vectors_of(LIGHT_ROWS(4));
   LightSamples s;
-  s.radiance = vectors_of(load_rows(lights, light, stride, 5));
+  s.radiance = vectors_of(LIGHT_ROWS(5));
+#undef LIGHT_ROWS
   s.to_light = minus(plus(vectors_of(corner), plus(times(edge_u, c->point_x), times(edge_v, c->point_y))), origin);
   const float16 d2 = dots(s.to_light, s.to_light), cosine = -dots(normal, s.to_light) * rsqrt(d2);
   const int16 shines = (cosine > 0.0f) & (corner.w > 0.0f);
@@ -204,6 +211,12 @@ static inline LightSamples sample_lights(const Launch launch, const Shading scen
                                          const Chances* c) {
   float choice_y[PACKET];
   uint light[PACKET], others = 0;
+  if (launch.n_lights == 1) {
+    for (uint k = 0; k < PACKET; ++k) light[k] = 0;
+    LightSamples s = sample_rectangles(scene, light, true, origin, c);
+    if (scene.lights->kind != LIGHT_RECTANGLE) sample_alone(launch, scene, 0xffffu, origin, c, &s);
+    return s;
+  }
   vstore16(c->choice_y, 0, choice_y);
   vstore16(min(convert_uint16(c->choice_x * (float)launch.n_lights), (uint16)(launch.n_lights - 1)), 0, light);
   for (uint k = 0; k < PACKET; ++k) {  // choose_light()
@@ -211,7 +224,7 @@ static inline LightSamples sample_lights(const Launch launch, const Shading scen
     light[k] = choice_y[k] < place->keep ? light[k] : place->other;
     others |= scene.lights[light[k]].kind != LIGHT_RECTANGLE ? 1u << k : 0u;
   }
-  LightSamples s = sample_rectangles(scene, light, origin, c);
+  LightSamples s = sample_rectangles(scene, light, false, origin, c);
   if (others) sample_alone(launch, scene, others, origin, c, &s);
   return s;
 }

@@ -120,35 +120,59 @@ ALWAYS_INLINE uint packet_node_hits(global const float8* node, const BoxPacket p
   return mask8(t0 <= t1);
 }
 
-// one triangle, number k of the block, as in shear_block and block_hits; true: a ray meets it before what it met so far
-ALWAYS_INLINE bool closest_of_packet_in_triangle(global const float* block, const LeafPacket r, const uint triangle,
-                                                 const uint instance, PacketHit* hit) {
-  global const float *x = block + r.kx / 4, *y = block + r.ky / 4, *z = block + r.kz / 4;
-  const float16 az = z[0] - r.shift.z, bz = z[12] - r.shift.z, cz = z[24] - r.shift.z;
-  const float16 ax = x[0] - r.shift.x - r.shear.x * az, ay = y[0] - r.shift.y - r.shear.y * az;
-  const float16 bx = x[12] - r.shift.x - r.shear.x * bz, by = y[12] - r.shift.y - r.shear.y * bz;
-  const float16 cx = x[24] - r.shift.x - r.shear.x * cz, cy = y[24] - r.shift.y - r.shear.y * cz;
-  float16 area_a, area_b, area_c;
+// a triangle seen along each ray, as Sheared in traverse.cl
+typedef struct {
+  float16 az, bz, cz, area_a, area_b, area_c;
+} ShearedPacket;
+
+// which rays pass through the triangle, as in shear_block; a, b, c: its corners from the rays' origins, in their axes
+ALWAYS_INLINE int16 shear_triangle(const Packet a, const Packet b, const Packet c, const Packet shear,
+                                   ShearedPacket* s) {
+  const float16 ax = a.x - shear.x * a.z, ay = a.y - shear.y * a.z;
+  const float16 bx = b.x - shear.x * b.z, by = b.y - shear.y * b.z;
+  const float16 cx = c.x - shear.x * c.z, cy = c.y - shear.y * c.z;
+  s->az = a.z;
+  s->bz = b.z;
+  s->cz = c.z;
   {
 #pragma OPENCL FP_CONTRACT OFF
-    area_a = cx * by - cy * bx;
-    area_b = ax * cy - ay * cx;
-    area_c = bx * ay - by * ax;
+    s->area_a = cx * by - cy * bx;
+    s->area_b = ax * cy - ay * cx;
+    s->area_c = bx * ay - by * ax;
   }
-  const float16 ab_low = area_a < area_b ? area_a : area_b, low = ab_low < area_c ? ab_low : area_c;
-  const float16 ab_high = area_a > area_b ? area_a : area_b, high = ab_high > area_c ? ab_high : area_c;
-  const int16 inside = (low >= 0.0f) | (high <= 0.0f);
+  const float16 ab_low = s->area_a < s->area_b ? s->area_a : s->area_b;
+  const float16 low = ab_low < s->area_c ? ab_low : s->area_c;
+  const float16 ab_high = s->area_a > s->area_b ? s->area_a : s->area_b;
+  const float16 high = ab_high > s->area_c ? ab_high : s->area_c;
+  return (low >= 0.0f) | (high <= 0.0f);
+}
+
+// the same triangle's hits, as in block_hits; true: a ray meets it before what it met so far
+ALWAYS_INLINE bool closest_of_sheared(const int16 inside, const ShearedPacket s, const float16 shear_z,
+                                      const uint triangle, const uint instance, PacketHit* hit) {
   if (!is_any(inside)) return false;
-  const float16 inverse = 1.0f / (area_a + area_b + area_c);
-  const float16 t = (area_a * az + area_b * bz + area_c * cz) * r.shear.z * inverse;
+  const float16 inverse = 1.0f / (s.area_a + s.area_b + s.area_c);
+  const float16 t = (s.area_a * s.az + s.area_b * s.bz + s.area_c * s.cz) * shear_z * inverse;
   const int16 is_nearer = inside & (t > 0.0f) & (t < hit->t);
   if (!is_any(is_nearer)) return false;
   hit->t = is_nearer ? t : hit->t;
-  hit->u = is_nearer ? area_b * inverse : hit->u;
-  hit->v = is_nearer ? area_c * inverse : hit->v;
+  hit->u = is_nearer ? s.area_b * inverse : hit->u;
+  hit->v = is_nearer ? s.area_c * inverse : hit->v;
   hit->triangle = is_nearer ? (uint16)(triangle) : hit->triangle;
   hit->instance = is_nearer ? (uint16)(instance) : hit->instance;
   return true;
+}
+
+// triangle number k of the block;  true: a ray meets it before what it met so far
+ALWAYS_INLINE bool closest_of_packet_in_triangle(global const float* block, const LeafPacket r, const uint triangle,
+                                                 const uint instance, PacketHit* hit) {
+  global const float *x = block + r.kx / 4, *y = block + r.ky / 4, *z = block + r.kz / 4;
+  const Packet a = {x[0] - r.shift.x, y[0] - r.shift.y, z[0] - r.shift.z};
+  const Packet b = {x[12] - r.shift.x, y[12] - r.shift.y, z[12] - r.shift.z};
+  const Packet c = {x[24] - r.shift.x, y[24] - r.shift.y, z[24] - r.shift.z};
+  ShearedPacket s;
+  const int16 inside = shear_triangle(a, b, c, r.shear, &s);
+  return closest_of_sheared(inside, s, r.shear.z, triangle, instance, hit);
 }
 
 // true: a ray has met something nearer

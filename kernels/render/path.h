@@ -31,7 +31,7 @@
 #define SHADOW_RECEIVER 3u
 
 #define NO_TRIANGLE 0xffffffffu
-#define SHADED 0xfffffffeu  // instead of a triangle: shade_lanes.cl has done it
+#define LEFT_TO_SHADE 2u  // in `alive`: shade_lanes.cl has not done it
 
 // rays or paths that a CPU takes side by side, and places of the queue that a work-item of shade_lanes.cl and of
 // shadow_lanes.cl takes

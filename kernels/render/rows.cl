@@ -41,6 +41,15 @@ ALWAYS_INLINE Rows load_rows(global const float4* from, const uint* at, const ui
   return transposed(r);
 }
 
+// the same; is_one: all at[k] are the same
+ALWAYS_INLINE Rows load_rows_or_one(global const float4* from, const uint* at, const bool is_one, const uint stride,
+                                    const uint offset) {
+  if (!is_one) return load_rows(from, at, stride, offset);
+  const float4 row = from[at[0] * stride + offset];
+  const Rows r = {(float16)(row.x), (float16)(row.y), (float16)(row.z), (float16)(row.w)};
+  return r;
+}
+
 // PLACE(k) = row k of the transposed r
 #define FOUR_ROWS(r, PLACE, k, part) \
   PLACE(k) = r.x.part;               \

@@ -65,10 +65,11 @@ TREE_FUNCTION void meet(const Launch launch, const Shading scene, const Chance c
 }
 
 // as in generate.cl and intersect.cl;  depth: bounces so far;  shadow_origin: [n_slots, m], w: kind;
-// shadow_direction: [n_slots, m] to the light;  shadow_light: [n_slots], w: weight;  alive: [n] by place in the queue;
+// shadow_direction: [n_slots, m] to the light;  only_left: those that
+// shade_lanes.cl left;  shadow_light: [n_slots], w: weight;  alive: [n] by place in the queue;
 // feature_color, feature_normal: [n_slots]; with notes_features what guides a denoiser (noted.cl), as long as no surface
 // has scattered the path
-kernel void shade(const uint n, const Launch launch, const uint depth, const uint notes_features,
+kernel void shade(const uint n, const Launch launch, const uint depth, const uint notes_features, const uint only_left,
                   global const uint* restrict queue,
                   global const uint2* restrict stream, global const Instance* restrict instances,
                   global const Material* restrict materials,
@@ -86,8 +87,8 @@ kernel void shade(const uint n, const Launch launch, const uint depth, const uin
                   global float4* restrict feature_normal) {
   const uint i = get_global_id(0);
   if (i >= n) return;
+  if (only_left && alive[i] != LEFT_TO_SHADE) return;
   const uint slot = queue[i];
-  if (as_uint(hit[slot].w) == SHADED) return;
   Path path = load_path(slot, origin, direction, throughput);
   ShadowRay shadow = {0.0f, 0.0f, 0.0f, 0.0f, SHADOW_NONE};
   const Shading scene = {instances, materials, textures,   texels, decode,      triangles,

@@ -15,13 +15,12 @@ typedef struct {
   uint place[N_GROUPS][SHADE_CHUNK];
 } Groups;
 
-// without branches, which neighbours in the queue that meet different kinds would make hard to foresee
-static inline uint group_of(const Launch launch, const Shading scene, global const Instance* instance) {
-  global const Material* m = scene.materials + instance->material;
+// whose surfaces an instance shows
+static inline uint group_of(const int environment_light, global const Instance* instance, global const Material* m) {
   const uint flags = m->flags, kind = m->kind;
   const uint is_plain = (instance->visual != 0) & !(instance->flags & (INSTANCE_COLORS | INSTANCE_SECOND_UVS)) &
                         !(flags & MATERIAL_EMITS) & (m->normal_texture < 0);
-  const uint is_receiver = (kind == MATERIAL_SHADOW_RECEIVER) & (launch.environment_light < 0);
+  const uint is_receiver = (kind == MATERIAL_SHADOW_RECEIVER) & (environment_light < 0);
   const uint is_glass = (kind == MATERIAL_DIELECTRIC) & ((flags & MATERIAL_HAS_INSIDE) != 0) & (m->texture < 0);
   const uint is_opaque = (m->metallic_roughness_texture < 0) & (m->transmission == 0) &
                          !(flags & (MATERIAL_HAS_INSIDE | MATERIAL_THIN));
@@ -34,14 +33,16 @@ static inline uint group_of(const Launch launch, const Shading scene, global con
   return is_plain ? group : OTHERS;
 }
 
-static inline void sort_into_groups(const Launch launch, const Shading scene, const uint first, const uint last,
-                                    global const uint* queue, global const float4* hit,
-                                    global const uint* hit_instance, Groups* groups) {
+// Without branches, which neighbours in the queue that meet different kinds would make hard to foresee. n_shaded: groups
+// from there on are others
+static inline void sort_into_groups(const uint n_shaded, global const uchar* group_of_instance, const uint first,
+                                    const uint last, global const uint* queue, global const float4* hit,
+                                    global const uint* hit_instance, global uint* alive, Groups* groups) {
   for (uint i = first; i < last; ++i) {
-    const uint slot = queue[i], triangle = as_uint(hit[slot].w);
-    if (triangle == NO_TRIANGLE) continue;
-    const uint group = group_of(launch, scene, scene.instances + hit_instance[slot]);
+    const uint slot = queue[i], triangle = as_uint(hit[slot].w), met = group_of_instance[hit_instance[slot]];
+    const uint group = (triangle == NO_TRIANGLE) | (met >= n_shaded) ? (uint)OTHERS : met;
     groups->place[group][groups->n[group]++] = i;
+    alive[i] = LEFT_TO_SHADE;
   }
 }
 
@@ -70,13 +71,14 @@ static inline void load_paths(const Groups* groups, const uint group, const uint
 // The places first .. first + SHADE_CHUNK - 1 of the queue. A function of its own, as PoCL compiles what stands in a
 // kernel three times.
 TREE_FUNCTION void shade_chunk(const uint n, const uint first, const Launch* launch, const Shading* scene,
-                               const Bounce bounce, global const uint* queue, global const uint2* stream,
-                               global const uint* hit_instance, const Slots* slots) {
+                               const Bounce bounce, global const uchar* group_of_instance, global const uint* queue,
+                               global const uint2* stream, global const uint* hit_instance, const Slots* slots) {
   Groups groups;
   for (uint g = 0; g < N_GROUPS; ++g) groups.n[g] = 0;
-  sort_into_groups(*launch, *scene, first, min(first + SHADE_CHUNK, n), queue, slots->hit, hit_instance, &groups);
-  Paths paths;
   const uint end = bounce.depth >= launch->max_depth ? RECEIVERS + 1 : OTHERS;  // all others end there
+  sort_into_groups(end, group_of_instance, first, min(first + SHADE_CHUNK, n), queue, slots->hit, hit_instance,
+                   slots->alive, &groups);
+  Paths paths;
   for (uint group = RECEIVERS; group < end; ++group)
     for (uint k = 0; k < groups.n[group]; k += PACKET) {
       load_paths(&groups, group, k, *scene, queue, *slots, hit_instance, &paths);
@@ -94,14 +96,22 @@ TREE_FUNCTION void shade_chunk(const uint n, const uint first, const Launch* lau
     }
 }
 
-// as in shade.cl, a work-item takes SHADE_CHUNK places of the queue;  hit: the triangle becomes SHADED where it is done
+// groups: [n] of the instances
+kernel void group_instances(const uint n, const int environment_light, global const Instance* restrict instances,
+                            global const Material* restrict materials, global uchar* restrict groups) {
+  const uint i = get_global_id(0);
+  if (i < n) groups[i] = (uchar)group_of(environment_light, instances + i, materials + instances[i].material);
+}
+
+// as in shade.cl, a work-item takes SHADE_CHUNK places of the queue;  alive: LEFT_TO_SHADE of those that it left
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void shade_lanes(
-    const uint n, const Launch launch, const uint depth, const uint notes_features, global const uint* restrict queue,
+    const uint n, const Launch launch, const uint depth, const uint notes_features,
+    global const uchar* restrict group_of_instance, global const uint* restrict queue,
     global const uint2* restrict stream, global const Instance* restrict instances,
     global const Material* restrict materials, global const TextureInfo* restrict textures,
     global const uchar4* restrict texels, constant float* restrict decode, global const uint* restrict triangles,
     global const Vertex* restrict vertices, global const float* restrict second_uvs, global const Light* restrict lights,
-    global const float* restrict environment, global const EnvironmentCell* restrict cells, global float4* restrict hit,
+    global const float* restrict environment, global const EnvironmentCell* restrict cells, global const float4* restrict hit,
     global const uint* restrict hit_instance, global float4* restrict origin, global float4* restrict direction,
     global float4* restrict throughput, global float4* restrict radiance, global float4* restrict shadow_origin,
     global float4* restrict shadow_direction, global float4* restrict shadow_light, global uint* restrict alive,
@@ -113,5 +123,5 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void shade_lanes(
   const Slots slots = {hit,           origin,           direction,    throughput, radiance,      shadow_origin,
                        shadow_direction, shadow_light, alive,      feature_color, feature_normal};
   const Bounce bounce = {depth, notes_features};
-  shade_chunk(n, first, &launch, &scene, bounce, queue, stream, hit_instance, &slots);
+  shade_chunk(n, first, &launch, &scene, bounce, group_of_instance, queue, stream, hit_instance, &slots);
 }

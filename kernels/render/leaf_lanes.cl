@@ -1,0 +1,65 @@
+// Sixteen rays that go any way against the triangles of a leaf, one at a time. The arithmetic is that of block_hits and
+// block_any in traverse.cl, so hits have the same bits; of two triangles at the same t either may be found.
+#ifndef PVG_RENDER_LEAF_LANES_CL
+#define PVG_RENDER_LEAF_LANES_CL
+#include "render/packet.cl"
+
+// what a leaf's test takes, as LeafRay: each ray's axes are in the order of its own
+typedef struct {
+  Packet shift, shear;
+  int16 is_x, is_z;  // the largest component of the direction
+} LeafLanes;
+
+// x, y and z in the order of each ray's axes
+ALWAYS_INLINE Packet turned(const int16 is_x, const int16 is_z, const float16 x, const float16 y, const float16 z) {
+  const Packet p = {is_z ? x : (is_x ? y : z), is_z ? y : (is_x ? z : x), is_z ? z : (is_x ? x : y)};
+  return p;
+}
+
+ALWAYS_INLINE void make_leaf_lanes(const Packet origin, const Packet direction, LeafLanes* r) {
+  const float16 size_x = fabs(direction.x), size_y = fabs(direction.y), size_z = fabs(direction.z);
+  r->is_z = size_z >= max(size_x, size_y);
+  r->is_x = ~r->is_z & (size_x >= size_y);
+  r->shift = turned(r->is_x, r->is_z, origin.x, origin.y, origin.z);
+  const Packet d = turned(r->is_x, r->is_z, direction.x, direction.y, direction.z);
+  const Packet shear = {d.x / d.z, d.y / d.z, 1.0f / d.z};
+  r->shear = shear;
+}
+
+// a corner of triangle number k of the block, of which float k is where corner begins, from the rays' origins
+ALWAYS_INLINE Packet corner_from_lanes(global const float* corner, const LeafLanes* r) {
+  const Packet p = turned(r->is_x, r->is_z, (float16)(corner[0]), (float16)(corner[4]), (float16)(corner[8]));
+  const Packet from = {p.x - r->shift.x, p.y - r->shift.y, p.z - r->shift.z};
+  return from;
+}
+
+ALWAYS_INLINE int16 shear_triangle_of_lanes(global const float* block, const LeafLanes* r, ShearedPacket* s) {
+  return shear_triangle(corner_from_lanes(block, r), corner_from_lanes(block + 12, r), corner_from_lanes(block + 24, r),
+                        r->shear, s);
+}
+
+ALWAYS_INLINE void closest_of_lanes_in_block(global const float4* block, const LeafLanes* r, const uint instance,
+                                             PacketHit* hits) {
+  global const uint* triangles = (global const uint*)(block + 9);
+  for (uint k = 0; k < 4 && triangles[k] != NO_TRIANGLE; ++k) {
+    ShearedPacket s;
+    const int16 inside = shear_triangle_of_lanes((global const float*)block + k, r, &s);
+    closest_of_sheared(inside, s, r->shear.z, triangles[k], instance, hits);
+  }
+}
+
+// bits of the lanes that a triangle of the block stops within (0, t_max)
+ALWAYS_INLINE uint lanes_stopped_in_block(global const float4* block, const LeafLanes* r, const float t_max) {
+  global const uint* triangles = (global const uint*)(block + 9);
+  uint stopped = 0;
+  for (uint k = 0; k < 4 && triangles[k] != NO_TRIANGLE; ++k) {
+    ShearedPacket s;
+    const int16 inside = shear_triangle_of_lanes((global const float*)block + k, r, &s);
+    const float16 det = s.area_a + s.area_b + s.area_c;
+    const int16 sign = as_int16(det) & (int16)(0x80000000);
+    const float16 t = as_float16(as_int16((s.area_a * s.az + s.area_b * s.bz + s.area_c * s.cz) * r->shear.z) ^ sign);
+    stopped |= mask16(inside & (t > 0.0f) & (t < t_max * fabs(det)));
+  }
+  return stopped;
+}
+#endif
