@@ -26,6 +26,7 @@ struct RenderSettings {
   bool notes_features = false;      // albedo and mean_normal of the frames
   bool finds_truth = true;          // depth, distance, instance and normal of the frames, and flow
   bool sees_through_glass = false;  // depth, normals, instances and flow: of what is behind glass
+  bool is_wavefront = false;        // each stage is a launch, as always on a GPU; on a CPU slower, for tests
 };
 
 // where everything is before anything moves

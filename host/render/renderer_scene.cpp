@@ -51,7 +51,8 @@ Renderer::Impl::Impl(Device& device_, const Scene& scene_, const RenderSettings&
       look(make_look(scene_)),
       traces_light(needs_light_tracing(scene_, look, settings_)),
       finish(std::make_shared<PictureFinish>(scene_, settings_, device.info().is_gpu)),
-      stages(device_, settings.denoises || settings.notes_features, traces_light),
+      stages(device_, settings.denoises || settings.notes_features, traces_light,
+             settings.is_wavefront || device_.info().is_gpu),
       film(device_),
       chosen(device_, 0, "chosen") {
   if (settings.samples < 1 || settings.samples > 1 << 16)

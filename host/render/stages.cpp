@@ -1,6 +1,7 @@
 #include "host/render/stages.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -10,7 +11,12 @@ namespace pvg {
 namespace {
 
 // Paths that a work-item of `generate` starts: on a CPU its vector units draw the random numbers of 16 side by side.
-std::size_t paths_per_item(const Device& device) { return device.info().is_gpu ? 1 : 16; }
+std::size_t paths_per_item(bool is_wavefront) { return is_wavefront ? 1 : PACKET; }
+
+// enough that every core has many, some of which take ten times as long as others
+std::size_t chunks_at_once(const Device& device) {
+  return std::max<std::size_t>(64, 16 * std::size_t(device.info().compute_units));
+}
 
 }  // namespace
 
@@ -53,11 +59,9 @@ void Film::begin(std::uint32_t width, std::uint32_t height) {
   normal.resize(3 * n_pixels);
 }
 
-Stages::Kernels::Kernels(Program generate_file, Program shade_file, Program compact_file, Program accumulate_file,
-                         Program ground_truth_file, Program flow_file, Program camera_media_file, Program holes_file,
-                         Program leave_glass_file)
+Stages::Kernels::Kernels(Program generate_file, Program compact_file, Program accumulate_file,
+                         Program ground_truth_file, Program flow_file, Program camera_media_file, Program holes_file)
     : generate(generate_file.kernel("generate")),
-      shade(shade_file.kernel("shade")),
       count_alive(compact_file.kernel("count_alive")),
       fill_queue(compact_file.kernel("fill_queue")),
       accumulate(accumulate_file.kernel("accumulate")),
@@ -65,8 +69,7 @@ Stages::Kernels::Kernels(Program generate_file, Program shade_file, Program comp
       flow(flow_file.kernel("flow")),
       camera_media(camera_media_file.kernel("camera_media")),
       pass_holes(holes_file.kernel("pass_holes")),
-      shadow_holes(holes_file.kernel("shadow_holes")),
-      leave_glass(leave_glass_file.kernel("leave_glass")) {}
+      shadow_holes(holes_file.kernel("shadow_holes")) {}
 
 LightTracing::LightTracing(Device& device)
     : emit(Program(device, "render/emit.cl", traversal_options(device)).kernel("emit")),
@@ -74,24 +77,36 @@ LightTracing::LightTracing(Device& device)
       splat(Program(device, "render/splat.cl", traversal_options(device)).kernel("splat")),
       add_splats(Program(device, "render/splat.cl", traversal_options(device)).kernel("add_splats")) {}
 
-ShadeLanes::ShadeLanes(Device& device)
-    : group_instances(Program(device, "render/shade_lanes.cl", traversal_options(device)).kernel("group_instances")),
-      shade_lanes(Program(device, "render/shade_lanes.cl", traversal_options(device)).kernel("shade_lanes")),
-      groups(device, 0, "groups") {}
+ChunkTracing::ChunkTracing(Device& device)
+    : group_instances(Program(device, "render/lanes/trace.cl", traversal_options(device)).kernel("group_instances")),
+      trace(Program(device, "render/lanes/trace.cl", traversal_options(device)).kernel("trace")),
+      groups(device, 0, "groups"),
+      next(device, 1, "next"),
+      segments(device, 0, "segments") {}
 
-Stages::Stages(Device& device, bool notes_features, bool traces_light)
-    : max_paths_(std::size_t(1) << (device.info().is_gpu ? 18 : 16)),
-      paths_per_item_(paths_per_item(device)),
+void ChunkTracing::group(const Launch& launch, const DeviceScene& scene) {
+  const std::size_t n = scene.trees.instances.size();
+  groups.resize(std::max<std::size_t>(n, 1));
+  group_instances(n, std::uint32_t(n), std::int32_t(launch.environment_light), scene.trees.instances, scene.materials,
+                  groups);
+}
+
+Wavefront::Wavefront(Device& device)
+    : shade(Program(device, "render/wavefront/shade.cl", traversal_options(device)).kernel("shade")),
+      leave_glass(Program(device, "render/wavefront/leave_glass.cl", traversal_options(device)).kernel("leave_glass")) {
+}
+
+Stages::Stages(Device& device, bool notes_features, bool traces_light, bool is_wavefront)
+    : max_paths_(is_wavefront ? std::size_t(1) << 18 : TRACE_CHUNK * chunks_at_once(device)),
+      paths_per_item_(paths_per_item(is_wavefront)),
       kernels_(Program(device, "render/generate.cl",
-                       traversal_options(device) + " -DPATHS=" + std::to_string(paths_per_item(device))),
-               Program(device, "render/shade.cl", traversal_options(device)), Program(device, "render/compact.cl"),
-               Program(device, "render/accumulate.cl"),
+                       traversal_options(device) + " -DPATHS=" + std::to_string(paths_per_item_)),
+               Program(device, "render/compact.cl"), Program(device, "render/accumulate.cl"),
                Program(device, "sensors/ground_truth.cl", traversal_options(device)),
                Program(device, "sensors/flow.cl", traversal_options(device)),
                Program(device, "render/camera_media.cl", traversal_options(device)),
-               Program(device, "render/holes.cl", traversal_options(device)),
-               Program(device, "render/leave_glass.cl", traversal_options(device))),
-      traversal_(device),
+               Program(device, "render/wavefront/holes.cl", traversal_options(device))),
+      traversal_(device, is_wavefront),
       origin_(device, 0, "origin"),
       direction_(device, 0, "direction"),
       throughput_(device, 0, "throughput"),
@@ -111,34 +126,56 @@ Stages::Stages(Device& device, bool notes_features, bool traces_light)
       offsets_(device, 0, "offsets"),
       scan_(device),
       media_(device, 1, "media") {
-  if (!device.info().is_gpu) shade_lanes_.emplace(device);
+  if (is_wavefront)
+    wavefront_.emplace(device);
+  else
+    chunks_.emplace(device);
   if (notes_features) features_.emplace(device);
   if (traces_light) light_tracing_.emplace(device);
 }
 
-std::uint64_t Stages::trace(const Launch& launch, const Buffer<std::uint32_t>& pixels, const DeviceScene& scene,
-                            Film& film) {
-  std::size_t n = std::size_t(launch.n_pixels) * launch.n_samples;
+// few paths are still in glass then, and those that are seldom leave it soon
+static unsigned first_leaves_glass(const Launch& launch, const DeviceScene& scene) {
+  return scene.has_clear_solids ? std::max(1u, launch.max_depth / 2) : launch.max_depth + 1;
+}
+
+std::uint64_t Stages::trace_chunks(std::size_t n, const Launch& launch, const DeviceScene& scene) {
+  const std::size_t n_chunks = divided_up(n, TRACE_CHUNK);
+  chunks_->segments.resize(n_chunks);
+  chunks_->group(launch, scene);
+  chunks_->next.zero();
+  chunks_->trace(n_chunks, std::uint32_t(n), launch, std::uint32_t(features_.has_value()),
+                 std::uint32_t(scene.has_cutouts), first_leaves_glass(launch, scene), chunks_->groups, queue_, stream_,
+                 scene.trees.top, scene.trees.nodes, scene.trees.blocks, scene.trees.instances, scene.materials,
+                 scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices, scene.colors,
+                 scene.second_uvs, scene.lights, scene.environment, scene.cells, scene.targets, hit_, hit_instance_,
+                 origin_, direction_, throughput_, radiance_, shadow_origin_, shadow_direction_, shadow_light_, alive_,
+                 feature_color_, feature_normal_, chunks_->next, chunks_->segments);
+  const std::vector<std::uint32_t> segments = chunks_->segments.read(0, n_chunks);
+  return std::accumulate(segments.begin(), segments.end(), std::uint64_t(0));
+}
+
+std::uint64_t Stages::trace_wavefront(std::size_t n, const Launch& launch, const DeviceScene& scene) {
   std::uint64_t segments = 0;
-  generate(n, launch, pixels);
-  if (shade_lanes_) shade_lanes_->group(launch, scene);
-  // few paths are still in glass then, and those that are seldom leave it soon
-  const unsigned first_leaves = std::max(1u, launch.max_depth / 2);
   for (unsigned depth = 0; depth <= launch.max_depth && n > 0; ++depth) {
     segments += n;
-    if (scene.has_clear_solids && depth >= first_leaves) leave_glass(n, depth, scene);
-    if (depth == 0)
-      traversal_.find_closest_of_neighbours(n, queue_, scene.trees, origin_, direction_, hit_, hit_instance_);
-    else
-      intersect(n, scene);
+    if (depth >= first_leaves_glass(launch, scene)) leave_glass(n, depth, scene);
+    intersect(n, scene);
     if (scene.has_cutouts) pass_holes(n, depth, scene);
-    shade_lanes(n, launch, depth, scene);
     shade(n, launch, depth, scene);
     // without lamps too: a receiver's ambient share comes from all around
     if (scene.has_cutouts) shadow_holes(n, scene);
     shadow(n, launch, scene);
     n = compact(n);
   }
+  return segments;
+}
+
+std::uint64_t Stages::trace(const Launch& launch, const Buffer<std::uint32_t>& pixels, const DeviceScene& scene,
+                            Film& film) {
+  const std::size_t n = std::size_t(launch.n_pixels) * launch.n_samples;
+  generate(n, launch, pixels);
+  const std::uint64_t segments = chunks_ ? trace_chunks(n, launch, scene) : trace_wavefront(n, launch, scene);
   kernels_.accumulate(launch.n_pixels, launch.n_pixels, launch, pixels, radiance_, film.sum, film.squares,
                       film.dropped);
   if (features_) features_->accumulate(launch, pixels, feature_color_, feature_normal_, film.guides.value());
@@ -230,10 +267,10 @@ void Stages::pass_holes(std::size_t n, unsigned depth, const DeviceScene& scene)
 }
 
 void Stages::leave_glass(std::size_t n, unsigned depth, const DeviceScene& scene) {
-  kernels_.leave_glass(n, std::uint32_t(n), std::uint32_t(depth), std::uint32_t(features_.has_value()), queue_, stream_,
-                       scene.trees.top, scene.trees.nodes, scene.trees.blocks, scene.trees.instances, scene.materials,
-                       scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices, scene.colors,
-                       scene.second_uvs, origin_, direction_, throughput_, feature_color_);
+  wavefront_->leave_glass(n, std::uint32_t(n), std::uint32_t(depth), std::uint32_t(features_.has_value()), queue_,
+                          stream_, scene.trees.top, scene.trees.nodes, scene.trees.blocks, scene.trees.instances,
+                          scene.materials, scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices,
+                          scene.colors, scene.second_uvs, origin_, direction_, throughput_, feature_color_);
 }
 
 void Stages::shadow_holes(std::size_t n, const DeviceScene& scene) {
@@ -242,30 +279,12 @@ void Stages::shadow_holes(std::size_t n, const DeviceScene& scene) {
                         scene.vertices, scene.second_uvs, shadow_origin_, shadow_direction_, shadow_light_);
 }
 
-void ShadeLanes::group(const Launch& launch, const DeviceScene& scene) {
-  const std::size_t n = scene.trees.instances.size();
-  groups.resize(std::max<std::size_t>(n, 1));
-  group_instances(n, std::uint32_t(n), std::int32_t(launch.environment_light), scene.trees.instances, scene.materials,
-                  groups);
-}
-
-void Stages::shade_lanes(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene) {
-  if (!shade_lanes_) return;
-  shade_lanes_->shade_lanes(divided_up(n, SHADE_CHUNK), std::uint32_t(n), launch, std::uint32_t(depth),
-                            std::uint32_t(features_.has_value()), shade_lanes_->groups, queue_, stream_,
-                            scene.trees.instances, scene.materials, scene.textures, scene.texels, scene.decode,
-                            scene.triangles, scene.vertices, scene.second_uvs, scene.lights, scene.environment,
-                            scene.cells, hit_, hit_instance_, origin_, direction_, throughput_, radiance_,
-                            shadow_origin_, shadow_direction_, shadow_light_, alive_, feature_color_, feature_normal_);
-}
-
 void Stages::shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene) {
-  kernels_.shade(n, std::uint32_t(n), launch, std::uint32_t(depth), std::uint32_t(features_.has_value()),
-                 std::uint32_t(shade_lanes_.has_value()), queue_, stream_, scene.trees.instances, scene.materials,
-                 scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices, scene.colors,
-                 scene.second_uvs, scene.lights, scene.environment, scene.cells, scene.targets, hit_, hit_instance_,
-                 origin_, direction_, throughput_, radiance_, shadow_origin_, shadow_direction_, shadow_light_, alive_,
-                 feature_color_, feature_normal_);
+  wavefront_->shade(n, std::uint32_t(n), launch, std::uint32_t(depth), std::uint32_t(features_.has_value()), queue_,
+                    stream_, scene.trees.instances, scene.materials, scene.textures, scene.texels, scene.decode,
+                    scene.triangles, scene.vertices, scene.colors, scene.second_uvs, scene.lights, scene.environment,
+                    scene.cells, scene.targets, hit_, hit_instance_, origin_, direction_, throughput_, radiance_,
+                    shadow_origin_, shadow_direction_, shadow_light_, alive_, feature_color_, feature_normal_);
 }
 
 void Stages::shadow(std::size_t n, const Launch& launch, const DeviceScene& scene) {

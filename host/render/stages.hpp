@@ -54,20 +54,27 @@ struct LightTracing {
   Kernel emit, follow, splat, add_splats;
 };
 
-// Kernels of surfaces shaded sixteen at a time, see kernels/render/shade_lanes.cl.
-struct ShadeLanes {
-  explicit ShadeLanes(Device& device);
+// All stages in one kernel, on a CPU, see kernels/render/lanes/trace.cl.
+struct ChunkTracing {
+  explicit ChunkTracing(Device& device);
   void group(const Launch& launch, const DeviceScene& scene);
-  Kernel group_instances, shade_lanes;
-  Buffer<std::uint8_t> groups;  // of the instances
+  Kernel group_instances, trace;
+  Buffer<std::uint8_t> groups;     // of the instances
+  Buffer<std::uint32_t> next;      // the first chunk that nobody has
+  Buffer<std::uint32_t> segments;  // of the chunks
+};
+
+// Each stage in a kernel of its own, see kernels/render/wavefront.
+struct Wavefront {
+  explicit Wavefront(Device& device);
+  Kernel shade, leave_glass;
 };
 
 class Stages {
  public:
-  // notes_features: for the guides of the films;  traces_light: for their splats
-  Stages(Device& device, bool notes_features, bool traces_light);
-  // At most so many paths are under way at once, about 150 bytes each: on a CPU what stays near its caches (6 % faster
-  // than four times as many), on a GPU what fills it.
+  // notes_features: for the guides of the films;  traces_light: for their splats;  is_wavefront: each stage is a launch
+  Stages(Device& device, bool notes_features, bool traces_light, bool is_wavefront);
+  // At most so many paths are under way at once, about 150 bytes each: what fills the device.
   std::size_t max_paths() const { return max_paths_; }
   // follows the paths of the launch's part of the pixels to their end and adds them to the film; the number of segments
   // traced
@@ -91,24 +98,24 @@ class Stages {
   void intersect(std::size_t n, const DeviceScene& scene);
   void pass_holes(std::size_t n, unsigned depth, const DeviceScene& scene);
   void leave_glass(std::size_t n, unsigned depth, const DeviceScene& scene);
-  // on a CPU: those paths that shade_lanes.cl takes, which shade() then leaves alone
-  void shade_lanes(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene);
+  std::uint64_t trace_chunks(std::size_t n, const Launch& launch, const DeviceScene& scene);
+  std::uint64_t trace_wavefront(std::size_t n, const Launch& launch, const DeviceScene& scene);
   void shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene);
   void shadow_holes(std::size_t n, const DeviceScene& scene);
   void shadow(std::size_t n, const Launch& launch, const DeviceScene& scene);
   std::size_t compact(std::size_t n);  // live paths
 
   struct Kernels {
-    Kernels(Program generate_file, Program shade_file, Program compact_file, Program accumulate_file,
-            Program ground_truth_file, Program flow_file, Program camera_media_file, Program holes_file,
-            Program leave_glass_file);
-    Kernel generate, shade, count_alive, fill_queue, accumulate, ground_truth, flow, camera_media;
-    Kernel pass_holes, shadow_holes, leave_glass;
+    Kernels(Program generate_file, Program compact_file, Program accumulate_file, Program ground_truth_file,
+            Program flow_file, Program camera_media_file, Program holes_file);
+    Kernel generate, count_alive, fill_queue, accumulate, ground_truth, flow, camera_media;
+    Kernel pass_holes, shadow_holes;
   };
   std::size_t max_paths_, paths_per_item_;
   Kernels kernels_;
   Traversal traversal_;
-  std::optional<ShadeLanes> shade_lanes_;  // of CPUs
+  std::optional<ChunkTracing> chunks_;  // one of the two
+  std::optional<Wavefront> wavefront_;
   std::optional<Features> features_;
   std::optional<LightTracing> light_tracing_;
   // per slot

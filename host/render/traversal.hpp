@@ -1,6 +1,5 @@
 // The questions that rays ask of the scene's trees, as launches: what do they meet first, and does light arrive.
 #pragma once
-#include <optional>
 #include <string>
 
 #include "host/device/device.hpp"
@@ -25,24 +24,20 @@ constexpr std::size_t divided_up(std::size_t n, std::size_t part) { return n / p
 
 class Traversal {
  public:
-  explicit Traversal(Device& device);
+  // one_by_one: a work-item takes one ray, as a GPU needs it; else RAYS_CHUNK of them, sixteen side by side, for a CPU
+  Traversal(Device& device, bool one_by_one);
   // of the n slots in the queue; arguments as in intersect.cl
   void find_closest(std::size_t n, const Buffer<std::uint32_t>& queue, const DeviceTrees& trees,
                     const Buffer<F32x4>& origin, const Buffer<F32x4>& direction, Buffer<F32x4>& hit,
                     Buffer<std::uint32_t>& hit_instance);
-  // The same of the slots 0 .. n - 1, of which neighbours go much the same way, as rays of a camera do: on a CPU they
-  // walk the trees in packets. Of two triangles at the same t another one may be found
-  void find_closest_of_neighbours(std::size_t n, const Buffer<std::uint32_t>& queue, const DeviceTrees& trees,
-                                  const Buffer<F32x4>& origin, const Buffer<F32x4>& direction, Buffer<F32x4>& hit,
-                                  Buffer<std::uint32_t>& hit_instance);
-  // adds to the radiance what arrives of the light; arguments as in shadow.cl
+  // adds to the radiance what arrives of the light; arguments as in wavefront/shadow.cl
   void add_light(std::size_t n, const Buffer<std::uint32_t>& queue, bool transparent_shadows, const DeviceTrees& trees,
                  const Buffer<Material>& materials, const Buffer<F32x4>& shadow_origin,
                  const Buffer<F32x4>& shadow_direction, const Buffer<F32x4>& shadow_light, Buffer<F32x4>& radiance);
 
  private:
+  std::size_t rays_per_item_;
   Kernel intersect_, shadow_;
-  std::optional<Kernel> intersect_packets_, intersect_lanes_, shadow_lanes_;  // of CPUs
 };
 
 }  // namespace pvg

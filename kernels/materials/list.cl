@@ -73,7 +73,7 @@ static inline bool material_transmits(const PointMaterial p) {
   return (traits & MATERIAL_CLEAR) || ((traits & MATERIAL_TRANSMITS) && p.transmission > 0);
 }
 
-// lit evenly enough that a straight shadow through clear glass will do for it, see shade.cl
+// lit evenly enough that a straight shadow through clear glass will do for it, see shade_path.cl
 static inline bool material_is_matte(const PointMaterial p) {
   return (material_traits(p.kind) & MATERIAL_MATTE) && p.metallic < 0.5f && p.transmission < 0.5f;
 }

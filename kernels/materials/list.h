@@ -6,7 +6,7 @@
 //               float3 <name>_eval(p, wo, wi)                  f cos [1/sr]
 //               float <name>_pdf(p, wo, wi)                    of the samples below [1/sr]
 //               MaterialSample <name>_sample(p, wo, u, choice) u, choice: random numbers in [0, 1)
-//   ENDS      paths end there: kernels/render/shade.cl says what they see
+//   ENDS      paths end there: kernels/render/shade_path.cl says what they see
 //   columns   ID, name, traits, nearest model in glTF (host/model/appearance.hpp), meaning
 #ifndef PVG_MATERIALS_LIST_H
 #define PVG_MATERIALS_LIST_H

@@ -50,7 +50,7 @@ static inline float3 leave_sphere(const float radius, const float3 point, const 
 }
 
 // Launch::first_sample: number of the first path. targets: [n_targets] centre, w: radius [m];  throughput: [n] radiance over
-// density;  radiance: [n] w: emission_density;  alive: [n] 0 where nothing leaves. Else as in generate.cl and shade.cl
+// density;  radiance: [n] w: emission_density;  alive: [n] 0 where nothing leaves. Else as in generate.cl and shade_path.cl
 kernel void emit(const uint n, const Launch launch, global const Instance* restrict instances,
                  global const Material* restrict materials, global const TextureInfo* restrict textures,
                  global const uchar4* restrict texels, constant float* restrict decode,

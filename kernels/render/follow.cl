@@ -121,7 +121,7 @@ static inline void follow_path(const Launch launch, const Shading scene, const u
   }
 }
 
-// as in emit.cl and shade.cl;  radiance: w: density of the path;  shadow_direction: w: number of the pixel, as bits;
+// as in emit.cl and shade_path.cl;  radiance: w: density of the path;  shadow_direction: w: number of the pixel, as bits;
 // shadow_light: in units of white, over all light paths of the picture
 kernel void follow(const uint n, const Launch launch, const uint depth, global const uint* restrict queue,
                    global const uint2* restrict stream, global const Instance* restrict instances,

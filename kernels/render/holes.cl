@@ -1,10 +1,13 @@
 // What cut-out surfaces (cutout.cl) ask for, apart from the other stages, so that scenes without any pay nothing: after
 // `intersect` the paths that met a hole go on to what is behind it; before `shadow` light is dimmed by what is left of
 // cut-out surfaces, which the shadow rays themselves do not see (MASK_CUTOUT_SHIFT).
+#ifndef PVG_RENDER_HOLES_CL
+#define PVG_RENDER_HOLES_CL
 #include "render/cutout.cl"
+#include "render/slots.cl"
 #include "shared/rng.cl"
 
-// numbers for surfaces that blend, apart from those of shade.cl
+// numbers for surfaces that blend, apart from those of shade_path.cl
 #define HOLES_KEY 0x51ed270bu
 
 // plain random number: strata gain nothing where the layers differ from path to path
@@ -12,30 +15,18 @@ static inline float chance_of_layer(const uint key, const uint sample, const uin
   return unit_float(hash_combine(hash_combine(key, layer), sample));
 }
 
-// as in intersect.cl and shade.cl;  depth: bounces so far
-kernel void pass_holes(const uint n, const uint depth, global const uint* restrict queue,
-                       global const uint2* restrict stream, global const float8* restrict top,
-                       global const float8* restrict nodes, global const float4* restrict blocks,
-                       global const Instance* restrict instances,
-                       global const Material* restrict materials, global const TextureInfo* restrict textures,
-                       global const uchar4* restrict texels, global const uint* restrict triangles,
-                       global const Vertex* restrict vertices, global const float* restrict second_uvs,
-                       global const float4* restrict origin, global const float4* restrict direction,
-                       global float4* restrict hit, global uint* restrict hit_instance) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  const uint slot = queue[i];
-  const float4 first = hit[slot];
-  if (as_uint(first.w) == NO_TRIANGLE || !(instances[hit_instance[slot]].flags & INSTANCE_CUTOUT)) return;
-  const Trees trees = {top, nodes, blocks, instances};
-  const Cutouts cutouts = {instances, materials, textures, texels, triangles, vertices, second_uvs};
-  const uint key = hash_combine(stream[slot].x ^ HOLES_KEY, depth), sample = stream[slot].y;
-  const float3 from = origin[slot].xyz, d = direction[slot].xyz;
-  Hit h = {first.x, first.y, first.z, as_uint(first.w), hit_instance[slot]};
+// the path in a slot;  depth: bounces so far
+static inline void pass_holes_of_path(const Trees trees, const Cutouts cutouts, const uint depth, const uint slot,
+                                      const Slots slots) {
+  const float4 first = slots.hit[slot];
+  if (as_uint(first.w) == NO_TRIANGLE || !(cutouts.instances[slots.hit_instance[slot]].flags & INSTANCE_CUTOUT)) return;
+  const uint key = hash_combine(slots.stream[slot].x ^ HOLES_KEY, depth), sample = slots.stream[slot].y;
+  const float3 from = slots.origin[slot].xyz, d = slots.direction[slot].xyz;
+  Hit h = {first.x, first.y, first.z, as_uint(first.w), slots.hit_instance[slot]};
   for (uint layer = 0; layer < MOST_LAYERS && is_open(cutouts, h, chance_of_layer(key, sample, layer)); ++layer)
     next_hit(trees, cutouts, from, d, INFINITY, &h);
-  hit[slot] = (float4)(h.t, h.u, h.v, as_float(h.triangle));
-  hit_instance[slot] = h.instance;
+  slots.hit[slot] = (float4)(h.t, h.u, h.v, as_float(h.triangle));
+  slots.hit_instance[slot] = h.instance;
 }
 
 // the share of the light that all hits of one instance let pass
@@ -89,27 +80,16 @@ ALWAYS_INLINE float share_through(const Trees trees, const Cutouts cutouts, cons
   }
 }
 
-// shadow_...: as in shade.cl; a ray through which nothing comes is taken away
-kernel void shadow_holes(const uint n, global const uint* restrict queue, global const float8* restrict top,
-                         global const float8* restrict nodes, global const float4* restrict blocks,
-                         global const Instance* restrict instances, global const Material* restrict materials,
-                         global const TextureInfo* restrict textures, global const uchar4* restrict texels,
-                         global const uint* restrict triangles, global const Vertex* restrict vertices,
-                         global const float* restrict second_uvs, global float4* restrict shadow_origin,
-                         global const float4* restrict shadow_direction,
-                         global float4* restrict shadow_light) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  const uint slot = queue[i];
-  const float4 from = shadow_origin[slot];
+// the shadow ray in a slot: one through which nothing comes is taken away
+static inline void dim_shadow_ray(const Trees trees, const Cutouts cutouts, const uint slot, const Slots slots) {
+  const float4 from = slots.shadow_origin[slot];
   const uint kind = as_uint(from.w);
   if (kind == SHADOW_NONE) return;
-  const Trees trees = {top, nodes, blocks, instances};
-  const Cutouts cutouts = {instances, materials, textures, texels, triangles, vertices, second_uvs};
   const uint mask = (kind == SHADOW_RECEIVER ? MASK_RECEIVERS : MASK_SURFACES) << MASK_CUTOUT_SHIFT;
-  const float share = share_through(trees, cutouts, from.xyz, shadow_direction[slot].xyz, BEFORE_LIGHT, mask);
+  const float share = share_through(trees, cutouts, from.xyz, slots.shadow_direction[slot].xyz, BEFORE_LIGHT, mask);
   if (share == 0)
-    shadow_origin[slot].w = as_float(SHADOW_NONE);
+    slots.shadow_origin[slot].w = as_float(SHADOW_NONE);
   else
-    shadow_light[slot].xyz *= share;
+    slots.shadow_light[slot].xyz *= share;
 }
+#endif

@@ -1,5 +1,5 @@
 // What may happen to a path where it hits, one function per case: a light, glass, a surface that scatters
-// (a shadow receiver: receiver.cl). How light samples and paths share the work is told in shade.cl.
+// (a shadow receiver: receiver.cl). How light samples and paths share the work is told in shade_path.cl.
 #ifndef PVG_RENDER_INTERACT_CL
 #define PVG_RENDER_INTERACT_CL
 #include "materials/list.cl"

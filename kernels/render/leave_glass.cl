@@ -1,17 +1,16 @@
 // Between two bounces: paths that have met clear glass and mirrors alone and are inside of a solid of clear glass go on to
 // where they leave it. Total internal reflection leads light along a wall of glass over dozens of faces; if each were a
 // bounce, paths would end there, and the rims of vessels would be black.
-// Groups are small, as one path may meet a hundred times the faces that another does.
-#define PVG_INLINE_ALL
-#include "shared/pocl.h"
-
+#ifndef PVG_RENDER_LEAVE_GLASS_CL
+#define PVG_RENDER_LEAVE_GLASS_CL
 #include "render/interact.cl"
 #include "render/met_surface.cl"
 #include "render/noted.cl"
+#include "render/slots.cl"
 
 // the faces that a path may meet here before one bounce
 #define MOST_FACES 64u
-// random numbers, apart from those of shade.cl and generate.cl
+// random numbers, apart from those of shade_path.cl and generate.cl
 #define LEAVE_GLASS_DIMENSION (1u << 17)
 
 // nothing has scattered the path so far
@@ -79,25 +78,12 @@ static inline uint pass_face(const Trees trees, const Shading scene, const uint 
   return h.instance;
 }
 
-// as in shade.cl;  depth: bounces so far
-kernel __attribute__((reqd_work_group_size(16, 1, 1))) void leave_glass(
-    const uint n, const uint depth, const uint notes_features, global const uint* restrict queue,
-    global const uint2* restrict stream, global const float8* restrict top, global const float8* restrict nodes,
-    global const float4* restrict blocks, global const Instance* restrict instances,
-    global const Material* restrict materials, global const TextureInfo* restrict textures,
-    global const uchar4* restrict texels, constant float* restrict decode, global const uint* restrict triangles,
-    global const Vertex* restrict vertices, global const float* restrict colors,
-    global const float* restrict second_uvs, global float4* restrict origin, global float4* restrict direction,
-    global float4* restrict throughput, global float4* restrict feature_color) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  const uint slot = queue[i];
-  Path path = load_path(slot, origin, direction, throughput);
+// the path in a slot;  depth: bounces so far
+static inline void leave_glass_of_path(const Trees trees, const Shading scene, const uint depth,
+                                       const uint notes_features, const uint slot, const Slots slots) {
+  Path path = load_path(slot, slots.origin, slots.direction, slots.throughput);
   if (!is_inside(&path)) return;
-  const Trees trees = {top, nodes, blocks, instances};
-  const Shading scene = {instances, materials, textures,   texels, decode, triangles, vertices,
-                         colors,    second_uvs, 0,      0,      0,         0};
-  const uint2 numbers = stream[slot];
+  const uint2 numbers = slots.stream[slot];
   uint solid = NO_INSTANCE;
   float distance = 0.0f;
   for (uint face = 0; face < MOST_FACES && path.is_alive && is_inside(&path); ++face) {
@@ -106,8 +92,10 @@ kernel __attribute__((reqd_work_group_size(16, 1, 1))) void leave_glass(
   }
   path.throughput *= media_transmission(path.media, scene.materials, distance);
   if (!path.is_alive) path.throughput = 0.0f;  // ends at the next bounce
-  origin[slot] = (float4)(path.origin, path.pdf);
-  direction[slot] = (float4)(path.direction, as_float(path.media));
-  throughput[slot] = (float4)(path.throughput, as_float(path.flags));
-  if (notes_features) feature_color[slot].w = max(feature_color[slot].w * path.likelihood, LEAST_NOTE);
+  slots.origin[slot] = (float4)(path.origin, path.pdf);
+  slots.direction[slot] = (float4)(path.direction, as_float(path.media));
+  slots.throughput[slot] = (float4)(path.throughput, as_float(path.flags));
+  if (notes_features)
+    slots.feature_color[slot].w = max(slots.feature_color[slot].w * path.likelihood, LEAST_NOTE);
 }
+#endif

@@ -31,13 +31,11 @@
 #define SHADOW_RECEIVER 3u
 
 #define NO_TRIANGLE 0xffffffffu
-#define LEFT_TO_SHADE 2u  // in `alive`: shade_lanes.cl has not done it
 
-// rays or paths that a CPU takes side by side, and places of the queue that a work-item of shade_lanes.cl and of
-// shadow_lanes.cl takes
+// on a CPU: rays or paths side by side; those that a work-item of lanes/trace.cl and of lanes/rays.cl takes
 #define PACKET 16
-#define SHADE_CHUNK 256
-#define SHADOW_CHUNK 128
+#define TRACE_CHUNK 1024
+#define RAYS_CHUNK 128
 
 // shadow rays end just short of the light itself, in units of the way to it
 #define BEFORE_LIGHT 0.9999f

@@ -58,7 +58,7 @@ class RayBench {
  public:
   RayBench(Device& device, const VisualMesh& mesh)
       : device_(device),
-        traversal_(device),
+        traversal_(device, device.info().is_gpu),
         range_(geometry_.add(mesh, "bench")),
         trees_(make_trees()),
         materials_(device, 1, "materials") {

@@ -65,7 +65,7 @@ std::vector<std::uint32_t> any_slots(std::size_t n_slots) {
 
 TEST_F(Lanes, FindWhatEachRayFinds) {
   Device device;
-  Traversal traversal(device);
+  Traversal traversal(device, false);
   for (const unsigned n_instances : {0u, 1u, 7u, 40u, 200u})
     for (const std::size_t n_slots : {1u, 37u, 9000u}) {
       const DeviceTrees trees = test::device_trees(device, many_instances(n_instances));
@@ -95,8 +95,8 @@ TEST_F(Lanes, FindWhatEachRayFinds) {
 // shadow rays of all kinds, and paths without one
 TEST_F(Lanes, LightArrivesAsAtEachRay) {
   Device device;
-  Traversal traversal(device);
-  Kernel shadow = Program(device, "render/shadow.cl", traversal_options(device)).kernel("shadow");
+  Traversal traversal(device, false);
+  Traversal one_by_one(device, true);
   std::vector<Material> materials(2);
   for (Material& m : materials) {
     m.ior = 1.5f;
@@ -121,8 +121,7 @@ TEST_F(Lanes, LightArrivesAsAtEachRay) {
         const Buffer<F32x4> origin(device, rays.origin, "origin"), direction(device, rays.direction, "direction"),
             lights(device, light, "light");
         Buffer<F32x4> alone(device, lit, "radiance"), together(device, lit, "radiance");
-        shadow(n, n, queue, transparent, trees.top, trees.nodes, trees.blocks, trees.instances, on_device, origin,
-               direction, lights, alone);
+        one_by_one.add_light(n, queue, transparent != 0, trees, on_device, origin, direction, lights, alone);
         traversal.add_light(n, queue, transparent != 0, trees, on_device, origin, direction, lights, together);
         const std::vector<F32x4> a = alone.read(), b = together.read();
         EXPECT_EQ(std::memcmp(a.data(), b.data(), n_slots * sizeof(F32x4)), 0) << n_instances << " " << n_slots;

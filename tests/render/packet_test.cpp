@@ -38,9 +38,40 @@ Counts compare(const Found& alone, const Found& together) {
   return counts;
 }
 
+// The product's function in a kernel of this test. With MARKS a ray that goes alone leaves a mark instead of what it
+// hits: t = ALONE_IN_MESH where it does so in the frame of a mesh, ALONE in the whole scene.
+constexpr float ALONE_IN_MESH = -1, ALONE = -2;
+const char* const KERNEL = R"(
+#include "render/traverse.cl"
+#ifdef MARKS
+static inline void mark_alone(Hit* hit) { hit->t = -2.0f; }
+#define closest_hit(trees, origin, direction, hit) mark_alone(hit)
+#define closest_in_mesh(trees, box, leaf, first, t) (float4)(-1.0f, 0.0f, 0.0f, 0.0f)
+#endif
+#include "render/lanes/closest.cl"
+kernel void trace_neighbours(const uint n, global const float8* top, global const float8* nodes,
+                             global const float4* blocks, global const Instance* instances, global const float4* origin,
+                             global const float4* direction, global float4* hit, global uint* hit_instance) {
+  const Trees trees = {top, nodes, blocks, instances};
+  if (get_global_id(0) == 0) find_closest_of_neighbours(trees, 0, n, origin, direction, hit, hit_instance);
+}
+)";
+
+Found trace_neighbours(Device& device, const std::string& options, const DeviceTrees& trees, std::size_t n,
+                       const Buffer<F32x4>& origin, const Buffer<F32x4>& direction) {
+  Kernel kernel =
+      Program::from_text(device, "neighbours", KERNEL, traversal_options(device) + options).kernel("trace_neighbours");
+  Buffer<F32x4> hit(device, n, "hit");
+  Buffer<std::uint32_t> hit_instance(device, n, "hit_instance");
+  hit.zero();
+  hit_instance.zero();
+  kernel(1, std::uint32_t(n), trees.top, trees.nodes, trees.blocks, trees.instances, origin, direction, hit,
+         hit_instance);
+  return {hit.read(), hit_instance.read()};
+}
+
 Counts trace(const World& world, const Rays& rays) {
   Device device;
-  Traversal traversal(device);
   const DeviceTrees trees = device_trees(device, world);
   const std::size_t n = rays.origin.size();
   std::vector<std::uint32_t> slots(n);
@@ -51,22 +82,8 @@ Counts trace(const World& world, const Rays& rays) {
   Buffer<std::uint32_t> hit_instance(device, n, "hit_instance");
   test::find_closest_alone(device, n, queue, trees, origin, direction, hit, hit_instance);
   const Found alone{hit.read(), hit_instance.read()};
-  hit.zero();
-  hit_instance.zero();
-  traversal.find_closest_of_neighbours(n, queue, trees, origin, direction, hit, hit_instance);
-  return compare(alone, {hit.read(), hit_instance.read()});
+  return compare(alone, trace_neighbours(device, "", trees, n, origin, direction));
 }
-
-// The kernel of packets, in which a ray that goes alone leaves a mark instead of what it hits: t = ALONE_IN_MESH where
-// it does so in the frame of a mesh, ALONE in the whole scene.
-constexpr float ALONE_IN_MESH = -1, ALONE = -2;
-const char* const MARKING_KERNEL = R"(
-#include "render/traverse.cl"
-static inline void mark_alone(Hit* hit) { hit->t = -2.0f; }
-#define closest_hit(trees, origin, direction, hit) mark_alone(hit)
-#define closest_in_mesh(trees, box, leaf, first, t) (float4)(-1.0f, 0.0f, 0.0f, 0.0f)
-#include "render/intersect_packets.cl"
-)";
 
 struct Alone {
   int in_scene = 0, in_a_mesh = 0;
@@ -74,17 +91,10 @@ struct Alone {
 
 Alone count_alone(const World& world, const Rays& rays) {
   Device device;
-  Kernel kernel = Program::from_text(device, "marking packets", MARKING_KERNEL, traversal_options(device))
-                      .kernel("intersect_packets");
   const DeviceTrees trees = device_trees(device, world);
-  const std::size_t n = rays.origin.size();
   const Buffer<F32x4> origin(device, rays.origin, "origin"), direction(device, rays.direction, "direction");
-  Buffer<F32x4> hit(device, n, "hit");
-  Buffer<std::uint32_t> hit_instance(device, n, "hit_instance");
-  kernel((n + PACKET - 1) / PACKET, std::uint32_t(n), trees.top, trees.nodes, trees.blocks, trees.instances, origin,
-         direction, hit, hit_instance);
   Alone alone;
-  for (const F32x4& one : hit.read()) {
+  for (const F32x4& one : trace_neighbours(device, " -DMARKS", trees, rays.origin.size(), origin, direction).hit) {
     alone.in_scene += one.v[0] == ALONE;
     alone.in_a_mesh += one.v[0] == ALONE_IN_MESH;
   }

@@ -1,21 +1,12 @@
 // What may happen to sixteen paths side by side where they hit, one function per case: a shadow receiver, a surface that
 // scatters, clear glass. What each does, and its formula: receiver.cl and interact.cl, which this equals up to rounding.
-#ifndef PVG_RENDER_INTERACT_LANES_CL
-#define PVG_RENDER_INTERACT_LANES_CL
+#ifndef PVG_RENDER_LANES_INTERACT_CL
+#define PVG_RENDER_LANES_INTERACT_CL
 #include "render/noted.cl"
 #include "render/receiver.cl"
-#include "render/scatter_lanes.cl"
+#include "render/slots.cl"
+#include "render/lanes/scatter.cl"
 
-// what is read and written of the paths: by slot, `alive` by place in the queue
-typedef struct {
-  global const float4* hit;
-  global float4 *origin, *direction, *throughput, *radiance;
-  global float4 *shadow_origin, *shadow_direction, *shadow_light;
-  global uint* alive;
-  global float4 *feature_color, *feature_normal;
-} Slots;
-
-// arguments of the kernel
 typedef struct {
   uint depth, notes_features;
 } Bounce;

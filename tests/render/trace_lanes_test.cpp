@@ -1,5 +1,5 @@
-// Paths that are shaded sixteen at once (kernels/render/shade_lanes.cl) against the same paths shaded one by one, which
-// is how surfaces with vertex colours are.
+// Paths that a CPU takes through all stages in chunks, and shades sixteen at once (kernels/render/lanes), against the
+// same paths one by one, each stage a launch, as a GPU takes them (kernels/render/wavefront).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace pvg::test {
 namespace {
 
 using Kind = VisualMaterial::Kind;
-using ShadeLanes = ManyPaths;
+using TraceLanes = ManyPaths;
 
 Texture stripes() {
   Texture texture;
@@ -51,18 +51,13 @@ Scene things(const VisualMaterial& m) {
   return scene;
 }
 
-// its surfaces have vertex colours, all white
-Scene one_by_one(Scene scene) {
-  for (VisualMesh& mesh : scene.visual_meshes) mesh.colors.assign(mesh.points.size(), Vec3f::Ones());
-  return scene;
-}
-
-RenderedFrame shaded(const Scene& scene, bool transparent_shadows) {
+RenderedFrame shaded(const Scene& scene, bool transparent_shadows, bool is_wavefront) {
   Device device;
   RenderSettings settings;
   settings.samples = 8;
   settings.notes_features = true;
   settings.transparent_shadows = transparent_shadows;
+  settings.is_wavefront = is_wavefront;
   return Renderer(device, scene, settings).render(0, 0);
 }
 
@@ -75,7 +70,8 @@ double share_of_others(const std::vector<float>& a, const std::vector<float>& b)
 }
 
 void expect_the_same(const Scene& scene, bool transparent_shadows = true) {
-  const RenderedFrame a = shaded(scene, transparent_shadows), b = shaded(one_by_one(scene), transparent_shadows);
+  const RenderedFrame a = shaded(scene, transparent_shadows, false), b = shaded(scene, transparent_shadows, true);
+  EXPECT_LE(std::abs(double(a.rays) / double(b.rays) - 1), 0.001);
   ASSERT_EQ(a.rgb.size(), b.rgb.size());
   EXPECT_LE(share_of_others(a.rgb, b.rgb), 0.001);
   EXPECT_LE(share_of_others(a.albedo, b.albedo), 0.001);
@@ -84,16 +80,16 @@ void expect_the_same(const Scene& scene, bool transparent_shadows = true) {
   EXPECT_GT(most - least, 0.3f);
 }
 
-TEST_F(ShadeLanes, DiffuseSurfaces) { expect_the_same(things(material(Kind::diffuse, {0.7f, 0.4f, 0.2f}))); }
+TEST_F(TraceLanes, DiffuseSurfaces) { expect_the_same(things(material(Kind::diffuse, {0.7f, 0.4f, 0.2f}))); }
 
-TEST_F(ShadeLanes, RoughMetals) {
+TEST_F(TraceLanes, RoughMetals) {
   VisualMaterial m = material(Kind::conductor, {0.9f, 0.7f, 0.4f});
   m.roughness = 0.5f;
   m.edge_dip = Vec3f(0.3f, 0.2f, 0.1f);
   expect_the_same(things(m));
 }
 
-TEST_F(ShadeLanes, CoatedSurfaces) {
+TEST_F(TraceLanes, CoatedSurfaces) {
   for (const float metallic : {0.0f, 0.4f, 0.8f}) {
     VisualMaterial m = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f});
     m.roughness = 0.45f;
@@ -102,7 +98,7 @@ TEST_F(ShadeLanes, CoatedSurfaces) {
   }
 }
 
-TEST_F(ShadeLanes, GlassThatAbsorbsWithAnotherInside) {
+TEST_F(TraceLanes, GlassThatAbsorbsWithAnotherInside) {
   VisualMaterial glass = material(Kind::dielectric, {0.95f, 0.9f, 1});
   glass.absorption = {0.3f, 0.1f, 0.9f};
   VisualMaterial water = material(Kind::dielectric);
@@ -118,7 +114,7 @@ TEST_F(ShadeLanes, GlassThatAbsorbsWithAnotherInside) {
 
 // Interpolated normals lean far from the faces: many paths are bent to the wrong side, and bent anew. The glass
 // absorbs, as such faces bring paths that rounding parts ever further from each other.
-TEST_F(ShadeLanes, GlassOfFewFaces) {
+TEST_F(TraceLanes, GlassOfFewFaces) {
   Scene scene = things(material(Kind::diffuse, {0.7f, 0.4f, 0.2f}));
   VisualMaterial glass = material(Kind::dielectric);
   glass.absorption = Vec3f::Constant(4);
@@ -127,7 +123,7 @@ TEST_F(ShadeLanes, GlassOfFewFaces) {
 }
 
 // Paths from the floor pass the plate and meet the lamp, which their shadow rays have found already.
-TEST_F(ShadeLanes, LightThroughAPlateOfGlass) {
+TEST_F(TraceLanes, LightThroughAPlateOfGlass) {
   VisualMaterial coated = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f}), metal = coated;
   metal.metallic = 0.8f;  // not matte: glass stops its shadow rays
   metal.roughness = coated.roughness = 0.6f;
@@ -142,7 +138,7 @@ TEST_F(ShadeLanes, LightThroughAPlateOfGlass) {
   }
 }
 
-TEST_F(ShadeLanes, PathsThatLampsTraceToo) {
+TEST_F(TraceLanes, PathsThatLampsTraceToo) {
   VisualMaterial m = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f});
   m.roughness = 0.45f;
   m.metallic = 0.4f;
@@ -151,7 +147,7 @@ TEST_F(ShadeLanes, PathsThatLampsTraceToo) {
   expect_the_same(scene, false);
 }
 
-TEST_F(ShadeLanes, ShadowReceivers) {
+TEST_F(TraceLanes, ShadowReceivers) {
   VisualMaterial m = material(Kind::shadow_receiver, {0.9f, 0.8f, 0.7f});
   m.shadow_strength = 0.7f;
   m.ambient = 0.3f;
@@ -165,7 +161,7 @@ TEST_F(ShadeLanes, ShadowReceivers) {
   expect_the_same(scene);
 }
 
-TEST_F(ShadeLanes, UnderAPictureOfTheSky) {
+TEST_F(TraceLanes, UnderAPictureOfTheSky) {
   VisualMaterial m = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f});
   m.roughness = 0.45f;
   Scene scene = things(m);
@@ -173,6 +169,38 @@ TEST_F(ShadeLanes, UnderAPictureOfTheSky) {
   scene.environment_map.height = 8;
   for (int i = 0; i < 3 * 16 * 8; ++i) scene.environment_map.rgb.push_back(float(i % 37) / 10);
   expect_the_same(scene);
+}
+
+TEST_F(TraceLanes, SurfacesWithHoles) {
+  VisualMaterial veil = material(Kind::diffuse, {0.8f, 0.5f, 0.3f});
+  Scene scene = things(veil);
+  for (std::size_t i = 3; i < scene.textures[0].rgba.size(); i += 12) scene.textures[0].rgba[i] = 0;
+  for (VisualMaterial& m : scene.materials)
+    if (m.texture == 0) m.alpha_mode = VisualMaterial::AlphaMode::mask;
+  veil.alpha_mode = VisualMaterial::AlphaMode::blend;
+  veil.opacity = 0.4f;
+  add(scene, quad({-0.8f, -0.8f, 0.1f}, {1.6f, 0, 0}, {0, 0, 0.5f}), veil);
+  expect_the_same(scene);
+}
+
+// seen end on: light goes along the rod over more faces than there are bounces
+TEST_F(TraceLanes, LightThatARodOfGlassLeads) {
+  Scene scene = things(material(Kind::diffuse, {0.7f, 0.4f, 0.2f}));
+  VisualMaterial glass = material(Kind::dielectric);
+  glass.absorption = {0.5f, 0.1f, 1};
+  add(scene, box({-0.3f, -0.9f, 0.3f}, {0.3f, 0.4f, 0.34f}), glass);
+  expect_the_same(scene);
+}
+
+TEST_F(TraceLanes, NothingButAnEvenSky) {
+  Scene scene;
+  scene.environment = Vec3f(0.2f, 0.25f, 0.3f);
+  look_at(scene, {0, 0, 2}, {0, 0, 0}, 40, 30, 60);
+  for (const bool is_wavefront : {false, true}) {
+    const RenderedFrame frame = shaded(scene, true, is_wavefront);
+    for (std::size_t i = 0; i < frame.rgb.size(); ++i) EXPECT_NEAR(frame.rgb[i], scene.environment[i % 3], 1e-6);
+    EXPECT_EQ(frame.rays, 8u * 40 * 30);
+  }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Stage 3: what happens where a path hit. Adds what the surface itself shines, sends one shadow ray toward a light, and
+// Stage 3: what happens where one path hit. Adds what the surface itself shines, sends one shadow ray toward a light, and
 // continues the path by a sample of the material.
 //   light that a path meets: weighted against the light samples of the last scattering surface (power heuristic)
 //   clear glass between a matte surface and a light: shadow rays pass straight through, attenuated (transmittance.cl), and
@@ -8,13 +8,13 @@
 //   light that mirror-like surfaces throw onto what the camera sees, with --caustics: found by these paths and by those of
 //     lamps, weighted against each other (light_tracing.cl)
 //   shadow receiver: its texture, dimmed by the shadows of inserted objects (receiver.cl)
-#define PVG_INLINE_ALL
-#include "shared/pocl.h"
-
+#ifndef PVG_RENDER_SHADE_PATH_CL
+#define PVG_RENDER_SHADE_PATH_CL
 #include "render/interact.cl"
 #include "render/met_surface.cl"
 #include "render/noted.cl"
 #include "render/receiver.cl"
+#include "render/slots.cl"
 
 // glass or a surface that scatters: light sample, then the path goes on. triangle: index into those of all meshes
 static inline void meet_surface(const Launch launch, const Shading scene, global const Instance* instance,
@@ -64,58 +64,39 @@ TREE_FUNCTION void meet(const Launch launch, const Shading scene, const Chance c
   }
 }
 
-// as in generate.cl and intersect.cl;  depth: bounces so far;  shadow_origin: [n_slots, m], w: kind;
-// shadow_direction: [n_slots, m] to the light;  only_left: those that
-// shade_lanes.cl left;  shadow_light: [n_slots], w: weight;  alive: [n] by place in the queue;
-// feature_color, feature_normal: [n_slots]; with notes_features what guides a denoiser (noted.cl), as long as no surface
-// has scattered the path
-kernel void shade(const uint n, const Launch launch, const uint depth, const uint notes_features, const uint only_left,
-                  global const uint* restrict queue,
-                  global const uint2* restrict stream, global const Instance* restrict instances,
-                  global const Material* restrict materials,
-                  global const TextureInfo* restrict textures, global const uchar4* restrict texels,
-                  constant float* restrict decode, global const uint* restrict triangles,
-                  global const Vertex* restrict vertices, global const float* restrict colors,
-                  global const float* restrict second_uvs, global const Light* restrict lights,
-                  global const float* restrict environment, global const EnvironmentCell* restrict cells,
-                  global const float4* restrict targets, global const float4* restrict hit,
-                  global const uint* restrict hit_instance,
-                  global float4* restrict origin, global float4* restrict direction, global float4* restrict throughput,
-                  global float4* restrict radiance, global float4* restrict shadow_origin,
-                  global float4* restrict shadow_direction, global float4* restrict shadow_light,
-                  global uint* restrict alive, global float4* restrict feature_color,
-                  global float4* restrict feature_normal) {
-  const uint i = get_global_id(0);
-  if (i >= n) return;
-  if (only_left && alive[i] != LEFT_TO_SHADE) return;
-  const uint slot = queue[i];
-  Path path = load_path(slot, origin, direction, throughput);
+// place: in the queue.  shadow_origin: w: kind;  shadow_direction: to the light [m];  shadow_light: w: weight;
+// feature_color, feature_normal: with notes_features what guides a denoiser (noted.cl), as long as no surface has
+// scattered the path
+static inline void shade_path(const Launch launch, const Shading scene, const uint depth, const uint notes_features,
+                              const uint place, const Slots slots) {
+  const uint slot = slots.queue[place];
+  const float4 hit = slots.hit[slot];
+  Path path = load_path(slot, slots.origin, slots.direction, slots.throughput);
   ShadowRay shadow = {0.0f, 0.0f, 0.0f, 0.0f, SHADOW_NONE};
-  const Shading scene = {instances, materials, textures,   texels, decode,      triangles,
-                         vertices,  colors,    second_uvs, lights, environment, cells,       targets};
-  if (launch.n_light_paths > 0) path.density = radiance[slot].w;
+  if (launch.n_light_paths > 0) path.density = slots.radiance[slot].w;
   const bool is_noted = notes_features && !(path.flags & PATH_SCATTERED);
-  const Notes notes = {is_noted, slot, is_noted && depth > 0 ? feature_color[slot].w : 1.0f, feature_color,
-                       feature_normal};
-  if (as_uint(hit[slot].w) == NO_TRIANGLE) {
+  const Notes notes = {is_noted, slot, is_noted && depth > 0 ? slots.feature_color[slot].w : 1.0f, slots.feature_color,
+                       slots.feature_normal};
+  if (as_uint(hit.w) == NO_TRIANGLE) {
     if (notes.is_wanted)
       write_note(notes, note_environment(environment_radiance(launch, scene.environment, path.direction)),
                  path.throughput);
     meet_environment(launch, scene, &path);
   } else {
-    meet(launch, scene, draw_chance(stream[slot], depth), depth, hit[slot], hit_instance[slot], notes, &path,
+    meet(launch, scene, draw_chance(slots.stream[slot], depth), depth, hit, slots.hit_instance[slot], notes, &path,
          &shadow);
     weigh_note(notes, path.likelihood);
   }
-  if (any(path.radiance != 0.0f)) radiance[slot] += (float4)(path.radiance, 0);
-  if (launch.n_light_paths > 0) radiance[slot].w = path.density;
-  alive[i] = path.is_alive ? 1u : 0u;
+  if (any(path.radiance != 0.0f)) slots.radiance[slot] += (float4)(path.radiance, 0);
+  if (launch.n_light_paths > 0) slots.radiance[slot].w = path.density;
+  slots.alive[place] = path.is_alive ? 1u : 0u;
   // also of paths that end, which no one reads: cheaper than a branch that is hard to foresee
-  origin[slot] = (float4)(path.origin, path.pdf);
-  direction[slot] = (float4)(path.direction, as_float(path.media));
-  throughput[slot] = (float4)(path.throughput, as_float(path.flags));
-  shadow_origin[slot] = (float4)(shadow.origin, as_float(shadow.kind));
+  slots.origin[slot] = (float4)(path.origin, path.pdf);
+  slots.direction[slot] = (float4)(path.direction, as_float(path.media));
+  slots.throughput[slot] = (float4)(path.throughput, as_float(path.flags));
+  slots.shadow_origin[slot] = (float4)(shadow.origin, as_float(shadow.kind));
   if (shadow.kind == SHADOW_NONE) return;
-  shadow_direction[slot] = (float4)(shadow.direction, 0);
-  shadow_light[slot] = (float4)(shadow.light, shadow.weight);
+  slots.shadow_direction[slot] = (float4)(shadow.direction, 0);
+  slots.shadow_light[slot] = (float4)(shadow.light, shadow.weight);
 }
+#endif

@@ -7,8 +7,8 @@
 //   t >= min((b - o) / d_least, (b - o) / d_greatest), o the greatest origin where the axis is met forward, and so on.
 // That needs directions of the same signs. Where they differ, in the world or in the frame of a mesh, and where rays
 // spread too far, each goes alone.
-#ifndef PVG_RENDER_PACKET_CL
-#define PVG_RENDER_PACKET_CL
+#ifndef PVG_RENDER_LANES_PACKET_CL
+#define PVG_RENDER_LANES_PACKET_CL
 #include "render/traverse.cl"
 
 // largest spread of a packet's directions, in units of their largest component: beyond it a node that the packet may

@@ -1,8 +1,8 @@
 // Sixteen paths side by side, on a CPU: each of their numbers in a vector of its own, gathered from the rows of four
 // floats that lie in memory and scattered to them; and the arithmetic of such vectors.
-#ifndef PVG_RENDER_ROWS_CL
-#define PVG_RENDER_ROWS_CL
-#include "render/packet.cl"
+#ifndef PVG_RENDER_LANES_ROWS_CL
+#define PVG_RENDER_LANES_ROWS_CL
+#include "render/lanes/packet.cl"
 
 // the first to fourth number of sixteen rows
 typedef struct {

@@ -1,10 +1,10 @@
 // Sixteen paths where they hit: surfaces, textures, random numbers and light samples side by side. The formulas are those
 // of surface.cl, texture.cl, diffuse.cl, frame.cl and lights.cl, which this equals up to rounding.
-#ifndef PVG_RENDER_MET_LANES_CL
-#define PVG_RENDER_MET_LANES_CL
+#ifndef PVG_RENDER_LANES_MET_CL
+#define PVG_RENDER_LANES_MET_CL
 #include "render/interact.cl"
 #include "render/met_surface.cl"
-#include "render/rows.cl"
+#include "render/lanes/rows.cl"
 
 #define ROWS_OF(T) (sizeof(T) / sizeof(float4))
 

@@ -1,7 +1,7 @@
 // Stage 4: any hit between a surface and the light sample that it chose; what arrives is added to the path.
 #include "render/transmittance.cl"
 
-// shadow_...: as in shade.cl;  radiance: [n_slots]
+// shadow_...: as in shade_path.cl;  radiance: [n_slots]
 kernel void shadow(const uint n, global const uint* restrict queue, const uint transparent_shadows,
                    global const float8* restrict top, global const float8* restrict nodes,
                    global const float4* restrict blocks, global const Instance* restrict instances,
@@ -26,6 +26,6 @@ kernel void shadow(const uint n, global const uint* restrict queue, const uint t
   }
   const Transmittance T = transmittance(trees, materials, from.xyz, direction, BEFORE_LIGHT, mask);
   const float4 light = shadow_light[slot];
-  // behind glass the light sample stands alone, see shade.cl
+  // behind glass the light sample stands alone, see shade_path.cl
   radiance[slot] += (float4)(light.xyz * T.value * (T.has_crossed ? 1.0f : light.w), 0);
 }

@@ -1,6 +1,8 @@
-// Stage 2 on a CPU of rays that go any way, sixteen at a time: what intersect.cl does. All find the instances that they
+// Closest hits of sixteen rays that go any way, with the bits that each would find alone. All find the instances that they
 // may meet together, then each visits its own, the nearest first.
-#include "render/box_lanes.cl"
+#ifndef PVG_RENDER_LANES_CLOSEST_CL
+#define PVG_RENDER_LANES_CLOSEST_CL
+#include "render/lanes/box.cl"
 
 #define LANES_IN_LEAF 1   // lanes that must meet a leaf for its triangles to be tested for all of them at once
 #define MOST_VISITS 24    // of a ray; one that has more goes alone
@@ -125,32 +127,48 @@ TREE_FUNCTION float4 closest_alone(const Trees trees, const float3 origin, const
   return (float4)(hit.t, hit.u, hit.v, as_float(hit.triangle));
 }
 
-// arguments as in intersect.cl;  a work-item takes PACKET places of the queue
-kernel __attribute__((reqd_work_group_size(4, 1, 1))) void intersect_lanes(
-    const uint n, global const uint* restrict queue, global const float8* restrict top,
-    global const float8* restrict nodes, global const float4* restrict blocks,
-    global const Instance* restrict instances, global const float4* restrict origin,
-    global const float4* restrict direction, global float4* restrict hit, global uint* restrict hit_instance) {
-  const uint first = get_global_id(0) * PACKET;
-  if (first >= n) return;
-  const Trees trees = {top, nodes, blocks, instances};
+// n rays of a queue
+TREE_FUNCTION void find_closest_of_queue(const Trees trees, const uint n, global const uint* queue,
+                                         global const float4* origin, global const float4* direction,
+                                         global float4* hit, global uint* hit_instance) {
   Lanes lanes;
-  for (uint k = 0; k < PACKET; ++k) {
-    const uint slot = queue[min(first + k, n - 1)];  // the last lanes are filled up
-    set_ray(&lanes, k, origin[slot].xyz, direction[slot].xyz);
-  }
   Visits visits;
-  find_visits(trees, &lanes, &visits);
-  for (uint k = 0; k < PACKET && first + k < n; ++k) {
-    float4 found = (float4)(lanes.t[k], lanes.u[k], lanes.v[k], as_float(lanes.triangle[k]));
-    uint instance = lanes.instance[k];
-    if (visits.n_starts > MOST_STARTS || visits.n[k] > MOST_VISITS)
-      found = closest_alone(trees, lane_origin(&lanes, k), lane_direction(&lanes, k), &instance);
-    else if (visits.n[k] > 0)
-      found = closest_of_visits(trees, lane_origin(&lanes, k), lane_direction(&lanes, k), visits.starts,
-                                visits.of_lane[k], visits.n[k], found, &instance);
-    const uint slot = queue[first + k];
-    hit[slot] = found;
-    hit_instance[slot] = instance;
+  for (uint first = 0; first < n; first += PACKET) {
+    for (uint k = 0; k < PACKET; ++k) {
+      const uint slot = queue[min(first + k, n - 1)];  // the last lanes are filled up
+      set_ray(&lanes, k, origin[slot].xyz, direction[slot].xyz);
+    }
+    find_visits(trees, &lanes, &visits);
+    for (uint k = 0; k < PACKET && first + k < n; ++k) {
+      float4 found = (float4)(lanes.t[k], lanes.u[k], lanes.v[k], as_float(lanes.triangle[k]));
+      uint instance = lanes.instance[k];
+      if (visits.n_starts > MOST_STARTS || visits.n[k] > MOST_VISITS)
+        found = closest_alone(trees, lane_origin(&lanes, k), lane_direction(&lanes, k), &instance);
+      else if (visits.n[k] > 0)
+        found = closest_of_visits(trees, lane_origin(&lanes, k), lane_direction(&lanes, k), visits.starts,
+                                  visits.of_lane[k], visits.n[k], found, &instance);
+      const uint slot = queue[first + k];
+      hit[slot] = found;
+      hit_instance[slot] = instance;
+    }
   }
 }
+
+// n rays that start in neighbouring pixels, in the slots from first on
+TREE_FUNCTION void find_closest_of_neighbours(const Trees trees, const uint first, const uint n,
+                                              global const float4* origin, global const float4* direction,
+                                              global float4* hit, global uint* hit_instance) {
+  Lanes lanes;
+  for (uint i = first; i < first + n; i += PACKET) {
+    for (uint k = 0; k < PACKET; ++k) {
+      const uint slot = min(i + k, first + n - 1);
+      set_ray(&lanes, k, origin[slot].xyz, direction[slot].xyz);
+    }
+    find_closest_of_lanes(trees, &lanes);
+    for (uint k = 0; k < PACKET && i + k < first + n; ++k) {
+      hit[i + k] = (float4)(lanes.t[k], lanes.u[k], lanes.v[k], as_float(lanes.triangle[k]));
+      hit_instance[i + k] = lanes.instance[k];
+    }
+  }
+}
+#endif

@@ -1,8 +1,8 @@
 // Sixteen rays that go any way against one box at a time. The arithmetic is that of node_hits in traverse.cl: a ray that
 // meets no box here would meet none there either.
-#ifndef PVG_RENDER_BOX_LANES_CL
-#define PVG_RENDER_BOX_LANES_CL
-#include "render/leaf_lanes.cl"
+#ifndef PVG_RENDER_LANES_BOX_CL
+#define PVG_RENDER_LANES_BOX_CL
+#include "render/lanes/leaf.cl"
 
 // what a box's test takes, as BoxRay; back: is the direction negative
 typedef struct {

@@ -1,8 +1,8 @@
 // Sixteen rays that go any way against the triangles of a leaf, one at a time. The arithmetic is that of block_hits and
 // block_any in traverse.cl, so hits have the same bits; of two triangles at the same t either may be found.
-#ifndef PVG_RENDER_LEAF_LANES_CL
-#define PVG_RENDER_LEAF_LANES_CL
-#include "render/packet.cl"
+#ifndef PVG_RENDER_LANES_LEAF_CL
+#define PVG_RENDER_LANES_LEAF_CL
+#include "render/lanes/packet.cl"
 
 // what a leaf's test takes, as LeafRay: each ray's axes are in the order of its own
 typedef struct {

@@ -1,9 +1,9 @@
 // Materials at sixteen points of surfaces side by side: diffuse, rough conductors, and glTF's metallic-roughness model
 // without transmission. The formulas are those of kernels/materials (diffuse, conductor, metallic_roughness, dielectric,
 // microfacet), which this equals up to rounding.
-#ifndef PVG_RENDER_SCATTER_LANES_CL
-#define PVG_RENDER_SCATTER_LANES_CL
-#include "render/met_lanes.cl"
+#ifndef PVG_RENDER_LANES_SCATTER_CL
+#define PVG_RENDER_LANES_SCATTER_CL
+#include "render/lanes/met.cl"
 
 // as PointMaterial; kind: the same for all
 typedef struct {
