@@ -16,7 +16,13 @@ static inline uint mask8(const int8 is_true) {
 #endif
 }
 
-static inline uint mask16(const int16 is_true) { return mask8(is_true.lo) | mask8(is_true.hi) << 8; }
+static inline uint mask16(const int16 is_true) {
+#ifdef POCL_MASK16
+  return (uint)POCL_MASK16(is_true);
+#else
+  return mask8(is_true.lo) | mask8(is_true.hi) << 8;
+#endif
+}
 
 static inline uint mask4(const int4 is_true) {
 #ifdef POCL_MASK4
