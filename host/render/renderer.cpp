@@ -16,7 +16,7 @@ constexpr int ROUNDS = 3;               // in which the rest is shared out
 constexpr int MOST_INSTANTS = 16;       // of a moving picture
 // Every light path goes where light is thrown, to many surfaces. On Cornell's box with glass ten times as many take up
 // to three times as long, for 3 % less error (docs/measured)
-constexpr double LIGHT_PATHS_PER_PATH = 0.05;
+constexpr double LIGHT_PATHS_PER_PATH = 0.025;
 constexpr std::uint32_t STRIP_ROWS = TILE;  // that a rolling shutter reads together: those of a row of tiles
 
 std::uint32_t light_paths_of(int samples, std::size_t n_pixels) {
