@@ -4,11 +4,14 @@
 #define PVG_RENDER_LANES_INTERACT_CL
 #include "render/noted.cl"
 #include "render/receiver.cl"
+#include "render/lanes/shadow.cl"
 #include "render/slots.cl"
 #include "render/lanes/scatter.cl"
 
 typedef struct {
   uint depth, notes_features;
+  uint keeps_shadow_rays;  // they are written and asked later, as cut-out surfaces dim them
+  const Trees* trees;
 } Bounce;
 
 // throughput after the absorption on the way to the surface
@@ -68,6 +71,28 @@ static inline void write_shadow_rays(const Paths* p, const int16 is_lit, const u
   store_rows(rows_of(light, weight), slots.shadow_light, p->slot);
 }
 
+// adds what arrives of the light of the lanes with is_lit, or keeps it for later;  kind: SHADOW_...
+static inline void send_shadow_rays(const Launch launch, const Shading scene, const Bounce bounce, const Paths* p,
+                                    const int16 is_lit, const uint16 kind, const Packet origin, const Packet to_light,
+                                    const Packet light, const float16 weight, const Slots slots) {
+  if (bounce.keeps_shadow_rays) {
+    write_shadow_rays(p, is_lit, kind, origin, to_light, light, weight, slots);
+    return;
+  }
+  const uint lit = mask16(is_lit) & p->lanes;
+  if (!lit) return;
+  Lanes rays;
+  store_packet(origin, rays.origin);
+  store_packet(to_light, rays.direction);
+  const uint receivers = lit & mask16(kind == SHADOW_RECEIVER);
+  const Asked asked = {lit & ~receivers, receivers,
+                       (lit & mask16(kind == SHADOW_SURFACE_GLASS)) | (launch.transparent_shadows ? receivers : 0u)};
+  Packet share;
+  find_arriving(bounce.trees, scene.materials, &rays, &asked, weight, &share);
+  const Rows before = load_rows(slots.radiance, p->slot, 1, 0);
+  store_rows_where(lit, rows_of(plus(vectors_of(before), products(light, share)), before.w), slots.radiance, p->slot);
+}
+
 // meet_receiver() where the environment is none of the lights
 static inline void shade_receiver_group(const Launch launch, const Shading scene, const Bounce bounce,
                                         const Paths* p, const Surfaces* s, global const uint2* stream,
@@ -99,7 +124,8 @@ static inline void shade_receiver_group(const Launch launch, const Shading scene
   const Packet lit = times(shown, 1.0f - strength);
   const Packet radiance = plus(vectors_of(before), chosen(has_shadow, lit, plus(lit, shaded)));
   store_rows(rows_of(radiance, before.w), slots.radiance, p->slot);
-  write_shadow_rays(p, has_shadow, (uint16)(SHADOW_RECEIVER), origin, to_light, shaded, sixteen(1.0f), slots);
+  send_shadow_rays(launch, scene, bounce, p, has_shadow, (uint16)(SHADOW_RECEIVER), origin, to_light, shaded,
+                   sixteen(1.0f), slots);
   write_alive(p, 0, slots);
 }
 
@@ -200,7 +226,7 @@ static inline void shade_scattering_group(const Launch launch, const Shading sce
   }
   const uint16 through = is_matte & (launch.transparent_shadows ? -1 : 0) ? (uint16)(SHADOW_SURFACE_GLASS)
                                                                           : (uint16)(SHADOW_SURFACE);
-  write_shadow_rays(p, is_lit, through, above, to_light, light, weight, slots);
+  send_shadow_rays(launch, scene, bounce, p, is_lit, through, above, to_light, light, weight, slots);
 
   const MaterialSamples sample = materials_sample(m, wo, &chance);
   const Packet direction = to_worlds(frame, sample.direction);
@@ -296,7 +322,8 @@ static inline void shade_glass_group(const Shading scene, const Bounce bounce, c
   const uint16 behind = passes ? vload16(0, inner) : p->media;
   const uint alive = mask16(roulettes(bounce.depth, chance.roulette, flags, &throughput));
   write_paths(p, origin, sixteen(0.0f), direction, behind, throughput, flags, slots);
-  write_shadow_rays(p, (int16)(0), (uint16)(SHADOW_NONE), nothing, nothing, nothing, sixteen(0.0f), slots);
+  if (bounce.keeps_shadow_rays)
+    write_shadow_rays(p, (int16)(0), (uint16)(SHADOW_NONE), nothing, nothing, nothing, sixteen(0.0f), slots);
   write_alive(p, alive, slots);
 }
 #endif

@@ -9,6 +9,7 @@
 #define ROWS_OF(T) (sizeof(T) / sizeof(float4))
 
 typedef struct {
+  uint lanes;          // bits of those that hold a path of their own
   uint place[PACKET];  // in the queue
   uint slot[PACKET];
   uint instance[PACKET], material[PACKET], triangle[PACKET];

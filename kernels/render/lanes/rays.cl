@@ -25,6 +25,8 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void shadow_lanes(
   const uint first = get_global_id(0) * RAYS_CHUNK;
   const Trees trees = {top, nodes, blocks, instances};
   const Slots slots = {queue + first, 0, 0, 0, 0, 0, radiance, 0, 0, shadow_origin, shadow_direction, shadow_light, 0, 0};
+  ushort places[RAYS_CHUNK];
+  for (uint i = 0; i < RAYS_CHUNK; ++i) places[i] = (ushort)i;
   if (first < n)
-    add_light_of_queue(trees, materials, transparent_shadows, min(n - first, (uint)RAYS_CHUNK), &slots);
+    add_light_of_places(trees, materials, transparent_shadows, places, min(n - first, (uint)RAYS_CHUNK), &slots);
 }

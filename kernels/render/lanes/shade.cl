@@ -49,6 +49,8 @@ static inline void sort_into_groups(const uint n_shaded, global const uchar* gro
 // it writes: each buffer is read for all lanes before one of them writes there.
 static inline void load_paths(const Groups* groups, const uint group, const uint first, const Shading scene,
                               const Slots slots, Paths* p) {
+  const uint n = min(groups->n[group] - first, (uint)PACKET);
+  p->lanes = (1u << n) - 1u;
   for (uint k = 0; k < PACKET; ++k) {
     p->place[k] = groups->place[group][min(first + k, groups->n[group] - 1)];
     p->slot[k] = slots.queue[p->place[k]];
@@ -98,5 +100,8 @@ TREE_FUNCTION void shade_queue(const Launch* launch, const Shading* scene, const
                                *slots);
     }
   for (uint k = 0; k < groups.n[OTHERS]; ++k) shade_alone(launch, scene, bounce, groups.place[OTHERS][k], slots);
+  if (!bounce.keeps_shadow_rays)
+    add_light_of_places(*bounce.trees, scene->materials, launch->transparent_shadows, groups.place[OTHERS],
+                        groups.n[OTHERS], slots);
 }
 #endif

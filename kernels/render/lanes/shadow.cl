@@ -34,13 +34,14 @@ static inline void add_lights(const Trees trees, global const Material* material
   w->n = w->asked.surfaces = w->asked.receivers = w->asked.through_glass = 0;
 }
 
-// of n paths in the queue
-TREE_FUNCTION void add_light_of_queue(const Trees trees, global const Material* materials,
-                                      const uint transparent_shadows, const uint n, const Slots* slots) {
+// of the paths at n places of the queue
+TREE_FUNCTION void add_light_of_places(const Trees trees, global const Material* materials,
+                                       const uint transparent_shadows, const ushort* places, const uint n,
+                                       const Slots* slots) {
   Waiting w;
   w.n = w.asked.surfaces = w.asked.receivers = w.asked.through_glass = 0;
   for (uint i = 0; i < n; ++i) {
-    const uint slot = slots->queue[i];
+    const uint slot = slots->queue[places[i]];
     const float4 from = slots->shadow_origin[slot];
     const uint kind = as_uint(from.w);
     if (kind == SHADOW_NONE) continue;
@@ -55,5 +56,30 @@ TREE_FUNCTION void add_light_of_queue(const Trees trees, global const Material* 
     if (++w.n == PACKET) add_lights(trees, materials, &w, slots);
   }
   if (w.n > 0) add_lights(trees, materials, &w, slots);
+}
+
+// Shares of the light samples of sixteen paths that arrive, by colour, 0 of the lanes that are not asked. weight: of
+// those that nothing attenuates, as in shadow_light
+TREE_FUNCTION void find_arriving(const Trees* trees, global const Material* materials, const Lanes* rays,
+                                 const Asked* asked, const float16 weight, Packet* share) {
+  uint crosses;
+  const uint arrive = (asked->surfaces | asked->receivers) & ~lanes_stopped(*trees, rays, *asked, &crosses);
+  const float16 even = lanes_of(arrive) ? weight : (float16)(0.0f);
+  share->x = share->y = share->z = even;
+  crosses &= arrive;
+  if (!crosses) return;
+  float shares[3][PACKET], weights[PACKET];
+  store_packet(*share, shares);
+  vstore16(weight, 0, weights);
+  for (; crosses; crosses &= crosses - 1) {
+    const uint k = lowest_bit(crosses), mask = asked->receivers >> k & 1u ? MASK_RECEIVERS : MASK_SURFACES;
+    const Transmittance T =
+        transmittance(*trees, materials, lane_origin(rays, k), lane_direction(rays, k), BEFORE_LIGHT, mask);
+    const float3 found = T.value * (T.has_crossed ? 1.0f : weights[k]);
+    shares[0][k] = found.x;
+    shares[1][k] = found.y;
+    shares[2][k] = found.z;
+  }
+  *share = load_packet(shares);
 }
 #endif

@@ -26,8 +26,14 @@ TREE_FUNCTION void pass_holes_of_queue(const Trees* trees, const Cutouts* cutout
                                        const Slots* slots) {
   for (uint i = 0; i < n; ++i) pass_holes_of_path(*trees, *cutouts, depth, slots->queue[i], *slots);
 }
-TREE_FUNCTION void dim_shadow_rays(const Trees* trees, const Cutouts* cutouts, const uint n, const Slots* slots) {
-  for (uint i = 0; i < n; ++i) dim_shadow_ray(*trees, *cutouts, slots->queue[i], *slots);
+TREE_FUNCTION void add_dimmed_light(const Launch* launch, const Trees* trees, const Cutouts* cutouts, const uint n,
+                                    const Slots* slots) {
+  ushort places[TRACE_CHUNK];
+  for (uint i = 0; i < n; ++i) {
+    places[i] = (ushort)i;
+    dim_shadow_ray(*trees, *cutouts, slots->queue[i], *slots);
+  }
+  add_light_of_places(*trees, cutouts->materials, launch->transparent_shadows, places, n, slots);
 }
 
 // slots of the paths that go on, in order; returned: how many
@@ -47,7 +53,7 @@ TREE_FUNCTION uint trace_chunk(const Launch* launch, const Trees* trees, const S
                            scene->triangles, scene->vertices,  scene->second_uvs};
   uint segments = 0;
   for (uint depth = 0; depth <= launch->max_depth && n > 0; ++depth) {
-    const Bounce bounce = {depth, tracing.notes_features};
+    const Bounce bounce = {depth, tracing.notes_features, tracing.has_cutouts, trees};
     segments += n;
     if (depth >= tracing.first_leaves_glass) leave_glass_of_queue(trees, scene, bounce, n, slots);
     if (depth == 0)
@@ -56,9 +62,7 @@ TREE_FUNCTION uint trace_chunk(const Launch* launch, const Trees* trees, const S
       find_closest_of_queue(*trees, n, slots->queue, slots->origin, slots->direction, slots->hit, slots->hit_instance);
     if (tracing.has_cutouts) pass_holes_of_queue(trees, &cutouts, depth, n, slots);
     shade_queue(launch, scene, bounce, group_of_instance, n, slots);
-    // without lamps too: a receiver's ambient share comes from all around
-    if (tracing.has_cutouts) dim_shadow_rays(trees, &cutouts, n, slots);
-    add_light_of_queue(*trees, scene->materials, launch->transparent_shadows, n, slots);
+    if (tracing.has_cutouts) add_dimmed_light(launch, trees, &cutouts, n, slots);
     n = keep_alive(n, slots);
   }
   return segments;
