@@ -99,7 +99,7 @@ Wavefront::Wavefront(Device& device)
 Stages::Stages(Device& device, bool notes_features, bool traces_light, bool is_wavefront)
     : max_paths_(is_wavefront ? std::size_t(1) << 18 : TRACE_CHUNK * chunks_at_once(device)),
       paths_per_item_(paths_per_item(is_wavefront)),
-      kernels_(Program(device, "render/generate.cl",
+      kernels_(Program(device, "render/wavefront/generate.cl",
                        traversal_options(device) + " -DPATHS=" + std::to_string(paths_per_item_)),
                Program(device, "render/compact.cl"), Program(device, "render/accumulate.cl"),
                Program(device, "sensors/ground_truth.cl", traversal_options(device)),
@@ -139,23 +139,27 @@ static unsigned first_leaves_glass(const Launch& launch, const DeviceScene& scen
   return scene.has_clear_solids ? std::max(1u, launch.max_depth / 2) : launch.max_depth + 1;
 }
 
-std::uint64_t Stages::trace_chunks(std::size_t n, const Launch& launch, const DeviceScene& scene) {
+std::uint64_t Stages::trace_chunks(std::size_t n, const Launch& launch, const Buffer<std::uint32_t>& pixels,
+                                   const DeviceScene& scene) {
+  resize_slots(n);
   const std::size_t n_chunks = divided_up(n, TRACE_CHUNK);
   chunks_->segments.resize(n_chunks);
   chunks_->group(launch, scene);
   chunks_->next.zero();
   chunks_->trace(n_chunks, std::uint32_t(n), launch, std::uint32_t(features_.has_value()),
-                 std::uint32_t(scene.has_cutouts), first_leaves_glass(launch, scene), chunks_->groups, queue_, stream_,
-                 scene.trees.top, scene.trees.nodes, scene.trees.blocks, scene.trees.instances, scene.materials,
-                 scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices, scene.colors,
-                 scene.second_uvs, scene.lights, scene.environment, scene.cells, scene.targets, hit_, hit_instance_,
-                 origin_, direction_, throughput_, radiance_, shadow_origin_, shadow_direction_, shadow_light_, alive_,
-                 feature_color_, feature_normal_, chunks_->next, chunks_->segments);
+                 std::uint32_t(scene.has_cutouts), first_leaves_glass(launch, scene), pixels, chunks_->groups, queue_,
+                 stream_, scene.trees.top, scene.trees.nodes, scene.trees.blocks, scene.trees.instances,
+                 scene.materials, scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices,
+                 scene.colors, scene.second_uvs, scene.lights, scene.environment, scene.cells, scene.targets, hit_,
+                 hit_instance_, origin_, direction_, throughput_, radiance_, shadow_origin_, shadow_direction_,
+                 shadow_light_, alive_, feature_color_, feature_normal_, chunks_->next, chunks_->segments);
   const std::vector<std::uint32_t> segments = chunks_->segments.read(0, n_chunks);
   return std::accumulate(segments.begin(), segments.end(), std::uint64_t(0));
 }
 
-std::uint64_t Stages::trace_wavefront(std::size_t n, const Launch& launch, const DeviceScene& scene) {
+std::uint64_t Stages::trace_wavefront(std::size_t n, const Launch& launch, const Buffer<std::uint32_t>& pixels,
+                                      const DeviceScene& scene) {
+  generate(n, launch, pixels);
   std::uint64_t segments = 0;
   for (unsigned depth = 0; depth <= launch.max_depth && n > 0; ++depth) {
     segments += n;
@@ -174,8 +178,8 @@ std::uint64_t Stages::trace_wavefront(std::size_t n, const Launch& launch, const
 std::uint64_t Stages::trace(const Launch& launch, const Buffer<std::uint32_t>& pixels, const DeviceScene& scene,
                             Film& film) {
   const std::size_t n = std::size_t(launch.n_pixels) * launch.n_samples;
-  generate(n, launch, pixels);
-  const std::uint64_t segments = chunks_ ? trace_chunks(n, launch, scene) : trace_wavefront(n, launch, scene);
+  const std::uint64_t segments =
+      chunks_ ? trace_chunks(n, launch, pixels, scene) : trace_wavefront(n, launch, pixels, scene);
   kernels_.accumulate(launch.n_pixels, launch.n_pixels, launch, pixels, radiance_, film.sum, film.squares,
                       film.dropped);
   if (features_) features_->accumulate(launch, pixels, feature_color_, feature_normal_, film.guides.value());

@@ -98,8 +98,10 @@ class Stages {
   void intersect(std::size_t n, const DeviceScene& scene);
   void pass_holes(std::size_t n, unsigned depth, const DeviceScene& scene);
   void leave_glass(std::size_t n, unsigned depth, const DeviceScene& scene);
-  std::uint64_t trace_chunks(std::size_t n, const Launch& launch, const DeviceScene& scene);
-  std::uint64_t trace_wavefront(std::size_t n, const Launch& launch, const DeviceScene& scene);
+  std::uint64_t trace_chunks(std::size_t n, const Launch& launch, const Buffer<std::uint32_t>& pixels,
+                             const DeviceScene& scene);
+  std::uint64_t trace_wavefront(std::size_t n, const Launch& launch, const Buffer<std::uint32_t>& pixels,
+                                const DeviceScene& scene);
   void shade(std::size_t n, const Launch& launch, unsigned depth, const DeviceScene& scene);
   void shadow_holes(std::size_t n, const DeviceScene& scene);
   void shadow(std::size_t n, const Launch& launch, const DeviceScene& scene);

@@ -1,12 +1,12 @@
 // Stage 1: starts the paths of a batch, one per sample, at the camera. A pixel's samples are spread over its square
 // (box filter), and over the lens, which throws every point of the plane in focus to one point of the picture.
 // Neighbouring slots are samples of one pixel, then pixels that are neighbours in the launch's list.
-// On a CPU a work-item starts PATHS of them (the host asks for 16), whose random numbers it draws side by side.
-#define PVG_INLINE_ALL
-#include "shared/pocl.h"
-
+// PATHS of them start at once, 16 on a CPU, which draws their random numbers side by side.
+#ifndef PVG_RENDER_GENERATE_CL
+#define PVG_RENDER_GENERATE_CL
 #include "materials/diffuse.cl"
 #include "render/path.h"
+#include "render/slots.cl"
 #include "sensors/camera.cl"
 #include "shared/rng.cl"
 
@@ -56,21 +56,20 @@ static inline CameraRay camera_ray(const Launch launch, const uint pixel, const 
   return ray;
 }
 
-// pixels: places in the picture, of which the launch takes some;  origin: [n, m], w: density of the last direction;
-// direction: [n], w: stack of the glasses that the path is inside of;  throughput: [n], w: path flags;  radiance: [n];
-// stream: [n] key and sample of the random numbers of a path;  queue: [n] live slots
-kernel void generate(const uint n, const Launch launch, global const uint* restrict pixels,
-                     global float4* restrict origin,
-                     global float4* restrict direction, global float4* restrict throughput,
-                     global float4* restrict radiance, global uint2* restrict stream, global uint* restrict queue) {
-  const uint first = get_global_id(0) * PATHS;
-  if (first >= n) return;
+// PATHS of the n paths of a launch, from number first on, in the slots of these numbers. pixels: places in the picture, of
+// which the launch takes some.  What stands in fourth parts: of origin the density of the last direction, of direction the
+// stack of the glasses that the path is inside of, of throughput its flags
+static inline void start_paths(const Launch launch, global const uint* pixels, const uint first, const uint n,
+                               const Slots slots) {
   uint pixel[PATHS], key[PATHS], sample[PATHS];
+  uint at = first / launch.n_samples, sample_at = first % launch.n_samples;
   for (uint k = 0; k < PATHS; ++k) {
-    const uint i = min(first + k, n - 1);
-    pixel[k] = pixels[launch.first_pixel + i / launch.n_samples];
+    pixel[k] = pixels[launch.first_pixel + at];
     key[k] = hash_combine(launch.key, pixel[k]);
-    sample[k] = launch.first_sample + i % launch.n_samples;
+    sample[k] = launch.first_sample + sample_at;
+    if (first + k + 1 >= n) continue;  // the last one once more
+    sample_at = sample_at + 1 < launch.n_samples ? sample_at + 1 : 0;
+    at += sample_at == 0;
   }
   Points in_pixel = {{0}, {0}}, in_lens = in_pixel;
   if (!launch.is_center) draw_points(key, sample, 0, &in_pixel);
@@ -79,11 +78,12 @@ kernel void generate(const uint n, const Launch launch, global const uint* restr
     const uint i = first + k;
     const CameraRay ray = camera_ray(launch, pixel[k], (float2)(in_pixel.x[k], in_pixel.y[k]),
                                      (float2)(in_lens.x[k], in_lens.y[k]));
-    origin[i] = (float4)(ray.origin, 0);
-    direction[i] = (float4)(ray.direction, as_float(launch.media));
-    throughput[i] = (float4)((float3)(ray.is_seen ? 1.0f : 0.0f), as_float(0u));
-    radiance[i] = (float4)(0.0f);
-    stream[i] = (uint2)(key[k], sample[k]);
-    queue[i] = i;
+    slots.origin[i] = (float4)(ray.origin, 0);
+    slots.direction[i] = (float4)(ray.direction, as_float(launch.media));
+    slots.throughput[i] = (float4)((float3)(ray.is_seen ? 1.0f : 0.0f), as_float(0u));
+    slots.radiance[i] = (float4)(0.0f);
+    slots.stream[i] = (uint2)(key[k], sample[k]);
+    slots.queue[i] = i;
   }
 }
+#endif

@@ -6,7 +6,7 @@
 typedef struct {
   global uint* queue;  // slots of the live paths
   global uint* alive;  // by place in the queue: does the path go on?
-  global const uint2* stream;
+  global uint2* stream;  // key and sample of the random numbers
   global float4 *origin, *direction, *throughput, *radiance;
   global float4* hit;
   global uint* hit_instance;

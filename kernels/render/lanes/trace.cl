@@ -4,6 +4,8 @@
 #define PVG_INLINE_ALL
 #include "shared/pocl.h"
 
+#define PATHS PACKET
+#include "render/generate.cl"
 #include "render/holes.cl"
 #include "render/lanes/closest.cl"
 #include "render/lanes/shade.cl"
@@ -15,6 +17,11 @@ typedef struct {
   uint notes_features, has_cutouts;
   uint first_leaves_glass;  // the bounce from which on leave_glass.cl runs; beyond max_depth: never
 } Tracing;
+
+TREE_FUNCTION void start_chunk(const Launch* launch, global const uint* pixels, const uint first, const uint n,
+                               const uint n_paths, const Slots* slots) {
+  for (uint i = 0; i < n; i += PATHS) start_paths(*launch, pixels, first + i, n_paths, *slots);
+}
 
 // functions of their own, as few scenes need them
 TREE_FUNCTION void leave_glass_of_queue(const Trees* trees, const Shading* scene, const Bounce bounce, const uint n,
@@ -46,7 +53,7 @@ static inline uint keep_alive(const uint n, const Slots* slots) {
   return kept;
 }
 
-// the n paths in the slots from first on, which the queue holds in order; returned: the number of segments
+// the n paths in the slots from first on, which have started; returned: the number of segments
 TREE_FUNCTION uint trace_chunk(const Launch* launch, const Trees* trees, const Shading* scene, const Tracing tracing,
                                global const uchar* group_of_instance, const uint first, uint n, const Slots* slots) {
   const Cutouts cutouts = {scene->instances, scene->materials, scene->textures, scene->texels,
@@ -75,11 +82,12 @@ kernel void group_instances(const uint n, const int environment_light, global co
   if (i < n) groups[i] = (uchar)group_of(environment_light, instances + i, materials + instances[i].material);
 }
 
-// n: paths;  queue: the slots in order;  next: the first chunk that nobody has, 0 at first;  segments: [chunks];  the
+// n: paths;  pixels: as in wavefront/generate.cl;  next: the first chunk that nobody has, 0 at first;  segments: [chunks];  the
 // others as in wavefront/shade.cl
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace(
     const uint n, const Launch launch, const uint notes_features, const uint has_cutouts, const uint first_leaves_glass,
-    global const uchar* restrict group_of_instance, global uint* restrict queue, global const uint2* restrict stream,
+    global const uint* restrict pixels, global const uchar* restrict group_of_instance, global uint* restrict queue,
+    global uint2* restrict stream,
     global const float8* restrict top, global const float8* restrict nodes, global const float4* restrict blocks,
     global const Instance* restrict instances, global const Material* restrict materials,
     global const TextureInfo* restrict textures, global const uchar4* restrict texels, constant float* restrict decode,
@@ -98,9 +106,12 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace(
   for (;;) {
     const uint chunk = atomic_inc(next), first = chunk * TRACE_CHUNK;
     if (first >= n) return;
+    const uint n_here = min(n - first, (uint)TRACE_CHUNK);
+    const Slots all = {queue, alive, stream, origin, direction, throughput, radiance, hit, hit_instance,
+                       shadow_origin, shadow_direction, shadow_light, feature_color, feature_normal};
+    start_chunk(&launch, pixels, first, n_here, n, &all);
     const Slots slots = {queue + first, alive + first, stream, origin, direction, throughput, radiance, hit, hit_instance,
                          shadow_origin, shadow_direction, shadow_light, feature_color, feature_normal};
-    segments[chunk] = trace_chunk(&launch, &trees, &scene, tracing, group_of_instance, first,
-                                  min(n - first, (uint)TRACE_CHUNK), &slots);
+    segments[chunk] = trace_chunk(&launch, &trees, &scene, tracing, group_of_instance, first, n_here, &slots);
   }
 }

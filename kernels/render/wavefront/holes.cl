@@ -3,7 +3,7 @@
 
 // as in intersect.cl and shade.cl;  depth: bounces so far
 kernel void pass_holes(const uint n, const uint depth, global uint* restrict queue,
-                       global const uint2* restrict stream, global const float8* restrict top,
+                       global uint2* restrict stream, global const float8* restrict top,
                        global const float8* restrict nodes, global const float4* restrict blocks,
                        global const Instance* restrict instances,
                        global const Material* restrict materials, global const TextureInfo* restrict textures,

@@ -8,7 +8,7 @@
 // as in shade.cl;  depth: bounces so far
 kernel __attribute__((reqd_work_group_size(16, 1, 1))) void leave_glass(
     const uint n, const uint depth, const uint notes_features, global uint* restrict queue,
-    global const uint2* restrict stream, global const float8* restrict top, global const float8* restrict nodes,
+    global uint2* restrict stream, global const float8* restrict top, global const float8* restrict nodes,
     global const float4* restrict blocks, global const Instance* restrict instances,
     global const Material* restrict materials, global const TextureInfo* restrict textures,
     global const uchar4* restrict texels, constant float* restrict decode, global const uint* restrict triangles,

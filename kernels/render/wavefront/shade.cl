@@ -7,7 +7,7 @@
 // as in generate.cl and intersect.cl;  depth: bounces so far;  shadow_..., feature_...: [n_slots], as in shade_path.cl;
 // alive: [n] by place in the queue
 kernel void shade(const uint n, const Launch launch, const uint depth, const uint notes_features,
-                  global uint* restrict queue, global const uint2* restrict stream,
+                  global uint* restrict queue, global uint2* restrict stream,
                   global const Instance* restrict instances, global const Material* restrict materials,
                   global const TextureInfo* restrict textures, global const uchar4* restrict texels,
                   constant float* restrict decode, global const uint* restrict triangles,
