@@ -46,6 +46,8 @@ ALWAYS_INLINE int16 lanes_in_box(global const float* node, const uint k, const B
   return t0 <= t1;
 }
 
+// lanes that must meet a leaf for its triangles to be tested for all of them at once
+#define LANES_IN_LEAF 1
 #define LANES_OPEN 8  // lanes that must meet the box of a mesh; 5 and 12 take as long
 
 // Are the boxes of the root's children tested by all lanes at once? Where the mesh has the world's frame, and enough
@@ -78,9 +80,12 @@ ALWAYS_INLINE bool any_in_instance(const Trees trees, global const Instance* ins
   return any_in_mesh(trees, &box, &leaf, first, BEFORE_LIGHT);
 }
 
-// bits of the lanes that are stopped below first, of those in meet
+// Bits of the lanes that are stopped below first, of those in meet. A leaf of a mesh in the world's frame that enough of
+// them meet is tested for all at once
 TREE_FUNCTION uint stopped_of(const Trees trees, global const Instance* instance, const int first, const Lanes* lanes,
-                              uint meet) {
+                              const LeafLanes* leaf, uint meet) {
+  if (first < 0 && instance->flags & INSTANCE_UNMOVED && popcount(meet) >= LANES_IN_LEAF)
+    return meet & lanes_stopped_in_block(trees.blocks + (size_t)(~first) * 10, leaf, BEFORE_LIGHT);
   uint stopped = 0;
   for (; meet; meet &= meet - 1) {
     const uint lane = lowest_bit(meet);
@@ -92,7 +97,7 @@ TREE_FUNCTION uint stopped_of(const Trees trees, global const Instance* instance
 
 // the same in an instance whose mesh has the world's frame: all are asked for the boxes of the root's children
 ALWAYS_INLINE uint stopped_in_children(const Trees trees, global const Instance* instance, const Lanes* lanes,
-                                       const BoxLanes* r, const uint meet) {
+                                       const LeafLanes* leaf, const BoxLanes* r, const uint meet) {
   global const float* node = (global const float*)(trees.nodes + (size_t)instance->root * 8);
   global const int* children = (global const int*)(node + 48);
   uint stopped = 0;
@@ -100,7 +105,7 @@ ALWAYS_INLINE uint stopped_in_children(const Trees trees, global const Instance*
     if (children[k] == BVH_EMPTY) continue;
     float16 entry;
     const uint meet_child = meet & ~stopped & mask16(lanes_in_box(node, k, r, (float16)(BEFORE_LIGHT), &entry));
-    if (meet_child) stopped |= stopped_of(trees, instance, children[k], lanes, meet_child);
+    if (meet_child) stopped |= stopped_of(trees, instance, children[k], lanes, leaf, meet_child);
   }
   return stopped;
 }
@@ -108,8 +113,11 @@ ALWAYS_INLINE uint stopped_in_children(const Trees trees, global const Instance*
 // Bits of the lanes that an opaque instance stops within (0, BEFORE_LIGHT), no lane twice. crosses: bits of those that
 // meet the box of clear glass which they may pass
 TREE_FUNCTION uint lanes_stopped(const Trees trees, const Lanes* lanes, const Asked asked, uint* crosses) {
+  const Packet origin = load_packet(lanes->origin), direction = load_packet(lanes->direction);
   BoxLanes r;
-  make_box_lanes(load_packet(lanes->origin), load_packet(lanes->direction), &r);
+  make_box_lanes(origin, direction, &r);
+  LeafLanes leaf;
+  make_leaf_lanes(origin, direction, &leaf);
   int stack[BVH_STACK];
   int size = 0, current = 0;
   const uint all = asked.surfaces | asked.receivers;
@@ -138,9 +146,9 @@ TREE_FUNCTION uint lanes_stopped(const Trees trees, const Lanes* lanes, const As
       if (meet == 0) continue;
       const int first = first_visit(trees.nodes, (int)instance->root);
       if (opens(instance, first, meet))
-        stopped |= stopped_in_children(trees, instance, lanes, &r, meet);
+        stopped |= stopped_in_children(trees, instance, lanes, &leaf, &r, meet);
       else
-        stopped |= stopped_of(trees, instance, first, lanes, meet);
+        stopped |= stopped_of(trees, instance, first, lanes, &leaf, meet);
     }
     if (size == 0 || stopped == all) return stopped;
     current = stack[--size];

@@ -4,7 +4,6 @@
 #define PVG_RENDER_LANES_CLOSEST_CL
 #include "render/lanes/box.cl"
 
-#define LANES_IN_LEAF 1   // lanes that must meet a leaf for its triangles to be tested for all of them at once
 #define MOST_VISITS 24    // of a ray; one that has more goes alone
 #define MOST_STARTS 128   // of a packet; each ray of one that has more goes alone
 
