@@ -75,6 +75,11 @@ TREE_FUNCTION void shade_alone(const Launch* launch, const Shading* scene, const
   shade_path(*launch, *scene, bounce.depth, bounce.notes_features, place, *slots);
 }
 
+// does nothing come from where no surface is?
+static inline bool is_dark_outside(const Launch* launch) {
+  return launch->environment[0] == 0 && launch->environment[1] == 0 && launch->environment[2] == 0;
+}
+
 // n paths in the queue, at most TRACE_CHUNK
 TREE_FUNCTION void shade_queue(const Launch* launch, const Shading* scene, const Bounce bounce,
                                global const uchar* group_of_instance, const uint n, const Slots* slots) {
@@ -99,7 +104,16 @@ TREE_FUNCTION void shade_queue(const Launch* launch, const Shading* scene, const
         shade_scattering_group(*launch, *scene, bounce, MATERIAL_METALLIC_ROUGHNESS, &paths, &surfaces, slots->stream,
                                *slots);
     }
-  for (uint k = 0; k < groups.n[OTHERS]; ++k) shade_alone(launch, scene, bounce, groups.place[OTHERS][k], slots);
+  const bool ends_outside = is_dark_outside(launch) && !bounce.notes_features;
+  for (uint k = 0; k < groups.n[OTHERS]; ++k) {
+    const uint place = groups.place[OTHERS][k], slot = slots->queue[place];
+    if (ends_outside && as_uint(slots->hit[slot].w) == NO_TRIANGLE) {
+      slots->alive[place] = 0;
+      slots->shadow_origin[slot].w = as_float(SHADOW_NONE);
+    } else {
+      shade_alone(launch, scene, bounce, place, slots);
+    }
+  }
   if (!bounce.keeps_shadow_rays)
     add_light_of_places(*bounce.trees, scene->materials, launch->transparent_shadows, groups.place[OTHERS],
                         groups.n[OTHERS], slots);
