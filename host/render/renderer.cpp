@@ -14,9 +14,9 @@ namespace {
 constexpr int LEAST_FIRST_SAMPLES = 4;  // of a pixel, from which its noise is estimated
 constexpr int ROUNDS = 3;               // in which the rest is shared out
 constexpr int MOST_INSTANTS = 16;       // of a moving picture
-// Every light path goes where light is thrown, to many surfaces. On Cornell's box with glass ten times as many take up
-// to three times as long, for 3 % less error (docs/measured)
-constexpr double LIGHT_PATHS_PER_PATH = 0.025;
+// Every light path goes where light is thrown, to many surfaces. On Cornell's box with glass error times processor time
+// is least here (docs/measured/2026-11-29_chunks.md)
+constexpr double LIGHT_PATHS_PER_PATH = 0.0175;
 constexpr std::uint32_t STRIP_ROWS = TILE;  // that a rolling shutter reads together: those of a row of tiles
 
 std::uint32_t light_paths_of(int samples, std::size_t n_pixels) {
