@@ -8,6 +8,7 @@
 #include "render/path.h"
 #include "render/slots.cl"
 #include "sensors/camera.cl"
+#include "shared/pocl.h"
 #include "shared/rng.cl"
 
 #ifndef PATHS
@@ -56,21 +57,28 @@ static inline CameraRay camera_ray(const Launch launch, const uint pixel, const 
   return ray;
 }
 
-// PATHS of the n paths of a launch, from number first on, in the slots of these numbers. pixels: places in the picture, of
-// which the launch takes some.  What stands in fourth parts: of origin the density of the last direction, of direction the
-// stack of the glasses that the path is inside of, of throughput its flags
-static inline void start_paths(const Launch launch, global const uint* pixels, const uint first, const uint n,
-                               const Slots slots) {
-  uint pixel[PATHS], key[PATHS], sample[PATHS];
+// Numbers of PATHS of the n paths of a launch, from number first on; those beyond the last are the last one's. pixel: place
+// in the picture;  key, sample: of its random numbers
+static inline void number_paths(const Launch launch, global const uint* pixels, const uint first, const uint n,
+                                uint* pixel, uint* key, uint* sample) {
   uint at = first / launch.n_samples, sample_at = first % launch.n_samples;
   for (uint k = 0; k < PATHS; ++k) {
     pixel[k] = pixels[launch.first_pixel + at];
     key[k] = hash_combine(launch.key, pixel[k]);
     sample[k] = launch.first_sample + sample_at;
-    if (first + k + 1 >= n) continue;  // the last one once more
+    if (first + k + 1 >= n) continue;
     sample_at = sample_at + 1 < launch.n_samples ? sample_at + 1 : 0;
     at += sample_at == 0;
   }
+}
+
+// starts these paths in the slots of their numbers. pixels: places in the picture, of
+// which the launch takes some.  What stands in fourth parts: of origin the density of the last direction, of direction the
+// stack of the glasses that the path is inside of, of throughput its flags
+static inline void start_paths(const Launch launch, global const uint* pixels, const uint first, const uint n,
+                               const Slots slots) {
+  uint pixel[PATHS], key[PATHS], sample[PATHS];
+  number_paths(launch, pixels, first, n, pixel, key, sample);
   Points in_pixel = {{0}, {0}}, in_lens = in_pixel;
   if (!launch.is_center) draw_points(key, sample, 0, &in_pixel);
   if (has_lens(launch)) draw_points(key, sample, 1, &in_lens);

@@ -4,12 +4,11 @@
 #define PVG_INLINE_ALL
 #include "shared/pocl.h"
 
-#define PATHS PACKET
-#include "render/generate.cl"
 #include "render/holes.cl"
 #include "render/lanes/closest.cl"
 #include "render/lanes/shade.cl"
 #include "render/lanes/shadow.cl"
+#include "render/lanes/start.cl"
 #include "render/leave_glass.cl"
 
 // what the scene has
@@ -17,11 +16,6 @@ typedef struct {
   uint notes_features, has_cutouts;
   uint first_leaves_glass;  // the bounce from which on leave_glass.cl runs; beyond max_depth: never
 } Tracing;
-
-TREE_FUNCTION void start_chunk(const Launch* launch, global const uint* pixels, const uint first, const uint n,
-                               const uint n_paths, const Slots* slots) {
-  for (uint i = 0; i < n; i += PATHS) start_paths(*launch, pixels, first + i, n_paths, *slots);
-}
 
 // functions of their own, as few scenes need them
 TREE_FUNCTION void leave_glass_of_queue(const Trees* trees, const Shading* scene, const Bounce bounce, const uint n,

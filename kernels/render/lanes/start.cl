@@ -1,0 +1,54 @@
+// Stage 1 on a CPU, sixteen paths at a time: what generate.cl does, up to rounding. Rays of pinhole cameras without
+// distortion and lens are made side by side.
+#ifndef PVG_RENDER_LANES_START_CL
+#define PVG_RENDER_LANES_START_CL
+#define PATHS PACKET
+#include "render/generate.cl"
+#include "render/lanes/rows.cl"
+
+static inline bool is_plain(const PinholeCamera* c) {
+  return c->model == CAMERA_PINHOLE && !c->is_distorted && c->lens_radius == 0;
+}
+
+static inline void start_plain_paths(const Launch* launch, global const uint* pixels, const uint first, const uint n,
+                                     const Slots* slots) {
+  const PinholeCamera* c = &launch->camera;
+  uint pixel[PATHS], key[PATHS], sample[PATHS], slot[PATHS];
+  number_paths(*launch, pixels, first, n, pixel, key, sample);
+  for (uint k = 0; k < PATHS; ++k) slot[k] = min(first + k, n - 1);
+  const uint16 place = vload16(0, pixel), y_place = place / c->width;
+  float16 x = convert_float16(place - y_place * c->width), y = convert_float16(y_place);
+  if (!launch->is_center) {
+    float16 in_x, in_y;
+    sample_2d_16(vload16(0, key), vload16(0, sample), 0, &in_x, &in_y);
+    x += in_x - 0.5f;
+    y += in_y - 0.5f;
+  }
+  const float16 dx = (x - c->cx) / c->fx, dy = (y - c->cy) / c->fy;
+  const Packet d = {c->to_world[0] * dx + c->to_world[1] * dy + c->to_world[2],
+                    c->to_world[4] * dx + c->to_world[5] * dy + c->to_world[6],
+                    c->to_world[8] * dx + c->to_world[9] * dy + c->to_world[10]};
+  const Packet from = packet_of((float3)(c->to_world[3], c->to_world[7], c->to_world[11]));
+  const float16 zero = sixteen(0.0f);
+  const Packet one = {sixteen(1.0f), sixteen(1.0f), sixteen(1.0f)}, none = {zero, zero, zero};
+  store_rows(rows_of(from, zero), slots->origin, slot);
+  store_rows(rows_of(times(d, 1.0f / sqrt(dots(d, d))), as_float16((uint16)(launch->media))), slots->direction, slot);
+  store_rows(rows_of(one, as_float16((uint16)(0u))), slots->throughput, slot);
+  store_rows(rows_of(none, zero), slots->radiance, slot);
+  for (uint k = 0; k < PACKET; ++k) {
+    slots->stream[slot[k]] = (uint2)(key[k], sample[k]);
+    slots->queue[slot[k]] = slot[k];
+  }
+}
+
+// the paths first .. first + n_here - 1 of n
+TREE_FUNCTION void start_chunk(const Launch* launch, global const uint* pixels, const uint first, const uint n_here,
+                               const uint n, const Slots* slots) {
+  const bool plain = is_plain(&launch->camera);
+  for (uint i = first; i < first + n_here; i += PATHS)
+    if (plain)
+      start_plain_paths(launch, pixels, i, n, slots);
+    else
+      start_paths(*launch, pixels, i, n, *slots);
+}
+#endif
