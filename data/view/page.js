@@ -24,5 +24,6 @@ function ticks(low, high, n) {
   const first = Math.floor(low / step + 1e-9), last = Math.ceil(high / step - 1e-9);
   return Array.from({ length: last - first + 1 }, (_, i) => +((first + i) * step).toPrecision(12));
 }
+const counted = (n, one) => `${n} ${one}${n === 1 ? "" : "s"}`;
 const short = (x) => (x === 0 ? "0" : Math.abs(x) >= 1000 || Math.abs(x) < 0.001 ? x.toExponential(1) : String(+x.toPrecision(3)));
 const percent = (share) => `${(100 * share).toFixed(1)} %`;

@@ -144,7 +144,7 @@ function motionScene(box, motion) {
 function episodeCard(episode, isOpen) {
   const { summary } = episode, card = element("details", { class: "card" });
   const outcome = summary.success ? element("span", { class: "good", text: "success" }) : element("span", { class: "bad", text: summary.reason });
-  const what = ` ${short(summary.duration_s)} s of motion, ${summary.steps} steps, ${summary.frames} pictures`;
+  const what = ` ${short(summary.duration_s)} s of motion, ${counted(summary.steps, "step")}, ${counted(summary.frames, "picture")}`;
   card.append(element("summary", {}, `${episode.folder} `, outcome, element("span", { class: "quiet", text: what })));
   const fill = () => {
     const body = element("div"), listeners = [];
@@ -222,7 +222,7 @@ function setHead(status, episodes) {
   head.append(element("h1", { text: `${status.task}, seed ${status.seed}` }));
   const made = status.done.length + status.failed.length;
   head.append(element("div", { class: "card" }, element("div", { class: "big", text: made ? percent(status.success_rate) : "no episode yet" }),
-    `success: ${status.done.length} of ${made} episodes` + (made ? `, 95 % interval by Wilson ${percent(status.success_low)} to ${percent(status.success_high)}` : "") + `; ${status.missing.length} of ${status.episodes} still to be made`));
+    `success: ${status.done.length} of ${counted(made, "episode")}` + (made ? `, 95 % interval by Wilson ${percent(status.success_low)} to ${percent(status.success_high)}` : "") + `; ${status.missing.length} of ${status.episodes} still to be made`));
   if (status.failed.length) {
     const table = element("table", {}, element("tr", {}, element("th", { text: "episode" }), element("th", { text: "why it failed" })));
     for (const failed of status.failed) table.append(element("tr", {}, element("td", { text: failed.episode }), element("td", { text: failed.reason })));
@@ -247,7 +247,7 @@ function setHead(status, episodes) {
 }
 
 const { status, episodes } = report;
-document.title = status ? `${status.task}: ${episodes.length} episodes` : episodes[0].folder;
+document.title = status ? `${status.task}: ${counted(episodes.length, "episode")}` : episodes[0].folder;
 if (status) page.append(setHead(status, episodes));
 else page.append(element("h1", { text: `${episodes[0].summary.task}, seed ${episodes[0].summary.seed}, episode ${episodes[0].summary.episode}` }));
 episodes.forEach((episode, i) => page.append(episodeCard(episode, i === 0)));

@@ -1,4 +1,5 @@
 #include "host/base/progress.hpp"
+#include "host/base/counted.hpp"
 
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -52,7 +53,7 @@ std::string fitted_line(const std::function<std::string(int)>& line, int width) 
 std::string set_progress_line(const SetProgress& set, int bar_width) {
   const std::size_t made = set.done + set.failed, there = made + set.done_before + set.failed_before;
   std::string line = "set  " + bar(set.total ? double(there) / double(set.total) : 1, bar_width);
-  line += std::to_string(there) + "/" + std::to_string(set.total) + " episodes";
+  line += std::to_string(there) + "/" + counted(set.total, "episode");
   char text[64];
   if (there > 0) {
     const double share = double(set.done + set.done_before) / double(there);
@@ -72,7 +73,7 @@ std::string progress_line(const std::string& label, const std::string& unit, std
                           double seconds, int bar_width, std::size_t done_before) {
   const double share = total ? double(done) / double(total) : 1;
   std::string line = label + "  " + bar(share, bar_width);
-  line += std::to_string(done) + "/" + std::to_string(total) + " " + unit;
+  line += std::to_string(done) + "/" + counted(total, unit.substr(0, unit.size() - 1), unit);
   // no rate before there is something to divide
   if (done > done_before && seconds > 0) {
     const double rate = double(done - done_before) / seconds;

@@ -11,7 +11,7 @@ namespace pvg {
 
 class Progress {
  public:
-  // unit: what is counted, such as "frames"; total 0: nothing is shown
+  // unit: what is counted, with an s, such as "frames"; total 0: nothing is shown
   Progress(std::string label, std::string unit, std::size_t total);
   ~Progress();  // ends the line
   Progress(const Progress&) = delete;

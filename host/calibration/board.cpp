@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 
 namespace pvg {
@@ -41,7 +42,7 @@ Board parse_board(const std::string& text) {
                      "`: charuco and tags need a tag smaller than the square, a chessboard none" + shape);
   const int n_tags = board.kind == Board::Kind::tags ? board.columns * board.rows : board.columns * board.rows / 2;
   if (board.kind != Board::Kind::chessboard && n_tags > 587)
-    throw UsageError("the board `" + text + "` needs " + std::to_string(n_tags) + " tags; the family 36h11 has 587");
+    throw UsageError("the board `" + text + "` needs " + counted(n_tags, "tag") + "; the family 36h11 has 587");
   return board;
 }
 

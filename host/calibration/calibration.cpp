@@ -6,6 +6,7 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 
 namespace pvg {
@@ -159,8 +160,8 @@ std::size_t n_used(const std::vector<BoardPhoto>& photos) {
 
 void demand_photos(const std::vector<BoardPhoto>& photos) {
   if (n_used(photos) >= FEWEST_PHOTOS) return;
-  throw UsageError("the board is found in " + std::to_string(n_used(photos)) + " of " + std::to_string(photos.size()) +
-                   " photos; three are the least, fifteen from all sides are good");
+  throw UsageError("the board is found in " + std::to_string(n_used(photos)) + " of " +
+                   counted(photos.size(), "photo") + "; three are the least, fifteen from all sides are good");
 }
 
 // the photo that stands out most; photos.size(): none
@@ -185,7 +186,7 @@ CameraCalibration calibrate_camera(std::vector<BoardPhoto> photos, int width, in
     if (photo.is_used && photo.corners.size() < settings.fewest_corners) {
       photo.is_used = false;
       photo.reason = photo.corners.empty() ? "the board is not found"
-                                           : "only " + std::to_string(photo.corners.size()) + " corners are found";
+                                           : "the photo shows only " + counted(photo.corners.size(), "corner");
     }
   demand_photos(photos);
   const bool is_fisheye = settings.model == Camera::Model::fisheye;
@@ -239,8 +240,8 @@ CameraPlace place_camera(const std::vector<FoundTag>& found, const std::vector<P
       }
     }
   if (world.empty())
-    throw UsageError("none of the " + std::to_string(tags.size()) + " tags of the list is among the " +
-                     std::to_string(found.size()) + " tags of the photo");
+    throw UsageError("none of the " + counted(tags.size(), "tag") + " of the list is among the " +
+                     counted(found.size(), "tag") + " of the photo");
   const cv::Matx33d K(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
   // of a fisheye the pixels are undistorted first
   std::vector<double> distortion = camera.distortion;

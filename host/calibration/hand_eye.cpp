@@ -7,6 +7,7 @@
 #include <opencv2/calib3d.hpp>
 #include <random>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 
 namespace pvg {
@@ -228,8 +229,8 @@ HandEye calibrate_hand_eye(std::vector<HandPhoto> photos, const std::vector<Plac
       photos[i].reason = "none of the tags is found";
   }
   if (views.size() < FEWEST_POSES)
-    throw UsageError("tags are found in " + std::to_string(views.size()) + " of " + std::to_string(photos.size()) +
-                     " photos; four are the least, fifteen from all sides are good");
+    throw UsageError("tags are found in " + std::to_string(views.size()) + " of " + counted(photos.size(), "photo") +
+                     "; four are the least, fifteen from all sides are good");
   if (second_turn(views) < LEAST_TURN)
     throw UsageError(
         "the hand turned about one axis alone, which leaves the camera's place along it open; tilt it by 30 degrees "
@@ -252,7 +253,8 @@ HandEye calibrate_hand_eye(std::vector<HandPhoto> photos, const std::vector<Plac
     guess = refined(used, guess, camera, normal);
   }
   if (used.size() < FEWEST_POSES)
-    throw UsageError("only " + std::to_string(used.size()) + " photos agree with each other; four are the least");
+    throw UsageError("only " + counted(used.size(), "photo agrees with others", "photos agree with each other") +
+                     "; four are the least");
   std::size_t n_corners = 0;
   for (const View& view : views) {
     HandPhoto& photo = photos[view.photo];

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <opencv2/calib3d.hpp>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 
 namespace pvg {
@@ -80,9 +81,9 @@ TagFrame locate_tags(std::span<const TagPhoto> photos, const std::vector<PlacedT
   out.n_photos = std::size_t(std::count(is_used.begin(), is_used.end(), true));
   if (seen.empty())
     throw UsageError(
-        fmt::format("none of the {} tags of the list is seen by two of the {} photos from different sides; take more "
+        fmt::format("none of the {} of the list is seen by two of the {} from different sides; take more "
                     "photos of them",
-                    tags.size(), photos.size()));
+                    counted(tags.size(), "tag"), counted(photos.size(), "photo")));
   const auto matrix = [](const std::vector<Vec3>& points) {
     return Eigen::Matrix3Xd(Eigen::Map<const Eigen::Matrix3Xd>(points[0].data(), 3, Eigen::Index(points.size())));
   };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/capture/colors.hpp"
 #include "host/pictures/gray_photo.hpp"
@@ -237,8 +238,8 @@ ColorOffset align_color_camera(const Capture& capture, std::span<const CaptureFr
   ColorOffset out;
   out.n_points = std::size_t(std::count_if(count.begin(), count.end(), [](int n) { return n >= 3; }));
   if (out.n_points < FEWEST_POINTS)
-    throw UsageError("the colour camera cannot be aligned: only " + std::to_string(out.n_points) +
-                     " points of the surface are seen by three photos; take more photos, or give --align-colors no");
+    throw UsageError("the colour camera cannot be aligned: three photos see only " + counted(out.n_points, "point") +
+                     " of the surface; take more photos, or give --align-colors no");
   std::vector<GrayPhoto> sharp(frames.size());
   for (std::size_t f = 0; f < frames.size(); ++f)
     if (!frames[f].color.empty()) sharp[f] = gray_of(color_of(frames[f]));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/base/files.hpp"
 #include "host/base/notes.hpp"
@@ -69,9 +70,10 @@ void tell_left_out(const fs::path& folder, const Capture& capture) {
   if (capture.left_out.empty()) return;
   const std::size_t n = capture.left_out.size(), n_named = std::min(n, MOST_NAMED);
   const auto first = capture.left_out.begin();
-  tell_note(fmt::format("{}: {} of {} frames lack depth or a finite pose and are left out: {}{}", folder.string(), n,
-                        n + capture.frames.size(), fmt::join(first, first + std::ptrdiff_t(n_named), ", "),
-                        n > n_named ? ", ..." : ""));
+  tell_note(fmt::format("{}: {} of {} {} left out: {}{}", folder.string(), n,
+                        counted(n + capture.frames.size(), "frame"),
+                        n == 1 ? "lacks depth or a finite pose and is" : "lack depth or a finite pose and are",
+                        fmt::join(first, first + std::ptrdiff_t(n_named), ", "), n > n_named ? ", ..." : ""));
 }
 
 }  // namespace

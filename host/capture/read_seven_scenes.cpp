@@ -1,6 +1,7 @@
 // The layout of Microsoft's 7-Scenes: one depth camera of the Kinect, whose colour camera is not registered to it.
 #include <algorithm>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/capture/layouts.hpp"
@@ -66,8 +67,8 @@ Capture read_seven_scenes(const fs::path& folder) {
     capture.frames.push_back(std::move(frame));
   }
   if (capture.frames.empty())
-    throw UsageError(folder.string() + ": none of " + std::to_string(capture.left_out.size()) +
-                     " frames has a pose; frame-N.pose.txt must stand beside frame-N.depth.png");
+    throw UsageError(folder.string() + ": none of " + counted(capture.left_out.size(), "frame") +
+                     " has a pose; frame-N.pose.txt must stand beside frame-N.depth.png");
   for (const std::string& name : frame_names(folder, POSE))
     if (!is_file(folder / (name + DEPTH))) capture.left_out.push_back(name);
   return capture;

@@ -7,6 +7,7 @@
 #include <ctime>
 #include <map>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/capture/background.hpp"
 #include "host/capture/surface.hpp"
@@ -131,11 +132,11 @@ Room capture_room(Device& device, const Capture& capture, const RoomSettings& se
   room.n_frames = used.size();
   for (const CaptureFrame& frame : used) room.frame_names.push_back(frame.name);
   if (settings.refinement) {
-    say(fmt::format("refining {} poses", used.size()));
+    say("refining " + counted(used.size(), "pose"));
     refine(device, capture, settings, has_photos, used, room);
     register_frames(device, capture, used, held_out, settings.fusion, *settings.refinement);
   }
-  say(fmt::format("fusing {} pictures of depth", used.size()));
+  say("fusing " + counted(used.size(), "picture") + " of depth");
   FusedSurface surface = without_unused(fuse(device, capture, used, settings.fusion, room));
   surface = without_small_pieces(surface, settings.least_piece);
   if (surface.triangles.empty())

@@ -1,4 +1,5 @@
 // The planes of a room and the frame that they give it.
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/capture/room.hpp"
 
@@ -9,8 +10,9 @@ constexpr double UPRIGHT = 0.8;  // cosine between a plane's normal and up from 
 
 int choose_ground(const std::vector<CapturedPlane>& planes, const Vec3& up, int asked) {
   if (asked >= int(planes.size()))
-    throw UsageError("--ground " + std::to_string(asked) + ": only " + std::to_string(planes.size()) +
-                     " planes were found; they count from 0, the largest first");
+    throw UsageError("--ground " + std::to_string(asked) + ": only " +
+                     counted(planes.size(), "plane was", "planes were") +
+                     " found; they count from 0, the largest first");
   if (asked >= 0) return asked;
   for (int i = 0; i < int(planes.size()); ++i)
     if (planes[std::size_t(i)].pose.linear().col(2).dot(up) > UPRIGHT) return i;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/dataset/json_file.hpp"
 #include "host/dataset/packed_columns.hpp"
@@ -294,7 +295,7 @@ void read_pictures(const PackedCamera& camera, std::size_t n_frames, int side,
 
 void demand_frames(const PackedCamera& camera, std::size_t n_frames, std::size_t n_pictures) {
   if (n_pictures != n_frames)
-    throw Failure(camera.video.string() + " holds " + std::to_string(n_pictures) + " pictures, its episode " +
+    throw Failure(camera.video.string() + " holds " + counted(n_pictures, "picture") + ", its episode " +
                   std::to_string(n_frames) + "; make the episode again");
 }
 

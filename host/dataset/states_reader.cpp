@@ -1,4 +1,5 @@
 #include "host/dataset/states_reader.hpp"
+#include "host/base/counted.hpp"
 
 #include <algorithm>
 
@@ -24,8 +25,8 @@ StatesReader::StatesReader(const std::filesystem::path& path, const PhysicalScen
     }
   const auto check_nodes = [&](const std::string& body, const StatesRecord::Body& found, std::size_t n) {
     if (found.is_rigid || found.n_nodes != n)
-      throw UsageError(path.string() + " holds " + std::to_string(found.n_nodes) + " nodes of `" + body +
-                       "`, the scene " + std::to_string(n) + "; it was made of another scene" +
+      throw UsageError(path.string() + " holds " + counted(found.n_nodes, "node") + " of `" + body + "`, the scene " +
+                       std::to_string(n) + "; it was made of another scene" +
                        (found.is_rigid ? " or with --gripper rigid" : ""));
   };
   for (const RigidBody& body : scene.rigid_bodies) {

@@ -1,4 +1,5 @@
 #include "host/dataset/states_record.hpp"
+#include "host/base/counted.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -62,8 +63,7 @@ void StatesRecord::demand_finite(const std::string& object, const std::vector<do
 
 std::vector<std::string> StatesRecord::names_of(const std::string& object, std::size_t n) const {
   std::vector<std::string> names = file_.texts_attribute(object, "names");
-  if (names.size() != n)
-    fail(object, "has " + std::to_string(names.size()) + " names for " + std::to_string(n) + " columns");
+  if (names.size() != n) fail(object, "has " + counted(names.size(), "name") + " for " + counted(n, "column"));
   return names;
 }
 
@@ -174,7 +174,7 @@ StatesRecord::Mesh StatesRecord::mesh(const Body& body) const {
          "names the body " + std::to_string(owner.front()) + " instead of " + std::to_string(body.number));
   const std::size_t n = mesh.rest.size() / 3;
   if (!body.is_rigid && n != body.n_nodes)
-    fail(at + "/rest", "holds " + std::to_string(n) + " points, " + body.data_set + " " + std::to_string(body.n_nodes));
+    fail(at + "/rest", "holds " + counted(n, "point") + ", " + body.data_set + " " + std::to_string(body.n_nodes));
   for (const std::uint32_t corner : mesh.triangles)
     if (corner >= n) fail(at + "/triangles", "names the vertex " + std::to_string(corner) + " of " + std::to_string(n));
   return mesh;

@@ -1,4 +1,5 @@
 #include "host/device/choose_device.hpp"
+#include "host/base/counted.hpp"
 
 #include <cctype>
 
@@ -26,8 +27,8 @@ const DeviceInfo& find_named(const std::vector<DeviceInfo>& devices, const std::
                  : (which == "gpu" && device.is_gpu) || (which == "cpu" && !device.is_gpu) ||
                        lower(device.name + " " + device.platform).find(lower(which)) != std::string::npos)
       return device;
-  throw UsageError(option + " " + which + " fits none of the " + std::to_string(devices.size()) +
-                   " OpenCL devices; `phyvisgen devices` lists them");
+  throw UsageError(option + " " + which + " fits none of the " + counted(devices.size(), "OpenCL device") +
+                   "; `phyvisgen devices` lists them");
 }
 
 }  // namespace

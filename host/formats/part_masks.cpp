@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/base/counted.hpp"
 #include "host/formats/hdf5.hpp"
 
 namespace pvg {
@@ -44,8 +45,8 @@ PartMasks read_part_masks(const std::filesystem::path& path, const std::string& 
     if (!file.has("/time")) return masks;
     masks.time = file.read<double>("/time").values;
     if (masks.time.size() != masks.pixels.size())
-      throw UsageError(name + ": /time has " + std::to_string(masks.time.size()) + " numbers for " +
-                       std::to_string(masks.pixels.size()) + " masks");
+      throw UsageError(name + ": /time has " + counted(masks.time.size(), "number") + " for " +
+                       counted(masks.pixels.size(), "mask"));
     return masks;
   } catch (const Failure& failure) {
     throw UsageError(failure.what());

@@ -7,6 +7,7 @@
 #include <string>
 #include <tuple>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/base/program_pipe.hpp"
@@ -33,8 +34,8 @@ PictureSeries read_hdf5(const fs::path& path) {
   if (!file.has("/time")) return series;
   series.time = file.read<double>("/time").values;
   if (series.time.size() != series.cells.size())
-    throw UsageError(name + ": /time has " + std::to_string(series.time.size()) + " numbers for " +
-                     std::to_string(series.cells.size()) + " pictures");
+    throw UsageError(name + ": /time has " + counted(series.time.size(), "number") + " for " +
+                     counted(series.cells.size(), "picture"));
   return series;
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <set>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/formats/hdf5.hpp"
 
@@ -155,8 +156,8 @@ MeasuredTable read_arrays(const hdf5::File& in, const std::filesystem::path& fil
   for (const auto& [name, values] : table.columns) {
     if (table.n_rows == 0) table.n_rows = values.size();
     if (values.size() != table.n_rows)
-      throw UsageError(file.string() + ": `" + name + "` holds " + std::to_string(values.size()) +
-                       " numbers, another column " + std::to_string(table.n_rows));
+      throw UsageError(file.string() + ": `" + name + "` holds " + counted(values.size(), "number") +
+                       ", another column " + std::to_string(table.n_rows));
   }
   return table;
 }

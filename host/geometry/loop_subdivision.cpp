@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 
 namespace pvg {
@@ -154,8 +155,7 @@ Subdivision subdivide_loop(std::size_t n_points, std::span<const Triangle> trian
 
 std::vector<Vec3> multiply(const SparseRows& w, std::span<const Vec3> x) {
   if (x.size() != w.n_columns)
-    throw UsageError("a matrix of " + std::to_string(w.n_columns) + " columns was given " + std::to_string(x.size()) +
-                     " points");
+    throw UsageError("a matrix of " + counted(w.n_columns, "column") + " was given " + counted(x.size(), "point"));
   std::vector<Vec3> y(w.n_rows(), Vec3::Zero());
   for (std::size_t i = 0; i < y.size(); ++i)
     for (std::uint32_t k = w.row_start[i]; k < w.row_start[i + 1]; ++k) y[i] += w.weight[k] * x[w.column[k]];

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <sstream>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 
 namespace pvg {
@@ -18,10 +19,6 @@ std::string text(const Vec3& p) {
   std::ostringstream s;
   s << "(" << p.x() << ", " << p.y() << ", " << p.z() << ")";
   return s.str();
-}
-
-std::string count(std::size_t n, const std::string& one, const std::string& many) {
-  return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
 double tetrahedron_volume(const TriangleMesh& mesh, const Triangle& t) {
@@ -93,16 +90,16 @@ std::optional<std::string> open_or_flipped(const TriangleMesh& mesh) {
     return "from " + text(mesh.points[e[0]]) + " to " + text(mesh.points[e[1]]);
   };
   if (n_open > 0) {
-    return "has holes: " + count(n_open, "edge belongs", "edges belong") + " to one triangle only, the first " +
+    return "has holes: " + counted(n_open, "edge belongs", "edges belong") + " to one triangle only, the first " +
            from_to(open) + "; close the surface";
   }
   if (n_flipped > 0) {
-    return "has flipped triangles: at " + count(n_flipped, "edge", "edges") +
+    return "has flipped triangles: at " + counted(n_flipped, "edge") +
            " the two neighbours face opposite ways, the first " + from_to(flipped) +
            "; make the orientation consistent";
   }
   if (n_many > 0) {
-    return "has " + count(n_many, "edge", "edges") + " with more than two triangles, the first " + from_to(many) +
+    return "has " + counted(n_many, "edge") + " with more than two triangles, the first " + from_to(many) +
            "; a solid's surface must not branch";
   }
   return {};

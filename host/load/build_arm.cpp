@@ -1,6 +1,7 @@
 // A robot of a task with its gripper and fingers.
 #include <algorithm>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/formats/mesh_files.hpp"
 #include "host/formats/tetgen.hpp"
@@ -12,8 +13,8 @@ namespace {
 
 VectorXd home_configuration(const RobotModel& model, const RobotSection& robot) {
   if (robot.home.size() != model.actuated.size()) {
-    throw UsageError("`robot.home` holds " + std::to_string(robot.home.size()) + " numbers, but " +
-                     robot.urdf.string() + " has " + std::to_string(model.actuated.size()) + " joints that move.");
+    throw UsageError("`robot.home` holds " + counted(robot.home.size(), "number") + ", but " + robot.urdf.string() +
+                     " has " + counted(model.actuated.size(), "moving joint") + ".");
   }
   return Eigen::Map<const VectorXd>(robot.home.data(), Eigen::Index(robot.home.size()));
 }
@@ -44,8 +45,8 @@ Stitch stitch_of(const SoftBody& soft, const FingerSection& finger, int soft_ind
     }
   }
   if (stitch.nodes.size() < 3) {
-    throw UsageError("Finger `" + finger.name + "`: its stitch box holds " + std::to_string(stitch.nodes.size()) +
-                     " nodes, at least 3 are needed to hold it; move `stitch.low` and `stitch.high`.");
+    throw UsageError("Finger `" + finger.name + "`: its stitch box holds " + counted(stitch.nodes.size(), "node") +
+                     ", at least 3 are needed to hold it; move `stitch.low` and `stitch.high`.");
   }
   return stitch;
 }

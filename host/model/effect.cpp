@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/model/physical_scene.hpp"
 
@@ -70,10 +71,10 @@ std::vector<Formula> law_of(const Effect& effect) {
   const EffectKind& kind = effect_kind(effect.name);
   const std::string who = "effect " + effect.name + " on " + effect.target;
   if (effect.formulas.size() != n_formulas(kind))
-    throw UsageError(who + " needs " + std::to_string(n_formulas(kind)) + " formulas, but has " +
+    throw UsageError(who + " needs " + counted(n_formulas(kind), "formula") + ", but has " +
                      std::to_string(effect.formulas.size()));
   if (effect.parameters.size() > MOST_COEFFICIENTS)
-    throw UsageError(who + " may have " + std::to_string(MOST_COEFFICIENTS) + " coefficients, but has " +
+    throw UsageError(who + " may have " + counted(MOST_COEFFICIENTS, "coefficient") + ", but has " +
                      std::to_string(effect.parameters.size()));
   for (const double c : effect.parameters)
     if (!std::isfinite(c)) throw UsageError(who + ": a coefficient is not finite");
@@ -86,8 +87,8 @@ std::vector<Formula> law_of(const Effect& effect) {
       throw UsageError(formula + "is wrong " + error.what());
     }
     if (law.back().n_coefficients > effect.parameters.size())
-      throw UsageError(formula + "uses c" + std::to_string(law.back().n_coefficients - 1) + ", but there are " +
-                       std::to_string(effect.parameters.size()) + " coefficients");
+      throw UsageError(formula + "uses c" + std::to_string(law.back().n_coefficients - 1) + ", but the effect has " +
+                       counted(effect.parameters.size(), "coefficient"));
   }
   return law;
 }
@@ -118,7 +119,7 @@ void check_effects(const PhysicalScene& scene) {
       continue;
     }
     if (effect.parameters.size() != kind.parameters.size())
-      throw UsageError("effect " + effect.name + " needs " + std::to_string(kind.parameters.size()) + " parameters");
+      throw UsageError("effect " + effect.name + " needs " + counted(kind.parameters.size(), "parameter"));
     for (std::size_t i = 0; i < kind.parameters.size(); ++i) {
       const EffectParameter& p = kind.parameters[i];
       if (!(effect.parameters[i] >= p.low && effect.parameters[i] <= p.high))

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 
 namespace pvg {
@@ -16,17 +17,17 @@ void check(const VisualMesh& mesh, const std::string& name) {
   if (mesh.points.empty() || mesh.triangles.empty())
     throw UsageError(where + "it has no triangles; give it some or leave it out");
   if (!mesh.normals.empty() && mesh.normals.size() != mesh.points.size())
-    throw UsageError(where + std::to_string(mesh.normals.size()) + " normals for " +
-                     std::to_string(mesh.points.size()) + " points; one each, or none");
+    throw UsageError(where + counted(mesh.normals.size(), "normal") + " for " + counted(mesh.points.size(), "point") +
+                     "; one each, or none");
   if (!mesh.uvs.empty() && mesh.uvs.size() != mesh.points.size())
-    throw UsageError(where + std::to_string(mesh.uvs.size()) + " texture coordinates for " +
-                     std::to_string(mesh.points.size()) + " points; one each, or none");
+    throw UsageError(where + counted(mesh.uvs.size(), "texture coordinate") + " for " +
+                     counted(mesh.points.size(), "point") + "; one each, or none");
   if (!mesh.colors.empty() && mesh.colors.size() != mesh.points.size())
-    throw UsageError(where + std::to_string(mesh.colors.size()) + " colours for " + std::to_string(mesh.points.size()) +
-                     " points; one each, or none");
+    throw UsageError(where + counted(mesh.colors.size(), "colour") + " for " + counted(mesh.points.size(), "point") +
+                     "; one each, or none");
   if (!mesh.second_uvs.empty() && mesh.second_uvs.size() != mesh.points.size())
-    throw UsageError(where + std::to_string(mesh.second_uvs.size()) + " second texture coordinates for " +
-                     std::to_string(mesh.points.size()) + " points; one each, or none");
+    throw UsageError(where + counted(mesh.second_uvs.size(), "second texture coordinate") + " for " +
+                     counted(mesh.points.size(), "point") + "; one each, or none");
   for (const Vec3f& color : mesh.colors)
     if (!color.allFinite() || color.minCoeff() < 0)
       throw UsageError(where + "a vertex colour is negative or not finite; repair the file");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/counted.hpp"
 #include "host/render/adaptive.hpp"
 #include "host/render/camera.hpp"
 #include "host/render/pixel_order.hpp"
@@ -191,8 +192,8 @@ RenderedFrame Renderer::Impl::take_picture(const Launch& launch, int camera, std
 
 void Renderer::Impl::check_camera_index(int camera) const {
   if (camera < 0 || camera >= int(scene.cameras.size()))
-    throw UsageError("the scene has " + std::to_string(scene.cameras.size()) + " cameras, number " +
-                     std::to_string(camera) + " was asked for");
+    throw UsageError("the scene has " + counted(scene.cameras.size(), "camera") + ", number " + std::to_string(camera) +
+                     " was asked for");
 }
 
 std::string denoiser_name(const Device& device) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "host/base/counted.hpp"
 #include "host/base/notes.hpp"
 #include "host/model/display.hpp"
 #include "host/render/camera.hpp"
@@ -245,12 +246,13 @@ void Renderer::Impl::move_to(const SceneState& target) {
   if (target.rigid.size() != scene.rigid_bodies.size() || target.soft.size() != scene.soft_bodies.size() ||
       target.cloth.size() != scene.cloths.size())
     throw UsageError("the state has " + std::to_string(target.rigid.size()) + " rigid and " +
-                     std::to_string(target.soft.size()) + " soft bodies and " + std::to_string(target.cloth.size()) +
-                     " cloths, the scene to be rendered " + std::to_string(scene.rigid_bodies.size()) + ", " +
-                     std::to_string(scene.soft_bodies.size()) + " and " + std::to_string(scene.cloths.size()));
+                     counted(target.soft.size(), "soft body", "soft bodies") + " and " +
+                     counted(target.cloth.size(), "cloth") + ", the scene to be rendered " +
+                     std::to_string(scene.rigid_bodies.size()) + ", " + std::to_string(scene.soft_bodies.size()) +
+                     " and " + std::to_string(scene.cloths.size()));
   if (target.reading.size() != scene.displays.size())
-    throw UsageError("the state has " + std::to_string(target.reading.size()) + " readings, the scene to be rendered " +
-                     std::to_string(scene.displays.size()) + " displays");
+    throw UsageError("the state has " + counted(target.reading.size(), "reading") + ", the scene to be rendered " +
+                     counted(scene.displays.size(), "display"));
   const std::size_t n_visuals = scene.visuals.size();
   for (std::size_t i = 0; i < shown.size(); ++i) {
     Shown& entry = shown[i];

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <random>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 
 namespace pvg {
@@ -53,8 +54,8 @@ VectorXd random_configuration(const RobotModel& model, double margin, std::mt199
 
 void check_size(const RobotModel& model, const VectorXd& q) {
   if (std::size_t(q.size()) != model.actuated.size())
-    throw UsageError("robot '" + model.name + "' has " + std::to_string(model.actuated.size()) +
-                     " moving joints but was given " + std::to_string(q.size()) + " positions; give one for each");
+    throw UsageError("robot '" + model.name + "' has " + counted(model.actuated.size(), "moving joint") +
+                     " but was given " + counted(q.size(), "position") + "; give one for each");
 }
 
 }  // namespace

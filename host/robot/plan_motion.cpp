@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/robot/joint_path.hpp"
 #include "host/robot/motion_check.hpp"
@@ -272,8 +273,8 @@ void check(const RobotModel& model, const MotionSetup& setup) {
     throw UsageError("robot '" + model.name + "' has no link number " + std::to_string(setup.tool_link) +
                      " to carry the tool; name one of its links");
   if (std::size_t(setup.q_start.size()) != model.actuated.size())
-    throw UsageError("robot '" + model.name + "' has " + std::to_string(model.actuated.size()) +
-                     " moving joints but its start configuration has " + std::to_string(setup.q_start.size()) +
+    throw UsageError("robot '" + model.name + "' has " + counted(model.actuated.size(), "moving joint") +
+                     " but its start configuration has " + std::to_string(setup.q_start.size()) +
                      "; give one position for each");
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/base/stop_signal.hpp"
 #include "pipeline/bench/physics.hpp"
@@ -73,10 +74,12 @@ void print_counts(const PhysicsCounts& c) {
     std::printf("  %-34s %9.1f %8.1f %8.2f %12.4f %9.3f\n", what, double(d.launches) * by, double(d.writes) * by,
                 double(d.waits) * by, 1e-6 * double(d.bytes) * by, 1e3 * modelled_seconds(d) * by);
   };
-  std::printf("%s, %zu worlds, %zu steps, %.2f Newton and %.2f CG iterations a step\n", c.name.c_str(), c.worlds,
-              c.steps, double(n.newton) / double(c.steps), double(n.cg) / double(c.steps));
+  std::printf("%s, %s, %s, %.2f Newton and %.2f CG iterations a step\n", c.name.c_str(),
+              counted(c.worlds, "world").c_str(), counted(c.steps, "step").c_str(), double(n.newton) / double(c.steps),
+              double(n.cg) / double(c.steps));
   if (n.repeated_guesses > 0)
-    std::printf("  %zu first guesses did not come as foreseen and were started again\n", n.repeated_guesses);
+    std::printf("  %s did not come as foreseen and were started again\n",
+                counted(n.repeated_guesses, "first guess", "first guesses").c_str());
   std::printf(c.runs_host_functions
                   ? "  a device that runs host functions: the factor on the host moves nothing (PVG_HOST_FUNCTIONS=0: "
                     "like a device apart)\n"
@@ -105,9 +108,9 @@ void print_commands(const PhysicsCommands& c) {
   }
   std::sort(longest_first.rbegin(), longest_first.rend());
   const double by = 1.0 / double(c.steps);
-  std::printf("%s, %zu worlds, %zu steps of %.2f Newton iterations: %.3f ms a step, the device at work for %.3f ms\n",
-              c.name.c_str(), c.worlds, c.steps, double(c.newton) * by / double(c.worlds), 1e3 * c.seconds * by,
-              1e3 * busy * by);
+  std::printf("%s, %s, %s of %.2f Newton iterations: %.3f ms a step, the device at work for %.3f ms\n", c.name.c_str(),
+              counted(c.worlds, "world").c_str(), counted(c.steps, "step").c_str(),
+              double(c.newton) * by / double(c.worlds), 1e3 * c.seconds * by, 1e3 * busy * by);
   std::printf("  %9s %9s %9s\n", "ms a step", "times", "us each");
   for (const auto& [seconds, name] : longest_first) {
     const double times = double(c.commands.at(name).times);

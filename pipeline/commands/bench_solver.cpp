@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/counted.hpp"
 #include "host/base/stop_signal.hpp"
 #include "pipeline/bench/solver.hpp"
 #include "pipeline/command_line/command.hpp"
@@ -45,7 +46,8 @@ nlohmann::ordered_json json_of(const SolverFigures& figures) {
 }
 
 void print(const SolverFigures& figures) {
-  std::printf("%s: %zu unknowns, %zu contacts\n", figures.scene.c_str(), figures.unknowns, figures.contacts);
+  std::printf("%s: %s, %s\n", figures.scene.c_str(), counted(figures.unknowns, "unknown").c_str(),
+              counted(figures.contacts, "contact").c_str());
   std::printf("  %-22s %11s %9s %9s %9s %6s %9s %9s %9s %8s\n", "preconditioner", "analyse ms", "build ms", "cpu ms",
               "apply ms", "CG", "solve ms", "cpu ms", "total ms", "MB");
   for (const PreconditionerFigures& p : figures.preconditioners)

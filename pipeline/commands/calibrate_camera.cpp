@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/calibration/calibration.hpp"
@@ -142,11 +143,11 @@ void print(const CameraCalibration& c) {
   for (const BoardPhoto& p : c.photos) {
     used += p.is_used;
     if (p.is_used)
-      std::printf("  %s: %.3f pixels, %zu corners\n", p.file.c_str(), p.residual, p.corners.size());
+      std::printf("  %s: %.3f pixels, %s\n", p.file.c_str(), p.residual, counted(p.corners.size(), "corner").c_str());
     else
       std::printf("  %s: left out, %s\n", p.file.c_str(), p.reason.c_str());
   }
-  std::printf("residual %.3f pixels over %zu of %zu photos\n", c.residual, used, c.photos.size());
+  std::printf("residual %.3f pixels over %zu of %s\n", c.residual, used, counted(c.photos.size(), "photo").c_str());
 }
 
 // Where no photo shows the board, its mirror image may be there.

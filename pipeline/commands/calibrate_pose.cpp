@@ -10,6 +10,7 @@
 #include <string>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/calibration/hand_eye.hpp"
@@ -128,8 +129,8 @@ void run_hand_eye(const CalibratePoseOptions& o, const std::vector<PlacedTag>& t
     throw UsageError("--robot ARM.urdf and --link NAME, which carries the camera, belong together");
   const MeasuredTable table = read_table(o.hand);
   if (table.n_rows != o.photos.size())
-    throw UsageError(fmt::format("{} has {} rows for {} photos; it needs one for each, in the photos' order", o.hand,
-                                 table.n_rows, o.photos.size()));
+    throw UsageError(fmt::format("{} has {} for {}; it needs one for each, in the photos' order", o.hand,
+                                 counted(table.n_rows, "row"), counted(o.photos.size(), "photo")));
   const std::vector<Pose> hand = o.robot.empty() ? logged_poses(table) : link_poses_of(table, o.robot, o.link);
   std::vector<HandPhoto> photos;
   for (std::size_t i = 0; i < o.photos.size(); ++i) {
@@ -167,8 +168,8 @@ void run_hand_eye(const CalibratePoseOptions& o, const std::vector<PlacedTag>& t
   for (const HandPhoto& photo : found.photos)
     if (!photo.is_used)
       std::printf("%s is left out (%.2f pixels): %s\n", photo.file.c_str(), photo.residual, photo.reason.c_str());
-  std::printf("%sresidual %.3f pixels over %zu of %zu photos; known to %.2f mm, %.3f degrees\n", yaml.c_str(),
-              found.residual, n_used, found.photos.size(), 1e3 * s.norm(), r.norm() * 180 / 3.14159265358979);
+  std::printf("%sresidual %.3f pixels over %zu of %s; known to %.2f mm, %.3f degrees\n", yaml.c_str(), found.residual,
+              n_used, counted(found.photos.size(), "photo").c_str(), 1e3 * s.norm(), r.norm() * 180 / 3.14159265358979);
 }
 
 void run_calibrate_pose(const CalibratePoseOptions& o) {
@@ -204,8 +205,9 @@ void run_calibrate_pose(const CalibratePoseOptions& o) {
     std::printf("%s\n", out.dump(2).c_str());
     return;
   }
-  std::printf("%sresidual %.3f pixels over %zu of %zu tags seen; known to %.2f mm, %.3f degrees\n", yaml.c_str(),
-              place.residual, place.used.size(), found.size(), 1e3 * s.norm(), r.norm() * 180 / 3.14159265358979);
+  std::printf("%sresidual %.3f pixels over %zu of %s seen; known to %.2f mm, %.3f degrees\n", yaml.c_str(),
+              place.residual, place.used.size(), counted(found.size(), "tag").c_str(), 1e3 * s.norm(),
+              r.norm() * 180 / 3.14159265358979);
 }
 
 }  // namespace

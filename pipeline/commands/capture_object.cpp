@@ -7,6 +7,7 @@
 #include <string>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/capture/meshes/room_mesh.hpp"
@@ -39,13 +40,12 @@ ObjectSource vessel_of(const CaptureObjectOptions& o) {
   std::vector<MaskedView> views = read_vessel_views(o.masks);  // before the device, whose start takes a while
   Device device(o.device, Purpose::rendering);
   const Vessel vessel = vessel_of_masks(device, std::move(views), o.scale);
-  std::fprintf(
-      stderr,
-      "%s: a vessel at (%.4f, %.4f) m, %.1f mm high, its largest radius %.2f mm; outlines of %zu photos off by "
-      "%.2f pixels\n",
-      o.masks.c_str(), vessel.axis.x(), vessel.axis.y(), 1e3 * vessel.height,
-      1e3 * *std::max_element(vessel.radii.begin(), vessel.radii.end()), vessel.residual_of_view.size(),
-      vessel.residual);
+  std::fprintf(stderr,
+               "%s: a vessel at (%.4f, %.4f) m, %.1f mm high, its largest radius %.2f mm; outlines of %s off by "
+               "%.2f pixels\n",
+               o.masks.c_str(), vessel.axis.x(), vessel.axis.y(), 1e3 * vessel.height,
+               1e3 * *std::max_element(vessel.radii.begin(), vessel.radii.end()),
+               counted(vessel.residual_of_view.size(), "photo").c_str(), vessel.residual);
   return turned_object(o.masks, vessel.outside(), 1e-3 * o.wall);
 }
 
@@ -60,7 +60,7 @@ ObjectSource source_of(const CaptureObjectOptions& o, const ObjectSettings& sett
     StandingSettings standing;
     standing.voxel = 1e-3 * o.voxel;
     standing.max_depth = o.max_depth;
-    std::fprintf(stderr, "%s: %zu frames, layout of %s\n", o.source.c_str(), capture.frames.size(),
+    std::fprintf(stderr, "%s: %s, layout of %s\n", o.source.c_str(), counted(capture.frames.size(), "frame").c_str(),
                  capture.layout.c_str());
     ObjectSource source = read_standing_object(
         device, capture, standing, [](const std::string& what) { std::fprintf(stderr, "  %s\n", what.c_str()); });
@@ -90,7 +90,7 @@ void capture_several(const CaptureObjectOptions& o, const ObjectSettings& settin
     std::printf("%s: %zu triangles%s, %.4g kg\n", part.name.c_str(), part.object.simulation.triangles.size(),
                 part.object.was_sound ? "; the source was sound" : "; wrapped around the source",
                 part.object.mass.mass);
-  std::printf("%s: %zu parts that do not meet, in %.1f s\n", o.output.c_str(), parts.size(), seconds);
+  std::printf("%s: %s that do not meet, in %.1f s\n", o.output.c_str(), counted(parts.size(), "part").c_str(), seconds);
 }
 
 void check_options(const CaptureObjectOptions& o) {

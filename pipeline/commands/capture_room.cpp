@@ -8,6 +8,7 @@
 #include <string>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/calibration/tag_frame.hpp"
@@ -80,18 +81,19 @@ void print_report(const Room& room, const fs::path& output, double seconds) {
     return;
   }
   std::printf(
-      "%s: %zu vertices, %zu triangles of %zu frames in %.1f s (%.0f ms per frame, %.0f ms of "
+      "%s: %zu vertices, %zu triangles of %s in %.1f s (%.0f ms per frame, %.0f ms of "
       "processor time, %zu MiB of voxels)\n",
-      output.c_str(), room.mesh.points.size(), room.mesh.triangles.size(), room.n_frames, seconds, room.ms_per_frame,
-      room.cpu_ms_per_frame, room.voxel_bytes >> 20);
+      output.c_str(), room.mesh.points.size(), room.mesh.triangles.size(), counted(room.n_frames, "frame").c_str(),
+      seconds, room.ms_per_frame, room.cpu_ms_per_frame, room.voxel_bytes >> 20);
   if (room.refinement) {
     const PoseRefinement& r = *room.refinement;
     std::printf(
-        "poses moved by %.1f mm and %.2f degrees on the mean, %.1f mm and %.2f degrees at most, in %d sweeps (%.0f ms "
+        "poses moved by %.1f mm and %.2f degrees on the mean, %.1f mm and %.2f degrees at most, in %s (%.0f ms "
         "of "
         "processor time per frame); pictures are %.2f mm from what the others show, before %.2f mm\n",
-        1e3 * r.mean_shift, degrees(r.mean_turn), 1e3 * r.largest_shift, degrees(r.largest_turn), r.n_sweeps,
-        r.cpu_ms_per_frame, 1e3 * r.distance_after, 1e3 * r.distance_before);
+        1e3 * r.mean_shift, degrees(r.mean_turn), 1e3 * r.largest_shift, degrees(r.largest_turn),
+        counted(std::uint64_t(r.n_sweeps), "sweep").c_str(), r.cpu_ms_per_frame, 1e3 * r.distance_after,
+        1e3 * r.distance_before);
     for (const UnrefinedFrame& f : r.unrefined)
       std::printf("%s keeps its pose: only %.1f %% of its pixels are near what other frames show\n", f.name.c_str(),
                   100 * f.share);
@@ -158,11 +160,12 @@ MadeRoom room_of_frames(const CaptureRoomOptions& o) {
   if (!o.tags.empty()) {
     const TagFrame frame = frame_of_tags(o, capture);
     made.settings.room_from_capture = frame.world_from_capture;
-    std::fprintf(stderr, "%zu tags in %zu photos: corners are %.2f mm from their places, lengths %.2f %% off\n",
-                 frame.used.size(), frame.n_photos, 1e3 * frame.residual, 100 * (1 / frame.scale - 1));
+    std::fprintf(stderr, "%s in %s: corners are %.2f mm from their places, lengths %.2f %% off\n",
+                 counted(frame.used.size(), "tag").c_str(), counted(frame.n_photos, "photo").c_str(),
+                 1e3 * frame.residual, 100 * (1 / frame.scale - 1));
   }
   Device device(o.device, Purpose::rendering);
-  std::fprintf(stderr, "%s: %zu frames, layout of %s\n", o.source.c_str(), capture.frames.size(),
+  std::fprintf(stderr, "%s: %s, layout of %s\n", o.source.c_str(), counted(capture.frames.size(), "frame").c_str(),
                capture.layout.c_str());
   if (!capture.mesh.empty()) {
     tell_step("no depth maps: depths are drawn of " + capture.mesh.filename().string());

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "host/base/counted.hpp"
 #include "host/device/device.hpp"
 #include "pipeline/command_line/command.hpp"
 
@@ -14,9 +15,9 @@ struct DevicesOptions {
 
 void print_table(const std::vector<DeviceInfo>& devices) {
   for (const DeviceInfo& device : devices)
-    std::printf("%zu  %s\n   %s, %s, %u compute units, %.1f GiB, %s, driver %s\n", device.index, device.name.c_str(),
-                device.platform.c_str(), device.is_gpu ? "GPU" : "CPU", device.compute_units,
-                double(device.memory_bytes) / double(1u << 30),
+    std::printf("%zu  %s\n   %s, %s, %s, %.1f GiB, %s, driver %s\n", device.index, device.name.c_str(),
+                device.platform.c_str(), device.is_gpu ? "GPU" : "CPU",
+                counted(device.compute_units, "compute unit").c_str(), double(device.memory_bytes) / double(1u << 30),
                 device.has_fp64 ? "double precision" : "no double precision: renders only", device.driver.c_str());
 }
 

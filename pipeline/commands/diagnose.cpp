@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/base/stop_signal.hpp"
@@ -114,8 +115,9 @@ std::size_t n_processes(const DiagnoseOptions& options, const DeviceInfo& device
 }
 
 void print_sizes(const diagnose::Problem& problem) {
-  std::printf("%s: %zu runs, %zu channels, scene %s\n", problem.recording.file.string().c_str(), problem.runs.size(),
-              problem.channels.size(), problem.recording.scene.filename().string().c_str());
+  std::printf("%s: %s, %s, scene %s\n", problem.recording.file.string().c_str(),
+              counted(problem.runs.size(), "run").c_str(), counted(problem.channels.size(), "channel").c_str(),
+              problem.recording.scene.filename().string().c_str());
   for (const diagnose::Run& run : problem.runs)
     std::printf("  %s, %s: %zu samples over %.4g s\n", run.name.c_str(), run.is_held_out ? "held out" : "fit",
                 run.t.size(), run.t.back() - run.t.front());

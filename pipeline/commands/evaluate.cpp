@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/base/progress.hpp"
 #include "host/base/statistics.hpp"
@@ -71,14 +72,17 @@ void run_evaluate(const EvaluateOptions& options) {
       reasons.push_back({{"episode", failed.episode}, {"reason", failed.reason}});
     std::printf("%s\n", json.dump(2).c_str());
   } else {
-    std::printf("%s: %zu of %zu episodes succeeded, %.1f %% (95 %% interval by Wilson: %.1f to %.1f %%)\n",
-                options.folder.c_str(), status.done.size(), n, 100 * rate, 100 * interval.low, 100 * interval.high);
-    std::printf("%zu of %zu recorded steps intersected, %zu episodes without a record\n", intersected, steps,
-                without_record);
+    std::printf("%s: %zu of %s succeeded, %.1f %% (95 %% interval by Wilson: %.1f to %.1f %%)\n",
+                options.folder.c_str(), status.done.size(), counted(n, "episode").c_str(), 100 * rate,
+                100 * interval.low, 100 * interval.high);
+    std::printf("%zu of %s intersected, %s without a record\n", intersected, counted(steps, "recorded step").c_str(),
+                counted(without_record, "episode").c_str());
     for (const FailedEpisode& failed : status.failed)
       std::printf("  episode %llu: %s\n", static_cast<unsigned long long>(failed.episode), failed.reason.c_str());
   }
-  if (intersected > 0) throw Failure(std::to_string(intersected) + " recorded steps intersect, the first: " + first);
+  if (intersected > 0)
+    throw Failure(counted(intersected, "recorded step intersects", "recorded steps intersect") +
+                  ", the first: " + first);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/base/correlation.hpp"
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/base/numbers.hpp"
 #include "pipeline/command_line/command.hpp"
@@ -79,7 +80,8 @@ void run_correlate(const CorrelateOptions& options) {
     std::printf("%s\n", json.dump(2).c_str());
     return;
   }
-  std::printf("Pearson's r %.3f, mean maximum rank violation %.3f, of %zu names\n", pearson, violation, real.size());
+  std::printf("Pearson's r %.3f, mean maximum rank violation %.3f, of %s\n", pearson, violation,
+              counted(real.size(), "name").c_str());
   std::printf("real success of all %zu simulated, rectified: %.3f (95 %% interval %.3f to %.3f)\n", all.size(),
               rectified.mean, rectified.low, rectified.high);
 }

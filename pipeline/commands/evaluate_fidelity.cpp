@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/counted.hpp"
 #include "host/base/outputs.hpp"
 #include "host/formats/lut_file.hpp"
 #include "pipeline/command_line/command.hpp"
@@ -23,12 +24,13 @@ struct FidelityOptions {
 
 void print(const std::string& name, const Fidelity& fidelity) {
   for (const auto& [part, overlap] : fidelity.overlap)
-    std::printf("%s: mean IoU of %s %.2f %% (95 %%: %.2f to %.2f), %zu frames\n", name.c_str(), part.c_str(),
-                100 * overlap.mean, 100 * overlap.low, 100 * overlap.high, fidelity.n_masks.at(part));
+    std::printf("%s: mean IoU of %s %.2f %% (95 %%: %.2f to %.2f), %s\n", name.c_str(), part.c_str(),
+                100 * overlap.mean, 100 * overlap.low, 100 * overlap.high,
+                counted(fidelity.n_masks.at(part), "frame").c_str());
   if (fidelity.psnr)
-    std::printf("%s: PSNR %.2f dB (%.2f to %.2f), SSIM %.4f (%.4f to %.4f), %zu pictures\n", name.c_str(),
-                fidelity.psnr->mean, fidelity.psnr->low, fidelity.psnr->high, fidelity.ssim->mean, fidelity.ssim->low,
-                fidelity.ssim->high, fidelity.n_pictures);
+    std::printf("%s: PSNR %.2f dB (%.2f to %.2f), SSIM %.4f (%.4f to %.4f), %s\n", name.c_str(), fidelity.psnr->mean,
+                fidelity.psnr->low, fidelity.psnr->high, fidelity.ssim->mean, fidelity.ssim->low, fidelity.ssim->high,
+                counted(fidelity.n_pictures, "picture").c_str());
   if (fidelity.lut_psnr)
     std::printf("%s with LUT: PSNR %.2f dB, SSIM %.4f\n", name.c_str(), fidelity.lut_psnr->mean,
                 fidelity.lut_ssim->mean);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/counted.hpp"
 #include "host/base/files.hpp"
 #include "host/base/stop_signal.hpp"
 #include "host/device/choose_device.hpp"
@@ -163,8 +164,8 @@ void report_end(const EpisodeSet& set, const MadeEpisodes& made, bool as_json) {
                 static_cast<unsigned long long>(made.progress.done_before), reasons.size());
   if (reasons.size() == 1) throw Failure(reasons.front().second);
   if (!reasons.empty())
-    throw Failure(std::to_string(reasons.size()) + " of " + std::to_string(reasons.size() + made.progress.done) +
-                  " episodes failed, the first: " + reasons.front().second + "; " + (set.folder / "set.json").string() +
+    throw Failure(std::to_string(reasons.size()) + " of " + counted(reasons.size() + made.progress.done, "episode") +
+                  " failed, the first: " + reasons.front().second + "; " + (set.folder / "set.json").string() +
                   " names all");
 }
 

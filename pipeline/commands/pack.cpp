@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/counted.hpp"
 #include "host/base/outputs.hpp"
 #include "host/base/progress.hpp"
 #include "host/dataset/formats.hpp"
@@ -127,7 +128,8 @@ void run_pack(const PackOptions& options) {
   writer->finish();
   if (parquet) parquet->finish();
   folder.finish();
-  std::printf("%s: %zu episodes, %zu frames\n", target.c_str(), all.n_episodes, all.n_frames);
+  std::printf("%s: %s, %s\n", target.c_str(), counted(all.n_episodes, "episode").c_str(),
+              counted(all.n_frames, "frame").c_str());
 }
 
 }  // namespace

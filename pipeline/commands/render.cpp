@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/base/progress.hpp"
@@ -108,12 +109,12 @@ class PictureOutput {
 
   void check(std::size_t n_cameras, std::size_t n_frames) const {
     if (target_ == Target::picture && n_cameras * n_frames > 1)
-      throw UsageError("-o " + output_.string() + " is one picture, but " + std::to_string(n_cameras) +
-                       " cameras and " + std::to_string(n_frames) +
-                       " frames are asked for; choose one with --camera and --frames, or name a folder or an .mp4");
+      throw UsageError("-o " + output_.string() + " is one picture, but " + counted(n_cameras, "camera") + " and " +
+                       counted(n_frames, "frame") +
+                       " are asked for; choose one with --camera and --frames, or name a folder or an .mp4");
     if (target_ == Target::video && n_cameras > 1)
-      throw UsageError("-o " + output_.string() + " is one video, but there are " + std::to_string(n_cameras) +
-                       " cameras; choose one with --camera");
+      throw UsageError("-o " + output_.string() + " is one video, but there are " + counted(n_cameras, "camera") +
+                       "; choose one with --camera");
   }
 
   void check_size(const Camera& camera) const {
@@ -123,7 +124,7 @@ class PictureOutput {
 
   // What there is of `done` of `all` pictures when the work was stopped.
   std::string stopped(std::size_t done, std::size_t all) const {
-    return "stopped after " + std::to_string(done) + " of " + std::to_string(all) + " pictures; " +
+    return "stopped after " + std::to_string(done) + " of " + counted(all, "picture") + "; " +
            (target_ == Target::folder ? "those are complete" : output_.string() + " was not written");
   }
 
@@ -180,8 +181,9 @@ void tell_of(const MotionPicture& picture, const std::string& camera, bool is_ve
     std::fprintf(stderr, "  %s, frame %zu: %d x %d pixels, %.2f million path segments, %.1f s\n", camera.c_str(),
                  picture.frame, frame.width, frame.height, double(frame.rays) * 1e-6, picture.seconds);
   if (frame.dropped_samples > 0)
-    std::fprintf(stderr, "phyvisgen: %s, frame %zu: %u samples were not finite and were left out\n", camera.c_str(),
-                 picture.frame, frame.dropped_samples);
+    std::fprintf(
+        stderr, "phyvisgen: %s, frame %zu: %s left out\n", camera.c_str(), picture.frame,
+        counted(frame.dropped_samples, "sample was not finite and was", "samples were not finite and were").c_str());
 }
 
 // The ground truth of one camera: beside the pictures, complete or not at all.

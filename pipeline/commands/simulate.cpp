@@ -12,6 +12,7 @@
 #include <string>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/base/progress.hpp"
@@ -83,9 +84,9 @@ void print_json(const SimulateOptions& options, const SceneRun& run, const Total
 }
 
 void explain(const StepReport& report, double time) {
-  std::fprintf(stderr, "  t = %.6g s: %d Newton, %d cg, %d contacts, smallest gap %.3g m, last correction %.2g m/s%s\n",
-               time, report.newton, report.cg, report.contacts, report.min_gap, report.residual,
-               report.retries > 0 ? (", " + std::to_string(report.retries) + " retries").c_str() : "");
+  std::fprintf(stderr, "  t = %.6g s: %d Newton, %d cg, %s, smallest gap %.3g m, last correction %.2g m/s%s\n", time,
+               report.newton, report.cg, counted(std::uint64_t(report.contacts), "contact").c_str(), report.min_gap,
+               report.residual, report.retries > 0 ? (", " + counted(report.retries, "retry", "retries")).c_str() : "");
 }
 
 constexpr std::size_t MOST_STEPS = 1000000000;
@@ -145,8 +146,8 @@ void run_steps(const SimulateOptions& options, const SceneRun& run, Simulation& 
   Progress progress(run.scene.name, "steps", last);
   for (std::size_t step = first + 1; step <= last; ++step) {
     if (stop)
-      throw TryAgain("stopped after " + std::to_string(totals.steps) + " of " + std::to_string(last - first) +
-                     " steps; no file was written");
+      throw TryAgain("stopped after " + std::to_string(totals.steps) + " of " + counted(last - first, "step") +
+                     "; no file was written");
     const std::vector<double> targets = run.targets_at(double(step) * h);
     const StepReport report = simulation.step(targets);
     states.append_step(simulation.state(), report, targets);
@@ -198,8 +199,8 @@ void run_simulate(const SimulateOptions& options) {
       partial.finish();
       save();
       if (!options.animation.empty()) animation.write(options.animation);
-      throw Failure(std::string(failure.what()) + "; " + file.string() + " holds the " + std::to_string(totals.steps) +
-                    " steps before it, " + saved.string() + " the last state");
+      throw Failure(std::string(failure.what()) + "; " + file.string() + " holds " + counted(totals.steps, "step") +
+                    " before it, " + saved.string() + " the last state");
     }
     states.close();
   }
@@ -208,8 +209,8 @@ void run_simulate(const SimulateOptions& options) {
   if (options.as_json)
     print_json(options, run, totals);
   else
-    std::printf("%s: %zu steps, %.1f Newton iterations per step\n", options.file.c_str(), totals.steps,
-                double(totals.newton) / double(totals.steps));
+    std::printf("%s: %s, %.1f Newton iterations per step\n", options.file.c_str(),
+                counted(totals.steps, "step").c_str(), double(totals.newton) / double(totals.steps));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "host/base/counted.hpp"
 #include "pipeline/command_line/command.hpp"
 #include "pipeline/episode/episode_set.hpp"
 
@@ -37,8 +38,8 @@ void run_status(const StatusOptions& options) {
   }
   const SetStatus status = read_status(set.folder);
   const std::size_t n_missing = missing(set, status).size();
-  std::printf("%s: task %s, seed %llu, %llu episodes asked for\n", set.folder.c_str(), set.task.c_str(),
-              static_cast<unsigned long long>(set.seed), static_cast<unsigned long long>(set.n_asked));
+  std::printf("%s: task %s, seed %llu, %s asked for\n", set.folder.c_str(), set.task.c_str(),
+              static_cast<unsigned long long>(set.seed), counted(set.n_asked, "episode").c_str());
   std::printf("  done     %6zu\n  failed   %6zu\n  missing  %6zu\n", status.done.size(), status.failed.size(),
               n_missing);
   const RateInterval interval = success_interval(status);

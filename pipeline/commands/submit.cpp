@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/counted.hpp"
 #include "host/base/files.hpp"
 #include "host/base/program_pipe.hpp"
 #include "host/formats/video.hpp"
@@ -135,8 +136,8 @@ void run_submit(const SubmitOptions& options) {
   const fs::path sbatch = find_program("sbatch", "slurm-client");
   const std::string array = submit(sbatch, {(jobs / "generate.sbatch").string()});
   const std::string merge = submit(sbatch, {"--dependency=afterany:" + array, (jobs / "merge.sbatch").string()});
-  std::printf("%s: array job %s of %llu shards, merge job %s; `phyvisgen status %s` once it has run\n", folder.c_str(),
-              array.c_str(), static_cast<unsigned long long>(options.n_shards), merge.c_str(), folder.c_str());
+  std::printf("%s: array job %s of %s, merge job %s; `phyvisgen status %s` once it has run\n", folder.c_str(),
+              array.c_str(), counted(options.n_shards, "shard").c_str(), merge.c_str(), folder.c_str());
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/base/stop_signal.hpp"
 #include "pipeline/command_line/command.hpp"
@@ -136,8 +137,11 @@ void run_validate(const ValidateOptions& options) {
     std::printf("%s\n",
                 nlohmann::ordered_json{{"schema", 1}, {"device", device.info().name}, {"cases", list}}.dump(2).c_str());
   if (n_failed > 0)
-    throw Failure(std::to_string(n_failed) + " of " + std::to_string(n_must) + " numbers that must hold do not");
-  if (!options.as_json) std::printf("all %zu numbers that must hold do\n", n_must);
+    throw Failure(std::to_string(n_failed) + " of " + counted(n_must, "number") + " that must hold " +
+                  (n_failed == 1 ? "does" : "do") + " not");
+  if (!options.as_json)
+    std::printf("%s%s\n", n_must > 1 ? "all " : "",
+                counted(n_must, "number that must hold does", "numbers that must hold do").c_str());
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/formats/part_masks.hpp"
 #include "host/pictures/mask_metrics.hpp"
@@ -156,8 +157,8 @@ Fidelity compare(const SeenFolder& real, const SeenFolder& simulated, const Fide
     fidelity.frames.push_back(std::move(frame));
   }
   if (fidelity.frames.empty())
-    throw UsageError(
-        fmt::format("the folders have {} frames in common; those asked for are not among them", names.size()));
+    throw UsageError(fmt::format("the folders have {} in common; those asked for are not among them",
+                                 counted(names.size(), "frame")));
   for (const auto& [part, n] : fidelity.n_masks) {
     std::vector<double> values;
     for (const FrameFidelity& frame : fidelity.frames)

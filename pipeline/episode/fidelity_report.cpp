@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/counted.hpp"
 #include "host/base/outputs.hpp"
 #include "host/pictures/comparison.hpp"
 #include "host/pictures/round_ticks.hpp"
@@ -229,8 +230,8 @@ void write_fidelity_report(const fs::path& folder, const SeenFolder& real, const
                            std::size_t n_shown) {
   for (const fs::path& part : {folder, folder / "overlays", folder / "errors"}) make_writable_folder(part);
   std::string page = HEAD;
-  page += fmt::format("<p>{} against {}: {} frames.</p>\n", escaped(simulated.folder.string()),
-                      escaped(real.folder.string()), fidelity.frames.size());
+  page += fmt::format("<p>{} against {}: {}.</p>\n", escaped(simulated.folder.string()), escaped(real.folder.string()),
+                      counted(fidelity.frames.size(), "frame"));
   page +=
       "<table><tr><th></th><th></th><th>mean</th><th>95 % interval over stretches of time</th><th>frames</th></tr>\n";
   page += rows("simulated", fidelity);

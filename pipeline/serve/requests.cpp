@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/dataset/states_file.hpp"
 #include "host/load/fields/target_bounds.hpp"
@@ -75,8 +76,8 @@ void check_targets(const PhysicalScene& scene, std::span<const std::vector<doubl
   const std::vector<std::size_t> driven = driven_joints(scene);
   for (const std::vector<double>& row : rows) {
     if (row.size() != driven.size())
-      throw UsageError("a row of `targets` has a number for each of the " + std::to_string(driven.size()) +
-                       " joints with a drive, this one has " + std::to_string(row.size()));
+      throw UsageError("a row of `targets` has a number for each of the " + counted(driven.size(), "joint") +
+                       " with a drive, this one has " + std::to_string(row.size()));
     for (std::size_t i = 0; i < row.size(); ++i) {
       const Joint& joint = scene.joints[driven[i]];
       const double largest = largest_target(joint.type, joint.drive.mode);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "host/base/counted.hpp"
 #include "host/dataset/states_file.hpp"
 #include "host/render/motion.hpp"
 #include "pipeline/episode/episode.hpp"
@@ -201,7 +202,7 @@ bool ServedTask::follow_plan() {
 void ServedTask::ask_action(std::span<const double> action) {
   demand_running();
   if (action.size() != facts_.columns.size())
-    throw UsageError("an action has " + std::to_string(facts_.columns.size()) + " numbers, this one has " +
+    throw UsageError("an action has " + counted(facts_.columns.size(), "number") + ", this one has " +
                      std::to_string(action.size()));
   if (!std::all_of(action.begin(), action.end(), [](double number) { return std::isfinite(number); }))
     throw UsageError("an action holds what is not a finite number");

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 
 namespace pvg {
@@ -25,7 +26,7 @@ void Validation::stop_if_asked() const {
 }
 
 void Validation::add_step_rows() {
-  const std::string steps = std::to_string(counts.steps) + " steps";
+  const std::string steps = counted(counts.steps, "step");
   const std::string first = counts.first_fault.empty() ? "" : "; first: " + counts.first_fault;
   if (counts.has_contact)
     check("intersections", "steps", 0, counts.intersecting, 0, "exact test at each of " + steps + first);

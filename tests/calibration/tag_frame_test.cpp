@@ -84,7 +84,7 @@ TEST(TagFrame, WhatAUserCanGetWrongIsOneSentence) {
   expect_error<UsageError>([&] { locate_tags(wrong.photos, wrong.tags); }, {"0.833 times as large", "size"});
   wrong = scan(0);
   wrong.photos.resize(1);
-  expect_error<UsageError>([&] { locate_tags(wrong.photos, wrong.tags); }, {"none of the 2 tags", "1 photos"});
+  expect_error<UsageError>([&] { locate_tags(wrong.photos, wrong.tags); }, {"none of the 2 tags", "1 photo "});
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ POSE = "seven/frame-000001.pose.txt"
 for name, text in (("in words", "here"), ("three numbers", "1 2 3"), ("that scales", "2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1"),
                    ("that mirrors", "-1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1"), ("1e12 m away", "1 0 0 1e12 0 1 0 0 0 0 1 0 0 0 0 1")):
     capture(f"a pose {name}", "seven", "frame-000001|m apart.*in metres", write(POSE, text))
-capture("a pose of nan", "seven --align-colors no", "1 of 2 frames lack depth or a finite pose", write(POSE, "nan " * 16), code=DONE, makes=["room"])
+capture("a pose of nan", "seven --align-colors no", "1 of 2 frames lacks depth or a finite pose", write(POSE, "nan " * 16), code=DONE, makes=["room"])
 capture("poses of nan", "seven", "no frame .* a finite pose", write(POSE, "nan " * 16), write(POSE.replace("1.pose", "0.pose"), "nan " * 16))
 capture("no pose at all", "seven", "none of 2 frames has a pose", remove(POSE), remove(POSE.replace("1.pose", "0.pose")))
 DEPTH = "seven/frame-000001.depth.png"
@@ -153,7 +153,7 @@ HAND = "x,y,z,qx,qy,qz,qw\n0.1,0,0.3,0,0,0,1\n"
 HELD = (*GIVEN, write("hand.csv", HAND))
 row("two photos without the hand", POSE_OF.replace("photo.png", "photo.png photo.png"), N, "--hand", *GIVEN)
 row("a robot without the hand", POSE_OF + " --robot arm.urdf --link tip", N, "--hand", *GIVEN)
-row("a hand without tags in the photo", HAND_OF, N, "0 of 1 photos", *HELD)
+row("a hand without tags in the photo", HAND_OF, N, "0 of 1 photo;", *HELD)
 row("a link without a robot", HAND_OF + " --link tip", N, "--robot", *HELD)
 row("a robot that is not there", HAND_OF + " --robot nowhere.urdf --link tip", N, "nowhere.urdf", *HELD)
 for name, old, new, code in (("a row too many", HAND[-18:], HAND[-18:] * 2, N), ("no quaternion", "qw", "w", N), ("a quaternion of zero", "0,0,0,1", "0,0,0,0", N),

@@ -1,5 +1,5 @@
 """Options and numbers of the command line."""
-from table import DONE, FAILED, WRONG_USE, make_folder, row, write
+from table import DONE, FAILED, WRONG_USE, make_folder, row, set_json, write
 
 N = WRONG_USE
 
@@ -135,6 +135,9 @@ row("the devices as JSON", "devices --json", DONE, '"memory_bytes"')
 row("the devices: no more memory than the machine has", "devices", DONE, "all well", shell=r"""
 have=$(awk '/MemTotal/ {print $2 * 1024}' /proc/meminfo)
 $B devices --json | tr -d ' ,"' | awk -F: -v have=$have '/^kind:cpu/ {cpu=1} /^memory_bytes/ && cpu {if ($2 > have * 1.01 || $2 < have * 0.05) bad=1; cpu=0} END {print bad ? "wrong" : "all well"}'""")
+
+row("one step in the singular", "simulate scene.yaml -o s.h5 --duration 0.01", DONE, ": 1 step, ", needs="scene", makes=["s.h5"])
+row("one episode in the singular", "status set", DONE, "1 episode asked for", set_json("set/set.json", episodes=1), needs="set")
 
 # ---- serve and evaluate
 row("serve without a task", "serve", N, "needs a task or scene file")

@@ -56,7 +56,7 @@ DAMAGED = [
     ("/a with a row too few", "/a", truncate("/a", 5), "P"),
     ("/torque with a row too few", "/torque", truncate("/torque", 5), "V"),
     ("no names of the joints", "names", attribute("/q", "names", None), "VP"),
-    ("fewer names than joints", "names", attribute("/q", "names", [b"a"]), "VP"),
+    ("fewer names than joints", "1 name for 9", attribute("/q", "names", [b"a"]), "VP"),
     ("names that are numbers", "names", attribute("/q", "names", 7), "VP"),
     ("no /time", "/time", drop("/time"), "VEP"),
     ("/time without rows", "/time|no step|T_link|frame_step", truncate("/time", 0), "EP"),

@@ -282,7 +282,7 @@ TEST_F(SceneFiles, MistakesInLawsAreNamed) {
   const std::string text = std::string(SCENE) + LAWS;
   expect_refused_in(text, "sin(3 * q)", "sin(3 * z)", 28,
                     "effects[0].formula` cannot be used: effect regressed_effort on slider: formula `c0 * sin(3 * z)");
-  expect_refused_in(text, "-0.31, -0.02", "-0.31", 28, "uses c1, but there are 1 coefficients");
+  expect_refused_in(text, "-0.31, -0.02", "-0.31", 28, "uses c1, but the effect has 1 coefficient");
   expect_refused_in(text, "-0.31, -0.02", "-0.31, 2 N", 28, "effects[0].coefficients");
   expect_refused_in(text, "\"0\"]", "\"0\", \"0\"]", 29, "needs 3 formulas, but has 4");
   expect_refused_in(text, "[\"c0 * x\", \"c0 * y\", \"0\"]", "c0", 29, "effects[1].formula");

@@ -171,7 +171,7 @@ TEST(TaskFile, AGripperClosesToAWidth) {
 TEST(TaskFile, WrongNumberOfHomeAnglesIsNamed) {
   const Spoiled spoiled("home: [0, ", "home: [");
   const Task task = load_task(spoiled.file);
-  expect_error<UsageError>([&] { build_scene(task, 1, 0); }, {"`robot.home`", "6 numbers", "7 joints"});
+  expect_error<UsageError>([&] { build_scene(task, 1, 0); }, {"`robot.home`", "6 numbers", "7 moving joints"});
 }
 
 TEST(TaskFile, ObjectWithAHoleIsNamed) {

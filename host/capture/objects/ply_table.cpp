@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 
 namespace pvg {
@@ -100,7 +101,7 @@ PlyTable read_ply_table(const fs::path& file) {
   for (const auto& [name, type] : header.properties) row_size += type->size;
   // a header may lie about the number
   const std::uintmax_t rest = fs::file_size(file) - std::uintmax_t(in.tellg());
-  const std::string cut_off = "is cut off: it says " + std::to_string(header.n) + " vertices and holds fewer";
+  const std::string cut_off = "is cut off: it says " + counted(header.n, "vertex", "vertices") + " and holds fewer";
   if (header.n > rest / (is_text ? 2 * columns.size() : row_size)) fail(file, cut_off);
   for (auto& column : columns) column.reserve(header.n);
   std::vector<unsigned char> row(row_size);

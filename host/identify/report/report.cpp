@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/atomic_files.hpp"
+#include "host/base/counted.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/model/effect.hpp"
 
@@ -38,7 +39,7 @@ std::string alternatives_of(const Diagnosis& d, const std::string& label) {
   if (others.empty()) return "";
   std::string text = " (these data cannot tell it from " + others[0];
   for (std::size_t i = 1; i < std::min(others.size(), MOST_ALTERNATIVES); ++i) text += " or " + others[i];
-  if (others.size() > MOST_ALTERNATIVES) text += " or " + std::to_string(others.size() - MOST_ALTERNATIVES) + " others";
+  if (others.size() > MOST_ALTERNATIVES) text += " or " + counted(others.size() - MOST_ALTERNATIVES, "other");
   return text + ")";
 }
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <set>
 
+#include "host/base/counted.hpp"
 #include "host/identify/report/report.hpp"
 #include "host/pictures/round_ticks.hpp"
 
@@ -220,7 +221,7 @@ std::string html_of(const Problem& problem, const Diagnosis& d) {
   }
   if (!d.left_out.empty()) html += "<h2>Left out for want of time</h2>" + list_html(d.left_out);
   html += "<h2>How it was measured</h2>" + list_html(d.notes) + "<p>" + shown(d.seconds) + " s, " +
-          std::to_string(d.simulations) + " simulated windows.</p></body></html>\n";
+          counted(d.simulations, "simulated window") + ".</p></body></html>\n";
   return html;
 }
 

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "host/base/counted.hpp"
 #include "host/identify/report/score.hpp"
 
 namespace pvg::diagnose {
@@ -77,8 +78,9 @@ std::string median_of(std::vector<double> values) {
   if (values.empty()) return "no case";
   std::sort(values.begin(), values.end());
   char text[80];
-  std::snprintf(text, sizeof text, "%.1f %% (quartiles %.1f, %.1f; %zu cases)", 100 * values[values.size() / 2],
-                100 * values[values.size() / 4], 100 * values[values.size() * 3 / 4], values.size());
+  std::snprintf(text, sizeof text, "%.1f %% (quartiles %.1f, %.1f; %s)", 100 * values[values.size() / 2],
+                100 * values[values.size() / 4], 100 * values[values.size() * 3 / 4],
+                pvg::counted(values.size(), "case").c_str());
   return text;
 }
 
@@ -272,9 +274,9 @@ Score score(const std::string& suite, const std::string& reports) {
     }
   if (!misses.empty()) result.text += "\nnot as the truth\n" + misses;
   char line[120];
-  std::snprintf(line, sizeof line, "\n%zu cases, %.0f s each; median %.0f s, longest %.0f s\n", cases.size(),
-                cases.empty() ? 0 : seconds / double(cases.size()), each.empty() ? 0 : each[each.size() / 2],
-                each.empty() ? 0 : each.back());
+  std::snprintf(line, sizeof line, "\n%s, %.0f s each; median %.0f s, longest %.0f s\n",
+                pvg::counted(cases.size(), "case").c_str(), cases.empty() ? 0 : seconds / double(cases.size()),
+                each.empty() ? 0 : each[each.size() / 2], each.empty() ? 0 : each.back());
   result.text += line;
   result.json = out.dump(2) + "\n";
   return result;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "host/base/counted.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/identify/data/noise.hpp"
 #include "host/identify/fit/agreement.hpp"
@@ -190,7 +191,7 @@ Model conclude_agreement(Workflow& flow, const ChosenWindows& chosen, Diagnosis&
 
 // Stages 4 to 6. Where the first effect asks for a finer time step, windows and search are repeated with it.
 Selection select_effects(Workflow& flow, ChosenWindows& chosen, Diagnosis& out) {
-  flow.report_progress(4, 0.25, "screening " + std::to_string(out.candidates->size()) + " candidates");
+  flow.report_progress(4, 0.25, "screening " + counted(out.candidates->size(), "candidate"));
   Selection selected = forward_selection(flow, *out.candidates, chosen);
   if (!selected.asks_for_new_step) return selected;
   flow.report_progress(2, 0.3, "again with a finer time step");

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <set>
 
+#include "host/base/counted.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/identify/data/noise.hpp"
 #include "host/identify/fit/far_number.hpp"
@@ -104,9 +105,8 @@ std::string measure(Workflow& flow) {
   if (!problem.scene.scene.soft_bodies.empty()) flow.notes.push_back(elasticity_sentence(problem.scene.scene));
   // the moments of a mask have no common size, nor have the cells of a picture
   const bool has_pictures = !problem.recording.mask_sources.empty() || !problem.recording.video_sources.empty();
-  flow.report_progress(1, 0,
-                       "noise of " + std::to_string(problem.channels.size()) + " channels, " +
-                           std::to_string(problem.runs.size()) + " runs");
+  flow.report_progress(
+      1, 0, "noise of " + counted(problem.channels.size(), "channel") + ", " + counted(problem.runs.size(), "run"));
   choose_step(flow);
   if (flow.settings.halves_step) {
     flow.base.scene.solver.time_step /= 2;
@@ -131,8 +131,8 @@ ChosenWindows find_residual(Workflow& flow, double deadline) {
   }
   free_nuisances(flow, chosen);
   char text[200];
-  std::snprintf(text, sizeof text, "%zu windows of %s; error as the scene stands %.3g times the noise",
-                chosen.data.windows.size(),
+  std::snprintf(text, sizeof text, "%s of %s; error as the scene stands %.3g times the noise",
+                counted(chosen.data.windows.size(), "window").c_str(),
                 chosen.length > 0 ? (std::to_string(chosen.length).substr(0, 4) + " s").c_str() : "whole runs",
                 rms(chosen.base.residual));
   flow.notes.push_back(text);

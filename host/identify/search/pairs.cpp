@@ -5,6 +5,7 @@
 #include <iterator>
 #include <map>
 
+#include "host/base/counted.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/held_out.hpp"
 #include "host/identify/search/identifiability.hpp"
@@ -169,7 +170,7 @@ std::optional<FoundPair> find_pair(Workflow& flow, const std::vector<Candidate>&
     starts.push_back(std::move(pair));
   }
   if (starts.empty()) return std::nullopt;
-  flow.report_progress(5, 0.8, "fitting " + std::to_string(starts.size()) + " pairs of candidates");
+  flow.report_progress(5, 0.8, "fitting " + counted(starts.size(), "pair") + " of candidates");
   const std::vector<Fit> fits = fit_best(flow, data, base, starts);
   const Decision decision = decide(data, base, fits);
   flow.files.write_fits("pairs", decision);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "host/base/counted.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/identify/search/next_experiment.hpp"
 
@@ -65,17 +66,17 @@ void plan_next(Device& device, const Problem& problem, const Settings& settings,
   d.seconds -= seconds_until(start);
   if (!found.had_time)
     d.left_out.push_back(
-        fmt::format("a part of the search for a next experiment: {} of {} motions were simulated in "
+        fmt::format("a part of the search for a next experiment: {} of {} were simulated in "
                     "{:.0f} s; `--minutes`, which is {:g}, gives it more",
-                    found.n_simulated, found.n_motions, std::max(seconds, 0.0), settings.minutes));
+                    found.n_simulated, counted(found.n_motions, "motion"), std::max(seconds, 0.0), settings.minutes));
   if (found.n_samples == 0) {
     if (found.had_time)
       d.notes.push_back("no motion that could be commanded or released here was found for a next experiment");
     return;
   }
-  d.next_experiment = fmt::format("{}: {}, over {} numbers, of {} motions the most", found.motion.description,
+  d.next_experiment = fmt::format("{}: {}, over {}, of {} the most", found.motion.description,
                                   separation_sentence(label_of(d.ranking[0]), others, found.separation),
-                                  found.n_samples, found.n_simulated);
+                                  counted(found.n_samples, "number"), counted(found.n_simulated, "motion"));
   d.next_motion = std::move(found.motion);
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "host/base/counted.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/held_out.hpp"
 #include "host/identify/fit/swap.hpp"
@@ -236,8 +237,8 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
     ScreeningResult result =
         screen(screening.fitter, screening.data, base, candidates, is_first ? &round.signatures : nullptr, effort);
     if (result.n_screened < candidates.size())
-      flow.note_left_out(fmt::format("{} of {} candidates, the last of their kinds by the place of the misfit",
-                                     candidates.size() - result.n_screened, candidates.size()));
+      flow.note_left_out(fmt::format("{} of {}, the last of their kinds by the place of the misfit",
+                                     candidates.size() - result.n_screened, counted(candidates.size(), "candidate")));
     screened = std::move(result.best);
     if (flow.is_costly()) round.changes = std::move(result.changes);
   }
@@ -249,9 +250,8 @@ Round run_round(Workflow& flow, const std::vector<Candidate>& all, const FitData
       shortlist(screened, effort.n_fitted, is_first ? effort.n_per_family : effort.n_per_family_beside);
   for (Model& model : with_wrong_numbers(base.model, all)) best.push_back({model.parts.back(), std::move(model), 0, 0});
   if (!ends.empty()) begin_at_ends(flow.fitter, data, ends, best);
-  flow.report_progress(
-      5, progress,
-      "fitting " + std::to_string(best.size()) + " of " + std::to_string(candidates.size()) + " candidates");
+  flow.report_progress(5, progress,
+                       "fitting " + std::to_string(best.size()) + " of " + counted(candidates.size(), "candidate"));
   if (best.empty()) return round;
   if (flow.settings.decide == Decide::weak) {  // as the linear regression has them
     round.fits = flow.fitter.begin(data, {best[0].model});

@@ -1,4 +1,5 @@
 #include "host/load/fields/fields.hpp"
+#include "host/base/counted.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -99,7 +100,7 @@ void read_value(YamlSection& section, const std::string& key, const NumberBounds
 
 void read_value(YamlSection& section, const std::string& key, const NumberBounds& b, std::span<double> values) {
   const std::vector<double> given = section.numbers(key, b.unit, b.low, b.high);
-  if (given.size() != values.size()) section.fail(key, "must hold " + std::to_string(values.size()) + " numbers");
+  if (given.size() != values.size()) section.fail(key, "must hold " + counted(values.size(), "number"));
   std::copy(given.begin(), given.end(), values.begin());
 }
 void read_value(YamlSection& section, const std::string& key, const NumberBounds& b, std::span<int> values) {

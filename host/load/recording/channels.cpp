@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "host/base/counted.hpp"
 #include "host/load/read_sections.hpp"
 #include "host/pictures/mask_metrics.hpp"
 #include "host/pictures/picture_cells.hpp"
@@ -235,7 +236,7 @@ void read_columns_of_table(YamlSection& section, const ChannelKeys& keys, Record
   const std::size_t n = is_one ? 1 : axes.empty() ? keys.n_columns : axes.size();
   if (channel.columns.size() != n)
     section.fail(section.has("column") ? "column" : "columns",
-                 "must name " + std::to_string(n) + (n == 1 ? " column" : " columns") +
+                 "must name " + counted(n, "column") +
                      (n == 3 ? "; fewer are enough where `axis` or `axes` give their directions" : ""));
   channel.clock = read_clock(section);
   if (channel.clock.jitter > 0 && channel.noise < 0)

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <map>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/load/recording/robot_set.hpp"
 
@@ -66,8 +67,8 @@ std::vector<double> row_of(const json& value, const std::string& column, std::si
   else
     row.push_back(number_in(value, column));
   if (row.size() != width)
-    throw UsageError("the column " + column + " holds rows of " + std::to_string(row.size()) +
-                     " numbers, its names are " + std::to_string(width));
+    throw UsageError("the column " + column + " holds rows of " + counted(row.size(), "number") + ", its names are " +
+                     std::to_string(width));
   return row;
 }
 

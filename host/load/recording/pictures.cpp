@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/formats/picture_series.hpp"
 #include "host/load/recording/channels.hpp"
@@ -20,7 +21,7 @@ std::vector<int> frames_of_rows(const std::vector<double>& time, std::size_t n, 
   if (time.empty()) {
     if (n != t.size())
       throw UsageError(file + " holds " + std::to_string(n) + " " + what + "s and no /time, its run " +
-                       std::to_string(t.size()) + " rows; give one " + what + " per row, or /time [s]" +
+                       counted(t.size(), "row") + "; give one " + what + " per row, or /time [s]" +
                        (what == "picture" ? ", or `frames_per_second`" : ""));
     for (std::size_t i = 0; i < t.size(); ++i) frame_of_row[i] = int(i);
     return frame_of_row;

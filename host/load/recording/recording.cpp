@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/load/fields/yaml_section.hpp"
 #include "host/load/read_sections.hpp"
@@ -104,9 +105,8 @@ RecordedRun read_run(YamlSection& section, const YAML::Node& node) {
   if (has_part) crop(run.table, from, to);
   const std::vector<double>& t = run.table["t"];
   if (t.size() < 8 && has_part)
-    section.fail("from",
-                 "and `to` leave " + std::to_string(t.size()) + " rows of " + file + "; a run needs at least 8");
-  if (t.size() < 8) throw UsageError(file + " holds " + std::to_string(t.size()) + " rows; a run needs at least 8");
+    section.fail("from", "and `to` leave " + counted(t.size(), "row") + " of " + file + "; a run needs at least 8");
+  if (t.size() < 8) throw UsageError(file + " holds " + counted(t.size(), "row") + "; a run needs at least 8");
   for (std::size_t i = 0; i < t.size(); ++i) {
     if (!std::isfinite(t[i])) throw UsageError(file + ": the time of row " + std::to_string(i + 1) + " is missing");
     if (i > 0 && !(t[i] > t[i - 1]))

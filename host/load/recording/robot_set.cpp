@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/formats/hdf5.hpp"
 #include "host/load/task_file.hpp"
@@ -135,8 +136,8 @@ std::string exactly(double value) {
 RecordedRun run_of(const RobotEpisode& episode, const std::vector<std::string>& joints,
                    const std::vector<Place>& places, const fs::path& set) {
   if (episode.time.size() < LEAST_ROWS)
-    throw UsageError(set.string() + ": the " + episode.name + " holds " + std::to_string(episode.time.size()) +
-                     " rows; a run needs at least " + std::to_string(LEAST_ROWS));
+    throw UsageError(set.string() + ": the " + episode.name + " holds " + counted(episode.time.size(), "row") +
+                     "; a run needs at least " + std::to_string(LEAST_ROWS));
   for (std::size_t i = 1; i < episode.time.size(); ++i)
     if (!(episode.time[i] > episode.time[i - 1]))
       throw UsageError(set.string() + ": the times of the " + episode.name + " do not ascend at row " +

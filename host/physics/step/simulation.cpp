@@ -1,5 +1,6 @@
 #include "host/physics/step/simulation.hpp"
 
+#include "host/base/counted.hpp"
 #include "host/geometry/tet_mesh.hpp"
 #include "host/model/display.hpp"
 #include "host/physics/energies/prescribed_motion.hpp"
@@ -178,12 +179,13 @@ Simulation::Simulation(Simulation&&) noexcept = default;
 std::vector<StepReport> Simulation::step(std::span<const std::vector<double>> targets) {
   Impl& impl = *impl_;
   if (targets.size() != n_worlds())
-    throw UsageError("step was given targets for " + std::to_string(targets.size()) + " worlds, there are " +
+    throw UsageError("step was given targets for " + counted(targets.size(), "world") + ", there are " +
                      std::to_string(n_worlds()));
   for (std::size_t w = 0; w < n_worlds(); ++w)
     if (!impl.is_retired[w] && targets[w].size() != impl.last_targets[w].size())
-      throw UsageError("scene " + impl.system.scenes[w].name + " has " + std::to_string(impl.last_targets[w].size()) +
-                       " driven joints, was given " + std::to_string(targets[w].size()) + " targets");
+      throw UsageError("scene " + impl.system.scenes[w].name + " has " +
+                       counted(impl.last_targets[w].size(), "driven joint") + ", was given " +
+                       counted(targets[w].size(), "target"));
   impl.reports.assign(n_worlds(), StepReport{});
   std::vector<std::vector<double>> wanted;
   for (std::size_t w = 0; w < n_worlds(); ++w)
@@ -213,7 +215,7 @@ std::vector<StepReport> Simulation::step(std::span<const std::vector<double>> ta
 void Simulation::expect(std::size_t world, std::vector<double> motion) {
   const WorldRange& range = impl_->system.node_ranges.at(world);
   if (motion.size() != 3 * std::size_t(range.end - range.begin))
-    throw UsageError("a motion of " + std::to_string(motion.size() / 3) + " nodes is expected of a world of " +
+    throw UsageError("a motion of " + counted(motion.size() / 3, "node") + " is expected of a world of " +
                      std::to_string(range.end - range.begin));
   impl_->expected.at(world) = std::move(motion);
 }
