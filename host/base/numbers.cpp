@@ -45,8 +45,9 @@ std::uint64_t parse_whole(const std::string& text, std::uint64_t low, std::uint6
   const auto [rest, error] = std::from_chars(text.data(), end, value);
   if (error != std::errc() || rest != end || text.empty() || value < low || value > high)
     throw std::invalid_argument("must be a whole number " +
-                                range_of(std::to_string(low), std::to_string(high), high < UINT64_MAX) + ", but is `" +
-                                text + "`");
+                                range_of(std::to_string(low), std::to_string(high),
+                                         high < UINT64_MAX || error == std::errc::result_out_of_range) +
+                                ", but is `" + text + "`");
   return value;
 }
 

@@ -1,8 +1,11 @@
 #include "pipeline/command_line/command_line.hpp"
 
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -15,16 +18,50 @@ namespace {
 
 constexpr double LARGEST = 1e9;  // of an option that names no range of its own
 
+// As CLI11 writes it behind the type of an option: "UINT:INT in [1 - 64]".
+struct WrittenRange {
+  std::string low, high;
+};
+
+std::optional<WrittenRange> range_in(const std::string& kind) {
+  const std::size_t from = kind.find(" in ["), middle = kind.find(" - ", from), to = kind.find(']', from);
+  if (from == std::string::npos || middle == std::string::npos || to == std::string::npos || middle > to) return {};
+  const std::size_t low = from + 5, high = middle + 3;
+  return WrittenRange{kind.substr(low, middle - low), kind.substr(high, to - high)};
+}
+
+void check_whole(const std::string& text, const std::string& kind) {
+  const bool is_above_0 = kind.find("POSITIVE") != std::string::npos;
+  std::uint64_t low = is_above_0 ? 1 : 0, high = std::numeric_limits<std::uint64_t>::max();
+  if (kind.starts_with("INT")) high = std::uint64_t(std::numeric_limits<int>::max());
+  if (const auto range = range_in(kind)) {
+    low = parse_whole(range->low, 0, high);
+    high = parse_whole(range->high, low, high);
+  }
+  parse_whole(text, low, high);
+}
+
+void check_real(const std::string& text, const std::string& kind) {
+  double low = 0, high = LARGEST;
+  if (const auto range = range_in(kind)) {
+    low = std::stod(range->low), high = std::stod(range->high);
+    // they are rounded: what is at its very ends is left to CLI11
+    constexpr double ROUNDED = 1e-5;
+    const double near = std::strtod(text.c_str(), nullptr);
+    if (std::abs(near - low) <= ROUNDED * std::abs(low) || std::abs(near - high) <= ROUNDED * std::abs(high)) {
+      parse_real(text, -LARGEST, LARGEST);
+      return;
+    }
+  }
+  const double value = parse_real(text, low, high);
+  if (kind.find("POSITIVE") != std::string::npos && !(value > 0))
+    throw std::invalid_argument("must be above 0, but is `" + text + "`");
+}
+
 // What is wrong with the text; empty: nothing. kind: as CLI11 calls the type of the option and its range.
 std::string fault_of(const std::string& text, const std::string& kind) {
   try {
-    if (kind.starts_with("UINT"))
-      parse_whole(text, kind.find("POSITIVE") != std::string::npos, std::numeric_limits<std::uint64_t>::max());
-    else if (kind.starts_with("INT"))
-      parse_whole(text, 0, std::uint64_t(std::numeric_limits<int>::max()));
-    else if (const double value = parse_real(text, 0, LARGEST);
-             kind.find("POSITIVE") != std::string::npos && !(value > 0))
-      return "must be above 0, but is `" + text + "`";
+    kind.starts_with("FLOAT") ? check_real(text, kind) : check_whole(text, kind);
   } catch (const std::invalid_argument& error) {
     return error.what();
   }
@@ -137,7 +174,9 @@ std::string sentence_of(const CLI::App& program, const CLI::ParseError& error) {
     return sentence_on_extra(*command, name, extra.front());
   if (dynamic_cast<const CLI::RequiredError*>(&error) && command->get_require_subcommand_min() > 0)
     return "`" + name + "` needs a command: " + joined(names_in(*command)) + " (--help says what each does)";
-  return std::string(error.what()) + " (--help shows how)";
+  std::string sentence = error.what();
+  if (const std::size_t colon = sentence.find(": must be "); colon != std::string::npos) sentence.erase(colon, 1);
+  return sentence + " (--help shows how)";
 }
 
 std::string sentence_of(const std::exception& error) {

@@ -177,9 +177,7 @@ void run_generate(const GenerateOptions& options) {
   if (options.task.empty())
     throw UsageError("generate needs a task file; `phyvisgen generate --help` shows an example");
   if (options.folder.empty()) throw UsageError("generate needs an output folder: -o DIR");
-  if (options.seed >= EVALUATION_SEEDS)
-    throw UsageError("--seed " + std::to_string(options.seed) +
-                     " belongs to evaluation: seeds from 2^63 on are none of a training set");
+  check_training_seed(options.seed);
   const Shard shard = parse_shard(options.shard);
   parse_worlds(options.worlds);  // before there is a folder
   const std::atomic<bool>& stop = stop_on_signals();

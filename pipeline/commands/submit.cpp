@@ -101,6 +101,7 @@ void run_submit(const SubmitOptions& options) {
   if (options.n_shards > options.n_episodes)
     throw UsageError("--shards " + std::to_string(options.n_shards) + " is more than the set has episodes, " +
                      std::to_string(options.n_episodes));
+  check_training_seed(options.seed);
   check_sbatch_options(options);
   check_generate_options(options);
   load_task(options.task);  // what is wrong with it shows here, not on the cluster

@@ -69,6 +69,12 @@ EpisodeSet set_in(const Json& json, const fs::path& path) {
 
 }  // namespace
 
+void check_training_seed(std::uint64_t seed) {
+  if (seed >= EVALUATION_SEEDS)
+    throw UsageError("--seed " + std::to_string(seed) + " belongs to evaluation: seeds of a training set are 0 to " +
+                     std::to_string(EVALUATION_SEEDS - 1));
+}
+
 fs::path episode_folder(const fs::path& set, std::uint64_t episode) { return set / episode_name(episode); }
 fs::path failed_folder(const fs::path& set, std::uint64_t episode) { return set / "failed" / episode_name(episode); }
 

@@ -37,6 +37,9 @@ struct EpisodeSet {
   std::vector<std::pair<std::string, std::string>> versions;
 };
 
+// A UsageError where the seed belongs to evaluation.
+void check_training_seed(std::uint64_t seed);
+
 std::filesystem::path episode_folder(const std::filesystem::path& set, std::uint64_t episode);
 std::filesystem::path failed_folder(const std::filesystem::path& set, std::uint64_t episode);
 

@@ -31,6 +31,12 @@ TEST(Numbers, ASentenceNamesTheRangeAndWhatWasGiven) {
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(), "must be a whole number from 1 to 5, but is `nan`");
   }
+  try {
+    parse_whole("18446744073709551616", 0, ALL);
+    FAIL() << "nothing was thrown";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "must be a whole number from 0 to 18446744073709551615, but is `18446744073709551616`");
+  }
 }
 
 TEST(Numbers, AnIdentifierCannotLeaveAFolder) {

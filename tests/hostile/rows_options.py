@@ -37,6 +37,13 @@ for option, number in (("--width", "1"), ("--width", "16385"), ("--height", "0")
                        ("--max-depth", "0"), ("--max-depth", "1001"), ("--samples", "65537"), ("--samples", "0")):
     row(f"{option} out of its range", f"render shown.yaml -o p.png {option} {number}", N, rf"{option}.*{number}",
         needs="shown")
+for command, option, number, low, high in (
+        ("generate task.yaml -o o", "--seed", 2**64, 0, 2**64 - 1), ("generate task.yaml -o o", "--seed", 2**63, 0, 2**63 - 1),
+        ("submit task.yaml -n 2 -o o", "--seed", 2**63, 0, 2**63 - 1), ("generate task.yaml -o o", "--samples", 2**64, 1, 2**20),
+        ("generate task.yaml -o o", "--frames-under-way", 2**64, 1, 64), ("generate task.yaml -o o", "--fps", "1e400", 0.01, 1000),
+        ("render shown.yaml -o p.png", "--max-depth", 5000, 1, 1000), ("bench physics", "--repeats", 0, 1, 1000)):
+    row(f"{option} {number} is told its range", f"{command} {option} {number}", N, rf"{option} .*\b{low} to {high}\b",
+        needs=FIXTURE.get(command.split()[1], ""))
 for number in ("0", "1001", "some"):
     row("repeats out of their range", f"bench physics --repeats {number}", N, rf"--repeats.*{number}")
     row("repeats out of their range", f"bench render --repeats {number}", N, rf"--repeats.*{number}")
