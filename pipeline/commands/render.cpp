@@ -253,7 +253,8 @@ void run_render(const RenderOptions& options) {
   const double usual = shown.is_task ? shown.render.frames_per_second : FRAMES_PER_SECOND;
   const double rate = options.frames_per_second > 0 ? options.frames_per_second : usual;
   const Frames frames(shown.scene, options.states, rate);
-  const FrameRange range = parse_frames(options.frames, frames.size());
+  const FrameRange range = parse_frames(options.frames, frames.size(),
+                                        options.states.empty() ? options.scene + " without --states" : "the motion");
   if (!options.gltf.empty()) check_output_file(options.gltf, {".glb"}, "--export");
   if (!options.gltf.empty()) write_scene_gltf(options.gltf, shown.scene, frames.state(range.begin));
   if (!options.output.empty()) render_frames(options, shown, frames, range, rate);

@@ -133,7 +133,7 @@ std::vector<SceneState> Frames::motion(double begin, double end) const {
 
 SceneState Frames::at(double time) const { return state_at(motion(time, time), time); }
 
-FrameRange parse_frames(const std::string& text, std::size_t n) {
+FrameRange parse_frames(const std::string& text, std::size_t n, const std::string& whose) {
   if (text.empty()) return {0, n};
   FrameRange range;
   const std::size_t colon = text.find(':');
@@ -146,8 +146,8 @@ FrameRange parse_frames(const std::string& text, std::size_t n) {
     range.end = last.empty() ? n : parse_frame(last, text);
   }
   if (range.begin >= range.end || range.end > n)
-    throw UsageError("--frames " + text + ": the motion has the frames 0 to " + std::to_string(n - 1) +
-                     "; A:B are those from A to B - 1");
+    throw UsageError("--frames " + text + ": " + whose + " has the frame" +
+                     (n == 1 ? " 0 alone" : "s 0 to " + std::to_string(n - 1)) + "; A:B are those from A to B - 1");
   return range;
 }
 

@@ -54,10 +54,10 @@ class Frames {
 };
 
 // "A:B" -> A, B: frames A to B - 1; either may be missing, a single number is one frame. Throws a UsageError where the
-// range is empty or beyond n.
+// range is empty or beyond n; whose: what it calls that which has the frames.
 struct FrameRange {
   std::size_t begin = 0, end = 0;
 };
-FrameRange parse_frames(const std::string& text, std::size_t n);
+FrameRange parse_frames(const std::string& text, std::size_t n, const std::string& whose = "the motion");
 
 }  // namespace pvg
