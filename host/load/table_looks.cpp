@@ -61,8 +61,12 @@ Pose read_camera_pose(Section& section) {
   const Vec3 forward = section.vector("look_at", Unit::length, -REACH, REACH) - position;
   const Vec3 up = section.vector("up", Unit::none, -1e6, 1e6, Vec3::UnitZ());
   const Vec3 right = forward.cross(up);
+  if (!(forward.norm() > 0)) section.fail("look_at", "must be another point than `position`");
+  if (!(up.norm() > 0)) section.fail("up", "must be a direction, which is upward in the picture, but is zero");
   if (!(right.norm() > 1e-9 * forward.norm() * up.norm()))
-    section.fail("look_at", "must not lie along `up` from `position`");
+    section.fail("up", std::string(section.has("up") ? "" : "is not given, so it is [0, 0, 1], and ") +
+                           "must not be parallel to the view from `position` to `look_at`; give another, such as " +
+                           (std::abs(forward.normalized().y()) < 0.9 ? "[0, 1, 0]" : "[1, 0, 0]"));
   Pose pose = Pose::Identity();
   pose.translation() = position;
   pose.linear().col(0) = right.normalized();

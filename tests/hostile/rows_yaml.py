@@ -1,5 +1,5 @@
 """Scene and task files: what is no YAML, keys, numbers, units, names, and what contradicts itself."""
-from table import FAILED, WRONG_USE, append, cut, edit, link, make_folder, remove, row, write
+from table import DONE, FAILED, WRONG_USE, append, cut, edit, link, make_folder, remove, row, write
 
 N = WRONG_USE
 SCENE, TASK = "simulate scene.yaml -o s.h5", "generate task.yaml -o o --no-render"
@@ -116,6 +116,18 @@ row("a cloth that is called a/b", SCENE, N, r"scene.yaml:\d+:.*name", append("sc
 row("a robot that is called a/b", TASK, N, r"task.yaml:\d+:.*name", edit("task.yaml", "\nrobot:", "\nrobots:\n  - name: a/b\n    robot:\n      x: 1\nxrobot:"),
     edit("task.yaml", "gripper: gripper.yaml", ""),
     needs="task")
+
+# ---- cameras
+for up, pattern in (("[0, 0, 0]", "`cameras.*up` must be a direction.*zero"), ("[-10, 0, -1]", "`cameras.*up` must not be parallel.*such as \\[0, 1, 0\\]"),
+                    ("[10, 0, 1]", "`cameras.*up` must not be parallel")):
+    row(f"a camera with up: {up}", "render shown.yaml -o p.png", N, r"shown.yaml:\d+: " + pattern, edit("shown.yaml", "up: [0, 0, 1]", f"up: {up}"),
+        needs="shown")
+row("a camera that looks down and has no up", "render shown.yaml -o p.png", N, r"shown.yaml:\d+: `cameras.*up` is not given.*parallel",
+    edit("shown.yaml", "position: [1, 0, 0.3], look_at: [0, 0, 0.2], up: [0, 0, 1]", "position: [0, 0, 1], look_at: [0, 0, 0.2]"), needs="shown")
+row("a camera that looks at itself", "render shown.yaml -o p.png", N, r"shown.yaml:\d+: `cameras.*look_at` must be another point",
+    edit("shown.yaml", "look_at: [0, 0, 0.2]", "look_at: [1, 0, 0.3]"), needs="shown")
+row("a camera inside of a body", "render shown.yaml -o p.png", DONE, "camera front is inside of `thing`",
+    edit("shown.yaml", "position: [1, 0, 0.3]", "position: [0.01, 0.01, 0.21]"), needs="shown", makes=["p.png"])
 
 # ---- tasks
 for old, new, key in (
