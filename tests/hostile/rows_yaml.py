@@ -38,6 +38,12 @@ row("a line of ten million letters", SCENE, N, "scene.yaml", write("scene.yaml",
 row("a hundred thousand keys", SCENE, N, "scene.yaml:", append("scene.yaml", "".join(f"k{i}: 1\n" for i in range(100000))),
     needs="scene")
 
+for name, content, line, cause in (("a colon in a value", "schema: 1\nname: a: b\n", 2, "a colon stands where none may"),
+                                   ("a key further in than its neighbours", "schema: 1\n  name: x\n", 2, "same column"),
+                                   ("a brace that is open", "schema: 1\nbodies:\n  - {name: a\n  - {name: b}\n", 4, "brace { is not closed"),
+                                   ("a tab", "schema: 1\nbodies:\n\t- {name: a}\n", 3, "tab")):
+    row(f"YAML with {name} is told the cause", SCENE, N, rf"scene\.yaml:{line}: this is not YAML: .*{cause}", write("scene.yaml", content))
+
 # ---- keys
 row("a key that is unknown", SCENE, N, r"scene.yaml:\d+:.*`colour`.*unknown", append("scene.yaml", "colour: red\n"), needs="scene")
 row("a key twice", SCENE, N, r"scene.yaml:\d+:.*`duration`.*second time", append("scene.yaml", "duration: 1\n"), needs="scene")

@@ -2,6 +2,8 @@
 
 #include <charconv>
 #include <cmath>
+#include <fstream>
+#include <limits>
 #include <map>
 #include <sstream>
 #include <stdexcept>
@@ -9,6 +11,7 @@
 #include "host/base/error.hpp"
 #include "host/base/numbers.hpp"
 #include "host/base/outputs.hpp"
+#include "host/load/fields/yaml_fault.hpp"
 
 namespace pvg {
 namespace {
@@ -61,6 +64,15 @@ std::string joined(const std::vector<std::string>& words) {
   return all;
 }
 
+// Its beginning, which is enough to see how it is indented.
+std::string line_of(const std::filesystem::path& file, int number) {
+  std::ifstream in(file);
+  for (; number > 0; --number) in.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  std::string line(200, '\0');
+  in.getline(line.data(), std::streamsize(line.size()));
+  return line.c_str();
+}
+
 }  // namespace
 
 std::string si_unit(Unit unit) { return units_of(unit).front().name; }
@@ -90,8 +102,8 @@ YamlSection YamlSection::load(const std::filesystem::path& file, const std::stri
   try {
     node = YAML::LoadFile(file.string());
   } catch (const YAML::ParserException& e) {
-    const std::string reason = e.msg == "bad file" ? "it is nested too deeply" : e.msg;
-    throw UsageError(file.string() + ":" + std::to_string(e.mark.line + 1) + ": this is not YAML: " + reason + ".");
+    throw UsageError(file.string() + ":" + std::to_string(e.mark.line + 1) +
+                     ": this is not YAML: " + yaml_fault(e.msg, line_of(file, e.mark.line)) + ".");
   } catch (const YAML::Exception& e) {
     throw UsageError(file.string() + ": cannot be read; is it a file that you may read?");
   }
@@ -107,7 +119,8 @@ YamlSection YamlSection::resolved(const std::string& text, const std::filesystem
   try {
     return YamlSection(YAML::Load(text), file, "configuration", true);
   } catch (const YAML::Exception& e) {
-    throw UsageError(file.string() + ": its configuration is not YAML: " + e.msg + "; make the record again.");
+    throw UsageError(file.string() + ": its configuration is not YAML: " + yaml_fault(e.msg) +
+                     "; make the record again.");
   }
 }
 

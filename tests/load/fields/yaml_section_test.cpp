@@ -107,6 +107,18 @@ TEST_F(YamlSectionTest, MissingFilesAndBrokenYamlAreNamed) {
   expect_refused("mesh: cup.obj\n", [](auto& s) { s.file("mesh"); },
                  {"a.yaml:1", "`mesh`", "cup.obj", "does not exist"});
   expect_refused("a: [1, 2\nb: 3\n", [](auto&) {}, {"a.yaml:", "not YAML"});
+  expect_refused("a: b: 1\n", [](auto&) {},
+                 {"a.yaml:1: ", "not YAML", "a colon stands where none may", "illegal map value"});
+  expect_refused("a: 1\n b: 2\n", [](auto&) {}, {"a.yaml:2: ", "same column"});
+  expect_refused("a: 1\n  b\nc: 2\n d: 3\n", [](auto&) {}, {"a.yaml:4: ", "same column"});
+  expect_refused("a: {b: 1\nc: 2\n", [](auto&) {}, {"a.yaml:", "a brace { is not closed"});
+  expect_refused("a: [1, 2\nb: 3\n", [](auto&) {}, {"a.yaml:", "a bracket [ is not closed"});
+  expect_refused("a: 'one\n---\n", [](auto&) {}, {"a.yaml:", "a quote is opened and not closed"});
+  expect_refused("a:\n\t- 1\n", [](auto&) {}, {"a.yaml:2", "indented by a tab"});
+  expect_refused("a: *b\n", [](auto&) {}, {"a.yaml:1", "an alias (*name) stands before its anchor"});
+  expect_refused("a: ]\n", [](auto&) {}, {"a.yaml:1", "closes nothing that is open"});
+  expect_refused("a: @b\n", [](auto&) {}, {"a.yaml:1", "put the value in quotes"});
+  expect_refused("a: \"\\q\"\n", [](auto&) {}, {"a.yaml:1", "a backslash in double quotes"});
   expect_refused("- 1\n- 2\n", [](auto&) {}, {"must be a mapping"});
 }
 
