@@ -226,6 +226,7 @@ void add_capture_object(CLI::App& program) {
   command->add_option("--error", o.error, "Most that simplification moves the surface [mm]; else two details")
       ->check(CLI::Range(1e-3, 1e4));
   command->add_option("--triangles", o.triangles, "Of the simulation mesh, where the error allows")
+      ->check(CLI::Range(4, 100000000))  // the fewest are a tetrahedron's
       ->capture_default_str();
   command->add_flag("--wrap", o.wraps, "Wrap also a source that is closed and does not intersect itself");
   command->add_flag("--soft", o.is_soft,

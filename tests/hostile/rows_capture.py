@@ -107,7 +107,8 @@ for name, text in (("empty", ""), ("words", "hello"), ("points without triangles
 row("the object onto its mesh", "capture object thing.obj -o thing.obj", N, "thing.obj", write("thing.obj", OBJ))
 row("the object into a folder that is mine", "capture object thing.obj -o mine", N, "mine", write("thing.obj", OBJ), write("mine/precious"))
 row("an object of two masses", "capture object thing.obj -o can --mass 1 --density 1000", N, "--density and --mass", write("thing.obj", OBJ))
-for option, number in (("--scale", "0"), ("--density", "-1"), ("--mass", "nan"), ("--detail", "0"), ("--bridge", "inf"), ("--error", "-1"), ("--triangles", "few")):
+for option, number in (("--scale", "0"), ("--density", "-1"), ("--mass", "nan"), ("--detail", "0"), ("--bridge", "inf"), ("--error", "-1"), ("--triangles", "few"),
+                       ("--triangles", "0"), ("--triangles", "3")):
     row(f"capture object {option} {number}", f"capture object thing.obj -o can {option}={number}", N, rf"{option}.*{number}", write("thing.obj", OBJ))
 row("a thing on no table", "capture object seven -o can", N, "plane|stands|surface", needs="captures")
 row("a thing in a folder that is no capture", "capture object empty -o can", N, "empty is no capture", make_folder("empty"))
