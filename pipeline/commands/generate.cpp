@@ -69,6 +69,21 @@ void check_cameras(const std::vector<std::string>& cameras, const Task& task) {
       throw UsageError("--camera " + name + " is no camera of " + task.file.string());
 }
 
+// Options of pictures that there will be none of: whoever gave them expects pictures.
+void check_no_render(const GenerateOptions& options) {
+  if (!options.no_render) return;
+  if (!options.cameras.empty())
+    throw UsageError("--no-render leaves out the cameras that --camera names; give one of the two");
+  const auto refuse = [](bool is_given, const char* option) {
+    if (is_given)
+      throw UsageError(std::string("--no-render makes no pictures, for which ") + option + " is; give one of the two");
+  };
+  refuse(options.pictures.width > 0, "--width");
+  refuse(options.pictures.height > 0, "--height");
+  refuse(options.pictures.samples > 0, "--samples");
+  refuse(!options.render_device.empty(), "--render-device");
+}
+
 // Before anything is simulated: the videos come last.
 void check_sizes(const std::vector<std::string>& cameras, const Task& task) {
   for (const CameraSection& camera : task.cameras)
@@ -170,6 +185,7 @@ void report_end(const EpisodeSet& set, const MadeEpisodes& made, bool as_json) {
 }
 
 void run_generate(const GenerateOptions& options) {
+  check_no_render(options);  // even of --graph, by which submit asks whether options are good
   if (options.shows_graph) {
     std::printf("%s", draw(episode_table()).c_str());
     return;
@@ -184,8 +200,6 @@ void run_generate(const GenerateOptions& options) {
   Task task = load_task(options.task);
   apply(options.pictures, task);
   if (options.is_rigid) make_grippers_rigid(task);
-  if (options.no_render && !options.cameras.empty())
-    throw UsageError("--no-render leaves out the cameras that --camera names; give one of the two");
   check_cameras(options.cameras, task);
   // what would only show after minutes of simulation
   if (!options.no_render) {

@@ -53,6 +53,8 @@ for option, number in (("--max-effects", "0"), ("--max-effects", "5"), ("--jobs"
     row(f"{option} out of its range", f"diagnose rec -o r {option} {number}", N, rf"{option}.*{number}", needs="rec")
 row("more episodes than a thousand million", "generate task.yaml -o o -n 1000000001", N, "episodes.*1000000001", needs="task")
 row("no episode", "generate task.yaml -o o -n 0", N, "-n|--episodes", needs="task")
+for option, value in (("--width", 64), ("--height", 64), ("--samples", 4), ("--render-device", 0)):
+    row(f"{option} without pictures", f"generate task.yaml -o o --no-render {option} {value}", N, f"--no-render.*{option}", needs="task")
 row("a rate of zero", "generate task.yaml -o o --fps 0", N, "--fps.*0", needs="task")
 row("a rate that fits no step", "generate task.yaml -o o --fps 7", N, r"7.*step|frames per second", needs="task")
 row("animation pictures out of range", "simulate scene.yaml -o s.h5 --animation a.glb --pictures-per-second 0", N,
