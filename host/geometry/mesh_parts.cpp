@@ -2,10 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <vector>
 
+#include "host/geometry/inside.hpp"
 #include "host/geometry/mesh_checks.hpp"
 
 namespace pvg {
@@ -31,17 +30,6 @@ std::vector<Part> parts_of(const TriangleMesh& mesh) {
   return parts;
 }
 
-// Winding number of a closed surface about p: 1 inside, 0 outside. Van Oosterom and Strackee 1983.
-double winding(const TriangleMesh& mesh, const Part& part, const Vec3& p) {
-  double angle = 0;
-  for (const Triangle& t : part.triangles) {
-    const Vec3 a = mesh.points[t[0]] - p, b = mesh.points[t[1]] - p, c = mesh.points[t[2]] - p;
-    const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    angle += 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-  }
-  return angle / (4 * std::numbers::pi);
-}
-
 bool reaches_into(const TriangleMesh& mesh, const Part& part, const Part& other, double depth) {
   const std::size_t every = std::max<std::size_t>(1, part.triangles.size() / MOST_SAMPLES);
   for (std::size_t i = 0; i < part.triangles.size(); i += every) {
@@ -50,7 +38,7 @@ bool reaches_into(const TriangleMesh& mesh, const Part& part, const Part& other,
     if (!(normal.norm() > 0)) continue;
     const Vec3 below = (mesh.points[a] + mesh.points[b] + mesh.points[c]) / 3 - depth * normal.normalized();
     if (!other.box.contains(below)) continue;
-    if (winding(mesh, other, below) > 0.5) return true;
+    if (winding_number(mesh.points, other.triangles, below) > 0.5) return true;
   }
   return false;
 }

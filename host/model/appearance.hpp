@@ -65,6 +65,10 @@ inline constexpr MaterialKind MATERIAL_KINDS[] = {PVG_MATERIALS(PVG_KIND, PVG_KI
 inline const MaterialKind& kind_of(const VisualMaterial& material) {
   return MATERIAL_KINDS[std::size_t(material.kind)];
 }
+inline bool transmits(const VisualMaterial& material) {
+  const unsigned traits = kind_of(material).traits;
+  return (traits & MATERIAL_CLEAR) || ((traits & MATERIAL_TRANSMITS) && material.transmission > 0);
+}
 
 // One visible thing. It follows a rigid body, a soft body (its mesh is then embedded in the body's tetrahedra, or
 // without one made by subdivision of its surface), a cloth (whose surface is subdivided), or nothing.

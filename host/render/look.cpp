@@ -73,11 +73,6 @@ std::uint32_t device_kind(const VisualMaterial& material) {
   return is_glass ? std::uint32_t(MATERIAL_DIELECTRIC) : std::uint32_t(material.kind);
 }
 
-bool transmits(const VisualMaterial& material) {
-  const unsigned traits = kind_of(material).traits;
-  return (traits & MATERIAL_CLEAR) || ((traits & MATERIAL_TRANSMITS) && material.transmission > 0);
-}
-
 // what its kind alone reads
 void set_own(const VisualMaterial& material, Material& m) {
   using Kind = VisualMaterial::Kind;

@@ -5,6 +5,7 @@
 
 #include "host/base/counted.hpp"
 #include "host/base/notes.hpp"
+#include "host/model/camera_inside.hpp"
 #include "host/model/display.hpp"
 #include "host/render/camera.hpp"
 #include "host/render/renderer_impl.hpp"
@@ -72,6 +73,7 @@ Renderer::Impl::Impl(Device& device_, const Scene& scene_, const RenderSettings&
     if (settings.is_adaptive && (camera.exposure_time > 0 || camera.row_time > 0))
       tell_note("camera " + camera.name +
                 " has an exposure time or a rolling shutter; its samples are even, not adaptive, while things move");
+  for (const std::string& sentence : cameras_inside(scene)) tell_note(sentence);
   GeometryArrays geometry;
   meshes.resize(scene.visual_meshes.size());
   mesh_is_packed.resize(scene.visual_meshes.size());
