@@ -5,12 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <span>
 #include <sstream>
 
 #include "host/base/error.hpp"
 #include "host/dataset/states_file.hpp"
+#include "host/geometry/inside.hpp"
 #include "host/robot/disturbance.hpp"
 #include "host/robot/friction_feedforward.hpp"
+#include "host/robot/motion_timing.hpp"
 #include "host/robot/path_planner.hpp"
 #include "host/robot/plan_motion.hpp"
 #include "host/robot/robots_apart.hpp"
@@ -190,6 +194,57 @@ void check_apart(const Task& task, const std::vector<RobotCell>& robots, const s
       element, kind_of(task.motion[element]).name));
 }
 
+constexpr double DEEPEST = 0.01;  // of a tool in a fixed body, as near as arms may come to each other [m]
+
+bool is_of_robot(const TaskScene& built, int body) {
+  const auto holds = [body](const std::vector<int>& list) {
+    return std::find(list.begin(), list.end(), body) != list.end();
+  };
+  return std::any_of(built.robots.begin(), built.robots.end(), [&](const BuiltRobot& robot) {
+    return holds(robot.arm_bodies) || holds(robot.gripper_bodies) || holds(robot.rigid_fingers);
+  });
+}
+
+// The element of this robot in the group that begins with `first`; nothing: its tool does not move in it.
+std::optional<std::size_t> moving_element(std::span<const MotionElement> motion, std::size_t first, int robot) {
+  for (std::size_t i = first; i < motion.size() && (i == first || motion[i].is_with_previous); ++i) {
+    const GivenMotion given = kind_of(motion[i]).given;
+    if (motion[i].robot == robot && given != GivenMotion::gripper_position && given != GivenMotion::duration) return i;
+  }
+  return std::nullopt;
+}
+
+void refuse_inside(const TaskScene& built, std::span<const MotionElement> motion, std::size_t element,
+                   const Vec3& target) {
+  for (int b = 0; b < int(built.scene.rigid_bodies.size()); ++b) {
+    const RigidBody& body = built.scene.rigid_bodies[std::size_t(b)];
+    if (!body.is_fixed || body.collision.triangles.empty() || is_of_robot(built, b)) continue;
+    const double depth = depth_inside(body.collision, body.pose.inverse() * target);
+    if (depth > DEEPEST)
+      throw UsageError(describe_element(motion, element) +
+                       fmt::format(": its target is {:.0f} mm inside of `{}`, which is fixed; move one of the two",
+                                   1e3 * depth, body.name));
+  }
+}
+
+// Contact would hold the hand against a body that stands fast for as long as the motion lasts, at many times the cost
+// of a step: refuses a motion in which a tool ends deep inside of one.
+void refuse_buried_targets(const TaskScene& built, std::span<const MotionElement> motion,
+                           std::span<const PlannedRobot> robots, std::span<const JointTrajectory> trajectories) {
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    const auto& [model, setup] = robots[r];
+    const std::vector<int>& group = trajectories[r].element;
+    for (std::size_t step = 0; step < group.size(); ++step) {
+      if (step + 1 < group.size() && group[step + 1] == group[step]) continue;  // where the group ends
+      const auto element = moving_element(motion, std::size_t(group[step]), int(r));
+      if (!element) continue;
+      const VectorXd q = trajectories[r].q.row(Eigen::Index(step)).head(setup.q_start.size());
+      const Pose tool = setup.base * tool_pose(model, q, setup.tool_link, setup.flange_to_tool);
+      refuse_inside(built, motion, *element, tool.translation());
+    }
+  }
+}
+
 }  // namespace
 
 std::size_t steps_per_frame(double frames_per_second, double time_step) {
@@ -230,6 +285,7 @@ MotionPlan plan_episode(const Task& task, const TaskScene& built) {
   const std::vector<int>& element = trajectories.front().element;
   if (element.empty()) throw UsageError(task.file.string() + ": the task's motion has no step");
   check_apart(task, robots, planned, surroundings, trajectories);
+  refuse_buried_targets(built, task.motion, planned, trajectories);
   const std::vector<Column> columns = columns_of_driven(built);
   // the last frame is filled up by standing still
   const std::size_t n = element.size(), frames = (n + plan.steps_per_frame - 1) / plan.steps_per_frame;

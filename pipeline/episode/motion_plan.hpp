@@ -27,7 +27,7 @@ struct MotionPlan {
   std::vector<std::vector<int>> gripper_columns, gripper_joints;  // [n_robots] of targets; of Scene::joints
 };
 
-// Throws a UsageError where a target is out of reach.
+// Throws a UsageError where a target is out of reach, or deep inside of a fixed body.
 MotionPlan plan_episode(const Task& task, const TaskScene& built);
 
 // Steps between two frames; a UsageError where frames do not fall on steps.

@@ -159,6 +159,9 @@ for old, new, key in (
     row(f"{new or 'nothing'} instead of {old}", TASK, N, rf"(task|gripper).yaml.*({key})", edit("task.yaml", old, new), needs="task")
 row("a target out of reach", TASK, FAILED, "episode 0 failed:.*(reach|joints allow)", edit("task.yaml", "[-60 mm, 0, 60 mm]", "[9, 0, 60 mm]"),
     needs="task", makes=["o"])
+for old in ("[-60 mm, 0, 60 mm]", "[-16.5 mm, 0, 60 mm]"):
+    row(f"a target inside of the table instead of {old}", TASK, FAILED, r"episode 0 failed: .*task.yaml:\d+.*target is \d+ mm inside of `table`",
+        edit("task.yaml", old, old.replace("60 mm]", "-20 mm]")), needs="task", makes=["o"], seconds=60)
 row("objects in one another", TASK, FAILED, "episode 0 failed: .*(beaker.*table|table.*beaker)", edit("task.yaml", "z: 0.5 mm", "z: -20 mm"), needs="task",
     makes=["o"])
 for old, new, key in (("mesh: finger.obj", "mesh: none.obj", "none.obj"), ("poisson_ratio: 0.4}", "poisson_ratio: 0.5}", "poisson_ratio"),

@@ -93,6 +93,17 @@ TEST(TaskMotion, DualFoldTowelIsPlannedOnThePublishedMountToo) {
   EXPECT_FALSE(plan_episode(task, built).targets.empty());
 }
 
+// The beaker stands on the table, whose top is at z = 0.
+TEST(TaskMotion, ATargetDeepInAFixedBodyIsRefusedByName) {
+  Task task = load_task(fs::path(PVG_DATA_FOLDER) / "../tests/pipeline/small_task/push_beaker.yaml");
+  task.motion[1].target.translation().z() = -0.005;
+  const TaskScene built = build_scene(task, 7, 0);
+  EXPECT_FALSE(plan_episode(task, built).targets.empty());
+  task.motion[1].target.translation().z() = -0.02;
+  expect_error<UsageError>([&] { plan_episode(task, built); },
+                           {"push_beaker.yaml:", "element 2 (approach", "inside of `table`, which is fixed"});
+}
+
 // Two arms whose targets are exchanged would cross.
 TEST(TaskMotion, ArmsThatWouldMeetAreRefusedByName) {
   Task task = load_task(fs::path(PVG_DATA_FOLDER) / "tasks/dual_fold_towel.yaml");
