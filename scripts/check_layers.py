@@ -5,7 +5,7 @@
 
 Rules: a library includes its own headers and those of the libraries in its row; kernels include kernels alone; OpenCL's
 headers stay in host/device; libraries of others stay in the folders named below; physics sees nothing of what is seen;
-no folder has more than 40 files.
+no folder has more than 40 files. README.md names the folders of kernels, host, pipeline and data.
 """
 import collections
 import pathlib
@@ -106,14 +106,26 @@ def check(root):
     return findings
 
 
+def check_listing(root):
+    """folders that README.md's section of folders does not name"""
+    section = (root / "README.md").read_text().split("## Folders")[1].split("\n##")[0]
+    parts = dict(re.findall(r"^    (\w+)/ +(.*(?:\n {8,}.*)*)", section, re.M))
+    missing = []
+    for top in ("kernels", "host", "pipeline", "data"):
+        for folder in sorted(p.name for p in (root / top).iterdir() if p.is_dir() and not p.name.startswith(("_", "."))):
+            if not re.search(rf"\b{folder}\b", parts.get(top, "")):
+                missing.append(f"README.md's section of folders does not name {top}/{folder}")
+    return missing
+
+
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent)
-    findings = check(root)
+    findings = check(root) + check_listing(root)
     for finding in findings:
         print(f"layers: {finding}", file=sys.stderr)
     if findings:
         sys.exit(1)
-    print("layers: every include is in the table")
+    print("layers: every include is in the table, every folder in the README")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,5 @@
-// scripts/check_layers.py: the tree itself is clean, and each kind of forbidden include is found.
+// scripts/check_layers.py: the tree itself is clean, and each kind of forbidden include is found, as is a folder
+// that the README does not list.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -24,10 +25,13 @@ TEST(Layers, TheTreeKeepsItsTable) { EXPECT_EQ(check(SOURCE), 0); }
 TEST(Layers, EveryKindOfForbiddenIncludeIsFound) {
   const TestFolder folder;
   const fs::path& root = folder.path;
-  for (const char* name : {"kernels", "host/base", "host/device", "host/geometry", "host/physics/step", "host/render",
-                           "host/robot", "host/formats", "host/load", "pipeline/graph", "pipeline/episode", "tests"})
+  for (const char* name :
+       {"kernels", "host/base", "host/device", "host/geometry", "host/physics/step", "host/render", "host/robot",
+        "host/formats", "host/load", "pipeline/graph", "pipeline/episode", "data", "tests"})
     fs::create_directories(root / name);
   fs::copy(SOURCE / "host/libraries.cmake", root / "host/libraries.cmake");
+  std::ofstream(root / "README.md") << "## Folders\n\n    host/ base, device, geometry, physics, render, robot,\n"
+                                       "          formats, load, unknown\n    pipeline/ graph, episode\n";
   std::ofstream(root / "host/device/device.cpp") << "#include <CL/cl.h>\n";
   ASSERT_EQ(check(root), 0) << "the clean tree";
   const std::pair<const char*, const char*> wrong[] = {{"kernels/a.h", "\"host/base/error.hpp\""},
@@ -46,6 +50,10 @@ TEST(Layers, EveryKindOfForbiddenIncludeIsFound) {
     EXPECT_NE(check(root), 0) << file << " includes " << include;
     fs::remove(root / file);
   }
+  fs::create_directories(root / "data/puzzles");
+  EXPECT_NE(check(root), 0) << "a folder that the README does not list";
+  fs::remove(root / "data/puzzles");
+  ASSERT_EQ(check(root), 0) << "the clean tree again";
   for (int i = 0; i < 41; ++i) std::ofstream(root / "host/base" / ("file_" + std::to_string(i) + ".cpp")) << "\n";
   EXPECT_NE(check(root), 0) << "a folder with 41 files";
 }
