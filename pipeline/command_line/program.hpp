@@ -18,7 +18,7 @@ std::span<const AddCommand> all_commands();
 // Runs the command that the words after the program's name ask for. Help is printed; a wrong option is a UsageError.
 void run_command_line(std::span<const AddCommand> commands, const std::vector<std::string>& words);
 
-// "0.2.0 (commit 07d9377)"; the commit is `unknown` when the program was not built in a git checkout.
+// "0.2.0 (commit 07d9377)", or "0.2.0 (built outside of a git checkout)".
 std::string program_version();
 
 }  // namespace pvg
