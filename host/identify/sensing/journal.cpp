@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "host/base/error.hpp"
+#include "host/identify/sensing/file_contents.hpp"
 #include "host/identify/sensing/prediction_bytes.hpp"
 #include "host/identify/sensing/question.hpp"
 
@@ -48,6 +49,9 @@ std::uint64_t journal_key(const Problem& problem, const std::string& settings) {
   const auto built = fs::last_write_time("/proc/self/exe", ignored).time_since_epoch().count();
   std::vector<char> bytes;
   put(bytes, built);
+  put_meshes(bytes, problem.scene.scene);
+  put_look(bytes, problem.seen);
+  put_lut(bytes, problem.lut);
   return hash_of(bytes, key);
 }
 

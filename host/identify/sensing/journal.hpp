@@ -33,7 +33,8 @@ class Journal {
   bool is_read_only_ = false;
 };
 
-// Of the recording's files, the scene's, the settings' text and this program: with another key nothing is read back.
+// Of the recording's files, the scene's and what was read of those that it names, the settings' text and this program:
+// with another key nothing is read back.
 std::uint64_t journal_key(const Problem& problem, const std::string& settings);
 
 }  // namespace pvg::diagnose

@@ -79,7 +79,7 @@ void put_joint(std::vector<char>& bytes, const Joint& j) {
   put_vector(bytes, j.axis);
 }
 
-// All that physics reads of a scene; what is seen only is the scene file's, which the journal's key holds.
+// All that physics reads of a scene; what is seen only, and of meshes all but the points, the journal's key holds.
 void put_scene(std::vector<char>& bytes, const PhysicalScene& scene) {
   put_vector(bytes, scene.gravity);
   for (const RigidBody& body : scene.rigid_bodies) put_body(bytes, body);

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <map>
+#include <type_traits>
 
 #include "host/identify/sensing/question.hpp"
 #include "tests/temporary_folder.hpp"
@@ -156,6 +158,47 @@ TEST(Journal, AKeyHoldsTimesAndWhatWasPrescribed) {
     EXPECT_NE(journal_key(problem, ""), key) << before;
     *number = before;
   }
+}
+
+// The scene's file names them, and says the same whatever is in them.
+TEST(Journal, AKeyHoldsWhatIsInFilesThatTheSceneNames) {
+  Problem problem;
+  const std::array<Vec3f, 3> corners = {Vec3f(0, 0, 0), Vec3f(1, 0, 0), Vec3f(0, 1, 0)};
+  problem.seen.visual_meshes.push_back({{corners.begin(), corners.end()}, {}, {Vec2f(0, 0)}, {}, {}, {{0, 1, 2}}});
+  problem.seen.textures.push_back({1, 1, {10, 20, 30, 255}});
+  problem.seen.environment_map.rgb = {1, 2, 3};
+  problem.seen.materials.emplace_back();
+  problem.seen.visuals.emplace_back();
+  problem.seen.cameras.emplace_back().distortion = {0.1};
+  problem.scene.scene.rigid_bodies.emplace_back().collision.triangles = {{0, 1, 2}};
+  problem.scene.scene.soft_bodies.emplace_back().mesh.elements = {0, 1, 2, 3};
+  problem.scene.scene.cloths.emplace_back().mesh.triangles = {{0, 1, 2}};
+  problem.lut.emplace().value = {};
+  const std::uint64_t key = journal_key(problem, "");
+  EXPECT_EQ(journal_key(problem, ""), key);
+  Scene& seen = problem.seen;
+  const auto expect_other = [&](auto& number) {
+    const auto before = number;
+    number = std::remove_reference_t<decltype(number)>(before + 1);
+    EXPECT_NE(journal_key(problem, ""), key) << double(before);
+    number = before;
+  };
+  expect_other(seen.visual_meshes[0].points[2].y());
+  expect_other(seen.visual_meshes[0].uvs[0].x());
+  expect_other(seen.visual_meshes[0].triangles[0][1]);
+  expect_other(seen.textures[0].rgba[1]);
+  expect_other(seen.environment_map.rgb[2]);
+  expect_other(seen.materials[0].color.y());
+  expect_other(seen.materials[0].sheen_roughness);
+  expect_other(seen.visuals[0].material);
+  expect_other(seen.cameras[0].distortion[0]);
+  expect_other(seen.cameras[0].fx);
+  expect_other(problem.scene.scene.rigid_bodies[0].collision.triangles[0][2]);
+  expect_other(problem.scene.scene.soft_bodies[0].mesh.elements[3]);
+  expect_other(problem.scene.scene.cloths[0].mesh.triangles[0][0]);
+  expect_other(problem.lut->value[7][1]);
+  problem.lut.reset();
+  EXPECT_NE(journal_key(problem, ""), key);
 }
 
 }  // namespace
