@@ -59,6 +59,27 @@ double largest_correction(const System& system) {
   return largest;
 }
 
+// One solve steps all worlds, so what rules it is the same in all.
+void demand_common_settings(std::span<const PhysicalScene> worlds) {
+  const PhysicalScene& first = worlds.front();
+  for (const PhysicalScene& scene : worlds) {
+    const SolverSettings &a = first.solver, &b = scene.solver;
+    const std::pair<const char*, bool> settings[] = {
+        {"time_step", a.time_step == b.time_step},
+        {"solver.integrator", a.integrator == b.integrator},
+        {"solver.preconditioner", a.preconditioner == b.preconditioner},
+        {"solver.cg_tolerance", a.cg_tolerance == b.cg_tolerance},
+        {"solver.max_cg", a.max_cg == b.max_cg},
+        {"solver.max_newton", a.max_newton == b.max_newton},
+        {"solver.max_step_halvings", a.max_step_halvings == b.max_step_halvings},
+        {"contact.friction_lag_passes", first.contact.friction_lag_passes == scene.contact.friction_lag_passes}};
+    for (const auto& [name, is_common] : settings)
+      if (!is_common)
+        throw UsageError("scene " + scene.name + " has another `" + name + "` than scene " + first.name +
+                         ", with which it is to be simulated; give both the same, or simulate them apart");
+  }
+}
+
 }  // namespace
 Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
     : device(device_),
@@ -132,8 +153,6 @@ Simulation::Impl::Impl(Device& device_, std::span<const PhysicalScene> worlds)
   reports.resize(n);
   for (std::size_t w = 0; w < n; ++w) {
     const PhysicalScene& scene = system.scenes[w];
-    if (scene.solver.time_step != system.scenes[0].solver.time_step)
-      throw UsageError("worlds that are simulated together must have the same time step");
     carried.push_back(carried_bodies(scene));
     soft_masses.emplace_back();
     for (const SoftBody& body : nominal[w].soft_bodies)
@@ -171,6 +190,7 @@ void Simulation::Impl::refuse_start_conflicts() {
 }
 Simulation::Simulation(Device& device, std::span<const PhysicalScene> worlds) {
   if (worlds.empty()) throw UsageError("a simulation needs at least one scene");
+  demand_common_settings(worlds);
   impl_ = std::make_unique<Impl>(device, worlds);
 }
 Simulation::~Simulation() = default;

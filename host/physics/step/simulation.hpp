@@ -30,7 +30,8 @@ struct StepFailure : Failure {
 
 class Simulation {
  public:
-  // Refuses scenes that begin with intersections, naming the bodies. Worlds share the device and the time step.
+  // Refuses scenes that begin with intersections, naming the bodies. Worlds share the device, the time step and
+  // the settings of the solve; scenes that differ in them are refused.
   Simulation(Device& device, std::span<const PhysicalScene> worlds);
   Simulation(Device& device, const PhysicalScene& world) : Simulation(device, std::span(&world, 1)) {}
   ~Simulation();

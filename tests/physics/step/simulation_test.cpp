@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "tests/expect_error.hpp"
 #include "tests/physics/step/small_scenes.hpp"
 
 namespace pvg {
@@ -110,6 +111,27 @@ TEST(Simulation, AWorldsBitsDoNotDependOnItsCompanions) {
     alone.step(targets[1]);
   }
   EXPECT_EQ(together.state(1).rigid[1], alone.state().rigid[1]);
+}
+
+TEST(Simulation, WorldsThatDifferInSettingsOfTheSolveAreRefused) {
+  Device device;
+  const auto expect_refused = [&](const std::string& key, auto change) {
+    std::vector<PhysicalScene> both = {falling_box(), falling_box()};
+    both[1].name = "other";
+    change(both[1]);
+    const std::string sentence = "scene other has another `" + key + "`";
+    expect_error<UsageError>([&] { Simulation(device, both); }, {sentence.c_str()});
+  };
+  expect_refused("time_step", [](PhysicalScene& scene) { scene.solver.time_step *= 2; });
+  expect_refused("solver.integrator",
+                 [](PhysicalScene& scene) { scene.solver.integrator = SolverSettings::Integrator::bdf2; });
+  expect_refused("solver.preconditioner",
+                 [](PhysicalScene& scene) { scene.solver.preconditioner = SolverSettings::Preconditioner::schwarz; });
+  expect_refused("solver.cg_tolerance", [](PhysicalScene& scene) { scene.solver.cg_tolerance = 1e-9; });
+  expect_refused("solver.max_cg", [](PhysicalScene& scene) { scene.solver.max_cg = 7; });
+  expect_refused("solver.max_newton", [](PhysicalScene& scene) { scene.solver.max_newton = 7; });
+  expect_refused("solver.max_step_halvings", [](PhysicalScene& scene) { scene.solver.max_step_halvings = 0; });
+  expect_refused("contact.friction_lag_passes", [](PhysicalScene& scene) { scene.contact.friction_lag_passes = 3; });
 }
 
 TEST(Simulation, Bdf2FallsAsTheParabolaAfterItsFirstStep) {
