@@ -39,7 +39,7 @@ World many_instances(unsigned n) {
   return world;
 }
 
-// any way; every fourth along an axis
+// any way; every fourth along an axis, every fourth with two components of the same size, some with three
 Rays any_rays(std::size_t n, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> u(-1, 1);
@@ -50,6 +50,12 @@ Rays any_rays(std::size_t n, unsigned seed) {
     if (i % 4 == 0)
       for (int axis = 0; axis < 3; ++axis)
         if (axis != int(i / 4 % 3)) rays.direction[i].v[axis] = i % 8 ? 0.0f : -0.0f;
+    if (i % 4 == 1) {
+      float(&d)[4] = rays.direction[i].v;
+      const std::size_t kept = i / 4 % 3, same = (kept + 1) % 3;
+      d[same] = i % 8 == 1 ? d[kept] : -d[kept];
+      if (i % 32 == 1) d[(kept + 2) % 3] = d[kept];
+    }
   }
   return rays;
 }

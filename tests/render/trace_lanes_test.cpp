@@ -47,8 +47,15 @@ Scene things(const VisualMaterial& m) {
   scene.environment = Vec3f(0.2f, 0.25f, 0.3f);
   for (VisualMesh& mesh : scene.visual_meshes)  // no corner is at 0
     for (Vec2f& uv : mesh.uvs) uv += Vec2f(0.3f, 0.2f);
-  look_at(scene, {0.1, -2.2, 1.1}, {0, 0, 0.3}, 64, 36, 60);
+  // neither the chunks of paths nor the last sixteen of them are full
+  look_at(scene, {0.1, -2.2, 1.1}, {0, 0, 0.3}, 61, 37, 60);
   return scene;
+}
+
+void put_picture_of_sky(Scene& scene) {
+  scene.environment_map.width = 16;
+  scene.environment_map.height = 8;
+  for (int i = 0; i < 3 * 16 * 8; ++i) scene.environment_map.rgb.push_back(float(i % 37) / 10);
 }
 
 RenderedFrame shaded(const Scene& scene, bool transparent_shadows, bool is_wavefront) {
@@ -159,15 +166,15 @@ TEST_F(TraceLanes, ShadowReceivers) {
   mirror.roughness = 0;
   add(scene, quad({-1, 1.2f, 0}, {2, 0, 0}, {0, 0.2f, 1.5f}), mirror);
   expect_the_same(scene);
+  put_picture_of_sky(scene);  // a light: receivers are shaded one by one then
+  expect_the_same(scene);
 }
 
 TEST_F(TraceLanes, UnderAPictureOfTheSky) {
   VisualMaterial m = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f});
   m.roughness = 0.45f;
   Scene scene = things(m);
-  scene.environment_map.width = 16;
-  scene.environment_map.height = 8;
-  for (int i = 0; i < 3 * 16 * 8; ++i) scene.environment_map.rgb.push_back(float(i % 37) / 10);
+  put_picture_of_sky(scene);
   expect_the_same(scene);
 }
 
@@ -189,6 +196,63 @@ TEST_F(TraceLanes, LightThatARodOfGlassLeads) {
   VisualMaterial glass = material(Kind::dielectric);
   glass.absorption = {0.5f, 0.1f, 1};
   add(scene, box({-0.3f, -0.9f, 0.3f}, {0.3f, 0.4f, 0.34f}), glass);
+  expect_the_same(scene);
+}
+
+// Plates and boxes that are like those which are shaded sixteen at once, but for one thing each.
+TEST_F(TraceLanes, SurfacesThatAreShadedOneByOne) {
+  Scene scene = things(material(Kind::diffuse, {0.7f, 0.4f, 0.2f}));
+  scene.textures.push_back(stripes());  // of plain values
+  int n = 0;
+  const auto next_place = [&] {
+    const int i = n++;
+    return Vec3f(-0.85f + 0.35f * float(i % 5), -0.8f + 0.3f * float(i / 5), 0.1f + 0.45f * float(i / 5));
+  };
+  const auto plate = [&] { return quad(next_place(), {0.3f, 0.05f, 0}, {0, 0.1f, 0.3f}); };
+  VisualMaterial coated = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f});
+  coated.roughness = 0.45f;
+  VisualMesh mesh = plate();
+  mesh.colors = {{1, 0.2f, 0.2f}, {0.2f, 1, 0.2f}, {0.2f, 0.2f, 1}, {1, 1, 1}};
+  add(scene, mesh, coated);
+  VisualMaterial m = material(Kind::diffuse);
+  m.texture = 0;
+  m.on_second_uvs = VisualMaterial::color_bit;
+  mesh = plate();
+  for (const Vec2f& uv : mesh.uvs) mesh.second_uvs.push_back(Vec2f(0.9f - 0.4f * uv.x(), 0.2f + 0.3f * uv.y()));
+  add(scene, mesh, m);
+  m = coated;
+  m.emission = {0.5f, 0.9f, 0.4f};
+  add(scene, plate(), m);
+  m = material(Kind::diffuse, {0.8f, 0.8f, 0.8f});
+  m.normal_texture = 1;
+  add(scene, plate(), m);
+  m = coated;
+  m.metallic_roughness_texture = 1;
+  m.metallic = 1;
+  add(scene, plate(), m);
+  m = coated;
+  m.transmission = 0.6f;
+  m.is_thin = true;
+  add(scene, plate(), m);
+  m = material(Kind::conductor, {0.9f, 0.7f, 0.4f});
+  m.roughness = 0;
+  add(scene, plate(), m);
+  m = material(Kind::dielectric, {0.9f, 0.6f, 0.5f});
+  m.is_thin = true;
+  add(scene, plate(), m);
+  const auto block = [&] {
+    const Vec3f lo = next_place();
+    VisualMesh sides = box(lo, lo + Vec3f(0.25f, 0.1f, 0.25f));
+    for (const Vec3f& p : sides.points) sides.uvs.push_back(Vec2f(2 * p.x(), 3 * p.z()));
+    return sides;
+  };
+  m = coated;
+  m.transmission = 0.6f;
+  add(scene, block(), m);
+  m = material(Kind::dielectric);
+  m.absorption = {0.5f, 0.1f, 1};
+  m.texture = 0;
+  add(scene, block(), m);
   expect_the_same(scene);
 }
 
