@@ -1,7 +1,7 @@
 // What render/holes.cl does, one path a work-item.
 #include "render/holes.cl"
 
-// as in intersect.cl and wavefront/shade.cl;  depth: bounces so far
+// as in intersect.cl and shade.cl beside this;  depth: bounces so far
 kernel void pass_holes(const uint n, const uint depth, global uint* restrict queue,
                        global uint2* restrict stream, global const float8* restrict top,
                        global const float8* restrict nodes, global const float4* restrict blocks,
