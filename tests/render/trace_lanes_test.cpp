@@ -58,11 +58,11 @@ void put_picture_of_sky(Scene& scene) {
   for (int i = 0; i < 3 * 16 * 8; ++i) scene.environment_map.rgb.push_back(float(i % 37) / 10);
 }
 
-RenderedFrame shaded(const Scene& scene, bool transparent_shadows, bool is_wavefront) {
+RenderedFrame shaded(const Scene& scene, bool transparent_shadows, bool is_wavefront, bool notes_features = true) {
   Device device;
   RenderSettings settings;
   settings.samples = 8;
-  settings.notes_features = true;
+  settings.notes_features = notes_features;
   settings.transparent_shadows = transparent_shadows;
   settings.is_wavefront = is_wavefront;
   return Renderer(device, scene, settings).render(0, 0);
@@ -73,14 +73,16 @@ RenderedFrame shaded(const Scene& scene, bool transparent_shadows, bool is_wavef
 double share_of_others(const std::vector<float>& a, const std::vector<float>& b) {
   std::size_t n = 0;
   for (std::size_t i = 0; i < a.size(); ++i) n += !(std::abs(a[i] - b[i]) <= 2e-4f * (1 + std::abs(a[i])));
-  return double(n) / double(a.size());
+  return double(n) / double(std::max<std::size_t>(1, a.size()));
 }
 
-void expect_the_same(const Scene& scene, bool transparent_shadows = true) {
-  const RenderedFrame a = shaded(scene, transparent_shadows, false), b = shaded(scene, transparent_shadows, true);
+void expect_the_same(const Scene& scene, bool transparent_shadows = true, bool notes_features = true) {
+  const RenderedFrame a = shaded(scene, transparent_shadows, false, notes_features),
+                      b = shaded(scene, transparent_shadows, true, notes_features);
   EXPECT_LE(std::abs(double(a.rays) / double(b.rays) - 1), 0.001);
   ASSERT_EQ(a.rgb.size(), b.rgb.size());
   EXPECT_LE(share_of_others(a.rgb, b.rgb), 0.001);
+  EXPECT_NE(a.albedo.empty(), notes_features);
   EXPECT_LE(share_of_others(a.albedo, b.albedo), 0.001);
   EXPECT_LE(share_of_others(a.mean_normal, b.mean_normal), 0.001);
   const auto [least, most] = std::ranges::minmax(a.rgb);
@@ -176,6 +178,12 @@ TEST_F(TraceLanes, UnderAPictureOfTheSky) {
   Scene scene = things(m);
   put_picture_of_sky(scene);
   expect_the_same(scene);
+}
+
+TEST_F(TraceLanes, PathsThatLeaveIntoTheDarkWithoutNotes) {
+  Scene scene = things(material(Kind::dielectric));
+  scene.environment = Vec3f::Zero();
+  for (const bool transparent : {true, false}) expect_the_same(scene, transparent, false);
 }
 
 TEST_F(TraceLanes, SurfacesWithHoles) {

@@ -22,8 +22,8 @@ static inline uint group_of(const int environment_light, global const Instance* 
                         !(flags & MATERIAL_EMITS) & (m->normal_texture < 0);
   const uint is_receiver = (kind == MATERIAL_SHADOW_RECEIVER) & (environment_light < 0);
   const uint is_glass = (kind == MATERIAL_DIELECTRIC) & ((flags & MATERIAL_HAS_INSIDE) != 0) & (m->texture < 0);
-  const uint is_opaque = (m->metallic_roughness_texture < 0) & (m->transmission == 0) &
-                         !(flags & (MATERIAL_HAS_INSIDE | MATERIAL_THIN));
+  // what transmits has an inside or is thin
+  const uint is_opaque = (m->metallic_roughness_texture < 0) & !(flags & (MATERIAL_HAS_INSIDE | MATERIAL_THIN));
   uint group = OTHERS;
   group = is_receiver ? RECEIVERS : group;
   group = kind == MATERIAL_DIFFUSE ? DIFFUSE : group;
