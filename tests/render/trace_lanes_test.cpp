@@ -58,12 +58,16 @@ void put_picture_of_sky(Scene& scene) {
   for (int i = 0; i < 3 * 16 * 8; ++i) scene.environment_map.rgb.push_back(float(i % 37) / 10);
 }
 
-RenderedFrame shaded(const Scene& scene, bool transparent_shadows, bool is_wavefront, bool notes_features = true) {
-  Device device;
+RenderSettings with_notes(bool transparent_shadows = true) {
   RenderSettings settings;
   settings.samples = 8;
-  settings.notes_features = notes_features;
+  settings.notes_features = true;
   settings.transparent_shadows = transparent_shadows;
+  return settings;
+}
+
+RenderedFrame shaded(const Scene& scene, RenderSettings settings, bool is_wavefront) {
+  Device device;
   settings.is_wavefront = is_wavefront;
   return Renderer(device, scene, settings).render(0, 0);
 }
@@ -76,13 +80,12 @@ double share_of_others(const std::vector<float>& a, const std::vector<float>& b)
   return double(n) / double(std::max<std::size_t>(1, a.size()));
 }
 
-void expect_the_same(const Scene& scene, bool transparent_shadows = true, bool notes_features = true) {
-  const RenderedFrame a = shaded(scene, transparent_shadows, false, notes_features),
-                      b = shaded(scene, transparent_shadows, true, notes_features);
+void expect_the_same(const Scene& scene, const RenderSettings& settings = with_notes()) {
+  const RenderedFrame a = shaded(scene, settings, false), b = shaded(scene, settings, true);
   EXPECT_LE(std::abs(double(a.rays) / double(b.rays) - 1), 0.001);
   ASSERT_EQ(a.rgb.size(), b.rgb.size());
   EXPECT_LE(share_of_others(a.rgb, b.rgb), 0.001);
-  EXPECT_NE(a.albedo.empty(), notes_features);
+  EXPECT_NE(a.albedo.empty(), settings.notes_features);
   EXPECT_LE(share_of_others(a.albedo, b.albedo), 0.001);
   EXPECT_LE(share_of_others(a.mean_normal, b.mean_normal), 0.001);
   const auto [least, most] = std::ranges::minmax(a.rgb);
@@ -117,7 +120,7 @@ TEST_F(TraceLanes, GlassThatAbsorbsWithAnotherInside) {
     Scene scene = things(glass);
     add(scene, sphere(0.2f, 10), water, {-0.5, 0, 0.4});
     add(scene, box({-0.15f, -0.15f, -0.1f}, {0.15f, 0.15f, 0.3f}), water, {0.5, 0.1, 0.4});  // through the glass box
-    expect_the_same(scene, transparent);
+    expect_the_same(scene, with_notes(transparent));
   }
 }
 
@@ -143,7 +146,7 @@ TEST_F(TraceLanes, LightThroughAPlateOfGlass) {
     scene.cameras.clear();
     look_at(scene, {0.1, -2.2, 0.8}, {0, 0, 0.2}, 64, 36, 60);
     expect_the_same(scene);
-    expect_the_same(scene, false);  // the lamps are traced as well, and weighted against these paths
+    expect_the_same(scene, with_notes(false));  // the lamps are traced as well, and weighted against these paths
   }
 }
 
@@ -153,7 +156,7 @@ TEST_F(TraceLanes, PathsThatLampsTraceToo) {
   m.metallic = 0.4f;
   Scene scene = things(m);
   add(scene, sphere(0.3f, 12), material(Kind::dielectric), {0, -0.5, 0.4});
-  expect_the_same(scene, false);
+  expect_the_same(scene, with_notes(false));
 }
 
 TEST_F(TraceLanes, ShadowReceivers) {
@@ -183,7 +186,28 @@ TEST_F(TraceLanes, UnderAPictureOfTheSky) {
 TEST_F(TraceLanes, PathsThatLeaveIntoTheDarkWithoutNotes) {
   Scene scene = things(material(Kind::dielectric));
   scene.environment = Vec3f::Zero();
-  for (const bool transparent : {true, false}) expect_the_same(scene, transparent, false);
+  for (const bool transparent : {true, false}) {
+    RenderSettings settings = with_notes(transparent);
+    settings.notes_features = false;
+    expect_the_same(scene, settings);
+  }
+}
+
+// Of surfaces that scatter the last bounce shows their own light alone. Cut-out surfaces keep shadow rays for later.
+TEST_F(TraceLanes, FewBounces) {
+  VisualMaterial m = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f});
+  m.emission = {0.1f, 0.2f, 0.1f};
+  const Scene plain = things(material(Kind::diffuse, {0.7f, 0.4f, 0.2f}));
+  Scene with_holes = things(m);
+  m.alpha_mode = VisualMaterial::AlphaMode::blend;
+  m.opacity = 0.4f;
+  add(with_holes, quad({-0.8f, -0.8f, 0.1f}, {1.6f, 0, 0}, {0, 0, 0.5f}), m);
+  for (const Scene& scene : {plain, with_holes})
+    for (const int bounces : {0, 1, 2}) {
+      RenderSettings settings = with_notes();
+      settings.max_depth = bounces;
+      expect_the_same(scene, settings);
+    }
 }
 
 TEST_F(TraceLanes, SurfacesWithHoles) {
@@ -269,7 +293,7 @@ TEST_F(TraceLanes, NothingButAnEvenSky) {
   scene.environment = Vec3f(0.2f, 0.25f, 0.3f);
   look_at(scene, {0, 0, 2}, {0, 0, 0}, 40, 30, 60);
   for (const bool is_wavefront : {false, true}) {
-    const RenderedFrame frame = shaded(scene, true, is_wavefront);
+    const RenderedFrame frame = shaded(scene, with_notes(), is_wavefront);
     for (std::size_t i = 0; i < frame.rgb.size(); ++i) EXPECT_NEAR(frame.rgb[i], scene.environment[i % 3], 1e-6);
     EXPECT_EQ(frame.rays, 8u * 40 * 30);
   }
