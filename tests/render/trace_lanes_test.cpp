@@ -193,6 +193,20 @@ TEST_F(TraceLanes, PathsThatLeaveIntoTheDarkWithoutNotes) {
   }
 }
 
+// rays of plain cameras start sixteen at a time, these one by one
+TEST_F(TraceLanes, CamerasWithALensOrDistortion) {
+  const Scene plain = things(material(Kind::diffuse, {0.7f, 0.4f, 0.2f}));
+  for (const int kind : {0, 1, 2}) {
+    Scene scene = plain;
+    Camera& camera = scene.cameras[0];
+    if (kind == 0) camera.lens_radius = 0.02;
+    if (kind == 0) camera.focus_distance = 2;
+    if (kind > 0) camera.distortion = {-0.1, 0.02, 0.001, 0.002};
+    if (kind == 2) camera.model = Camera::Model::fisheye;
+    expect_the_same(scene);
+  }
+}
+
 // Of surfaces that scatter the last bounce shows their own light alone. Cut-out surfaces keep shadow rays for later.
 TEST_F(TraceLanes, FewBounces) {
   VisualMaterial m = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f});
