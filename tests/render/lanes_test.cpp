@@ -31,6 +31,10 @@ World many_instances(unsigned n) {
     if (i % 4 == 0) p = pose(0, Vec3::Zero());
     world.add(i % 4 == 2 ? test::sphere(0.4, 6) : soup(i % 5 ? 60 : 3, i, i % 4 ? 0.4f : 0.1f), p);
   }
+  // moved meshes of a single leaf that many rays meet, one for each mask
+  for (unsigned i = 0; i < 5 && n > 7; ++i)
+    world.add(test::quad({-0.4f, -0.4f, 0}, {0.8f, 0, 0}, {0, 0.8f, 0}),
+              pose(0.7 * i + 0.3, Vec3(0.3, 0.2 * i - 0.4, 0.1)));
   for (std::size_t i = 0; i < world.instances.size(); ++i) {
     world.instances[i].mask = MASKS[i % 5];
     world.instances[i].material = std::uint32_t(i % 2);

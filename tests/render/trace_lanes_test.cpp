@@ -183,11 +183,12 @@ TEST_F(TraceLanes, UnderAPictureOfTheSky) {
   expect_the_same(scene);
 }
 
-TEST_F(TraceLanes, PathsThatLeaveIntoTheDarkWithoutNotes) {
+TEST_F(TraceLanes, PathsThatLeaveIntoTheDark) {
   Scene scene = things(material(Kind::dielectric));
   scene.environment = Vec3f::Zero();
   for (const bool transparent : {true, false}) {
     RenderSettings settings = with_notes(transparent);
+    expect_the_same(scene, settings);
     settings.notes_features = false;
     expect_the_same(scene, settings);
   }
