@@ -13,7 +13,7 @@ namespace {
 // Paths that a work-item of `generate` starts: on a CPU its vector units draw the random numbers of 16 side by side.
 std::size_t paths_per_item(bool is_wavefront) { return is_wavefront ? 1 : PACKET; }
 
-// enough that every core has many, some of which take ten times as long as others
+// Chunks of TRACE_CHUNK paths: many for each core, as some take ten times as long as others.
 std::size_t chunks_at_once(const Device& device) {
   return std::max<std::size_t>(64, 16 * std::size_t(device.info().compute_units));
 }
@@ -84,7 +84,7 @@ ChunkTracing::ChunkTracing(Device& device)
       next(device, 1, "next"),
       segments(device, 0, "segments") {}
 
-void ChunkTracing::group(const Launch& launch, const DeviceScene& scene) {
+void ChunkTracing::find_groups(const Launch& launch, const DeviceScene& scene) {
   const std::size_t n = scene.trees.instances.size();
   groups.resize(std::max<std::size_t>(n, 1));
   group_instances(n, std::uint32_t(n), std::int32_t(launch.environment_light), scene.trees.instances, scene.materials,
@@ -144,7 +144,7 @@ std::uint64_t Stages::trace_chunks(std::size_t n, const Launch& launch, const Bu
   resize_slots(n);
   const std::size_t n_chunks = divided_up(n, TRACE_CHUNK);
   chunks_->segments.resize(n_chunks);
-  chunks_->group(launch, scene);
+  chunks_->find_groups(launch, scene);
   chunks_->next.zero();
   chunks_->trace(n_chunks, std::uint32_t(n), launch, std::uint32_t(features_.has_value()),
                  std::uint32_t(scene.has_cutouts), first_leaves_glass(launch, scene), pixels, chunks_->groups, queue_,

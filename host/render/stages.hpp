@@ -1,4 +1,4 @@
-// The stages of the wavefront on the device: programs, the arrays that paths travel in, and one function per use.
+// The stages of the path tracer on the device: programs, the arrays that paths travel in, and one function per use.
 #pragma once
 #include <optional>
 #include <vector>
@@ -57,14 +57,14 @@ struct LightTracing {
 // All stages in one kernel, on a CPU, see kernels/render/lanes/trace.cl.
 struct ChunkTracing {
   explicit ChunkTracing(Device& device);
-  void group(const Launch& launch, const DeviceScene& scene);
+  void find_groups(const Launch& launch, const DeviceScene& scene);
   Kernel group_instances, trace;
-  Buffer<std::uint8_t> groups;     // of the instances
-  Buffer<std::uint32_t> next;      // the first chunk that nobody has
-  Buffer<std::uint32_t> segments;  // of the chunks
+  Buffer<std::uint8_t> groups;     // [instances] which surfaces each has
+  Buffer<std::uint32_t> next;      // [1] the first chunk that nobody has
+  Buffer<std::uint32_t> segments;  // [chunks] traced
 };
 
-// Each stage in a kernel of its own, see kernels/render/wavefront.
+// A kernel for each stage, as a GPU needs it, see kernels/render/wavefront. The other stages: Kernels and Traversal.
 struct Wavefront {
   explicit Wavefront(Device& device);
   Kernel shade, leave_glass;
@@ -74,7 +74,7 @@ class Stages {
  public:
   // notes_features: for the guides of the films;  traces_light: for their splats;  is_wavefront: each stage is a launch
   Stages(Device& device, bool notes_features, bool traces_light, bool is_wavefront);
-  // At most so many paths are under way at once, about 150 bytes each: what fills the device.
+  // At most so many paths are under way at once, about 150 bytes each: what keeps the device busy.
   std::size_t max_paths() const { return max_paths_; }
   // follows the paths of the launch's part of the pixels to their end and adds them to the film; the number of segments
   // traced
@@ -116,7 +116,7 @@ class Stages {
   std::size_t max_paths_, paths_per_item_;
   Kernels kernels_;
   Traversal traversal_;
-  std::optional<ChunkTracing> chunks_;  // one of the two
+  std::optional<ChunkTracing> chunks_;  // one of these two, by is_wavefront
   std::optional<Wavefront> wavefront_;
   std::optional<Features> features_;
   std::optional<LightTracing> light_tracing_;

@@ -12,7 +12,7 @@ std::string traversal_options(const Device& device) {
 Traversal::Traversal(Device& device, bool one_by_one)
     : rays_per_item_(one_by_one ? 1 : RAYS_CHUNK),
       intersect_(one_by_one
-                     ? Program(device, "render/intersect.cl", traversal_options(device)).kernel("intersect")
+                     ? Program(device, "render/wavefront/intersect.cl", traversal_options(device)).kernel("intersect")
                      : Program(device, "render/lanes/rays.cl", traversal_options(device)).kernel("intersect_lanes")),
       shadow_(one_by_one ? Program(device, "render/wavefront/shadow.cl", traversal_options(device)).kernel("shadow")
                          : Program(device, "render/lanes/rays.cl", traversal_options(device)).kernel("shadow_lanes")) {}

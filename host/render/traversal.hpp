@@ -26,7 +26,7 @@ class Traversal {
  public:
   // one_by_one: a work-item takes one ray, as a GPU needs it; else RAYS_CHUNK of them, sixteen side by side, for a CPU
   Traversal(Device& device, bool one_by_one);
-  // of the n slots in the queue; arguments as in intersect.cl
+  // of the n slots in the queue; arguments as in wavefront/intersect.cl
   void find_closest(std::size_t n, const Buffer<std::uint32_t>& queue, const DeviceTrees& trees,
                     const Buffer<F32x4>& origin, const Buffer<F32x4>& direction, Buffer<F32x4>& hit,
                     Buffer<std::uint32_t>& hit_instance);

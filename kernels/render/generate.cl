@@ -72,9 +72,9 @@ static inline void number_paths(const Launch launch, global const uint* pixels, 
   }
 }
 
-// starts these paths in the slots of their numbers. pixels: places in the picture, of
-// which the launch takes some.  What stands in fourth parts: of origin the density of the last direction, of direction the
-// stack of the glasses that the path is inside of, of throughput its flags
+// starts these paths in the slots of their numbers. pixels: places in the picture, of which the launch takes some. What
+// stands in fourth parts: of origin the density of the last direction, of direction the stack of the glasses that the path
+// is inside of, of throughput its flags
 static inline void start_paths(const Launch launch, global const uint* pixels, const uint first, const uint n,
                                const Slots slots) {
   uint pixel[PATHS], key[PATHS], sample[PATHS];

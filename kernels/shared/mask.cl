@@ -24,7 +24,7 @@ static inline uint mask16(const int16 is_true) {
 #endif
 }
 
-// back: -1 where the bit is set
+// the way back: element k is -1 where bit k is set, else 0
 static inline int16 lanes_of(const uint bits) {
   return ((int16)((int)bits) & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768)) != 0;
 }

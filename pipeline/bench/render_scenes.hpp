@@ -20,7 +20,8 @@ struct BenchRays {
 
 // From a camera inside the room: 640 x 360 pixels in tiles of 8 x 8, `samples` each side by side.
 BenchRays primary_rays(int samples);
-// From where the primary rays met the mesh: one each, cosine distributed about the normal; `hit` as of intersect.cl.
+// From where the primary rays met the mesh: one each, cosine distributed about the normal; `hit` as in
+// kernels/render/wavefront/intersect.cl.
 BenchRays diffuse_rays(const VisualMesh& mesh, const BenchRays& primary, const std::vector<F32x4>& hit);
 // From there to points of a square of 4 x 4 m below the ceiling, where t = 1.
 BenchRays shadow_rays(const VisualMesh& mesh, const BenchRays& primary, const std::vector<F32x4>& hit);

@@ -31,6 +31,10 @@ World many_instances(unsigned n) {
     if (i % 4 == 0) p = pose(0, Vec3::Zero());
     world.add(i % 4 == 2 ? test::sphere(0.4, 6) : soup(i % 5 ? 60 : 3, i, i % 4 ? 0.4f : 0.1f), p);
   }
+  // moved meshes of a single leaf that many rays meet, one for each mask
+  for (unsigned i = 0; i < 5 && n > 7; ++i)
+    world.add(test::quad({-0.4f, -0.4f, 0}, {0.8f, 0, 0}, {0, 0.8f, 0}),
+              pose(0.7 * i + 0.3, Vec3(0.3, 0.2 * i - 0.4, 0.1)));
   for (std::size_t i = 0; i < world.instances.size(); ++i) {
     world.instances[i].mask = MASKS[i % 5];
     world.instances[i].material = std::uint32_t(i % 2);
@@ -39,7 +43,7 @@ World many_instances(unsigned n) {
   return world;
 }
 
-// any way; every fourth along an axis
+// any way; every fourth along an axis, every fourth with two components of the same size, some with three
 Rays any_rays(std::size_t n, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> u(-1, 1);
@@ -50,6 +54,12 @@ Rays any_rays(std::size_t n, unsigned seed) {
     if (i % 4 == 0)
       for (int axis = 0; axis < 3; ++axis)
         if (axis != int(i / 4 % 3)) rays.direction[i].v[axis] = i % 8 ? 0.0f : -0.0f;
+    if (i % 4 == 1) {
+      float(&d)[4] = rays.direction[i].v;
+      const std::size_t kept = i / 4 % 3, same = (kept + 1) % 3;
+      d[same] = i % 8 == 1 ? d[kept] : -d[kept];
+      if (i % 32 == 1) d[(kept + 2) % 3] = d[kept];
+    }
   }
   return rays;
 }

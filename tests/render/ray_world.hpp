@@ -69,7 +69,7 @@ inline DeviceTrees device_trees(Device& device, const World& world) {
 inline void find_closest_alone(Device& device, std::size_t n, const Buffer<std::uint32_t>& queue,
                                const DeviceTrees& trees, const Buffer<F32x4>& origin, const Buffer<F32x4>& direction,
                                Buffer<F32x4>& hit, Buffer<std::uint32_t>& hit_instance) {
-  Kernel intersect = Program(device, "render/intersect.cl", traversal_options(device)).kernel("intersect");
+  Kernel intersect = Program(device, "render/wavefront/intersect.cl", traversal_options(device)).kernel("intersect");
   intersect(n, std::uint32_t(n), queue, trees.top, trees.nodes, trees.blocks, trees.instances, origin, direction, hit,
             hit_instance);
 }

@@ -47,16 +47,27 @@ Scene things(const VisualMaterial& m) {
   scene.environment = Vec3f(0.2f, 0.25f, 0.3f);
   for (VisualMesh& mesh : scene.visual_meshes)  // no corner is at 0
     for (Vec2f& uv : mesh.uvs) uv += Vec2f(0.3f, 0.2f);
-  look_at(scene, {0.1, -2.2, 1.1}, {0, 0, 0.3}, 64, 36, 60);
+  // neither the chunks of paths nor the last sixteen of them are full
+  look_at(scene, {0.1, -2.2, 1.1}, {0, 0, 0.3}, 61, 37, 60);
   return scene;
 }
 
-RenderedFrame shaded(const Scene& scene, bool transparent_shadows, bool is_wavefront) {
-  Device device;
+void put_picture_of_sky(Scene& scene) {
+  scene.environment_map.width = 16;
+  scene.environment_map.height = 8;
+  for (int i = 0; i < 3 * 16 * 8; ++i) scene.environment_map.rgb.push_back(float(i % 37) / 10);
+}
+
+RenderSettings with_notes(bool transparent_shadows = true) {
   RenderSettings settings;
   settings.samples = 8;
   settings.notes_features = true;
   settings.transparent_shadows = transparent_shadows;
+  return settings;
+}
+
+RenderedFrame shaded(const Scene& scene, RenderSettings settings, bool is_wavefront) {
+  Device device;
   settings.is_wavefront = is_wavefront;
   return Renderer(device, scene, settings).render(0, 0);
 }
@@ -66,14 +77,15 @@ RenderedFrame shaded(const Scene& scene, bool transparent_shadows, bool is_wavef
 double share_of_others(const std::vector<float>& a, const std::vector<float>& b) {
   std::size_t n = 0;
   for (std::size_t i = 0; i < a.size(); ++i) n += !(std::abs(a[i] - b[i]) <= 2e-4f * (1 + std::abs(a[i])));
-  return double(n) / double(a.size());
+  return double(n) / double(std::max<std::size_t>(1, a.size()));
 }
 
-void expect_the_same(const Scene& scene, bool transparent_shadows = true) {
-  const RenderedFrame a = shaded(scene, transparent_shadows, false), b = shaded(scene, transparent_shadows, true);
+void expect_the_same(const Scene& scene, const RenderSettings& settings = with_notes()) {
+  const RenderedFrame a = shaded(scene, settings, false), b = shaded(scene, settings, true);
   EXPECT_LE(std::abs(double(a.rays) / double(b.rays) - 1), 0.001);
   ASSERT_EQ(a.rgb.size(), b.rgb.size());
   EXPECT_LE(share_of_others(a.rgb, b.rgb), 0.001);
+  EXPECT_NE(a.albedo.empty(), settings.notes_features);
   EXPECT_LE(share_of_others(a.albedo, b.albedo), 0.001);
   EXPECT_LE(share_of_others(a.mean_normal, b.mean_normal), 0.001);
   const auto [least, most] = std::ranges::minmax(a.rgb);
@@ -108,7 +120,7 @@ TEST_F(TraceLanes, GlassThatAbsorbsWithAnotherInside) {
     Scene scene = things(glass);
     add(scene, sphere(0.2f, 10), water, {-0.5, 0, 0.4});
     add(scene, box({-0.15f, -0.15f, -0.1f}, {0.15f, 0.15f, 0.3f}), water, {0.5, 0.1, 0.4});  // through the glass box
-    expect_the_same(scene, transparent);
+    expect_the_same(scene, with_notes(transparent));
   }
 }
 
@@ -134,7 +146,7 @@ TEST_F(TraceLanes, LightThroughAPlateOfGlass) {
     scene.cameras.clear();
     look_at(scene, {0.1, -2.2, 0.8}, {0, 0, 0.2}, 64, 36, 60);
     expect_the_same(scene);
-    expect_the_same(scene, false);  // the lamps are traced as well, and weighted against these paths
+    expect_the_same(scene, with_notes(false));  // the lamps are traced as well, and weighted against these paths
   }
 }
 
@@ -144,7 +156,7 @@ TEST_F(TraceLanes, PathsThatLampsTraceToo) {
   m.metallic = 0.4f;
   Scene scene = things(m);
   add(scene, sphere(0.3f, 12), material(Kind::dielectric), {0, -0.5, 0.4});
-  expect_the_same(scene, false);
+  expect_the_same(scene, with_notes(false));
 }
 
 TEST_F(TraceLanes, ShadowReceivers) {
@@ -159,16 +171,58 @@ TEST_F(TraceLanes, ShadowReceivers) {
   mirror.roughness = 0;
   add(scene, quad({-1, 1.2f, 0}, {2, 0, 0}, {0, 0.2f, 1.5f}), mirror);
   expect_the_same(scene);
+  put_picture_of_sky(scene);  // a light: receivers are shaded one by one then
+  expect_the_same(scene);
 }
 
 TEST_F(TraceLanes, UnderAPictureOfTheSky) {
   VisualMaterial m = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f});
   m.roughness = 0.45f;
   Scene scene = things(m);
-  scene.environment_map.width = 16;
-  scene.environment_map.height = 8;
-  for (int i = 0; i < 3 * 16 * 8; ++i) scene.environment_map.rgb.push_back(float(i % 37) / 10);
+  put_picture_of_sky(scene);
   expect_the_same(scene);
+}
+
+TEST_F(TraceLanes, PathsThatLeaveIntoTheDark) {
+  Scene scene = things(material(Kind::dielectric));
+  scene.environment = Vec3f::Zero();
+  for (const bool transparent : {true, false}) {
+    RenderSettings settings = with_notes(transparent);
+    expect_the_same(scene, settings);
+    settings.notes_features = false;
+    expect_the_same(scene, settings);
+  }
+}
+
+// rays of plain cameras start sixteen at a time, these one by one
+TEST_F(TraceLanes, CamerasWithALensOrDistortion) {
+  const Scene plain = things(material(Kind::diffuse, {0.7f, 0.4f, 0.2f}));
+  for (const int kind : {0, 1, 2}) {
+    Scene scene = plain;
+    Camera& camera = scene.cameras[0];
+    if (kind == 0) camera.lens_radius = 0.02;
+    if (kind == 0) camera.focus_distance = 2;
+    if (kind > 0) camera.distortion = {-0.1, 0.02, 0.001, 0.002};
+    if (kind == 2) camera.model = Camera::Model::fisheye;
+    expect_the_same(scene);
+  }
+}
+
+// Of surfaces that scatter the last bounce shows their own light alone. Cut-out surfaces keep shadow rays for later.
+TEST_F(TraceLanes, FewBounces) {
+  VisualMaterial m = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f});
+  m.emission = {0.1f, 0.2f, 0.1f};
+  const Scene plain = things(material(Kind::diffuse, {0.7f, 0.4f, 0.2f}));
+  Scene with_holes = things(m);
+  m.alpha_mode = VisualMaterial::AlphaMode::blend;
+  m.opacity = 0.4f;
+  add(with_holes, quad({-0.8f, -0.8f, 0.1f}, {1.6f, 0, 0}, {0, 0, 0.5f}), m);
+  for (const Scene& scene : {plain, with_holes})
+    for (const int bounces : {0, 1, 2}) {
+      RenderSettings settings = with_notes();
+      settings.max_depth = bounces;
+      expect_the_same(scene, settings);
+    }
 }
 
 TEST_F(TraceLanes, SurfacesWithHoles) {
@@ -192,12 +246,69 @@ TEST_F(TraceLanes, LightThatARodOfGlassLeads) {
   expect_the_same(scene);
 }
 
+// Plates and boxes that are like those which are shaded sixteen at once, but for one thing each.
+TEST_F(TraceLanes, SurfacesThatAreShadedOneByOne) {
+  Scene scene = things(material(Kind::diffuse, {0.7f, 0.4f, 0.2f}));
+  scene.textures.push_back(stripes());  // of plain values
+  int n = 0;
+  const auto next_place = [&] {
+    const int i = n++;
+    return Vec3f(-0.85f + 0.35f * float(i % 5), -0.8f + 0.3f * float(i / 5), 0.1f + 0.45f * float(i / 5));
+  };
+  const auto plate = [&] { return quad(next_place(), {0.3f, 0.05f, 0}, {0, 0.1f, 0.3f}); };
+  VisualMaterial coated = material(Kind::metallic_roughness, {0.8f, 0.5f, 0.3f});
+  coated.roughness = 0.45f;
+  VisualMesh mesh = plate();
+  mesh.colors = {{1, 0.2f, 0.2f}, {0.2f, 1, 0.2f}, {0.2f, 0.2f, 1}, {1, 1, 1}};
+  add(scene, mesh, coated);
+  VisualMaterial m = material(Kind::diffuse);
+  m.texture = 0;
+  m.on_second_uvs = VisualMaterial::color_bit;
+  mesh = plate();
+  for (const Vec2f& uv : mesh.uvs) mesh.second_uvs.push_back(Vec2f(0.9f - 0.4f * uv.x(), 0.2f + 0.3f * uv.y()));
+  add(scene, mesh, m);
+  m = coated;
+  m.emission = {0.5f, 0.9f, 0.4f};
+  add(scene, plate(), m);
+  m = material(Kind::diffuse, {0.8f, 0.8f, 0.8f});
+  m.normal_texture = 1;
+  add(scene, plate(), m);
+  m = coated;
+  m.metallic_roughness_texture = 1;
+  m.metallic = 1;
+  add(scene, plate(), m);
+  m = coated;
+  m.transmission = 0.6f;
+  m.is_thin = true;
+  add(scene, plate(), m);
+  m = material(Kind::conductor, {0.9f, 0.7f, 0.4f});
+  m.roughness = 0;
+  add(scene, plate(), m);
+  m = material(Kind::dielectric, {0.9f, 0.6f, 0.5f});
+  m.is_thin = true;
+  add(scene, plate(), m);
+  const auto block = [&] {
+    const Vec3f lo = next_place();
+    VisualMesh sides = box(lo, lo + Vec3f(0.25f, 0.1f, 0.25f));
+    for (const Vec3f& p : sides.points) sides.uvs.push_back(Vec2f(2 * p.x(), 3 * p.z()));
+    return sides;
+  };
+  m = coated;
+  m.transmission = 0.6f;
+  add(scene, block(), m);
+  m = material(Kind::dielectric);
+  m.absorption = {0.5f, 0.1f, 1};
+  m.texture = 0;
+  add(scene, block(), m);
+  expect_the_same(scene);
+}
+
 TEST_F(TraceLanes, NothingButAnEvenSky) {
   Scene scene;
   scene.environment = Vec3f(0.2f, 0.25f, 0.3f);
   look_at(scene, {0, 0, 2}, {0, 0, 0}, 40, 30, 60);
   for (const bool is_wavefront : {false, true}) {
-    const RenderedFrame frame = shaded(scene, true, is_wavefront);
+    const RenderedFrame frame = shaded(scene, with_notes(), is_wavefront);
     for (std::size_t i = 0; i < frame.rgb.size(); ++i) EXPECT_NEAR(frame.rgb[i], scene.environment[i % 3], 1e-6);
     EXPECT_EQ(frame.rays, 8u * 40 * 30);
   }

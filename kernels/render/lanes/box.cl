@@ -46,8 +46,6 @@ ALWAYS_INLINE int16 lanes_in_box(global const float* node, const uint k, const B
   return t0 <= t1;
 }
 
-// lanes that must meet a leaf for its triangles to be tested for all of them at once
-#define LANES_IN_LEAF 1
 #define LANES_OPEN 8  // lanes that must meet the box of a mesh; 5 and 12 take as long
 
 // Are the boxes of the root's children tested by all lanes at once? Where the mesh has the world's frame, and enough
@@ -80,11 +78,11 @@ ALWAYS_INLINE bool any_in_instance(const Trees trees, global const Instance* ins
   return any_in_mesh(trees, &box, &leaf, first, BEFORE_LIGHT);
 }
 
-// Bits of the lanes that are stopped below first, of those in meet. A leaf of a mesh in the world's frame that enough of
-// them meet is tested for all at once
+// Bits of the lanes that are stopped below first, of those in meet. A leaf of a mesh in the world's frame is tested for all
+// at once
 TREE_FUNCTION uint stopped_of(const Trees trees, global const Instance* instance, const int first, const Lanes* lanes,
                               const LeafLanes* leaf, uint meet) {
-  if (first < 0 && instance->flags & INSTANCE_UNMOVED && popcount(meet) >= LANES_IN_LEAF)
+  if (first < 0 && instance->flags & INSTANCE_UNMOVED)
     return meet & lanes_stopped_in_block(trees.blocks + (size_t)(~first) * 10, leaf, BEFORE_LIGHT);
   uint stopped = 0;
   for (; meet; meet &= meet - 1) {

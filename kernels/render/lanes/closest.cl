@@ -1,11 +1,12 @@
-// Closest hits of sixteen rays that go any way, with the bits that each would find alone. All find the instances that they
-// may meet together, then each visits its own, the nearest first.
+// Closest hits of sixteen rays that go any way, with the bits that each would find alone; of two triangles at the same t
+// either may be found. Together they walk the tree over instances and test the leaves of small meshes there; then each ray
+// visits what else it may meet, the nearest first.
 #ifndef PVG_RENDER_LANES_CLOSEST_CL
 #define PVG_RENDER_LANES_CLOSEST_CL
 #include "render/lanes/box.cl"
 
-#define MOST_VISITS 24    // of a ray; one that has more goes alone
-#define MOST_STARTS 128   // of a packet; each ray of one that has more goes alone
+#define MOST_VISITS 24   // of a ray; one that has more goes alone
+#define MOST_STARTS 128  // of a packet; where it has more each of its rays goes alone
 
 // where a visit of a mesh begins
 typedef struct {
@@ -14,17 +15,17 @@ typedef struct {
 } Start;
 
 typedef struct {
-  Visit of_lane[PACKET][MOST_VISITS];  // their numbers: of starts
-  uint n[PACKET];
+  Visit of_lane[PACKET][MOST_VISITS];  // each: t where it begins, number of its start
+  uint n[PACKET];                      // visits of each lane
   Start starts[MOST_STARTS];
   uint n_starts;
 } Visits;
 
-// What lanes meet of an instance, bits of meet, below first. Where it is a leaf of a mesh in the world's frame that
-// enough of them meet, its triangles are tested at once; else each visits it later.
+// The lanes in meet (bits) meet the box of what an instance's mesh has below first, at t = entry. The triangles of a leaf in
+// the world's frame are tested for all lanes at once; anything else is a visit for later.
 static inline void add_visits(const Trees trees, Visits* v, const uint instance, const int first, const bool is_unmoved,
                               const LeafLanes* leaf, const float16 entry, uint meet, PacketHit* hits) {
-  if (first < 0 && is_unmoved && popcount(meet) >= LANES_IN_LEAF) {
+  if (first < 0 && is_unmoved) {
     closest_of_lanes_in_block(trees.blocks + (size_t)(~first) * 10, leaf, instance, hits);
     return;
   }
@@ -53,7 +54,7 @@ static inline void add_visits_of_children(const Trees trees, Visits* v, const ui
   }
 }
 
-// what each lane meets of the top tree, in no order; hits: of the leaves that are tested here
+// what each lane meets of the top tree, in no order; into lanes: the hits in leaves that are tested here
 TREE_FUNCTION void find_visits(const Trees trees, Lanes* lanes, Visits* visits) {
   const Packet origin = load_packet(lanes->origin), direction = load_packet(lanes->direction);
   BoxLanes r;
@@ -119,6 +120,7 @@ TREE_FUNCTION float4 closest_of_visits(const Trees trees, const float3 origin, c
   return (float4)(hit.t, hit.u, hit.v, as_float(hit.triangle));
 }
 
+// the same in the whole scene
 TREE_FUNCTION float4 closest_alone(const Trees trees, const float3 origin, const float3 direction, uint* instance) {
   Hit hit = {INFINITY, 0, 0, NO_TRIANGLE, 0};
   closest_hit(trees, origin, direction, &hit);

@@ -95,14 +95,13 @@ static inline void send_shadow_rays(const Launch launch, const Shading scene, co
 
 // meet_receiver() where the environment is none of the lights
 static inline void shade_receiver_group(const Launch launch, const Shading scene, const Bounce bounce,
-                                        const Paths* p, const Surfaces* s, global const uint2* stream,
-                                        const Slots slots) {
+                                        const Paths* p, const Surfaces* s, const Slots slots) {
   global const float4* materials = (global const float4*)scene.materials;
   const uint stride = ROWS_OF(Material);
   const Rows kind = load_rows(materials, p->material, stride, 0), own = load_rows(materials, p->material, stride, 1);
   const Packet color = surface_colors(scene, s, as_int16(kind.y), vectors_of(own));
   write_notes(bounce, p, s, color, sixteen(1.0f), slots);
-  const Chances chance = draw_chances(stream, p, bounce.depth);
+  const Chances chance = draw_chances(slots.stream, p, bounce.depth);
   const float16 strength = own.w, ambient = load_rows(materials, p->material, stride, 4).w;
   const Packet shown = times(products(transmitted(scene, p, s), color), sixteen(launch.receiver_scale));
   const Packet shaded = times(shown, strength);
@@ -188,7 +187,7 @@ static inline void write_paths(const Paths* p, const Packet origin, const float1
 // light_surface(), scatter() and note_scattered();  kind: of all, known when this is compiled
 static inline void shade_scattering_group(const Launch launch, const Shading scene, const Bounce bounce,
                                           const uint kind, const Paths* p, const Surfaces* s,
-                                          global const uint2* stream, const Slots slots) {
+                                          const Slots slots) {
   global const float4* materials = (global const float4*)scene.materials;
   const uint stride = ROWS_OF(Material);
   const Rows first = load_rows(materials, p->material, stride, 0), second = load_rows(materials, p->material, stride, 1);
@@ -204,7 +203,7 @@ static inline void shade_scattering_group(const Launch launch, const Shading sce
     is_matte = m.metallic < 0.5f;
   }
   write_notes(bounce, p, s, m.color, sixteen(1.0f), slots);
-  const Chances chance = draw_chances(stream, p, bounce.depth);
+  const Chances chance = draw_chances(slots.stream, p, bounce.depth);
   const Packet carried = transmitted(scene, p, s);
   const Sides side = sides_of(s, p->direction);
   const Frames frame = make_frames(side.normal);
@@ -277,11 +276,11 @@ static inline GlassSamples sample_glass(const Packet wo, const float16 eta, cons
 
 // pass_glass() and pass_hidden()
 static inline void shade_glass_group(const Shading scene, const Bounce bounce, const Paths* p, const Surfaces* s,
-                                     global const uint2* stream, const Slots slots) {
+                                     const Slots slots) {
   const Packet nothing = {0.0f, 0.0f, 0.0f};
   Chances chance;
   uint16 key, sample_number;
-  draw_choices(stream, p, bounce.depth, &key, &sample_number, &chance);
+  draw_choices(slots.stream, p, bounce.depth, &key, &sample_number, &chance);
   Packet throughput = transmitted(scene, p, s);
   const Sides side = sides_of(s, p->direction);
 

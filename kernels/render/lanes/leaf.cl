@@ -1,5 +1,5 @@
-// Sixteen rays that go any way against the triangles of a leaf, one at a time. The arithmetic is that of block_hits and
-// block_any in traverse.cl, so hits have the same bits; of two triangles at the same t either may be found.
+// Sixteen rays that go any way against the triangles of a leaf, one triangle at a time. The arithmetic is that of block_hits
+// and block_any in traverse.cl, so hits have the same bits; of two triangles at the same t either may be found.
 #ifndef PVG_RENDER_LANES_LEAF_CL
 #define PVG_RENDER_LANES_LEAF_CL
 #include "render/lanes/packet.cl"
@@ -7,7 +7,7 @@
 // what a leaf's test takes, as LeafRay: each ray's axes are in the order of its own
 typedef struct {
   Packet shift, shear;
-  int16 is_x, is_z;  // the largest component of the direction
+  int16 is_x, is_z;  // is this component of the direction the largest? Else it is y
 } LeafLanes;
 
 // x, y and z in the order of each ray's axes
@@ -17,27 +17,27 @@ ALWAYS_INLINE Packet turned(const int16 is_x, const int16 is_z, const float16 x,
 }
 
 ALWAYS_INLINE void make_leaf_lanes(const Packet origin, const Packet direction, LeafLanes* r) {
-  const float16 size_x = fabs(direction.x), size_y = fabs(direction.y), size_z = fabs(direction.z);
-  r->is_z = size_z >= max(size_x, size_y);
-  r->is_x = ~r->is_z & (size_x >= size_y);
+  find_largest_components(direction, &r->is_x, &r->is_z);
   r->shift = turned(r->is_x, r->is_z, origin.x, origin.y, origin.z);
   const Packet d = turned(r->is_x, r->is_z, direction.x, direction.y, direction.z);
   const Packet shear = {d.x / d.z, d.y / d.z, 1.0f / d.z};
   r->shear = shear;
 }
 
-// a corner of triangle number k of the block, of which float k is where corner begins, from the rays' origins
+// A corner of a triangle, seen from the rays' origins. corner: where its x stands, y and z follow four floats apart
 ALWAYS_INLINE Packet corner_from_lanes(global const float* corner, const LeafLanes* r) {
   const Packet p = turned(r->is_x, r->is_z, (float16)(corner[0]), (float16)(corner[4]), (float16)(corner[8]));
   const Packet from = {p.x - r->shift.x, p.y - r->shift.y, p.z - r->shift.z};
   return from;
 }
 
-ALWAYS_INLINE int16 shear_triangle_of_lanes(global const float* block, const LeafLanes* r, ShearedPacket* s) {
-  return shear_triangle(corner_from_lanes(block, r), corner_from_lanes(block + 12, r), corner_from_lanes(block + 24, r),
+// first: where the x of the triangle's first corner stands in the block
+ALWAYS_INLINE int16 shear_triangle_of_lanes(global const float* first, const LeafLanes* r, ShearedPacket* s) {
+  return shear_triangle(corner_from_lanes(first, r), corner_from_lanes(first + 12, r), corner_from_lanes(first + 24, r),
                         r->shear, s);
 }
 
+// hits: the nearest so far
 ALWAYS_INLINE void closest_of_lanes_in_block(global const float4* block, const LeafLanes* r, const uint instance,
                                              PacketHit* hits) {
   global const uint* triangles = (global const uint*)(block + 9);

@@ -71,10 +71,17 @@ ALWAYS_INLINE bool make_box_packet(const Packet origin, const Packet direction, 
   return p->least.x * p->greatest.x > 0.0f && p->least.y * p->greatest.y > 0.0f && p->least.z * p->greatest.z > 0.0f;
 }
 
+// which component of each direction is the largest, as in make_leaf_ray: x, z, else y
+ALWAYS_INLINE void find_largest_components(const Packet direction, int16* is_x, int16* is_z) {
+  const float16 size_x = fabs(direction.x), size_y = fabs(direction.y), size_z = fabs(direction.z);
+  *is_z = size_z >= max(size_x, size_y);
+  *is_x = ~*is_z & (size_x >= size_y);
+}
+
 // false: the largest component is not the same one of all directions
 ALWAYS_INLINE bool make_leaf_packet(const Packet origin, const Packet direction, LeafPacket* p) {
-  const float16 size_x = fabs(direction.x), size_y = fabs(direction.y), size_z = fabs(direction.z);
-  const int16 is_z = size_z >= max(size_x, size_y), is_x = ~is_z & (size_x >= size_y);
+  int16 is_x, is_z;
+  find_largest_components(direction, &is_x, &is_z);
   const uint n_z = mask16(is_z), n_x = mask16(is_x);
   if (n_z == 0xffffu) {
     const Packet shift = {origin.x, origin.y, origin.z};
@@ -163,7 +170,7 @@ ALWAYS_INLINE bool closest_of_sheared(const int16 inside, const ShearedPacket s,
   return true;
 }
 
-// triangle number k of the block;  true: a ray meets it before what it met so far
+// triangle number k of the block; true: a ray meets it before what it met so far
 ALWAYS_INLINE bool closest_of_packet_in_triangle(global const float* block, const LeafPacket r, const uint triangle,
                                                  const uint instance, PacketHit* hit) {
   global const float *x = block + r.kx / 4, *y = block + r.ky / 4, *z = block + r.kz / 4;

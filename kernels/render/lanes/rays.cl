@@ -1,9 +1,9 @@
-// Rays of a queue on a CPU, for what asks for them alone (paths from lamps, benchmarks): what intersect.cl and
+// Rays of a queue on a CPU, for what asks for them alone (paths from lamps, benchmarks): what wavefront/intersect.cl and
 // wavefront/shadow.cl do, RAYS_CHUNK of them a work-item.
 #include "render/lanes/closest.cl"
 #include "render/lanes/shadow.cl"
 
-// arguments as in intersect.cl
+// arguments as in wavefront/intersect.cl
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_lanes(
     const uint n, global uint* restrict queue, global const float8* restrict top, global const float8* restrict nodes,
     global const float4* restrict blocks, global const Instance* restrict instances,

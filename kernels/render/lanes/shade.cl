@@ -1,6 +1,6 @@
-// Stage 3 on a CPU. Of the surfaces that most paths meet, sixteen paths of one kind of surface at once: shadow receivers,
-// diffuse and coated surfaces, rough metals and clear glass, without normal maps and without light of their own. What
-// happens to each: interact.cl beside this. The others go one by one: shade_path.cl.
+// Stage 3 on a CPU: sixteen paths of one kind of surface at once, of the kinds that most paths meet: shadow receivers,
+// diffuse and coated surfaces, rough metals and clear glass, without normal maps, vertex colours or light of their own. What
+// happens to each: lanes/interact.cl. The others go one by one: shade_path.cl.
 #ifndef PVG_RENDER_LANES_SHADE_CL
 #define PVG_RENDER_LANES_SHADE_CL
 #include "render/lanes/interact.cl"
@@ -15,15 +15,15 @@ typedef struct {
   ushort place[N_GROUPS][TRACE_CHUNK];
 } Groups;
 
-// whose surfaces an instance shows
+// The group of an instance's surfaces. environment_light: as in Launch;  m: its material
 static inline uint group_of(const int environment_light, global const Instance* instance, global const Material* m) {
   const uint flags = m->flags, kind = m->kind;
   const uint is_plain = (instance->visual != 0) & !(instance->flags & (INSTANCE_COLORS | INSTANCE_SECOND_UVS)) &
                         !(flags & MATERIAL_EMITS) & (m->normal_texture < 0);
   const uint is_receiver = (kind == MATERIAL_SHADOW_RECEIVER) & (environment_light < 0);
   const uint is_glass = (kind == MATERIAL_DIELECTRIC) & ((flags & MATERIAL_HAS_INSIDE) != 0) & (m->texture < 0);
-  const uint is_opaque = (m->metallic_roughness_texture < 0) & (m->transmission == 0) &
-                         !(flags & (MATERIAL_HAS_INSIDE | MATERIAL_THIN));
+  // what transmits has an inside or is thin
+  const uint is_opaque = (m->metallic_roughness_texture < 0) & !(flags & (MATERIAL_HAS_INSIDE | MATERIAL_THIN));
   uint group = OTHERS;
   group = is_receiver ? RECEIVERS : group;
   group = kind == MATERIAL_DIFFUSE ? DIFFUSE : group;
@@ -33,8 +33,8 @@ static inline uint group_of(const int environment_light, global const Instance* 
   return is_plain ? group : OTHERS;
 }
 
-// Of n paths, n <= TRACE_CHUNK. Without branches, which neighbours in the queue that meet different kinds would make hard
-// to foresee. n_shaded: groups from there on are others
+// Of n paths, n <= TRACE_CHUNK. n_shaded: groups from this number on count as OTHERS. Without branches, as neighbours in the
+// queue meet different kinds and a processor could not foresee them
 static inline void sort_into_groups(const uint n_shaded, global const uchar* group_of_instance, const uint n,
                                     const Slots* slots, Groups* groups) {
   for (uint i = 0; i < n; ++i) {
@@ -80,7 +80,7 @@ static inline bool is_dark_outside(const Launch* launch) {
   return launch->environment[0] == 0 && launch->environment[1] == 0 && launch->environment[2] == 0;
 }
 
-// n paths in the queue, at most TRACE_CHUNK
+// n paths in the queue, n <= TRACE_CHUNK
 TREE_FUNCTION void shade_queue(const Launch* launch, const Shading* scene, const Bounce bounce,
                                global const uchar* group_of_instance, const uint n, const Slots* slots) {
   Groups groups;
@@ -93,16 +93,15 @@ TREE_FUNCTION void shade_queue(const Launch* launch, const Shading* scene, const
       load_paths(&groups, group, k, *scene, *slots, &paths);
       const Surfaces surfaces = surfaces_at(*scene, &paths);
       if (group == RECEIVERS)
-        shade_receiver_group(*launch, *scene, bounce, &paths, &surfaces, slots->stream, *slots);
+        shade_receiver_group(*launch, *scene, bounce, &paths, &surfaces, *slots);
       else if (group == GLASS)
-        shade_glass_group(*scene, bounce, &paths, &surfaces, slots->stream, *slots);
+        shade_glass_group(*scene, bounce, &paths, &surfaces, *slots);
       else if (group == DIFFUSE)
-        shade_scattering_group(*launch, *scene, bounce, MATERIAL_DIFFUSE, &paths, &surfaces, slots->stream, *slots);
+        shade_scattering_group(*launch, *scene, bounce, MATERIAL_DIFFUSE, &paths, &surfaces, *slots);
       else if (group == METALS)
-        shade_scattering_group(*launch, *scene, bounce, MATERIAL_CONDUCTOR, &paths, &surfaces, slots->stream, *slots);
+        shade_scattering_group(*launch, *scene, bounce, MATERIAL_CONDUCTOR, &paths, &surfaces, *slots);
       else
-        shade_scattering_group(*launch, *scene, bounce, MATERIAL_METALLIC_ROUGHNESS, &paths, &surfaces, slots->stream,
-                               *slots);
+        shade_scattering_group(*launch, *scene, bounce, MATERIAL_METALLIC_ROUGHNESS, &paths, &surfaces, *slots);
     }
   const bool ends_outside = is_dark_outside(launch) && !bounce.notes_features;
   for (uint k = 0; k < groups.n[OTHERS]; ++k) {

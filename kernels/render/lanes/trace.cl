@@ -11,13 +11,13 @@
 #include "render/lanes/start.cl"
 #include "render/leave_glass.cl"
 
-// what the scene has
+// which stages a picture needs
 typedef struct {
-  uint notes_features, has_cutouts;
+  uint notes_features, has_cutouts;  // 0 or 1
   uint first_leaves_glass;  // the bounce from which on leave_glass.cl runs; beyond max_depth: never
 } Tracing;
 
-// functions of their own, as few scenes need them
+// what few scenes need: functions of their own, so that trace_chunk() stays small
 TREE_FUNCTION void leave_glass_of_queue(const Trees* trees, const Shading* scene, const Bounce bounce, const uint n,
                                         const Slots* slots) {
   for (uint i = 0; i < n; ++i)
@@ -50,8 +50,7 @@ static inline uint keep_alive(const uint n, const Slots* slots) {
 // the n paths in the slots from first on, which have started; returned: the number of segments
 TREE_FUNCTION uint trace_chunk(const Launch* launch, const Trees* trees, const Shading* scene, const Tracing tracing,
                                global const uchar* group_of_instance, const uint first, uint n, const Slots* slots) {
-  const Cutouts cutouts = {scene->instances, scene->materials, scene->textures, scene->texels,
-                           scene->triangles, scene->vertices,  scene->second_uvs};
+  const Cutouts cutouts = cutouts_of(*scene);
   uint segments = 0;
   for (uint depth = 0; depth <= launch->max_depth && n > 0; ++depth) {
     const Bounce bounce = {depth, tracing.notes_features, tracing.has_cutouts, trees};
@@ -69,15 +68,16 @@ TREE_FUNCTION uint trace_chunk(const Launch* launch, const Trees* trees, const S
   return segments;
 }
 
-// groups: [n] of the instances
+// groups: [n], which surfaces each of the n instances has (shade.cl)
 kernel void group_instances(const uint n, const int environment_light, global const Instance* restrict instances,
                             global const Material* restrict materials, global uchar* restrict groups) {
   const uint i = get_global_id(0);
   if (i < n) groups[i] = (uchar)group_of(environment_light, instances + i, materials + instances[i].material);
 }
 
-// n: paths;  pixels: as in wavefront/generate.cl;  next: the first chunk that nobody has, 0 at first;  segments: [chunks];  the
-// others as in wavefront/shade.cl
+// n: paths;  pixels: as in wavefront/generate.cl;  group_of_instance: [instances] from group_instances;  next: [1] the first
+// chunk that nobody has, 0 at first;  segments: [chunks] traced, written here;  the others as in wavefront/shade.cl,
+// feature_...: one element that nobody reads where notes_features is 0
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace(
     const uint n, const Launch launch, const uint notes_features, const uint has_cutouts, const uint first_leaves_glass,
     global const uint* restrict pixels, global const uchar* restrict group_of_instance, global uint* restrict queue,

@@ -1,7 +1,7 @@
-// What holes.cl does, one path a work-item.
+// What render/holes.cl does, one path a work-item.
 #include "render/holes.cl"
 
-// as in intersect.cl and shade.cl;  depth: bounces so far
+// as in intersect.cl and shade.cl beside this;  depth: bounces so far
 kernel void pass_holes(const uint n, const uint depth, global uint* restrict queue,
                        global uint2* restrict stream, global const float8* restrict top,
                        global const float8* restrict nodes, global const float4* restrict blocks,
@@ -19,7 +19,7 @@ kernel void pass_holes(const uint n, const uint depth, global uint* restrict que
   pass_holes_of_path(trees, cutouts, depth, queue[i], slots);
 }
 
-// shadow_...: as in shade.cl; a ray through which nothing comes is taken away
+// shadow_...: as in shade_path.cl; a ray through which nothing comes is taken away
 kernel void shadow_holes(const uint n, global uint* restrict queue, global const float8* restrict top,
                          global const float8* restrict nodes, global const float4* restrict blocks,
                          global const Instance* restrict instances, global const Material* restrict materials,

@@ -1,11 +1,11 @@
-// What leave_glass.cl does, one path a work-item. Groups are small, as one path may meet a hundred times the faces that
-// another does.
+// What render/leave_glass.cl does, one path a work-item. Groups are small, as one path may meet a hundred times the faces
+// that another does.
 #define PVG_INLINE_ALL
 #include "shared/pocl.h"
 
 #include "render/leave_glass.cl"
 
-// as in shade.cl;  depth: bounces so far
+// as in wavefront/shade.cl;  depth: bounces so far
 kernel __attribute__((reqd_work_group_size(16, 1, 1))) void leave_glass(
     const uint n, const uint depth, const uint notes_features, global uint* restrict queue,
     global uint2* restrict stream, global const float8* restrict top, global const float8* restrict nodes,

@@ -1,4 +1,4 @@
-// Stage 3, one path a work-item: shade_path.cl.
+// Stage 3, one path a work-item: what render/shade_path.cl does.
 #define PVG_INLINE_ALL
 #include "shared/pocl.h"
 
