@@ -32,7 +32,7 @@
 
 #define NO_TRIANGLE 0xffffffffu
 
-// on a CPU: rays or paths side by side; those that a work-item of lanes/trace.cl and of lanes/rays.cl takes
+// on a CPU: rays or paths side by side; those that a work-item of render/lanes/trace.cl and of render/lanes/rays.cl takes
 #define PACKET 16
 #define TRACE_CHUNK 1024
 #define RAYS_CHUNK 128

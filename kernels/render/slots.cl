@@ -1,5 +1,5 @@
 // The paths under way. Arrays are [n_slots] unless said otherwise; what their elements hold, fourth parts too: generate.cl,
-// wavefront/intersect.cl and shade_path.cl
+// render/wavefront/intersect.cl and shade_path.cl
 #ifndef PVG_RENDER_SLOTS_CL
 #define PVG_RENDER_SLOTS_CL
 #include "render/path.h"

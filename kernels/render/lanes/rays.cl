@@ -1,9 +1,9 @@
-// Rays of a queue on a CPU, for what asks for them alone (paths from lamps, benchmarks): what wavefront/intersect.cl and
-// wavefront/shadow.cl do, RAYS_CHUNK of them a work-item.
+// Rays of a queue on a CPU, for what asks for them alone (paths from lamps, benchmarks): what render/wavefront/intersect.cl and
+// render/wavefront/shadow.cl do, RAYS_CHUNK of them a work-item.
 #include "render/lanes/closest.cl"
 #include "render/lanes/shadow.cl"
 
-// arguments as in wavefront/intersect.cl
+// arguments as in render/wavefront/intersect.cl
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_lanes(
     const uint n, global uint* restrict queue, global const float8* restrict top, global const float8* restrict nodes,
     global const float4* restrict blocks, global const Instance* restrict instances,
@@ -15,7 +15,7 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_lanes(
     find_closest_of_queue(trees, min(n - first, (uint)RAYS_CHUNK), queue + first, origin, direction, hit, hit_instance);
 }
 
-// arguments as in wavefront/shadow.cl
+// arguments as in render/wavefront/shadow.cl
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void shadow_lanes(
     const uint n, global uint* restrict queue, const uint transparent_shadows, global const float8* restrict top,
     global const float8* restrict nodes, global const float4* restrict blocks,

@@ -1,6 +1,6 @@
 // Stage 3 on a CPU: sixteen paths of one kind of surface at once, of the kinds that most paths meet: shadow receivers,
 // diffuse and coated surfaces, rough metals and clear glass, without normal maps, vertex colours or light of their own. What
-// happens to each: lanes/interact.cl. The others go one by one: shade_path.cl.
+// happens to each: render/lanes/interact.cl. The others go one by one: shade_path.cl.
 #ifndef PVG_RENDER_LANES_SHADE_CL
 #define PVG_RENDER_LANES_SHADE_CL
 #include "render/lanes/interact.cl"

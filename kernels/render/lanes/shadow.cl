@@ -1,4 +1,4 @@
-// Stage 4 on a CPU, sixteen shadow rays at a time: what wavefront/shadow.cl does, with the same bits.
+// Stage 4 on a CPU, sixteen shadow rays at a time: what render/wavefront/shadow.cl does, with the same bits.
 #ifndef PVG_RENDER_LANES_SHADOW_CL
 #define PVG_RENDER_LANES_SHADOW_CL
 #include "render/lanes/box.cl"

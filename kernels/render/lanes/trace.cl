@@ -75,8 +75,8 @@ kernel void group_instances(const uint n, const int environment_light, global co
   if (i < n) groups[i] = (uchar)group_of(environment_light, instances + i, materials + instances[i].material);
 }
 
-// n: paths;  pixels: as in wavefront/generate.cl;  group_of_instance: [instances] from group_instances;  next: [1] the first
-// chunk that nobody has, 0 at first;  segments: [chunks] traced, written here;  the others as in wavefront/shade.cl,
+// n: paths;  pixels: as in render/wavefront/generate.cl;  group_of_instance: [instances] from group_instances;  next: [1] the first
+// chunk that nobody has, 0 at first;  segments: [chunks] traced, written here;  the others as in render/wavefront/shade.cl,
 // feature_...: one element that nobody reads where notes_features is 0
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace(
     const uint n, const Launch launch, const uint notes_features, const uint has_cutouts, const uint first_leaves_glass,

@@ -5,7 +5,7 @@
 
 #include "render/leave_glass.cl"
 
-// as in wavefront/shade.cl;  depth: bounces so far
+// as in render/wavefront/shade.cl;  depth: bounces so far
 kernel __attribute__((reqd_work_group_size(16, 1, 1))) void leave_glass(
     const uint n, const uint depth, const uint notes_features, global uint* restrict queue,
     global uint2* restrict stream, global const float8* restrict top, global const float8* restrict nodes,
