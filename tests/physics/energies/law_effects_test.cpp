@@ -190,8 +190,8 @@ TEST(LawEffects, RefuseWhatCannotBeALaw) {
   expect_refused(law("regressed_force", "hinge", {"x", "y", "z"}), "its target must be a rigid body");
   expect_refused(law("regressed_effort", "hinge", {"q + x"}),
                  "effect regressed_effort on hinge: formula `q + x` is wrong at character 5, `x` is not known");
-  expect_refused(law("regressed_effort", "hinge", {"c1 * q"}, {1}), "uses c1, but there are 1 coefficients");
-  expect_refused(law("regressed_effort", "hinge", {}), "needs 1 formulas, but has 0");
+  expect_refused(law("regressed_effort", "hinge", {"c1 * q"}, {1}), "uses c1, but the effect has 1 coefficient");
+  expect_refused(law("regressed_effort", "hinge", {}), "needs 1 formula, but has 0");
   expect_refused(law("regressed_force", "rod", {"x", "y"}), "needs 3 formulas, but has 2");
   expect_refused(law("regressed_force", "rod", {"x", "y", "q"}), "formula `q` is wrong at character 1, `q` is not");
   expect_refused(law("regressed_effort", "hinge", {"q"}, std::vector<double>(33)), "may have 32 coefficients");
