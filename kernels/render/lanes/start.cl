@@ -1,4 +1,4 @@
-// Stage 1 on a CPU, sixteen paths at a time: what generate.cl does, up to rounding. Rays of pinhole cameras without
+// Stage 1 on a CPU, sixteen paths at a time: what generate.cl does. Rays of pinhole cameras without
 // distortion and lens are made side by side.
 #ifndef PVG_RENDER_LANES_START_CL
 #define PVG_RENDER_LANES_START_CL
@@ -28,11 +28,17 @@ static inline void start_plain_paths(const Launch* launch, global const uint* pi
   const Packet d = {c->to_world[0] * dx + c->to_world[1] * dy + c->to_world[2],
                     c->to_world[4] * dx + c->to_world[5] * dy + c->to_world[6],
                     c->to_world[8] * dx + c->to_world[9] * dy + c->to_world[10]};
+  float16 length2;
+  {
+    // as normalize() of PoCL: other roundings would send some paths elsewhere
+#pragma OPENCL FP_CONTRACT OFF
+    length2 = d.x * d.x + d.y * d.y + d.z * d.z;
+  }
   const Packet from = packet_of((float3)(c->to_world[3], c->to_world[7], c->to_world[11]));
   const float16 zero = sixteen(0.0f);
   const Packet one = {sixteen(1.0f), sixteen(1.0f), sixteen(1.0f)}, none = {zero, zero, zero};
   store_rows(rows_of(from, zero), slots->origin, slot);
-  store_rows(rows_of(times(d, 1.0f / sqrt(dots(d, d))), as_float16((uint16)(launch->media))), slots->direction, slot);
+  store_rows(rows_of(times(d, 1.0f / sqrt(length2)), as_float16((uint16)(launch->media))), slots->direction, slot);
   store_rows(rows_of(one, as_float16((uint16)(0u))), slots->throughput, slot);
   store_rows(rows_of(none, zero), slots->radiance, slot);
   for (uint k = 0; k < PACKET; ++k) {
