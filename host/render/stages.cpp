@@ -18,6 +18,12 @@ std::size_t chunks_at_once(const Device& device) {
   return std::max<std::size_t>(64, 16 * std::size_t(device.info().compute_units));
 }
 
+// The bounce from which on leave_glass.cl runs, beyond max_depth: never. Few paths are still in glass then, and those
+// that are seldom leave it soon
+unsigned first_leaves_glass(const Launch& launch, const DeviceScene& scene) {
+  return scene.has_clear_solids ? std::max(1u, launch.max_depth / 2) : launch.max_depth + 1;
+}
+
 }  // namespace
 
 Film::Film(Device& device)
@@ -132,11 +138,6 @@ Stages::Stages(Device& device, bool notes_features, bool traces_light, bool is_w
     chunks_.emplace(device);
   if (notes_features) features_.emplace(device);
   if (traces_light) light_tracing_.emplace(device);
-}
-
-// few paths are still in glass then, and those that are seldom leave it soon
-static unsigned first_leaves_glass(const Launch& launch, const DeviceScene& scene) {
-  return scene.has_clear_solids ? std::max(1u, launch.max_depth / 2) : launch.max_depth + 1;
 }
 
 std::uint64_t Stages::trace_chunks(std::size_t n, const Launch& launch, const Buffer<std::uint32_t>& pixels,

@@ -30,7 +30,7 @@ static inline void pass_holes_of_path(const Trees trees, const Cutouts cutouts, 
 }
 
 // the share of the light that all hits of one instance let pass
-TREE_FUNCTION float share_through_mesh(const Trees trees, const Cutouts cutouts, const BoxRay* box, const LeafRay leaf,
+OUT_OF_LINE float share_through_mesh(const Trees trees, const Cutouts cutouts, const BoxRay* box, const LeafRay leaf,
                                        const uint instance, const float t_max) {
   const BoxRay r = *box;
   int stack[BVH_STACK];

@@ -47,7 +47,7 @@ static inline void cross_block(global const float4* block, const LeafRay r, cons
 }
 
 // all crossings of the glass of one mesh
-TREE_FUNCTION void cross_mesh(const Trees trees, const BoxRay* box, const LeafRay leaf, const float3 direction,
+OUT_OF_LINE void cross_mesh(const Trees trees, const BoxRay* box, const LeafRay leaf, const float3 direction,
                               const int root, const float t_max, global const Material* material,
                               const float direction_length, Transmittance* T) {
   const BoxRay r = *box;
@@ -78,7 +78,7 @@ ALWAYS_INLINE bool pass_instance(const Trees trees, global const Material* mater
 }
 
 // from the origin to t_max = just short of the light, clear glass attenuates; mask: MASK_...
-TREE_FUNCTION Transmittance transmittance(const Trees trees, global const Material* materials, const float3 origin,
+OUT_OF_LINE Transmittance transmittance(const Trees trees, global const Material* materials, const float3 origin,
                                           const float3 direction, const float t_max, const uint mask) {
   Transmittance T;
   T.value = 1.0f;

@@ -13,7 +13,7 @@
 #endif
 
 // PoCL keeps the arrays of a kernel behind pointers; in a function of its own they lie at fixed places of the frame.
-#define TREE_FUNCTION static __attribute__((noinline))
+#define OUT_OF_LINE static __attribute__((noinline))
 
 // One instruction each, where OpenCL C takes a reduction by OR (13 to 19 % of a traversal).
 #define POCL_MASK8(is_true) __builtin_ia32_movmskps256(as_float8(is_true))
@@ -29,7 +29,7 @@
   __builtin_shufflevector(a, b, i0, i1, i2, i3, i4, i5, i6, i7, i8, i9, i10, i11, i12, i13, i14, i15)
 
 #else
-#define TREE_FUNCTION static inline
+#define OUT_OF_LINE static inline
 #endif
 
 // -DPVG_SIMULATED, from scripts/test_oclgrind.sh: Oclgrind does not run what inlining leaves behind (notes on aliases).

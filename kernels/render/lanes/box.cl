@@ -80,7 +80,7 @@ ALWAYS_INLINE bool any_in_instance(const Trees trees, global const Instance* ins
 
 // Bits of the lanes that are stopped below first, of those in meet. A leaf of a mesh in the world's frame is tested for all
 // at once
-TREE_FUNCTION uint stopped_of(const Trees trees, global const Instance* instance, const int first, const Lanes* lanes,
+OUT_OF_LINE uint stopped_of(const Trees trees, global const Instance* instance, const int first, const Lanes* lanes,
                               const LeafLanes* leaf, uint meet) {
   if (first < 0 && instance->flags & INSTANCE_UNMOVED)
     return meet & lanes_stopped_in_block(trees.blocks + (size_t)(~first) * 10, leaf, BEFORE_LIGHT);
@@ -110,7 +110,7 @@ ALWAYS_INLINE uint stopped_in_children(const Trees trees, global const Instance*
 
 // Bits of the lanes that an opaque instance stops within (0, BEFORE_LIGHT), no lane twice. crosses: bits of those that
 // meet the box of clear glass which they may pass
-TREE_FUNCTION uint lanes_stopped(const Trees trees, const Lanes* lanes, const Asked asked, uint* crosses) {
+OUT_OF_LINE uint lanes_stopped(const Trees trees, const Lanes* lanes, const Asked asked, uint* crosses) {
   const Packet origin = load_packet(lanes->origin), direction = load_packet(lanes->direction);
   BoxLanes r;
   make_box_lanes(origin, direction, &r);

@@ -55,7 +55,7 @@ static inline void add_visits_of_children(const Trees trees, Visits* v, const ui
 }
 
 // what each lane meets of the top tree, in no order; into lanes: the hits in leaves that are tested here
-TREE_FUNCTION void find_visits(const Trees trees, Lanes* lanes, Visits* visits) {
+OUT_OF_LINE void find_visits(const Trees trees, Lanes* lanes, Visits* visits) {
   const Packet origin = load_packet(lanes->origin), direction = load_packet(lanes->direction);
   BoxLanes r;
   make_box_lanes(origin, direction, &r);
@@ -105,7 +105,7 @@ static inline Visit take_nearest(Visit* visits, uint* n) {
 }
 
 // t, u, v, triangle in one vector, as in closest_in_mesh; found, *instance: the nearest so far
-TREE_FUNCTION float4 closest_of_visits(const Trees trees, const float3 origin, const float3 direction,
+OUT_OF_LINE float4 closest_of_visits(const Trees trees, const float3 origin, const float3 direction,
                                        const Start* starts, Visit* visits, uint n, const float4 found, uint* instance) {
   Hit hit = {found.x, found.y, found.z, as_uint(found.w), *instance};
   const BoxRay world = make_box_ray(origin, direction);
@@ -121,7 +121,7 @@ TREE_FUNCTION float4 closest_of_visits(const Trees trees, const float3 origin, c
 }
 
 // the same in the whole scene
-TREE_FUNCTION float4 closest_alone(const Trees trees, const float3 origin, const float3 direction, uint* instance) {
+OUT_OF_LINE float4 closest_alone(const Trees trees, const float3 origin, const float3 direction, uint* instance) {
   Hit hit = {INFINITY, 0, 0, NO_TRIANGLE, 0};
   closest_hit(trees, origin, direction, &hit);
   *instance = hit.instance;
@@ -129,7 +129,7 @@ TREE_FUNCTION float4 closest_alone(const Trees trees, const float3 origin, const
 }
 
 // n rays of a queue
-TREE_FUNCTION void find_closest_of_queue(const Trees trees, const uint n, global const uint* queue,
+OUT_OF_LINE void find_closest_of_queue(const Trees trees, const uint n, global const uint* queue,
                                          global const float4* origin, global const float4* direction,
                                          global float4* hit, global uint* hit_instance) {
   Lanes lanes;
@@ -156,7 +156,7 @@ TREE_FUNCTION void find_closest_of_queue(const Trees trees, const uint n, global
 }
 
 // n rays that start in neighbouring pixels, in the slots from first on
-TREE_FUNCTION void find_closest_of_neighbours(const Trees trees, const uint first, const uint n,
+OUT_OF_LINE void find_closest_of_neighbours(const Trees trees, const uint first, const uint n,
                                               global const float4* origin, global const float4* direction,
                                               global float4* hit, global uint* hit_instance) {
   Lanes lanes;

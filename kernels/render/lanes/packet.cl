@@ -193,7 +193,7 @@ ALWAYS_INLINE bool closest_of_packet_in_block(global const float4* block, const 
 }
 
 // closest hits in one mesh, in whose frame the rays are
-TREE_FUNCTION void closest_of_packet_in_mesh(const Trees trees, const BoxPacket* box, const LeafPacket* leaf,
+OUT_OF_LINE void closest_of_packet_in_mesh(const Trees trees, const BoxPacket* box, const LeafPacket* leaf,
                                              const int first, const uint instance, PacketHit* hit) {
   const BoxPacket p = *box;
   Visit stack[BVH_STACK];
@@ -266,7 +266,7 @@ ALWAYS_INLINE void store_packet(const Packet p, float vectors[3][PACKET]) {
 }
 
 // each ray alone in one mesh, whose frame they are in
-TREE_FUNCTION void closest_of_each_in_mesh(const Trees trees, const Packet* o, const Packet* d, const int first,
+OUT_OF_LINE void closest_of_each_in_mesh(const Trees trees, const Packet* o, const Packet* d, const int first,
                                            const uint instance, PacketHit* hits) {
   Lanes lanes;
   store_packet(*o, lanes.origin);
@@ -335,7 +335,7 @@ ALWAYS_INLINE bool closest_of_packet(const Trees trees, const Packet* origin, co
 }
 
 // closest hits of rays at any distance
-TREE_FUNCTION void find_closest_of_lanes(const Trees trees, Lanes* lanes) {
+OUT_OF_LINE void find_closest_of_lanes(const Trees trees, Lanes* lanes) {
   PacketHit hits = {INFINITY, 0.0f, 0.0f, NO_TRIANGLE, 0};
   const Packet origin = load_packet(lanes->origin), direction = load_packet(lanes->direction);
   if (closest_of_packet(trees, &origin, &direction, &hits)) return store_hits(hits, lanes);

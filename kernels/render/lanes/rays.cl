@@ -1,5 +1,5 @@
-// Rays of a queue on a CPU, for what asks for them alone (paths from lamps, benchmarks): what render/wavefront/intersect.cl and
-// render/wavefront/shadow.cl do, RAYS_CHUNK of them a work-item.
+// Rays of a queue on a CPU, for what asks for them alone (paths from lamps, benchmarks): what
+// render/wavefront/intersect.cl and render/wavefront/shadow.cl do, RAYS_CHUNK of them a work-item.
 #include "render/lanes/closest.cl"
 #include "render/lanes/shadow.cl"
 

@@ -35,7 +35,7 @@ static inline void add_lights(const Trees trees, global const Material* material
 }
 
 // of the paths at n places of the queue
-TREE_FUNCTION void add_light_of_places(const Trees trees, global const Material* materials,
+OUT_OF_LINE void add_light_of_places(const Trees trees, global const Material* materials,
                                        const uint transparent_shadows, const ushort* places, const uint n,
                                        const Slots* slots) {
   Waiting w;
@@ -60,7 +60,7 @@ TREE_FUNCTION void add_light_of_places(const Trees trees, global const Material*
 
 // Shares of the light samples of sixteen paths that arrive, by colour, 0 of the lanes that are not asked. weight: of
 // those that nothing attenuates, as in shadow_light
-TREE_FUNCTION void find_arriving(const Trees* trees, global const Material* materials, const Lanes* rays,
+OUT_OF_LINE void find_arriving(const Trees* trees, global const Material* materials, const Lanes* rays,
                                  const Asked* asked, const float16 weight, Packet* share) {
   uint crosses;
   const uint arrive = (asked->surfaces | asked->receivers) & ~lanes_stopped(*trees, rays, *asked, &crosses);

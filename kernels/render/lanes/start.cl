@@ -1,15 +1,17 @@
-// Stage 1 on a CPU, sixteen paths at a time: what generate.cl does. Rays of pinhole cameras without
-// distortion and lens are made side by side.
+// Stage 1 on a CPU, sixteen paths at a time: what generate.cl does. Rays of pinhole cameras without distortion and lens
+// are made side by side.
 #ifndef PVG_RENDER_LANES_START_CL
 #define PVG_RENDER_LANES_START_CL
 #define PATHS PACKET
 #include "render/generate.cl"
 #include "render/lanes/rows.cl"
 
+// a pinhole camera without distortion and lens
 static inline bool is_plain(const PinholeCamera* c) {
   return c->model == CAMERA_PINHOLE && !c->is_distorted && c->lens_radius == 0;
 }
 
+// start_paths() of such a camera, with the same bits
 static inline void start_plain_paths(const Launch* launch, global const uint* pixels, const uint first, const uint n,
                                      const Slots* slots) {
   const PinholeCamera* c = &launch->camera;
@@ -47,8 +49,8 @@ static inline void start_plain_paths(const Launch* launch, global const uint* pi
   }
 }
 
-// the paths first .. first + n_here - 1 of n
-TREE_FUNCTION void start_chunk(const Launch* launch, global const uint* pixels, const uint first, const uint n_here,
+// the paths first .. first + n_here - 1 of the n of a launch, in the slots of their numbers
+OUT_OF_LINE void start_chunk(const Launch* launch, global const uint* pixels, const uint first, const uint n_here,
                                const uint n, const Slots* slots) {
   const bool plain = is_plain(&launch->camera);
   for (uint i = first; i < first + n_here; i += PATHS)

@@ -14,20 +14,20 @@
 // which stages a picture needs
 typedef struct {
   uint notes_features, has_cutouts;  // 0 or 1
-  uint first_leaves_glass;  // the bounce from which on leave_glass.cl runs; beyond max_depth: never
+  uint first_leaves_glass;           // the bounce from which on leave_glass.cl runs; beyond max_depth: never
 } Tracing;
 
 // what few scenes need: functions of their own, so that trace_chunk() stays small
-TREE_FUNCTION void leave_glass_of_queue(const Trees* trees, const Shading* scene, const Bounce bounce, const uint n,
+OUT_OF_LINE void leave_glass_of_queue(const Trees* trees, const Shading* scene, const Bounce bounce, const uint n,
                                         const Slots* slots) {
   for (uint i = 0; i < n; ++i)
     leave_glass_of_path(*trees, *scene, bounce.depth, bounce.notes_features, slots->queue[i], *slots);
 }
-TREE_FUNCTION void pass_holes_of_queue(const Trees* trees, const Cutouts* cutouts, const uint depth, const uint n,
+OUT_OF_LINE void pass_holes_of_queue(const Trees* trees, const Cutouts* cutouts, const uint depth, const uint n,
                                        const Slots* slots) {
   for (uint i = 0; i < n; ++i) pass_holes_of_path(*trees, *cutouts, depth, slots->queue[i], *slots);
 }
-TREE_FUNCTION void add_dimmed_light(const Launch* launch, const Trees* trees, const Cutouts* cutouts, const uint n,
+OUT_OF_LINE void add_dimmed_light(const Launch* launch, const Trees* trees, const Cutouts* cutouts, const uint n,
                                     const Slots* slots) {
   ushort places[TRACE_CHUNK];
   for (uint i = 0; i < n; ++i) {
@@ -48,7 +48,7 @@ static inline uint keep_alive(const uint n, const Slots* slots) {
 }
 
 // the n paths in the slots from first on, which have started; returned: the number of segments
-TREE_FUNCTION uint trace_chunk(const Launch* launch, const Trees* trees, const Shading* scene, const Tracing tracing,
+OUT_OF_LINE uint trace_chunk(const Launch* launch, const Trees* trees, const Shading* scene, const Tracing tracing,
                                global const uchar* group_of_instance, const uint first, uint n, const Slots* slots) {
   const Cutouts cutouts = cutouts_of(*scene);
   uint segments = 0;
@@ -75,15 +75,15 @@ kernel void group_instances(const uint n, const int environment_light, global co
   if (i < n) groups[i] = (uchar)group_of(environment_light, instances + i, materials + instances[i].material);
 }
 
-// n: paths;  pixels: as in render/wavefront/generate.cl;  group_of_instance: [instances] from group_instances;  next: [1] the first
-// chunk that nobody has, 0 at first;  segments: [chunks] traced, written here;  the others as in render/wavefront/shade.cl,
-// feature_...: one element that nobody reads where notes_features is 0
+// n: paths;  pixels: as in render/wavefront/generate.cl;  group_of_instance: [instances] from group_instances;  next: [1]
+// the first chunk that nobody has, 0 at first;  segments: [chunks] traced, written here;  the others as in
+// render/wavefront/shade.cl, feature_...: one element that nobody reads where notes_features is 0
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace(
     const uint n, const Launch launch, const uint notes_features, const uint has_cutouts, const uint first_leaves_glass,
     global const uint* restrict pixels, global const uchar* restrict group_of_instance, global uint* restrict queue,
-    global uint2* restrict stream,
-    global const float8* restrict top, global const float8* restrict nodes, global const float4* restrict blocks,
-    global const Instance* restrict instances, global const Material* restrict materials,
+    global uint2* restrict stream, global const float8* restrict top, global const float8* restrict nodes,
+    global const float4* restrict blocks, global const Instance* restrict instances,
+    global const Material* restrict materials,
     global const TextureInfo* restrict textures, global const uchar4* restrict texels, constant float* restrict decode,
     global const uint* restrict triangles, global const Vertex* restrict vertices, global const float* restrict colors,
     global const float* restrict second_uvs, global const Light* restrict lights,
