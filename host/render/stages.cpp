@@ -88,7 +88,8 @@ ChunkTracing::ChunkTracing(Device& device)
       trace(Program(device, "render/lanes/trace.cl", traversal_options(device)).kernel("trace")),
       groups(device, 0, "groups"),
       next(device, 1, "next"),
-      segments(device, 0, "segments") {}
+      segments(device, 0, "segments"),
+      n_workers(std::max<std::size_t>(1, device.info().compute_units)) {}
 
 void ChunkTracing::find_groups(const Launch& launch, const DeviceScene& scene) {
   const std::size_t n = scene.trees.instances.size();
@@ -142,12 +143,15 @@ Stages::Stages(Device& device, bool notes_features, bool traces_light, bool is_w
 
 std::uint64_t Stages::trace_chunks(std::size_t n, const Launch& launch, const Buffer<std::uint32_t>& pixels,
                                    const DeviceScene& scene) {
-  resize_slots(n);
-  const std::size_t n_chunks = divided_up(n, TRACE_CHUNK);
+  const std::size_t n_chunks = divided_up(n, TRACE_CHUNK), n_workers = std::min(n_chunks, chunks_->n_workers);
+  resize_slots(n_workers * TRACE_CHUNK);
+  radiance_.resize(n);
+  if (features_)
+    for (Buffer<F32x4>* buffer : {&feature_color_, &feature_normal_}) buffer->resize(n);
   chunks_->segments.resize(n_chunks);
   chunks_->find_groups(launch, scene);
   chunks_->next.zero();
-  chunks_->trace(n_chunks, std::uint32_t(n), launch, std::uint32_t(features_.has_value()),
+  chunks_->trace(n_workers, std::uint32_t(n), launch, std::uint32_t(features_.has_value()),
                  std::uint32_t(scene.has_cutouts), first_leaves_glass(launch, scene), pixels, chunks_->groups, queue_,
                  stream_, scene.trees.top, scene.trees.nodes, scene.trees.blocks, scene.trees.instances,
                  scene.materials, scene.textures, scene.texels, scene.decode, scene.triangles, scene.vertices,

@@ -62,6 +62,7 @@ struct ChunkTracing {
   Buffer<std::uint8_t> groups;     // [instances] which surfaces each has
   Buffer<std::uint32_t> next;      // [1] the first chunk that nobody has
   Buffer<std::uint32_t> segments;  // [chunks] traced
+  std::size_t n_workers;           // work-items, one for each core; each has TRACE_CHUNK slots of its own
 };
 
 // A kernel for each stage, as a GPU needs it, see kernels/render/wavefront. The other stages: Kernels and Traversal.

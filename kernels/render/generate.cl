@@ -72,18 +72,18 @@ static inline void number_paths(const Launch launch, global const uint* pixels, 
   }
 }
 
-// starts these paths in the slots of their numbers. pixels: places in the picture, of which the launch takes some. What
+// starts these paths in the slots from `slot` on. pixels: places in the picture, of which the launch takes some. What
 // stands in fourth parts: of origin the density of the last direction, of direction the stack of the glasses that the path
 // is inside of, of throughput its flags
 static inline void start_paths(const Launch launch, global const uint* pixels, const uint first, const uint n,
-                               const Slots slots) {
+                               const uint slot, const Slots slots) {
   uint pixel[PATHS], key[PATHS], sample[PATHS];
   number_paths(launch, pixels, first, n, pixel, key, sample);
   Points in_pixel = {{0}, {0}}, in_lens = in_pixel;
   if (!launch.is_center) draw_points(key, sample, 0, &in_pixel);
   if (has_lens(launch)) draw_points(key, sample, 1, &in_lens);
   for (uint k = 0; k < PATHS && first + k < n; ++k) {
-    const uint i = first + k;
+    const uint i = slot + k;
     const CameraRay ray = camera_ray(launch, pixel[k], (float2)(in_pixel.x[k], in_pixel.y[k]),
                                      (float2)(in_lens.x[k], in_lens.y[k]));
     slots.origin[i] = (float4)(ray.origin, 0);

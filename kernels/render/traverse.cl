@@ -88,8 +88,8 @@ ALWAYS_INLINE float8 plane(global const float8* node, const uint offset) {
   return *(global const float8*)((global const char*)node + offset);
 }
 
-// bit k: box k of the node is met within (0, t_max); entry: where
-ALWAYS_INLINE uint node_hits(global const float8* node, const BoxRay r, const float t_max, float8* entry) {
+// is each box of the node met within (0, t_max)? entry: where
+ALWAYS_INLINE int8 boxes_met(global const float8* node, const BoxRay r, const float t_max, float8* entry) {
   const float8 nx = plane(node, r.near_x) * r.near_scale.x + r.near_shift.x;
   const float8 ny = plane(node, r.near_y) * r.near_scale.y + r.near_shift.y;
   const float8 nz = plane(node, r.near_z) * r.near_scale.z + r.near_shift.z;
@@ -100,7 +100,12 @@ ALWAYS_INLINE uint node_hits(global const float8* node, const BoxRay r, const fl
   const float8 n = nx > ny ? nx : ny, m = nz > 0.0f ? nz : 0.0f, t0 = n > m ? n : m;
   const float8 f = fx < fy ? fx : fy, g = fz < t_max ? fz : t_max, t1 = f < g ? f : g;
   *entry = t0;
-  return mask8(t0 <= t1);
+  return t0 <= t1;
+}
+
+// bit k: box k of the node is met
+ALWAYS_INLINE uint node_hits(global const float8* node, const BoxRay r, const float t_max, float8* entry) {
+  return mask8(boxes_met(node, r, t_max, entry));
 }
 
 // an edge met exactly belongs to one of its two triangles, which walk along it in opposite directions.
@@ -145,17 +150,23 @@ ALWAYS_INLINE int4 shear_block(global const float4* b, const LeafRay r, Sheared*
   return (low >= 0.0f) | (high <= 0.0f);
 }
 
+// Is each of these triangles, through which the ray passes where inside, met within (0, t_max)? t, u, v: not finite of
+// a degenerate one, which then fails the test
+ALWAYS_INLINE int4 triangles_met(const int4 inside, const Sheared s, const float shear_z, const float t_max, float4* t,
+                                 float4* u, float4* v) {
+  const float4 inverse = 1.0f / (s.area_a + s.area_b + s.area_c);
+  *t = (s.area_a * s.az + s.area_b * s.bz + s.area_c * s.cz) * shear_z * inverse;
+  *u = s.area_b * inverse;
+  *v = s.area_c * inverse;
+  return inside & (*t > 0.0f) & (*t < t_max);
+}
+
 // bit k: triangle k of the block is met within (0, t_max); t, u, v of each
 ALWAYS_INLINE uint block_hits(global const float4* b, const LeafRay r, const float t_max, float4* t, float4* u, float4* v) {
   Sheared s;
   const int4 inside = shear_block(b, r, &s);
   if (!mask4(inside)) return 0;
-  // of a degenerate triangle not finite: t then fails its test
-  const float4 inverse = 1.0f / (s.area_a + s.area_b + s.area_c);
-  *t = (s.area_a * s.az + s.area_b * s.bz + s.area_c * s.cz) * r.shear.z * inverse;
-  *u = s.area_b * inverse;
-  *v = s.area_c * inverse;
-  return mask4(inside & (*t > 0.0f) & (*t < t_max));
+  return mask4(triangles_met(inside, s, r.shear.z, t_max, t, u, v));
 }
 
 // The same where a common edge must count once, for its owner alone; is_front: met against its normal.

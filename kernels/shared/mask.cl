@@ -39,6 +39,15 @@ static inline uint mask4(const int4 is_true) {
 #endif
 }
 
+// elements of v by the last three bits of the numbers
+static inline int8 elements_of(const int8 v, const int8 number) {
+#ifdef POCL_ELEMENTS8
+  return POCL_ELEMENTS8(v, number);
+#else
+  return shuffle(v, as_uint8(number));
+#endif
+}
+
 // index of the lowest set bit, m != 0
 static inline uint lowest_bit(const uint m) {
 #ifdef POCL_LOWEST_BIT

@@ -19,6 +19,9 @@
 #define POCL_MASK8(is_true) __builtin_ia32_movmskps256(as_float8(is_true))
 #define POCL_MASK4(is_true) __builtin_ia32_movmskps(as_float4(is_true))
 #define POCL_LOWEST_BIT(m) __builtin_ctz(m)
+#ifdef __AVX2__
+#define POCL_ELEMENTS8(v, number) __builtin_ia32_permvarsi256(v, number)
+#endif
 #ifdef __AVX512DQ__
 #define POCL_MASK16(is_true) __builtin_ia32_cvtd2mask512(is_true)
 #endif

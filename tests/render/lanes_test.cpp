@@ -102,6 +102,63 @@ TEST_F(Lanes, FindWhatEachRayFinds) {
     }
 }
 
+// meshes of thousands of triangles: nodes whose eight boxes all lie on a ray's way, and visits behind what was hit
+// already
+TEST_F(Lanes, FindWhatEachRayFindsInLargeMeshes) {
+  Device device;
+  World world;
+  world.add(soup(test::is_simulated() ? 200 : 20000, 1, 0.1f), pose(0, Vec3::Zero()));
+  world.add(soup(3000, 2, 0.02f), pose(0.4, Vec3(0.1, 0, 0)));
+  world.add(test::sphere(0.7f, 64), pose(0, Vec3::Zero()));
+  const DeviceTrees trees = test::device_trees(device, world);
+  const std::size_t n = test::is_simulated() ? 37 : 9000;
+  const Rays rays = any_rays(n, 3);
+  std::vector<std::uint32_t> slots(n);
+  std::iota(slots.begin(), slots.end(), 0u);
+  const Buffer<std::uint32_t> queue(device, slots, "queue");
+  const Buffer<F32x4> origin(device, rays.origin, "origin"), direction(device, rays.direction, "direction");
+  Buffer<F32x4> alone(device, n, "alone"), together(device, n, "together");
+  Buffer<std::uint32_t> instance_alone(device, n, "instance_alone"), instance(device, n, "instance");
+  test::find_closest_alone(device, n, queue, trees, origin, direction, alone, instance_alone);
+  Traversal(device, false).find_closest(n, queue, trees, origin, direction, together, instance);
+  const std::vector<F32x4> a = alone.read(), b = together.read();
+  EXPECT_EQ(std::memcmp(a.data(), b.data(), n * sizeof(F32x4)), 0);
+  EXPECT_EQ(instance_alone.read(), instance.read());
+}
+
+// the visits of a node: by descending numbers, those of boxes that are not met last
+TEST_F(Lanes, VisitsAreSortedWithTheirChildren) {
+  Device device;
+  Kernel sort = Program::from_text(device, "sort", R"(
+#include "render/lanes/meshes.cl"
+kernel void sort(const uint n, global int* visits, global int* children) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  const int8 sorted = sorted_descending(vload8(i, visits));
+  vstore8(elements_of(vload8(i, children), sorted), i, children);
+  vstore8(sorted, i, visits);
+})",
+                                   traversal_options(device))
+                    .kernel("sort");
+  const std::size_t n = 500;
+  std::mt19937 random(4);
+  std::vector<std::int32_t> visits(8 * n), children(8 * n);
+  for (std::size_t i = 0; i < visits.size(); ++i) {
+    visits[i] = random() % 3 == 0 ? -1 : int(random() % (i % 16 < 8 ? 40 : 1 << 30)) / 8 * 8 + int(i % 8);
+    children[i] = int(random());
+  }
+  Buffer<std::int32_t> visits_there(device, visits, "visits"), children_there(device, children, "children");
+  sort(n, std::uint32_t(n), visits_there, children_there);
+  const std::vector<std::int32_t> sorted = visits_there.read(), moved = children_there.read();
+  for (std::size_t i = 0; i < n; ++i) {
+    std::vector<std::int32_t> expected(visits.begin() + 8 * i, visits.begin() + 8 * i + 8);
+    std::ranges::sort(expected, std::greater());
+    EXPECT_TRUE(std::equal(expected.begin(), expected.end(), sorted.begin() + 8 * i)) << i;
+    for (std::size_t k = 8 * i; k < 8 * i + 8 && sorted[k] >= 0; ++k)
+      EXPECT_EQ(moved[k], children[8 * i + sorted[k] % 8]) << i;
+  }
+}
+
 // shadow rays of all kinds, and paths without one
 TEST_F(Lanes, LightArrivesAsAtEachRay) {
   Device device;

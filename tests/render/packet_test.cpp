@@ -53,7 +53,7 @@ kernel void trace_neighbours(const uint n, global const float8* top, global cons
                              global const float4* blocks, global const Instance* instances, global const float4* origin,
                              global const float4* direction, global float4* hit, global uint* hit_instance) {
   const Trees trees = {top, nodes, blocks, instances};
-  if (get_global_id(0) == 0) find_closest_of_neighbours(trees, 0, n, origin, direction, hit, hit_instance);
+  if (get_global_id(0) == 0) find_closest_of_neighbours(trees, n, origin, direction, hit, hit_instance);
 }
 )";
 

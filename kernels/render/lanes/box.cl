@@ -29,6 +29,33 @@ ALWAYS_INLINE void make_box_lanes(const Packet origin, const Packet direction, B
                     &r->back_z);
 }
 
+// the k-th of the rays
+ALWAYS_INLINE BoxRay box_ray_of(BoxLanes* r, const uint k) {
+  const BoxRay ray = {
+      (float3)(ELEMENT(r->near_scale.x, k), ELEMENT(r->near_scale.y, k), ELEMENT(r->near_scale.z, k)),
+      (float3)(ELEMENT(r->near_shift.x, k), ELEMENT(r->near_shift.y, k), ELEMENT(r->near_shift.z, k)),
+      (float3)(ELEMENT(r->far_scale.x, k), ELEMENT(r->far_scale.y, k), ELEMENT(r->far_scale.z, k)),
+      (float3)(ELEMENT(r->far_shift.x, k), ELEMENT(r->far_shift.y, k), ELEMENT(r->far_shift.z, k)),
+      ELEMENT_BITS(r->back_x, k) & 32u, (ELEMENT_BITS(r->back_y, k) & 32u) + 64u,
+      (ELEMENT_BITS(r->back_z, k) & 32u) + 128u};
+  return ray;
+}
+// another one in its place
+ALWAYS_INLINE void set_box_ray(BoxLanes* r, const uint k, const BoxRay ray) {
+#define SET_AXIS(axis)                                   \
+  ELEMENT(r->near_scale.axis, k) = ray.near_scale.axis; \
+  ELEMENT(r->near_shift.axis, k) = ray.near_shift.axis; \
+  ELEMENT(r->far_scale.axis, k) = ray.far_scale.axis;   \
+  ELEMENT(r->far_shift.axis, k) = ray.far_shift.axis;
+  SET_AXIS(x)
+  SET_AXIS(y)
+  SET_AXIS(z)
+#undef SET_AXIS
+  ELEMENT_BITS(r->back_x, k) = ray.near_scale.x < 0 ? ~0u : 0u;
+  ELEMENT_BITS(r->back_y, k) = ray.near_scale.y < 0 ? ~0u : 0u;
+  ELEMENT_BITS(r->back_z, k) = ray.near_scale.z < 0 ? ~0u : 0u;
+}
+
 // is box k of a node met within (0, t_max); entry: t where
 ALWAYS_INLINE int16 lanes_in_box(global const float* node, const uint k, const BoxLanes* r, const float16 t_max,
                                  float16* entry) {

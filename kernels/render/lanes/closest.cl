@@ -1,172 +1,77 @@
-// Closest hits of sixteen rays that go any way, with the bits that each would find alone; of two triangles at the same t
-// either may be found. Together they walk the tree over instances and test the leaves of small meshes there; then each ray
-// visits what else it may meet, the nearest first.
+// Closest hits of the rays of a queue and of rays that start side by side, with the bits that each would find alone; of
+// two triangles at the same t either may be found.
 #ifndef PVG_RENDER_LANES_CLOSEST_CL
 #define PVG_RENDER_LANES_CLOSEST_CL
-#include "render/lanes/box.cl"
+#include "render/lanes/meshes.cl"
+#include "render/lanes/rows.cl"
 
-#define MOST_VISITS 24   // of a ray; one that has more goes alone
-#define MOST_STARTS 128  // of a packet; where it has more each of its rays goes alone
-
-// where a visit of a mesh begins
-typedef struct {
-  uint instance;
-  int first;  // a node or a leaf of its mesh
-} Start;
-
-typedef struct {
-  Visit of_lane[PACKET][MOST_VISITS];  // each: t where it begins, number of its start
-  uint n[PACKET];                      // visits of each lane
-  Start starts[MOST_STARTS];
-  uint n_starts;
-} Visits;
-
-// The lanes in meet (bits) meet the box of what an instance's mesh has below first, at t = entry. The triangles of a leaf in
-// the world's frame are tested for all lanes at once; anything else is a visit for later.
-static inline void add_visits(const Trees trees, Visits* v, const uint instance, const int first, const bool is_unmoved,
-                              const LeafLanes* leaf, const float16 entry, uint meet, PacketHit* hits) {
-  if (first < 0 && is_unmoved) {
-    closest_of_lanes_in_block(trees.blocks + (size_t)(~first) * 10, leaf, instance, hits);
-    return;
-  }
-  const uint start = v->n_starts++;  // counts on beyond what there is room for, as n does: these rays go alone
-  if (start >= MOST_STARTS) return;
-  v->starts[start].instance = instance;
-  v->starts[start].first = first;
-  float t[PACKET];
-  vstore16(entry, 0, t);
-  for (; meet; meet &= meet - 1) {
-    const uint lane = lowest_bit(meet), place = v->n[lane]++;
-    if (place < MOST_VISITS) v->of_lane[lane][place] = make_visit(t[lane], (int)start);
-  }
+// in the whole scene, apart from the others
+OUT_OF_LINE void find_closest_alone(const Trees trees, const float3 origin, const float3 direction, Hit* hit) {
+  Hit found = {INFINITY, 0, 0, NO_TRIANGLE, 0};
+  closest_hit(trees, origin, direction, &found);
+  *hit = found;
 }
 
-// the same of the children of an instance's root, whose mesh has the world's frame
-static inline void add_visits_of_children(const Trees trees, Visits* v, const uint instance, const BoxLanes* r,
-                                          const LeafLanes* leaf, PacketHit* hits) {
-  global const float* node = (global const float*)(trees.nodes + (size_t)trees.instances[instance].root * 8);
-  global const int* children = (global const int*)(node + 48);
-  for (uint k = 0; k < BVH_WIDTH; ++k) {
-    if (children[k] == BVH_EMPTY) continue;
-    float16 entry;
-    const uint meet = mask16(lanes_in_box(node, k, r, hits->t, &entry));
-    if (meet) add_visits(trees, v, instance, children[k], true, leaf, entry, meet, hits);
+// The rays number first .. first + 15 of n in a queue go through the tree over instances. rays: of this packet, whose
+// hits are written;  returned: bits of those that may meet more in meshes
+ALWAYS_INLINE uint begin_packet(const Trees trees, const uint first, const uint n, global const uint* queue,
+                                global const float4* origin, global const float4* direction, MeshPacket* p,
+                                MeshRay* rays) {
+  uint slot[PACKET];
+  for (uint k = 0; k < PACKET; ++k) slot[k] = queue[min(first + k, n - 1)];  // the last lanes are filled up
+  Lanes* lanes = &p->lanes;
+  store_packet(vectors_of(load_rows(origin, slot, 1, 0)), lanes->origin);
+  store_packet(vectors_of(load_rows(direction, slot, 1, 0)), lanes->direction);
+  p->is_moved = 0;
+  find_visits(trees, lanes, &p->box, &p->leaf, &p->visits);
+  const bool is_full = p->visits.n_starts > MOST_STARTS;
+  uint goes_on = 0;
+  for (uint k = 0; k < PACKET && first + k < n; ++k) {
+    const Hit found = {lanes->t[k], lanes->u[k], lanes->v[k], lanes->triangle[k], lanes->instance[k]};
+    rays[k].hit = found;
+    if (is_full || p->visits.n[k] > MOST_VISITS)
+      find_closest_alone(trees, lane_origin(lanes, k), lane_direction(lanes, k), &rays[k].hit);
+    else
+      goes_on |= (p->visits.n[k] > 0 ? 1u : 0u) << k;
   }
-}
-
-// what each lane meets of the top tree, in no order; into lanes: the hits in leaves that are tested here
-OUT_OF_LINE void find_visits(const Trees trees, Lanes* lanes, Visits* visits) {
-  const Packet origin = load_packet(lanes->origin), direction = load_packet(lanes->direction);
-  BoxLanes r;
-  make_box_lanes(origin, direction, &r);
-  LeafLanes leaf;
-  make_leaf_lanes(origin, direction, &leaf);
-  PacketHit hits = {INFINITY, 0.0f, 0.0f, NO_TRIANGLE, 0};
-  int stack[BVH_STACK];
-  int size = 0, current = 0;
-  vstore16((uint16)(0), 0, visits->n);
-  visits->n_starts = 0;
-  for (;;) {
-    global const float* node = (global const float*)(trees.top + (size_t)current * 8);
-    global const int* children = (global const int*)(node + 48);
-    for (uint k = 0; k < BVH_WIDTH; ++k) {
-      const int child = children[k];
-      if (child == BVH_EMPTY) continue;
-      float16 entry;
-      const uint meet = mask16(lanes_in_box(node, k, &r, hits.t, &entry));
-      if (meet == 0) continue;
-      if (child >= 0) {
-        stack[size++] = child;
-        continue;
-      }
-      const uint i = (uint)(~child);
-      global const Instance* instance = trees.instances + i;
-      const int first = first_visit(trees.nodes, (int)instance->root);
-      if (opens(instance, first, meet))
-        add_visits_of_children(trees, visits, i, &r, &leaf, &hits);
-      else
-        add_visits(trees, visits, i, first, instance->flags & INSTANCE_UNMOVED, &leaf, entry, meet, &hits);
-    }
-    if (size == 0) {
-      store_hits(hits, lanes);
-      return;
-    }
-    current = stack[--size];
-  }
-}
-
-// the nearest of n visits, which is taken away
-static inline Visit take_nearest(Visit* visits, uint* n) {
-  uint nearest = 0;
-  for (uint k = 1; k < *n; ++k) nearest = visits[k] < visits[nearest] ? k : nearest;
-  const Visit taken = visits[nearest];
-  visits[nearest] = visits[--(*n)];
-  return taken;
-}
-
-// t, u, v, triangle in one vector, as in closest_in_mesh; found, *instance: the nearest so far
-OUT_OF_LINE float4 closest_of_visits(const Trees trees, const float3 origin, const float3 direction,
-                                       const Start* starts, Visit* visits, uint n, const float4 found, uint* instance) {
-  Hit hit = {found.x, found.y, found.z, as_uint(found.w), *instance};
-  const BoxRay world = make_box_ray(origin, direction);
-  const LeafRay world_leaf = make_leaf_ray(origin, direction);
-  while (n > 0) {
-    const Visit visit = take_nearest(visits, &n);
-    if (as_float((uint)(visit >> 32)) >= hit.t) break;
-    const Start start = starts[(uint)visit];
-    closest_in_instance(trees, start.instance, start.first, origin, direction, &world, &world_leaf, &hit);
-  }
-  *instance = hit.instance;
-  return (float4)(hit.t, hit.u, hit.v, as_float(hit.triangle));
-}
-
-// the same in the whole scene
-OUT_OF_LINE float4 closest_alone(const Trees trees, const float3 origin, const float3 direction, uint* instance) {
-  Hit hit = {INFINITY, 0, 0, NO_TRIANGLE, 0};
-  closest_hit(trees, origin, direction, &hit);
-  *instance = hit.instance;
-  return (float4)(hit.t, hit.u, hit.v, as_float(hit.triangle));
+  return goes_on;
 }
 
 // n rays of a queue
 OUT_OF_LINE void find_closest_of_queue(const Trees trees, const uint n, global const uint* queue,
                                          global const float4* origin, global const float4* direction,
                                          global float4* hit, global uint* hit_instance) {
-  Lanes lanes;
-  Visits visits;
-  for (uint first = 0; first < n; first += PACKET) {
-    for (uint k = 0; k < PACKET; ++k) {
-      const uint slot = queue[min(first + k, n - 1)];  // the last lanes are filled up
-      set_ray(&lanes, k, origin[slot].xyz, direction[slot].xyz);
+  MeshPacket packets[PACKETS_IN_TURN];
+  MeshRay rays[RAYS_IN_TURN];
+  for (uint first = 0; first < n; first += RAYS_IN_TURN) {
+    const uint n_here = min(n - first, (uint)RAYS_IN_TURN);
+    uint goes_on[PACKETS_IN_TURN];
+    for (uint p = 0; p < PACKETS_IN_TURN; ++p) {
+      const uint at = p * PACKET;
+      goes_on[p] =
+          at < n_here ? begin_packet(trees, first + at, n, queue, origin, direction, packets + p, rays + at) : 0;
     }
-    find_visits(trees, &lanes, &visits);
-    for (uint k = 0; k < PACKET && first + k < n; ++k) {
-      float4 found = (float4)(lanes.t[k], lanes.u[k], lanes.v[k], as_float(lanes.triangle[k]));
-      uint instance = lanes.instance[k];
-      if (visits.n_starts > MOST_STARTS || visits.n[k] > MOST_VISITS)
-        found = closest_alone(trees, lane_origin(&lanes, k), lane_direction(&lanes, k), &instance);
-      else if (visits.n[k] > 0)
-        found = closest_of_visits(trees, lane_origin(&lanes, k), lane_direction(&lanes, k), visits.starts,
-                                  visits.of_lane[k], visits.n[k], found, &instance);
+    find_closest_in_meshes(trees, goes_on, packets, rays);
+    for (uint k = 0; k < n_here; ++k) {
       const uint slot = queue[first + k];
-      hit[slot] = found;
-      hit_instance[slot] = instance;
+      hit[slot] = (float4)(rays[k].hit.t, rays[k].hit.u, rays[k].hit.v, as_float(rays[k].hit.triangle));
+      hit_instance[slot] = rays[k].hit.instance;
     }
   }
 }
 
-// n rays that start in neighbouring pixels, in the slots from first on
-OUT_OF_LINE void find_closest_of_neighbours(const Trees trees, const uint first, const uint n,
+// n rays that start in neighbouring pixels, in the first slots
+OUT_OF_LINE void find_closest_of_neighbours(const Trees trees, const uint n,
                                               global const float4* origin, global const float4* direction,
                                               global float4* hit, global uint* hit_instance) {
   Lanes lanes;
-  for (uint i = first; i < first + n; i += PACKET) {
+  for (uint i = 0; i < n; i += PACKET) {
     for (uint k = 0; k < PACKET; ++k) {
-      const uint slot = min(i + k, first + n - 1);
+      const uint slot = min(i + k, n - 1);
       set_ray(&lanes, k, origin[slot].xyz, direction[slot].xyz);
     }
     find_closest_of_lanes(trees, &lanes);
-    for (uint k = 0; k < PACKET && i + k < first + n; ++k) {
+    for (uint k = 0; k < PACKET && i + k < n; ++k) {
       hit[i + k] = (float4)(lanes.t[k], lanes.u[k], lanes.v[k], as_float(lanes.triangle[k]));
       hit_instance[i + k] = lanes.instance[k];
     }

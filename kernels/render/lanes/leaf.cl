@@ -7,7 +7,8 @@
 // what a leaf's test takes, as LeafRay: each ray's axes are in the order of its own
 typedef struct {
   Packet shift, shear;
-  int16 is_x, is_z;  // is this component of the direction the largest? Else it is y
+  int16 is_x, is_z;   // is this component of the direction the largest? Else it is y
+  uint16 kx, ky, kz;  // as in LeafRay
 } LeafLanes;
 
 // x, y and z in the order of each ray's axes
@@ -22,6 +23,33 @@ ALWAYS_INLINE void make_leaf_lanes(const Packet origin, const Packet direction, 
   const Packet d = turned(r->is_x, r->is_z, direction.x, direction.y, direction.z);
   const Packet shear = {d.x / d.z, d.y / d.z, 1.0f / d.z};
   r->shear = shear;
+  r->kx = as_uint16(r->is_z ? (int16)(0) : (r->is_x ? (int16)(16) : (int16)(32)));
+  r->ky = as_uint16(r->is_z ? (int16)(16) : (r->is_x ? (int16)(32) : (int16)(0)));
+  r->kz = as_uint16(r->is_z ? (int16)(32) : (r->is_x ? (int16)(0) : (int16)(16)));
+}
+
+// element k of a vector in memory
+#define ELEMENT(v, k) (((float*)&(v))[k])
+#define ELEMENT_BITS(v, k) (((uint*)&(v))[k])
+
+// the k-th of the rays
+ALWAYS_INLINE LeafRay leaf_ray_of(LeafLanes* r, const uint k) {
+  const LeafRay ray = {(float3)(ELEMENT(r->shift.x, k), ELEMENT(r->shift.y, k), ELEMENT(r->shift.z, k)),
+                       (float3)(ELEMENT(r->shear.x, k), ELEMENT(r->shear.y, k), ELEMENT(r->shear.z, k)),
+                       ELEMENT_BITS(r->kx, k), ELEMENT_BITS(r->ky, k), ELEMENT_BITS(r->kz, k)};
+  return ray;
+}
+// another one in its place; is_x and is_z stay, so that the lane is only good for leaf_ray_of()
+ALWAYS_INLINE void set_leaf_ray(LeafLanes* r, const uint k, const LeafRay ray) {
+  ELEMENT(r->shift.x, k) = ray.shift.x;
+  ELEMENT(r->shift.y, k) = ray.shift.y;
+  ELEMENT(r->shift.z, k) = ray.shift.z;
+  ELEMENT(r->shear.x, k) = ray.shear.x;
+  ELEMENT(r->shear.y, k) = ray.shear.y;
+  ELEMENT(r->shear.z, k) = ray.shear.z;
+  ELEMENT_BITS(r->kx, k) = ray.kx;
+  ELEMENT_BITS(r->ky, k) = ray.ky;
+  ELEMENT_BITS(r->kz, k) = ray.kz;
 }
 
 // A corner of a triangle, seen from the rays' origins. corner: where its x stands, y and z follow four floats apart

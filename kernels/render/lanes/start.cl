@@ -13,11 +13,11 @@ static inline bool is_plain(const PinholeCamera* c) {
 
 // start_paths() of such a camera, with the same bits
 static inline void start_plain_paths(const Launch* launch, global const uint* pixels, const uint first, const uint n,
-                                     const Slots* slots) {
+                                     const uint first_slot, const Slots* slots) {
   const PinholeCamera* c = &launch->camera;
   uint pixel[PATHS], key[PATHS], sample[PATHS], slot[PATHS];
   number_paths(*launch, pixels, first, n, pixel, key, sample);
-  for (uint k = 0; k < PATHS; ++k) slot[k] = min(first + k, n - 1);
+  for (uint k = 0; k < PATHS; ++k) slot[k] = first_slot + min(k, n - 1 - first);
   const uint16 place = vload16(0, pixel), y_place = place / c->width;
   float16 x = convert_float16(place - y_place * c->width), y = convert_float16(y_place);
   if (!launch->is_center) {
@@ -49,14 +49,14 @@ static inline void start_plain_paths(const Launch* launch, global const uint* pi
   }
 }
 
-// the paths first .. first + n_here - 1 of the n of a launch, in the slots of their numbers
+// the paths first .. first + n_here - 1 of the n of a launch, in the first slots
 OUT_OF_LINE void start_chunk(const Launch* launch, global const uint* pixels, const uint first, const uint n_here,
                                const uint n, const Slots* slots) {
   const bool plain = is_plain(&launch->camera);
-  for (uint i = first; i < first + n_here; i += PATHS)
+  for (uint k = 0; k < n_here; k += PATHS)
     if (plain)
-      start_plain_paths(launch, pixels, i, n, slots);
+      start_plain_paths(launch, pixels, first + k, n, k, slots);
     else
-      start_paths(*launch, pixels, i, n, *slots);
+      start_paths(*launch, pixels, first + k, n, k, *slots);
 }
 #endif

@@ -1,6 +1,7 @@
 // All stages of the paths of a launch on a CPU: a work-item takes TRACE_CHUNK paths through all bounces, so that their
 // state stays in the cache of its core, and no core waits for another one after each stage. Then it takes the next ones
-// that nobody has: some chunks take ten times as long as others. On a GPU each stage is a kernel of its own (wavefront/).
+// that nobody has into the same slots: some chunks take ten times as long as others. On a GPU each stage is a kernel of
+// its own (wavefront/).
 #define PVG_INLINE_ALL
 #include "shared/pocl.h"
 
@@ -47,9 +48,9 @@ static inline uint keep_alive(const uint n, const Slots* slots) {
   return kept;
 }
 
-// the n paths in the slots from first on, which have started; returned: the number of segments
+// the n paths in the first slots, which have started; returned: the number of segments
 OUT_OF_LINE uint trace_chunk(const Launch* launch, const Trees* trees, const Shading* scene, const Tracing tracing,
-                               global const uchar* group_of_instance, const uint first, uint n, const Slots* slots) {
+                               global const uchar* group_of_instance, uint n, const Slots* slots) {
   const Cutouts cutouts = cutouts_of(*scene);
   uint segments = 0;
   for (uint depth = 0; depth <= launch->max_depth && n > 0; ++depth) {
@@ -57,7 +58,7 @@ OUT_OF_LINE uint trace_chunk(const Launch* launch, const Trees* trees, const Sha
     segments += n;
     if (depth >= tracing.first_leaves_glass) leave_glass_of_queue(trees, scene, bounce, n, slots);
     if (depth == 0)
-      find_closest_of_neighbours(*trees, first, n, slots->origin, slots->direction, slots->hit, slots->hit_instance);
+      find_closest_of_neighbours(*trees, n, slots->origin, slots->direction, slots->hit, slots->hit_instance);
     else
       find_closest_of_queue(*trees, n, slots->queue, slots->origin, slots->direction, slots->hit, slots->hit_instance);
     if (tracing.has_cutouts) pass_holes_of_queue(trees, &cutouts, depth, n, slots);
@@ -75,9 +76,10 @@ kernel void group_instances(const uint n, const int environment_light, global co
   if (i < n) groups[i] = (uchar)group_of(environment_light, instances + i, materials + instances[i].material);
 }
 
-// n: paths;  pixels: as in render/wavefront/generate.cl;  group_of_instance: [instances] from group_instances;  next: [1]
-// the first chunk that nobody has, 0 at first;  segments: [chunks] traced, written here;  the others as in
-// render/wavefront/shade.cl, feature_...: one element that nobody reads where notes_features is 0
+// n: paths;  pixels: as in render/wavefront/generate.cl;  group_of_instance: [instances] from group_instances;
+// next: [1] the first chunk that nobody has, 0 at first;  segments: [chunks] traced, written here;  radiance,
+// feature_...: [n], the features one element that nobody reads where notes_features is 0;  the others as in
+// render/wavefront/shade.cl, TRACE_CHUNK slots for each work-item
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace(
     const uint n, const Launch launch, const uint notes_features, const uint has_cutouts, const uint first_leaves_glass,
     global const uint* restrict pixels, global const uchar* restrict group_of_instance, global uint* restrict queue,
@@ -97,15 +99,15 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace(
   const Shading scene = {instances, materials, textures,   texels, decode,      triangles,
                          vertices,  colors,    second_uvs, lights, environment, cells,       targets};
   const Tracing tracing = {notes_features, has_cutouts, first_leaves_glass};
+  const size_t own = get_global_id(0) * TRACE_CHUNK;  // its first slot
   for (;;) {
     const uint chunk = atomic_inc(next), first = chunk * TRACE_CHUNK;
     if (first >= n) return;
     const uint n_here = min(n - first, (uint)TRACE_CHUNK);
-    const Slots all = {queue, alive, stream, origin, direction, throughput, radiance, hit, hit_instance,
-                       shadow_origin, shadow_direction, shadow_light, feature_color, feature_normal};
-    start_chunk(&launch, pixels, first, n_here, n, &all);
-    const Slots slots = {queue + first, alive + first, stream, origin, direction, throughput, radiance, hit, hit_instance,
-                         shadow_origin, shadow_direction, shadow_light, feature_color, feature_normal};
-    segments[chunk] = trace_chunk(&launch, &trees, &scene, tracing, group_of_instance, first, n_here, &slots);
+    const Slots slots = {queue + own, alive + own, stream + own, origin + own, direction + own, throughput + own,
+                         radiance + first, hit + own, hit_instance + own, shadow_origin + own, shadow_direction + own,
+                         shadow_light + own, feature_color + first, feature_normal + first};
+    start_chunk(&launch, pixels, first, n_here, n, &slots);
+    segments[chunk] = trace_chunk(&launch, &trees, &scene, tracing, group_of_instance, n_here, &slots);
   }
 }

@@ -12,5 +12,5 @@ kernel void generate(const uint n, const Launch launch, global const uint* restr
                      global uint2* restrict stream, global uint* restrict queue) {
   const uint first = get_global_id(0) * PATHS;
   const Slots slots = {queue, 0, stream, origin, direction, throughput, radiance, 0, 0, 0, 0, 0, 0, 0};
-  if (first < n) start_paths(launch, pixels, first, n, slots);
+  if (first < n) start_paths(launch, pixels, first, n, first, slots);
 }
