@@ -72,7 +72,7 @@ ALWAYS_INLINE void closest_of_lanes_in_block(global const float4* block, const L
   for (uint k = 0; k < 4 && triangles[k] != NO_TRIANGLE; ++k) {
     ShearedPacket s;
     const int16 inside = shear_triangle_of_lanes((global const float*)block + k, r, &s);
-    closest_of_sheared(inside, s, r->shear.z, triangles[k], instance, hits);
+    keep_nearer(inside, s, r->shear.z, triangles[k], instance, hits);
   }
 }
 

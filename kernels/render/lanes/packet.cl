@@ -154,20 +154,19 @@ ALWAYS_INLINE int16 shear_triangle(const Packet a, const Packet b, const Packet 
   return (low >= 0.0f) | (high <= 0.0f);
 }
 
-// the same triangle's hits, as in block_hits; true: a ray meets it before what it met so far
-ALWAYS_INLINE bool closest_of_sheared(const int16 inside, const ShearedPacket s, const float16 shear_z,
-                                      const uint triangle, const uint instance, PacketHit* hit) {
-  if (!is_any(inside)) return false;
+// the same triangle's hits, as in block_hits; where one is nearer than what the ray met so far. Without branches: in
+// most leaves some rays meet a triangle, and which do no processor foresees
+ALWAYS_INLINE int16 keep_nearer(const int16 inside, const ShearedPacket s, const float16 shear_z, const uint triangle,
+                                const uint instance, PacketHit* hit) {
   const float16 inverse = 1.0f / (s.area_a + s.area_b + s.area_c);
   const float16 t = (s.area_a * s.az + s.area_b * s.bz + s.area_c * s.cz) * shear_z * inverse;
   const int16 is_nearer = inside & (t > 0.0f) & (t < hit->t);
-  if (!is_any(is_nearer)) return false;
   hit->t = is_nearer ? t : hit->t;
   hit->u = is_nearer ? s.area_b * inverse : hit->u;
   hit->v = is_nearer ? s.area_c * inverse : hit->v;
   hit->triangle = is_nearer ? (uint16)(triangle) : hit->triangle;
   hit->instance = is_nearer ? (uint16)(instance) : hit->instance;
-  return true;
+  return is_nearer;
 }
 
 // triangle number k of the block; true: a ray meets it before what it met so far
@@ -179,7 +178,7 @@ ALWAYS_INLINE bool closest_of_packet_in_triangle(global const float* block, cons
   const Packet c = {x[24] - r.shift.x, y[24] - r.shift.y, z[24] - r.shift.z};
   ShearedPacket s;
   const int16 inside = shear_triangle(a, b, c, r.shear, &s);
-  return closest_of_sheared(inside, s, r.shear.z, triangle, instance, hit);
+  return is_any(keep_nearer(inside, s, r.shear.z, triangle, instance, hit));
 }
 
 // true: a ray has met something nearer

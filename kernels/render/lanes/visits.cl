@@ -20,6 +20,20 @@ typedef struct {
   uint n_starts;
 } Visits;
 
+// Bits of the boxes of a node that some of the lanes meet within (0, t_max). All are tested before any is visited: a
+// branch for each would go either way, which no processor foresees. meet: [BVH_WIDTH] bits of the lanes;  entry:
+// [BVH_WIDTH] t where
+ALWAYS_INLINE uint boxes_met_by_lanes(global const float* node, const BoxLanes* r, const float16 t_max, uint* meet,
+                                      float16* entry) {
+  global const int* children = (global const int*)(node + 48);
+  uint met = 0;
+  for (uint k = 0; k < BVH_WIDTH && children[k] != BVH_EMPTY; ++k) {
+    meet[k] = mask16(lanes_in_box(node, k, r, t_max, entry + k));
+    met |= (meet[k] != 0 ? 1u : 0u) << k;
+  }
+  return met;
+}
+
 // The lanes in meet (bits) meet the box of what an instance's mesh has below first, at t = entry. The triangles of a leaf in
 // the world's frame are tested for all lanes at once; anything else is a visit for later.
 static inline void add_visits(const Trees trees, Visits* v, const uint instance, const int first, const bool is_unmoved,
@@ -45,11 +59,11 @@ static inline void add_visits_of_children(const Trees trees, Visits* v, const ui
                                           const LeafLanes* leaf, PacketHit* hits) {
   global const float* node = (global const float*)(trees.nodes + (size_t)trees.instances[instance].root * 8);
   global const int* children = (global const int*)(node + 48);
-  for (uint k = 0; k < BVH_WIDTH; ++k) {
-    if (children[k] == BVH_EMPTY) continue;
-    float16 entry;
-    const uint meet = mask16(lanes_in_box(node, k, r, hits->t, &entry));
-    if (meet) add_visits(trees, v, instance, children[k], true, leaf, entry, meet, hits);
+  uint meet[BVH_WIDTH];
+  float16 entry[BVH_WIDTH];
+  for (uint met = boxes_met_by_lanes(node, r, hits->t, meet, entry); met; met &= met - 1) {
+    const uint k = lowest_bit(met);
+    add_visits(trees, v, instance, children[k], true, leaf, entry[k], meet[k], hits);
   }
 }
 
@@ -69,12 +83,11 @@ OUT_OF_LINE void find_visits(const Trees trees, Lanes* lanes, BoxLanes* box, Lea
   for (;;) {
     global const float* node = (global const float*)(trees.top + (size_t)current * 8);
     global const int* children = (global const int*)(node + 48);
-    for (uint k = 0; k < BVH_WIDTH; ++k) {
+    uint meet[BVH_WIDTH];
+    float16 entry[BVH_WIDTH];
+    for (uint met = boxes_met_by_lanes(node, &b, hits.t, meet, entry); met; met &= met - 1) {
+      const uint k = lowest_bit(met);
       const int child = children[k];
-      if (child == BVH_EMPTY) continue;
-      float16 entry;
-      const uint meet = mask16(lanes_in_box(node, k, &b, hits.t, &entry));
-      if (meet == 0) continue;
       if (child >= 0) {
         stack[size++] = child;
         continue;
@@ -82,10 +95,10 @@ OUT_OF_LINE void find_visits(const Trees trees, Lanes* lanes, BoxLanes* box, Lea
       const uint i = (uint)(~child);
       global const Instance* instance = trees.instances + i;
       const int first = first_visit(trees.nodes, (int)instance->root);
-      if (opens(instance, first, meet))
+      if (opens(instance, first, meet[k]))
         add_visits_of_children(trees, visits, i, &b, &l, &hits);
       else
-        add_visits(trees, visits, i, first, instance->flags & INSTANCE_UNMOVED, &l, entry, meet, &hits);
+        add_visits(trees, visits, i, first, instance->flags & INSTANCE_UNMOVED, &l, entry[k], meet[k], &hits);
     }
     if (size == 0) {
       store_hits(hits, lanes);
