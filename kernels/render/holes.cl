@@ -31,7 +31,7 @@ static inline void pass_holes_of_path(const Trees trees, const Cutouts cutouts, 
 
 // the share of the light that all hits of one instance let pass
 OUT_OF_LINE float share_through_mesh(const Trees trees, const Cutouts cutouts, const BoxRay* box, const LeafRay leaf,
-                                       const uint instance, const float t_max) {
+                                     const uint instance, const float t_max) {
   const BoxRay r = *box;
   int stack[BVH_STACK];
   int size = 0, current = (int)trees.instances[instance].root;

@@ -39,7 +39,7 @@ static inline void meet_surface(const Launch launch, const Shading scene, global
 // hit: t, u, v, triangle
 // a function of its own: PoCL compiles what stands in a kernel three times
 OUT_OF_LINE void meet(const Launch launch, const Shading scene, const Chance chance, const uint depth,
-                        const float4 hit, const uint hit_instance, const Notes notes, Path* path, ShadowRay* shadow) {
+                      const float4 hit, const uint hit_instance, const Notes notes, Path* path, ShadowRay* shadow) {
   global const Instance* instance = scene.instances + hit_instance;
   const uint triangle = as_uint(hit.w);
   const Surface s = surface_with_uvs(scene, hit_instance, triangle, hit.y, hit.z);

@@ -48,8 +48,8 @@ static inline void cross_block(global const float4* block, const LeafRay r, cons
 
 // all crossings of the glass of one mesh
 OUT_OF_LINE void cross_mesh(const Trees trees, const BoxRay* box, const LeafRay leaf, const float3 direction,
-                              const int root, const float t_max, global const Material* material,
-                              const float direction_length, Transmittance* T) {
+                            const int root, const float t_max, global const Material* material,
+                            const float direction_length, Transmittance* T) {
   const BoxRay r = *box;
   int stack[BVH_STACK];
   int size = 0, current = root;
@@ -79,7 +79,7 @@ ALWAYS_INLINE bool pass_instance(const Trees trees, global const Material* mater
 
 // from the origin to t_max = just short of the light, clear glass attenuates; mask: MASK_...
 OUT_OF_LINE Transmittance transmittance(const Trees trees, global const Material* materials, const float3 origin,
-                                          const float3 direction, const float t_max, const uint mask) {
+                                        const float3 direction, const float t_max, const uint mask) {
   Transmittance T;
   T.value = 1.0f;
   T.optical = 0.0f;

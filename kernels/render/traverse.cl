@@ -282,7 +282,7 @@ ALWAYS_INLINE void closest_in_block(global const float4* block, const LeafRay r,
 // frame. One vector comes back in a register. A struct would be written to memory by parts and read as a whole, which
 // waits.
 OUT_OF_LINE float4 closest_in_mesh(const Trees trees, const BoxRay* box, const LeafRay* leaf_ray, const int first,
-                                     const float t_max) {
+                                   const float t_max) {
   const BoxRay r = *box;
   const LeafRay leaf = *leaf_ray;
   Hit nearest = {t_max, 0, 0, NO_TRIANGLE, 0};
@@ -372,7 +372,7 @@ ALWAYS_INLINE bool descend_any(global const float8* node, const BoxRay r, const 
 
 // is a triangle of the mesh met within (0, t_max)? The rays are in the mesh's frame
 OUT_OF_LINE bool any_in_mesh(const Trees trees, const BoxRay* box, const LeafRay* leaf_ray, const int root,
-                               const float t_max) {
+                             const float t_max) {
   const BoxRay r = *box;
   const LeafRay leaf = *leaf_ray;
   int stack[BVH_STACK];

@@ -108,7 +108,7 @@ ALWAYS_INLINE bool any_in_instance(const Trees trees, global const Instance* ins
 // Bits of the lanes that are stopped below first, of those in meet. A leaf of a mesh in the world's frame is tested for all
 // at once
 OUT_OF_LINE uint stopped_of(const Trees trees, global const Instance* instance, const int first, const Lanes* lanes,
-                              const LeafLanes* leaf, uint meet) {
+                            const LeafLanes* leaf, uint meet) {
   if (first < 0 && instance->flags & INSTANCE_UNMOVED)
     return meet & lanes_stopped_in_block(trees.blocks + (size_t)(~first) * 10, leaf, BEFORE_LIGHT);
   uint stopped = 0;

@@ -39,8 +39,8 @@ ALWAYS_INLINE uint begin_packet(const Trees trees, const uint first, const uint 
 
 // n rays of a queue
 OUT_OF_LINE void find_closest_of_queue(const Trees trees, const uint n, global const uint* queue,
-                                         global const float4* origin, global const float4* direction,
-                                         global float4* hit, global uint* hit_instance) {
+                                       global const float4* origin, global const float4* direction,
+                                       global float4* hit, global uint* hit_instance) {
   MeshPacket packets[PACKETS_IN_TURN];
   MeshRay rays[RAYS_IN_TURN];
   for (uint first = 0; first < n; first += RAYS_IN_TURN) {
@@ -62,8 +62,8 @@ OUT_OF_LINE void find_closest_of_queue(const Trees trees, const uint n, global c
 
 // n rays that start in neighbouring pixels, in the first slots
 OUT_OF_LINE void find_closest_of_neighbours(const Trees trees, const uint n,
-                                              global const float4* origin, global const float4* direction,
-                                              global float4* hit, global uint* hit_instance) {
+                                            global const float4* origin, global const float4* direction,
+                                            global float4* hit, global uint* hit_instance) {
   Lanes lanes;
   for (uint i = 0; i < n; i += PACKET) {
     for (uint k = 0; k < PACKET; ++k) {

@@ -1,6 +1,7 @@
 // Rays in meshes, each at a node of its own, in turn: while the numbers of one are on their way, the processor is at the
-// next ones. A step has no branch that depends on what is met, which no processor could foresee. The arithmetic is that
-// of traverse.cl: hits have the bits that each ray finds alone; of two triangles at the same t either may be found.
+// next ones. A step has no branch that goes either way by what is met, which no processor could foresee. The arithmetic
+// is that of traverse.cl: hits have the bits that each ray finds alone; of two triangles at the same t either may be
+// found.
 #ifndef PVG_RENDER_LANES_MESHES_CL
 #define PVG_RENDER_LANES_MESHES_CL
 #include "render/lanes/visits.cl"

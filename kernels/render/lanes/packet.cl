@@ -193,7 +193,7 @@ ALWAYS_INLINE bool closest_of_packet_in_block(global const float4* block, const 
 
 // closest hits in one mesh, in whose frame the rays are
 OUT_OF_LINE void closest_of_packet_in_mesh(const Trees trees, const BoxPacket* box, const LeafPacket* leaf,
-                                             const int first, const uint instance, PacketHit* hit) {
+                                           const int first, const uint instance, PacketHit* hit) {
   const BoxPacket p = *box;
   Visit stack[BVH_STACK];
   int size = 0, current = first;
@@ -266,7 +266,7 @@ ALWAYS_INLINE void store_packet(const Packet p, float vectors[3][PACKET]) {
 
 // each ray alone in one mesh, whose frame they are in
 OUT_OF_LINE void closest_of_each_in_mesh(const Trees trees, const Packet* o, const Packet* d, const int first,
-                                           const uint instance, PacketHit* hits) {
+                                         const uint instance, PacketHit* hits) {
   Lanes lanes;
   store_packet(*o, lanes.origin);
   store_packet(*d, lanes.direction);

@@ -71,7 +71,7 @@ static inline void load_paths(const Groups* groups, const uint group, const uint
 
 // one of the others. A function of its own: PoCL inlines what is called once
 OUT_OF_LINE void shade_alone(const Launch* launch, const Shading* scene, const Bounce bounce, const uint place,
-                               const Slots* slots) {
+                             const Slots* slots) {
   shade_path(*launch, *scene, bounce.depth, bounce.notes_features, place, *slots);
 }
 
@@ -82,7 +82,7 @@ static inline bool is_dark_outside(const Launch* launch) {
 
 // n paths in the queue, n <= TRACE_CHUNK
 OUT_OF_LINE void shade_queue(const Launch* launch, const Shading* scene, const Bounce bounce,
-                               global const uchar* group_of_instance, const uint n, const Slots* slots) {
+                             global const uchar* group_of_instance, const uint n, const Slots* slots) {
   Groups groups;
   for (uint g = 0; g < N_GROUPS; ++g) groups.n[g] = 0;
   const uint end = bounce.depth >= launch->max_depth ? RECEIVERS + 1 : OTHERS;  // all others end there

@@ -36,8 +36,8 @@ static inline void add_lights(const Trees trees, global const Material* material
 
 // of the paths at n places of the queue
 OUT_OF_LINE void add_light_of_places(const Trees trees, global const Material* materials,
-                                       const uint transparent_shadows, const ushort* places, const uint n,
-                                       const Slots* slots) {
+                                     const uint transparent_shadows, const ushort* places, const uint n,
+                                     const Slots* slots) {
   Waiting w;
   w.n = w.asked.surfaces = w.asked.receivers = w.asked.through_glass = 0;
   for (uint i = 0; i < n; ++i) {
@@ -61,7 +61,7 @@ OUT_OF_LINE void add_light_of_places(const Trees trees, global const Material* m
 // Shares of the light samples of sixteen paths that arrive, by colour, 0 of the lanes that are not asked. weight: of
 // those that nothing attenuates, as in shadow_light
 OUT_OF_LINE void find_arriving(const Trees* trees, global const Material* materials, const Lanes* rays,
-                                 const Asked* asked, const float16 weight, Packet* share) {
+                               const Asked* asked, const float16 weight, Packet* share) {
   uint crosses;
   const uint arrive = (asked->surfaces | asked->receivers) & ~lanes_stopped(*trees, rays, *asked, &crosses);
   const float16 even = lanes_of(arrive) ? weight : (float16)(0.0f);

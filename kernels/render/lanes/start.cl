@@ -51,7 +51,7 @@ static inline void start_plain_paths(const Launch* launch, global const uint* pi
 
 // the paths first .. first + n_here - 1 of the n of a launch, in the first slots
 OUT_OF_LINE void start_chunk(const Launch* launch, global const uint* pixels, const uint first, const uint n_here,
-                               const uint n, const Slots* slots) {
+                             const uint n, const Slots* slots) {
   const bool plain = is_plain(&launch->camera);
   for (uint k = 0; k < n_here; k += PATHS)
     if (plain)

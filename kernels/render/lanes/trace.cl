@@ -20,16 +20,16 @@ typedef struct {
 
 // what few scenes need: functions of their own, so that trace_chunk() stays small
 OUT_OF_LINE void leave_glass_of_queue(const Trees* trees, const Shading* scene, const Bounce bounce, const uint n,
-                                        const Slots* slots) {
+                                      const Slots* slots) {
   for (uint i = 0; i < n; ++i)
     leave_glass_of_path(*trees, *scene, bounce.depth, bounce.notes_features, slots->queue[i], *slots);
 }
 OUT_OF_LINE void pass_holes_of_queue(const Trees* trees, const Cutouts* cutouts, const uint depth, const uint n,
-                                       const Slots* slots) {
+                                     const Slots* slots) {
   for (uint i = 0; i < n; ++i) pass_holes_of_path(*trees, *cutouts, depth, slots->queue[i], *slots);
 }
 OUT_OF_LINE void add_dimmed_light(const Launch* launch, const Trees* trees, const Cutouts* cutouts, const uint n,
-                                    const Slots* slots) {
+                                  const Slots* slots) {
   ushort places[TRACE_CHUNK];
   for (uint i = 0; i < n; ++i) {
     places[i] = (ushort)i;
@@ -50,7 +50,7 @@ static inline uint keep_alive(const uint n, const Slots* slots) {
 
 // the n paths in the first slots, which have started; returned: the number of segments
 OUT_OF_LINE uint trace_chunk(const Launch* launch, const Trees* trees, const Shading* scene, const Tracing tracing,
-                               global const uchar* group_of_instance, uint n, const Slots* slots) {
+                             global const uchar* group_of_instance, uint n, const Slots* slots) {
   const Cutouts cutouts = cutouts_of(*scene);
   uint segments = 0;
   for (uint depth = 0; depth <= launch->max_depth && n > 0; ++depth) {
