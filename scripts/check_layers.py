@@ -15,7 +15,8 @@ import sys
 OTHERS = {  # header of another library: the folders that may include it
     "CL/": ["host/device"],
     "yaml-cpp/": ["host/robot", "host/load", "host/load/fields", "host/load/recording", "host/identify/data", "host/identify/candidates", "host/identify/report"],
-    "hdf5": ["host/formats"],
+    "hdf5": ["host/hdf5"],
+    "libdeflate": ["host/hdf5"],
     "assimp/": ["host/formats", "host/robot"],
     "OpenImageIO/": ["host/formats"],
     "tiny_gltf": ["host/formats"],

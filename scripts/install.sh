@@ -9,7 +9,7 @@ PACKAGES="g++ cmake ninja-build"
 PACKAGES="$PACKAGES ocl-icd-opencl-dev opencl-clhpp-headers pocl-opencl-icd"
 # libraries
 PACKAGES="$PACKAGES libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev liburdfdom-dev libassimp-dev libtbb-dev
-  libcli11-dev libfmt-dev libhdf5-dev libarchive-dev libopenimageio-dev libtinygltf-dev libompl-dev libfcl-dev
+  libcli11-dev libfmt-dev libhdf5-dev libdeflate-dev libarchive-dev libopenimageio-dev libtinygltf-dev libompl-dev libfcl-dev
   libmeshoptimizer-dev"
 # compilers of other vendors' GPUs: the build makes and links machine code of every kernel (kernels/CMakeLists.txt)
 PACKAGES="$PACKAGES clang-19 lld-19 libclc-19 intel-opencl-icd"

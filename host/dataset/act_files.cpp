@@ -1,6 +1,6 @@
 #include "host/dataset/act_files.hpp"
 
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/series.hpp"
 
 namespace pvg {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "host/base/atomic_files.hpp"
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/file.hpp"
 
 namespace pvg {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/series.hpp"
 #include "host/model/scene.hpp"
 
 namespace pvg {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/series.hpp"
 
 namespace pvg {
 namespace {

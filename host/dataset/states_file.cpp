@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "host/dataset/states_layout.hpp"
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/series.hpp"
 
 namespace pvg {
 namespace {

@@ -24,10 +24,13 @@ std::vector<std::uint32_t> corners(std::span<const Triangle> triangles) {
   return values;
 }
 
+// what the index of compressed chunks takes: less is not worth one
+constexpr std::size_t INDEX_BYTES = 3136;
+
 template <class T>
 void write_rows(hdf5::File& file, const std::string& name, std::uint64_t columns, std::span<const T> values,
                 bool compresses) {
-  if (compresses)
+  if (compresses && values.size_bytes() > INDEX_BYTES)
     Series<T>(file, name, {columns}, compressed({columns}, sizeof(T))).append(values);
   else
     file.write<T>(name, {values.size() / columns, columns}, values);

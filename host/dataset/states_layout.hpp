@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "host/dataset/states_file.hpp"
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/series.hpp"
 
 namespace pvg {
 
@@ -16,7 +16,7 @@ struct StatesLayout {
 
 StatesLayout lay_out_states(const PhysicalScene& scene, const EpisodeHeader& header);
 
-inline constexpr int DEFLATE = 7;  // level: 9 is 1 % smaller and takes 1.6 times as long
+inline constexpr int DEFLATE = 8;  // level: 7 is 0.5 % larger in 0.7 of the time
 
 // How a series with rows of this shape is kept where the states are not `full`; the values are the same.
 hdf5::Storage compressed(const hdf5::Shape& row, std::size_t bytes_per_value);

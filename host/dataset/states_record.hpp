@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/series.hpp"
 
 namespace pvg {
 

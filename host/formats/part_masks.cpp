@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "host/base/counted.hpp"
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/file.hpp"
 
 namespace pvg {
 namespace {

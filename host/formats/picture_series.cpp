@@ -11,10 +11,10 @@
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/base/program_pipe.hpp"
-#include "host/formats/hdf5.hpp"
 #include "host/formats/picture_files.hpp"
 #include "host/formats/video.hpp"
 #include "host/formats/video_reader.hpp"
+#include "host/hdf5/series.hpp"
 
 namespace pvg {
 namespace {

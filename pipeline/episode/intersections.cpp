@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "host/dataset/states_record.hpp"
-#include "host/formats/hdf5.hpp"
 #include "host/geometry/exact_intersection.hpp"
+#include "host/hdf5/file.hpp"
 
 namespace pvg {
 namespace {

@@ -12,7 +12,7 @@
 #include "host/base/files.hpp"
 #include "host/dataset/json_file.hpp"
 #include "host/dataset/states_record.hpp"
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/series.hpp"
 
 namespace pvg {
 namespace {

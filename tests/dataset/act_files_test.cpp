@@ -1,7 +1,7 @@
 // ACT's layout: equal lengths by repeating the last row, pictures as arrays.
 #include "host/dataset/act_files.hpp"
 
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/file.hpp"
 #include "tests/dataset/small_episode.hpp"
 
 namespace pvg {

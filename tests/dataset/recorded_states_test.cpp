@@ -6,7 +6,7 @@
 #include "host/base/error.hpp"
 #include "host/dataset/states_file.hpp"
 #include "host/dataset/states_reader.hpp"
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/file.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg {

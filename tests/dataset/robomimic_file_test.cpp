@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/file.hpp"
 #include "tests/dataset/small_episode.hpp"
 
 namespace pvg {

@@ -12,7 +12,7 @@
 #include "host/dataset/masks_file.hpp"
 #include "host/dataset/states_reader.hpp"
 #include "host/dataset/states_record.hpp"
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/file.hpp"
 
 namespace pvg {
 namespace {

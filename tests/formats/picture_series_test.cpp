@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "host/formats/hdf5.hpp"
 #include "host/formats/picture_files.hpp"
 #include "host/formats/video.hpp"
+#include "host/hdf5/series.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "host/base/counted.hpp"
 #include "host/base/error.hpp"
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/file.hpp"
 #include "host/load/task_file.hpp"
 
 namespace pvg {

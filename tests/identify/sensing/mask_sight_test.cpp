@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/file.hpp"
 #include "host/identify/data/noise.hpp"
 #include "host/identify/fit/fit.hpp"
 #include "host/identify/fit/time_step.hpp"

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "host/formats/hdf5.hpp"
 #include "host/formats/picture_files.hpp"
+#include "host/hdf5/file.hpp"
 #include "host/identify/data/noise.hpp"
 #include "host/identify/fit/fit.hpp"
 #include "host/load/overview.hpp"

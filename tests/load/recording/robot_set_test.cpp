@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.hpp"
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/file.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -40,7 +40,7 @@ TEST(Layers, EveryKindOfForbiddenIncludeIsFound) {
                                                        {"pipeline/episode/a.cpp", "\"tests/fake.hpp\""},
                                                        {"host/physics/step/a.cpp", "<CL/cl.h>"},
                                                        {"host/physics/step/b.hpp", "\"host/model/scene.hpp\""},
-                                                       {"host/render/a.cpp", "\"host/formats/hdf5.hpp\""},
+                                                       {"host/render/a.cpp", "\"host/hdf5/file.hpp\""},
                                                        {"host/base/b.hpp", "\"host/model/task.hpp\""},
                                                        {"host/geometry/a.cpp", "<yaml-cpp/yaml.h>"},
                                                        {"host/unknown/c.cpp", "\"host/base/error.hpp\""}};

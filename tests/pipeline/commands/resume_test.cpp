@@ -10,7 +10,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/file.hpp"
 
 namespace pvg {
 namespace {

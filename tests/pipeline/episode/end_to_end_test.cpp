@@ -10,10 +10,10 @@
 #include <map>
 #include <set>
 
-#include "host/formats/hdf5.hpp"
 #include "host/formats/picture_files.hpp"
 #include "host/formats/video_reader.hpp"
 #include "host/geometry/exact_intersection.hpp"
+#include "host/hdf5/file.hpp"
 #include "host/load/task_file.hpp"
 #include "pipeline/episode/episode.hpp"
 #include "pipeline/episode/motion_plan.hpp"

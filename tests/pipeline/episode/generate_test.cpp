@@ -13,7 +13,7 @@
 #include <thread>
 
 #include "host/base/error.hpp"
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/file.hpp"
 #include "pipeline/episode/episode_set.hpp"
 
 namespace pvg {

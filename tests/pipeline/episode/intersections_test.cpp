@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/formats/hdf5.hpp"
 #include "host/geometry/primitive_shapes.hpp"
+#include "host/hdf5/file.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pvg {

@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/file.hpp"
 #include "pipeline/validation/validation.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -1,82 +1,16 @@
-// HDF5 files: one owner per handle, arrays with their shape, attributes, series that grow row by row. The same writes
-// give the same bytes: objects carry no times. Errors name file and object.
+// HDF5 files: arrays with their shape, attributes. The same writes give the same bytes: objects carry no times. Errors
+// name file and object.
 #pragma once
 #include <cstdint>
 #include <filesystem>
-#include <numeric>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/hdf5/types.hpp"
 
 namespace pvg::hdf5 {
-
-using Shape = std::vector<std::uint64_t>;
-
-inline std::uint64_t n_values(std::span<const std::uint64_t> shape) {
-  return std::accumulate(shape.begin(), shape.end(), std::uint64_t(1), std::multiplies<>());
-}
-
-// A number type that files may hold: double, float, 8- to 64-bit integers. Little-endian on disk.
-enum class Type { f64, f32, i64, u64, i32, u32, u16, u8 };
-template <class T>
-constexpr Type type_of();
-template <>
-constexpr Type type_of<double>() {
-  return Type::f64;
-}
-template <>
-constexpr Type type_of<float>() {
-  return Type::f32;
-}
-template <>
-constexpr Type type_of<std::int64_t>() {
-  return Type::i64;
-}
-template <>
-constexpr Type type_of<std::uint64_t>() {
-  return Type::u64;
-}
-template <>
-constexpr Type type_of<std::int32_t>() {
-  return Type::i32;
-}
-template <>
-constexpr Type type_of<std::uint32_t>() {
-  return Type::u32;
-}
-template <>
-constexpr Type type_of<std::uint16_t>() {
-  return Type::u16;
-}
-template <>
-constexpr Type type_of<std::uint8_t>() {
-  return Type::u8;
-}
-
-// An HDF5 identifier and the function that closes it.
-class Handle {
- public:
-  using Close = int (*)(std::int64_t);
-  Handle() = default;
-  Handle(std::int64_t id, Close close) : id_(id), close_(close) {}
-  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
-  Handle& operator=(Handle&& other) noexcept {
-    std::swap(id_, other.id_);
-    std::swap(close_, other.close_);
-    return *this;
-  }
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
-  std::int64_t id() const;
-
- private:
-  std::int64_t id_ = -1;
-  Close close_ = nullptr;
-};
 
 template <class T>
 struct Array {
@@ -145,40 +79,9 @@ class File {
   Handle open_object(const std::string& object) const;
   [[noreturn]] void fail(const std::string& what, const std::string& object) const;
   std::filesystem::path path_;
+  std::string lost_;       // a series whose last rows could not be written
   bool is_input_ = false;  // opened to read: what fails is the file's fault
   Handle handle_;
-};
-
-// How a series lies on disk; what is read is the same.
-struct Storage {
-  int deflate = 0;        // level of compression, 0: none
-  bool shuffles = false;  // before it: bytes of the same significance go side by side
-  Shape chunk;            // what is compressed together, [rows, ...]; empty: rows of about 64 KiB
-};
-
-class SeriesBase {
- protected:
-  SeriesBase(File& file, const std::string& object, const Shape& row, Type type, const Storage& storage);
-  void append_raw(const void* values, std::size_t n);
-
- private:
-  const File* file_;
-  std::string object_;
-  Shape row_;
-  Type type_;
-  std::uint64_t n_rows_ = 0;
-  Handle dataset_;
-};
-
-// A data set [n, row...] that grows: append() takes whole rows, any number of them. Must not outlive its file's close.
-template <class T>
-class Series : SeriesBase {
- public:
-  Series(File& file, const std::string& object, const Shape& row, bool is_compressed = false)
-      : Series(file, object, row, Storage{is_compressed ? 4 : 0, false, {}}) {}
-  Series(File& file, const std::string& object, const Shape& row, const Storage& storage)
-      : SeriesBase(file, object, row, type_of<T>(), storage) {}
-  void append(std::span<const T> values) { append_raw(values.data(), values.size()); }
 };
 
 }  // namespace pvg::hdf5

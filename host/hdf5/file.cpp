@@ -1,96 +1,12 @@
-#include "host/formats/hdf5.hpp"
-
-#include <hdf5.h>
+#include "host/hdf5/file.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "host/base/outputs.hpp"
+#include "host/hdf5/library.hpp"
 
 namespace pvg::hdf5 {
 namespace {
-
-// The library's own print of its error stack would stand beside our one sentence. It is a setting of each thread.
-void be_quiet_in_this_thread() {
-  thread_local bool is_quiet = false;
-  if (!std::exchange(is_quiet, true)) H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-}
-
-// Before anything else of the library. What it does at the end of the program crashes where a file could not be written
-// to its end. Files have owners that close them.
-void prepare_library() {
-  H5dont_atexit();
-  be_quiet_in_this_thread();
-}
-
-template <auto close>
-Handle own(hid_t id) {
-  return Handle(id, [](std::int64_t value) {
-    be_quiet_in_this_thread();
-    return int(close(value));
-  });
-}
-
-hid_t in_memory(Type type) {
-  switch (type) {
-    case Type::f64:
-      return H5T_NATIVE_DOUBLE;
-    case Type::f32:
-      return H5T_NATIVE_FLOAT;
-    case Type::i64:
-      return H5T_NATIVE_INT64;
-    case Type::u64:
-      return H5T_NATIVE_UINT64;
-    case Type::i32:
-      return H5T_NATIVE_INT32;
-    case Type::u32:
-      return H5T_NATIVE_UINT32;
-    case Type::u16:
-      return H5T_NATIVE_UINT16;
-    case Type::u8:
-      return H5T_NATIVE_UINT8;
-  }
-  return -1;
-}
-
-hid_t on_disk(Type type) {
-  switch (type) {
-    case Type::f64:
-      return H5T_IEEE_F64LE;
-    case Type::f32:
-      return H5T_IEEE_F32LE;
-    case Type::i64:
-      return H5T_STD_I64LE;
-    case Type::u64:
-      return H5T_STD_U64LE;
-    case Type::i32:
-      return H5T_STD_I32LE;
-    case Type::u32:
-      return H5T_STD_U32LE;
-    case Type::u16:
-      return H5T_STD_U16LE;
-    case Type::u8:
-      return H5T_STD_U8LE;
-  }
-  return -1;
-}
-
-std::size_t bytes_of(Type type) { return H5Tget_size(in_memory(type)); }
-
-Handle dataspace(const Shape& shape, const Shape& most = {}) {
-  static_assert(sizeof(hsize_t) == sizeof(std::uint64_t));
-  if (shape.empty()) return own<H5Sclose>(H5Screate(H5S_SCALAR));
-  const auto* now = reinterpret_cast<const hsize_t*>(shape.data());
-  return own<H5Sclose>(
-      H5Screate_simple(int(shape.size()), now, most.empty() ? now : reinterpret_cast<const hsize_t*>(most.data())));
-}
-
-// creation properties of a data set: no times, so that equal contents are equal bytes
-Handle dataset_properties() {
-  Handle properties = own<H5Pclose>(H5Pcreate(H5P_DATASET_CREATE));
-  H5Pset_obj_track_times(properties.id(), false);
-  return properties;
-}
 
 Handle text_type(std::size_t bytes) {
   Handle type = own<H5Tclose>(H5Tcopy(H5T_C_S1));
@@ -100,18 +16,7 @@ Handle text_type(std::size_t bytes) {
   return type;
 }
 
-// Rows per chunk: about 64 KiB, but no more than a short episode fills.
-std::uint64_t chunk_rows(std::uint64_t row_bytes) {
-  return std::clamp<std::uint64_t>((64u << 10) / std::max<std::uint64_t>(row_bytes, 1), 1, 256);
-}
-
 }  // namespace
-
-// Calls of the library that can fail ask for an id, in whichever thread they are made.
-std::int64_t Handle::id() const {
-  be_quiet_in_this_thread();
-  return id_;
-}
 
 void File::fail(const std::string& what, const std::string& object) const {
   if (is_input_)
@@ -153,6 +58,7 @@ void File::close() {
   if (handle_.id() < 0) return;
   const bool is_flushed = H5Fflush(handle_.id(), H5F_SCOPE_LOCAL) >= 0;
   handle_ = Handle();
+  if (!lost_.empty()) fail("write", lost_);
   if (!is_flushed) fail("write", "the end of the file");
 }
 
@@ -363,54 +269,6 @@ std::uint64_t File::unsigned_attribute(const std::string& object, const std::str
   if (attribute.id() < 0 || H5Aread(attribute.id(), H5T_NATIVE_UINT64, &number) < 0)
     fail("read the attribute " + name + " of", object);
   return number;
-}
-
-SeriesBase::SeriesBase(File& file, const std::string& object, const Shape& row, Type type, const Storage& storage)
-    : file_(&file), object_(object), row_(row), type_(type) {
-  Shape none = row, most = row, chunk = storage.chunk;
-  none.insert(none.begin(), 0);
-  most.insert(most.begin(), H5S_UNLIMITED);
-  if (chunk.empty()) {
-    chunk = row;
-    chunk.insert(chunk.begin(), chunk_rows(n_values(row) * bytes_of(type)));
-  }
-  for (std::uint64_t& length : chunk) length = std::max<std::uint64_t>(length, 1);  // a chunk must not be empty
-  const Handle properties = dataset_properties(), space = dataspace(none, most);
-  const Handle access = own<H5Pclose>(H5Pcreate(H5P_DATASET_ACCESS));
-  if (!storage.chunk.empty()) {
-    // all chunks that a row is in stay in memory until they are full: each is compressed once
-    constexpr std::size_t SLOTS = 521, LEAST_BYTES = 1 << 20;  // HDF5's defaults
-    std::size_t open_bytes = bytes_of(type) * chunk[0];
-    for (std::size_t i = 0; i < row.size(); ++i)
-      open_bytes *= (std::max<std::uint64_t>(row[i], 1) + chunk[i + 1] - 1) / chunk[i + 1] * chunk[i + 1];
-    H5Pset_chunk_cache(access.id(), SLOTS, std::max(LEAST_BYTES, open_bytes), 1);
-  }
-  file.make_parent(object);
-  H5Pset_chunk(properties.id(), int(chunk.size()), reinterpret_cast<const hsize_t*>(chunk.data()));
-  if (storage.shuffles) H5Pset_shuffle(properties.id());
-  if (storage.deflate > 0) H5Pset_deflate(properties.id(), unsigned(storage.deflate));
-  dataset_ = own<H5Dclose>(H5Dcreate2(file.handle_.id(), object.c_str(), on_disk(type), space.id(), H5P_DEFAULT,
-                                      properties.id(), access.id()));
-  if (dataset_.id() < 0) file.fail("create", object);
-}
-
-void SeriesBase::append_raw(const void* values, std::size_t n) {
-  const std::uint64_t per_row = n_values(row_);
-  if (per_row == 0 ? n != 0 : n % per_row != 0) file_->fail("append a broken row to", object_);
-  const std::uint64_t count = per_row == 0 ? 1 : n / per_row;
-  if (count == 0) return;
-  Shape all = row_, start(row_.size() + 1, 0), added = row_;
-  all.insert(all.begin(), n_rows_ + count);
-  added.insert(added.begin(), count);
-  start[0] = n_rows_;
-  if (H5Dset_extent(dataset_.id(), reinterpret_cast<const hsize_t*>(all.data())) < 0) file_->fail("extend", object_);
-  n_rows_ += count;
-  if (n == 0) return;
-  const Handle in_file = own<H5Sclose>(H5Dget_space(dataset_.id())), given = dataspace(added);
-  H5Sselect_hyperslab(in_file.id(), H5S_SELECT_SET, reinterpret_cast<const hsize_t*>(start.data()), nullptr,
-                      reinterpret_cast<const hsize_t*>(added.data()), nullptr);
-  if (H5Dwrite(dataset_.id(), in_memory(type_), given.id(), in_file.id(), H5P_DEFAULT, values) < 0)
-    file_->fail("write", object_);
 }
 
 }  // namespace pvg::hdf5

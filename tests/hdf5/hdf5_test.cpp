@@ -1,5 +1,5 @@
 // HDF5: what is written comes back, series grow by rows, equal contents are equal bytes, errors name file and object.
-#include "host/formats/hdf5.hpp"
+#include "host/hdf5/series.hpp"
 
 #include <gtest/gtest.h>
 #include <hdf5.h>
@@ -12,6 +12,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <random>
 #include <thread>
 
 namespace pvg::hdf5 {
@@ -91,6 +92,53 @@ TEST(Hdf5, WhatIsWrittenComesBack) {
   std::filesystem::remove(path);
 }
 
+// HDF5 itself undoes what was compressed outside of it: chunks that rows fill and that they do not, wider than a row,
+// of bytes alone.
+TEST(Hdf5, CompressedRowsComeBackWhateverTheirChunk) {
+  const auto path = scratch("compressed.h5");
+  const std::uint64_t n_rows = 11;
+  std::vector<double> values(n_rows * 15);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = double(i * i) / 7 - 300;
+  const std::vector<Shape> chunks = {{4, 5, 3}, {4, 2, 1}, {1, 5, 3}, {64, 4, 2}, {11, 5, 3}, {3, 3, 2}};
+  File file = File::create(path);
+  for (std::size_t i = 0; i < chunks.size(); ++i) {
+    const bool shuffles = i % 2 == 0;
+    Series<double> series(file, "/x" + std::to_string(i), {5, 3}, Storage{6, shuffles, chunks[i]});
+    std::size_t at = 0;
+    for (const std::size_t n : {1, 3, 6, 0, 1}) {
+      series.append({values.data() + at * 15, n * 15});
+      at += n;
+    }
+    Series<std::uint16_t> moved(file, "/moved" + std::to_string(i), {5}, Storage{1, shuffles, {2, 3}});
+    Series<std::uint16_t> taken(std::move(moved));
+    taken.append(std::vector<std::uint16_t>{1, 2, 3, 4, 65535});
+  }
+  file.close();
+  const File read = File::open(path);
+  for (std::size_t i = 0; i < chunks.size(); ++i) {
+    const Array<double> x = read.read<double>("/x" + std::to_string(i));
+    EXPECT_EQ(x.shape, (Shape{n_rows, 5, 3})) << i;
+    EXPECT_EQ(x.values, values) << i;
+    EXPECT_EQ(read.read_row<double>("/x" + std::to_string(i), 10), std::vector(values.end() - 15, values.end())) << i;
+    const Array<std::uint16_t> taken = read.read<std::uint16_t>("/moved" + std::to_string(i));
+    EXPECT_EQ(taken.shape, (Shape{1, 5})) << i;
+    EXPECT_EQ(taken.values, (std::vector<std::uint16_t>{1, 2, 3, 4, 65535})) << i;
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(Hdf5, WhatRepeatsIsCompressed) {
+  const auto path = scratch("repeats.h5");
+  File file = File::create(path);
+  {
+    Series<double> series(file, "/x", {1000}, Storage{6, true, {10, 1000}});
+    series.append(std::vector<double>(100 * 1000, 0.1));
+  }
+  file.close();
+  EXPECT_LT(std::filesystem::file_size(path), 20000u);  // of 800,000
+  std::filesystem::remove(path);
+}
+
 TEST(Hdf5, EqualContentsAreEqualBytesEvenASecondLater) {
   const auto first = scratch("first.h5"), second = scratch("second.h5");
   write_example(first);
@@ -123,29 +171,40 @@ TEST(Hdf5, ErrorsNameFileAndObject) {
   std::filesystem::remove(path);
 }
 
+// Writes 480 kB where 64 KiB fit, as on a full disk, and ends the process as the program would.
+void write_too_much(const std::filesystem::path& path, const Storage& storage) {
+  signal(SIGXFSZ, SIG_IGN);  // writing fails instead
+  const rlimit most{64 << 10, 64 << 10};
+  setrlimit(RLIMIT_FSIZE, &most);
+  try {
+    File file = File::create(path);
+    std::vector<Series<double>> series;
+    for (const std::string name : {"/x", "/y", "/z"}) series.emplace_back(file, name, Shape{1000}, storage);
+    std::mt19937 random;  // of what cannot be compressed
+    std::vector<double> row(1000);
+    for (Series<double>& one : series)
+      for (int i = 0; i < 20; ++i) {
+        for (double& value : row) value = std::generate_canonical<double, 53>(random);
+        one.append(row);
+      }
+    series.clear();
+    file.close();
+  } catch (const Failure& failure) {
+    std::fprintf(stderr, "%s", failure.what());
+    std::exit(1);
+  }
+  std::exit(0);
+}
+
 TEST(Hdf5, AFullDiskIsOneSentenceAndTheProgramEndsAsItWants) {
   // the same in the process that is started anew below
   const auto path = std::filesystem::temp_directory_path() / "pvg_hdf5_full.h5";
-  const auto write_too_much = [&path] {
-    signal(SIGXFSZ, SIG_IGN);  // as on a full disk, writing fails
-    const rlimit most{64 << 10, 64 << 10};
-    setrlimit(RLIMIT_FSIZE, &most);
-    try {
-      File file = File::create(path);
-      std::vector<Series<double>> series;
-      for (const std::string name : {"/x", "/y", "/z"}) series.emplace_back(file, name, Shape{1000});
-      for (Series<double>& one : series)
-        for (int i = 0; i < 20; ++i) one.append(std::vector<double>(1000, i));
-      series.clear();
-      file.close();
-    } catch (const Failure& failure) {
-      std::fprintf(stderr, "%s", failure.what());
-      std::exit(1);
-    }
-    std::exit(0);
-  };
   GTEST_FLAG_SET(death_test_style, "threadsafe");  // a process of its own: one that ends as this one would
-  EXPECT_EXIT(write_too_much(), testing::ExitedWithCode(1), "full.h5: HDF5 could not");
+  const testing::ExitedWithCode fails(1);
+  EXPECT_EXIT(write_too_much(path, {}), fails, "full.h5: HDF5 could not");
+  EXPECT_EXIT(write_too_much(path, {6, true, {8, 1000}}), fails, "full.h5: HDF5 could not write");
+  // all rows wait until the series ends, and nobody is there to take an error then
+  EXPECT_EXIT(write_too_much(path, {6, true, {64, 1000}}), fails, "full.h5: HDF5 could not write /.; is the disk full");
   std::filesystem::remove(path);
 }
 
