@@ -1,6 +1,8 @@
 #include "host/base/child_process.hpp"
 
 #include <fcntl.h>
+#include <malloc.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -8,6 +10,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 
 #include "host/base/error.hpp"
@@ -45,6 +48,18 @@ rlim_t memory_now() {
   return pages * rlim_t(sysconf(_SC_PAGESIZE));
 }
 
+// assimp's reader of OBJ takes 16 MB for a file of any size. Four thousand page faults for them were two thirds of the
+// time that such a file took; where the system lends large pages, they are sixteen.
+void take_memory_in_large_pages() {
+  constexpr std::size_t BYTES = std::size_t(32) << 20, LARGE_PAGE = std::size_t(2) << 20;
+  mallopt(M_MMAP_THRESHOLD, 2 * BYTES);  // what is taken next comes from the heap,
+  mallopt(M_TRIM_THRESHOLD, 4 * BYTES);  // which keeps it for the reader
+  void* const memory = std::malloc(BYTES);
+  const std::uintptr_t first = (reinterpret_cast<std::uintptr_t>(memory) + LARGE_PAGE - 1) / LARGE_PAGE * LARGE_PAGE;
+  if (memory) madvise(reinterpret_cast<void*>(first), BYTES - LARGE_PAGE, MADV_HUGEPAGE);  // refused, it takes longer
+  std::free(memory);
+}
+
 [[noreturn]] void be_child(int out, const ProcessLimits& limits, const std::function<std::string()>& work) {
   for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGINT, SIGTERM, SIGXCPU})
     std::signal(signal, SIG_DFL);
@@ -57,6 +72,7 @@ rlim_t memory_now() {
   setrlimit(RLIMIT_AS, &memory);
   setrlimit(RLIMIT_CORE, &no_core);
   if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) dup2(nowhere, STDERR_FILENO);
+  take_memory_in_large_pages();
   std::string said;
   try {
     said = DONE + work();
