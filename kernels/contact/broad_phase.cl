@@ -7,8 +7,11 @@
 #include "contact/mesh.h"
 #include "contact/tree.h"
 #include "energies/contact/barrier.h"
+#include "shared/look_ahead.cl"
 #include "shared/mask.cl"
 #include "shared/real.h"
+
+#define LEAVES_AHEAD 16u
 
 static inline Box box_of_point(const uint i, global const CollisionPoint* restrict points,
                                global const real* restrict x0, global const real* restrict x1) {
@@ -32,6 +35,11 @@ static inline void store_box(const Box box, global TreeNode* node) {
   vstore3(-box.high, 0, node->minus_high);
 }
 
+static inline global TreeNode* leaf_of(const uint i, const uint log2_leaves, global TreeNode* nodes) {
+  const uint n_leaves = 1u << log2_leaves;
+  return nodes + (size_t)(i >> log2_leaves) * 2 * n_leaves + n_leaves + (i & (n_leaves - 1));
+}
+
 // n: the larger of n_leaves_of_all = n_trees 2^log2_leaves and n_sites, whose positions x1 are copied to reference
 // near: [n_bodies x 8] where each has partners, as of contact/near_bodies.cl: what lies outside is left out of the tree
 kernel void refit_leaves(const uint n, const uint n_leaves_of_all, const uint n_sites, const uint log2_leaves,
@@ -43,8 +51,15 @@ kernel void refit_leaves(const uint n, const uint n_leaves_of_all, const uint n_
   const uint i = get_global_id(0);
   if (i < n_sites) vstore3(vload3(i, x1), i, reference);
   if (i >= n_leaves_of_all) return;
-  const uint tree = i >> log2_leaves, n_leaves = 1u << log2_leaves;
-  global TreeNode* node = nodes + (size_t)tree * 2 * n_leaves + n_leaves + (i & (n_leaves - 1));
+  const uint tree = i >> log2_leaves, next = min(i + LEAVES_AHEAD, n_leaves_of_all - 1);
+  const uint next_primitive = leaf_of(next, log2_leaves, nodes)->primitive;
+  if (next_primitive != NOTHING) {
+    if (next >> log2_leaves & 1u)
+      look_ahead(edges + next_primitive);
+    else
+      look_ahead(triangles + next_primitive);
+  }
+  global TreeNode* node = leaf_of(i, log2_leaves, nodes);
   const uint primitive = node->primitive;
   if (primitive == NOTHING) {
     store_box(empty_box(), node);

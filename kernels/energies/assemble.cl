@@ -5,18 +5,25 @@
 //          void TERM_gradient(PARAMS p, const real3* x, const real3* x0, real h, real3* g)             [N]
 //          void TERM_hessian (PARAMS p, const real3* x, const real3* x0, real h, real* H)              [N/m]
 //        x: site positions now, x0: at the start of the step [STENCIL, m], h: time step [s];
-//        H: row-major (3 STENCIL)^2, positive semi-definite. With HESSIAN_IN_PLACE it is `global real* H`, where the
-//        numbers belong: a private array of 30 x 30 numbers takes 7,200 bytes of memory for each work-item. What lies
-//        below its diagonal of 3 x 3 blocks is not read, but for contact and friction.
+//        H: row-major (3 STENCIL)^2, positive semi-definite. What lies below its diagonal of 3 x 3 blocks is not read.
+//        With HESSIAN_IN_PLACE it is `global real* H`, the blocks on and above the diagonal alone (upper_blocks.cl), where
+//        they belong: a private array of 30 x 30 numbers takes 7,200 bytes of memory for each work-item.
+//        With HESSIAN_WHOLE, as of contact and friction, all of it is read and kept.
 //        With HESSIAN_OF_LANES there is, for as many elements at once as shared/lanes.h says,
 //          void TERM_hessian_of_lanes(uint n_elements, global const PARAMS* p, global const real* x, global real* H)
 //   out: kernels TERM_energy_all, TERM_gradient_all, TERM_hessian_all, TERM_product_all; what they do for one element is
 //        TERM_energy_of and TERM_derivatives_of, which are all there is where TERM_FUNCTIONS_ONLY is defined
 //        (host/physics/energies/small_terms.cpp)
 // Rows: each element writes STENCIL rows of its own, gathered to the nodes later in a fixed order (solve/nodes.cl).
+#include "energies/upper_blocks.cl"
 #include "shared/real.h"
 #define JOIN_(a, b) a##b
 #define JOIN(a, b) JOIN_(a, b)
+#ifdef HESSIAN_WHOLE
+#define HESSIAN_NUMBERS (9 * STENCIL * STENCIL)
+#else
+#define HESSIAN_NUMBERS (9 * STENCIL * (STENCIL + 1) / 2)
+#endif
 
 static inline void JOIN(TERM, _energy_of)(const uint e, global const PARAMS* restrict params,
                                           global const real* restrict x, global const real* restrict x0, const real h,
@@ -46,7 +53,7 @@ static inline void JOIN(TERM, _gradient_of)(const uint e, global const PARAMS* r
 static inline void JOIN(TERM, _hessian_of)(const uint e, global const PARAMS* restrict params,
                                            global const real* restrict x, global const real* restrict x0, const real h,
                                            const uint first, global real* restrict blocks) {
-  global real* out = blocks + first + (size_t)e * 9 * STENCIL * STENCIL;
+  global real* out = blocks + first + (size_t)e * HESSIAN_NUMBERS;
 #ifdef HESSIAN_OF_LANES
   JOIN(TERM, _hessian_of_lanes)(1, params + e, x, out);
 #else
@@ -61,7 +68,13 @@ static inline void JOIN(TERM, _hessian_of)(const uint e, global const PARAMS* re
 #else
   real H[9 * STENCIL * STENCIL];
   JOIN(TERM, _hessian)(p, xe, x0e, h, H);
-  for (int k = 0; k < 9 * STENCIL * STENCIL; ++k) out[k] = H[k];
+#ifdef HESSIAN_WHOLE
+  for (int k = 0; k < HESSIAN_NUMBERS; ++k) out[k] = H[k];
+#else
+  for (int i = 0; i < STENCIL; ++i)
+    for (int j = i; j < STENCIL; ++j, out += 9)
+      for (int k = 0; k < 9; ++k) out[k] = H[(3 * i + k / 3) * 3 * STENCIL + 3 * j + k % 3];
+#endif
 #endif
 #endif
 }
@@ -83,8 +96,7 @@ kernel void JOIN(TERM, _gradient_all)(const uint n, global const PARAMS* restric
   if (e < n) JOIN(TERM, _gradient_of)(e, params, x, x0, h, first_row, rows);
 }
 
-// blocks: of elements begin .. begin + n - 1  [n_elements x (3 STENCIL)^2, N/m], row-major per element, from number
-// `first` on
+// blocks: of elements begin .. begin + n - 1  [n_elements x HESSIAN_NUMBERS, N/m], from number `first` on
 kernel void JOIN(TERM, _hessian_all)(const uint n, const uint begin, global const PARAMS* restrict params, global const real* restrict x,
                                      global const real* restrict x0, const real h, const uint first,
                                      global real* restrict blocks) {
@@ -93,7 +105,7 @@ kernel void JOIN(TERM, _hessian_all)(const uint n, const uint begin, global cons
   const uint in_group = get_local_id(0) * N_LANES, e = get_group_id(0) * get_local_size(0) + in_group;
   if (in_group < get_local_size(0) && e < n)
     JOIN(TERM, _hessian_of_lanes)(min(n - e, (uint)N_LANES), params + begin + e, x,
-                                  blocks + first + (size_t)(begin + e) * 9 * STENCIL * STENCIL);
+                                  blocks + first + (size_t)(begin + e) * HESSIAN_NUMBERS);
 #else
   const uint e = get_global_id(0);
   if (e < n) JOIN(TERM, _hessian_of)(begin + e, params, x, x0, h, first, blocks);
@@ -113,11 +125,17 @@ kernel void JOIN(TERM, _product_all)(const uint n, global const PARAMS* restrict
     de[3 * s + 1] = v.y;
     de[3 * s + 2] = v.z;
   }
-  global const real* H = blocks + first + (size_t)e * 9 * STENCIL * STENCIL;
+  global const real* H = blocks + first + (size_t)e * HESSIAN_NUMBERS;
   global real* out = rows + (size_t)(first_row + e * STENCIL) * 3;
   for (int i = 0; i < 3 * STENCIL; ++i) {
     real sum = 0;
-    for (int j = 0; j < 3 * STENCIL; ++j) sum += H[i * 3 * STENCIL + j] * de[j];
+    for (int j = 0; j < 3 * STENCIL; ++j)
+#ifdef HESSIAN_WHOLE
+      sum += H[i * 3 * STENCIL + j] * de[j];
+#else
+      sum += H[i / 3 <= j / 3 ? upper_block(STENCIL, i / 3, j / 3) + 3 * (i % 3) + j % 3
+                              : upper_block(STENCIL, j / 3, i / 3) + 3 * (j % 3) + i % 3] * de[j];
+#endif
     out[i] = sum;
   }
 }
@@ -125,6 +143,8 @@ kernel void JOIN(TERM, _product_all)(const uint n, global const PARAMS* restrict
 #undef TERM
 #undef PARAMS
 #undef STENCIL
+#undef HESSIAN_NUMBERS
+#undef HESSIAN_WHOLE
 #undef HESSIAN_IN_PLACE
 #undef HESSIAN_OF_LANES
 #undef JOIN

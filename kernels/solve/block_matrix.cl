@@ -78,9 +78,8 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void block_product_and
 
 // Block i of the assembled matrix: see assemble_block.  n: of the blocks on and above the diagonal, from `begin` on
 kernel void assemble_blocks(const uint n, const uint begin, global const uint* restrict place, global const uint* restrict part_first,
-                            global const uint* restrict source, global const uint* restrict width,
-                            global const real* restrict weight, global const real* restrict element_blocks,
-                            global real* restrict blocks) {
+                            global const uint* restrict source, global const real* restrict weight,
+                            global const real* restrict element_blocks, global real* restrict blocks) {
   const uint i = get_global_id(0);
-  if (i < n) assemble_block(begin + i, place, part_first, source, width, weight, element_blocks, blocks);
+  if (i < n) assemble_block(begin + i, place, part_first, source, weight, element_blocks, blocks);
 }

@@ -10,8 +10,8 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void gather_and_assemb
     global const uint* restrict second_row, global const real* restrict second_weight,
     global const uint* restrict is_fixed, global const real* restrict rows, global real* restrict node,
     global real* restrict dx, global real* restrict residual, global const uint* restrict place,
-    global const uint* restrict part_first, global const uint* restrict source, global const uint* restrict width,
-    global const real* restrict weight, global const real* restrict element_blocks, global real* restrict blocks) {
+    global const uint* restrict part_first, global const uint* restrict source, global const real* restrict weight,
+    global const real* restrict element_blocks, global real* restrict blocks) {
   local LongLists long_lists;
   const uint n_node_items = (n_nodes + ITEMS - 1) / ITEMS * ITEMS;
   const RowLists lists = {first_offset, first_row, first_weight, rows};
@@ -19,6 +19,6 @@ kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void gather_and_assemb
   if (get_group_id(0) * ITEMS < n_node_items) {
     gather_two_of_group(n_nodes, &lists, &second, is_fixed, node, dx, residual, &long_lists);
   } else if (get_global_id(0) < n) {
-    assemble_block(get_global_id(0) - n_node_items, place, part_first, source, width, weight, element_blocks, blocks);
+    assemble_block(get_global_id(0) - n_node_items, place, part_first, source, weight, element_blocks, blocks);
   }
 }

@@ -28,6 +28,9 @@ constexpr Real LEAST_PIVOT = 0;
 template <>
 constexpr float LEAST_PIVOT<float> = 1e-4f;
 
+// Blocks of a front lie anywhere in the matrix; how many the memory is asked for before their turn.
+constexpr std::size_t BLOCKS_AHEAD = 8;
+
 }  // namespace
 
 template <class Real>
@@ -196,7 +199,10 @@ template <class Real>
 void BlockCholesky<Real>::assemble(const Front& front, std::span<const double* const> blocks) {
   const int stride = front.panel.stride;
   std::fill_n(front.panel.values, std::size_t(stride) * front.panel.n_pivots, Real(0));
-  for (const Entry& entry : front.entries) {
+  for (std::size_t i = 0; i < front.entries.size(); ++i) {
+    const double* ahead = blocks[front.entries[std::min(i + BLOCKS_AHEAD, front.entries.size() - 1)].block];
+    __builtin_prefetch(ahead), __builtin_prefetch(ahead + 8);
+    const Entry& entry = front.entries[i];
     const double* from = blocks[entry.block];
     Real* to = front.panel.values + entry.first;
     for (int r = 0; r < 3; ++r)

@@ -8,7 +8,7 @@
 namespace pvg {
 namespace {
 
-constexpr u32 NEW_TERM = 1u << 31, TRANSPOSED = 1u << 30;  // as in solve/block_matrix.cl
+constexpr u32 NEW_TERM = 1u << 31, TRANSPOSED = 1u << 30, PARTS_AHEAD = 16;  // as in solve/assemble_block.cl
 
 // Calls found(row node, column node, row slot, column slot, weight) for every pair of moving nodes of one element.
 template <class Found>
@@ -26,6 +26,13 @@ void for_each_pair(std::span<const Site> sites, std::span<const u32> node_is_fix
     }
 }
 
+// The number of block (i, j), i <= j, among those that an element keeps (kernels/energies/upper_blocks.cl).
+std::size_t upper_block(std::size_t stencil, const std::pair<std::size_t, std::size_t>& ij) {
+  const auto [i, j] = ij;
+  return i * stencil - i * (i - 1) / 2 + j - i;
+}
+
+// The same for all elements of a term: found(row node, column node, number of the block, is transposed, weight).
 template <class Found>
 void for_each_pair(std::span<const Site> sites, std::span<const u32> node_is_fixed, const Term& term,
                    const Found& found) {
@@ -33,9 +40,8 @@ void for_each_pair(std::span<const Site> sites, std::span<const u32> node_is_fix
   for (std::size_t e = 0; e < term.size(); ++e)
     for_each_pair(sites, node_is_fixed, std::span(term.sites()).subspan(e * stencil, stencil),
                   [&](u32 row, u32 column, std::size_t a, std::size_t b, double weight) {
-                    // only the upper half of an element's blocks is written
-                    const std::size_t first = std::min(a, b), second = std::max(a, b);
-                    found(row, column, e * 9 * stencil * stencil + 9 * first * stencil + 3 * second, a > b, weight);
+                    found(row, column, e * term.n_element_numbers() / 9 + upper_block(stencil, std::minmax(a, b)),
+                          a > b, weight);
                   });
 }
 
@@ -79,7 +85,6 @@ BlockMatrix::BlockMatrix(Device& device, std::span<const Site> sites, std::span<
       place_(device, 0, "place of block"),
       part_first_(device, 0, "first part of block"),
       part_source_(device, 0, "source of part"),
-      part_width_(device, 0, "width of part"),
       part_weight_(device, 0, "weight of part") {
   std::size_t n_numbers = 0;
   for (const Term* term : terms) n_numbers += term->n_block_numbers();
@@ -120,13 +125,13 @@ void BlockMatrix::find_parts(std::span<const Site> sites, std::span<const u32> n
   std::vector<u32> first(n_upper_blocks + 1, 0);
   for_each_part([&](u32 block, const Term&, std::size_t, bool, double) { ++first[block + 1]; });
   for (std::size_t block = 0; block < n_upper_blocks; ++block) first[block + 1] += first[block];
-  std::vector<u32> next(first.begin(), first.end() - 1), source(first.back()), width(first.back());
+  std::vector<u32> next(first.begin(), first.end() - 1), source(first.back() + PARTS_AHEAD, 0);
   std::vector<double> weights(first.back());
   std::vector<const Term*> last(n_upper_blocks, nullptr);
   for_each_part([&](u32 block, const Term& term, std::size_t from, bool is_transposed, double weight) {
     const u32 part = next[block]++;
-    source[part] = u32(term.first_block() + from);
-    width[part] = u32(3 * term.stencil()) | (last[block] == &term ? 0 : NEW_TERM) | (is_transposed ? TRANSPOSED : 0);
+    source[part] =
+        u32(term.first_block() / 9 + from) | (last[block] == &term ? 0 : NEW_TERM) | (is_transposed ? TRANSPOSED : 0);
     weights[part] = weight;
     last[block] = &term;
   });
@@ -137,14 +142,13 @@ void BlockMatrix::find_parts(std::span<const Site> sites, std::span<const u32> n
   upload(place_, place);
   upload(part_first_, first);
   upload(part_source_, source);
-  upload(part_width_, width);
   upload(part_weight_, weights);
 }
 
 void BlockMatrix::assemble(std::span<const char> worlds) {
   for (const auto& [begin, end] : pieces_of(world_first_, worlds))
-    assemble_blocks_(end - begin, end - begin, begin, place_, part_first_, part_source_, part_width_, part_weight_,
-                     element_blocks_, blocks_);
+    assemble_blocks_(end - begin, end - begin, begin, place_, part_first_, part_source_, part_weight_, element_blocks_,
+                     blocks_);
 }
 
 void BlockMatrix::assemble_and_gather(const Gather& first, const Gather& second, const Buffer<u32>& node_is_fixed,
@@ -158,7 +162,7 @@ void BlockMatrix::assemble_and_gather(const Gather& first, const Gather& second,
   const u32 n = (n_nodes + group - 1) / group * group + world_first_.back();
   (*gather_and_assemble_)(n, n, n_nodes, first.offset(), first.row(), first.weight(), second.offset(), second.row(),
                           second.weight(), node_is_fixed, rows, node, dx, residual, place_, part_first_, part_source_,
-                          part_width_, part_weight_, element_blocks_, blocks_);
+                          part_weight_, element_blocks_, blocks_);
 }
 
 void BlockMatrix::multiply_and_dot(const Buffer<f64>& x, const Gather* gather, const Buffer<u32>& node_is_fixed,

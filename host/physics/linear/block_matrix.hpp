@@ -55,10 +55,10 @@ class BlockMatrix {
   std::optional<Kernel> gather_and_assemble_;  // made when it is first asked for
   Buffer<u32> first_, column_;
   Buffer<f64> blocks_;
-  Buffer<f64> element_blocks_;                         // of all terms
-  std::vector<u32> world_first_;                       // [n_worlds + 1] of the blocks on and above the diagonal
-  Buffer<u32> place_;                                  // [n_upper_blocks x 2] in blocks_, and of the transpose
-  Buffer<u32> part_first_, part_source_, part_width_;  // what each is the sum of: by term, in it by element
+  Buffer<f64> element_blocks_;            // of all terms
+  std::vector<u32> world_first_;          // [n_worlds + 1] of the blocks on and above the diagonal
+  Buffer<u32> place_;                     // [n_upper_blocks x 2] in blocks_, and of the transpose
+  Buffer<u32> part_first_, part_source_;  // what each is the sum of: by term, in it by element
   Buffer<f64> part_weight_;
 };
 

@@ -57,11 +57,15 @@ class Term {
   const std::string& name() const { return name_; }
   const std::vector<u32>& sites() const { return sites_; }              // [n_elements x stencil]
   const std::vector<u32>& world_first() const { return world_first_; }  // [n_worlds + 1]
-  // [n_elements x (3 stencil)^2, N/m], from number first_block() on; of some terms only the upper half is written
+  // [n_elements x n_element_numbers(), N/m], from number first_block() on: the upper half of an element's 3 x 3 blocks
+  // (kernels/energies/upper_blocks.cl); of contacts the whole matrix, row-major
   Buffer<f64>& own_blocks() { return blocks_; }
   const Buffer<f64>& blocks() const { return shared_blocks_ ? *shared_blocks_ : blocks_; }
   u32 first_block() const { return first_block_; }
-  std::size_t n_block_numbers() const { return n_ * 9 * stencil_ * stencil_; }
+  std::size_t n_element_numbers() const {
+    return folder_ == "contact" ? 9 * stencil_ * stencil_ : 9 * stencil_ * (stencil_ + 1) / 2;
+  }
+  std::size_t n_block_numbers() const { return n_ * n_element_numbers(); }
   Buffer<unsigned char>& params() { return shared_params_ ? *shared_params_ : params_; }
   std::size_t n_param_bytes() const { return params_.size(); }
   u32 first_row = 0;  // where its rows begin in the row buffer

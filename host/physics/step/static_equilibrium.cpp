@@ -74,16 +74,19 @@ class Balance {
     write(x);
     term_.hessian(x_, x_, 1);
     const std::vector<double> blocks = term_.blocks().read();
-    const std::size_t n = problem_.mesh.nodes_per_element, size = 3 * n;
+    const std::size_t n = problem_.mesh.nodes_per_element;
     std::vector<Eigen::Triplet<double>> entries;
+    const double* number = blocks.data();
     for (std::size_t e = 0; e < problem_.mesh.n_elements(); ++e)
-      for (std::size_t r = 0; r < size; ++r)
-        for (std::size_t c = r; c < size; ++c) {  // the upper half of the element's, for the lower one of the matrix
-          const int i = 3 * unknown_[problem_.mesh.elements[e * n + r / 3]] + int(r % 3);
-          const int j = 3 * unknown_[problem_.mesh.elements[e * n + c / 3]] + int(c % 3);
-          // held nodes have -1 and so a negative number
-          if (i >= 0 && j >= 0) entries.emplace_back(std::max(i, j), std::min(i, j), blocks[(e * size + r) * size + c]);
-        }
+      for (std::size_t a = 0; a < n; ++a)
+        for (std::size_t b = a; b < n; ++b)  // the upper half of the element's, for the lower one of the matrix
+          for (int k = 0; k < 9; ++k, ++number) {
+            const int i = 3 * unknown_[problem_.mesh.elements[e * n + a]] + k / 3;
+            const int j = 3 * unknown_[problem_.mesh.elements[e * n + b]] + k % 3;
+            // held nodes have -1 and so a negative number
+            if (i >= 0 && j >= 0 && (a < b || k / 3 <= k % 3))
+              entries.emplace_back(std::max(i, j), std::min(i, j), *number);
+          }
     matrix_.resize(3 * n_unknowns_, 3 * n_unknowns_);
     matrix_.setFromTriplets(entries.begin(), entries.end());
     return matrix_;

@@ -121,4 +121,5 @@ static inline void barrier_hessian(const Barrier p, const real3* x, const real3*
 #define TERM barrier
 #define PARAMS Barrier
 #define STENCIL 4
+#define HESSIAN_WHOLE
 #include "energies/assemble.cl"

@@ -81,6 +81,7 @@ static inline void friction_hessian(const Friction p, const real3* x, const real
 #define TERM friction
 #define PARAMS Friction
 #define STENCIL 4
+#define HESSIAN_WHOLE
 #include "energies/assemble.cl"
 
 // What the second body exerts on the first by friction. force: [n x 3, N]

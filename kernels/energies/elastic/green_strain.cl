@@ -9,6 +9,7 @@
 #ifndef PVG_ENERGIES_GREEN_STRAIN_CL
 #define PVG_ENERGIES_GREEN_STRAIN_CL
 #include "energies/contact/smooth_coulomb.cl"
+#include "energies/upper_blocks.cl"
 #include "shared/mat3.cl"
 
 typedef struct {
@@ -67,8 +68,7 @@ static inline Mat3 strain_stress(const StrainLaw law, const Mat3 f, const Mat3 e
 }
 
 // H += weight d2psi/dx dx for F = sum_a x_a b_a^T. For dF = dx b^T: |dE|^2 is half of |F^T dF|^2 + F^T dF : dF^T F, and
-// E:dE = dx . (F E b).  b: [n <= 10, 1/m];  H: row-major [3 n x 3 n], of which the blocks on and above the diagonal are
-// added to
+// E:dE = dx . (F E b).  b: [n <= 10, 1/m];  H: its blocks on and above the diagonal (upper_blocks.cl) are added to
 static inline void strain_add_hessian(const StrainLaw law, const Mat3 f, const Mat3 e0, const real h, const real weight,
                                       const int n, const real3* b, global real* H) {
   const Mat3 e = green_strain(f), change = mat3_minus(e, e0);
@@ -90,9 +90,9 @@ static inline void strain_add_hessian(const StrainLaw law, const Mat3 f, const M
       if (strain != 0) block = mat3_plus(block, mat3_scaled(mat3_outer(strained[i], strained[j]), strain));
       if (less != 0) block = mat3_plus(block, mat3_scaled(mat3_outer(changed[i], changed[j]), less));
       for (int k = 0; k < 3; ++k) {
-        H[(3 * i + 0) * 3 * n + 3 * j + k] += block.column[k].x;
-        H[(3 * i + 1) * 3 * n + 3 * j + k] += block.column[k].y;
-        H[(3 * i + 2) * 3 * n + 3 * j + k] += block.column[k].z;
+        H[upper_block(n, i, j) + k] += block.column[k].x;
+        H[upper_block(n, i, j) + 3 + k] += block.column[k].y;
+        H[upper_block(n, i, j) + 6 + k] += block.column[k].z;
       }
     }
 }

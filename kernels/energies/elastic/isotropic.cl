@@ -8,6 +8,7 @@
 // All for N_LANES elements.
 #ifndef PVG_ENERGIES_ISOTROPIC_CL
 #define PVG_ENERGIES_ISOTROPIC_CL
+#include "energies/upper_blocks.cl"
 #include "shared/svd.cl"
 
 typedef struct {
@@ -55,25 +56,19 @@ static inline void isotropic_column_blocks(const IsotropicHessian* e, const lane
     }
 }
 
-// Where the upper half of an element's matrix of 3 x 3 blocks is summed. With several lanes it is a private array of its
-// own, block after block, stored at the end; with one it is where the numbers belong, since such an array would take up
-// to 4 KB of memory for each work-item.
+// Where the upper half of an element's matrix is summed (upper_blocks.cl). With several lanes it is a private array of its
+// own, stored at the end; with one it is where the numbers belong, since such an array would take up to 4 KB of memory
+// for each work-item.
 #if N_LANES > 1
 #define UPPER_SUM(sum, n, H) lanes sum[9 * (n) * ((n) + 1) / 2]
 typedef lanes* UpperSum;
-static inline int upper_block(const int n, const int i, const int j) { return 9 * (i * n - i * (i - 1) / 2 + j - i); }
-static inline int upper_row(const int n) { return 3; }
 #else
 #define UPPER_SUM(sum, n, H) global real* sum = H
 typedef global real* UpperSum;
-static inline int upper_block(const int n, const int i, const int j) { return 9 * n * i + 3 * j; }
-static inline int upper_row(const int n) { return 3 * n; }
 #endif
 
 static inline void clear_upper(const int n, UpperSum sum) {
-  for (int i = 0; i < n; ++i)
-    for (int j = i; j < n; ++j)
-      for (int k = 0; k < 9; ++k) sum[upper_block(n, i, j) + k / 3 * upper_row(n) + k % 3] = (lanes)(0);
+  for (int k = 0; k < n_upper_numbers(n); ++k) sum[k] = (lanes)(0);
 }
 
 // sum += weight d2Psi(F) / dx_a dx_b for F = sum_a x_a b_a^T, blocks a <= b.
@@ -109,25 +104,26 @@ static inline void isotropic_add_hessian(const IsotropicHessian* e, const lanes 
       for (int row = 0; row < 3; ++row)
 #pragma unroll
         for (int column = 0; column < 3; ++column)
-          block[row * upper_row(n) + column] +=
+          block[3 * row + column] +=
               m[0][row][column] * r[j][0] + m[1][row][column] * r[j][1] + m[2][row][column] * r[j][2];
     }
   }
 }
 
-// The sums of the first n_elements lanes as the upper halves of row-major matrices [3 n x 3 n], one after the other.
+// The sums of the first n_elements lanes, the upper blocks of one element after those of the other.
 static inline void store_upper(const int n, const uint n_elements, UpperSum sum, global real* H) {
 #if N_LANES > 1
-  for (int i = 0; i < n; ++i)
-    for (int j = i; j < n; ++j) {
-      const real* number = (const real*)(sum + upper_block(n, i, j));
-      global real* row = H + 9 * n * i + 3 * j;
-      for (uint lane = 0; lane < n_elements; ++lane, ++number, row += 9 * n * n) {
-        vstore3((real3)(number[0], number[N_LANES], number[2 * N_LANES]), 0, row);
-        vstore3((real3)(number[3 * N_LANES], number[4 * N_LANES], number[5 * N_LANES]), 0, row + 3 * n);
-        vstore3((real3)(number[6 * N_LANES], number[7 * N_LANES], number[8 * N_LANES]), 0, row + 6 * n);
-      }
+  const int n_numbers = n_upper_numbers(n);
+  for (int first = 0; first < n_numbers; first += 9) {
+    const real* number = (const real*)(sum + first);
+    global real* block = H + first;
+    for (uint lane = 0; lane < n_elements; ++lane, ++number, block += n_numbers) {
+      vstore8((double8)(number[0], number[N_LANES], number[2 * N_LANES], number[3 * N_LANES], number[4 * N_LANES],
+                      number[5 * N_LANES], number[6 * N_LANES], number[7 * N_LANES]),
+              0, block);
+      block[8] = number[8 * N_LANES];
     }
+  }
 #endif
 }
 

@@ -32,8 +32,7 @@ static inline void strain_effect_10_gradient(const StrainEffect10 p, const real3
 static inline void strain_effect_10_hessian(const StrainEffect10 p, const real3* x, const real3* x0, const real h,
                                             global real* H) {
   const StrainLaw law = STRAIN_LAW_OF(p);
-  for (int i = 0; i < 30; ++i)
-    for (int j = i / 3 * 3; j < 30; ++j) H[30 * i + j] = 0;
+  for (int k = 0; k < n_upper_numbers(10); ++k) H[k] = 0;
   for (int q = 0; q < 4; ++q) {
     real3 b[10];
     tetrahedron_10_gradients(p.rest_inverse, q, b);

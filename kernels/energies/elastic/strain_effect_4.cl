@@ -28,8 +28,7 @@ static inline void strain_effect_4_gradient(const StrainEffect4 p, const real3* 
 static inline void strain_effect_4_hessian(const StrainEffect4 p, const real3* x, const real3* x0, const real h,
                                            global real* H) {
   const StrainLaw law = STRAIN_LAW_OF(p);
-  for (int i = 0; i < 12; ++i)
-    for (int j = i / 3 * 3; j < 12; ++j) H[12 * i + j] = 0;
+  for (int k = 0; k < n_upper_numbers(4); ++k) H[k] = 0;
   real3 b[4];
   tetrahedron_4_gradients(p.rest_inverse, b);
   const Mat3 e0 = green_strain(tetrahedron_deformation(4, x0, b));

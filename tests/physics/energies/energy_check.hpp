@@ -55,6 +55,8 @@ class EnergyCheck {
               const std::string& front = "")
       : host_energy_(std::move(energy)),
         length_(length),
+        is_whole_(kernel.starts_with("contact/")),
+        n_numbers_(is_whole_ ? SIZE * SIZE : 9 * STENCIL * (STENCIL + 1) / 2),
         program_(Program::from_text(device_, kernel,
                                     front + "#include \"energies/" + (file.empty() ? kernel : file) + ".cl\"\n")),
         energy_(program_.kernel(name_of(kernel) + "_energy_all")),
@@ -68,7 +70,7 @@ class EnergyCheck {
     const Upload on_device(device_, elements);
     const std::size_t n = elements.size();
     Buffer<double> energy(device_, n, "energy"), rows(device_, (n + 1) * SIZE, "rows");
-    Buffer<double> blocks(device_, with_hessian ? n * SIZE * SIZE : 0, "blocks");
+    Buffer<double> blocks(device_, with_hessian ? n * n_numbers_ : 0, "blocks");
     energy_(n, u32(n), on_device.params, on_device.x, on_device.x0, H, 0u, energy);
     gradient_(n, u32(n), on_device.params, on_device.x, on_device.x0, H, u32(STENCIL), rows);
     const double not_written = std::nan("");
@@ -82,9 +84,7 @@ class EnergyCheck {
     for (std::size_t e = 0; e < n; ++e) {
       results[e].energy = energies[e];
       results[e].gradient = Eigen::Map<const Eigen::VectorXd>(&all_rows[(e + 1) * SIZE], SIZE);
-      if (with_hessian)
-        results[e].hessian =
-            whole(Eigen::Map<const Eigen::Matrix<double, SIZE, SIZE, Eigen::RowMajor>>(&all_blocks[e * SIZE * SIZE]));
+      if (with_hessian) results[e].hessian = matrix_of(&all_blocks[e * n_numbers_]);
     }
     return results;
   }
@@ -233,12 +233,24 @@ class EnergyCheck {
     }
   };
 
-  // with what was not written below the diagonal, which may be all, from above it
-  static Eigen::MatrixXd whole(const Eigen::MatrixXd& written) {
-    Eigen::MatrixXd hessian = written;
-    for (int i = 0; i < SIZE; ++i)
-      for (int j = 0; j < i / 3 * 3; ++j)
-        if (std::isnan(hessian(i, j))) hessian(i, j) = hessian(j, i);
+  // calls at(row, column, number) for the numbers that are kept of an element, in their order
+  template <class At>
+  void for_each_number(const At& at) const {
+    int number = 0;
+    if (is_whole_)
+      for (int i = 0; i < SIZE * SIZE; ++i) at(i / SIZE, i % SIZE, number++);
+    else
+      for (int a = 0; a < STENCIL; ++a)
+        for (int b = a; b < STENCIL; ++b)
+          for (int k = 0; k < 9; ++k) at(3 * a + k / 3, 3 * b + k % 3, number++);
+  }
+  // what is not kept is what lies on the other side of the diagonal
+  Eigen::MatrixXd matrix_of(const double* numbers) const {
+    Eigen::MatrixXd hessian(SIZE, SIZE);
+    for_each_number([&](int row, int column, int number) {
+      hessian(row, column) = numbers[number];
+      if (!is_whole_ && column / 3 > row / 3) hessian(column, row) = numbers[number];
+    });
     return hessian;
   }
 
@@ -277,8 +289,7 @@ class EnergyCheck {
     std::vector<double> all_d(n * SIZE), all_blocks;
     for (std::size_t e = 0; e < n; ++e) {
       for (int s = 0; s < STENCIL; ++s) put(all_d, site_of(n, e, s), d[e].template segment<3>(3 * s));
-      for (int i = 0; i < SIZE; ++i)
-        for (int j = 0; j < SIZE; ++j) all_blocks.push_back(results[e].hessian(i, j));
+      for_each_number([&](int row, int column, int) { all_blocks.push_back(results[e].hessian(row, column)); });
     }
     Buffer<double> on_device_d(device_, all_d, "d"), blocks(device_, all_blocks, "blocks");
     Buffer<double> rows(device_, (n + 1) * SIZE, "rows");
@@ -293,6 +304,8 @@ class EnergyCheck {
   HostEnergy host_energy_;
   double length_;
   double energy_scale_ = 0;
+  bool is_whole_;          // all numbers of a Hessian are kept, not those of its upper blocks alone
+  std::size_t n_numbers_;  // of an element's Hessian
   Device device_;
   Program program_;
   Kernel energy_, gradient_, hessian_, product_;
