@@ -88,7 +88,7 @@ void write_whole(const fs::path& path, const std::string& text) {
     }
     done += std::size_t(n);
   }
-  close(file);
+  if (close(file) != 0) fail(path, "written");  // NFS says only here that there is no room
 }
 
 // The lock of a folder, which ends with the process: its file descriptor, -1 where somebody else holds it or the file

@@ -9,6 +9,7 @@
 
 #include "host/base/counted.hpp"
 #include "host/base/error.hpp"
+#include "host/base/statistics.hpp"
 
 namespace pvg {
 namespace {
@@ -131,8 +132,7 @@ double residual_of(const View& view, const Guess& g, const Camera& camera) {
 double median_residual(const std::vector<View>& views, const Guess& g, const Camera& camera) {
   std::vector<double> residuals;
   for (const View& view : views) residuals.push_back(residual_of(view, g, camera));
-  std::nth_element(residuals.begin(), residuals.begin() + std::ptrdiff_t(residuals.size() / 2), residuals.end());
-  return residuals[residuals.size() / 2];
+  return upper_median(std::move(residuals));
 }
 
 double sum_of_squares(const std::vector<const View*>& views, const Guess& g, const Camera& camera) {

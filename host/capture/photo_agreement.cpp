@@ -12,6 +12,7 @@
 #include <cmath>
 #include <random>
 
+#include "host/base/statistics.hpp"
 #include "host/capture/surface.hpp"
 #include "host/render/camera.hpp"
 
@@ -150,8 +151,7 @@ void PhotoAgreement::look(const Capture& capture, std::span<const CaptureFrame> 
       if (const double mean = mean_of_others(s); mean >= 0) off.push_back(std::abs(s.value - mean));
   sigma_ = LEAST_SIGMA;
   if (off.empty()) return;
-  std::nth_element(off.begin(), off.begin() + std::ptrdiff_t(off.size() / 2), off.end());
-  sigma_ = std::max(LEAST_SIGMA, MEDIAN_TO_SIGMA * off[off.size() / 2]);
+  sigma_ = std::max(LEAST_SIGMA, MEDIAN_TO_SIGMA * upper_median(std::move(off)));
 }
 
 // Gains toward the means of the others; their logarithms' mean is 0.

@@ -11,6 +11,7 @@
 #include "host/base/error.hpp"
 #include "host/base/files.hpp"
 #include "host/base/notes.hpp"
+#include "host/base/statistics.hpp"
 #include "host/capture/layouts.hpp"
 #include "host/formats/picture_files.hpp"
 #include "host/render/camera.hpp"
@@ -143,8 +144,7 @@ void check_depth_scale(const Capture& capture, const CaptureFrame& frame, const 
   for (const float z : picture.depth)
     if (z > 0) depths.push_back(z);
   if (depths.empty()) return;  // a covered sensor; other frames say more
-  std::nth_element(depths.begin(), depths.begin() + std::ptrdiff_t(depths.size() / 2), depths.end());
-  const double median = depths[depths.size() / 2];
+  const double median = upper_median(std::move(depths));
   if (median < 0.1 || median > 20)
     throw UsageError(frame.depth.string() + ": half of its depths are " + (median < 0.1 ? "below " : "above ") +
                      std::to_string(median) + " m with " + std::to_string(capture.depth_unit) +

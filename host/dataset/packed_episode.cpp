@@ -1,5 +1,7 @@
 #include "host/dataset/packed_episode.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -127,8 +129,10 @@ namespace {
 
 // The last step of each period of a picture.
 std::vector<std::size_t> last_steps(std::size_t n_steps, double frames_per_second, double time_step) {
-  const auto per_frame = std::size_t(std::max(1.0, std::round(1 / (frames_per_second * time_step))));
+  const double length = std::max(1.0, std::round(1 / (frames_per_second * time_step)));
   std::vector<std::size_t> steps;
+  if (length > double(n_steps)) return steps;
+  const auto per_frame = std::size_t(length);
   for (std::size_t step = per_frame - 1; step < n_steps; step += per_frame) steps.push_back(step);
   return steps;
 }
@@ -281,8 +285,13 @@ PackedEpisode read_packed_episode(const fs::path& folder, const std::vector<std:
 PackedEpisode read_packed_states(const fs::path& folder, bool has_start) {
   const double frames_per_second = read_summary_pictures(folder / "summary.json").frames_per_second;
   const StatesRecord record(folder / "states.h5");
-  const std::size_t n_steps = record.n_steps();
-  return read_rows(record, last_steps(n_steps, frames_per_second, record.positive("h")), frames_per_second, has_start);
+  const std::vector<std::size_t> steps = last_steps(record.n_steps(), frames_per_second, record.positive("h"));
+  if (steps.empty())
+    throw UsageError(
+        fmt::format("{} is shorter than one period of the {:g} pictures per second that its summary.json "
+                    "says; make the episode again",
+                    folder.string(), frames_per_second));
+  return read_rows(record, steps, frames_per_second, has_start);
 }
 
 void read_pictures(const PackedCamera& camera, std::size_t n_frames, int side,

@@ -37,7 +37,8 @@ double number_in(const std::string& cell, const std::string& place) {
   const char* begin = cell.data() + (cell[0] == '+' ? 1 : 0);
   const char* end = cell.data() + cell.size();
   const auto parsed = std::from_chars(begin, end, value);
-  if (parsed.ptr != end) throw UsageError(place + ": `" + cell + "` is no number");
+  if (parsed.ptr != end || parsed.ec == std::errc::invalid_argument)
+    throw UsageError(place + ": `" + cell + "` is no number");
   if (parsed.ec == std::errc::result_out_of_range) value = std::strtod(begin, nullptr);  // infinite, or next to 0
   if (std::abs(value) > LARGEST) throw UsageError(place + ": `" + cell + "` is too large for a measurement");
   return value;
@@ -61,9 +62,8 @@ bool holds_numbers(const std::vector<std::string>& cells) {
   for (const std::string& cell : cells) {
     double value = 0;
     if (cell.empty()) continue;
-    if (std::from_chars(cell.data() + (cell[0] == '+'), cell.data() + cell.size(), value).ptr !=
-        cell.data() + cell.size())
-      return false;
+    const auto parsed = std::from_chars(cell.data() + (cell[0] == '+'), cell.data() + cell.size(), value);
+    if (parsed.ptr != cell.data() + cell.size() || parsed.ec == std::errc::invalid_argument) return false;
     any = true;
   }
   return any;

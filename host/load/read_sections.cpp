@@ -47,12 +47,6 @@ void add_materials(Section& root, std::vector<VisualMaterial>& materials,
   }
 }
 
-std::vector<VisualSection> read_visuals(Section& section) {
-  std::vector<VisualSection> visuals;
-  for (const Section& visual : section.sections("visuals")) visuals.push_back(read_all(visual_fields(), visual));
-  return visuals;
-}
-
 std::vector<MotionElement> read_motion(Section& root, const std::vector<RobotCell>& robots) {
   const Fields<MotionElement> fields = motion_fields(robots);
   std::vector<MotionElement> motion;

@@ -21,7 +21,6 @@ MaterialSection with_files(const VisualMaterial& material, const std::vector<std
 
 // Its materials become the task's, whose own win (task_file.cpp).
 void add_gripper_materials(const GripperSection& gripper, Task& task);
-std::vector<VisualSection> read_visuals(YamlSection& section);  // the key `visuals`, if it is there
 void read_light(YamlSection& section, Task& task);
 
 void add_robot_cell(const YamlSection& section, RobotCell cell, Task& task);  // one of `robots` (task_file.cpp)

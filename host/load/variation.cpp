@@ -121,18 +121,35 @@ std::string user_of(const Task& task, const std::string& object) {
   return "";
 }
 
-// An object that is not there leaves with its frictions.
-bool apply_presence(Task& task, const std::string& name, bool is_present) {
-  const auto is_meant = [&](const ObjectSection& object) { return object.name == name; };
-  if (std::none_of(task.objects.begin(), task.objects.end(), is_meant)) return false;
+bool may_be_absent(const Task& task, const std::string& name) {
+  if (!find_named(task.objects, name)) return false;
   if (const std::string user = user_of(task, name); !user.empty())
     throw UsageError(task.file.string() + ": `vary` draws the presence of `" + name + "`, which " + user +
                      "; only what the task can do without may be absent");
-  if (is_present) return true;
-  std::erase_if(task.objects, is_meant);
-  std::erase_if(task.pair_friction,
-                [&](const PairFriction& pair) { return pair.first == name || pair.second == name; });
   return true;
+}
+
+// Alone, or where it touches another body.
+bool acts_on(const Effect& effect, const std::string& object) {
+  switch (effect_kind(effect.name).target) {
+    case EffectTarget::joint:
+    case EffectTarget::driven_joint:
+    case EffectTarget::scene:
+      return false;
+    case EffectTarget::contact:
+      return effect.target.starts_with(object + "/") || effect.target.ends_with("/" + object);
+    default:
+      return effect.target == object;
+  }
+}
+
+// An object that is not there leaves with all that is said of it.
+void remove_object(Task& task, const std::string& name) {
+  const auto is_of = [&](const auto& pair) { return pair.first == name || pair.second == name; };
+  std::erase_if(task.objects, [&](const ObjectSection& object) { return object.name == name; });
+  std::erase_if(task.pair_friction, is_of);
+  std::erase_if(task.pair_restitution, is_of);
+  std::erase_if(task.effects, [&](const Effect& effect) { return acts_on(effect, name); });
 }
 
 bool apply_color(Task& task, const std::string& name, const Vec3& factor) {
@@ -189,6 +206,7 @@ std::size_t drawn_index(double u, const std::vector<std::filesystem::path>& list
 }  // namespace
 
 Task varied(Task task, const DrawNumber& draw) {
+  std::vector<std::string> absent;
   for (const Variation& variation : task.variations) {
     const std::string name = variation.of + "/" + name_of(variation.quantity);
     const auto three = [&](const std::array<const char*, 3>& parts, const std::string& of, const Range& range) {
@@ -204,9 +222,10 @@ Task varied(Task task, const DrawNumber& draw) {
       is_there = apply_to_camera(task, variation, of_axes(name, variation.range));
     else if (variation.quantity == Quantity::texture)
       is_there = apply_texture(task, variation.of, variation.files[drawn_index(draw(name, {0, 1}), variation.files)]);
-    else if (variation.quantity == Quantity::presence)
-      is_there = apply_presence(task, variation.of, draw(name, {0, 1}) < variation.probability);
-    else if (variation.quantity == Quantity::disturbance)
+    else if (variation.quantity == Quantity::presence) {
+      if (!(draw(name, {0, 1}) < variation.probability)) absent.push_back(variation.of);
+      is_there = may_be_absent(task, variation.of);
+    } else if (variation.quantity == Quantity::disturbance)
       is_there = apply_disturbance(task, variation, name, draw, of_axes);
     else
       is_there = apply_factor(task, variation, draw(name, variation.range));
@@ -214,6 +233,8 @@ Task varied(Task task, const DrawNumber& draw) {
       throw UsageError(task.file.string() + ": `vary` names `" + variation.of + "`, which has no " +
                        name_of(variation.quantity) + " in this task; correct `of`");
   }
+  // last: other entries may be of an object that is not there this time
+  for (const std::string& name : absent) remove_object(task, name);
   return task;
 }
 

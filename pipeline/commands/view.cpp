@@ -2,7 +2,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <string>
 
@@ -35,9 +34,16 @@ std::string text_of(const fs::path& path, const std::string& remedy) {
   return *text;
 }
 
-// Inside <script> only "</" could end it.
+// Of a library: inside <script> "</" could end it.
 std::string safe_in_script(std::string text) {
   for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3) text.insert(at + 1, "\\");
+  return text;
+}
+
+// Of data, whose texts may also hold "<!--" and "<script", after which the page's own end of the script does not count.
+std::string safe_json(const Json& data) {
+  std::string text = data.dump();
+  for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos; at += 6) text.replace(at, 1, "\\u003c");
   return text;
 }
 
@@ -74,7 +80,7 @@ std::string page_of(const Json& report, const std::string& script, bool shows_mo
   };
   const fs::path view = data_folder() / "view";
   std::string page = text_of(view / "report.html", ours);
-  replace(page, "/*DATA*/", safe_in_script(report.dump()));
+  replace(page, "/*DATA*/", safe_json(report));
   replace(page, "/*SCRIPT*/", text_of(view / "page.js", ours) + text_of(view / script, ours));
   replace(page, "/*CONTROLS*/", three("examples/js/controls/OrbitControls.js"));
   replace(page, "/*THREE*/", three("three.min.js"));

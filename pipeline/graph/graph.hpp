@@ -3,12 +3,10 @@
 // several frames under way, each in another stage, but never more than the bound. No result depends on the bound.
 #pragma once
 #include <atomic>
-#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
-#include <typeindex>
 #include <vector>
 
 #include "host/base/error.hpp"
@@ -20,7 +18,6 @@ namespace pvg {
 struct FieldInfo {
   std::string name, shape, unit;
   bool is_state;
-  std::type_index type;
   std::unique_ptr<void, void (*)(void*)> (*make)();  // an empty value
   void (*clear)(void*);                              // back to the empty value
 };
@@ -33,7 +30,6 @@ struct Field : FieldInfo {
             std::move(shape),
             std::move(unit),
             is_state,
-            typeid(T),
             [] { return std::unique_ptr<void, void (*)(void*)>(new T{}, [](void* p) { delete static_cast<T*>(p); }); },
             [](void* p) { *static_cast<T*>(p) = T{}; }} {}
 };

@@ -85,7 +85,8 @@ std::optional<Message> read_message(int file) {
 }
 
 void write_message(int file, const Message& message) {
-  const std::string head = message.head.dump();
+  // words of a request are cut where they are long, also within a character
+  const std::string head = message.head.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   const std::array<std::uint32_t, 2> lengths = {std::uint32_t(head.size()), std::uint32_t(message.bytes.size())};
   write_bytes(file, reinterpret_cast<const unsigned char*>(lengths.data()), sizeof lengths);
   write_bytes(file, reinterpret_cast<const unsigned char*>(head.data()), head.size());

@@ -15,6 +15,8 @@
 namespace pvg {
 namespace {
 
+constexpr const char* NO_EPISODE = "no episode has begun; send a reset first";
+
 bool is_object(const Task& task, const std::string& body) {
   return std::any_of(task.objects.begin(), task.objects.end(), [&](const auto& object) { return object.name == body; });
 }
@@ -63,16 +65,22 @@ ServedTask::ServedTask(const ServedTask& first, Device* rendering)
       lut_(first.lut_) {}
 
 const TaskScene& ServedTask::built() const {
-  if (!built_) throw UsageError("no episode has begun; send a reset first");
+  if (!built_) throw UsageError(NO_EPISODE);
   return *built_;
 }
 
 const WorldState& ServedTask::state() const {
-  if (!world_) throw UsageError("no episode has begun; send a reset first");
+  if (!world_) throw UsageError(NO_EPISODE);
   return world_->state();
 }
 
+const SuccessMonitor& ServedTask::monitor() const {
+  if (!monitor_) throw UsageError(NO_EPISODE);
+  return *monitor_;
+}
+
 void ServedTask::ask_reset(std::uint64_t seed, std::uint64_t episode) {
+  auto built = std::make_unique<TaskScene>(build_scene(task_, seed, episode));
   renderer_.reset();
   surfaces_.reset();
   grasps_.reset();
@@ -83,9 +91,10 @@ void ServedTask::ask_reset(std::uint64_t seed, std::uint64_t episode) {
   seed_ = seed;
   episode_ = episode;
   n_steps_ = 0;
+  follows_plan_ = false;
   reason_.clear();
   asked_ = {};
-  built_ = std::make_unique<TaskScene>(build_scene(task_, seed, episode));
+  built_ = std::move(built);
   asked_.begins = true;
 }
 
@@ -103,7 +112,7 @@ void ServedTask::join(std::unique_ptr<SharedSimulation::World> world) {
 }
 
 void ServedTask::demand_running() const {
-  if (!world_) throw UsageError("no episode has begun; send a reset first");
+  if (!world_) throw UsageError(NO_EPISODE);
   if (is_over()) throw UsageError("the episode is over (" + reason_ + "); send a reset first");
 }
 
@@ -234,8 +243,9 @@ void ServedTask::ask_targets(std::vector<std::vector<double>> targets) {
 
 bool ServedTask::make_plan() {
   if (plan_) return true;
+  const TaskScene& scene = built();
   try {
-    plan_ = std::make_unique<MotionPlan>(plan_episode(task_, built()));
+    plan_ = std::make_unique<MotionPlan>(plan_episode(task_, scene));
   } catch (const UsageError& error) {  // out of reach: this draw of the start is no good
     reason_ = error.what();
     return false;
@@ -250,12 +260,13 @@ std::size_t ServedTask::n_planned_periods() {
 
 bool ServedTask::ask_plan() {
   demand_running();
-  if (!plan_ && n_steps_ > 0)
+  if (!follows_plan_ && n_steps_ > 0)
     throw UsageError("the planned motion begins where an episode begins; send a reset before it");
   asked_ = {};
   if (!make_plan()) return true;  // it is over, with its reason
   if (n_steps_ + facts_.steps_per_period > plan_->targets.size()) return false;
   asked_.n_of_plan = facts_.steps_per_period;
+  follows_plan_ = true;
   return true;
 }
 
@@ -285,9 +296,9 @@ std::vector<double> ServedTask::environment() const {
 
 std::optional<std::string> ServedTask::failure() const {
   if (is_over()) return reason_;
-  if (!monitor_) throw UsageError("no episode has begun; send a reset first");
+  const SuccessMonitor& judge = monitor();
   if (n_steps_ == 0) return "nothing was done yet";  // conditions judge steps
-  return monitor_->failure();
+  return judge.failure();
 }
 
 std::string ServedTask::intersection() {

@@ -83,7 +83,7 @@ class ServedTask {
   const std::vector<double>& targets() const { return targets_; }
   // What speaks against success, if the episode ended now; nothing: it would be one.
   std::optional<std::string> failure() const;
-  Measured measured() const { return monitor_->measured(); }
+  Measured measured() const { return monitor().measured(); }
   const std::vector<EpisodeEvent>& events() const { return grasps_->events(); }
   // Bodies whose surfaces intersect now, such as "beaker and table"; empty: none. By an exact test of its own.
   std::string intersection();
@@ -98,6 +98,7 @@ class ServedTask {
     std::size_t n_done = 0, n_of_plan = 0;     // of these; of the planned motion
   };
   void demand_running() const;
+  const SuccessMonitor& monitor() const;
   std::optional<std::vector<double>> next_targets();
   void join(std::unique_ptr<SharedSimulation::World> world);
   void take_step(const std::vector<double>& targets, const std::exception_ptr& error);
@@ -120,6 +121,7 @@ class ServedTask {
   std::unique_ptr<Renderer> renderer_;
   std::unique_ptr<MotionPlan> plan_;
   std::unique_ptr<ForceGrasp> plan_grasp_;
+  bool follows_plan_ = false;               // the first step was of the plan
   std::vector<double> targets_;             // [n_driven, rad or m] of the last step
   std::vector<SceneState> last_states_;     // of the period under way or done, for pictures of motion
   std::vector<std::size_t> object_bodies_;  // [n_objects] of Scene::rigid_bodies

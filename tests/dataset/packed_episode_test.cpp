@@ -94,6 +94,13 @@ TEST(PackedEpisode, StatesWithoutPicturesHaveTheRowsThatPicturesWouldHave) {
   EXPECT_TRUE(dark.cameras.empty());
 }
 
+TEST(PackedEpisode, OneThatIsShorterThanAPeriodIsRefused) {
+  const TestFolder root;
+  const std::filesystem::path folder = write_small_episode(root, "a", 0, 3, "", false);
+  root.write("a/summary.json", R"({"frames_per_second": 1.0, "cameras": {}})");  // of 0.6 s
+  expect_error<UsageError>([&] { read_packed_states(folder); }, {"shorter than one period", "1 pictures per second"});
+}
+
 TEST(PackedEpisode, TheFirstRowIsTheStartAndItsActionThatOfTheFirstPeriod) {
   const TestFolder root;
   const PackedEpisode episode =

@@ -27,6 +27,9 @@ TEST(MeasuredTable, WhatIsNoTableOfNumbersIsRefusedByLine) {
   expect_error<UsageError>([&] { read_table(folder.write("b.csv", "t,x\n0,1\n1\n")); }, {"b.csv, line 3", "columns"});
   expect_error<UsageError>([&] { read_table(folder.write("b.csv", "t,x\n0,fast\n")); }, {"b.csv, line 2", "`fast`"});
   expect_error<UsageError>([&] { read_table(folder.write("b.csv", "t,x\n0,1 2\n")); }, {"b.csv, line 2", "`1 2`"});
+  for (const char* sign : {"+", "-"})
+    expect_error<UsageError>([&] { read_table(folder.write("b.csv", "t,x\n0," + std::string(sign) + "\n")); },
+                             {"b.csv, line 2", sign, "no number"});
   for (const char* large : {"1e16", "-1e16", "inf", "1e400", "-1e400"})
     expect_error<UsageError>([&] { read_table(folder.write("b.csv", "t,x\n0," + std::string(large) + "\n")); },
                              {"b.csv, line 2", large, "too large"});

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "host/base/error.hpp"
+#include "host/base/names.hpp"
 #include "host/load/task_file.hpp"
 #include "tests/expect_error.hpp"
 
@@ -335,6 +336,25 @@ TEST(Variation, ADistractorIsThereAsOftenAsAsked) {
   EXPECT_LE(n_present, 26);
   nominal.variations[0].of = "beaker";  // which the motion picks up
   expect_error<UsageError>([&] { build_scene(nominal, 1, 0); }, {"presence", "beaker", "motion"});
+}
+
+// Whatever else is said of the object: entries of `vary` after its own, what it does to others, effects.
+TEST(Variation, AnAbsentObjectLeavesWithAllThatIsSaidOfIt) {
+  Task nominal = objects_only();
+  ObjectSection distractor = nominal.objects.back();
+  distractor.name = "distractor";
+  nominal.objects.push_back(distractor);
+  nominal.variations = {{Variation::Quantity::presence, "distractor", {}, {}, 0},
+                        {Variation::Quantity::mass, "distractor", {0.5, 2}}};
+  nominal.pair_restitution = {{"distractor", "beaker", 0.5}, {"beaker", "scale", 0.5}};
+  nominal.effects = {
+      {"linear_drag", "distractor", {1}}, {"adhesion", "beaker/distractor", {1}}, {"linear_drag", "beaker", {1}}};
+  const Scene scene = build_scene(nominal, 1, 0).scene;
+  EXPECT_FALSE(find_named(scene.rigid_bodies, "distractor"));
+  ASSERT_EQ(scene.pair_restitution.size(), 1u);
+  EXPECT_EQ(scene.pair_restitution[0].second, "scale");
+  ASSERT_EQ(scene.effects.size(), 1u);
+  EXPECT_EQ(scene.effects[0].target, "beaker");
 }
 
 // The start is that of the episode without pushes; every push has its own numbers.

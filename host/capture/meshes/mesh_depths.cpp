@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
+#include "host/base/statistics.hpp"
 #include "host/capture/meshes/room_mesh.hpp"
 #include "host/capture/surface.hpp"
 #include "host/capture/surface_views.hpp"
@@ -49,9 +50,7 @@ double median_distance(const std::vector<Vec3>& points, const std::vector<Vec3f>
     for (const Vec3f& q : turned) least = std::min(least, (p - q).squaredNorm());
     nearest.push_back(std::sqrt(double(least)));
   }
-  const auto middle = nearest.begin() + std::ptrdiff_t(nearest.size() / 2);
-  std::nth_element(nearest.begin(), middle, nearest.end());
-  return *middle;
+  return upper_median(std::move(nearest));
 }
 
 // the capture's frame from the mesh's, as it was read: with z up

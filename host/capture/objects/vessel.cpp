@@ -16,6 +16,7 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
+#include "host/base/statistics.hpp"
 
 namespace pvg {
 namespace {
@@ -152,8 +153,7 @@ double typical_scale(const Vessel& v, std::span<const TouchingRay> rays) {
   const Vec3 middle(v.axis.x(), v.axis.y(), 0.5 * v.height);
   std::vector<double> scales;
   for (const TouchingRay& ray : rays) scales.push_back(ray.pixels / (ray.origin - middle).norm());
-  std::nth_element(scales.begin(), scales.begin() + std::ptrdiff_t(scales.size() / 2), scales.end());
-  return scales[scales.size() / 2];
+  return upper_median(std::move(scales));
 }
 
 Slope second_difference(const Vessel& v, int ring, double weight, double& value) {
@@ -284,9 +284,7 @@ Vessel fit_vessel(std::span<const TouchingRay> rays, std::size_t n_views) {
 }
 
 void check_residuals(const Vessel& vessel, std::span<const MaskedView> views) {
-  std::vector<double> sorted = vessel.residual_of_view;
-  std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
-  const double median = sorted[sorted.size() / 2];
+  const double median = upper_median(vessel.residual_of_view);
   if (median > LARGEST_RESIDUAL)
     throw UsageError(fmt::format(
         "no turned thing that stands upright on z = 0 has these masks (its outlines are {:.1f} pixels off); "

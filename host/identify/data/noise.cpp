@@ -3,22 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
 #include <optional>
 
+#include "host/base/statistics.hpp"
 #include "host/identify/criteria.hpp"
 
 namespace pvg::diagnose {
 namespace {
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // The smallest step between values that differ, if most steps are whole multiples of it.
 double quantum_of(const std::vector<double>& values, std::size_t width) {
@@ -35,8 +29,6 @@ double quantum_of(const std::vector<double>& values, std::size_t width) {
   });
   return whole > criteria().quantum_share * double(steps.size()) ? least : 0;
 }
-
-constexpr double TYPICAL = 1.4826;  // sigma of a normal distribution over the median of its size
 
 // 1, 2, 3, 4, 6, 8, ...: powers of two and the whole numbers half way between them, as distances of samples.
 std::vector<unsigned> lags() {
@@ -69,7 +61,7 @@ std::optional<Differences> third_differences(const std::vector<double>& values, 
   }
   if (size.size() < (lag == 1 ? criteria().noise_n_neighbours : criteria().noise_n_apart)) return std::nullopt;
   Differences found;
-  const double typical = TYPICAL * median(std::move(size));
+  const double typical = SIGMA_OVER_MEDIAN * upper_median(std::move(size));
   const double most = criteria().noise_cut * typical;
   found.sigma = typical / std::sqrt(20.0);
   double product = 0, square = 0;
@@ -117,7 +109,7 @@ double noise_of_all_frequencies(const std::vector<double>& values, std::size_t w
   std::vector<double> density;
   for (std::size_t bin = first_bin; bin < n_bins; ++bin)
     density.push_back(power[bin] / n_segments / std::pow(2 * std::sin(std::numbers::pi * double(bin) / double(n)), 6));
-  return std::sqrt(median(std::move(density)));
+  return std::sqrt(upper_median(std::move(density)));
 }
 
 // Of white noise, where the correlation is below noise_white_correlation; else of a motion, or of too few samples
@@ -157,7 +149,7 @@ std::vector<double> own_samples(const std::vector<double>& t, const std::vector<
       rows.push_back(i);
   std::vector<double> spacing;
   for (std::size_t i = 1; i < rows.size(); ++i) spacing.push_back(t[rows[i]] - t[rows[i - 1]]);
-  const double usual = spacing.empty() ? 1 : median(spacing);
+  const double usual = spacing.empty() ? 1 : upper_median(spacing);
   std::vector<double> own;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     // beyond the reach of a difference it does not matter how many are missing
@@ -226,7 +218,7 @@ double noise_of_repeats(const Problem& problem, std::size_t c) {
       const double sigma = differences_of(own_samples(one.t, difference, width), width).sigma / std::sqrt(2.0);
       if (std::isfinite(sigma)) found.push_back(sigma);
     }
-  return found.empty() ? std::nan("") : median(std::move(found));
+  return upper_median(std::move(found));
 }
 
 }  // namespace
@@ -253,8 +245,8 @@ void measure_noise(Problem& problem) {
                                       criteria().noise_floor, rounding_noise(channel.readout)});
     channel.is_noise_assumed = found.empty();
     channel.sigma =
-        found.empty() ? std::max(criteria().noise_assumed * range, smallest) : std::max(median(found), smallest);
-    channel.least_sigma = found.empty() ? smallest : std::max(median(least), smallest);
+        found.empty() ? std::max(criteria().noise_assumed * range, smallest) : std::max(upper_median(found), smallest);
+    channel.least_sigma = found.empty() ? smallest : std::max(upper_median(least), smallest);
     const double repeated = model.per_number * noise_of_repeats(problem, c);
     channel.is_noise_of_repeats = repeated < channel.sigma;
     if (channel.is_noise_of_repeats) {

@@ -1,8 +1,8 @@
 #include "host/identify/fit/far_number.hpp"
 
-#include <algorithm>
 #include <cmath>
 
+#include "host/base/statistics.hpp"
 #include "host/identify/criteria.hpp"
 
 namespace pvg::diagnose {
@@ -29,9 +29,7 @@ double misfit_of(const std::vector<Prediction>& windows) {
   for (const Prediction& window : windows)
     of_window.push_back(window.succeeded ? rms({window.residual}) : double(INFINITY));
   if (of_window.empty()) return INFINITY;
-  const auto middle = of_window.begin() + std::ptrdiff_t(of_window.size() / 2);
-  std::nth_element(of_window.begin(), middle, of_window.end());
-  return *middle;
+  return upper_median(std::move(of_window));
 }
 
 void find_misfits(Fitter& fitter, const FitData& data, std::vector<Place>& places) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "host/base/statistics.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/left_out_blocks.hpp"
 #include "host/identify/fit/normal_equations.hpp"
@@ -66,8 +67,7 @@ double robust_scale(const std::vector<VectorXd>& residual) {
     for (const double value : r)
       if (std::isfinite(value)) all.push_back(std::abs(value));
   if (all.empty()) return 1;
-  std::nth_element(all.begin(), all.begin() + std::ptrdiff_t(all.size() / 2), all.end());
-  return std::max(1.0, 1.4826 * all[all.size() / 2]);
+  return std::max(1.0, SIGMA_OVER_MEDIAN * upper_median(std::move(all)));
 }
 
 double robust_cost(const std::vector<VectorXd>& residual, double s) {

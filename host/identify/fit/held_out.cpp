@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "host/base/statistics.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/identify/data/jitter.hpp"
 #include "host/identify/fit/correlation.hpp"
@@ -145,11 +146,10 @@ double error_in(const Problem& problem, const FitData& data, const std::vector<V
 std::vector<bool> undisturbed(const std::vector<VectorXd>& before, const std::vector<VectorXd>& after) {
   std::vector<double> error;
   for (const VectorXd& r : after) error.push_back(rms_of(r));
-  std::vector<double> sorted = error;
-  std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
+  const double typical = upper_median(error);
   std::vector<bool> counts;
   for (std::size_t w = 0; w < error.size(); ++w)
-    counts.push_back(error[w] <= criteria().disturbed * sorted[sorted.size() / 2] ||
+    counts.push_back(error[w] <= criteria().disturbed * typical ||
                      error[w] < criteria().disturbed_halved * rms_of(before[w]) ||
                      error[w] > criteria().disturbed_worse * rms_of(before[w]));
   const auto n = std::count(counts.begin(), counts.end(), false);

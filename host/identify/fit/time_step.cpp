@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "host/base/statistics.hpp"
 #include "host/identify/criteria.hpp"
 #include "host/identify/fit/whole_runs.hpp"
 #include "host/identify/sensing/step_order.hpp"
@@ -97,9 +98,7 @@ double misfit(const FitData& data, const std::vector<Prediction>& predictions) {
     of_window.push_back(predictions[w].succeeded ? rms({beside_starts(data.of_start[w], predictions[w].residual)})
                                                  : INFINITY);
   if (of_window.empty()) return INFINITY;
-  const auto middle = of_window.begin() + std::ptrdiff_t(of_window.size() / 2);
-  std::nth_element(of_window.begin(), middle, of_window.end());
-  return *middle;
+  return upper_median(std::move(of_window));
 }
 
 // Where steps are compared: over whole runs, as these are fitted and proved, if the errors of their starts do not

@@ -187,8 +187,7 @@ class Once {
 }  // namespace
 
 std::uint64_t hash_of(std::span<const char> bytes, std::uint64_t so_far) {
-  for (const char byte : bytes) so_far = (so_far ^ static_cast<unsigned char>(byte)) * 1099511628211u;
-  return so_far;
+  return fnv1a({bytes.data(), bytes.size()}, so_far);
 }
 
 std::vector<Question> questions_of(const Problem& problem, std::span<const Job> jobs) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "host/base/hash.hpp"
 #include "host/identify/sensing/rollout.hpp"
 
 namespace pvg::diagnose {
@@ -17,6 +18,6 @@ struct Question {
 std::vector<Question> questions_of(const Problem& problem, std::span<const Job> jobs);
 
 std::uint64_t hash_of(std::span<const Question> questions);
-std::uint64_t hash_of(std::span<const char> bytes, std::uint64_t so_far = 14695981039346656037u);
+std::uint64_t hash_of(std::span<const char> bytes, std::uint64_t so_far = FNV_START);
 
 }  // namespace pvg::diagnose

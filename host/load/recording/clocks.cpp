@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
 
 #include "host/base/error.hpp"
 #include "host/load/recording/channels.hpp"
@@ -47,6 +46,7 @@ void read_series(const RecordedChannel& channel, const RecordedRun& run, std::ve
   asked.push_back(clock.time.empty() ? "t" : clock.time);
   const MeasuredTable table = table_of(clock.file.empty() ? run.table.file : beside_table(run, clock.file), asked);
   const std::vector<double> times = times_in(table, clock);
+  if (times.empty()) throw UsageError(table.file.string() + " holds no rows; a channel needs at least 2");
   for (std::size_t k = 0; k < channel.written.size(); ++k) {
     Series one{channel.columns[k], {}, {}};
     const std::vector<double>& values = table[channel.written[k]];

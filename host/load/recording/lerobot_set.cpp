@@ -18,7 +18,8 @@ json read_info(const fs::path& file) {
   std::ifstream in(file);
   const json info = json::parse(in, nullptr, false);
   if (!info.is_object()) throw UsageError(file.string() + " is no JSON object; is this a LeRobot data set?");
-  const std::string version = info.value("codebase_version", "");
+  const json said = info.value("codebase_version", json(""));
+  const std::string version = said.is_string() ? said.get<std::string>() : said.dump();
   if (!version.starts_with("v3.") && !version.starts_with("v2."))
     throw UsageError(file.string() + ": the version `" + version + "` is not known; v3.0 and v2.1 are");
   if (!info.contains("fps") || !info["fps"].is_number() || !(info["fps"].get<double>() > 0))

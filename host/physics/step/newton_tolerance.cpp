@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/model/effect_list.hpp"
+#include "host/model/effect_row.hpp"
 
 namespace pvg {
 namespace {

@@ -68,7 +68,6 @@ void Simulation::Impl::set_joints(double h, const std::vector<std::vector<double
   if (!pressing.empty()) potential.update_spin(system);
 }
 
-// The normal forces that rolling resistance goes by in the next step.
 // A push acts by its mean over a time of length h, so that its impulse is exact: that of the step, or about the end of
 // a step of BDF2, whose forces are those of that time. A torque T is the forces T x a_k / 2 on the axes a_k, where
 // these are at the start of the step: a_k x (T x a_k) sums to 2 T.
@@ -90,6 +89,7 @@ void Simulation::Impl::push(double h, bool goes_on) {
   potential.update_forces(system);
 }
 
+// The normal forces that rolling resistance goes by in the next step.
 void Simulation::Impl::read_pressing() {
   for (std::size_t i = 0; i < pressing.size(); ++i) {
     const RollingResistance& rolling = system.rolling_resistance[i];

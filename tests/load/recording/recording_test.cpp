@@ -227,6 +227,7 @@ TEST(Recording, WhatIsWrongWithAClockIsNamed) {
   };
   refused("s,x\n0,1\n", {"e.csv", "no column `t`"});
   refused("t,y\n0,1\n", {"e.csv", "no column `x`"});
+  refused("t,x\n", {"e.csv", "holds no rows"});
   refused("t,x\n0,1\n0,2\n", {"e.csv", "row 2", "come after"});
   refused("t,x\n0,1\n,2\n", {"e.csv", "row 2", "missing"});
   refused("t,x\n5,1\n6,2\n", {"e.csv", "from 5", "to 6", "a.csv", "clock: {offset"});

@@ -100,6 +100,8 @@ TEST(RobotSet, ThatDoesNotFitItsTaskIsRefused) {
   json old = info(ARM);
   old["codebase_version"] = "v1.6";
   refused(old, {"info.json", "v1.6", "v2.1"});
+  old["codebase_version"] = 3;
+  refused(old, {"info.json", "`3`", "v2.1"});
   old = info(ARM);
   old.erase("fps");
   refused(old, {"info.json", "fps"});

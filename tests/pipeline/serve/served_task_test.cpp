@@ -378,8 +378,27 @@ TEST_F(Served, WhatCannotBeDoneIsRefusedAndChangesNothing) {
   expect_error<UsageError>([&] { served.picture(0); }, {"--no-render"});
   EXPECT_EQ(served.environment(), before);
   EXPECT_EQ(served.n_steps(), 0u);
+  EXPECT_GT(served.n_planned_periods(), 0u);  // to be asked how many there are begins nothing
   served.act(served.joints());
   expect_error<UsageError>([&] { served.follow_plan(); }, {"begins where an episode begins"});
+}
+
+// One of two pictures is not there: half of the episodes cannot be built.
+TEST_F(Served, AnEpisodeThatCannotBeBuiltLeavesTheOneUnderWay) {
+  Task task = small_task();
+  Variation texture{Variation::Quantity::texture, "clay", {}};
+  texture.files = {"/nowhere.png", PVG_DATA_FOLDER "/cloths/terry.png"};
+  task.variations = {texture};
+  std::uint64_t good = 0, bad = 0;
+  while (uniform_number(0, good, "clay/texture") < 0.5) ++good;
+  while (uniform_number(0, bad, "clay/texture") >= 0.5) ++bad;
+  ServedTask served(task, device(), nullptr);
+  served.reset(0, good);
+  served.act(served.joints());
+  const std::vector<double> before = served.environment();
+  expect_error<UsageError>([&] { served.reset(0, bad); }, {"/nowhere.png"});
+  EXPECT_EQ(served.environment(), before);
+  EXPECT_EQ(served.n_steps(), served.facts().steps_per_period);
 }
 
 // An arm that is told to be elsewhere at once: no step can follow.

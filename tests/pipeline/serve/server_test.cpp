@@ -60,6 +60,15 @@ TEST(Protocol, AStreamThatBreaksOffOrLiesIsAFailure) {
   expect_error<Failure>([&] { read_message(pipe.files[0]); }, {"longer than any"});
 }
 
+// Sentences quote the first 40 bytes of what was asked for, which may end within a character.
+TEST(Protocol, ATextThatIsCutWithinACharacterIsSent) {
+  Pipe pipe;
+  Message sent;
+  sent.head["error"] = "\xc3\xa9 `\xc3`";
+  write_message(pipe.files[1], sent);
+  EXPECT_EQ(read_message(pipe.files[0])->head["error"], "\xc3\xa9 `\xef\xbf\xbd`");
+}
+
 TEST(Protocol, AHeadThatIsNoObjectIsRefusedAndTheNextOneRead) {
   Pipe pipe;
   ASSERT_EQ(write(pipe.files[1], "\x03\0\0\0\0\0\0\0[1]\x02\0\0\0\0\0\0\0{}", 21), 21);
@@ -81,6 +90,8 @@ struct Server : testing::Test {
 
 TEST_F(Server, WhatIsWrongWithARequestIsOneSentence) {
   EXPECT_EQ(ask({{"do", "step"}, {"action", {1}}})["error"], "no episode has begun; send a reset first");
+  for (const char* what : {"observe", "state", "measure", "intersection", "plan"})
+    EXPECT_EQ(ask({{"do", what}})["error"], "no episode has begun; send a reset first") << what;
   const Json started = ask({{"do", "reset"}, {"seed", 1}, {"episode", 2}, {"id", 5}});
   EXPECT_FALSE(started.contains("error")) << started;
   EXPECT_EQ(started["id"], 5);
