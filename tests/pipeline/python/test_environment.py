@@ -1,7 +1,9 @@
 """Gymnasium's contract, and the same bits however many environments run, in one process or in several."""
 
+import tempfile
 import unittest
 import warnings
+from pathlib import Path
 
 import gymnasium
 import numpy as np
@@ -101,6 +103,18 @@ class Environment(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "none of the 2"):
                 server.world(2)
 
+    def test_actions_and_seeds_are_one_for_each_environment(self):
+        together = phyvisgen.TaskVectorEnvironment(num_envs=2, **SMALL)
+        action = together.reset(seed=(3, 4))[0]["agent_pos"]
+        for wrong in (action[:1], action[0], np.concatenate([action, action])):
+            with self.assertRaisesRegex(ValueError, r"give \[2, 8\], a row for each environment"):
+                together.step(wrong)
+        with self.assertRaisesRegex(ValueError, "1 seed was given for 2 environments; give one each"):
+            together.reset(seed=[3])
+        _, infos = together.reset(seed=np.array([5, 3]))
+        self.assertEqual(infos["start"].tolist(), [5, 3])
+        together.close()
+
     def test_success_is_told_at_the_end_alone(self):
         environment = make()
         seen, info = environment.reset(seed=0)
@@ -136,6 +150,15 @@ class Environment(unittest.TestCase):
             make("smell")
         with self.assertRaisesRegex(ValueError, "no camera 'back', but front"):
             phyvisgen.TaskEnvironment(cameras=["back"], **SMALL)
+        with self.assertRaisesRegex(ValueError, "episode_length is a number of periods from 1, not 0"):
+            phyvisgen.TaskEnvironment(**{**SMALL, "episode_length": 0})
+        far = (TASK.parent / TASK.name).read_text().replace("../../../data", str(TASK.parents[3] / "data"))
+        far = far.replace("gripper.yaml", str(TASK.parent / "gripper.yaml")).replace("[-60 mm, 0, 60 mm]", "[5, 0, 60 mm]")
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "far.yaml"
+            file.write_text(far)
+            with self.assertRaisesRegex(ValueError, "there is none .*far.yaml.*motion element 1.*; say how long: episode_length"):
+                phyvisgen.TaskEnvironment(file)
         with self.assertRaisesRegex(FileNotFoundError, "nor one of"):
             phyvisgen.TaskEnvironment("juggle")
 
