@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 import os
 from typing import Any, ClassVar, Sequence
 
@@ -38,6 +39,7 @@ def observation_names(obs_type: str) -> tuple[str, ...]:
 
 def chosen_cameras(facts: Facts, names: Sequence[str] | None) -> list[str]:
     """Those named, in the task's order, or all where none is named; a name that the task lacks is refused."""
+    names = [names] if isinstance(names, str) else names
     for name in names or ():
         if name not in facts.cameras:
             known = ", ".join(facts.cameras) or "none"
@@ -98,7 +100,7 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
         self._shows = observation_names(obs_type)
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode is None or 'rgb_array', not {render_mode!r}")
-        if episode_length is not None and episode_length < 1:
+        if episode_length is not None and operator.index(episode_length) < 1:
             raise ValueError(f"episode_length is a number of periods from 1, not {episode_length}")
         self._has_pictures = "pixels" in self._shows
         self._owned = None if world else Server(
@@ -116,10 +118,13 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
         self.render_mode = render_mode
         self.task = facts.task
         self.task_description = facts.task.replace("_", " ")
-        self.metadata = {**TaskEnvironment.metadata, "render_fps": round(facts.frames_per_second)}
+        fps = facts.frames_per_second
+        self.metadata = {**TaskEnvironment.metadata, "render_fps": int(fps) if fps.is_integer() else fps}
         self._set_seed = set_seed
         try:
             self._cameras = chosen_cameras(facts, cameras)
+            if self._has_pictures and not self._cameras:
+                raise ValueError(f"obs_type {obs_type!r} shows pictures, but no camera is named or {facts.task} has none")
             self._max_episode_steps = episode_length or planned_length(self._server, set_seed)
         except BaseException:
             self.close()

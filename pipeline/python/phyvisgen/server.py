@@ -19,10 +19,17 @@ from .program import find_program, find_task, serve_words
 
 __all__ = ["Answer", "Column", "Facts", "ServeError", "Server", "World"]
 
+MOST_MEMORIES = 128  # of two open files each, of which a process may have 1024; pictures of further worlds take the pipe
+
 
 @dataclass(frozen=True)
 class Answer:
-    """head: the JSON object of the message; arrays: by name, read-only."""
+    """head: the JSON object of the message; arrays: by name, read-only.
+
+    What comes of reset, step, follow, follow_plan and observe holds `agent_pos` [n_columns, rad or m] and `environment_state`
+    [n_objects x 7 + n_cloths x 24]: position [m] and quaternion x, y, z, w of each object, then eight points [m] of each
+    cloth, in the world's frame, named by Facts.environment. The properties below are of these alone.
+    """
 
     head: dict[str, Any]
     arrays: dict[str, NDArray[Any]]
@@ -157,6 +164,7 @@ class World:
         return self.request("step", plan=True, pictures=_wish(pictures))
 
     def observe(self, pictures: bool | Sequence[str] = True) -> Answer:
+        """What is there now; nothing is done."""
         return self.request("observe", pictures=_wish(pictures))
 
     def state(self) -> Answer:
@@ -164,7 +172,7 @@ class World:
         return self.request("state")
 
     def measured(self) -> dict[str, float | None]:
-        """What the task's conditions look at, so far."""
+        """What the task's conditions look at, so far; names end in their units, None is no finite number."""
         return dict(self.request("measure").head["measured"])
 
     def intersection(self) -> str:
@@ -229,7 +237,8 @@ class Server(World):
         self.facts = self._connection.greeting(_facts)
         n_bytes = sum(3 * width * height for width, height in self.facts.cameras.values())
         if self._connection.is_process and render and n_bytes > 0:
-            self._memory = {world: SharedMemory(n_bytes) for world in range(self.facts.worlds)}
+            n_worlds = min(self.facts.worlds, MOST_MEMORIES)
+            self._memory = {world: SharedMemory(n_bytes) for world in range(n_worlds)}
 
     def _answer(self, head: dict[str, Any], data: bytes, world: int) -> Answer:
         if "error" in head:
@@ -244,7 +253,7 @@ class Server(World):
         return Answer(head, arrays)
 
     def _with_memory(self, request: Mapping[str, Any]) -> dict[str, Any]:
-        memory = self._memory.get(request.get("world", 0))  # none where there is no such world, which the server refuses
+        memory = self._memory.get(request.get("world", 0))
         return {**request, "memory": memory.path} if memory and request.get("pictures") else dict(request)
 
     def request(self, do: str, **keys: Any) -> Answer:

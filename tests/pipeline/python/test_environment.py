@@ -4,6 +4,7 @@ import tempfile
 import unittest
 import warnings
 from pathlib import Path
+from unittest.mock import patch
 
 import gymnasium
 import numpy as np
@@ -98,6 +99,9 @@ class Environment(unittest.TestCase):
                 again = server.world(i).observe().pictures["front"]
                 np.testing.assert_array_equal(answer.pictures["front"], again)
             self.assertFalse(np.array_equal(answers[0].pictures["front"], answers[1].pictures["front"]))
+            with patch.object(phyvisgen.server, "MOST_MEMORIES", 1), phyvisgen.Server(TASK, width=32, height=24, worlds=2) as piped:
+                for answer, other in zip(answers, piped.together(both), strict=True):
+                    np.testing.assert_array_equal(answer.pictures["front"], other.pictures["front"])
             with self.assertRaisesRegex(phyvisgen.ServeError, "two requests of world 0"):
                 server.together([{"do": "observe"}, {"do": "observe"}])
             with self.assertRaisesRegex(ValueError, "none of the 2"):
@@ -150,6 +154,11 @@ class Environment(unittest.TestCase):
             make("smell")
         with self.assertRaisesRegex(ValueError, "no camera 'back', but front"):
             phyvisgen.TaskEnvironment(cameras=["back"], **SMALL)
+        with self.assertRaisesRegex(ValueError, "'pixels' shows pictures, but no camera is named"):
+            phyvisgen.TaskEnvironment(obs_type="pixels", cameras=[], **SMALL)
+        environment = phyvisgen.TaskEnvironment(cameras="front", fps=0.4, **SMALL)
+        self.assertEqual(environment.metadata["render_fps"], 0.4)
+        environment.close()
         with self.assertRaisesRegex(ValueError, "episode_length is a number of periods from 1, not 0"):
             phyvisgen.TaskEnvironment(**{**SMALL, "episode_length": 0})
         far = (TASK.parent / TASK.name).read_text().replace("../../../data", str(TASK.parents[3] / "data"))

@@ -452,6 +452,12 @@ class MissingPackages(unittest.TestCase):
 
 
 class TestWords(unittest.TestCase):
+    def test_a_camera_that_there_is_not_is_refused_where_nothing_looks_through_it(self):
+        told = io.StringIO()
+        with redirect_stderr(told):
+            self.assertEqual(evaluate.main([str(TASK), "--policy", "expert", "-n", "1", "--length", "1", "--camera", "back"]), 2)
+        self.assertIn("no camera 'back', but front", told.getvalue())
+
     def test_a_flag_that_is_given_a_value(self):
         from phyvisgen.evaluate import main
 
