@@ -156,7 +156,7 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
 
     def _observation(self, answer: Answer) -> dict[str, Any]:
         pictures = {name: picture.copy() for name, picture in answer.pictures.items()}
-        self._picture = pictures[self._cameras[0]] if pictures else None
+        self._picture = answer.pictures[self._cameras[0]] if pictures else None
         everything: dict[str, Any] = {name: array.copy() for name, array in answer.arrays.items()}
         everything["pixels"] = pictures
         return {name: everything[name] for name in self._shows}
@@ -202,8 +202,8 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
         if self.render_mode is None or not self._cameras:
             return None
         if self._picture is None:
-            self._picture = self._server.observe(self._cameras[:1]).pictures[self._cameras[0]].copy()
-        return self._picture
+            self._picture = self._server.observe(self._cameras[:1]).pictures[self._cameras[0]]
+        return self._picture.copy()  # whoever draws on it changes no observation
 
     def close(self) -> None:
         if self._owned:

@@ -134,8 +134,12 @@ class Environment(unittest.TestCase):
         environment.close()
 
     def test_pictures_are_those_of_the_cameras(self):
-        environment = make("pixels_agent_pos")
+        environment = phyvisgen.TaskEnvironment(obs_type="pixels_agent_pos", render_mode="rgb_array", **SMALL)
         seen, _ = environment.reset(seed=0)
+        kept = seen["pixels"]["front"].copy()
+        environment.render()[:] = 0
+        np.testing.assert_array_equal(environment.render(), kept)
+        np.testing.assert_array_equal(seen["pixels"]["front"], kept)
         self.assertEqual(list(seen["pixels"]), ["front"])
         self.assertEqual(seen["pixels"]["front"].shape, (24, 32, 3))
         self.assertGreater(seen["pixels"]["front"].std(), 10)
