@@ -89,8 +89,10 @@ void check_targets(const PhysicalScene& scene, std::span<const std::vector<doubl
   }
 }
 
-void check_pictures(std::span<const ServedCamera> cameras, const Json& request) {
+void check_pictures(std::span<const ServedCamera> cameras, bool renders, const Json& request) {
   memory_of_pictures(cameras, request);
+  if (!renders && !cameras_asked(cameras, request).empty())
+    throw UsageError("this server makes no pictures: it was started with --no-render");
 }
 
 void add_pictures(std::span<const ServedCamera> cameras, const Json& request,

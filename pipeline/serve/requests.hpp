@@ -36,7 +36,7 @@ void check_targets(const PhysicalScene& scene, std::span<const std::vector<doubl
 
 // A UsageError where pictures are asked for that there are not, or `memory` cannot take them. Before anything is done:
 // a mistake leaves all as it is.
-void check_pictures(std::span<const ServedCamera> cameras, const Json& request);
+void check_pictures(std::span<const ServedCamera> cameras, bool renders, const Json& request);
 
 // Adds the pictures that are asked for, made by `picture`, or puts them into the request's memory.
 void add_pictures(std::span<const ServedCamera> cameras, const Json& request,

@@ -26,9 +26,7 @@ std::vector<ServedCamera> cameras_of(const ServedScene& scene) {
 
 // before anything is done: a mistake leaves the scene as it is
 void check_wish(const ServedScene& scene, const Json& request) {
-  check_pictures(cameras_of(scene), request);
-  if (!scene.renders() && request.contains("pictures") && request["pictures"] != false && !request["pictures"].empty())
-    throw UsageError("this server makes no pictures: it was started with --no-render");
+  check_pictures(cameras_of(scene), scene.renders(), request);
 }
 
 void add_time(const ServedScene& scene, Message& message) {

@@ -93,6 +93,7 @@ void ServedTask::ask_reset(std::uint64_t seed, std::uint64_t episode) {
   n_steps_ = 0;
   follows_plan_ = false;
   reason_.clear();
+  why_unplanned_.clear();
   asked_ = {};
   built_ = std::move(built);
   asked_.begins = true;
@@ -220,6 +221,9 @@ void ServedTask::ask_action(std::span<const double> action) {
   for (std::size_t c = 0; c < action.size(); ++c) {
     const std::vector<std::size_t>& joints = facts_.columns[c].packed.joints;
     for (const std::size_t joint : joints) to[joint] = action[c] / double(joints.size());
+  }
+  check_targets(built_->scene, std::span(&to, 1));
+  for (std::size_t c = 0; c < action.size(); ++c) {
     // a gripper is told to close beyond its stop, so that it presses
     const ServedColumn& column = facts_.columns[c];
     if (!column.packed.is_width && (action[c] < column.low || action[c] > column.high))
@@ -247,7 +251,7 @@ bool ServedTask::make_plan() {
   try {
     plan_ = std::make_unique<MotionPlan>(plan_episode(task_, scene));
   } catch (const UsageError& error) {  // out of reach: this draw of the start is no good
-    reason_ = error.what();
+    why_unplanned_ = error.what();
     return false;
   }
   plan_grasp_ = std::make_unique<ForceGrasp>(*plan_);
@@ -263,7 +267,10 @@ bool ServedTask::ask_plan() {
   if (!follows_plan_ && n_steps_ > 0)
     throw UsageError("the planned motion begins where an episode begins; send a reset before it");
   asked_ = {};
-  if (!make_plan()) return true;  // it is over, with its reason
+  if (!make_plan()) {
+    reason_ = why_unplanned_;
+    return true;
+  }
   if (n_steps_ + facts_.steps_per_period > plan_->targets.size()) return false;
   asked_.n_of_plan = facts_.steps_per_period;
   follows_plan_ = true;

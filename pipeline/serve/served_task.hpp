@@ -47,6 +47,7 @@ class ServedTask {
   ServedTask(const ServedTask& first, Device* rendering);
 
   const Task& task() const { return task_; }
+  bool renders() const { return rendering_ != nullptr; }
   const ServedFacts& facts() const { return facts_; }
 
   // What is to be done, by advance_together(): the start of an episode, or next steps. Each throws a UsageError, and
@@ -69,8 +70,9 @@ class ServedTask {
   void act(std::span<const double> action);
   void follow(const std::vector<std::vector<double>>& targets);
   bool follow_plan();
-  // Periods of the planned motion; 0 where it cannot be planned.
+  // Periods of the planned motion; 0 where it cannot be planned, and then the episode goes on without.
   std::size_t n_planned_periods();
+  const std::string& why_unplanned() const { return why_unplanned_; }
 
   bool is_over() const { return !reason_.empty(); }
   const std::string& reason() const { return reason_; }  // why the episode is over: a step that could not be done
@@ -126,7 +128,7 @@ class ServedTask {
   std::vector<SceneState> last_states_;     // of the period under way or done, for pictures of motion
   std::vector<std::size_t> object_bodies_;  // [n_objects] of Scene::rigid_bodies
   std::size_t n_steps_ = 0;
-  std::string reason_;
+  std::string reason_, why_unplanned_;
   Asked asked_;
 };
 

@@ -33,8 +33,13 @@ std::vector<ServedCamera> cameras_of(const ServedTask& task) {
   return cameras;
 }
 
+// before anything is done: a mistake leaves the episode as it is
+void check_wish(const ServedTask& task, const Json& request) {
+  check_pictures(cameras_of(task), task.renders(), request);
+}
+
 void observe(ServedTask& task, const Json& request, Message& message) {
-  check_pictures(cameras_of(task), request);
+  check_wish(task, request);
   const std::optional<std::string> failure = task.failure();
   Json& head = message.head;
   head["time"] = task.state().time;
@@ -54,7 +59,7 @@ void observe(ServedTask& task, const Json& request, Message& message) {
 }
 
 void ask_reset(ServedTask& task, const Json& request, Message&) {
-  check_pictures(cameras_of(task), request);
+  check_wish(task, request);
   task.ask_reset(whole(request, "seed"), whole(request, "episode"));
 }
 
@@ -65,7 +70,7 @@ void tell_reset(ServedTask& task, const Json& request, Message& message) {
 }
 
 void ask_step(ServedTask& task, const Json& request, Message& message) {
-  check_pictures(cameras_of(task), request);
+  check_wish(task, request);
   const int n = int(request.contains("action")) + int(request.contains("targets")) + int(request.contains("plan"));
   if (n != 1) throw UsageError("a step has one of the keys `action`, `targets` and `plan`");
   if (request.contains("action")) {
@@ -80,7 +85,7 @@ void ask_step(ServedTask& task, const Json& request, Message& message) {
 
 void plan(ServedTask& task, const Json&, Message& message) {
   message.head["periods"] = task.n_planned_periods();
-  message.head["reason"] = task.reason();
+  message.head["reason"] = task.why_unplanned();
 }
 
 void state(ServedTask& task, const Json&, Message& message) { add_state_arrays(task, message); }

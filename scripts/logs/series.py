@@ -28,7 +28,7 @@ def in_order(series):
     rows = sorted({time: row for row, time in enumerate(series.times)}.items())
     left_out = len(series.times) - len(rows)
     if left_out:
-        print(f"note: {series.name}: {left_out} samples have the time of another one; the last of each stays",
+        print(f"note: {series.name}: samples left out, which have the time of another one: {left_out}; the last of each stays",
               file=sys.stderr)
     pick = [row for _, row in rows]
     return dataclasses.replace(series, times=[time for time, _ in rows],

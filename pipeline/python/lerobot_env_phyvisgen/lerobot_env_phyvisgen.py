@@ -18,7 +18,7 @@ from lerobot.envs.configs import EnvConfig
 from lerobot.utils.constants import ACTION, OBS_ENV_STATE, OBS_IMAGES, OBS_STATE
 
 from phyvisgen import Facts, Server, TaskEnvironment
-from phyvisgen.environment import OBSERVATION_TYPES, chosen_cameras
+from phyvisgen.environment import chosen_cameras, observation_names
 
 try:
     from lerobot.envs.utils import freeze_after_episode_end
@@ -57,7 +57,7 @@ class PhyVisGenEnv(EnvConfig):
             self._describe(server.facts)
 
     def _describe(self, facts: Facts) -> None:
-        shown = OBSERVATION_TYPES[self.obs_type]
+        shown = observation_names(self.obs_type)
         n, m = (len(facts.columns),), (len(facts.environment),)
         self.features = {ACTION: PolicyFeature(type=FeatureType.ACTION, shape=n)}
         self.features_map = {ACTION: ACTION}

@@ -10,6 +10,8 @@ from typing import Any, Mapping
 
 from numpy.typing import NDArray
 
+from .counted import counted
+
 __all__ = ["Inputs"]
 
 PICTURES = "observation.images."
@@ -55,6 +57,6 @@ class Inputs:
         for name, count in self.numbers.items():
             if arrays[name].shape != (count,):
                 raise ValueError(
-                    f"{self.file}: the policy was trained on {count} numbers of {name}, the task has "
+                    f"{self.file}: the policy was trained on {counted(count, 'number')} of {name}, the task has "
                     f"{arrays[name].size}; judge it on the task that it was trained on"
                 )

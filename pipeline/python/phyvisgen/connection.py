@@ -7,13 +7,16 @@ both share.
 
 from __future__ import annotations
 
+import io
 import json
 import mmap
 import os
+import signal
 import socket as sockets
 import struct
 import subprocess
-from typing import IO, Any, Mapping, Sequence
+import threading
+from typing import IO, Any, Callable, Mapping, NoReturn, Sequence, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,38 +24,53 @@ from numpy.typing import NDArray
 __all__ = ["Connection", "ServeError", "SharedMemory", "check_protocol"]
 
 PROTOCOL = 1
+LARGEST_REQUEST = 1 << 24  # that the server reads [bytes]
+CLOSED = "this server was closed; start a new one"
 _LENGTHS = struct.Struct("<II")
+_Facts = TypeVar("_Facts")
 
 
 class ServeError(RuntimeError):
     """What the server says about a request, one sentence, or why there is no server any more."""
 
 
-class SharedMemory:
+class _OfThisProcess:
+    def __reduce__(self) -> NoReturn:
+        raise TypeError(
+            "a running server can be neither pickled nor copied; make it, or the environment that holds it, in the "
+            "process that uses it"
+        )
+
+
+class SharedMemory(_OfThisProcess):
     """Memory into which a program on this machine writes arrays. It is gone with this process, however that ends."""
 
     def __init__(self, n_bytes: int) -> None:
-        self._file = os.memfd_create("phyvisgen")
-        self.path = f"/proc/{os.getpid()}/fd/{self._file}"
+        self._file = io.FileIO(os.memfd_create("phyvisgen"), "r+")
+        self.path = f"/proc/{os.getpid()}/fd/{self._file.fileno()}"
         self.resize(n_bytes)
 
     def resize(self, n_bytes: int) -> None:
         """Views of before stay what they are, of the memory as it was mapped then."""
-        os.ftruncate(self._file, n_bytes)
-        self.bytes = mmap.mmap(self._file, n_bytes, access=mmap.ACCESS_READ)
+        self._file.truncate(n_bytes)
+        self.bytes = mmap.mmap(self._file.fileno(), n_bytes, access=mmap.ACCESS_READ)
 
     def close(self) -> None:
         """Views keep their memory."""
-        os.close(self._file)
+        self._file.close()
 
 
-class Connection:
-    """A process of the program with these words, or a socket where it serves."""
+class Connection(_OfThisProcess):
+    """A process of the program with these words, or a socket where it serves. It is of the process that made it, whose
+    threads take turns."""
 
     def __init__(self, words: Sequence[str], socket: str | os.PathLike[str] | None = None) -> None:
         self._process: subprocess.Popen[bytes] | None = None
         self._socket: sockets.socket | None = None
-        self._is_open = True
+        self._owner = os.getpid()
+        self._turn = threading.Lock()
+        self._why_ended = ""  # a sentence; empty: it goes on
+        self._name = words[0] if socket is None else os.fspath(socket)
         if socket is not None:
             self._socket = sockets.socket(sockets.AF_UNIX, sockets.SOCK_STREAM)
             try:
@@ -60,31 +78,75 @@ class Connection:
             except OSError as error:
                 self._socket.close()
                 raise ServeError(
-                    f"no server answers on the socket {os.fspath(socket)} ({error.strerror or error}); start one there: "
-                    f"phyvisgen serve TASK --socket {os.fspath(socket)}"
+                    f"no server answers on the socket {self._name} ({error.strerror or error}); start one there: "
+                    f"phyvisgen serve TASK --socket {self._name}"
                 ) from error
             self._input: IO[bytes] = self._socket.makefile("wb")
             self._output: IO[bytes] = self._socket.makefile("rb")
         else:
-            self._process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+            try:
+                self._process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+            except OSError as error:
+                raise ServeError(
+                    f"{words[0]} cannot be started ({error.strerror}); set PHYVISGEN_PROGRAM to the program's path"
+                ) from error
             assert self._process.stdin and self._process.stdout
             self._input, self._output = self._process.stdin, self._process.stdout
+            # a process that is dropped while it runs is kept by Python; its pipes, at whose end it ends, are not
+            self._process.stdin = self._process.stdout = None
 
     @property
     def is_process(self) -> bool:
         """The program is a process of ours, which shares memory with us."""
         return self._process is not None
 
-    def receive(self) -> tuple[dict[str, Any], bytes]:
-        """Head and arrays of the next message."""
+    def greeting(self, read: Callable[[Mapping[str, Any]], _Facts]) -> _Facts:
+        """What the server says first, as `read` takes it. Closes where that fails."""
+        head: Mapping[str, Any] = {}
         try:
+            head, _ = self._exchange(b"")
+            check_protocol(head)
+            return read(head)
+        except BaseException as error:
+            self._end(CLOSED)
+            if isinstance(error, KeyError):
+                raise ServeError(
+                    f"the program, {head.get('program')}, does not say {error} of what it serves; update it or this "
+                    "package, whichever is older"
+                ) from error
+            raise
+
+    def request(self, head: Mapping[str, Any]) -> tuple[dict[str, Any], bytes]:
+        """The answer, an error among them."""
+        message = _encoded(head)
+        if os.getpid() != self._owner:  # two processes would read each other's answers
+            raise ServeError("this server was started by another process; start one in each process that steps")
+        with self._turn:
+            if self._why_ended:
+                raise ServeError(self._why_ended)
+            return self._exchange(_LENGTHS.pack(len(message), 0) + message)
+
+    def _exchange(self, message: bytes) -> tuple[dict[str, Any], bytes]:
+        """Sends, and returns head and arrays of what is answered. Whatever breaks this off ends the connection: the rest
+        of an answer would be taken for the next one."""
+        try:
+            try:
+                self._input.write(message)
+                self._input.flush()
+            except ConnectionError:
+                pass  # why is seen at once, when there is no answer
             n_head, n_bytes = _LENGTHS.unpack(self._read(_LENGTHS.size))
             head = json.loads(self._read(n_head))
-            data = self._read(n_bytes)
+            return head, self._read(n_bytes)
         except (EOFError, ConnectionError) as error:
-            code = self._process.wait() if self._process else None
-            raise ServeError(f"the server ended (exit code {code}); its last words are on stderr") from error
-        return head, data
+            self._end(self._last_words())
+            raise ServeError(self._why_ended) from error
+        except ValueError as error:
+            self._kill(f"{self._name} does not answer as `phyvisgen serve` does; set PHYVISGEN_PROGRAM to its path")
+            raise ServeError(self._why_ended) from error
+        except BaseException:
+            self._kill("a request was interrupted before it was answered, which ended the connection; start a new one")
+            raise
 
     def _read(self, n: int) -> bytes:
         data = self._output.read(n)
@@ -92,29 +154,54 @@ class Connection:
             raise EOFError
         return data
 
-    def request(self, head: Mapping[str, Any]) -> tuple[dict[str, Any], bytes]:
-        """The answer, an error among them."""
-        if not self._is_open:
-            raise ServeError("this server was closed; start a new one")
-        message = json.dumps(head).encode()
-        try:
-            self._input.write(_LENGTHS.pack(len(message), 0) + message)
-            self._input.flush()
-        except (BrokenPipeError, ConnectionError):
-            pass  # why is seen at once, when there is no answer
-        return self.receive()
+    def _last_words(self) -> str:
+        if not self._process:
+            return f"the server at {self._name} ended the connection; its last words are on its stderr"
+        code = self._process.wait()
+        how = f"exit code {code}" if code >= 0 else f"signal {signal.Signals(-code).name}"
+        return f"the server ended ({how}); its last words are on stderr"
 
-    def close(self) -> None:
-        self._is_open = False
+    def _kill(self, why: str) -> None:
+        """At once, whatever the program does."""
+        if self._process:
+            self._process.kill()
+        self._end(why)
+
+    def _end(self, why: str) -> None:
+        self._why_ended = self._why_ended or why
         for stream in (self._input, self._output):
             try:
                 stream.close()
-            except (BrokenPipeError, ConnectionError):
+            except ConnectionError:
                 pass
         if self._process:
             self._process.wait()
         if self._socket:
             self._socket.close()
+
+    def close(self) -> None:
+        """Ends the program; in a process that was forked from its owner only what that process has of it."""
+        try:
+            self.request({"do": "close"})  # a fork may still hold the pipe, whose end would then not come
+        except ServeError:
+            pass  # it has ended, or is not ours
+        self._end(CLOSED)
+
+
+def _encoded(head: Mapping[str, Any]) -> bytes:
+    """A request as JSON; of arrays their numbers."""
+    name = f"`{head.get('do')}`"
+    try:
+        message = json.dumps(head, default=lambda value: value.tolist(), allow_nan=False).encode()
+    except ValueError:
+        raise ValueError(f"the request {name} holds what is not a finite number") from None
+    except AttributeError as error:
+        raise TypeError(f"the request {name} holds what is neither a number, a text nor an array") from error
+    if len(message) > LARGEST_REQUEST:
+        raise ValueError(
+            f"the request {name} takes {len(message)} bytes, it may take {LARGEST_REQUEST}; ask for fewer steps at once"
+        )
+    return message
 
 
 def check_protocol(head: Mapping[str, Any]) -> None:

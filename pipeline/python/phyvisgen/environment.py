@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 import os
 from typing import Any, ClassVar, Sequence
 
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from .server import Answer, Facts, Server, World, action_numbers
 
-__all__ = ["EVALUATION_SEED", "OBSERVATION_TYPES", "TaskEnvironment", "chosen_cameras", "planned_length"]
+__all__ = ["EVALUATION_SEED", "TaskEnvironment", "chosen_cameras", "observation_names", "planned_length"]
 
 # Seeds of sets from here on belong to evaluation: `generate` refuses them, so that no policy is judged on what it saw.
 EVALUATION_SEED = 2**63
@@ -29,8 +30,16 @@ FARTHEST = 1e3  # bound of observed numbers [m or rad]
 LENGTH_OF_PLAN = 1.25  # of an episode, where none is given: what the planned motion of the first start takes, and more
 
 
+def observation_names(obs_type: str) -> tuple[str, ...]:
+    """What an observation of this type holds."""
+    if obs_type not in OBSERVATION_TYPES:
+        raise ValueError(f"obs_type is one of {', '.join(OBSERVATION_TYPES)}, not {obs_type!r}")
+    return OBSERVATION_TYPES[obs_type]
+
+
 def chosen_cameras(facts: Facts, names: Sequence[str] | None) -> list[str]:
     """Those named, in the task's order, or all where none is named; a name that the task lacks is refused."""
+    names = [names] if isinstance(names, str) else names
     for name in names or ():
         if name not in facts.cameras:
             known = ", ".join(facts.cameras) or "none"
@@ -41,7 +50,14 @@ def chosen_cameras(facts: Facts, names: Sequence[str] | None) -> list[str]:
 def planned_length(server: World, set_seed: int) -> int:
     """Periods of an episode: what the planned motion of the first start takes, and a quarter more."""
     server.reset(set_seed, 0)
-    return max(1, math.ceil(LENGTH_OF_PLAN * server.planned_periods()))
+    plan = server.request("plan").head
+    if plan["periods"] == 0:
+        raise ValueError(
+            f"how long an episode of {server.facts.task} is goes by the motion planned for its first start, and there is "
+            f"none ({plan['reason'] or 'it takes less than a period'}); say how long: episode_length, or --length of "
+            "evaluate policy"
+        )
+    return max(1, math.ceil(LENGTH_OF_PLAN * plan["periods"]))
 
 
 class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
@@ -54,6 +70,10 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
 
     `reset(seed=k)` begins start k, always the same. Starts for evaluation are none that `generate` makes
     (EVALUATION_SEED). A step that cannot be simulated ends the episode as failed, with its reason in `info`.
+    `episode_length` is what ends it, not `max_episode_steps` of `gymnasium.make`, of which `info` would not know.
+
+    Bounds of the action space are the stops of the joints. An action may go beyond them, which `events` tell of an arm as
+    `out_of_reach`. What is no action at all (other shape, not finite) is refused and changes nothing.
 
     world: one of a server that already serves this task, instead of a process of its own; task and what comes after
     `cameras` are then those of that server.
@@ -77,11 +97,11 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
         render_mode: str | None = None,
         world: World | None = None,
     ) -> None:
-        if obs_type not in OBSERVATION_TYPES:
-            raise ValueError(f"obs_type is one of {', '.join(OBSERVATION_TYPES)}, not {obs_type!r}")
+        self._shows = observation_names(obs_type)
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode is None or 'rgb_array', not {render_mode!r}")
-        self._shows = OBSERVATION_TYPES[obs_type]
+        if episode_length is not None and operator.index(episode_length) < 1:
+            raise ValueError(f"episode_length is a number of periods from 1, not {episode_length}")
         self._has_pictures = "pixels" in self._shows
         self._owned = None if world else Server(
             task,
@@ -98,17 +118,20 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
         self.render_mode = render_mode
         self.task = facts.task
         self.task_description = facts.task.replace("_", " ")
-        self.metadata = {**TaskEnvironment.metadata, "render_fps": round(facts.frames_per_second)}
+        fps = facts.frames_per_second
+        self.metadata = {**TaskEnvironment.metadata, "render_fps": int(fps) if fps.is_integer() else fps}
         self._set_seed = set_seed
         try:
             self._cameras = chosen_cameras(facts, cameras)
-        except ValueError:
+            if self._has_pictures and not self._cameras:
+                raise ValueError(f"obs_type {obs_type!r} shows pictures, but no camera is named or {facts.task} has none")
+            self._max_episode_steps = episode_length or planned_length(self._server, set_seed)
+        except BaseException:
             self.close()
             raise
         self._picture: NDArray[np.uint8] | None = None
         self._n_periods = 0
         self._ended: Answer | None = None
-        self._max_episode_steps = episode_length or planned_length(self._server, set_seed)
         n, m = len(facts.columns), len(facts.environment)
         everything = {
             "agent_pos": spaces.Box(-FARTHEST, FARTHEST, (n,), np.float64),
@@ -133,7 +156,7 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
 
     def _observation(self, answer: Answer) -> dict[str, Any]:
         pictures = {name: picture.copy() for name, picture in answer.pictures.items()}
-        self._picture = pictures[self._cameras[0]] if pictures else None
+        self._picture = answer.pictures[self._cameras[0]] if pictures else None
         everything: dict[str, Any] = {name: array.copy() for name, array in answer.arrays.items()}
         everything["pixels"] = pictures
         return {name: everything[name] for name in self._shows}
@@ -175,12 +198,12 @@ class TaskEnvironment(gymnasium.Env[dict[str, Any], NDArray[np.float64]]):
         return self.after_step(self._server.request(**self.step_request(action)))
 
     def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
-        """What the first camera sees."""
+        """What the first camera sees. [height, width, 3] sRGB; None without a camera or `render_mode`"""
         if self.render_mode is None or not self._cameras:
             return None
         if self._picture is None:
-            self._picture = self._server.observe(self._cameras[:1]).pictures[self._cameras[0]].copy()
-        return self._picture
+            self._picture = self._server.observe(self._cameras[:1]).pictures[self._cameras[0]]
+        return self._picture.copy()  # whoever draws on it changes no observation
 
     def close(self) -> None:
         if self._owned:

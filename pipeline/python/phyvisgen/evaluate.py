@@ -9,8 +9,9 @@ import sys
 from pathlib import Path
 from typing import Any, NoReturn, Sequence
 
+from .counted import counted
 from .evaluation import PolicyResult, evaluate, planned_length
-from .environment import EVALUATION_SEED
+from .environment import EVALUATION_SEED, chosen_cameras
 from .film import film_failures
 from .perturbation import Curve, Perturbed
 from .policies import BlindMean, Demonstrations, Expert, NearestDemonstration, Policy
@@ -90,7 +91,13 @@ def _policy(name: str, words: argparse.Namespace, server: Server) -> Policy:
         prompt = words.instruction or server.facts.task.replace("_", " ")
         return OpenPiPolicy(name, prompt, cameras, words.executed)
     if name.startswith("lerobot:"):
-        from .lerobot_policy import LeRobotPolicy
+        try:
+            from .lerobot_policy import LeRobotPolicy
+        except ImportError as error:
+            raise ValueError(
+                f"--policy {name} needs lerobot, which {sys.executable} lacks ({error}); name a Python that has it by "
+                "PVG_PYTHON"
+            ) from error
 
         return LeRobotPolicy(name.removeprefix("lerobot:"), words.instruction or server.facts.task.replace("_", " "))
     if name == "expert":
@@ -129,7 +136,7 @@ def _difference(result: PolicyResult, other: PolicyResult) -> str:
     told = result.above(other)
     return (
         f"{result.policy} above {other.policy}: {100 * told['difference']:+.1f} % "
-        f"(95 %: {100 * told['low']:+.1f} to {100 * told['high']:+.1f} %; gains {told['gained']} starts, "
+        f"(95 %: {100 * told['low']:+.1f} to {100 * told['high']:+.1f} %; gains {counted(told['gained'], 'start')}, "
         f"loses {told['lost']}; sign test p = {told['p']:.4f})"
     )
 
@@ -182,6 +189,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(words: argparse.Namespace, server: Server, perturbed: list[Perturbed]) -> int:
+    chosen_cameras(server.facts, words.camera)  # refuses one that there is not, also where the policy looks at none
     length = words.length or planned_length(server, EVALUATION_SEED)
     policy = _policy(words.policy, words, server)
     baselines = {name: _policy(name, words, server) for name in _baselines(words)}

@@ -118,7 +118,14 @@ class OpenPiPolicy:
             ) from error
         if not isinstance(answer, dict) or "actions" not in answer:
             raise ServeError(f"the server of policies at {self.name} answered an observation without `actions`")
-        actions = np.atleast_2d(np.asarray(answer["actions"], dtype=np.float64))
+        try:
+            actions = np.atleast_2d(np.asarray(answer["actions"], dtype=np.float64))
+        except (TypeError, ValueError):
+            actions = np.zeros(0)
+        if actions.ndim != 2 or actions.size == 0 or not np.isfinite(actions).all():
+            raise ServeError(
+                f"the server of policies at {self.name} answered `actions` that are no rows of finite numbers"
+            )
         return list(actions[: self._executed])
 
     def reset(self, start: Answer) -> None:

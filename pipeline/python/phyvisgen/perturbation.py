@@ -30,7 +30,7 @@ class Perturbed:
             low, high = (float(bound) for bound in bounds.split(":"))
         except ValueError:
             low, high = 0.0, 0.0
-        if not name or not equals or not low < high:
+        if not name or not equals or not -np.inf < low < high < np.inf:
             raise ValueError(f"--perturb {text} is not NAME=LOW:HIGH, such as friction=0.5:2")
         if n_points < 2:
             raise ValueError(f"--points {n_points} is too few for a curve; name at least 2")

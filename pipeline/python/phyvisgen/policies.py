@@ -39,8 +39,8 @@ class Demonstrations:
             targets = episode["/a"]
             steps = _steps_per_period(episode["/time"], facts)
             last = np.arange(steps - 1, len(targets), steps)
+            starts.append(_start(episode, targets, facts))
             self.actions.append(_columns(targets[last], facts))
-            starts.append(_places(episode, facts))
         if not self.actions:
             raise ValueError(f"{folder} holds no finished episode; make some with `phyvisgen generate`")
         self.starts = np.array(starts)  # [n_demonstrations, n_objects x 3 + n_cloths x 24, m]
@@ -51,6 +51,19 @@ class Demonstrations:
         """[n_periods, n_columns]; those that have ended stand still."""
         n = max(len(actions) for actions in self.actions)
         return np.mean([np.pad(a, ((0, n - len(a)), (0, 0)), mode="edge") for a in self.actions], axis=0)
+
+
+def _start(episode: Episode, targets: NDArray[np.float64], facts: Facts) -> NDArray[np.float64]:
+    """Its places, where it is of a task with the same joints, objects and cloths."""
+    try:
+        places = _places(episode, facts)
+        is_same = targets.shape[1] == len(facts.driven)
+    except (KeyError, IndexError):  # it has no such cloth
+        is_same = False
+    n_places = sum(not name.endswith(QUATERNION) for name in facts.environment)
+    if not is_same or len(places) != n_places:
+        raise ValueError(f"{episode.folder} has other joints, objects or cloths than {facts.task}; name a set of this task")
+    return places
 
 
 def _steps_per_period(time: NDArray[np.float64], facts: Facts) -> int:

@@ -8,6 +8,8 @@ from typing import Any, Mapping, Sequence, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from .connection import ServeError
+
 __all__ = ["Body", "Contacts", "Forces", "Joint", "SceneFacts"]
 
 
@@ -58,6 +60,8 @@ class SceneFacts:
 
     @classmethod
     def read(cls, head: Mapping[str, Any]) -> SceneFacts:
+        if "task" in head:
+            raise ServeError(f"{head['task']} is a task; step it with phyvisgen.Server")
         x, y, z = head["gravity"]
         return cls(
             head["scene"],

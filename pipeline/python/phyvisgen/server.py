@@ -3,6 +3,7 @@ simulation 10 to 300 ms."""
 
 from __future__ import annotations
 
+import operator
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,15 +13,23 @@ from typing import Any, Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .connection import Connection, ServeError, SharedMemory, check_protocol, read_array
+from .connection import Connection, ServeError, SharedMemory, read_array
+from .counted import counted
 from .program import find_program, find_task, serve_words
 
 __all__ = ["Answer", "Column", "Facts", "ServeError", "Server", "World"]
 
+MOST_MEMORIES = 128  # of two open files each, of which a process may have 1024; pictures of further worlds take the pipe
+
 
 @dataclass(frozen=True)
 class Answer:
-    """head: the JSON object of the message; arrays: by name, read-only."""
+    """head: the JSON object of the message; arrays: by name, read-only.
+
+    What comes of reset, step, follow, follow_plan and observe holds `agent_pos` [n_columns, rad or m] and `environment_state`
+    [n_objects x 7 + n_cloths x 24]: position [m] and quaternion x, y, z, w of each object, then eight points [m] of each
+    cloth, in the world's frame, named by Facts.environment. The properties below are of these alone.
+    """
 
     head: dict[str, Any]
     arrays: dict[str, NDArray[Any]]
@@ -86,7 +95,6 @@ class Facts:
 
 
 def _facts(head: Mapping[str, Any]) -> Facts:
-    check_protocol(head)
     if "scene" in head:
         raise ServeError(f"{head['scene']} is a scene; step it with phyvisgen.Simulation")
     columns = tuple(
@@ -124,7 +132,7 @@ def action_numbers(action: ArrayLike) -> list[float]:
 def _rows(numbers: ArrayLike, n_dimensions: int) -> list[Any]:
     array = np.asarray(numbers, dtype=np.float64)
     if array.ndim != n_dimensions:
-        raise ValueError(f"an array of {n_dimensions} dimensions is needed, this one has {array.ndim}")
+        raise ValueError(f"an array of {counted(n_dimensions, 'dimension')} is needed, this one has {array.ndim}")
     rows: list[Any] = array.tolist()
     return rows
 
@@ -140,7 +148,8 @@ class World:
 
     def reset(self, seed: int, episode: int, pictures: bool | Sequence[str] = False) -> Answer:
         """The start of the episode that `generate` makes of this seed and number."""
-        return self.request("reset", seed=int(seed), episode=int(episode), pictures=_wish(pictures))
+        numbers = {"seed": operator.index(seed), "episode": operator.index(episode)}
+        return self.request("reset", **numbers, pictures=_wish(pictures))
 
     def step(self, action: ArrayLike, pictures: bool | Sequence[str] = False) -> Answer:
         """One period; the targets go on straight lines to the action. [n_columns, rad or m]"""
@@ -155,6 +164,7 @@ class World:
         return self.request("step", plan=True, pictures=_wish(pictures))
 
     def observe(self, pictures: bool | Sequence[str] = True) -> Answer:
+        """What is there now; nothing is done."""
         return self.request("observe", pictures=_wish(pictures))
 
     def state(self) -> Answer:
@@ -162,7 +172,7 @@ class World:
         return self.request("state")
 
     def measured(self) -> dict[str, float | None]:
-        """What the task's conditions look at, so far."""
+        """What the task's conditions look at, so far; names end in their units, None is no finite number."""
         return dict(self.request("measure").head["measured"])
 
     def intersection(self) -> str:
@@ -190,7 +200,12 @@ class Server(World):
     instead of what the task says. gripper: "soft" or "rigid". perturb: amounts by which the task is other than it says,
     such as {"friction": 0.5}; `evaluate policy --perturb` lists the names. With `socket` it asks a server that already runs there,
     and the other arguments are those of that server; its pictures come through the socket, those of a process of its own
-    through shared memory. worlds: so many episodes, which step together in one solve where `together` asks for it.
+    through shared memory; while another client is served there it waits for its turn. worlds: so many episodes, which
+    step together in one solve where `together` asks for it.
+
+    It is of the process that makes it: a forked one is refused, and it cannot be pickled. Threads take turns, request by
+    request. What the program refuses is a ServeError of one sentence, what cannot be asked for a ValueError or TypeError;
+    both leave the episode as it was. A request that is interrupted (Ctrl-C) ends the server. Arrays of answers last.
     """
 
     def __init__(
@@ -209,7 +224,7 @@ class Server(World):
         perturb: Mapping[str, float] | None = None,
         worlds: int = 1,
     ) -> None:
-        self._memory: list[SharedMemory] = []  # of each world, for pictures
+        self._memory: dict[int, SharedMemory] = {}  # of each world, for pictures
         words: list[str] = []
         if socket is None:
             program = program or find_program()
@@ -217,23 +232,20 @@ class Server(World):
             options |= {"gripper": gripper, "device": device, "worlds": worlds if worlds != 1 else None}
             words = serve_words(program, find_task(task, program), render, options)
             for name, amount in (perturb or {}).items():
-                words += ["--perturb", f"{name}={amount!r}"]
+                words += ["--perturb", f"{name}={float(amount)!r}"]
         self._connection = Connection(words, socket)
-        try:
-            self.facts = _facts(self._connection.receive()[0])
-        except ServeError:
-            self._connection.close()
-            raise
+        self.facts = self._connection.greeting(_facts)
         n_bytes = sum(3 * width * height for width, height in self.facts.cameras.values())
         if self._connection.is_process and render and n_bytes > 0:
-            self._memory = [SharedMemory(n_bytes) for _ in range(self.facts.worlds)]
+            n_worlds = min(self.facts.worlds, MOST_MEMORIES)
+            self._memory = {world: SharedMemory(n_bytes) for world in range(n_worlds)}
 
     def _answer(self, head: dict[str, Any], data: bytes, world: int) -> Answer:
         if "error" in head:
             raise ServeError(head["error"])
         arrays = {}
         for array in head.get("arrays", []):
-            read = read_array(array, data, self._memory[world] if self._memory else None)
+            read = read_array(array, data, self._memory.get(world))
             if "memory_offset" in array:  # the next request overwrites the memory
                 read = read.copy()
                 read.flags.writeable = False
@@ -241,9 +253,8 @@ class Server(World):
         return Answer(head, arrays)
 
     def _with_memory(self, request: Mapping[str, Any]) -> dict[str, Any]:
-        if self._memory and request.get("pictures"):
-            return {**request, "memory": self._memory[request.get("world", 0)].path}
-        return dict(request)
+        memory = self._memory.get(request.get("world", 0))
+        return {**request, "memory": memory.path} if memory and request.get("pictures") else dict(request)
 
     def request(self, do: str, **keys: Any) -> Answer:
         answer = self._connection.request(self._with_memory({"do": do, **keys}))
@@ -252,7 +263,8 @@ class Server(World):
     def world(self, number: int) -> World:
         """One of the worlds, 0 to facts.worlds - 1, to reset and step by itself."""
         if not 0 <= number < self.facts.worlds:
-            raise ValueError(f"world {number} is none of the {self.facts.worlds} of this server; start it with more worlds")
+            known = counted(self.facts.worlds, "world")
+            raise ValueError(f"world {number} is none of the {known} of this server; start it with more")
         return _WorldOfServer(self, number)
 
     def together(self, requests: Sequence[Mapping[str, Any]]) -> list[Answer]:
@@ -269,9 +281,9 @@ class Server(World):
 
     def close(self) -> None:
         self._connection.close()
-        for memory in self._memory:
+        for memory in self._memory.values():
             memory.close()
-        self._memory = []
+        self._memory = {}
 
     def __enter__(self) -> Server:
         return self
@@ -282,5 +294,5 @@ class Server(World):
         self.close()
 
 
-def _wish(pictures: bool | Sequence[str]) -> bool | list[str]:
-    return pictures if isinstance(pictures, bool) else list(pictures)
+def _wish(pictures: bool | str | Sequence[str]) -> bool | list[str]:
+    return pictures if isinstance(pictures, bool) else [pictures] if isinstance(pictures, str) else list(pictures)

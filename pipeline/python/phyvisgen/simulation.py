@@ -7,6 +7,7 @@ is to last (`simulation.positions.copy()`).
 
 from __future__ import annotations
 
+import operator
 import os
 from pathlib import Path
 from types import TracebackType
@@ -15,7 +16,8 @@ from typing import Any, Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .connection import Connection, ServeError, SharedMemory, check_protocol, read_array
+from .connection import Connection, ServeError, SharedMemory, read_array
+from .counted import counted
 from .program import find_program, find_scene, serve_words
 from .scene_facts import Contacts, Forces, SceneFacts, find
 
@@ -42,7 +44,8 @@ class Simulation:
     pixel]: of pictures, instead of what the scene says. With `socket` it asks a server that already runs there, whose
     scene is brought to its start; the other arguments are those of that server, arrays come through the socket, and
     views last. What the program refuses is a ServeError of one sentence, what does not fit the scene a ValueError; both
-    leave the simulation as it was.
+    leave the simulation as it was. A request that is interrupted (Ctrl-C) ends it. It is of the process that makes it: a
+    forked one is refused, and it cannot be pickled.
     """
 
     facts: SceneFacts
@@ -69,14 +72,10 @@ class Simulation:
         self._known: dict[str, _Arrays] = {}  # answers about the present state
         self._time, self._n_steps = 0.0, 0
         self._connection = Connection(words, socket)
+        self.facts = self._connection.greeting(SceneFacts.read)
         try:
-            head, _ = self._connection.receive()
-            check_protocol(head)
-            if "task" in head:
-                raise ServeError(f"{head['task']} is a task; step it with phyvisgen.Server")
-            self.facts = SceneFacts.read(head)
             self.reset()
-        except ServeError:
+        except BaseException:
             self.close()
             raise
 
@@ -94,11 +93,12 @@ class Simulation:
         left out). Without targets drives are told what the scene file says of that time. Raises StepFailure where a step
         cannot be done.
         """
+        n = operator.index(n)
         if n < 1:
             raise ValueError(f"step was asked for {n} steps; give n = 1 or more")
         if targets is None:
-            return self._move({"do": "step", "n": int(n)})
-        self._move({"do": "step", "targets": self._rows(targets, int(n)).tolist()})
+            return self._move({"do": "step", "n": n})
+        self._move({"do": "step", "targets": self._rows(targets, n)})
 
     def _rows(self, targets: ArrayLike, n: int) -> _Numbers:
         rows, n_driven = np.asarray(targets, dtype=np.float64), len(self.facts.driven)
@@ -106,7 +106,7 @@ class Simulation:
             rows = np.tile(rows, (n, 1))
         if rows.ndim != 2 or rows.shape[1] != n_driven or len(rows) == 0 or (n != 1 and len(rows) != n):
             raise ValueError(
-                f"targets has the shape {np.shape(targets)}; the scene has {n_driven} joints with a drive: give "
+                f"targets has the shape {np.shape(targets)}; the scene has {counted(n_driven, 'joint')} with a drive: give "
                 f"[{n_driven}], or [n, {n_driven}] with a row for each of the n steps"
             )
         if not np.isfinite(rows).all():

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Sequence
 
+from .counted import counted
+
 __all__ = ["beta_interval", "paired_difference", "wilson"]
 
 NORMAL_95 = 1.959963984540054  # quantile of the normal distribution, two-sided 95 %
@@ -47,7 +49,7 @@ def paired_difference(first: Sequence[bool], second: Sequence[bool], z: float = 
     of paired rates with one start added to each of the two kinds (Bonett and Price 2012). p: two-sided sign test (McNemar, exact).
     """
     if len(first) != len(second):
-        raise ValueError(f"{len(first)} and {len(second)} episodes are no pairs; judge both on the same starts")
+        raise ValueError(f"{len(first)} and {counted(len(second), 'episode')} are no pairs; judge both on the same starts")
     n = len(first)
     gained = sum(a and not b for a, b in zip(first, second))
     lost = sum(b and not a for a, b in zip(first, second))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import os
 from copy import deepcopy
 from functools import partial
@@ -12,7 +13,8 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from gymnasium.vector.utils import concatenate, iterate
 from numpy.typing import NDArray
 
-from .environment import EVALUATION_SEED, OBSERVATION_TYPES, TaskEnvironment, planned_length
+from .counted import counted
+from .environment import EVALUATION_SEED, TaskEnvironment, observation_names, planned_length
 from .server import Answer, Server
 
 __all__ = ["TaskVectorEnvironment"]
@@ -21,6 +23,9 @@ __all__ = ["TaskVectorEnvironment"]
 class TaskVectorEnvironment(SyncVectorEnv):
     """As a SyncVectorEnv of so many `TaskEnvironment`s, with the same bits, but they share a process and are simulated
     together. On a GPU that keeps it busy; on a CPU a process each is as fast or faster (docs/guide/policies.md).
+
+    actions: [num_envs, n_columns, rad or m]; rewards, terminations and truncations are [num_envs]. Where one action is
+    refused, the others have been done: reset all before going on.
 
     autoreset_mode: NEXT_STEP or DISABLED. Other arguments are those of `TaskEnvironment`.
     """
@@ -41,23 +46,21 @@ class TaskVectorEnvironment(SyncVectorEnv):
         mode = AutoresetMode(autoreset_mode)
         if mode == AutoresetMode.SAME_STEP:
             raise ValueError("autoreset_mode is NEXT_STEP or DISABLED; for SAME_STEP use SyncVectorEnv")
-        if obs_type not in OBSERVATION_TYPES:
-            raise ValueError(f"obs_type is one of {', '.join(OBSERVATION_TYPES)}, not {obs_type!r}")
-        render = "pixels" in OBSERVATION_TYPES[obs_type] or render_mode is not None
+        render = "pixels" in observation_names(obs_type) or render_mode is not None
         self._together = Server(task, render=render, worlds=num_envs, **of_server)
         try:
             make = partial(
                 TaskEnvironment,
                 task,
                 obs_type=obs_type,
-                episode_length=episode_length or planned_length(self._together, set_seed),
+                episode_length=planned_length(self._together, set_seed) if episode_length is None else episode_length,
                 set_seed=set_seed,
                 cameras=cameras,
                 render_mode=render_mode,
             )
             makers = [partial(make, world=self._together.world(i)) for i in range(num_envs)]
             super().__init__(makers, autoreset_mode=mode)
-        except Exception:
+        except BaseException:
             self._together.close()
             raise
 
@@ -70,12 +73,16 @@ class TaskVectorEnvironment(SyncVectorEnv):
         return deepcopy(self._observations) if self.copy else self._observations
 
     def reset(
-        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
         """options: `reset_mask` [num_envs] says which of them, else all."""
-        seeds = [None if seed is None else seed + i for i in range(self.num_envs)] if not isinstance(seed, list) else seed
+        if seed is None or isinstance(seed, int):
+            seeds = [None if seed is None else seed + i for i in range(self.num_envs)]
+        else:
+            seeds = [None if each is None else operator.index(each) for each in seed]
         if len(seeds) != self.num_envs:
-            raise ValueError(f"{len(seeds)} seeds were given for {self.num_envs} environments; give one each")
+            given = counted(len(seeds), "seed was", "seeds were")
+            raise ValueError(f"{given} given for {counted(self.num_envs, 'environment')}; give one each")
         mask = np.asarray((options or {}).get("reset_mask", np.ones(self.num_envs, dtype=np.bool_)))
         if mask.shape != (self.num_envs,) or mask.dtype != np.bool_ or not mask.any():
             raise ValueError(f"reset_mask is an array of {self.num_envs} truth values, of which one at least is true")
@@ -91,6 +98,9 @@ class TaskVectorEnvironment(SyncVectorEnv):
     def step(
         self, actions: NDArray[np.float64]
     ) -> tuple[dict[str, Any], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        shape = (self.num_envs, *self.single_action_space.shape)
+        if np.shape(actions) != shape:
+            raise ValueError(f"actions has the shape {np.shape(actions)}; give {list(shape)}, a row for each environment")
         resets = self._autoreset_envs if self.autoreset_mode == AutoresetMode.NEXT_STEP else np.zeros(self.num_envs, bool)
         requests = {
             i: self.envs[i].reset_request(None) if resets[i] else self.envs[i].step_request(action)

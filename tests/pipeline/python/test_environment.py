@@ -1,7 +1,10 @@
 """Gymnasium's contract, and the same bits however many environments run, in one process or in several."""
 
+import tempfile
 import unittest
 import warnings
+from pathlib import Path
+from unittest.mock import patch
 
 import gymnasium
 import numpy as np
@@ -96,10 +99,25 @@ class Environment(unittest.TestCase):
                 again = server.world(i).observe().pictures["front"]
                 np.testing.assert_array_equal(answer.pictures["front"], again)
             self.assertFalse(np.array_equal(answers[0].pictures["front"], answers[1].pictures["front"]))
+            with patch.object(phyvisgen.server, "MOST_MEMORIES", 1), phyvisgen.Server(TASK, width=32, height=24, worlds=2) as piped:
+                for answer, other in zip(answers, piped.together(both), strict=True):
+                    np.testing.assert_array_equal(answer.pictures["front"], other.pictures["front"])
             with self.assertRaisesRegex(phyvisgen.ServeError, "two requests of world 0"):
                 server.together([{"do": "observe"}, {"do": "observe"}])
             with self.assertRaisesRegex(ValueError, "none of the 2"):
                 server.world(2)
+
+    def test_actions_and_seeds_are_one_for_each_environment(self):
+        together = phyvisgen.TaskVectorEnvironment(num_envs=2, **SMALL)
+        action = together.reset(seed=(3, 4))[0]["agent_pos"]
+        for wrong in (action[:1], action[0], np.concatenate([action, action])):
+            with self.assertRaisesRegex(ValueError, r"give \[2, 8\], a row for each environment"):
+                together.step(wrong)
+        with self.assertRaisesRegex(ValueError, "1 seed was given for 2 environments; give one each"):
+            together.reset(seed=[3])
+        _, infos = together.reset(seed=np.array([5, 3]))
+        self.assertEqual(infos["start"].tolist(), [5, 3])
+        together.close()
 
     def test_success_is_told_at_the_end_alone(self):
         environment = make()
@@ -116,8 +134,12 @@ class Environment(unittest.TestCase):
         environment.close()
 
     def test_pictures_are_those_of_the_cameras(self):
-        environment = make("pixels_agent_pos")
+        environment = phyvisgen.TaskEnvironment(obs_type="pixels_agent_pos", render_mode="rgb_array", **SMALL)
         seen, _ = environment.reset(seed=0)
+        kept = seen["pixels"]["front"].copy()
+        environment.render()[:] = 0
+        np.testing.assert_array_equal(environment.render(), kept)
+        np.testing.assert_array_equal(seen["pixels"]["front"], kept)
         self.assertEqual(list(seen["pixels"]), ["front"])
         self.assertEqual(seen["pixels"]["front"].shape, (24, 32, 3))
         self.assertGreater(seen["pixels"]["front"].std(), 10)
@@ -136,6 +158,20 @@ class Environment(unittest.TestCase):
             make("smell")
         with self.assertRaisesRegex(ValueError, "no camera 'back', but front"):
             phyvisgen.TaskEnvironment(cameras=["back"], **SMALL)
+        with self.assertRaisesRegex(ValueError, "'pixels' shows pictures, but no camera is named"):
+            phyvisgen.TaskEnvironment(obs_type="pixels", cameras=[], **SMALL)
+        environment = phyvisgen.TaskEnvironment(cameras="front", fps=0.4, **SMALL)
+        self.assertEqual(environment.metadata["render_fps"], 0.4)
+        environment.close()
+        with self.assertRaisesRegex(ValueError, "episode_length is a number of periods from 1, not 0"):
+            phyvisgen.TaskEnvironment(**{**SMALL, "episode_length": 0})
+        far = (TASK.parent / TASK.name).read_text().replace("../../../data", str(TASK.parents[3] / "data"))
+        far = far.replace("gripper.yaml", str(TASK.parent / "gripper.yaml")).replace("[-60 mm, 0, 60 mm]", "[5, 0, 60 mm]")
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "far.yaml"
+            file.write_text(far)
+            with self.assertRaisesRegex(ValueError, "there is none .*far.yaml.*motion element 1.*; say how long: episode_length"):
+                phyvisgen.TaskEnvironment(file)
         with self.assertRaisesRegex(FileNotFoundError, "nor one of"):
             phyvisgen.TaskEnvironment("juggle")
 

@@ -10,7 +10,7 @@ import unittest
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 from pathlib import Path
-from unittest.mock import patch
+from unittest.mock import Mock, patch
 
 import h5py
 import numpy as np
@@ -124,6 +124,28 @@ class Recorded(unittest.TestCase):
                 grid = episode.file[f"/X_gripper/{name}"].attrs["rounded_to"]  # [m]; a power of two: no rounding of its own
                 np.testing.assert_array_equal(np.rint(state.arrays[f"X_gripper/{name}"] / grid) * grid, nodes[-1])
             self.assertTrue(answer.is_success, answer.failure)
+
+    def test_what_a_record_lacks_is_named(self):
+        episodes = EpisodeSet(self.set)
+        (self.set / "episode_000001_kept").mkdir(exist_ok=True)
+        (self.set / "episode_000001_kept/states.h5").touch()
+        self.assertEqual(episodes.done, [0, 1])
+        with episodes.episode(1) as episode:
+            n = len(episode["/time"])
+            offset = episode["/contact/offset"]
+            self.assertEqual(len(episode.contacts(n - 1)["gap"]), offset[-1] - offset[-2])
+            for step in (-1, n):
+                with self.assertRaisesRegex(IndexError, f"has {n} steps, from 0 on; there is no step {step}"):
+                    episode.contacts(step)
+            with self.assertRaisesRegex(KeyError, "episode_000001 has no data set /Q; it has .*, q, "):
+                episode["/Q"]
+        with self.assertRaisesRegex(KeyError, "was closed"):
+            episode["/q"]
+        other = replace(self.server.facts, driven=("wheel",))
+        with self.assertRaisesRegex(ValueError, "episode_000000 has other joints, objects or cloths than push_beaker"):
+            Demonstrations(self.set, other)
+        with self.assertRaisesRegex(ValueError, "has other joints, objects or cloths"):
+            Demonstrations(self.set, replace(self.server.facts, cloths={"towel": (0, 1)}))
 
     def test_a_refused_request_loses_nothing(self):
         before = self.server.reset(1, 0)
@@ -263,7 +285,7 @@ class Figures(unittest.TestCase):
 
     def test_ranges_of_perturbations(self):
         self.assertEqual(Perturbed.read("friction=0.5:1.5", 3), Perturbed("friction", (0.5, 1.0, 1.5)))
-        for wrong in ("friction", "friction=1", "friction=2:1", "=1:2", "friction=a:b"):
+        for wrong in ("friction", "friction=1", "friction=2:1", "=1:2", "friction=a:b", "friction=1:inf"):
             with self.assertRaisesRegex(ValueError, "NAME=LOW:HIGH"):
                 Perturbed.read(wrong, 3)
         self.assertEqual(evaluate.main([str(TASK), "--policy", "expert", "--perturb", "friction=2:1"]), 2)
@@ -378,6 +400,19 @@ class OpenPi(unittest.TestCase):
         self.assertEqual(asked[0]["prompt"], "push the beaker")
         self.assertEqual(asked[0]["observation/images/front"].shape, (4, 4, 3))
 
+    def test_actions_that_are_none_are_refused(self):
+        try:
+            from phyvisgen.openpi import OpenPiPolicy, pack
+        except ImportError as error:
+            self.skipTest(str(error))
+        policy = OpenPiPolicy.__new__(OpenPiPolicy)
+        policy.name, policy._prompt, policy._executed = "ws://there", "", None
+        seen = Answer({}, {"agent_pos": np.zeros(2), "environment_state": np.zeros(0)})
+        for wrong in ([], [[]], "left", [[1, np.nan]], [[[1.0]]], [[1.0], [1.0, 2.0]]):
+            policy._socket = Mock(recv=Mock(return_value=pack({"actions": wrong})))
+            with self.assertRaisesRegex(phyvisgen.ServeError, "ws://there answered `actions` that are no rows"):
+                policy._ask(seen)
+
     def test_a_server_of_policies_that_cannot_be_reached_is_named(self):
         try:
             from websockets.sync.server import serve
@@ -407,7 +442,22 @@ class OpenPi(unittest.TestCase):
             phyvisgen.Server(socket="/nowhere/task")
 
 
+class MissingPackages(unittest.TestCase):
+    def test_a_package_that_is_not_there_is_one_sentence(self):
+        told = io.StringIO()
+        words = [str(TASK), "--policy", "lerobot:out", "-n", "1", "--length", "1", "--picture-width", "32", "--picture-height", "24"]
+        with patch.dict("sys.modules", {"torch": None, "phyvisgen.lerobot_policy": None}), redirect_stderr(told):
+            self.assertEqual(evaluate.main(words), 2)
+        self.assertIn("--policy lerobot:out needs lerobot, which", told.getvalue())
+
+
 class TestWords(unittest.TestCase):
+    def test_a_camera_that_there_is_not_is_refused_where_nothing_looks_through_it(self):
+        told = io.StringIO()
+        with redirect_stderr(told):
+            self.assertEqual(evaluate.main([str(TASK), "--policy", "expert", "-n", "1", "--length", "1", "--camera", "back"]), 2)
+        self.assertIn("no camera 'back', but front", told.getvalue())
+
     def test_a_flag_that_is_given_a_value(self):
         from phyvisgen.evaluate import main
 

@@ -297,14 +297,17 @@ class Mistakes(Written):
                 ("cube, of kind rigid, has no nodes; ask pose", lambda: simulation.nodes("cube")),
                 ("no joint `elbow`; it has hinge", lambda: simulation.joint("elbow")),
                 ("no body `lid`", lambda: simulation.forces().on("lid")),
-                (r"targets has the shape \(2,\); the scene has 1 joints", lambda: simulation.step(targets=[0.1, 0.2])),
+                (r"targets has the shape \(2,\); the scene has 1 joint with", lambda: simulation.step(targets=[0.1, 0.2])),
                 (r"the shape \(3, 1\)", lambda: simulation.step(2, targets=[[0.1]] * 3)),
                 ("not a finite number", lambda: simulation.step(targets=[np.nan])),
                 ("asked for 0 steps", lambda: simulation.step(0)),
+                ("may take 16777216; ask for fewer steps", lambda: simulation.step(10**6, targets=[np.pi / 9])),
                 ("no camera `front`; it has overview", lambda: simulation.render("front")),
             ):
                 with self.assertRaisesRegex(ValueError, sentence):
                     call()
+            with self.assertRaisesRegex(TypeError, "integer"):
+                simulation.step(2.7)
             with self.assertRaisesRegex(phyvisgen.ServeError, "makes no pictures"):
                 simulation.render()
             self.assertEqual(simulation.n_steps, 2)

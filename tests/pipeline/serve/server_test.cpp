@@ -113,6 +113,9 @@ TEST_F(Server, WhatIsWrongWithARequestIsOneSentence) {
            {{{"do", "step"}, {"targets", {1}}}, "list of numbers"},
            {{{"do", "observe"}, {"pictures", {"back"}}}, "no camera"},
            {{{"do", "observe"}, {"pictures", 3}}, "`pictures` is"},
+           {{{"do", "step"}, {"action", Json(std::vector<double>(8, 0.0))}, {"pictures", true}}, "--no-render"},
+           {{{"do", "step"}, {"action", Json(std::vector<double>(8, 1e300))}}, "it may be 1000 at most"},
+           {{{"do", "reset"}, {"seed", 7}, {"episode", 7}, {"pictures", {"front"}}}, "--no-render"},
            {{{"do", "observe"}, {"pictures", true}, {"memory", 3}}, "`memory` is the path"},
            {{{"do", "observe"}, {"pictures", true}, {"memory", "/nowhere"}}, "cannot be opened"},
            {{{"do", "observe"}, {"pictures", true}, {"memory", small}}, "has 10 bytes"},
@@ -126,6 +129,27 @@ TEST_F(Server, WhatIsWrongWithARequestIsOneSentence) {
   const Json after = ask({{"do", "observe"}});
   EXPECT_EQ(after["n_steps"], 0);
   EXPECT_EQ(after["failure"], started["failure"]);
+  EXPECT_EQ(after["events"], Json::array());
+}
+
+TEST(ServerOfAFarTask, AMotionThatCannotBePlannedIsToldAndTheEpisodeGoesOnWithoutIt) {
+  Task task = Server::task();
+  task.motion.front().target.translation().x() = 5;
+  Device device;
+  ServedWorlds served{task, device, nullptr, 1};
+  const auto ask = [&](const Json& head) {
+    Message request;
+    request.head = head;
+    return answer(served, request).head;
+  };
+  ask({{"do", "reset"}, {"seed", 1}, {"episode", 2}});
+  const Json plan = ask({{"do", "plan"}});
+  EXPECT_EQ(plan["periods"], 0);
+  EXPECT_NE(plan["reason"], "");
+  EXPECT_EQ(ask({{"do", "observe"}})["over"], false);
+  const Json stepped = ask({{"do", "step"}, {"plan", true}});
+  EXPECT_EQ(stepped["over"], true);
+  EXPECT_EQ(stepped["reason"], plan["reason"]);
 }
 
 // Each request of a `together` has its answer in its place; what is wrong with one leaves the others alone.
