@@ -134,13 +134,30 @@ def _difference(result: PolicyResult, other: PolicyResult) -> str:
     )
 
 
+def _shows_pictures(words: argparse.Namespace) -> bool:
+    """To the policy."""
+    return bool(words.camera) or words.policy.startswith("lerobot:")
+
+
+def _check_pictures(words: argparse.Namespace) -> None:
+    """Whoever gave an option of pictures expects pictures."""
+    if _shows_pictures(words) or words.videos:
+        return
+    for option in ("picture_width", "picture_height", "samples"):
+        if getattr(words, option) is not None:
+            raise ValueError(
+                f"--{option.replace('_', '-')} is for pictures, and none are made; leave it out, or ask for pictures with "
+                "--camera or --videos"
+            )
+
+
 def _server(words: argparse.Namespace, perturb: dict[str, float] | None = None, render: bool = False) -> Server:
+    render = render or _shows_pictures(words)
+    of_pictures = {"width": words.picture_width, "height": words.picture_height, "samples": words.samples}
     return Server(
         words.task,
-        render=render or bool(words.camera) or words.policy.startswith("lerobot:"),
-        width=words.picture_width,
-        height=words.picture_height,
-        samples=words.samples,
+        render=render,
+        **(of_pictures if render else {}),
         fps=words.fps,
         gripper=words.gripper,
         perturb=perturb,
@@ -167,6 +184,7 @@ def _videos(words: argparse.Namespace, policy: Policy, result: PolicyResult, len
 def main(arguments: Sequence[str] | None = None) -> int:
     words = _parser().parse_args(arguments)
     try:
+        _check_pictures(words)
         perturbed = [Perturbed.read(text, words.points) for text in words.perturb]
         with _server(words) as server:
             return _run(words, server, perturbed)

@@ -275,6 +275,11 @@ class Figures(unittest.TestCase):
 
     def test_mistakes_are_one_sentence(self):
         self.assertEqual(evaluate.main(["juggle", "--policy", "expert"]), 2)
+        for option in ("--picture-width", "--picture-height", "--samples"):
+            told = io.StringIO()
+            with redirect_stderr(told):
+                self.assertEqual(evaluate.main([str(TASK), "--policy", "expert", option, "16"]), 2)
+            self.assertRegex(told.getvalue(), f"^phyvisgen: {option} is for pictures, and none are made.*--camera")
         with self.assertRaises(SystemExit):
             evaluate.main(["juggle"])
 
