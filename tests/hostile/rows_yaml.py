@@ -89,6 +89,8 @@ for old, new, key in (("density: 1000", "density: -1", "density"), ("density: 10
                       ("duration: 20 ms", "duration: -1", "duration"), ("duration: 20 ms", "duration: 1e9", "duration")):
     row(f"{new} instead of {old}", SCENE, N, rf"scene.yaml:\d+:.*({key})", edit("scene.yaml", old, new), needs="scene")
 row("a box in the ground", SCENE, N, "scene.yaml.*(box.*ground|ground.*box).*`pose`", edit("scene.yaml", "[0, 0, 0.2]", "[0, 0, 0]"), needs="scene")
+row("a box inside of another one", SCENE, N, "scene.yaml.*(box.*block|block.*box).*`pose`",
+    append("scene.yaml", "  - {name: block, kind: static, shape: {box: {size: [1, 1, 0.3]}}, pose: {position: [0, 0, 0.2]}}\n"), needs="scene")
 row("a joint of bodies that are not there", SCENE, N, r"scene.yaml:\d+:.*moon",
     append("scene.yaml", "joints: [{name: j, type: revolute, parent: box, child: moon, axis: [0, 0, 1]}]\n"), needs="scene")
 row("a joint of a body with itself", SCENE, N, r"scene.yaml:\d+:.*(child|itself|parent)",
