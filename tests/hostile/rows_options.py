@@ -68,6 +68,8 @@ for shard in ("0/18446744073709551615", "1/1", "2/1", "-1/2", "0/0", "a/b", "0",
 for frames in ("5:2", "0:99999", "a:b", "-1", "1:", ":0", "0:1:2", "99999999999999999999"):
     row(f"the frames `{frames}`", f"render shown.yaml -o p --frames='{frames}'", N, r"--frames", needs="shown")
 
+row("a rate without a motion", "render shown.yaml -o p.png --fps 10", N, "--fps is for a motion.*--states", needs="shown")
+row("through glass without ground truth", "render shown.yaml -o p.png --through-glass", N, "--through-glass.*--ground-truth", needs="shown")
 row("frames of a scene without states", "render shown.yaml -o p.png --frames 5:6", N, "--frames 5:6: shown.yaml without --states has the frame 0 alone", needs="shown")
 
 # ---- names that are none
