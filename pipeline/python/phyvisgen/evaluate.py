@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NoReturn, Sequence
 
 from .evaluation import PolicyResult, evaluate, planned_length
-from .environment import EVALUATION_SEED
+from .environment import EVALUATION_SEED, chosen_cameras
 from .film import film_failures
 from .perturbation import Curve, Perturbed
 from .policies import BlindMean, Demonstrations, Expert, NearestDemonstration, Policy
@@ -41,6 +41,16 @@ def _count(text: str) -> int:
     return int(text)
 
 
+def _share(text: str) -> float:
+    try:
+        share = float(text)
+    except ValueError:
+        share = 0.0
+    if not 0 < share <= 1:
+        raise argparse.ArgumentTypeError(f"must be above 0 and at most 1, but is `{text}`")
+    return share
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="phyvisgen evaluate policy", description=__doc__, epilog=EXAMPLE)
     parser.add_argument("task", help="task file, or the name of one of the program's own")
@@ -53,7 +63,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--demonstrations", help="episode set that blind and nearest go by")
     parser.add_argument("-n", "--episodes", type=_count, help="so many; else 10 to 200, until the interval is narrow")
-    parser.add_argument("--width", type=float, default=0.14, help="of the 95 %% interval at which to stop (0.14)")
+    parser.add_argument("--width", type=_share, default=0.14, help="of the 95 %% interval at which to stop (0.14)")
     parser.add_argument("--length", type=_count, help="periods of an episode; else a quarter more than the planned motion")
     parser.add_argument("--camera", action="append", default=[], help="whose pictures the policy sees; may be repeated")
     parser.add_argument("--executed", type=_count, help="actions of each chunk that are done before the policy is asked")
@@ -90,7 +100,13 @@ def _policy(name: str, words: argparse.Namespace, server: Server) -> Policy:
         prompt = words.instruction or server.facts.task.replace("_", " ")
         return OpenPiPolicy(name, prompt, cameras, words.executed)
     if name.startswith("lerobot:"):
-        from .lerobot_policy import LeRobotPolicy
+        try:
+            from .lerobot_policy import LeRobotPolicy
+        except ModuleNotFoundError as error:
+            raise ValueError(
+                f"--policy {name} needs a Python with lerobot, and {sys.executable} lacks {error.name}: run "
+                "scripts/install_lerobot.sh and name its interpreter in PVG_PYTHON"
+            ) from error
 
         return LeRobotPolicy(name.removeprefix("lerobot:"), words.instruction or server.facts.task.replace("_", " "))
     if name == "expert":
@@ -200,6 +216,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(words: argparse.Namespace, server: Server, perturbed: list[Perturbed]) -> int:
+    chosen_cameras(server.facts, words.camera)
+    for each in perturbed:  # what the program refuses is said before the policy is judged
+        _server(words, {each.quantity: each.amounts[0]}).close()
     length = words.length or planned_length(server, EVALUATION_SEED)
     policy = _policy(words.policy, words, server)
     baselines = {name: _policy(name, words, server) for name in _baselines(words)}

@@ -36,6 +36,7 @@ class Demonstrations:
         self.actions: list[NDArray[np.float64]] = []  # [n_periods, n_columns] of each demonstration
         starts: list[NDArray[np.float64]] = []
         for episode in EpisodeSet(folder):
+            _check_names(episode, facts)
             targets = episode["/a"]
             steps = _steps_per_period(episode["/time"], facts)
             last = np.arange(steps - 1, len(targets), steps)
@@ -51,6 +52,17 @@ class Demonstrations:
         """[n_periods, n_columns]; those that have ended stand still."""
         n = max(len(actions) for actions in self.actions)
         return np.mean([np.pad(a, ((0, n - len(a)), (0, 0)), mode="edge") for a in self.actions], axis=0)
+
+
+def _check_names(episode: Episode, facts: Facts) -> None:
+    """A task of another name may be judged, but not one of other joints or objects."""
+    for data, what, names in (("/a", "driven joints", facts.driven), ("/T_rigid", "objects", facts.objects)):
+        recorded = [name.decode() for name in episode.file[data].attrs.get("names", [])]
+        if recorded and recorded != list(names):
+            raise ValueError(
+                f"{episode.folder} has the {what} {', '.join(recorded)}, the task {facts.task} {', '.join(names)}; name "
+                "demonstrations of that task with --demonstrations"
+            )
 
 
 def _steps_per_period(time: NDArray[np.float64], facts: Facts) -> int:

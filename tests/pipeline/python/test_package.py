@@ -94,6 +94,16 @@ class Starts(unittest.TestCase):
         self.assertIs(nearest._actions, demonstrations.actions[1])
 
 
+    def test_demonstrations_of_other_objects_are_refused(self):
+        facts = phyvisgen.Facts("fold", "", 0.1, 10, 1, True, (), ("joint",), ("cup",), {}, (), {})
+        with tempfile.TemporaryDirectory() as folder:
+            of = self.episode(folder, "episode_000000", 0.0)
+            with h5py.File(of / "episode_000000/states.h5", "a") as file:
+                file["T_rigid"].attrs["names"] = np.array([b"plate"])
+            with self.assertRaisesRegex(ValueError, "the objects plate, the task fold cup; .*--demonstrations"):
+                Demonstrations(of, facts)
+
+
 class Recorded(unittest.TestCase):
     """A set of two episodes, and a server beside it."""
 
@@ -282,6 +292,25 @@ class Figures(unittest.TestCase):
             self.assertRegex(told.getvalue(), f"^phyvisgen: {option} is for pictures, and none are made.*--camera")
         with self.assertRaises(SystemExit):
             evaluate.main(["juggle"])
+        with self.assertRaises(SystemExit), redirect_stderr(io.StringIO()):
+            evaluate.main([str(TASK), "--policy", "expert", "--width", "0"])
+
+    def test_what_is_wrong_is_said_before_the_policy_is_judged(self):
+        with patch.object(evaluate, "evaluate", side_effect=AssertionError("judged")):
+            for words, pattern in (
+                (["--camera", "back"], "no camera 'back', but front"),
+                (["--perturb", "joy=0.5:1"], "joy.*friction"),
+            ):
+                told = io.StringIO()
+                with redirect_stderr(told):
+                    self.assertIn(evaluate.main([str(TASK), "--policy", "expert", *words]), (1, 2))
+                self.assertRegex(told.getvalue(), pattern)
+
+    def test_a_python_without_lerobot_is_named(self):
+        told = io.StringIO()
+        with patch.dict("sys.modules", {"torch": None}), redirect_stderr(told):
+            self.assertEqual(evaluate.main([str(TASK), "--policy", "lerobot:nowhere"]), 2)
+        self.assertRegex(told.getvalue(), "lerobot:nowhere needs a Python with lerobot.*PVG_PYTHON")
 
 
 class Socket(unittest.TestCase):
