@@ -160,6 +160,8 @@ row("a seed that belongs to evaluation", "generate task.yaml --seed 922337203685
     needs="task")
 row("poses of objects in a format that has none", "pack set --format act --environment-state -o p", N,
     "--format lerobot", needs="set")
+row("an instruction in a format that has none", "pack set --format act --instruction lift -o p", N, "--instruction.*--format lerobot", needs="set")
+row("rates that are a folder", "evaluate correlate set set", N, "set cannot be read; name a CSV file", needs="set")
 for name, text, pattern in (("no header", "a,0.5\n", "header is not"), ("a rate above 1", "name,success\na,2\n", "sim.csv:2:"),
                             ("a name twice", "name,success\na,0.1\na,0.2\n", "sim.csv:3:.*line 2"),
                             ("a row without comma", "name,success\na\n", "sim.csv:2:")):
