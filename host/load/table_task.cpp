@@ -231,6 +231,13 @@ Fields<Condition> condition_fields(const std::vector<std::string>& robots, Condi
         if (!c.at_least && !c.at_most) s.fail("", "lacks a bound: give `at_least`, `at_most` or both");
         if (c.at_least && c.at_most && *c.at_least > *c.at_most)
           s.fail("at_least", "is above `at_most`: nothing is both");
+        // 5 for 5 deg would hold whatever happens
+        const auto check_tilt = [&](const char* key, const std::optional<double>& bound) {
+          if (!s.is_resolved() && c.quantity == C::Quantity::tilt && bound && *bound > std::numbers::pi)
+            s.fail(key, "is above 180 deg, the largest tilt there is; bare numbers are in rad, write such as `5 deg`");
+        };
+        check_tilt("at_least", c.at_least);
+        check_tilt("at_most", c.at_most);
       });
 }
 

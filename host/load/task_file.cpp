@@ -1,5 +1,10 @@
 #include "host/load/task_file.hpp"
 
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "host/load/captured_room.hpp"
 #include "host/load/read_sections.hpp"
 
@@ -65,6 +70,16 @@ void check_frames(const Section& root, const Task& task) {
   }
 }
 
+// Which of two entries of one pair would hold?
+template <class Pair>
+void check_each_pair_once(const Section& root, const std::string& key, const std::vector<Pair>& pairs) {
+  std::set<std::pair<std::string, std::string>> seen;
+  for (const Pair& pair : pairs)
+    if (!seen.insert(std::minmax(pair.first, pair.second)).second)
+      root.fail(key,
+                "holds the pair of `" + pair.first + "` and `" + pair.second + "` twice; leave one of the two out");
+}
+
 void check_pairs(const Section& root, const Task& task, const std::vector<std::string>& bodies) {
   for (const PairFriction& pair : task.pair_friction)
     for (const std::string& name : {pair.first, pair.second})
@@ -73,6 +88,8 @@ void check_pairs(const Section& root, const Task& task, const std::vector<std::s
   for (const PairRestitution& pair : task.pair_restitution)
     for (const std::string& name : {pair.first, pair.second})
       if (!holds(bodies, name)) need_object(root, task, "pair_restitution", name);
+  check_each_pair_once(root, "pair_friction", task.pair_friction);
+  check_each_pair_once(root, "pair_restitution", task.pair_restitution);
 }
 
 void check_mounts(const Section& root, const Task& task) {

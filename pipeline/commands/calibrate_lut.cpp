@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "host/base/counted.hpp"
 #include "host/base/error.hpp"
 #include "host/base/outputs.hpp"
 #include "host/formats/lut_file.hpp"
@@ -152,9 +153,9 @@ void run_calibrate_lut(const CalibrateLutOptions& options) {
     std::printf("%s\n", out.dump(2).c_str());
     return;
   }
-  std::printf("%zu pairs, %.1f %% of the pixels used; held out: PSNR %.2f -> %.2f dB, SSIM %.4f -> %.4f\n",
-              pairs.size(), 100.0 * double(n_used) / double(n_all), quality.psnr_before, quality.psnr_after,
-              quality.ssim_before, quality.ssim_after);
+  std::printf("%s, %.1f %% of the pixels used; held out: PSNR %.2f -> %.2f dB, SSIM %.4f -> %.4f\n",
+              counted(pairs.size(), "pair").c_str(), 100.0 * double(n_used) / double(n_all), quality.psnr_before,
+              quality.psnr_after, quality.ssim_before, quality.ssim_after);
 }
 
 }  // namespace

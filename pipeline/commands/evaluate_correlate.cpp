@@ -1,6 +1,7 @@
 // phyvisgen evaluate correlate: how well success in simulation foretells success in reality.
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -26,7 +27,8 @@ struct CorrelateOptions {
 // Rows `name,success` after a header line of these two words.
 std::vector<std::pair<std::string, double>> read_rates(const std::string& file) {
   std::ifstream in(file);
-  if (!in) throw UsageError(file + " cannot be read; name a CSV file with the columns name,success");
+  if (!in || std::filesystem::is_directory(file))
+    throw UsageError(file + " cannot be read; name a CSV file with the columns name,success");
   std::vector<std::pair<std::string, double>> rates;
   std::map<std::string, int> first_line;
   std::string line;

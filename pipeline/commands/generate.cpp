@@ -74,14 +74,7 @@ void check_no_render(const GenerateOptions& options) {
   if (!options.no_render) return;
   if (!options.cameras.empty())
     throw UsageError("--no-render leaves out the cameras that --camera names; give one of the two");
-  const auto refuse = [](bool is_given, const char* option) {
-    if (is_given)
-      throw UsageError(std::string("--no-render makes no pictures, for which ") + option + " is; give one of the two");
-  };
-  refuse(options.pictures.width > 0, "--width");
-  refuse(options.pictures.height > 0, "--height");
-  refuse(options.pictures.samples > 0, "--samples");
-  refuse(!options.render_device.empty(), "--render-device");
+  check_no_pictures(options.pictures, options.render_device);
 }
 
 // Before anything is simulated: the videos come last.

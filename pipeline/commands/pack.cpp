@@ -89,9 +89,11 @@ void run_pack(const PackOptions& options) {
   if (options.folder.empty())
     throw UsageError("pack needs the folder of a set; `phyvisgen pack --help` shows an example");
   if (options.output.empty()) throw UsageError("pack needs an output folder: -o OUT");
-  if ((options.has_environment || options.no_pictures) && !data_set_format(options.format).holds_states)
+  if ((options.has_environment || options.no_pictures || !options.instruction.empty()) &&
+      !data_set_format(options.format).holds_states)
     throw UsageError(
-        "--environment-state and --no-pictures need a format that holds them: --format lerobot or lerobot2");
+        "--environment-state, --no-pictures and --instruction need a format that holds them: --format lerobot or "
+        "lerobot2");
   if (options.no_pictures && !options.cameras.empty())
     throw UsageError("--no-pictures leaves out the cameras that --camera names; give one of the two");
   check_apart(options.output, options.folder, "pack");

@@ -159,6 +159,8 @@ void check_options(const RenderOptions& options) {
     throw UsageError("render needs a scene, task or glTF file; `phyvisgen render --help` shows an example");
   if (options.output.empty() && options.gltf.empty())
     throw UsageError("render needs an output: -o FILE.png, FILE.mp4 or a folder");
+  if (options.sees_through_glass && !options.writes_ground_truth)
+    throw UsageError("--through-glass is for ground truth, which nobody asked for; add --ground-truth");
 }
 
 RenderSettings settings_of(const RenderOptions& options, const ShownScene& shown) {
@@ -250,14 +252,19 @@ void run_render(const RenderOptions& options) {
   show_receivers(shown.scene, options.receivers);
   for (Camera& camera : shown.scene.cameras)
     if (options.width || options.height) resize(camera, options.width, options.height);
+  if (options.frames_per_second > 0 && options.states.empty())
+    throw UsageError("--fps is for a motion; without --states only the start is shown");
   const double usual = shown.is_task ? shown.render.frames_per_second : FRAMES_PER_SECOND;
   const double rate = options.frames_per_second > 0 ? options.frames_per_second : usual;
   const Frames frames(shown.scene, options.states, rate);
+  if (options.frames_per_second > 0 && frames.are_recorded())
+    throw UsageError(fmt::format("--fps: {} has frames of its own, {:g} per second; leave --fps out", options.states,
+                                 frames.rate()));
   const FrameRange range = parse_frames(options.frames, frames.size(),
                                         options.states.empty() ? options.scene + " without --states" : "the motion");
   if (!options.gltf.empty()) check_output_file(options.gltf, {".glb"}, "--export");
   if (!options.gltf.empty()) write_scene_gltf(options.gltf, shown.scene, frames.state(range.begin));
-  if (!options.output.empty()) render_frames(options, shown, frames, range, rate);
+  if (!options.output.empty()) render_frames(options, shown, frames, range, frames.rate());
 }
 
 }  // namespace

@@ -182,6 +182,7 @@ void run_serve(const ServeOptions& options) {
   signal(SIGPIPE, SIG_IGN);  // a client that is gone is an error of the write
   std::optional<Served> served;
   try {
+    if (options.no_render) check_no_pictures(options.pictures, options.render_device);
     served.emplace(options);
   } catch (const UsageError& error) {
     if (options.socket.empty() && !isatty(STDOUT_FILENO)) refuse_client(error.what());

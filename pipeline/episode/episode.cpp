@@ -234,6 +234,17 @@ void apply(const PictureOverrides& overrides, Task& task) {
   if (overrides.frames_per_second > 0) task.render.frames_per_second = overrides.frames_per_second;
 }
 
+void check_no_pictures(const PictureOverrides& overrides, const std::string& render_device) {
+  const auto refuse = [](bool is_given, const char* option) {
+    if (is_given)
+      throw UsageError(std::string("--no-render makes no pictures, for which ") + option + " is; give one of the two");
+  };
+  refuse(overrides.width > 0, "--width");
+  refuse(overrides.height > 0, "--height");
+  refuse(overrides.samples > 0, "--samples");
+  refuse(!render_device.empty(), "--render-device");
+}
+
 void make_grippers_rigid(Task& task) {
   if (task.gripper) task.gripper->is_rigid = true;
   for (RobotCell& robot : task.more_robots)

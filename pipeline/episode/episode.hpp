@@ -63,6 +63,9 @@ struct PictureOverrides {
 };
 void apply(const PictureOverrides& overrides, Task& task);
 
+// With --no-render: whoever gave an option of pictures expects pictures. A UsageError that names it.
+void check_no_pictures(const PictureOverrides& overrides, const std::string& render_device);
+
 // The same task with fingers that do not bend.
 void make_grippers_rigid(Task& task);
 

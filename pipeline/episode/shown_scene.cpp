@@ -107,14 +107,16 @@ void resize(Camera& camera, int width, int height) {
 
 double shutter_of(const Camera& camera) { return camera.exposure_time + (camera.height - 1) * camera.row_time; }
 
-Frames::Frames(const Scene& scene, const std::string& states, double rate) : start_(initial_state(scene)) {
+Frames::Frames(const Scene& scene, const std::string& states, double rate) : start_(initial_state(scene)), rate_(rate) {
   if (states.empty()) {
     times_ = {0};
     return;
   }
   states_.emplace(states, scene);
   for (const std::size_t step : states_->filmed_steps()) times_.push_back(states_->time(step));
-  if (!times_.empty()) return;
+  are_recorded_ = !times_.empty();
+  if (times_.size() > 1) rate_ = double(times_.size() - 1) / (times_.back() - times_.front());
+  if (are_recorded_) return;
   const double first = states_->time(0), last = states_->time(states_->n_steps() - 1);
   for (std::size_t i = 0; double(i) / rate <= last - first + 1e-9; ++i) times_.push_back(first + double(i) / rate);
 }

@@ -41,6 +41,8 @@ class Frames {
   Frames(const Scene& scene, const std::string& states, double rate);
   std::size_t size() const { return times_.size(); }
   double time(std::size_t frame) const { return times_.at(frame); }  // [s]
+  double rate() const { return rate_; }                              // [1/s]
+  bool are_recorded() const { return are_recorded_; }                // the states file names them
   // from the last step at or before `begin` to the first at or after `end` [s]
   std::vector<SceneState> motion(double begin, double end) const;
   // at any time; straight lines between steps, at rest before and after
@@ -51,6 +53,8 @@ class Frames {
   SceneState start_;
   std::optional<StatesReader> states_;
   std::vector<double> times_;  // of the frames
+  double rate_;
+  bool are_recorded_ = false;
 };
 
 // "A:B" -> A, B: frames A to B - 1; either may be missing, a single number is one frame. Throws a UsageError where the

@@ -12,6 +12,9 @@ row("serve nothing", "serve", N, "task")
 row("serve what is not there", "serve none.yaml", N, "none.yaml")
 row("serve a scene as several worlds", "serve scene.yaml --worlds 2", N, "--worlds is for tasks; .*scene.yaml", needs="scene")
 row("serve a scene with fingers", "serve scene.yaml --gripper rigid", N, "--gripper rigid is for tasks", needs="scene")
+for option, value in (("--width", 64), ("--height", 64), ("--samples", 4), ("--render-device", 0)):
+    for file in ("task", "scene"):
+        row(f"serve {option} without pictures of a {file}", f"serve {file}.yaml --no-render {option} {value}", N, f"--no-render.*{option}", needs=file)
 row("serve on a socket that is a file", SERVE + " --socket mine", N, "mine.*another file", write("mine", "x"), needs="task")
 row("serve on a socket that a server left", SERVE + " --socket left", DONE, "serves", needs="task", shell="""
 python3 -c 'import socket; socket.socket(socket.AF_UNIX).bind("left")'

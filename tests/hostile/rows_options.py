@@ -68,6 +68,8 @@ for shard in ("0/18446744073709551615", "1/1", "2/1", "-1/2", "0/0", "a/b", "0",
 for frames in ("5:2", "0:99999", "a:b", "-1", "1:", ":0", "0:1:2", "99999999999999999999"):
     row(f"the frames `{frames}`", f"render shown.yaml -o p --frames='{frames}'", N, r"--frames", needs="shown")
 
+row("a rate without a motion", "render shown.yaml -o p.png --fps 10", N, "--fps is for a motion.*--states", needs="shown")
+row("through glass without ground truth", "render shown.yaml -o p.png --through-glass", N, "--through-glass.*--ground-truth", needs="shown")
 row("frames of a scene without states", "render shown.yaml -o p.png --frames 5:6", N, "--frames 5:6: shown.yaml without --states has the frame 0 alone", needs="shown")
 
 # ---- names that are none
@@ -158,6 +160,8 @@ row("a seed that belongs to evaluation", "generate task.yaml --seed 922337203685
     needs="task")
 row("poses of objects in a format that has none", "pack set --format act --environment-state -o p", N,
     "--format lerobot", needs="set")
+row("an instruction in a format that has none", "pack set --format act --instruction lift -o p", N, "--instruction.*--format lerobot", needs="set")
+row("rates that are a folder", "evaluate correlate set set", N, "set cannot be read; name a CSV file", needs="set")
 for name, text, pattern in (("no header", "a,0.5\n", "header is not"), ("a rate above 1", "name,success\na,2\n", "sim.csv:2:"),
                             ("a name twice", "name,success\na,0.1\na,0.2\n", "sim.csv:3:.*line 2"),
                             ("a row without comma", "name,success\na\n", "sim.csv:2:")):

@@ -89,6 +89,11 @@ for old, new, key in (("density: 1000", "density: -1", "density"), ("density: 10
                       ("duration: 20 ms", "duration: -1", "duration"), ("duration: 20 ms", "duration: 1e9", "duration")):
     row(f"{new} instead of {old}", SCENE, N, rf"scene.yaml:\d+:.*({key})", edit("scene.yaml", old, new), needs="scene")
 row("a box in the ground", SCENE, N, "scene.yaml.*(box.*ground|ground.*box).*`pose`", edit("scene.yaml", "[0, 0, 0.2]", "[0, 0, 0]"), needs="scene")
+row("friction of a pair twice", SCENE, N, r"scene.yaml.*`pair_friction`.*pair of `ground` and `box` twice",
+    append("scene.yaml", "pair_friction: [{first: box, second: ground, coefficient: 0.1}, {first: ground, second: box, coefficient: 0.9}]\n"),
+    needs="scene")
+row("a box inside of another one", SCENE, N, "scene.yaml.*(box.*block|block.*box).*`pose`",
+    append("scene.yaml", "  - {name: block, kind: static, shape: {box: {size: [1, 1, 0.3]}}, pose: {position: [0, 0, 0.2]}}\n"), needs="scene")
 row("a joint of bodies that are not there", SCENE, N, r"scene.yaml:\d+:.*moon",
     append("scene.yaml", "joints: [{name: j, type: revolute, parent: box, child: moon, axis: [0, 0, 1]}]\n"), needs="scene")
 row("a joint of a body with itself", SCENE, N, r"scene.yaml:\d+:.*(child|itself|parent)",
@@ -148,6 +153,7 @@ for old, new, key in (
         ("do: approach", "do: jump", "do.*jump.*approach"), ("object: beaker", "object: cup", "cup"), ("speed: 0.5", "speed: 0", "speed"),
         ("speed: 0.5", "speed: -1", "speed"), ("quantity: tilt, of: beaker", "quantity: tilt, of: moon", "moon"),
         ("quantity: tilt", "quantity: joy", "quantity.*joy"), ("at_most: 20 deg", "at_most: 20 mm", "at_most"),
+        ("at_most: 20 deg", "at_most: 20", "at_most.*180 deg"),
         ("at_most: 20 deg", "", "at_most|at_least"), ("at_most: 20 deg", "at_most: 20 deg, at_least: 30 deg", "at_least.*at_most"), ("edge_v: [0.6, 0, 0]", "edge_v: [0, 0.6, 0]", "edge"),
         ("radiance: [12, 12, 12]", "radiance: [-1, 0, 0]", "radiance"), ("radiance: [12, 12, 12]", "radiance: [0, 0, 0]", "radiance"), ("color: [0.55, 0.30, 0.20]", "color: [2, 0, 0]", "color"),
         ("kind: diffuse, color: [0.55", "kind: shiny, color: [0.55", "kind.*shiny"), ("width: 64", "width: 63", "width.*even"),

@@ -89,8 +89,10 @@ std::vector<std::string> warnings(const Problem& problem) {
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     std::size_t gaps = 0, all = 0;
     bool changes = false;
+    std::string without;  // runs in which it has no sample
     for (const Run& run : problem.runs) {
       double first = std::nan("");
+      bool has_sample = false;
       const std::size_t width = std::size_t(problem.channels[c].width);
       const std::vector<double> values = own_samples(run.t, run.values[c], width);
       for (std::size_t i = 0; i < values.size(); ++i, ++all) {
@@ -98,12 +100,17 @@ std::vector<std::string> warnings(const Problem& problem) {
           ++gaps;
           continue;
         }
+        has_sample = true;
         if (i % width == 0) {
           if (!std::isfinite(first)) first = values[i];
           changes = changes || values[i] != first;
         }
       }
+      if (!has_sample) without += (without.empty() ? "" : ", ") + run.name;
     }
+    if (!without.empty())
+      sentences.push_back("the " + problem.channels[c].name + " has no sample in " + without +
+                          ": its column is empty there, and nothing is compared with it");
     if (10 * gaps > all)
       sentences.push_back("the " + problem.channels[c].name + " has gaps in " + std::to_string(100 * gaps / all) +
                           " % of its samples");

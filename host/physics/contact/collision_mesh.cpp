@@ -1,5 +1,6 @@
 #include "host/physics/contact/collision_mesh.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +10,7 @@
 #include <string>
 
 #include "host/geometry/exact_intersection.hpp"
+#include "host/geometry/inside.hpp"
 #include "host/geometry/segment_distance.hpp"
 
 namespace pvg {
@@ -242,6 +244,30 @@ std::optional<StartConflict> find_surface_intersection(const CollisionMesh& mesh
       const CollisionEdge& edge = mesh.edges[surface.first_edge + pair->edge];
       const CollisionTriangle& triangle = mesh.triangles[surface.first_triangle + pair->triangle];
       return StartConflict{world, edge.body, triangle.body, edge.site[0], triangle.site[0], true, 0};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<StartConflict> find_enclosed_body(const CollisionMesh& mesh, std::span<const Vec3> x) {
+  const BodyPairTable table = make_body_pair_table(mesh);
+  const std::size_t n = mesh.bodies.size();
+  std::vector<Eigen::AlignedBox3d> box(n);
+  std::vector<std::vector<Triangle>> triangles(n);
+  for (const CollisionTriangle& t : mesh.triangles) {
+    if (mesh.bodies[t.body].is_half_space) continue;  // its triangle bounds nothing
+    triangles[t.body].push_back({t.site[0], t.site[1], t.site[2]});
+    for (const u32 site : t.site) box[t.body].extend(x[site]);
+  }
+  for (u32 outer = 0; outer < n; ++outer) {
+    const u32 first = outer - table.index[outer], last = first + table.n_bodies[mesh.bodies[outer].world];
+    for (u32 inner = first; inner < last; ++inner) {
+      if (inner == outer || triangles[inner].empty() || table(mesh, inner, outer) < 0) continue;
+      if (!box[outer].contains(box[inner])) continue;
+      const u32 site = triangles[inner].front()[0];
+      // only a closed surface goes around a point once as a whole
+      if (winding_number(x, triangles[outer], x[site]) > 0.99)
+        return StartConflict{mesh.bodies[outer].world, inner, outer, site, triangles[outer].front()[0], true, 0};
     }
   }
   return std::nullopt;

@@ -91,7 +91,7 @@ BodyPairTable make_body_pair_table(const CollisionMesh& mesh);
 void check_collision_mesh(const CollisionMesh& mesh, std::size_t n_sites);
 
 // What makes a state unfit to start from: the first pair found of bodies that intersect (exact test on the linear
-// surfaces), or that are closer than their contact offsets allow.
+// surfaces, or one inside of the other), or that are closer than their contact offsets allow.
 struct StartConflict {
   u32 world = 0, first_body = 0, second_body = 0;
   u32 first_site = 0, second_site = 0;  // a site of each element, for messages
@@ -100,5 +100,8 @@ struct StartConflict {
 };
 // Exact test of all edges against all triangles, of all points against all half-spaces that may touch. x: [n_sites, m]
 std::optional<StartConflict> find_surface_intersection(const CollisionMesh& mesh, std::span<const Vec3> x);
+// A body that is inside of a closed one which it may touch, where no surface meets another: nothing would ever push it
+// out. Of surfaces that do not intersect. x: [n_sites, m]
+std::optional<StartConflict> find_enclosed_body(const CollisionMesh& mesh, std::span<const Vec3> x);
 
 }  // namespace pvg

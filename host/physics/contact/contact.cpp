@@ -329,6 +329,7 @@ std::vector<std::vector<ContactForce>> ContactSet::forces(const Buffer<double>& 
 std::optional<StartConflict> ContactSet::find_start_conflict(std::span<const Vec3> x) {
   Impl& impl = *impl_;
   if (auto conflict = find_surface_intersection(impl.mesh, x)) return conflict;
+  if (auto conflict = find_enclosed_body(impl.mesh, x)) return conflict;
   const Buffer<double> on_device(impl.device, flatten(x), "start_sites");
   find_candidates(on_device, on_device);
   impl.measure_gaps(on_device);

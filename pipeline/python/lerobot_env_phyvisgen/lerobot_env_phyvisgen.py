@@ -53,7 +53,7 @@ class PhyVisGenEnv(EnvConfig):
     def __post_init__(self) -> None:
         if self.task is None:
             raise ValueError("--env.task names a task file or one of the program's own tasks")
-        with Server(self.task, render=False, width=self.width, height=self.height, fps=self.fps) as server:
+        with Server(self.task, render=False, fps=self.fps) as server:
             self._describe(server.facts)
 
     def _describe(self, facts: Facts) -> None:
@@ -71,7 +71,8 @@ class PhyVisGenEnv(EnvConfig):
         for name in cameras if "pixels" in shown else ():
             width, height = facts.cameras[name]
             key = f"pixels/{name}"
-            self.features[key] = PolicyFeature(type=FeatureType.VISUAL, shape=(height, width, 3))
+            shape = (self.height or height, self.width or width, 3)
+            self.features[key] = PolicyFeature(type=FeatureType.VISUAL, shape=shape)
             self.features_map[key] = f"{OBS_IMAGES}.{name}"
 
     @property

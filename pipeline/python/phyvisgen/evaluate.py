@@ -42,6 +42,16 @@ def _count(text: str) -> int:
     return int(text)
 
 
+def _share(text: str) -> float:
+    try:
+        share = float(text)
+    except ValueError:
+        share = 0.0
+    if not 0 < share <= 1:
+        raise argparse.ArgumentTypeError(f"must be above 0 and at most 1, but is `{text}`")
+    return share
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="phyvisgen evaluate policy", description=__doc__, epilog=EXAMPLE)
     parser.add_argument("task", help="task file, or the name of one of the program's own")
@@ -54,7 +64,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--demonstrations", help="episode set that blind and nearest go by")
     parser.add_argument("-n", "--episodes", type=_count, help="so many; else 10 to 200, until the interval is narrow")
-    parser.add_argument("--width", type=float, default=0.14, help="of the 95 %% interval at which to stop (0.14)")
+    parser.add_argument("--width", type=_share, default=0.14, help="of the 95 %% interval at which to stop (0.14)")
     parser.add_argument("--length", type=_count, help="periods of an episode; else a quarter more than the planned motion")
     parser.add_argument("--camera", action="append", default=[], help="whose pictures the policy sees; may be repeated")
     parser.add_argument("--executed", type=_count, help="actions of each chunk that are done before the policy is asked")
@@ -95,8 +105,8 @@ def _policy(name: str, words: argparse.Namespace, server: Server) -> Policy:
             from .lerobot_policy import LeRobotPolicy
         except ImportError as error:
             raise ValueError(
-                f"--policy {name} needs lerobot, which {sys.executable} lacks ({error}); name a Python that has it by "
-                "PVG_PYTHON"
+                f"--policy {name} needs a Python with lerobot, and {sys.executable} lacks {error.name or error}: run "
+                "scripts/install_lerobot.sh and name its interpreter in PVG_PYTHON"
             ) from error
 
         return LeRobotPolicy(name.removeprefix("lerobot:"), words.instruction or server.facts.task.replace("_", " "))
@@ -141,13 +151,30 @@ def _difference(result: PolicyResult, other: PolicyResult) -> str:
     )
 
 
+def _shows_pictures(words: argparse.Namespace) -> bool:
+    """To the policy."""
+    return bool(words.camera) or words.policy.startswith("lerobot:")
+
+
+def _check_pictures(words: argparse.Namespace) -> None:
+    """Whoever gave an option of pictures expects pictures."""
+    if _shows_pictures(words) or words.videos:
+        return
+    for option in ("picture_width", "picture_height", "samples"):
+        if getattr(words, option) is not None:
+            raise ValueError(
+                f"--{option.replace('_', '-')} is for pictures, and none are made; leave it out, or ask for pictures with "
+                "--camera or --videos"
+            )
+
+
 def _server(words: argparse.Namespace, perturb: dict[str, float] | None = None, render: bool = False) -> Server:
+    render = render or _shows_pictures(words)
+    of_pictures = {"width": words.picture_width, "height": words.picture_height, "samples": words.samples}
     return Server(
         words.task,
-        render=render or bool(words.camera) or words.policy.startswith("lerobot:"),
-        width=words.picture_width,
-        height=words.picture_height,
-        samples=words.samples,
+        render=render,
+        **(of_pictures if render else {}),
         fps=words.fps,
         gripper=words.gripper,
         perturb=perturb,
@@ -174,6 +201,7 @@ def _videos(words: argparse.Namespace, policy: Policy, result: PolicyResult, len
 def main(arguments: Sequence[str] | None = None) -> int:
     words = _parser().parse_args(arguments)
     try:
+        _check_pictures(words)
         perturbed = [Perturbed.read(text, words.points) for text in words.perturb]
         with _server(words) as server:
             return _run(words, server, perturbed)
@@ -190,6 +218,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(words: argparse.Namespace, server: Server, perturbed: list[Perturbed]) -> int:
     chosen_cameras(server.facts, words.camera)  # refuses one that there is not, also where the policy looks at none
+    for each in perturbed:  # what the program refuses is said before the policy is judged
+        _server(words, {each.quantity: each.amounts[0]}).close()
     length = words.length or planned_length(server, EVALUATION_SEED)
     policy = _policy(words.policy, words, server)
     baselines = {name: _policy(name, words, server) for name in _baselines(words)}

@@ -36,6 +36,7 @@ class Demonstrations:
         self.actions: list[NDArray[np.float64]] = []  # [n_periods, n_columns] of each demonstration
         starts: list[NDArray[np.float64]] = []
         for episode in EpisodeSet(folder):
+            _check_names(episode, facts)
             targets = episode["/a"]
             steps = _steps_per_period(episode["/time"], facts)
             last = np.arange(steps - 1, len(targets), steps)
@@ -64,6 +65,17 @@ def _start(episode: Episode, targets: NDArray[np.float64], facts: Facts) -> NDAr
     if not is_same or len(places) != n_places:
         raise ValueError(f"{episode.folder} has other joints, objects or cloths than {facts.task}; name a set of this task")
     return places
+
+
+def _check_names(episode: Episode, facts: Facts) -> None:
+    """A task of another name may be judged, but not one of other joints or objects."""
+    for data, what, names in (("/a", "driven joints", facts.driven), ("/T_rigid", "objects", facts.objects)):
+        recorded = [name.decode() for name in episode.file[data].attrs.get("names", [])]
+        if recorded and recorded != list(names):
+            raise ValueError(
+                f"{episode.folder} has the {what} {', '.join(recorded)}, the task {facts.task} {', '.join(names)}; name "
+                "demonstrations of that task with --demonstrations"
+            )
 
 
 def _steps_per_period(time: NDArray[np.float64], facts: Facts) -> int:

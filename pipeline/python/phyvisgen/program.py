@@ -9,6 +9,8 @@ from typing import Mapping
 
 __all__ = ["find_program", "find_scene", "find_task", "scenes", "serve_words", "tasks"]
 
+OF_PICTURES = ("width", "height", "samples")  # options of `serve` that --no-render excludes
+
 
 def find_program() -> Path:
     """$PHYVISGEN_PROGRAM, else `phyvisgen` of the PATH, else the build folder of the source tree of this package."""
@@ -66,6 +68,12 @@ def find_scene(scene: str | os.PathLike[str], program: Path | None = None) -> Pa
 
 def serve_words(program: Path, file: Path, render: bool, options: Mapping[str, object]) -> list[str]:
     """The command that serves a file. options: by name, without dashes; None: not given."""
+    for name in OF_PICTURES:
+        if not render and options.get(name) is not None:
+            raise ValueError(
+                f"{name} is for pictures, and none are made: render is False, or an environment shows no pixels and has "
+                f"no render_mode; leave {name} out, or ask for pictures"
+            )
     words = [str(program), "serve", str(file)]
     for name, value in options.items():
         if value is not None:

@@ -15,7 +15,7 @@ namespace {
 
 // A joint swings twice by `amplitude` within a hundred samples; `step`: from a row to the next that is written, modulo
 // 101
-std::vector<std::string> warnings_of_a_swing(double amplitude, int step) {
+std::vector<std::string> warnings_of_a_swing(double amplitude, int step, const std::string& more_runs = "") {
   const TestFolder folder;
   folder.write("scene.yaml", R"(schema: 1
 name: swing
@@ -31,11 +31,12 @@ joints:
     rows += std::to_string(0.01 * i) + "," +
             std::to_string(amplitude * std::sin(0.04 * std::numbers::pi * (i * step % 101))) + "\n";
   folder.write("run.csv", rows);
+  folder.write("silent.csv", "t,q\n0,\n0.1,nan\n0.2,\n0.3,\n0.4,\n0.5,\n0.6,\n0.7,\n0.8,\n");
   folder.write("recording.yaml", R"(schema: 1
 scene: scene.yaml
 runs:
   - {file: run.csv, role: fit}
-channels:
+)" + more_runs + R"(channels:
   - {column: q, kind: position, joint: hinge, unit: rad, noise: 0.01}
 )");
   return warnings(make_problem(folder.path));
@@ -51,6 +52,16 @@ TEST(Warnings, AskForTheOrderOfRowsThatHaveNothingToDoWithTheirNeighbours) {
   EXPECT_FALSE(asks_for_the_order(warnings_of_a_swing(0.5, 1)));
   EXPECT_TRUE(asks_for_the_order(warnings_of_a_swing(0.5, 37)));
   EXPECT_FALSE(asks_for_the_order(warnings_of_a_swing(0.05, 37))) << "within ten times the noise";
+}
+
+TEST(Warnings, NameTheRunsInWhichAChannelHasNoSample) {
+  const auto tells = [](const std::vector<std::string>& sentences) {
+    return std::any_of(sentences.begin(), sentences.end(), [](const std::string& sentence) {
+      return sentence.find("joint hinge has no sample in silent.csv") != std::string::npos;
+    });
+  };
+  EXPECT_FALSE(tells(warnings_of_a_swing(0.5, 1)));
+  EXPECT_TRUE(tells(warnings_of_a_swing(0.5, 1, "  - {file: silent.csv, role: fit}\n")));
 }
 
 }  // namespace

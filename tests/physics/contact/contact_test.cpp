@@ -338,6 +338,27 @@ TEST(ContactSet, StartInsideAnotherBodyIsNamed) {
   EXPECT_EQ(std::minmax({conflict->first_body, conflict->second_body}), std::minmax({2u, 3u}));
 }
 
+// Where a body is inside of another one as a whole no surface meets another, and no contact pushes it out.
+TEST(ContactSet, StartEnclosedByAnotherBodyIsNamed) {
+  const auto with_pebble = [](const Vec3& low) {
+    Bodies bodies = cube_on_table(1e-3);
+    add_box(bodies, {}, low, Vec3(0.02, 0.02, 0.02));
+    return bodies;
+  };
+  Bodies bodies = with_pebble({0.2, 0.2, -0.06});
+  Trial trial(bodies);
+  const auto conflict = trial.contact.find_start_conflict(bodies.x);
+  ASSERT_TRUE(conflict);
+  EXPECT_TRUE(conflict->intersects);
+  EXPECT_EQ(conflict->first_body, 2u);
+  EXPECT_EQ(conflict->second_body, 0u);
+  Trial above(with_pebble({0.2, 0.2, 0.06}));
+  EXPECT_FALSE(above.contact.find_start_conflict(above.bodies.x));
+  bodies.mesh.noncolliding_bodies.push_back({0, 2});
+  Trial passing(bodies);
+  EXPECT_FALSE(passing.contact.find_start_conflict(bodies.x));
+}
+
 TEST(ContactSet, StartWithinTheOffsetsIsNamed) {
   Trial trial(cube_on_table(1.5e-3, 1e-3));
   const auto conflict = trial.contact.find_start_conflict(trial.bodies.x);

@@ -124,13 +124,16 @@ TEST_F(Render, GroundTruthIsWrittenBesideThePictures) {
 
 TEST_F(Render, AnEpisodeWithRigidFingersIsShownWithThem) {
   const std::string task = PVG_DATA_FOLDER "/../tests/pipeline/small_task/push_beaker.yaml";
-  ASSERT_EQ(run("generate " + task + " -n 1 --gripper rigid --no-render -o set"), 0) << message;
+  ASSERT_EQ(run("generate " + task + " -n 1 --gripper rigid --width 32 --height 18 --fps 5 -o set"), 0) << message;
   const std::string render = "render " + task + " --states set/episode_000000/states.h5 --camera front --frames 0 " +
                              "--width 32 --height 18 --samples 1 -o front.png";
   EXPECT_EQ(run(render), 2);
   EXPECT_NE(message.find("or with --gripper rigid"), std::string::npos) << message;
   EXPECT_EQ(run(render + " --gripper rigid"), 0) << message;
   EXPECT_TRUE(fs::exists(folder.path / "front.png"));
+  // its frames are 5 per second, whatever the task says: a video of another rate would show another speed
+  EXPECT_EQ(run(render + " --gripper rigid --fps 10"), 2);
+  EXPECT_NE(message.find("states.h5 has frames of its own, 5 per second"), std::string::npos) << message;
   folder.write("falling.yaml", falling);
   EXPECT_EQ(run("render falling.yaml --gripper rigid --camera a -o a.png"), 2);
   EXPECT_NE(message.find("falling.yaml is no task"), std::string::npos) << message;

@@ -13,11 +13,12 @@ from gymnasium.utils.env_checker import check_env
 import phyvisgen
 from small_task import PERIODS, TASK
 
-SMALL = {"task": TASK, "episode_length": PERIODS, "width": 32, "height": 24}
+SHORT = {"task": TASK, "episode_length": PERIODS}
+SMALL = {**SHORT, "width": 32, "height": 24}  # of those that make pictures
 
 
 def make(obs_type="state"):
-    return phyvisgen.TaskEnvironment(obs_type=obs_type, **SMALL)
+    return phyvisgen.TaskEnvironment(obs_type=obs_type, **(SMALL if "pixels" in obs_type else SHORT))
 
 
 def trajectory(environments, seeds):
@@ -66,7 +67,7 @@ class Environment(unittest.TestCase):
     def test_worlds_that_step_together_have_the_bits_they_have_alone(self):
         seeds = [3, 1, 4]
         alone = gymnasium.vector.SyncVectorEnv([make] * 3)
-        together = gymnasium.make_vec("phyvisgen/Task-v0", num_envs=3, vectorization_mode="vector_entry_point", **SMALL)
+        together = gymnasium.make_vec("phyvisgen/Task-v0", num_envs=3, vectorization_mode="vector_entry_point", **SHORT)
         self.assertIsInstance(together, phyvisgen.TaskVectorEnvironment)
         self.assertEqual(together.observation_space, alone.observation_space)
         for environments in (alone, together):  # to the end of the episode, past it, and some of them anew
@@ -108,7 +109,7 @@ class Environment(unittest.TestCase):
                 server.world(2)
 
     def test_actions_and_seeds_are_one_for_each_environment(self):
-        together = phyvisgen.TaskVectorEnvironment(num_envs=2, **SMALL)
+        together = phyvisgen.TaskVectorEnvironment(num_envs=2, **SHORT)
         action = together.reset(seed=(3, 4))[0]["agent_pos"]
         for wrong in (action[:1], action[0], np.concatenate([action, action])):
             with self.assertRaisesRegex(ValueError, r"give \[2, 8\], a row for each environment"):
@@ -149,7 +150,7 @@ class Environment(unittest.TestCase):
     def test_the_programs_tasks_are_registered(self):
         self.assertIn("phyvisgen/WeighBeaker-v0", gymnasium.registry)
         self.assertEqual(phyvisgen.environment_id("fold_towel"), "phyvisgen/FoldTowel-v0")
-        environment = gymnasium.make("phyvisgen:phyvisgen/Task-v0", obs_type="state", **SMALL)
+        environment = gymnasium.make("phyvisgen:phyvisgen/Task-v0", obs_type="state", **SHORT)
         self.assertEqual(environment.unwrapped.task, "push_beaker")
         environment.close()
 
@@ -157,14 +158,14 @@ class Environment(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "obs_type is one of"):
             make("smell")
         with self.assertRaisesRegex(ValueError, "no camera 'back', but front"):
-            phyvisgen.TaskEnvironment(cameras=["back"], **SMALL)
+            phyvisgen.TaskEnvironment(cameras=["back"], **SHORT)
         with self.assertRaisesRegex(ValueError, "'pixels' shows pictures, but no camera is named"):
             phyvisgen.TaskEnvironment(obs_type="pixels", cameras=[], **SMALL)
-        environment = phyvisgen.TaskEnvironment(cameras="front", fps=0.4, **SMALL)
+        environment = phyvisgen.TaskEnvironment(cameras="front", fps=0.4, **SHORT)
         self.assertEqual(environment.metadata["render_fps"], 0.4)
         environment.close()
         with self.assertRaisesRegex(ValueError, "episode_length is a number of periods from 1, not 0"):
-            phyvisgen.TaskEnvironment(**{**SMALL, "episode_length": 0})
+            phyvisgen.TaskEnvironment(**{**SHORT, "episode_length": 0})
         far = (TASK.parent / TASK.name).read_text().replace("../../../data", str(TASK.parents[3] / "data"))
         far = far.replace("gripper.yaml", str(TASK.parent / "gripper.yaml")).replace("[-60 mm, 0, 60 mm]", "[5, 0, 60 mm]")
         with tempfile.TemporaryDirectory() as folder:
@@ -174,6 +175,10 @@ class Environment(unittest.TestCase):
                 phyvisgen.TaskEnvironment(file)
         with self.assertRaisesRegex(FileNotFoundError, "nor one of"):
             phyvisgen.TaskEnvironment("juggle")
+        with self.assertRaisesRegex(ValueError, "width is for pictures, and none are made"):
+            phyvisgen.TaskEnvironment(obs_type="state", **SMALL)
+        with self.assertRaisesRegex(ValueError, "samples is for pictures"):
+            phyvisgen.Server(TASK, render=False, samples=4)
 
 
 if __name__ == "__main__":

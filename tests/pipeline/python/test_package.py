@@ -94,6 +94,16 @@ class Starts(unittest.TestCase):
         self.assertIs(nearest._actions, demonstrations.actions[1])
 
 
+    def test_demonstrations_of_other_objects_are_refused(self):
+        facts = phyvisgen.Facts("fold", "", 0.1, 10, 1, True, (), ("joint",), ("cup",), {}, (), {})
+        with tempfile.TemporaryDirectory() as folder:
+            of = self.episode(folder, "episode_000000", 0.0)
+            with h5py.File(of / "episode_000000/states.h5", "a") as file:
+                file["T_rigid"].attrs["names"] = np.array([b"plate"])
+            with self.assertRaisesRegex(ValueError, "the objects plate, the task fold cup; .*--demonstrations"):
+                Demonstrations(of, facts)
+
+
 class Recorded(unittest.TestCase):
     """A set of two episodes, and a server beside it."""
 
@@ -142,7 +152,7 @@ class Recorded(unittest.TestCase):
         with self.assertRaisesRegex(KeyError, "was closed"):
             episode["/q"]
         other = replace(self.server.facts, driven=("wheel",))
-        with self.assertRaisesRegex(ValueError, "episode_000000 has other joints, objects or cloths than push_beaker"):
+        with self.assertRaisesRegex(ValueError, "episode_000000 has the driven joints .*, the task push_beaker wheel"):
             Demonstrations(self.set, other)
         with self.assertRaisesRegex(ValueError, "has other joints, objects or cloths"):
             Demonstrations(self.set, replace(self.server.facts, cloths={"towel": (0, 1)}))
@@ -297,8 +307,32 @@ class Figures(unittest.TestCase):
 
     def test_mistakes_are_one_sentence(self):
         self.assertEqual(evaluate.main(["juggle", "--policy", "expert"]), 2)
+        for option in ("--picture-width", "--picture-height", "--samples"):
+            told = io.StringIO()
+            with redirect_stderr(told):
+                self.assertEqual(evaluate.main([str(TASK), "--policy", "expert", option, "16"]), 2)
+            self.assertRegex(told.getvalue(), f"^phyvisgen: {option} is for pictures, and none are made.*--camera")
         with self.assertRaises(SystemExit):
             evaluate.main(["juggle"])
+        with self.assertRaises(SystemExit), redirect_stderr(io.StringIO()):
+            evaluate.main([str(TASK), "--policy", "expert", "--width", "0"])
+
+    def test_what_is_wrong_is_said_before_the_policy_is_judged(self):
+        with patch.object(evaluate, "evaluate", side_effect=AssertionError("judged")):
+            for words, pattern in (
+                (["--camera", "back"], "no camera 'back', but front"),
+                (["--perturb", "joy=0.5:1"], "joy.*friction"),
+            ):
+                told = io.StringIO()
+                with redirect_stderr(told):
+                    self.assertIn(evaluate.main([str(TASK), "--policy", "expert", *words]), (1, 2))
+                self.assertRegex(told.getvalue(), pattern)
+
+    def test_a_python_without_lerobot_is_named(self):
+        told = io.StringIO()
+        with patch.dict("sys.modules", {"torch": None}), redirect_stderr(told):
+            self.assertEqual(evaluate.main([str(TASK), "--policy", "lerobot:nowhere"]), 2)
+        self.assertRegex(told.getvalue(), "lerobot:nowhere needs a Python with lerobot.*PVG_PYTHON")
 
 
 class Socket(unittest.TestCase):
@@ -440,15 +474,6 @@ class OpenPi(unittest.TestCase):
     def test_a_socket_on_which_no_server_listens_is_named(self):
         with self.assertRaisesRegex(phyvisgen.ServeError, "socket /nowhere/task .*; start one there: phyvisgen serve TASK"):
             phyvisgen.Server(socket="/nowhere/task")
-
-
-class MissingPackages(unittest.TestCase):
-    def test_a_package_that_is_not_there_is_one_sentence(self):
-        told = io.StringIO()
-        words = [str(TASK), "--policy", "lerobot:out", "-n", "1", "--length", "1", "--picture-width", "32", "--picture-height", "24"]
-        with patch.dict("sys.modules", {"torch": None, "phyvisgen.lerobot_policy": None}), redirect_stderr(told):
-            self.assertEqual(evaluate.main(words), 2)
-        self.assertIn("--policy lerobot:out needs lerobot, which", told.getvalue())
 
 
 class TestWords(unittest.TestCase):
