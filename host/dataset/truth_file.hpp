@@ -19,7 +19,7 @@
 #include <span>
 #include <vector>
 
-#include "host/hdf5/file.hpp"
+#include "host/hdf5/series.hpp"
 #include "host/model/scene.hpp"
 #include "host/model/state.hpp"
 #include "host/pictures/rendered_frame.hpp"
