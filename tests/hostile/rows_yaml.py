@@ -168,6 +168,8 @@ row("a target out of reach", TASK, FAILED, "episode 0 failed:.*(reach|joints all
 for old in ("[-60 mm, 0, 60 mm]", "[-16.5 mm, 0, 60 mm]"):
     row(f"a target inside of the table instead of {old}", TASK, FAILED, r"episode 0 failed: .*task.yaml:\d+.*target is \d+ mm inside of `table`",
         edit("task.yaml", old, old.replace("60 mm]", "-20 mm]")), needs="task", makes=["o"], seconds=60)
+row("a target under the table", TASK, FAILED, r"episode 0 failed: .*task.yaml:\d+.*pass through `table`.*move the target",
+    edit("task.yaml", "[-60 mm, 0, 60 mm]", "[-60 mm, 0, -100 mm]"), needs="task", makes=["o"])
 row("objects in one another", TASK, FAILED, "episode 0 failed: .*(beaker.*table|table.*beaker)", edit("task.yaml", "z: 0.5 mm", "z: -20 mm"), needs="task",
     makes=["o"])
 for old, new, key in (("mesh: finger.obj", "mesh: none.obj", "none.obj"), ("poisson_ratio: 0.4}", "poisson_ratio: 0.5}", "poisson_ratio"),
