@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
+#include "host/base/names.hpp"
 
 namespace pvg {
 namespace {

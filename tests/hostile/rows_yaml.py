@@ -140,6 +140,20 @@ row("a camera that looks at itself", "render shown.yaml -o p.png", N, r"shown.ya
 row("a camera inside of a body", "render shown.yaml -o p.png", DONE, "camera front is inside of `thing`",
     edit("shown.yaml", "position: [1, 0, 0.3]", "position: [0.01, 0.01, 0.21]"), needs="shown", makes=["p.png"])
 
+# ---- numbers without a unit that look as if another one was meant
+LIGHT = r"density` is 0.3 kg/m\^3.*Write `0.3 g/cm\^3`, or `0.3 kg/m\^3`"
+row("a density that may be in g/cm^3", "simulate scene.yaml -o s.h5", DONE, r"note: .*scene.yaml:7: `bodies\[1\]." + LIGHT,
+    edit("scene.yaml", "density: 1000", "density: 0.3"), needs="scene", makes=["s.h5"])
+row("a density of 0.3 kg/m^3 that is meant", "simulate scene.yaml -o s.h5", DONE, r"^(?![\s\S]*note)",
+    edit("scene.yaml", "density: 1000", "density: 0.3 kg/m^3"), needs="scene", makes=["s.h5"])
+TURNS = r"{} holds -?90 rad.*Write `-?90 deg`, or `-?90 rad`"
+for old, new, key in (("axis", "limits: [-90, 90], axis", "limits`"), ("axis", "drive: {stiffness: 1, target: 90}, axis", "drive.target`")):
+    row(f"{new} of a joint that turns", "simulate scene.yaml -o s.h5", DONE, r"note: .*scene.yaml:8: `joints\[0\]." + TURNS.format(key),
+        append("scene.yaml", "joints: [{name: j, type: revolute, parent: ground, child: box, axis: [0, 0, 1]}]\n"),
+        edit("scene.yaml", old, new), needs="scene", makes=["s.h5"])
+row("an object's density that may be in g/cm^3", "render shown.yaml -o p.png", DONE, r"note: .*shown.yaml:5: `objects\[0\]." + LIGHT,
+    edit("shown.yaml", "density: 1000", "density: 0.3"), needs="shown", makes=["p.png"])
+
 # ---- tasks
 for old, new, key in (
         ("time_step: 20 ms", "time_step: 20 s", "time_step"), ("urdf: ", "urdf: nowhere/", "urdf"), ("home: [0, ", "home: [", "home"),
