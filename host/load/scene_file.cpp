@@ -125,7 +125,16 @@ const Fields<SceneRobot>& scene_robot_fields() {
 
 namespace {
 
+void refuse_task(const YamlSection& root) {
+  for (const char* key : {"motion", "success", "failure", "vary", "record"})
+    if (root.holds(key))
+      root.fail(key,
+                "is a key of tasks, but a scene is needed here; give this file to `phyvisgen generate`, or leave the "
+                "key out");
+}
+
 SceneFile read_scene_file(YamlSection root) {
+  refuse_task(root);
   SceneFile file;
   file.task = read_scene_sections(root, LARGEST_SCENE_TIME_STEP);
   scene_file_fields().read(root, file);

@@ -1,6 +1,7 @@
 // The tables of `bodies`, `joints` and `stitches` of a scene file.
 #include <Eigen/Eigenvalues>
 
+#include "host/load/fields/doubtful_numbers.hpp"
 #include "host/load/read_bodies.hpp"
 #include "host/load/read_shapes.hpp"
 #include "host/load/tables.hpp"
@@ -45,6 +46,7 @@ void check_last_point(Section& section, BodySection& body) {
 }
 
 void check_body(Section& section, BodySection& body) {
+  tell_of_light_density(section, "density");
   if (body.kind == BodyKind::rigid && body.density.has_value() == body.mass.has_value()) {
     section.done();  // a misspelled key is the likelier reason
     section.fail("", "must have either `density` or `mass`, because it can move");
@@ -61,6 +63,7 @@ void check_body(Section& section, BodySection& body) {
 void read_initial(Section& section, SceneJointSection& read) {
   const double largest = largest_coordinate(read.joint.type);
   read.joint.initial = section.number("initial", coordinate_unit(read.joint.type), -largest, largest);
+  if (turns(read.joint.type)) tell_of_many_turns(section, "initial");
 }
 
 void read_target(Section& section, DriveSection& drive) {
@@ -71,6 +74,7 @@ void read_target(Section& section, DriveSection& drive) {
   else if (drive.drive.mode == Drive::Mode::torque)
     unit = is_turn ? Unit::torque : Unit::force;
   const double largest = largest_target(drive.type, drive.drive.mode);
+  if (unit == Unit::angle) tell_of_many_turns(section, "target");
   if (!section.has("target_times")) {
     drive.target = {{0}, {section.number("target", unit, -largest, largest)}};
     return;

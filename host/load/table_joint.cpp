@@ -1,7 +1,8 @@
 // The rows that the joints of scenes and of tasks share, and the table of those of tasks.
-#include "host/load/tables.hpp"
-
 #include <fmt/format.h>
+
+#include "host/load/fields/doubtful_numbers.hpp"
+#include "host/load/tables.hpp"
 
 namespace pvg {
 namespace {
@@ -14,6 +15,7 @@ void read_limits(YamlSection& section, J& read) {
   const double largest = largest_coordinate(joint.type);
   const std::vector<double> limits = section.numbers("limits", coordinate_unit(joint.type), -largest, largest);
   if (limits.size() != 2 || !(limits[0] < limits[1])) section.fail("limits", "must be [lowest, highest]");
+  if (turns(joint.type)) tell_of_many_turns(section, "limits");
   joint.lower = limits[0];
   joint.upper = limits[1];
   if (joint.initial < joint.lower || joint.initial > joint.upper)

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/load/fields/doubtful_numbers.hpp"
 #include "host/load/read_shapes.hpp"
 #include "host/load/tables.hpp"
 
@@ -25,6 +26,7 @@ bool has_both(Section& section, const std::string& key) {
 void complete(Section& section, ClothMaterial& m) {
   if (section.has("area_density") == section.has("density"))
     section.fail("", "must have either `area_density` or, for a sheet of a uniform stuff, `density`");
+  tell_of_light_density(section, "density");
   if (!(m.area_density > 0)) section.fail("density", "needs a `thickness` above 0");
   const bool has_stretch = has_both(section, "stretch");
   if (has_stretch == section.has("youngs_modulus"))
@@ -132,7 +134,8 @@ const Fields<SolidMaterial>& solid_material_fields() {
                   "as a tensile test of the simulated bar shows it")
           .required()
           .number("poisson_ratio", &M::poisson_ratio, Unit::none, 0, 0.4999, "transverse contraction")
-          .required();
+          .required()
+          .check([](YamlSection& s, M&) { tell_of_light_density(s, "density"); });
   return FIELDS;
 }
 

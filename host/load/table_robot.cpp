@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/load/fields/doubtful_numbers.hpp"
 #include "host/load/read_sections.hpp"
 #include "host/load/tables.hpp"
 #include "host/load/task_file.hpp"
@@ -64,6 +65,7 @@ const Fields<FingerSection>& tetgen_fields() {
 }
 
 void check_object(Section& section, ObjectSection& object) {
+  tell_of_light_density(section, "density");
   const bool needs_mass = !object.is_fixed && !object.mesh.empty();
   if (needs_mass && (object.density > 0) == (object.mass > 0)) {
     section.done();  // a misspelled key is the likelier reason

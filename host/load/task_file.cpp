@@ -234,8 +234,17 @@ void add_robot_cell(const Section& section, RobotCell cell, Task& task) {
   task.more_robots.push_back(std::move(cell));
 }
 
+void refuse_scene(const Section& root) {
+  for (const char* key : {"bodies", "stitches", "noncolliding", "gravity", "separate", "duration"})
+    if (root.holds(key))
+      root.fail(key,
+                "is a key of scenes, but a task is needed here; give this file to `phyvisgen simulate`, or leave the "
+                "key out");
+}
+
 Task load_task(const std::filesystem::path& file) {
   Section root = Section::load(file, "task file");
+  refuse_scene(root);
   Task task = read_scene_sections(root, LARGEST_TASK_TIME_STEP);
   if (root.has("robots")) {
     if (root.has("robot")) root.fail("robots", "and `robot` exclude each other");
@@ -247,6 +256,10 @@ Task load_task(const std::filesystem::path& file) {
     robots.push_back(robot.name);
     if (!robot.gripper) root.fail("", "lacks the key `gripper`: each robot of a task needs one");
   }
+  if (robots.empty() && !root.holds("motion") && !root.holds("success"))
+    root.fail("",
+              "has neither `robot` nor `motion` nor `success`, which a task needs; give it to `phyvisgen simulate` if "
+              "it is a scene");
   if (robots.empty()) root.fail("", "lacks the key `robot`: a task needs one, or several in `robots`");
   if (task.cameras.empty()) root.fail("", "lacks `cameras`: a task is filmed by at least one");
   read_list(root, "joints", task_joint_fields(), task.joints);

@@ -1,5 +1,8 @@
 // phyvisgen calibrate lut: a lookup table from rendered to recorded pictures.
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -121,6 +124,10 @@ Quality judge(const std::vector<PicturePair>& pairs, const std::vector<std::vect
   return quality;
 }
 
+std::string shown_psnr(double psnr) {
+  return std::isfinite(psnr) ? fmt::format("{:.2f} dB", psnr) : "without bound (equal colours)";
+}
+
 void run_calibrate_lut(const CalibrateLutOptions& options) {
   if (options.rendered.empty() || options.real.empty() || options.output.empty())
     throw UsageError("calibrate lut needs --render DIR, --real DIR and -o FILE.csv");
@@ -153,9 +160,10 @@ void run_calibrate_lut(const CalibrateLutOptions& options) {
     std::printf("%s\n", out.dump(2).c_str());
     return;
   }
-  std::printf("%s, %.1f %% of the pixels used; held out: PSNR %.2f -> %.2f dB, SSIM %.4f -> %.4f\n",
-              counted(pairs.size(), "pair").c_str(), 100.0 * double(n_used) / double(n_all), quality.psnr_before,
-              quality.psnr_after, quality.ssim_before, quality.ssim_after);
+  std::printf("%s, %.1f %% of the pixels used; held out: PSNR %s -> %s, SSIM %.4f -> %.4f\n",
+              counted(pairs.size(), "pair").c_str(), 100.0 * double(n_used) / double(n_all),
+              shown_psnr(quality.psnr_before).c_str(), shown_psnr(quality.psnr_after).c_str(), quality.ssim_before,
+              quality.ssim_after);
 }
 
 }  // namespace

@@ -64,9 +64,12 @@ Shard parse_shard(const std::string& text) {
 }
 
 void check_cameras(const std::vector<std::string>& cameras, const Task& task) {
-  for (const std::string& name : cameras)
+  for (const std::string& name : cameras) {
+    if (std::count(cameras.begin(), cameras.end(), name) > 1)
+      throw UsageError("--camera " + name + " stands there twice; name it once");
     if (std::none_of(task.cameras.begin(), task.cameras.end(), [&](const CameraSection& c) { return c.name == name; }))
       throw UsageError("--camera " + name + " is no camera of " + task.file.string());
+  }
 }
 
 // Options of pictures that there will be none of: whoever gave them expects pictures.

@@ -1,4 +1,5 @@
 // phyvisgen pack: the finished episodes of a set as a data set that imitation learning loads.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -96,6 +97,9 @@ void run_pack(const PackOptions& options) {
         "lerobot2");
   if (options.no_pictures && !options.cameras.empty())
     throw UsageError("--no-pictures leaves out the cameras that --camera names; give one of the two");
+  for (const std::string& name : options.cameras)
+    if (std::count(options.cameras.begin(), options.cameras.end(), name) > 1)
+      throw UsageError("--camera " + name + " stands there twice; name it once");
   check_apart(options.output, options.folder, "pack");
   if (fs::exists(options.output))
     throw UsageError(options.output + " exists; remove it or choose another folder with -o");

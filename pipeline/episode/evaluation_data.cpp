@@ -18,7 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-constexpr const char* WHICH_FILE = "name a file that `evaluate policy --json` printed";
+constexpr const char* WHICH_FILE =
+    "view takes a file that `evaluate policy --json` printed, or the folder of a set or of an episode";
 
 // Reads what the page needs from one mapping of the file; `at` is where that stands in it.
 class Checked {

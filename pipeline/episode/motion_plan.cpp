@@ -214,33 +214,44 @@ std::optional<std::size_t> moving_element(std::span<const MotionElement> motion,
   return std::nullopt;
 }
 
-void refuse_inside(const TaskScene& built, std::span<const MotionElement> motion, std::size_t element,
-                   const Vec3& target) {
+// way: of the tool, to its target at the end [m]
+void refuse_way(const TaskScene& built, std::span<const MotionElement> motion, std::size_t element,
+                std::span<const Vec3> way) {
   for (int b = 0; b < int(built.scene.rigid_bodies.size()); ++b) {
     const RigidBody& body = built.scene.rigid_bodies[std::size_t(b)];
     if (!body.is_fixed || body.collision.triangles.empty() || is_of_robot(built, b)) continue;
-    const double depth = depth_inside(body.collision, body.pose.inverse() * target);
+    std::vector<Vec3> in_body;
+    for (const Vec3& p : way) in_body.push_back(body.pose.inverse() * p);
+    const double depth = depth_inside(body.collision, in_body.back());
     if (depth > DEEPEST)
       throw UsageError(describe_element(motion, element) +
                        fmt::format(": its target is {:.0f} mm inside of `{}`, which is fixed; move one of the two",
                                    1e3 * depth, body.name));
+    if (passes_through(body.collision, in_body, DEEPEST))
+      throw UsageError(describe_element(motion, element) +
+                       fmt::format(": the tool would pass through `{}`, which is fixed, on its way to the target; move "
+                                   "the target, or lead around the body by elements before this one",
+                                   body.name));
   }
 }
 
 // Contact would hold the hand against a body that stands fast for as long as the motion lasts, at many times the cost
-// of a step: refuses a motion in which a tool ends deep inside of one.
+// of a step: refuses a motion in which a tool ends deep inside of one, or passes through it.
 void refuse_buried_targets(const TaskScene& built, std::span<const MotionElement> motion,
                            std::span<const PlannedRobot> robots, std::span<const JointTrajectory> trajectories) {
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const auto& [model, setup] = robots[r];
     const std::vector<int>& group = trajectories[r].element;
+    const auto tool_at = [&](const VectorXd& q) -> Vec3 {
+      return (setup.base * tool_pose(model, q, setup.tool_link, setup.flange_to_tool)).translation();
+    };
+    std::vector<Vec3> way = {tool_at(setup.q_start)};
     for (std::size_t step = 0; step < group.size(); ++step) {
+      way.push_back(tool_at(trajectories[r].q.row(Eigen::Index(step)).head(setup.q_start.size())));
       if (step + 1 < group.size() && group[step + 1] == group[step]) continue;  // where the group ends
       const auto element = moving_element(motion, std::size_t(group[step]), int(r));
-      if (!element) continue;
-      const VectorXd q = trajectories[r].q.row(Eigen::Index(step)).head(setup.q_start.size());
-      const Pose tool = setup.base * tool_pose(model, q, setup.tool_link, setup.flange_to_tool);
-      refuse_inside(built, motion, *element, tool.translation());
+      if (element) refuse_way(built, motion, *element, way);
+      way = {way.back()};
     }
   }
 }

@@ -28,5 +28,31 @@ TEST(Inside, AnOpenSurfaceHasNoInside) {
   EXPECT_LT(winding_number(bowl.points, bowl.triangles, Vec3::Zero()), 0.9);
 }
 
+// a board 12 mm thick, whose middle is 6 mm deep, and one of 50 mm
+TEST(Inside, AWayThroughABoardIsNoneAlongIt) {
+  const TriangleMesh thin = test::box({-0.5, -0.5, -0.012}, {0.5, 0.5, 0}),
+                     thick = test::box({-0.5, -0.5, -0.05}, {0.5, 0.5, 0});
+  const auto passes = [](const TriangleMesh& board, std::vector<Vec3> way) { return passes_through(board, way, 0.01); };
+  const std::vector<Vec3> down = {{0, 0, 0.2}, {0.05, 0, -0.2}},
+                          along = {{-0.3, 0, 0.2}, {-0.2, 0, 0.001}, {0.2, 0, 0}},
+                          skims = {{-0.3, 0, 0.2}, {-0.2, 0, -0.007}, {0.2, 0, -0.007}, {0.2, 0, 0.2}},
+                          clips = {{-0.6, 0, -0.004}, {0.6, 0, 0.002}}, below = {{0, 0, -0.2}, {0.4, 0, -0.06}},
+                          away = {{0, 0, -0.02}, {0, 0, 0.2}};
+  for (const TriangleMesh* board : {&thin, &thick}) {
+    EXPECT_TRUE(passes(*board, down));
+    EXPECT_TRUE(passes(*board, {down[1], down[0]}));
+    EXPECT_FALSE(passes(*board, along));
+    EXPECT_FALSE(passes(*board, clips));
+    EXPECT_FALSE(passes(*board, below));
+    EXPECT_FALSE(passes(*board, {down[0]}));
+  }
+  // it begins and ends where the check of targets alone counts
+  EXPECT_FALSE(passes(thick, skims));
+  EXPECT_FALSE(passes(thick, away));
+  EXPECT_TRUE(passes(thick, {{0, 0, 0.2}, {0, 0, -0.02}, {0, 0, 0.2}}));
+  // a sheet of less than 10 mm yields
+  EXPECT_FALSE(passes(test::box({-0.5, -0.5, -0.005}, {0.5, 0.5, 0}), down));
+}
+
 }  // namespace
 }  // namespace pvg

@@ -129,6 +129,15 @@ for device in ("9", "-1", "H100 of my dreams", "99999999999999999999"):
 row("an unknown rendering device", "generate task.yaml -o o --render-device 7", N, "--render-device 7.*devices", needs="task")
 row("an unknown camera", "render shown.yaml -o p.png --camera back", N, "back.*front", needs="shown")
 row("an unknown camera of a set", "pack set -o p --camera back", N, "back", needs="set")
+for command, need in (("pack set -o p", "set"), ("generate task.yaml -n 1 -o o", "task")):
+    row(f"the same camera twice: {command}", command + " --camera front --camera front", N, "--camera front .*twice", needs=need)
+row("a page of a states file", "view st.h5 -o v.html", N, "st.h5 is no JSON file.*view takes .*evaluate policy --json.*folder of a set or of an episode",
+    needs="recorded")
+row("a table between equal pictures", "calibrate lut --render rendered --real rendered -o lut.csv", DONE, "^(?!.*PSNR inf).*equal colours",
+    needs="pictures", makes=["lut.csv"])
+row("a task given to simulate", "simulate task.yaml -o s.h5", N, r"task.yaml:\d+: `motion` is a key of tasks.*phyvisgen generate", needs="task")
+row("a scene given to generate", "generate scene.yaml -n 1 -o o", N, r"scene.yaml:\d+: `bodies` is a key of scenes.*phyvisgen simulate", needs="scene")
+row("a scene of objects given to generate", "generate shown.yaml -n 1 -o o", N, r"shown.yaml:\d+: .*neither `robot`.*phyvisgen simulate", needs="shown")
 row("the same camera twice", "render shown.yaml -o p.png --camera front --camera front", N, "front.*(twice|two|2)", needs="shown")
 row("more shards than episodes", "submit task.yaml -n 2 --shards 3 -o o", N, "shards", needs="task")
 row("an option for generate that it does not know", "submit task.yaml -n 2 -o o --generate=--moon", N, "--moon", needs="task")

@@ -140,6 +140,20 @@ row("a camera that looks at itself", "render shown.yaml -o p.png", N, r"shown.ya
 row("a camera inside of a body", "render shown.yaml -o p.png", DONE, "camera front is inside of `thing`",
     edit("shown.yaml", "position: [1, 0, 0.3]", "position: [0.01, 0.01, 0.21]"), needs="shown", makes=["p.png"])
 
+# ---- numbers without a unit that look as if another one was meant
+LIGHT = r"density` is 0.3 kg/m\^3.*Write `0.3 g/cm\^3`, or `0.3 kg/m\^3`"
+row("a density that may be in g/cm^3", "simulate scene.yaml -o s.h5", DONE, r"note: .*scene.yaml:7: `bodies\[1\]." + LIGHT,
+    edit("scene.yaml", "density: 1000", "density: 0.3"), needs="scene", makes=["s.h5"])
+row("a density of 0.3 kg/m^3 that is meant", "simulate scene.yaml -o s.h5", DONE, r"^(?![\s\S]*note)",
+    edit("scene.yaml", "density: 1000", "density: 0.3 kg/m^3"), needs="scene", makes=["s.h5"])
+TURNS = r"{} holds -?90 rad.*Write `-?90 deg`, or `-?90 rad`"
+for old, new, key in (("axis", "limits: [-90, 90], axis", "limits`"), ("axis", "drive: {stiffness: 1, target: 90}, axis", "drive.target`")):
+    row(f"{new} of a joint that turns", "simulate scene.yaml -o s.h5", DONE, r"note: .*scene.yaml:8: `joints\[0\]." + TURNS.format(key),
+        append("scene.yaml", "joints: [{name: j, type: revolute, parent: ground, child: box, axis: [0, 0, 1]}]\n"),
+        edit("scene.yaml", old, new), needs="scene", makes=["s.h5"])
+row("an object's density that may be in g/cm^3", "render shown.yaml -o p.png", DONE, r"note: .*shown.yaml:5: `objects\[0\]." + LIGHT,
+    edit("shown.yaml", "density: 1000", "density: 0.3"), needs="shown", makes=["p.png"])
+
 # ---- tasks
 for old, new, key in (
         ("time_step: 20 ms", "time_step: 20 s", "time_step"), ("urdf: ", "urdf: nowhere/", "urdf"), ("home: [0, ", "home: [", "home"),
@@ -168,6 +182,8 @@ row("a target out of reach", TASK, FAILED, "episode 0 failed:.*(reach|joints all
 for old in ("[-60 mm, 0, 60 mm]", "[-16.5 mm, 0, 60 mm]"):
     row(f"a target inside of the table instead of {old}", TASK, FAILED, r"episode 0 failed: .*task.yaml:\d+.*target is \d+ mm inside of `table`",
         edit("task.yaml", old, old.replace("60 mm]", "-20 mm]")), needs="task", makes=["o"], seconds=60)
+row("a target under the table", TASK, FAILED, r"episode 0 failed: .*task.yaml:\d+.*pass through `table`.*move the target",
+    edit("task.yaml", "[-60 mm, 0, 60 mm]", "[-60 mm, 0, -100 mm]"), needs="task", makes=["o"])
 row("objects in one another", TASK, FAILED, "episode 0 failed: .*(beaker.*table|table.*beaker)", edit("task.yaml", "z: 0.5 mm", "z: -20 mm"), needs="task",
     makes=["o"])
 for old, new, key in (("mesh: finger.obj", "mesh: none.obj", "none.obj"), ("poisson_ratio: 0.4}", "poisson_ratio: 0.5}", "poisson_ratio"),

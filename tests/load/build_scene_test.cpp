@@ -263,7 +263,7 @@ TEST(LoadScene, PlainSceneHasNoRobotAndStartsAtTheMiddle) {
   EXPECT_EQ(scene.rigid_bodies.size(), 3u);
   EXPECT_NEAR(body(scene, "beaker").pose.translation().z(), 0.055, 1e-15);
   const std::string task_path = std::string(PVG_DATA_FOLDER) + "/tasks/weigh_beaker.yaml";
-  expect_error<UsageError>([&] { load_scene(task_path); }, {"`motion`", "unknown"});
+  expect_error<UsageError>([&] { load_scene(task_path); }, {"`motion`", "phyvisgen generate"});
 }
 
 TEST(Variation, DrawsFactorsAndShiftsWithinTheirRangesAndPutsThemOnRecord) {

@@ -107,25 +107,25 @@ YamlSection YamlSection::load(const std::filesystem::path& file, const std::stri
   } catch (const YAML::Exception& e) {
     throw UsageError(file.string() + ": cannot be read; is it a file that you may read?");
   }
-  return YamlSection(node, std::filesystem::absolute(file).lexically_normal(), "", false);
+  return YamlSection(node, std::filesystem::absolute(file).lexically_normal(), "", Origin::file);
 }
 
 YamlSection YamlSection::translated(const std::string& text, const std::filesystem::path& file) {
   remember_read(file);
-  return YamlSection(YAML::Load(text), std::filesystem::absolute(file).lexically_normal(), "", false);
+  return YamlSection(YAML::Load(text), std::filesystem::absolute(file).lexically_normal(), "", Origin::translated);
 }
 
 YamlSection YamlSection::resolved(const std::string& text, const std::filesystem::path& file) {
   try {
-    return YamlSection(YAML::Load(text), file, "configuration", true);
+    return YamlSection(YAML::Load(text), file, "configuration", Origin::resolved);
   } catch (const YAML::Exception& e) {
     throw UsageError(file.string() + ": its configuration is not YAML: " + yaml_fault(e.msg) +
                      "; make the record again.");
   }
 }
 
-YamlSection::YamlSection(YAML::Node node, std::filesystem::path file, std::string name, bool is_resolved)
-    : node_(node), file_(std::move(file)), name_(std::move(name)), is_resolved_(is_resolved) {
+YamlSection::YamlSection(YAML::Node node, std::filesystem::path file, std::string name, Origin origin)
+    : node_(node), file_(std::move(file)), name_(std::move(name)), origin_(origin) {
   if (!node_.IsMap())
     fail_at(node_, (name_.empty() ? "the file" : "`" + name_ + "`") + " must be a mapping of keys to values");
   std::set<std::string> seen;
@@ -152,8 +152,30 @@ void YamlSection::fail(const std::string& key, const std::string& sentence) cons
 }
 
 std::string YamlSection::place() const {
-  if (is_resolved_ || node_.Mark().is_null()) return "";
+  if (is_resolved() || node_.Mark().is_null()) return "";
   return file_.string() + ":" + std::to_string(node_.Mark().line + 1);
+}
+
+std::string YamlSection::place_of(const std::string& key) const {
+  const YAML::Node node = node_[key];
+  const int line = (node.IsDefined() ? node : node_).Mark().line + 1;
+  return file_.string() + ":" + std::to_string(line) + ": `" + full_name(key) + "`";
+}
+
+std::vector<double> YamlSection::bare_numbers(const std::string& key) const {
+  std::vector<double> values;
+  const auto add = [&](const YAML::Node& node) {
+    try {
+      values.push_back(parse_quantity(node.Scalar(), Unit::none));
+    } catch (const std::invalid_argument&) {  // it has a unit
+    }
+  };
+  const YAML::Node node = node_[key];
+  if (origin_ != Origin::file || !node.IsDefined()) return values;
+  if (node.IsScalar()) add(node);
+  if (node.IsSequence())
+    for (const YAML::Node& entry : node) add(entry);
+  return values;
 }
 
 std::optional<YAML::Node> YamlSection::find(const std::string& key) {
@@ -172,6 +194,8 @@ YAML::Node YamlSection::need(const std::string& key, const std::string& kind) {
 
 bool YamlSection::has(const std::string& key) { return find(key).has_value(); }
 
+bool YamlSection::holds(const std::string& key) const { return node_[key].IsDefined(); }
+
 double YamlSection::number_of(const YAML::Node& node, const std::string& key, Unit unit, double low,
                               double high) const {
   if (!node.IsScalar()) fail_at(node, "`" + full_name(key) + "` must be a number [" + si_unit(unit) + "]");
@@ -181,7 +205,7 @@ double YamlSection::number_of(const YAML::Node& node, const std::string& key, Un
   } catch (const std::invalid_argument& e) {
     fail_at(node, "`" + full_name(key) + "` " + e.what());
   }
-  if (!is_resolved_ && !(value >= low && value <= high)) {
+  if (!is_resolved() && !(value >= low && value <= high)) {
     const std::string range =
         std::isinf(high) ? "at least " + number_text(low) : "between " + number_text(low) + " and " + number_text(high);
     fail_at(node,
@@ -304,17 +328,17 @@ std::vector<std::filesystem::path> YamlSection::files(const std::string& key) {
 
 std::filesystem::path YamlSection::found_file(const std::string& key, const std::string& given) {
   const std::filesystem::path full = (file_.parent_path() / given).lexically_normal();
-  if (!is_resolved_ && !is_file(full)) {
+  if (!is_resolved() && !is_file(full)) {
     std::error_code ignored;
     fail(key, "names the file " + full.string() +
                   (std::filesystem::exists(full, ignored) ? ", which is no file" : ", which does not exist"));
   }
-  if (!is_resolved_) remember_read(full);
+  if (!is_resolved()) remember_read(full);
   return full;
 }
 
 YamlSection YamlSection::section(const std::string& key) {
-  return YamlSection(need(key, "a mapping"), file_, full_name(key), is_resolved_);
+  return YamlSection(need(key, "a mapping"), file_, full_name(key), origin_);
 }
 
 std::vector<YamlSection> YamlSection::sections(const std::string& key) {
@@ -323,7 +347,7 @@ std::vector<YamlSection> YamlSection::sections(const std::string& key) {
   if (!node->IsSequence()) fail_at(*node, "`" + full_name(key) + "` must be a list of mappings");
   std::vector<YamlSection> all;
   for (std::size_t i = 0; i < node->size(); ++i) {
-    all.push_back(YamlSection((*node)[i], file_, full_name(key) + "[" + std::to_string(i) + "]", is_resolved_));
+    all.push_back(YamlSection((*node)[i], file_, full_name(key) + "[" + std::to_string(i) + "]", origin_));
   }
   return all;
 }

@@ -57,9 +57,10 @@ class YamlSection {
   // The root of a configuration that resolved_yaml wrote. file: what messages name; paths are relative to its folder.
   // Such a text holds drawn numbers and files that may have moved since: bounds and files are not checked.
   static YamlSection resolved(const std::string& text, const std::filesystem::path& file);
-  bool is_resolved() const { return is_resolved_; }
+  bool is_resolved() const { return origin_ == Origin::resolved; }
 
   bool has(const std::string& key);
+  bool holds(const std::string& key) const;                  // without asking for it: done() will not accept it
   void skip(const std::string& key) { asked_.insert(key); }  // done() accepts it
 
   // low <= value <= high
@@ -91,11 +92,14 @@ class YamlSection {
   // For what only the caller can judge: throws "FILE:LINE: KEY SENTENCE." or, without key, about the section itself.
   [[noreturn]] void fail(const std::string& key, const std::string& sentence) const;
   const std::filesystem::path& path() const { return file_; }
+  std::string place_of(const std::string& key) const;              // "FILE:LINE: `KEY`", for notes
+  std::vector<double> bare_numbers(const std::string& key) const;  // that stand there without a unit, as a user wrote
   std::string place() const;  // "FILE:LINE", of a resolved configuration empty: for what is found wrong only later
 
  private:
+  enum class Origin { file, translated, resolved };
   std::filesystem::path found_file(const std::string& key, const std::string& given);
-  YamlSection(YAML::Node node, std::filesystem::path file, std::string name, bool is_resolved);
+  YamlSection(YAML::Node node, std::filesystem::path file, std::string name, Origin origin);
   std::optional<YAML::Node> find(const std::string& key);
   YAML::Node need(const std::string& key, const std::string& kind);
   double number_of(const YAML::Node& node, const std::string& key, Unit unit, double low, double high) const;
@@ -106,7 +110,7 @@ class YamlSection {
   std::filesystem::path file_;
   std::string name_;  // such as objects[1].pose; empty: the root
   std::set<std::string> asked_;
-  bool is_resolved_ = false;
+  Origin origin_ = Origin::file;
 };
 
 }  // namespace pvg

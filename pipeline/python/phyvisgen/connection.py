@@ -21,7 +21,7 @@ from typing import IO, Any, Callable, Mapping, NoReturn, Sequence, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Connection", "ServeError", "SharedMemory", "check_protocol"]
+__all__ = ["Connection", "RefusedError", "ServeError", "SharedMemory", "check_protocol"]
 
 PROTOCOL = 1
 LARGEST_REQUEST = 1 << 24  # that the server reads [bytes]
@@ -32,6 +32,10 @@ _Facts = TypeVar("_Facts")
 
 class ServeError(RuntimeError):
     """What the server says about a request, one sentence, or why there is no server any more."""
+
+
+class RefusedError(ServeError):
+    """What the program does not serve; a process of it says so on its stderr, too."""
 
 
 class _OfThisProcess:
@@ -207,7 +211,7 @@ def _encoded(head: Mapping[str, Any]) -> bytes:
 def check_protocol(head: Mapping[str, Any]) -> None:
     """Of a greeting: it is one, of this protocol."""
     if "error" in head:  # the file cannot be served
-        raise ServeError(head["error"])
+        raise RefusedError(head["error"])
     if head.get("protocol") != PROTOCOL:
         raise ServeError(f"the program speaks protocol {head.get('protocol')}, this package {PROTOCOL}; update the older")
 

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any, NoReturn, Sequence
 
+from .connection import RefusedError
 from .counted import counted
 from .evaluation import PolicyResult, evaluate, planned_length
 from .environment import EVALUATION_SEED, chosen_cameras
@@ -208,6 +209,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (ValueError, FileNotFoundError) as error:
         print(f"phyvisgen: {error}", file=sys.stderr)
         return 2
+    except RefusedError:  # the program has said it
+        return 1
     except ServeError as error:
         print(f"phyvisgen: {error}", file=sys.stderr)
         return 1

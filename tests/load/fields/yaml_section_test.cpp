@@ -49,6 +49,17 @@ TEST(Quantity, WrongUnitsAndWordsAreRefused) {
   EXPECT_THROW(parse_quantity("3 mm", Unit::none), std::invalid_argument);
 }
 
+TEST_F(YamlSectionTest, BareNumbersAreThoseOfTheFileWithoutAUnit) {
+  const std::string text = "a: 90\nb: [-90, 90 deg, 1e2]\nc: 90 deg\nd: word\n";
+  const YamlSection s = load(text);
+  EXPECT_EQ(s.bare_numbers("a"), std::vector<double>({90}));
+  EXPECT_EQ(s.bare_numbers("b"), std::vector<double>({-90, 100}));
+  for (const char* key : {"c", "d", "z"}) EXPECT_TRUE(s.bare_numbers(key).empty()) << key;
+  EXPECT_TRUE(s.place_of("b").ends_with("a.yaml:2: `b`")) << s.place_of("b");
+  EXPECT_TRUE(YamlSection::translated(text, s.path()).bare_numbers("a").empty());
+  EXPECT_TRUE(YamlSection::resolved(text, s.path()).bare_numbers("a").empty());
+}
+
 TEST_F(YamlSectionTest, ReadsWhatIsThereAndDefaultsWhatIsNot) {
   YamlSection s = load("a: 3 mm\nb: [1, 2 mm, 3]\nc: {d: true}\ne: [{f: 1}, {f: 2}]\ng: word\nh: [1, 4]\n");
   EXPECT_DOUBLE_EQ(s.number("a", Unit::length, 0, 1), 0.003);

@@ -85,7 +85,8 @@ TEST_F(EvaluationData, AFileThatIsNoneIsNamedWithItsKey) {
   refused([](Json& j) { j["events"]["dropped"] = "once"; }, "`dropped` is no number");
   refused([](Json& j) { j["videos"] = {3}; }, "a video's name is no text");
   refused([](Json& j) { j = Json::object(); }, "is missing");
-  refused([](Json& j) { j = 3; }, "no JSON file with one mapping; name a file that `evaluate policy --json` printed");
+  refused([](Json& j) { j = 3; },
+          "no JSON file with one mapping; view takes a file that `evaluate policy --json` printed");
   expect_error<UsageError>([&] { evaluation_report(folder.path / "none.json"); }, {"none.json", "could not be read"});
 }
 

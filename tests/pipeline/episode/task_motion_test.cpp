@@ -104,6 +104,15 @@ TEST(TaskMotion, ATargetDeepInAFixedBodyIsRefusedByName) {
                            {"push_beaker.yaml:", "element 2 (approach", "inside of `table`, which is fixed"});
 }
 
+// The table is 40 mm thick.
+TEST(TaskMotion, ATargetBehindAFixedBodyIsRefusedByName) {
+  Task task = load_task(fs::path(PVG_DATA_FOLDER) / "../tests/pipeline/small_task/push_beaker.yaml");
+  task.motion[1].target.translation().z() = -0.1;
+  const TaskScene built = build_scene(task, 7, 0);
+  expect_error<UsageError>([&] { plan_episode(task, built); },
+                           {"push_beaker.yaml:", "element 2 (approach", "pass through `table`, which is fixed"});
+}
+
 // Two arms whose targets are exchanged would cross.
 TEST(TaskMotion, ArmsThatWouldMeetAreRefusedByName) {
   Task task = load_task(fs::path(PVG_DATA_FOLDER) / "tasks/dual_fold_towel.yaml");
