@@ -6,6 +6,7 @@
 #include <fstream>
 #include <functional>
 
+#include "host/base/error.hpp"
 #include "tests/expect_error.hpp"
 #include "tests/temporary_folder.hpp"
 
